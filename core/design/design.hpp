@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/design/report.hpp"
+#include "core/design/spec.hpp"
+#include "core/design/strips.hpp"
+#include "core/pattern/pattern.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// All that a design computes: the strips, the pattern they make, and its figures.
+struct Design {
+  Strips strips;
+  Pattern pattern;
+  DesignReport report;
+};
+
+/// Target surface to pattern: slices, chains, lattice, strips, cuts and folds (sections 3 and 4).
+/// `report.seconds` is left at zero; the caller has the clock.
+///
+/// @retval OutOfRange  the surface's expression does not parse, or is not finite, positive and
+///                     falling where a slice or connector needs it; `place` names the field and s
+/// @retval Infeasible  no valid pattern exists for it; `place` names the slice
+[[nodiscard]] Result<Design> design(const DesignSpec& spec);
+
+}  // namespace popcut

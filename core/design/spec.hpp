@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// Quarter circles about the spine: x^2 + z^2 = radius(y)^2, in units of the surface.
+struct RevolutionSpec {
+  std::string radius;  ///< expression of y
+};
+
+/// A profile z(x, y) that falls from (0, h) to (d, 0) for each y, in units of the surface.
+struct ProfileSpec {
+  std::string z;  ///< expression of x and y
+};
+
+using SurfaceSpec = std::variant<RevolutionSpec, ProfileSpec>;
+
+enum class LatticeMethod { Branching, Slices, Conformal, Levels };
+enum class ChainSolver { Newton, Slsqp };
+
+/// Wall, ground and margins around the lattice; absent measures are chosen by the design.
+struct CardSpec {
+  std::optional<double> wall_mm;    ///< H, default the largest wall end + 15
+  std::optional<double> ground_mm;  ///< D, default the largest ground end + 15
+  double margin_mm{15.0};
+};
+
+/// What a user asks for, checked for type and range but not yet for feasibility.
+struct DesignSpec {
+  std::string name{"pattern"};
+  SurfaceSpec surface;
+  double scale_mm{1.0};  ///< one unit of the surface
+  int units_per_slice{5};
+  int slices{10};
+  std::vector<double> widths_mm;  ///< one a slice
+  LatticeMethod lattice{LatticeMethod::Conformal};
+  ChainSolver solver{ChainSolver::Newton};
+  std::optional<CardSpec> card{CardSpec{}};  ///< none: `"card": false`
+  double min_panel_mm{0.5};
+  std::optional<double> max_step_over_mean{3.0};  ///< conformal only; none: no upper limit
+  std::string material{"paper-220"};
+};
+
+inline constexpr int kMaxUnitsPerSlice = 2000;
+inline constexpr int kMaxSlices = 20000;
+inline constexpr long kMaxUnits = 2'000'000;  ///< units per slice times slices
+
+/// Reads a design spec from JSON text. Unknown fields, wrong types and values out of range are
+/// errors with a JSON pointer as place; text that is not JSON one with line and column.
+///
+/// @retval Malformed   not JSON, an unknown field, a wrong type
+/// @retval OutOfRange  a value that is not lawful (negative width, N = 0, 10^9 slices)
+[[nodiscard]] Result<DesignSpec> parse_design_spec(std::string_view json_text);
+
+/// The JSON Schema (draft 2020-12) of a design spec, as `popcut design --schema` prints it.
+[[nodiscard]] std::string design_spec_schema();
+
+}  // namespace popcut

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include <tl/expected.hpp>
+
+namespace popcut {
+
+/// What went wrong, seen by the person who can mend it. Each kind has one exit code (`exit_code`).
+enum class ErrorKind {
+  Internal,     ///< a fault in popcut itself
+  Usage,        ///< the command line is wrong
+  Malformed,    ///< an input cannot be read as what it claims to be
+  OutOfRange,   ///< an input is readable, but a value in it is not lawful
+  Infeasible,   ///< the input is fine, but no valid pattern or layout exists for it
+  DeviceGone,   ///< the device is absent or went away
+  Timeout,      ///< the device did not answer in time
+  Refused,      ///< the device, the daemon or a person said no
+  CheckFailed,  ///< a check did not hold (verify, simulate --expect)
+  Unwritable,   ///< the output could not be written
+};
+
+/// One clear error: `place: what is wrong; what would be right`.
+struct Error {
+  ErrorKind kind{};
+  std::string place;   ///< JSON pointer, line and column, or path index; may be empty
+  std::string detail;  ///< one sentence, values with units; then "; " and what would be right
+};
+
+template <typename T>
+using Result = tl::expected<T, Error>;
+
+/// Shorthand for returning an error from a function that yields a `Result`.
+[[nodiscard]] inline tl::unexpected<Error> fail(ErrorKind kind, std::string place,
+                                                std::string detail) {
+  return tl::unexpected<Error>(Error{kind, std::move(place), std::move(detail)});
+}
+
+/// The process exit code of `kind` as the manual lists them: 1..7.
+[[nodiscard]] int exit_code(ErrorKind kind);
+
+/// `place: detail`, or only `detail` where no place is known.
+[[nodiscard]] std::string message(const Error& error);
+
+/// The same error, found inside `outer` (a file, usually): places are joined as `outer: place`.
+[[nodiscard]] Error within(const std::string& outer, Error error);
+
+}  // namespace popcut

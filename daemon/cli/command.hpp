@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+
+#include "core/result.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace popcut::cli {
+
+/// What every subcommand is told: the options that stand before or after its own.
+struct Globals {
+  bool json{false};     ///< standard output is one JSON document
+  bool quiet{false};
+  int verbose{0};
+};
+
+/// Adds one subcommand to `app`. When the user picked it, `*run` is set to the work to do, which
+/// returns nothing or the one error that main prints and turns into an exit code.
+using Run = std::function<Result<void>()>;
+using Register = void (*)(CLI::App& app, const Globals& globals, Run& run);
+
+void register_design(CLI::App& app, const Globals& globals, Run& run);
+void register_verify(CLI::App& app, const Globals& globals, Run& run);
+void register_plan(CLI::App& app, const Globals& globals, Run& run);
+void register_simulate(CLI::App& app, const Globals& globals, Run& run);
+void register_cut(CLI::App& app, const Globals& globals, Run& run);
+void register_machines(CLI::App& app, const Globals& globals, Run& run);
+
+}  // namespace popcut::cli
