@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// How a machine moves: what its firmware does with speeds and the tool, for times and simulation.
+struct Motion {
+  double accel_mm_s2{};      ///< acceleration along the path, tool down and up
+  double travel_mm_s{};      ///< speed with the tool up
+  double corner_mm{};        ///< junction deviation that sets the speed through corners
+  double drop_s{}, lift_s{}; ///< tool down, tool up
+  double setup_s{};          ///< settings accepted until ready
+  double trailer_s{};        ///< trailer accepted until ready
+  double autoblade_reset_s{}, autoblade_tap_s{};  ///< reset, and each of (10 - depth) taps
+};
+
+/// A scale that a machine takes as whole steps: `value = steps * per_step`.
+struct SteppedScale {
+  int min_step{}, max_step{};
+  double per_step{};  ///< gf or mm/s a step; 0: the machine has no such setting
+};
+
+/// A carrier sheet a machine knows; `code` is what its mat command wants.
+struct Mat {
+  std::string name;
+  int code{};
+  double width_mm{}, length_mm{};  ///< usable, along carriage and feed
+};
+
+/// A row of the machine table (core/data/machines.json, and users' own tables).
+struct Machine {
+  std::string name;      ///< "cameo3": what --machine and sim:NAME take
+  std::string title;     ///< "Silhouette Cameo 3"
+  std::string language;  ///< "gpgl" or "hpgl"
+  std::string variant;   ///< dialect of the language: "cameo3", "cameo4", "classic", "generic"
+  double unit_mm{0.05};
+  double width_mm{}, length_mm{};  ///< largest area along carriage and feed, without a mat
+  double margin_left_mm{}, margin_top_mm{};
+  int tool_holders{1};
+  bool autoblade{false};
+  bool firmware_blade_offset{true};  ///< the firmware swivels the blade itself
+  SteppedScale force_gf;
+  SteppedScale speed_mm_s;
+  Motion motion;
+  std::vector<Mat> mats;       ///< the first is the default
+  std::uint32_t buffer_bytes{65536};
+  std::uint16_t usb_vendor{}, usb_product{};
+  std::string identity;        ///< reply to FG, blank padded as sent, without ETX
+  bool y_up{false};            ///< origin lower left with y up (HPGL), else top left with y down
+};
+
+/// Dashes that make a fold: `dash_mm` cut, `gap_mm` paper between dashes, at least `clearance_mm`
+/// paper at both ends; no dash shorter than `min_dash_mm`.
+struct DashShape {
+  double dash_mm{1.5};
+  double gap_mm{1.0};
+  double clearance_mm{0.5};
+  double min_dash_mm{0.5};
+};
+
+/// Settings of the tool for one kind of stroke.
+struct ToolSettings {
+  int tool{1};
+  double force_gf{};
+  double speed_mm_s{};
+  int passes{1};
+};
+
+/// A row of the material table (core/data/materials.json, and users' own tables).
+struct Material {
+  std::string name;   ///< "paper-220"
+  std::string title;  ///< "Paper, 220 gsm"
+  double thickness_mm{};
+  DashShape dashes;
+  ToolSettings cut, fold, draw;
+  double blade_offset_mm{0.9};
+  int autoblade_depth{};  ///< 0..10, for machines that have one
+};
+
+/// Finds a machine by name in the built-in table, or in `user_tables` (JSON texts), which win.
+///
+/// @retval OutOfRange  no such name; the detail lists the names that are near
+/// @retval Malformed   a user's table is not of the table's form; place is a JSON pointer
+[[nodiscard]] Result<Machine> find_machine(std::string_view name,
+                                           const std::vector<std::string>& user_tables = {});
+[[nodiscard]] Result<Material> find_material(std::string_view name,
+                                             const std::vector<std::string>& user_tables = {});
+[[nodiscard]] Result<std::vector<Machine>> all_machines(
+    const std::vector<std::string>& user_tables = {});
+[[nodiscard]] Result<std::vector<Material>> all_materials(
+    const std::vector<std::string>& user_tables = {});
+
+}  // namespace popcut
