@@ -14,6 +14,9 @@ namespace {
 // After a cancel on the panel the machine resets itself; how long that takes was never recorded.
 constexpr SimCutter::Time kResetAfterCancel = std::chrono::seconds(3);
 
+/// A status on the wire.
+char digit(DeviceStatus status) { return static_cast<char>('0' + static_cast<int>(status)); }
+
 SimCutter::Time to_time(double seconds) {
   constexpr double kLongest = 1e8;  // three years: no machine waits longer, and it stays in range
   return SimCutter::Time(std::llround(std::clamp(seconds, 0.0, kLongest) * 1e9));
@@ -124,11 +127,11 @@ void SimCutter::run_dry() {
   while (const std::optional<Time> next = next_event()) run_until(*next);
 }
 
-Status SimCutter::status() const {
-  if (cancelled_until_) return Status::Cancelled;
-  if (!media_) return Status::NoMedia;
-  if (paused_) return Status::Paused;
-  return current_ || !actions_.empty() || has_commands() ? Status::Moving : Status::Ready;
+DeviceStatus SimCutter::status() const {
+  if (cancelled_until_) return DeviceStatus::Cancelled;
+  if (!media_) return DeviceStatus::NoMedia;
+  if (paused_) return DeviceStatus::Paused;
+  return current_ || !actions_.empty() || has_commands() ? DeviceStatus::Moving : DeviceStatus::Ready;
 }
 
 void SimCutter::load_media() {
@@ -241,7 +244,8 @@ void SimCutter::complete() {
     case Commit::Drawn: record_draw(done); break;
   }
   if (done.end_byte > executed_) executed_ = done.end_byte;
-  if (steps_ != nullptr && done.end_byte > 0) steps_->push_back({done.end_byte, now_});
+  if (steps_ != nullptr && done.end_byte > 0)
+    steps_->push_back({done.end_byte, now_, done.whole_command});
   trace_.seconds = std::chrono::duration<double>(now_ - first_byte_.value_or(now_)).count();
 }
 

@@ -16,10 +16,10 @@
 #include "core/plan/machine.hpp"
 #include "core/result.hpp"
 #include "device/motion.hpp"
-#include "device/status.hpp"
 #include "device/trace.hpp"
 #include "device/window.hpp"
 #include "protocol/page_map.hpp"
+#include "protocol/replies.hpp"
 #include "protocol/gpgl_reader.hpp"
 #include "protocol/hpgl_reader.hpp"
 
@@ -74,18 +74,20 @@ class SimCutter {
   void cancel();  ///< only while paused: the rest is thrown away and the machine resets itself
 
   // What is to be seen.
-  [[nodiscard]] Status status() const;
+  [[nodiscard]] DeviceStatus status() const;
   [[nodiscard]] const Trace& trace() const { return trace_; }
   [[nodiscard]] PagePoint position() const { return position_; }
   [[nodiscard]] bool tool_down() const { return tool_down_; }
   [[nodiscard]] std::uint64_t accepted_bytes() const { return accepted_; }
   /// All bytes before this one have been carried out.
   [[nodiscard]] std::uint64_t executed_bytes() const { return executed_; }
-  /// Called with (end of a command or of one of its points, time) as each is carried out.
+  /// Bytes up to `end_byte` were carried out at `time`: a whole command, or one of its points.
   struct Step {
     std::uint64_t end_byte{};
     Time time{};
+    bool whole_command{};
   };
+  /// Every step from now on is appended to `steps`; null ends that.
   void record_steps(std::vector<Step>* steps) { steps_ = steps; }
 
  private:
@@ -101,6 +103,7 @@ class SimCutter {
     PagePoint from, to;     ///< Drawn: the line as commanded
     std::optional<Inside> inside;
     std::uint64_t begin_byte{}, end_byte{};
+    bool whole_command{false};
   };
   struct ToolState {
     double force_steps{};
@@ -127,8 +130,8 @@ class SimCutter {
   [[nodiscard]] bool has_commands() const { return next_ < incoming_.commands.size(); }
   void lower();
   void lower_point(const Command& command);
-  void lower_move(PagePoint to, const Command& command, std::uint64_t end_byte);
-  void lower_draw(PagePoint to, const Command& command, std::uint64_t end_byte);
+  void lower_move(PagePoint to);
+  void lower_draw(PagePoint to);
   void plan_dwell(double seconds, Commit commit);
   void plan_way(ActionKind kind, PagePoint to, double speed_mm_s);
   [[nodiscard]] double plan_corner(PagePoint to);

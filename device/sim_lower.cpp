@@ -35,10 +35,9 @@ void SimCutter::lower() {
     if (!actions_.empty()) return;
     ++next_;
     apply(command);
-    if (actions_.empty())
-      executed_ = std::max(executed_, command.end);
-    else
-      actions_.back().end_byte = command.end;
+    if (actions_.empty()) plan_dwell(0, Commit::Nothing);
+    actions_.back().end_byte = command.end;
+    actions_.back().whole_command = true;
     forget_done_commands();
   }
 }
@@ -54,10 +53,16 @@ void SimCutter::lower_point(const Command& command) {
     point = {point.a + origin_.a, point.b + origin_.b};
     const PagePoint to = map_.to_page(point);
     if (command.verb == Verb::Move)
-      lower_move(to, command, end_byte);
+      lower_move(to);
     else
-      lower_draw(to, command, end_byte);
+      lower_draw(to);
+  } else {
+    plan_dwell(0, Commit::Nothing);  // PU or PD without points
   }
+  Action& action = actions_.back();
+  action.begin_byte = command.begin;
+  action.end_byte = end_byte;
+  action.whole_command = last;
   ++next_point_;
   if (!last) return;
   next_point_ = 0;
@@ -99,7 +104,7 @@ void SimCutter::plan_way(ActionKind kind, PagePoint to, double speed_mm_s) {
   plan_position_ = to;
 }
 
-void SimCutter::lower_move(PagePoint to, const Command& command, std::uint64_t end_byte) {
+void SimCutter::lower_move(PagePoint to) {
   if (plan_down_) plan_dwell(machine_.motion.lift_s, Commit::ToolUp);
   plan_way_from_.reset();
   plan_way(ActionKind::Travel, window_.clamped(to), machine_.motion.travel_mm_s);
@@ -107,11 +112,9 @@ void SimCutter::lower_move(PagePoint to, const Command& command, std::uint64_t e
   Action& way = actions_.back();
   way.commit = Commit::Moved;
   way.to = to;
-  way.begin_byte = command.begin;
-  way.end_byte = end_byte;
 }
 
-void SimCutter::lower_draw(PagePoint to, const Command& command, std::uint64_t end_byte) {
+void SimCutter::lower_draw(PagePoint to) {
   if (drawn_dry_since_ && actions_.empty()) {
     const double waited = std::chrono::duration<double>(now_ - *drawn_dry_since_).count();
     trace_.starved_s = std::max(trace_.starved_s, waited);
@@ -141,8 +144,6 @@ void SimCutter::lower_draw(PagePoint to, const Command& command, std::uint64_t e
   line.from = from;
   line.to = to;
   line.inside = inside;
-  line.begin_byte = command.begin;
-  line.end_byte = end_byte;
 }
 
 }  // namespace popcut

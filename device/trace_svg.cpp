@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "device/trace.hpp"
+#include "device/window.hpp"
 
 namespace popcut {
 namespace {
