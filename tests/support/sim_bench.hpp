@@ -17,7 +17,8 @@ namespace popcut::test {
 /// Why a result is an error, for REQUIRE's report.
 template <typename T>
 T value(Result<T> result) {
-  INFO(result ? std::string() : message(result.error()));
+  const std::string why = result ? std::string() : message(result.error());
+  INFO(why);
   REQUIRE(result);
   return std::move(*result);
 }
