@@ -29,9 +29,10 @@ double chain_loss(std::span<const double> x, std::span<const double> z) {
   return axis_loss(x) + axis_loss(z);
 }
 
-/// Evaluates the curve at `t` and returns the loss; with derivatives also fills the gradient and the
-/// bands of the Hessian by the parameters.
-double ChainSolver::load(const SliceCurve& curve, std::span<const double> t, bool with_derivatives) {
+/// Evaluates the curve at `t` and returns the loss; with derivatives also fills the gradient and
+/// the bands of the Hessian by the parameters.
+double ChainSolver::load(const SliceCurve& curve, std::span<const double> t,
+                         bool with_derivatives) {
   const std::size_t n = t.size() - 1;
   for (std::size_t i = 1; i < n; ++i) jet_[i] = curve.at(t[i]);
   jet_[0] = CurveJet{0.0, curve.h(), 0, 0, 0, 0};
@@ -39,8 +40,8 @@ double ChainSolver::load(const SliceCurve& curve, std::span<const double> t, boo
 
   const double even_x = curve.d() / static_cast<double>(n);
   const double even_z = -curve.h() / static_cast<double>(n);
-  // Derivatives of L by step i are 2 (bend(i-1) - bend(i)) + 2 (step(i) - even), bend the difference
-  // of neighbouring steps; those by point i are the differences of these.
+  // Derivatives of L by step i are 2 (bend(i-1) - bend(i)) + 2 (step(i) - even), bend the
+  // difference of neighbouring steps; those by point i are the differences of these.
   double loss = 0.0;
   double step_x = jet_[1].x - jet_[0].x, step_z = jet_[1].z - jet_[0].z;
   double bend_x = 0.0, bend_z = 0.0, last_x = 0.0, last_z = 0.0;
@@ -150,8 +151,9 @@ Result<ChainFigures> ChainSolver::solve(const SliceCurve& curve, int units, std:
     shift = share == 1.0 ? (shift < 1e-9 * std::abs(scale) ? 0.0 : 0.1 * shift) : shift;
   }
   if (iterations == kMostSteps)
-    return fail(ErrorKind::Infeasible, "",
-                fmt::format("the chain of {} units found no minimum in {} steps", units, kMostSteps));
+    return fail(
+        ErrorKind::Infeasible, "",
+        fmt::format("the chain of {} units found no minimum in {} steps", units, kMostSteps));
   for (std::size_t i = 0; i <= n; ++i) x[i] = jet_[i].x, z[i] = jet_[i].z;
   x[0] = 0.0, z[0] = curve.h(), x[n] = curve.d(), z[n] = 0.0;
   return ChainFigures{chain_loss(x, z), iterations};

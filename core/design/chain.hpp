@@ -11,21 +11,22 @@ namespace popcut {
 
 /// How well a chain came out.
 struct ChainFigures {
-  double loss{};     ///< L of section 3, mm^2
+  double loss{};  ///< L of section 3, mm^2
   int iterations{};
 };
 
 /// L of design reference, section 3 (S2.A): squares of the differences of neighbouring steps plus
-/// squares of the steps' distance from the even ones, over `x.size() - 1` units from (0, h) to (d, 0).
+/// squares of the steps' distance from the even ones, over `x.size() - 1` units from (0, h) to (d,
+/// 0).
 [[nodiscard]] double chain_loss(std::span<const double> x, std::span<const double> z);
 
-/// Places the fold vertices of one slice: `units + 1` points on `curve`, the ends at wall and ground,
-/// that minimise `chain_loss`. Reusable: it keeps its arrays between slices.
+/// Places the fold vertices of one slice: `units + 1` points on `curve`, the ends at wall and
+/// ground, that minimise `chain_loss`. Reusable: it keeps its arrays between slices.
 ///
-/// Every vertex lies on the curve, so one parameter a vertex is unknown. The loss is quadratic in the
-/// points and couples next but one neighbours, so the Hessian has two bands and a Newton step costs
-/// O(units). Start: equal arcs. Where the Hessian is not positive definite (curves with inflections)
-/// it is shifted, and each step is halved until the loss falls.
+/// Every vertex lies on the curve, so one parameter a vertex is unknown. The loss is quadratic in
+/// the points and couples next but one neighbours, so the Hessian has two bands and a Newton step
+/// costs O(units). Start: equal arcs. Where the Hessian is not positive definite (curves with
+/// inflections) it is shifted, and each step is halved until the loss falls.
 class ChainSolver {
  public:
   /// Writes the points to `x` and `z` (`units + 1` each, both mm).
@@ -43,9 +44,9 @@ class ChainSolver {
   std::vector<double> gradient_, diagonal_, band1_, band2_, lower1_, lower2_;
 };
 
-/// The same minimum by NLopt's SLSQP on the full problem, as the paper's code uses an SQP: 2 N steps
-/// unknown, N - 1 equations that each vertex lies on the curve, 2 that the steps sum to d and h.
-/// The reference method (`"solver": "slsqp"`); its cost grows with the cube of the units.
+/// The same minimum by NLopt's SLSQP on the full problem, as the paper's code uses an SQP: 2 N
+/// steps unknown, N - 1 equations that each vertex lies on the curve, 2 that the steps sum to d and
+/// h. The reference method (`"solver": "slsqp"`); its cost grows with the cube of the units.
 ///
 /// @param budget_s  gives up after this time
 /// @retval Infeasible  NLopt failed, or its answer misses the curve by more than 1e-6 of the size

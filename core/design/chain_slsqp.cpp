@@ -40,8 +40,8 @@ struct FullProblem {
     return sum;
   }
 
-  /// N - 1 equations "vertex i is on the curve" (section 3, as x/d + z/h = n(x/d - z/h)), then the two
-  /// sums.
+  /// N - 1 equations "vertex i is on the curve" (section 3, as x/d + z/h = n(x/d - z/h)), then the
+  /// two sums.
   void constraints(double* result, const double* p, double* gradient) const {
     const std::size_t columns = 2 * units;
     if (gradient) std::fill(gradient, gradient + (units + 1) * columns, 0.0);
@@ -61,8 +61,7 @@ struct FullProblem {
       double sum = -1.0;
       for (std::size_t i = 0; i < units; ++i) sum += p[axis * units + i];
       result[units - 1 + axis] = sum;
-      if (gradient)
-        std::fill_n(gradient + (units - 1 + axis) * columns + axis * units, units, 1.0);
+      if (gradient) std::fill_n(gradient + (units - 1 + axis) * columns + axis * units, units, 1.0);
     }
   }
 };

@@ -48,7 +48,8 @@ void SliceCurve::add_pieces(double t_begin, double t_end, int depth,
   constexpr int kMaxDepth = 12;
   double sample[n + 1];
   for (int k = 0; k <= n; ++k)
-    sample[k] = n_at(t_begin + (t_end - t_begin) * 0.5 * (1.0 + std::cos(kPi * (k + 0.5) / (n + 1))));
+    sample[k] =
+        n_at(t_begin + (t_end - t_begin) * 0.5 * (1.0 + std::cos(kPi * (k + 0.5) / (n + 1))));
   Piece piece;
   piece.t_begin = t_begin;
   piece.t_end = t_end;
@@ -57,8 +58,8 @@ void SliceCurve::add_pieces(double t_begin, double t_end, int depth,
     for (int k = 0; k <= n; ++k) sum += sample[k] * std::cos(kPi * j * (k + 0.5) / (n + 1));
     piece.value[j] = sum * (j == 0 ? 1.0 : 2.0) / (n + 1);
   }
-  const double tail = std::max({std::abs(piece.value[n]), std::abs(piece.value[n - 1]),
-                                std::abs(piece.value[n - 2])});
+  const double tail = std::max(
+      {std::abs(piece.value[n]), std::abs(piece.value[n - 1]), std::abs(piece.value[n - 2])});
   if (tail > 1e-14 && depth < kMaxDepth) {
     const double middle = 0.5 * (t_begin + t_end);
     // Kinks and end singularities are met by halving; smooth halves stop at once.
@@ -84,7 +85,8 @@ SliceCurve::Rise SliceCurve::rise(double t) const {
   }
   const auto it = std::partition_point(pieces_.begin(), pieces_.end() - 1,
                                        [t](const Piece& p) { return p.t_end < t; });
-  const double y = std::clamp((2.0 * t - it->t_begin - it->t_end) / (it->t_end - it->t_begin), -1.0, 1.0);
+  const double y =
+      std::clamp((2.0 * t - it->t_begin - it->t_end) / (it->t_end - it->t_begin), -1.0, 1.0);
   return {chebyshev(it->value, kDegree, y), chebyshev(it->first, kDegree, y),
           chebyshev(it->second, kDegree, y)};
 }
@@ -149,8 +151,8 @@ std::vector<double> SliceCurve::equal_arcs(int count) const {
     CurveJet last = at(-1.0);
     for (int k = 1; k <= samples; ++k) {
       const CurveJet here = at(-1.0 + 2.0 * k / samples);
-      length[static_cast<std::size_t>(k)] = length[static_cast<std::size_t>(k) - 1] +
-                                            std::hypot(here.x - last.x, here.z - last.z);
+      length[static_cast<std::size_t>(k)] =
+          length[static_cast<std::size_t>(k) - 1] + std::hypot(here.x - last.x, here.z - last.z);
       last = here;
     }
     std::size_t k = 0;

@@ -29,13 +29,13 @@ struct CurveDistance {
   double de_dx{}, de_dz{};
 };
 
-/// The target cut by one plane v = const: a curve that falls from `(0, h)` on the wall to `(d, 0)` on
-/// the ground.
+/// The target cut by one plane v = const: a curve that falls from `(0, h)` on the wall to `(d, 0)`
+/// on the ground.
 ///
 /// It is held as a graph over its chord: with `t = x/d - z/h` in [-1, 1], `n(t) = x/d + z/h`. Every
-/// falling curve has such an `n` with |n'| <= 1, so that walls and grounds met at a right angle, where
-/// z(x) has an infinite slope, are nothing special. Without pieces `n = sqrt(2 - t^2)`, the quarter
-/// ellipse (a quarter circle for h = d).
+/// falling curve has such an `n` with |n'| <= 1, so that walls and grounds met at a right angle,
+/// where z(x) has an infinite slope, are nothing special. Without pieces `n = sqrt(2 - t^2)`, the
+/// quarter ellipse (a quarter circle for h = d).
 class SliceCurve {
  public:
   /// Quarter ellipse with half axes `d_mm` (x) and `h_mm` (z).
@@ -70,7 +70,8 @@ class SliceCurve {
     double n{}, dn{}, ddn{};
   };
   [[nodiscard]] Rise rise(double t) const;
-  void add_pieces(double t_begin, double t_end, int depth, const std::function<double(double)>& n_at);
+  void add_pieces(double t_begin, double t_end, int depth,
+                  const std::function<double(double)>& n_at);
 
   double h_{}, d_{};
   std::vector<Piece> pieces_;

@@ -35,13 +35,15 @@ Result<Expression> Expression::parse(const std::string& text,
     int results = 0;
     parser->mu.Eval(results);
     if (results != 1)
-      return fail(ErrorKind::Malformed, "",
-                  fmt::format("the expression has {} values; one formula of {} is needed", results, names));
+      return fail(
+          ErrorKind::Malformed, "",
+          fmt::format("the expression has {} values; one formula of {} is needed", results, names));
   } catch (const mu::Parser::exception_type& e) {
-    return fail(ErrorKind::Malformed, "",
-                fmt::format("the expression does not parse at column {} (near \"{}\"); a formula of {} is "
-                            "needed, such as sqrt(36 - y^2)",
-                            e.GetPos() + 1, e.GetToken(), names));
+    return fail(
+        ErrorKind::Malformed, "",
+        fmt::format("the expression does not parse at column {} (near \"{}\"); a formula of {} is "
+                    "needed, such as sqrt(36 - y^2)",
+                    e.GetPos() + 1, e.GetToken(), names));
   }
   return Expression(std::move(parser));
 }

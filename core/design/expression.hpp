@@ -13,8 +13,8 @@ namespace popcut {
 /// the rest of muParser's functions.
 class Expression {
  public:
-  /// Parses `text`; `variables` are the only names beside muParser's functions and constants, in the
-  /// order in which `operator()` takes their values.
+  /// Parses `text`; `variables` are the only names beside muParser's functions and constants, in
+  /// the order in which `operator()` takes their values.
   ///
   /// @retval Malformed  it does not parse; the detail quotes the token and its column
   [[nodiscard]] static Result<Expression> parse(const std::string& text,

@@ -6,9 +6,9 @@
 #include <memory>
 #include <optional>
 
+#include <fmt/format.h>
 #include <boost/math/tools/minima.hpp>
 #include <boost/math/tools/toms748_solve.hpp>
-#include <fmt/format.h>
 
 #include "core/design/expression.hpp"
 
@@ -22,14 +22,16 @@ std::string at_s(const char* field, double s_mm) {
 Result<SliceCurve> slice_revolution(const Expression& radius, double scale_mm, double s_mm) {
   const double r_mm = scale_mm * radius(s_mm / scale_mm);
   if (!std::isfinite(r_mm))
-    return fail(ErrorKind::OutOfRange, at_s("radius", s_mm),
-                fmt::format("the radius is not a number at y = {:.6g}; it must be finite and positive "
-                            "for every slice: fewer or narrower slices, or another radius",
-                            s_mm / scale_mm));
+    return fail(
+        ErrorKind::OutOfRange, at_s("radius", s_mm),
+        fmt::format("the radius is not a number at y = {:.6g}; it must be finite and positive "
+                    "for every slice: fewer or narrower slices, or another radius",
+                    s_mm / scale_mm));
   if (r_mm <= 0.0)
-    return fail(ErrorKind::OutOfRange, at_s("radius", s_mm),
-                fmt::format("the radius is {:.6g} mm at y = {:.6g}; it must be positive for every slice",
-                            r_mm, s_mm / scale_mm));
+    return fail(
+        ErrorKind::OutOfRange, at_s("radius", s_mm),
+        fmt::format("the radius is {:.6g} mm at y = {:.6g}; it must be positive for every slice",
+                    r_mm, s_mm / scale_mm));
   return SliceCurve(r_mm, r_mm);
 }
 
@@ -46,10 +48,11 @@ class ProfileSlice {
   Result<SliceCurve> curve() const {
     const double h = (*this)(0.0);
     if (!std::isfinite(h) || h <= 0.0)
-      return fail(ErrorKind::OutOfRange, at_s("z", s_mm_),
-                  fmt::format("z(0, y) is {:.6g} mm at y = {:.6g}; the profile must start above the "
-                              "ground at the wall",
-                              h, s_mm_ / scale_mm_));
+      return fail(
+          ErrorKind::OutOfRange, at_s("z", s_mm_),
+          fmt::format("z(0, y) is {:.6g} mm at y = {:.6g}; the profile must start above the "
+                      "ground at the wall",
+                      h, s_mm_ / scale_mm_));
     const Result<double> d = ground_end(h);
     if (!d) return tl::unexpected(d.error());
     if (auto falls = check_falls(h, *d); !falls) return tl::unexpected(falls.error());
@@ -85,23 +88,26 @@ class ProfileSlice {
       inside = x;
     }
     if (outside == 0.0)
-      return fail(ErrorKind::Infeasible, at_s("z", s_mm_),
-                  fmt::format("the profile stays above the ground up to x = {:.6g} mm; it must fall to "
-                              "z = 0",
-                              1e4 * h));
+      return fail(
+          ErrorKind::Infeasible, at_s("z", s_mm_),
+          fmt::format("the profile stays above the ground up to x = {:.6g} mm; it must fall to "
+                      "z = 0",
+                      1e4 * h));
     for (int k = 0; k < 200 && inside < outside; ++k) {
       const double middle = 0.5 * (inside + outside);
       if (middle <= inside || middle >= outside) break;
       ((*this)(middle) > 0.0 ? inside : outside) = middle;
     }
     const double left = (*this)(inside);
-    // A root like (1 - x^8)^(1/8) is still high one rounding before its end, but it does fall there.
+    // A root like (1 - x^8)^(1/8) is still high one rounding before its end, but it does fall
+    // there.
     const bool falls_at_rim = left < 0.5 * (*this)(inside * (1.0 - 1e-6));
     if (inside <= 0.0 || (left > 1e-6 * h && !falls_at_rim))
-      return fail(ErrorKind::Infeasible, at_s("z", s_mm_),
-                  fmt::format("the profile breaks off at x = {:.6g} mm, {:.6g} mm above the ground; it "
-                              "must fall to z = 0",
-                              inside, left));
+      return fail(
+          ErrorKind::Infeasible, at_s("z", s_mm_),
+          fmt::format("the profile breaks off at x = {:.6g} mm, {:.6g} mm above the ground; it "
+                      "must fall to z = 0",
+                      inside, left));
     return inside;
   }
 
@@ -112,7 +118,8 @@ class ProfileSlice {
     // A minimum's place is known to half the digits only; the root of a five-point slope to all.
     const double step = 1e-3 * h;
     const auto slope = [&](double p) {
-      return 8.0 * ((*this)(p + step) - (*this)(p - step)) - ((*this)(p + 2.0 * step) - (*this)(p - 2.0 * step));
+      return 8.0 * ((*this)(p + step) - (*this)(p - step)) -
+             ((*this)(p + 2.0 * step) - (*this)(p - 2.0 * step));
     };
     const double near = 1e-5 * h;
     if (!(slope(x - near) < 0.0) || !(slope(x + near) > 0.0)) return x;
@@ -129,15 +136,17 @@ class ProfileSlice {
       const double x = d * k / kSamples;
       const double here = (*this)(x);
       if (!std::isfinite(here))
-        return fail(ErrorKind::OutOfRange, at_s("z", s_mm_),
-                    fmt::format("z is not a number at x = {:.6g} mm; it must be finite from the wall to "
-                                "the ground",
-                                x));
+        return fail(
+            ErrorKind::OutOfRange, at_s("z", s_mm_),
+            fmt::format("z is not a number at x = {:.6g} mm; it must be finite from the wall to "
+                        "the ground",
+                        x));
       if (here > last + 1e-9 * h)
-        return fail(ErrorKind::Infeasible, at_s("z", s_mm_),
-                    fmt::format("the profile rises near x = {:.6g} mm (from {:.6g} to {:.6g} mm); it "
-                                "must fall all the way from the wall to the ground",
-                                x, last, here));
+        return fail(
+            ErrorKind::Infeasible, at_s("z", s_mm_),
+            fmt::format("the profile rises near x = {:.6g} mm (from {:.6g} to {:.6g} mm); it "
+                        "must fall all the way from the wall to the ground",
+                        x, last, here));
       last = here;
     }
     return {};
@@ -155,12 +164,14 @@ Result<Surface> Surface::make(const SurfaceSpec& spec, double scale_mm) {
     if (!radius) return tl::unexpected(within("/surface/radius", radius.error()));
     // std::function needs a copyable callable, an Expression is not one.
     auto shared = std::make_shared<Expression>(std::move(*radius));
-    return Surface([shared, scale_mm](double s_mm) { return slice_revolution(*shared, scale_mm, s_mm); });
+    return Surface(
+        [shared, scale_mm](double s_mm) { return slice_revolution(*shared, scale_mm, s_mm); });
   }
   auto z = Expression::parse(std::get<ProfileSpec>(spec).z, {"x", "y"});
   if (!z) return tl::unexpected(within("/surface/z", z.error()));
   auto shared = std::make_shared<Expression>(std::move(*z));
-  return Surface([shared, scale_mm](double s_mm) { return ProfileSlice(*shared, scale_mm, s_mm).curve(); });
+  return Surface(
+      [shared, scale_mm](double s_mm) { return ProfileSlice(*shared, scale_mm, s_mm).curve(); });
 }
 
 }  // namespace popcut

@@ -4,8 +4,8 @@
 #include <numbers>
 #include <vector>
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/design/chain.hpp"
@@ -43,11 +43,11 @@ SliceCurve profile(const std::string& z) {
 TEST_CASE("the chain on a quarter circle has the published losses", "[core][chain]") {
   // Computed once with a 40-digit Newton iteration; the values are those of the design reference.
   const auto [units, loss] = GENERATE(table<int, double>({{3, 0.277447270102},
-                                                           {5, 0.127341317150},
-                                                           {9, 0.058602580716},
-                                                           {20, 0.024028625576},
-                                                           {100, 0.004679530590},
-                                                           {500, 0.000934846749}}));
+                                                          {5, 0.127341317150},
+                                                          {9, 0.058602580716},
+                                                          {20, 0.024028625576},
+                                                          {100, 0.004679530590},
+                                                          {500, 0.000934846749}}));
   CAPTURE(units);
   const Chain c = newton(SliceCurve(1.0, 1.0), units);
   CHECK_THAT(c.figures.loss, Catch::WithinAbs(loss, 2e-12));
@@ -81,7 +81,8 @@ TEST_CASE("a straight profile gets equal steps and no loss", "[core][chain]") {
 
 TEST_CASE("SLSQP on the full problem finds the same chain as Newton", "[core][chain]") {
   const int units = GENERATE(2, 5, 9, 20);
-  const SliceCurve curve = GENERATE(as<SliceCurve>{}, SliceCurve(50.0, 50.0), SliceCurve(30.0, 10.0));
+  const SliceCurve curve =
+      GENERATE(as<SliceCurve>{}, SliceCurve(50.0, 50.0), SliceCurve(30.0, 10.0));
   const Chain c = newton(curve, units);
   std::vector<double> x(c.x.size()), z(c.x.size());
   const auto figures = solve_chain_slsqp(curve, units, x, z);
@@ -101,7 +102,8 @@ TEST_CASE("chains agree with the reference goldens of the published experiments"
   for (const auto& golden : goldens["cases"]) {
     const std::string kind = golden["curve"], param = golden["param"];
     CAPTURE(kind, param);
-    const auto gx = golden["x"].get<std::vector<double>>(), gz = golden["z"].get<std::vector<double>>();
+    const auto gx = golden["x"].get<std::vector<double>>(),
+               gz = golden["z"].get<std::vector<double>>();
     const int units = golden["N_units"];
     CAPTURE(units);
     const double d = gx.back(), h = gz.front();
