@@ -23,9 +23,9 @@ enum class Operation : std::uint8_t { Draw, Score, FoldMountain, FoldValley, Cut
 struct Stroke {
   Operation operation{};
   std::uint32_t first{};
-  std::uint32_t count{};     ///< at least 2; a closed stroke repeats its first point at the end
-  std::uint32_t line{};      ///< the line of the drawing it came from
-  std::uint8_t tool{1};      ///< tool holder, from 1
+  std::uint32_t count{};  ///< at least 2; a closed stroke repeats its first point at the end
+  std::uint32_t line{};   ///< the line of the drawing it came from
+  std::uint8_t tool{1};   ///< tool holder, from 1
   double force_gf{};
   double speed_mm_s{};
 };

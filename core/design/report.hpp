@@ -15,16 +15,16 @@ struct ErrorFigures {
 
 /// One slice of the report: where it lies and how its chain came out.
 struct SliceReport {
-  double s_mm{};      ///< place along the target
-  double v_mm{};      ///< centre line of its strip on the sheet
+  double s_mm{};  ///< place along the target
+  double v_mm{};  ///< centre line of its strip on the sheet
   double width_mm{};
-  double loss{};      ///< L_j of section 3, mm^2
+  double loss{};  ///< L_j of section 3, mm^2
   int iterations{};
 };
 
 /// A place where the lattice does not follow the target level by level, and why.
 struct MergedPlace {
-  int slice{};         ///< slice, or the left slice of a connector
+  int slice{};  ///< slice, or the left slice of a connector
   int level{};
   std::string where;   ///< "slice" or "connector"
   std::string reason;  ///< one sentence with values in mm
@@ -35,9 +35,9 @@ struct DesignReport {
   std::string name;
   std::vector<int> units_per_slice;  ///< one, or one a region
   std::vector<SliceReport> slices;
-  std::string lattice;         ///< the method that was used
-  std::string lattice_asked;   ///< the method that was asked for
-  std::string lattice_note;    ///< why they differ, else empty
+  std::string lattice;        ///< the method that was used
+  std::string lattice_asked;  ///< the method that was asked for
+  std::string lattice_note;   ///< why they differ, else empty
   std::size_t faces{}, panels{}, folds{}, cuts{};
   double cut_length_mm{}, fold_length_mm{};
   int degrees_of_freedom{};

@@ -24,7 +24,7 @@ struct ProfileSpec {
 using SurfaceSpec = std::variant<RevolutionSpec, ProfileSpec>;
 
 enum class LatticeMethod { Branching, Slices, Conformal, Levels };
-enum class ChainSolver { Newton, Slsqp };
+enum class SolverMethod { Newton, Slsqp };
 
 /// Wall, ground and margins around the lattice; absent measures are chosen by the design.
 struct CardSpec {
@@ -42,7 +42,7 @@ struct DesignSpec {
   int slices{10};
   std::vector<double> widths_mm;  ///< one a slice
   LatticeMethod lattice{LatticeMethod::Conformal};
-  ChainSolver solver{ChainSolver::Newton};
+  SolverMethod solver{SolverMethod::Newton};
   std::optional<CardSpec> card{CardSpec{}};  ///< none: `"card": false`
   double min_panel_mm{0.5};
   std::optional<double> max_step_over_mean{3.0};  ///< conformal only; none: no upper limit

@@ -46,15 +46,15 @@ struct SheetLine {
 /// its own, so that faces on either side can part. Vertices where a cut ends are shared.
 struct Pattern {
   std::string name;
-  double wall_mm{};                     ///< H: the spine lies at u = wall_mm
-  double ground_mm{};                   ///< D: with a card the sheet is [0, H + D] x [0, width_mm]
-  double width_mm{};                    ///< W, along the spine
-  bool card{true};                      ///< false: the union of the strips, without wall and ground
+  double wall_mm{};    ///< H: the spine lies at u = wall_mm
+  double ground_mm{};  ///< D: with a card the sheet is [0, H + D] x [0, width_mm]
+  double width_mm{};   ///< W, along the spine
+  bool card{true};     ///< false: the union of the strips, without wall and ground
   std::vector<PatternVertex> vertices;
   std::vector<PatternEdge> edges;
-  std::vector<std::uint32_t> face_first;  ///< faces + 1 offsets into `face_vertices`
+  std::vector<std::uint32_t> face_first;     ///< faces + 1 offsets into `face_vertices`
   std::vector<std::uint32_t> face_vertices;  ///< counter-clockwise in (u, v)
-  std::vector<SheetLine> lines;         ///< folds, slits and the outline, each line once, unsplit
+  std::vector<SheetLine> lines;  ///< folds, slits and the outline, each line once, unsplit
 
   [[nodiscard]] std::size_t faces() const { return face_first.empty() ? 0 : face_first.size() - 1; }
   [[nodiscard]] std::span<const std::uint32_t> face(std::size_t i) const {
@@ -64,8 +64,8 @@ struct Pattern {
   [[nodiscard]] double u(const PatternVertex& p) const { return p.x + (wall_mm - p.z); }
 };
 
-/// Where `p` lies when the card is opened to `psi_rad` (pi is flat, pi/2 the designed shape, 0 shut),
-/// as (x, v, z) in mm: main text eq. 1 summed over the chain.
+/// Where `p` lies when the card is opened to `psi_rad` (pi is flat, pi/2 the designed shape, 0
+/// shut), as (x, v, z) in mm: main text eq. 1 summed over the chain.
 [[nodiscard]] std::array<double, 3> posed(const PatternVertex& p, double psi_rad);
 
 /// FOLD angle of an edge in degrees at `psi_rad`: + for a valley, - for a mountain, 0 for a border.

@@ -35,6 +35,7 @@ Motion read_motion(const nlohmann::json& json, std::string pointer, std::optiona
   fields.number("trailer_s", motion.trailer_s, 0.0, 600.0);
   fields.number("autoblade_reset_s", motion.autoblade_reset_s, 0.0, 600.0);
   fields.number("autoblade_tap_s", motion.autoblade_tap_s, 0.0, 60.0);
+  fields.number("spread", motion.spread, 0.0, 0.9);
   fields.nothing_else();
   return motion;
 }

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// A point of a slice's section: x from the wall, z above the ground, mm.
+struct SectionPoint {
+  double x{};
+  double z{};
+};
+
+/// Point and derivatives of a slice curve by its parameter.
+struct CurveJet {
+  double x{}, z{};
+  double dx{}, dz{};
+  double ddx{}, ddz{};
+};
+
+/// Distance of a point from a slice curve within the slice's plane, mm, positive outside, and its
+/// gradient.
+struct CurveDistance {
+  double e{};
+  double de_dx{}, de_dz{};
+};
+
+/// The target cut by one plane v = const: a curve that falls from `(0, h)` on the wall to `(d, 0)`
+/// on the ground.
+///
+/// It is held as a graph over its chord: with `t = x/d - z/h` in [-1, 1], `n(t) = x/d + z/h`. Every
+/// falling curve has such an `n` with |n'| <= 1, so that walls and grounds met at a right angle,
+/// where z(x) has an infinite slope, are nothing special. Without pieces `n = sqrt(2 - t^2)`, the
+/// quarter ellipse (a quarter circle for h = d).
+class SliceCurve {
+ public:
+  /// Quarter ellipse with half axes `d_mm` (x) and `h_mm` (z).
+  SliceCurve(double h_mm, double d_mm) : h_(h_mm), d_(d_mm) {}
+
+  /// Interpolates `x_at`, which gives the x of the point with a given t. It is sampled at Chebyshev
+  /// points of as many pieces as an error of about 1e-13 of the size needs.
+  static SliceCurve sampled(double h_mm, double d_mm, const std::function<double(double)>& x_at);
+
+  [[nodiscard]] double h() const { return h_; }
+  [[nodiscard]] double d() const { return d_; }
+  [[nodiscard]] bool is_ellipse() const { return pieces_.empty(); }
+  [[nodiscard]] bool is_circle() const { return is_ellipse() && h_ == d_; }
+
+  [[nodiscard]] CurveJet at(double t) const;
+  /// Signed distance to first order, exact for a circle: what the conformal lattice drives to zero.
+  [[nodiscard]] CurveDistance distance(SectionPoint p) const;
+  /// Distance of `p` from the nearest point of the curve, mm, by Newton on t.
+  [[nodiscard]] double nearest_distance(SectionPoint p) const;
+  /// `count + 1` parameters from -1 to 1 at equal arc lengths (equal angles for a circle).
+  [[nodiscard]] std::vector<double> equal_arcs(int count) const;
+
+ private:
+  static constexpr int kDegree = 24;
+  struct Piece {
+    double t_begin{}, t_end{};
+    double value[kDegree + 1]{};   ///< Chebyshev coefficients of n
+    double first[kDegree + 1]{};   ///< of dn/dt
+    double second[kDegree + 1]{};  ///< of d2n/dt2
+  };
+  struct Rise {
+    double n{}, dn{}, ddn{};
+  };
+  [[nodiscard]] Rise rise(double t) const;
+  void add_pieces(double t_begin, double t_end, int depth,
+                  const std::function<double(double)>& n_at);
+
+  double h_{}, d_{};
+  std::vector<Piece> pieces_;
+};
+
+}  // namespace popcut

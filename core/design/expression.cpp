@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/expression.hpp"
+
+#include <array>
+#include <limits>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <muParser.h>
+
+namespace popcut {
+
+struct Expression::Parser {
+  mu::Parser mu;
+  std::array<double, 4> values{};
+};
+
+Expression::Expression(std::unique_ptr<Parser> parser) : parser_(std::move(parser)) {}
+Expression::Expression(Expression&&) noexcept = default;
+Expression& Expression::operator=(Expression&&) noexcept = default;
+Expression::~Expression() = default;
+
+Result<Expression> Expression::parse(const std::string& text,
+                                     const std::vector<std::string>& variables) {
+  auto parser = std::make_unique<Parser>();
+  std::string names;
+  try {
+    for (std::size_t i = 0; i < variables.size(); ++i) {
+      parser->mu.DefineVar(variables[i], &parser->values.at(i));
+      names += (i == 0 ? "" : ", ") + variables[i];
+    }
+    parser->mu.DefineConst("pi", std::numbers::pi);
+    parser->mu.DefineConst("e", std::numbers::e);
+    parser->mu.SetExpr(text);
+    int results = 0;
+    parser->mu.Eval(results);
+    if (results != 1)
+      return fail(
+          ErrorKind::Malformed, "",
+          fmt::format("the expression has {} values; one formula of {} is needed", results, names));
+  } catch (const mu::Parser::exception_type& e) {
+    return fail(
+        ErrorKind::Malformed, "",
+        fmt::format("the expression does not parse at column {} (near \"{}\"); a formula of {} is "
+                    "needed, such as sqrt(36 - y^2)",
+                    e.GetPos() + 1, e.GetToken(), names));
+  }
+  return Expression(std::move(parser));
+}
+
+double Expression::operator()(double a, double b) const {
+  parser_->values[0] = a;
+  parser_->values[1] = b;
+  try {
+    return parser_->mu.Eval();
+  } catch (const mu::Parser::exception_type&) {  // some functions report a domain error this way
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+}  // namespace popcut

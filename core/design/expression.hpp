@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// A formula of named variables, as a spec gives it: + - * / ^, sqrt, sin, exp, min, max, pi, e and
+/// the rest of muParser's functions.
+class Expression {
+ public:
+  /// Parses `text`; `variables` are the only names beside muParser's functions and constants, in
+  /// the order in which `operator()` takes their values.
+  ///
+  /// @retval Malformed  it does not parse; the detail quotes the token and its column
+  [[nodiscard]] static Result<Expression> parse(const std::string& text,
+                                                const std::vector<std::string>& variables);
+
+  Expression(Expression&&) noexcept;
+  Expression& operator=(Expression&&) noexcept;
+  ~Expression();
+
+  /// The value at one or two variables; NaN where the formula has none.
+  [[nodiscard]] double operator()(double a, double b = 0.0) const;
+
+ private:
+  struct Parser;
+  explicit Expression(std::unique_ptr<Parser> parser);
+  std::unique_ptr<Parser> parser_;
+};
+
+}  // namespace popcut

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: MIT
+#include "core/json_fields.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <fmt/format.h>
+
+namespace popcut {
+namespace {
+
+using nlohmann::json;
+
+std::string line_and_column(std::string_view text, std::size_t byte) {
+  byte = std::min(byte, text.size());
+  const auto begin = text.begin();
+  const auto lines = std::count(begin, begin + static_cast<std::ptrdiff_t>(byte), '\n');
+  const std::size_t newline = byte == 0 ? std::string_view::npos : text.rfind('\n', byte - 1);
+  const std::size_t column = newline == std::string_view::npos ? byte : byte - newline - 1;
+  return fmt::format("line {}, column {}", lines + 1, std::max<std::size_t>(column, 1));
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t up = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      diagonal = up;
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+Result<json> parse_json(std::string_view text, int max_depth) {
+  // The depth is limited before nlohmann sees the text, since copying a deep value recurses.
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if ((c == '[' || c == '{') && ++depth > max_depth) {
+      return fail(ErrorKind::Malformed, line_and_column(text, i + 1),
+                  fmt::format("the JSON is nested more than {} deep; flatten it", max_depth));
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  std::vector<std::set<std::string>> keys;
+  std::string doubled;
+  const auto watch = [&](int, json::parse_event_t event, json& value) {
+    if (event == json::parse_event_t::object_start) keys.emplace_back();
+    if (event == json::parse_event_t::object_end) keys.pop_back();
+    if (event == json::parse_event_t::key && doubled.empty() &&
+        !keys.back().insert(value.get<std::string>()).second)
+      doubled = value.get<std::string>();
+    return true;
+  };
+  try {
+    json value = json::parse(text, watch);
+    if (!doubled.empty())
+      return fail(ErrorKind::Malformed, "",
+                  fmt::format("the key \"{}\" stands twice in one object; keep one", doubled));
+    return value;
+  } catch (const json::parse_error& e) {
+    const bool cut_off = e.byte > text.size();
+    return fail(ErrorKind::Malformed, line_and_column(text, e.byte),
+                cut_off ? "the JSON ends too early; is the file whole?"
+                        : "this is not JSON; look for a missing comma, quote or bracket here");
+  } catch (const json::exception& e) {
+    return fail(ErrorKind::Malformed, "", fmt::format("this is not lawful JSON ({})", e.what()));
+  }
+}
+
+std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates) {
+  std::string best;
+  std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
+  if (word.size() > 64) return best;
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = edit_distance(word, candidate);
+    if (distance < best_distance) best_distance = distance, best = candidate;
+  }
+  return best;
+}
+
+std::string json_type(const json& value) {
+  switch (value.type()) {
+    case json::value_t::null:
+      return "null";
+    case json::value_t::object:
+      return "an object";
+    case json::value_t::array:
+      return "a list";
+    case json::value_t::string:
+      return "a text";
+    case json::value_t::boolean:
+      return value.get<bool>() ? "true" : "false";
+    default:
+      return "a number";
+  }
+}
+
+JsonFields::JsonFields(const json& object, std::string pointer)
+    : object_(object), pointer_(std::move(pointer)) {
+  if (!object.is_object())
+    add_error(ErrorKind::Malformed, pointer_.empty() ? "/" : pointer_,
+              fmt::format("is {}; an object is needed", json_type(object)));
+}
+
+void JsonFields::add_error(ErrorKind kind, const std::string& place, std::string detail) {
+  if (!error_) error_ = Error{kind, place, std::move(detail)};
+}
+
+bool JsonFields::has(const std::string& key) {
+  return object_.is_object() && object_.contains(key);
+}
+
+const json* JsonFields::value(const std::string& key) {
+  asked_.push_back(key);
+  if (!has(key)) return nullptr;
+  return &object_.at(key);
+}
+
+const json* JsonFields::require(const std::string& key, bool required, const char* type) {
+  const json* found = value(key);
+  if (!found && required)
+    add_error(ErrorKind::Malformed, pointer(key), fmt::format("is missing; {} is needed", type));
+  return found;
+}
+
+double JsonFields::number(const std::string& key, std::optional<double> fallback, double low,
+                          double high, bool open_low) {
+  const double otherwise = fallback.value_or(low);
+  const json* found = require(key, !fallback, "a number");
+  if (!found) return otherwise;
+  if (!found->is_number()) {
+    add_error(ErrorKind::Malformed, pointer(key),
+              fmt::format("is {}; a number is needed", json_type(*found)));
+    return otherwise;
+  }
+  const double got = found->get<double>();
+  if (!std::isfinite(got) || got < low || got > high || (open_low && got == low)) {
+    add_error(ErrorKind::OutOfRange, pointer(key),
+              fmt::format("is {:g}; a number {} {:g} and at most {:g} is needed", got,
+                          open_low ? "above" : "of at least", low, high));
+    return otherwise;
+  }
+  return got;
+}
+
+int JsonFields::integer(const std::string& key, std::optional<int> fallback, int low, int high) {
+  const int otherwise = fallback.value_or(low);
+  const json* found = require(key, !fallback, "a whole number");
+  if (!found) return otherwise;
+  const double got =
+      found->is_number() ? found->get<double>() : std::numeric_limits<double>::quiet_NaN();
+  if (!found->is_number() || got != std::floor(got)) {
+    add_error(ErrorKind::Malformed, pointer(key),
+              fmt::format("is {}; a whole number is needed",
+                          found->is_number() ? fmt::format("{:g}", got) : json_type(*found)));
+    return otherwise;
+  }
+  if (got < low || got > high) {
+    add_error(ErrorKind::OutOfRange, pointer(key),
+              fmt::format("is {:g}; a whole number from {} to {} is needed", got, low, high));
+    return otherwise;
+  }
+  return static_cast<int>(got);
+}
+
+std::string JsonFields::text(const std::string& key, std::optional<std::string> fallback) {
+  const json* found = require(key, !fallback, "a text");
+  if (!found) return fallback.value_or("");
+  if (!found->is_string()) {
+    add_error(ErrorKind::Malformed, pointer(key),
+              fmt::format("is {}; a text is needed", json_type(*found)));
+    return fallback.value_or("");
+  }
+  return found->get<std::string>();
+}
+
+bool JsonFields::boolean(const std::string& key, bool fallback) {
+  const json* found = value(key);
+  if (!found) return fallback;
+  if (!found->is_boolean()) {
+    add_error(ErrorKind::Malformed, pointer(key),
+              fmt::format("is {}; true or false is needed", json_type(*found)));
+    return fallback;
+  }
+  return found->get<bool>();
+}
+
+std::size_t JsonFields::word(const std::string& key, std::size_t fallback,
+                             const std::vector<std::string>& words) {
+  const std::string got = text(key, words.at(fallback));
+  const auto it = std::find(words.begin(), words.end(), got);
+  if (it != words.end()) return static_cast<std::size_t>(it - words.begin());
+  const std::string near = nearest_word(got, words);
+  add_error(ErrorKind::OutOfRange, pointer(key),
+            fmt::format("is \"{}\"; {}one of {} is needed", got,
+                        near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near),
+                        fmt::join(words, ", ")));
+  return fallback;
+}
+
+Result<void> JsonFields::finish() const {
+  if (error_) return tl::unexpected(*error_);
+  for (const auto& [key, value] : object_.items()) {
+    if (std::find(asked_.begin(), asked_.end(), key) != asked_.end()) continue;
+    const std::string near = nearest_word(key, asked_);
+    std::vector<std::string> known = asked_;
+    std::sort(known.begin(), known.end());
+    known.erase(std::unique(known.begin(), known.end()), known.end());
+    return fail(ErrorKind::Malformed, pointer(key),
+                near.empty()
+                    ? fmt::format("is no field that popcut knows; the fields here are {}",
+                                  fmt::join(known, ", "))
+                    : fmt::format("is no field that popcut knows; did you mean \"{}\"?", near));
+  }
+  return {};
+}
+
+}  // namespace popcut
