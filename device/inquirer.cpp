@@ -36,17 +36,13 @@ Result<void> Inquirer::drain() {
               "the machine sends without being asked and does not stop; switch it off and on");
 }
 
-Result<void> Inquirer::send(std::string_view query) {
-  std::span<const std::byte> rest = std::as_bytes(std::span(query));
-  for (int i = 0; i < limits_.tries && !rest.empty(); ++i) {
-    const Transport::WriteEnd end = transport_.write(rest, later(limits_.reply_s));
-    rest = rest.subspan(end.taken);
-    if (end.error && end.error->kind != ErrorKind::Timeout) return tl::unexpected(*end.error);
-  }
-  if (rest.empty()) return {};
-  return fail(ErrorKind::Timeout, "",
-              fmt::format("the machine took no query for {:g} s; is it switched on and not busy "
-                          "with another program?", limits_.reply_s * limits_.tries));
+Result<bool> Inquirer::pay_debt(Deadline until) {
+  if (owed_.empty()) return true;
+  const Transport::WriteEnd end = transport_.write(std::as_bytes(std::span(owed_)), until);
+  owed_.erase(0, end.taken);
+  if (end.error && end.error->kind != ErrorKind::Timeout) return tl::unexpected(*end.error);
+  if (owed_.empty()) late_reply_possible_ = true;  // nobody waits for it
+  return owed_.empty();
 }
 
 Result<std::string> Inquirer::receive() {
@@ -63,19 +59,30 @@ Result<std::string> Inquirer::receive() {
   }
 }
 
-Result<std::string> Inquirer::ask(std::string_view query) {
+Result<std::optional<std::string>> Inquirer::ask(std::string_view query) {
+  const Result<bool> paid = pay_debt(later(limits_.reply_s));
+  if (!paid) return tl::unexpected(paid.error());
+  if (!*paid) return std::nullopt;
   if (const Result<void> drained = drain(); !drained) return tl::unexpected(drained.error());
-  if (const Result<void> sent = send(query); !sent) return tl::unexpected(sent.error());
-  return receive();
+  const Transport::WriteEnd end =
+      transport_.write(std::as_bytes(std::span(query)), later(limits_.reply_s));
+  if (end.error && end.error->kind != ErrorKind::Timeout) return tl::unexpected(*end.error);
+  if (end.taken < query.size()) {
+    if (end.taken > 0) owed_ = query.substr(end.taken);
+    return std::nullopt;
+  }
+  Result<std::string> reply = receive();
+  if (!reply) return tl::unexpected(reply.error());
+  return std::move(*reply);
 }
 
-Result<DeviceStatus> Inquirer::status() {
+Result<std::optional<DeviceStatus>> Inquirer::status() {
   int silent = 0;
   int nonsense = 0;
   int changes = 0;
   std::optional<DeviceStatus> doubtful;
   for (;;) {
-    const Result<std::string> reply = ask(kStatusQuery);
+    const Result<std::optional<std::string>> reply = ask(kStatusQuery);
     if (!reply && reply.error().kind != ErrorKind::Timeout) return tl::unexpected(reply.error());
     if (!reply) {
       late_reply_possible_ = true;
@@ -85,12 +92,13 @@ Result<DeviceStatus> Inquirer::status() {
                                 "that it is switched on, and its cable", silent, limits_.reply_s));
       continue;
     }
-    const DeviceStatus status = parse_status(*reply);
+    if (!reply->has_value()) return std::nullopt;
+    const DeviceStatus status = parse_status(**reply);
     if (status == DeviceStatus::Unknown) {
       if (++nonsense >= limits_.tries)
         return fail(ErrorKind::Refused, "",
                     fmt::format("the machine answered \"{}\", which is no status; switch it off and "
-                                "on, and check that it is a GPGL machine", shown(*reply)));
+                                "on, and check that it is a GPGL machine", shown(**reply)));
       transport_.wait(later(limits_.again_s) - transport_.now());
       continue;
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -26,21 +27,27 @@ class Inquirer {
   };
   Inquirer(Transport& transport, const Limits& limits) : transport_(transport), limits_(limits) {}
 
-  /// @retval Timeout     `tries` queries without an answer, or no room for a query
-  /// @retval Refused     `tries` answers that are no status
+  /// None: the machine takes no data just now, not even a query; nothing is known of it.
+  ///
+  /// @retval Timeout     `tries` queries without an answer
+  /// @retval Refused     `tries` answers that are no status, or that contradict each other
   /// @retval DeviceGone  the transport says so
-  [[nodiscard]] Result<DeviceStatus> status();
-  /// One reply to `query`, without its ETX.
-  [[nodiscard]] Result<std::string> ask(std::string_view query);
+  [[nodiscard]] Result<std::optional<DeviceStatus>> status();
+  /// One reply to `query`, without its ETX. None: the machine takes no data just now.
+  [[nodiscard]] Result<std::optional<std::string>> ask(std::string_view query);
+
+  /// Sends what was not taken of a query, which must be whole before anything else follows it.
+  /// True once nothing is owed.
+  [[nodiscard]] Result<bool> pay_debt(Deadline until);
 
  private:
   [[nodiscard]] Result<void> drain();
-  [[nodiscard]] Result<void> send(std::string_view query);
   [[nodiscard]] Result<std::string> receive();
   [[nodiscard]] std::chrono::nanoseconds later(double seconds) const;
 
   Transport& transport_;
   Limits limits_;
+  std::string owed_;  ///< bytes of a query that was taken in part
   bool late_reply_possible_{false};
 };
 

@@ -70,6 +70,7 @@ class Run {
   // The machine's state.
   Result<void> poll();
   void note_ready(std::uint64_t bytes);
+  [[nodiscard]] Result<void> stuck() const;
   [[nodiscard]] Result<void> stopped(DeviceStatus status) const;
   Result<void> sit_out_pause();
   Result<void> wait_ready(double expected_s);
@@ -96,6 +97,7 @@ class Run {
   DeviceStatus status_{DeviceStatus::Unknown};
   nanoseconds model_zero_{};
   nanoseconds next_poll_{};
+  std::optional<nanoseconds> mute_since_;  ///< since when it takes no query
   std::size_t next_command_{};  ///< first of `plan_.geometry` that is not sent
   double sent_s_{};             ///< when the last command sent should end
   std::size_t strokes_passed_{};
@@ -122,27 +124,31 @@ void Run::tell(SessionPhase phase) {
 Result<void> Run::connect() {
   tell(SessionPhase::Connecting);
   if (!answers_) return {};
-  const Result<DeviceStatus> status = inquirer_.status();
+  const Result<std::optional<DeviceStatus>> status = inquirer_.status();
   if (!status) return tl::unexpected(status.error());
+  if (!*status)
+    return fail(ErrorKind::Timeout, "",
+                fmt::format("the machine took no query for {:g} s; is it switched on, and not busy "
+                            "with another program?", options_.reply_s));
   if (*status == DeviceStatus::NoMedia)
     return tl::unexpected(refused("no media in the machine; load a sheet, then start again"));
   if (*status == DeviceStatus::Cancelled)
     return tl::unexpected(refused(
         "the last job was cancelled on the panel; wait until the machine is ready, then start "
         "again"));
-  status_ = *status;
+  status_ = **status;
   if (const Result<void> ready = wait_ready(0); !ready) return ready;
   return check_identity();
 }
 
 Result<void> Run::check_identity() {
-  const Result<std::string> reply = inquirer_.ask(kIdentityQuery);
-  if (!reply && reply.error().kind == ErrorKind::Timeout)
+  const Result<std::optional<std::string>> reply = inquirer_.ask(kIdentityQuery);
+  if (!reply && reply.error().kind != ErrorKind::Timeout) return tl::unexpected(reply.error());
+  if (!reply || !*reply)
     return fail(ErrorKind::Timeout, "",
                 "the machine gave its status but not its name; switch it off and on");
-  if (!reply) return tl::unexpected(reply.error());
-  end_.identity = *reply;
-  const Result<Identity> said = parse_identity(*reply);
+  end_.identity = **reply;
+  const Result<Identity> said = parse_identity(**reply);
   if (!said)
     return tl::unexpected(refused("the machine's name cannot be read; check that it is a " +
                                   machine_.title));
@@ -240,7 +246,9 @@ Result<void> Run::send(ByteRange range, std::uint64_t& at) {
   nanoseconds moved = transport_.now();
   at = range.begin;
   while (at < range.end) {
-    const std::uint64_t piece_end = std::min<std::uint64_t>(range.end, at + kMaxWriteBytes);
+    const Result<bool> paid = inquirer_.pay_debt(transport_.now() + to_time(kSliceS));
+    if (!paid) return tl::unexpected(paid.error());
+    const std::uint64_t piece_end = !*paid ? at : std::min<std::uint64_t>(range.end, at + kMaxWriteBytes);
     const Transport::WriteEnd end =
         transport_.write(program_.view({at, piece_end}), transport_.now() + to_time(kSliceS));
     at += end.taken;
@@ -255,14 +263,17 @@ Result<void> Run::send(ByteRange range, std::uint64_t& at) {
           "cancelled while the machine takes no data; stop it on its panel, what it already has "
           "may still be cut"));
     }
-    if (to_seconds(transport_.now() - moved) > options_.stuck_s)
-      return fail(ErrorKind::Timeout, "",
-                  fmt::format("the machine has taken no data for {:g} s; see whether it is paused "
-                              "or jammed", options_.stuck_s));
+    if (to_seconds(transport_.now() - moved) > options_.stuck_s) return stuck();
     transport_.wait(nanoseconds(1'000'000));
     tell(phase_);
   }
   return {};
+}
+
+Result<void> Run::stuck() const {
+  return fail(ErrorKind::Timeout, "",
+              fmt::format("the machine has taken no data for {:g} s; see whether it is paused or "
+                          "jammed", options_.stuck_s));
 }
 
 void Run::note_ready(std::uint64_t bytes) {
@@ -277,14 +288,20 @@ Result<void> Run::poll() {
     good_bytes_ = asked;
     return {};
   }
-  const Result<DeviceStatus> status = inquirer_.status();
+  const Result<std::optional<DeviceStatus>> status = inquirer_.status();
   if (!status) return tl::unexpected(status.error());
-  status_ = *status;
-  switch (*status) {
+  status_ = status->value_or(DeviceStatus::Unknown);
+  if (*status)
+    mute_since_.reset();
+  else if (!mute_since_)
+    mute_since_ = transport_.now();
+  if (mute_since_ && to_seconds(transport_.now() - *mute_since_) > options_.stuck_s) return stuck();
+  switch (status_) {
+    case DeviceStatus::Unknown: return {};  // busy with what it has: it takes no query
     case DeviceStatus::Ready: note_ready(asked); return {};
     case DeviceStatus::Moving: good_bytes_ = asked; return {};
     case DeviceStatus::Paused: good_bytes_ = asked; return sit_out_pause();
-    default: return stopped(*status);
+    default: return stopped(status_);
   }
 }
 
@@ -303,16 +320,16 @@ Result<void> Run::sit_out_pause() {
     tell(SessionPhase::Paused);
     transport_.wait(to_time(kPausedPollS));
     const std::uint64_t asked = accepted_;
-    const Result<DeviceStatus> status = inquirer_.status();
+    const Result<std::optional<DeviceStatus>> status = inquirer_.status();
     if (!status) return tl::unexpected(status.error());
-    status_ = *status;
+    status_ = status->value_or(DeviceStatus::Paused);
     set_model(model_before);
-    if (*status == DeviceStatus::Ready && sent_s_ - model_before > kMissedCancelS)
+    if (status_ == DeviceStatus::Ready && sent_s_ - model_before > kMissedCancelS)
       return stopped(DeviceStatus::Cancelled);
-    if (*status == DeviceStatus::NoMedia || *status == DeviceStatus::Cancelled)
-      return stopped(*status);
-    if (*status != DeviceStatus::Paused) {
-      if (*status == DeviceStatus::Ready) note_ready(asked);
+    if (status_ == DeviceStatus::NoMedia || status_ == DeviceStatus::Cancelled)
+      return stopped(status_);
+    if (status_ != DeviceStatus::Paused) {
+      if (status_ == DeviceStatus::Ready) note_ready(asked);
       next_poll_ = transport_.now() + to_time(options_.poll_s);
       tell(phase);
       return {};

@@ -176,7 +176,11 @@ void SimCutter::apply_corner(const Command& command, std::span<const double> arg
 void SimCutter::apply_window(const Command& command, std::span<const double> args) {
   const MachinePoint corner{arg(args, 0, 0), arg(args, 1, 0)};
   (command.verb == Verb::WindowNear ? near_ : far_) = corner;
-  const PagePoint near = map_.to_page(near_);
+  // Where the page begins left of the machine's zero, drivers send negative coordinates under a
+  // window from 0 on, and they are cut (inkscape-silhouette, Cameo 5).
+  PagePoint near = map_.to_page(near_);
+  near.x += std::min(machine_.margin_left_mm, 0.0);
+  near.y += std::min(machine_.margin_top_mm, 0.0);
   const PagePoint far = map_.to_page(far_);
   // What the rollers and the carriage reach bounds every window.
   window_ = {std::clamp(near.x, 0.0, machine_.width_mm), std::clamp(near.y, 0.0, machine_.length_mm),

@@ -14,7 +14,7 @@ namespace {
 constexpr double kMarginMm = 5;
 constexpr double kLegendRowMm = 5;
 
-struct Box {
+struct PageBox {
   double left{1e300}, top{1e300}, right{-1e300}, bottom{-1e300};
   void add(PagePoint p) {
     left = std::min(left, p.x);
@@ -65,8 +65,8 @@ std::string travel_path(const Trace& trace) {
   return path;
 }
 
-Box page_box(const Trace& trace) {
-  Box box;
+PageBox page_box(const Trace& trace) {
+  PageBox box;
   box.add({0, 0});
   for (const PagePoint& point : trace.points) box.add(point);
   // A roll is as long as what is cut from it; a sheet is shown whole.
@@ -94,7 +94,7 @@ std::string trace_svg(const Trace& trace) {
     put_path(drawn.path, points);
     for (std::size_t i = 1; i < points.size(); ++i) drawn.mm += distance(points[i - 1], points[i]);
   }
-  const Box box = page_box(trace);
+  const PageBox box = page_box(trace);
   const std::size_t rows = looks.size() + (trace.clipped_mm > 0 ? 4u : 3u);
   const double width = std::max(box.right - box.left, 90.0) + 2 * kMarginMm;
   const double height =

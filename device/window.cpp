@@ -2,6 +2,7 @@
 #include "device/window.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace popcut {
 

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cmath>
 #include <optional>
 
-#include "core/toolpath.hpp"
+#include "core/plan/linework.hpp"
 
 namespace popcut {
-
-[[nodiscard]] inline double distance(PagePoint a, PagePoint b) {
-  return std::hypot(b.x - a.x, b.y - a.y);
-}
 
 [[nodiscard]] constexpr PagePoint along(PagePoint a, PagePoint b, double t) {
   return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
