@@ -133,7 +133,7 @@ Slabs cut_into_slabs(const Pattern& pattern) {
 /// lighter the more it faces the lamp.
 std::vector<std::string> face_colours(const Pattern& pattern, double psi_rad) {
   constexpr Vec3 kLamp{0.42, 0.30, 0.86};  // unit length
-  constexpr Vec3 kStructure{255, 236, 205}, kCard{232, 238, 243};
+  constexpr Vec3 kStructure{255, 226, 178}, kCard{238, 243, 247};
   const Vec3 ground_normal{0, 0, 1};
   const Vec3 wall_normal{std::sin(psi_rad), 0, -std::cos(psi_rad)};
   std::vector<std::string> colours;
@@ -147,7 +147,7 @@ std::vector<std::string> face_colours(const Pattern& pattern, double psi_rad) {
     }
     const Vec3& normal = same_x && !same_z ? wall_normal : ground_normal;
     const bool card = (same_x && first.x == 0) || (same_z && first.z == 0);
-    const double light = 0.62 + 0.40 * std::max(0.0, dot(normal, kLamp));
+    const double light = 0.80 + 0.22 * std::max(0.0, dot(normal, kLamp));
     const Vec3& paper = card ? kCard : kStructure;
     const auto tone = [&](double c) { return static_cast<int>(std::min(255.0, c * light)); };
     colours.push_back(

@@ -9,7 +9,7 @@ namespace popcut {
 
 /// How a deployed pattern is looked at, and how large the picture is.
 struct View {
-  double azimuth_rad{0.6};  ///< of the eye, from straight ahead toward growing v; 0 < it < pi/2
+  double azimuth_rad{0.5};  ///< of the eye, from straight ahead toward growing v; 0 < it < pi/2
   double width_px{900.0};
 };
 

@@ -15,7 +15,7 @@ namespace popcut::cli {
 namespace {
 
 // Every subcommand of this build; the order is the order of the help.
-constexpr std::initializer_list<Register> kCommands = {};
+constexpr std::initializer_list<Register> kCommands = {register_design};
 
 constexpr const char* kPurpose =
     "popcut turns a target surface into a pop-up pattern, a cut sheet, and a finished cut.\n\n"
@@ -25,7 +25,8 @@ constexpr const char* kPurpose =
     "  popcut cut sphere.json --direct             # cut it, on the simulated cutter by default\n\n"
     "'popcut COMMAND --help' explains a command. Lengths are in mm, angles in rad unless the name\n"
     "of an option or field says otherwise.";
-constexpr const char* kExitCodes =
+constexpr const char* kFooter =
+    "Every command takes --json, -q and -v, before or after its name.\n"
     "Exit codes: 0 done; 1 a fault in popcut; 2 wrong command line; 3 malformed input or a value\n"
     "out of range; 4 no valid pattern or layout; 5 device absent, refused or failed; 6 a check "
     "did\n"
@@ -76,7 +77,7 @@ int run(int argc, char** argv) {
   app.add_flag("--json", globals.json, "Standard output is one JSON document");
   app.add_flag("-q,--quiet", globals.quiet, "Say nothing but errors");
   app.add_flag("-v,--verbose", globals.verbose, "Say more; twice for everything");
-  app.footer(kExitCodes);
+  app.footer(kFooter);
   for (const Register add : kCommands) add(app, globals, work);
   try {
     app.parse(argc, argv);
