@@ -221,7 +221,7 @@ class Picture {
       put_point("L", {piece.high_a.x, piece.high_a.z, high});
       const std::string& colour = colours[piece.face];
       // The stroke closes the hair that antialiasing leaves between two pieces of one face.
-      text_("Z\" fill=\"", colour, "\" stroke=\"", colour, "\" stroke-width=\"0.4\"/>\n");
+      text_("Z\" fill=\"", colour, "\" stroke=\"", colour, "\" stroke-width=\"0.9\"/>\n");
     }
   }
 

@@ -49,6 +49,7 @@ std::string report_json(const DesignReport& report) {
   json["folds"] = report.folds;
   json["cuts"] = report.cuts;
   json["cut_length_mm"] = report.cut_length_mm;
+  json["outline_length_mm"] = report.outline_length_mm;
   json["fold_length_mm"] = report.fold_length_mm;
   json["degrees_of_freedom"] = report.degrees_of_freedom;
   json["pieces"] = report.pieces;

@@ -20,6 +20,9 @@
 #include "core/formats/report_json.hpp"
 #include "core/formats/segments_csv.hpp"
 #include "core/formats/svg_pattern.hpp"
+#include "core/plan/linework.hpp"
+#include "core/plan/machine.hpp"
+#include "core/plan/micro_cut.hpp"
 #include "daemon/cli/angles.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/examples.hpp"
@@ -29,7 +32,7 @@ namespace popcut::cli {
 namespace {
 
 struct Options {
-  std::string spec, folder, formats{"fold,svg,csv,report"}, fold_frames{"pi,pi/2,1.1"}, example;
+  std::string spec, folder, formats{"fold,svg,cut,csv,report"}, fold_frames{"pi,pi/2,1.1"}, example;
   bool schema{false}, list{false};
 };
 
@@ -37,8 +40,8 @@ struct Options {
 
 /// What the writers need beside the design.
 struct Job {
-  DesignSpec spec;
   Design made;
+  Material material;
   FoldOptions fold;
 };
 
@@ -53,6 +56,30 @@ Result<void> add_fold(const Job& job, OutputFolder& folder) {
 Result<void> add_svg(const Job& job, OutputFolder& folder) {
   return folder.add("pattern.svg", Streamed([&](std::ostream& out) -> Result<void> {
                       write_pattern_svg(job.made.pattern, out);
+                      return {};
+                    }));
+}
+
+/// The dashes of all folds, back from the page (x = v, y = u) onto the sheet.
+std::vector<SheetLine> micro_cuts(const Job& job) {
+  const LineWork dashed =
+      micro_cut(linework_from_pattern(job.made.pattern), job.material.dashes).work;
+  std::vector<SheetLine> dashes;
+  for (const DrawnLine& line : dashed.lines) {
+    if (!is_fold(line.operation)) continue;
+    const EdgeRole role =
+        line.operation == Operation::FoldMountain ? EdgeRole::Mountain : EdgeRole::Valley;
+    const auto points = dashed.points_of(line);
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      dashes.push_back({points[i - 1].y, points[i - 1].x, points[i].y, points[i].x, role});
+    }
+  }
+  return dashes;
+}
+
+Result<void> add_cut(const Job& job, OutputFolder& folder) {
+  return folder.add("cut.svg", Streamed([&](std::ostream& out) -> Result<void> {
+                      write_cut_svg(job.made.pattern, micro_cuts(job), out);
                       return {};
                     }));
 }
@@ -88,9 +115,10 @@ struct Format {
 };
 
 constexpr std::array kFormats{
-    Format{"fold", "pattern.fold", add_fold},       Format{"svg", "pattern.svg", add_svg},
-    Format{"csv", "segments.csv", add_csv},         Format{"pdf", "pattern.pdf", add_pdf},
-    Format{"picture", "deployed.svg", add_picture}, Format{"report", "report.json", add_report},
+    Format{"fold", "pattern.fold", add_fold},    Format{"svg", "pattern.svg", add_svg},
+    Format{"cut", "cut.svg", add_cut},           Format{"csv", "segments.csv", add_csv},
+    Format{"pdf", "pattern.pdf", add_pdf},       Format{"picture", "deployed.svg", add_picture},
+    Format{"report", "report.json", add_report},
 };
 
 Result<std::vector<Format>> parse_formats(std::string_view text) {
@@ -116,9 +144,12 @@ Result<std::vector<Format>> parse_formats(std::string_view text) {
 // 2. What is said about it.
 
 void say_figures(const DesignReport& report) {
-  fmt::print(stderr, "{}: {} slices, {} lattice, {} degree{} of freedom\n", report.name,
-             report.slices.size(), report.lattice, report.degrees_of_freedom,
-             report.degrees_of_freedom == 1 ? "" : "s");
+  const auto count = [](auto n, const char* what) {
+    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+  };
+  fmt::print(stderr, "{}: {}, {} lattice, {} of freedom\n", report.name,
+             count(report.slices.size(), "slice"), report.lattice,
+             count(report.degrees_of_freedom, "degree"));
   fmt::print(stderr, "  sheet    {:.1f} x {:.1f} mm (along the strips x along the spine)\n",
              report.sheet_u_mm, report.sheet_v_mm);
   fmt::print(stderr, "  folds    {}, {:.0f} mm; cuts {}, {:.0f} mm; {} rigid faces\n", report.folds,
@@ -189,12 +220,16 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
   if (!spec) return tl::unexpected(within(options.spec, spec.error()));
+  const auto material = find_material(spec->material);
+  if (!material) {
+    return fail(ErrorKind::OutOfRange, options.spec + ": /material", material.error().detail);
+  }
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
   auto made = timed_design(*spec);
   if (!made) return tl::unexpected(within(options.spec, made.error()));
 
-  const Job job{std::move(*spec), std::move(*made), {"popcut " POPCUT_VERSION, *fold_frames}};
+  const Job job{std::move(*made), *material, {"popcut " POPCUT_VERSION, *fold_frames}};
   for (const Format& format : *formats) {
     if (auto done = format.add(job, *folder); !done) return done;
   }
@@ -233,8 +268,8 @@ constexpr const char* kHelp =
     "  popcut design --example sphere > sphere.json\n"
     "  popcut design sphere.json -o sphere\n\n"
     "Writes in DIR: pattern.fold (flat sheet and deployed poses), pattern.svg (to look at),\n"
-    "segments.csv (a row a panel) and report.json. DIR's other files stay; files of the last run\n"
-    "that this one does not write are removed.";
+    "cut.svg (to cut: each dash of a fold a path), segments.csv (a row a panel) and report.json.\n"
+    "DIR's other files stay; files of the last run that this one does not write are removed.";
 
 }  // namespace
 
@@ -246,8 +281,8 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
       ->option_text("DIR");
   command
       ->add_option("--formats", options->formats,
-                   "Some of: fold svg csv pdf picture report, with commas between")
-      ->option_text("LIST [fold,svg,csv,report]");
+                   "Some of: fold svg cut csv pdf picture report, with commas between")
+      ->option_text("LIST [fold,svg,cut,csv,report]");
   command
       ->add_option("--fold-frames", options->fold_frames,
                    "Poses in pattern.fold, rad or 90deg; pi is flat, pi/2 the designed shape")

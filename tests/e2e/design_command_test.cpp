@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <sstream>
 #include <string>
@@ -7,6 +9,7 @@
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
+#include <pugixml.hpp>
 
 #include "tests/support/process.hpp"
 
@@ -77,10 +80,11 @@ TEST_CASE("a second run removes the files that it no longer writes and no others
           "[cli][e2e][design]") {
   const Bench bench;
   const std::string spec = kExamples + "unit.json";
-  REQUIRE(bench.design({spec, "-o", "out", "--formats", "fold,svg,csv,pdf,picture,report"}).exit ==
-          0);
-  CHECK(bench.files("out") == Names{"deployed.svg", "manifest.json", "pattern.fold", "pattern.pdf",
-                                    "pattern.svg", "report.json", "segments.csv"});
+  REQUIRE(
+      bench.design({spec, "-o", "out", "--formats", "fold,svg,cut,csv,pdf,picture,report"}).exit ==
+      0);
+  CHECK(bench.files("out") == Names{"cut.svg", "deployed.svg", "manifest.json", "pattern.fold",
+                                    "pattern.pdf", "pattern.svg", "report.json", "segments.csv"});
   write_file(bench.temp / "out/mine.txt", "mine");
   REQUIRE(bench.design({spec, "-o", "out", "--formats", "svg"}).exit == 0);
   CHECK(bench.files("out") == Names{"manifest.json", "mine.txt", "pattern.svg"});
@@ -97,6 +101,34 @@ TEST_CASE("options for all commands may stand on either side", "[cli][e2e][desig
     CHECK(ran.err.empty());
     CHECK(json::parse(ran.out).contains("faces"));
   }
+}
+
+TEST_CASE("cut.svg of a design has each fold as solid dashes within its line",
+          "[cli][e2e][design]") {
+  const Bench bench;
+  REQUIRE(bench.design({kExamples + "unit.json", "-o", "out"}).exit == 0);
+  const std::string cut = text_of_file(bench.temp / "out/cut.svg");
+  CHECK(cut.find("stroke-dasharray") == std::string::npos);
+  pugi::xml_document document;
+  REQUIRE(document.load_string(cut.c_str()));
+  double fold_mm = 0;
+  int dashes = 0;
+  for (const auto& layer : document.child("svg").children("g")) {
+    if (std::string(layer.attribute("id").value()).rfind("fold", 0) != 0) continue;
+    for (const auto& path : layer.children("path")) {
+      double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+      REQUIRE(std::sscanf(path.attribute("d").value(), "M%lf,%lfL%lf,%lf", &x0, &y0, &x1, &y1) ==
+              4);
+      CHECK(y0 == y1);  // folds run along v, which is the page's x
+      CHECK(std::abs(x1 - x0) <= 1.5 + 1e-6);
+      fold_mm += std::abs(x1 - x0);
+      ++dashes;
+    }
+  }
+  const json report = json::parse(text_of_file(bench.temp / "out/report.json"));
+  CHECK(dashes > 30);
+  CHECK(fold_mm > 0.4 * report["fold_length_mm"].get<double>());
+  CHECK(fold_mm < 0.7 * report["fold_length_mm"].get<double>());
 }
 
 TEST_CASE("fold frames are the poses that were asked for", "[cli][e2e][design]") {
@@ -132,6 +164,10 @@ TEST_CASE("a spec that cannot be read is exit code 3 with its place", "[cli][e2e
   check_refused(bench.design({"bad.json", "-o", "out"}), 3, "bad.json: line 2");
   check_refused(bench.design({"field.json", "-o", "out"}), 3, "field.json: /");
   check_refused(bench.design({"deep.json", "-o", "out"}), 3, "deep.json: ");
+  json spec = json::parse(text_of_file(kExamples + "unit.json"));
+  spec["material"] = "papier";
+  write_file(bench.temp / "material.json", spec.dump());
+  check_refused(bench.design({"material.json", "-o", "out"}), 3, "material.json: /material: ");
   CHECK_FALSE(fs::exists(bench.temp / "out"));
 }
 

@@ -112,7 +112,6 @@ Strips box_card_strips() {
   strips.v_begin = {0, kBoxBegin, kBoxEnd, kWidth};
   strips.kind = {StripKind::Margin, StripKind::Box, StripKind::Margin};
   strips.slice = {-1, 0, -1};
-  strips.cut_before = {0, 0, 0};
   strips.first_panel = {0, 2, 6, 8};
   strips.plane = {kWallPlane, kGroundPlane, kWallPlane, 2,
                   3,          kGroundPlane, kWallPlane, kGroundPlane};
