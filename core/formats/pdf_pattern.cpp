@@ -27,7 +27,7 @@ HPDF_REAL real(double value) { return static_cast<HPDF_REAL>(value); }
 /// The sheet on the page: points, y up, from the page's lower left corner.
 struct Placement {
   double height_mm;
-  [[nodiscard]] HPDF_REAL x(double v) const { return real((kPdfMarginMm + v) * kPointsPerMm); }
+  [[nodiscard]] static HPDF_REAL x(double v) { return real((kPdfMarginMm + v) * kPointsPerMm); }
   [[nodiscard]] HPDF_REAL y(double u) const {
     return real((height_mm - kPdfMarginMm - u) * kPointsPerMm);
   }
@@ -40,8 +40,8 @@ void draw_lines(HPDF_Page page, const Pattern& pattern, const Placement& at, con
   bool any = false;
   for (const SheetLine& line : pattern.lines) {
     if (line.role != style.role) continue;
-    HPDF_Page_MoveTo(page, at.x(line.v0), at.y(line.u0));
-    HPDF_Page_LineTo(page, at.x(line.v1), at.y(line.u1));
+    HPDF_Page_MoveTo(page, Placement::x(line.v0), at.y(line.u0));
+    HPDF_Page_LineTo(page, Placement::x(line.v1), at.y(line.u1));
     any = true;
   }
   if (any) HPDF_Page_Stroke(page);

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <ranges>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -143,7 +144,7 @@ void OutputFolder::discard() noexcept {
     fs::remove_all(folder_ / kAside, error);
     ::close(std::exchange(lock_, -1));
   }
-  for (auto made = made_.rbegin(); made != made_.rend(); ++made) ::rmdir(made->c_str());
+  for (const fs::path& made : std::ranges::reverse_view(made_)) ::rmdir(made.c_str());
   made_.clear();
 }
 
