@@ -39,7 +39,9 @@ struct DesignReport {
   std::string lattice_asked;  ///< the method that was asked for
   std::string lattice_note;   ///< why they differ, else empty
   std::size_t faces{}, panels{}, folds{}, cuts{};
-  double cut_length_mm{}, fold_length_mm{};
+  double cut_length_mm{};      ///< of the slits, each once
+  double outline_length_mm{};  ///< of the sheet's border
+  double fold_length_mm{};
   int degrees_of_freedom{};
   int pieces{};
   double sheet_u_mm{}, sheet_v_mm{};

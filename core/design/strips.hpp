@@ -20,10 +20,9 @@ enum class StripKind : std::uint8_t { Margin, Slice, Connector, Box };
 /// `first_panel[s] .. first_panel[s + 1]`. Panel `p` lies in plane `plane[p]`, from the point
 /// `(x[q], z[q])` to the next one, `q = p + s` (each strip has one point more than panels).
 struct Strips {
-  std::vector<double> v_begin;           ///< strips + 1 boundaries, mm on the sheet
-  std::vector<StripKind> kind;           ///< one a strip
-  std::vector<std::int32_t> slice;       ///< slice (or left slice of a connector), -1 for a margin
-  std::vector<std::uint8_t> cut_before;  ///< 1: nothing is joined across the edge to strip s - 1
+  std::vector<double> v_begin;      ///< strips + 1 boundaries, mm on the sheet
+  std::vector<StripKind> kind;      ///< one a strip
+  std::vector<std::int32_t> slice;  ///< slice (or left slice of a connector), -1 for a margin
   std::vector<std::uint32_t> first_panel;  ///< strips + 1 offsets
   std::vector<PlaneId> plane;              ///< one a panel
   std::vector<std::int32_t> level;         ///< level of the panel's plane, -1 for wall and ground

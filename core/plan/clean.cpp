@@ -16,18 +16,24 @@ struct DrawnSegment {
   Segment segment;
   Operation operation{};
   double length{};
-  bool joins_next{false};  ///< the next segment goes on from its end
+  bool joins_next{false};     ///< the next segment goes on from its end
   std::int64_t loops_to{-1};  ///< first segment of a closed line, at its last
 };
 
 int strength(Operation operation) {
   switch (operation) {
-    case Operation::Outline: return 5;
-    case Operation::Cut: return 4;
-    case Operation::FoldMountain: return 3;
-    case Operation::FoldValley: return 2;
-    case Operation::Score: return 1;
-    case Operation::Draw: break;
+    case Operation::Outline:
+      return 5;
+    case Operation::Cut:
+      return 4;
+    case Operation::FoldMountain:
+      return 3;
+    case Operation::FoldValley:
+      return 2;
+    case Operation::Score:
+      return 1;
+    case Operation::Draw:
+      break;
   }
   return 0;
 }
@@ -76,7 +82,9 @@ class Taker {
     keep(s, t, segment.length);
   }
 
-  [[nodiscard]] const std::vector<std::vector<std::pair<double, double>>>& left() const { return left_; }
+  [[nodiscard]] const std::vector<std::vector<std::pair<double, double>>>& left() const {
+    return left_;
+  }
   [[nodiscard]] std::size_t contradictions() const { return contradictions_; }
 
  private:
@@ -122,9 +130,11 @@ std::vector<Piece> pieces_of(const std::vector<DrawnSegment>& segments, const Ta
       pieces.push_back({{at(segments[s], from), at(segments[s], to)}, segments[s].operation, -1});
     }
   for (std::size_t s = 0; s < segments.size(); ++s) {
-    const auto next = segments[s].joins_next ? static_cast<std::int64_t>(s) + 1 : segments[s].loops_to;
+    const auto next =
+        segments[s].joins_next ? static_cast<std::int64_t>(s) + 1 : segments[s].loops_to;
     if (last_whole[s] >= 0 && next >= 0)
-      pieces[static_cast<std::size_t>(last_whole[s])].next = first_whole[static_cast<std::size_t>(next)];
+      pieces[static_cast<std::size_t>(last_whole[s])].next =
+          first_whole[static_cast<std::size_t>(next)];
   }
   return pieces;
 }
@@ -151,8 +161,9 @@ LineWork clean(const LineWork& work) {
   out.dashed = work.dashed;
   join(pieces_of(segments, taker), kJoinTolerance, out);
   if (taker.contradictions() > 0)
-    out.warnings.push_back(fmt::format(
-        "{} places are both mountain and valley; they are folded as mountain", taker.contradictions()));
+    out.warnings.push_back(
+        fmt::format("{} places are both mountain and valley; they are folded as mountain",
+                    taker.contradictions()));
   return out;
 }
 

@@ -11,8 +11,8 @@
 namespace popcut {
 namespace {
 
-constexpr double kStraight = 0.9962;           // cosine of 5 degrees
-constexpr double kStraightTolerance = 0.001;   // mm; far below a machine's step
+constexpr double kStraight = 0.9962;          // cosine of 5 degrees
+constexpr double kStraightTolerance = 0.001;  // mm; far below a machine's step
 
 // Ends are numbered 2 piece (its start) and 2 piece + 1 (its end).
 class Joiner {
@@ -99,7 +99,8 @@ class Joiner {
     return {(to.x - from.x) / l, (to.y - from.y) / l};
   }
 
-  [[nodiscard]] std::int32_t straight_on(std::int32_t e, const std::vector<std::int32_t>& near) const {
+  [[nodiscard]] std::int32_t straight_on(std::int32_t e,
+                                         const std::vector<std::int32_t>& near) const {
     const PagePoint u = leaving(e);
     std::int32_t best = -1;
     double best_cosine = kStraight;
@@ -140,7 +141,8 @@ void join(const std::vector<Piece>& pieces, double tolerance, LineWork& out) {
 
 // A vertex may go while some direction from the last kept one passes all that were dropped since
 // within the tolerance: the cone of such directions only narrows (Sklansky and Gonzalez 1980).
-std::vector<PagePoint> without_straight_vertices(std::span<const PagePoint> line, double tolerance) {
+std::vector<PagePoint> without_straight_vertices(std::span<const PagePoint> line,
+                                                 double tolerance) {
   std::vector<PagePoint> kept;
   if (line.empty()) return kept;
   kept.push_back(line.front());
@@ -152,11 +154,13 @@ std::vector<PagePoint> without_straight_vertices(std::span<const PagePoint> line
     const double r = distance(from, p);
     if (r <= tolerance) continue;
     if (reach == 0.0) base = std::atan2(p.y - from.y, p.x - from.x);
-    const double angle = std::remainder(std::atan2(p.y - from.y, p.x - from.x) - base, 2 * std::numbers::pi);
+    const double angle =
+        std::remainder(std::atan2(p.y - from.y, p.x - from.x) - base, 2 * std::numbers::pi);
     const double give = std::asin(std::min(1.0, tolerance / r));
     low = std::max(low, angle - give);
     high = std::min(high, angle + give);
-    const double onward = std::remainder(std::atan2(q.y - from.y, q.x - from.x) - base, 2 * std::numbers::pi);
+    const double onward =
+        std::remainder(std::atan2(q.y - from.y, q.x - from.x) - base, 2 * std::numbers::pi);
     reach = std::max(reach, r);
     if (onward >= low && onward <= high && distance(from, q) >= reach) continue;
     kept.push_back(p);

@@ -31,7 +31,9 @@ double length(std::span<const PagePoint> line) {
   return sum;
 }
 
-bool closed(std::span<const PagePoint> line) { return line.size() > 2 && line.front() == line.back(); }
+bool closed(std::span<const PagePoint> line) {
+  return line.size() > 2 && line.front() == line.back();
+}
 
 Box bounds(const LineWork& work) {
   Box box;
@@ -51,10 +53,14 @@ bool is_cut(Operation operation) {
 LineWork linework_from_pattern(const Pattern& pattern) {
   const auto operation = [](EdgeRole role) {
     switch (role) {
-      case EdgeRole::Mountain: return Operation::FoldMountain;
-      case EdgeRole::Valley: return Operation::FoldValley;
-      case EdgeRole::Slit: return Operation::Cut;
-      case EdgeRole::Outline: break;
+      case EdgeRole::Mountain:
+        return Operation::FoldMountain;
+      case EdgeRole::Valley:
+        return Operation::FoldValley;
+      case EdgeRole::Slit:
+        return Operation::Cut;
+      case EdgeRole::Outline:
+        break;
     }
     return Operation::Outline;
   };
@@ -70,12 +76,18 @@ LineWork linework_from_pattern(const Pattern& pattern) {
 
 const char* operation_name(Operation operation) {
   switch (operation) {
-    case Operation::Draw: return "draw";
-    case Operation::Score: return "score";
-    case Operation::FoldMountain: return "fold-mountain";
-    case Operation::FoldValley: return "fold-valley";
-    case Operation::Cut: return "cut";
-    case Operation::Outline: break;
+    case Operation::Draw:
+      return "draw";
+    case Operation::Score:
+      return "score";
+    case Operation::FoldMountain:
+      return "fold-mountain";
+    case Operation::FoldValley:
+      return "fold-valley";
+    case Operation::Cut:
+      return "cut";
+    case Operation::Outline:
+      break;
   }
   return "outline";
 }

@@ -20,7 +20,7 @@ struct Motion {
   double setup_s{};           ///< settings accepted until ready
   double trailer_s{};         ///< trailer accepted until ready, beyond the way home
   double autoblade_reset_s{}, autoblade_tap_s{};  ///< reset, and each of (10 - depth) taps
-  double spread{0.25};     ///< how far times may be off, as a part of them
+  double spread{0.25};                            ///< how far times may be off, as a part of them
 };
 
 /// A scale that a machine takes as whole steps: `value = steps * per_step`.

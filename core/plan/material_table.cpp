@@ -1,59 +1,51 @@
 // SPDX-License-Identifier: MIT
+#include <optional>
+
 #include <fmt/format.h>
 
-#include "core/plan/json_fields.hpp"
+#include "core/json_fields.hpp"
 #include "core/plan/machine.hpp"
 #include "core/plan/near_names.hpp"
+#include "core/plan/read_object.hpp"
 #include "core/plan/table.hpp"
 #include "core/plan/tables.hpp"
 
 namespace popcut {
 namespace {
 
-DashShape read_dashes(const nlohmann::json& json, std::string pointer,
-                      std::optional<Error>& fault) {
+DashShape read_dashes(JsonFields& fields) {
   DashShape dashes;
-  JsonFields fields(json, std::move(pointer), fault);
-  fields.number("dash_mm", dashes.dash_mm, 0.05, 100.0);
-  fields.number("gap_mm", dashes.gap_mm, 0.05, 100.0);
-  fields.number("clearance_mm", dashes.clearance_mm, 0.0, 100.0);
-  fields.number("min_dash_mm", dashes.min_dash_mm, 0.01, dashes.dash_mm);
-  fields.nothing_else();
+  dashes.dash_mm = fields.number("dash_mm", {}, 0.05, 100.0);
+  dashes.gap_mm = fields.number("gap_mm", {}, 0.05, 100.0);
+  dashes.clearance_mm = fields.number("clearance_mm", {}, 0.0, 100.0);
+  dashes.min_dash_mm = fields.number("min_dash_mm", {}, 0.01, dashes.dash_mm);
   return dashes;
 }
 
-ToolSettings read_tool(const nlohmann::json& json, std::string pointer,
-                       std::optional<Error>& fault) {
+ToolSettings read_tool(JsonFields& fields) {
   ToolSettings tool;
-  JsonFields fields(json, std::move(pointer), fault);
-  fields.whole("tool", tool.tool, 1, 8);
-  fields.number("force_gf", tool.force_gf, 0.0, 10'000.0);
-  fields.number("speed_mm_s", tool.speed_mm_s, 0.1, 10'000.0);
-  fields.whole("passes", tool.passes, 1, 20);
-  fields.nothing_else();
+  tool.tool = fields.integer("tool", {}, 1, 8);
+  tool.force_gf = fields.number("force_gf", {}, 0.0, 10'000.0);
+  tool.speed_mm_s = fields.number("speed_mm_s", {}, 0.1, 10'000.0);
+  tool.passes = fields.integer("passes", {}, 1, 20);
   return tool;
 }
 
 Result<Material> read_material(const TableRow& row) {
   Material material;
-  std::optional<Error> fault;
-  JsonFields fields(row.row, row.pointer, fault);
-  fields.text("name", material.name);
-  fields.text("title", material.title);
-  fields.also("source");
-  fields.number("thickness_mm", material.thickness_mm, 0.001, 20.0);
-  if (const auto* dashes = fields.object("dashes"))
-    material.dashes = read_dashes(*dashes, fields.at("dashes"), fault);
-  if (const auto* tool = fields.object("cut"))
-    material.cut = read_tool(*tool, fields.at("cut"), fault);
-  if (const auto* tool = fields.object("fold"))
-    material.fold = read_tool(*tool, fields.at("fold"), fault);
-  if (const auto* tool = fields.object("draw"))
-    material.draw = read_tool(*tool, fields.at("draw"), fault);
-  fields.number("blade_offset_mm", material.blade_offset_mm, 0.0, 5.0);
-  fields.whole("autoblade_depth", material.autoblade_depth, 0, 10);
-  fields.nothing_else();
-  if (fault) return tl::unexpected(in_table(row, *fault));
+  JsonFields fields(row.row, row.pointer);
+  material.name = fields.text("name", {});
+  material.title = fields.text("title", {});
+  fields.value("source");
+  material.thickness_mm = fields.number("thickness_mm", {}, 0.001, 20.0);
+  read_object(fields, "dashes", material.dashes, read_dashes);
+  read_object(fields, "cut", material.cut, read_tool);
+  read_object(fields, "fold", material.fold, read_tool);
+  read_object(fields, "draw", material.draw, read_tool);
+  material.blade_offset_mm = fields.number("blade_offset_mm", {}, 0.0, 5.0);
+  material.autoblade_depth = fields.integer("autoblade_depth", {}, 0, 10);
+  if (const auto whole = fields.finish(); !whole)
+    return tl::unexpected(in_table(row, whole.error()));
   return material;
 }
 

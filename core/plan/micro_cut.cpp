@@ -12,9 +12,9 @@
 namespace popcut {
 namespace {
 
-constexpr double kTouch = 0.05;        // mm between a fold and a cut that meet
-constexpr double kSteepest = 0.5;      // sine; below it the clearance grows no more
-constexpr double kCorner = 0.98;       // cosine; a sharper turn of a fold gets clearance
+constexpr double kTouch = 0.05;    // mm between a fold and a cut that meet
+constexpr double kSteepest = 0.5;  // sine; below it the clearance grows no more
+constexpr double kCorner = 0.98;   // cosine; a sharper turn of a fold gets clearance
 constexpr double kSlack = 1e-9;
 
 struct CutPiece {
@@ -30,7 +30,8 @@ std::vector<CutPiece> cut_pieces(const LineWork& work) {
     const bool open = !closed(points);
     for (std::size_t i = 1; i < points.size(); ++i)
       if (points[i - 1] != points[i])
-        pieces.push_back({{points[i - 1], points[i]}, open && i == 1, open && i + 1 == points.size()});
+        pieces.push_back(
+            {{points[i - 1], points[i]}, open && i == 1, open && i + 1 == points.size()});
   }
   return pieces;
 }
@@ -51,10 +52,12 @@ class Clearances {
       if (l <= 0.0) continue;
       meet_cuts(piece, l, t, kept);
       t += l;
-      if (i + 1 < fold.size() && turns(fold[i - 1], fold[i], fold[i + 1])) keep(kept, t, clearance_);
+      if (i + 1 < fold.size() && turns(fold[i - 1], fold[i], fold[i + 1]))
+        keep(kept, t, clearance_);
     }
     keep(kept, t, clearance_);
-    std::sort(kept.begin(), kept.end(), [](const Dash& a, const Dash& b) { return a.from < b.from; });
+    std::sort(kept.begin(), kept.end(),
+              [](const Dash& a, const Dash& b) { return a.from < b.from; });
   }
 
  private:
@@ -75,8 +78,12 @@ class Clearances {
   void meet_cuts(const Segment& piece, double l, double t, std::vector<Dash>& kept) {
     grid_.near(piece, near_);
     const double ux = (piece.b.x - piece.a.x) / l, uy = (piece.b.y - piece.a.y) / l;
-    const auto along = [&](const PagePoint& p) { return (p.x - piece.a.x) * ux + (p.y - piece.a.y) * uy; };
-    const auto aside = [&](const PagePoint& p) { return (p.y - piece.a.y) * ux - (p.x - piece.a.x) * uy; };
+    const auto along = [&](const PagePoint& p) {
+      return (p.x - piece.a.x) * ux + (p.y - piece.a.y) * uy;
+    };
+    const auto aside = [&](const PagePoint& p) {
+      return (p.y - piece.a.y) * ux - (p.x - piece.a.x) * uy;
+    };
     for (const std::uint32_t c : near_) {
       const CutPiece& cut = cuts_[c];
       const double h0 = aside(cut.segment.a), h1 = aside(cut.segment.b);
@@ -127,13 +134,16 @@ struct Bare {
 
 void tell(const Bare& bare, const DashShape& shape, std::vector<std::string>& warnings) {
   if (bare.count == 0) return;
-  warnings.push_back(fmt::format(
-      "{} stretches of folds are too short for a dash of {} mm between clearances of {} mm and stay "
-      "uncut; the longest is {:.2f} mm, at {:.2f},{:.2f} mm",
-      bare.count, shape.min_dash_mm, shape.clearance_mm, bare.longest_mm, bare.where.x, bare.where.y));
+  warnings.push_back(
+      fmt::format("{} stretches of folds are too short for a dash of {} mm between clearances of "
+                  "{} mm and stay "
+                  "uncut; the longest is {:.2f} mm, at {:.2f},{:.2f} mm",
+                  bare.count, shape.min_dash_mm, shape.clearance_mm, bare.longest_mm, bare.where.x,
+                  bare.where.y));
 }
 
-// Dashes between the kept stretches. `bare` learns of places without any that are longer than a gap.
+// Dashes between the kept stretches. `bare` learns of places without any that are longer than a
+// gap.
 void dash_between(std::span<const PagePoint> fold, double l, const std::vector<Dash>& kept,
                   const DashShape& shape, std::vector<Dash>& dashes, Bare& bare) {
   dashes.clear();

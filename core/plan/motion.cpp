@@ -19,8 +19,8 @@ double piece_seconds(double l, double v0, double v1, double most, double a) {
 
 double corner_speed(const PagePoint& p, const PagePoint& q, const PagePoint& r, double most,
                     const Motion& motion) {
-  const double cosine = ((q.x - p.x) * (r.x - q.x) + (q.y - p.y) * (r.y - q.y)) /
-                        (distance(p, q) * distance(q, r));
+  const double cosine =
+      ((q.x - p.x) * (r.x - q.x) + (q.y - p.y) * (r.y - q.y)) / (distance(p, q) * distance(q, r));
   const double s = std::sqrt(std::clamp((1 + cosine) / 2, 0.0, 1.0));
   if (s > 1 - 1e-12) return most;
   return std::min(most, std::sqrt(motion.accel_mm_s2 * motion.corner_mm * s / (1 - s)));
@@ -60,7 +60,8 @@ double strokes_seconds(const Toolpath& path, const Motion& motion) {
     const Stroke& stroke = path.strokes[i];
     const auto points = path.points_of(stroke);
     if (i > 0)
-      seconds += travel_seconds(distance(path.points_of(path.strokes[i - 1]).back(), points.front()), motion);
+      seconds += travel_seconds(
+          distance(path.points_of(path.strokes[i - 1]).back(), points.front()), motion);
     seconds += motion.drop_s + motion.lift_s + path_seconds(points, stroke.speed_mm_s, motion);
   }
   return seconds;

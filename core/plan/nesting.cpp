@@ -47,7 +47,8 @@ class LoopGrid {
  private:
   [[nodiscard]] std::int64_t cell(double value, double from, double span) const {
     const double f = span > 0.0 ? (value - from) / span * static_cast<double>(side_) : 0.0;
-    return static_cast<std::int64_t>(std::clamp(std::floor(f), 0.0, static_cast<double>(side_ - 1)));
+    return static_cast<std::int64_t>(
+        std::clamp(std::floor(f), 0.0, static_cast<double>(side_ - 1)));
   }
   [[nodiscard]] std::int64_t column(double x) const { return cell(x, all_.x0, all_.width()); }
   [[nodiscard]] std::int64_t row(double y) const { return cell(y, all_.y0, all_.height()); }
@@ -68,7 +69,8 @@ PagePoint probe(std::span<const PagePoint> line) {
 
 }  // namespace
 
-std::vector<std::uint32_t> nesting_depth(const LineWork& work, const std::vector<std::uint8_t>& counts) {
+std::vector<std::uint32_t> nesting_depth(const LineWork& work,
+                                         const std::vector<std::uint8_t>& counts) {
   std::vector<std::uint32_t> depth(work.lines.size(), 0);
   std::vector<Loop> loops;
   for (std::uint32_t i = 0; i < work.lines.size(); ++i) {
@@ -85,7 +87,8 @@ std::vector<std::uint32_t> nesting_depth(const LineWork& work, const std::vector
     const PagePoint p = probe(work.points_of(work.lines[i]));
     for (const std::uint32_t l : grid.at(p)) {
       const Box& box = loops[l].box;
-      if (loops[l].line == i || p.x < box.x0 || p.x > box.x1 || p.y < box.y0 || p.y > box.y1) continue;
+      if (loops[l].line == i || p.x < box.x0 || p.x > box.x1 || p.y < box.y0 || p.y > box.y1)
+        continue;
       if (holds(work.points_of(work.lines[loops[l].line]), p)) ++depth[i];
     }
   }

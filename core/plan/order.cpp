@@ -174,12 +174,22 @@ std::vector<std::uint32_t> cutting_groups(const LineWork& work) {
   for (std::size_t i = 0; i < work.lines.size(); ++i) {
     const std::uint32_t inner_first = deepest - depth[i];
     switch (work.lines[i].operation) {
-      case Operation::Draw: groups.push_back(0); break;
-      case Operation::Score: groups.push_back(1); break;
+      case Operation::Draw:
+        groups.push_back(0);
+        break;
+      case Operation::Score:
+        groups.push_back(1);
+        break;
       case Operation::FoldMountain:
-      case Operation::FoldValley: groups.push_back(2); break;
-      case Operation::Cut: groups.push_back(3 + inner_first); break;
-      case Operation::Outline: groups.push_back(4 + deepest + inner_first); break;
+      case Operation::FoldValley:
+        groups.push_back(2);
+        break;
+      case Operation::Cut:
+        groups.push_back(3 + inner_first);
+        break;
+      case Operation::Outline:
+        groups.push_back(4 + deepest + inner_first);
+        break;
     }
   }
   return groups;

@@ -83,7 +83,9 @@ void OverlapIndex::visit_cells(const Segment& s, double reach, Visit&& visit) co
   const PagePoint& hi = forward ? s.b : s.a;
   const double span = major(hi) - major(lo);
   const double slope = span > 0.0 ? (minor(hi) - minor(lo)) / span : 0.0;
-  const auto cell_at = [&](double value) { return static_cast<std::int64_t>(std::floor(value / cell_)); };
+  const auto cell_at = [&](double value) {
+    return static_cast<std::int64_t>(std::floor(value / cell_));
+  };
   const std::int64_t first = cell_at(major(lo) - reach);
   const std::int64_t last = cell_at(major(hi) + reach);
   for (std::int64_t c = first; c <= last; ++c) {
@@ -110,7 +112,8 @@ void OverlapIndex::insert(const Segment& segment, std::uint32_t id) {
   });
 }
 
-void OverlapIndex::covered(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out) {
+void OverlapIndex::covered(const Segment& segment, std::uint32_t not_this,
+                           std::vector<Covered>& out) {
   out.clear();
   const double l = distance(segment.a, segment.b);
   if (!(l > 0.0)) return;
@@ -124,7 +127,8 @@ void OverlapIndex::covered(const Segment& segment, std::uint32_t not_this, std::
         if (seen_[index] == query_ || ids_[index] == not_this) continue;
         seen_[index] = query_;
         Covered part{0.0, 0.0, ids_[index]};
-        if (overlap(segment, l, segments_[index], tolerance_, part.from, part.to)) out.push_back(part);
+        if (overlap(segment, l, segments_[index], tolerance_, part.from, part.to))
+          out.push_back(part);
       }
     }
   });

@@ -44,7 +44,8 @@ class OverlapIndex {
   double cell_;
   double tolerance_;
   std::vector<std::int32_t> head_;
-  std::vector<std::pair<std::uint32_t, std::int32_t>> entries_;  ///< index into segments_, next entry
+  std::vector<std::pair<std::uint32_t, std::int32_t>>
+      entries_;  ///< index into segments_, next entry
   std::vector<Segment> segments_;
   std::vector<std::uint32_t> ids_;
   std::vector<std::uint32_t> seen_;  ///< query number that looked at the segment last

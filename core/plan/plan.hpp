@@ -13,8 +13,8 @@
 namespace popcut {
 
 struct PlanOptions {
-  std::string mat;  ///< name or size, see `choose_mat`; empty: the machine's own
-  PlaceOptions place;
+  std::string mat{};  ///< name or size, see `choose_mat`; empty: the machine's own
+  PlaceOptions place{};
   OrderEffort effort{OrderEffort::Quick};
   std::uint32_t seed{1};  ///< of searches that use chance; the present ones do not
 };
@@ -24,11 +24,11 @@ struct PlannedSheet {
   Mat mat;
   std::array<double, 2> area_mm{};  ///< what can be reached, along carriage and feed
   Toolpath path;
-  Placement transform;              ///< pattern page -> sheet
-  double cut_mm{}, fold_mm{};       ///< tool down, as sent
-  double fold_line_mm{};            ///< folds before dashing
+  Placement transform;         ///< pattern page -> sheet
+  double cut_mm{}, fold_mm{};  ///< tool down, as sent
+  double fold_line_mm{};       ///< folds before dashing
   double travel_mm{}, travel_input_mm{}, home_mm{};
-  std::size_t paths{};              ///< lines of the drawing after cleaning
+  std::size_t paths{};  ///< lines of the drawing after cleaning
   double seconds{};
   std::array<double, 2> seconds_range{};
 };

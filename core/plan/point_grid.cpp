@@ -13,8 +13,8 @@ PointGrid::PointGrid(std::span<const PagePoint> points) : points_(points.begin()
   for (const PagePoint& p : points_) box.add(p);
   if (points_.empty()) box = {0.0, 0.0, 0.0, 0.0};
   const double n = static_cast<double>(points_.size()) + 1.0;
-  cell_ = std::max({std::sqrt(box.width() * box.height() / n), (box.width() + box.height()) / (2.0 * n),
-                    1e-6});
+  cell_ = std::max(
+      {std::sqrt(box.width() * box.height() / n), (box.width() + box.height()) / (2.0 * n), 1e-6});
   x0_ = box.x0;
   y0_ = box.y0;
   columns_ = static_cast<std::int64_t>(box.width() / cell_) + 1;

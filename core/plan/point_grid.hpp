@@ -17,7 +17,8 @@ class PointGrid {
 
   /// The up to `k` points nearest to `p` for which `take(index)` holds, nearest first.
   template <typename Take>
-  void nearest(const PagePoint& p, std::size_t k, Take&& take, std::vector<std::uint32_t>& out) const;
+  void nearest(const PagePoint& p, std::size_t k, Take&& take,
+               std::vector<std::uint32_t>& out) const;
 
  private:
   [[nodiscard]] std::int64_t column(double x) const;
@@ -34,7 +35,8 @@ class PointGrid {
 };
 
 template <typename Visit>
-void PointGrid::visit_ring(std::int64_t cx, std::int64_t cy, std::int64_t ring, Visit&& visit) const {
+void PointGrid::visit_ring(std::int64_t cx, std::int64_t cy, std::int64_t ring,
+                           Visit&& visit) const {
   const auto row_of = [&](std::int64_t y, std::int64_t step) {
     if (y < 0 || y >= rows_) return;
     for (std::int64_t x = cx - ring; x <= cx + ring; x += step)
@@ -63,14 +65,16 @@ void PointGrid::nearest(const PagePoint& p, std::size_t k, Take&& take,
         if (!take(i)) continue;
         const double d = squared(i);
         std::size_t at = out.size();
-        while (at > 0 && (squared(out[at - 1]) > d || (squared(out[at - 1]) == d && out[at - 1] > i)))
+        while (at > 0 &&
+               (squared(out[at - 1]) > d || (squared(out[at - 1]) == d && out[at - 1] > i)))
           --at;
         if (at == k) continue;
         if (out.size() == k) out.pop_back();
         out.insert(out.begin() + static_cast<std::ptrdiff_t>(at), i);
       }
     });
-    // All points of the rings further out are at least `ring` cells away, less the place in the cell.
+    // All points of the rings further out are at least `ring` cells away, less the place in the
+    // cell.
     const double reach = static_cast<double>(ring) * cell_;
     if (out.size() == k && squared(out.back()) <= reach * reach) return;
   }

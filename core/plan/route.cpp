@@ -17,7 +17,8 @@ class Route {
   Route(const PagePoint& from, std::vector<RouteStop>& stops, std::vector<std::uint32_t>& sequence,
         const RouteEffort& effort)
       : from_(from), stops_(stops), sequence_(sequence), effort_(effort), place_(stops.size()) {
-    for (std::size_t i = 0; i < sequence_.size(); ++i) place_[sequence_[i]] = static_cast<std::int64_t>(i);
+    for (std::size_t i = 0; i < sequence_.size(); ++i)
+      place_[sequence_[i]] = static_cast<std::int64_t>(i);
     find_neighbours();
   }
 
@@ -59,7 +60,8 @@ class Route {
     neighbours_.reserve(points.size() * effort_.neighbours);
     first_.assign(1, 0);
     for (std::uint32_t e = 0; e < points.size(); ++e) {
-      grid.nearest(points[e], effort_.neighbours, [&](std::uint32_t f) { return f / 2 != e / 2; }, near);
+      grid.nearest(
+          points[e], effort_.neighbours, [&](std::uint32_t f) { return f / 2 != e / 2; }, near);
       neighbours_.insert(neighbours_.end(), near.begin(), near.end());
       first_.push_back(static_cast<std::uint32_t>(neighbours_.size()));
     }
@@ -68,7 +70,9 @@ class Route {
     return std::span(neighbours_).subspan(first_[e], first_[e + 1] - first_[e]);
   }
   // Number of the end at which stop s is entered (left: the other one).
-  [[nodiscard]] std::uint32_t start_end(std::uint32_t s) const { return 2 * s + (stops_[s].flipped ? 1 : 0); }
+  [[nodiscard]] std::uint32_t start_end(std::uint32_t s) const {
+    return 2 * s + (stops_[s].flipped ? 1 : 0);
+  }
 
   [[nodiscard]] bool allowed(std::int64_t stops) const {
     return stops <= static_cast<std::int64_t>(effort_.longest_move);

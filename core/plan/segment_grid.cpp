@@ -56,8 +56,8 @@ void SegmentGrid::visit(const Segment& s, double reach, Visit&& visit_cell) cons
     const double to = std::clamp(origin_major + static_cast<double>(c + 1) * cell_ + reach, m0, m1);
     const double a = n0 + slope * (from - m0), b = n0 + slope * (to - m0);
     const std::int64_t top = clamp_to((std::max(a, b) + reach - origin_minor) / cell_, minors);
-    for (std::int64_t d = clamp_to((std::min(a, b) - reach - origin_minor) / cell_, minors); d <= top;
-         ++d)
+    for (std::int64_t d = clamp_to((std::min(a, b) - reach - origin_minor) / cell_, minors);
+         d <= top; ++d)
       visit_cell(static_cast<std::size_t>(flat ? d * columns_ + c : c * columns_ + d));
   }
 }

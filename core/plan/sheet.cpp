@@ -12,8 +12,8 @@
 namespace popcut {
 namespace {
 
-constexpr double kMargin = 10.0;   // mm around a drawing that is placed for its user
-constexpr double kFits = 1e-6;     // mm of rounding that still fit
+constexpr double kMargin = 10.0;  // mm around a drawing that is placed for its user
+constexpr double kFits = 1e-6;    // mm of rounding that still fit
 
 bool read_number(std::string_view& text, double& out) {
   const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), out);
@@ -26,12 +26,13 @@ bool read_number(std::string_view& text, double& out) {
 double margin(double size, double room) { return std::clamp((room - size) / 2, 0.0, kMargin); }
 
 bool inside(const Box& box, const std::array<double, 2>& reach) {
-  return box.x0 >= -kFits && box.y0 >= -kFits && box.x1 <= reach[0] + kFits && box.y1 <= reach[1] + kFits;
+  return box.x0 >= -kFits && box.y0 >= -kFits && box.x1 <= reach[0] + kFits &&
+         box.y1 <= reach[1] + kFits;
 }
 
 // The part of a..b within the area, as parameters in 0..1 (Liang and Barsky 1984).
-bool clip_segment(const PagePoint& a, const PagePoint& b, const std::array<double, 2>& reach, double& t0,
-                  double& t1) {
+bool clip_segment(const PagePoint& a, const PagePoint& b, const std::array<double, 2>& reach,
+                  double& t0, double& t1) {
   t0 = 0.0;
   t1 = 1.0;
   const auto side = [&](double p, double q) {  // p t <= q
@@ -51,8 +52,8 @@ PagePoint between(const PagePoint& a, const PagePoint& b, double t) {
   return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
 }
 
-void clip_line(std::span<const PagePoint> line, Operation operation, const std::array<double, 2>& reach,
-               std::vector<PagePoint>& run, LineWork& out) {
+void clip_line(std::span<const PagePoint> line, Operation operation,
+               const std::array<double, 2>& reach, std::vector<PagePoint>& run, LineWork& out) {
   const std::size_t first_line = out.lines.size();
   run.clear();
   for (std::size_t i = 1; i < line.size(); ++i) {
@@ -92,7 +93,8 @@ Result<std::array<double, 2>> parse_size_mm(std::string_view text) {
   };
   std::string_view rest = text;
   std::array<double, 2> size{};
-  if (!read_number(rest, size[0]) || rest.empty() || (rest[0] != 'x' && rest[0] != 'X')) return wrong();
+  if (!read_number(rest, size[0]) || rest.empty() || (rest[0] != 'x' && rest[0] != 'X'))
+    return wrong();
   rest.remove_prefix(1);
   if (!read_number(rest, size[1])) return wrong();
   double unit = 0.0;
@@ -109,7 +111,8 @@ Result<std::array<double, 2>> parse_size_mm(std::string_view text) {
 
 Result<Mat> choose_mat(const Machine& machine, std::string_view wanted) {
   if (wanted.empty())
-    return machine.mats.empty() ? Mat{"", 0, machine.width_mm, machine.length_mm} : machine.mats.front();
+    return machine.mats.empty() ? Mat{"", 0, machine.width_mm, machine.length_mm}
+                                : machine.mats.front();
   std::vector<std::string> names;
   for (const Mat& mat : machine.mats) {
     if (mat.name == wanted) return mat;
@@ -121,9 +124,10 @@ Result<Mat> choose_mat(const Machine& machine, std::string_view wanted) {
                 fmt::format("{} knows no mat {}; {}, or a size such as 300x200 (mm) or 12x12in",
                             machine.name, wanted.substr(0, 40), suggestion(wanted, names)));
   if ((*size)[0] > machine.width_mm + kFits || (*size)[1] > machine.length_mm + kFits)
-    return fail(ErrorKind::OutOfRange, "--mat",
-                fmt::format("{:.1f} x {:.1f} mm is larger than {}, which takes {:.1f} x {:.1f} mm",
-                            (*size)[0], (*size)[1], machine.name, machine.width_mm, machine.length_mm));
+    return fail(
+        ErrorKind::OutOfRange, "--mat",
+        fmt::format("{:.1f} x {:.1f} mm is larger than {}, which takes {:.1f} x {:.1f} mm",
+                    (*size)[0], (*size)[1], machine.name, machine.width_mm, machine.length_mm));
   return Mat{std::string(wanted), 0, (*size)[0], (*size)[1]};
 }
 
@@ -153,7 +157,9 @@ Result<Placement> place(const LineWork& work, const std::array<double, 2>& reach
   const auto fits = [&](double width, double height) {
     return width <= reach[0] + kFits && height <= reach[1] + kFits;
   };
-  const auto moved_to = [&](double x, double y) { return Placement{1, 0, x - box.x0, 0, 1, y - box.y0}; };
+  const auto moved_to = [&](double x, double y) {
+    return Placement{1, 0, x - box.x0, 0, 1, y - box.y0};
+  };
   // (x, y) -> (-y, x): a quarter turn, then to where its corner is to be.
   const auto turned_to = [&](double x, double y) {
     return Placement{0, -1, x + box.y1, 1, 0, y - box.x0};
@@ -166,10 +172,11 @@ Result<Placement> place(const LineWork& work, const std::array<double, 2>& reach
     if (options.clip || lies(w, h)) return moved_to(at.x, at.y);
     if (!fits(w, h) && lies(h, w)) return turned_to(at.x, at.y);
     if (fits(w, h))
-      return fail(ErrorKind::Infeasible, "--at",
-                  fmt::format("a drawing of {:.1f} x {:.1f} mm at {:g},{:g} reaches over the {:.1f} x "
-                              "{:.1f} mm that can be cut; at most {:.1f},{:.1f}",
-                              w, h, at.x, at.y, reach[0], reach[1], reach[0] - w, reach[1] - h));
+      return fail(
+          ErrorKind::Infeasible, "--at",
+          fmt::format("a drawing of {:.1f} x {:.1f} mm at {:g},{:g} reaches over the {:.1f} x "
+                      "{:.1f} mm that can be cut; at most {:.1f},{:.1f}",
+                      w, h, at.x, at.y, reach[0], reach[1], reach[0] - w, reach[1] - h));
   } else {
     if (work.has_page && (options.clip || inside(box, reach))) return Placement{};
     if (fits(w, h) || options.clip) return moved_to(margin(w, reach[0]), margin(h, reach[1]));

@@ -15,8 +15,8 @@ namespace popcut {
 /// @retval Usage  it is none of these, or a side is not between 1 mm and 100 m
 [[nodiscard]] Result<std::array<double, 2>> parse_size_mm(std::string_view text);
 
-/// The mat that `wanted` names on `machine`: one of its mats by name, or a size of its own (mat code
-/// 0: none is told). Empty: the first of the machine's mats, or its whole area.
+/// The mat that `wanted` names on `machine`: one of its mats by name, or a size of its own (mat
+/// code 0: none is told). Empty: the first of the machine's mats, or its whole area.
 ///
 /// @retval Usage       neither a name nor a size
 /// @retval OutOfRange  larger than the machine
@@ -38,7 +38,7 @@ struct Placement {
 };
 
 struct PlaceOptions {
-  std::optional<PagePoint> at;  ///< upper left corner of the drawing on the sheet
+  std::optional<PagePoint> at{};  ///< upper left corner of the drawing on the sheet
   bool clip{false};             ///< what lies outside of the area will be cut off
 };
 

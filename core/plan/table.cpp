@@ -6,14 +6,14 @@
 
 #include <fmt/format.h>
 
-#include "core/formats/json_text.hpp"
-#include "core/plan/json_fields.hpp"
+#include "core/json_fields.hpp"
 #include "core/plan/near_names.hpp"
 
 namespace popcut {
 namespace {
 
 constexpr std::size_t kMaxRows = 10'000;
+constexpr std::size_t kMaxTableBytes = 4u << 20;
 
 TableRow* find_row(std::vector<TableRow>& rows, std::string_view name) {
   const auto found =
@@ -25,7 +25,7 @@ TableRow* find_row(std::vector<TableRow>& rows, std::string_view name) {
 Result<TableRow> inherited(TableRow row, std::vector<TableRow>& rows) {
   const auto like = row.row.find("like");
   if (like == row.row.end()) return row;
-  const std::string place = json_pointer(row.pointer, "like");
+  const std::string place = row.pointer + "/like";
   if (!like->is_string())
     return fail(ErrorKind::Malformed, place, "the name of another row is due");
   const std::string base_name = like->get<std::string>();
@@ -47,31 +47,31 @@ Result<TableRow> inherited(TableRow row, std::vector<TableRow>& rows) {
 
 Result<void> append(std::vector<TableRow>& rows, std::string_view list, std::string_view text,
                     int table) {
-  auto json = parse_json(text, {.bytes = 4u << 20, .values = 200'000, .depth = 16});
+  if (text.size() > kMaxTableBytes)
+    return fail(ErrorKind::Malformed, "",
+                fmt::format("the table has {} bytes; at most {}", text.size(), kMaxTableBytes));
+  const auto json = parse_json(text, 16);
   if (!json) return tl::unexpected(json.error());
-  std::optional<Error> fault;
-  JsonFields fields(*json, "", fault);
-  long version = 1;
-  fields.whole("popcut", version, 1, 1);
-  fields.also("machines");
-  fields.also("materials");
-  fields.nothing_else();
-  if (fault) return tl::unexpected(*fault);
+  JsonFields fields(*json, "");
+  fields.integer("popcut", std::nullopt, 1, 1);
+  fields.value("machines");
+  fields.value("materials");
+  if (auto known = fields.finish(); !known) return known;
   const auto found = json->find(std::string(list));
   if (found == json->end()) return {};
-  const std::string pointer = json_pointer("", list);
+  const std::string pointer = "/" + std::string(list);
   if (!found->is_array()) return fail(ErrorKind::Malformed, pointer, "an array of rows is due");
   if (found->size() > kMaxRows)
     return fail(ErrorKind::Malformed, pointer,
                 fmt::format("{} rows; at most {}", found->size(), kMaxRows));
   for (std::size_t i = 0; i < found->size(); ++i) {
     TableRow row{"", fmt::format("{}/{}", pointer, i), table, (*found)[i]};
-    std::string& name = row.name;
-    JsonFields(row.row, row.pointer, fault).text("name", name);
-    if (fault) return tl::unexpected(*fault);
-    if (name.empty())
-      return fail(ErrorKind::Malformed, json_pointer(row.pointer, "name"),
-                  "is empty; a word is due");
+    JsonFields head(row.row, row.pointer);
+    row.name = head.text("name", std::nullopt);
+    if (row.name.empty())
+      head.add_error(ErrorKind::Malformed, row.pointer + "/name", "is empty; a word is needed");
+    for (const auto& field : row.row.items()) head.value(field.key());
+    if (auto named = head.finish(); !named) return named;
     auto whole_row = inherited(std::move(row), rows);
     if (!whole_row) return tl::unexpected(whole_row.error());
     if (TableRow* old = find_row(rows, whole_row->name))

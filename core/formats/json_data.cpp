@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/formats/json_text.hpp"
+#include "core/formats/json_data.hpp"
 
 #include <algorithm>
 #include <string>
@@ -62,7 +62,7 @@ std::string reason(std::string_view what) {
 
 }  // namespace
 
-Result<nlohmann::json> parse_json(std::string_view text, const JsonLimits& limits) {
+Result<nlohmann::json> parse_json_data(std::string_view text, const JsonLimits& limits) {
   if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
   if (auto within_limits = check_limits(text, limits); !within_limits)
     return tl::unexpected(within_limits.error());
@@ -74,37 +74,6 @@ Result<nlohmann::json> parse_json(std::string_view text, const JsonLimits& limit
   } catch (const nlohmann::json::exception& error) {
     return fail(ErrorKind::Malformed, "", "not JSON: " + reason(error.what()));
   }
-}
-
-const char* kind_of(const nlohmann::json& value) {
-  switch (value.type()) {
-    case nlohmann::json::value_t::object:
-      return "an object";
-    case nlohmann::json::value_t::array:
-      return "an array";
-    case nlohmann::json::value_t::string:
-      return "a text";
-    case nlohmann::json::value_t::boolean:
-      return "true or false";
-    case nlohmann::json::value_t::null:
-      return "null";
-    default:
-      return "a number";
-  }
-}
-
-std::string json_pointer(std::string_view pointer, std::string_view key) {
-  std::string out(pointer);
-  out += '/';
-  for (const char c : key.substr(0, 80)) {
-    if (c == '~')
-      out += "~0";
-    else if (c == '/')
-      out += "~1";
-    else
-      out += c;
-  }
-  return out;
 }
 
 }  // namespace popcut

@@ -1,0 +1,405 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/design.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/design/chain.hpp"
+#include "core/design/figures.hpp"
+#include "core/design/lattice.hpp"
+#include "core/design/mobility.hpp"
+#include "core/design/pattern_builder.hpp"
+#include "core/design/strip_builder.hpp"
+#include "core/design/surface.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr double kCardMargin = 15.0;  ///< of wall and ground beyond the highest and farthest end
+
+std::string method_name(LatticeMethod method) {
+  switch (method) {
+    case LatticeMethod::Branching:
+      return "branching";
+    case LatticeMethod::Slices:
+      return "slices";
+    case LatticeMethod::Conformal:
+      return "conformal";
+    case LatticeMethod::Levels:
+      return "levels";
+  }
+  return "";
+}
+
+/// The slices of a design with their chains, before any lattice.
+struct Sliced {
+  std::vector<double> s_mm;
+  std::vector<SliceCurve> curves;
+  std::vector<SliceCurve> between;  ///< at the connector after each slice but the last
+  std::vector<double> connector_s_mm;
+  std::vector<double> chain_x, chain_z;  ///< slices x (N + 1)
+  std::vector<ChainFigures> figures;
+};
+
+/// A run with what it was aimed at and how it is laid.
+struct Layout {
+  std::vector<LaidSlice> laid;
+  std::vector<Run> runs;
+  std::vector<RunTarget> targets;                ///< one a run
+  std::vector<std::vector<double>> connector_s;  ///< one a run
+};
+
+/// A layout as strips, with its figures.
+struct Laid {
+  LaidStrips strips;
+  LatticeFigures figures;
+  CardFrame frame;
+};
+
+class Designer {
+ public:
+  explicit Designer(const DesignSpec& spec) : spec_(spec), n_(spec.units_per_slice) {}
+
+  Result<Design> run() {
+    if (auto sliced = slice_target(); !sliced) return tl::unexpected(sliced.error());
+    cut_after_.assign(static_cast<std::size_t>(spec_.slices), 0);
+    // Each round that fails makes a plain cut more, so the rounds end.
+    for (int round = 0; round <= spec_.slices + 1; ++round) {
+      LatticeMethod method = spec_.lattice;
+      std::string note;
+      auto laid = lay(method, note);
+      if (!laid) return tl::unexpected(laid.error());
+      if (cut_unlawful(laid->second.strips)) continue;
+      auto built = build_pattern(laid->second.strips.strips, laid->second.frame.wall_mm,
+                                 laid->second.frame.ground_mm, laid->second.frame.card);
+      if (!built) return tl::unexpected(built.error());
+      const Mobility motion = mobility(*built);
+      if (spec_.card && motion.degrees_of_freedom != 1) {
+        if (cut_loose(laid->second.strips.strips, *built, motion)) continue;
+        return fail(
+            ErrorKind::Infeasible, "/units_per_slice",
+            fmt::format("the structure would have {} degrees of freedom, and no plain cut mends "
+                        "it; use fewer units or a smaller min_panel_mm",
+                        motion.degrees_of_freedom));
+      }
+      if (motion.pieces != 1)
+        return fail(ErrorKind::Infeasible, "/card",
+                    fmt::format("without a card the sheet falls into {} pieces; keep the card",
+                                motion.pieces));
+      return finish(laid->first, std::move(laid->second), std::move(*built), motion, method,
+                    std::move(note));
+    }
+    return fail(ErrorKind::Internal, "", "plain cuts did not come to an end");
+  }
+
+ private:
+  [[nodiscard]] double width(int j) const { return spec_.widths_mm[static_cast<std::size_t>(j)]; }
+
+  Result<void> slice_target() {
+    auto surface = Surface::make(spec_.surface, spec_.scale_mm);
+    if (!surface) return tl::unexpected(surface.error());
+    double s = 0.0;
+    for (int j = 0; j < spec_.slices; ++j) {
+      if (j > 0) s += 0.5 * (width(j - 1) + width(j));
+      auto curve = surface->slice(s);
+      if (!curve) return tl::unexpected(curve.error());
+      if (curve->h() < 2.0 * spec_.min_panel_mm || curve->d() < 2.0 * spec_.min_panel_mm)
+        return fail(
+            ErrorKind::Infeasible, fmt::format("/surface at slice {} (s = {:.6g} mm)", j, s),
+            fmt::format("the target spans only {:.4g} x {:.4g} mm there, no room for panels of "
+                        "min_panel_mm = {:g}; use a larger scale_mm or fewer slices",
+                        curve->d(), curve->h(), spec_.min_panel_mm));
+      sliced_.s_mm.push_back(s);
+      sliced_.curves.push_back(std::move(*curve));
+      if (j + 1 == spec_.slices) break;
+      const double between = s + (3.0 * width(j) + width(j + 1)) / 8.0;
+      auto next = surface->slice(between);
+      if (!next) return tl::unexpected(next.error());
+      sliced_.connector_s_mm.push_back(between);
+      sliced_.between.push_back(std::move(*next));
+    }
+    return solve_chains();
+  }
+
+  Result<void> solve_chains() {
+    const auto points = static_cast<std::size_t>(n_) + 1;
+    sliced_.chain_x.resize(points * sliced_.curves.size());
+    sliced_.chain_z.resize(points * sliced_.curves.size());
+    ChainSolver solver;
+    for (std::size_t j = 0; j < sliced_.curves.size(); ++j) {
+      const std::span x(sliced_.chain_x.data() + j * points, points);
+      const std::span z(sliced_.chain_z.data() + j * points, points);
+      auto figures = spec_.solver == SolverMethod::Slsqp
+                         ? solve_chain_slsqp(sliced_.curves[j], n_, x, z)
+                         : solver.solve(sliced_.curves[j], n_, x, z);
+      if (!figures) return tl::unexpected(within(fmt::format("slice {}", j), figures.error()));
+      sliced_.figures.push_back(*figures);
+    }
+    return {};
+  }
+
+  /// Runs between plain cuts; a slice that stands alone with three units or more becomes two
+  /// halves.
+  [[nodiscard]] Layout layout() const {
+    Layout out;
+    for (int j = 0; j < spec_.slices;) {
+      int end = j + 1;
+      while (end < spec_.slices && !cut_after_[static_cast<std::size_t>(end - 1)]) ++end;
+      const bool halved = end == j + 1 && n_ >= 3;
+      Run run{static_cast<int>(out.laid.size()), halved ? 2 : end - j, {}};
+      RunTarget target;
+      target.units = n_;
+      target.min_panel_mm = spec_.min_panel_mm;
+      target.max_step_over_mean = spec_.max_step_over_mean;
+      std::vector<double> connector_s;
+      const auto add = [&](int slice, double share) {
+        const auto k = static_cast<std::size_t>(slice), points = static_cast<std::size_t>(n_) + 1;
+        out.laid.push_back({slice, sliced_.s_mm[k], share * width(slice)});
+        target.slice_curves.push_back(sliced_.curves[k]);
+        const auto begin = static_cast<std::ptrdiff_t>(k * points);
+        const auto stop = begin + static_cast<std::ptrdiff_t>(points);
+        target.chain_x.insert(target.chain_x.end(), sliced_.chain_x.begin() + begin,
+                              sliced_.chain_x.begin() + stop);
+        target.chain_z.insert(target.chain_z.end(), sliced_.chain_z.begin() + begin,
+                              sliced_.chain_z.begin() + stop);
+      };
+      if (halved) {
+        add(j, 0.5), add(j, 0.5);
+        target.connector_curves.push_back(sliced_.curves[static_cast<std::size_t>(j)]);
+        connector_s.push_back(sliced_.s_mm[static_cast<std::size_t>(j)]);
+      } else {
+        for (int k = j; k < end; ++k) add(k, 1.0);
+        for (int k = j; n_ > 1 && k + 1 < end; ++k) {
+          target.connector_curves.push_back(sliced_.between[static_cast<std::size_t>(k)]);
+          connector_s.push_back(sliced_.connector_s_mm[static_cast<std::size_t>(k)]);
+        }
+      }
+      out.runs.push_back(std::move(run));
+      out.targets.push_back(std::move(target));
+      out.connector_s.push_back(std::move(connector_s));
+      j = end;
+    }
+    return out;
+  }
+
+  /// Fills the planes of every run by one method.
+  Result<void> fill(Layout& layout, LatticeMethod method) const {
+    for (std::size_t r = 0; r < layout.runs.size(); ++r) {
+      const RunTarget& target = layout.targets[r];
+      Planes& planes = layout.runs[r].planes;
+      if (n_ == 1) {
+        planes = Planes{1, {}};
+        for (const SliceCurve& c : target.slice_curves) {
+          planes.value.push_back(c.h());
+          planes.value.push_back(c.d());
+        }
+        continue;
+      }
+      switch (method) {
+        case LatticeMethod::Branching:
+          planes = lattice_branching(target);
+          break;
+        case LatticeMethod::Slices:
+          planes = lattice_slices(target);
+          break;
+        case LatticeMethod::Levels:
+          planes = lattice_levels(target);
+          break;
+        case LatticeMethod::Conformal: {
+          auto conformal = lattice_conformal(target);
+          if (!conformal) return tl::unexpected(within("/units_per_slice", conformal.error()));
+          planes = std::move(*conformal);
+        }
+      }
+    }
+    return {};
+  }
+
+  /// H, D and the margins: as asked for, or large enough for all wall and ground ends.
+  Result<CardFrame> frame(const std::vector<Run>& runs) const {
+    const Reach reach = reach_of(runs);
+    CardFrame out;
+    double wall = reach.wall_mm, ground = reach.ground_mm;
+    for (const SliceCurve& c : sliced_.curves)
+      wall = std::max(wall, c.h()), ground = std::max(ground, c.d());
+    if (!spec_.card) return CardFrame{false, wall, ground, 0.0};
+    out.margin_mm = spec_.card->margin_mm;
+    const auto side = [&](const std::optional<double>& asked, double end, const char* field,
+                          const char* what) -> Result<double> {
+      if (!asked) return end + std::max(kCardMargin, spec_.min_panel_mm);
+      if (*asked < end + spec_.min_panel_mm)
+        return fail(
+            ErrorKind::OutOfRange, fmt::format("/card/{}", field),
+            fmt::format("is {:g} mm; the {} reaches {:.4f} mm, so at least {:.4f} mm is needed",
+                        *asked, what, end, end + spec_.min_panel_mm));
+      return *asked;
+    };
+    const auto wall_mm = side(spec_.card->wall_mm, wall, "wall_mm", "structure");
+    if (!wall_mm) return tl::unexpected(wall_mm.error());
+    const auto ground_mm = side(spec_.card->ground_mm, ground, "ground_mm", "structure");
+    if (!ground_mm) return tl::unexpected(ground_mm.error());
+    out.wall_mm = *wall_mm, out.ground_mm = *ground_mm;
+    return out;
+  }
+
+  Result<Laid> lay_strips(const Layout& layout) const {
+    Laid out;
+    auto framed = frame(layout.runs);
+    if (!framed) return tl::unexpected(framed.error());
+    out.frame = *framed;
+    StripOptions options{out.frame, spec_.min_panel_mm, {}, {}};
+    if (!out.frame.card)
+      for (const LaidSlice& slice : layout.laid) {
+        options.wall_ends.push_back(sliced_.curves[static_cast<std::size_t>(slice.slice)].h());
+        options.ground_ends.push_back(sliced_.curves[static_cast<std::size_t>(slice.slice)].d());
+      }
+    out.strips = build_strips(layout.laid, layout.runs, options);
+    if (!out.strips.unlawful.empty()) return out;
+    FigureInput input{out.strips.strips, {}, {}, {}, 0.0};
+    for (const LaidSlice& slice : layout.laid)
+      input.slices.push_back({slice.s_mm, &sliced_.curves[static_cast<std::size_t>(slice.slice)]});
+    double mean = 0.0, weight = 0.0;
+    for (std::size_t r = 0; r < layout.runs.size(); ++r) {
+      const RunTarget& target = layout.targets[r];
+      for (std::size_t k = 0; k < layout.connector_s[r].size(); ++k) {
+        input.connectors.push_back({layout.connector_s[r][k], &target.connector_curves[k]});
+        input.left_parity.push_back((k & 1) != 0);
+      }
+      mean += target.mean_step() * layout.runs[r].count;
+      weight += layout.runs[r].count;
+    }
+    input.mean_step_mm = mean / weight;
+    out.figures = measure(input);
+    return out;
+  }
+
+  /// Lays the lattice by `method`. Where the conformal lattice does not come nearer to the target
+  /// than the plain one, the plain one is taken and `note` says so.
+  Result<std::pair<Layout, Laid>> lay(LatticeMethod& method, std::string& note) const {
+    Layout chosen = layout();
+    if (auto filled = fill(chosen, method); !filled) return tl::unexpected(filled.error());
+    auto laid = lay_strips(chosen);
+    if (!laid) return tl::unexpected(laid.error());
+    if (method != LatticeMethod::Conformal || n_ == 1 ||
+        chosen.targets.front().connector_curves.empty())
+      return std::pair{std::move(chosen), std::move(*laid)};
+    Layout plain = layout();
+    (void)fill(plain, LatticeMethod::Slices);
+    auto other = lay_strips(plain);
+    if (!other || !other->strips.unlawful.empty())
+      return std::pair{std::move(chosen), std::move(*laid)};
+    const LatticeFigures &mine = laid->figures, &theirs = other->figures;
+    if (!laid->strips.unlawful.empty() || prefer_slices(mine, theirs)) {
+      note = fmt::format(
+          "slices taken: conformal has gap {:.4g} mm and inner error {:.3g} mm, slices {:.4g} mm "
+          "and {:.3g} mm",
+          mine.gap_mm, mine.inner_error.max_mm, theirs.gap_mm, theirs.inner_error.max_mm);
+      method = LatticeMethod::Slices;
+      return std::pair{std::move(plain), std::move(*other)};
+    }
+    return std::pair{std::move(chosen), std::move(*laid)};
+  }
+
+  /// Slices are taken where they are as exact, or nearer to the target without being much less
+  /// exact.
+  static bool prefer_slices(const LatticeFigures& conformal, const LatticeFigures& slices) {
+    return slices.inner_error.rms_mm <= conformal.inner_error.rms_mm ||
+           (slices.gap_mm < conformal.gap_mm &&
+            conformal.inner_error.rms_mm > 0.5 * slices.inner_error.rms_mm);
+  }
+
+  /// Plain cuts where no connector is lawful; whether any was made.
+  bool cut_unlawful(const LaidStrips& strips) {
+    bool any = false;
+    for (const int slice : strips.unlawful)
+      any = cut(slice, "no connector fits between them") || any;
+    return any;
+  }
+
+  bool cut(int slice, const std::string& reason) {
+    auto& cut = cut_after_[static_cast<std::size_t>(slice)];
+    if (cut || slice + 1 >= spec_.slices) return false;
+    cut = 1;
+    notes_.push_back(
+        fmt::format("plain cut between slices {} and {}: {}", slice, slice + 1, reason));
+    return true;
+  }
+
+  /// Plain cuts at the connectors that have loose faces; whether any was made.
+  bool cut_loose(const Strips& strips, const BuiltPattern& built, const Mobility& motion) {
+    bool any = false;
+    for (std::size_t s = 0; s < strips.size(); ++s) {
+      if (strips.kind[s] != StripKind::Connector) continue;
+      bool loose = false;
+      for (std::uint32_t p = strips.first_panel[s]; p < strips.first_panel[s + 1]; ++p)
+        loose = loose || motion.loose[static_cast<std::size_t>(built.panel_face[p])];
+      if (loose) any = cut(strips.slice[s], "their connector would leave panels loose") || any;
+    }
+    return any;
+  }
+
+  Design finish(const Layout& layout, Laid laid, BuiltPattern built, const Mobility& motion,
+                LatticeMethod method, std::string note) {
+    Design out;
+    DesignReport& r = out.report;
+    out.strips = std::move(laid.strips.strips);
+    out.pattern = std::move(built.pattern);
+    out.pattern.name = r.name = spec_.name;
+    r.units_per_slice = {n_};
+    r.lattice = method_name(method), r.lattice_asked = method_name(spec_.lattice);
+    r.lattice_note = std::move(note);
+    add_slices(layout, out.strips, r);
+    r.faces = out.pattern.faces(), r.panels = out.strips.panels();
+    double u_least = out.pattern.wall_mm, u_most = 0.0;
+    for (const SheetLine& line : out.pattern.lines) {
+      const double length = std::hypot(line.u1 - line.u0, line.v1 - line.v0);
+      u_least = std::min({u_least, line.u0, line.u1}),
+      u_most = std::max({u_most, line.u0, line.u1});
+      if (line.role == EdgeRole::Slit) ++r.cuts, r.cut_length_mm += length;
+      if (line.role == EdgeRole::Outline) r.outline_length_mm += length;
+      if (line.role == EdgeRole::Mountain || line.role == EdgeRole::Valley)
+        ++r.folds, r.fold_length_mm += length;
+    }
+    r.degrees_of_freedom = motion.degrees_of_freedom, r.pieces = motion.pieces;
+    r.sheet_u_mm = u_most - u_least, r.sheet_v_mm = out.pattern.width_mm;
+    r.inner_error = laid.figures.inner_error, r.end_error = laid.figures.end_error;
+    r.step_over_mean_min = laid.figures.step_over_mean_min;
+    r.step_over_mean_max = laid.figures.step_over_mean_max;
+    r.gap_mm = laid.figures.gap_mm;
+    r.merged = std::move(laid.strips.merged);
+    r.notes = notes_;
+    return out;
+  }
+
+  void add_slices(const Layout& layout, const Strips& strips, DesignReport& r) {
+    std::vector<double> v_sum(sliced_.s_mm.size()), count(sliced_.s_mm.size());
+    for (std::size_t s = 0; s < strips.size(); ++s) {
+      if (strips.kind[s] != StripKind::Slice && strips.kind[s] != StripKind::Box) continue;
+      const auto j = static_cast<std::size_t>(strips.slice[s]);
+      v_sum[j] += 0.5 * (strips.v_begin[s] + strips.v_begin[s + 1]), ++count[j];
+    }
+    for (std::size_t j = 0; j < sliced_.s_mm.size(); ++j)
+      r.slices.push_back({sliced_.s_mm[j], v_sum[j] / count[j], spec_.widths_mm[j],
+                          sliced_.figures[j].loss, sliced_.figures[j].iterations});
+    for (const Run& run : layout.runs)
+      if (run.count == 2 && layout.laid[static_cast<std::size_t>(run.first)].slice ==
+                                layout.laid[static_cast<std::size_t>(run.first) + 1].slice)
+        notes_.push_back(fmt::format("slice {} stands alone and is laid as two halves",
+                                     layout.laid[static_cast<std::size_t>(run.first)].slice));
+    r.notes = notes_;
+  }
+
+  const DesignSpec& spec_;
+  int n_;
+  Sliced sliced_;
+  std::vector<std::uint8_t> cut_after_;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace
+
+Result<Design> design(const DesignSpec& spec) { return Designer(spec).run(); }
+
+}  // namespace popcut
