@@ -54,7 +54,8 @@ struct Command {
   std::uint32_t count{};
   std::uint64_t begin{};
   std::uint64_t end{};
-  std::uint32_t text{};  ///< index into `Program::texts` for Query, Other and Unknown
+  std::uint32_t text{};  ///< index into `Program::texts`: the mnemonic ("FX", "TB50", "ENQ"), or
+                         ///< all bytes of an Unknown; not set for Move, Draw and Empty
 };
 
 /// A program as a list of commands in order, flat. Points are absolute (relative and binary forms
@@ -66,6 +67,7 @@ struct Program {
   std::vector<MachinePoint> points;
   std::vector<double> args;
   std::vector<std::string> texts;
+  bool truncated{false};  ///< the last command is an Unknown that the end of the input cut off
 };
 
 }  // namespace popcut

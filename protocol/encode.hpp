@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/plan/machine.hpp"
+#include "core/result.hpp"
+#include "core/toolpath.hpp"
+#include "protocol/program.hpp"
+
+namespace popcut {
+
+/// Bytes `begin .. end` of a program.
+struct ByteRange {
+  std::uint64_t begin{};
+  std::uint64_t end{};
+  friend constexpr auto operator<=>(const ByteRange&, const ByteRange&) = default;
+};
+
+/// A program as it is sent: `setup` blocks, then `geometry`, then `trailer`, with nothing between
+/// them. A session waits until the device is ready after the setup, the geometry and the trailer.
+///
+/// Every range ends at the end of a command. The strokes' ranges follow each other without gaps
+/// and fill the geometry: a stroke's bytes are the settings that changed before it, the move with
+/// the tool up to its start, and its lines. No queries are part of a program.
+struct EncodedProgram {
+  Dialect dialect{};
+  std::string bytes;
+  std::vector<ByteRange> setup;
+  ByteRange geometry;
+  ByteRange trailer;
+  std::vector<ByteRange> strokes;   ///< one a stroke of the toolpath, in its order
+  std::vector<std::uint32_t> dots;  ///< strokes all of whose points round to one unit: not sent,
+                                    ///< their range is empty, and whoever calls tells the user
+
+  [[nodiscard]] std::span<const std::byte> view(ByteRange range) const {
+    return std::as_bytes(std::span(bytes)).subspan(range.begin, range.end - range.begin);
+  }
+  [[nodiscard]] std::span<const std::byte> view() const { return std::as_bytes(std::span(bytes)); }
+};
+
+/// What a tool holder holds. A pen gets no blade offset and no longer corners.
+enum class ToolKind : std::uint8_t { Blade, Pen };
+
+/// How lines are written in GPGL.
+enum class DrawForm : std::uint8_t {
+  Usual,   ///< as the variant's own software does: BE from the Cameo 3 on, D before
+  Text,    ///< D
+  Binary,  ///< BE1, BE2, BE3
+};
+
+/// What HPGL machines differ in beside their units.
+struct HpglHabits {
+  bool move_by_pa{false};      ///< PU takes no point: `PU;PAx,y;`
+  bool newline{false};         ///< a newline after each command
+  bool speed_and_force{true};  ///< VS and FS are sent, where the machine's scales have steps
+  bool final_in{true};         ///< the trailer ends with IN
+};
+
+/// What a job adds to strokes, machine and material.
+struct JobOptions {
+  double page_width_mm{};         ///< page or mat along the carriage; 0: the machine's own width
+  double page_length_mm{};        ///< page or mat along the feed; 0: the machine's own length
+  std::optional<int> mat_code{};  ///< what TG sends; none: 0 (no mat) for machines that know mats
+  double window_left_mm{};        ///< upper left corner of the working window
+  double window_top_mm{};
+  bool autoblade{true};  ///< false: a ratchet blade sits in the holder of the autoblade
+  bool track_enhancing{false};
+  bool corner_lift{false};                   ///< lift at sharp corners ("line segment overcut")
+  std::optional<int> corner_start_tenths{};  ///< corner extension in 0.1 mm; none: as usual
+  std::optional<int> corner_end_tenths{};
+  /// What the holders 1, 2, ... hold. Those not listed: a pen if all strokes of the holder are
+  /// drawn, else a blade.
+  std::vector<ToolKind> holders{};
+  DrawForm draw{DrawForm::Usual};
+  bool fractions{false};             ///< GPGL: coordinates in hundredths of a unit, lines as D
+  std::optional<HpglHabits> hpgl{};  ///< none: those of the machine's variant
+};
+
+/// Options for a job on a mat.
+[[nodiscard]] inline JobOptions on_mat(const Mat& mat) {
+  return {.page_width_mm = mat.width_mm, .page_length_mm = mat.length_mm, .mat_code = mat.code};
+}
+
+/// Writes a toolpath as a program for `machine`, in its language and variant.
+///
+/// Coordinates are rounded to the nearest unit, half away from zero. Points that round to the same
+/// unit as the one before them are left out. Settings are sent with the first stroke's values and
+/// again between strokes, but only those that change. Force and speed go to the nearest step.
+///
+/// @retval OutOfRange  a force, speed, tool, depth or coordinate that the machine does not take;
+/// the
+///                     place is the stroke (`/strokes/N`) or the field of the machine
+[[nodiscard]] Result<EncodedProgram> encode(const Toolpath& toolpath, const Machine& machine,
+                                            const Material& material,
+                                            const JobOptions& options = {});
+
+/// `encode` for machines whose language is gpgl.
+[[nodiscard]] Result<EncodedProgram> encode_gpgl(const Toolpath& toolpath, const Machine& machine,
+                                                 const Material& material,
+                                                 const JobOptions& options = {});
+
+/// `encode` for machines whose language is hpgl. Negative coordinates are an error: many machines
+/// that speak HPGL take none.
+[[nodiscard]] Result<EncodedProgram> encode_hpgl(const Toolpath& toolpath, const Machine& machine,
+                                                 const Material& material,
+                                                 const JobOptions& options = {});
+
+}  // namespace popcut

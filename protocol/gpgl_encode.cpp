@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "protocol/be_delta.hpp"
+#include "protocol/encode.hpp"
+#include "protocol/gpgl_variants.hpp"
+#include "protocol/stroke_steps.hpp"
+
+namespace popcut {
+namespace {
+
+// Commands stay below 1024 bytes: drivers cut their writes there, and nothing longer was ever seen.
+constexpr std::size_t kMaxCommandBytes = 1023;
+
+class GpglEncoder {
+ public:
+  GpglEncoder(const Toolpath& toolpath, const Machine& machine, const Material& material,
+              const JobOptions& options, const GpglVariant& variant, const PageMap& map)
+      : toolpath_(toolpath),
+        machine_(machine),
+        material_(material),
+        options_(options),
+        variant_(variant),
+        map_(map),
+        kinds_(holders_of(toolpath, options)),
+        known_(kinds_.size() + 1),
+        per_unit_(options.fractions ? 100 : 1) {
+    const DrawForm form = options.draw;
+    binary_ = !options.fractions &&
+              (form == DrawForm::Binary || (form == DrawForm::Usual && variant.binary_draw));
+  }
+
+  Result<EncodedProgram> run() {
+    program_.dialect = Dialect::Gpgl;
+    program_.strokes.reserve(toolpath_.strokes.size());
+    program_.bytes.reserve(toolpath_.points.size() * (binary_ ? 4 : 12) + 256);
+    if (Result<void> done = check_job(); !done) return tl::unexpected(done.error());
+    set_job_values();
+    StrokeSteps first;
+    if (!toolpath_.strokes.empty()) {
+      Result<StrokeSteps> steps = steps_of(toolpath_.strokes.front(), 0, machine_);
+      if (!steps) return tl::unexpected(steps.error());
+      first = *steps;
+    }
+    write_setup(first);
+    program_.geometry.begin = program_.bytes.size();
+    for (std::size_t k = 0; k < toolpath_.strokes.size(); ++k) {
+      const std::uint64_t begin = program_.bytes.size();
+      if (Result<void> done = write_stroke(k); !done) return tl::unexpected(done.error());
+      program_.strokes.push_back({begin, program_.bytes.size()});
+    }
+    program_.geometry.end = program_.bytes.size();
+    write_settings(program_.bytes, variant_.trailer, values_);
+    program_.trailer = {program_.geometry.end, program_.bytes.size()};
+    return std::move(program_);
+  }
+
+ private:
+  std::int64_t units(double mm) const { return std::llround(mm / machine_.unit_mm); }
+
+  double page_width() const {
+    return options_.page_width_mm > 0 ? options_.page_width_mm : machine_.width_mm;
+  }
+  double page_length() const {
+    return options_.page_length_mm > 0 ? options_.page_length_mm : machine_.length_mm;
+  }
+
+  Result<void> check_job() const {
+    constexpr double kLongest = 1e6;
+    for (const double mm :
+         {page_width(), page_length(), options_.window_top_mm, options_.window_left_mm,
+          machine_.margin_top_mm, machine_.margin_left_mm}) {
+      if (!(std::abs(mm) < kLongest))
+        return fail(ErrorKind::OutOfRange, "",
+                    fmt::format("a page, window or margin of {} mm; it must be below 1 km", mm));
+    }
+    if (machine_.autoblade && (material_.autoblade_depth < 0 || material_.autoblade_depth > 10))
+      return fail(ErrorKind::OutOfRange, "/autoblade_depth",
+                  fmt::format("an autoblade depth of {} for {}; it must be 0 to 10",
+                              material_.autoblade_depth, material_.name));
+    if (!(material_.blade_offset_mm >= 0 && material_.blade_offset_mm < 100))
+      return fail(ErrorKind::OutOfRange, "/blade_offset_mm",
+                  fmt::format("a blade offset of {} mm for {}; 0.9 is usual",
+                              material_.blade_offset_mm, material_.name));
+    return {};
+  }
+
+  void set_job_values() {
+    const double bottom = page_length() + std::max(machine_.margin_top_mm, 0.0);
+    const double right = page_width() + std::max(machine_.margin_left_mm, 0.0);
+    values_.set("mat", options_.mat_code);
+    if (!options_.mat_code && !machine_.mats.empty()) values_.set("mat", 0);
+    values_.set("top", units(options_.window_top_mm));
+    values_.set("left", units(options_.window_left_mm));
+    // The window must hold the page where the machine's margins put it.
+    if (page_length() > 0) values_.set("bottom", units(bottom));
+    if (page_width() > 0) values_.set("right", units(right));
+    if (machine_.tool_holders > 1) values_.set("park", 0);
+    if (machine_.firmware_blade_offset) {
+      values_.set("offset", units(material_.blade_offset_mm));
+      values_.set("zero_offset", 0);
+    }
+    values_.set("lift", options_.corner_lift ? 1 : 0);
+    values_.set("extend_start", options_.corner_start_tenths.value_or(variant_.corner_tenths));
+    values_.set("extend_end", options_.corner_end_tenths.value_or(variant_.corner_tenths));
+    if (options_.track_enhancing) values_.set("track", 0);  // 0 is on
+  }
+
+  void set_stroke_values(const StrokeSteps& steps) {
+    values_.set("tool", steps.tool);
+    if (machine_.tool_holders > 1) values_.set("holder", steps.tool);
+    values_.set("force", steps.force);
+    values_.set("speed", steps.speed);
+    const bool taps = machine_.autoblade && options_.autoblade && steps.tool == 1;
+    values_.set("depth",
+                taps ? std::optional<std::int64_t>(material_.autoblade_depth) : std::nullopt);
+  }
+
+  std::vector<std::uint64_t> write_tool(const StrokeSteps& steps) {
+    known_[static_cast<std::size_t>(steps.tool)] = steps;
+    tool_ = steps.tool;
+    const bool pen = kinds_[static_cast<std::size_t>(steps.tool) - 1] == ToolKind::Pen;
+    return write_settings(program_.bytes, pen ? variant_.pen : variant_.blade, values_);
+  }
+
+  void write_setup(const StrokeSteps& first) {
+    set_stroke_values(first);
+    std::vector<std::uint64_t> ends = write_settings(program_.bytes, variant_.start, values_);
+    for (const std::uint64_t end : write_tool(first)) ends.push_back(end);
+    std::uint64_t begin = 0;
+    for (const std::uint64_t end : ends) {
+      program_.setup.push_back({begin, end});
+      begin = end;
+    }
+  }
+
+  void write_changes(const StrokeSteps& steps) {
+    std::optional<StrokeSteps>& known = known_[static_cast<std::size_t>(steps.tool)];
+    const bool same =
+        steps.tool == tool_ && known && known->force == steps.force && known->speed == steps.speed;
+    if (same) return;
+    set_stroke_values(steps);
+    if (steps.tool != tool_) write_settings(program_.bytes, variant_.select, values_);
+    // Settings without a holder's number hold for all holders: another holder needs its own again.
+    const bool per_holder = variant_.force.find("{tool}") != std::string_view::npos;
+    if (!known || (steps.tool != tool_ && !per_holder)) {
+      write_tool(steps);
+      return;
+    }
+    if (known->force != steps.force) write_settings(program_.bytes, variant_.force, values_);
+    if (known->speed != steps.speed) write_settings(program_.bytes, variant_.speed, values_);
+    known = steps;
+    tool_ = steps.tool;
+  }
+
+  Result<void> write_stroke(std::size_t index) {
+    const Result<StrokeSteps> steps = steps_of(toolpath_.strokes[index], index, machine_);
+    if (!steps) return tl::unexpected(steps.error());
+    if (Result<void> done = put_on_grid(toolpath_, index, map_, per_unit_, line_); !done)
+      return done;
+    if (line_.size() < 2) {
+      program_.dots.push_back(static_cast<std::uint32_t>(index));
+      return {};
+    }
+    write_changes(*steps);
+    write_point('M', line_.front());
+    if (binary_)
+      write_deltas();
+    else
+      for (std::size_t k = 1; k < line_.size(); ++k) write_point('D', line_[k]);
+    return {};
+  }
+
+  void write_point(char letter, GridPoint point) {
+    program_.bytes += letter;
+    append_number(program_.bytes, point.a, per_unit_);
+    program_.bytes += ',';
+    append_number(program_.bytes, point.b, per_unit_);
+    program_.bytes += kEtx;
+  }
+
+  /// Runs of deltas that need the same form go in one command; a delta too long for any goes as D.
+  void write_deltas() {
+    std::string& bytes = program_.bytes;
+    const DeltaForm* open = nullptr;
+    std::size_t begin = 0;
+    const auto close = [&] {
+      if (open != nullptr) bytes += kEtx;
+      open = nullptr;
+    };
+    for (std::size_t k = 1; k < line_.size(); ++k) {
+      const std::int64_t feed = line_[k].a - line_[k - 1].a;
+      const std::int64_t carriage = line_[k].b - line_[k - 1].b;
+      const DeltaForm* form = shortest_form(feed, carriage);
+      if (form == nullptr) {
+        close();
+        write_point('D', line_[k]);
+        continue;
+      }
+      const std::size_t after = bytes.size() - begin + static_cast<std::size_t>(form->digits) + 1;
+      if (form != open || after > kMaxCommandBytes) {
+        close();
+        begin = bytes.size();
+        bytes += "BE";
+        bytes += static_cast<char>('0' + form->number);
+        open = form;
+      }
+      put_delta(*form, feed, carriage, [&](char byte) { bytes += byte; });
+    }
+    close();
+  }
+
+  const Toolpath& toolpath_;
+  const Machine& machine_;
+  const Material& material_;
+  const JobOptions& options_;
+  const GpglVariant& variant_;
+  const PageMap map_;
+  const std::vector<ToolKind> kinds_;              ///< of holder 1, 2, ...
+  std::vector<std::optional<StrokeSteps>> known_;  ///< last settings sent, by holder
+  int tool_{};
+  int per_unit_{1};
+  bool binary_{};
+  SettingValues values_;
+  EncodedProgram program_;
+  std::vector<GridPoint> line_;
+};
+
+}  // namespace
+
+Result<EncodedProgram> encode_gpgl(const Toolpath& toolpath, const Machine& machine,
+                                   const Material& material, const JobOptions& options) {
+  const GpglVariant* variant = find_gpgl_variant(machine.variant);
+  if (variant == nullptr) {
+    std::string names;
+    for (const GpglVariant& known : gpgl_variants())
+      names += fmt::format("{}{}", names.empty() ? "" : ", ", known.name);
+    return fail(ErrorKind::OutOfRange, "/variant",
+                fmt::format("\"{}\" is no variant of GPGL; {} are known", machine.variant, names));
+  }
+  if (options.fractions && options.draw == DrawForm::Binary)
+    return fail(ErrorKind::OutOfRange, "",
+                "fractions cannot be drawn with BE, which takes whole units; draw with D");
+  const Result<PageMap> map = page_map(machine, options.page_length_mm);
+  if (!map) return tl::unexpected(map.error());
+  return GpglEncoder(toolpath, machine, material, options, *variant, *map).run();
+}
+
+}  // namespace popcut

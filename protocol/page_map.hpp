@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/plan/machine.hpp"
+#include "core/toolpath.hpp"
+#include "protocol/program.hpp"
+
+namespace popcut {
+
+/// How a page in mm lies in a machine's own units. GPGL has (feed, carriage), HPGL (x, y) with x
+/// along the carriage. Margins are where the page's corner lies in the machine's axes.
+struct PageMap {
+  Dialect dialect{};
+  double unit_mm{0.05};
+  double margin_left_mm{};
+  double margin_top_mm{};
+  bool y_up{false};
+  double page_length_mm{};  ///< only for y_up: the page's y = length is the machine's y = 0
+
+  /// Not rounded: a machine takes whole units, or hundredths where fractions are asked for.
+  [[nodiscard]] constexpr MachinePoint to_machine(PagePoint page) const {
+    const double y = y_up ? page_length_mm - page.y : page.y;
+    const double feed = (y + margin_top_mm) / unit_mm;
+    const double carriage = (page.x + margin_left_mm) / unit_mm;
+    return dialect == Dialect::Gpgl ? MachinePoint{feed, carriage} : MachinePoint{carriage, feed};
+  }
+
+  [[nodiscard]] constexpr PagePoint to_page(MachinePoint point) const {
+    const double feed = dialect == Dialect::Gpgl ? point.a : point.b;
+    const double carriage = dialect == Dialect::Gpgl ? point.b : point.a;
+    const double y = feed * unit_mm - margin_top_mm;
+    return {carriage * unit_mm - margin_left_mm, y_up ? page_length_mm - y : y};
+  }
+};
+
+/// The map of a page on `machine`.
+///
+/// @param page_length_mm  length of the page along the feed; used only if the machine has y up
+/// @retval OutOfRange     the machine's unit is not positive, its language is unknown, or it has y
+///                        up and no page length is given
+[[nodiscard]] Result<PageMap> page_map(const Machine& machine, double page_length_mm = 0);
+
+/// The dialect that a machine speaks.
+///
+/// @retval OutOfRange  `machine.language` is neither gpgl nor hpgl
+[[nodiscard]] Result<Dialect> dialect_of(const Machine& machine);
+
+}  // namespace popcut

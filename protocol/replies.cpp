@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include "protocol/replies.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "protocol/arguments.hpp"
+#include "protocol/gpgl_variants.hpp"
+
+namespace popcut {
+namespace {
+
+std::string_view without_end(std::string_view reply) {
+  if (!reply.empty() && reply.back() == kEtx) reply.remove_suffix(1);
+  return reply;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(' ');
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(' ') + 1 - begin);
+}
+
+constexpr std::size_t kLongestReply = 64;
+
+/// The reply for an error message, cut short and without control characters.
+std::string shown(std::string_view reply) {
+  std::string text(reply.substr(0, kLongestReply));
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
+Result<std::vector<double>> parse_numbers(std::string_view reply, std::size_t wanted) {
+  Arguments arguments;
+  bool lawful = reply.size() <= kLongestReply;
+  if (lawful)
+    for (const char c : without_end(reply)) lawful = lawful && arguments.take(c);
+  arguments.end();
+  if (lawful && !arguments.bad() && arguments.values().size() == wanted) return arguments.values();
+  return fail(ErrorKind::Malformed, "",
+              fmt::format("the device replied \"{}\"; {} expected", shown(reply),
+                          wanted == 1 ? "a number was" : "two numbers were"));
+}
+
+}  // namespace
+
+DeviceStatus parse_status(std::string_view reply) {
+  const std::string_view text = trimmed(without_end(reply));
+  if (text.size() != 1) return DeviceStatus::Unknown;
+  switch (text.front()) {
+    case '0':
+      return DeviceStatus::Ready;
+    case '1':
+      return DeviceStatus::Moving;
+    case '2':
+      return DeviceStatus::NoMedia;
+    case '3':
+      return DeviceStatus::Paused;
+    case '4':
+      return DeviceStatus::Cancelled;
+    default:
+      return DeviceStatus::Unknown;
+  }
+}
+
+std::string_view name_of(DeviceStatus status) {
+  switch (status) {
+    case DeviceStatus::Ready:
+      return "ready";
+    case DeviceStatus::Moving:
+      return "moving";
+    case DeviceStatus::NoMedia:
+      return "no media";
+    case DeviceStatus::Paused:
+      return "paused";
+    case DeviceStatus::Cancelled:
+      return "cancelled";
+    case DeviceStatus::Unknown:
+      return "unknown";
+  }
+  return "unknown";
+}
+
+Result<Identity> parse_identity(std::string_view reply) {
+  const std::string_view text = trimmed(without_end(reply));
+  const bool prints =
+      std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
+  if (text.empty() || text.size() > kLongestReply || !prints)
+    return fail(ErrorKind::Malformed, "",
+                fmt::format("the device replied \"{}\" to FG; a model and its firmware were "
+                            "expected",
+                            shown(reply)));
+  const std::size_t blank = text.rfind(' ');
+  const bool versioned = blank != std::string_view::npos && text.size() > blank + 2 &&
+                         text[blank + 1] == 'V' && text[blank + 2] >= '0' && text[blank + 2] <= '9';
+  if (!versioned) return Identity{std::string(text), {}};
+  return Identity{std::string(trimmed(text.substr(0, blank))), std::string(text.substr(blank + 1))};
+}
+
+Result<NumberPair> parse_pair(std::string_view reply) {
+  return parse_numbers(reply, 2).map([](const std::vector<double>& values) {
+    return NumberPair{values[0], values[1]};
+  });
+}
+
+Result<double> parse_number(std::string_view reply) {
+  return parse_numbers(reply, 1).map([](const std::vector<double>& values) { return values[0]; });
+}
+
+}  // namespace popcut

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// Queries of GPGL with their bytes. Each has one reply that ends with ETX and does not say which
+/// query it answers: only one may be under way.
+inline constexpr std::string_view kStatusQuery{"\x1b\x05"};
+inline constexpr std::string_view kIdentityQuery{"FG\x03"};
+inline constexpr std::string_view kWindowNearQuery{"[\x03"};
+inline constexpr std::string_view kWindowFarQuery{"U\x03"};
+inline constexpr std::string_view kCalibrationQuery{"FA\x03"};
+inline constexpr std::string_view kMarkSensorQuery{"TB71\x03"};
+inline constexpr std::string_view kToolsQuery{"\x1b\x15"};  ///< Cameo 4 and later
+inline constexpr std::string_view kReset{"\x1b\x04"};       ///< no reply
+
+/// What a GPGL machine says of itself when asked for its status. What is not one of the known
+/// replies is Unknown and must never be taken for Ready.
+enum class DeviceStatus : std::uint8_t { Ready, Moving, NoMedia, Paused, Cancelled, Unknown };
+
+/// A status reply, with or without its ETX.
+[[nodiscard]] DeviceStatus parse_status(std::string_view reply);
+/// "ready", "moving", "no media", "paused", "cancelled", "unknown".
+[[nodiscard]] std::string_view name_of(DeviceStatus status);
+
+/// The reply to FG: "CAMEO 3 V1.60    " is model "CAMEO 3" and firmware "V1.60".
+struct Identity {
+  std::string model;
+  std::string firmware;  ///< empty if the reply names none
+};
+
+/// @retval Malformed  empty, blank, longer than 64 characters, or not printable
+[[nodiscard]] Result<Identity> parse_identity(std::string_view reply);
+
+/// Two numbers as `[`, `U`, FA, TB71 and TC reply them, blank padded.
+struct NumberPair {
+  double first{};
+  double second{};
+};
+
+/// @retval Malformed  not two numbers
+[[nodiscard]] Result<NumberPair> parse_pair(std::string_view reply);
+/// One number as FQ0 replies it, blank padded.
+///
+/// @retval Malformed  not one number
+[[nodiscard]] Result<double> parse_number(std::string_view reply);
+
+}  // namespace popcut
