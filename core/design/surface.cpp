@@ -35,6 +35,8 @@ Result<SliceCurve> slice_revolution(const Expression& radius, double scale_mm, d
   return SliceCurve(r_mm, r_mm);
 }
 
+constexpr double kMostDepth = 100.0;  ///< a profile deeper than this many heights never lands
+
 /// One plane of a profile: z(x) in mm at a fixed s, and how it reaches the ground.
 class ProfileSlice {
  public:
@@ -75,7 +77,7 @@ class ProfileSlice {
   /// Where the profile meets the ground: the end of the first stretch on which z > 0 and falls.
   [[nodiscard]] Result<double> ground_end(double h) const {
     double inside = 0.0, outside = 0.0, before = 0.0;
-    for (double x = h / 256.0; x < 1e4 * h; x = 1.01 * x + h / 256.0) {
+    for (double x = h / 256.0; x < kMostDepth * h; x = 1.01 * x + h / 256.0) {
       const double here = (*this)(x);
       if (here > (*this)(inside)) {
         if (const std::optional<double> touch = lowest(before, x, h)) return *touch;
