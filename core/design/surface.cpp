@@ -94,7 +94,7 @@ class ProfileSlice {
           ErrorKind::Infeasible, at_s("z", s_mm_),
           fmt::format("the profile stays above the ground up to x = {:.6g} mm; it must fall to "
                       "z = 0",
-                      1e4 * h));
+                      kMostDepth * h));
     for (int k = 0; k < 200 && inside < outside; ++k) {
       const double middle = 0.5 * (inside + outside);
       if (middle <= inside || middle >= outside) break;
