@@ -65,23 +65,28 @@ struct HpglHabits {
 
 /// What a job adds to strokes, machine and material.
 struct JobOptions {
-  double page_width_mm{};       ///< page or mat along the carriage; 0: the machine's own width
-  double page_length_mm{};      ///< page or mat along the feed; 0: the machine's own length
-  std::optional<int> mat_code;  ///< what TG sends; none: no TG
-  double window_left_mm{};      ///< upper left corner of the working window
+  double page_width_mm{};         ///< page or mat along the carriage; 0: the machine's own width
+  double page_length_mm{};        ///< page or mat along the feed; 0: the machine's own length
+  std::optional<int> mat_code{};  ///< what TG sends; none: 0 (no mat) for machines that know mats
+  double window_left_mm{};        ///< upper left corner of the working window
   double window_top_mm{};
   bool autoblade{true};  ///< false: a ratchet blade sits in the holder of the autoblade
   bool track_enhancing{false};
-  bool corner_lift{false};                 ///< lift at sharp corners ("line segment overcut")
-  std::optional<int> corner_start_tenths;  ///< corner extension in 0.1 mm; none: as usual
-  std::optional<int> corner_end_tenths;
+  bool corner_lift{false};                   ///< lift at sharp corners ("line segment overcut")
+  std::optional<int> corner_start_tenths{};  ///< corner extension in 0.1 mm; none: as usual
+  std::optional<int> corner_end_tenths{};
   /// What the holders 1, 2, ... hold. Those not listed: a pen if all strokes of the holder are
   /// drawn, else a blade.
-  std::vector<ToolKind> holders;
+  std::vector<ToolKind> holders{};
   DrawForm draw{DrawForm::Usual};
-  bool fractions{false};           ///< GPGL: coordinates in hundredths of a unit, lines as D
-  std::optional<HpglHabits> hpgl;  ///< none: those of the machine's variant
+  bool fractions{false};             ///< GPGL: coordinates in hundredths of a unit, lines as D
+  std::optional<HpglHabits> hpgl{};  ///< none: those of the machine's variant
 };
+
+/// Options for a job on a mat.
+[[nodiscard]] inline JobOptions on_mat(const Mat& mat) {
+  return {.page_width_mm = mat.width_mm, .page_length_mm = mat.length_mm, .mat_code = mat.code};
+}
 
 /// Writes a toolpath as a program for `machine`, in its language and variant.
 ///

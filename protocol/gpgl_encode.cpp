@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -36,7 +37,8 @@ class GpglEncoder {
     program_.dialect = Dialect::Gpgl;
     program_.strokes.reserve(toolpath_.strokes.size());
     program_.bytes.reserve(toolpath_.points.size() * (binary_ ? 4 : 12) + 256);
-    if (Result<void> done = set_job_values(); !done) return tl::unexpected(done.error());
+    if (Result<void> done = check_job(); !done) return tl::unexpected(done.error());
+    set_job_values();
     StrokeSteps first;
     if (!toolpath_.strokes.empty()) {
       Result<StrokeSteps> steps = steps_of(toolpath_.strokes.front(), 0, machine_);
@@ -57,21 +59,24 @@ class GpglEncoder {
   }
 
  private:
-  std::optional<std::int64_t> units(double mm) const {
-    if (!(mm > 0)) return std::nullopt;
-    return static_cast<std::int64_t>(std::llround(mm / machine_.unit_mm));
+  std::int64_t units(double mm) const { return std::llround(mm / machine_.unit_mm); }
+
+  double page_width() const {
+    return options_.page_width_mm > 0 ? options_.page_width_mm : machine_.width_mm;
+  }
+  double page_length() const {
+    return options_.page_length_mm > 0 ? options_.page_length_mm : machine_.length_mm;
   }
 
-  Result<void> set_job_values() {
-    const double width = options_.page_width_mm > 0 ? options_.page_width_mm : machine_.width_mm;
-    const double length =
-        options_.page_length_mm > 0 ? options_.page_length_mm : machine_.length_mm;
+  Result<void> check_job() const {
     constexpr double kLongest = 1e6;
-    if (!(std::abs(width) < kLongest && std::abs(length) < kLongest &&
-          std::abs(options_.window_top_mm) < kLongest &&
-          std::abs(options_.window_left_mm) < kLongest))
-      return fail(ErrorKind::OutOfRange, "",
-                  fmt::format("a page of {} x {} mm; it must be below 1 km", width, length));
+    for (const double mm :
+         {page_width(), page_length(), options_.window_top_mm, options_.window_left_mm,
+          machine_.margin_top_mm, machine_.margin_left_mm}) {
+      if (!(std::abs(mm) < kLongest))
+        return fail(ErrorKind::OutOfRange, "",
+                    fmt::format("a page, window or margin of {} mm; it must be below 1 km", mm));
+    }
     if (machine_.autoblade && (material_.autoblade_depth < 0 || material_.autoblade_depth > 10))
       return fail(ErrorKind::OutOfRange, "/autoblade_depth",
                   fmt::format("an autoblade depth of {} for {}; it must be 0 to 10",
@@ -80,22 +85,28 @@ class GpglEncoder {
       return fail(ErrorKind::OutOfRange, "/blade_offset_mm",
                   fmt::format("a blade offset of {} mm for {}; 0.9 is usual",
                               material_.blade_offset_mm, material_.name));
+    return {};
+  }
+
+  void set_job_values() {
+    const double bottom = page_length() + std::max(machine_.margin_top_mm, 0.0);
+    const double right = page_width() + std::max(machine_.margin_left_mm, 0.0);
     values_.set("mat", options_.mat_code);
-    values_.set("top", std::llround(options_.window_top_mm / machine_.unit_mm));
-    values_.set("left", std::llround(options_.window_left_mm / machine_.unit_mm));
+    if (!options_.mat_code && !machine_.mats.empty()) values_.set("mat", 0);
+    values_.set("top", units(options_.window_top_mm));
+    values_.set("left", units(options_.window_left_mm));
     // The window must hold the page where the machine's margins put it.
-    values_.set("bottom", units(length > 0 ? length + std::max(machine_.margin_top_mm, 0.0) : 0));
-    values_.set("right", units(width > 0 ? width + std::max(machine_.margin_left_mm, 0.0) : 0));
+    if (page_length() > 0) values_.set("bottom", units(bottom));
+    if (page_width() > 0) values_.set("right", units(right));
     if (machine_.tool_holders > 1) values_.set("park", 0);
     if (machine_.firmware_blade_offset) {
-      values_.set("offset", std::llround(material_.blade_offset_mm / machine_.unit_mm));
+      values_.set("offset", units(material_.blade_offset_mm));
       values_.set("zero_offset", 0);
     }
     values_.set("lift", options_.corner_lift ? 1 : 0);
     values_.set("extend_start", options_.corner_start_tenths.value_or(variant_.corner_tenths));
     values_.set("extend_end", options_.corner_end_tenths.value_or(variant_.corner_tenths));
     if (options_.track_enhancing) values_.set("track", 0);  // 0 is on
-    return {};
   }
 
   void set_stroke_values(const StrokeSteps& steps) {
@@ -133,7 +144,9 @@ class GpglEncoder {
     if (same) return;
     set_stroke_values(steps);
     if (steps.tool != tool_) write_settings(program_.bytes, variant_.select, values_);
-    if (!known) {
+    // Settings without a holder's number hold for all holders: another holder needs its own again.
+    const bool per_holder = variant_.force.find("{tool}") != std::string_view::npos;
+    if (!known || (steps.tool != tool_ && !per_holder)) {
       write_tool(steps);
       return;
     }
