@@ -13,13 +13,14 @@ namespace popcut {
 
 /// How a machine moves: what its firmware does with speeds and the tool, for times and simulation.
 struct Motion {
-  double accel_mm_s2{};      ///< acceleration along the path, tool down and up
-  double travel_mm_s{};      ///< speed with the tool up
-  double corner_mm{};        ///< junction deviation that sets the speed through corners
-  double drop_s{}, lift_s{}; ///< tool down, tool up
-  double setup_s{};          ///< settings accepted until ready
-  double trailer_s{};        ///< trailer accepted until ready
+  double accel_mm_s2{};       ///< acceleration along the path, tool down and up
+  double travel_mm_s{};       ///< speed with the tool up
+  double corner_mm{};         ///< junction deviation that sets the speed through corners
+  double drop_s{}, lift_s{};  ///< tool down, tool up
+  double setup_s{};           ///< settings accepted until ready
+  double trailer_s{};         ///< trailer accepted until ready, beyond the way home
   double autoblade_reset_s{}, autoblade_tap_s{};  ///< reset, and each of (10 - depth) taps
+  double spread{0.25};                            ///< how far times may be off, as a part of them
 };
 
 /// A scale that a machine takes as whole steps: `value = steps * per_step`.
@@ -50,11 +51,11 @@ struct Machine {
   SteppedScale force_gf;
   SteppedScale speed_mm_s;
   Motion motion;
-  std::vector<Mat> mats;       ///< the first is the default
+  std::vector<Mat> mats;  ///< the first is the default
   std::uint32_t buffer_bytes{65536};
   std::uint16_t usb_vendor{}, usb_product{};
-  std::string identity;        ///< reply to FG, blank padded as sent, without ETX
-  bool y_up{false};            ///< origin lower left with y up (HPGL), else top left with y down
+  std::string identity;  ///< reply to FG, blank padded as sent, without ETX; empty: never recorded
+  bool y_up{false};      ///< origin lower left with y up (HPGL), else top left with y down
 };
 
 /// Dashes that make a fold: `dash_mm` cut, `gap_mm` paper between dashes, at least `clearance_mm`

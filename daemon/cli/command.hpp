@@ -13,7 +13,7 @@ namespace popcut::cli {
 
 /// What every subcommand is told: the options that stand before or after its own.
 struct Globals {
-  bool json{false};     ///< standard output is one JSON document
+  bool json{false};  ///< standard output is one JSON document
   bool quiet{false};
   int verbose{0};
 };

@@ -1,4 +1,107 @@
 // SPDX-License-Identifier: MIT
+#include <cctype>
+#include <csignal>
 #include <cstdio>
+#include <exception>
+#include <initializer_list>
+#include <iostream>
+#include <string>
 
-int main() { std::puts("popcut " POPCUT_VERSION); }
+#include <CLI/CLI.hpp>
+
+#include "daemon/cli/command.hpp"
+
+namespace popcut::cli {
+namespace {
+
+// Every subcommand of this build; the order is the order of the help.
+constexpr std::initializer_list<Register> kCommands = {register_design};
+
+constexpr const char* kPurpose =
+    "popcut turns a target surface into a pop-up pattern, a cut sheet, and a finished cut.\n\n"
+    "  popcut design sphere.json -o sphere         # pattern, drawings and report in ./sphere\n"
+    "  popcut verify sphere/pattern.fold           # is it sound? one freedom? no crossing?\n"
+    "  popcut plan sphere.json -o sheets           # the sheets and the programs that cut them\n"
+    "  popcut cut sphere.json --direct             # cut it, on the simulated cutter by default\n\n"
+    "'popcut COMMAND --help' explains a command. Lengths are in mm, angles in rad unless the name\n"
+    "of an option or field says otherwise.";
+constexpr const char* kFooter =
+    "Every command takes --json, -q and -v, before or after its name.\n"
+    "Exit codes: 0 done; 1 a fault in popcut; 2 wrong command line; 3 malformed input or a value\n"
+    "out of range; 4 no valid pattern or layout; 5 device absent, refused or failed; 6 a check "
+    "did\n"
+    "not hold; 7 output not written.";
+
+int report(const Error& error) {
+  std::cout.flush();
+  std::string line = message(error);
+  for (char& c : line) {
+    if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = ' ';
+  }
+  std::fprintf(stderr, "popcut: %s\n", line.c_str());
+  return exit_code(error.kind);
+}
+
+/// The one line for a command line that CLI11 refused.
+Error usage_error(const CLI::App& app, const CLI::ParseError& refused) {
+  const auto chosen = app.get_subcommands();
+  const auto unknown = app.remaining();
+  if (chosen.empty() && !unknown.empty() && unknown.front().rfind('-', 0) != 0) {
+    std::string known;
+    for (const CLI::App* command : app.get_subcommands({})) known += " " + command->get_name();
+    return {ErrorKind::Usage, "command line",
+            "'" + unknown.front() + "' is not a command; the commands are:" + known};
+  }
+  std::string what = refused.what();
+  if (const auto end = what.find('\n'); end != std::string::npos) what.resize(end);
+  if (!what.empty()) what[0] = static_cast<char>(std::tolower(what[0]));
+  const std::string help = chosen.empty() ? "popcut" : "popcut " + chosen.front()->get_name();
+  return {ErrorKind::Usage, "command line", what + "; '" + help + " --help' lists what is right"};
+}
+
+/// Nothing that went to standard output may be lost in silence (a full disk behind a `>`).
+int finish() {
+  std::cout.flush();
+  if (std::cout && std::fflush(stdout) == 0) return 0;
+  return report({ErrorKind::Unwritable, "standard output",
+                 "cannot be written; free some space or send it elsewhere"});
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{kPurpose, "popcut"};
+  Globals globals;
+  Run work;
+  app.fallthrough();             // the options below may stand after the subcommand too
+  app.require_subcommand(0, 1);  // none is refused below, after words that are no option
+  app.set_version_flag("--version", "popcut " POPCUT_VERSION);
+  app.add_flag("--json", globals.json, "Standard output is one JSON document");
+  app.add_flag("-q,--quiet", globals.quiet, "Say nothing but errors");
+  app.add_flag("-v,--verbose", globals.verbose, "Say more; twice for everything");
+  app.footer(kFooter);
+  for (const Register add : kCommands) add(app, globals, work);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& refused) {
+    if (refused.get_exit_code() != 0) return report(usage_error(app, refused));
+    app.exit(refused);  // --help, --version
+    return finish();
+  }
+  if (!work) return report(usage_error(app, CLI::RequiredError("a command")));
+  if (const auto done = work(); !done) return report(done.error());
+  return finish();
+}
+
+}  // namespace
+}  // namespace popcut::cli
+
+int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a write past the file size limit fails like a full disk
+  try {
+    return popcut::cli::run(argc, argv);
+  } catch (const std::exception& fault) {
+    std::fprintf(stderr, "popcut: internal fault: %s\n", fault.what());
+  } catch (...) {
+    std::fputs("popcut: internal fault: unknown exception\n", stderr);
+  }
+  return 1;
+}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
@@ -20,27 +21,50 @@ namespace popcut::cli {
 /// The files of one run into one folder: they appear whole or not at all. Each is written aside in
 /// the folder and renamed by `commit`, which also removes what the folder's last manifest.json
 /// lists and this run no longer writes, and writes the new manifest. Other files stay.
+///
+/// The folder is locked while it is open, so that two runs never mix their files. Names in a found
+/// manifest are not trusted: only plain files below the folder, reached through no symbolic link,
+/// are ever removed.
 class OutputFolder {
  public:
-  /// @retval Unwritable  the folder cannot be made or written
+  /// Makes the folder where it is absent, locks it, and clears what a killed run left aside.
+  ///
+  /// @retval Unwritable  the folder cannot be made or written, or another run is writing there
   [[nodiscard]] static Result<OutputFolder> open(const std::filesystem::path& folder);
   OutputFolder(OutputFolder&& other) noexcept;
   OutputFolder& operator=(OutputFolder&& other) noexcept;
   OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
   ~OutputFolder();  ///< what was not committed is removed
 
   /// Adds a file by its name relative to the folder ("report.json", "deploy/psi_001.stl").
+  ///
+  /// @retval Unwritable  it cannot be written (a full disk, say); `place` is the file
+  /// @retval Internal    the name leaves the folder, is reserved, or was added before
   [[nodiscard]] Result<void> add(const std::string& name, const std::string& content);
   /// Adds a file that is streamed.
   [[nodiscard]] Result<void> add(const std::string& name,
                                  const std::function<Result<void>(std::ostream&)>& write);
-  /// Makes all added files appear.
+  /// Makes all added files appear; `made_by` ("popcut design") goes into the manifest. Call once.
+  ///
+  /// @retval Unwritable  a file cannot be put in its place; `place` is that file
   [[nodiscard]] Result<void> commit(const std::string& made_by);
+
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 
  private:
   explicit OutputFolder(std::filesystem::path folder);
+  [[nodiscard]] Result<void> prepare();
+  [[nodiscard]] Result<void> check_places() const;
+  [[nodiscard]] Result<void> put(const std::string& name) const;
+  [[nodiscard]] Result<void> put_manifest(const std::string& made_by,
+                                          const std::vector<std::string>& files) const;
+  void discard() noexcept;
+
   std::filesystem::path folder_;
-  std::vector<std::string> names_;  ///< added, in order
+  std::vector<std::filesystem::path> made_;  ///< folders that were made, outermost first
+  std::vector<std::string> names_;           ///< added, in order
+  int lock_{-1};                             ///< the folder, open and locked
 };
 
 }  // namespace popcut::cli

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/formats/fold_reader.hpp"
+#include "core/plan/clean.hpp"
+#include "core/plan/join.hpp"
+#include "core/plan/nesting.hpp"
+#include "core/plan/overlap.hpp"
+
+namespace popcut {
+namespace {
+
+// mm of one unit of the frame, 0 if it is not known.
+double unit_mm(const std::string& unit) {
+  constexpr std::array<std::pair<std::string_view, double>, 8> kUnits{{{"mm", 1.0},
+                                                                       {"cm", 10.0},
+                                                                       {"m", 1000.0},
+                                                                       {"in", 25.4},
+                                                                       {"pt", 25.4 / 72},
+                                                                       {"um", 1e-3},
+                                                                       {"nm", 1e-6},
+                                                                       {"unit", 1.0}}};
+  for (const auto& [name, mm] : kUnits)
+    if (unit == name) return mm;
+  return unit.empty() ? 1.0 : 0.0;
+}
+
+bool flat(const FoldFrame& frame) {
+  if (frame.vertices.empty() || frame.edges.empty()) return false;
+  double low = 1e300, high = -1e300, size = 0.0;
+  for (const auto& p : frame.vertices) {
+    low = std::min(low, p[2]);
+    high = std::max(high, p[2]);
+    size = std::max({size, std::abs(p[0]), std::abs(p[1])});
+  }
+  return high - low <= 1e-6 * std::max(size, 1.0);
+}
+
+// Flat frames that are no folded form come first: a flat-folded model lies flat, too.
+const FoldFrame* sheet_frame(const FoldFile& file) {
+  for (const bool folded : {false, true})
+    for (const FoldFrame& frame : file.frames)
+      if (frame.folded_form == folded && flat(frame)) return &frame;
+  return nullptr;
+}
+
+// Splits each border edge where another one lies on it: there a slit, elsewhere the sheet's edge.
+void add_borders(const std::vector<Segment>& borders, LineWork& work) {
+  OverlapIndex index(OverlapIndex::cell_for(borders), kOverlapTolerance, borders.size());
+  for (std::uint32_t i = 0; i < borders.size(); ++i) index.insert(borders[i], i);
+  std::vector<OverlapIndex::Covered> covered;
+  std::vector<Piece> edge;
+  for (std::uint32_t i = 0; i < borders.size(); ++i) {
+    const Segment& s = borders[i];
+    const double l = distance(s.a, s.b);
+    if (!(l > 0.0)) continue;
+    const auto at = [&](double t) {
+      if (t <= 0.0) return s.a;
+      if (t >= l) return s.b;
+      return PagePoint{s.a.x + t / l * (s.b.x - s.a.x), s.a.y + t / l * (s.b.y - s.a.y)};
+    };
+    index.covered(s, i, covered);
+    double t = 0.0;
+    for (const auto& part : covered) {
+      if (part.from > t + kOverlapTolerance)
+        edge.push_back({{at(t), at(part.from)}, Operation::Outline, -1});
+      if (part.to > std::max(t, part.from))
+        work.append(Operation::Cut, std::array{at(std::max(t, part.from)), at(part.to)});
+      t = std::max(t, part.to);
+    }
+    if (l > t + kOverlapTolerance || t == 0.0)
+      edge.push_back({{at(t), s.b}, Operation::Outline, -1});
+  }
+  LineWork loops;
+  join(edge, kJoinTolerance, loops);
+  const std::vector<std::uint32_t> depth =
+      nesting_depth(loops, std::vector<std::uint8_t>(loops.lines.size(), 1));
+  for (std::size_t i = 0; i < loops.lines.size(); ++i)
+    work.append(depth[i] % 2 == 0 ? Operation::Outline : Operation::Cut,
+                loops.points_of(loops.lines[i]));
+}
+
+struct Surprises {
+  std::size_t flat{}, joined{}, unassigned{}, by_angle{};
+  void tell(std::vector<std::string>& warnings) const {
+    const auto say = [&](std::size_t count, const char* what) {
+      if (count > 0) warnings.push_back(fmt::format("{} {}", count, what));
+    };
+    say(flat, "flat creases (F) are not cut");
+    say(joined, "joins (J) are not cut");
+    say(unassigned, "edges have no assignment (U) and no fold angle; they are not cut");
+    say(by_angle, "unassigned edges are folds by the sign of their angle");
+  }
+};
+
+// Clockwise faces mean that the drawing is seen from its back.
+bool seen_from_back(const FoldFrame& frame) {
+  double area = 0.0;
+  for (const auto& face : frame.faces)
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const auto& p = frame.vertices[face[i]];
+      const auto& q = frame.vertices[face[(i + 1) % face.size()]];
+      area += p[0] * q[1] - p[1] * q[0];
+    }
+  return area < 0.0;
+}
+
+}  // namespace
+
+Result<LineWork> linework_from_fold(std::string_view text) {
+  const auto file = read_fold(text);
+  if (!file) return tl::unexpected(file.error());
+  const FoldFrame* frame = sheet_frame(*file);
+  if (frame == nullptr)
+    return fail(ErrorKind::Malformed, "/vertices_coords",
+                "no frame with edges lies flat; the flat crease pattern is needed");
+  const double mm = unit_mm(frame->unit);
+  if (mm == 0.0)
+    return fail(
+        ErrorKind::Malformed, "/frame_unit",
+        fmt::format("is {}; one of mm, cm, m, in, pt, um, nm, unit", frame->unit.substr(0, 20)));
+  LineWork work;
+  work.name = frame->title;
+  if (frame->unit.empty() || frame->unit == "unit")
+    work.warnings.emplace_back(
+        "no unit of length is given (frame_unit); one unit is taken as 1 mm");
+  if (seen_from_back(*frame))
+    work.warnings.emplace_back(
+        "faces wind clockwise: the drawing shows its back, where mountain is valley");
+  std::vector<Segment> borders;
+  Surprises surprises;
+  for (std::size_t e = 0; e < frame->edges.size(); ++e) {
+    const auto point = [&](std::uint32_t v) {
+      return PagePoint{mm * frame->vertices[v][1], mm * frame->vertices[v][0]};
+    };
+    const Segment s{point(frame->edges[e][0]), point(frame->edges[e][1])};
+    for (const PagePoint& p : {s.a, s.b})
+      if (std::abs(p.x) > kMaxCoordinate || std::abs(p.y) > kMaxCoordinate)
+        return fail(ErrorKind::OutOfRange, fmt::format("/edges_vertices/{}", e),
+                    "an end lies more than 100 m from the origin");
+    const double angle = frame->fold_angles_deg[e];
+    const std::array ends{s.a, s.b};
+    switch (frame->assignments[e]) {
+      case 'M':
+        work.append(Operation::FoldMountain, ends);
+        break;
+      case 'V':
+        work.append(Operation::FoldValley, ends);
+        break;
+      case 'C':
+        work.append(Operation::Cut, ends);
+        break;
+      case 'B':
+        borders.push_back(s);
+        break;
+      case 'F':
+        ++surprises.flat;
+        break;
+      case 'J':
+        ++surprises.joined;
+        break;
+      default:
+        if (angle != 0.0)
+          work.append(angle > 0 ? Operation::FoldValley : Operation::FoldMountain, ends);
+        ++(angle != 0.0 ? surprises.by_angle : surprises.unassigned);
+    }
+  }
+  add_borders(borders, work);
+  surprises.tell(work.warnings);
+  return work;
+}
+
+}  // namespace popcut

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#include "core/plan/plan_json.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace popcut {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Nanometres are plenty; more digits only make files that differ between machines.
+double rounded(double mm) { return std::round(mm * 1e6) / 1e6; }
+
+// Runs of one operation in the order of cutting.
+Json operations(const Toolpath& path) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < path.strokes.size();) {
+    const Operation operation = path.strokes[i].operation;
+    const auto kind = [](Operation o) { return is_fold(o) ? Operation::FoldMountain : o; };
+    double mm = 0.0;
+    std::size_t j = i;
+    for (; j < path.strokes.size() && kind(path.strokes[j].operation) == kind(operation); ++j)
+      mm += length(path.points_of(path.strokes[j]));
+    const Stroke& first = path.strokes[i];
+    list.push_back({{"operation", is_fold(operation) ? "fold" : operation_name(operation)},
+                    {"strokes", j - i},
+                    {"mm", rounded(mm)},
+                    {"tool", first.tool},
+                    {"force_gf", first.force_gf},
+                    {"speed_mm_s", first.speed_mm_s}});
+    i = j;
+  }
+  return list;
+}
+
+Json sheet_json(const PlannedSheet& sheet, std::size_t number) {
+  const Placement& t = sheet.transform;
+  return {{"name", fmt::format("sheet-{:02}", number)},
+          {"mat", sheet.mat.name},
+          {"area_mm", sheet.area_mm},
+          {"cut_mm", rounded(sheet.cut_mm)},
+          {"fold_mm", rounded(sheet.fold_mm)},
+          {"fold_line_mm", rounded(sheet.fold_line_mm)},
+          {"travel_mm", rounded(sheet.travel_mm)},
+          {"travel_input_mm", rounded(sheet.travel_input_mm)},
+          {"home_mm", rounded(sheet.home_mm)},
+          {"lifts", sheet.path.strokes.size()},
+          {"paths", sheet.paths},
+          {"seconds", rounded(sheet.seconds)},
+          {"seconds_range", {rounded(sheet.seconds_range[0]), rounded(sheet.seconds_range[1])}},
+          {"transform", {{t.xx, t.xy, t.x0}, {t.yx, t.yy, t.y0}}},
+          {"operations", operations(sheet.path)},
+          {"tabs", Json::array()},
+          {"seams", Json::array()},
+          {"marks", Json::array()},
+          {"overcuts", Json::array()}};
+}
+
+}  // namespace
+
+std::string plan_json(const Plan& plan) {
+  Json json{{"name", plan.name},
+            {"machine", plan.machine.name},
+            {"material", plan.material.name},
+            {"gap_mm", plan.material.dashes.gap_mm},
+            {"sheets", Json::array()},
+            {"warnings", plan.warnings},
+            {"seed", plan.seed}};
+  for (std::size_t i = 0; i < plan.sheets.size(); ++i)
+    json["sheets"].push_back(sheet_json(plan.sheets[i], i + 1));
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace popcut

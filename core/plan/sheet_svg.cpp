@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "core/plan/sheet_svg.hpp"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+
+#include <fmt/format.h>
+
+namespace popcut {
+namespace {
+
+struct Layer {
+  Operation operation;
+  const char* colour;
+  const char* assignment;
+};
+constexpr std::array kLayers{
+    Layer{Operation::Draw, "#808080", "draw"},      Layer{Operation::Score, "#008080", "score"},
+    Layer{Operation::FoldMountain, "#ff0000", "M"}, Layer{Operation::FoldValley, "#0000ff", "V"},
+    Layer{Operation::Cut, "#000000", "C"},          Layer{Operation::Outline, "#000001", "B"}};
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '&')
+      out += "&amp;";
+    else if (c == '"')
+      out += "&quot;";
+    else if (static_cast<unsigned char>(c) < 0x20)
+      out += ' ';
+    else
+      out += c;
+  }
+  return out;
+}
+
+using Out = std::back_insert_iterator<std::string>;
+
+// At most nanometres, without trailing zeros.
+void number(std::string& svg, double value) {
+  const std::size_t from = svg.size();
+  fmt::format_to(Out(svg), "{:.6f}", value);
+  std::size_t to = svg.size();
+  while (svg[to - 1] == '0') --to;
+  if (svg[to - 1] == '.') --to;
+  svg.resize(to);
+  if (svg.compare(from, std::string::npos, "-0") == 0) svg.replace(from, 2, "0");
+}
+
+void path_data(std::string& svg, std::span<const PagePoint> points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    svg += i == 0 ? 'M' : i == 1 ? 'L' : ' ';
+    number(svg, points[i].x);
+    svg += ',';
+    number(svg, points[i].y);
+  }
+}
+
+void head(std::string& svg, const std::array<double, 2>& size, const std::string& title,
+          const char* attributes) {
+  fmt::format_to(
+      Out(svg),
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" "
+      "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" version=\"1.1\" "
+      "width=\"{0}mm\" height=\"{1}mm\" viewBox=\"0 0 {0} {1}\"{2}>\n<title>{3}</title>\n",
+      size[0], size[1], attributes, escaped(title));
+}
+
+void open_layer(std::string& svg, const Layer& layer) {
+  fmt::format_to(Out(svg),
+                 "<g id=\"{0}\" inkscape:groupmode=\"layer\" inkscape:label=\"{0}\" fill=\"none\" "
+                 "stroke=\"{1}\" stroke-width=\"0.1\" data-assignment=\"{2}\">\n",
+                 operation_name(layer.operation), layer.colour, layer.assignment);
+}
+
+}  // namespace
+
+std::string sheet_svg(const PlannedSheet& sheet, const std::string& title) {
+  std::string svg;
+  svg.reserve(256 + 90 * sheet.path.strokes.size() + 24 * sheet.path.points.size());
+  head(svg, sheet.area_mm, title, " data-popcut=\"dashes\"");
+  for (const Layer& layer : kLayers) {
+    bool open = false;
+    for (std::size_t i = 0; i < sheet.path.strokes.size(); ++i) {
+      const Stroke& stroke = sheet.path.strokes[i];
+      if (stroke.operation != layer.operation) continue;
+      if (!open) open_layer(svg, layer);
+      open = true;
+      svg += "<path d=\"";
+      path_data(svg, sheet.path.points_of(stroke));
+      fmt::format_to(Out(svg), "\" data-assignment=\"{}\" data-order=\"{}\"/>\n", layer.assignment,
+                     i + 1);
+    }
+    if (open) svg += "</g>\n";
+  }
+  return svg + "</svg>\n";
+}
+
+std::string assembly_svg(const Plan& plan) {
+  constexpr double kBetween = 10.0;  // mm between sheets and for their names
+  std::array<double, 2> size{kBetween, 0.0};
+  for (const PlannedSheet& sheet : plan.sheets) {
+    size[0] += sheet.area_mm[0] + kBetween;
+    size[1] = std::max(size[1], sheet.area_mm[1] + 2 * kBetween);
+  }
+  std::string svg;
+  head(svg, size, plan.name + ": assembly", "");
+  double x = kBetween;
+  for (std::size_t i = 0; i < plan.sheets.size(); ++i) {
+    const PlannedSheet& sheet = plan.sheets[i];
+    const Placement& t = sheet.transform;
+    const bool turned = t.xy != 0.0;
+    fmt::format_to(
+        Out(svg),
+        "<g transform=\"translate({} {})\" fill=\"none\" stroke-width=\"0.3\">\n"
+        "<rect width=\"{}\" height=\"{}\" stroke=\"#b0b0b0\"/>\n"
+        "<text x=\"0\" y=\"-3\" font-family=\"sans-serif\" font-size=\"5\" fill=\"#404040\">"
+        "sheet {}: {} on {}, at {:.1f},{:.1f} mm{}</text>\n",
+        x, kBetween, sheet.area_mm[0], sheet.area_mm[1], i + 1, escaped(plan.name),
+        escaped(plan.machine.name), t.x0, t.y0, turned ? ", turned by 90 degrees" : "");
+    for (const Layer& layer : kLayers) {
+      std::string data;
+      for (const Stroke& stroke : sheet.path.strokes)
+        if (stroke.operation == layer.operation) path_data(data, sheet.path.points_of(stroke));
+      if (!data.empty())
+        fmt::format_to(Out(svg), "<path stroke=\"{}\" d=\"{}\"/>\n", layer.colour, data);
+    }
+    svg += "</g>\n";
+    x += sheet.area_mm[0] + kBetween;
+  }
+  return svg + "</svg>\n";
+}
+
+}  // namespace popcut

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "core/design/design.hpp"
+#include "core/formats/deployed_svg.hpp"
+#include "core/formats/fold_writer.hpp"
+#include "core/formats/pdf_pattern.hpp"
+#include "core/formats/report_json.hpp"
+#include "core/formats/segments_csv.hpp"
+#include "core/formats/svg_pattern.hpp"
+#include "core/plan/linework.hpp"
+#include "core/plan/machine.hpp"
+#include "core/plan/micro_cut.hpp"
+#include "daemon/cli/angles.hpp"
+#include "daemon/cli/command.hpp"
+#include "daemon/cli/examples.hpp"
+#include "daemon/cli/output_folder.hpp"
+
+namespace popcut::cli {
+namespace {
+
+struct Options {
+  std::string spec, folder, formats{"fold,svg,cut,csv,report"}, fold_frames{"pi,pi/2,1.1"}, example;
+  bool schema{false}, list{false};
+};
+
+// 1. The files of a design: a row a format.
+
+/// What the writers need beside the design.
+struct Job {
+  Design made;
+  Material material;
+  FoldOptions fold;
+};
+
+using Streamed = std::function<Result<void>(std::ostream&)>;
+
+Result<void> add_fold(const Job& job, OutputFolder& folder) {
+  return folder.add("pattern.fold", Streamed([&](std::ostream& out) {
+                      return write_fold(job.made.pattern, job.fold, out);
+                    }));
+}
+
+Result<void> add_svg(const Job& job, OutputFolder& folder) {
+  return folder.add("pattern.svg", Streamed([&](std::ostream& out) -> Result<void> {
+                      write_pattern_svg(job.made.pattern, out);
+                      return {};
+                    }));
+}
+
+/// The dashes of all folds, back from the page (x = v, y = u) onto the sheet.
+std::vector<SheetLine> micro_cuts(const Job& job) {
+  const LineWork dashed =
+      micro_cut(linework_from_pattern(job.made.pattern), job.material.dashes).work;
+  std::vector<SheetLine> dashes;
+  for (const DrawnLine& line : dashed.lines) {
+    if (!is_fold(line.operation)) continue;
+    const EdgeRole role =
+        line.operation == Operation::FoldMountain ? EdgeRole::Mountain : EdgeRole::Valley;
+    const auto points = dashed.points_of(line);
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      dashes.push_back({points[i - 1].y, points[i - 1].x, points[i].y, points[i].x, role});
+    }
+  }
+  return dashes;
+}
+
+Result<void> add_cut(const Job& job, OutputFolder& folder) {
+  return folder.add("cut.svg", Streamed([&](std::ostream& out) -> Result<void> {
+                      write_cut_svg(job.made.pattern, micro_cuts(job), out);
+                      return {};
+                    }));
+}
+
+Result<void> add_csv(const Job& job, OutputFolder& folder) {
+  return folder.add("segments.csv", Streamed([&](std::ostream& out) -> Result<void> {
+                      write_segments_csv(job.made.strips, out);
+                      return {};
+                    }));
+}
+
+Result<void> add_pdf(const Job& job, OutputFolder& folder) {
+  const auto pdf = pattern_pdf(job.made.pattern);
+  if (!pdf) return tl::unexpected(pdf.error());
+  return folder.add("pattern.pdf", *pdf);
+}
+
+Result<void> add_picture(const Job& job, OutputFolder& folder) {
+  return folder.add("deployed.svg", Streamed([&](std::ostream& out) -> Result<void> {
+                      write_deployed_svg(job.made.pattern, std::numbers::pi / 2, View{}, out);
+                      return {};
+                    }));
+}
+
+Result<void> add_report(const Job& job, OutputFolder& folder) {
+  return folder.add("report.json", report_json(job.made.report));
+}
+
+struct Format {
+  std::string_view name;
+  std::string_view file;
+  Result<void> (*add)(const Job&, OutputFolder&);
+};
+
+constexpr std::array kFormats{
+    Format{"fold", "pattern.fold", add_fold},    Format{"svg", "pattern.svg", add_svg},
+    Format{"cut", "cut.svg", add_cut},           Format{"csv", "segments.csv", add_csv},
+    Format{"pdf", "pattern.pdf", add_pdf},       Format{"picture", "deployed.svg", add_picture},
+    Format{"report", "report.json", add_report},
+};
+
+Result<std::vector<Format>> parse_formats(std::string_view text) {
+  std::vector<Format> chosen;
+  while (!text.empty()) {
+    const std::string_view name = text.substr(0, text.find(','));
+    text.remove_prefix(std::min(text.size(), name.size() + 1));
+    const auto* const found = std::find_if(kFormats.begin(), kFormats.end(),
+                                           [&](const Format& f) { return f.name == name; });
+    if (found == kFormats.end()) {
+      std::string known;
+      for (const Format& format : kFormats) known += fmt::format(" {}", format.name);
+      return fail(
+          ErrorKind::Usage, "command line",
+          fmt::format("'{}' is not a format of --formats; the formats are:{}", name, known));
+    }
+    const auto same = [&](const Format& f) { return f.name == name; };
+    if (std::none_of(chosen.begin(), chosen.end(), same)) chosen.push_back(*found);
+  }
+  return chosen;
+}
+
+// 2. What is said about it.
+
+void say_figures(const DesignReport& report) {
+  const auto count = [](auto n, const char* what) {
+    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+  };
+  fmt::print(stderr, "{}: {}, {} lattice, {} of freedom\n", report.name,
+             count(report.slices.size(), "slice"), report.lattice,
+             count(report.degrees_of_freedom, "degree"));
+  fmt::print(stderr, "  sheet    {:.1f} x {:.1f} mm (along the strips x along the spine)\n",
+             report.sheet_u_mm, report.sheet_v_mm);
+  fmt::print(stderr, "  folds    {}, {:.0f} mm; cuts {}, {:.0f} mm; {} rigid faces\n", report.folds,
+             report.fold_length_mm, report.cuts, report.cut_length_mm, report.faces);
+  fmt::print(stderr,
+             "  off the target by {:.3g} mm rms, {:.3g} mm at most; ends {:.3g} mm at most\n",
+             report.inner_error.rms_mm, report.inner_error.max_mm, report.end_error.max_mm);
+}
+
+void say_remarks(const DesignReport& report, bool all) {
+  constexpr std::size_t kFirst = 3;
+  if (!report.lattice_note.empty()) fmt::print(stderr, "  note     {}\n", report.lattice_note);
+  for (const std::string& note : report.notes) fmt::print(stderr, "  note     {}\n", note);
+  for (std::size_t i = 0; i < report.merged.size() && (all || i < kFirst); ++i) {
+    const MergedPlace& place = report.merged[i];
+    fmt::print(stderr, "  merged   {} {}, level {}: {}\n", place.where, place.slice, place.level,
+               place.reason);
+  }
+  if (!all && report.merged.size() > kFirst) {
+    fmt::print(stderr, "  merged   {} more places; report.json lists them, and so does -v\n",
+               report.merged.size() - kFirst);
+  }
+}
+
+// 3. The work.
+
+Result<void> list_examples() {
+  for (const Example& example : examples()) {
+    const auto spec = parse_design_spec(example.json);
+    if (!spec) return tl::unexpected(within(std::string(example.name), spec.error()));
+    const auto* const revolution = std::get_if<RevolutionSpec>(&spec->surface);
+    fmt::print("{:<10} {} {}, {} x {} units\n", example.name,
+               revolution != nullptr ? "radius" : "profile",
+               revolution != nullptr ? revolution->radius : std::get<ProfileSpec>(spec->surface).z,
+               spec->slices, spec->units_per_slice);
+  }
+  return {};
+}
+
+Result<void> print_example(const std::string& name) {
+  std::string known;
+  for (const Example& example : examples()) {
+    if (example.name == name) {
+      fmt::print("{}", example.json);
+      return {};
+    }
+    known += fmt::format(" {}", example.name);
+  }
+  return fail(ErrorKind::Usage, "command line",
+              fmt::format("'{}' is not an example; the examples are:{}", name, known));
+}
+
+Result<Design> timed_design(const DesignSpec& spec) {
+  const auto start = std::chrono::steady_clock::now();
+  auto made = design(spec);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  if (made) made->report.seconds = took.count();
+  return made;
+}
+
+Result<void> design_into(const Options& options, const Globals& globals) {
+  const auto formats = parse_formats(options.formats);
+  if (!formats) return tl::unexpected(formats.error());
+  const auto fold_frames = parse_opening_angles(options.fold_frames);
+  if (!fold_frames) return tl::unexpected(fold_frames.error());
+  constexpr std::uintmax_t kSpecLimitBytes = 64u << 20;
+  const auto text = read_file(options.spec, kSpecLimitBytes);
+  if (!text) return tl::unexpected(text.error());
+  auto spec = parse_design_spec(*text);
+  if (!spec) return tl::unexpected(within(options.spec, spec.error()));
+  const auto material = find_material(spec->material);
+  if (!material) {
+    return fail(ErrorKind::OutOfRange, options.spec + ": /material", material.error().detail);
+  }
+  auto folder = OutputFolder::open(options.folder);
+  if (!folder) return tl::unexpected(folder.error());
+  auto made = timed_design(*spec);
+  if (!made) return tl::unexpected(within(options.spec, made.error()));
+
+  const Job job{std::move(*made), *material, {"popcut " POPCUT_VERSION, *fold_frames}};
+  for (const Format& format : *formats) {
+    if (auto done = format.add(job, *folder); !done) return done;
+  }
+  if (auto done = folder->commit("popcut design " POPCUT_VERSION); !done) return done;
+  const DesignReport& report = job.made.report;
+  if (globals.json) fmt::print("{}", report_json(report));
+  if (globals.quiet) return {};
+  say_figures(report);
+  say_remarks(report, globals.verbose > 0);
+  std::string files;
+  for (const Format& format : *formats) files += fmt::format(" {}", format.file);
+  fmt::print(stderr, "  wrote   {} in {} ({:.2f} s)\n", files, options.folder, report.seconds);
+  return {};
+}
+
+Result<void> run_design(const Options& options, const Globals& globals) {
+  if (options.schema) {
+    fmt::print("{}", design_spec_schema());
+    return {};
+  }
+  if (options.list) return list_examples();
+  if (!options.example.empty()) return print_example(options.example);
+  if (options.spec.empty()) {
+    return fail(ErrorKind::Usage, "command line",
+                "SPEC.json is missing; 'popcut design --example sphere' prints one to start from");
+  }
+  if (options.folder.empty()) {
+    return fail(ErrorKind::Usage, "command line",
+                "-o DIR is missing; name the folder for the pattern");
+  }
+  return design_into(options, globals);
+}
+
+constexpr const char* kHelp =
+    "Target surface to pop-up pattern.\n\n"
+    "  popcut design --example sphere > sphere.json\n"
+    "  popcut design sphere.json -o sphere\n\n"
+    "Writes in DIR: pattern.fold (flat sheet and deployed poses), pattern.svg (to look at),\n"
+    "cut.svg (to cut: each dash of a fold a path), segments.csv (a row a panel) and report.json.\n"
+    "DIR's other files stay; files of the last run that this one does not write are removed.";
+
+}  // namespace
+
+void register_design(CLI::App& app, const Globals& globals, Run& run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = app.add_subcommand("design", kHelp);
+  command->add_option("SPEC", options->spec, "What to make, a JSON file (see --schema)");
+  command->add_option("-o,--output", options->folder, "The folder for the files; made if absent")
+      ->option_text("DIR");
+  command
+      ->add_option("--formats", options->formats,
+                   "Some of: fold svg cut csv pdf picture report, with commas between")
+      ->option_text("LIST [fold,svg,cut,csv,report]");
+  command
+      ->add_option("--fold-frames", options->fold_frames,
+                   "Poses in pattern.fold, rad or 90deg; pi is flat, pi/2 the designed shape")
+      ->option_text("LIST [pi,pi/2,1.1]");
+  command->add_flag("--schema", options->schema, "Print the JSON Schema of a SPEC");
+  command->add_option("--example", options->example, "Print a shipped SPEC")->option_text("NAME");
+  command->add_flag("--list", options->list, "List the shipped SPECs, the name first");
+  command->callback([options, &globals, &run] {
+    run = [options, &globals] { return run_design(*options, globals); };
+  });
+}
+
+}  // namespace popcut::cli

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#include <sstream>
+
+#include <catch2/catch.hpp>
+
+#include "core/formats/deployed_svg.hpp"
+#include "core/formats/fold_writer.hpp"
+#include "core/formats/svg_pattern.hpp"
+#include "tests/support/box_card.hpp"
+
+using namespace popcut;
+
+TEST_CASE("writing a pattern of 200 000 faces and 800 000 vertices", "[.][bench][formats]") {
+  const Pattern pattern = testing::row_of_boxes(100'000);
+  REQUIRE(pattern.faces() == 200'002);
+  BENCHMARK("FOLD with three deployed frames") {
+    std::ostringstream out;
+    return write_fold(pattern, {}, out) ? out.str().size() : 0;
+  };
+  BENCHMARK("pattern.svg") {
+    std::ostringstream out;
+    write_pattern_svg(pattern, out);
+    return out.str().size();
+  };
+  BENCHMARK("deployed.svg") {
+    std::ostringstream out;
+    write_deployed_svg(pattern, 1.5, {}, out);
+    return out.str().size();
+  };
+}
