@@ -75,6 +75,17 @@ std::size_t SimCutter::accept(std::span<const std::byte> bytes) {
 void SimCutter::feed(std::span<const std::byte> bytes) {
   const std::size_t before = incoming_.commands.size();
   std::visit([&](auto& reader) { reader.feed(bytes, incoming_); }, reader_);
+  take_from(before);
+}
+
+void SimCutter::finish() {
+  const std::size_t before = incoming_.commands.size();
+  std::visit([&](auto& reader) { reader.finish(incoming_); }, reader_);
+  take_from(before);
+  start_next();
+}
+
+void SimCutter::take_from(std::size_t before) {
   const std::vector<Command> fresh(incoming_.commands.begin() + static_cast<std::ptrdiff_t>(before),
                                    incoming_.commands.end());
   incoming_.commands.resize(before);

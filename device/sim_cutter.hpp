@@ -53,6 +53,8 @@ class SimCutter {
   // The cable.
   /// Takes as many of `bytes` as the buffer has room for, now; returns their number.
   std::size_t accept(std::span<const std::byte> bytes);
+  /// No more bytes come: what an unfinished command holds is not understood, and is counted so.
+  void finish();
   /// Replies that have arrived by now.
   [[nodiscard]] std::vector<std::byte> take_replies();
   /// When the next reply arrives, if one is on its way.
@@ -124,6 +126,7 @@ class SimCutter {
 
   void reset_settings();
   void feed(std::span<const std::byte> bytes);
+  void take_from(std::size_t before);
   void forget_done_commands();
   void flush();
   // From commands to actions.

@@ -56,6 +56,8 @@ struct Trace {
 
 /// `trace.json`: a JSON document with all of the above; lengths in mm rounded to 1e-6 mm.
 [[nodiscard]] std::string trace_json(const Trace& trace);
+/// The same without the strokes.
+[[nodiscard]] std::string trace_summary_json(const Trace& trace);
 
 /// `cut.svg`: what the knife did at true scale. Each force has its colour (in the legend), travel is
 /// a hairline, what fell outside the window is grey.

@@ -48,6 +48,8 @@ std::string head_json(const Trace& trace) {
 
 }  // namespace
 
+std::string trace_summary_json(const Trace& trace) { return head_json(trace) + "\n"; }
+
 std::string trace_json(const Trace& trace) {
   std::string text = head_json(trace);
   text.resize(text.rfind('\n'));  // reopened for the strokes, which are written flat
