@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -44,26 +45,29 @@ bool meets_on_sheet(const Segment& a, const Segment& b, double slack) {
 }
 
 Contact contact(const Segment& a, const Segment& b, double slack) {
+  // The ends of each that lie on the other: two places mean that they run along each other.
+  std::array<Vec2, 4> on{};
+  std::size_t count = 0;
+  for (const Vec2 p : {a.from, a.to}) {
+    if (distance(p, b) <= slack) on[count++] = p;
+  }
+  for (const Vec2 p : {b.from, b.to}) {
+    if (distance(p, a) <= slack) on[count++] = p;
+  }
+  for (std::size_t k = 1; k < count; ++k) {
+    if (norm(on[k] - on[0]) > 4.0 * slack) return Contact::Overlap;
+  }
   const auto near = [&](Vec2 p, Vec2 q) { return norm(p - q) <= slack; };
   const bool shared =
       near(a.from, b.from) || near(a.from, b.to) || near(a.to, b.from) || near(a.to, b.to);
-  const double least =
-      std::min({distance(a.from, b), distance(a.to, b), distance(b.from, a), distance(b.to, a)});
-  if (shared) {
-    // A fold: the free ends must lie off the other segment, or the faces lie on each other.
-    std::size_t on = 0;
-    for (const Vec2 p : {a.from, a.to}) on += distance(p, b) <= slack ? 1U : 0U;
-    for (const Vec2 p : {b.from, b.to}) on += distance(p, a) <= slack ? 1U : 0U;
-    if (on > 2) return Contact::Overlap;
-    return meets_on_sheet(a, b, slack) ? Contact::None : Contact::Touch;
-  }
+  if (shared && meets_on_sheet(a, b, slack)) return Contact::None;
+  if (count > 0) return Contact::Touch;
   const Vec2 way_a = a.to - a.from;
   const Vec2 way_b = b.to - b.from;
   const bool proper =
       (cross(way_a, b.from - a.from) > 0.0) != (cross(way_a, b.to - a.from) > 0.0) &&
       (cross(way_b, a.from - b.from) > 0.0) != (cross(way_b, a.to - b.from) > 0.0);
-  if (proper && least > slack) return Contact::Cross;
-  return least <= slack ? Contact::Touch : Contact::None;
+  return proper ? Contact::Cross : Contact::None;
 }
 
 /// The places along the folds where any vertex lies, ascending, those within `slack` as one.

@@ -212,7 +212,7 @@ bool FoldSax::start_object(std::size_t) {
                   fmt::format("more than {} frames", kMaxFoldFrames));
     }
     frames_.emplace_back();
-    frame().place = fmt::format("/file_frames/{}", frames_.size() - 2);
+    frames_.back().place = fmt::format("/file_frames/{}", frames_.size() - 2);
     form_ = Form::Skip;
     return open();
   }

@@ -42,6 +42,7 @@ class Ring {
 
   [[nodiscard]] std::size_t left() const { return left_; }
   [[nodiscard]] std::uint32_t next(std::uint32_t i) const { return next_[i]; }
+  [[nodiscard]] std::uint32_t prev(std::uint32_t i) const { return prev_[i]; }
   [[nodiscard]] Triangle corner(std::uint32_t i) const {
     return {polygon_[prev_[i]], polygon_[i], polygon_[next_[i]]};
   }
@@ -126,10 +127,22 @@ bool triangulate(std::span<const Vec2> points, std::span<const std::uint32_t> po
                  std::vector<Triangle>& triangles) {
   if (polygon.size() < 3) return false;
   Ring ring(points, polygon);
+  std::uint32_t start = 0;
+  // Notches without width go first, from their tips: no ear may reach over them.
+  for (std::size_t waited = 0; ring.left() > 2 && waited <= ring.left();) {
+    if (ring.is_sliver(start)) {
+      ring.clip(start);
+      start = ring.prev(start);
+      waited = 0;
+    } else {
+      start = ring.next(start);
+      ++waited;
+    }
+  }
   double covered = 0.0;
   bool loose = false;
   std::size_t waited = 0;
-  for (std::uint32_t i = 0; ring.left() > 2;) {
+  for (std::uint32_t i = start; ring.left() > 2;) {
     const double turn = ring.turn(i);
     const bool sliver = ring.is_sliver(i);
     if (sliver || (turn > 0.0 && ring.is_ear(i, loose))) {

@@ -141,14 +141,16 @@ void check_motion(const Subject& subject, VerifyReport& report) {
   report.checks.push_back(std::move(check));
 }
 
-/// The pose whose fold angles the key frame lists: the right angle, else the one that fits best.
+/// The pose whose fold angles the key frame lists: the right angle, else of those that inherit them
+/// the one that fits best.
 std::optional<std::size_t> pose_of_key_angles(const Subject& subject) {
   std::optional<std::size_t> best;
   double least = 0.0;
   for (std::size_t k = 0; k < subject.motions.size(); ++k) {
     const Pose& pose = subject.file.poses[k];
     if (pose.psi_rad && std::abs(*pose.psi_rad - kRightAngle_rad) < 1e-6) return k;
-    if (subject.motions[k].sharpest_deg <= kFlatOrShut_deg) continue;
+    if (subject.motions[k].sharpest_deg <= kFlatOrShut_deg || !pose.fold_angle_deg.empty())
+      continue;
     VerifyCheck scratch;
     const double off = check_fold_angles(subject.file, subject.sheet, pose, subject.motions[k],
                                          subject.file.fold_angle_deg, 360.0, scratch);

@@ -13,8 +13,8 @@
 namespace popcut {
 
 struct VerifyOptions {
-  std::optional<std::size_t> degrees_of_freedom;  ///< demanded; else only 0 fails
-  std::optional<std::string> target_spec;  ///< text of a design spec: adds the distance from it
+  std::optional<std::size_t> degrees_of_freedom{};  ///< demanded; else only 0 fails
+  std::optional<std::string> target_spec{};  ///< text of a design spec: adds the distance from it
 };
 
 /// Distances of fold vertices from the target surface, in mm.
