@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
-#include <muParser.h>
 #include <nlohmann/json.hpp>
 
 namespace popcut::verify {
@@ -20,102 +18,6 @@ constexpr std::size_t kMaxSpecBytes = 1 << 22;
 constexpr int kMaxSpecDepth = 32;
 constexpr double kMostSlices = 1e6;
 constexpr double kDefaultMargin_mm = 15.0;
-
-/// An expression of x and y.
-class Expression {
- public:
-  explicit Expression(const std::string& text) {
-    parser_.DefineVar("x", &x_);
-    parser_.DefineVar("y", &y_);
-    parser_.DefineConst("pi", 3.14159265358979323846);
-    parser_.SetExpr(text);
-    (void)parser_.Eval();  // throws on what it cannot read
-  }
-  Expression(const Expression&) = delete;
-  Expression& operator=(const Expression&) = delete;
-
-  [[nodiscard]] double operator()(double x, double y) const {
-    x_ = x;
-    y_ = y;
-    return parser_.Eval();
-  }
-
- private:
-  mutable double x_{0.25}, y_{0.25};
-  mu::Parser parser_;
-};
-
-/// Quarter circles about the spine.
-class Revolution : public TargetSurface {
- public:
-  Revolution(const std::string& radius, double scale_mm) : radius_(radius), scale_(scale_mm) {}
-  [[nodiscard]] double distance_mm(double s_mm, double x_mm, double z_mm) const override {
-    const double r_mm = scale_ * radius_(0.0, s_mm / scale_);
-    return r_mm > 0.0 ? std::abs(std::hypot(x_mm, z_mm) - r_mm) : -1.0;
-  }
-
- private:
-  Expression radius_;
-  double scale_;
-};
-
-/// A profile z(x, y), for x from 0 to where it comes down to 0.
-class Profile : public TargetSurface {
- public:
-  Profile(const std::string& z, double scale_mm) : z_(z), scale_(scale_mm) {}
-  [[nodiscard]] double distance_mm(double s_mm, double x_mm, double z_mm) const override {
-    const double y = s_mm / scale_;
-    const auto away = [&](double x) {
-      return std::hypot(x - x_mm / scale_, z_(x, y) - z_mm / scale_);
-    };
-    const double end = ground_end(y);
-    if (!(end > 0.0)) return -1.0;
-    // Sampled, then narrowed about the nearest sample. Near the ground the curve can be steep, so
-    // samples thicken towards both ends.
-    constexpr int kSamples = 400;
-    const auto at = [&](double t) {
-      return end * 0.5 * (1.0 - std::cos(3.14159265358979323846 * t));
-    };
-    int nearest = 0;
-    for (int k = 1; k <= kSamples; ++k) {
-      const double candidate = away(at(static_cast<double>(k) / kSamples));
-      if (candidate < away(at(static_cast<double>(nearest) / kSamples))) nearest = k;
-    }
-    double low = static_cast<double>(std::max(0, nearest - 1)) / kSamples;
-    double high = static_cast<double>(std::min(kSamples, nearest + 1)) / kSamples;
-    for (int step = 0; step < 100; ++step) {
-      const double a = low + (high - low) / 3.0;
-      const double b = high - (high - low) / 3.0;
-      away(at(a)) < away(at(b)) ? high = b : low = a;
-    }
-    const double found = scale_ * away(at(0.5 * (low + high)));
-    return std::isfinite(found) ? found : -1.0;
-  }
-
- private:
-  /// Smallest x > 0 at which the profile is down at 0; negative if it never is.
-  [[nodiscard]] double ground_end(double y) const {
-    const double height = z_(0.0, y);
-    if (!(height > 0.0)) return -1.0;
-    double step = height / 256.0;
-    double above = 0.0;
-    double below = step;
-    for (int k = 0; k < 8192 && z_(below, y) > 0.0; ++k) {
-      above = below;
-      below += step;
-      if (k % 1024 == 1023) step *= 2.0;
-    }
-    if (z_(below, y) > 0.0) return -1.0;
-    for (int k = 0; k < 80; ++k) {
-      const double middle = 0.5 * (above + below);
-      (z_(middle, y) > 0.0 ? above : below) = middle;
-    }
-    return above;
-  }
-
-  Expression z_;
-  double scale_;
-};
 
 tl::unexpected<Error> wrong(std::string place, std::string detail) {
   return fail(ErrorKind::Malformed, std::move(place), std::move(detail));
@@ -162,13 +64,10 @@ Result<std::unique_ptr<TargetSurface>> read_surface(const Json& spec, double sca
   const std::string place = std::string("/surface/") + member;
   if (!surface.contains(member) || !surface[member].is_string())
     return wrong(place, "it must be an expression");
-  const std::string text = surface[member].get<std::string>();
-  try {
-    if (type == "revolution") return std::make_unique<Revolution>(text, scale_mm);
-    return std::make_unique<Profile>(text, scale_mm);
-  } catch (const mu::Parser::exception_type& why) {
-    return wrong(place, "the expression cannot be read: " + why.GetMsg());
-  }
+  auto made = make_surface(type == "profile" ? TargetKind::Profile : TargetKind::Revolution,
+                           surface[member].get<std::string>(), scale_mm);
+  if (!made) return wrong(place, made.error().detail);
+  return made;
 }
 
 Result<std::vector<double>> read_widths(const Json& spec, std::size_t slices) {
@@ -225,6 +124,65 @@ void close(TargetDistance& distance) {
     distance.rms_mm = std::sqrt(distance.rms_mm / static_cast<double>(distance.vertices));
 }
 
+/// Where the slices and the connectors between them lie (design reference, section 3). Slices of a
+/// single unit are boxes of their full width, without connectors.
+void place_slices(const std::vector<double>& widths, double margin_mm, bool boxes, Target& target) {
+  double s = 0.0;
+  double begin = margin_mm;  // where a box begins
+  for (std::size_t j = 0; j < widths.size(); ++j) {
+    const double w = widths[j];
+    target.slices.push_back({boxes ? begin + 0.5 * w : s + margin_mm + widths[0] / 4.0, s});
+    begin += w;
+    if (j + 1 == widths.size()) break;
+    const double middle = s + (3.0 * w + widths[j + 1]) / 8.0;
+    if (!boxes) target.connectors.push_back({middle + margin_mm + widths[0] / 4.0, middle});
+    s += 0.5 * (w + widths[j + 1]);
+  }
+}
+
+/// The places where valley folds cross the lines v = `stations[k].v_mm`, as (X, Z).
+std::vector<std::vector<FoldVertex>> valleys_at(const FoldFile& file, const Pose& pose,
+                                                const std::vector<TargetStation>& stations) {
+  std::vector<std::vector<FoldVertex>> found(stations.size());
+  for (std::size_t e = 0; e < file.edges.size(); ++e) {
+    if (file.assignment[e] != Assignment::Valley) continue;
+    const auto [a, b] = file.edges[e];
+    const double va = file.flat[a].v;
+    const double vb = file.flat[b].v;
+    if (va == vb) continue;
+    auto at = std::lower_bound(stations.begin(), stations.end(), std::min(va, vb),
+                               [](const TargetStation& s, double v) { return s.v_mm < v; });
+    for (; at != stations.end() && at->v_mm <= std::max(va, vb); ++at) {
+      const double t = (at->v_mm - va) / (vb - va);
+      const Vec3 p = pose.at[a] + t * (pose.at[b] - pose.at[a]);
+      found[static_cast<std::size_t>(at - stations.begin())].push_back(unposed(p, *pose.psi_rad));
+    }
+  }
+  return found;
+}
+
+/// The outermost fold on the wall and on the ground among those at one station; negative for none.
+CurveEnds outermost(const std::vector<FoldVertex>& folds, double on_card) {
+  CurveEnds ends{-1.0, -1.0};
+  for (const FoldVertex& p : folds) {
+    if (std::abs(p.x) <= on_card && p.z > on_card) ends.wall = std::max(ends.wall, p.z);
+    if (std::abs(p.z) <= on_card && p.x > on_card) ends.ground = std::max(ends.ground, p.x);
+  }
+  return ends;
+}
+
+/// How far a connector's end is from the target's end on the slice that it came from: the one
+/// beside it that ends at the same place.
+double end_error(double end, double left, double right, double left_target, double right_target,
+                 double same) {
+  const double from_left = std::abs(end - left_target);
+  const double from_right = std::abs(end - right_target);
+  const bool at_left = std::abs(end - left) <= same;
+  const bool at_right = std::abs(end - right) <= same;
+  if (at_left != at_right) return at_left ? from_left : from_right;
+  return std::min(from_left, from_right);
+}
+
 }  // namespace
 
 Result<Target> read_target(std::string_view spec_json) {
@@ -243,10 +201,7 @@ Result<Target> read_target(std::string_view spec_json) {
   const auto scale = number_at(*spec, "/scale_mm", 1.0);
   if (!scale) return tl::unexpected<Error>(scale.error());
   if (!(*scale > 0.0)) return fail(ErrorKind::OutOfRange, "/scale_mm", "it must be positive");
-  const bool by_list = spec->contains("widths_mm") && (*spec)["widths_mm"].is_array();
-  const std::optional<double> listed =
-      by_list ? std::optional(static_cast<double>((*spec)["widths_mm"].size())) : std::nullopt;
-  const auto slices = number_at(*spec, "/slices", listed);
+  const auto slices = number_at(*spec, "/slices", std::nullopt);
   if (!slices) return tl::unexpected<Error>(slices.error());
   if (!(*slices >= 1.0) || *slices > kMostSlices) {
     return fail(ErrorKind::OutOfRange, "/slices", "it must be between 1 and a million");
@@ -256,6 +211,8 @@ Result<Target> read_target(std::string_view spec_json) {
   const auto margin =
       plain ? Result<double>(0.0) : number_at(*spec, "/card/margin_mm", kDefaultMargin_mm);
   if (!margin) return tl::unexpected<Error>(margin.error());
+  const auto units = number_at(*spec, "/units_per_slice", 2.0);
+  if (!units) return tl::unexpected<Error>(units.error());
   const auto widths = read_widths(*spec, static_cast<std::size_t>(*slices));
   if (!widths) return tl::unexpected<Error>(widths.error());
   auto surface = read_surface(*spec, *scale);
@@ -263,15 +220,7 @@ Result<Target> read_target(std::string_view spec_json) {
 
   Target target;
   target.surface = std::move(*surface);
-  const double offset = *margin + widths->front() / 4.0;  // v = s + offset
-  double s = 0.0;
-  for (std::size_t j = 0; j + 1 < widths->size(); ++j) {
-    const double w = (*widths)[j];
-    const double next = (*widths)[j + 1];
-    target.connector_s_mm.push_back(s + (3.0 * w + next) / 8.0);
-    target.connector_v_mm.push_back(target.connector_s_mm.back() + offset);
-    s += 0.5 * (w + next);
-  }
+  place_slices(*widths, *margin, *units == 1.0, target);
   return target;
 }
 
@@ -289,29 +238,39 @@ void measure_target(const FoldFile& file, const Target& target, VerifyReport& re
   double reach = 0.0;
   for (const Vec3& p : pose->at) reach = std::max({reach, std::abs(p.x), std::abs(p.z)});
   const double on_card = 1e-9 * reach;
-  for (std::size_t e = 0; e < file.edges.size(); ++e) {
-    if (file.assignment[e] != Assignment::Valley) continue;
-    const auto [a, b] = file.edges[e];
-    const double va = file.flat[a].v;
-    const double vb = file.flat[b].v;
-    const auto& middles = target.connector_v_mm;
-    auto at = std::lower_bound(middles.begin(), middles.end(), std::min(va, vb));
-    for (; at != middles.end() && *at <= std::max(va, vb); ++at) {
-      const double t = (*at - va) / (vb - va);
-      const FoldVertex p = unposed(pose->at[a] + t * (pose->at[b] - pose->at[a]), *pose->psi_rad);
-      const bool wall = std::abs(p.x) <= on_card;
-      const bool ground = std::abs(p.z) <= on_card;
-      if ((wall && ground) || !std::isfinite(t)) continue;  // the spine
-      const double s = target.connector_s_mm[static_cast<std::size_t>(at - middles.begin())];
+  const auto on_slices = valleys_at(file, *pose, target.slices);
+  const auto on_connectors = valleys_at(file, *pose, target.connectors);
+  const auto target_ends = [&](std::size_t j) {
+    return target.surface->ends_mm(target.slices[j].s_mm);
+  };
+
+  for (std::size_t k = 0; k < target.connectors.size(); ++k) {
+    const double s = target.connectors[k].s_mm;
+    for (const FoldVertex& p : on_connectors[k]) {
+      if (std::abs(p.x) <= on_card || std::abs(p.z) <= on_card) continue;
       const double off = target.surface->distance_mm(s, p.x, p.z);
       if (off < 0.0) {
-        check.fail(fmt::format("/edges_vertices/{}", e),
-                   fmt::format("the target has no curve at s = {:.6g} mm", s));
-        continue;
+        check.fail("", fmt::format("the target has no curve at s = {:.6g} mm", s));
+        break;
       }
+      add(inner, off);
       add(all, off);
-      if (!wall && !ground) add(inner, off);
     }
+    const CurveEnds here = outermost(on_connectors[k], on_card);
+    const CurveEnds left = outermost(on_slices[k], on_card);
+    const CurveEnds right = outermost(on_slices[k + 1], on_card);
+    const CurveEnds a = target_ends(k);
+    const CurveEnds b = target_ends(k + 1);
+    if (here.wall > 0.0)
+      add(all, end_error(here.wall, left.wall, right.wall, a.wall, b.wall, on_card));
+    if (here.ground > 0.0) {
+      add(all, end_error(here.ground, left.ground, right.ground, a.ground, b.ground, on_card));
+    }
+  }
+  for (std::size_t j = 0; target.connectors.empty() && j < target.slices.size(); ++j) {
+    const CurveEnds here = outermost(on_slices[j], on_card);
+    if (here.wall > 0.0) add(all, std::abs(here.wall - target_ends(j).wall));
+    if (here.ground > 0.0) add(all, std::abs(here.ground - target_ends(j).ground));
   }
   close(inner);
   close(all);

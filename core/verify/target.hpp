@@ -7,24 +7,22 @@
 
 #include "core/result.hpp"
 #include "core/verify/fold_model.hpp"
+#include "core/verify/target_surface.hpp"
 #include "core/verify/verify.hpp"
 
 namespace popcut::verify {
 
-/// A target surface, cut by the planes y = const.
-class TargetSurface {
- public:
-  virtual ~TargetSurface() = default;
-  /// Distance of the point (x, z) from the target's curve at `s_mm`, within that plane; negative
-  /// where the target has no curve there. All in mm.
-  [[nodiscard]] virtual double distance_mm(double s_mm, double x_mm, double z_mm) const = 0;
+/// A slice or connector: the middle of its strip on the sheet and the same place on the target.
+struct TargetStation {
+  double v_mm{};
+  double s_mm{};
 };
 
 /// A target surface and where its slices lie on the sheet (design reference, section 3).
 struct Target {
   std::unique_ptr<TargetSurface> surface;
-  std::vector<double> connector_v_mm;  ///< middles of the connector strips on the sheet
-  std::vector<double> connector_s_mm;  ///< the same places on the target
+  std::vector<TargetStation> slices;
+  std::vector<TargetStation> connectors;  ///< one between two slices; none where slices are boxes
 };
 
 /// Reads from a design spec what the distance needs: `surface` (revolution or profile), `scale_mm`,
