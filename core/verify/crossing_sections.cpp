@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -108,6 +110,47 @@ const char* words(Contact contact) {
                                      : "lie on each other";
 }
 
+/// The sides of faces that run along the folds, slab by slab; nothing when there are too many.
+std::optional<std::vector<Entry>> slab_entries(const FoldFile& file, const Sheet& sheet, Vec2 axis,
+                                               const std::vector<double>& level, double slack) {
+  const Vec2 square{axis.v, -axis.u};
+  std::vector<Entry> entries;
+  for (std::uint32_t s = 0; s < sheet.side_face.size(); ++s) {
+    const Vec2 from = file.flat[file.face_vertices[s]];
+    const Vec2 to = file.flat[file.face_vertices[sheet.next(file, s)]];
+    std::size_t begin = level_of(level, dot(from, axis), slack);
+    std::size_t end = level_of(level, dot(to, axis), slack);
+    if (begin > end) std::swap(begin, end);
+    if (entries.size() + (end - begin) > kMostEntries) return {};
+    for (std::size_t slab = begin; slab < end; ++slab) {
+      entries.push_back({static_cast<std::uint32_t>(slab), sheet.side_face[s], dot(from, square)});
+    }
+  }
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    return std::tuple(a.slab, a.face, a.u) < std::tuple(b.slab, b.face, b.u);
+  });
+  return entries;
+}
+
+/// Calls `visit(a, b)` for segments whose extents across the section meet, sorting them on the way.
+/// @return false when `budget` pairs are used up
+template <typename Visit>
+bool each_near_pair(std::vector<Segment>& segments, double slack, std::uint64_t& budget,
+                    Visit visit) {
+  const auto low = [](const Segment& s) { return std::min(s.from.u, s.to.u); };
+  std::sort(segments.begin(), segments.end(),
+            [&](const Segment& a, const Segment& b) { return low(a) < low(b); });
+  for (std::size_t a = 0; a < segments.size(); ++a) {
+    const double high = std::max(segments[a].from.u, segments[a].to.u) + slack;
+    for (std::size_t b = a + 1; b < segments.size() && low(segments[b]) <= high; ++b) {
+      if (budget == 0) return false;
+      --budget;
+      if (segments[a].panel != segments[b].panel) visit(segments[a], segments[b]);
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<Vec2> common_fold_direction(const FoldFile& file, const Sheet& sheet,
@@ -148,59 +191,39 @@ bool check_sections(const FoldFile& file, const Sheet& sheet, Vec2 axis, const P
                     double slack_mm, VerifyCheck& check) {
   const Vec2 square{axis.v, -axis.u};
   const std::vector<double> level = levels(file, axis, slack_mm);
-  std::vector<Entry> entries;
-  for (std::uint32_t s = 0; s < sheet.side_face.size(); ++s) {
-    const Vec2 from = file.flat[file.face_vertices[s]];
-    const Vec2 to = file.flat[file.face_vertices[sheet.next(file, s)]];
-    std::size_t begin = level_of(level, dot(from, axis), slack_mm);
-    std::size_t end = level_of(level, dot(to, axis), slack_mm);
-    if (begin > end) std::swap(begin, end);
-    if (entries.size() + (end - begin) > kMostEntries) return false;
-    for (std::size_t slab = begin; slab < end; ++slab) {
-      entries.push_back({static_cast<std::uint32_t>(slab), sheet.side_face[s], dot(from, square)});
-    }
-  }
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-    return std::tuple(a.slab, a.face, a.u) < std::tuple(b.slab, b.face, b.u);
-  });
-
+  const auto entries = slab_entries(file, sheet, axis, level, slack_mm);
+  if (!entries) return false;
   const Section section =
       section_of(unit(axis.u * motion.panel[0].along_u + axis.v * motion.panel[0].along_v));
   std::set<std::pair<std::uint32_t, std::uint32_t>> reported;
   std::vector<Segment> segments;
   std::uint64_t budget = kPairBudget;
-  for (std::size_t i = 0; i < entries.size();) {
-    const std::uint32_t slab = entries[i].slab;
+  for (std::size_t i = 0; i < entries->size();) {
+    // 1. The faces of one slab, each from a side where it begins to one where it ends.
+    const std::uint32_t slab = (*entries)[i].slab;
     const double v = 0.5 * (level[slab] + level[slab + 1]);
     segments.clear();
-    for (; i + 1 < entries.size() && entries[i + 1].slab == slab; i += 2) {
-      const std::uint32_t face = entries[i].face;
-      const std::uint32_t panel = sheet.panel_of_face[face];
+    for (; i + 1 < entries->size() && (*entries)[i + 1].slab == slab; i += 2) {
+      const Entry& from = (*entries)[i];
+      const Entry& to = (*entries)[i + 1];
+      const std::uint32_t panel = sheet.panel_of_face[from.face];
       const auto at = [&](double u) { return section(motion.panel[panel](u * square + v * axis)); };
-      segments.push_back(
-          {at(entries[i].u), at(entries[i + 1].u), entries[i].u, entries[i + 1].u, face, panel});
+      segments.push_back({at(from.u), at(to.u), from.u, to.u, from.face, panel});
     }
-    while (i < entries.size() && entries[i].slab == slab) ++i;
-    const auto low = [](const Segment& s) { return std::min(s.from.u, s.to.u); };
-    std::sort(segments.begin(), segments.end(),
-              [&](const Segment& a, const Segment& b) { return low(a) < low(b); });
-    for (std::size_t a = 0; a < segments.size(); ++a) {
-      const double high = std::max(segments[a].from.u, segments[a].to.u) + slack_mm;
-      for (std::size_t b = a + 1; b < segments.size() && low(segments[b]) <= high; ++b) {
-        if (--budget == 0) return false;
-        if (segments[a].panel == segments[b].panel) continue;
-        const Contact found = contact(segments[a], segments[b], slack_mm);
-        if (found == Contact::None || reported.size() > kEnough) continue;
-        const auto [f, g] = std::minmax(segments[a].face, segments[b].face);
-        if (!reported.emplace(f, g).second) continue;
-        const Segment& first = segments[a];
-        const Vec3 where =
-            motion.panel[first.panel](0.5 * (first.u0 + first.u1) * square + v * axis);
-        check.fail(fmt::format("/faces_vertices/{}", g),
-                   fmt::format("faces {} and {} {} near ({:.6g}, {:.6g}, {:.6g})", f, g,
-                               words(found), where.x, where.y, where.z));
-      }
-    }
+    while (i < entries->size() && (*entries)[i].slab == slab) ++i;
+    // 2. No two of them meet, but where the sheet goes on from one to the other.
+    const bool all =
+        each_near_pair(segments, slack_mm, budget, [&](const Segment& a, const Segment& b) {
+          const Contact found = contact(a, b, slack_mm);
+          const auto [f, g] = std::minmax(a.face, b.face);
+          if (found == Contact::None || reported.size() > kEnough || !reported.emplace(f, g).second)
+            return;
+          const Vec3 where = motion.panel[a.panel](0.5 * (a.u0 + a.u1) * square + v * axis);
+          check.fail(fmt::format("/faces_vertices/{}", g),
+                     fmt::format("faces {} and {} {} near ({:.6g}, {:.6g}, {:.6g})", f, g,
+                                 words(found), where.x, where.y, where.z));
+        });
+    if (!all) return false;
   }
   return true;
 }

@@ -2,6 +2,7 @@
 #include "core/verify/target.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -119,9 +120,11 @@ void add(TargetDistance& to, double distance_mm) {
   to.max_mm = std::max(to.max_mm, distance_mm);
 }
 
-void close(TargetDistance& distance) {
-  if (distance.vertices > 0)
-    distance.rms_mm = std::sqrt(distance.rms_mm / static_cast<double>(distance.vertices));
+TargetDistance closed(TargetDistance sum) {
+  if (sum.vertices > 0) {
+    sum.rms_mm = std::sqrt(sum.rms_mm / static_cast<double>(sum.vertices));
+  }
+  return sum;
 }
 
 /// Where the slices and the connectors between them lie (design reference, section 3). Slices of a
@@ -183,6 +186,59 @@ double end_error(double end, double left, double right, double left_target, doub
   return std::min(from_left, from_right);
 }
 
+/// Collects distances station by station.
+class Measurement {
+ public:
+  Measurement(const TargetSurface& surface, const Pose& pose, VerifyCheck& check)
+      : surface_(surface), check_(check) {
+    double reach = 0.0;
+    for (const Vec3& p : pose.at) reach = std::max({reach, std::abs(p.x), std::abs(p.z)});
+    on_card_ = 1e-9 * reach;
+  }
+
+  void inner_folds(const std::vector<FoldVertex>& folds, double s_mm) {
+    for (const FoldVertex& p : folds) {
+      if (std::abs(p.x) <= on_card_ || std::abs(p.z) <= on_card_) continue;
+      const double off = surface_.distance_mm(s_mm, p.x, p.z);
+      if (!take(off, s_mm)) return;
+      add(inner, off);
+    }
+  }
+
+  /// The ends of a connector against the target's on the two slices beside it.
+  void ends(const std::vector<FoldVertex>& folds,
+            std::array<const std::vector<FoldVertex>*, 2> beside, std::array<double, 2> s_mm) {
+    const CurveEnds here = outermost(folds, on_card_);
+    const CurveEnds left = outermost(*beside[0], on_card_);
+    const CurveEnds right = outermost(*beside[1], on_card_);
+    const CurveEnds a = surface_.ends_mm(s_mm[0]);
+    const CurveEnds b = surface_.ends_mm(s_mm[1]);
+    if (here.wall > 0.0) {
+      (void)take(end_error(here.wall, left.wall, right.wall, a.wall, b.wall, on_card_), s_mm[0]);
+    }
+    if (here.ground > 0.0) {
+      (void)take(end_error(here.ground, left.ground, right.ground, a.ground, b.ground, on_card_),
+                 s_mm[0]);
+    }
+  }
+
+  TargetDistance inner, all;  ///< with sums of squares, see `closed`
+
+ private:
+  bool take(double off, double s_mm) {
+    if (!(off >= 0.0) || !std::isfinite(off)) {
+      check_.fail("", fmt::format("the target has no curve at s = {:.6g} mm", s_mm));
+      return false;
+    }
+    add(all, off);
+    return true;
+  }
+
+  const TargetSurface& surface_;
+  VerifyCheck& check_;
+  double on_card_{};
+};
+
 }  // namespace
 
 Result<Target> read_target(std::string_view spec_json) {
@@ -229,55 +285,31 @@ void measure_target(const FoldFile& file, const Target& target, VerifyReport& re
   const Pose* pose = pose_to_measure(file);
   if (pose == nullptr) {
     check.fail("/file_frames",
-               "no frame tells its opening angle in frame_popcut:psi_rad; the distance "
-               "from the target needs it");
+               "no frame tells its opening angle in frame_popcut:psi_rad; the distance from the "
+               "target needs it");
     return;
   }
-  TargetDistance inner;
-  TargetDistance all;
-  double reach = 0.0;
-  for (const Vec3& p : pose->at) reach = std::max({reach, std::abs(p.x), std::abs(p.z)});
-  const double on_card = 1e-9 * reach;
+  Measurement measured(*target.surface, *pose, check);
   const auto on_slices = valleys_at(file, *pose, target.slices);
   const auto on_connectors = valleys_at(file, *pose, target.connectors);
-  const auto target_ends = [&](std::size_t j) {
-    return target.surface->ends_mm(target.slices[j].s_mm);
-  };
-
   for (std::size_t k = 0; k < target.connectors.size(); ++k) {
-    const double s = target.connectors[k].s_mm;
-    for (const FoldVertex& p : on_connectors[k]) {
-      if (std::abs(p.x) <= on_card || std::abs(p.z) <= on_card) continue;
-      const double off = target.surface->distance_mm(s, p.x, p.z);
-      if (off < 0.0) {
-        check.fail("", fmt::format("the target has no curve at s = {:.6g} mm", s));
-        break;
-      }
-      add(inner, off);
-      add(all, off);
-    }
-    const CurveEnds here = outermost(on_connectors[k], on_card);
-    const CurveEnds left = outermost(on_slices[k], on_card);
-    const CurveEnds right = outermost(on_slices[k + 1], on_card);
-    const CurveEnds a = target_ends(k);
-    const CurveEnds b = target_ends(k + 1);
-    if (here.wall > 0.0)
-      add(all, end_error(here.wall, left.wall, right.wall, a.wall, b.wall, on_card));
-    if (here.ground > 0.0) {
-      add(all, end_error(here.ground, left.ground, right.ground, a.ground, b.ground, on_card));
-    }
+    measured.inner_folds(on_connectors[k], target.connectors[k].s_mm);
+    measured.ends(on_connectors[k], {&on_slices[k], &on_slices[k + 1]},
+                  {target.slices[k].s_mm, target.slices[k + 1].s_mm});
   }
+  // Boxes have no inner folds; one slice alone has its connector in its own middle.
   for (std::size_t j = 0; target.connectors.empty() && j < target.slices.size(); ++j) {
-    const CurveEnds here = outermost(on_slices[j], on_card);
-    if (here.wall > 0.0) add(all, std::abs(here.wall - target_ends(j).wall));
-    if (here.ground > 0.0) add(all, std::abs(here.ground - target_ends(j).ground));
+    const double s = target.slices[j].s_mm;
+    measured.inner_folds(on_slices[j], s);
+    measured.ends(on_slices[j], {&on_slices[j], &on_slices[j]}, {s, s});
   }
-  close(inner);
-  close(all);
+  const TargetDistance inner = closed(measured.inner);
+  const TargetDistance all = closed(measured.all);
   if (all.vertices == 0) {
-    check.fail("",
-               "no fold vertex of the pattern lies on a connector of the spec; they do not belong "
-               "together");
+    check.fail(
+        "",
+        "no fold of the pattern lies on a slice or connector of the spec; they do not belong "
+        "together");
   }
   report.target_inner = inner;
   report.target_all = all;

@@ -256,6 +256,7 @@ void check_crossing(const Subject& subject, VerifyReport& report) {
   for (std::size_t k = 0; k < subject.motions.size(); ++k) {
     const PoseMotion& motion = subject.motions[k];
     if (!motion.bent) continue;
+    if (motion.isometry_mm > subject.limits.isometry_mm) continue;  // not a pose of this sheet
     ++looked_at;
     if (axis && !motion.shut &&
         check_sections(subject.file, subject.sheet, *axis, motion, slack, check)) {
@@ -270,6 +271,12 @@ void check_crossing(const Subject& subject, VerifyReport& report) {
           fmt::format("frame {} has shut folds: the order of its layers is not judged",
                       subject.file.poses[k].place));
     }
+  }
+  if (looked_at == 0) {
+    check.ran = false;
+    check.detail = "not looked for: no opened pose keeps the lengths of the sheet";
+    report.checks.push_back(std::move(check));
+    return;
   }
   report.crossing_method = affine ? "exact" : "sampled";
   check.detail = affine ? std::string("no face meets another: exact, for every 0 < psi < pi")

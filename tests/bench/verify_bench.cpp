@@ -31,6 +31,6 @@ void report_time(int levels, int slices) {
 
 }  // namespace
 
-TEST_CASE("time to verify a 5 x 10 lattice", "[.bench][verify]") { report_time(5, 10); }
-TEST_CASE("time to verify a 20 x 60 lattice", "[.bench][verify]") { report_time(20, 60); }
-TEST_CASE("time to verify a 50 x 200 lattice", "[.bench][verify]") { report_time(50, 200); }
+TEST_CASE("time to verify a 5 x 10 lattice", "[.][bench][verify]") { report_time(5, 10); }
+TEST_CASE("time to verify a 20 x 60 lattice", "[.][bench][verify]") { report_time(20, 60); }
+TEST_CASE("time to verify a 50 x 200 lattice", "[.][bench][verify]") { report_time(50, 200); }
