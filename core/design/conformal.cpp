@@ -38,8 +38,9 @@ class Conformal {
     build_pattern();
   }
 
-  void run(ConformalEffort& effort) {
-    effort.unknowns = static_cast<int>(unknown_.size());
+  ConformalEffort run(std::optional<double> give_up_over_mean) {
+    ConformalEffort effort{0, static_cast<int>(unknown_.size())};
+    constexpr int kExactStage = 6;  // from mu = 1e3 on the vertices are nearly on the target
     double weight = 0.01 * mean_ * mean_;
     for (int stage = 0; stage <= 20; ++stage, weight *= 0.5) {
       const double mu = std::pow(10.0, 0.5 * stage);
@@ -47,7 +48,10 @@ class Conformal {
         ++effort.steps;
         if (!newton(mu, weight)) break;
       }
+      if (give_up_over_mean && stage >= kExactStage && longest_step() > *give_up_over_mean * mean_)
+        break;
     }
+    return effort;
   }
 
   [[nodiscard]] Planes planes() const {
@@ -226,6 +230,15 @@ class Conformal {
     return sum - weight * logs;
   }
 
+  [[nodiscard]] double longest_step() const {
+    double most = 0.0;
+    for (int k = 0; k + 1 < target_.slices(); ++k)
+      for (int i = 1; i <= n_; ++i)
+        for (const Step s : {step_x(k, i), step_z(k, i)})
+          most = std::max(most, value(unknown_, s.plus) - value(unknown_, s.minus));
+    return most;
+  }
+
   /// The largest share of `move` that uses up at most 0.99 of any step's distance from its limits.
   [[nodiscard]] double longest(const Eigen::VectorXd& move) const {
     double share = 1.0;
@@ -305,7 +318,8 @@ Planes equal_steps(const RunTarget& target) {
 
 }  // namespace
 
-Result<Planes> lattice_conformal(const RunTarget& target, ConformalEffort& effort) {
+Result<Planes> lattice_conformal(const RunTarget& target, std::optional<double> give_up_over_mean,
+                                 ConformalEffort* effort) {
   Planes start = lattice_slices(target);
   if (target.slices() < 2) return start;
   if (!strictly_feasible(target, start)) start = equal_steps(target);
@@ -316,13 +330,9 @@ Result<Planes> lattice_conformal(const RunTarget& target, ConformalEffort& effor
                     "units, a larger scale or a smaller min_panel_mm",
                     target.units, target.min_panel_mm, target.mean_step()));
   Conformal problem(target, std::move(start));
-  problem.run(effort);
+  const ConformalEffort spent = problem.run(give_up_over_mean);
+  if (effort) *effort = spent;
   return problem.planes();
-}
-
-Result<Planes> lattice_conformal(const RunTarget& target) {
-  ConformalEffort effort;
-  return lattice_conformal(target, effort);
 }
 
 }  // namespace popcut

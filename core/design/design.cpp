@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -65,31 +66,29 @@ class Designer {
   Result<Design> run() {
     if (auto sliced = slice_target(); !sliced) return tl::unexpected(sliced.error());
     cut_after_.assign(static_cast<std::size_t>(spec_.slices), 0);
-    // Each round that fails makes a plain cut more, so the rounds end.
+    // A round that fails makes a plain cut more, so the rounds end.
     for (int round = 0; round <= spec_.slices + 1; ++round) {
       LatticeMethod method = spec_.lattice;
       std::string note;
       auto laid = lay(method, note);
       if (!laid) return tl::unexpected(laid.error());
       if (cut_unlawful(laid->second.strips)) continue;
-      auto built = build_pattern(laid->second.strips.strips, laid->second.frame.wall_mm,
-                                 laid->second.frame.ground_mm, laid->second.frame.card);
-      if (!built) return tl::unexpected(built.error());
-      const Mobility motion = mobility(*built);
-      if (spec_.card && motion.degrees_of_freedom != 1) {
-        if (cut_loose(laid->second.strips.strips, *built, motion)) continue;
+      auto tight = tighten(laid->first, laid->second);
+      if (!tight) return tl::unexpected(tight.error());
+      if (spec_.card && tight->second.degrees_of_freedom != 1) {
+        if (cut_loose(laid->second.strips.strips, tight->first, tight->second)) continue;
         return fail(
             ErrorKind::Infeasible, "/units_per_slice",
             fmt::format("the structure would have {} degrees of freedom, and no plain cut mends "
                         "it; use fewer units or a smaller min_panel_mm",
-                        motion.degrees_of_freedom));
+                        tight->second.degrees_of_freedom));
       }
-      if (motion.pieces != 1)
+      if (tight->second.pieces != 1)
         return fail(ErrorKind::Infeasible, "/card",
                     fmt::format("without a card the sheet falls into {} pieces; keep the card",
-                                motion.pieces));
-      return finish(laid->first, std::move(laid->second), std::move(*built), motion, method,
-                    std::move(note));
+                                tight->second.pieces));
+      return finish(laid->first, std::move(laid->second), std::move(tight->first), tight->second,
+                    method, std::move(note));
     }
     return fail(ErrorKind::Internal, "", "plain cuts did not come to an end");
   }
@@ -148,7 +147,7 @@ class Designer {
       int end = j + 1;
       while (end < spec_.slices && !cut_after_[static_cast<std::size_t>(end - 1)]) ++end;
       const bool halved = end == j + 1 && n_ >= 3;
-      Run run{static_cast<int>(out.laid.size()), halved ? 2 : end - j, {}};
+      Run run{static_cast<int>(out.laid.size()), halved ? 2 : end - j, {}, {}, {}};
       RunTarget target;
       target.units = n_;
       target.min_panel_mm = spec_.min_panel_mm;
@@ -256,8 +255,12 @@ class Designer {
         options.ground_ends.push_back(sliced_.curves[static_cast<std::size_t>(slice.slice)].d());
       }
     out.strips = build_strips(layout.laid, layout.runs, options);
-    if (!out.strips.unlawful.empty()) return out;
-    FigureInput input{out.strips.strips, {}, {}, {}, 0.0};
+    return out;
+  }
+
+  /// Measures the strips against the target.
+  void add_figures(const Layout& layout, Laid& laid) const {
+    FigureInput input{laid.strips.strips, {}, {}, {}, 0.0};
     for (const LaidSlice& slice : layout.laid)
       input.slices.push_back({slice.s_mm, &sliced_.curves[static_cast<std::size_t>(slice.slice)]});
     double mean = 0.0, weight = 0.0;
@@ -271,43 +274,75 @@ class Designer {
       weight += layout.runs[r].count;
     }
     input.mean_step_mm = mean / weight;
-    out.figures = measure(input);
-    return out;
+    laid.figures = measure(input);
+  }
+
+  /// Strips with their figures; none where a connector is unlawful.
+  Result<Laid> lay_measured(const Layout& layout) const {
+    auto laid = lay_strips(layout);
+    if (laid && laid->strips.unlawful.empty()) add_figures(layout, *laid);
+    return laid;
   }
 
   /// Lays the lattice by `method`. Where the conformal lattice does not come nearer to the target
-  /// than the plain one, the plain one is taken and `note` says so.
+  /// than the plain one, the plain one is taken; `note` says what was chosen between.
   Result<std::pair<Layout, Laid>> lay(LatticeMethod& method, std::string& note) const {
     Layout chosen = layout();
     if (auto filled = fill(chosen, method); !filled) return tl::unexpected(filled.error());
-    auto laid = lay_strips(chosen);
+    const bool choose = method == LatticeMethod::Conformal && n_ > 1 &&
+                        !chosen.targets.front().connector_curves.empty();
+    auto laid = choose ? lay_measured(chosen) : lay_strips(chosen);
     if (!laid) return tl::unexpected(laid.error());
-    if (method != LatticeMethod::Conformal || n_ == 1 ||
-        chosen.targets.front().connector_curves.empty())
-      return std::pair{std::move(chosen), std::move(*laid)};
+    auto result = std::pair{std::move(chosen), std::move(*laid)};
+    if (!choose) return result;
+    if (auto relaxed = lay_relaxed(result.second.figures)) {
+      result = std::move(*relaxed);
+      note = fmt::format(
+          "steps up to {:.2f} of the mean one, so that every inner vertex is on the target",
+          result.second.figures.step_over_mean_max);
+    }
     Layout plain = layout();
     (void)fill(plain, LatticeMethod::Slices);
-    auto other = lay_strips(plain);
-    if (!other || !other->strips.unlawful.empty())
-      return std::pair{std::move(chosen), std::move(*laid)};
-    const LatticeFigures &mine = laid->figures, &theirs = other->figures;
-    if (!laid->strips.unlawful.empty() || prefer_slices(mine, theirs)) {
-      note = fmt::format(
-          "slices taken: conformal has gap {:.4g} mm and inner error {:.3g} mm, slices {:.4g} mm "
-          "and {:.3g} mm",
-          mine.gap_mm, mine.inner_error.max_mm, theirs.gap_mm, theirs.inner_error.max_mm);
-      method = LatticeMethod::Slices;
-      return std::pair{std::move(plain), std::move(*other)};
-    }
-    return std::pair{std::move(chosen), std::move(*laid)};
+    auto other = lay_measured(plain);
+    if (!other || !other->strips.unlawful.empty()) return result;
+    const LatticeFigures &mine = result.second.figures, &theirs = other->figures;
+    const bool as_good = result.second.strips.unlawful.empty() && !prefer_slices(mine, theirs);
+    const std::string compared = fmt::format(
+        "conformal: gap {:.4g} mm, inner error {:.3g} mm; slices: gap {:.4g} mm, inner error "
+        "{:.3g} mm",
+        mine.gap_mm, mine.inner_error.max_mm, theirs.gap_mm, theirs.inner_error.max_mm);
+    note += (note.empty() ? "" : "; ") + compared;
+    if (as_good) return result;
+    note = "slices taken, since conformal does not beat them; " + compared;
+    method = LatticeMethod::Slices;
+    return std::pair{std::move(plain), std::move(*other)};
   }
 
-  /// Slices are taken where they are as exact, or nearer to the target without being much less
-  /// exact.
+  /// The conformal lattice without the default limit of steps, when that makes it exact and its
+  /// longest step stays moderate. A limit that the user asked for is kept.
+  std::optional<std::pair<Layout, Laid>> lay_relaxed(const LatticeFigures& limited) const {
+    const double exact_mm = 1e-6 * sliced_.curves.front().h();
+    if (spec_.max_step_asked || !spec_.max_step_over_mean || limited.inner_error.max_mm <= exact_mm)
+      return std::nullopt;
+    Layout free = layout();
+    for (std::size_t r = 0; r < free.runs.size(); ++r) {
+      free.targets[r].max_step_over_mean.reset();
+      auto planes = lattice_conformal(free.targets[r], kRelaxedStep);
+      if (!planes) return std::nullopt;
+      free.runs[r].planes = std::move(*planes);
+    }
+    auto laid = lay_measured(free);
+    if (!laid || !laid->strips.unlawful.empty() || laid->figures.inner_error.max_mm > exact_mm ||
+        laid->figures.step_over_mean_max > kRelaxedStep)
+      return std::nullopt;
+    return std::pair{std::move(free), std::move(*laid)};
+  }
+
+  /// The nearer lattice wins, by the largest distance of a target point from its nearest fold
+  /// vertex; a conformal one that is far more exact wins all the same.
   static bool prefer_slices(const LatticeFigures& conformal, const LatticeFigures& slices) {
-    return slices.inner_error.rms_mm <= conformal.inner_error.rms_mm ||
-           (slices.gap_mm < conformal.gap_mm &&
-            conformal.inner_error.rms_mm > 0.5 * slices.inner_error.rms_mm);
+    return slices.gap_mm <= 1.001 * conformal.gap_mm &&
+           conformal.inner_error.rms_mm > 0.5 * slices.inner_error.rms_mm;
   }
 
   /// Plain cuts where no connector is lawful; whether any was made.
@@ -316,6 +351,56 @@ class Designer {
     for (const int slice : strips.unlawful)
       any = cut(slice, "no connector fits between them") || any;
     return any;
+  }
+
+  /// Builds the pattern; panels that nothing holds are left out, and it is laid and built again,
+  /// until all hold each other or leaving out no longer helps.
+  Result<std::pair<BuiltPattern, Mobility>> tighten(Layout& layout, Laid& laid) const {
+    constexpr int kMostRounds = 30;
+    for (int round = 0;; ++round) {
+      auto built = build_pattern(laid.strips.strips, laid.frame.wall_mm, laid.frame.ground_mm,
+                                 laid.frame.card);
+      if (!built) return tl::unexpected(built.error());
+      Mobility motion = mobility(*built);
+      const bool done = !laid.frame.card || motion.degrees_of_freedom == 1 || round == kMostRounds;
+      if (done || !mark_loose(layout, laid.strips.strips, *built, motion))
+        return std::pair{std::move(*built), std::move(motion)};
+      auto again = lay_strips(layout);
+      if (!again) return tl::unexpected(again.error());
+      if (!again->strips.unlawful.empty()) return std::pair{std::move(*built), std::move(motion)};
+      laid = std::move(*again);
+    }
+  }
+
+  /// Marks loose panels of slice strips; where there are none, those of connectors. Whether any was
+  /// marked.
+  static bool mark_loose(Layout& layout, const Strips& strips, const BuiltPattern& built,
+                         const Mobility& motion) {
+    for (const bool connectors : {false, true}) {
+      bool any = false;
+      std::size_t r = 0;
+      int left = -1;  // slice strips so far in this run
+      for (std::size_t s = 0; s < strips.size(); ++s) {
+        const StripKind kind = strips.kind[s];
+        if (kind != StripKind::Slice && kind != StripKind::Connector) continue;
+        if (kind == StripKind::Slice && ++left == layout.runs[r].count) ++r, left = 0;
+        if ((kind == StripKind::Connector) != connectors) continue;
+        Run& run = layout.runs[r];
+        std::vector<std::uint8_t>& marks = connectors ? run.loose_levels : run.loose_planes;
+        marks.resize(run.planes.value.size());
+        for (std::uint32_t p = strips.first_panel[s]; p < strips.first_panel[s + 1]; ++p) {
+          if (strips.level[p] < 0 || !motion.loose[static_cast<std::size_t>(built.panel_face[p])])
+            continue;
+          const std::size_t at =
+              static_cast<std::size_t>(left) * static_cast<std::size_t>(run.planes.units + 1) +
+              static_cast<std::size_t>(strips.level[p]);
+          any = any || !marks[at];
+          marks[at] = 1;
+        }
+      }
+      if (any) return true;
+    }
+    return false;
   }
 
   bool cut(int slice, const std::string& reason) {
@@ -344,6 +429,7 @@ class Designer {
                 LatticeMethod method, std::string note) {
     Design out;
     DesignReport& r = out.report;
+    add_figures(layout, laid);
     out.strips = std::move(laid.strips.strips);
     out.pattern = std::move(built.pattern);
     out.pattern.name = r.name = spec_.name;

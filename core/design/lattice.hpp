@@ -63,22 +63,24 @@ struct Planes {
 /// from the chain of its even slice for even i, of its odd slice for odd i.
 [[nodiscard]] Planes lattice_branching(const RunTarget& target);
 
-/// Popcut's own: pulls every connector vertex onto the surface by Gauss-Newton with log barriers
-/// (design reference, section 4), the smallest step at least `min_panel_mm`.
-///
-/// @retval Infeasible  no lattice with steps of at least `min_panel_mm` exists, even with equal
-/// steps
-[[nodiscard]] Result<Planes> lattice_conformal(const RunTarget& target);
-
-/// Exact in O(units): levels end and begin at wall and ground (design reference, section 4).
-[[nodiscard]] Planes lattice_levels(const RunTarget& target);
-
-/// Newton steps and factorisations that the last `lattice_conformal` of this thread took, for
-/// benchmarks.
+/// Newton steps that a conformal lattice took, and its unknowns, for benchmarks.
 struct ConformalEffort {
   int steps{};
   int unknowns{};
 };
-[[nodiscard]] Result<Planes> lattice_conformal(const RunTarget& target, ConformalEffort& effort);
+
+/// Popcut's own: pulls every connector vertex onto the surface by Gauss-Newton with log barriers
+/// (design reference, section 4), the smallest step at least `min_panel_mm`.
+///
+/// @param give_up_over_mean  stop early, with what there is, once exactness would need a longer
+/// step
+/// @retval Infeasible  no lattice with steps of at least `min_panel_mm` exists, even with equal
+/// steps
+[[nodiscard]] Result<Planes> lattice_conformal(
+    const RunTarget& target, std::optional<double> give_up_over_mean = std::nullopt,
+    ConformalEffort* effort = nullptr);
+
+/// Exact in O(units): levels end and begin at wall and ground (design reference, section 4).
+[[nodiscard]] Planes lattice_levels(const RunTarget& target);
 
 }  // namespace popcut

@@ -101,6 +101,7 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
       fields.word("lattice", 2, {"branching", "slices", "conformal", "levels"}));
   spec.solver = static_cast<SolverMethod>(fields.word("solver", 0, {"newton", "slsqp"}));
   spec.min_panel_mm = fields.number("min_panel_mm", 0.5, 0.0, kMaxLength, true);
+  spec.max_step_asked = fields.has("max_step_over_mean");
   if (const json* most = fields.value("max_step_over_mean"); most && most->is_null())
     spec.max_step_over_mean.reset();
   else if (most)

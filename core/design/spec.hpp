@@ -45,10 +45,14 @@ struct DesignSpec {
   SolverMethod solver{SolverMethod::Newton};
   std::optional<CardSpec> card{CardSpec{}};  ///< none: `"card": false`
   double min_panel_mm{0.5};
-  std::optional<double> max_step_over_mean{3.0};  ///< conformal only; none: no upper limit
+  /// Largest step of a conformal lattice over the mean one; none: no limit. Where the user did not
+  /// ask for it, up to `kRelaxedStep` is taken when that puts every vertex on the target.
+  std::optional<double> max_step_over_mean{3.0};
+  bool max_step_asked{false};
   std::string material{"paper-220"};
 };
 
+inline constexpr double kRelaxedStep = 5.0;
 inline constexpr int kMaxUnitsPerSlice = 2000;
 inline constexpr int kMaxSlices = 20000;
 inline constexpr long kMaxUnits = 2'000'000;  ///< units per slice times slices

@@ -64,7 +64,7 @@ class RunLayer {
 
   void lay(StripWriter& writer) {
     for (int j = 0; j < run_.count; ++j) reduce_slice(j);
-    for (int j = 0; j + 1 < run_.count; ++j) levels_.push_back(connector_levels(j));
+    for (int k = 0; k + 1 < run_.count; ++k) levels_.push_back(connector_levels(k, false));
     drop_unheld();
     for (int j = 0; j < run_.count; ++j) {
       if (j > 0) lay_connector(writer, j - 1);
@@ -82,6 +82,9 @@ class RunLayer {
   }
   [[nodiscard]] PlaneId plane(int j, int i) const {
     return first_plane_ + static_cast<PlaneId>(at(j, i));
+  }
+  [[nodiscard]] bool is_loose(const std::vector<std::uint8_t>& loose, int j, int i) const {
+    return !loose.empty() && loose[at(j, i)] != 0;
   }
   [[nodiscard]] bool is_ended(int j, int i) const { return run_.planes.value[at(j, i)] == 0.0; }
 
@@ -123,6 +126,11 @@ class RunLayer {
     for (int i = first; i < last; i += 2) {
       const double height = run_.planes.value[at(j, i)], offset = run_.planes.value[at(j, i + 1)];
       const double step = std::min(offset - x, any ? z - height : options_.min_panel_mm);
+      if (is_loose(run_.loose_planes, j, i) || is_loose(run_.loose_planes, j, i + 1)) {
+        dead_[at(j, i)] = dead_[at(j, i + 1)] = 1;
+        note(j, i, "slice", "nothing would hold its panels there");
+        continue;
+      }
       if (step < options_.min_panel_mm) {
         drop(i, step);
         continue;
@@ -210,7 +218,7 @@ class RunLayer {
   /// The levels that the connector after slice j uses: the first stands on the wall, the last on
   /// the ground, and each step between is at least min_panel long. Empty where there is no such
   /// connector.
-  [[nodiscard]] std::vector<int> connector_levels(int j) {
+  [[nodiscard]] std::vector<int> connector_levels(int j, bool say) {
     const auto vertex = [&](int i) { return run_.planes.vertex(j, i); };
     int first = 0, last = n_;
     for (int i = 0; i <= n_; ++i)
@@ -230,52 +238,84 @@ class RunLayer {
                       vertex(a).z - (b == last ? 0.0 : vertex(b).z));
     };
     for (int i = first + 1; i < last; ++i) {
-      const bool gone = dead_[at(j, i)] || dead_[at(j + 1, i)];
+      const bool gone = dead_[at(j, i)] || dead_[at(j + 1, i)] || is_loose(run_.loose_levels, j, i);
       const double short_step = step(kept.back(), i);
       if (!gone && short_step >= options_.min_panel_mm)
         kept.push_back(i);
-      else
-        note(j, i, "connector", gone ? "its slice has no such plane" : too_short(short_step));
+      else if (say)
+        note(j, i, "connector", gone ? "its slices have no such panels" : too_short(short_step));
     }
     while (kept.size() > 1 && step(kept.back(), last) < options_.min_panel_mm) {
-      note(j, kept.back(), "connector", too_short(step(kept.back(), last)));
+      if (say) note(j, kept.back(), "connector", too_short(step(kept.back(), last)));
       kept.pop_back();
     }
     kept.push_back(last);
     return kept;
   }
 
+  /// Whether connector k has a panel in plane i of slice j that overlaps `low .. high`, the reach
+  /// of the slice's own panel along that plane.
+  [[nodiscard]] bool holds(int k, int j, int i, double low, double high) const {
+    if (k < 0 || k + 1 >= run_.count) return false;
+    const std::vector<int>& levels = levels_[static_cast<std::size_t>(k)];
+    const auto it = std::lower_bound(levels.begin(), levels.end(), i);
+    if (it == levels.end() || *it != i) return false;
+    double from = 0.0, to = 0.0;
+    if (Planes::holds_height(j, i)) {
+      if (it + 1 == levels.end()) return false;
+      from = it == levels.begin() ? 0.0 : run_.planes.vertex(k, i).x;
+      to = run_.planes.vertex(k, *(it + 1)).x;
+    } else {
+      if (it == levels.begin()) return false;
+      from = it + 1 == levels.end() ? 0.0 : run_.planes.vertex(k, i).z;
+      to = run_.planes.vertex(k, *(it - 1)).z;
+    }
+    return std::min(to, high) > std::max(from, low);
+  }
+
   /// A slice's planes that no connector joins hang between those that are joined. One or two in a
   /// row are held by their neighbours, a third would swing freely: pairs are left out until two are
-  /// left.
+  /// left. What a slice loses its connectors lose too, so the neighbours are looked at again.
   void drop_unheld() {
-    std::vector<std::uint8_t> held(dead_.size(), 0);
-    for (int j = 0; j + 1 < run_.count; ++j) {
-      const std::vector<int>& levels = levels_[static_cast<std::size_t>(j)];
-      for (std::size_t k = 0; k < levels.size(); ++k) {
-        if (k + 1 < levels.size()) held[at(height_holder(j, levels[k]), levels[k])] = 1;
-        if (k > 0) held[at(offset_holder(j, levels[k]), levels[k])] = 1;
-      }
-    }
-    std::vector<int> hanging;
-    for (int j = 0; run_.count > 1 && j < run_.count; ++j) {
-      for (int i = 0; i <= n_ + 1; ++i) {
-        if (i <= n_ && dead_[at(j, i)]) continue;
-        if (i <= n_ && !held[at(j, i)]) {
-          hanging.push_back(i);
-          continue;
+    std::vector<int> work, own, hanging;
+    for (int j = run_.count; run_.count > 1 && j-- > 0;) work.push_back(j);
+    while (!work.empty()) {
+      const int j = work.back();
+      work.pop_back();
+      own.clear();
+      for (int i = 0; i <= n_; ++i)
+        if (!dead_[at(j, i)]) own.push_back(i);
+      bool dropped = false;
+      hanging.clear();
+      for (std::size_t q = 0; q <= own.size(); ++q) {
+        if (q < own.size()) {
+          // A height reaches between the offsets beside it, an offset between the heights.
+          const double before = q > 0 ? run_.planes.value[at(j, own[q - 1])] : 0.0;
+          const double after = q + 1 < own.size() ? run_.planes.value[at(j, own[q + 1])] : 0.0;
+          const double low = std::min(before, after), high = std::max(before, after);
+          if (!holds(j - 1, j, own[q], low, high) && !holds(j, j, own[q], low, high)) {
+            hanging.push_back(own[q]);
+            continue;
+          }
         }
         for (std::size_t k = 1; k + 1 < hanging.size(); k += 2) {
           dead_[at(j, hanging[k])] = dead_[at(j, hanging[k + 1])] = 1;
-          note(j, hanging[k], "slice", "no connector joins it there, so it would swing freely");
+          note(j, hanging[k], "slice", "nothing would hold its panels there");
+          dropped = true;
         }
         hanging.clear();
       }
+      if (!dropped) continue;
+      for (const int k : {j - 1, j})
+        if (k >= 0 && k + 1 < run_.count)
+          levels_[static_cast<std::size_t>(k)] = connector_levels(k, false);
+      for (const int other : {j - 1, j, j + 1})
+        if (other >= 0 && other < run_.count) work.push_back(other);
     }
   }
 
   void lay_connector(StripWriter& writer, int j) {
-    const std::vector<int>& levels = levels_[static_cast<std::size_t>(j)];
+    const std::vector<int> levels = connector_levels(j, true);
     if (levels.empty()) {
       unlawful_.push_back(run_.first + j);
       return;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/design/lattice.hpp"
@@ -22,6 +23,9 @@ struct Run {
   int first{};  ///< of the laid slices
   int count{};
   Planes planes;
+  /// Slices x (N + 1) marks of what an earlier attempt left loose, empty for none: planes to leave
+  /// out of their slice, and levels to leave out of the connector after that slice.
+  std::vector<std::uint8_t> loose_planes, loose_levels;
 };
 
 /// The frame around the strips. Without a card there are neither margins nor wall nor ground.

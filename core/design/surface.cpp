@@ -35,6 +35,8 @@ Result<SliceCurve> slice_revolution(const Expression& radius, double scale_mm, d
   return SliceCurve(r_mm, r_mm);
 }
 
+constexpr double kMostDepth = 100.0;  ///< a profile deeper than this many heights never lands
+
 /// One plane of a profile: z(x) in mm at a fixed s, and how it reaches the ground.
 class ProfileSlice {
  public:
@@ -75,7 +77,7 @@ class ProfileSlice {
   /// Where the profile meets the ground: the end of the first stretch on which z > 0 and falls.
   [[nodiscard]] Result<double> ground_end(double h) const {
     double inside = 0.0, outside = 0.0, before = 0.0;
-    for (double x = h / 256.0; x < 1e4 * h; x = 1.01 * x + h / 256.0) {
+    for (double x = h / 256.0; x < kMostDepth * h; x = 1.01 * x + h / 256.0) {
       const double here = (*this)(x);
       if (here > (*this)(inside)) {
         if (const std::optional<double> touch = lowest(before, x, h)) return *touch;
@@ -92,7 +94,7 @@ class ProfileSlice {
           ErrorKind::Infeasible, at_s("z", s_mm_),
           fmt::format("the profile stays above the ground up to x = {:.6g} mm; it must fall to "
                       "z = 0",
-                      1e4 * h));
+                      kMostDepth * h));
     for (int k = 0; k < 200 && inside < outside; ++k) {
       const double middle = 0.5 * (inside + outside);
       if (middle <= inside || middle >= outside) break;

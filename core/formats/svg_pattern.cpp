@@ -48,12 +48,12 @@ Page page_of(const Pattern& pattern) {
   return {v0, u0, v1 - v0, u1 - u0};
 }
 
-// `dashes`: folds are dashes already, which tells `plan` to cut them as they stand.
-void put_head(TextSink& text, const Pattern& pattern, bool dashes) {
+void put_head(TextSink& text, const Pattern& pattern, std::string_view attribute) {
   const Page page = page_of(pattern);
   text.put(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
-      "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" version=\"1.1\" width=\"");
+      "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" version=\"1.1\"");
+  text(attribute, " width=\"");
   text.put_rounded(page.width);
   text.put("mm\" height=\"");
   text.put_rounded(page.height);
@@ -65,7 +65,7 @@ void put_head(TextSink& text, const Pattern& pattern, bool dashes) {
   text.put_rounded(page.width);
   text.put(" ");
   text.put_rounded(page.height);
-  text("\"", dashes ? " data-popcut=\"dashes\"" : "", ">\n<title>", xml_escaped(pattern.name), "</title>\n");
+  text("\">\n<title>", xml_escaped(pattern.name), "</title>\n");
 }
 
 void put_line(TextSink& text, const SheetLine& line, const Layer& layer) {
@@ -99,7 +99,7 @@ void put_layer(TextSink& text, const Layer& layer, bool dashed,
 
 void write_pattern_svg(const Pattern& pattern, std::ostream& out) {
   TextSink text(out);
-  put_head(text, pattern, false);
+  put_head(text, pattern, "");
   for (const Layer& layer : kLayers) put_layer(text, layer, true, {pattern.lines});
   text.put("</svg>\n");
 }
@@ -107,7 +107,7 @@ void write_pattern_svg(const Pattern& pattern, std::ostream& out) {
 void write_cut_svg(const Pattern& pattern, std::span<const SheetLine> micro_cuts,
                    std::ostream& out) {
   TextSink text(out);
-  put_head(text, pattern, true);
+  put_head(text, pattern, " data-popcut=\"dashes\"");
   for (const Layer& layer : kLayers) {
     const bool fold = layer.role == EdgeRole::Mountain || layer.role == EdgeRole::Valley;
     put_layer(text, layer, false, {fold ? micro_cuts : std::span<const SheetLine>(pattern.lines)});

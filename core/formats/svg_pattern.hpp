@@ -17,7 +17,8 @@ void write_pattern_svg(const Pattern& pattern, std::ostream& out);
 
 /// Draws a pattern to cut: as `write_pattern_svg`, but every fold is its micro-cuts, each a solid
 /// path of its own, because cutters' programs drop stroke-dasharray. The layers stand in the order
-/// of cutting. `micro_cuts` are places on the sheet with the role of their fold.
+/// of cutting; `data-popcut="dashes"` tells popcut's reader to cut the folds as they stand.
+/// `micro_cuts` are places on the sheet with the role of their fold.
 void write_cut_svg(const Pattern& pattern, std::span<const SheetLine> micro_cuts,
                    std::ostream& out);
 

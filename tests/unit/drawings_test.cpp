@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
 #include <map>
 #include <sstream>
 #include <string>
@@ -11,6 +13,8 @@
 #include "core/formats/deployed_svg.hpp"
 #include "core/formats/pdf_pattern.hpp"
 #include "core/formats/svg_pattern.hpp"
+#include "core/formats/svg_reader.hpp"
+#include "core/plan/linework.hpp"
 #include "tests/support/box_card.hpp"
 
 using namespace popcut;
@@ -126,6 +130,32 @@ TEST_CASE("cut.svg has every micro-cut as a solid path and cuts the outline last
   CHECK(paths(svg, "cut").size() == 2);
   CHECK(std::string(svg.last_child().attribute("inkscape:label").value()) == "outline");
   CHECK(std::string(svg.child("g").attribute("inkscape:label").value()) == "fold-mountain");
+}
+
+TEST_CASE("what is drawn reads back as the lines of the pattern", "[core][formats][svg]") {
+  const Pattern pattern = testing::box_card_pattern();
+  const LineWork expected = linework_from_pattern(pattern);
+  const auto same_lines = [&](const LineWork& read) {
+    REQUIRE(read.lines.size() == expected.lines.size());
+    for (const DrawnLine& line : expected.lines) {
+      const auto points = expected.points_of(line);
+      CHECK(std::any_of(read.lines.begin(), read.lines.end(), [&](const DrawnLine& other) {
+        const auto there = read.points_of(other);
+        return other.operation == line.operation && there.size() == 2 &&
+               distance(there[0], points[0]) < 1e-5 && distance(there[1], points[1]) < 1e-5;
+      }));
+    }
+  };
+  const auto looked_at = linework_from_svg(pattern_svg(pattern), SvgProfile::Popcut);
+  REQUIRE(looked_at);
+  CHECK_FALSE(looked_at->dashed);
+  same_lines(*looked_at);
+  std::vector<SheetLine> folds = pattern.lines;  // whole folds stand in for their dashes
+  const auto cut = linework_from_svg(
+      text_of([&](std::ostream& out) { write_cut_svg(pattern, folds, out); }), SvgProfile::Popcut);
+  REQUIRE(cut);
+  CHECK(cut->dashed);
+  same_lines(*cut);
 }
 
 TEST_CASE("a PDF page is the sheet at true scale with its margin", "[core][formats][pdf]") {
