@@ -12,8 +12,9 @@ using namespace popcut::test;
 
 namespace {
 
-std::string svg(const std::string& inner,
-                const std::string& head = R"x(width="100mm" height="100mm" viewBox="0 0 100 100")x") {
+std::string svg(
+    const std::string& inner,
+    const std::string& head = R"x(width="100mm" height="100mm" viewBox="0 0 100 100")x") {
   return "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:inkscape=\"i\" " + head + ">" + inner +
          "</svg>";
 }
@@ -108,7 +109,8 @@ TEST_CASE("shapes come out in millimetres", "[core][formats][svg]") {
   const LineWork pixels = read(svg("<path stroke='red' d='M0 0H96'/>", "width='200' height='100'"));
   CHECK(length(pixels.points) == Approx(25.4));
   CHECK(pixels.warnings.size() == 1);
-  const LineWork inches = read(svg("<path stroke='red' d='M0 0H10'/>", "width='2in' height='1in' viewBox='0 0 20 10'"));
+  const LineWork inches =
+      read(svg("<path stroke='red' d='M0 0H10'/>", "width='2in' height='1in' viewBox='0 0 20 10'"));
   CHECK(length(inches.points) == Approx(25.4));
   const LineWork round = read(svg("<rect stroke='red' width='20' height='10' rx='2'/>"));
   CHECK(length(round.points) == Approx(60 - 16 + 4 * M_PI).epsilon(2e-3));
@@ -143,8 +145,8 @@ TEST_CASE("lines dashed by their style are cut as those dashes", "[core][formats
   const LineWork fold =
       read(svg(R"x(<path d="M0 0H10" stroke="red" stroke-dasharray="2" data-assignment="M"/>)x"));
   CHECK(total_mm(fold, Operation::FoldMountain) == Approx(10));
-  CHECK_FALSE(linework_from_svg(svg(R"x(<path d="M0 0H10" stroke="red" stroke-dasharray="1e-9"/>)x"),
-                                SvgProfile::Plain));
+  CHECK_FALSE(linework_from_svg(
+      svg(R"x(<path d="M0 0H10" stroke="red" stroke-dasharray="1e-9"/>)x"), SvgProfile::Plain));
 }
 
 TEST_CASE("what cannot be cut is named", "[core][formats][svg]") {

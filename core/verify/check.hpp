@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace popcut {
+
+/// One thing that does not hold: where (JSON pointer into the FOLD file) and what.
+struct VerifyFailure {
+  std::string place;
+  std::string detail;
+};
+
+/// One question asked of a pattern. It lists the first `kListed` failures and counts the rest.
+struct VerifyCheck {
+  static constexpr std::size_t kListed = 20;
+
+  std::string name;    ///< one word or two, stable: a script may look for it
+  std::string detail;  ///< the figures, in a sentence
+  bool ran{true};      ///< false: it could not be asked, and `detail` says why
+  std::size_t failed{};
+  std::vector<VerifyFailure> failures;
+
+  [[nodiscard]] bool ok() const { return failed == 0; }
+  void fail(std::string place, std::string what) {
+    ++failed;
+    if (failures.size() < kListed) failures.push_back({std::move(place), std::move(what)});
+  }
+};
+
+}  // namespace popcut

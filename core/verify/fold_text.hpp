@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/result.hpp"
+
+namespace popcut::verify {
+
+/// One array of a frame as it stands in the file, in flat form. Null entries are NaN.
+struct FoldColumn {
+  bool present{false};
+  std::vector<double> number;            ///< all numbers, in order; an assignment is its letter
+  std::vector<std::uint32_t> row_first;  ///< lists of lists: where each row begins
+
+  /// Rows of a list of lists.
+  [[nodiscard]] std::size_t rows() const { return row_first.size(); }
+  [[nodiscard]] std::size_t row_begin(std::size_t row) const { return row_first[row]; }
+  [[nodiscard]] std::size_t row_end(std::size_t row) const {
+    return row + 1 < row_first.size() ? row_first[row + 1] : number.size();
+  }
+};
+
+/// The members of one frame that verify reads; all others are passed over.
+struct FrameText {
+  std::string place;  ///< JSON pointer of the frame, empty for the key frame
+  FoldColumn vertices_coords;
+  FoldColumn edges_vertices;
+  FoldColumn edges_assignment;
+  FoldColumn edges_fold_angle;  ///< `edges_foldAngle`, or `edges_foldAngles` as 1.0 named it
+  FoldColumn faces_vertices;
+  std::vector<std::string> classes;
+  std::string unit;
+  std::optional<double> parent;
+  std::optional<double> psi_rad;  ///< `frame_popcut:psi_rad`
+  bool inherit{false};
+};
+
+inline constexpr std::size_t kMaxFoldBytes = std::size_t{1} << 29;
+inline constexpr int kMaxFoldDepth = 64;
+inline constexpr std::size_t kMaxFoldFrames = 10'000;
+
+/// Reads the JSON of a FOLD file without building a tree of it: memory stays within a few times
+/// the text. Frame 0 is the key frame, the others are `file_frames` in order.
+///
+/// @retval Malformed   not JSON (with line and column), nested too deep, or a member that has
+///                     another type than FOLD 1.2 gives it (with JSON pointer)
+/// @retval OutOfRange  larger than `kMaxFoldBytes` or more than `kMaxFoldFrames` frames
+[[nodiscard]] Result<std::vector<FrameText>> read_fold_text(std::string_view text);
+
+}  // namespace popcut::verify

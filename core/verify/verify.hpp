@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/result.hpp"
+#include "core/verify/check.hpp"
+
+namespace popcut {
+
+struct VerifyOptions {
+  std::optional<std::size_t> degrees_of_freedom{};  ///< demanded; else only 0 fails
+  std::optional<std::string> target_spec{};  ///< text of a design spec: adds the distance from it
+};
+
+/// Distances of fold vertices from the target surface, in mm.
+struct TargetDistance {
+  std::size_t vertices{};
+  double rms_mm{};
+  double max_mm{};
+};
+
+/// What a pattern is and whether it holds. Figures that could not be measured stay zero; the check
+/// they belong to says why.
+struct VerifyReport {
+  std::vector<VerifyCheck> checks;
+  std::vector<std::string> notes;
+
+  std::size_t vertices{}, edges{};
+  std::size_t fold_faces{};  ///< faces as the file lists them
+  std::size_t faces{};       ///< rigid faces: those joined over flat creases count once
+  std::size_t hinges{};      ///< lines about which rigid faces turn
+  std::size_t pieces{};
+  std::size_t poses{};  ///< frames that were measured
+  double sheet_u_mm{}, sheet_v_mm{};
+  double area_mm2{};
+  std::size_t slits{}, holes{};
+
+  double isometry_mm{};     ///< largest change of a length in any pose
+  double hinge_gap_mm{};    ///< largest gap that opens in a fold in any pose
+  double fold_angle_deg{};  ///< largest deviation of a listed fold angle
+
+  std::optional<std::size_t> degrees_of_freedom;
+  double pose_psi_rad{};  ///< opening of the pose in which they were counted, 0 if not told
+  double largest_zero{};  ///< singular values on both sides of the gap
+  double smallest_nonzero{};
+  double gap{};
+  std::vector<double> smallest_singular_values;
+
+  std::string crossing_method;  ///< "exact", "sampled", or empty where it was not looked for
+  std::optional<TargetDistance> target_inner, target_all;
+
+  [[nodiscard]] bool ok() const;
+  /// How many things fail, over all checks.
+  [[nodiscard]] std::size_t failed() const;
+};
+
+/// Recomputes from a FOLD file alone what a pattern must satisfy (design reference, section 4):
+/// one connected piece, faces that tile the sheet, no doubled or crossing lines, isometric and
+/// closed in every pose that the file holds, fold angles and assignments that agree with the poses,
+/// the degrees of freedom in a pose that is neither flat nor shut, and no face through another.
+/// Shares no code with what generates patterns.
+///
+/// @retval Malformed, OutOfRange  the file cannot be read, or it has no pose that is neither flat
+///                                nor shut; likewise for the target spec
+[[nodiscard]] Result<VerifyReport> verify_fold(std::string_view text,
+                                               const VerifyOptions& options = {});
+
+/// The report for a person: a line a check, with the first failures and a count of the others.
+[[nodiscard]] std::string verify_text(const VerifyReport& report);
+
+/// The report as one JSON document; lengths in mm, angles as their names say.
+[[nodiscard]] std::string verify_json(const VerifyReport& report);
+
+}  // namespace popcut

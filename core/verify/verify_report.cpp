@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/verify/verify.hpp"
+
+namespace popcut {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json distance_json(const TargetDistance& distance) {
+  return {{"vertices", distance.vertices}, {"rms", distance.rms_mm}, {"max", distance.max_mm}};
+}
+
+Json check_json(const VerifyCheck& check) {
+  Json failures = Json::array();
+  for (const VerifyFailure& failure : check.failures) {
+    failures.push_back({{"place", failure.place}, {"detail", failure.detail}});
+  }
+  return {{"name", check.name},     {"ok", check.ok()},       {"ran", check.ran},
+          {"detail", check.detail}, {"failed", check.failed}, {"failures", std::move(failures)}};
+}
+
+}  // namespace
+
+std::string verify_text(const VerifyReport& report) {
+  std::string text;
+  for (const VerifyCheck& check : report.checks) {
+    const char* word = !check.ok() ? "FAILED" : check.ran ? "ok" : "-";
+    text += fmt::format("{:<7} {:<19} {}\n", word, check.name, check.detail);
+    for (const VerifyFailure& failure : check.failures) {
+      text += fmt::format("          {}{}{}\n", failure.place, failure.place.empty() ? "" : ": ",
+                          failure.detail);
+    }
+    if (check.failed > check.failures.size()) {
+      text += fmt::format("          ... and {} more\n", check.failed - check.failures.size());
+    }
+  }
+  for (const std::string& note : report.notes) text += fmt::format("note    {}\n", note);
+  return text;
+}
+
+std::string verify_json(const VerifyReport& report) {
+  Json json;
+  json["ok"] = report.ok();
+  json["pieces"] = report.pieces;
+  json["faces"] = report.faces;
+  json["fold_faces"] = report.fold_faces;
+  json["vertices"] = report.vertices;
+  json["edges"] = report.edges;
+  json["hinges"] = report.hinges;
+  json["poses"] = report.poses;
+  json["sheet_mm"] = {report.sheet_u_mm, report.sheet_v_mm};
+  json["area_mm2"] = report.area_mm2;
+  json["slits"] = report.slits;
+  json["holes"] = report.holes;
+  json["isometry_mm"] = report.isometry_mm;
+  json["hinge_gap_mm"] = report.hinge_gap_mm;
+  json["fold_angle_deg"] = report.fold_angle_deg;
+  json["degrees_of_freedom"] =
+      report.degrees_of_freedom ? Json(*report.degrees_of_freedom) : Json();
+  json["singular_values"] = {
+      {"largest_zero", report.largest_zero},
+      {"smallest_nonzero", report.smallest_nonzero},
+      {"gap", report.gap},
+      {"psi_rad", report.pose_psi_rad > 0.0 ? Json(report.pose_psi_rad) : Json()},
+      {"smallest", report.smallest_singular_values}};
+  json["crossing"] = report.crossing_method;
+  if (report.target_inner) {
+    json["target"] = {{"inner_mm", distance_json(*report.target_inner)},
+                      {"all_mm", distance_json(*report.target_all)}};
+  }
+  json["failed"] = report.failed();
+  json["checks"] = Json::array();
+  for (const VerifyCheck& check : report.checks) json["checks"].push_back(check_json(check));
+  json["notes"] = report.notes;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace popcut

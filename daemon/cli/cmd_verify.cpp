@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "core/verify/verify.hpp"
+#include "daemon/cli/command.hpp"
+#include "daemon/cli/output_folder.hpp"
+
+namespace popcut::cli {
+namespace {
+
+struct Options {
+  std::string pattern;
+  std::string target;
+  std::optional<std::size_t> degrees_of_freedom;
+};
+
+/// What fails, in one line: the checks by name with a count each.
+Error summary(const Options& options, const VerifyReport& report) {
+  std::string checks;
+  for (const VerifyCheck& check : report.checks) {
+    if (!check.ok())
+      checks += fmt::format("{}{} ({})", checks.empty() ? "" : ", ", check.name, check.failed);
+  }
+  return {ErrorKind::CheckFailed, options.pattern,
+          fmt::format("the pattern is unsound: {}; the report on standard output lists the places",
+                      checks)};
+}
+
+Result<void> run_verify(const Options& options, const Globals& globals) {
+  constexpr std::uintmax_t kPatternLimitBytes = 1u << 29;
+  constexpr std::uintmax_t kSpecLimitBytes = 4u << 20;
+  const auto text = read_file(options.pattern, kPatternLimitBytes);
+  if (!text) return tl::unexpected<Error>(text.error());
+  VerifyOptions verify{options.degrees_of_freedom, std::nullopt};
+  if (!options.target.empty()) {
+    auto spec = read_file(options.target, kSpecLimitBytes);
+    if (!spec) return tl::unexpected<Error>(spec.error());
+    verify.target_spec = std::move(*spec);
+  }
+  const auto report = verify_fold(*text, verify);
+  if (!report) {
+    const bool of_target = report.error().place.rfind("target", 0) == 0;
+    return tl::unexpected<Error>(
+        within(of_target ? options.target : options.pattern, report.error()));
+  }
+  if (globals.json) {
+    fmt::print("{}", verify_json(*report));
+  } else if (!globals.quiet) {
+    fmt::print("{}", verify_text(*report));
+  }
+  if (!report->ok()) return tl::unexpected<Error>(summary(options, *report));
+  return {};
+}
+
+constexpr const char* kHelp =
+    "Is a pattern sound? Recomputed from the file alone.\n\n"
+    "  popcut verify sphere/pattern.fold\n"
+    "  popcut verify sphere/pattern.fold --dof 1 --target sphere.json\n\n"
+    "One piece, faces that tile the sheet, no doubled or crossing lines, lengths kept and hinges\n"
+    "closed in every pose, fold angles, degrees of freedom, no face through another. PATTERN is a\n"
+    "FOLD file with the flat sheet and at least one pose that is neither flat nor shut.\n"
+    "Exit 0 when sound, 3 when it cannot be read, 6 with the list of what fails.";
+
+}  // namespace
+
+void register_verify(CLI::App& app, const Globals& globals, Run& run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = app.add_subcommand("verify", kHelp);
+  command->add_option("PATTERN", options->pattern, "A FOLD file")->required();
+  command
+      ->add_option("--dof", options->degrees_of_freedom,
+                   "Demand this many degrees of freedom; without it only 0 fails")
+      ->option_text("N");
+  command
+      ->add_option("--target", options->target, "Measure the fold vertices against a design spec")
+      ->option_text("SPEC");
+  command->callback([options, &globals, &run] {
+    run = [options, &globals] { return run_verify(*options, globals); };
+  });
+}
+
+}  // namespace popcut::cli

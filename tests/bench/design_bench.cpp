@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include "core/design/chain.hpp"
+#include "core/design/design.hpp"
+#include "core/design/lattice.hpp"
+#include "core/formats/fold_writer.hpp"
+
+using namespace popcut;
+
+namespace {
+
+double seconds_of(const auto& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double median_of(int runs, const auto& work) {
+  std::vector<double> times;
+  for (int k = 0; k < runs; ++k) times.push_back(seconds_of(work));
+  std::nth_element(times.begin(), times.begin() + runs / 2, times.end());
+  return times[static_cast<std::size_t>(runs / 2)];
+}
+
+long peak_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss / 1024;
+}
+
+DesignSpec spec_of(const char* radius, int units, int slices, double width_mm, const char* lattice,
+                   const char* max_step = "null") {
+  const auto spec = parse_design_spec(fmt::format(
+      R"({{"popcut":1,"surface":{{"type":"revolution","radius":"{}"}},"scale_mm":100,"units_per_slice":{},
+          "slices":{},"widths_mm":{},"lattice":"{}","min_panel_mm":{},"max_step_over_mean":{}}})",
+      radius, units, slices, width_mm, lattice, 10.0 / units, max_step));
+  REQUIRE(spec);
+  return *spec;
+}
+
+constexpr const char* kSphere = "sqrt(1.05-y^2)";
+constexpr const char* kSaddle = "sqrt(1+y^2)";
+constexpr const char* kWave = "1+0.15*sin(3*y)";
+
+}  // namespace
+
+TEST_CASE("seconds a slice: Newton beside SLSQP", "[bench]") {
+  fmt::print("quarter circle, one slice      Newton    steps   us a unit        SLSQP    times\n");
+  ChainSolver solver;
+  const SliceCurve circle(50.0, 50.0);
+  for (const int units : {9, 50, 200, 500}) {
+    std::vector<double> x(static_cast<std::size_t>(units) + 1), z(x.size());
+    int steps = 0;
+    const double newton =
+        median_of(51, [&] { steps = solver.solve(circle, units, x, z)->iterations; });
+    // SLSQP's cost grows with the cube of the units: one run, and at most two minutes.
+    bool done = true;
+    const double slsqp = median_of(units <= 50 ? 5 : 1, [&] {
+      done = solve_chain_slsqp(circle, units, x, z, 120.0).has_value();
+    });
+    fmt::print("N = {:4}               {:10.1f} us {:6} {:10.3f}  {:>1}{:10.4f} s {:8.0f}\n", units,
+               1e6 * newton, steps, 1e6 * newton / units, done ? " " : ">", slsqp, slsqp / newton);
+  }
+}
+
+TEST_CASE("a lattice of 100 units x 1000 slices, and of twice the slices", "[bench]") {
+  double first = 0.0;
+  for (const int slices : {1000, 2000}) {
+    const DesignSpec spec = spec_of(kSphere, 100, slices, 80.0 / slices, "slices");
+    Design made;
+    const double built = median_of(3, [&] {
+      auto result = design(spec);
+      REQUIRE(result);
+      made = std::move(*result);
+    });
+    FoldOptions options;
+    options.psi_rad = {std::numbers::pi / 2};
+    const std::string path = std::string(P_tmpdir) + "/popcut_bench.fold";
+    const double written = median_of(3, [&] {
+      std::ofstream out(path, std::ios::binary);
+      REQUIRE(write_fold(made.pattern, options, out));
+    });
+    std::ifstream size(path, std::ios::binary | std::ios::ate);
+    fmt::print(
+        "100 units x {} slices: {} faces, {} folds, {} cuts; built in {:.2f} s, FOLD ({} MB) in "
+        "{:.2f} s, peak {} MB",
+        slices, made.report.faces, made.report.folds, made.report.cuts, built,
+        static_cast<long>(size.tellg()) >> 20, written, peak_mb());
+    if (first > 0.0) fmt::print("; {:.2f} times the half", (built + written) / first);
+    fmt::print("\n");
+    first = built + written;
+    std::remove(path.c_str());
+  }
+}
+
+TEST_CASE("lattices and their four figures", "[bench]") {
+  fmt::print("{:8} {:>8} {:10} {:>10} {:>10} {:>10} {:>14} {:>8} {:>8} {:>7}\n", "target", "N x Ns",
+             "lattice", "rms/r", "inner/r", "ends/r", "step/mean", "gap/r", "merged", "s");
+  struct Row {
+    const char* name;
+    const char* radius;
+    int units, slices;
+    double width;
+  };
+  for (const Row& row :
+       {Row{"sphere", kSphere, 5, 8, 0.1}, Row{"sphere", kSphere, 8, 8, 0.1},
+        Row{"saddle", kSaddle, 8, 8, 0.1}, Row{"wave", kWave, 10, 20, 0.035},
+        Row{"sphere", kSphere, 20, 60, 0.013}, Row{"saddle", kSaddle, 20, 60, 0.013},
+        Row{"sphere", kSphere, 30, 120, 0.007}, Row{"saddle", kSaddle, 30, 120, 0.007},
+        Row{"sphere", kSphere, 50, 200, 0.004}})
+    for (const auto& [lattice, most] : {std::pair{"branching", "null"}, std::pair{"slices", "null"},
+                                        std::pair{"conformal", "null"}, std::pair{"conformal", "3"},
+                                        std::pair{"levels", "null"}}) {
+      const DesignSpec spec =
+          spec_of(row.radius, row.units, row.slices, 100 * row.width, lattice, most);
+      DesignReport r;
+      const double seconds = seconds_of([&] {
+        auto result = design(spec);
+        REQUIRE(result);
+        r = std::move(result->report);
+      });
+      fmt::print(
+          "{:8} {:>8} {:10} {:10.1e} {:10.1e} {:10.1e} {:6.3f}..{:6.2f} {:8.4f} {:8} {:7.2f}{}\n",
+          row.name, fmt::format("{}x{}", row.units, row.slices),
+          fmt::format("{}{}", lattice, most[0] == '3' ? "<3" : ""), r.inner_error.rms_mm / 100,
+          r.inner_error.max_mm / 100, r.end_error.max_mm / 100, r.step_over_mean_min,
+          r.step_over_mean_max, r.gap_mm / 100, r.merged.size(), seconds,
+          r.lattice == lattice ? "" : "  (" + r.lattice + " taken)");
+    }
+}
+
+TEST_CASE("time of a Gauss-Newton step over the units", "[bench]") {
+  fmt::print("conformal on the sphere   unknowns    steps   ms a step   us a step and unknown\n");
+  for (const auto& [units, slices] : {std::pair{10, 50}, std::pair{20, 50}, std::pair{20, 100},
+                                      std::pair{50, 100}, std::pair{50, 200}, std::pair{50, 400}}) {
+    RunTarget target;
+    target.units = units;
+    target.min_panel_mm = 10.0 / units;
+    const double width = 0.8 / slices;
+    const auto radius = [](double y) { return 100.0 * std::sqrt(1.05 - y * y); };
+    const auto points = static_cast<std::size_t>(units) + 1;
+    target.chain_x.resize(points * static_cast<std::size_t>(slices));
+    target.chain_z.resize(target.chain_x.size());
+    ChainSolver solver;
+    for (int j = 0; j < slices; ++j) {
+      const double r = radius(width * j), between = radius(width * (j + 0.5));
+      target.slice_curves.emplace_back(r, r);
+      if (j + 1 < slices) target.connector_curves.emplace_back(between, between);
+      const std::size_t at = points * static_cast<std::size_t>(j);
+      REQUIRE(solver.solve(target.slice_curves.back(), units,
+                           std::span(target.chain_x.data() + at, points),
+                           std::span(target.chain_z.data() + at, points)));
+    }
+    ConformalEffort effort;
+    const double seconds =
+        seconds_of([&] { REQUIRE(lattice_conformal(target, std::nullopt, &effort)); });
+    fmt::print("{:4} x {:4}               {:9} {:8} {:11.3f} {:14.3f}\n", units, slices,
+               effort.unknowns, effort.steps, 1e3 * seconds / effort.steps,
+               1e6 * seconds / effort.steps / effort.unknowns);
+  }
+}

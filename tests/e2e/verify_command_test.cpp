@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/fold_draft.hpp"
+#include "tests/support/process.hpp"
+
+using namespace popcut::testing;
+using nlohmann::json;
+using popcut::tests::box_card;
+using popcut::tests::FoldDraft;
+
+namespace {
+
+Ran popcut_in(const TempFolder& folder, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), POPCUT_PROGRAM);
+  return run_program(arguments, folder.path());
+}
+
+}  // namespace
+
+TEST_CASE("verify says of a sound pattern what it found and ends with 0", "[cli][e2e][verify]") {
+  const TempFolder folder;
+  write_file(folder / "box.fold", box_card().text());
+  const Ran ran = popcut_in(folder, {"verify", "box.fold", "--dof", "1"});
+  CAPTURE(ran.err);
+  CHECK(ran.exit == 0);
+  CHECK(ran.err.empty());
+  CHECK(ran.out.find("1 degree of freedom") != std::string::npos);
+  CHECK(ran.out.find("FAILED") == std::string::npos);
+}
+
+TEST_CASE("verify of an unsound pattern ends with 6 and lists what fails", "[cli][e2e][verify]") {
+  const TempFolder folder;
+  FoldDraft draft = box_card();
+  draft.poses[1].at[0][1] -= 0.5;
+  write_file(folder / "bad.fold", draft.text());
+  const Ran ran = popcut_in(folder, {"verify", "bad.fold", "--dof", "2", "--json"});
+  CHECK(ran.exit == 6);
+  CHECK(ran.err.rfind("popcut: bad.fold: the pattern is unsound: isometry", 0) == 0);
+  const json report = json::parse(ran.out);
+  CHECK(report["ok"] == false);
+  CHECK(report["failed"].get<int>() > 1);
+  for (const json& check : report["checks"]) {
+    const bool fails = check["name"] == "isometry" || check["name"] == "degrees_of_freedom" ||
+                       check["name"] == "fold_angles";
+    CAPTURE(check.dump());
+    if (!fails) CHECK(check["ok"] == true);
+    if (check["name"] == "isometry") CHECK(check["failures"].size() > 0);
+  }
+}
+
+TEST_CASE("verify of what it cannot read ends with 3 and one line", "[cli][e2e][verify]") {
+  const TempFolder folder;
+  write_file(folder / "deep.fold", std::string(200'000, '['));
+  write_file(folder / "half.fold", box_card().text().substr(0, 500));
+  FoldDraft flat = box_card();
+  flat.poses.clear();
+  write_file(folder / "flat.fold", flat.text());
+  for (const char* name : {"deep.fold", "half.fold", "flat.fold", "absent.fold"}) {
+    CAPTURE(name);
+    const Ran ran = popcut_in(folder, {"verify", name});
+    CAPTURE(ran.err);
+    CHECK(ran.exit == 3);
+    CHECK(ran.out.empty());
+    CHECK(ran.err.find(name) != std::string::npos);
+    CHECK(std::count(ran.err.begin(), ran.err.end(), '\n') == 1);
+  }
+}
+
+TEST_CASE("every shipped example is designed and verified as sound", "[cli][e2e][verify]") {
+  const std::string examples = POPCUT_SOURCE_DIR "/examples/";
+  for (const std::string name : {"unit", "fig2a", "cylinder", "sphere", "saddle"}) {
+    CAPTURE(name);
+    const TempFolder folder;
+    const std::string spec = examples + name + ".json";
+    REQUIRE(popcut_in(folder, {"design", spec, "-o", "out", "-q"}).exit == 0);
+    const Ran ran =
+        popcut_in(folder, {"verify", "out/pattern.fold", "--dof", "1", "--target", spec, "--json"});
+    CAPTURE(ran.err);
+    REQUIRE(ran.exit == 0);
+    const json verified = json::parse(ran.out);
+    const json made = json::parse(text_of_file(folder / "out/report.json"));
+    CHECK(verified["faces"] == made["faces"]);
+    CHECK(verified["pieces"] == made["pieces"]);
+    CHECK(verified["crossing"] == "exact");
+    CHECK(verified["isometry_mm"].get<double>() < 1e-9);
+    // Measured from the file alone, the distances are those that the generator reports.
+    for (const char* figure : {"rms", "max"}) {
+      CHECK(verified["target"]["inner_mm"][figure].get<double>() ==
+            Approx(made["inner_error_mm"][figure].get<double>()).margin(1e-9));
+    }
+  }
+}
