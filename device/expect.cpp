@@ -177,13 +177,13 @@ class Check {
   void check_vertices(const Drawn& drawn, const std::vector<Stretch>& on_fold,
                       const std::vector<Stretch>& on_lawful, const VertexGrid& vertices);
   void compare_lines();
-  void compare_cut(std::uint32_t index, std::span<const Cover> covers, const SegmentGrid& grid);
-  void compare_fold(std::span<const std::uint32_t> parts, const SegmentGrid& grid);
+  void compare_cut(std::uint32_t index, std::span<const Cover> covers, SegmentGrid& grid);
+  void compare_fold(std::span<const std::uint32_t> parts, SegmentGrid& grid);
   void covers_of(std::uint32_t wanted, std::vector<Stretch>& out) const;
   [[nodiscard]] PagePoint place(const Wanted& wanted, double s) const {
     return along(wanted.segment.a, wanted.segment.b, s / wanted.length);
   }
-  void find_clearances(std::span<const std::uint32_t> parts, const SegmentGrid& grid);
+  void find_clearances(std::span<const std::uint32_t> parts, SegmentGrid& grid);
   void check_gap(std::uint32_t line, PagePoint at, Stretch gap);
 
   const Trace& trace_;
@@ -232,8 +232,8 @@ void Check::find_fold_runs() {
 
 /// Each stroke must run along expected lines, with its vertices where theirs are.
 void Check::compare_strokes() {
-  const SegmentGrid grid(segments(wanted_), slack_);
-  const SegmentGrid lawful_grid(segments(lawful_), slack_);
+  SegmentGrid grid(segments(wanted_), slack_);
+  SegmentGrid lawful_grid(segments(lawful_), slack_);
   const VertexGrid vertices({drawing_.points.begin(), drawing_.points.end()}, reach_);
   std::vector<Stretch> on, on_fold, on_lawful;
   for (const Drawn& drawn : drawn_) {
@@ -293,7 +293,7 @@ void Check::covers_of(std::uint32_t wanted, std::vector<Stretch>& out) const {
 }
 
 void Check::compare_lines() {
-  const SegmentGrid grid(segments(wanted_), std::max(slack_, 2 * expected_.dashes.clearance_mm));
+  SegmentGrid grid(segments(wanted_), std::max(slack_, 2 * expected_.dashes.clearance_mm));
   std::size_t cover = 0;
   for (std::uint32_t i = 0; i < wanted_.size(); ++i) {
     if (wanted_[i].fold) continue;
@@ -308,7 +308,7 @@ void Check::compare_lines() {
 
 /// Each place of a cut is covered as often as it is to be. Steps of coverage may lie within the
 /// slack of where they should.
-void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, const SegmentGrid& grid) {
+void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, SegmentGrid& grid) {
   const Wanted& wanted = wanted_[index];
   struct Step {
     double at{};
@@ -351,7 +351,7 @@ void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, cons
 
 /// Stretches of a fold that may stay bare: at its ends, at its corners, and where cuts come near.
 /// Lengths are along the whole fold; stretches under a cut count too.
-void Check::find_clearances(std::span<const std::uint32_t> parts, const SegmentGrid& grid) {
+void Check::find_clearances(std::span<const std::uint32_t> parts, SegmentGrid& grid) {
   clear_.clear();
   const double room = 2 * expected_.dashes.clearance_mm;  // a cut at a slant needs up to twice
   const Wanted& last = wanted_[parts.back()];
@@ -412,7 +412,7 @@ void Check::check_gap(std::uint32_t line, PagePoint at, Stretch gap) {
                         shape.gap_mm, at.x, at.y));
 }
 
-void Check::compare_fold(std::span<const std::uint32_t> parts, const SegmentGrid& grid) {
+void Check::compare_fold(std::span<const std::uint32_t> parts, SegmentGrid& grid) {
   const std::uint32_t line = wanted_[parts.front()].line;
   const DashShape& shape = expected_.dashes;
   const double whole = wanted_[parts.back()].offset + wanted_[parts.back()].length;

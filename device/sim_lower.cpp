@@ -94,8 +94,10 @@ void SimCutter::plan_way(ActionKind kind, PagePoint to, double speed_mm_s) {
     if (state.offset_mm > 0 && cosine < kSharpTurnCos) {
       action.dwell_s = state.offset_mm * std::acos(std::clamp(cosine, -1.0, 1.0)) / kSwivelMmS;
       if (state.corner_lift)
+        // Over the corner, up, back before it, down: the extension is cut and travelled once.
         action.dwell_s += motion.lift_s + motion.drop_s +
-                          state.corner_extension_mm / std::max(speed_mm_s, 1.0);
+                          state.corner_extension_mm / std::max(speed_mm_s, 1.0) +
+                          state.corner_extension_mm / motion.travel_mm_s;
     }
   }
   actions_.push_back(action);

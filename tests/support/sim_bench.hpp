@@ -9,6 +9,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <fmt/format.h>
+
 #include "device/sim_transport.hpp"
 #include "protocol/encode.hpp"
 
