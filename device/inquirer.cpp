@@ -41,7 +41,6 @@ Result<bool> Inquirer::pay_debt(Deadline until) {
   const Transport::WriteEnd end = transport_.write(std::as_bytes(std::span(owed_)), until);
   owed_.erase(0, end.taken);
   if (end.error && end.error->kind != ErrorKind::Timeout) return tl::unexpected(*end.error);
-  if (owed_.empty()) late_reply_possible_ = true;  // nobody waits for it
   return owed_.empty();
 }
 
@@ -60,17 +59,20 @@ Result<std::string> Inquirer::receive() {
 }
 
 Result<std::optional<std::string>> Inquirer::ask(std::string_view query) {
+  const bool owed = !owed_.empty();
   const Result<bool> paid = pay_debt(later(limits_.reply_s));
   if (!paid) return tl::unexpected(paid.error());
   if (!*paid) return std::nullopt;
+  if (owed) late_reply_possible_ = true;  // nobody waits for the reply to that one
   if (const Result<void> drained = drain(); !drained) return tl::unexpected(drained.error());
-  const Transport::WriteEnd end =
-      transport_.write(std::as_bytes(std::span(query)), later(limits_.reply_s));
+  const std::chrono::nanoseconds until = later(limits_.reply_s);
+  const Transport::WriteEnd end = transport_.write(std::as_bytes(std::span(query)), until);
   if (end.error && end.error->kind != ErrorKind::Timeout) return tl::unexpected(*end.error);
-  if (end.taken < query.size()) {
-    if (end.taken > 0) owed_ = query.substr(end.taken);
-    return std::nullopt;
-  }
+  if (end.taken == 0) return std::nullopt;
+  owed_ = query.substr(end.taken);
+  for (int i = 0; i < limits_.tries && !owed_.empty(); ++i)
+    if (const Result<bool> rest = pay_debt(until); !rest) return tl::unexpected(rest.error());
+  if (!owed_.empty()) return std::nullopt;
   Result<std::string> reply = receive();
   if (!reply) return tl::unexpected(reply.error());
   return std::move(*reply);

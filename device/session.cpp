@@ -73,7 +73,8 @@ class Run {
   [[nodiscard]] Result<void> stuck() const;
   [[nodiscard]] Result<void> stopped(DeviceStatus status) const;
   Result<void> sit_out_pause();
-  Result<void> wait_ready(double expected_s);
+  Result<void> wait_ready(double whole_s, double left_s);
+  Result<void> wait_ready(double whole_s) { return wait_ready(whole_s, whole_s); }
 
   // The model's clock: seconds of the geometry that the machine should have behind it.
   [[nodiscard]] double model_s() const {
@@ -124,12 +125,13 @@ void Run::tell(SessionPhase phase) {
 Result<void> Run::connect() {
   tell(SessionPhase::Connecting);
   if (!answers_) return {};
-  const Result<std::optional<DeviceStatus>> status = inquirer_.status();
+  Result<std::optional<DeviceStatus>> status = std::nullopt;
+  for (int i = 0; i < options_.tries && status && !*status; ++i) status = inquirer_.status();
   if (!status) return tl::unexpected(status.error());
   if (!*status)
     return fail(ErrorKind::Timeout, "",
                 fmt::format("the machine took no query for {:g} s; is it switched on, and not busy "
-                            "with another program?", options_.reply_s));
+                            "with another program?", options_.reply_s * options_.tries));
   if (*status == DeviceStatus::NoMedia)
     return tl::unexpected(refused("no media in the machine; load a sheet, then start again"));
   if (*status == DeviceStatus::Cancelled)
@@ -142,13 +144,17 @@ Result<void> Run::connect() {
 }
 
 Result<void> Run::check_identity() {
-  const Result<std::optional<std::string>> reply = inquirer_.ask(kIdentityQuery);
-  if (!reply && reply.error().kind != ErrorKind::Timeout) return tl::unexpected(reply.error());
-  if (!reply || !*reply)
+  Result<Identity> said = fail(ErrorKind::Timeout, "", "");
+  for (int i = 0; i < options_.tries && !said; ++i) {
+    const Result<std::optional<std::string>> reply = inquirer_.ask(kIdentityQuery);
+    if (!reply && reply.error().kind != ErrorKind::Timeout) return tl::unexpected(reply.error());
+    if (!reply || !*reply) continue;
+    end_.identity = **reply;
+    said = parse_identity(**reply);
+  }
+  if (!said && said.error().kind == ErrorKind::Timeout)
     return fail(ErrorKind::Timeout, "",
                 "the machine gave its status but not its name; switch it off and on");
-  end_.identity = **reply;
-  const Result<Identity> said = parse_identity(**reply);
   if (!said)
     return tl::unexpected(refused("the machine's name cannot be read; check that it is a " +
                                   machine_.title));
@@ -221,7 +227,7 @@ Result<void> Run::geometry() {
     transport_.wait(std::max(nap, nanoseconds(1'000'000)));
   }
   tell(SessionPhase::Finishing);
-  return wait_ready(sent_s_ - model_s());
+  return wait_ready(plan_.geometry_s, sent_s_ - model_s());
 }
 
 Result<void> Run::park() {
@@ -347,9 +353,11 @@ Result<void> Run::sit_out_pause() {
   }
 }
 
-Result<void> Run::wait_ready(double expected_s) {
+/// Waits until the machine says ready. It is given up when it takes three times as long as all of
+/// its phase should: `whole_s`. One that answers nothing is given the `left_s` that its model says.
+Result<void> Run::wait_ready(double whole_s, double left_s) {
   if (!answers_) {
-    transport_.wait(to_time(std::max(expected_s, 0.0)));
+    transport_.wait(to_time(std::max(left_s, 0.0)));
     good_bytes_ = accepted_;
     return {};
   }
@@ -358,7 +366,7 @@ Result<void> Run::wait_ready(double expected_s) {
     const nanoseconds before = transport_.now();
     if (const Result<void> polled = poll(); !polled) return polled;
     if (status_ == DeviceStatus::Ready) return {};
-    if (waited > 3 * expected_s + options_.stuck_s)
+    if (waited > 3 * whole_s + options_.stuck_s)
       return fail(ErrorKind::Timeout, "",
                   fmt::format("the machine is still busy after {:.0f} s; see what it is doing",
                               waited));

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -9,36 +10,40 @@
 namespace popcut {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 /// 1e-6 mm is far below any machine's step and keeps float noise out of the file.
 double tidy(double value) {
+  constexpr double kLongest = 1e12;  // and keeps the file JSON, which knows no infinity
+  value = std::isfinite(value) ? std::clamp(value, -kLongest, kLongest) : 0.0;
   const double rounded = std::round(value * 1e6) / 1e6;
   return rounded == 0.0 ? 0.0 : rounded;
 }
 
-nlohmann::json numbers(const std::vector<double>& values) {
-  nlohmann::json list = nlohmann::json::array();
+Json numbers(const std::vector<double>& values) {
+  Json list = Json::array();
   for (const double value : values) list.push_back(tidy(value));
   return list;
 }
 
 std::string head_json(const Trace& trace) {
-  nlohmann::json head = {
+  Json head = {
       {"popcut", 1},
       {"machine", trace.machine},
-      {"unit_mm", trace.unit_mm},
-      {"page_mm", {tidy(trace.page_width_mm), tidy(trace.page_length_mm)}},
       {"cut_mm", tidy(trace.cut_mm)},
-      {"clipped_mm", tidy(trace.clipped_mm)},
       {"travel_mm", tidy(trace.travel_mm)},
       {"home_mm", tidy(trace.home_mm)},
+      {"clipped_mm", tidy(trace.clipped_mm)},
       {"lifts", trace.lifts},
+      {"unit_mm", trace.unit_mm},
+      {"page_mm", {tidy(trace.page_width_mm), tidy(trace.page_length_mm)}},
       {"seconds", std::round(trace.seconds * 1e3) / 1e3},
       {"starved_s", std::round(trace.starved_s * 1e3) / 1e3},
       {"unknown", trace.unknown},
       {"unknown_count", trace.unknown_count},
       {"remarks", trace.remarks},
   };
-  nlohmann::json settings = nlohmann::json::array();
+  Json settings = Json::array();
   for (const TraceSetting& setting : trace.settings)
     settings.push_back({{"name", setting.name}, {"values", numbers(setting.values)}});
   head["settings"] = std::move(settings);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -13,6 +14,20 @@ namespace {
 
 constexpr double kMarginMm = 5;
 constexpr double kLegendRowMm = 5;
+
+/// Names come from users' tables: markup in them is only text.
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '&': out += "&amp;"; break;
+      default: out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+    }
+  }
+  return out;
+}
 
 struct PageBox {
   double left{1e300}, top{1e300}, right{-1e300}, bottom{-1e300};
@@ -40,7 +55,7 @@ struct Drawn {
 void put_path(std::string& path, std::span<const PagePoint> points) {
   auto out = std::back_inserter(path);
   for (std::size_t i = 0; i < points.size(); ++i)
-    fmt::format_to(out, "{}{:.5g},{:.5g}", i == 0 ? "M" : "L", points[i].x, points[i].y);
+    fmt::format_to(out, "{}{:.7g},{:.7g}", i == 0 ? "M" : "L", points[i].x, points[i].y);
   if (points.size() == 1) path += "h0";
 }
 
@@ -107,7 +122,7 @@ std::string trace_svg(const Trace& trace) {
       "<rect x=\"{2:.6g}\" y=\"{3:.6g}\" width=\"{0:.6g}\" height=\"{1:.6g}\" fill=\"#fff\"/>\n"
       "<rect x=\"{5:.6g}\" y=\"{6:.6g}\" width=\"{7:.6g}\" height=\"{8:.6g}\" fill=\"none\" "
       "stroke=\"#bbb\" stroke-width=\"0.2\"/>\n",
-      width, height, box.left - kMarginMm, box.top - kMarginMm, trace.machine, 0.0, 0.0,
+      width, height, box.left - kMarginMm, box.top - kMarginMm, escaped(trace.machine), 0.0, 0.0,
       trace.page_width_mm, trace.page_length_mm > 1000 ? box.bottom : trace.page_length_mm);
   auto out = std::back_inserter(svg);
   fmt::format_to(out,
@@ -146,7 +161,7 @@ std::string trace_svg(const Trace& trace) {
   }
   legend_row("#3a9", 0.05, fmt::format("travel with the tool up: {:.1f} mm", trace.travel_mm));
   legend_row("none", 0,
-             fmt::format("{}: {:.1f} mm in {} strokes, {:.0f} s", trace.machine, trace.cut_mm,
+             fmt::format("{}: {:.1f} mm in {} strokes, {:.0f} s", escaped(trace.machine), trace.cut_mm,
                          trace.lifts, trace.seconds));
   return svg + "</svg>\n";
 }
