@@ -9,6 +9,8 @@
 
 #include "core/plan/segment_grid.hpp"
 #include "device/fold_chains.hpp"
+#include "device/fold_check.hpp"
+#include "device/run_along.hpp"
 #include "device/window.hpp"
 
 namespace popcut {
@@ -16,11 +18,6 @@ namespace {
 
 constexpr double kFloatNoiseMm = 1e-5;  // a sheet's file has 1e-6 mm
 constexpr std::size_t kShown = 20;
-
-/// A stretch of a line, mm along it.
-struct Stretch {
-  double from{}, to{};
-};
 
 /// A straight part of an expected line.
 struct Wanted {
@@ -42,67 +39,6 @@ struct Drawn {
 struct Cover {
   std::uint32_t wanted{};
   Stretch on;
-};
-
-/// Where `b` runs along `a`, as stretches of both; none if they only cross or touch. The ends of `b`
-/// lie within `reach` along each axis of where they should, so beside `a` it is at most
-/// reach (|cos| + |sin|) of the direction of `a`.
-struct Along {
-  Stretch a, b;
-};
-
-std::optional<Along> run_along(const Segment& a, double a_length, const Segment& b,
-                               double reach) {
-  const double ux = (a.b.x - a.a.x) / a_length;
-  const double uy = (a.b.y - a.a.y) / a_length;
-  const auto project = [&](PagePoint p) { return (p.x - a.a.x) * ux + (p.y - a.a.y) * uy; };
-  const double s0 = project(b.a);
-  const double s1 = project(b.b);
-  const double from = std::max(0.0, std::min(s0, s1));
-  const double to = std::min(a_length, std::max(s0, s1));
-  const bool long_enough = to - from > std::sqrt(2.0) * reach || to - from > 0.5 * a_length;
-  if (!long_enough || !(to > from)) return std::nullopt;
-  // At both ends of the common stretch the two must be together: a mere crossing is not.
-  const auto parameter = [&](double s) { return (s - s0) / (s1 - s0); };
-  const auto apart = [&](double s) {
-    return distance(along(a.a, a.b, s / a_length), along(b.a, b.b, parameter(s)));
-  };
-  const double aside = reach * (std::abs(ux) + std::abs(uy));
-  if (apart(from) > aside || apart(to) > aside) return std::nullopt;
-  const double b_length = distance(b.a, b.b);
-  const double t0 = parameter(from) * b_length;
-  const double t1 = parameter(to) * b_length;
-  return Along{{from, to}, {std::min(t0, t1), std::max(t0, t1)}};
-}
-
-/// Vertices of the drawing: is one within half a unit of a point, along each axis?
-class VertexGrid {
- public:
-  VertexGrid(std::vector<PagePoint> points, double reach) : points_(std::move(points)), reach_(reach) {
-    std::sort(points_.begin(), points_.end(), [&](PagePoint a, PagePoint b) {
-      const double ca = column(a.x);
-      const double cb = column(b.x);
-      return ca != cb ? ca < cb : a.y < b.y;
-    });
-  }
-
-  [[nodiscard]] bool near(PagePoint p) const {
-    for (double c = column(p.x - reach_); c <= column(p.x + reach_); ++c) {
-      const auto from = std::lower_bound(points_.begin(), points_.end(), p.y - reach_,
-                                         [&](PagePoint q, double y) {
-                                           const double cq = column(q.x);
-                                           return cq != c ? cq < c : q.y < y;
-                                         });
-      for (auto it = from; it != points_.end() && column(it->x) == c && it->y <= p.y + reach_; ++it)
-        if (std::abs(it->x - p.x) <= reach_) return true;
-    }
-    return false;
-  }
-
- private:
-  [[nodiscard]] double column(double x) const { return std::floor(x / (4 * reach_)); }
-  std::vector<PagePoint> points_;
-  double reach_;
 };
 
 class Check {
@@ -178,13 +114,13 @@ class Check {
                       const std::vector<Stretch>& on_lawful, const VertexGrid& vertices);
   void compare_lines();
   void compare_cut(std::uint32_t index, std::span<const Cover> covers, SegmentGrid& grid);
-  void compare_fold(std::span<const std::uint32_t> parts, SegmentGrid& grid);
+  void compare_fold(std::span<const std::uint32_t> run, SegmentGrid& grid);
+  [[nodiscard]] FoldState state_of(std::span<const std::uint32_t> run, SegmentGrid& grid);
+  void find_cuts_near(const Wanted& fold, SegmentGrid& grid, FoldState& state);
   void covers_of(std::uint32_t wanted, std::vector<Stretch>& out) const;
   [[nodiscard]] PagePoint place(const Wanted& wanted, double s) const {
     return along(wanted.segment.a, wanted.segment.b, s / wanted.length);
   }
-  void find_clearances(std::span<const std::uint32_t> parts, SegmentGrid& grid);
-  void check_gap(std::uint32_t line, PagePoint at, Stretch gap);
 
   const Trace& trace_;
   const Expected& expected_;
@@ -195,8 +131,7 @@ class Check {
   std::vector<Drawn> drawn_;
   std::vector<Cover> covers_;
   std::vector<std::vector<std::uint32_t>> fold_runs_;  ///< into `wanted_`, in order along the fold
-  std::vector<Stretch> clear_;  ///< stretches of the fold at hand that may stay bare
-  mutable std::vector<std::uint32_t> near_;
+  std::vector<std::uint32_t> near_;
   Comparison result_;
 };
 
@@ -241,7 +176,7 @@ void Check::compare_strokes() {
     grid.near(drawn.segment, near_);
     for (const std::uint32_t index : near_) {
       const Wanted& wanted = wanted_[index];
-      const auto common = run_along(wanted.segment, wanted.length, drawn.segment, reach_);
+      const auto common = run_along(wanted.segment, drawn.segment, reach_);
       if (!common) continue;
       covers_.push_back({index, common->a});
       on.push_back(common->b);
@@ -250,7 +185,7 @@ void Check::compare_strokes() {
     lawful_grid.near(drawn.segment, near_);
     for (const std::uint32_t index : near_) {
       const Wanted& wanted = lawful_[index];
-      const auto common = run_along(wanted.segment, wanted.length, drawn.segment, reach_);
+      const auto common = run_along(wanted.segment, drawn.segment, reach_);
       if (!common) continue;
       on.push_back(common->b);
       on_lawful.push_back(common->b);
@@ -323,7 +258,7 @@ void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, Segm
     grid.near(wanted.segment, near_);
     for (const std::uint32_t other : near_) {
       const auto common =
-          run_along(wanted.segment, wanted.length, wanted_[other].segment, kFloatNoiseMm);
+          run_along(wanted.segment, wanted_[other].segment, kFloatNoiseMm);
       if (!common) continue;
       steps.push_back({common->a.from, -1});
       steps.push_back({common->a.to, 1});
@@ -349,137 +284,74 @@ void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, Segm
   }
 }
 
-/// Stretches of a fold that may stay bare: at its ends, at its corners, and where cuts come near.
-/// Lengths are along the whole fold; stretches under a cut count too.
-void Check::find_clearances(std::span<const std::uint32_t> parts, SegmentGrid& grid) {
-  clear_.clear();
+/// Where the cuts near a fold leave it bare, and where they run along it. Lengths are along the whole
+/// run, of which `fold` is a part.
+void Check::find_cuts_near(const Wanted& fold, SegmentGrid& grid, FoldState& state) {
   const double room = 2 * expected_.dashes.clearance_mm;  // a cut at a slant needs up to twice
-  const Wanted& last = wanted_[parts.back()];
-  clear_.push_back({-room, room});
-  for (const std::uint32_t part : parts) {
+  const double ux = (fold.segment.b.x - fold.segment.a.x) / fold.length;
+  const double uy = (fold.segment.b.y - fold.segment.a.y) / fold.length;
+  const auto seen_along = [&](PagePoint p) {
+    const double dx = p.x - fold.segment.a.x;
+    const double dy = p.y - fold.segment.a.y;
+    return PagePoint{dx * ux + dy * uy, dy * ux - dx * uy};
+  };
+  const Window corridor{-room, -room, fold.length + room, room};
+  grid.near(fold.segment, near_);
+  for (const std::uint32_t other : near_) {
+    const Wanted& cut = wanted_[other];
+    if (cut.fold) continue;
+    if (const auto common = run_along(fold.segment, cut.segment, reach_)) {
+      const Stretch under{fold.offset + common->a.from, fold.offset + common->a.to};
+      state.cut.push_back(under);
+      state.bare.push_back(under);
+      continue;
+    }
+    const PagePoint a = seen_along(cut.segment.a);
+    const PagePoint b = seen_along(cut.segment.b);
+    const auto inside = clip(corridor, a, b);
+    if (!inside) continue;
+    const double from = along(a, b, inside->from).x;
+    const double to = along(a, b, inside->to).x;
+    state.bare.push_back({fold.offset + std::min(from, to) - room,
+                          fold.offset + std::max(from, to) + room});
+  }
+}
+
+FoldState Check::state_of(std::span<const std::uint32_t> run, SegmentGrid& grid) {
+  const Wanted& last = wanted_[run.back()];
+  const double room = 2 * expected_.dashes.clearance_mm;
+  FoldState state;
+  state.length_mm = last.offset + last.length;
+  state.bare.push_back({-room, room});
+  state.bare.push_back({state.length_mm - room, state.length_mm + room});
+  std::vector<Stretch> on_part;
+  for (const std::uint32_t part : run) {
     const Wanted& fold = wanted_[part];
-    grid.near(fold.segment, near_);
-    for (const std::uint32_t other : near_) {
-      const Wanted& cut = wanted_[other];
-      if (cut.fold) continue;
-      if (const auto common = run_along(fold.segment, fold.length, cut.segment, reach_)) {
-        clear_.push_back({fold.offset + common->a.from, fold.offset + common->a.to});
-        continue;
-      }
-      // Nearest place of the cut to the fold, as a stretch of the fold.
-      const auto s_of = [&](PagePoint p) {
-        return ((p.x - fold.segment.a.x) * (fold.segment.b.x - fold.segment.a.x) +
-                (p.y - fold.segment.a.y) * (fold.segment.b.y - fold.segment.a.y)) / fold.length;
-      };
-      const Window corridor{0, -room, fold.length, room};
-      const auto turned = [&](PagePoint p) {
-        const double dx = (fold.segment.b.x - fold.segment.a.x) / fold.length;
-        const double dy = (fold.segment.b.y - fold.segment.a.y) / fold.length;
-        return PagePoint{s_of(p), (p.y - fold.segment.a.y) * dx - (p.x - fold.segment.a.x) * dy};
-      };
-      const PagePoint a = turned(cut.segment.a);
-      const PagePoint b = turned(cut.segment.b);
-      const auto inside = clip({corridor.left - room, corridor.top, corridor.right + room,
-                                corridor.bottom}, a, b);
-      if (!inside) continue;
-      const double from = along(a, b, inside->from).x;
-      const double to = along(a, b, inside->to).x;
-      clear_.push_back({fold.offset + std::min(from, to) - room,
-                        fold.offset + std::max(from, to) + room});
-    }
+    find_cuts_near(fold, grid, state);
+    on_part.clear();
+    covers_of(part, on_part);
+    for (const Stretch& dash : on_part)
+      state.dashes.push_back({fold.offset + dash.from, fold.offset + dash.to});
   }
-  clear_.push_back({last.offset + last.length - room, last.offset + last.length + room});
-  std::sort(clear_.begin(), clear_.end(), [](Stretch a, Stretch b) { return a.from < b.from; });
+  for (std::vector<Stretch>* list : {&state.dashes, &state.bare, &state.cut})
+    std::sort(list->begin(), list->end(),
+              [](const Stretch& a, const Stretch& b) { return a.from < b.from; });
+  return state;
 }
 
-/// A bare stretch is lawful if it is no longer than a gap, or if what clearance leaves of it has no
-/// room for a dash.
-void Check::check_gap(std::uint32_t line, PagePoint at, Stretch gap) {
-  const DashShape& shape = expected_.dashes;
-  if (gap.to - gap.from <= shape.gap_mm + 2 * slack_) return;
-  double free_from = gap.from;
-  double free = 0;
-  for (const Stretch& stretch : clear_) {
-    if (stretch.from >= gap.to) break;
-    free = std::max(free, std::min(stretch.from, gap.to) - free_from);
-    free_from = std::max(free_from, stretch.to);
-  }
-  free = std::max(free, gap.to - free_from);
-  if (free <= shape.min_dash_mm + 2 * slack_) return;
-  fail_with(fmt::format("line {} ({}) is not dashed from {:.3f} to {:.3f} mm of its length, more "
-                        "than a gap of {:g} mm; near ({:.3f}, {:.3f}) mm", line,
-                        operation_name(drawing_.lines[line].operation), gap.from, gap.to,
-                        shape.gap_mm, at.x, at.y));
-}
-
-void Check::compare_fold(std::span<const std::uint32_t> parts, SegmentGrid& grid) {
-  const std::uint32_t line = wanted_[parts.front()].line;
-  const DashShape& shape = expected_.dashes;
-  const double whole = wanted_[parts.back()].offset + wanted_[parts.back()].length;
-  find_clearances(parts, grid);
-  std::vector<Stretch> dashes, part_dashes;
-  for (const std::uint32_t part : parts) {
-    part_dashes.clear();
-    covers_of(part, part_dashes);
-    for (const Stretch& d : part_dashes)
-      dashes.push_back({wanted_[part].offset + d.from, wanted_[part].offset + d.to});
-  }
-  std::sort(dashes.begin(), dashes.end(), [](Stretch a, Stretch b) { return a.from < b.from; });
-  // What lies under a cut belongs to the cut.
-  const auto under_cut = [&](double s) {
-    for (const std::uint32_t part : parts) {
-      const Wanted& fold = wanted_[part];
-      if (s < fold.offset || s > fold.offset + fold.length) continue;
-      grid.near(fold.segment, near_);
-      for (const std::uint32_t other : near_) {
-        if (wanted_[other].fold) continue;
-        const auto common =
-            run_along(fold.segment, fold.length, wanted_[other].segment, reach_);
-        if (common && s >= fold.offset + common->a.from && s <= fold.offset + common->a.to)
-          return true;
-      }
-    }
-    return false;
-  };
-  const auto place_on = [&](double s) {
-    for (const std::uint32_t part : parts)
-      if (s <= wanted_[part].offset + wanted_[part].length)
-        return place(wanted_[part], std::max(0.0, s - wanted_[part].offset));
-    return wanted_[parts.back()].segment.b;
-  };
-  const double end_paper = 0.5 * shape.clearance_mm;
-  if (!dashes.empty() && !under_cut(dashes.front().from) && !under_cut(dashes.back().to) &&
-      (dashes.front().from < end_paper || dashes.back().to > whole - end_paper)) {
-    const PagePoint at = place_on(dashes.front().from < end_paper ? 0 : whole);
-    fail_with(fmt::format("line {} ({}) is cut up to its end at ({:.3f}, {:.3f}) mm", line,
-                          operation_name(drawing_.lines[line].operation), at.x, at.y));
-    return;
-  }
-  double reached = 0;
-  double solid_from = 0;
-  int layers = 0;
-  for (std::size_t k = 0; k <= dashes.size(); ++k) {
-    const double from = k < dashes.size() ? dashes[k].from : whole;
-    if (from > reached + 2 * slack_) {
-      check_gap(line, place_on(reached), {reached, from});
-      solid_from = from;
-      layers = 0;
-    }
-    if (k == dashes.size()) break;
-    const bool again = dashes[k].from < reached - 2 * slack_;
-    layers = again ? layers + 1 : layers;
-    reached = std::max(reached, dashes[k].to);
-    const bool too_often = layers >= expected_.fold_passes;
-    const bool solid = reached - solid_from > shape.dash_mm + shape.gap_mm + 2 * slack_;
-    if ((too_often || solid) && !under_cut((solid_from + reached) / 2)) {
-      const PagePoint at = place_on(solid_from);
-      fail_with(fmt::format("line {} ({}) is {} from {:.3f} to {:.3f} mm of its length, at ({:.3f}, "
-                            "{:.3f}) mm", line, operation_name(drawing_.lines[line].operation),
-                            too_often ? "dashed more often than it should be" : "cut solid",
-                            solid_from, reached, at.x, at.y));
-      return;
-    }
-  }
+void Check::compare_fold(std::span<const std::uint32_t> run, SegmentGrid& grid) {
+  const auto fault = check_fold(state_of(run, grid), expected_.dashes, expected_.fold_passes,
+                                2 * slack_);
+  if (!fault) return;
+  const auto part = std::find_if(run.begin(), run.end(), [&](std::uint32_t index) {
+    return fault->where.from <= wanted_[index].offset + wanted_[index].length;
+  });
+  const Wanted& fold = wanted_[part == run.end() ? run.back() : *part];
+  const PagePoint at = place(fold, std::max(0.0, fault->where.from - fold.offset));
+  fail_with(fmt::format("line {} ({}) is {} from {:.3f} to {:.3f} mm of its run, at ({:.3f}, "
+                        "{:.3f}) mm", fold.line,
+                        operation_name(drawing_.lines[fold.line].operation), words_of(fault->kind),
+                        fault->where.from, fault->where.to, at.x, at.y));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "device/inquirer.hpp"
-#include "device/sim_cutter.hpp"
+#include "device/schedule.hpp"
 
 namespace popcut {
 namespace {
@@ -398,32 +398,6 @@ StrokeFate fate_of(ByteRange stroke, std::uint64_t ready_bytes, std::uint64_t go
   if (stroke.begin >= std::min(accepted, stroke.end)) return StrokeFate::NotSent;
   const bool pushed_through = stroke.end + buffer_bytes <= good_bytes;
   return stroke.end <= ready_bytes || pushed_through ? StrokeFate::Certain : StrokeFate::InDoubt;
-}
-
-Result<Schedule> schedule(const EncodedProgram& program, const Machine& machine) {
-  SimOptions options;
-  options.unlimited = true;
-  Result<SimCutter> made = SimCutter::make(machine, options);
-  if (!made) return tl::unexpected(made.error());
-  SimCutter& sim = *made;
-  std::vector<SimCutter::Step> steps;
-  const auto run = [&](ByteRange range) {
-    const nanoseconds start = sim.now();
-    sim.accept(program.view(range));
-    sim.run_dry();
-    return to_seconds(sim.now() - start);
-  };
-  Schedule plan;
-  plan.setup_s = run({0, program.geometry.begin});
-  sim.record_steps(&steps);
-  const nanoseconds zero = sim.now();
-  plan.geometry_s = run(program.geometry);
-  sim.record_steps(nullptr);
-  plan.trailer_s = run(program.trailer);
-  // Points inside a command are no place to stop sending: a query may not stand there.
-  for (const SimCutter::Step& step : steps)
-    if (step.whole_command) plan.geometry.push_back({step.end_byte, to_seconds(step.time - zero)});
-  return plan;
 }
 
 SessionEnd run_session(Transport& transport, const Machine& machine, const EncodedProgram& program,

@@ -75,23 +75,6 @@ struct SessionEnd {
                                      const EncodedProgram& program,
                                      const SessionOptions& options = {});
 
-/// When each command of a program ends on a machine that is given all of it at once.
-struct TimedCommand {
-  std::uint64_t end_byte{};
-  double seconds{};  ///< since the geometry began
-};
-
-/// The estimated course of a program.
-struct Schedule {
-  std::vector<TimedCommand> geometry;  ///< in order of bytes
-  double setup_s{}, geometry_s{}, trailer_s{};
-};
-
-/// Estimates a program by running it on a simulated cutter.
-///
-/// @retval OutOfRange  see `SimCutter::make`
-[[nodiscard]] Result<Schedule> schedule(const EncodedProgram& program, const Machine& machine);
-
 /// The ledger's rule. `ready_bytes` were accepted when the device last said ready; `good_bytes` when
 /// it last answered with a lawful status; `accepted` in all.
 [[nodiscard]] StrokeFate fate_of(ByteRange stroke, std::uint64_t ready_bytes,

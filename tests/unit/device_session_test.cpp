@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "device/schedule.hpp"
 #include "device/session.hpp"
 #include "tests/support/sim_bench.hpp"
 
