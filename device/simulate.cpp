@@ -24,11 +24,12 @@ Result<Trace> simulate(std::span<const std::byte> program, const Machine& machin
   sim.finish();
   sim.run_dry();
   const Trace& trace = sim.trace();
-  const bool nothing = trace.strokes.empty() && trace.settings.empty();
-  if (nothing && trace.unknown_count > 0)
+  if (trace.strokes.empty() && trace.unknown_count > trace.settings.size())
     return fail(ErrorKind::Malformed, "",
-                fmt::format("not one command is understood, the first is \"{}\"; is it a {} program?",
-                            trace.unknown.front(), machine.language == "hpgl" ? "HPGL" : "GPGL"));
+                fmt::format("nothing is drawn and {} commands are not understood, the first is "
+                            "\"{}\"; a {} program is needed",
+                            trace.unknown_count, trace.unknown.front(),
+                            machine.language == "hpgl" ? "HPGL" : "GPGL"));
   return trace;
 }
 

@@ -15,7 +15,7 @@
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 namespace {
 

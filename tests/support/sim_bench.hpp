@@ -14,7 +14,7 @@
 #include "device/sim_transport.hpp"
 #include "protocol/encode.hpp"
 
-namespace popcut::test {
+namespace popcut::testing {
 
 /// Why a result is an error, for REQUIRE's report.
 template <typename T>
@@ -77,4 +77,4 @@ inline Toolpath random_toolpath(std::mt19937& random, std::size_t strokes, doubl
   return path;
 }
 
-}  // namespace popcut::test
+}  // namespace popcut::testing

@@ -10,7 +10,7 @@
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 
 namespace {
 
@@ -34,7 +34,7 @@ LineWork card() {
 }
 
 struct Bench {
-  Machine machine = test::machine("cameo3");
+  Machine machine = testing::machine("cameo3");
   Material material = value(find_material("paper-220"));
   PlannedSheet sheet;
 

@@ -12,7 +12,7 @@
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;
-using namespace popcut::test;
+using namespace popcut::testing;
 using std::chrono::nanoseconds;
 
 namespace {
@@ -69,7 +69,7 @@ class ScriptedTransport final : public Transport {
 };
 
 struct Bench {
-  Machine machine = test::machine("cameo3");
+  Machine machine = testing::machine("cameo3");
   Material material = value(find_material("paper-220"));
   Toolpath path;
   EncodedProgram program;
