@@ -108,6 +108,17 @@ class Check {
     return out;
   }
 
+  /// Where lines pile up each is near all others. False once that has cost too much.
+  [[nodiscard]] bool affordable(std::size_t near) {
+    if (near <= budget_) {
+      budget_ -= near;
+      return true;
+    }
+    if (!given_up_) fail_with("too many lines lie on each other to be compared");
+    given_up_ = true;
+    budget_ = 0;
+    return false;
+  }
   void find_fold_runs();
   void compare_strokes();
   void check_vertices(const Drawn& drawn, const std::vector<Stretch>& on_fold,
@@ -132,6 +143,8 @@ class Check {
   std::vector<Cover> covers_;
   std::vector<std::vector<std::uint32_t>> fold_runs_;  ///< into `wanted_`, in order along the fold
   std::vector<std::uint32_t> near_;
+  std::size_t budget_{200'000'000};
+  bool given_up_{false};
   Comparison result_;
 };
 
@@ -174,6 +187,7 @@ void Check::compare_strokes() {
   for (const Drawn& drawn : drawn_) {
     on.clear(), on_fold.clear(), on_lawful.clear();
     grid.near(drawn.segment, near_);
+    if (!affordable(near_.size())) return;
     for (const std::uint32_t index : near_) {
       const Wanted& wanted = wanted_[index];
       const auto common = run_along(wanted.segment, drawn.segment, reach_);
@@ -183,6 +197,7 @@ void Check::compare_strokes() {
       if (wanted.fold) on_fold.push_back(common->b);
     }
     lawful_grid.near(drawn.segment, near_);
+    if (!affordable(near_.size())) return;
     for (const std::uint32_t index : near_) {
       const Wanted& wanted = lawful_[index];
       const auto common = run_along(wanted.segment, drawn.segment, reach_);
@@ -256,6 +271,7 @@ void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, Segm
   }
   if (drawing_.dashed) {
     grid.near(wanted.segment, near_);
+    if (!affordable(near_.size())) return;
     for (const std::uint32_t other : near_) {
       const auto common =
           run_along(wanted.segment, wanted_[other].segment, kFloatNoiseMm);
@@ -297,6 +313,7 @@ void Check::find_cuts_near(const Wanted& fold, SegmentGrid& grid, FoldState& sta
   };
   const Window corridor{-room, -room, fold.length + room, room};
   grid.near(fold.segment, near_);
+  if (!affordable(near_.size())) return;
   for (const std::uint32_t other : near_) {
     const Wanted& cut = wanted_[other];
     if (cut.fold) continue;

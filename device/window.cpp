@@ -26,7 +26,7 @@ std::optional<Inside> clip(const Window& window, PagePoint a, PagePoint b) {
       inside.to = std::min(inside.to, t);
   }
   const bool dot = dx == 0 && dy == 0;
-  const double least = dot ? 0 : 2 * kFloatNoiseMm / std::hypot(dx, dy);
+  const double least = dot ? 0 : 4 * kFloatNoiseMm / std::hypot(dx, dy);
   if (inside.to - inside.from < least) return std::nullopt;
   return inside;
 }
