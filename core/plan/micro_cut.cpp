@@ -67,8 +67,11 @@ class Clearances {
     for (const CutPiece& cut : cuts) out.push_back(cut.segment);
     return out;
   }
+  // Many cuts often meet a fold in one place: what the last stretch holds already is passed over.
   static void keep(std::vector<Dash>& kept, double at, double half) {
-    kept.push_back({at - half, at + half});
+    const Dash stretch{at - half, at + half};
+    if (!kept.empty() && kept.back().from <= stretch.from && kept.back().to >= stretch.to) return;
+    kept.push_back(stretch);
   }
   static bool turns(const PagePoint& a, const PagePoint& b, const PagePoint& c) {
     const double dot = (b.x - a.x) * (c.x - b.x) + (b.y - a.y) * (c.y - b.y);

@@ -119,9 +119,9 @@ void improve(const LineWork& work, const PagePoint& from, std::vector<Visit>& vi
 
 RouteEffort effort_for(std::size_t n, OrderEffort effort) {
   const bool best = effort == OrderEffort::Best;
-  const std::size_t most = best ? 400'000'000 : 20'000'000;  // stops moved in all, about
-  return {.neighbours = best ? 10u : 6u,
-          .passes = best ? 30 : 4,
+  const std::size_t most = best ? 4'000'000'000 : 400'000'000;  // stops moved in all, about
+  return {.neighbours = best ? 10u : 8u,
+          .passes = best ? 30 : 8,
           .longest_move = std::clamp<std::size_t>(most / (n + 1), 1000, 100'000)};
 }
 

@@ -13,8 +13,8 @@
 namespace popcut {
 
 struct PlanOptions {
-  std::string mat;  ///< name or size, see `choose_mat`; empty: the machine's own
-  PlaceOptions place;
+  std::string mat{};  ///< name or size, see `choose_mat`; empty: the machine's own
+  PlaceOptions place{};
   OrderEffort effort{OrderEffort::Quick};
   std::uint32_t seed{1};  ///< of searches that use chance; the present ones do not
 };

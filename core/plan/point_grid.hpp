@@ -56,11 +56,12 @@ void PointGrid::nearest(const PagePoint& p, std::size_t k, Take&& take,
     const double dx = points_[i].x - p.x, dy = points_[i].y - p.y;
     return dx * dx + dy * dy;
   };
+  const auto perfect = [&] { return out.size() == k && squared(out.back()) == 0.0; };
   const std::int64_t cx = column(p.x), cy = row(p.y);
   const std::int64_t last = columns_ > rows_ ? columns_ : rows_;
   for (std::int64_t ring = 0; ring <= last; ++ring) {
     visit_ring(cx, cy, ring, [&](std::size_t cell) {
-      for (std::uint32_t q = first_[cell]; q < first_[cell + 1]; ++q) {
+      for (std::uint32_t q = first_[cell]; q < first_[cell + 1] && !perfect(); ++q) {
         const std::uint32_t i = items_[q];
         if (!take(i)) continue;
         const double d = squared(i);

@@ -29,6 +29,7 @@ SegmentGrid::SegmentGrid(std::span<const Segment> segments, double reach) : reac
   for (const Segment& s : segments) visit(s, 0.0, [&](std::size_t cell) { ++first_[cell + 1]; });
   for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
   items_.resize(first_.back());
+  seen_.assign(segments.size(), 0);
   std::vector<std::uint32_t> fill(first_.begin(), first_.end() - 1);
   for (std::uint32_t i = 0; i < segments.size(); ++i)
     visit(segments[i], 0.0, [&](std::size_t cell) { items_[fill[cell]++] = i; });
@@ -62,13 +63,16 @@ void SegmentGrid::visit(const Segment& s, double reach, Visit&& visit_cell) cons
   }
 }
 
-void SegmentGrid::near(const Segment& segment, std::vector<std::uint32_t>& out) const {
+void SegmentGrid::near(const Segment& segment, std::vector<std::uint32_t>& out) {
   out.clear();
+  ++query_;
   visit(segment, reach_, [&](std::size_t cell) {
-    out.insert(out.end(), items_.begin() + first_[cell], items_.begin() + first_[cell + 1]);
+    for (std::uint32_t q = first_[cell]; q < first_[cell + 1]; ++q)
+      if (seen_[items_[q]] != query_) {
+        seen_[items_[q]] = query_;
+        out.push_back(items_[q]);
+      }
   });
-  std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
 }
 
 }  // namespace popcut

@@ -15,8 +15,8 @@ class SegmentGrid {
   /// `reach`: how near is near, in mm.
   SegmentGrid(std::span<const Segment> segments, double reach);
 
-  /// Indices of all segments whose cells lie within reach of `segment`, each once, ascending.
-  void near(const Segment& segment, std::vector<std::uint32_t>& out) const;
+  /// Indices of all segments whose cells lie within reach of `segment`, each once.
+  void near(const Segment& segment, std::vector<std::uint32_t>& out);
 
  private:
   template <typename Visit>
@@ -28,6 +28,8 @@ class SegmentGrid {
   std::int64_t columns_{1}, rows_{1};
   std::vector<std::uint32_t> first_;  ///< cells + 1 offsets into items_
   std::vector<std::uint32_t> items_;
+  std::vector<std::uint32_t> seen_;  ///< query that met the segment last
+  std::uint32_t query_{};
 };
 
 }  // namespace popcut

@@ -38,7 +38,7 @@ struct Placement {
 };
 
 struct PlaceOptions {
-  std::optional<PagePoint> at;  ///< upper left corner of the drawing on the sheet
+  std::optional<PagePoint> at{};  ///< upper left corner of the drawing on the sheet
   bool clip{false};             ///< what lies outside of the area will be cut off
 };
 

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/plan/machine.hpp"
+#include "daemon/cli/command.hpp"
+#include "daemon/cli/user_tables.hpp"
+
+namespace popcut::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string usb_id(const Machine& machine) {
+  if (machine.usb_vendor == 0) return "-";
+  return fmt::format("{:04x}:{:04x}", machine.usb_vendor, machine.usb_product);
+}
+
+Json machine_json(const Machine& machine) {
+  Json mats = Json::array();
+  for (const Mat& mat : machine.mats)
+    mats.push_back({{"name", mat.name}, {"width_mm", mat.width_mm}, {"length_mm", mat.length_mm}});
+  return {{"name", machine.name},
+          {"title", machine.title},
+          {"language", machine.language},
+          {"variant", machine.variant},
+          {"unit_mm", machine.unit_mm},
+          {"width_mm", machine.width_mm},
+          {"length_mm", machine.length_mm},
+          {"tool_holders", machine.tool_holders},
+          {"autoblade", machine.autoblade},
+          {"usb", usb_id(machine)},
+          {"mats", mats}};
+}
+
+Result<void> list_machines(const Globals& globals) {
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto machines = all_machines(tables->texts);
+  if (!machines) return tl::unexpected(tables->with_file(machines.error()));
+  if (globals.json) {
+    Json list = Json::array();
+    for (const Machine& machine : *machines) list.push_back(machine_json(machine));
+    fmt::print("{}\n", Json{{"machines", list}}.dump(2));
+    return {};
+  }
+  for (const Machine& m : *machines) {
+    std::string mats;
+    for (const Mat& mat : m.mats) mats += " " + mat.name;
+    fmt::print("{:<18} {:<30} {:<5} {:>6.1f} x {:<7.0f} mm  {:<9}{}\n", m.name, m.title, m.language,
+               m.width_mm, m.length_mm, usb_id(m), mats);
+  }
+  return {};
+}
+
+Json material_json(const Material& material) {
+  const auto tool = [](const ToolSettings& t) {
+    return Json{{"tool", t.tool},
+                {"force_gf", t.force_gf},
+                {"speed_mm_s", t.speed_mm_s},
+                {"passes", t.passes}};
+  };
+  const DashShape& d = material.dashes;
+  return {{"name", material.name},
+          {"title", material.title},
+          {"thickness_mm", material.thickness_mm},
+          {"dashes",
+           {{"dash_mm", d.dash_mm},
+            {"gap_mm", d.gap_mm},
+            {"clearance_mm", d.clearance_mm},
+            {"min_dash_mm", d.min_dash_mm}}},
+          {"cut", tool(material.cut)},
+          {"fold", tool(material.fold)},
+          {"draw", tool(material.draw)},
+          {"blade_offset_mm", material.blade_offset_mm},
+          {"autoblade_depth", material.autoblade_depth}};
+}
+
+Result<void> list_materials(const Globals& globals) {
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto materials = all_materials(tables->texts);
+  if (!materials) return tl::unexpected(tables->with_file(materials.error()));
+  if (globals.json) {
+    Json list = Json::array();
+    for (const Material& material : *materials) list.push_back(material_json(material));
+    fmt::print("{}\n", Json{{"materials", list}}.dump(2));
+    return {};
+  }
+  for (const Material& m : *materials)
+    fmt::print("{:<12} {:<32} cut {:>3g} gf, {:>3g} mm/s, {} pass{}; dash {:g} mm, gap {:g} mm\n",
+               m.name, m.title, m.cut.force_gf, m.cut.speed_mm_s, m.cut.passes,
+               m.cut.passes == 1 ? "" : "es", m.dashes.dash_mm, m.dashes.gap_mm);
+  return {};
+}
+
+constexpr const char* kMachinesHelp =
+    "The machines popcut knows: name, language, largest area, USB id, mats.\n\n"
+    "  popcut machines\n\n"
+    "Own rows go in ~/.config/popcut/machines.json or /etc/popcut/machines.json:\n"
+    "  {\"popcut\": 1, \"machines\": [{\"name\": \"mine\", \"like\": \"cameo3\", \"length_mm\": "
+    "6000}]}";
+constexpr const char* kMaterialsHelp =
+    "The materials popcut knows: name, force, speed, passes, and the dashes of their folds.\n\n"
+    "  popcut materials\n\n"
+    "Own rows go in ~/.config/popcut/materials.json or /etc/popcut/materials.json:\n"
+    "  {\"popcut\": 1, \"materials\": [{\"name\": \"kraft\", \"like\": \"paper-220\", "
+    "\"autoblade_depth\": 6}]}";
+
+}  // namespace
+
+void register_machines(CLI::App& app, const Globals& globals, Run& run) {
+  app.add_subcommand("machines", kMachinesHelp)->callback([&globals, &run] {
+    run = [&globals] { return list_machines(globals); };
+  });
+  app.add_subcommand("materials", kMaterialsHelp)->callback([&globals, &run] {
+    run = [&globals] { return list_materials(globals); };
+  });
+}
+
+}  // namespace popcut::cli

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/cli/plan_job.hpp"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "core/formats/svg_scan.hpp"
+#include "daemon/cli/drawing_input.hpp"
+#include "daemon/cli/user_tables.hpp"
+
+namespace popcut::cli {
+namespace {
+
+Result<Machine> ideal(std::array<double, 2> size, const std::string& dialect) {
+  if (dialect != "hpgl") return ideal_plotter(size[0], size[1]);
+  auto machine = find_machine("hpgl-generic");
+  if (!machine) return machine;
+  machine->name = "ideal-hpgl";
+  machine->width_mm = size[0];
+  machine->length_mm = size[1];
+  return machine;
+}
+
+// --machine, or the ideal plotter of --mat WxH alone, or the Cameo 3 whose mats have names.
+Result<Machine> choose_machine(const PlanJobOptions& options, const UserTables& tables) {
+  const bool named = !options.machine.empty();
+  const std::string fallback = options.dialect == "hpgl" ? "hpgl-generic" : "cameo3";
+  auto machine = find_machine(named ? options.machine : fallback, tables.texts);
+  if (!machine) {
+    Error error = tables.with_file(machine.error());
+    if (error.place.empty()) error = {ErrorKind::Usage, "--machine", error.detail};
+    return tl::unexpected(error);
+  }
+  if (!named && !options.mat.empty()) {
+    for (const Mat& mat : machine->mats)
+      if (mat.name == options.mat) return machine;
+    const auto size = parse_size_mm(options.mat);
+    if (!size) return tl::unexpected(size.error());
+    return ideal(*size, options.dialect);
+  }
+  if (!options.dialect.empty() && options.dialect != machine->language)
+    return fail(ErrorKind::Usage, "--dialect",
+                fmt::format("{} speaks {}, not {}; leave --dialect out, or take another --machine",
+                            machine->name, machine->language, options.dialect));
+  return machine;
+}
+
+Result<Material> choose_material(const std::string& name, const char* place,
+                                 const UserTables& tables) {
+  auto material = find_material(name, tables.texts);
+  if (material) return material;
+  Error error = tables.with_file(material.error());
+  if (error.place.empty()) error = {ErrorKind::Usage, place, error.detail};
+  return tl::unexpected(error);
+}
+
+Result<PlanOptions> plan_options(const PlanJobOptions& options) {
+  PlanOptions out;
+  out.mat = options.mat;
+  out.place.clip = options.clip;
+  if (options.order != "quick" && options.order != "best")
+    return fail(ErrorKind::Usage, "--order",
+                fmt::format("{} is not known; quick or best", options.order));
+  out.effort = options.order == "best" ? OrderEffort::Best : OrderEffort::Quick;
+  if (options.at.empty()) return out;
+  SvgScan scan(options.at);
+  PagePoint at;
+  if (!scan.number(at.x) || !scan.number(at.y) || !scan.at_end())
+    return fail(ErrorKind::Usage, "--at",
+                fmt::format("{} is not a place; X,Y in mm as in 20,30", options.at));
+  out.place.at = at;
+  return out;
+}
+
+JobOptions job_options(const PlannedSheet& sheet, const Machine& machine) {
+  JobOptions job;
+  job.page_width_mm = sheet.area_mm[0];
+  job.page_length_mm = sheet.area_mm[1];
+  if (machine.variant == "cameo3" || machine.variant == "cameo4") job.mat_code = sheet.mat.code;
+  job.autoblade = machine.autoblade;
+  return job;
+}
+
+}  // namespace
+
+std::string PlanJob::sheet_file(std::size_t sheet, const char* ending) {
+  return fmt::format("sheet-{:02}.{}", sheet + 1, ending);
+}
+
+std::string PlanJob::program_file(std::size_t sheet) const {
+  return sheet_file(sheet, programs[sheet].dialect == Dialect::Hpgl ? "hpgl" : "gpgl");
+}
+
+Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
+  const auto profile = parse_svg_profile(options.svg_profile);
+  if (!profile) return tl::unexpected(profile.error());
+  const auto wanted = plan_options(options);
+  if (!wanted) return tl::unexpected(wanted.error());
+  if (!options.dialect.empty() && options.dialect != "gpgl" && options.dialect != "hpgl")
+    return fail(ErrorKind::Usage, "--dialect",
+                fmt::format("{} is not known; gpgl or hpgl", options.dialect));
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto machine = choose_machine(options, *tables);
+  if (!machine) return tl::unexpected(machine.error());
+  const bool ideal_machine = machine->name.rfind("ideal", 0) == 0;
+  const auto input = read_drawing(options.input, *profile);
+  if (!input) return tl::unexpected(input.error());
+  const auto material = choose_material(
+      !options.material.empty() ? options.material : input->material.value_or("paper-220"),
+      !options.material.empty() ? "--material" : "/material", *tables);
+  if (!material) return tl::unexpected(material.error());
+
+  PlanOptions how = *wanted;
+  if (ideal_machine) how.mat.clear();
+  auto planned = plan(input->drawing, *machine, *material, how);
+  if (!planned) {
+    const bool of_option = planned.error().place.rfind("--", 0) == 0;
+    return tl::unexpected(of_option ? planned.error() : within(options.input, planned.error()));
+  }
+  PlanJob job{std::move(*planned), {}};
+  for (const PlannedSheet& sheet : job.plan.sheets) {
+    auto program = encode(sheet.path, *machine, *material, job_options(sheet, *machine));
+    if (!program) return tl::unexpected(within(options.input, program.error()));
+    if (!program->dots.empty())
+      job.plan.warnings.push_back(
+          fmt::format("{} strokes are shorter than a step of {} mm and are not sent",
+                      program->dots.size(), machine->unit_mm));
+    job.programs.push_back(std::move(*program));
+  }
+  return job;
+}
+
+void add_plan_options(CLI::App& command, PlanJobOptions& options) {
+  const auto text = [&](const char* name, std::string& value, const char* help, const char* shown) {
+    command.add_option(name, value, help)->option_text(shown);
+  };
+  command.add_option("INPUT", options.input, "A SPEC (.json) or a pattern (.fold, .svg)")
+      ->required();
+  text("--machine", options.machine, "The cutter; 'popcut machines' lists them", "NAME [cameo3]");
+  text("--material", options.material, "What is cut; 'popcut materials' lists them",
+       "NAME [paper-220]");
+  text("--mat", options.mat,
+       "A mat of the machine, or a size in mm, cm or in; without --machine the area of an ideal "
+       "plotter",
+       "NAME|WxH");
+  text("--at", options.at, "Where the drawing's upper left corner goes, mm", "X,Y");
+  text("--order", options.order, "How hard to look for short ways: quick or best", "WORD [quick]");
+  text("--dialect", options.dialect, "gpgl or hpgl; without --machine it picks the machine",
+       "WORD");
+  text("--svg-profile", options.svg_profile,
+       "What strokes of an SVG mean: popcut, origami-sim, lightburn, cricut, plain",
+       "WORD [popcut]");
+  command.add_flag("--clip", options.clip,
+                   "Cut off what lies outside of the area instead of refusing");
+}
+
+}  // namespace popcut::cli

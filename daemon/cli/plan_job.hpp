@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/plan/plan.hpp"
+#include "core/result.hpp"
+#include "protocol/encode.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace popcut::cli {
+
+/// The options that say how an input becomes sheets, shared by `plan` and `cut`.
+struct PlanJobOptions {
+  std::string input, machine, material, mat, at, dialect;
+  std::string order{"quick"}, svg_profile{"popcut"};
+  bool clip{false};
+};
+
+/// Adds INPUT, --machine, --material, --mat, --at, --order, --dialect, --svg-profile and --clip.
+void add_plan_options(CLI::App& command, PlanJobOptions& options);
+
+/// A plan with the program of each of its sheets.
+struct PlanJob {
+  Plan plan;
+  std::vector<EncodedProgram> programs;
+
+  /// "sheet-01.gpgl": the file of a sheet's program.
+  [[nodiscard]] std::string program_file(std::size_t sheet) const;
+  [[nodiscard]] static std::string sheet_file(std::size_t sheet, const char* ending);
+};
+
+/// Reads the input and the users' tables, plans, and writes the programs.
+///
+/// @retval Usage       a word of an option is not known, or two contradict each other
+/// @retval Malformed, OutOfRange, Infeasible  see `read_drawing`, `plan` and `encode`
+[[nodiscard]] Result<PlanJob> make_plan_job(const PlanJobOptions& options);
+
+}  // namespace popcut::cli

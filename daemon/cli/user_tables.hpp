@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/result.hpp"
+
+namespace popcut::cli {
+
+/// The users' own tables of machines and materials as texts, with the files they came from.
+struct UserTables {
+  std::vector<std::string> texts;
+  std::vector<std::string> files;
+
+  /// The same error with the file's name where it says "table N".
+  [[nodiscard]] Error with_file(Error error) const;
+};
+
+/// Reads `machines.json` and `materials.json` of /etc/popcut and then of $XDG_CONFIG_HOME/popcut
+/// (~/.config/popcut), whose rows win. Files that are not there are passed over.
+///
+/// @retval Malformed  one is there and cannot be read
+[[nodiscard]] Result<UserTables> read_user_tables();
+
+}  // namespace popcut::cli
