@@ -57,6 +57,10 @@ class Designer {
     if (!sliced) return tl::unexpected(sliced.error());
     sliced_ = std::move(*sliced);
     cut_after_ = sliced_.cut_after;
+    if (sliced_.uniform_slices > 0)
+      notes_.push_back(
+          fmt::format("{} slices of chosen widths; equal ones would be {} for the same error",
+                      sliced_.slices(), sliced_.uniform_slices));
     for (std::size_t j = 0; j < cut_after_.size(); ++j)
       if (cut_after_[j])
         notes_.push_back(fmt::format("plain cut between slices {} and {}: {} and {} units a slice",
@@ -422,7 +426,7 @@ class Designer {
       v_sum[j] += 0.5 * (strips.v_begin[s] + strips.v_begin[s + 1]), ++count[j];
     }
     for (std::size_t j = 0; j < sliced_.s_mm.size(); ++j)
-      r.slices.push_back({sliced_.s_mm[j], v_sum[j] / count[j], spec_.widths_mm[j],
+      r.slices.push_back({sliced_.s_mm[j], v_sum[j] / count[j], sliced_.width_mm[j],
                           sliced_.figures[j].loss, sliced_.figures[j].iterations});
     for (const Run& run : layout.runs)
       if (run.count == 2 && layout.laid[static_cast<std::size_t>(run.first)].slice ==

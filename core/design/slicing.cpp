@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/design/adaptive_widths.hpp"
 #include "core/design/surface.hpp"
 
 namespace popcut {
@@ -61,20 +62,28 @@ Result<Slicing> slice_target(const DesignSpec& spec) {
   }
   Slicing out;
   out.width_mm = spec.widths_mm;
+  std::vector<RegionSpec> regions = spec.regions;
+  if (spec.adaptive) {  // then there is one region, on the common surface
+    auto chosen = choose_widths(*common, *spec.adaptive, regions.front().slices, spec.min_panel_mm);
+    if (!chosen) return tl::unexpected(chosen.error());
+    out.width_mm = std::move(chosen->widths_mm);
+    out.uniform_slices = chosen->uniform_slices;
+    regions.front().slices = static_cast<int>(out.width_mm.size());
+  }
   std::vector<Surface> own;
-  own.reserve(spec.regions.size());
+  own.reserve(regions.size());
   std::vector<Stretch> stretches;
   double s = 0.0;
-  for (std::size_t r = 0; r < spec.regions.size(); ++r) {
-    const RegionSpec& region = spec.regions[r];
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    const RegionSpec& region = regions[r];
     Stretch stretch{common ? &*common : nullptr, 0.0, out.slices(), region.slices,
                     region.units_per_slice};
     double length = 0.0;
     for (int k = 0; k < region.slices; ++k) {
       const std::size_t j = out.s_mm.size();
-      if (j > 0) s += 0.5 * (spec.widths_mm[j - 1] + spec.widths_mm[j]);
-      if (k == 0) stretch.origin_mm = s - 0.5 * spec.widths_mm[j];
-      length += spec.widths_mm[j];
+      if (j > 0) s += 0.5 * (out.width_mm[j - 1] + out.width_mm[j]);
+      if (k == 0) stretch.origin_mm = s - 0.5 * out.width_mm[j];
+      length += out.width_mm[j];
       out.s_mm.push_back(s);
       out.units.push_back(region.units_per_slice);
     }

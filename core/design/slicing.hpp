@@ -24,6 +24,7 @@ struct Slicing {
   std::vector<std::size_t> chain_first;  ///< slices + 1 offsets into the chains
   std::vector<double> chain_x, chain_z;  ///< units + 1 vertices a slice
   std::vector<ChainFigures> figures;
+  int uniform_slices{};  ///< with adaptive widths: equal slices of the same error; else 0
 
   [[nodiscard]] int slices() const { return static_cast<int>(s_mm.size()); }
 };

@@ -63,9 +63,6 @@ Result<std::vector<double>> parse_widths(const json* value, int slices) {
     return fail(ErrorKind::Malformed, "/widths_mm",
                 "is missing; a number or a list of numbers is needed");
   if (!value->is_array()) {
-    if (value->is_object() && value->contains("max_error_mm"))
-      return fail(ErrorKind::OutOfRange, "/widths_mm/max_error_mm",
-                  "adaptive widths are not built yet; give one width or a list");
     if (!lawful(*value)) return wrong(*value, "/widths_mm");
     return std::vector<double>(static_cast<std::size_t>(slices), value->get<double>());
   }
@@ -145,7 +142,16 @@ Result<void> parse_target(const json& root, JsonFields& fields, DesignSpec& spec
     spec.regions.push_back({units, slices, std::nullopt});
   }
   if (auto done = fields.finish(); !done) return done;
-  if (!regions) {
+  if (!regions && widths && widths->is_object()) {
+    JsonFields adaptive(*widths, "/widths_mm");
+    AdaptiveWidths asked;
+    asked.max_error_mm = adaptive.number("max_error_mm", std::nullopt, 0.0, kMaxLength, true);
+    if (adaptive.has("length_mm"))
+      asked.length_mm = adaptive.number("length_mm", std::nullopt, 0.0, kMaxLength, true);
+    (void)adaptive.value("length_mm");
+    if (auto done = adaptive.finish(); !done) return done;
+    spec.adaptive = asked;
+  } else if (!regions) {
     auto parsed = parse_widths(widths, spec.regions.front().slices);
     if (!parsed) return tl::unexpected(parsed.error());
     spec.widths_mm = std::move(*parsed);
@@ -281,9 +287,16 @@ std::string design_spec_schema() {
   p["scale_mm"]["default"] = 1.0;
   p["units_per_slice"] = {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxUnitsPerSlice}};
   p["slices"] = {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxSlices}};
-  p["widths_mm"]["oneOf"] =
-      json::array({number("one width for all slices", positive),
-                   {{"type", "array"}, {"items", number("width of a slice", positive)}}});
+  p["widths_mm"]["oneOf"] = json::array(
+      {number("one width for all slices", positive),
+       {{"type", "array"}, {"items", number("width of a slice", positive)}},
+       {{"type", "object"},
+        {"description", "chosen from the curvature; slices is then how many there are, or at most"},
+        {"additionalProperties", false},
+        {"required", {"max_error_mm"}},
+        {"properties",
+         {{"max_error_mm", number("bulge of the target between neighbouring slices", positive)},
+          {"length_mm", number("length of the whole along the spine", positive)}}}}});
   p["lattice"] = {{"enum", {"branching", "slices", "conformal", "levels"}},
                   {"default", "conformal"}};
   p["solver"] = {{"enum", {"newton", "slsqp"}}, {"default", "newton"}};

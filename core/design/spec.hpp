@@ -32,6 +32,12 @@ struct RegionSpec {
   std::optional<std::string> radius{};
 };
 
+/// Widths chosen from the target's curvature (`"widths_mm": {"max_error_mm": ...}`).
+struct AdaptiveWidths {
+  double max_error_mm{};
+  std::optional<double> length_mm{};  ///< of the whole; none: as far as `slices` reach
+};
+
 enum class LatticeMethod { Branching, Slices, Conformal, Levels };
 enum class SolverMethod { Newton, Slsqp };
 
@@ -48,7 +54,8 @@ struct DesignSpec {
   std::optional<SurfaceSpec> surface;  ///< none where each region has a radius of its own
   double scale_mm{1.0};                ///< one unit of the surface
   std::vector<RegionSpec> regions;     ///< one where the spec has none: the whole
-  std::vector<double> widths_mm;       ///< one a slice
+  std::vector<double> widths_mm;       ///< one a slice; empty with `adaptive`
+  std::optional<AdaptiveWidths> adaptive;
   LatticeMethod lattice{LatticeMethod::Conformal};
   SolverMethod solver{SolverMethod::Newton};
   std::optional<CardSpec> card{CardSpec{}};  ///< none: `"card": false`

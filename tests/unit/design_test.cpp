@@ -241,6 +241,31 @@ TEST_CASE("neighbouring regions with as many units are joined by a connector", "
   CHECK(std::count(d->strips.kind.begin(), d->strips.kind.end(), StripKind::Connector) == 5);
 }
 
+TEST_CASE("adaptive widths keep to their error with fewer slices than equal ones",
+          "[core][design]") {
+  const auto spec = parse_design_spec(
+      R"j({"popcut":1,"surface":{"type":"revolution","radius":"40 + 15*exp(-((y-60)/12)^2)"},
+          "units_per_slice":4,"slices":200,"widths_mm":{"max_error_mm":0.4,"length_mm":120}})j");
+  if (!spec) FAIL(message(spec.error()));
+  const auto d = design(*spec);
+  if (!d) FAIL(message(d.error()));
+  CHECK(d->report.degrees_of_freedom == 1);
+  const auto r = [](double y) { return 40 + 15 * std::exp(-(y - 60) * (y - 60) / 144); };
+  const auto& slices = d->report.slices;
+  double total = 0.5 * (slices.front().width_mm + slices.back().width_mm);
+  for (std::size_t j = 0; j + 1 < slices.size(); ++j) {
+    const double a = slices[j].s_mm, b = slices[j + 1].s_mm;
+    CHECK(std::abs(r(0.5 * (a + b)) - 0.5 * (r(a) + r(b))) <= 0.4 + 1e-9);
+    total += b - a;
+  }
+  CHECK(total >= 120);
+  int uniform = 0, chosen = 0;
+  REQUIRE(sscanf(d->report.notes.at(0).c_str(),
+                 "%d slices of chosen widths; equal ones would be %d", &chosen, &uniform) == 2);
+  CHECK(chosen == static_cast<int>(slices.size()));
+  CHECK(uniform > chosen);
+}
+
 TEST_CASE("contradictory regions are refused", "[core][spec]") {
   const auto [text, place] = GENERATE(table<std::string, std::string>(
       {{R"({"popcut":1,"slices":3,"regions":[{"radius":"9","units_per_slice":2,"slices":3,"width_mm":6}]})",
