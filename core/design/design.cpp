@@ -7,13 +7,12 @@
 
 #include <fmt/format.h>
 
-#include "core/design/chain.hpp"
 #include "core/design/figures.hpp"
 #include "core/design/lattice.hpp"
 #include "core/design/mobility.hpp"
 #include "core/design/pattern_builder.hpp"
+#include "core/design/slicing.hpp"
 #include "core/design/strip_builder.hpp"
-#include "core/design/surface.hpp"
 
 namespace popcut {
 namespace {
@@ -34,16 +33,6 @@ std::string method_name(LatticeMethod method) {
   return "";
 }
 
-/// The slices of a design with their chains, before any lattice.
-struct Sliced {
-  std::vector<double> s_mm;
-  std::vector<SliceCurve> curves;
-  std::vector<SliceCurve> between;  ///< at the connector after each slice but the last
-  std::vector<double> connector_s_mm;
-  std::vector<double> chain_x, chain_z;  ///< slices x (N + 1)
-  std::vector<ChainFigures> figures;
-};
-
 /// A run with what it was aimed at and how it is laid.
 struct Layout {
   std::vector<LaidSlice> laid;
@@ -61,13 +50,23 @@ struct Laid {
 
 class Designer {
  public:
-  explicit Designer(const DesignSpec& spec) : spec_(spec), n_(spec.units_per_slice) {}
+  explicit Designer(const DesignSpec& spec) : spec_(spec) {}
 
   Result<Design> run() {
-    if (auto sliced = slice_target(); !sliced) return tl::unexpected(sliced.error());
-    cut_after_.assign(static_cast<std::size_t>(spec_.slices), 0);
+    auto sliced = slice_target(spec_);
+    if (!sliced) return tl::unexpected(sliced.error());
+    sliced_ = std::move(*sliced);
+    cut_after_ = sliced_.cut_after;
+    if (sliced_.uniform_slices > 0)
+      notes_.push_back(
+          fmt::format("{} slices of chosen widths; equal ones would be {} for the same error",
+                      sliced_.slices(), sliced_.uniform_slices));
+    for (std::size_t j = 0; j < cut_after_.size(); ++j)
+      if (cut_after_[j])
+        notes_.push_back(fmt::format("plain cut between slices {} and {}: {} and {} units a slice",
+                                     j, j + 1, sliced_.units[j], sliced_.units[j + 1]));
     // A round that fails makes a plain cut more, so the rounds end.
-    for (int round = 0; round <= spec_.slices + 1; ++round) {
+    for (int round = 0; round <= sliced_.slices() + 1; ++round) {
       LatticeMethod method = spec_.lattice;
       std::string note;
       auto laid = lay(method, note);
@@ -94,71 +93,27 @@ class Designer {
   }
 
  private:
-  [[nodiscard]] double width(int j) const { return spec_.widths_mm[static_cast<std::size_t>(j)]; }
-
-  Result<void> slice_target() {
-    auto surface = Surface::make(spec_.surface, spec_.scale_mm);
-    if (!surface) return tl::unexpected(surface.error());
-    double s = 0.0;
-    for (int j = 0; j < spec_.slices; ++j) {
-      if (j > 0) s += 0.5 * (width(j - 1) + width(j));
-      auto curve = surface->slice(s);
-      if (!curve) return tl::unexpected(curve.error());
-      if (curve->h() < 2.0 * spec_.min_panel_mm || curve->d() < 2.0 * spec_.min_panel_mm)
-        return fail(
-            ErrorKind::Infeasible, fmt::format("/surface at slice {} (s = {:.6g} mm)", j, s),
-            fmt::format("the target spans only {:.4g} x {:.4g} mm there, no room for panels of "
-                        "min_panel_mm = {:g}; use a larger scale_mm or fewer slices",
-                        curve->d(), curve->h(), spec_.min_panel_mm));
-      sliced_.s_mm.push_back(s);
-      sliced_.curves.push_back(std::move(*curve));
-      if (j + 1 == spec_.slices) break;
-      const double between = s + (3.0 * width(j) + width(j + 1)) / 8.0;
-      auto next = surface->slice(between);
-      if (!next) return tl::unexpected(next.error());
-      sliced_.connector_s_mm.push_back(between);
-      sliced_.between.push_back(std::move(*next));
-    }
-    return solve_chains();
-  }
-
-  Result<void> solve_chains() {
-    const auto points = static_cast<std::size_t>(n_) + 1;
-    sliced_.chain_x.resize(points * sliced_.curves.size());
-    sliced_.chain_z.resize(points * sliced_.curves.size());
-    ChainSolver solver;
-    for (std::size_t j = 0; j < sliced_.curves.size(); ++j) {
-      const std::span x(sliced_.chain_x.data() + j * points, points);
-      const std::span z(sliced_.chain_z.data() + j * points, points);
-      auto figures = spec_.solver == SolverMethod::Slsqp
-                         ? solve_chain_slsqp(sliced_.curves[j], n_, x, z)
-                         : solver.solve(sliced_.curves[j], n_, x, z);
-      if (!figures) return tl::unexpected(within(fmt::format("slice {}", j), figures.error()));
-      sliced_.figures.push_back(*figures);
-    }
-    return {};
-  }
-
   /// Runs between plain cuts; a slice that stands alone with three units or more becomes two
   /// halves.
   [[nodiscard]] Layout layout() const {
     Layout out;
-    for (int j = 0; j < spec_.slices;) {
+    for (int j = 0; j < sliced_.slices();) {
       int end = j + 1;
-      while (end < spec_.slices && !cut_after_[static_cast<std::size_t>(end - 1)]) ++end;
-      const bool halved = end == j + 1 && n_ >= 3;
+      while (end < sliced_.slices() && !cut_after_[static_cast<std::size_t>(end - 1)]) ++end;
+      const int units = sliced_.units[static_cast<std::size_t>(j)];
+      const bool halved = end == j + 1 && units >= 3;
       Run run{static_cast<int>(out.laid.size()), halved ? 2 : end - j, {}, {}, {}};
       RunTarget target;
-      target.units = n_;
+      target.units = units;
       target.min_panel_mm = spec_.min_panel_mm;
       target.max_step_over_mean = spec_.max_step_over_mean;
       std::vector<double> connector_s;
       const auto add = [&](int slice, double share) {
-        const auto k = static_cast<std::size_t>(slice), points = static_cast<std::size_t>(n_) + 1;
-        out.laid.push_back({slice, sliced_.s_mm[k], share * width(slice)});
+        const auto k = static_cast<std::size_t>(slice);
+        out.laid.push_back({slice, sliced_.s_mm[k], share * sliced_.width_mm[k]});
         target.slice_curves.push_back(sliced_.curves[k]);
-        const auto begin = static_cast<std::ptrdiff_t>(k * points);
-        const auto stop = begin + static_cast<std::ptrdiff_t>(points);
+        const auto begin = static_cast<std::ptrdiff_t>(sliced_.chain_first[k]);
+        const auto stop = static_cast<std::ptrdiff_t>(sliced_.chain_first[k + 1]);
         target.chain_x.insert(target.chain_x.end(), sliced_.chain_x.begin() + begin,
                               sliced_.chain_x.begin() + stop);
         target.chain_z.insert(target.chain_z.end(), sliced_.chain_z.begin() + begin,
@@ -170,9 +125,9 @@ class Designer {
         connector_s.push_back(sliced_.s_mm[static_cast<std::size_t>(j)]);
       } else {
         for (int k = j; k < end; ++k) add(k, 1.0);
-        for (int k = j; n_ > 1 && k + 1 < end; ++k) {
+        for (int k = j; units > 1 && k + 1 < end; ++k) {
           target.connector_curves.push_back(sliced_.between[static_cast<std::size_t>(k)]);
-          connector_s.push_back(sliced_.connector_s_mm[static_cast<std::size_t>(k)]);
+          connector_s.push_back(sliced_.between_s_mm[static_cast<std::size_t>(k)]);
         }
       }
       out.runs.push_back(std::move(run));
@@ -188,7 +143,7 @@ class Designer {
     for (std::size_t r = 0; r < layout.runs.size(); ++r) {
       const RunTarget& target = layout.targets[r];
       Planes& planes = layout.runs[r].planes;
-      if (n_ == 1) {
+      if (target.units == 1) {
         planes = Planes{1, {}};
         for (const SliceCurve& c : target.slice_curves) {
           planes.value.push_back(c.h());
@@ -289,8 +244,9 @@ class Designer {
   Result<std::pair<Layout, Laid>> lay(LatticeMethod& method, std::string& note) const {
     Layout chosen = layout();
     if (auto filled = fill(chosen, method); !filled) return tl::unexpected(filled.error());
-    const bool choose = method == LatticeMethod::Conformal && n_ > 1 &&
-                        !chosen.targets.front().connector_curves.empty();
+    const bool choose = method == LatticeMethod::Conformal &&
+                        std::any_of(chosen.targets.begin(), chosen.targets.end(),
+                                    [](const RunTarget& t) { return !t.connector_curves.empty(); });
     auto laid = choose ? lay_measured(chosen) : lay_strips(chosen);
     if (!laid) return tl::unexpected(laid.error());
     auto result = std::pair{std::move(chosen), std::move(*laid)};
@@ -325,7 +281,9 @@ class Designer {
     if (spec_.max_step_asked || !spec_.max_step_over_mean || limited.inner_error.max_mm <= exact_mm)
       return std::nullopt;
     Layout free = layout();
+    (void)fill(free, LatticeMethod::Slices);
     for (std::size_t r = 0; r < free.runs.size(); ++r) {
+      if (free.targets[r].units == 1) continue;
       free.targets[r].max_step_over_mean.reset();
       auto planes = lattice_conformal(free.targets[r], kRelaxedStep);
       if (!planes) return std::nullopt;
@@ -405,7 +363,7 @@ class Designer {
 
   bool cut(int slice, const std::string& reason) {
     auto& cut = cut_after_[static_cast<std::size_t>(slice)];
-    if (cut || slice + 1 >= spec_.slices) return false;
+    if (cut || slice + 1 >= sliced_.slices()) return false;
     cut = 1;
     notes_.push_back(
         fmt::format("plain cut between slices {} and {}: {}", slice, slice + 1, reason));
@@ -433,7 +391,8 @@ class Designer {
     out.strips = std::move(laid.strips.strips);
     out.pattern = std::move(built.pattern);
     out.pattern.name = r.name = spec_.name;
-    r.units_per_slice = {n_};
+    for (const RegionSpec& region : spec_.regions)
+      r.units_per_slice.push_back(region.units_per_slice);
     r.lattice = method_name(method), r.lattice_asked = method_name(spec_.lattice);
     r.lattice_note = std::move(note);
     add_slices(layout, out.strips, r);
@@ -467,7 +426,7 @@ class Designer {
       v_sum[j] += 0.5 * (strips.v_begin[s] + strips.v_begin[s + 1]), ++count[j];
     }
     for (std::size_t j = 0; j < sliced_.s_mm.size(); ++j)
-      r.slices.push_back({sliced_.s_mm[j], v_sum[j] / count[j], spec_.widths_mm[j],
+      r.slices.push_back({sliced_.s_mm[j], v_sum[j] / count[j], sliced_.width_mm[j],
                           sliced_.figures[j].loss, sliced_.figures[j].iterations});
     for (const Run& run : layout.runs)
       if (run.count == 2 && layout.laid[static_cast<std::size_t>(run.first)].slice ==
@@ -478,8 +437,7 @@ class Designer {
   }
 
   const DesignSpec& spec_;
-  int n_;
-  Sliced sliced_;
+  Slicing sliced_;
   std::vector<std::uint8_t> cut_after_;
   std::vector<std::string> notes_;
 };

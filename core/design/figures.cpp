@@ -133,7 +133,7 @@ LatticeFigures measure(const FigureInput& input) {
     Row row{station.s_mm, {}};
     add_valleys(strips, s, row.points);
     if (!is_connector) {
-      slice_rows.push_back(std::move(row));
+      (strips.kind[s] == StripKind::Box ? rows : slice_rows).push_back(std::move(row));
       continue;
     }
     for (std::size_t i = 1; i + 1 < row.points.size(); ++i)
@@ -166,6 +166,7 @@ LatticeFigures measure(const FigureInput& input) {
   } else {
     out.step_over_mean_min = out.step_over_mean_max = 1.0;
   }
+  // A lattice without connectors or boxes is single strips: their own valleys have to do.
   out.gap_mm = largest_gap(input, rows.empty() ? std::move(slice_rows) : std::move(rows));
   return out;
 }

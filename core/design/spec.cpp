@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "core/design/spec.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "core/json_fields.hpp"
@@ -61,9 +63,6 @@ Result<std::vector<double>> parse_widths(const json* value, int slices) {
     return fail(ErrorKind::Malformed, "/widths_mm",
                 "is missing; a number or a list of numbers is needed");
   if (!value->is_array()) {
-    if (value->is_object() && value->contains("max_error_mm"))
-      return fail(ErrorKind::OutOfRange, "/widths_mm/max_error_mm",
-                  "adaptive widths are not built yet; give one width or a list");
     if (!lawful(*value)) return wrong(*value, "/widths_mm");
     return std::vector<double>(static_cast<std::size_t>(slices), value->get<double>());
   }
@@ -77,6 +76,119 @@ Result<std::vector<double>> parse_widths(const json* value, int slices) {
                 fmt::format("has {} widths for {} slices; one a slice or a single number is needed",
                             widths.size(), slices));
   return widths;
+}
+
+/// The paper's composite (S2.F): three stretches whose radius runs R1 -> R2 -> R3 -> R2 by its
+/// three formulas, each over the length L of its own region.
+Result<std::vector<std::string>> composite_radii(const json& surface) {
+  JsonFields fields(surface, "/surface");
+  (void)fields.text("type", "composite");
+  const json* radii = fields.value("radii");
+  if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
+  const auto lawful = [](const json& r) { return r.is_number() && r.get<double>() > 0.0; };
+  if (!radii || !radii->is_array() || radii->size() != 3 ||
+      !std::all_of(radii->begin(), radii->end(), lawful))
+    return fail(ErrorKind::Malformed, "/surface/radii",
+                "must be three positive numbers, R1, R2 and R3");
+  const double r1 = (*radii)[0], r2 = (*radii)[1], r3 = (*radii)[2];
+  if (!(r1 > r3 && r3 > r2))
+    return fail(ErrorKind::OutOfRange, "/surface/radii",
+                fmt::format("are {:g}, {:g}, {:g}; R1 > R3 > R2 is needed", r1, r2, r3));
+  return std::vector<std::string>{
+      fmt::format("{0} + ({1} - {0})*0.5*(1 + cos(pi*(y/L - 1)))", r1, r2),
+      fmt::format("{0} + ({1} - {0})*0.5*(1 + sin(pi*(y/L - 0.5)))", r2, r3),
+      fmt::format("{0} + ({1} - {0})*0.5*(1 - cos(pi*y/L))", r3, r2)};
+}
+
+/// `regions`: each has its own units, slices and width, and may have its own radius.
+Result<void> parse_regions(const json& value, DesignSpec& spec) {
+  if (!value.is_array() || value.empty() || value.size() > 1000)
+    return fail(ErrorKind::Malformed, "/regions", "must be a list of 1 to 1000 regions");
+  long slices = 0;
+  for (std::size_t r = 0; r < value.size(); ++r) {
+    JsonFields fields(value[r], fmt::format("/regions/{}", r));
+    RegionSpec region;
+    region.units_per_slice = fields.integer("units_per_slice", std::nullopt, 1, kMaxUnitsPerSlice);
+    region.slices = fields.integer("slices", std::nullopt, 1, kMaxSlices);
+    const double width = fields.number("width_mm", std::nullopt, 0.0, kMaxLength, true);
+    if (fields.has("radius")) region.radius = fields.text("radius", std::nullopt);
+    (void)fields.value("radius");
+    if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
+    if ((slices += region.slices) > kMaxSlices)
+      return fail(
+          ErrorKind::OutOfRange, fmt::format("/regions/{}/slices", r),
+          fmt::format("makes {} slices in all; at most {} are designed", slices, kMaxSlices));
+    spec.widths_mm.insert(spec.widths_mm.end(), static_cast<std::size_t>(region.slices), width);
+    spec.regions.push_back(std::move(region));
+  }
+  return {};
+}
+
+/// The target and its slices: `surface` with `regions`, or with `units_per_slice`, `slices` and
+/// `widths_mm` for one region.
+Result<void> parse_target(const json& root, JsonFields& fields, DesignSpec& spec) {
+  const json* surface = fields.value("surface");
+  const json* regions = fields.value("regions");
+  const json* widths = fields.value("widths_mm");
+  if (regions) {
+    for (const char* single : {"units_per_slice", "slices", "widths_mm"})
+      if (fields.value(single))
+        return fail(ErrorKind::Malformed, fields.pointer(single),
+                    "contradicts /regions, which have their own; give one or the other");
+    if (auto parsed = parse_regions(*regions, spec); !parsed) return parsed;
+  } else {
+    const int units = fields.integer("units_per_slice", std::nullopt, 1, kMaxUnitsPerSlice);
+    const int slices = fields.integer("slices", std::nullopt, 1, kMaxSlices);
+    spec.regions.push_back({units, slices, std::nullopt});
+  }
+  if (auto done = fields.finish(); !done) return done;
+  if (!regions && widths && widths->is_object()) {
+    JsonFields adaptive(*widths, "/widths_mm");
+    AdaptiveWidths asked;
+    asked.max_error_mm = adaptive.number("max_error_mm", std::nullopt, 0.0, kMaxLength, true);
+    if (adaptive.has("length_mm"))
+      asked.length_mm = adaptive.number("length_mm", std::nullopt, 0.0, kMaxLength, true);
+    (void)adaptive.value("length_mm");
+    if (auto done = adaptive.finish(); !done) return done;
+    spec.adaptive = asked;
+  } else if (!regions) {
+    auto parsed = parse_widths(widths, spec.regions.front().slices);
+    if (!parsed) return tl::unexpected(parsed.error());
+    spec.widths_mm = std::move(*parsed);
+  }
+  long units = 0;
+  for (const RegionSpec& region : spec.regions)
+    units += static_cast<long>(region.units_per_slice) * region.slices;
+  if (units > kMaxUnits)
+    return fail(ErrorKind::OutOfRange, regions ? "/regions" : "/slices",
+                fmt::format("the slices have {} units in all; at most {} are designed in one go",
+                            units, kMaxUnits));
+  if (surface && surface->is_object() && surface->value("type", json()) == "composite") {
+    auto radii = composite_radii(*surface);
+    if (!radii) return tl::unexpected(radii.error());
+    if (spec.regions.size() != 3)
+      return fail(ErrorKind::OutOfRange, "/regions",
+                  fmt::format("are {}; a composite surface needs three", spec.regions.size()));
+    for (std::size_t r = 0; r < 3; ++r) {
+      if (spec.regions[r].radius)
+        return fail(ErrorKind::Malformed, fmt::format("/regions/{}/radius", r),
+                    "contradicts the composite surface, which sets it");
+      spec.regions[r].radius = (*radii)[r];
+    }
+    return {};
+  }
+  if (surface) {
+    auto parsed = parse_surface(*surface);
+    if (!parsed) return tl::unexpected(parsed.error());
+    spec.surface = std::move(*parsed);
+    return {};
+  }
+  for (std::size_t r = 0; r < spec.regions.size(); ++r)
+    if (!spec.regions[r].radius)
+      return fail(ErrorKind::Malformed,
+                  root.contains("regions") ? fmt::format("/regions/{}/radius", r) : "/surface",
+                  "is missing; give a surface such as {\"type\": \"revolution\", \"radius\": ...}");
+  return {};
 }
 
 }  // namespace
@@ -95,8 +207,6 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
   (void)fields.integer("popcut", std::nullopt, 1, 1);
   spec.name = fields.text("name", spec.name);
   spec.scale_mm = fields.number("scale_mm", 1.0, 0.0, kMaxLength, true);
-  spec.units_per_slice = fields.integer("units_per_slice", std::nullopt, 1, kMaxUnitsPerSlice);
-  spec.slices = fields.integer("slices", std::nullopt, 1, kMaxSlices);
   spec.lattice = static_cast<LatticeMethod>(
       fields.word("lattice", 2, {"branching", "slices", "conformal", "levels"}));
   spec.solver = static_cast<SolverMethod>(fields.word("solver", 0, {"newton", "slsqp"}));
@@ -107,28 +217,13 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
   else if (most)
     spec.max_step_over_mean = fields.number("max_step_over_mean", 3.0, 1.0, 1e6, true);
   spec.material = fields.text("material", spec.material);
-  for (const char* later : {"rotate_deg", "translate_mm", "regions", "fit", "splay"})
+  for (const char* later : {"rotate_deg", "translate_mm", "fit", "splay"})
     if (fields.value(later))
       fields.add_error(ErrorKind::OutOfRange, fields.pointer(later),
                        "is not built yet in this version of popcut; leave it out");
-  const json* surface = fields.value("surface");
-  const json* widths = fields.value("widths_mm");
   const json* card = fields.value("card");
-  if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
-  if (!surface)
-    return fail(ErrorKind::Malformed, "/surface",
-                "is missing; give {\"type\": \"revolution\", \"radius\": ...} or a profile");
-  if (const long units = static_cast<long>(spec.units_per_slice) * spec.slices; units > kMaxUnits)
-    return fail(ErrorKind::OutOfRange, "/slices",
-                fmt::format("{} slices of {} units are {} units; at most {} are designed in one go",
-                            spec.slices, spec.units_per_slice, units, kMaxUnits));
-
-  auto parsed_surface = parse_surface(*surface);
-  if (!parsed_surface) return tl::unexpected(parsed_surface.error());
-  spec.surface = std::move(*parsed_surface);
-  auto parsed_widths = parse_widths(widths, spec.slices);
-  if (!parsed_widths) return tl::unexpected(parsed_widths.error());
-  spec.widths_mm = std::move(*parsed_widths);
+  if (auto target = parse_target(*root, fields, spec); !target)
+    return tl::unexpected(target.error());
   auto parsed_card = parse_card(card);
   if (!parsed_card) return tl::unexpected(parsed_card.error());
   spec.card = *parsed_card;
@@ -147,7 +242,7 @@ std::string design_spec_schema() {
       {"title", "popcut design spec"},
       {"type", "object"},
       {"additionalProperties", false},
-      {"required", {"popcut", "surface", "units_per_slice", "slices", "widths_mm"}},
+      {"required", {"popcut"}},
   };
   json& p = schema["properties"];
   p["popcut"] = {{"const", 1}, {"description", "version of this format"}};
@@ -166,14 +261,42 @@ std::string design_spec_schema() {
                     {"required", {"type", "z"}},
                     {"properties",
                      {{"type", {{"const", "profile"}}},
-                      {"z", {{"type", "string"}, {"description", "expression of x and y"}}}}}}});
+                      {"z", {{"type", "string"}, {"description", "expression of x and y"}}}}}},
+                   {{"type", "object"},
+                    {"description", "three regions whose radius runs R1, R2, R3 (R1 > R3 > R2)"},
+                    {"additionalProperties", false},
+                    {"required", {"type", "radii"}},
+                    {"properties",
+                     {{"type", {{"const", "composite"}}},
+                      {"radii", {{"type", "array"}, {"minItems", 3}, {"maxItems", 3}}}}}}});
+  p["regions"] = {
+      {"type", "array"},
+      {"description", "instead of units_per_slice, slices and widths_mm: stretches with their own"},
+      {"items",
+       {{"type", "object"},
+        {"additionalProperties", false},
+        {"required", {"units_per_slice", "slices", "width_mm"}},
+        {"properties",
+         {{"radius",
+           {{"type", "string"}, {"description", "expression of y, 0 to L in the region"}}},
+          {"units_per_slice",
+           {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxUnitsPerSlice}}},
+          {"slices", {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxSlices}}},
+          {"width_mm", number("width of its slices", positive)}}}}}};
   p["scale_mm"] = number("mm that one unit of the surface is", positive);
   p["scale_mm"]["default"] = 1.0;
   p["units_per_slice"] = {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxUnitsPerSlice}};
   p["slices"] = {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxSlices}};
-  p["widths_mm"]["oneOf"] =
-      json::array({number("one width for all slices", positive),
-                   {{"type", "array"}, {"items", number("width of a slice", positive)}}});
+  p["widths_mm"]["oneOf"] = json::array(
+      {number("one width for all slices", positive),
+       {{"type", "array"}, {"items", number("width of a slice", positive)}},
+       {{"type", "object"},
+        {"description", "chosen from the curvature; slices is then how many there are, or at most"},
+        {"additionalProperties", false},
+        {"required", {"max_error_mm"}},
+        {"properties",
+         {{"max_error_mm", number("bulge of the target between neighbouring slices", positive)},
+          {"length_mm", number("length of the whole along the spine", positive)}}}}});
   p["lattice"] = {{"enum", {"branching", "slices", "conformal", "levels"}},
                   {"default", "conformal"}};
   p["solver"] = {{"enum", {"newton", "slsqp"}}, {"default", "newton"}};

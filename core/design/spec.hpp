@@ -13,7 +13,8 @@ namespace popcut {
 
 /// Quarter circles about the spine: x^2 + z^2 = radius(y)^2, in units of the surface.
 struct RevolutionSpec {
-  std::string radius;  ///< expression of y
+  std::string radius;              ///< expression of y, and of L where there is a length
+  std::optional<double> length{};  ///< L, length of the region that it belongs to
 };
 
 /// A profile z(x, y) that falls from (0, h) to (d, 0) for each y, in units of the surface.
@@ -22,6 +23,20 @@ struct ProfileSpec {
 };
 
 using SurfaceSpec = std::variant<RevolutionSpec, ProfileSpec>;
+
+/// A stretch of slices with units of its own, and perhaps a radius of its own: an expression of y
+/// from 0 at the region's start to L at its end.
+struct RegionSpec {
+  int units_per_slice{};
+  int slices{};
+  std::optional<std::string> radius{};
+};
+
+/// Widths chosen from the target's curvature (`"widths_mm": {"max_error_mm": ...}`).
+struct AdaptiveWidths {
+  double max_error_mm{};
+  std::optional<double> length_mm{};  ///< of the whole; none: as far as `slices` reach
+};
 
 enum class LatticeMethod { Branching, Slices, Conformal, Levels };
 enum class SolverMethod { Newton, Slsqp };
@@ -36,11 +51,11 @@ struct CardSpec {
 /// What a user asks for, checked for type and range but not yet for feasibility.
 struct DesignSpec {
   std::string name{"pattern"};
-  SurfaceSpec surface;
-  double scale_mm{1.0};  ///< one unit of the surface
-  int units_per_slice{5};
-  int slices{10};
-  std::vector<double> widths_mm;  ///< one a slice
+  std::optional<SurfaceSpec> surface;  ///< none where each region has a radius of its own
+  double scale_mm{1.0};                ///< one unit of the surface
+  std::vector<RegionSpec> regions;     ///< one where the spec has none: the whole
+  std::vector<double> widths_mm;       ///< one a slice; empty with `adaptive`
+  std::optional<AdaptiveWidths> adaptive;
   LatticeMethod lattice{LatticeMethod::Conformal};
   SolverMethod solver{SolverMethod::Newton};
   std::optional<CardSpec> card{CardSpec{}};  ///< none: `"card": false`

@@ -19,8 +19,9 @@ std::string at_s(const char* field, double s_mm) {
   return fmt::format("/surface/{} at s = {:.6g} mm", field, s_mm);
 }
 
-Result<SliceCurve> slice_revolution(const Expression& radius, double scale_mm, double s_mm) {
-  const double r_mm = scale_mm * radius(s_mm / scale_mm);
+Result<SliceCurve> slice_revolution(const Expression& radius, double length, double scale_mm,
+                                    double s_mm) {
+  const double r_mm = scale_mm * radius(s_mm / scale_mm, length);
   if (!std::isfinite(r_mm))
     return fail(
         ErrorKind::OutOfRange, at_s("radius", s_mm),
@@ -162,12 +163,15 @@ class ProfileSlice {
 
 Result<Surface> Surface::make(const SurfaceSpec& spec, double scale_mm) {
   if (const auto* revolution = std::get_if<RevolutionSpec>(&spec)) {
-    auto radius = Expression::parse(revolution->radius, {"y"});
+    std::vector<std::string> variables{"y"};
+    if (revolution->length) variables.emplace_back("L");
+    auto radius = Expression::parse(revolution->radius, variables);
     if (!radius) return tl::unexpected(within("/surface/radius", radius.error()));
     // std::function needs a copyable callable, an Expression is not one.
     auto shared = std::make_shared<Expression>(std::move(*radius));
-    return Surface(
-        [shared, scale_mm](double s_mm) { return slice_revolution(*shared, scale_mm, s_mm); });
+    return Surface([shared, scale_mm, length = revolution->length.value_or(0.0)](double s_mm) {
+      return slice_revolution(*shared, length, scale_mm, s_mm);
+    });
   }
   auto z = Expression::parse(std::get<ProfileSpec>(spec).z, {"x", "y"});
   if (!z) return tl::unexpected(within("/surface/z", z.error()));

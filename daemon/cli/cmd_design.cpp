@@ -180,11 +180,16 @@ Result<void> list_examples() {
   for (const Example& example : examples()) {
     const auto spec = parse_design_spec(example.json);
     if (!spec) return tl::unexpected(within(std::string(example.name), spec.error()));
-    const auto* const revolution = std::get_if<RevolutionSpec>(&spec->surface);
-    fmt::print("{:<10} {} {}, {} x {} units\n", example.name,
-               revolution != nullptr ? "radius" : "profile",
-               revolution != nullptr ? revolution->radius : std::get<ProfileSpec>(spec->surface).z,
-               spec->slices, spec->units_per_slice);
+    std::string target = "regions of their own";
+    if (spec->surface) {
+      const auto* const revolution = std::get_if<RevolutionSpec>(&*spec->surface);
+      target = revolution != nullptr ? "radius " + revolution->radius
+                                     : "profile " + std::get<ProfileSpec>(*spec->surface).z;
+    }
+    std::vector<std::string> sizes;
+    for (const RegionSpec& region : spec->regions)
+      sizes.push_back(fmt::format("{} x {}", region.slices, region.units_per_slice));
+    fmt::print("{:<10} {}, {} units\n", example.name, target, fmt::join(sizes, " + "));
   }
   return {};
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -208,6 +209,80 @@ TEST_CASE("a profile surface is designed as well as a revolution", "[core][desig
   if (!d) FAIL(message(d.error()));
   CHECK(d->report.degrees_of_freedom == 1);
   CHECK(d->report.inner_error.max_mm < 0.5);
+}
+
+TEST_CASE("regions have their own units and radius and part by plain cuts", "[core][design]") {
+  const auto spec = parse_design_spec(
+      R"({"popcut":1,"surface":{"type":"composite","radii":[60,25,40]},"regions":[
+          {"units_per_slice":1,"slices":11,"width_mm":12},{"units_per_slice":2,"slices":26,"width_mm":4},
+          {"units_per_slice":3,"slices":15,"width_mm":8}]})");
+  if (!spec) FAIL(message(spec.error()));
+  const auto d = design(*spec);
+  if (!d) FAIL(message(d.error()));
+  CHECK(d->report.degrees_of_freedom == 1);
+  CHECK(d->report.units_per_slice == std::vector<int>{1, 2, 3});
+  CHECK(d->report.slices.size() == 52);
+  CHECK_THAT(d->report.notes[0], Catch::Contains("between slices 10 and 11"));
+  // The first slice lies half a width into the first region: R1 and half a cosine.
+  const double y_over_l = 0.5 / 11;
+  const double r = 60 - 35 * 0.5 * (1 - std::cos(M_PI * y_over_l));
+  CHECK_THAT(d->strips.x[d->strips.first_point(1) + 2], Catch::WithinAbs(r, 1e-9));
+}
+
+TEST_CASE("neighbouring regions with as many units are joined by a connector", "[core][design]") {
+  const auto spec = parse_design_spec(
+      R"({"popcut":1,"regions":[{"radius":"50 + 5*y/L","units_per_slice":4,"slices":3,"width_mm":6},
+          {"radius":"55 - 5*y/L","units_per_slice":4,"slices":3,"width_mm":9}]})");
+  if (!spec) FAIL(message(spec.error()));
+  const auto d = design(*spec);
+  if (!d) FAIL(message(d.error()));
+  CHECK(d->report.degrees_of_freedom == 1);
+  CHECK(d->report.notes.empty());
+  CHECK(std::count(d->strips.kind.begin(), d->strips.kind.end(), StripKind::Connector) == 5);
+}
+
+TEST_CASE("adaptive widths keep to their error with fewer slices than equal ones",
+          "[core][design]") {
+  const auto spec = parse_design_spec(
+      R"j({"popcut":1,"surface":{"type":"revolution","radius":"40 + 15*exp(-((y-60)/12)^2)"},
+          "units_per_slice":4,"slices":200,"widths_mm":{"max_error_mm":0.4,"length_mm":120}})j");
+  if (!spec) FAIL(message(spec.error()));
+  const auto d = design(*spec);
+  if (!d) FAIL(message(d.error()));
+  CHECK(d->report.degrees_of_freedom == 1);
+  const auto r = [](double y) { return 40 + 15 * std::exp(-(y - 60) * (y - 60) / 144); };
+  const auto& slices = d->report.slices;
+  double total = 0.5 * (slices.front().width_mm + slices.back().width_mm);
+  for (std::size_t j = 0; j + 1 < slices.size(); ++j) {
+    const double a = slices[j].s_mm, b = slices[j + 1].s_mm;
+    CHECK(std::abs(r(0.5 * (a + b)) - 0.5 * (r(a) + r(b))) <= 0.4 + 1e-9);
+    total += b - a;
+  }
+  CHECK(total >= 120);
+  int uniform = 0, chosen = 0;
+  REQUIRE(sscanf(d->report.notes.at(0).c_str(),
+                 "%d slices of chosen widths; equal ones would be %d", &chosen, &uniform) == 2);
+  CHECK(chosen == static_cast<int>(slices.size()));
+  CHECK(uniform > chosen);
+}
+
+TEST_CASE("contradictory regions are refused", "[core][spec]") {
+  const auto [text, place] = GENERATE(table<std::string, std::string>(
+      {{R"({"popcut":1,"slices":3,"regions":[{"radius":"9","units_per_slice":2,"slices":3,"width_mm":6}]})",
+        "/slices"},
+       {R"({"popcut":1,"regions":[{"units_per_slice":2,"slices":3,"width_mm":6}]})",
+        "/regions/0/radius"},
+       {R"({"popcut":1,"regions":[]})", "/regions"},
+       {R"({"popcut":1,"regions":[{"radius":"9","units_per_slice":2,"slices":3,"width_mm":-6}]})",
+        "/regions/0/width_mm"},
+       {R"({"popcut":1,"surface":{"type":"composite","radii":[1,2,3]},"regions":[{"units_per_slice":2,"slices":3,"width_mm":6}]})",
+        "/surface/radii"},
+       {R"({"popcut":1,"surface":{"type":"composite","radii":[3,1,2]},"regions":[{"units_per_slice":2,"slices":3,"width_mm":6}]})",
+        "/regions"}}));
+  CAPTURE(text);
+  const auto spec = parse_design_spec(text);
+  REQUIRE_FALSE(spec);
+  CHECK(spec.error().place == place);
 }
 
 TEST_CASE("what is wrong with a spec is said with its place", "[core][spec]") {

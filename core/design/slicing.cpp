@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/slicing.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "core/design/adaptive_widths.hpp"
+#include "core/design/surface.hpp"
+
+namespace popcut {
+namespace {
+
+/// A region's stretch of the target. Its own surface is told places from the region's start, the
+/// common one from slice 0.
+struct Stretch {
+  const Surface* surface{};
+  double origin_mm{};
+  int first{}, count{}, units{};
+};
+
+Result<void> cut_slice(const Stretch& stretch, double s, double min_panel_mm, int j, Slicing& out) {
+  auto curve = stretch.surface->slice(s - stretch.origin_mm);
+  if (!curve) return tl::unexpected(curve.error());
+  if (curve->h() < 2.0 * min_panel_mm || curve->d() < 2.0 * min_panel_mm)
+    return fail(ErrorKind::Infeasible, fmt::format("/surface at slice {} (s = {:.6g} mm)", j, s),
+                fmt::format("the target spans only {:.4g} x {:.4g} mm there, no room for panels of "
+                            "min_panel_mm = {:g}; use a larger scale_mm or fewer slices",
+                            curve->d(), curve->h(), min_panel_mm));
+  out.curves.push_back(std::move(*curve));
+  return {};
+}
+
+Result<void> solve_chains(const DesignSpec& spec, Slicing& out) {
+  out.chain_first.push_back(0);
+  for (const int units : out.units)
+    out.chain_first.push_back(out.chain_first.back() + static_cast<std::size_t>(units) + 1);
+  out.chain_x.resize(out.chain_first.back());
+  out.chain_z.resize(out.chain_first.back());
+  ChainSolver solver;
+  for (std::size_t j = 0; j < out.curves.size(); ++j) {
+    const std::size_t first = out.chain_first[j], points = out.chain_first[j + 1] - first;
+    const std::span x(out.chain_x.data() + first, points), z(out.chain_z.data() + first, points);
+    auto figures = spec.solver == SolverMethod::Slsqp
+                       ? solve_chain_slsqp(out.curves[j], out.units[j], x, z)
+                       : solver.solve(out.curves[j], out.units[j], x, z);
+    if (!figures) return tl::unexpected(within(fmt::format("slice {}", j), figures.error()));
+    out.figures.push_back(*figures);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Slicing> slice_target(const DesignSpec& spec) {
+  std::optional<Surface> common;
+  if (spec.surface) {
+    auto made = Surface::make(*spec.surface, spec.scale_mm);
+    if (!made) return tl::unexpected(made.error());
+    common = std::move(*made);
+  }
+  Slicing out;
+  out.width_mm = spec.widths_mm;
+  std::vector<RegionSpec> regions = spec.regions;
+  if (spec.adaptive) {  // then there is one region, on the common surface
+    auto chosen = choose_widths(*common, *spec.adaptive, regions.front().slices, spec.min_panel_mm);
+    if (!chosen) return tl::unexpected(chosen.error());
+    out.width_mm = std::move(chosen->widths_mm);
+    out.uniform_slices = chosen->uniform_slices;
+    regions.front().slices = static_cast<int>(out.width_mm.size());
+  }
+  std::vector<Surface> own;
+  own.reserve(regions.size());
+  std::vector<Stretch> stretches;
+  double s = 0.0;
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    const RegionSpec& region = regions[r];
+    Stretch stretch{common ? &*common : nullptr, 0.0, out.slices(), region.slices,
+                    region.units_per_slice};
+    double length = 0.0;
+    for (int k = 0; k < region.slices; ++k) {
+      const std::size_t j = out.s_mm.size();
+      if (j > 0) s += 0.5 * (out.width_mm[j - 1] + out.width_mm[j]);
+      if (k == 0) stretch.origin_mm = s - 0.5 * out.width_mm[j];
+      length += out.width_mm[j];
+      out.s_mm.push_back(s);
+      out.units.push_back(region.units_per_slice);
+    }
+    if (region.radius) {
+      auto made =
+          Surface::make(RevolutionSpec{*region.radius, length / spec.scale_mm}, spec.scale_mm);
+      if (!made) return tl::unexpected(within(fmt::format("/regions/{}", r), made.error()));
+      own.push_back(std::move(*made));
+      stretch.surface = &own.back();
+    } else {
+      stretch.origin_mm = 0.0;
+    }
+    stretches.push_back(stretch);
+  }
+  for (std::size_t r = 0; r < stretches.size(); ++r) {
+    const Stretch& here = stretches[r];
+    for (int j = here.first; j < here.first + here.count; ++j) {
+      const auto k = static_cast<std::size_t>(j);
+      if (auto cut = cut_slice(here, out.s_mm[k], spec.min_panel_mm, j, out); !cut)
+        return tl::unexpected(cut.error());
+      const bool last_here = j + 1 == here.first + here.count;
+      if (last_here && r + 1 == stretches.size()) break;
+      const double between = out.s_mm[k] + (3.0 * out.width_mm[k] + out.width_mm[k + 1]) / 8.0;
+      // A connector across a border belongs to the region that it lies in.
+      const bool beyond =
+          last_here && stretches[r + 1].origin_mm > 0.0 && between > stretches[r + 1].origin_mm;
+      const Stretch& owner = beyond ? stretches[r + 1] : here;
+      const bool cut_here = last_here && stretches[r + 1].units != here.units;
+      out.cut_after.push_back(cut_here);
+      out.between_s_mm.push_back(between);
+      auto curve = cut_here ? Result<SliceCurve>(out.curves.back())
+                            : owner.surface->slice(between - owner.origin_mm);
+      if (!curve) return tl::unexpected(curve.error());
+      out.between.push_back(std::move(*curve));
+    }
+  }
+  out.cut_after.push_back(0);
+  if (auto solved = solve_chains(spec, out); !solved) return tl::unexpected(solved.error());
+  return out;
+}
+
+}  // namespace popcut
