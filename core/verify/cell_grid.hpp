@@ -11,6 +11,12 @@
 
 namespace popcut::verify {
 
+/// Pairs that may come together among `shapes` before they count as hopelessly dense: sound
+/// drawings need some tens a shape.
+[[nodiscard]] constexpr std::uint64_t pair_budget(std::size_t shapes) {
+  return 1'000'000 + 500 * static_cast<std::uint64_t>(shapes);
+}
+
 /// Finds which convex shapes of a plane can touch: a square grid whose cells hold the shapes that
 /// reach into them. The cell size is chosen so that cells hold few shapes and entries stay O(n).
 class CellGrid {

@@ -14,7 +14,6 @@
 namespace popcut::verify {
 namespace {
 
-constexpr std::uint64_t kPairBudget = 200'000'000;
 constexpr std::size_t kEnough = 1000;
 
 struct Box {
@@ -199,23 +198,24 @@ void check_faces_apart(const FoldFile& file, const Sheet& sheet, const Triangles
   };
   std::set<std::pair<std::uint32_t, std::uint32_t>> reported;
   const CellGrid grid(file.faces(), slack_mm, corners);
-  const bool complete = grid.each_pair(kPairBudget, [&](std::uint32_t f, std::uint32_t g) {
-    if (sheet.panel_of_face[f] == sheet.panel_of_face[g] || reported.size() > kEnough) return;
-    Vec3 where;
-    const auto relation = space.relation(f, g, where);
-    if (relation == FacesInSpace::Relation::Cross && reported.emplace(f, g).second) {
-      check.fail(fmt::format("/faces_vertices/{}", g),
-                 fmt::format("faces {} and {} cross near ({:.6g}, {:.6g}, {:.6g}) in frame {}", f,
-                             g, where.x, where.y, where.z, pose.place));
-    }
-    if (relation != FacesInSpace::Relation::SamePlane || motion.shut) return;
-    double reach = 0.0;
-    const double shared = shared_area(triangles, pose, space.motion(f), f, g, reach);
-    if (shared <= 4.0 * slack_mm * (reach + slack_mm) || !reported.emplace(f, g).second) return;
-    check.fail(fmt::format("/faces_vertices/{}", g),
-               fmt::format("faces {} and {} lie on each other over {:.6g} mm2 in frame {}", f, g,
-                           shared, pose.place));
-  });
+  const bool complete =
+      grid.each_pair(4 * pair_budget(file.faces()), [&](std::uint32_t f, std::uint32_t g) {
+        if (sheet.panel_of_face[f] == sheet.panel_of_face[g] || reported.size() > kEnough) return;
+        Vec3 where;
+        const auto relation = space.relation(f, g, where);
+        if (relation == FacesInSpace::Relation::Cross && reported.emplace(f, g).second) {
+          check.fail(fmt::format("/faces_vertices/{}", g),
+                     fmt::format("faces {} and {} cross near ({:.6g}, {:.6g}, {:.6g}) in frame {}",
+                                 f, g, where.x, where.y, where.z, pose.place));
+        }
+        if (relation != FacesInSpace::Relation::SamePlane || motion.shut) return;
+        double reach = 0.0;
+        const double shared = shared_area(triangles, pose, space.motion(f), f, g, reach);
+        if (shared <= 4.0 * slack_mm * (reach + slack_mm) || !reported.emplace(f, g).second) return;
+        check.fail(fmt::format("/faces_vertices/{}", g),
+                   fmt::format("faces {} and {} lie on each other over {:.6g} mm2 in frame {}", f,
+                               g, shared, pose.place));
+      });
   if (!complete) check.fail("/faces_vertices", "too many faces lie in one place to be compared");
 }
 

@@ -15,8 +15,6 @@
 namespace popcut::verify {
 namespace {
 
-/// Pairs of lines or triangles that are looked at before a drawing counts as hopelessly dense.
-constexpr std::uint64_t kPairBudget = 400'000'000;
 /// Overlaps that are collected before the search for more is given up.
 constexpr std::size_t kEnough = 1000;
 
@@ -136,19 +134,20 @@ Tiling check_tiling(const FoldFile& file, const Sheet& sheet, const Triangles& t
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> overlaps;
   std::set<std::pair<std::uint32_t, std::uint32_t>> counted;
   const CellGrid grid(triangles.corners.size(), slack_mm, corners);
-  const bool all = grid.each_pair(kPairBudget, [&](std::uint32_t i, std::uint32_t j) {
-    if (triangles.face[i] == triangles.face[j] || overlaps.size() > kEnough) return;
-    const auto a = corners(i);
-    const auto b = corners(j);
-    const double common = common_area(a, b);
-    const auto reach = [](const std::array<Vec2, 3>& t) {
-      return std::max({norm(t[1] - t[0]), norm(t[2] - t[1]), norm(t[0] - t[2])});
-    };
-    if (common <= 4.0 * slack_mm * (slack_mm + std::min(reach(a), reach(b)))) return;
-    if (counted.emplace(i, j).second) {
-      overlaps[std::minmax(triangles.face[i], triangles.face[j])] += common;
-    }
-  });
+  const bool all =
+      grid.each_pair(pair_budget(triangles.corners.size()), [&](std::uint32_t i, std::uint32_t j) {
+        if (triangles.face[i] == triangles.face[j] || overlaps.size() > kEnough) return;
+        const auto a = corners(i);
+        const auto b = corners(j);
+        const double common = common_area(a, b);
+        const auto reach = [](const std::array<Vec2, 3>& t) {
+          return std::max({norm(t[1] - t[0]), norm(t[2] - t[1]), norm(t[0] - t[2])});
+        };
+        if (common <= 4.0 * slack_mm * (slack_mm + std::min(reach(a), reach(b)))) return;
+        if (counted.emplace(i, j).second) {
+          overlaps[std::minmax(triangles.face[i], triangles.face[j])] += common;
+        }
+      });
   if (!all) check.fail("/faces_vertices", "too many faces lie in one place to be compared");
   for (const auto& [faces, common] : overlaps) {
     check.fail(face_place(faces.second),
@@ -199,32 +198,33 @@ void check_lines(const FoldFile& file, const Sheet& sheet, double slack_mm, Veri
                                           m.vertex, show(m.at), line_name(file.assignment[e])));
   };
   const CellGrid grid(file.edges.size(), slack_mm, ends);
-  const bool all = grid.each_pair(kPairBudget, [&](std::uint32_t e, std::uint32_t f) {
-    const Meeting m = meet(file, e, f, slack_mm);
-    const Meeting back = m.kind == Meeting::Kind::None ? meet(file, f, e, slack_mm) : Meeting{};
-    if (m.kind == Meeting::Kind::Crosses && once(e, f)) {
-      check.fail(edge_place(f),
-                 fmt::format("it crosses edge {} at {} without a vertex", e, show(m.at)));
-    } else if (m.kind == Meeting::Kind::RunsAlong || back.kind == Meeting::Kind::RunsAlong) {
-      if (slit_sides(file, beside, e, f) || !once(e, f)) return;
-      check.fail(
-          edge_place(f),
-          fmt::format("the {} runs along the {} of edge {} at {}; each line may be drawn once",
-                      line_name(file.assignment[f]), line_name(file.assignment[e]), e,
-                      show(m.kind == Meeting::Kind::RunsAlong ? m.at : back.at)));
-    } else if (m.kind == Meeting::Kind::VertexInside) {
-      vertex_inside(e, m, f);
-    } else if (back.kind == Meeting::Kind::VertexInside) {
-      vertex_inside(f, back, e);
-    }
-  });
+  const bool all =
+      grid.each_pair(pair_budget(file.edges.size()), [&](std::uint32_t e, std::uint32_t f) {
+        const Meeting m = meet(file, e, f, slack_mm);
+        const Meeting back = m.kind == Meeting::Kind::None ? meet(file, f, e, slack_mm) : Meeting{};
+        if (m.kind == Meeting::Kind::Crosses && once(e, f)) {
+          check.fail(edge_place(f),
+                     fmt::format("it crosses edge {} at {} without a vertex", e, show(m.at)));
+        } else if (m.kind == Meeting::Kind::RunsAlong || back.kind == Meeting::Kind::RunsAlong) {
+          if (slit_sides(file, beside, e, f) || !once(e, f)) return;
+          check.fail(
+              edge_place(f),
+              fmt::format("the {} runs along the {} of edge {} at {}; each line may be drawn once",
+                          line_name(file.assignment[f]), line_name(file.assignment[e]), e,
+                          show(m.kind == Meeting::Kind::RunsAlong ? m.at : back.at)));
+        } else if (m.kind == Meeting::Kind::VertexInside) {
+          vertex_inside(e, m, f);
+        } else if (back.kind == Meeting::Kind::VertexInside) {
+          vertex_inside(f, back, e);
+        }
+      });
   if (!all) check.fail("/edges_vertices", "too many edges lie in one place to be compared");
   std::size_t folds = 0;
   std::size_t borders = 0;
   for (const Assignment a : file.assignment) ++(holds(a) ? folds : borders);
   check.detail = fmt::format(
       "{} folds, {} borders and sides of cuts; none crosses or doubles another", folds, borders);
-  if (!check.ok()) check.detail = fmt::format("{} places are wrong", check.failed);
+  if (!check.ok()) check.detail = fmt::format("{} wrong", check.failed);
 }
 
 }  // namespace popcut::verify

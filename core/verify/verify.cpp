@@ -95,13 +95,12 @@ void check_pieces(const Subject& subject, VerifyReport& report) {
   report.checks.push_back(std::move(check));
 }
 
-void check_flat_sheet(Subject& subject, VerifyReport& report) {
-  VerifyCheck faces = named("faces");
-  subject.sheet = make_sheet(subject.file, faces);
+/// `faces` has what making the sheet found.
+void check_flat_sheet(Subject& subject, VerifyCheck faces, VerifyReport& report) {
   subject.triangles = check_faces(subject.file, faces);
   faces.detail = faces.ok() ? fmt::format("{} simple faces, each fold between two of them",
                                           subject.file.faces())
-                            : fmt::format("{} places are wrong", faces.failed);
+                            : fmt::format("{} wrong", faces.failed);
   check_pieces(subject, report);
   report.checks.push_back(std::move(faces));
 
@@ -206,7 +205,7 @@ void check_angles(const Subject& subject, VerifyReport& report) {
       "turn as assigned",
       compared, report.fold_angle_deg);
   if (!check.ok())
-    check.detail = fmt::format("{} folds disagree, by up to {:.6g} degrees", check.failed,
+    check.detail = fmt::format("{} wrong; listed angles are up to {:.6g} degrees off", check.failed,
                                report.fold_angle_deg);
   report.checks.push_back(std::move(check));
 }
@@ -282,7 +281,7 @@ void check_crossing(const Subject& subject, VerifyReport& report) {
   check.detail = affine ? std::string("no face meets another: exact, for every 0 < psi < pi")
                         : fmt::format("no face passes through another: sampled in {} pose{}",
                                       looked_at, looked_at == 1 ? "" : "s");
-  if (!check.ok()) check.detail = fmt::format("{} pairs of faces meet", check.failed);
+  if (!check.ok()) check.detail = fmt::format("{} wrong", check.failed);
   report.checks.push_back(std::move(check));
 }
 
@@ -325,9 +324,8 @@ Result<VerifyReport> verify_fold(std::string_view text, const VerifyOptions& opt
                 "the edges enclose no face; there is no sheet");
   }
 
-  VerifyReport report;
-  report.notes = subject.file.notes;
-  check_flat_sheet(subject, report);
+  VerifyCheck faces = named("faces");
+  subject.sheet = make_sheet(subject.file, faces);
   subject.panels = make_panels(subject.file, subject.sheet);
   for (const Pose& pose : subject.file.poses) {
     subject.motions.push_back(measure(subject.file, subject.sheet, subject.panels, pose));
@@ -338,6 +336,9 @@ Result<VerifyReport> verify_fold(std::string_view text, const VerifyOptions& opt
                 "no frame shows the pattern opened, neither flat nor shut; verify cannot open a "
                 "pattern by itself yet, so the file must hold a deployed frame");
   }
+  VerifyReport report;
+  report.notes = subject.file.notes;
+  check_flat_sheet(subject, std::move(faces), report);
   check_motion(subject, report);
   check_angles(subject, report);
   check_freedoms(subject, *pose, options, report);
