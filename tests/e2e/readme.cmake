@@ -1,0 +1,23 @@
+# Runs the README's commands as a newcomer would: the sh block, in an empty folder.
+# -DREADME=file -DPOPCUT=program -DFOLDER=scratch
+file(READ ${README} text)
+string(REGEX MATCH "```sh\n([^`]*)```" block "${text}")
+if(NOT block)
+  message(FATAL_ERROR "the README has no sh block")
+endif()
+set(commands "${CMAKE_MATCH_1}")
+file(REMOVE_RECURSE ${FOLDER})
+file(MAKE_DIRECTORY ${FOLDER})
+get_filename_component(bin ${POPCUT} DIRECTORY)
+set(ENV{PATH} "${bin}:$ENV{PATH}")
+execute_process(COMMAND bash -euo pipefail -c "${commands}" WORKING_DIRECTORY ${FOLDER}
+  RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE err)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "the README's commands end with ${result}:\n${out}${err}")
+endif()
+file(GLOB made RELATIVE ${FOLDER} ${FOLDER}/*/*)
+foreach(wanted sphere/pattern.fold plan/sheet-01.gpgl plan/plan.json simulated/trace.json)
+  if(NOT wanted IN_LIST made)
+    message(FATAL_ERROR "the README's commands did not write ${wanted}, only ${made}")
+  endif()
+endforeach()
