@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "core/plan/linework.hpp"
+
 namespace popcut {
 
 Result<Trace> simulate(std::span<const std::byte> program, const Machine& machine,
@@ -15,6 +17,9 @@ Result<Trace> simulate(std::span<const std::byte> program, const Machine& machin
   while (!program.empty()) {
     const std::size_t taken = sim.accept(program);
     program = program.subspan(taken);
+    if (sim.trace().points.size() > kMaxDrawnPoints)
+      return fail(ErrorKind::OutOfRange, "",
+                  fmt::format("the program draws more than {} points", kMaxDrawnPoints));
     static_cast<void>(sim.take_replies());  // a program in a file talks to nobody
     if (taken > 0) continue;
     const std::optional<SimCutter::Time> next = sim.next_event();

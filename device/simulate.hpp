@@ -12,7 +12,7 @@ namespace popcut {
 
 /// Runs a whole program on a simulated cutter: what it draws, and how long it takes.
 ///
-/// @retval OutOfRange  see `SimCutter::make`
+/// @retval OutOfRange  see `SimCutter::make`; or the program draws more than `kMaxDrawnPoints`
 /// @retval Malformed   there are no bytes, or nothing is drawn and few commands are understood
 [[nodiscard]] Result<Trace> simulate(std::span<const std::byte> program, const Machine& machine,
                                      const SimOptions& options = {});

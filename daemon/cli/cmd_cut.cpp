@@ -134,6 +134,7 @@ Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const Machine&
     bar.show(what, 1 - p.seconds_left / std::max(whole, 1.0), p.seconds_left);
   };
   CutSheet cut;
+  const InterruptGuard guard;  // at the question, Ctrl-C ends popcut as usual
   cut.end = run_session(cable, machine, job.programs[sheet], options);
   cut.trace = cable.cutter().trace();
   for (const StrokeFate fate : cut.end.fates)
@@ -208,7 +209,6 @@ void say(const PlanJob& job, std::size_t sheet, const CutSheet& cut, const std::
 Result<void> cut_all(const Options& options, const Globals& globals, const PlanJob& job,
                      const Machine& machine, const std::string& device,
                      std::optional<OutputFolder>& folder, nlohmann::ordered_json& sheets) {
-  const InterruptGuard guard;
   for (std::size_t sheet = 0; sheet < job.plan.sheets.size(); ++sheet) {
     if (auto asked = ask(options, job, sheet, device); !asked) return asked;
     const auto cut = cut_sheet(job, sheet, machine, globals);

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "device/session.hpp"
+#include "device/simulate.hpp"
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;
@@ -180,4 +181,35 @@ TEST_CASE("whatever goes wrong the ledger is true and nothing is cut twice", "[d
   CAPTURE(failed, finished);
   CHECK(failed > 200);
   CHECK(finished > 200);
+}
+
+TEST_CASE("no bytes whatever make the simulated cutter crash hang or draw what nobody asked for",
+          "[device][sim]") {
+  const std::string letters = "MDOEHJLZFXCETGBSUWPK!\\&[0123456789,.-+ ;\x03\x1b\x04\x05\n";
+  for (const char* name : {"cameo3", "cameo", "hpgl-generic"}) {
+    Machine target = machine(name);
+    for (std::uint32_t seed = 0; seed < 300; ++seed) {
+      CAPTURE(name, seed);
+      std::mt19937 random(seed);
+      target.buffer_bytes = std::uniform_int_distribution<std::uint32_t>(1, 200)(random);
+      std::string program;
+      const int length = std::uniform_int_distribution<int>(1, 3000)(random);
+      const bool any = seed % 4 == 0;
+      for (int k = 0; k < length; ++k)
+        program += any ? static_cast<char>(std::uniform_int_distribution<int>(0, 255)(random))
+                       : letters[random() % letters.size()];
+      const auto trace = simulate(bytes(program), target);
+      if (!trace) {
+        CHECK(trace.error().kind == ErrorKind::Malformed);
+        continue;
+      }
+      CHECK(std::isfinite(trace->seconds));
+      CHECK(trace->clipped_mm <= trace->cut_mm * (1 + 1e-9) + 1e-9);
+      std::size_t points = 0;
+      for (const TraceStroke& stroke : trace->strokes) points += stroke.count;
+      CHECK(points == trace->points.size());
+      CHECK_FALSE(trace_svg(*trace).empty());
+      CHECK(trace_json(*trace).back() == '\n');
+    }
+  }
 }
