@@ -12,6 +12,7 @@
 #include "core/design/mobility.hpp"
 #include "core/design/pattern_builder.hpp"
 #include "core/design/slicing.hpp"
+#include "core/design/splay.hpp"
 #include "core/design/strip_builder.hpp"
 
 namespace popcut {
@@ -86,6 +87,11 @@ class Designer {
         return fail(ErrorKind::Infeasible, "/card",
                     fmt::format("without a card the sheet falls into {} pieces; keep the card",
                                 tight->second.pieces));
+      if (spec_.splay)
+        if (auto added =
+                add_v_folds(laid->second.strips.strips, *spec_.splay, tight->first.pattern);
+            !added)
+          return tl::unexpected(added.error());
       return finish(laid->first, std::move(laid->second), std::move(tight->first), tight->second,
                     method, std::move(note));
     }

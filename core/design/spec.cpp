@@ -78,6 +78,39 @@ Result<std::vector<double>> parse_widths(const json* value, int slices) {
   return widths;
 }
 
+Result<SplaySpec> parse_splay(const json& value, double min_panel_mm) {
+  JsonFields fields(value, "/splay");
+  SplaySpec splay;
+  constexpr double kMostAlpha = 1000.0;
+  const auto lawful = [](const json& a) {
+    return a.is_number() && a.get<double>() >= 0.0 && a.get<double>() <= kMostAlpha;
+  };
+  const json* alpha = fields.value("alpha");
+  splay.ligament_mm = fields.number("ligament_mm", min_panel_mm, 0.0, kMaxLength);
+  if (fields.has("length_mm"))
+    splay.length_mm = fields.number("length_mm", std::nullopt, 0.0, kMaxLength, true);
+  (void)fields.value("length_mm");
+  if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
+  if (alpha && lawful(*alpha)) {
+    splay.uniform = alpha->get<double>();
+    return splay;
+  }
+  if (!alpha || !alpha->is_array() || alpha->empty())
+    return fail(
+        ErrorKind::Malformed, "/splay/alpha",
+        fmt::format("must be a number from 0 to {:g}, or a row of them for each inner level",
+                    kMostAlpha));
+  for (std::size_t i = 0; i < alpha->size(); ++i) {
+    const json& row = (*alpha)[i];
+    if (!row.is_array() || !std::all_of(row.begin(), row.end(), lawful))
+      return fail(
+          ErrorKind::Malformed, fmt::format("/splay/alpha/{}", i),
+          fmt::format("must be a list of numbers from 0 to {:g}, one a connector", kMostAlpha));
+    splay.alpha.push_back(row.get<std::vector<double>>());
+  }
+  return splay;
+}
+
 /// The paper's composite (S2.F): three stretches whose radius runs R1 -> R2 -> R3 -> R2 by its
 /// three formulas, each over the length L of its own region.
 Result<std::vector<std::string>> composite_radii(const json& surface) {
@@ -217,13 +250,19 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
   else if (most)
     spec.max_step_over_mean = fields.number("max_step_over_mean", 3.0, 1.0, 1e6, true);
   spec.material = fields.text("material", spec.material);
-  for (const char* later : {"rotate_deg", "translate_mm", "fit", "splay"})
+  for (const char* later : {"rotate_deg", "translate_mm", "fit"})
     if (fields.value(later))
       fields.add_error(ErrorKind::OutOfRange, fields.pointer(later),
                        "is not built yet in this version of popcut; leave it out");
   const json* card = fields.value("card");
+  const json* splay = fields.value("splay");
   if (auto target = parse_target(*root, fields, spec); !target)
     return tl::unexpected(target.error());
+  if (splay) {
+    auto parsed = parse_splay(*splay, spec.min_panel_mm);
+    if (!parsed) return tl::unexpected(parsed.error());
+    spec.splay = std::move(*parsed);
+  }
   auto parsed_card = parse_card(card);
   if (!parsed_card) return tl::unexpected(parsed_card.error());
   spec.card = *parsed_card;
@@ -316,6 +355,16 @@ std::string design_spec_schema() {
                              {"description",
                               "largest step of a conformal lattice over the mean one; "
                               "null: no limit"}};
+  p["splay"] = {
+      {"type", "object"},
+      {"description", "V-folds on the valley creases of the connectors"},
+      {"additionalProperties", false},
+      {"required", {"alpha"}},
+      {"properties",
+       {{"alpha", {{"description", "tan of the splay: one number, or inner levels x connectors"}}},
+        {"length_mm",
+         number("along the crease; default as long as the connector allows", positive)},
+        {"ligament_mm", number("paper left beside V-folds; default min_panel_mm")}}}};
   p["material"] = {{"type", "string"}, {"default", "paper-220"}};
   return schema.dump(2) + "\n";
 }
