@@ -86,7 +86,7 @@ Result<SplaySpec> parse_splay(const json& value, double min_panel_mm) {
     return a.is_number() && a.get<double>() >= 0.0 && a.get<double>() <= kMostAlpha;
   };
   const json* alpha = fields.value("alpha");
-  splay.ligament_mm = fields.number("ligament_mm", min_panel_mm, 0.0, kMaxLength);
+  splay.ligament_mm = fields.number("ligament_mm", std::max(1.0, min_panel_mm), 0.0, kMaxLength);
   if (fields.has("length_mm"))
     splay.length_mm = fields.number("length_mm", std::nullopt, 0.0, kMaxLength, true);
   (void)fields.value("length_mm");
@@ -364,7 +364,8 @@ std::string design_spec_schema() {
        {{"alpha", {{"description", "tan of the splay: one number, or inner levels x connectors"}}},
         {"length_mm",
          number("along the crease; default as long as the connector allows", positive)},
-        {"ligament_mm", number("paper left beside V-folds; default min_panel_mm")}}}};
+        {"ligament_mm",
+         number("paper left beside V-folds; default 1, or min_panel_mm if that is more")}}}};
   p["material"] = {{"type", "string"}, {"default", "paper-220"}};
   return schema.dump(2) + "\n";
 }
