@@ -39,7 +39,7 @@ struct Placement {
 
 struct PlaceOptions {
   std::optional<PagePoint> at{};  ///< upper left corner of the drawing on the sheet
-  bool clip{false};             ///< what lies outside of the area will be cut off
+  bool clip{false};               ///< what lies outside of the area will be cut off
 };
 
 /// Where the drawing goes on an area of `reach`. A drawing with a page of its own stays where it is

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: MIT
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/formats/svg_reader.hpp"
+#include "core/plan/plan_json.hpp"
+#include "core/plan/sheet_svg.hpp"
+#include "daemon/cli/command.hpp"
+#include "daemon/cli/output_folder.hpp"
+#include "daemon/cli/plan_job.hpp"
+#include "daemon/cli/progress_bar.hpp"
+#include "daemon/cli/user_tables.hpp"
+#include "device/expect.hpp"
+#include "device/session.hpp"
+#include "device/sim_transport.hpp"
+
+namespace popcut::cli {
+namespace {
+
+struct Options {
+  PlanJobOptions job;
+  std::string device, folder;
+  bool direct{false}, yes{false};
+};
+
+constexpr std::string_view kSim = "sim:";
+
+// Ctrl-C asks the session to stop at the end of a stroke, with the tool up.
+std::atomic<bool> stop_asked{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
+extern "C" void ask_to_stop(int) { stop_asked = true; }
+
+class InterruptGuard {
+ public:
+  InterruptGuard() : before_(std::signal(SIGINT, ask_to_stop)) { stop_asked = false; }
+  ~InterruptGuard() { std::signal(SIGINT, before_); }
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+ private:
+  void (*before_)(int);
+};
+
+// 1. Which device, and may it be cut on?
+
+/// The simulated machine of `sim:NAME`. Without --device it is that of --machine, else the Cameo 3.
+Result<std::string> device_of(const Options& options) {
+  std::string device = options.device;
+  if (device.empty())
+    device = fmt::format("{}{}", kSim, options.job.machine.empty() ? "cameo3" : options.job.machine);
+  if (device.rfind(kSim, 0) == 0) return device;
+  if (options.yes)
+    return fail(ErrorKind::Usage, "--yes",
+                fmt::format("works with simulated devices only, and {} is none: a person must look "
+                            "at each sheet before it is cut; leave --yes out", device));
+  return fail(ErrorKind::DeviceGone, "--device",
+              fmt::format("{} cannot be reached: USB is not built yet; sim:NAME is simulated, and "
+                          "'popcut devices' lists what there is", device));
+}
+
+Result<Machine> machine_of(const std::string& device) {
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  auto machine = find_machine(device.substr(kSim.size()), tables->texts);
+  if (machine) return machine;
+  Error error = tables->with_file(machine.error());
+  if (error.place.empty()) error = {ErrorKind::Usage, "--device", error.detail};
+  return tl::unexpected(error);
+}
+
+/// A person says yes to each sheet, or --yes stands for it.
+Result<void> ask(const Options& options, const PlanJob& job, std::size_t sheet,
+                 const std::string& device) {
+  if (options.yes) return {};
+  if (isatty(STDIN_FILENO) != 1 || isatty(STDERR_FILENO) != 1)
+    return fail(ErrorKind::Refused, "",
+                "nobody to ask whether to start: not on a terminal; with a simulated device --yes "
+                "answers");
+  const PlannedSheet& planned = job.plan.sheets[sheet];
+  const std::string mat = planned.mat.name.empty() ? "" : fmt::format(" on the {} mat", planned.mat.name);
+  fmt::print(stderr,
+             "Load sheet {} of {} ({}){} into {}, about {:.0f} min. Start cutting? [y/N] ",
+             sheet + 1, job.plan.sheets.size(), job.plan.material.title, mat, device,
+             std::ceil(planned.seconds / 60));
+  std::string answer;
+  std::getline(std::cin, answer);
+  if (answer == "y" || answer == "Y" || answer == "yes") return {};
+  return fail(ErrorKind::Refused, "",
+              fmt::format("sheet {} was not started, since nobody said yes; what is cut so far "
+                          "stays", sheet + 1));
+}
+
+// 2. One sheet.
+
+struct CutSheet {
+  SessionEnd end;
+  Trace trace;
+  std::uint64_t certain{}, in_doubt{}, not_sent{};
+};
+
+Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const Machine& machine,
+                           const Globals& globals) {
+  const PlannedSheet& planned = job.plan.sheets[sheet];
+  SimOptions around;
+  around.page_width_mm = planned.area_mm[0];
+  around.page_length_mm = planned.area_mm[1];
+  auto sim = SimCutter::make(machine, around);
+  if (!sim) return tl::unexpected(sim.error());
+  SimTransport cable(std::move(*sim));
+  ProgressBar bar(!globals.quiet);
+  const double whole = planned.seconds;
+  SessionOptions options;
+  options.cancel = &stop_asked;
+  options.progress = [&](const SessionProgress& p) {
+    const std::string what = p.phase == SessionPhase::Cutting
+                                 ? fmt::format("cutting, stroke {} of {}", p.strokes_done, p.strokes)
+                                 : std::string(name_of(p.phase));
+    bar.show(what, 1 - p.seconds_left / std::max(whole, 1.0), p.seconds_left);
+  };
+  CutSheet cut;
+  cut.end = run_session(cable, machine, job.programs[sheet], options);
+  cut.trace = cable.cutter().trace();
+  for (const StrokeFate fate : cut.end.fates)
+    ++(fate == StrokeFate::Certain ? cut.certain
+       : fate == StrokeFate::InDoubt ? cut.in_doubt
+                                     : cut.not_sent);
+  cut.not_sent -= job.programs[sheet].dots.size();
+  return cut;
+}
+
+/// What became of the sheet, as an error if it is not whole. The simulated cutter is asked what it
+/// really drew.
+Result<void> judge(const PlanJob& job, std::size_t sheet, const CutSheet& cut) {
+  const std::string place = fmt::format("sheet {}", sheet + 1);
+  const std::string ledger = fmt::format("{} strokes are cut, {} in doubt, {} not sent", cut.certain,
+                                         cut.in_doubt, cut.not_sent);
+  if (cut.end.error) {
+    Error error = within(place, *cut.end.error);
+    error.detail += "; " + ledger;
+    return tl::unexpected(error);
+  }
+  if (cut.end.cancelled)
+    return fail(ErrorKind::Refused, place, "stopped as asked, with the tool up and parked; " + ledger);
+  Expected expected;
+  auto drawing = linework_from_svg(sheet_svg(job.plan.sheets[sheet], ""), SvgProfile::Popcut);
+  if (!drawing) return tl::unexpected(within(place, drawing.error()));
+  expected.drawing = std::move(*drawing);
+  const auto held = expect(cut.trace, expected);
+  if (!held) return tl::unexpected(within(place, held.error()));
+  return {};
+}
+
+Result<void> keep(OutputFolder& folder, const PlanJob& job, std::size_t sheet, const CutSheet& cut) {
+  const std::string title = fmt::format("{}: sheet {}", job.plan.name, sheet + 1);
+  const auto name = [&](const char* ending) { return PlanJob::sheet_file(sheet, ending); };
+  return folder.add(job.program_file(sheet), job.programs[sheet].bytes)
+      .and_then([&] { return folder.add(name("svg"), sheet_svg(job.plan.sheets[sheet], title)); })
+      .and_then([&] { return folder.add(name("cut.svg"), trace_svg(cut.trace)); })
+      .and_then([&] { return folder.add(name("trace.json"), trace_json(cut.trace)); });
+}
+
+nlohmann::ordered_json sheet_json(const CutSheet& cut, std::size_t sheet, const Result<void>& judged) {
+  nlohmann::ordered_json json{{"sheet", sheet + 1},
+                              {"done", judged.has_value()},
+                              {"confirmed", cut.end.confirmed},
+                              {"strokes",
+                               {{"certain", cut.certain},
+                                {"in_doubt", cut.in_doubt},
+                                {"not_sent", cut.not_sent}}},
+                              {"cut_mm", cut.trace.cut_mm},
+                              {"seconds", cut.end.seconds},
+                              {"identity", cut.end.identity}};
+  if (!judged) json["error"] = message(judged.error());
+  return json;
+}
+
+void say(const PlanJob& job, std::size_t sheet, const CutSheet& cut, const std::string& device) {
+  fmt::print(stderr, "sheet {} of {}: {} strokes, {:.0f} mm cut on {} in {:.0f} s of its time\n",
+             sheet + 1, job.plan.sheets.size(), cut.trace.lifts, cut.trace.cut_mm, device,
+             cut.end.seconds);
+  if (!cut.end.confirmed && !cut.end.error)
+    fmt::print(stderr, "  this machine answers nothing: {} strokes count as cut, {} are in doubt "
+                       "until a person looks\n", cut.certain, cut.in_doubt);
+}
+
+// 3. The work.
+
+Result<void> cut_all(const Options& options, const Globals& globals, const PlanJob& job,
+                     const Machine& machine, const std::string& device,
+                     std::optional<OutputFolder>& folder, nlohmann::ordered_json& sheets) {
+  const InterruptGuard guard;
+  for (std::size_t sheet = 0; sheet < job.plan.sheets.size(); ++sheet) {
+    if (auto asked = ask(options, job, sheet, device); !asked) return asked;
+    const auto cut = cut_sheet(job, sheet, machine, globals);
+    if (!cut) return tl::unexpected(cut.error());
+    const Result<void> judged = judge(job, sheet, *cut);
+    sheets.push_back(sheet_json(*cut, sheet, judged));
+    if (folder)
+      if (auto kept = keep(*folder, job, sheet, *cut); !kept) return kept;
+    if (!globals.quiet) say(job, sheet, *cut, device);
+    if (!judged) return judged;
+  }
+  return {};
+}
+
+Result<void> run_cut(const Options& options, const Globals& globals) {
+  if (!options.direct)
+    return fail(ErrorKind::Refused, "",
+                "queueing a job needs popcutd, which is not built yet; --direct cuts without it");
+  const auto device = device_of(options);
+  if (!device) return tl::unexpected(device.error());
+  const auto machine = machine_of(*device);
+  if (!machine) return tl::unexpected(machine.error());
+  PlanJobOptions how = options.job;
+  if (how.machine.empty()) how.machine = machine->name;
+  if (how.machine != machine->name)
+    return fail(ErrorKind::Usage, "--machine",
+                fmt::format("{} is not the machine of {}; give one of the two", how.machine, *device));
+  const auto job = make_plan_job(how);
+  if (!job) return tl::unexpected(job.error());
+  std::optional<OutputFolder> folder;
+  if (!options.folder.empty()) {
+    auto opened = OutputFolder::open(options.folder);
+    if (!opened) return tl::unexpected(opened.error());
+    folder = std::move(*opened);
+  }
+  if (!globals.quiet)
+    for (const std::string& warning : job->plan.warnings)
+      fmt::print(stderr, "warning: {}\n", warning);
+  nlohmann::ordered_json sheets = nlohmann::ordered_json::array();
+  // What happened is kept, whatever happened.
+  const Result<void> cut = cut_all(options, globals, *job, *machine, *device, folder, sheets);
+  if (folder) {
+    if (auto done = folder->add("plan.json", plan_json(job->plan)); !done) return done;
+    if (auto done = folder->commit("popcut cut " POPCUT_VERSION); !done) return done;
+    if (!globals.quiet) fmt::print(stderr, "programs, drawings and traces are in {}\n", options.folder);
+  }
+  if (globals.json) {
+    const nlohmann::ordered_json json{{"device", *device}, {"sheets", sheets}};
+    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  }
+  return cut;
+}
+
+Result<void> list_devices(const Globals& globals) {
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto machines = all_machines(tables->texts);
+  if (!machines) return tl::unexpected(tables->with_file(machines.error()));
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Machine& machine : *machines) {
+    const std::string id = fmt::format("{}{}", kSim, machine.name);
+    if (globals.json)
+      list.push_back({{"id", id}, {"machine", machine.name}, {"simulated", true}});
+    else
+      fmt::print("{:<22} {}, simulated\n", id, machine.title);
+  }
+  if (globals.json) fmt::print("{}\n", nlohmann::ordered_json{{"devices", list}}.dump(2));
+  return {};
+}
+
+constexpr const char* kHelp =
+    "Cut a spec or a pattern.\n\n"
+    "  popcut cut sphere.json --direct                     # asks for each sheet, then cuts it\n"
+    "  popcut cut sphere.json --direct --yes -o cut        # simulated: no questions\n\n"
+    "Plans as 'popcut plan' does, then sends each sheet to the cutter and waits until it is done.\n"
+    "Ctrl-C stops at the end of the stroke, with the tool up. With -o DIR it keeps for each sheet\n"
+    "the program, its drawing, and what the knife did (sheet-NN.cut.svg, sheet-NN.trace.json).";
+
+constexpr const char* kDevicesHelp =
+    "The devices that can be cut on: a simulated one for each machine popcut knows.\n\n"
+    "  popcut devices";
+
+}  // namespace
+
+void register_cut(CLI::App& app, const Globals& globals, Run& run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = app.add_subcommand("cut", kHelp);
+  add_plan_options(*command, options->job);
+  command->add_option("--device", options->device, "Where to cut; 'popcut devices' lists them")
+      ->option_text("ID [sim:cameo3]");
+  command->add_flag("--direct", options->direct, "Without popcutd, from here");
+  command->add_flag("--yes", options->yes, "Ask nothing; with simulated devices only");
+  command->add_option("-o,--output", options->folder, "Keep programs, drawings and traces there")
+      ->option_text("DIR");
+  command->callback([options, &globals, &run] {
+    run = [options, &globals] { return run_cut(*options, globals); };
+  });
+  app.add_subcommand("devices", kDevicesHelp)->callback([&globals, &run] {
+    run = [&globals] { return list_devices(globals); };
+  });
+}
+
+}  // namespace popcut::cli

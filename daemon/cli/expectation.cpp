@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/cli/expectation.hpp"
+
+#include <cstdlib>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <pugixml.hpp>
+
+#include "core/formats/json_data.hpp"
+#include "daemon/cli/drawing_input.hpp"
+#include "daemon/cli/output_folder.hpp"
+
+namespace popcut::cli {
+namespace {
+
+constexpr std::uintmax_t kLimitBytes = 256u << 20;
+
+const nlohmann::json* find(const nlohmann::json& from, const std::string& pointer) {
+  const nlohmann::json::json_pointer at(pointer);
+  return from.contains(at) ? &from.at(at) : nullptr;
+}
+
+Error wrong(const std::string& pointer, const char* right) {
+  return {ErrorKind::Malformed, pointer, fmt::format("is missing or wrong; {}", right)};
+}
+
+Result<double> number_at(const nlohmann::json& json, const std::string& pointer) {
+  const nlohmann::json* found = find(json, pointer);
+  if (found == nullptr || !found->is_number()) return tl::unexpected(wrong(pointer, "a number is due"));
+  return found->get<double>();
+}
+
+Result<std::string> text_at(const nlohmann::json& json, const std::string& pointer) {
+  const nlohmann::json* found = find(json, pointer);
+  if (found == nullptr || !found->is_string()) return tl::unexpected(wrong(pointer, "a name is due"));
+  return found->get<std::string>();
+}
+
+Result<void> read_lawful(const nlohmann::json& json, const std::string& pointer, LineWork& into) {
+  const nlohmann::json* list = find(json, pointer);
+  if (list == nullptr) return {};
+  if (!list->is_array()) return tl::unexpected(wrong(pointer, "a list is due"));
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    const std::string at = fmt::format("{}/{}/points", pointer, i);
+    const nlohmann::json* points = find(json, at);
+    if (points == nullptr) continue;
+    std::vector<PagePoint> line;
+    for (const nlohmann::json& point : *points) {
+      if (!point.is_array() || point.size() != 2 || !point[0].is_number() || !point[1].is_number())
+        return tl::unexpected(wrong(at, "points as [x, y] in mm are due"));
+      line.push_back({point[0].get<double>(), point[1].get<double>()});
+    }
+    into.append(Operation::Cut, line);
+  }
+  return {};
+}
+
+Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
+  const nlohmann::json* sheets = json.is_object() ? find(json, "/sheets") : nullptr;
+  if (sheets == nullptr || !sheets->is_array())
+    return tl::unexpected(wrong("/sheets", "the plan.json of popcut plan has a list of sheets"));
+  if (number < 1 || number > sheets->size())
+    return fail(ErrorKind::OutOfRange, "/sheets",
+                fmt::format("there is no sheet {}; the plan has {}", number, sheets->size()));
+  PlanFacts facts;
+  const auto machine = text_at(json, "/machine");
+  if (!machine) return tl::unexpected(machine.error());
+  const auto material = text_at(json, "/material");
+  if (!material) return tl::unexpected(material.error());
+  facts.machine = *machine;
+  facts.material = *material;
+  const std::string sheet = fmt::format("/sheets/{}", number - 1);
+  Placement& t = facts.transform;
+  const std::pair<const char*, double*> numbers[] = {
+      {"/transform/0/0", &t.xx}, {"/transform/0/1", &t.xy}, {"/transform/0/2", &t.x0},
+      {"/transform/1/0", &t.yx}, {"/transform/1/1", &t.yy}, {"/transform/1/2", &t.y0},
+      {"/area_mm/0", &facts.area_mm[0]}, {"/area_mm/1", &facts.area_mm[1]}};
+  for (const auto& [pointer, value] : numbers) {
+    const auto number_read = number_at(json, sheet + pointer);
+    if (!number_read) return tl::unexpected(number_read.error());
+    *value = *number_read;
+  }
+  for (const char* list : {"/overcuts", "/lead_ins", "/tabs", "/marks", "/labels"})
+    if (auto read = read_lawful(json, sheet + list, facts.also_lawful); !read)
+      return tl::unexpected(read.error());
+  return facts;
+}
+
+/// The size of an SVG's page where it is in mm, as that of a sheet is.
+std::optional<std::array<double, 2>> svg_page_mm(const std::string& text) {
+  pugi::xml_document document;
+  if (!document.load_buffer(text.data(), text.size())) return std::nullopt;
+  const auto side = [&](const char* name) {
+    const std::string_view value = document.document_element().attribute(name).value();
+    if (value.size() < 3 || value.substr(value.size() - 2) != "mm") return 0.0;
+    return std::strtod(value.data(), nullptr);
+  };
+  const std::array<double, 2> size{side("width"), side("height")};
+  if (!(size[0] > 0 && size[1] > 0)) return std::nullopt;
+  return size;
+}
+
+}  // namespace
+
+Result<PlanFacts> read_plan_facts(const std::string& file, std::size_t number) {
+  const auto text = read_file(file, kLimitBytes);
+  if (!text) return tl::unexpected(text.error());
+  const auto json = parse_json_data(*text);
+  if (!json) return tl::unexpected(within(file, json.error()));
+  auto facts = facts_of(*json, number);
+  if (!facts) return tl::unexpected(within(file, facts.error()));
+  return facts;
+}
+
+Result<Expectation> read_expectation(const std::string& file, const std::optional<PlanFacts>& plan,
+                                     const UserTables& tables) {
+  auto input = read_drawing(file, SvgProfile::Popcut);
+  if (!input) return tl::unexpected(input.error());
+  Expectation out;
+  if (plan) out.expected.also_lawful = plan->also_lawful;
+  if (input->drawing.dashed) {
+    // A sheet stands where it is cut, dash by dash.
+    out.expected.drawing = std::move(input->drawing);
+    if (const auto text = read_file(file, kLimitBytes)) out.page_mm = svg_page_mm(*text);
+    return out;
+  }
+  if (!plan)
+    return fail(ErrorKind::Usage, "--expect",
+                fmt::format("{} is a pattern, whose place on the sheet and material are not known; "
+                            "add --plan plan.json, or give the sheet-NN.svg", file));
+  const auto material = find_material(plan->material, tables.texts);
+  if (!material) return tl::unexpected(within("--plan", tables.with_file(material.error())));
+  out.expected.drawing = placed(input->drawing, plan->transform);
+  out.expected.dashes = material->dashes;
+  out.expected.cut_passes = material->cut.passes;
+  out.expected.fold_passes = material->fold.passes;
+  return out;
+}
+
+}  // namespace popcut::cli

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "core/plan/sheet.hpp"
+#include "core/result.hpp"
+#include "daemon/cli/user_tables.hpp"
+#include "device/expect.hpp"
+
+namespace popcut::cli {
+
+/// What `plan.json` says of one sheet.
+struct PlanFacts {
+  std::string machine;
+  std::string material;
+  std::array<double, 2> area_mm{};
+  Placement transform;   ///< pattern to sheet
+  LineWork also_lawful;  ///< overcuts, lead-ins, tabs, marks and labels that have `points`
+};
+
+/// Reads sheet `number` (from 1) of a `plan.json`.
+///
+/// @retval Malformed   not JSON, or not of a plan's form; place is the file and a JSON pointer
+/// @retval OutOfRange  the plan has no such sheet
+[[nodiscard]] Result<PlanFacts> read_plan_facts(const std::string& file, std::size_t number);
+
+/// What a simulated cut is to be compared with.
+struct Expectation {
+  Expected expected;
+  std::optional<std::array<double, 2>> page_mm;  ///< width and length of the sheet's drawing
+};
+
+/// Reads a `sheet-NN.svg`, or a pattern (.svg, .fold, or a spec) that `plan` puts on its sheet.
+///
+/// @retval Usage  a pattern without a plan: its place and its material are not known
+/// @retval Malformed, OutOfRange, Infeasible  see `read_drawing`
+[[nodiscard]] Result<Expectation> read_expectation(const std::string& file,
+                                                   const std::optional<PlanFacts>& plan,
+                                                   const UserTables& tables);
+
+}  // namespace popcut::cli

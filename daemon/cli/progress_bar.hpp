@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <string_view>
+
+namespace popcut::cli {
+
+/// A line on standard error with how far something is, drawn over itself: only on a terminal, and
+/// only once it has lasted over two seconds.
+class ProgressBar {
+ public:
+  explicit ProgressBar(bool wanted);
+  ~ProgressBar();  ///< takes the line away
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  /// @param what  "cutting, stroke 12 of 480"
+  /// @param done  0 to 1
+  void show(std::string_view what, double done, double seconds_left);
+
+ private:
+  bool wanted_;
+  bool drawn_{false};
+  std::chrono::steady_clock::time_point begun_, last_;
+};
+
+/// "[#####.....] cutting, stroke 12 of 480, 1:20 left", without the line's end.
+[[nodiscard]] std::string progress_line(std::string_view what, double done, double seconds_left);
+
+}  // namespace popcut::cli

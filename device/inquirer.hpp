@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/result.hpp"
+#include "device/transport.hpp"
+#include "protocol/replies.hpp"
+
+namespace popcut {
+
+/// Asks a GPGL machine, one question at a time.
+///
+/// A reply does not say what it answers. So what is unread is dropped before each query, and "ready"
+/// is believed only if two queries in a row are answered so, far enough apart for a reply to an
+/// earlier, unanswered query to have come. "No media" too: a recorded session has a single one in
+/// the middle of a cut (Portrait V1.00).
+class Inquirer {
+ public:
+  struct Limits {
+    double reply_s{1};
+    int tries{3};
+    double again_s{0.1};  ///< between a doubtful answer and the next query
+  };
+  Inquirer(Transport& transport, const Limits& limits) : transport_(transport), limits_(limits) {}
+
+  /// None: the machine takes no data just now, not even a query; nothing is known of it.
+  ///
+  /// @retval Timeout     `tries` queries without an answer
+  /// @retval Refused     `tries` answers that are no status, or that contradict each other
+  /// @retval DeviceGone  the transport says so
+  [[nodiscard]] Result<std::optional<DeviceStatus>> status();
+  /// One reply to `query`, without its ETX. None: the machine takes no data just now.
+  [[nodiscard]] Result<std::optional<std::string>> ask(std::string_view query);
+
+  /// Sends what was not taken of a query, which must be whole before anything else follows it.
+  /// True once nothing is owed.
+  [[nodiscard]] Result<bool> pay_debt(Deadline until);
+
+ private:
+  [[nodiscard]] Result<void> drain();
+  [[nodiscard]] Result<std::string> receive();
+  [[nodiscard]] std::chrono::nanoseconds later(double seconds) const;
+
+  Transport& transport_;
+  Limits limits_;
+  std::string owed_;  ///< bytes of a query that was taken in part
+  bool late_reply_possible_{false};
+};
+
+}  // namespace popcut

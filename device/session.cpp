@@ -1,0 +1,408 @@
+// SPDX-License-Identifier: MIT
+#include "device/session.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "device/inquirer.hpp"
+#include "device/schedule.hpp"
+
+namespace popcut {
+namespace {
+
+using std::chrono::nanoseconds;
+
+nanoseconds to_time(double seconds) { return nanoseconds(std::llround(seconds * 1e9)); }
+double to_seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+
+constexpr std::size_t kMaxWriteBytes = 4096;
+// A pause that ends in "ready" with more motion than this outstanding was a cancel that we missed.
+constexpr double kMissedCancelS = 1.0;
+constexpr double kPausedPollS = 0.2;
+
+Error refused(std::string detail) { return {ErrorKind::Refused, "", std::move(detail)}; }
+
+class Run {
+ public:
+  Run(Transport& transport, const Machine& machine, const EncodedProgram& program,
+      const SessionOptions& options)
+      : transport_(transport), machine_(machine), program_(program), options_(options),
+        inquirer_(transport, {options.reply_s, options.tries, 0.1}),
+        answers_(program.dialect == Dialect::Gpgl), begun_(transport.now()) {}
+
+  SessionEnd run() {
+    Result<Schedule> plan = schedule(program_, machine_);
+    if (plan) {
+      plan_ = std::move(*plan);
+      Result<void> done = connect().and_then([&] { return settings(); });
+      done = done.and_then([&] { return geometry(); }).and_then([&] { return park(); });
+      if (!done) end_.error = done.error();
+    } else {
+      end_.error = plan.error();
+    }
+    end_.seconds = to_seconds(transport_.now() - begun_);
+    end_.confirmed = answers_ && !end_.error;
+    for (const ByteRange& stroke : program_.strokes)
+      end_.fates.push_back(
+          fate_of(stroke, ready_bytes_, good_bytes_, accepted_, machine_.buffer_bytes));
+    return std::move(end_);
+  }
+
+ private:
+  // The phases.
+  Result<void> connect();
+  Result<void> check_identity();
+  Result<void> settings();
+  Result<void> geometry();
+  Result<void> park();
+
+  // Streaming.
+  Result<void> send(ByteRange range, std::uint64_t& at);
+  Result<void> send_until(std::uint64_t end);
+  [[nodiscard]] std::uint64_t affordable() const;
+  [[nodiscard]] std::uint64_t stroke_end(std::uint64_t byte) const;
+  [[nodiscard]] bool cancel_asked() const {
+    return options_.cancel != nullptr && options_.cancel->load(std::memory_order_relaxed);
+  }
+
+  // The machine's state.
+  Result<void> poll();
+  void note_ready(std::uint64_t bytes);
+  [[nodiscard]] Result<void> stuck() const;
+  [[nodiscard]] Result<void> stopped(DeviceStatus status) const;
+  Result<void> sit_out_pause();
+  Result<void> wait_ready(double whole_s, double left_s);
+  Result<void> wait_ready(double whole_s) { return wait_ready(whole_s, whole_s); }
+
+  // The model's clock: seconds of the geometry that the machine should have behind it.
+  [[nodiscard]] double model_s() const {
+    return std::min(to_seconds(transport_.now() - model_zero_), sent_s_);
+  }
+  void set_model(double seconds) { model_zero_ = transport_.now() - to_time(seconds); }
+
+  void tell(SessionPhase phase);
+
+  Transport& transport_;
+  const Machine& machine_;
+  const EncodedProgram& program_;
+  const SessionOptions& options_;
+  Inquirer inquirer_;
+  bool answers_;
+  nanoseconds begun_;
+  Schedule plan_;
+  SessionEnd end_;
+  SessionPhase phase_{SessionPhase::Connecting};
+  std::uint64_t accepted_{}, ready_bytes_{}, good_bytes_{};
+  DeviceStatus status_{DeviceStatus::Unknown};
+  nanoseconds model_zero_{};
+  nanoseconds next_poll_{};
+  std::optional<nanoseconds> mute_since_;  ///< since when it takes no query
+  std::size_t next_command_{};  ///< first of `plan_.geometry` that is not sent
+  double sent_s_{};             ///< when the last command sent should end
+  std::size_t strokes_passed_{};
+};
+
+void Run::tell(SessionPhase phase) {
+  phase_ = phase;
+  if (!options_.progress) return;
+  // Strokes whose bytes end before the command that the model is at.
+  const double now_s = model_s();
+  const auto at = std::upper_bound(
+      plan_.geometry.begin(), plan_.geometry.end(), now_s,
+      [](double s, const TimedCommand& command) { return s < command.seconds; });
+  const std::uint64_t byte = at == plan_.geometry.begin() ? 0 : std::prev(at)->end_byte;
+  const auto& strokes = program_.strokes;
+  while (strokes_passed_ < strokes.size() && strokes[strokes_passed_].end <= byte)
+    ++strokes_passed_;
+  double left = plan_.geometry_s - now_s + plan_.trailer_s;
+  if (phase == SessionPhase::Connecting || phase == SessionPhase::Settings) left += plan_.setup_s;
+  if (phase == SessionPhase::Parking) left = plan_.trailer_s;
+  options_.progress({phase, strokes_passed_, strokes.size(), std::max(left, 0.0)});
+}
+
+Result<void> Run::connect() {
+  tell(SessionPhase::Connecting);
+  if (!answers_) return {};
+  Result<std::optional<DeviceStatus>> status = std::nullopt;
+  for (int i = 0; i < options_.tries && status && !*status; ++i) status = inquirer_.status();
+  if (!status) return tl::unexpected(status.error());
+  if (!*status)
+    return fail(ErrorKind::Timeout, "",
+                fmt::format("the machine took no query for {:g} s; is it switched on, and not busy "
+                            "with another program?", options_.reply_s * options_.tries));
+  if (*status == DeviceStatus::NoMedia)
+    return tl::unexpected(refused("no media in the machine; load a sheet, then start again"));
+  if (*status == DeviceStatus::Cancelled)
+    return tl::unexpected(refused(
+        "the last job was cancelled on the panel; wait until the machine is ready, then start "
+        "again"));
+  status_ = **status;
+  if (const Result<void> ready = wait_ready(0); !ready) return ready;
+  return check_identity();
+}
+
+Result<void> Run::check_identity() {
+  Result<Identity> said = fail(ErrorKind::Timeout, "", "");
+  for (int i = 0; i < options_.tries && !said; ++i) {
+    const Result<std::optional<std::string>> reply = inquirer_.ask(kIdentityQuery);
+    if (!reply && reply.error().kind != ErrorKind::Timeout) return tl::unexpected(reply.error());
+    if (!reply || !*reply) continue;
+    end_.identity = **reply;
+    said = parse_identity(**reply);
+  }
+  if (!said && said.error().kind == ErrorKind::Timeout)
+    return fail(ErrorKind::Timeout, "",
+                "the machine gave its status but not its name; switch it off and on");
+  if (!said)
+    return tl::unexpected(refused("the machine's name cannot be read; check that it is a " +
+                                  machine_.title));
+  const Result<Identity> meant = parse_identity(machine_.identity);
+  if (meant && meant->model != said->model)
+    return tl::unexpected(refused(fmt::format("the machine says it is a {}, not a {}; give its "
+                                              "name with --machine",
+                                              said->model, meant->model)));
+  return {};
+}
+
+Result<void> Run::settings() {
+  tell(SessionPhase::Settings);
+  for (const ByteRange& block : program_.setup)
+    if (const Result<void> sent = send(block, accepted_); !sent) return sent;
+  return wait_ready(plan_.setup_s);
+}
+
+/// How far may be sent now: at most a window of estimated motion ahead of the machine, but never so
+/// little that it has less than half a window left.
+std::uint64_t Run::affordable() const {
+  const double now_s = model_s();
+  std::uint64_t until = accepted_;
+  std::size_t next = next_command_;
+  double ahead = sent_s_ - now_s;
+  while (next < plan_.geometry.size() && until < accepted_ + kMaxWriteBytes) {
+    const TimedCommand& command = plan_.geometry[next++];
+    const bool starving = ahead < 0.5 * options_.window_s;
+    ahead = command.seconds - now_s;
+    if (!starving && ahead > options_.window_s) break;
+    until = command.end_byte;
+  }
+  return until;
+}
+
+std::uint64_t Run::stroke_end(std::uint64_t byte) const {
+  const auto& strokes = program_.strokes;
+  const auto at = std::lower_bound(
+      strokes.begin(), strokes.end(), byte,
+      [](const ByteRange& stroke, std::uint64_t b) { return stroke.end < b; });
+  return at == strokes.end() ? program_.geometry.end : std::max(at->end, byte);
+}
+
+Result<void> Run::geometry() {
+  tell(SessionPhase::Cutting);
+  accepted_ = std::max(accepted_, program_.geometry.begin);
+  sent_s_ = 0;
+  set_model(0);
+  next_poll_ = transport_.now() + to_time(options_.poll_s);
+  std::uint64_t end = program_.geometry.end;
+  while (accepted_ < end) {
+    if (!end_.cancelled && cancel_asked()) {
+      end_.cancelled = true;
+      end = accepted_ == program_.geometry.begin ? accepted_ : stroke_end(accepted_);
+      continue;
+    }
+    if (transport_.now() >= next_poll_) {
+      if (const Result<void> polled = poll(); !polled) return polled;
+      tell(SessionPhase::Cutting);
+    }
+    // The model stands still at what was sent: a machine that has nothing to do is not ahead of us.
+    set_model(model_s());
+    const std::uint64_t until = std::min(affordable(), end);
+    if (until > accepted_) {
+      if (const Result<void> sent = send_until(until); !sent) return sent;
+      continue;
+    }
+    const double spare = sent_s_ - model_s() - 0.75 * options_.window_s;
+    const nanoseconds nap = std::min(to_time(std::max(spare, 0.01)), next_poll_ - transport_.now());
+    transport_.wait(std::max(nap, nanoseconds(1'000'000)));
+  }
+  tell(SessionPhase::Finishing);
+  return wait_ready(plan_.geometry_s, sent_s_ - model_s());
+}
+
+Result<void> Run::park() {
+  tell(SessionPhase::Parking);
+  // After a cancel the rest of the geometry is left out: the trailer comes next.
+  std::uint64_t at = program_.trailer.begin;
+  return send(program_.trailer, at).and_then([&] { return wait_ready(plan_.trailer_s); });
+}
+
+Result<void> Run::send_until(std::uint64_t end) {
+  const Result<void> sent = send({accepted_, end}, accepted_);
+  while (next_command_ < plan_.geometry.size() &&
+         plan_.geometry[next_command_].end_byte <= accepted_)
+    sent_s_ = plan_.geometry[next_command_++].seconds;
+  return sent;
+}
+
+/// Sends a range from `at` on and counts what was accepted there, also on error. Back-pressure is
+/// no fault: the rest follows from the exact byte.
+Result<void> Run::send(ByteRange range, std::uint64_t& at) {
+  constexpr double kSliceS = 0.25;
+  nanoseconds moved = transport_.now();
+  at = range.begin;
+  while (at < range.end) {
+    const Result<bool> paid = inquirer_.pay_debt(transport_.now() + to_time(kSliceS));
+    if (!paid) return tl::unexpected(paid.error());
+    const std::uint64_t piece_end = !*paid ? at : std::min<std::uint64_t>(range.end, at + kMaxWriteBytes);
+    const Transport::WriteEnd end =
+        transport_.write(program_.view({at, piece_end}), transport_.now() + to_time(kSliceS));
+    at += end.taken;
+    if (end.error && end.error->kind != ErrorKind::Timeout) return tl::unexpected(*end.error);
+    if (end.taken > 0) {
+      moved = transport_.now();
+      continue;
+    }
+    if (cancel_asked()) {
+      end_.cancelled = true;
+      return tl::unexpected(refused(
+          "cancelled while the machine takes no data; stop it on its panel, what it already has "
+          "may still be cut"));
+    }
+    if (to_seconds(transport_.now() - moved) > options_.stuck_s) return stuck();
+    transport_.wait(nanoseconds(1'000'000));
+    tell(phase_);
+  }
+  return {};
+}
+
+Result<void> Run::stuck() const {
+  return fail(ErrorKind::Timeout, "",
+              fmt::format("the machine has taken no data for {:g} s; see whether it is paused or "
+                          "jammed", options_.stuck_s));
+}
+
+void Run::note_ready(std::uint64_t bytes) {
+  ready_bytes_ = good_bytes_ = bytes;
+  set_model(sent_s_);
+}
+
+Result<void> Run::poll() {
+  next_poll_ = transport_.now() + to_time(options_.poll_s);
+  const std::uint64_t asked = accepted_;
+  if (!answers_) {
+    good_bytes_ = asked;
+    return {};
+  }
+  const Result<std::optional<DeviceStatus>> status = inquirer_.status();
+  if (!status) return tl::unexpected(status.error());
+  status_ = status->value_or(DeviceStatus::Unknown);
+  if (*status)
+    mute_since_.reset();
+  else if (!mute_since_)
+    mute_since_ = transport_.now();
+  if (mute_since_ && to_seconds(transport_.now() - *mute_since_) > options_.stuck_s) return stuck();
+  switch (status_) {
+    case DeviceStatus::Unknown: return {};  // busy with what it has: it takes no query
+    case DeviceStatus::Ready: note_ready(asked); return {};
+    case DeviceStatus::Moving: good_bytes_ = asked; return {};
+    case DeviceStatus::Paused: good_bytes_ = asked; return sit_out_pause();
+    default: return stopped(status_);
+  }
+}
+
+Result<void> Run::stopped(DeviceStatus status) const {
+  if (status == DeviceStatus::NoMedia)
+    return tl::unexpected(refused("the sheet came out of the machine; what it had not cut is lost"));
+  return tl::unexpected(refused("the job was cancelled on the machine's panel"));
+}
+
+Result<void> Run::sit_out_pause() {
+  const SessionPhase phase = phase_;
+  const double model_before = model_s();
+  const nanoseconds since = transport_.now();
+  for (;;) {
+    set_model(model_before);
+    tell(SessionPhase::Paused);
+    transport_.wait(to_time(kPausedPollS));
+    const std::uint64_t asked = accepted_;
+    const Result<std::optional<DeviceStatus>> status = inquirer_.status();
+    if (!status) return tl::unexpected(status.error());
+    status_ = status->value_or(DeviceStatus::Paused);
+    set_model(model_before);
+    if (status_ == DeviceStatus::Ready && sent_s_ - model_before > kMissedCancelS)
+      return stopped(DeviceStatus::Cancelled);
+    if (status_ == DeviceStatus::NoMedia || status_ == DeviceStatus::Cancelled)
+      return stopped(status_);
+    if (status_ != DeviceStatus::Paused) {
+      if (status_ == DeviceStatus::Ready) note_ready(asked);
+      next_poll_ = transport_.now() + to_time(options_.poll_s);
+      tell(phase);
+      return {};
+    }
+    if (cancel_asked()) {
+      end_.cancelled = true;
+      return tl::unexpected(refused(
+          "cancelled while the machine is paused; cancel it on its panel too, what it already has "
+          "would be cut"));
+    }
+    if (to_seconds(transport_.now() - since) > options_.pause_limit_s)
+      return tl::unexpected(refused(fmt::format(
+          "the machine was paused on its panel for {:g} s; the job is given up",
+          options_.pause_limit_s)));
+  }
+}
+
+/// Waits until the machine says ready. It is given up when it takes three times as long as all of
+/// its phase should: `whole_s`. One that answers nothing is given the `left_s` that its model says.
+Result<void> Run::wait_ready(double whole_s, double left_s) {
+  if (!answers_) {
+    transport_.wait(to_time(std::max(left_s, 0.0)));
+    good_bytes_ = accepted_;
+    return {};
+  }
+  double waited = 0;
+  for (;;) {
+    const nanoseconds before = transport_.now();
+    if (const Result<void> polled = poll(); !polled) return polled;
+    if (status_ == DeviceStatus::Ready) return {};
+    if (waited > 3 * whole_s + options_.stuck_s)
+      return fail(ErrorKind::Timeout, "",
+                  fmt::format("the machine is still busy after {:.0f} s; see what it is doing",
+                              waited));
+    tell(phase_);
+    const nanoseconds polled_at = transport_.now();
+    transport_.wait(to_time(options_.poll_s));
+    // A pause, which the poll sits out, does not count.
+    waited += to_seconds(transport_.now() - polled_at) +
+              std::min(to_seconds(polled_at - before), options_.reply_s);
+  }
+}
+
+}  // namespace
+
+std::string_view name_of(SessionPhase phase) {
+  switch (phase) {
+    case SessionPhase::Connecting: return "connecting";
+    case SessionPhase::Settings: return "sending the settings";
+    case SessionPhase::Cutting: return "cutting";
+    case SessionPhase::Paused: return "paused on the panel";
+    case SessionPhase::Finishing: return "finishing";
+    case SessionPhase::Parking: return "parking";
+  }
+  return "";
+}
+
+StrokeFate fate_of(ByteRange stroke, std::uint64_t ready_bytes, std::uint64_t good_bytes,
+                   std::uint64_t accepted, std::uint64_t buffer_bytes) {
+  if (stroke.begin >= std::min(accepted, stroke.end)) return StrokeFate::NotSent;
+  const bool pushed_through = stroke.end + buffer_bytes <= good_bytes;
+  return stroke.end <= ready_bytes || pushed_through ? StrokeFate::Certain : StrokeFate::InDoubt;
+}
+
+SessionEnd run_session(Transport& transport, const Machine& machine, const EncodedProgram& program,
+                       const SessionOptions& options) {
+  return Run(transport, machine, program, options).run();
+}
+
+}  // namespace popcut

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <set>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "device/session.hpp"
+#include "tests/support/sim_bench.hpp"
+
+using namespace popcut;
+using namespace popcut::testing;
+
+namespace {
+
+/// Points of a stroke on the machine's grid, without repeats: what a machine can be asked to draw.
+std::vector<PagePoint> on_grid(std::span<const PagePoint> points, double unit_mm) {
+  std::vector<PagePoint> line;
+  for (const PagePoint& p : points) {
+    const PagePoint q{std::round(p.x / unit_mm) * unit_mm, std::round(p.y / unit_mm) * unit_mm};
+    if (line.empty() || distance(line.back(), q) > unit_mm / 2) line.push_back(q);
+  }
+  return line;
+}
+
+std::size_t strokes_of(const Toolpath& path, const EncodedProgram& program) {
+  return path.strokes.size() - program.dots.size();
+}
+
+}  // namespace
+
+TEST_CASE("what the simulated cutter draws is the toolpath within half a machine unit",
+          "[device][session]") {
+  for (const char* name : {"cameo3", "cameo", "cameo4", "cameo5", "portrait3", "hpgl-generic"}) {
+    const Machine target = machine(name);
+    const Material paper = value(find_material("paper-220"));
+    for (std::uint32_t seed = 0; seed < 20; ++seed) {
+      CAPTURE(name, seed);
+      std::mt19937 random(seed);
+      const Toolpath path = random_toolpath(random, 1 + seed * 3, 190, paper);
+      JobOptions job;
+      job.page_length_mm = 300;
+      const EncodedProgram program = value(encode(path, target, paper, job));
+      SimOptions sheet;
+      sheet.page_length_mm = 300;
+      SimTransport cable(cutter(target, sheet));
+      const SessionEnd end = run_session(cable, target, program);
+      INFO((end.error ? message(*end.error) : std::string()));
+      REQUIRE_FALSE(end.error);
+      CHECK(end.confirmed == (target.language == "gpgl"));
+      const Trace& trace = cable.cutter().trace();
+      CHECK(trace.unknown.empty());
+      CHECK(trace.remarks.empty());
+      CHECK(trace.clipped_mm == 0.0);
+      CHECK(trace.starved_s < 0.05);
+      REQUIRE(trace.strokes.size() == strokes_of(path, program));
+      std::size_t drawn = 0;
+      for (std::size_t k = 0; k < path.strokes.size(); ++k) {
+        const std::vector<PagePoint> meant = on_grid(path.points_of(path.strokes[k]), target.unit_mm);
+        if (meant.size() < 2) continue;
+        const auto got = trace.points_of(trace.strokes[drawn++]);
+        REQUIRE(got.size() == meant.size());
+        double worst = 0;
+        for (std::size_t i = 0; i < got.size(); ++i)
+          worst = std::max({worst, std::abs(got[i].x - meant[i].x), std::abs(got[i].y - meant[i].y)});
+        CHECK(worst <= 1e-9);
+      }
+    }
+  }
+}
+
+namespace {
+
+/// One or two faults of any kind at any byte.
+std::vector<SimFault> random_faults(std::mt19937& random, std::size_t program_bytes) {
+  using Kind = SimFault::Kind;
+  constexpr Kind kinds[] = {Kind::Unplug,  Kind::ShortWrite, Kind::Nak,    Kind::Silence,
+                            Kind::Garbage, Kind::Pause,      Kind::Cancel, Kind::MediaOut};
+  const std::string texts[] = {"0\x03", "1\x03", "x", std::string(300, ' '), "4", "\x03\x03"};
+  std::vector<SimFault> faults(std::uniform_int_distribution<std::size_t>(1, 2)(random));
+  for (SimFault& fault : faults) {
+    fault.kind = kinds[std::uniform_int_distribution<int>(0, 7)(random)];
+    fault.at_byte = std::uniform_int_distribution<std::uint64_t>(0, program_bytes)(random);
+    const double waits[] = {0.05, 0.7, 3, 30};
+    fault.seconds = waits[std::uniform_int_distribution<int>(0, 3)(random)];
+    fault.text = texts[std::uniform_int_distribution<int>(0, 5)(random)];
+  }
+  return faults;
+}
+
+/// How many strokes were cut whole, and how many in part or whole. All must be the program's, in its
+/// order, none twice.
+struct CutStrokes {
+  std::size_t whole{};
+  std::size_t begun{};
+};
+
+CutStrokes compare(const Trace& trace, const std::vector<std::vector<PagePoint>>& meant) {
+  CutStrokes cut;
+  REQUIRE(trace.strokes.size() <= meant.size());
+  for (std::size_t k = 0; k < trace.strokes.size(); ++k) {
+    const auto got = trace.points_of(trace.strokes[k]);
+    REQUIRE(got.size() <= meant[k].size());
+    double worst = 0;
+    for (std::size_t i = 0; i < got.size(); ++i)
+      worst = std::max(worst, distance(got[i], meant[k][i]));
+    REQUIRE(worst <= 1e-9);
+    ++cut.begun;
+    if (got.size() == meant[k].size()) ++cut.whole;
+  }
+  return cut;
+}
+
+}  // namespace
+
+TEST_CASE("whatever goes wrong the ledger is true and nothing is cut twice", "[device][session]") {
+  std::size_t failed = 0;
+  std::size_t finished = 0;
+  for (const char* name : {"cameo3", "cameo", "hpgl-generic"}) {
+    Machine target = machine(name);
+    target.buffer_bytes = 600;  // small, so that back-pressure and the buffer rule matter
+    const Material paper = value(find_material("paper-220"));
+    for (std::uint32_t seed = 0; seed < 400; ++seed) {
+      CAPTURE(name, seed);
+      std::mt19937 random(seed);
+      const Toolpath path = random_toolpath(random, 60, 190, paper);
+      JobOptions job;
+      job.page_length_mm = 300;
+      const EncodedProgram program = value(encode(path, target, paper, job));
+      std::vector<std::vector<PagePoint>> meant;
+      std::vector<std::size_t> sent_as;  // the program's strokes that are not dots
+      for (std::size_t k = 0; k < path.strokes.size(); ++k) {
+        auto line = on_grid(path.points_of(path.strokes[k]), target.unit_mm);
+        if (line.size() < 2) continue;
+        meant.push_back(std::move(line));
+        sent_as.push_back(k);
+      }
+      SimOptions sheet;
+      sheet.page_length_mm = 300;
+      std::vector<SimFault> faults = random_faults(random, program.bytes.size());
+      // Nobody can see what a machine that answers nothing has thrown away.
+      if (target.language == "hpgl")
+        std::erase_if(faults, [](const SimFault& f) { return f.kind == SimFault::Kind::Cancel; });
+      std::string what;
+      for (const SimFault& fault : faults)
+        what += fmt::format("{} at byte {} for {} s; ", static_cast<int>(fault.kind), fault.at_byte,
+                            fault.seconds);
+      CAPTURE(what);
+      SimTransport cable(cutter(target, sheet), faults);
+      SessionOptions options;
+      std::atomic<bool> stop{false};
+      if (seed % 5 == 0) {  // a host that gives up somewhere on the way
+        options.cancel = &stop;
+        const std::size_t at = std::uniform_int_distribution<std::size_t>(0, 60)(random);
+        options.progress = [&stop, at](const SessionProgress& p) {
+          if (p.strokes_done >= at) stop = true;
+        };
+      }
+      const SessionEnd end = run_session(cable, target, program, options);
+      INFO((end.error ? message(*end.error) : std::string("done")));
+      REQUIRE(end.fates.size() == path.strokes.size());
+      ++(end.error ? failed : finished);
+      const CutStrokes now = compare(cable.cutter().trace(), meant);
+      cable.cutter().load_media();
+      cable.cutter().resume();
+      cable.cutter().run_dry();
+      const CutStrokes later = compare(cable.cutter().trace(), meant);
+      for (std::size_t i = 0; i < meant.size(); ++i) {
+        const StrokeFate fate = end.fates[sent_as[i]];
+        CAPTURE(i);
+        if (fate == StrokeFate::Certain && !(i < now.whole)) FAIL("certain, but not cut");
+        if (fate == StrokeFate::NotSent && !(i >= later.begun)) FAIL("not sent, but cut");
+        if (!end.error && !end.cancelled && end.confirmed && fate != StrokeFate::Certain)
+          FAIL("the job is done, but a stroke is not certain");
+      }
+    }
+  }
+  CAPTURE(failed, finished);
+  CHECK(failed > 200);
+  CHECK(finished > 200);
+}

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <random>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <catch2/catch.hpp>
+
+#include <fmt/format.h>
+
+#include "device/sim_transport.hpp"
+#include "protocol/encode.hpp"
+
+namespace popcut::testing {
+
+/// Why a result is an error, for REQUIRE's report.
+template <typename T>
+T value(Result<T> result) {
+  const std::string why = result ? std::string() : message(result.error());
+  INFO(why);
+  REQUIRE(result);
+  return std::move(*result);
+}
+
+inline Machine machine(const char* name) { return value(find_machine(name)); }
+
+inline SimCutter cutter(const Machine& machine, const SimOptions& options = {}) {
+  return value(SimCutter::make(machine, options));
+}
+
+inline std::span<const std::byte> bytes(std::string_view text) {
+  return std::as_bytes(std::span(text));
+}
+
+/// All replies that come in the next ten seconds, as text.
+inline std::string replies(SimCutter& sim) {
+  sim.run_until(sim.now() + std::chrono::seconds(10));
+  std::string text;
+  for (const std::byte byte : sim.take_replies()) text += static_cast<char>(byte);
+  return text;
+}
+
+/// Random strokes within a square of `side_mm`, in grid units of a machine or between them.
+inline Toolpath random_toolpath(std::mt19937& random, std::size_t strokes, double side_mm,
+                                const Material& material) {
+  std::uniform_real_distribution<double> place(1, side_mm - 1);
+  std::uniform_real_distribution<double> step(-0.9, 0.9);
+  std::uniform_int_distribution<int> count(2, 9);
+  std::bernoulli_distribution fold(0.5), far(0.3);
+  Toolpath path;
+  for (std::size_t k = 0; k < strokes; ++k) {
+    const bool folded = fold(random);
+    const ToolSettings& tool = folded ? material.fold : material.cut;
+    Stroke stroke;
+    stroke.operation = folded ? Operation::FoldValley : Operation::Cut;
+    stroke.first = static_cast<std::uint32_t>(path.points.size());
+    stroke.count = static_cast<std::uint32_t>(count(random));
+    stroke.line = static_cast<std::uint32_t>(k);
+    stroke.tool = static_cast<std::uint8_t>(tool.tool);
+    stroke.force_gf = tool.force_gf;
+    stroke.speed_mm_s = tool.speed_mm_s;
+    PagePoint at{place(random), place(random)};
+    for (std::uint32_t i = 0; i < stroke.count; ++i) {
+      path.points.push_back(at);
+      const bool jump = far(random);
+      const auto next = [&](double v) {
+        return jump ? place(random) : std::clamp(v + (v < side_mm / 2 ? 0.1 : -0.1) + step(random),
+                                                 1.0, side_mm - 1);
+      };
+      at = {next(at.x), next(at.y)};
+    }
+    path.strokes.push_back(stroke);
+  }
+  return path;
+}
+
+}  // namespace popcut::testing
