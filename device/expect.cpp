@@ -44,8 +44,11 @@ struct Cover {
 class Check {
  public:
   Check(const Trace& trace, const Expected& expected)
-      : trace_(trace), expected_(expected), drawing_(expected.drawing),
-        reach_(trace.unit_mm / 2 + kFloatNoiseMm), slack_(std::sqrt(2.0) * reach_) {}
+      : trace_(trace),
+        expected_(expected),
+        drawing_(expected.drawing),
+        reach_(trace.unit_mm / 2 + kFloatNoiseMm),
+        slack_(std::sqrt(2.0) * reach_) {}
 
   Comparison run() {
     list_wanted(drawing_, wanted_, true);
@@ -96,8 +99,8 @@ class Check {
       }
       result_.drawn_mm += drawn;
       if (drawn == 0 && !points.empty())
-        fail_with(fmt::format("stroke {} is a mere dot at ({:.3f}, {:.3f}) mm", i,
-                              points.front().x, points.front().y));
+        fail_with(fmt::format("stroke {} is a mere dot at ({:.3f}, {:.3f}) mm", i, points.front().x,
+                              points.front().y));
     }
   }
 
@@ -160,8 +163,8 @@ void Check::find_fold_runs() {
   std::vector<std::uint32_t> index;
   for (std::uint32_t i = 0; i < wanted_.size(); ++i) {
     if (!wanted_[i].fold) continue;
-    parts.push_back({wanted_[i].segment,
-                     static_cast<int>(drawing_.lines[wanted_[i].line].operation)});
+    parts.push_back(
+        {wanted_[i].segment, static_cast<int>(drawing_.lines[wanted_[i].line].operation)});
     index.push_back(i);
   }
   for (const FoldChain& chain : chain_folds(parts)) {
@@ -229,8 +232,10 @@ void Check::check_vertices(const Drawn& drawn, const std::vector<Stretch>& on_fo
     if (vertices.near(p) || inside_any(on_fold, s, kFloatNoiseMm) ||
         inside_any(on_lawful, s, kFloatNoiseMm))
       continue;
-    fail_with(fmt::format("stroke {} has a vertex at ({:.3f}, {:.3f}) mm, more than half a unit of "
-                          "{:g} mm beside the drawing's", drawn.stroke, p.x, p.y, trace_.unit_mm));
+    fail_with(
+        fmt::format("stroke {} has a vertex at ({:.3f}, {:.3f}) mm, more than half a unit of "
+                    "{:g} mm beside the drawing's",
+                    drawn.stroke, p.x, p.y, trace_.unit_mm));
     return;
   }
 }
@@ -273,8 +278,7 @@ void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, Segm
     grid.near(wanted.segment, near_);
     if (!affordable(near_.size())) return;
     for (const std::uint32_t other : near_) {
-      const auto common =
-          run_along(wanted.segment, wanted_[other].segment, kFloatNoiseMm);
+      const auto common = run_along(wanted.segment, wanted_[other].segment, kFloatNoiseMm);
       if (!common) continue;
       steps.push_back({common->a.from, -1});
       steps.push_back({common->a.to, 1});
@@ -291,17 +295,18 @@ void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, Segm
     excess += steps[k].by;
     if (excess == 0 || steps[k + 1].at - steps[k].at <= 2 * slack_) continue;
     const PagePoint at = place(wanted, steps[k].at);
-    fail_with(fmt::format("line {} ({}) is {} from {:.3f} to {:.3f} mm of its length, at ({:.3f}, "
-                          "{:.3f}) mm", wanted.line,
-                          operation_name(drawing_.lines[wanted.line].operation),
-                          excess < 0 ? "not cut" : "cut more often than it should be",
-                          wanted.offset + steps[k].at, wanted.offset + steps[k + 1].at, at.x, at.y));
+    fail_with(
+        fmt::format("line {} ({}) is {} from {:.3f} to {:.3f} mm of its length, at ({:.3f}, "
+                    "{:.3f}) mm",
+                    wanted.line, operation_name(drawing_.lines[wanted.line].operation),
+                    excess < 0 ? "not cut" : "cut more often than it should be",
+                    wanted.offset + steps[k].at, wanted.offset + steps[k + 1].at, at.x, at.y));
     return;
   }
 }
 
-/// Where the cuts near a fold leave it bare, and where they run along it. Lengths are along the whole
-/// run, of which `fold` is a part.
+/// Where the cuts near a fold leave it bare, and where they run along it. Lengths are along the
+/// whole run, of which `fold` is a part.
 void Check::find_cuts_near(const Wanted& fold, SegmentGrid& grid, FoldState& state) {
   const double room = 2 * expected_.dashes.clearance_mm;  // a cut at a slant needs up to twice
   const double ux = (fold.segment.b.x - fold.segment.a.x) / fold.length;
@@ -329,8 +334,8 @@ void Check::find_cuts_near(const Wanted& fold, SegmentGrid& grid, FoldState& sta
     if (!inside) continue;
     const double from = along(a, b, inside->from).x;
     const double to = along(a, b, inside->to).x;
-    state.bare.push_back({fold.offset + std::min(from, to) - room,
-                          fold.offset + std::max(from, to) + room});
+    state.bare.push_back(
+        {fold.offset + std::min(from, to) - room, fold.offset + std::max(from, to) + room});
   }
 }
 
@@ -357,18 +362,19 @@ FoldState Check::state_of(std::span<const std::uint32_t> run, SegmentGrid& grid)
 }
 
 void Check::compare_fold(std::span<const std::uint32_t> run, SegmentGrid& grid) {
-  const auto fault = check_fold(state_of(run, grid), expected_.dashes, expected_.fold_passes,
-                                2 * slack_);
+  const auto fault =
+      check_fold(state_of(run, grid), expected_.dashes, expected_.fold_passes, 2 * slack_);
   if (!fault) return;
   const auto part = std::find_if(run.begin(), run.end(), [&](std::uint32_t index) {
     return fault->where.from <= wanted_[index].offset + wanted_[index].length;
   });
   const Wanted& fold = wanted_[part == run.end() ? run.back() : *part];
   const PagePoint at = place(fold, std::max(0.0, fault->where.from - fold.offset));
-  fail_with(fmt::format("line {} ({}) is {} from {:.3f} to {:.3f} mm of its run, at ({:.3f}, "
-                        "{:.3f}) mm", fold.line,
-                        operation_name(drawing_.lines[fold.line].operation), words_of(fault->kind),
-                        fault->where.from, fault->where.to, at.x, at.y));
+  fail_with(
+      fmt::format("line {} ({}) is {} from {:.3f} to {:.3f} mm of its run, at ({:.3f}, "
+                  "{:.3f}) mm",
+                  fold.line, operation_name(drawing_.lines[fold.line].operation),
+                  words_of(fault->kind), fault->where.from, fault->where.to, at.x, at.y));
 }
 
 }  // namespace

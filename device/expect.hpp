@@ -14,9 +14,9 @@ namespace popcut {
 
 /// What a trace is to be compared with, in the trace's own page coordinates.
 struct Expected {
-  LineWork drawing;      ///< folds whole, or `dashed`: then every line is drawn as it stands
-  DashShape dashes;      ///< of the material; only for whole folds
-  int cut_passes{1};     ///< how often a line is to be cut, for a drawing with whole folds
+  LineWork drawing;   ///< folds whole, or `dashed`: then every line is drawn as it stands
+  DashShape dashes;   ///< of the material; only for whole folds
+  int cut_passes{1};  ///< how often a line is to be cut, for a drawing with whole folds
   int fold_passes{1};
   LineWork also_lawful;  ///< overcuts, lead-ins, tabs, marks, labels: may be drawn, need not
 };

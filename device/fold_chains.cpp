@@ -11,7 +11,7 @@ namespace popcut {
 namespace {
 
 constexpr double kSamePlaceMm = 1e-4;
-constexpr double kStraight = 0.9999;  // cosine: within 0.8 degrees
+constexpr double kStraight = 0.9999;         // cosine: within 0.8 degrees
 constexpr std::size_t kMostAtOnePlace = 64;  // beyond, a star is no place to go straight on
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 

@@ -16,8 +16,8 @@ struct FoldPart {
 };
 
 /// Straight folds that were drawn in parts: indices into `parts`, in order along the fold, those in
-/// `turned` to be taken from b to a. Parts of one kind are chained where they meet end to end and go
-/// straight on.
+/// `turned` to be taken from b to a. Parts of one kind are chained where they meet end to end and
+/// go straight on.
 struct FoldChain {
   std::vector<std::uint32_t> parts;
   std::vector<bool> turned;

@@ -27,10 +27,14 @@ double longest_free(const FoldState& fold, const Stretch& gap) {
 
 std::string_view words_of(FoldFault::Kind kind) {
   switch (kind) {
-    case FoldFault::Kind::NotDashed: return "not dashed";
-    case FoldFault::Kind::TooOften: return "dashed more often than it should be";
-    case FoldFault::Kind::Solid: return "cut solid";
-    case FoldFault::Kind::ToItsEnd: return "cut up to its end";
+    case FoldFault::Kind::NotDashed:
+      return "not dashed";
+    case FoldFault::Kind::TooOften:
+      return "dashed more often than it should be";
+    case FoldFault::Kind::Solid:
+      return "cut solid";
+    case FoldFault::Kind::ToItsEnd:
+      return "cut up to its end";
   }
   return "";
 }

@@ -34,8 +34,8 @@ struct FoldFault {
 
 /// The first thing that is wrong with a fold: a bare stretch longer than the gap, where clearance
 /// leaves room for a dash; a dash longer than dash and gap together; more dashes over each other
-/// than `passes`; a dash that comes nearer to an end than half the clearance. Lengths within `slack`
-/// of these bounds are right.
+/// than `passes`; a dash that comes nearer to an end than half the clearance. Lengths within
+/// `slack` of these bounds are right.
 [[nodiscard]] std::optional<FoldFault> check_fold(const FoldState& fold, const DashShape& shape,
                                                   int passes, double slack_mm);
 

@@ -89,18 +89,22 @@ Result<std::optional<DeviceStatus>> Inquirer::status() {
     if (!reply) {
       late_reply_possible_ = true;
       if (++silent >= limits_.tries)
-        return fail(ErrorKind::Timeout, "",
-                    fmt::format("the machine did not answer {} status queries of {:g} s each; check "
-                                "that it is switched on, and its cable", silent, limits_.reply_s));
+        return fail(
+            ErrorKind::Timeout, "",
+            fmt::format("the machine did not answer {} status queries of {:g} s each; check "
+                        "that it is switched on, and its cable",
+                        silent, limits_.reply_s));
       continue;
     }
     if (!reply->has_value()) return std::nullopt;
     const DeviceStatus status = parse_status(**reply);
     if (status == DeviceStatus::Unknown) {
       if (++nonsense >= limits_.tries)
-        return fail(ErrorKind::Refused, "",
-                    fmt::format("the machine answered \"{}\", which is no status; switch it off and "
-                                "on, and check that it is a GPGL machine", shown(**reply)));
+        return fail(
+            ErrorKind::Refused, "",
+            fmt::format("the machine answered \"{}\", which is no status; switch it off and "
+                        "on, and check that it is a GPGL machine",
+                        shown(**reply)));
       transport_.wait(later(limits_.again_s) - transport_.now());
       continue;
     }

@@ -14,10 +14,10 @@ namespace popcut {
 
 /// Asks a GPGL machine, one question at a time.
 ///
-/// A reply does not say what it answers. So what is unread is dropped before each query, and "ready"
-/// is believed only if two queries in a row are answered so, far enough apart for a reply to an
-/// earlier, unanswered query to have come. "No media" too: a recorded session has a single one in
-/// the middle of a cut (Portrait V1.00).
+/// A reply does not say what it answers. So what is unread is dropped before each query, and
+/// "ready" is believed only if two queries in a row are answered so, far enough apart for a reply
+/// to an earlier, unanswered query to have come. "No media" too: a recorded session has a single
+/// one in the middle of a cut (Portrait V1.00).
 class Inquirer {
  public:
   struct Limits {

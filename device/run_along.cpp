@@ -47,11 +47,11 @@ double VertexGrid::column(double x) const { return std::floor(x / (4 * reach_));
 bool VertexGrid::near(PagePoint p) const {
   const double last = column(p.x + reach_);
   for (double c = column(p.x - reach_); c <= last; ++c) {
-    auto it = std::lower_bound(points_.begin(), points_.end(), p.y - reach_,
-                               [&](PagePoint q, double y) {
-                                 const double cq = column(q.x);
-                                 return cq != c ? cq < c : q.y < y;
-                               });
+    auto it =
+        std::lower_bound(points_.begin(), points_.end(), p.y - reach_, [&](PagePoint q, double y) {
+          const double cq = column(q.x);
+          return cq != c ? cq < c : q.y < y;
+        });
     for (; it != points_.end() && column(it->x) == c && it->y <= p.y + reach_; ++it)
       if (std::abs(it->x - p.x) <= reach_) return true;
   }

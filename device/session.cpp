@@ -28,9 +28,13 @@ class Run {
  public:
   Run(Transport& transport, const Machine& machine, const EncodedProgram& program,
       const SessionOptions& options)
-      : transport_(transport), machine_(machine), program_(program), options_(options),
+      : transport_(transport),
+        machine_(machine),
+        program_(program),
+        options_(options),
         inquirer_(transport, {options.reply_s, options.tries, 0.1}),
-        answers_(program.dialect == Dialect::Gpgl), begun_(transport.now()) {}
+        answers_(program.dialect == Dialect::Gpgl),
+        begun_(transport.now()) {}
 
   SessionEnd run() {
     Result<Schedule> plan = schedule(program_, machine_);
@@ -99,8 +103,8 @@ class Run {
   nanoseconds model_zero_{};
   nanoseconds next_poll_{};
   std::optional<nanoseconds> mute_since_;  ///< since when it takes no query
-  std::size_t next_command_{};  ///< first of `plan_.geometry` that is not sent
-  double sent_s_{};             ///< when the last command sent should end
+  std::size_t next_command_{};             ///< first of `plan_.geometry` that is not sent
+  double sent_s_{};                        ///< when the last command sent should end
   std::size_t strokes_passed_{};
 };
 
@@ -109,9 +113,9 @@ void Run::tell(SessionPhase phase) {
   if (!options_.progress) return;
   // Strokes whose bytes end before the command that the model is at.
   const double now_s = model_s();
-  const auto at = std::upper_bound(
-      plan_.geometry.begin(), plan_.geometry.end(), now_s,
-      [](double s, const TimedCommand& command) { return s < command.seconds; });
+  const auto at =
+      std::upper_bound(plan_.geometry.begin(), plan_.geometry.end(), now_s,
+                       [](double s, const TimedCommand& command) { return s < command.seconds; });
   const std::uint64_t byte = at == plan_.geometry.begin() ? 0 : std::prev(at)->end_byte;
   const auto& strokes = program_.strokes;
   while (strokes_passed_ < strokes.size() && strokes[strokes_passed_].end <= byte)
@@ -131,7 +135,8 @@ Result<void> Run::connect() {
   if (!*status)
     return fail(ErrorKind::Timeout, "",
                 fmt::format("the machine took no query for {:g} s; is it switched on, and not busy "
-                            "with another program?", options_.reply_s * options_.tries));
+                            "with another program?",
+                            options_.reply_s * options_.tries));
   if (*status == DeviceStatus::NoMedia)
     return tl::unexpected(refused("no media in the machine; load a sheet, then start again"));
   if (*status == DeviceStatus::Cancelled)
@@ -156,13 +161,14 @@ Result<void> Run::check_identity() {
     return fail(ErrorKind::Timeout, "",
                 "the machine gave its status but not its name; switch it off and on");
   if (!said)
-    return tl::unexpected(refused("the machine's name cannot be read; check that it is a " +
-                                  machine_.title));
+    return tl::unexpected(
+        refused("the machine's name cannot be read; check that it is a " + machine_.title));
   const Result<Identity> meant = parse_identity(machine_.identity);
   if (meant && meant->model != said->model)
-    return tl::unexpected(refused(fmt::format("the machine says it is a {}, not a {}; give its "
-                                              "name with --machine",
-                                              said->model, meant->model)));
+    return tl::unexpected(
+        refused(fmt::format("the machine says it is a {}, not a {}; give its "
+                            "name with --machine",
+                            said->model, meant->model)));
   return {};
 }
 
@@ -192,9 +198,9 @@ std::uint64_t Run::affordable() const {
 
 std::uint64_t Run::stroke_end(std::uint64_t byte) const {
   const auto& strokes = program_.strokes;
-  const auto at = std::lower_bound(
-      strokes.begin(), strokes.end(), byte,
-      [](const ByteRange& stroke, std::uint64_t b) { return stroke.end < b; });
+  const auto at =
+      std::lower_bound(strokes.begin(), strokes.end(), byte,
+                       [](const ByteRange& stroke, std::uint64_t b) { return stroke.end < b; });
   return at == strokes.end() ? program_.geometry.end : std::max(at->end, byte);
 }
 
@@ -254,7 +260,8 @@ Result<void> Run::send(ByteRange range, std::uint64_t& at) {
   while (at < range.end) {
     const Result<bool> paid = inquirer_.pay_debt(transport_.now() + to_time(kSliceS));
     if (!paid) return tl::unexpected(paid.error());
-    const std::uint64_t piece_end = !*paid ? at : std::min<std::uint64_t>(range.end, at + kMaxWriteBytes);
+    const std::uint64_t piece_end =
+        !*paid ? at : std::min<std::uint64_t>(range.end, at + kMaxWriteBytes);
     const Transport::WriteEnd end =
         transport_.write(program_.view({at, piece_end}), transport_.now() + to_time(kSliceS));
     at += end.taken;
@@ -279,7 +286,8 @@ Result<void> Run::send(ByteRange range, std::uint64_t& at) {
 Result<void> Run::stuck() const {
   return fail(ErrorKind::Timeout, "",
               fmt::format("the machine has taken no data for {:g} s; see whether it is paused or "
-                          "jammed", options_.stuck_s));
+                          "jammed",
+                          options_.stuck_s));
 }
 
 void Run::note_ready(std::uint64_t bytes) {
@@ -303,17 +311,26 @@ Result<void> Run::poll() {
     mute_since_ = transport_.now();
   if (mute_since_ && to_seconds(transport_.now() - *mute_since_) > options_.stuck_s) return stuck();
   switch (status_) {
-    case DeviceStatus::Unknown: return {};  // busy with what it has: it takes no query
-    case DeviceStatus::Ready: note_ready(asked); return {};
-    case DeviceStatus::Moving: good_bytes_ = asked; return {};
-    case DeviceStatus::Paused: good_bytes_ = asked; return sit_out_pause();
-    default: return stopped(status_);
+    case DeviceStatus::Unknown:
+      return {};  // busy with what it has: it takes no query
+    case DeviceStatus::Ready:
+      note_ready(asked);
+      return {};
+    case DeviceStatus::Moving:
+      good_bytes_ = asked;
+      return {};
+    case DeviceStatus::Paused:
+      good_bytes_ = asked;
+      return sit_out_pause();
+    default:
+      return stopped(status_);
   }
 }
 
 Result<void> Run::stopped(DeviceStatus status) const {
   if (status == DeviceStatus::NoMedia)
-    return tl::unexpected(refused("the sheet came out of the machine; what it had not cut is lost"));
+    return tl::unexpected(
+        refused("the sheet came out of the machine; what it had not cut is lost"));
   return tl::unexpected(refused("the job was cancelled on the machine's panel"));
 }
 
@@ -347,9 +364,9 @@ Result<void> Run::sit_out_pause() {
           "would be cut"));
     }
     if (to_seconds(transport_.now() - since) > options_.pause_limit_s)
-      return tl::unexpected(refused(fmt::format(
-          "the machine was paused on its panel for {:g} s; the job is given up",
-          options_.pause_limit_s)));
+      return tl::unexpected(
+          refused(fmt::format("the machine was paused on its panel for {:g} s; the job is given up",
+                              options_.pause_limit_s)));
   }
 }
 
@@ -367,9 +384,9 @@ Result<void> Run::wait_ready(double whole_s, double left_s) {
     if (const Result<void> polled = poll(); !polled) return polled;
     if (status_ == DeviceStatus::Ready) return {};
     if (waited > 3 * whole_s + options_.stuck_s)
-      return fail(ErrorKind::Timeout, "",
-                  fmt::format("the machine is still busy after {:.0f} s; see what it is doing",
-                              waited));
+      return fail(
+          ErrorKind::Timeout, "",
+          fmt::format("the machine is still busy after {:.0f} s; see what it is doing", waited));
     tell(phase_);
     const nanoseconds polled_at = transport_.now();
     transport_.wait(to_time(options_.poll_s));
@@ -383,12 +400,18 @@ Result<void> Run::wait_ready(double whole_s, double left_s) {
 
 std::string_view name_of(SessionPhase phase) {
   switch (phase) {
-    case SessionPhase::Connecting: return "connecting";
-    case SessionPhase::Settings: return "sending the settings";
-    case SessionPhase::Cutting: return "cutting";
-    case SessionPhase::Paused: return "paused on the panel";
-    case SessionPhase::Finishing: return "finishing";
-    case SessionPhase::Parking: return "parking";
+    case SessionPhase::Connecting:
+      return "connecting";
+    case SessionPhase::Settings:
+      return "sending the settings";
+    case SessionPhase::Cutting:
+      return "cutting";
+    case SessionPhase::Paused:
+      return "paused on the panel";
+    case SessionPhase::Finishing:
+      return "finishing";
+    case SessionPhase::Parking:
+      return "parking";
   }
   return "";
 }

@@ -23,7 +23,14 @@ enum class StrokeFate : std::uint8_t {
 };
 
 /// Where a session is.
-enum class SessionPhase : std::uint8_t { Connecting, Settings, Cutting, Paused, Finishing, Parking };
+enum class SessionPhase : std::uint8_t {
+  Connecting,
+  Settings,
+  Cutting,
+  Paused,
+  Finishing,
+  Parking
+};
 /// "connecting", "sending the settings", "cutting", "paused on the panel", ...
 [[nodiscard]] std::string_view name_of(SessionPhase phase);
 
@@ -31,15 +38,15 @@ struct SessionProgress {
   SessionPhase phase{};
   std::uint64_t strokes_done{};  ///< estimated by the model of the machine's motion
   std::uint64_t strokes{};
-  double seconds_left{};         ///< estimated
+  double seconds_left{};  ///< estimated
 };
 
 struct SessionOptions {
-  double window_s{2};       ///< most estimated motion that is sent ahead of the machine's clock
-  double poll_s{0.5};       ///< between status queries, as the machines' own software does
-  double reply_s{1};        ///< for one reply; the longest recorded one took 0.34 s
-  int tries{3};             ///< queries without a sensible answer before the session gives up
-  double stuck_s{120};      ///< without a byte being taken or a status that moves on
+  double window_s{2};          ///< most estimated motion that is sent ahead of the machine's clock
+  double poll_s{0.5};          ///< between status queries, as the machines' own software does
+  double reply_s{1};           ///< for one reply; the longest recorded one took 0.34 s
+  int tries{3};                ///< queries without a sensible answer before the session gives up
+  double stuck_s{120};         ///< without a byte being taken or a status that moves on
   double pause_limit_s{3600};  ///< for a pause on the panel
   /// Set from outside to end the job at the next end of a stroke, with the tool up and parked.
   const std::atomic<bool>* cancel{};
@@ -49,13 +56,13 @@ struct SessionOptions {
 
 /// How a session ended. The ledger is there in any case.
 struct SessionEnd {
-  std::optional<Error> error;      ///< none: all was sent and the machine has come to rest
-  bool cancelled{false};           ///< ended early because `SessionOptions::cancel` was set
-  bool confirmed{false};           ///< the machine itself said that it is ready after the trailer
-  std::vector<StrokeFate> fates;   ///< one a stroke of the program; dots, never sent, stay NotSent
-  std::string identity;            ///< what it answered to FG
+  std::optional<Error> error;     ///< none: all was sent and the machine has come to rest
+  bool cancelled{false};          ///< ended early because `SessionOptions::cancel` was set
+  bool confirmed{false};          ///< the machine itself said that it is ready after the trailer
+  std::vector<StrokeFate> fates;  ///< one a stroke of the program; dots, never sent, stay NotSent
+  std::string identity;           ///< what it answered to FG
   std::vector<std::string> remarks;
-  double seconds{};                ///< on the transport's clock
+  double seconds{};  ///< on the transport's clock
 };
 
 /// Sends a program to a cutter: identity and status, settings back to back, wait until ready,
@@ -66,7 +73,8 @@ struct SessionEnd {
 /// Machines that answer nothing (HPGL) are paced by the model of their motion alone.
 ///
 /// Ends with
-/// - Refused: no media (before anything is cut, or when it runs out), cancelled on the panel, paused
+/// - Refused: no media (before anything is cut, or when it runs out), cancelled on the panel,
+/// paused
 ///   for too long, another model than `machine`, or replies that are no status
 /// - Timeout: no reply, or no byte taken, or not ready for too long
 /// - DeviceGone: the transport says so
@@ -75,8 +83,8 @@ struct SessionEnd {
                                      const EncodedProgram& program,
                                      const SessionOptions& options = {});
 
-/// The ledger's rule. `ready_bytes` were accepted when the device last said ready; `good_bytes` when
-/// it last answered with a lawful status; `accepted` in all.
+/// The ledger's rule. `ready_bytes` were accepted when the device last said ready; `good_bytes`
+/// when it last answered with a lawful status; `accepted` in all.
 [[nodiscard]] StrokeFate fate_of(ByteRange stroke, std::uint64_t ready_bytes,
                                  std::uint64_t good_bytes, std::uint64_t accepted,
                                  std::uint64_t buffer_bytes);

@@ -27,9 +27,9 @@ SimCutter::Time to_time(double seconds) {
 Result<SimCutter> SimCutter::make(const Machine& machine, const SimOptions& options) {
   const Motion& m = machine.motion;
   if (!(m.accel_mm_s2 > 0) || !(m.travel_mm_s > 0))
-    return fail(ErrorKind::OutOfRange, "/motion",
-                fmt::format("{} has no acceleration or travel speed; both must be above 0",
-                            machine.name));
+    return fail(
+        ErrorKind::OutOfRange, "/motion",
+        fmt::format("{} has no acceleration or travel speed; both must be above 0", machine.name));
   if (machine.buffer_bytes == 0)
     return fail(ErrorKind::OutOfRange, "/buffer_bytes",
                 fmt::format("{} has an input buffer of 0 bytes; 65536 is usual", machine.name));
@@ -142,7 +142,8 @@ DeviceStatus SimCutter::status() const {
   if (cancelled_until_) return DeviceStatus::Cancelled;
   if (!media_) return DeviceStatus::NoMedia;
   if (paused_) return DeviceStatus::Paused;
-  return current_ || !actions_.empty() || has_commands() ? DeviceStatus::Moving : DeviceStatus::Ready;
+  return current_ || !actions_.empty() || has_commands() ? DeviceStatus::Moving
+                                                         : DeviceStatus::Ready;
 }
 
 void SimCutter::load_media() {
@@ -229,7 +230,8 @@ void SimCutter::start_next() {
   std::array<Leg, kLookahead> ahead;
   std::size_t known = 0;
   for (const Action& action : actions_) {
-    const bool goes_on = known == 0 || (action.kind == actions_.front().kind && action.dwell_s == 0);
+    const bool goes_on =
+        known == 0 || (action.kind == actions_.front().kind && action.dwell_s == 0);
     if (known == kLookahead || !goes_on || action.kind == ActionKind::Dwell) break;
     ahead[known++] = action.leg;
   }
@@ -248,11 +250,20 @@ void SimCutter::complete() {
   const Action done = *std::exchange(current_, std::nullopt);
   position_ = done.target;
   switch (done.commit) {
-    case Commit::Nothing: break;
-    case Commit::ToolUp: tool_down_ = false; break;
-    case Commit::ToolDown: tool_down_ = true; break;
-    case Commit::Moved: record_move(done.to); break;
-    case Commit::Drawn: record_draw(done); break;
+    case Commit::Nothing:
+      break;
+    case Commit::ToolUp:
+      tool_down_ = false;
+      break;
+    case Commit::ToolDown:
+      tool_down_ = true;
+      break;
+    case Commit::Moved:
+      record_move(done.to);
+      break;
+    case Commit::Drawn:
+      record_draw(done);
+      break;
   }
   if (done.end_byte > executed_) executed_ = done.end_byte;
   if (steps_ != nullptr && done.end_byte > 0)
@@ -276,8 +287,8 @@ void SimCutter::record_draw(const Action& action) {
       trace_.travel_mm += distance(trace_.points.back(), action.from);
     const auto index = static_cast<std::uint32_t>(trace_.points.size());
     const double gf = state.force_steps * machine_.force_gf.per_step;
-    trace_.strokes.push_back({index, 1, tool_, state.force_steps, gf, state.speed_mm_s, 0,
-                              action.begin_byte});
+    trace_.strokes.push_back(
+        {index, 1, tool_, state.force_steps, gf, state.speed_mm_s, 0, action.begin_byte});
     trace_.points.push_back(action.from);
     trace_.lifts = trace_.strokes.size();
     stroke_open_ = true;

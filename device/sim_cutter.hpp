@@ -18,20 +18,20 @@
 #include "device/motion.hpp"
 #include "device/trace.hpp"
 #include "device/window.hpp"
-#include "protocol/page_map.hpp"
-#include "protocol/replies.hpp"
 #include "protocol/gpgl_reader.hpp"
 #include "protocol/hpgl_reader.hpp"
+#include "protocol/page_map.hpp"
+#include "protocol/replies.hpp"
 
 namespace popcut {
 
 /// What stands around a simulated cutter when it is switched on.
 struct SimOptions {
-  double page_width_mm{};    ///< 0: the machine's first mat, else its own width
-  double page_length_mm{};   ///< 0: the machine's first mat, else its own length
-  bool media{true};          ///< a sheet is loaded
-  bool unlimited{false};     ///< takes any number of bytes at once: for estimates
-  double reply_s{0.00075};   ///< median of the recorded replies (logic analyser, Portrait V1.00)
+  double page_width_mm{};   ///< 0: the machine's first mat, else its own width
+  double page_length_mm{};  ///< 0: the machine's first mat, else its own length
+  bool media{true};         ///< a sheet is loaded
+  bool unlimited{false};    ///< takes any number of bytes at once: for estimates
+  double reply_s{0.00075};  ///< median of the recorded replies (logic analyser, Portrait V1.00)
   std::vector<int> tools{2, 0};  ///< what ESC NAK tells is in each holder: 2 autoblade, 0 nothing
 };
 
@@ -39,16 +39,18 @@ struct SimOptions {
 ///
 /// It reads the program as the machine does, keeps it in an input buffer of the machine's size,
 /// carries it out on a clock of its own, and tells its status (GPGL, ESC ENQ). What it does not
-/// understand is kept and counted, never carried out. It only answers queries. The same bytes at the
-/// same times give the same trace.
+/// understand is kept and counted, never carried out. It only answers queries. The same bytes at
+/// the same times give the same trace.
 ///
-/// The clock moves by `run_until` alone. A machine that speaks HPGL answers nothing, as most clones.
+/// The clock moves by `run_until` alone. A machine that speaks HPGL answers nothing, as most
+/// clones.
 class SimCutter {
  public:
   using Time = std::chrono::nanoseconds;
 
   /// @retval OutOfRange  the machine's language, unit or motion is not lawful
-  [[nodiscard]] static Result<SimCutter> make(const Machine& machine, const SimOptions& options = {});
+  [[nodiscard]] static Result<SimCutter> make(const Machine& machine,
+                                              const SimOptions& options = {});
 
   // The cable.
   /// Takes as many of `bytes` as the buffer has room for, now; returns their number.
@@ -71,7 +73,7 @@ class SimCutter {
   // The front of the machine.
   void load_media();
   void unload_media();
-  void pause();   ///< takes effect when the leg under way has ended
+  void pause();  ///< takes effect when the leg under way has ended
   void resume();
   void cancel();  ///< only while paused: the rest is thrown away and the machine resets itself
 
@@ -100,9 +102,9 @@ class SimCutter {
     ActionKind kind{};
     Commit commit{};
     Leg leg;
-    double dwell_s{};       ///< in addition to the ride
-    PagePoint target;       ///< where the tool then stands
-    PagePoint from, to;     ///< Drawn: the line as commanded
+    double dwell_s{};    ///< in addition to the ride
+    PagePoint target;    ///< where the tool then stands
+    PagePoint from, to;  ///< Drawn: the line as commanded
     std::optional<Inside> inside;
     std::uint64_t begin_byte{}, end_byte{};
     bool whole_command{false};
@@ -110,7 +112,7 @@ class SimCutter {
   struct ToolState {
     double force_steps{};
     double speed_mm_s{};
-    double offset_mm{};   ///< of the blade; 0 is a pen
+    double offset_mm{};  ///< of the blade; 0 is a pen
     bool corner_lift{};
     double corner_extension_mm{};
   };
@@ -164,7 +166,7 @@ class SimCutter {
   SimOptions options_;
   PageMap map_;
   std::variant<GpglReader, HpglReader> reader_;
-  Program incoming_;           ///< commands read, from `next_` on not yet actions
+  Program incoming_;  ///< commands read, from `next_` on not yet actions
   std::size_t next_{};
   std::uint32_t next_point_{};
   std::uint64_t reader_base_{};  ///< bytes accepted before the reader was made

@@ -101,8 +101,7 @@ void SimCutter::plan_way(ActionKind kind, PagePoint to, double speed_mm_s) {
     }
   }
   actions_.push_back(action);
-  if (kind == ActionKind::Cut && distance(plan_position_, to) > 0)
-    plan_way_from_ = plan_position_;
+  if (kind == ActionKind::Cut && distance(plan_position_, to) > 0) plan_way_from_ = plan_position_;
   plan_position_ = to;
 }
 

@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::size_t kKeptTexts = 1000;  // unknown commands and remarks shown in full
 constexpr double kPanelSpeedMmS = 100;    // where neither program nor table names a speed: a guess
-constexpr double kClassicOffsetUnits = 18;  // 0.9 mm blade: what FQ2 answered unset (Portrait V1.00)
+constexpr double kClassicOffsetUnits =
+    18;  // 0.9 mm blade: what FQ2 answered unset (Portrait V1.00)
 
 double arg(std::span<const double> args, std::size_t index, double otherwise) {
   return index < args.size() ? args[index] : otherwise;
@@ -20,23 +21,40 @@ double arg(std::span<const double> args, std::size_t index, double otherwise) {
 
 std::string_view setting_name(Verb verb, std::string_view mnemonic) {
   switch (verb) {
-    case Verb::Initialise: return "initialise";
-    case Verb::Speed: return "speed";
-    case Verb::Force: return "force";
-    case Verb::BladeOffset: return "blade_offset";
-    case Verb::CornerLift: return "corner_lift";
-    case Verb::CornerExtend: return "corner_extend";
-    case Verb::SelectTool: return "tool";
-    case Verb::Mat: return "mat";
-    case Verb::Orientation: return "orientation";
-    case Verb::WindowNear: return "window_near";
-    case Verb::WindowFar: return "window_far";
-    case Verb::Autoblade: return "autoblade";
-    case Verb::TrackEnhance: return "track_enhance";
-    case Verb::LineType: return "line_type";
-    case Verb::Home: return "home";
-    case Verb::SetOrigin: return "set_origin";
-    default: return mnemonic;
+    case Verb::Initialise:
+      return "initialise";
+    case Verb::Speed:
+      return "speed";
+    case Verb::Force:
+      return "force";
+    case Verb::BladeOffset:
+      return "blade_offset";
+    case Verb::CornerLift:
+      return "corner_lift";
+    case Verb::CornerExtend:
+      return "corner_extend";
+    case Verb::SelectTool:
+      return "tool";
+    case Verb::Mat:
+      return "mat";
+    case Verb::Orientation:
+      return "orientation";
+    case Verb::WindowNear:
+      return "window_near";
+    case Verb::WindowFar:
+      return "window_far";
+    case Verb::Autoblade:
+      return "autoblade";
+    case Verb::TrackEnhance:
+      return "track_enhance";
+    case Verb::LineType:
+      return "line_type";
+    case Verb::Home:
+      return "home";
+    case Verb::SetOrigin:
+      return "set_origin";
+    default:
+      return mnemonic;
   }
 }
 
@@ -79,14 +97,15 @@ void SimCutter::reset_settings() {
   const double page_width = options_.page_width_mm + std::max(machine_.margin_left_mm, 0.0);
   far_ = {std::round(page_length / machine_.unit_mm), std::round(page_width / machine_.unit_mm)};
   window_ = {0, 0, machine_.width_mm, machine_.length_mm};
-  if (map_.y_up) window_ = {0, options_.page_length_mm - machine_.length_mm, machine_.width_mm,
-                            options_.page_length_mm};
+  if (map_.y_up)
+    window_ = {0, options_.page_length_mm - machine_.length_mm, machine_.width_mm,
+               options_.page_length_mm};
   setup_done_ = drawn_ = false;
 }
 
 void SimCutter::apply(const Command& command) {
-  const std::span<const double> args = std::span(incoming_.args).subspan(command.first,
-                                                                         command.count);
+  const std::span<const double> args =
+      std::span(incoming_.args).subspan(command.first, command.count);
   const std::string text =
       command.text < incoming_.texts.size() ? incoming_.texts[command.text] : std::string();
   if (command.verb == Verb::Empty) return;
@@ -104,26 +123,35 @@ void SimCutter::apply(const Command& command) {
       reset_settings();
       return;
     case Verb::Speed:
-    case Verb::Force: return apply_scaled(command, args);
+    case Verb::Force:
+      return apply_scaled(command, args);
     case Verb::BladeOffset:
     case Verb::CornerLift:
-    case Verb::CornerExtend: return apply_corner(command, args);
+    case Verb::CornerExtend:
+      return apply_corner(command, args);
     case Verb::WindowNear:
-    case Verb::WindowFar: return apply_window(command, args);
-    case Verb::SelectTool: return apply_tool(args);
-    case Verb::Mat: mat_ = static_cast<int>(arg(args, 0, 0)); return;
-    case Verb::Orientation: return end_of_job();
+    case Verb::WindowFar:
+      return apply_window(command, args);
+    case Verb::SelectTool:
+      return apply_tool(args);
+    case Verb::Mat:
+      mat_ = static_cast<int>(arg(args, 0, 0));
+      return;
+    case Verb::Orientation:
+      return end_of_job();
     case Verb::Home:
-    case Verb::SetOrigin: return apply_home(command.verb);
+    case Verb::SetOrigin:
+      return apply_home(command.verb);
     case Verb::Autoblade: {
       const double depth = arg(args, 0, 0);
       if (!machine_.autoblade || arg(args, 1, 1) != 1 || !(depth >= 0 && depth <= 10))
-        return remark(fmt::format("autoblade depth {:g} on tool {:g}: not taken", depth,
-                                  arg(args, 1, 1)));
+        return remark(
+            fmt::format("autoblade depth {:g} on tool {:g}: not taken", depth, arg(args, 1, 1)));
       const Motion& m = machine_.motion;
       return plan_dwell(m.autoblade_reset_s + (10 - depth) * m.autoblade_tap_s, Commit::Nothing);
     }
-    default: return;
+    default:
+      return;
   }
 }
 
@@ -144,8 +172,8 @@ void SimCutter::apply_scaled(const Command& command, std::span<const double> arg
     if (speed && sent > 0) state.speed_mm_s = sent * 10;  // HPGL VS is in cm/s
     return;
   }
-  const double taken = std::clamp(sent, static_cast<double>(scale.min_step),
-                                  static_cast<double>(scale.max_step));
+  const double taken =
+      std::clamp(sent, static_cast<double>(scale.min_step), static_cast<double>(scale.max_step));
   if (taken != sent)
     remark(fmt::format("{} {:g}: outside {} to {}, taken as {:g}", speed ? "speed" : "force", sent,
                        scale.min_step, scale.max_step, taken));
@@ -183,8 +211,9 @@ void SimCutter::apply_window(const Command& command, std::span<const double> arg
   near.y += std::min(machine_.margin_top_mm, 0.0);
   const PagePoint far = map_.to_page(far_);
   // What the rollers and the carriage reach bounds every window.
-  window_ = {std::clamp(near.x, 0.0, machine_.width_mm), std::clamp(near.y, 0.0, machine_.length_mm),
-             std::clamp(far.x, 0.0, machine_.width_mm), std::clamp(far.y, 0.0, machine_.length_mm)};
+  window_ = {std::clamp(near.x, 0.0, machine_.width_mm),
+             std::clamp(near.y, 0.0, machine_.length_mm), std::clamp(far.x, 0.0, machine_.width_mm),
+             std::clamp(far.y, 0.0, machine_.length_mm)};
   if (command.verb == Verb::WindowFar && !setup_done_) {
     setup_done_ = true;
     plan_dwell(machine_.motion.setup_s, Commit::Nothing);

@@ -28,16 +28,23 @@ SimTransport::SimTransport(SimCutter cutter, std::vector<SimFault> faults)
 
 void SimTransport::run_until(nanoseconds time) {
   for (;;) {
-    const auto due = std::min_element(presses_.begin(), presses_.end(),
-                                      [](const Press& a, const Press& b) { return a.time < b.time; });
+    const auto due =
+        std::min_element(presses_.begin(), presses_.end(),
+                         [](const Press& a, const Press& b) { return a.time < b.time; });
     if (due == presses_.end() || due->time > time) break;
     const Press press = *due;
     presses_.erase(due);
     cutter_.run_until(press.time);
     switch (press.button) {
-      case Button::Resume: cutter_.resume(); break;
-      case Button::Cancel: cutter_.cancel(); break;
-      case Button::LoadMedia: cutter_.load_media(); break;
+      case Button::Resume:
+        cutter_.resume();
+        break;
+      case Button::Cancel:
+        cutter_.cancel();
+        break;
+      case Button::LoadMedia:
+        cutter_.load_media();
+        break;
     }
   }
   cutter_.run_until(time);
@@ -51,16 +58,25 @@ std::size_t SimTransport::before_fault(std::size_t bytes) const {
 
 bool SimTransport::strike() {
   bool ends = false;
-  while (next_fault_ < faults_.size() &&
-         faults_[next_fault_].at_byte <= cutter_.accepted_bytes()) {
+  while (next_fault_ < faults_.size() && faults_[next_fault_].at_byte <= cutter_.accepted_bytes()) {
     const SimFault& fault = faults_[next_fault_++];
     const nanoseconds later = now() + seconds(fault.seconds);
     switch (fault.kind) {
-      case SimFault::Kind::Unplug: unplugged_ = true; break;
-      case SimFault::Kind::ShortWrite: ends = true; break;
-      case SimFault::Kind::Nak: nak_until_ = later; break;
-      case SimFault::Kind::Silence: silent_until_ = later; break;
-      case SimFault::Kind::Garbage: garbage_ += fault.text; break;
+      case SimFault::Kind::Unplug:
+        unplugged_ = true;
+        break;
+      case SimFault::Kind::ShortWrite:
+        ends = true;
+        break;
+      case SimFault::Kind::Nak:
+        nak_until_ = later;
+        break;
+      case SimFault::Kind::Silence:
+        silent_until_ = later;
+        break;
+      case SimFault::Kind::Garbage:
+        garbage_ += fault.text;
+        break;
       case SimFault::Kind::Pause:
         cutter_.pause();
         if (fault.seconds > 0) presses_.push_back({later, Button::Resume});
@@ -87,7 +103,8 @@ Transport::WriteEnd SimTransport::write(std::span<const std::byte> bytes, Deadli
     if (ends) return {taken, too_late("the write ended early")};
     if (now() < nak_until_) {
       run_until(std::min(nak_until_, until));
-      if (now() >= until && now() < nak_until_) return {taken, too_late("the cutter takes no data")};
+      if (now() >= until && now() < nak_until_)
+        return {taken, too_late("the cutter takes no data")};
       continue;
     }
     const std::size_t piece = before_fault(bytes.size() - taken);
@@ -122,6 +139,8 @@ Result<std::vector<std::byte>> SimTransport::read(Deadline until) {
   }
 }
 
-void SimTransport::wait(nanoseconds duration) { run_until(now() + std::max(duration, nanoseconds(0))); }
+void SimTransport::wait(nanoseconds duration) {
+  run_until(now() + std::max(duration, nanoseconds(0)));
+}
 
 }  // namespace popcut

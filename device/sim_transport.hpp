@@ -13,14 +13,14 @@ namespace popcut {
 /// Something that goes wrong on the cable or at the machine once `at_byte` bytes were accepted.
 struct SimFault {
   enum class Kind : std::uint8_t {
-    Unplug,     ///< nothing is accepted or answered any more
-    ShortWrite, ///< this write ends early, though there is room
-    Nak,        ///< nothing is accepted for `seconds`
-    Silence,    ///< replies are lost for `seconds`
-    Garbage,    ///< `text` arrives unasked
-    Pause,      ///< the panel's pause button, pressed again after `seconds` if above 0
-    Cancel,     ///< pause, and cancel after `seconds`
-    MediaOut,   ///< the sheet is pulled out, and loaded again after `seconds` if above 0
+    Unplug,      ///< nothing is accepted or answered any more
+    ShortWrite,  ///< this write ends early, though there is room
+    Nak,         ///< nothing is accepted for `seconds`
+    Silence,     ///< replies are lost for `seconds`
+    Garbage,     ///< `text` arrives unasked
+    Pause,       ///< the panel's pause button, pressed again after `seconds` if above 0
+    Cancel,      ///< pause, and cancel after `seconds`
+    MediaOut,    ///< the sheet is pulled out, and loaded again after `seconds` if above 0
   };
   std::uint64_t at_byte{};
   Kind kind{};

@@ -12,11 +12,11 @@ namespace popcut {
 
 /// One path with the tool down, as the machine was told to draw it.
 struct TraceStroke {
-  std::uint32_t first{};       ///< points `first .. first + count` of the trace
-  std::uint32_t count{};       ///< 1 where the tool came down and the path did not go on
-  int tool{1};                 ///< tool holder or pen
-  double force_steps{};        ///< as sent; 0: never set
-  double force_gf{};           ///< 0 where the machine's scale is not known
+  std::uint32_t first{};  ///< points `first .. first + count` of the trace
+  std::uint32_t count{};  ///< 1 where the tool came down and the path did not go on
+  int tool{1};            ///< tool holder or pen
+  double force_steps{};   ///< as sent; 0: never set
+  double force_gf{};      ///< 0 where the machine's scale is not known
   double speed_mm_s{};
   double clipped_mm{};         ///< of its length, what lies outside the window
   std::uint64_t begin_byte{};  ///< of the command that brought the tool down
@@ -59,8 +59,8 @@ struct Trace {
 /// The same without the strokes.
 [[nodiscard]] std::string trace_summary_json(const Trace& trace);
 
-/// `cut.svg`: what the knife did at true scale. Each force has its colour (in the legend), travel is
-/// a hairline, what fell outside the window is grey.
+/// `cut.svg`: what the knife did at true scale. Each force has its colour (in the legend), travel
+/// is a hairline, what fell outside the window is grey.
 [[nodiscard]] std::string trace_svg(const Trace& trace);
 
 }  // namespace popcut

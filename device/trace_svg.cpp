@@ -20,10 +20,17 @@ std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '&': out += "&amp;"; break;
-      default: out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '&':
+        out += "&amp;";
+        break;
+      default:
+        out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
     }
   }
   return out;
@@ -161,8 +168,8 @@ std::string trace_svg(const Trace& trace) {
   }
   legend_row("#3a9", 0.05, fmt::format("travel with the tool up: {:.1f} mm", trace.travel_mm));
   legend_row("none", 0,
-             fmt::format("{}: {:.1f} mm in {} strokes, {:.0f} s", escaped(trace.machine), trace.cut_mm,
-                         trace.lifts, trace.seconds));
+             fmt::format("{}: {:.1f} mm in {} strokes, {:.0f} s", escaped(trace.machine),
+                         trace.cut_mm, trace.lifts, trace.seconds));
   return svg + "</svg>\n";
 }
 

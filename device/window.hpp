@@ -29,8 +29,8 @@ struct Inside {
   double to{1};
 };
 
-/// The part of `a b` inside `window` (Liang and Barsky 1984); none if it does not meet it. A segment
-/// that only touches the window from outside has no inside.
+/// The part of `a b` inside `window` (Liang and Barsky 1984); none if it does not meet it. A
+/// segment that only touches the window from outside has no inside.
 [[nodiscard]] std::optional<Inside> clip(const Window& window, PagePoint a, PagePoint b);
 
 }  // namespace popcut

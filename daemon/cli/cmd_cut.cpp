@@ -58,15 +58,18 @@ class InterruptGuard {
 Result<std::string> device_of(const Options& options) {
   std::string device = options.device;
   if (device.empty())
-    device = fmt::format("{}{}", kSim, options.job.machine.empty() ? "cameo3" : options.job.machine);
+    device =
+        fmt::format("{}{}", kSim, options.job.machine.empty() ? "cameo3" : options.job.machine);
   if (device.rfind(kSim, 0) == 0) return device;
   if (options.yes)
     return fail(ErrorKind::Usage, "--yes",
                 fmt::format("works with simulated devices only, and {} is none: a person must look "
-                            "at each sheet before it is cut; leave --yes out", device));
+                            "at each sheet before it is cut; leave --yes out",
+                            device));
   return fail(ErrorKind::DeviceGone, "--device",
               fmt::format("{} cannot be reached: USB is not built yet; sim:NAME is simulated, and "
-                          "'popcut devices' lists what there is", device));
+                          "'popcut devices' lists what there is",
+                          device));
 }
 
 Result<Machine> machine_of(const std::string& device) {
@@ -88,9 +91,9 @@ Result<void> ask(const Options& options, const PlanJob& job, std::size_t sheet,
                 "nobody to ask whether to start: not on a terminal; with a simulated device --yes "
                 "answers");
   const PlannedSheet& planned = job.plan.sheets[sheet];
-  const std::string mat = planned.mat.name.empty() ? "" : fmt::format(" on the {} mat", planned.mat.name);
-  fmt::print(stderr,
-             "Load sheet {} of {} ({}){} into {}, about {:.0f} min. Start cutting? [y/N] ",
+  const std::string mat =
+      planned.mat.name.empty() ? "" : fmt::format(" on the {} mat", planned.mat.name);
+  fmt::print(stderr, "Load sheet {} of {} ({}){} into {}, about {:.0f} min. Start cutting? [y/N] ",
              sheet + 1, job.plan.sheets.size(), job.plan.material.title, mat, device,
              std::ceil(planned.seconds / 60));
   std::string answer;
@@ -98,7 +101,8 @@ Result<void> ask(const Options& options, const PlanJob& job, std::size_t sheet,
   if (answer == "y" || answer == "Y" || answer == "yes") return {};
   return fail(ErrorKind::Refused, "",
               fmt::format("sheet {} was not started, since nobody said yes; what is cut so far "
-                          "stays", sheet + 1));
+                          "stays",
+                          sheet + 1));
 }
 
 // 2. One sheet.
@@ -123,16 +127,17 @@ Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const Machine&
   SessionOptions options;
   options.cancel = &stop_asked;
   options.progress = [&](const SessionProgress& p) {
-    const std::string what = p.phase == SessionPhase::Cutting
-                                 ? fmt::format("cutting, stroke {} of {}", p.strokes_done, p.strokes)
-                                 : std::string(name_of(p.phase));
+    const std::string what =
+        p.phase == SessionPhase::Cutting
+            ? fmt::format("cutting, stroke {} of {}", p.strokes_done, p.strokes)
+            : std::string(name_of(p.phase));
     bar.show(what, 1 - p.seconds_left / std::max(whole, 1.0), p.seconds_left);
   };
   CutSheet cut;
   cut.end = run_session(cable, machine, job.programs[sheet], options);
   cut.trace = cable.cutter().trace();
   for (const StrokeFate fate : cut.end.fates)
-    ++(fate == StrokeFate::Certain ? cut.certain
+    ++(fate == StrokeFate::Certain   ? cut.certain
        : fate == StrokeFate::InDoubt ? cut.in_doubt
                                      : cut.not_sent);
   cut.not_sent -= job.programs[sheet].dots.size();
@@ -143,15 +148,16 @@ Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const Machine&
 /// really drew.
 Result<void> judge(const PlanJob& job, std::size_t sheet, const CutSheet& cut) {
   const std::string place = fmt::format("sheet {}", sheet + 1);
-  const std::string ledger = fmt::format("{} strokes are cut, {} in doubt, {} not sent", cut.certain,
-                                         cut.in_doubt, cut.not_sent);
+  const std::string ledger = fmt::format("{} strokes are cut, {} in doubt, {} not sent",
+                                         cut.certain, cut.in_doubt, cut.not_sent);
   if (cut.end.error) {
     Error error = within(place, *cut.end.error);
     error.detail += "; " + ledger;
     return tl::unexpected(error);
   }
   if (cut.end.cancelled)
-    return fail(ErrorKind::Refused, place, "stopped as asked, with the tool up and parked; " + ledger);
+    return fail(ErrorKind::Refused, place,
+                "stopped as asked, with the tool up and parked; " + ledger);
   Expected expected;
   auto drawing = linework_from_svg(sheet_svg(job.plan.sheets[sheet], ""), SvgProfile::Popcut);
   if (!drawing) return tl::unexpected(within(place, drawing.error()));
@@ -161,7 +167,8 @@ Result<void> judge(const PlanJob& job, std::size_t sheet, const CutSheet& cut) {
   return {};
 }
 
-Result<void> keep(OutputFolder& folder, const PlanJob& job, std::size_t sheet, const CutSheet& cut) {
+Result<void> keep(OutputFolder& folder, const PlanJob& job, std::size_t sheet,
+                  const CutSheet& cut) {
   const std::string title = fmt::format("{}: sheet {}", job.plan.name, sheet + 1);
   const auto name = [&](const char* ending) { return PlanJob::sheet_file(sheet, ending); };
   return folder.add(job.program_file(sheet), job.programs[sheet].bytes)
@@ -170,17 +177,17 @@ Result<void> keep(OutputFolder& folder, const PlanJob& job, std::size_t sheet, c
       .and_then([&] { return folder.add(name("trace.json"), trace_json(cut.trace)); });
 }
 
-nlohmann::ordered_json sheet_json(const CutSheet& cut, std::size_t sheet, const Result<void>& judged) {
-  nlohmann::ordered_json json{{"sheet", sheet + 1},
-                              {"done", judged.has_value()},
-                              {"confirmed", cut.end.confirmed},
-                              {"strokes",
-                               {{"certain", cut.certain},
-                                {"in_doubt", cut.in_doubt},
-                                {"not_sent", cut.not_sent}}},
-                              {"cut_mm", cut.trace.cut_mm},
-                              {"seconds", cut.end.seconds},
-                              {"identity", cut.end.identity}};
+nlohmann::ordered_json sheet_json(const CutSheet& cut, std::size_t sheet,
+                                  const Result<void>& judged) {
+  nlohmann::ordered_json json{
+      {"sheet", sheet + 1},
+      {"done", judged.has_value()},
+      {"confirmed", cut.end.confirmed},
+      {"strokes",
+       {{"certain", cut.certain}, {"in_doubt", cut.in_doubt}, {"not_sent", cut.not_sent}}},
+      {"cut_mm", cut.trace.cut_mm},
+      {"seconds", cut.end.seconds},
+      {"identity", cut.end.identity}};
   if (!judged) json["error"] = message(judged.error());
   return json;
 }
@@ -190,8 +197,10 @@ void say(const PlanJob& job, std::size_t sheet, const CutSheet& cut, const std::
              sheet + 1, job.plan.sheets.size(), cut.trace.lifts, cut.trace.cut_mm, device,
              cut.end.seconds);
   if (!cut.end.confirmed && !cut.end.error)
-    fmt::print(stderr, "  this machine answers nothing: {} strokes count as cut, {} are in doubt "
-                       "until a person looks\n", cut.certain, cut.in_doubt);
+    fmt::print(stderr,
+               "  this machine answers nothing: {} strokes count as cut, {} are in doubt "
+               "until a person looks\n",
+               cut.certain, cut.in_doubt);
 }
 
 // 3. The work.
@@ -225,8 +234,9 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
   PlanJobOptions how = options.job;
   if (how.machine.empty()) how.machine = machine->name;
   if (how.machine != machine->name)
-    return fail(ErrorKind::Usage, "--machine",
-                fmt::format("{} is not the machine of {}; give one of the two", how.machine, *device));
+    return fail(
+        ErrorKind::Usage, "--machine",
+        fmt::format("{} is not the machine of {}; give one of the two", how.machine, *device));
   const auto job = make_plan_job(how);
   if (!job) return tl::unexpected(job.error());
   std::optional<OutputFolder> folder;
@@ -244,7 +254,8 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
   if (folder) {
     if (auto done = folder->add("plan.json", plan_json(job->plan)); !done) return done;
     if (auto done = folder->commit("popcut cut " POPCUT_VERSION); !done) return done;
-    if (!globals.quiet) fmt::print(stderr, "programs, drawings and traces are in {}\n", options.folder);
+    if (!globals.quiet)
+      fmt::print(stderr, "programs, drawings and traces are in {}\n", options.folder);
   }
   if (globals.json) {
     const nlohmann::ordered_json json{{"device", *device}, {"sheets", sheets}};

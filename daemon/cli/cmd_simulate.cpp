@@ -43,8 +43,9 @@ Result<Machine> choose_machine(const Options& options, const std::optional<PlanF
 
 /// The sheet: as the plan or the expected drawing has it. A machine whose y points up needs its
 /// length to tell where its upper edge lies: where nobody says, the highest point drawn is it.
-SimOptions sheet_of(const std::optional<PlanFacts>& plan, const std::optional<Expectation>& expected,
-                    const Machine& machine, std::span<const std::byte> program) {
+SimOptions sheet_of(const std::optional<PlanFacts>& plan,
+                    const std::optional<Expectation>& expected, const Machine& machine,
+                    std::span<const std::byte> program) {
   SimOptions sheet;
   std::optional<std::array<double, 2>> page;
   if (expected) page = expected->page_mm;

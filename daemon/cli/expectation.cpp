@@ -28,13 +28,15 @@ Error wrong(const std::string& pointer, const char* right) {
 
 Result<double> number_at(const nlohmann::json& json, const std::string& pointer) {
   const nlohmann::json* found = find(json, pointer);
-  if (found == nullptr || !found->is_number()) return tl::unexpected(wrong(pointer, "a number is due"));
+  if (found == nullptr || !found->is_number())
+    return tl::unexpected(wrong(pointer, "a number is due"));
   return found->get<double>();
 }
 
 Result<std::string> text_at(const nlohmann::json& json, const std::string& pointer) {
   const nlohmann::json* found = find(json, pointer);
-  if (found == nullptr || !found->is_string()) return tl::unexpected(wrong(pointer, "a name is due"));
+  if (found == nullptr || !found->is_string())
+    return tl::unexpected(wrong(pointer, "a name is due"));
   return found->get<std::string>();
 }
 
@@ -74,8 +76,9 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   const std::string sheet = fmt::format("/sheets/{}", number - 1);
   Placement& t = facts.transform;
   const std::pair<const char*, double*> numbers[] = {
-      {"/transform/0/0", &t.xx}, {"/transform/0/1", &t.xy}, {"/transform/0/2", &t.x0},
-      {"/transform/1/0", &t.yx}, {"/transform/1/1", &t.yy}, {"/transform/1/2", &t.y0},
+      {"/transform/0/0", &t.xx},         {"/transform/0/1", &t.xy},
+      {"/transform/0/2", &t.x0},         {"/transform/1/0", &t.yx},
+      {"/transform/1/1", &t.yy},         {"/transform/1/2", &t.y0},
       {"/area_mm/0", &facts.area_mm[0]}, {"/area_mm/1", &facts.area_mm[1]}};
   for (const auto& [pointer, value] : numbers) {
     const auto number_read = number_at(json, sheet + pointer);
@@ -129,7 +132,8 @@ Result<Expectation> read_expectation(const std::string& file, const std::optiona
   if (!plan)
     return fail(ErrorKind::Usage, "--expect",
                 fmt::format("{} is a pattern, whose place on the sheet and material are not known; "
-                            "add --plan plan.json, or give the sheet-NN.svg", file));
+                            "add --plan plan.json, or give the sheet-NN.svg",
+                            file));
   const auto material = find_material(plan->material, tables.texts);
   if (!material) return tl::unexpected(within("--plan", tables.with_file(material.error())));
   out.expected.drawing = placed(input->drawing, plan->transform);

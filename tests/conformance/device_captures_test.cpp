@@ -130,21 +130,70 @@ TEST_CASE("variants of the recorded job take as long as they took", "[device][si
     double recorded_s;
   };
   const std::string window = "Z6096,6096\x03J1\x03";
-  const Variant variants[] = {
-      {"!5,1\x03" "FX10,1\x03" "FE0,1\x03" "FF1,0,1\x03" "FF1,1,1\x03" "FC0,1,1\x03" "FC18,1,1\x03", 0, 20.2},
-      {"!10,1\x03" "FX33,1\x03" "FE0,1\x03" "FF1,0,1\x03" "FF1,1,1\x03" "FC0,1,1\x03" "FC18,1,1\x03", 0, 16.8},
-      {"!10,1\x03" "FX18,1\x03" "FC0,1,1\x03" "FE0,1\x03" "FF0,0,1\x03", 0, 15.4},
-      {"!5,1\x03" "FX10,1\x03" "FE1,1\x03" "FF1,0,1\x03" "FF1,1,1\x03" "FC0,1,1\x03" "FC18,1,1\x03", 0, 24.1},
-      {"!5,1\x03" "FX10,1\x03" "FE1,1\x03" "FF9,0,1\x03" "FF9,9,1\x03" "FC0,1,1\x03" "FC18,1,1\x03", 0, 25.5},
-      {"!5,1\x03" "FX10,1\x03" "FE0,1\x03" "FF1,0,1\x03" "FF1,1,1\x03" "FC0,1,1\x03" "FC18,1,1\x03"
-       "Z5596,5900\x03", -100, 15.8}};
+  const Variant variants[] = {{"!5,1\x03"
+                               "FX10,1\x03"
+                               "FE0,1\x03"
+                               "FF1,0,1\x03"
+                               "FF1,1,1\x03"
+                               "FC0,1,1\x03"
+                               "FC18,1,1\x03",
+                               0, 20.2},
+                              {"!10,1\x03"
+                               "FX33,1\x03"
+                               "FE0,1\x03"
+                               "FF1,0,1\x03"
+                               "FF1,1,1\x03"
+                               "FC0,1,1\x03"
+                               "FC18,1,1\x03",
+                               0, 16.8},
+                              {"!10,1\x03"
+                               "FX18,1\x03"
+                               "FC0,1,1\x03"
+                               "FE0,1\x03"
+                               "FF0,0,1\x03",
+                               0, 15.4},
+                              {"!5,1\x03"
+                               "FX10,1\x03"
+                               "FE1,1\x03"
+                               "FF1,0,1\x03"
+                               "FF1,1,1\x03"
+                               "FC0,1,1\x03"
+                               "FC18,1,1\x03",
+                               0, 24.1},
+                              {"!5,1\x03"
+                               "FX10,1\x03"
+                               "FE1,1\x03"
+                               "FF9,0,1\x03"
+                               "FF9,9,1\x03"
+                               "FC0,1,1\x03"
+                               "FC18,1,1\x03",
+                               0, 25.5},
+                              {"!5,1\x03"
+                               "FX10,1\x03"
+                               "FE0,1\x03"
+                               "FF1,0,1\x03"
+                               "FF1,1,1\x03"
+                               "FC0,1,1\x03"
+                               "FC18,1,1\x03"
+                               "Z5596,5900\x03",
+                               -100, 15.8}};
   const auto square = [](int f, int c) {
-    return fmt::format("M{0},{2}\x03" "D{0},{1}\x03" "D{3},{1}\x03" "D{3},{4}\x03" "D{0},{4}\x03"
-                       "D{0},{1}\x03" "D{5},{1}\x03", f, c, c + 20, f + 508, c + 508, f + 20);
+    return fmt::format(
+        "M{0},{2}\x03"
+        "D{0},{1}\x03"
+        "D{3},{1}\x03"
+        "D{3},{4}\x03"
+        "D{0},{4}\x03"
+        "D{0},{1}\x03"
+        "D{5},{1}\x03",
+        f, c, c + 20, f + 508, c + 508, f + 20);
   };
   for (const Variant& variant : variants) {
     SimCutter sim = cutter(machine("cameo3"));
-    sim.accept(bytes("TG1\x03" "FN0\x03TB50,0\x03\\0,0\x03" + window + variant.settings));
+    sim.accept(
+        bytes("TG1\x03"
+              "FN0\x03TB50,0\x03\\0,0\x03" +
+              window + variant.settings));
     sim.run_dry();
     const int c = variant.shift;
     sim.accept(bytes(square(0, c) + square(0, 5588 + c)));
@@ -164,12 +213,15 @@ TEST_CASE("recorded host streams hold nothing that the simulated cutter does not
   for (const char* start : {"silhouette_cameo3", "umockdev", "la_", "doc_tri"})
     for (const Session& session : sessions(start)) {
       const std::string name = start;
-      const Machine target = machine(name == "la_" ? "portrait" : name == "doc_tri" ? "cameo" : "cameo3");
+      const Machine target = machine(name == "la_"       ? "portrait"
+                                     : name == "doc_tri" ? "cameo"
+                                                         : "cameo3");
       std::string stream;
       for (const Transfer& transfer : session.transfers)
         if (transfer.out) stream += transfer.bytes;
       // The logic analyser's export has USB control traffic and gaps of its own.
-      if (const std::size_t control = stream.find('\x80'); name == "la_" && control != std::string::npos)
+      if (const std::size_t control = stream.find('\x80');
+          name == "la_" && control != std::string::npos)
         continue;
       CAPTURE(session.name);
       const Trace trace = value(simulate(bytes(stream), target));

@@ -49,8 +49,8 @@ TEST_CASE("a planned program does on the simulated cutter what its sheet says", 
     bench.plan(machine);
     const bool hpgl = std::string(machine) == "hpgl-generic";
     const std::string program = hpgl ? "plan/sheet-01.hpgl" : "plan/sheet-01.gpgl";
-    const Ran ran = bench.run({"simulate", program, "-o", "sim", "--machine", machine, "--expect",
-                               "plan/sheet-01.svg"});
+    const Ran ran = bench.run(
+        {"simulate", program, "-o", "sim", "--machine", machine, "--expect", "plan/sheet-01.svg"});
     INFO(ran.err);
     CHECK(ran.exit == 0);
     CHECK(ran.err.find("as expected by plan/sheet-01.svg") != std::string::npos);
@@ -76,8 +76,8 @@ TEST_CASE("a pattern with its plan is what the program must do", "[cli][e2e]") {
     const std::string spec = std::string(POPCUT_SOURCE_DIR "/examples/") + example + ".json";
     bench.plan("cameo3", spec);
     REQUIRE(bench.run({"design", spec, "-o", "design", "-q"}).exit == 0);
-    for (const std::string& pattern : {std::string("design/pattern.fold"),
-                                       std::string("design/pattern.svg"), spec}) {
+    for (const std::string& pattern :
+         {std::string("design/pattern.fold"), std::string("design/pattern.svg"), spec}) {
       CAPTURE(pattern);
       const Ran ran = bench.run({"simulate", "plan/sheet-01.gpgl", "-o", "sim", "--expect", pattern,
                                  "--plan", "plan/plan.json"});
@@ -100,8 +100,8 @@ TEST_CASE("another sheet than the expected one is exit code 6 and still drawn", 
   check_one_line(ran, 6, "plan/sheet-01.svg: line");
   CHECK(ran.err.find("is not cut from 0.000 to") != std::string::npos);
   CHECK(bench.json("sim/trace.json")["lifts"].get<int>() > 100);
-  const Ran json = bench.run({"simulate", "short.gpgl", "-o", "sim", "--expect",
-                              "plan/sheet-01.svg", "-q", "--json"});
+  const Ran json = bench.run(
+      {"simulate", "short.gpgl", "-o", "sim", "--expect", "plan/sheet-01.svg", "-q", "--json"});
   CHECK(json.exit == 6);
   CHECK(nlohmann::json::parse(json.out)["as_expected"] == false);
 }
@@ -121,8 +121,9 @@ TEST_CASE("simulate tells what it cannot work with", "[cli][e2e]") {
   check_one_line(bench.run({"simulate", good, "-o", "sim", "--expect", kSphere}), 2, "--plan");
   check_one_line(bench.run({"simulate", good, "-o", "sim", "--plan", "plan.json"}), 3,
                  "plan.json: /machine");
-  check_one_line(bench.run({"simulate", good, "-o", "sim", "--plan", "plan/plan.json", "--sheet",
-                            "2"}), 3, "no sheet 2");
+  check_one_line(
+      bench.run({"simulate", good, "-o", "sim", "--plan", "plan/plan.json", "--sheet", "2"}), 3,
+      "no sheet 2");
   check_one_line(bench.run({"simulate", good, "-o", "/dev/null/x"}), 7, "/dev/null");
   CHECK_FALSE(std::filesystem::exists(bench.folder / "sim"));
 }
@@ -144,8 +145,8 @@ TEST_CASE("unknown commands are told and are no success of an expectation", "[cl
 TEST_CASE("cut goes from a spec through session and protocol to the simulated cutter",
           "[cli][e2e]") {
   const Bench bench;
-  const Ran ran = bench.run({"cut", kSphere, "--direct", "--yes", "--device", "sim:cameo3", "-o",
-                             "cut", "--json"});
+  const Ran ran = bench.run(
+      {"cut", kSphere, "--direct", "--yes", "--device", "sim:cameo3", "-o", "cut", "--json"});
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
   const auto json = nlohmann::json::parse(ran.out);
@@ -184,9 +185,11 @@ TEST_CASE("nothing is cut without somebody who said yes", "[cli][e2e]") {
   check_one_line(bench.run({"cut", kSphere, "--direct", "--yes", "--device", "sim:nothing"}), 2,
                  "nothing");
   check_one_line(bench.run({"cut", kSphere, "--direct", "--yes", "--device", "sim:cameo3",
-                            "--machine", "cameo4"}), 2, "cameo4");
-  check_one_line(bench.run({"cut", kSphere, "--direct", "--yes", "--machine", "cameo3", "--mat",
-                            "100x100"}), 4, "mm");
+                            "--machine", "cameo4"}),
+                 2, "cameo4");
+  check_one_line(
+      bench.run({"cut", kSphere, "--direct", "--yes", "--machine", "cameo3", "--mat", "100x100"}),
+      4, "mm");
 }
 
 TEST_CASE("devices lists a simulated one for each machine", "[cli][e2e]") {

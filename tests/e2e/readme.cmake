@@ -1,3 +1,4 @@
+cmake_minimum_required(VERSION 3.25)
 # Runs the README's commands as a newcomer would: the sh block, in an empty folder.
 # -DREADME=file -DPOPCUT=program -DFOLDER=scratch
 file(READ ${README} text)

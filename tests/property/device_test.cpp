@@ -2,8 +2,8 @@
 #include <cmath>
 #include <set>
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include "device/session.hpp"
 #include "tests/support/sim_bench.hpp"
@@ -56,13 +56,15 @@ TEST_CASE("what the simulated cutter draws is the toolpath within half a machine
       REQUIRE(trace.strokes.size() == strokes_of(path, program));
       std::size_t drawn = 0;
       for (std::size_t k = 0; k < path.strokes.size(); ++k) {
-        const std::vector<PagePoint> meant = on_grid(path.points_of(path.strokes[k]), target.unit_mm);
+        const std::vector<PagePoint> meant =
+            on_grid(path.points_of(path.strokes[k]), target.unit_mm);
         if (meant.size() < 2) continue;
         const auto got = trace.points_of(trace.strokes[drawn++]);
         REQUIRE(got.size() == meant.size());
         double worst = 0;
         for (std::size_t i = 0; i < got.size(); ++i)
-          worst = std::max({worst, std::abs(got[i].x - meant[i].x), std::abs(got[i].y - meant[i].y)});
+          worst =
+              std::max({worst, std::abs(got[i].x - meant[i].x), std::abs(got[i].y - meant[i].y)});
         CHECK(worst <= 1e-9);
       }
     }
@@ -88,8 +90,8 @@ std::vector<SimFault> random_faults(std::mt19937& random, std::size_t program_by
   return faults;
 }
 
-/// How many strokes were cut whole, and how many in part or whole. All must be the program's, in its
-/// order, none twice.
+/// How many strokes were cut whole, and how many in part or whole. All must be the program's, in
+/// its order, none twice.
 struct CutStrokes {
   std::size_t whole{};
   std::size_t begun{};

@@ -67,8 +67,9 @@ inline Toolpath random_toolpath(std::mt19937& random, std::size_t strokes, doubl
       path.points.push_back(at);
       const bool jump = far(random);
       const auto next = [&](double v) {
-        return jump ? place(random) : std::clamp(v + (v < side_mm / 2 ? 0.1 : -0.1) + step(random),
-                                                 1.0, side_mm - 1);
+        return jump ? place(random)
+                    : std::clamp(v + (v < side_mm / 2 ? 0.1 : -0.1) + step(random), 1.0,
+                                 side_mm - 1);
       };
       at = {next(at.x), next(at.y)};
     }

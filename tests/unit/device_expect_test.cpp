@@ -14,8 +14,8 @@ using namespace popcut::testing;
 
 namespace {
 
-/// A card of 83 x 61 mm that is like no mirror image of itself: an outline, three slits, four folds,
-/// of which one is drawn in two parts and one is short.
+/// A card of 83 x 61 mm that is like no mirror image of itself: an outline, three slits, four
+/// folds, of which one is drawn in two parts and one is short.
 LineWork card() {
   LineWork work;
   const auto line = [&](Operation operation, std::initializer_list<PagePoint> points) {
@@ -167,8 +167,8 @@ TEST_CASE("a stray stroke is found", "[device][expect]") {
 
 TEST_CASE("a cut that is one machine unit off is found", "[device][expect]") {
   const Bench bench;
-  for (const PagePoint by : {PagePoint{0.05, 0}, PagePoint{-0.05, 0}, PagePoint{0, 0.05},
-                             PagePoint{0, -0.05}}) {
+  for (const PagePoint by :
+       {PagePoint{0.05, 0}, PagePoint{-0.05, 0}, PagePoint{0, 0.05}, PagePoint{0, -0.05}}) {
     for (std::size_t k = 0; k < bench.sheet.path.strokes.size(); ++k) {
       const bool fold = is_fold(bench.sheet.path.strokes[k].operation);
       Toolpath path = bench.sheet.path;
@@ -199,8 +199,8 @@ TEST_CASE("a fold that is cut through is found", "[device][expect]") {
   for (const LineWork pattern = card(); const std::size_t line : {4u, 7u}) {
     Toolpath path = bench.sheet.path;
     std::erase_if(path.strokes, [&](const Stroke& s) {
-      return is_fold(s.operation) && std::abs(path.points[s.first].x -
-                                              (line == 4u ? 20.013 : 60.777)) < 1e-6;
+      return is_fold(s.operation) &&
+             std::abs(path.points[s.first].x - (line == 4u ? 20.013 : 60.777)) < 1e-6;
     });
     Stroke solid = path.strokes.front();
     solid.first = static_cast<std::uint32_t>(path.points.size());
@@ -250,7 +250,9 @@ TEST_CASE("what fell outside the window is told", "[device][expect]") {
   expected.drawing.append(Operation::Cut, std::vector<PagePoint>{{300, 10}, {320, 10}});
   expected.drawing.dashed = true;
   SimCutter sim = cutter(machine("cameo3"));
-  sim.accept(bytes("M200,6000\x03" "D200,6400\x03"));
+  sim.accept(
+      bytes("M200,6000\x03"
+            "D200,6400\x03"));
   sim.run_dry();
   const Comparison result = compare(sim.trace(), expected);
   INFO(words(result));

@@ -20,7 +20,9 @@ std::optional<FoldFault::Kind> fault(FoldState fold, int passes = 1) {
   return found->kind;
 }
 
-FoldState dashed(std::vector<Stretch> dashes) { return {10, std::move(dashes), {{-1, 1}, {9, 11}}, {}}; }
+FoldState dashed(std::vector<Stretch> dashes) {
+  return {10, std::move(dashes), {{-1, 1}, {9, 11}}, {}};
+}
 
 }  // namespace
 
@@ -59,8 +61,8 @@ TEST_CASE("a segment is clipped to the window with its edges", "[device][window]
   REQUIRE(part);
   CHECK(part->from == Approx(0.25));
   CHECK(part->to == Approx(0.75));
-  CHECK(clip(window, {0, 0}, {0, 20}));         // along an edge
-  CHECK(clip(window, {10, 20}, {10, 20}));      // a dot in a corner
+  CHECK(clip(window, {0, 0}, {0, 20}));     // along an edge
+  CHECK(clip(window, {10, 20}, {10, 20}));  // a dot in a corner
   CHECK_FALSE(clip(window, {11, 0}, {11, 20}));
   CHECK_FALSE(clip(window, {-1, 1}, {1, -1}));  // touches a corner from outside
   CHECK_FALSE(clip(window, {-3, 5}, {-3, 5}));
@@ -75,16 +77,18 @@ TEST_CASE("segments that run along each other are told from those that cross", "
   CHECK(part->a.to == Approx(8));
   CHECK(part->b.from == Approx(0).margin(0.01));
   CHECK_FALSE(run_along(a, {{5, -5}, {5, 5}}, reach));
-  CHECK_FALSE(run_along(a, {{0, -0.5}, {10, 0.5}}, reach));  // crosses at a slant
-  CHECK_FALSE(run_along(a, {{10, 0}, {20, 0}}, reach));      // goes on
-  CHECK_FALSE(run_along(a, {{0, 0.03}, {10, 0.03}}, reach)); // beside it
+  CHECK_FALSE(run_along(a, {{0, -0.5}, {10, 0.5}}, reach));   // crosses at a slant
+  CHECK_FALSE(run_along(a, {{10, 0}, {20, 0}}, reach));       // goes on
+  CHECK_FALSE(run_along(a, {{0, 0.03}, {10, 0.03}}, reach));  // beside it
   CHECK_FALSE(run_along({{5, 5}, {5, 5}}, a, reach));
 }
 
 TEST_CASE("folds in parts are chained where they go straight on", "[device][expect]") {
-  const std::vector<FoldPart> parts{
-      {{{0, 0}, {10, 0}}, 1}, {{{20, 0}, {10, 0}}, 1}, {{{20, 0}, {30, 0}}, 2},
-      {{{10, 0}, {10, 10}}, 1}, {{{30, 0}, {40, 0}}, 2}};
+  const std::vector<FoldPart> parts{{{{0, 0}, {10, 0}}, 1},
+                                    {{{20, 0}, {10, 0}}, 1},
+                                    {{{20, 0}, {30, 0}}, 2},
+                                    {{{10, 0}, {10, 10}}, 1},
+                                    {{{30, 0}, {40, 0}}, 2}};
   const auto chains = chain_folds(parts);
   REQUIRE(chains.size() == 3);
   CHECK(chains[0].parts == std::vector<std::uint32_t>{0, 1});

@@ -193,7 +193,8 @@ TEST_CASE("one stray reply of no media does not end a cut", "[device][session]")
 
 TEST_CASE("when the sheet comes out the session stops sending", "[device][session]") {
   const Bench bench;
-  SimTransport cable = bench.cable({{bench.program.geometry.begin + 200, SimFault::Kind::MediaOut}});
+  SimTransport cable =
+      bench.cable({{bench.program.geometry.begin + 200, SimFault::Kind::MediaOut}});
   const SessionEnd end = run_session(cable, bench.machine, bench.program);
   CHECK(kind(end) == ErrorKind::Refused);
   CHECK(end.error->detail.find("sheet came out") != std::string::npos);
@@ -383,8 +384,7 @@ TEST_CASE("a cancel from the host ends at the end of a stroke with the tool park
   CHECK(count(end, StrokeFate::InDoubt) == 0);
   CHECK(cut >= 20);
   CHECK(cut < 60);
-  for (std::size_t k = 0; k < cut; ++k)
-    CHECK(trace.strokes[k].count >= 2);
+  for (std::size_t k = 0; k < cut; ++k) CHECK(trace.strokes[k].count >= 2);
   CHECK_FALSE(cable.cutter().tool_down());
   CHECK(cable.cutter().position() == PagePoint{0, 0});
   // A window of 2 s, one stroke, the way home.

@@ -17,13 +17,17 @@ std::string ask(SimCutter& sim, std::string_view query) {
 }
 
 /// The status, without letting time pass.
-char status(const SimCutter& sim) { return static_cast<char>('0' + static_cast<int>(sim.status())); }
+char status(const SimCutter& sim) {
+  return static_cast<char>('0' + static_cast<int>(sim.status()));
+}
 
 void run_for(SimCutter& sim, double seconds) {
   sim.run_until(sim.now() + std::chrono::nanoseconds(std::llround(seconds * 1e9)));
 }
 
-constexpr const char* kLongLine = "M0,0\x03" "D6000,0\x03";  // 300 mm: seconds at any speed
+constexpr const char* kLongLine =
+    "M0,0\x03"
+    "D6000,0\x03";  // 300 mm: seconds at any speed
 
 }  // namespace
 
@@ -44,7 +48,10 @@ TEST_CASE("each query is answered byte by byte as recorded", "[device][sim]") {
 TEST_CASE("limits and speed are echoed as they were set", "[device][sim]") {
   SimCutter sim = cutter(machine("portrait"));
   CHECK(ask(sim, "FG\x03") == "Portrait V1.00    \x03");
-  CHECK(ask(sim, "\\30,30\x03Z5558,4120\x03!3\x03" "FC9\x03").empty());
+  CHECK(ask(sim,
+            "\\30,30\x03Z5558,4120\x03!3\x03"
+            "FC9\x03")
+            .empty());
   CHECK(ask(sim, "U\x03") == "  5558,  4120\x03");
   CHECK(ask(sim, "[\x03") == "    30,    30\x03");
   CHECK(ask(sim, "FQ0\x03") == "    3\x03");
@@ -64,8 +71,12 @@ TEST_CASE("newer machines name the tools in their holders", "[device][sim]") {
 
 TEST_CASE("ordinary commands are not answered", "[device][sim]") {
   SimCutter sim = cutter(machine("cameo3"));
-  CHECK(ask(sim, "\x1b\x04TG1\x03" "FN0\x03TB50,0\x03J1\x03!5,1\x03" "FX10,1\x03M10,10\x03"
-                 "D20,20\x03L0\x03SO0\x03H\x03\x03").empty());
+  CHECK(ask(sim,
+            "\x1b\x04TG1\x03"
+            "FN0\x03TB50,0\x03J1\x03!5,1\x03"
+            "FX10,1\x03M10,10\x03"
+            "D20,20\x03L0\x03SO0\x03H\x03\x03")
+            .empty());
 }
 
 TEST_CASE("a machine that speaks HPGL answers nothing", "[device][sim]") {
@@ -112,7 +123,11 @@ TEST_CASE("without media nothing moves until a sheet is loaded", "[device][sim]"
 
 TEST_CASE("a pause holds the tool after the leg under way and a resume goes on", "[device][sim]") {
   SimCutter sim = cutter(machine("cameo3"));
-  sim.accept(bytes("M0,0\x03" "D2000,0\x03" "D4000,0\x03" "D6000,0\x03"));
+  sim.accept(
+      bytes("M0,0\x03"
+            "D2000,0\x03"
+            "D4000,0\x03"
+            "D6000,0\x03"));
   run_for(sim, 1.5);
   sim.pause();
   CHECK(status(sim) == '3');
@@ -138,13 +153,17 @@ TEST_CASE("a cancel is taken only from a pause and throws the rest away", "[devi
   sim.cancel();
   CHECK(status(sim) == '4');
   const double held = sim.trace().cut_mm;
-  sim.accept(bytes("M0,0\x03" "D100,100\x03"));  // lost: it is resetting itself
+  sim.accept(
+      bytes("M0,0\x03"
+            "D100,100\x03"));  // lost: it is resetting itself
   CHECK(ask(sim, "\x1b\x05") == "4\x03");
   run_for(sim, 10);
   CHECK(status(sim) == '0');
   CHECK(sim.trace().cut_mm == held);
   CHECK(ask(sim, "U\x03") == "  6096,  6096\x03");  // settings are gone too
-  sim.accept(bytes("M0,0\x03" "D100,0\x03"));
+  sim.accept(
+      bytes("M0,0\x03"
+            "D100,0\x03"));
   sim.run_dry();
   CHECK(sim.trace().cut_mm == Approx(held + 5));
 }
@@ -185,32 +204,40 @@ TEST_CASE("noise without an end never fills the buffer for good", "[device][sim]
     run_for(sim, 0.1);
   }
   CHECK(taken == noise.size());
-  sim.accept(bytes("\x03M0,0\x03" "D100,0\x03"));
+  sim.accept(
+      bytes("\x03M0,0\x03"
+            "D100,0\x03"));
   sim.run_dry();
   CHECK(sim.trace().cut_mm == Approx(5));
   CHECK(sim.trace().unknown_count == 1);
 }
 
 TEST_CASE("what is not understood is kept and counted and never carried out", "[device][sim]") {
-  const Trace trace = value(simulate(bytes("M0,0\x03QQ5,5\x03W100,100,50\x03" "D200,0\x03" "D1,"),
+  const Trace trace = value(simulate(bytes("M0,0\x03QQ5,5\x03W100,100,50\x03"
+                                           "D200,0\x03"
+                                           "D1,"),
                                      machine("cameo3")));
   CHECK(trace.unknown_count == 3);
   REQUIRE(trace.unknown.size() == 3);
   CHECK(trace.unknown[0] == "QQ5,5");
   CHECK(trace.unknown[1] == "W100,100,50");
   CHECK(trace.cut_mm == Approx(10));
-  const auto nothing = simulate(bytes("\x89PNG\r\n\x1a\n nothing of this is a program"),
-                                machine("cameo3"));
+  const auto nothing =
+      simulate(bytes("\x89PNG\r\n\x1a\n nothing of this is a program"), machine("cameo3"));
   REQUIRE_FALSE(nothing);
   CHECK(nothing.error().kind == ErrorKind::Malformed);
   CHECK(simulate({}, machine("cameo3")).error().kind == ErrorKind::Malformed);
 }
 
 TEST_CASE("force speed and tool are those sent for the holder in use", "[device][sim]") {
-  const Trace trace = value(simulate(
-      bytes("J1\x03!3,1\x03" "FX10,1\x03!7,2\x03" "FX20,2\x03M0,0\x03" "D100,0\x03J2\x03M0,100\x03"
-            "D100,100\x03" "FX99,2\x03M0,200\x03" "D100,200\x03J5\x03"),
-      machine("cameo3")));
+  const Trace trace = value(simulate(bytes("J1\x03!3,1\x03"
+                                           "FX10,1\x03!7,2\x03"
+                                           "FX20,2\x03M0,0\x03"
+                                           "D100,0\x03J2\x03M0,100\x03"
+                                           "D100,100\x03"
+                                           "FX99,2\x03M0,200\x03"
+                                           "D100,200\x03J5\x03"),
+                                     machine("cameo3")));
   REQUIRE(trace.strokes.size() == 3);
   CHECK(trace.strokes[0].tool == 1);
   CHECK(trace.strokes[0].force_gf == Approx(70));
@@ -227,8 +254,11 @@ TEST_CASE("force speed and tool are those sent for the holder in use", "[device]
 TEST_CASE("a line is clipped at the window and not dropped", "[device][sim]") {
   // (10,10) to (350,10) to (350,50) to (10,50) mm on a machine of 304.8 mm: known drivers send no
   // line of it at all.
-  const Trace trace = value(simulate(
-      bytes("M200,200\x03" "D200,7000\x03" "D1000,7000\x03" "D1000,200\x03"), machine("cameo3")));
+  const Trace trace = value(simulate(bytes("M200,200\x03"
+                                           "D200,7000\x03"
+                                           "D1000,7000\x03"
+                                           "D1000,200\x03"),
+                                     machine("cameo3")));
   CHECK(trace.cut_mm == Approx(340 + 40 + 340));
   CHECK(trace.clipped_mm == Approx(2 * 45.2 + 40));
   REQUIRE(trace.strokes.size() == 1);
@@ -238,9 +268,10 @@ TEST_CASE("a line is clipped at the window and not dropped", "[device][sim]") {
 
 TEST_CASE("the window that the host sets clips as the machine does", "[device][sim]") {
   // The recorded matless job draws from carriage -100 on.
-  const Trace trace = value(simulate(
-      bytes("\\0,0\x03Z5596,5900\x03M0,-100\x03" "D0,408\x03M5588,0\x03" "D6096,0\x03"),
-      machine("cameo3")));
+  const Trace trace = value(simulate(bytes("\\0,0\x03Z5596,5900\x03M0,-100\x03"
+                                           "D0,408\x03M5588,0\x03"
+                                           "D6096,0\x03"),
+                                     machine("cameo3")));
   CHECK(trace.clipped_mm == Approx(5 + 25));
   CHECK(trace.cut_mm == Approx(25.4 + 25.4));
 }
@@ -264,8 +295,14 @@ TEST_CASE("lifting over corners takes time and rounding them less", "[device][si
   const auto drawn = [](const std::string& settings, const char* line) {
     return value(simulate(bytes(settings + line), machine("cameo3"))).seconds;
   };
-  const char* corner = "M0,0\x03" "D400,0\x03" "D400,400\x03";
-  const char* straight = "M0,0\x03" "D400,0\x03" "D800,0\x03";
+  const char* corner =
+      "M0,0\x03"
+      "D400,0\x03"
+      "D400,400\x03";
+  const char* straight =
+      "M0,0\x03"
+      "D400,0\x03"
+      "D800,0\x03";
   const double plain = drawn("", corner);
   CHECK(drawn("FE1,1\x03", corner) == Approx(plain + 0.2));
   CHECK(drawn("FC0,1,1\x03", corner) < plain);
@@ -277,9 +314,10 @@ TEST_CASE("lifting over corners takes time and rounding them less", "[device][si
 }
 
 TEST_CASE("set origin and home shift what follows as the machine does", "[device][sim]") {
-  const Trace trace = value(simulate(
-      bytes("M1000,200\x03SO0\x03M0,0\x03" "D100,0\x03H\x03M0,0\x03" "D100,0\x03"),
-      machine("cameo3")));
+  const Trace trace = value(simulate(bytes("M1000,200\x03SO0\x03M0,0\x03"
+                                           "D100,0\x03H\x03M0,0\x03"
+                                           "D100,0\x03"),
+                                     machine("cameo3")));
   REQUIRE(trace.strokes.size() == 2);
   CHECK(trace.points[trace.strokes[0].first].y == Approx(50));
   CHECK(trace.points[trace.strokes[0].first].x == Approx(10));
@@ -287,11 +325,25 @@ TEST_CASE("set origin and home shift what follows as the machine does", "[device
 }
 
 TEST_CASE("wild numbers and lone commands neither crash nor hang", "[device][sim]") {
-  for (const char* program :
-       {"M1e300,1e300\x03" "D-1e300,5\x03" "D0,0\x03", "Z-5,-5\x03\\9e9,9e9\x03M1,1\x03" "D2,2\x03",
-        "!-1\x03" "FX1e99\x03" "FC1e300,1e300,1\x03J-3\x03" "D5,5\x03", "TF-1,1\x03TF1e9,1\x03" "D1,1\x03",
-        "FE1,99999999999\x03" "FF,,,\x03" "D9,9\x03", "SO0\x03SO0\x03H\x03H\x03J0\x03J0\x03",
-        "D0,0\x03" "D0,0\x03" "D0,0\x03", "D1,1", "\x1b", "\x1b\x04\x1b\x04\x1b\x05"}) {
+  for (const char* program : {"M1e300,1e300\x03"
+                              "D-1e300,5\x03"
+                              "D0,0\x03",
+                              "Z-5,-5\x03\\9e9,9e9\x03M1,1\x03"
+                              "D2,2\x03",
+                              "!-1\x03"
+                              "FX1e99\x03"
+                              "FC1e300,1e300,1\x03J-3\x03"
+                              "D5,5\x03",
+                              "TF-1,1\x03TF1e9,1\x03"
+                              "D1,1\x03",
+                              "FE1,99999999999\x03"
+                              "FF,,,\x03"
+                              "D9,9\x03",
+                              "SO0\x03SO0\x03H\x03H\x03J0\x03J0\x03",
+                              "D0,0\x03"
+                              "D0,0\x03"
+                              "D0,0\x03",
+                              "D1,1", "\x1b", "\x1b\x04\x1b\x04\x1b\x05"}) {
     CAPTURE(program);
     const auto trace = simulate(bytes(program), machine("cameo3"));
     if (!trace) continue;

@@ -12,8 +12,12 @@ using namespace popcut::testing;
 namespace {
 
 Trace two_strokes() {
-  return value(simulate(bytes("FX10,1\x03!5,1\x03M200,100\x03" "D200,300\x03" "D400,300\x03" "FX20,1\x03"
-                              "M600,300\x03" "D600,6500\x03J0\x03NONSENSE\x03"),
+  return value(simulate(bytes("FX10,1\x03!5,1\x03M200,100\x03"
+                              "D200,300\x03"
+                              "D400,300\x03"
+                              "FX20,1\x03"
+                              "M600,300\x03"
+                              "D600,6500\x03J0\x03NONSENSE\x03"),
                         machine("cameo3")));
 }
 

@@ -273,12 +273,11 @@ TEST_CASE("the recorded job takes about as long as it took", "[core][plan][motio
   const auto seconds = [](double speed_mm_s) {
     Toolpath path;
     for (const auto& [x, y] : {std::pair{0.0, 0.0}, {279.4, 0.0}, {0.0, 279.4}, {279.4, 279.4}}) {
-      const std::vector<PagePoint> points{{x + 1, y},           {x, y},
-                                          {x, y + 25.4},        {x + 25.4, y + 25.4},
-                                          {x + 25.4, y},        {x, y},
-                                          {x, y + 1}};
-      path.strokes.push_back({Operation::Cut, static_cast<std::uint32_t>(path.points.size()), 7, 0, 1,
-                              70, speed_mm_s});
+      const std::vector<PagePoint> points{
+          {x + 1, y},    {x, y}, {x, y + 25.4}, {x + 25.4, y + 25.4},
+          {x + 25.4, y}, {x, y}, {x, y + 1}};
+      path.strokes.push_back({Operation::Cut, static_cast<std::uint32_t>(path.points.size()), 7, 0,
+                              1, 70, speed_mm_s});
       path.points.insert(path.points.end(), points.begin(), points.end());
     }
     return strokes_seconds(path, cameo3().motion);
