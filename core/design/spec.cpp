@@ -2,6 +2,7 @@
 #include "core/design/spec.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -78,6 +79,32 @@ Result<std::vector<double>> parse_widths(const json* value, int slices) {
   return widths;
 }
 
+Result<std::vector<CurvatureTarget>> parse_targets(const json& value) {
+  if (!value.is_array() || value.empty() || value.size() > 3)
+    return fail(ErrorKind::Malformed, "/splay/targets",
+                "must be a list of one to three targets, since three splays are solved for");
+  std::vector<CurvatureTarget> targets;
+  for (std::size_t k = 0; k < value.size(); ++k) {
+    const std::string place = fmt::format("/splay/targets/{}", k);
+    JsonFields fields(value[k], place);
+    CurvatureTarget target;
+    target.psi_rad = fields.number("psi_rad", std::nullopt, 0.0, std::numbers::pi, true);
+    if (fields.has("K"))
+      target.K_rad = fields.number("K", std::nullopt, -20.0, 2.0 * std::numbers::pi);
+    (void)fields.value("K");
+    const json* sign = fields.value("sign");
+    target.margin_rad = fields.number("margin_rad", target.margin_rad, 0.0, 2.0 * std::numbers::pi);
+    if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
+    const bool plus = sign && *sign == "+", minus = sign && *sign == "-";
+    if (target.K_rad.has_value() == (plus || minus) || (sign && !plus && !minus))
+      return fail(ErrorKind::Malformed, place,
+                  "needs either \"K\" (rad) or \"sign\": \"+\" or \"-\"");
+    target.sign = plus ? 1 : minus ? -1 : 0;
+    targets.push_back(target);
+  }
+  return targets;
+}
+
 Result<SplaySpec> parse_splay(const json& value, double min_panel_mm) {
   JsonFields fields(value, "/splay");
   SplaySpec splay;
@@ -86,11 +113,21 @@ Result<SplaySpec> parse_splay(const json& value, double min_panel_mm) {
     return a.is_number() && a.get<double>() >= 0.0 && a.get<double>() <= kMostAlpha;
   };
   const json* alpha = fields.value("alpha");
+  const json* targets = fields.value("targets");
   splay.ligament_mm = fields.number("ligament_mm", std::max(1.0, min_panel_mm), 0.0, kMaxLength);
   if (fields.has("length_mm"))
     splay.length_mm = fields.number("length_mm", std::nullopt, 0.0, kMaxLength, true);
   (void)fields.value("length_mm");
   if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
+  if (targets) {
+    if (alpha)
+      return fail(ErrorKind::Malformed, "/splay/alpha",
+                  "contradicts /splay/targets; give one or the other");
+    auto parsed = parse_targets(*targets);
+    if (!parsed) return tl::unexpected(parsed.error());
+    splay.targets = std::move(*parsed);
+    return splay;
+  }
   if (alpha && lawful(*alpha)) {
     splay.uniform = alpha->get<double>();
     return splay;
@@ -359,9 +396,13 @@ std::string design_spec_schema() {
       {"type", "object"},
       {"description", "V-folds on the valley creases of the connectors"},
       {"additionalProperties", false},
-      {"required", {"alpha"}},
       {"properties",
-       {{"alpha", {{"description", "tan of the splay: one number, or inner levels x connectors"}}},
+       {{"targets",
+         {{"type", "array"},
+          {"description", "instead of alpha, solved at the middle vertex: psi_rad with K or sign"},
+          {"minItems", 1},
+          {"maxItems", 3}}},
+        {"alpha", {{"description", "tan of the splay: one number, or inner levels x connectors"}}},
         {"length_mm",
          number("along the crease; default as long as the connector allows", positive)},
         {"ligament_mm",
