@@ -10,8 +10,10 @@
 #include "core/design/figures.hpp"
 #include "core/design/lattice.hpp"
 #include "core/design/mobility.hpp"
+#include "core/design/multi_state.hpp"
 #include "core/design/pattern_builder.hpp"
 #include "core/design/slicing.hpp"
+#include "core/design/splay.hpp"
 #include "core/design/strip_builder.hpp"
 
 namespace popcut {
@@ -86,6 +88,8 @@ class Designer {
         return fail(ErrorKind::Infeasible, "/card",
                     fmt::format("without a card the sheet falls into {} pieces; keep the card",
                                 tight->second.pieces));
+      if (auto splayed = splay(laid->second.strips.strips, tight->first.pattern); !splayed)
+        return tl::unexpected(splayed.error());
       return finish(laid->first, std::move(laid->second), std::move(tight->first), tight->second,
                     method, std::move(note));
     }
@@ -93,6 +97,18 @@ class Designer {
   }
 
  private:
+  /// V-folds as asked for, or solved from their targets.
+  Result<void> splay(const Strips& strips, Pattern& pattern) {
+    if (!spec_.splay) return {};
+    if (spec_.splay->targets.empty()) return add_v_folds(strips, *spec_.splay, pattern);
+    auto solved = solve_multi_state(strips, *spec_.splay);
+    if (!solved) return tl::unexpected(solved.error());
+    for (std::size_t k = 0; k < solved->K_rad.size(); ++k)
+      notes_.push_back(fmt::format("K = {:+.6g} rad at psi = {:.6g} rad", solved->K_rad[k],
+                                   spec_.splay->targets[k].psi_rad));
+    return add_v_folds(strips, solved->splay, pattern);
+  }
+
   /// Runs between plain cuts; a slice that stands alone with three units or more becomes two
   /// halves.
   [[nodiscard]] Layout layout() const {

@@ -2,6 +2,7 @@
 #include "core/design/spec.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -76,6 +77,75 @@ Result<std::vector<double>> parse_widths(const json* value, int slices) {
                 fmt::format("has {} widths for {} slices; one a slice or a single number is needed",
                             widths.size(), slices));
   return widths;
+}
+
+Result<std::vector<CurvatureTarget>> parse_targets(const json& value) {
+  if (!value.is_array() || value.empty() || value.size() > 3)
+    return fail(ErrorKind::Malformed, "/splay/targets",
+                "must be a list of one to three targets, since three splays are solved for");
+  std::vector<CurvatureTarget> targets;
+  for (std::size_t k = 0; k < value.size(); ++k) {
+    const std::string place = fmt::format("/splay/targets/{}", k);
+    JsonFields fields(value[k], place);
+    CurvatureTarget target;
+    target.psi_rad = fields.number("psi_rad", std::nullopt, 0.0, std::numbers::pi, true);
+    if (fields.has("K"))
+      target.K_rad = fields.number("K", std::nullopt, -20.0, 2.0 * std::numbers::pi);
+    (void)fields.value("K");
+    const json* sign = fields.value("sign");
+    target.margin_rad = fields.number("margin_rad", target.margin_rad, 0.0, 2.0 * std::numbers::pi);
+    if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
+    const bool plus = sign && *sign == "+", minus = sign && *sign == "-";
+    if (target.K_rad.has_value() == (plus || minus) || (sign && !plus && !minus))
+      return fail(ErrorKind::Malformed, place,
+                  "needs either \"K\" (rad) or \"sign\": \"+\" or \"-\"");
+    target.sign = plus ? 1 : minus ? -1 : 0;
+    targets.push_back(target);
+  }
+  return targets;
+}
+
+Result<SplaySpec> parse_splay(const json& value, double min_panel_mm) {
+  JsonFields fields(value, "/splay");
+  SplaySpec splay;
+  constexpr double kMostAlpha = 1000.0;
+  const auto lawful = [](const json& a) {
+    return a.is_number() && a.get<double>() >= 0.0 && a.get<double>() <= kMostAlpha;
+  };
+  const json* alpha = fields.value("alpha");
+  const json* targets = fields.value("targets");
+  splay.ligament_mm = fields.number("ligament_mm", std::max(1.0, min_panel_mm), 0.0, kMaxLength);
+  if (fields.has("length_mm"))
+    splay.length_mm = fields.number("length_mm", std::nullopt, 0.0, kMaxLength, true);
+  (void)fields.value("length_mm");
+  if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
+  if (targets) {
+    if (alpha)
+      return fail(ErrorKind::Malformed, "/splay/alpha",
+                  "contradicts /splay/targets; give one or the other");
+    auto parsed = parse_targets(*targets);
+    if (!parsed) return tl::unexpected(parsed.error());
+    splay.targets = std::move(*parsed);
+    return splay;
+  }
+  if (alpha && lawful(*alpha)) {
+    splay.uniform = alpha->get<double>();
+    return splay;
+  }
+  if (!alpha || !alpha->is_array() || alpha->empty())
+    return fail(
+        ErrorKind::Malformed, "/splay/alpha",
+        fmt::format("must be a number from 0 to {:g}, or a row of them for each inner level",
+                    kMostAlpha));
+  for (std::size_t i = 0; i < alpha->size(); ++i) {
+    const json& row = (*alpha)[i];
+    if (!row.is_array() || !std::all_of(row.begin(), row.end(), lawful))
+      return fail(
+          ErrorKind::Malformed, fmt::format("/splay/alpha/{}", i),
+          fmt::format("must be a list of numbers from 0 to {:g}, one a connector", kMostAlpha));
+    splay.alpha.push_back(row.get<std::vector<double>>());
+  }
+  return splay;
 }
 
 /// The paper's composite (S2.F): three stretches whose radius runs R1 -> R2 -> R3 -> R2 by its
@@ -217,13 +287,19 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
   else if (most)
     spec.max_step_over_mean = fields.number("max_step_over_mean", 3.0, 1.0, 1e6, true);
   spec.material = fields.text("material", spec.material);
-  for (const char* later : {"rotate_deg", "translate_mm", "fit", "splay"})
+  for (const char* later : {"rotate_deg", "translate_mm", "fit"})
     if (fields.value(later))
       fields.add_error(ErrorKind::OutOfRange, fields.pointer(later),
                        "is not built yet in this version of popcut; leave it out");
   const json* card = fields.value("card");
+  const json* splay = fields.value("splay");
   if (auto target = parse_target(*root, fields, spec); !target)
     return tl::unexpected(target.error());
+  if (splay) {
+    auto parsed = parse_splay(*splay, spec.min_panel_mm);
+    if (!parsed) return tl::unexpected(parsed.error());
+    spec.splay = std::move(*parsed);
+  }
   auto parsed_card = parse_card(card);
   if (!parsed_card) return tl::unexpected(parsed_card.error());
   spec.card = *parsed_card;
@@ -316,6 +392,21 @@ std::string design_spec_schema() {
                              {"description",
                               "largest step of a conformal lattice over the mean one; "
                               "null: no limit"}};
+  p["splay"] = {
+      {"type", "object"},
+      {"description", "V-folds on the valley creases of the connectors"},
+      {"additionalProperties", false},
+      {"properties",
+       {{"targets",
+         {{"type", "array"},
+          {"description", "instead of alpha, solved at the middle vertex: psi_rad with K or sign"},
+          {"minItems", 1},
+          {"maxItems", 3}}},
+        {"alpha", {{"description", "tan of the splay: one number, or inner levels x connectors"}}},
+        {"length_mm",
+         number("along the crease; default as long as the connector allows", positive)},
+        {"ligament_mm",
+         number("paper left beside V-folds; default 1, or min_panel_mm if that is more")}}}};
   p["material"] = {{"type", "string"}, {"default", "paper-220"}};
   return schema.dump(2) + "\n";
 }

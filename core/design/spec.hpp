@@ -38,6 +38,24 @@ struct AdaptiveWidths {
   std::optional<double> length_mm{};  ///< of the whole; none: as far as `slices` reach
 };
 
+/// What the surface through the fold vertices shall do at one opening angle: have an angle defect,
+/// or a sign of it that is at least `margin_rad` away from zero.
+struct CurvatureTarget {
+  double psi_rad{};
+  std::optional<double> K_rad{};
+  int sign{0};  ///< +1 or -1 where K_rad is absent
+  double margin_rad{0.05};
+};
+
+/// V-folds on the connectors' valley creases (design reference, section 7).
+struct SplaySpec {
+  std::optional<double> uniform{};         ///< one alpha for all creases
+  std::vector<std::vector<double>> alpha;  ///< else inner levels x connectors, 0 for no V-fold
+  std::vector<CurvatureTarget> targets;    ///< else solved for the middle vertex
+  std::optional<double> length_mm{};       ///< w; none: as long as the connector allows
+  double ligament_mm{0.5};                 ///< paper left beside V-folds
+};
+
 enum class LatticeMethod { Branching, Slices, Conformal, Levels };
 enum class SolverMethod { Newton, Slsqp };
 
@@ -58,6 +76,7 @@ struct DesignSpec {
   std::optional<AdaptiveWidths> adaptive;
   LatticeMethod lattice{LatticeMethod::Conformal};
   SolverMethod solver{SolverMethod::Newton};
+  std::optional<SplaySpec> splay;
   std::optional<CardSpec> card{CardSpec{}};  ///< none: `"card": false`
   double min_panel_mm{0.5};
   /// Largest step of a conformal lattice over the mean one; none: no limit. Where the user did not

@@ -14,21 +14,6 @@
 namespace popcut {
 namespace {
 
-// mm of one unit of the frame, 0 if it is not known.
-double unit_mm(const std::string& unit) {
-  constexpr std::array<std::pair<std::string_view, double>, 8> kUnits{{{"mm", 1.0},
-                                                                       {"cm", 10.0},
-                                                                       {"m", 1000.0},
-                                                                       {"in", 25.4},
-                                                                       {"pt", 25.4 / 72},
-                                                                       {"um", 1e-3},
-                                                                       {"nm", 1e-6},
-                                                                       {"unit", 1.0}}};
-  for (const auto& [name, mm] : kUnits)
-    if (unit == name) return mm;
-  return unit.empty() ? 1.0 : 0.0;
-}
-
 bool flat(const FoldFrame& frame) {
   if (frame.vertices.empty() || frame.edges.empty()) return false;
   double low = 1e300, high = -1e300, size = 0.0;
@@ -38,14 +23,6 @@ bool flat(const FoldFrame& frame) {
     size = std::max({size, std::abs(p[0]), std::abs(p[1])});
   }
   return high - low <= 1e-6 * std::max(size, 1.0);
-}
-
-// Flat frames that are no folded form come first: a flat-folded model lies flat, too.
-const FoldFrame* sheet_frame(const FoldFile& file) {
-  for (const bool folded : {false, true})
-    for (const FoldFrame& frame : file.frames)
-      if (frame.folded_form == folded && flat(frame)) return &frame;
-  return nullptr;
 }
 
 // Splits each border edge where another one lies on it: there a slit, elsewhere the sheet's edge.
@@ -111,14 +88,35 @@ bool seen_from_back(const FoldFrame& frame) {
 
 }  // namespace
 
+double fold_unit_mm(const std::string& unit) {
+  constexpr std::array<std::pair<std::string_view, double>, 8> kUnits{{{"mm", 1.0},
+                                                                       {"cm", 10.0},
+                                                                       {"m", 1000.0},
+                                                                       {"in", 25.4},
+                                                                       {"pt", 25.4 / 72},
+                                                                       {"um", 1e-3},
+                                                                       {"nm", 1e-6},
+                                                                       {"unit", 1.0}}};
+  for (const auto& [name, mm] : kUnits)
+    if (unit == name) return mm;
+  return unit.empty() ? 1.0 : 0.0;
+}
+
+const FoldFrame* flat_frame(const FoldFile& file) {
+  for (const bool folded : {false, true})
+    for (const FoldFrame& frame : file.frames)
+      if (frame.folded_form == folded && flat(frame)) return &frame;
+  return nullptr;
+}
+
 Result<LineWork> linework_from_fold(std::string_view text) {
   const auto file = read_fold(text);
   if (!file) return tl::unexpected(file.error());
-  const FoldFrame* frame = sheet_frame(*file);
+  const FoldFrame* frame = flat_frame(*file);
   if (frame == nullptr)
     return fail(ErrorKind::Malformed, "/vertices_coords",
                 "no frame with edges lies flat; the flat crease pattern is needed");
-  const double mm = unit_mm(frame->unit);
+  const double mm = fold_unit_mm(frame->unit);
   if (mm == 0.0)
     return fail(
         ErrorKind::Malformed, "/frame_unit",

@@ -36,6 +36,13 @@ struct FoldFile {
 /// @retval OutOfRange  an index or number that is not lawful
 [[nodiscard]] Result<FoldFile> read_fold(std::string_view text);
 
+/// The first frame that lies flat in z, frames that are no folded form first (a model folded flat
+/// lies flat, too); null if there is none.
+[[nodiscard]] const FoldFrame* flat_frame(const FoldFile& file);
+
+/// How many mm one unit of `frame_unit` is; 1 for "unit", 0 for a word that is not known.
+[[nodiscard]] double fold_unit_mm(const std::string& unit);
+
 /// The lines of the first flat frame, in page mm: x = second coordinate, y = first, which is a
 /// rotation as seen from +Z, so that mountain and valley keep their side. M and V are folds; C, and
 /// B edges that lie on each other (split form), a cut, once; other B edges the outline, or a cut

@@ -43,14 +43,8 @@ void put_list(TextSink& text, std::string_view key, std::size_t count, PutItem p
 }
 
 void put_fold_angles(TextSink& text, const Pattern& pattern, double psi_rad) {
-  const double valley_deg = fold_angle_deg(EdgeRole::Valley, psi_rad);
-  const double mountain_deg = fold_angle_deg(EdgeRole::Mountain, psi_rad);
-  put_list(text, "edges_foldAngle", pattern.edges.size(), [&](std::size_t e) {
-    const EdgeRole role = pattern.edges[e].role;
-    if (role == EdgeRole::Valley) return text.put(valley_deg);
-    if (role == EdgeRole::Mountain) return text.put(mountain_deg);
-    text.put("0");
-  });
+  const std::vector<double> angles = fold_angles_deg(pattern, psi_rad);
+  put_list(text, "edges_foldAngle", angles.size(), [&](std::size_t e) { text.put(angles[e]); });
 }
 
 void put_edges(TextSink& text, const Pattern& pattern) {
@@ -86,8 +80,9 @@ void put_deployed_frame(TextSink& text, const Pattern& pattern, double psi_rad) 
        ",\n\"frame_attributes\": [\"3D\",\"manifold\",\"orientable\"]",
        ",\n\"frame_unit\": \"mm\",\n\"frame_parent\": 0,\n\"frame_inherit\": true",
        ",\n\"frame_popcut:psi_rad\": ", psi_rad);
-  put_list(text, "vertices_coords", pattern.vertices.size(), [&](std::size_t i) {
-    const auto [x, v, z] = posed(pattern.vertices[i], psi_rad);
+  const std::vector<std::array<double, 3>> places = posed_vertices(pattern, psi_rad);
+  put_list(text, "vertices_coords", places.size(), [&](std::size_t i) {
+    const auto [x, v, z] = places[i];
     text("[", x, ",", v, ",", z, "]");
   });
   put_fold_angles(text, pattern, psi_rad);

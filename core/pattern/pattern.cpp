@@ -17,4 +17,41 @@ double fold_angle_deg(EdgeRole role, double psi_rad) {
   return 0.0;
 }
 
+double splay_rad(double alpha, double psi_rad) {
+  return 2.0 * std::atan(alpha * std::cos(0.5 * psi_rad));
+}
+
+std::vector<std::array<double, 3>> posed_vertices(const Pattern& pattern, double psi_rad) {
+  std::vector<std::array<double, 3>> out;
+  out.reserve(pattern.vertices.size());
+  for (const PatternVertex& p : pattern.vertices) out.push_back(posed(p, psi_rad));
+  for (const VFold& fold : pattern.v_folds) {
+    // From the apex along the crease, and up on the bisector of the two panels.
+    const double theta = splay_rad(fold.alpha, psi_rad);
+    const double up = fold.length_mm * std::sin(theta);
+    const auto& o = out[fold.apex];
+    out[fold.tip] = {o[0] + up * std::cos(0.5 * psi_rad), o[1] + fold.length_mm * std::cos(theta),
+                     o[2] + up * std::sin(0.5 * psi_rad)};
+  }
+  return out;
+}
+
+std::vector<double> fold_angles_deg(const Pattern& pattern, double psi_rad) {
+  const double valley = fold_angle_deg(EdgeRole::Valley, psi_rad);
+  const double mountain = fold_angle_deg(EdgeRole::Mountain, psi_rad);
+  std::vector<double> out;
+  out.reserve(pattern.edges.size());
+  for (const PatternEdge& e : pattern.edges)
+    out.push_back(e.role == EdgeRole::Valley     ? valley
+                  : e.role == EdgeRole::Mountain ? mountain
+                                                 : 0.0);
+  for (const VFold& fold : pattern.v_folds) {
+    const double half =
+        std::atan2(std::sqrt(1.0 + fold.alpha * fold.alpha) * std::cos(0.5 * psi_rad),
+                   std::sin(0.5 * psi_rad));
+    out[fold.edge_b] = out[fold.edge_c] = 2.0 * half * 180.0 / std::numbers::pi;
+  }
+  return out;
+}
+
 }  // namespace popcut

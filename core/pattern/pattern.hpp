@@ -42,6 +42,17 @@ struct SheetLine {
   EdgeRole role{};
 };
 
+/// A V-fold on a valley crease (design reference, section 7): from the apex O two triangles reach
+/// `length_mm` along the crease to its tip A and `alpha` times that to either side.
+struct VFold {
+  std::uint32_t apex{};    ///< O, on the crease
+  std::uint32_t tip{};     ///< A as the triangles have it; it leaves the crease when the card opens
+  std::uint32_t edge_b{};  ///< fold O-B on the upright panel
+  std::uint32_t edge_c{};  ///< fold O-C on the level panel
+  double length_mm{};      ///< w
+  double alpha{};          ///< tan of the splay angle
+};
+
 /// A single-sheet cut-fold pattern, flat and in split form: along a cut each side has vertices of
 /// its own, so that faces on either side can part. Vertices where a cut ends are shared.
 struct Pattern {
@@ -54,6 +65,7 @@ struct Pattern {
   std::vector<PatternEdge> edges;
   std::vector<std::uint32_t> face_first;     ///< faces + 1 offsets into `face_vertices`
   std::vector<std::uint32_t> face_vertices;  ///< counter-clockwise in (u, v)
+  std::vector<VFold> v_folds;
   std::vector<SheetLine> lines;  ///< folds, slits and the outline, each line once, unsplit
 
   [[nodiscard]] std::size_t faces() const { return face_first.empty() ? 0 : face_first.size() - 1; }
@@ -65,10 +77,22 @@ struct Pattern {
 };
 
 /// Where `p` lies when the card is opened to `psi_rad` (pi is flat, pi/2 the designed shape, 0
-/// shut), as (x, v, z) in mm: main text eq. 1 summed over the chain.
+/// shut), as (x, v, z) in mm: main text eq. 1 summed over the chain. Not for the tip of a V-fold.
 [[nodiscard]] std::array<double, 3> posed(const PatternVertex& p, double psi_rad);
+
+/// All vertices at `psi_rad`, the tips of V-folds where they have popped to.
+[[nodiscard]] std::vector<std::array<double, 3>> posed_vertices(const Pattern& pattern,
+                                                                double psi_rad);
+
+/// The angle between a V-fold's centre fold and its crease at `psi_rad`, in rad: 2 atan(alpha
+/// cos(psi/2)), section 7 (S3 has it as an arc tangent of a quotient, which jumps at pi/2).
+[[nodiscard]] double splay_rad(double alpha, double psi_rad);
 
 /// FOLD angle of an edge in degrees at `psi_rad`: + for a valley, - for a mountain, 0 for a border.
 [[nodiscard]] double fold_angle_deg(EdgeRole role, double psi_rad);
+
+/// FOLD angles of all edges: those of the V-folds' side folds are 2 atan(sqrt(1 + alpha^2)
+/// cot(psi/2)).
+[[nodiscard]] std::vector<double> fold_angles_deg(const Pattern& pattern, double psi_rad);
 
 }  // namespace popcut

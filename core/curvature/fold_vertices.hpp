@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/curvature/vertex_curvature.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// The V-fold on a valley crease (design reference, section 7): apex O, centre fold OA of length
+/// `w_mm` along the crease, in the direction of `sign` along v.
+struct VFold {
+  double apex_v_mm{};
+  double w_mm{};
+  double alpha{};
+  double sign{1.0};
+};
+
+/// A fold vertex: the middle of a connector's valley fold, or the tip A of the V-fold on it.
+struct FoldVertex {
+  std::int32_t i{};      ///< level along the strip, 0 for the first one of the lattice
+  std::int32_t j{};      ///< connector along the sheet, the first one 0: between slices j and j + 1
+  double x{}, v{}, z{};  ///< of the valley's middle in the designed pose, mm
+  std::optional<VFold> v_fold;
+  std::array<std::int32_t, 4> ring{-1, -1, -1, -1};  ///< (i+1,j) (i,j+1) (i-1,j) (i,j-1), -1: none
+
+  [[nodiscard]] bool inner() const {
+    return ring[0] >= 0 && ring[1] >= 0 && ring[2] >= 0 && ring[3] >= 0;
+  }
+  /// Where the vertex is at the opening angle `psi_rad`, as (x, v, z).
+  [[nodiscard]] Point3 posed(double psi_rad) const;
+};
+
+/// Finds the fold vertices of a lattice in a FOLD file, from its flat frame and its mountains and
+/// valleys alone, without the deployed frames.
+///
+/// Each strip's folds, sorted along u, alternate and give its staircase: level after a valley,
+/// upright after a mountain. A connector is a strip whose mountains run on, some only into the
+/// strip to its left, some only into the one to its right (a slice's mountains run on into both);
+/// the connectors at both ends of a mountain have the same two panels there, which tells their
+/// levels apart and places them on one another. So levels that end at wall or ground, plain cuts,
+/// and sheets without a card are no difficulty. Wall and ground are where x and z are least.
+///
+/// @return the vertices by connector and level
+/// @retval Malformed, OutOfRange  the file cannot be read as FOLD, or no frame of it lies flat
+/// @retval Infeasible  it has no connectors, or their panels do not close as rectangles must
+[[nodiscard]] Result<std::vector<FoldVertex>> fold_vertices_from_fold(std::string_view text);
+
+}  // namespace popcut
