@@ -159,8 +159,10 @@ std::string trace_svg(const Trace& trace) {
     std::string grey;
     for (std::size_t i = 0; i + 1 < trace.clipped.size(); i += 2)
       put_path(grey, std::span(trace.clipped).subspan(i, 2));
+    // White first: the colour of a force must not show where nothing was cut.
     fmt::format_to(out,
-                   "<path class=\"clipped\" d=\"{}\" fill=\"none\" stroke=\"#aaa\" "
+                   "<path d=\"{0}\" fill=\"none\" stroke=\"#fff\" stroke-width=\"0.8\"/>\n"
+                   "<path class=\"clipped\" d=\"{0}\" fill=\"none\" stroke=\"#aaa\" "
                    "stroke-width=\"0.35\"/>\n",
                    grey);
     legend_row("#aaa", 0.5,
