@@ -28,6 +28,8 @@ void register_verify(CLI::App& app, const Globals& globals, Run& run);
 void register_plan(CLI::App& app, const Globals& globals, Run& run);
 void register_simulate(CLI::App& app, const Globals& globals, Run& run);
 void register_cut(CLI::App& app, const Globals& globals, Run& run);
+void register_curvature(CLI::App& app, const Globals& globals, Run& run);
+void register_figures(CLI::App& app, const Globals& globals, Run& run);
 void register_machines(CLI::App& app, const Globals& globals, Run& run);
 
 }  // namespace popcut::cli
