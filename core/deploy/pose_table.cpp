@@ -272,8 +272,8 @@ Result<PoseTable> pose_table(const Pattern& pattern, std::span<const double> psi
 Result<PoseTable> pose_table(const Pattern& pattern, std::span<const double> psi_rad) {
   const Work work = prepare(pattern);
   auto table = tabled(work, psi_rad, [&](double psi, std::span<Vec3> places) {
-    std::transform(pattern.vertices.begin(), pattern.vertices.end(), places.begin(),
-                   [&](const PatternVertex& p) { return posed(p, psi); });
+    const auto posed = posed_vertices(pattern, psi);
+    std::copy(posed.begin(), posed.end(), places.begin());
   });
   if (table) carry_roots(work, *table);
   return table;

@@ -54,8 +54,8 @@ using PosedVertices = std::function<void(double psi_rad, std::span<Vec3> places)
 [[nodiscard]] Result<PoseTable> pose_table(const Pattern& pattern, std::span<const double> psi_rad,
                                            const PosedVertices& positions);
 
-/// The table of a pattern of panels that are parallel to wall or ground, by `posed`. Here no root
-/// shifts either: a panel that hangs on nothing is carried by a link that moves as the wall does.
+/// The table by popcut's own law of motion, `posed_vertices`. Here no root shifts either: a panel
+/// that hangs on nothing is carried by a link that moves as the wall does.
 [[nodiscard]] Result<PoseTable> pose_table(const Pattern& pattern, std::span<const double> psi_rad);
 
 /// `frames` angles from `from_rad` to `to_rad`, evenly spaced, both ends exact.

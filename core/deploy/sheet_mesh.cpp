@@ -118,6 +118,7 @@ Result<SheetMesh> surface_mesh(const Pattern& pattern) {
 }
 
 Result<SheetMesh> surface_mesh(const Pattern& pattern, const Strips& strips) {
+  if (!is_rectilinear(pattern)) return triangulate_faces(pattern).map(mesh_of);
   const Slabs slabs = cut_into_slabs(pattern);
   SheetMesh mesh;
   for (std::size_t s = 0; s < strips.size(); ++s) {

@@ -27,7 +27,8 @@ struct SheetMesh {
 /// @retval OutOfRange  a face is not a simple polygon; `place` is "faces/N"
 [[nodiscard]] Result<SheetMesh> surface_mesh(const Pattern& pattern);
 
-/// The same of a design whose strips are known: exactly two triangles for each panel of `strips`.
+/// The same of a design whose strips are known: exactly two triangles for each panel of `strips`,
+/// where the pattern is all rectangles.
 ///
 /// @retval Internal  a panel lies in no face of the pattern
 [[nodiscard]] Result<SheetMesh> surface_mesh(const Pattern& pattern, const Strips& strips);

@@ -203,7 +203,7 @@ class Picture {
     if (!(right > left)) return;
     camera_.scale =
         view.px_per_mm > 0 ? view.px_per_mm : (view.width_px - 2 * kMarginPx) / (right - left);
-    width_px_ = (right - left) * camera_.scale + 2 * kMarginPx;
+    if (view.px_per_mm > 0) width_px_ = (right - left) * camera_.scale + 2 * kMarginPx;
     camera_.x0 = left - kMarginPx / camera_.scale;
     camera_.y0 = top + kMarginPx / camera_.scale;
     height_px_ = (top - bottom) * camera_.scale + 2 * kMarginPx;
