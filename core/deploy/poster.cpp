@@ -44,19 +44,23 @@ Result<void> check(std::span<const double> psi_rad) {
 Cells cells_of(const Pattern& pattern, std::span<const double> psi_rad,
                const PosterOptions& options) {
   Cells cells;
-  cells.view.px_per_mm = 1;
-  const auto measure = [&] {
+  const auto measure = [&](double px_per_mm) {
+    cells.view.px_per_mm = px_per_mm;
     cells.size.clear();
     cells.width = cells.height = 0;
     for (const double psi : psi_rad) {
       cells.size.push_back(deployed_size_px(pattern, psi, cells.view));
-      cells.width = std::max(cells.width, std::ceil(cells.size.back()[0]));
-      cells.height = std::max(cells.height, std::ceil(cells.size.back()[1]));
+      cells.width = std::max(cells.width, cells.size.back()[0]);
+      cells.height = std::max(cells.height, cells.size.back()[1]);
     }
+    return cells.width;
   };
-  measure();
-  cells.view.px_per_mm = options.cell_px / std::max(1e-6, cells.width);
-  measure();
+  // The width grows evenly with the scale, from the margins that a picture has.
+  const double one = measure(1), two = measure(2);
+  const double a_px_per_mm = two - one;
+  if (a_px_per_mm > 0) measure(std::max(0.0, options.cell_px - (one - a_px_per_mm)) / a_px_per_mm);
+  cells.width = std::ceil(cells.width);
+  cells.height = std::ceil(cells.height);
   return cells;
 }
 

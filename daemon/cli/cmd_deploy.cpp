@@ -120,18 +120,19 @@ void say(const Options& options, const Globals& globals, const Source& source,
 }
 
 Result<void> run_deploy(Options options, const Globals& globals) {
+  give_back_file(options.motion, options.file);
   const auto convention = parse_convention(options.convention);
   if (!convention) return tl::unexpected(convention.error());
   const auto material = find_material(options.material);
   if (!material) return fail(ErrorKind::Usage, "command line", material.error().detail);
-  const auto thickness = thickness_of(options.motion, options.file, material->thickness_mm);
+  const auto thickness = thickness_of(options.motion, material->thickness_mm);
   if (!thickness) return tl::unexpected(thickness.error());
   if (options.file.empty()) {
     return fail(ErrorKind::Usage, "command line",
                 "FILE is missing; give a pattern.fold, or a table of panels (.csv)");
   }
   const bool paper = *convention == SegmentConvention::Paper;
-  if (paper && !options.motion.from_given) options.motion.from_psi = "0";
+  if (paper && !from_is_given(options.motion)) options.motion.from_psi = "0";
   const auto angles = angles_of(options.motion);
   if (!angles) return tl::unexpected(angles.error());
   const auto source = read_source(options, *convention);

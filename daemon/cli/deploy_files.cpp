@@ -5,6 +5,7 @@
 #include <charconv>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -19,7 +20,13 @@ namespace {
 
 using Streamed = std::function<Result<void>(std::ostream&)>;
 
-constexpr const char* kOfMaterial = "material";  // --thickness without a value
+std::optional<double> number(const std::string& text) {
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || stop != end) return std::nullopt;
+  return value;
+}
 
 /// `count` angles on the same way; shut ones are moved to where a picture can be drawn.
 std::vector<double> drawn_angles(const std::vector<double>& psi_rad, std::size_t count) {
@@ -39,19 +46,18 @@ std::vector<double> drawn_angles(const std::vector<double>& psi_rad, std::size_t
 void add_motion_options(CLI::App& command, MotionOptions& options) {
   command.add_option("--frames", options.frames, "How many poses the meshes have, 1 to 10000")
       ->option_text("N [60]");
-  command
-      .add_option("--from-psi", options.from_psi, "Opening angle of the first frame, rad or 90deg")
-      ->option_text("ANGLE [pi]")
-      ->each([&options](const std::string&) { options.from_given = true; });
+  options.from_option = command
+                            .add_option("--from-psi", options.from_psi,
+                                        "Opening angle of the first frame, rad or 90deg")
+                            ->option_text("ANGLE [pi]");
   command.add_option("--to-psi", options.to_psi, "Opening angle of the last frame; 0 is shut")
-      ->option_text("ANGLE [pi/2]")
-      ->each([&options](const std::string&) { options.to_given = true; });
-  command
-      .add_option("--thickness", options.thickness,
-                  "Closed solids of this thickness, not one surface (the material's, unless told)")
-      ->option_text("[MM]")
-      ->expected(0, 1)
-      ->default_str(kOfMaterial);
+      ->option_text("ANGLE [pi/2]");
+  options.thickness_option =
+      command
+          .add_option("--thickness", options.thickness,
+                      "Closed solids as thick as the material, or MM, not one surface")
+          ->option_text("[MM]")
+          ->expected(0, 1);
 }
 
 Result<std::vector<double>> angles_of(const MotionOptions& options) {
@@ -62,22 +68,23 @@ Result<std::vector<double>> angles_of(const MotionOptions& options) {
   return opening_angles(*from, *to, options.frames);
 }
 
-Result<double> thickness_of(MotionOptions& options, std::string& file, double of_material_mm) {
-  if (options.thickness.empty()) return 0;
-  if (options.thickness == kOfMaterial) return of_material_mm;
-  double mm = 0;
-  const char* const end = options.thickness.data() + options.thickness.size();
-  const auto [stop, error] = std::from_chars(options.thickness.data(), end, mm);
-  const bool number = error == std::errc() && stop == end;
-  if (!number && file.empty()) {
-    file = std::exchange(options.thickness, kOfMaterial);
-    return of_material_mm;
-  }
-  if (number && mm >= 1e-3 && mm <= 100) return mm;
+bool from_is_given(const MotionOptions& options) { return options.from_option->count() > 0; }
+
+void give_back_file(MotionOptions& options, std::string& file) {
+  if (file.empty() && !options.thickness.empty() && !number(options.thickness))
+    file = std::exchange(options.thickness, {});
+}
+
+Result<double> thickness_of(const MotionOptions& options, double of_material_mm) {
+  if (options.thickness_option->count() == 0) return 0;
+  if (options.thickness.empty()) return of_material_mm;
+  constexpr double kLeastMm = 1e-3, kMostMm = 100;
+  const auto mm = number(options.thickness);
+  if (mm && *mm >= kLeastMm && *mm <= kMostMm) return *mm;
   return fail(ErrorKind::Usage, "command line",
-              fmt::format("--thickness {} is no thickness; give 0.001 to 100 mm, or none for the "
+              fmt::format("--thickness {} is no thickness; give {} to {} mm, or nothing for the "
                           "material's",
-                          options.thickness));
+                          options.thickness, kLeastMm, kMostMm));
 }
 
 Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,

@@ -13,7 +13,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace popcut::cli {
 
@@ -21,8 +22,9 @@ namespace popcut::cli {
 struct MotionOptions {
   int frames{60};
   std::string from_psi{"pi"}, to_psi{"pi/2"};
-  std::string thickness;  ///< empty: one surface; a number of mm, or a word for the material's
-  bool from_given{false}, to_given{false};
+  std::string thickness;  ///< mm; empty: the material's
+  const CLI::Option* from_option{};
+  const CLI::Option* thickness_option{};
 };
 
 /// Adds --frames, --from-psi, --to-psi and --thickness to a command.
@@ -33,12 +35,17 @@ void add_motion_options(CLI::App& command, MotionOptions& options);
 /// @retval Usage  no angles, or no lawful row of them
 [[nodiscard]] Result<std::vector<double>> angles_of(const MotionOptions& options);
 
-/// Thickness of the solids in mm, 0 for surfaces. `--thickness` may stand before a file's name, and
-/// then takes it for its value: the name is moved to `file`, where that is empty.
+/// True when the user named the first angle.
+[[nodiscard]] bool from_is_given(const MotionOptions& options);
+
+/// `--thickness` may stand before a file's name, and then has it for its value: the name goes to
+/// `file`, where that is empty.
+void give_back_file(MotionOptions& options, std::string& file);
+
+/// Thickness of the solids in mm, 0 for surfaces.
 ///
 /// @retval Usage  it is no thickness from 0.001 to 100 mm
-[[nodiscard]] Result<double> thickness_of(MotionOptions& options, std::string& file,
-                                          double of_material_mm);
+[[nodiscard]] Result<double> thickness_of(const MotionOptions& options, double of_material_mm);
 
 /// Writes `prefix` + "psi_NNN.stl" for each angle, the first with the number 1.
 [[nodiscard]] Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,
