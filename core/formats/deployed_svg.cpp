@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -179,8 +180,10 @@ class Picture {
         places_(posed_vertices(pattern, psi_rad)),
         camera_(view.azimuth_rad, std::min(psi_rad / 2, kLargestElevationRad)),
         text_(out) {
-    fit(view.width_px);
+    fit(view);
   }
+
+  [[nodiscard]] std::array<double, 2> size_px() const { return {width_px_, height_px_}; }
 
   void draw() {
     const Slabs slabs = cut_into_slabs(pattern_);
@@ -203,7 +206,7 @@ class Picture {
   static constexpr double kMarginPx = 12.0;
 
   /// Scales and shifts the projection so that the pattern fills the picture's width.
-  void fit(double width_px) {
+  void fit(const View& view) {
     double left = std::numeric_limits<double>::max(), bottom = left;
     double right = -left, top = -left;
     for (const PatternVertex& p : pattern_.vertices) {
@@ -213,9 +216,11 @@ class Picture {
       bottom = std::min(bottom, dot(camera_.up, place));
       top = std::max(top, dot(camera_.up, place));
     }
-    width_px_ = width_px;
+    width_px_ = view.width_px;
     if (!(right > left)) return;
-    camera_.scale = (width_px - 2 * kMarginPx) / (right - left);
+    camera_.scale =
+        view.px_per_mm > 0 ? view.px_per_mm : (view.width_px - 2 * kMarginPx) / (right - left);
+    if (view.px_per_mm > 0) width_px_ = (right - left) * camera_.scale + 2 * kMarginPx;
     camera_.x0 = left - kMarginPx / camera_.scale;
     camera_.y0 = top + kMarginPx / camera_.scale;
     height_px_ = (top - bottom) * camera_.scale + 2 * kMarginPx;
@@ -280,6 +285,11 @@ class Picture {
 };
 
 }  // namespace
+
+std::array<double, 2> deployed_size_px(const Pattern& pattern, double psi_rad, const View& view) {
+  std::ostringstream nowhere;
+  return Picture(pattern, psi_rad, view, nowhere).size_px();
+}
 
 void write_deployed_svg(const Pattern& pattern, double psi_rad, const View& view,
                         std::ostream& out) {
