@@ -44,7 +44,12 @@ void write_assembly_csv(double phi_rad, const Samples& r, const Samples& lambda,
     for (std::size_t column = 0; column < r.count; ++column) {
       const Assembly at{r.at(column), lambda.at(row), phi_rad};
       const VertexCurvature c = curvature_of(at);
-      text(at.r, ",", at.lambda, ",", c.K, ",", c.H, "\n");
+      text(at.r, ",", at.lambda);
+      for (const double value : {c.K, c.H}) {
+        text.put(",");
+        if (std::isfinite(value)) text.put(value);
+      }
+      text.put("\n");
     }
   }
 }

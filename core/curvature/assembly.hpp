@@ -45,7 +45,7 @@ struct AssemblyMaps {
 [[nodiscard]] AssemblyMaps assembly_maps(double phi_rad, const Samples& r, const Samples& lambda);
 
 /// Writes the columns r, lambda, K, H, with a heading, in the order of `AssemblyMaps`; takes no
-/// memory for the grid.
+/// memory for the grid. A value that is not finite (a triangle that vanishes) is left empty.
 void write_assembly_csv(double phi_rad, const Samples& r, const Samples& lambda, std::ostream& out);
 
 /// What an assembly is to have: K in rad (angle defect), and H in 1/width if given.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -60,6 +61,7 @@ struct Slabs {
   std::vector<double> v;
   std::vector<std::vector<Piece>> pieces;
   std::vector<std::vector<Stroke3>> strokes;
+  std::vector<std::vector<std::uint32_t>> v_folds;  ///< those whose triangles end in the slab
 
   [[nodiscard]] std::size_t index(double at) const {
     return static_cast<std::size_t>(std::lower_bound(v.begin(), v.end(), at) - v.begin());
@@ -124,8 +126,22 @@ Slabs cut_into_slabs(const Pattern& pattern) {
   if (slabs.v.size() < 2) return slabs;
   slabs.pieces.resize(slabs.v.size() - 1);
   slabs.strokes.resize(slabs.v.size() - 1);
-  for (std::uint32_t f = 0; f < pattern.faces(); ++f) add_face(pattern, f, slabs);
-  for (const PatternEdge& edge : pattern.edges) add_edge(pattern, edge, slabs);
+  slabs.v_folds.resize(slabs.v.size() - 1);
+  // The triangles of V-folds leave their panels: they are painted over their strip at the end.
+  std::vector<std::uint8_t> is_tip(pattern.vertices.size(), 0);
+  for (const VFold& fold : pattern.v_folds) is_tip[fold.tip] = 1;
+  const auto leaves = [&](std::uint32_t vertex) { return is_tip[vertex] != 0; };
+  for (std::uint32_t f = 0; f < pattern.faces(); ++f) {
+    const auto face = pattern.face(f);
+    if (std::none_of(face.begin(), face.end(), leaves)) add_face(pattern, f, slabs);
+  }
+  for (const PatternEdge& edge : pattern.edges)
+    if (!leaves(edge.from) && !leaves(edge.to)) add_edge(pattern, edge, slabs);
+  for (std::uint32_t k = 0; k < pattern.v_folds.size(); ++k) {
+    const VFold& fold = pattern.v_folds[k];
+    const double end = pattern.vertices[fold.tip].v;
+    slabs.v_folds[std::max<std::size_t>(slabs.index(end), 1) - 1].push_back(k);
+  }
   return slabs;
 }
 
@@ -161,10 +177,13 @@ class Picture {
   Picture(const Pattern& pattern, double psi_rad, const View& view, std::ostream& out)
       : pattern_(pattern),
         psi_rad_(psi_rad),
+        places_(posed_vertices(pattern, psi_rad)),
         camera_(view.azimuth_rad, std::min(psi_rad / 2, kLargestElevationRad)),
         text_(out) {
-    fit(view.width_px);
+    fit(view);
   }
+
+  [[nodiscard]] std::array<double, 2> size_px() const { return {width_px_, height_px_}; }
 
   void draw() {
     const Slabs slabs = cut_into_slabs(pattern_);
@@ -177,6 +196,7 @@ class Picture {
       put_pieces(slabs, s, colours);
       put_strokes(slabs.strokes[s], true, "#9a8f80", "0.5");
       put_strokes(slabs.strokes[s], false, "#3d3a36", "0.8");
+      for (const std::uint32_t k : slabs.v_folds[s]) put_v_fold(pattern_.v_folds[k]);
     }
     text_.put("</g>\n</svg>\n");
   }
@@ -186,7 +206,7 @@ class Picture {
   static constexpr double kMarginPx = 12.0;
 
   /// Scales and shifts the projection so that the pattern fills the picture's width.
-  void fit(double width_px) {
+  void fit(const View& view) {
     double left = std::numeric_limits<double>::max(), bottom = left;
     double right = -left, top = -left;
     for (const PatternVertex& p : pattern_.vertices) {
@@ -196,19 +216,18 @@ class Picture {
       bottom = std::min(bottom, dot(camera_.up, place));
       top = std::max(top, dot(camera_.up, place));
     }
-    width_px_ = width_px;
+    width_px_ = view.width_px;
     if (!(right > left)) return;
-    camera_.scale = (width_px - 2 * kMarginPx) / (right - left);
+    camera_.scale =
+        view.px_per_mm > 0 ? view.px_per_mm : (view.width_px - 2 * kMarginPx) / (right - left);
+    if (view.px_per_mm > 0) width_px_ = (right - left) * camera_.scale + 2 * kMarginPx;
     camera_.x0 = left - kMarginPx / camera_.scale;
     camera_.y0 = top + kMarginPx / camera_.scale;
     height_px_ = (top - bottom) * camera_.scale + 2 * kMarginPx;
   }
 
   void put_point(std::string_view command, const PatternVertex& p) {
-    const auto [x, y] = camera_.project(posed(p, psi_rad_));
-    constexpr double kHundredths = 100.0;
-    text_(command, std::round(x * kHundredths) / kHundredths, " ",
-          std::round(y * kHundredths) / kHundredths);
+    put_place(command, posed(p, psi_rad_));
   }
 
   void put_pieces(const Slabs& slabs, std::size_t s, const std::vector<std::string>& colours) {
@@ -222,6 +241,26 @@ class Picture {
       const std::string& colour = colours[piece.face];
       // The stroke closes the hair that antialiasing leaves between two pieces of one face.
       text_("Z\" fill=\"", colour, "\" stroke=\"", colour, "\" stroke-width=\"0.9\"/>\n");
+    }
+  }
+
+  void put_place(std::string_view command, const Vec3& place) {
+    const auto [x, y] = camera_.project(place);
+    constexpr double kHundredths = 100.0;
+    text_(command, std::round(x * kHundredths) / kHundredths, " ",
+          std::round(y * kHundredths) / kHundredths);
+  }
+
+  /// The two triangles of a V-fold where they have popped to, the one away from the eye first.
+  void put_v_fold(const VFold& fold) {
+    const Vec3 &o = places_[fold.apex], &tip = places_[fold.tip];
+    const Vec3& b = places_[pattern_.edges[fold.edge_b].to];
+    const Vec3& c = places_[pattern_.edges[fold.edge_c].to];
+    for (const auto& [side, colour] : {std::pair(&b, "#d9c193"), std::pair(&c, "#f3d7a3")}) {
+      put_place("<path d=\"M", o);
+      put_place("L", tip);
+      put_place("L", *side);
+      text_("Z\" fill=\"", colour, "\" stroke=\"#3d3a36\" stroke-width=\"0.7\"/>\n");
     }
   }
 
@@ -239,12 +278,18 @@ class Picture {
 
   const Pattern& pattern_;
   double psi_rad_;
+  std::vector<Vec3> places_;
   Camera camera_;
   TextSink text_;
   double width_px_{0}, height_px_{0};
 };
 
 }  // namespace
+
+std::array<double, 2> deployed_size_px(const Pattern& pattern, double psi_rad, const View& view) {
+  std::ostringstream nowhere;
+  return Picture(pattern, psi_rad, view, nowhere).size_px();
+}
 
 void write_deployed_svg(const Pattern& pattern, double psi_rad, const View& view,
                         std::ostream& out) {

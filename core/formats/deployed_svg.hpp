@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <iosfwd>
 
 #include "core/pattern/pattern.hpp"
@@ -11,6 +12,7 @@ namespace popcut {
 struct View {
   double azimuth_rad{0.5};  ///< of the eye, from straight ahead toward growing v; 0 < it < pi/2
   double width_px{900.0};
+  double px_per_mm{0.0};  ///< a scale instead of `width_px`; 0: as large as fills the width
 };
 
 /// Draws `pattern` opened to `psi_rad` as a shaded picture seen from the pop-up side, parallel
@@ -22,5 +24,9 @@ struct View {
 /// is right. 0 < psi_rad <= pi.
 void write_deployed_svg(const Pattern& pattern, double psi_rad, const View& view,
                         std::ostream& out);
+
+/// Width and height of that picture in px, before they are rounded up.
+[[nodiscard]] std::array<double, 2> deployed_size_px(const Pattern& pattern, double psi_rad,
+                                                     const View& view);
 
 }  // namespace popcut

@@ -63,6 +63,9 @@ class FrameReader {
     };
     text("frame_title", frame_.title);
     text("frame_unit", frame_.unit);
+    const auto psi = json_.find("frame_popcut:psi_rad");
+    frame_.psi_rad.reset();
+    if (psi != json_.end() && psi->is_number()) frame_.psi_rad = psi->get<double>();
     const auto classes = json_.find("frame_classes");
     if (classes == json_.end() || !classes->is_array()) return;
     frame_.folded_form = false;
@@ -235,6 +238,8 @@ Result<FoldFile> read_fold(std::string_view text) {
   file.frames.emplace_back();
   if (auto key = FrameReader(*json, "", file.frames.front()).read(true); !key)
     return tl::unexpected(key.error());
+  const auto title = json->find("file_title");
+  if (title != json->end() && title->is_string()) file.title = title->get<std::string>();
   const auto frames = json->find("file_frames");
   if (frames == json->end() || frames->is_null()) return file;
   if (!frames->is_array() || frames->size() > kMaxFrames)

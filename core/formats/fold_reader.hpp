@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,7 @@ struct FoldFrame {
   std::string title;
   std::string unit;                             ///< frame_unit, "unit" where none is given
   bool folded_form{};                           ///< frame_classes has foldedForm
+  std::optional<double> psi_rad;                ///< frame_popcut:psi_rad, where it is a number
   std::vector<std::array<double, 3>> vertices;  ///< z = 0 where two coordinates are given
   std::vector<std::array<std::uint32_t, 2>> edges;
   std::vector<char> assignments;        ///< B M V F U C J, U where none is given
@@ -26,6 +28,7 @@ struct FoldFrame {
 
 /// A FOLD file: the key frame, then those of `file_frames`.
 struct FoldFile {
+  std::string title;  ///< file_title
   std::vector<FoldFrame> frames;
 };
 

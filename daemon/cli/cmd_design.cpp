@@ -13,8 +13,12 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "core/deploy/sheet_mesh.hpp"
+#include "core/deploy/shut_stack.hpp"
 #include "core/design/design.hpp"
+#include "core/formats/cricut_svg.hpp"
 #include "core/formats/deployed_svg.hpp"
+#include "core/formats/dxf_writer.hpp"
 #include "core/formats/fold_writer.hpp"
 #include "core/formats/pdf_pattern.hpp"
 #include "core/formats/report_json.hpp"
@@ -25,6 +29,7 @@
 #include "core/plan/micro_cut.hpp"
 #include "daemon/cli/angles.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/deploy_files.hpp"
 #include "daemon/cli/examples.hpp"
 #include "daemon/cli/output_folder.hpp"
 
@@ -32,7 +37,9 @@ namespace popcut::cli {
 namespace {
 
 struct Options {
-  std::string spec, folder, formats{"fold,svg,cut,csv,report"}, fold_frames{"pi,pi/2,1.1"}, example;
+  std::string spec, folder, formats{"fold,svg,cut,dxf,csv,glb,stl,report"},
+      fold_frames{"pi,pi/2,1.1"}, example;
+  MotionOptions motion;
   bool schema{false}, list{false};
 };
 
@@ -43,6 +50,8 @@ struct Job {
   Design made;
   Material material;
   FoldOptions fold;
+  std::vector<double> psi_rad;  ///< of the meshes
+  double thickness_mm{};        ///< of the meshes; 0: one surface
 };
 
 using Streamed = std::function<Result<void>(std::ostream&)>;
@@ -60,10 +69,21 @@ Result<void> add_svg(const Job& job, OutputFolder& folder) {
                     }));
 }
 
+Result<void> add_dxf(const Job& job, OutputFolder& folder) {
+  return folder.add("pattern.dxf", Streamed([&](std::ostream& out) -> Result<void> {
+                      write_pattern_dxf(job.made.pattern, out);
+                      return {};
+                    }));
+}
+
+/// The page with each fold as its dashes.
+LineWork dashed_page(const Job& job) {
+  return micro_cut(linework_from_pattern(job.made.pattern), job.material.dashes).work;
+}
+
 /// The dashes of all folds, back from the page (x = v, y = u) onto the sheet.
 std::vector<SheetLine> micro_cuts(const Job& job) {
-  const LineWork dashed =
-      micro_cut(linework_from_pattern(job.made.pattern), job.material.dashes).work;
+  const LineWork dashed = dashed_page(job);
   std::vector<SheetLine> dashes;
   for (const DrawnLine& line : dashed.lines) {
     if (!is_fold(line.operation)) continue;
@@ -81,6 +101,12 @@ Result<void> add_cut(const Job& job, OutputFolder& folder) {
   return folder.add("cut.svg", Streamed([&](std::ostream& out) -> Result<void> {
                       write_cut_svg(job.made.pattern, micro_cuts(job), out);
                       return {};
+                    }));
+}
+
+Result<void> add_cricut(const Job& job, OutputFolder& folder) {
+  return folder.add("cricut.svg", Streamed([&](std::ostream& out) {
+                      return write_cricut_svg(dashed_page(job), CricutMat{}, out);
                     }));
 }
 
@@ -104,6 +130,22 @@ Result<void> add_picture(const Job& job, OutputFolder& folder) {
                     }));
 }
 
+Result<void> add_stl(const Job& job, OutputFolder& folder) {
+  const Design& made = job.made;
+  const auto mesh = job.thickness_mm > 0 ? solid_mesh(made.pattern, job.thickness_mm)
+                                         : surface_mesh(made.pattern, made.strips);
+  if (!mesh) return tl::unexpected(mesh.error());
+  return add_meshes(made.pattern, *mesh, job.psi_rad, MeshAxes::Upright, "deploy/", folder);
+}
+
+Result<void> add_animation(const Job& job, OutputFolder& folder) {
+  return add_glb(job.made.pattern, job.psi_rad, job.thickness_mm, folder);
+}
+
+Result<void> add_poses(const Job& job, OutputFolder& folder) {
+  return add_poster(job.made.pattern, job.psi_rad, folder);
+}
+
 Result<void> add_report(const Job& job, OutputFolder& folder) {
   return folder.add("report.json", report_json(job.made.report));
 }
@@ -115,9 +157,17 @@ struct Format {
 };
 
 constexpr std::array kFormats{
-    Format{"fold", "pattern.fold", add_fold},    Format{"svg", "pattern.svg", add_svg},
-    Format{"cut", "cut.svg", add_cut},           Format{"csv", "segments.csv", add_csv},
-    Format{"pdf", "pattern.pdf", add_pdf},       Format{"picture", "deployed.svg", add_picture},
+    Format{"fold", "pattern.fold", add_fold},
+    Format{"svg", "pattern.svg", add_svg},
+    Format{"cut", "cut.svg", add_cut},
+    Format{"dxf", "pattern.dxf", add_dxf},
+    Format{"csv", "segments.csv", add_csv},
+    Format{"pdf", "pattern.pdf", add_pdf},
+    Format{"cricut", "cricut.svg", add_cricut},
+    Format{"picture", "deployed.svg", add_picture},
+    Format{"poster", "poster.svg", add_poses},
+    Format{"glb", "deploy.glb", add_animation},
+    Format{"stl", "deploy/psi_NNN.stl", add_stl},
     Format{"report", "report.json", add_report},
 };
 
@@ -215,11 +265,20 @@ Result<Design> timed_design(const DesignSpec& spec) {
   return made;
 }
 
+/// Says in the report where the paper's thickness matters.
+void add_thickness_note(const Material& material, Design& made) {
+  const ShutStack stack = shut_stack(made.strips, material.thickness_mm);
+  if (const auto warning = thickness_warning(stack, material.thickness_mm))
+    made.report.notes.push_back(fmt::format("{}: {}", material.name, *warning));
+}
+
 Result<void> design_into(const Options& options, const Globals& globals) {
   const auto formats = parse_formats(options.formats);
   if (!formats) return tl::unexpected(formats.error());
   const auto fold_frames = parse_opening_angles(options.fold_frames);
   if (!fold_frames) return tl::unexpected(fold_frames.error());
+  auto angles = angles_of(options.motion);
+  if (!angles) return tl::unexpected(angles.error());
   constexpr std::uintmax_t kSpecLimitBytes = 64u << 20;
   const auto text = read_file(options.spec, kSpecLimitBytes);
   if (!text) return tl::unexpected(text.error());
@@ -229,12 +288,20 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (!material) {
     return fail(ErrorKind::OutOfRange, options.spec + ": /material", material.error().detail);
   }
+  const auto thickness = thickness_of(options.motion, material->thickness_mm);
+  if (!thickness) return tl::unexpected(thickness.error());
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
   auto made = timed_design(*spec);
   if (!made) return tl::unexpected(within(options.spec, made.error()));
 
-  const Job job{std::move(*made), *material, {"popcut " POPCUT_VERSION, *fold_frames}};
+  add_thickness_note(*material, *made);
+
+  const Job job{std::move(*made),
+                *material,
+                {"popcut " POPCUT_VERSION, *fold_frames},
+                std::move(*angles),
+                *thickness};
   for (const Format& format : *formats) {
     if (auto done = format.add(job, *folder); !done) return done;
   }
@@ -250,7 +317,8 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   return {};
 }
 
-Result<void> run_design(const Options& options, const Globals& globals) {
+Result<void> run_design(Options options, const Globals& globals) {
+  give_back_file(options.motion, options.spec);
   if (options.schema) {
     fmt::print("{}", design_spec_schema());
     return {};
@@ -273,7 +341,8 @@ constexpr const char* kHelp =
     "  popcut design --example sphere > sphere.json\n"
     "  popcut design sphere.json -o sphere\n\n"
     "Writes in DIR: pattern.fold (flat sheet and deployed poses), pattern.svg (to look at),\n"
-    "cut.svg (to cut: each dash of a fold a path), segments.csv (a row a panel) and report.json.\n"
+    "cut.svg (to cut: each dash of a fold a path), pattern.dxf, segments.csv (a row a panel),\n"
+    "deploy.glb (animated), deploy/psi_NNN.stl (a mesh a frame) and report.json.\n"
     "DIR's other files stay; files of the last run that this one does not write are removed.";
 
 }  // namespace
@@ -286,12 +355,14 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
       ->option_text("DIR");
   command
       ->add_option("--formats", options->formats,
-                   "Some of: fold svg cut csv pdf picture report, with commas between")
-      ->option_text("LIST [fold,svg,cut,csv,report]");
+                   "Some of: fold svg cut dxf csv pdf cricut picture poster glb stl report, with "
+                   "commas between")
+      ->option_text("LIST [fold,svg,cut,dxf,csv,glb,stl,report]");
   command
       ->add_option("--fold-frames", options->fold_frames,
                    "Poses in pattern.fold, rad or 90deg; pi is flat, pi/2 the designed shape")
       ->option_text("LIST [pi,pi/2,1.1]");
+  add_motion_options(*command, options->motion);
   command->add_flag("--schema", options->schema, "Print the JSON Schema of a SPEC");
   command->add_option("--example", options->example, "Print a shipped SPEC")->option_text("NAME");
   command->add_flag("--list", options->list, "List the shipped SPECs, the name first");

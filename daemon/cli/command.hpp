@@ -24,10 +24,13 @@ using Run = std::function<Result<void>()>;
 using Register = void (*)(CLI::App& app, const Globals& globals, Run& run);
 
 void register_design(CLI::App& app, const Globals& globals, Run& run);
+void register_deploy(CLI::App& app, const Globals& globals, Run& run);
 void register_verify(CLI::App& app, const Globals& globals, Run& run);
 void register_plan(CLI::App& app, const Globals& globals, Run& run);
 void register_simulate(CLI::App& app, const Globals& globals, Run& run);
 void register_cut(CLI::App& app, const Globals& globals, Run& run);
+void register_curvature(CLI::App& app, const Globals& globals, Run& run);
+void register_figures(CLI::App& app, const Globals& globals, Run& run);
 void register_machines(CLI::App& app, const Globals& globals, Run& run);
 
 }  // namespace popcut::cli

@@ -15,13 +15,14 @@ namespace popcut::cli {
 namespace {
 
 // Every subcommand of this build; the order is the order of the help.
-constexpr std::initializer_list<Register> kCommands = {register_design, register_verify,
-                                                       register_plan,   register_simulate,
-                                                       register_cut,    register_machines};
+constexpr std::initializer_list<Register> kCommands = {
+    register_design, register_deploy,   register_verify,    register_plan,   register_simulate,
+    register_cut,    register_machines, register_curvature, register_figures};
 
 constexpr const char* kPurpose =
     "popcut turns a target surface into a pop-up pattern, a cut sheet, and a finished cut.\n\n"
     "  popcut design sphere.json -o sphere         # pattern, drawings and report in ./sphere\n"
+    "  popcut deploy sphere/pattern.fold -o poses  # meshes of the poses as it opens\n"
     "  popcut verify sphere/pattern.fold           # is it sound? one freedom? no crossing?\n"
     "  popcut plan sphere.json -o sheets           # the sheets and the programs that cut them\n"
     "  popcut cut sphere.json --direct             # cut it, on the simulated cutter by default\n\n"

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "core/curvature/figure_parts.hpp"
+#include "core/curvature/samples.hpp"
+#include "core/curvature/splay_patch.hpp"
+
+namespace popcut::figures {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+void add_angles(PaperFigures& out) {
+  const Samples psi{0.0, 1.0, 141}, alpha{0.0, 4.0, 141};  // psi over pi
+  plot::Map map;
+  map.columns = psi.count;
+  map.rows = alpha.count;
+  std::string csv = "psi,alpha,theta\n";
+  for (std::size_t row = 0; row < alpha.count; ++row) {
+    for (std::size_t column = 0; column < psi.count; ++column) {
+      const double angle = psi.at(column) * kPi;
+      const double theta = splay_angle_rad(alpha.at(row), angle);
+      map.value.push_back(theta / kPi);
+      fmt::format_to(std::back_inserter(csv), "{},{},{}\n", angle, alpha.at(row), theta);
+    }
+  }
+  double off = 0;
+  for (std::size_t k = 0; k + 1 < psi.count; ++k) {
+    const double angle = psi.at(k) * kPi;
+    off = std::max(off, std::abs(splay_angle_rad(1 / std::cos(angle / 2), angle) - kPi / 2));
+  }
+  state(out, "3C", "theta = pi/2 where alpha cos(psi/2) = 1; largest difference at most 1e-12", off,
+        off <= 1e-12);
+  map.label = "θ/π";
+  map.least = 0.0;
+  map.largest = 0.9;
+  map.diverging = false;
+  map.contours = {0.5};
+  map.thin_contours = {0.1, 0.2, 0.3, 0.4, 0.6, 0.7, 0.8};
+  plot::Panel panel;
+  panel.title = "Fig. 3C: θ(Ψ, α) of a splayed unit";
+  panel.x = {"Ψ/π", 0.0, 1.0, false};
+  panel.y = {"α", 0.0, 4.0, false};
+  panel.map = std::move(map);
+  panel.notes = {{0.56, 1.35, "θ = π/2", false, false}};
+  panel.remarks = {"Ψ = π is the flat sheet; black: the tip at its highest"};
+  out.files.push_back({"fig3c.svg", plot::figure_svg(std::span(&panel, 1))});
+  out.files.push_back({"fig3c.csv", csv});
+}
+
+struct Case {
+  const char* name;
+  const char* words;
+  const char* colour;
+  SplayPatch patch;
+};
+
+Result<void> add_patches(PaperFigures& out) {
+  SplayPatch formula;
+  formula.alpha = 0.8;
+  formula.alpha_along = 0.3;
+  SplayPatch sheet;
+  sheet.pitch_along = 2.2;
+  sheet.on_lattice = true;
+  sheet.alpha = 0.7;
+  Case cases[] = {{"pitch_w", "pitch w both ways", plot::kBlue, formula},
+                  {"sheet", "as it fits a sheet", plot::kRed, sheet}};
+  constexpr double kPsi[] = {0.16 * kPi, 0.28 * kPi, 0.47 * kPi};
+  std::string csv = "patch,alpha,alpha_along,alpha_across,psi,K\n";
+  plot::Panel panel;
+  double least = 0, most = 0;
+  for (Case& c : cases) {
+    // On a sheet the panels' length must hold the widest V-fold: a = 1.15 w alpha.
+    constexpr double kRoom = 1.15;
+    const auto solve = [&]() -> Result<double> {
+      if (!c.patch.on_lattice) return alpha_across_for_zero(c.patch, kPsi[1]);
+      double across = 2.0;
+      constexpr int kRounds = 200;
+      for (int k = 0; k < kRounds; ++k) {
+        c.patch.pitch_across = kRoom * across;
+        const auto next = alpha_across_for_zero(c.patch, kPsi[1]);
+        if (!next) return next;
+        if (std::abs(*next - across) < 1e-15) break;
+        across = *next;
+      }
+      return across;
+    };
+    const auto across = solve();
+    if (!across) return tl::unexpected(across.error());
+    c.patch.alpha_across = *across;
+    plot::Curve curve{c.words, {}, c.colour, true, false, false, 2.0};
+    plot::Curve marks{"", {}, c.colour, false, true, false, 2.0};
+    constexpr int kSamples = 161;
+    for (int k = 0; k < kSamples; ++k) {
+      const double over_pi = 0.02 + 0.6 * k / (kSamples - 1);
+      const double K = curvature_of(c.patch, over_pi * kPi).K;
+      curve.points.push_back({over_pi, K});
+      least = std::min(least, K);
+      most = std::max(most, K);
+      fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{}\n", c.name, c.patch.alpha,
+                     c.patch.alpha_along, c.patch.alpha_across, over_pi * kPi, K);
+    }
+    double K[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+      K[k] = curvature_of(c.patch, kPsi[k]).K;
+      marks.points.push_back({kPsi[k] / kPi, K[k]});
+    }
+    const std::string of = fmt::format("alphas {:g}, {:g}, {:.12g} ({})", c.patch.alpha,
+                                       c.patch.alpha_along, c.patch.alpha_across, c.words);
+    state(out, "3D", of + ": K > 0 at 0.16 pi", K[0], K[0] > 0);
+    state(out, "3D", of + ": K = 0 at 0.28 pi; |K| below 1e-9", K[1], std::abs(K[1]) < 1e-9);
+    state(out, "3D", of + ": K < 0 at 0.47 pi", K[2], K[2] < 0);
+    panel.curves.push_back(std::move(curve));
+    panel.curves.push_back(std::move(marks));
+  }
+  panel.title = "Fig. 3D: K of a splayed patch as it opens";
+  panel.x = {"Ψ/π", 0.0, 0.64, false};
+  const double room = 0.06 * (most - least);
+  panel.y = {"K", least - room, most + room, false};
+  panel.curves.push_back({"", {{0.0, 0.0}, {0.64, 0.0}}, plot::kGrey, true, false, true, 1.0});
+  panel.legend_left = true;
+  panel.legend_bottom = true;
+  panel.remarks = {"dots: Ψ = 0.16 π, 0.28 π and 0.47 π"};
+  out.files.push_back({"fig3d.svg", plot::figure_svg(std::span(&panel, 1))});
+  out.files.push_back({"fig3d.csv", csv});
+  return {};
+}
+
+}  // namespace
+
+Result<void> add_splay_figures(PaperFigures& out) {
+  add_angles(out);
+  return add_patches(out);
+}
+
+}  // namespace popcut::figures

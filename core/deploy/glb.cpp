@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: MIT
+#include "core/deploy/glb.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <map>
+#include <numeric>
+#include <sstream>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tiny_gltf.h>
+
+#include "core/deploy/joints.hpp"
+#include "core/deploy/triangulate.hpp"
+
+namespace popcut {
+namespace {
+
+// Bytes of a GLB are little-endian, and so are the numbers that are copied into it.
+static_assert(std::endian::native == std::endian::little);
+
+enum Material : int { kFront, kBack };
+
+/// The one buffer, with a view for each kind of content; equal contents are stored once.
+class Store {
+ public:
+  explicit Store(tinygltf::Model& model) : model_(model) {
+    parts_.resize(3);
+    model.bufferViews.resize(parts_.size());
+    for (auto& view : model.bufferViews) view.buffer = 0;
+    model.bufferViews[kVectors].byteStride = 12;
+    model.bufferViews[kVectors].target = TINYGLTF_TARGET_ARRAY_BUFFER;
+    model.bufferViews[kIndices].target = TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER;
+  }
+
+  int vectors(const std::vector<Vec3>& places, bool with_bounds) {
+    std::vector<float> numbers;
+    for (const Vec3& p : places)
+      for (const double value : p) numbers.push_back(static_cast<float>(value));
+    return add(kVectors, numbers, places.size(), TINYGLTF_TYPE_VEC3, with_bounds);
+  }
+  int indices(const std::vector<std::uint32_t>& corners) {
+    return add(kIndices, corners, corners.size(), TINYGLTF_TYPE_SCALAR, false);
+  }
+  int track(const std::vector<float>& numbers, std::size_t keys, int type, bool with_bounds) {
+    return add(kTracks, numbers, keys, type, with_bounds);
+  }
+
+  void finish() {
+    model_.buffers.emplace_back();
+    auto& data = model_.buffers.front().data;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      model_.bufferViews[i].byteOffset = data.size();
+      model_.bufferViews[i].byteLength = parts_[i].size();
+      data.insert(data.end(), parts_[i].begin(), parts_[i].end());
+    }
+    // A pattern in one pose has no tracks, and glTF no empty views; the tracks are the last.
+    if (parts_[kTracks].empty()) model_.bufferViews.pop_back();
+  }
+
+ private:
+  enum Part : int { kVectors, kIndices, kTracks };
+
+  template <typename Number>
+  int add(Part part, const std::vector<Number>& numbers, std::size_t count, int type,
+          bool with_bounds) {
+    std::string bytes(numbers.size() * sizeof(Number), '\0');
+    std::memcpy(bytes.data(), numbers.data(), bytes.size());
+    const auto [known, fresh] = known_.try_emplace(
+        {static_cast<int>(part), type, with_bounds ? 1 : 0, bytes}, model_.accessors.size());
+    if (!fresh) return static_cast<int>(known->second);
+    tinygltf::Accessor accessor;
+    accessor.bufferView = part;
+    accessor.byteOffset = parts_[part].size();
+    accessor.componentType = std::is_same_v<Number, float> ? TINYGLTF_COMPONENT_TYPE_FLOAT
+                                                           : TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+    accessor.count = count;
+    accessor.type = type;
+    if (with_bounds) bound(accessor, numbers);
+    parts_[part].insert(parts_[part].end(), bytes.begin(), bytes.end());
+    model_.accessors.push_back(std::move(accessor));
+    return static_cast<int>(model_.accessors.size()) - 1;
+  }
+
+  template <typename Number>
+  static void bound(tinygltf::Accessor& accessor, const std::vector<Number>& numbers) {
+    const std::size_t width = numbers.size() / accessor.count;
+    for (std::size_t c = 0; c < width; ++c) {
+      Number low = numbers[c], high = numbers[c];
+      for (std::size_t i = c; i < numbers.size(); i += width) {
+        low = std::min(low, numbers[i]);
+        high = std::max(high, numbers[i]);
+      }
+      accessor.minValues.push_back(static_cast<double>(low));
+      accessor.maxValues.push_back(static_cast<double>(high));
+    }
+  }
+
+  tinygltf::Model& model_;
+  std::vector<std::vector<unsigned char>> parts_;
+  std::map<std::tuple<int, int, int, std::string>, std::size_t> known_;
+};
+
+tinygltf::Material material(const char* name, const std::vector<double>& colour) {
+  tinygltf::Material made;
+  made.name = name;
+  made.pbrMetallicRoughness.baseColorFactor = colour;
+  made.pbrMetallicRoughness.metallicFactor = 0;
+  made.pbrMetallicRoughness.roughnessFactor = 0.9;
+  return made;
+}
+
+tinygltf::Primitive primitive(int positions, int normals, int indices, Material of) {
+  tinygltf::Primitive made;
+  made.attributes = {{"POSITION", positions}, {"NORMAL", normals}};
+  made.indices = indices;
+  made.material = of;
+  made.mode = TINYGLTF_MODE_TRIANGLES;
+  return made;
+}
+
+/// The paper of face `f` around its pivot.
+class FacePaper {
+ public:
+  FacePaper(const FaceTriangles& faces, std::size_t f, const Vec3& pivot) {
+    const std::uint32_t first = faces.first_corner[f];
+    for (std::uint32_t i = first; i < faces.first_corner[f + 1]; ++i)
+      corners_.push_back(faces.corner[i] - pivot);
+    for (std::uint32_t t = faces.first_triangle[f]; t < faces.first_triangle[f + 1]; ++t) {
+      const auto& [a, b, c] = faces.triangle[t];
+      front_.insert(front_.end(), {a - first, b - first, c - first});
+      back_.insert(back_.end(), {a - first, c - first, b - first});
+    }
+  }
+
+  [[nodiscard]] tinygltf::Mesh surface(Store& store) const {
+    const int positions = store.vectors(corners_, true);
+    tinygltf::Mesh mesh;
+    mesh.primitives = {primitive(positions, same_normal(store, 1), store.indices(front_), kFront),
+                       primitive(positions, same_normal(store, -1), store.indices(back_), kBack)};
+    return mesh;
+  }
+
+  [[nodiscard]] tinygltf::Mesh solid(Store& store, double thickness_mm) const {
+    const Vec3 half{0, 0, thickness_mm / 2};
+    std::vector<Vec3> top = corners_, low = corners_, low_normals(corners_.size(), {0, 0, -1});
+    for (Vec3& p : top) p = p + half;
+    for (Vec3& p : low) p = p - half;
+    std::vector<std::uint32_t> under = back_;
+    for (std::size_t i = 0; i < corners_.size(); ++i) add_side(i, half, low, low_normals, under);
+    tinygltf::Mesh mesh;
+    mesh.primitives = {
+        primitive(store.vectors(top, true), same_normal(store, 1), store.indices(front_), kFront),
+        primitive(store.vectors(low, true), store.vectors(low_normals, false), store.indices(under),
+                  kBack)};
+    return mesh;
+  }
+
+ private:
+  [[nodiscard]] int same_normal(Store& store, double z) const {
+    return store.vectors(std::vector<Vec3>(corners_.size(), Vec3{0, 0, z}), false);
+  }
+
+  /// The rim between corner i and the next one, with corners of its own for its normal.
+  void add_side(std::size_t i, const Vec3& half, std::vector<Vec3>& at, std::vector<Vec3>& normals,
+                std::vector<std::uint32_t>& indices) const {
+    const Vec3 &a = corners_[i], &b = corners_[(i + 1) % corners_.size()];
+    const Vec3 along = b - a;
+    const Vec3 outward = (1 / norm(along)) * Vec3{along[1], -along[0], 0};
+    const auto n = static_cast<std::uint32_t>(at.size());
+    at.insert(at.end(), {a + half, a - half, b - half, b + half});
+    normals.insert(normals.end(), 4, outward);
+    indices.insert(indices.end(), {n, n + 1, n + 2, n, n + 2, n + 3});
+  }
+
+  std::vector<Vec3> corners_;
+  std::vector<std::uint32_t> front_, back_;
+};
+
+std::string face_name(const Pattern& pattern, std::size_t f) {
+  const auto face = pattern.face(f);
+  bool same_x = !face.empty(), same_z = same_x;
+  for (const std::uint32_t i : face) {
+    same_x = same_x && pattern.vertices[i].x == pattern.vertices[face[0]].x;
+    same_z = same_z && pattern.vertices[i].z == pattern.vertices[face[0]].z;
+  }
+  const char* kind = "face";
+  if (same_x && !same_z) kind = pattern.vertices[face[0]].x == 0 ? "wall" : "upright";
+  if (same_z && !same_x) kind = pattern.vertices[face[0]].z == 0 ? "ground" : "level";
+  return fmt::format("{} {}", kind, f);
+}
+
+/// The nodes, their paper and their movement.
+class Scene {
+ public:
+  Scene(const Pattern& pattern, const PoseTable& table, const GlbOptions& options)
+      : pattern_(pattern), table_(table), options_(options), store_(model_) {}
+
+  Result<std::string> written() {
+    const auto faces = triangulate_faces(pattern_);
+    if (!faces) return tl::unexpected(faces.error());
+    model_.asset.version = "2.0";
+    model_.asset.generator = options_.creator;
+    model_.materials = {material("paper front", {0.96, 0.80, 0.52, 1}),
+                        material("paper back", {0.93, 0.94, 0.95, 1})};
+    add_nodes(*faces);
+    if (table_.poses() > 1) add_animation();
+    store_.finish();
+    std::ostringstream out;
+    tinygltf::TinyGLTF writer;
+    if (!writer.WriteGltfSceneToStream(&model_, out, false, true) || !out)
+      return fail(ErrorKind::Internal, "deploy.glb", "the glTF library cannot write it");
+    return std::move(out).str();
+  }
+
+ private:
+  void add_nodes(const FaceTriangles& faces) {
+    const std::size_t bodies = table_.bodies();
+    const std::size_t rest = table_.poses() - 1;
+    model_.nodes.resize(bodies + 1);
+    tinygltf::Node& root = model_.nodes[bodies];
+    root.name = pattern_.name.empty() ? "popcut" : pattern_.name;
+    root.scale = {0.001, 0.001, 0.001};  // mm to m
+    // x away from the wall becomes z, v becomes x, z becomes y: a third of a turn about (1, 1, 1).
+    root.rotation = {-0.5, -0.5, -0.5, 0.5};
+    for (std::size_t b = 0; b < bodies; ++b) {
+      tinygltf::Node& node = model_.nodes[b];
+      const Vec3 place = joint_place(table_, rest, b);
+      const Turn turn = joint_turn(table_, rest, b);
+      node.name = b < table_.faces ? face_name(pattern_, b) : fmt::format("link {}", b);
+      node.translation.assign(place.begin(), place.end());
+      node.rotation.assign(turn.begin(), turn.end());
+      if (b < table_.faces) {
+        const FacePaper paper(faces, b, table_.pivot[b]);
+        node.mesh = static_cast<int>(model_.meshes.size());
+        model_.meshes.push_back(options_.thickness_mm > 0
+                                    ? paper.solid(store_, options_.thickness_mm)
+                                    : paper.surface(store_));
+        model_.meshes.back().name = node.name;
+      }
+      const std::int32_t parent = table_.parent[b];
+      auto& above = parent < 0 ? root : model_.nodes[static_cast<std::size_t>(parent)];
+      above.children.push_back(static_cast<int>(b));
+    }
+    model_.scenes.emplace_back();
+    model_.scenes.front().nodes = {static_cast<int>(bodies)};
+    model_.defaultScene = 0;
+  }
+
+  void add_animation() {
+    const std::vector<std::size_t> keys = animation_keys(table_);
+    const double from = table_.psi_rad.front(), to = table_.psi_rad.back();
+    std::vector<float> times;
+    for (const std::size_t k : keys)
+      times.push_back(
+          static_cast<float>(options_.seconds * (table_.psi_rad[k] - from) / (to - from)));
+    const int input = store_.track(times, keys.size(), TINYGLTF_TYPE_SCALAR, true);
+    tinygltf::Animation animation;
+    animation.name = "deploy";
+    animation.extras = tinygltf::Value(tinygltf::Value::Object{
+        {"psi_from_rad", tinygltf::Value(from)}, {"psi_to_rad", tinygltf::Value(to)}});
+    for (std::size_t b = 0; b < table_.bodies(); ++b) {
+      add_track(animation, input, b, "rotation", TINYGLTF_TYPE_VEC4, turns_of(keys, b));
+      if (table_.parent[b] < 0 && shifts(keys, b))
+        add_track(animation, input, b, "translation", TINYGLTF_TYPE_VEC3, places_of(keys, b));
+    }
+    if (!animation.channels.empty()) model_.animations.push_back(std::move(animation));
+  }
+
+  /// Adds a track unless it stays what it is; tracks with equal numbers share a sampler.
+  void add_track(tinygltf::Animation& animation, int input, std::size_t body, const char* path,
+                 int type, const std::vector<float>& numbers) {
+    const std::size_t width = type == TINYGLTF_TYPE_VEC4 ? 4 : 3;
+    bool moves = false;
+    for (std::size_t i = width; i < numbers.size(); ++i)
+      moves = moves || numbers[i] != numbers[i - width];
+    if (!moves) return;
+    const int output = store_.track(numbers, numbers.size() / width, type, false);
+    const auto [known, fresh] = sampler_of_.try_emplace(output, animation.samplers.size());
+    if (fresh) {
+      tinygltf::AnimationSampler sampler;
+      sampler.input = input;
+      sampler.output = output;
+      sampler.interpolation = "LINEAR";
+      animation.samplers.push_back(std::move(sampler));
+    }
+    tinygltf::AnimationChannel channel;
+    channel.sampler = static_cast<int>(known->second);
+    channel.target_node = static_cast<int>(body);
+    channel.target_path = path;
+    animation.channels.push_back(std::move(channel));
+  }
+
+  [[nodiscard]] std::vector<float> turns_of(const std::vector<std::size_t>& keys,
+                                            std::size_t body) const {
+    std::vector<float> numbers;
+    Turn last = kNoTurn;
+    for (const std::size_t k : keys) {
+      Turn turn = joint_turn(table_, k, body);
+      const double side = std::inner_product(turn.begin(), turn.end(), last.begin(), 0.0);
+      if (side < 0) turn = {-turn[0], -turn[1], -turn[2], -turn[3]};
+      // Parts below float precision are noise; without it equal tracks are equal.
+      constexpr double kNoise = 1e-9;
+      for (const double part : turn)
+        numbers.push_back(std::abs(part) < kNoise ? 0.0F : static_cast<float>(part));
+      last = turn;
+    }
+    return numbers;
+  }
+
+  [[nodiscard]] bool shifts(const std::vector<std::size_t>& keys, std::size_t root) const {
+    constexpr double kStillMm = 1e-7;
+    const Vec3 first = joint_place(table_, keys.front(), root);
+    return std::any_of(keys.begin(), keys.end(), [&](std::size_t k) {
+      return norm(joint_place(table_, k, root) - first) > kStillMm;
+    });
+  }
+
+  [[nodiscard]] std::vector<float> places_of(const std::vector<std::size_t>& keys,
+                                             std::size_t body) const {
+    std::vector<float> numbers;
+    for (const std::size_t k : keys)
+      for (const double value : joint_place(table_, k, body))
+        numbers.push_back(static_cast<float>(value));
+    return numbers;
+  }
+
+  const Pattern& pattern_;
+  const PoseTable& table_;
+  const GlbOptions& options_;
+  tinygltf::Model model_;
+  Store store_;
+  std::map<int, std::size_t> sampler_of_;
+};
+
+}  // namespace
+
+Result<std::string> glb(const Pattern& pattern, const PoseTable& table, const GlbOptions& options) {
+  return Scene(pattern, table, options).written();
+}
+
+}  // namespace popcut

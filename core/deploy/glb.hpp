@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "core/deploy/pose_table.hpp"
+#include "core/pattern/pattern.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+struct GlbOptions {
+  std::string creator{"popcut"};
+  double seconds{4};      ///< how long the animation lasts
+  double thickness_mm{};  ///< 0: the sheet as a surface, else each face as a closed solid
+};
+
+/// A pattern that opens, as binary glTF 2.0: metres, y up, seen from the front (+z) with the wall
+/// behind. One node a rigid face in the tree of hinges, its origin on the hinge with its parent, so
+/// that the animation is rotations only; it runs through the poses of `table`, evenly in psi. At
+/// rest the nodes stand in the last pose. A root node scales millimetres and turns the axes.
+///
+/// Two materials, front (the side on which the structure pops up) and back: surfaces are drawn
+/// twice, each side with its own normal, so that neither hides in the other. Nodes are called
+/// "wall N", "ground N" (in the planes of the card), "upright N", "level N" (parallel to them), or
+/// "face N", N the number of the face in the pattern.
+///
+/// @retval OutOfRange  a face is not a simple polygon; `place` is "faces/N"
+/// @retval Internal    the glTF library failed
+[[nodiscard]] Result<std::string> glb(const Pattern& pattern, const PoseTable& table,
+                                      const GlbOptions& options);
+
+}  // namespace popcut

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/deploy/rigid.hpp"
+#include "core/design/strips.hpp"
+#include "core/pattern/pattern.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// Triangles that ride on the bodies of a pose table: place `at[i]` of the flat sheet moves with
+/// `body[i]`. Front sides look to the side on which the structure pops up.
+struct SheetMesh {
+  std::vector<Vec3> at;
+  std::vector<std::uint32_t> body;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+/// The sheet as one surface: two triangles a panel, strip by strip, each strip from the wall
+/// outward. Panels are found from the faces of the pattern, cut where strips meet. Where a pattern
+/// is not all rectangles, its faces as triangles instead.
+///
+/// @retval OutOfRange  a face is not a simple polygon; `place` is "faces/N"
+[[nodiscard]] Result<SheetMesh> surface_mesh(const Pattern& pattern);
+
+/// The same of a design whose strips are known: exactly two triangles for each panel of `strips`,
+/// where the pattern is all rectangles.
+///
+/// @retval Internal  a panel lies in no face of the pattern
+[[nodiscard]] Result<SheetMesh> surface_mesh(const Pattern& pattern, const Strips& strips);
+
+/// Two triangles for each face of a pattern whose faces are rectangles with the corners (u0, v0),
+/// (u1, v0), (u1, v1), (u0, v1), as `pattern_from_segments` makes them; faces may overlap.
+[[nodiscard]] SheetMesh rectangle_mesh(const Pattern& pattern);
+
+/// Every rigid face as a closed solid of its own, `thickness_mm` thick, half of it on either side
+/// of the sheet: all sides counter-clockwise from outside, each edge of exactly two triangles.
+/// Solids overlap at the folds by what half the thickness takes.
+///
+/// @retval OutOfRange  the thickness is not positive; a face is not a simple polygon
+[[nodiscard]] Result<SheetMesh> solid_mesh(const Pattern& pattern, double thickness_mm);
+
+}  // namespace popcut

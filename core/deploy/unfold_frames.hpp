@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/formats/fold_reader.hpp"
+#include "core/pattern/pattern.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// The pattern behind a FOLD file whose panels are parallel to wall or ground: from the flat frame
+/// and one deployed frame every vertex gets its place in the designed pose, and so in every pose
+/// (design reference, section 2). A deployed frame's angle is its `frame_popcut:psi_rad`, or
+/// what its fold angles say: 180 degrees less the angle of a valley.
+///
+/// All frames of known angle are checked against the result, within 1e-5 of the sheet's size. The
+/// pattern has faces, edges and their folds; `lines` are left empty, and borders are outlines.
+///
+/// @retval Malformed   no flat frame with faces, or no deployed one; `place` says which
+/// @retval OutOfRange  the frames are not those of such panels; `place` is the vertex
+[[nodiscard]] Result<Pattern> pattern_from_fold(const FoldFile& file);
+
+}  // namespace popcut
