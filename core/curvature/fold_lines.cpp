@@ -86,7 +86,7 @@ class LineCollector {
     const bool backward = apex_at(joints_[to], joints_[to].higher[0]);
     if (forward == backward) return;
     const std::uint32_t apex = forward ? from : to;
-    const VFold fold{v(apex), v(to) - v(from), joints_[apex].slope, forward ? 1.0 : -1.0};
+    const CreaseVFold fold{v(apex), v(to) - v(from), joints_[apex].slope, forward ? 1.0 : -1.0};
     lines_.back().v_fold = fold;
   }
 

@@ -16,7 +16,7 @@ struct FoldLine {
   double u{};
   double v0{}, v1{};  ///< v0 < v1
   bool mountain{};
-  std::optional<VFold> v_fold;
+  std::optional<CreaseVFold> v_fold;
 };
 
 /// The folds of a flat frame that run along v, in mm. Folds within `tolerance_mm` of constant u are

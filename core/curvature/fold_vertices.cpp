@@ -254,7 +254,20 @@ class VertexFinder {
       }
     }
     for (std::uint32_t c = 0; c < connectors_.size(); ++c) add_rings(c, first, out);
+    move_plain_to_tips(out);
     return out;
+  }
+
+  /// On a splayed lattice the fold vertices are tips. A crease without a V-fold (alpha = 0) has its
+  /// vertex where such a tip would lie flat, so that all lie alike (design reference, section 7).
+  static void move_plain_to_tips(std::vector<FoldVertex>& vertices) {
+    const auto splayed = std::find_if(vertices.begin(), vertices.end(),
+                                      [](const FoldVertex& p) { return p.v_fold.has_value(); });
+    if (splayed == vertices.end()) return;
+    const CreaseVFold& fold = *splayed->v_fold;
+    const double beyond_middle = fold.apex_v_mm + fold.sign * fold.w_mm - splayed->v;
+    for (FoldVertex& p : vertices)
+      if (!p.v_fold) p.v += beyond_middle;
   }
 
   void add_rings(std::uint32_t c, const std::vector<std::size_t>& first,

@@ -14,7 +14,7 @@ namespace popcut {
 
 /// The V-fold on a valley crease (design reference, section 7): apex O, centre fold OA of length
 /// `w_mm` along the crease, in the direction of `sign` along v.
-struct VFold {
+struct CreaseVFold {
   double apex_v_mm{};
   double w_mm{};
   double alpha{};
@@ -23,10 +23,12 @@ struct VFold {
 
 /// A fold vertex: the middle of a connector's valley fold, or the tip A of the V-fold on it.
 struct FoldVertex {
-  std::int32_t i{};      ///< level along the strip, 0 for the first one of the lattice
-  std::int32_t j{};      ///< connector along the sheet, the first one 0: between slices j and j + 1
-  double x{}, v{}, z{};  ///< of the valley's middle in the designed pose, mm
-  std::optional<VFold> v_fold;
+  std::int32_t i{};  ///< level along the strip, 0 for the first one of the lattice
+  std::int32_t j{};  ///< connector along the sheet, the first one 0: between slices j and j + 1
+  /// Of the valley's middle in the designed pose, mm; on a splayed lattice v of a plain crease is
+  /// where a tip would lie flat.
+  double x{}, v{}, z{};
+  std::optional<CreaseVFold> v_fold;
   std::array<std::int32_t, 4> ring{-1, -1, -1, -1};  ///< (i+1,j) (i,j+1) (i-1,j) (i,j-1), -1: none
 
   [[nodiscard]] bool inner() const {
