@@ -9,6 +9,7 @@
 
 #include "core/design/chain.hpp"
 #include "core/design/figures.hpp"
+#include "core/design/fit_report.hpp"
 #include "core/design/lattice.hpp"
 #include "core/design/mobility.hpp"
 #include "core/design/pattern_builder.hpp"
@@ -42,6 +43,7 @@ struct Sliced {
   std::vector<double> connector_s_mm;
   std::vector<double> chain_x, chain_z;  ///< slices x (N + 1)
   std::vector<ChainFigures> figures;
+  std::vector<SliceFit> fits;  ///< one a slice
 };
 
 /// A run with what it was aimed at and how it is laid.
@@ -61,7 +63,8 @@ struct Laid {
 
 class Designer {
  public:
-  explicit Designer(const DesignSpec& spec) : spec_(spec), n_(spec.units_per_slice) {}
+  Designer(const DesignSpec& spec, const SurfaceAssets& assets)
+      : spec_(spec), assets_(assets), n_(spec.units_per_slice) {}
 
   Result<Design> run() {
     if (auto sliced = slice_target(); !sliced) return tl::unexpected(sliced.error());
@@ -97,13 +100,15 @@ class Designer {
   [[nodiscard]] double width(int j) const { return spec_.widths_mm[static_cast<std::size_t>(j)]; }
 
   Result<void> slice_target() {
-    auto surface = Surface::make(spec_.surface, spec_.scale_mm);
+    auto surface = Surface::make(spec_.surface, spec_.placement, spec_.fit, assets_);
     if (!surface) return tl::unexpected(surface.error());
     double s = 0.0;
     for (int j = 0; j < spec_.slices; ++j) {
       if (j > 0) s += 0.5 * (width(j - 1) + width(j));
-      auto curve = surface->slice(s);
-      if (!curve) return tl::unexpected(curve.error());
+      auto cut = surface->cut(s);
+      if (!cut) return tl::unexpected(cut.error());
+      sliced_.fits.push_back(cut->fit);
+      SliceCurve* const curve = &cut->curve;
       if (curve->h() < 2.0 * spec_.min_panel_mm || curve->d() < 2.0 * spec_.min_panel_mm)
         return fail(
             ErrorKind::Infeasible, fmt::format("/surface at slice {} (s = {:.6g} mm)", j, s),
@@ -456,6 +461,7 @@ class Designer {
     r.gap_mm = laid.figures.gap_mm;
     r.merged = std::move(laid.strips.merged);
     r.notes = notes_;
+    add_fit(r, spec_.fit);
     return out;
   }
 
@@ -468,7 +474,9 @@ class Designer {
     }
     for (std::size_t j = 0; j < sliced_.s_mm.size(); ++j)
       r.slices.push_back({sliced_.s_mm[j], v_sum[j] / count[j], spec_.widths_mm[j],
-                          sliced_.figures[j].loss, sliced_.figures[j].iterations});
+                          sliced_.figures[j].loss, sliced_.figures[j].iterations,
+                          sliced_.figures[j].minima, sliced_.figures[j].spread,
+                          sliced_.fits[j]});
     for (const Run& run : layout.runs)
       if (run.count == 2 && layout.laid[static_cast<std::size_t>(run.first)].slice ==
                                 layout.laid[static_cast<std::size_t>(run.first) + 1].slice)
@@ -478,6 +486,7 @@ class Designer {
   }
 
   const DesignSpec& spec_;
+  const SurfaceAssets& assets_;
   int n_;
   Sliced sliced_;
   std::vector<std::uint8_t> cut_after_;
@@ -486,6 +495,8 @@ class Designer {
 
 }  // namespace
 
-Result<Design> design(const DesignSpec& spec) { return Designer(spec).run(); }
+Result<Design> design(const DesignSpec& spec, const SurfaceAssets& assets) {
+  return Designer(spec, assets).run();
+}
 
 }  // namespace popcut

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "core/design/surface_fields.hpp"
 #include "core/json_fields.hpp"
 
 namespace popcut {
@@ -11,21 +12,6 @@ namespace {
 using nlohmann::json;
 
 constexpr double kMaxLength = 1e6;  ///< 1 km: no sheet is larger
-
-Result<SurfaceSpec> parse_surface(const json& value) {
-  JsonFields fields(value, "/surface");
-  SurfaceSpec surface;
-  if (fields.word("type", 0, {"revolution", "profile"}) == 0) {
-    if (value.is_object() && !value.contains("type"))
-      fields.add_error(ErrorKind::Malformed, "/surface/type",
-                       "is missing; \"revolution\" or \"profile\" is needed");
-    surface = RevolutionSpec{fields.text("radius", std::nullopt)};
-  } else {
-    surface = ProfileSpec{fields.text("z", std::nullopt)};
-  }
-  if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
-  return surface;
-}
 
 Result<std::optional<CardSpec>> parse_card(const json* value) {
   if (!value || (value->is_boolean() && value->get<bool>())) return CardSpec{};
@@ -94,7 +80,8 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
   DesignSpec spec;
   (void)fields.integer("popcut", std::nullopt, 1, 1);
   spec.name = fields.text("name", spec.name);
-  spec.scale_mm = fields.number("scale_mm", 1.0, 0.0, kMaxLength, true);
+  spec.placement = parse_placement(fields);
+  spec.fit = static_cast<FitMode>(fields.word("fit", 0, {"exact", "nearest"}));
   spec.units_per_slice = fields.integer("units_per_slice", std::nullopt, 1, kMaxUnitsPerSlice);
   spec.slices = fields.integer("slices", std::nullopt, 1, kMaxSlices);
   spec.lattice = static_cast<LatticeMethod>(
@@ -107,7 +94,7 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
   else if (most)
     spec.max_step_over_mean = fields.number("max_step_over_mean", 3.0, 1.0, 1e6, true);
   spec.material = fields.text("material", spec.material);
-  for (const char* later : {"rotate_deg", "translate_mm", "regions", "fit", "splay"})
+  for (const char* later : {"regions", "splay"})
     if (fields.value(later))
       fields.add_error(ErrorKind::OutOfRange, fields.pointer(later),
                        "is not built yet in this version of popcut; leave it out");
@@ -117,13 +104,14 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
   if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
   if (!surface)
     return fail(ErrorKind::Malformed, "/surface",
-                "is missing; give {\"type\": \"revolution\", \"radius\": ...} or a profile");
+                "is missing; give {\"type\": \"revolution\", \"radius\": ...}, a profile, an "
+                "implicit, a grid or a mesh");
   if (const long units = static_cast<long>(spec.units_per_slice) * spec.slices; units > kMaxUnits)
     return fail(ErrorKind::OutOfRange, "/slices",
                 fmt::format("{} slices of {} units are {} units; at most {} are designed in one go",
                             spec.slices, spec.units_per_slice, units, kMaxUnits));
 
-  auto parsed_surface = parse_surface(*surface);
+  auto parsed_surface = parse_surface(*surface, "/surface");
   if (!parsed_surface) return tl::unexpected(parsed_surface.error());
   spec.surface = std::move(*parsed_surface);
   auto parsed_widths = parse_widths(widths, spec.slices);
@@ -152,23 +140,8 @@ std::string design_spec_schema() {
   json& p = schema["properties"];
   p["popcut"] = {{"const", 1}, {"description", "version of this format"}};
   p["name"] = {{"type", "string"}, {"default", "pattern"}};
-  p["surface"]["oneOf"] =
-      json::array({{{"type", "object"},
-                    {"description", "quarter circles about the spine: x^2 + z^2 = radius(y)^2"},
-                    {"additionalProperties", false},
-                    {"required", {"type", "radius"}},
-                    {"properties",
-                     {{"type", {{"const", "revolution"}}},
-                      {"radius", {{"type", "string"}, {"description", "expression of y"}}}}}},
-                   {{"type", "object"},
-                    {"description", "a profile that falls from the wall to the ground for each y"},
-                    {"additionalProperties", false},
-                    {"required", {"type", "z"}},
-                    {"properties",
-                     {{"type", {{"const", "profile"}}},
-                      {"z", {{"type", "string"}, {"description", "expression of x and y"}}}}}}});
-  p["scale_mm"] = number("mm that one unit of the surface is", positive);
-  p["scale_mm"]["default"] = 1.0;
+  p["surface"] = surface_schema();
+  add_placement_schema(p);
   p["units_per_slice"] = {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxUnitsPerSlice}};
   p["slices"] = {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxSlices}};
   p["widths_mm"]["oneOf"] =

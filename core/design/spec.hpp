@@ -4,24 +4,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
+#include "core/design/surface_spec.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
-
-/// Quarter circles about the spine: x^2 + z^2 = radius(y)^2, in units of the surface.
-struct RevolutionSpec {
-  std::string radius;  ///< expression of y
-};
-
-/// A profile z(x, y) that falls from (0, h) to (d, 0) for each y, in units of the surface.
-struct ProfileSpec {
-  std::string z;  ///< expression of x and y
-};
-
-using SurfaceSpec = std::variant<RevolutionSpec, ProfileSpec>;
 
 enum class LatticeMethod { Branching, Slices, Conformal, Levels };
 enum class SolverMethod { Newton, Slsqp };
@@ -37,7 +25,8 @@ struct CardSpec {
 struct DesignSpec {
   std::string name{"pattern"};
   SurfaceSpec surface;
-  double scale_mm{1.0};  ///< one unit of the surface
+  Placement placement;
+  FitMode fit{FitMode::Exact};
   int units_per_slice{5};
   int slices{10};
   std::vector<double> widths_mm;  ///< one a slice

@@ -27,13 +27,14 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/examples.hpp"
 #include "daemon/cli/output_folder.hpp"
+#include "daemon/cli/spec_assets.hpp"
 
 namespace popcut::cli {
 namespace {
 
 struct Options {
   std::string spec, folder, formats{"fold,svg,cut,csv,report"}, fold_frames{"pi,pi/2,1.1"}, example;
-  bool schema{false}, list{false};
+  bool schema{false}, list{false}, place{false};
 };
 
 // 1. The files of a design: a row a format.
@@ -176,15 +177,19 @@ void say_remarks(const DesignReport& report, bool all) {
 
 // 3. The work.
 
+std::string about(const SurfaceSpec& surface) {
+  if (const auto* s = std::get_if<RevolutionSpec>(&surface)) return "radius " + s->radius;
+  if (const auto* s = std::get_if<ProfileSpec>(&surface)) return "profile " + s->z;
+  if (const auto* s = std::get_if<ImplicitSpec>(&surface)) return "solid " + s->f;
+  return "file " + asset_of(surface);
+}
+
 Result<void> list_examples() {
   for (const Example& example : examples()) {
     const auto spec = parse_design_spec(example.json);
     if (!spec) return tl::unexpected(within(std::string(example.name), spec.error()));
-    const auto* const revolution = std::get_if<RevolutionSpec>(&spec->surface);
-    fmt::print("{:<10} {} {}, {} x {} units\n", example.name,
-               revolution != nullptr ? "radius" : "profile",
-               revolution != nullptr ? revolution->radius : std::get<ProfileSpec>(spec->surface).z,
-               spec->slices, spec->units_per_slice);
+    fmt::print("{:<10} {}, {} x {} units\n", example.name, about(spec->surface), spec->slices,
+               spec->units_per_slice);
   }
   return {};
 }
@@ -202,20 +207,21 @@ Result<void> print_example(const std::string& name) {
               fmt::format("'{}' is not an example; the examples are:{}", name, known));
 }
 
-Result<Design> timed_design(const DesignSpec& spec) {
+Result<Design> timed_design(const DesignSpec& spec, const SurfaceAssets& assets) {
   const auto start = std::chrono::steady_clock::now();
-  auto made = design(spec);
+  auto made = design(spec, assets);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   if (made) made->report.seconds = took.count();
   return made;
 }
+
+constexpr std::uintmax_t kSpecLimitBytes = 64u << 20;
 
 Result<void> design_into(const Options& options, const Globals& globals) {
   const auto formats = parse_formats(options.formats);
   if (!formats) return tl::unexpected(formats.error());
   const auto fold_frames = parse_opening_angles(options.fold_frames);
   if (!fold_frames) return tl::unexpected(fold_frames.error());
-  constexpr std::uintmax_t kSpecLimitBytes = 64u << 20;
   const auto text = read_file(options.spec, kSpecLimitBytes);
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
@@ -224,9 +230,11 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (!material) {
     return fail(ErrorKind::OutOfRange, options.spec + ": /material", material.error().detail);
   }
+  const auto assets = load_assets(*spec, options.spec);
+  if (!assets) return tl::unexpected(within(options.spec, assets.error()));
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
-  auto made = timed_design(*spec);
+  auto made = timed_design(*spec, *assets);
   if (!made) return tl::unexpected(within(options.spec, made.error()));
 
   const Job job{std::move(*made), *material, {"popcut " POPCUT_VERSION, *fold_frames}};
@@ -245,6 +253,18 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   return {};
 }
 
+Result<void> place(const Options& options, const Globals& globals) {
+  const auto text = read_file(options.spec, kSpecLimitBytes);
+  if (!text) return tl::unexpected(text.error());
+  const auto spec = parse_design_spec(*text);
+  if (!spec) return tl::unexpected(within(options.spec, spec.error()));
+  const auto assets = load_assets(*spec, options.spec);
+  if (!assets) return tl::unexpected(within(options.spec, assets.error()));
+  if (auto done = print_placed_spec(*spec, *text, *assets, globals.quiet); !done)
+    return tl::unexpected(within(options.spec, done.error()));
+  return {};
+}
+
 Result<void> run_design(const Options& options, const Globals& globals) {
   if (options.schema) {
     fmt::print("{}", design_spec_schema());
@@ -256,6 +276,7 @@ Result<void> run_design(const Options& options, const Globals& globals) {
     return fail(ErrorKind::Usage, "command line",
                 "SPEC.json is missing; 'popcut design --example sphere' prints one to start from");
   }
+  if (options.place) return place(options, globals);
   if (options.folder.empty()) {
     return fail(ErrorKind::Usage, "command line",
                 "-o DIR is missing; name the folder for the pattern");
@@ -288,6 +309,8 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
                    "Poses in pattern.fold, rad or 90deg; pi is flat, pi/2 the designed shape")
       ->option_text("LIST [pi,pi/2,1.1]");
   command->add_flag("--schema", options->schema, "Print the JSON Schema of a SPEC");
+  command->add_flag("--place", options->place,
+                    "Print SPEC with a placement for its mesh or grid, and design nothing");
   command->add_option("--example", options->example, "Print a shipped SPEC")->option_text("NAME");
   command->add_flag("--list", options->list, "List the shipped SPECs, the name first");
   command->callback([options, &globals, &run] {
