@@ -115,7 +115,8 @@ ChainSolver::Minimum ChainSolver::descend(const SliceCurve& curve) {
   bool done = n == 1;
   while (!done && iterations < kMostSteps) {
     ++iterations;
-    const double scale = *std::max_element(diagonal_.begin() + 1, diagonal_.begin() + static_cast<std::ptrdiff_t>(n));
+    const double scale = *std::max_element(diagonal_.begin() + 1,
+                                           diagonal_.begin() + static_cast<std::ptrdiff_t>(n));
     while (!newton_step(shift)) shift = std::max(2.0 * shift, 1e-3 * std::abs(scale));
     double largest = 0.0, slope = 0.0, share = 1.0;
     for (std::size_t i = 1; i < n; ++i) {
@@ -150,8 +151,8 @@ ChainSolver::Minimum ChainSolver::descend(const SliceCurve& curve) {
 
 namespace {
 
-/// Start `k` of a curve with inflections: chords of equal extent, then steps that grow and shrink by
-/// a wave whose length, phase and height vary with k in fixed ways.
+/// Start `k` of a curve with inflections: chords of equal extent, then steps that grow and shrink
+/// by a wave whose length, phase and height vary with k in fixed ways.
 void perturbed_start(const std::vector<double>& even, int k, std::vector<double>& t) {
   const std::size_t n = even.size() - 1;
   if (k == 0) {

@@ -28,8 +28,9 @@ struct ChainFigures {
 /// Every vertex lies on the curve, so one parameter a vertex is unknown. The loss is quadratic in
 /// the points and couples next but one neighbours, so the Hessian has two bands and a Newton step
 /// costs O(units). Start: equal arcs; a curve that turns both ways may have several minima and is
-/// solved from `kChainStarts` more places (even chords and fixed perturbations), the best kept. Where the Hessian is not positive definite (curves with
-/// inflections) it is shifted, and each step is halved until the loss falls.
+/// solved from `kChainStarts` more places (even chords and fixed perturbations), the best kept.
+/// Where the Hessian is not positive definite (curves with inflections) it is shifted, and each
+/// step is halved until the loss falls.
 inline constexpr int kChainStarts = 24;
 
 class ChainSolver {

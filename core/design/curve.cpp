@@ -13,9 +13,7 @@ constexpr int kSplinePieces = 512;
 constexpr double kTurn = 0.02;  ///< changes of slope below this are facets or rounding, not turns
 
 /// Knot i of the clamped spline, i from -3 to kSplinePieces + 3.
-double spline_knot(int i) {
-  return -1.0 + 2.0 * std::clamp(i, 0, kSplinePieces) / kSplinePieces;
-}
+double spline_knot(int i) { return -1.0 + 2.0 * std::clamp(i, 0, kSplinePieces) / kSplinePieces; }
 
 /// Clenshaw's sum of a Chebyshev series at y in [-1, 1].
 double chebyshev(const double* c, int degree, double y) {
@@ -42,9 +40,8 @@ void derive(const double* c, int degree, double length, double* out) {
 
 }  // namespace
 
-SliceCurve SliceCurve::sampled(double h_mm, double d_mm,
-                               const std::function<double(double)>& x_at, double tolerance,
-                               int max_depth) {
+SliceCurve SliceCurve::sampled(double h_mm, double d_mm, const std::function<double(double)>& x_at,
+                               double tolerance, int max_depth) {
   SliceCurve curve(h_mm, d_mm);
   const auto n_at = [&](double t) { return 2.0 * x_at(t) / d_mm - t; };  // n = 2 x/d - t
   curve.add_pieces(-1.0, 1.0, tolerance, max_depth, n_at);
@@ -137,7 +134,8 @@ SliceCurve::Rise SliceCurve::rise(double t) const {
 
 /// De Boor's recursion on the one interval that holds t, with its first two derivatives.
 SliceCurve::Rise SliceCurve::spline_rise(double t) const {
-  const int at = std::clamp(static_cast<int>(0.5 * (t + 1.0) * kSplinePieces), 0, kSplinePieces - 1);
+  const int at =
+      std::clamp(static_cast<int>(0.5 * (t + 1.0) * kSplinePieces), 0, kSplinePieces - 1);
   const double* const c = control_.data() + at;
   double knot[6];
   for (int i = 0; i < 6; ++i) knot[i] = spline_knot(at - 2 + i);

@@ -475,8 +475,7 @@ class Designer {
     for (std::size_t j = 0; j < sliced_.s_mm.size(); ++j)
       r.slices.push_back({sliced_.s_mm[j], v_sum[j] / count[j], spec_.widths_mm[j],
                           sliced_.figures[j].loss, sliced_.figures[j].iterations,
-                          sliced_.figures[j].minima, sliced_.figures[j].spread,
-                          sliced_.fits[j]});
+                          sliced_.figures[j].minima, sliced_.figures[j].spread, sliced_.fits[j]});
     for (const Run& run : layout.runs)
       if (run.count == 2 && layout.laid[static_cast<std::size_t>(run.first)].slice ==
                                 layout.laid[static_cast<std::size_t>(run.first) + 1].slice)

@@ -8,9 +8,9 @@
 #include <cstring>
 #include <new>
 
-#include <fmt/format.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <fmt/format.h>
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 
@@ -34,9 +34,9 @@ std::string extension(const std::string& name) {
 }
 
 Result<void> too_many(const std::string& name, std::size_t count) {
-  return fail(ErrorKind::OutOfRange, name,
-              fmt::format("has {} triangles; at most {} are read: reduce the mesh", count,
-                          kMaxTriangles));
+  return fail(
+      ErrorKind::OutOfRange, name,
+      fmt::format("has {} triangles; at most {} are read: reduce the mesh", count, kMaxTriangles));
 }
 
 constexpr std::size_t kStlHead = 84, kStlTriangle = 50;
@@ -47,7 +47,8 @@ bool is_binary_stl(std::string_view bytes) {
   std::memcpy(&count, bytes.data() + 80, 4);
   if (bytes.size() == kStlHead + kStlTriangle * static_cast<std::size_t>(count)) return true;
   // A text file begins with "solid" and holds no zero bytes.
-  return bytes.substr(0, 5) != "solid" || bytes.substr(0, 1000).find('\0') != std::string_view::npos;
+  return bytes.substr(0, 5) != "solid" ||
+         bytes.substr(0, 1000).find('\0') != std::string_view::npos;
 }
 
 Result<void> check_binary_stl(const std::string& name, std::string_view bytes) {
@@ -55,8 +56,9 @@ Result<void> check_binary_stl(const std::string& name, std::string_view bytes) {
   std::memcpy(&count, bytes.data() + 80, 4);
   const std::size_t there = (bytes.size() - kStlHead) / kStlTriangle;
   if (there < count)
-    return fail(ErrorKind::Malformed, name,
-                fmt::format("announces {} triangles and holds {}; is the file whole?", count, there));
+    return fail(
+        ErrorKind::Malformed, name,
+        fmt::format("announces {} triangles and holds {}; is the file whole?", count, there));
   if (count > kMaxTriangles) return too_many(name, count);
   if (count == 0) return fail(ErrorKind::Malformed, name, "has no triangles; a mesh needs faces");
   return {};
@@ -144,15 +146,16 @@ bool names_vertex(std::string_view word, long vertices) {
   if (!word.empty() && word.front() == '-') word.remove_prefix(1);
   long value = 0;
   std::size_t digits = 0;
-  for (; digits < word.size() && word[digits] >= '0' && word[digits] <= '9' && digits < 10; ++digits)
+  for (; digits < word.size() && word[digits] >= '0' && word[digits] <= '9' && digits < 10;
+       ++digits)
     value = 10 * value + (word[digits] - '0');
   if (digits == 0 || (digits < word.size() && word[digits] != '/')) return false;
   if (word.find_first_not_of("0123456789-/", digits) != std::string_view::npos) return false;
   return value >= 1 && value <= vertices;  // backward or forward, only to what was read so far
 }
 
-/// The vertices and faces of an OBJ file and nothing else of it, so that no other part of it reaches
-/// the reader; each face names at least three vertices that are there.
+/// The vertices and faces of an OBJ file and nothing else of it, so that no other part of it
+/// reaches the reader; each face names at least three vertices that are there.
 Result<std::string> plain_obj(const std::string& name, std::string_view bytes) {
   std::string out;
   out.reserve(bytes.size() + 1);
@@ -179,9 +182,10 @@ Result<std::string> plain_obj(const std::string& name, std::string_view bytes) {
       if (word.empty()) break;
       ++words;
       if (face && !names_vertex(word, vertices))
-        return broken(fmt::format("names vertex \"{}\"; a number from 1 to {}, the vertices before "
-                                  "it, is needed",
-                                  word.substr(0, 24), vertices));
+        return broken(
+            fmt::format("names vertex \"{}\"; a number from 1 to {}, the vertices before "
+                        "it, is needed",
+                        word.substr(0, 24), vertices));
       out += ' ';
       out += face ? word.substr(0, word.find('/')) : word;
     }
@@ -223,7 +227,8 @@ Result<TriangleMesh> flatten(const std::string& name, const aiScene& scene) {
       }
     }
   }
-  if (out.size() == 0) return fail(ErrorKind::Malformed, name, "has no triangles; a mesh needs faces");
+  if (out.size() == 0)
+    return fail(ErrorKind::Malformed, name, "has no triangles; a mesh needs faces");
   return out;
 }
 
@@ -240,7 +245,8 @@ Result<TriangleMesh> import(const std::string& name, std::string_view bytes, con
   } catch (const std::bad_alloc&) {
     return fail(ErrorKind::OutOfRange, name, "does not fit into memory; reduce the mesh");
   } catch (const std::exception& e) {
-    return fail(ErrorKind::Malformed, name, fmt::format("cannot be read as {}: {}", kind, e.what()));
+    return fail(ErrorKind::Malformed, name,
+                fmt::format("cannot be read as {}: {}", kind, e.what()));
   }
 }
 

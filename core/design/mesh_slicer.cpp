@@ -104,7 +104,8 @@ Section MeshSlicer::cut(double s_mm) const {
   Section section;
   const double inside = 1e-9 * (high_ - low_), touch = 1e-6 * (high_ - low_);
   double s = s_mm;
-  if (s <= low_ + inside && s >= low_ - touch) s = std::nextafter(static_cast<float>(low_ + inside), 1e30F);
+  if (s <= low_ + inside && s >= low_ - touch)
+    s = std::nextafter(static_cast<float>(low_ + inside), 1e30F);
   if (s >= high_ - inside && s <= high_ + touch) s = high_;
   if (mesh_.size() == 0 || s <= low_ || s > high_) return section;
   const auto begun = static_cast<std::size_t>(

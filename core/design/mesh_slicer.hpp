@@ -10,9 +10,9 @@
 
 namespace popcut {
 
-/// Triangles in the corner (x from the wall, y along the spine, z up, mm), ready to be cut by planes
-/// y = s. Built in O(T log T) by sorting them by their smallest y, with a tree of the largest y over
-/// that order; a plane costs O(k log T) for the k triangles that it meets.
+/// Triangles in the corner (x from the wall, y along the spine, z up, mm), ready to be cut by
+/// planes y = s. Built in O(T log T) by sorting them by their smallest y, with a tree of the
+/// largest y over that order; a plane costs O(k log T) for the k triangles that it meets.
 class MeshSlicer {
  public:
   explicit MeshSlicer(TriangleMesh mesh);
@@ -40,8 +40,8 @@ class MeshSlicer {
   TriangleMesh mesh_;
   MeshBox box_;
   double low_{}, high_{};
-  std::vector<std::uint32_t> order_;        ///< by the smallest y
-  std::vector<float> smallest_;             ///< in that order
+  std::vector<std::uint32_t> order_;         ///< by the smallest y
+  std::vector<float> smallest_;              ///< in that order
   std::vector<std::vector<float>> largest_;  ///< of each triangle, each 64, each 4096, ...
 };
 

@@ -35,6 +35,33 @@ void pool_adjacent_violators(std::vector<double>& value, const std::vector<doubl
     for (std::size_t i = 0; i < block.count; ++i) value[k++] = block.mean;
 }
 
+/// How far points lie behind the outermost ones: the largest step in x and z at once from a point
+/// to another of the outline.
+class Depth {
+ public:
+  explicit Depth(std::span<const OutlinePoint> outline) {
+    std::vector<SectionPoint> all;
+    for (const OutlinePoint& p : outline) all.push_back(p.p);
+    std::sort(all.begin(), all.end(), [](const SectionPoint& a, const SectionPoint& b) {
+      return a.x != b.x ? a.x > b.x : a.z > b.z;
+    });
+    for (const SectionPoint& p : all)
+      if (front_.empty() || p.z > front_.back().z) front_.push_back(p);
+  }
+  [[nodiscard]] double operator()(SectionPoint p) const {
+    // Along the front x falls and z grows: the smaller of both steps is largest where they meet.
+    const auto meet = std::partition_point(
+        front_.begin(), front_.end(), [&](const SectionPoint& q) { return q.x - p.x > q.z - p.z; });
+    double most = 0.0;
+    if (meet != front_.end()) most = std::max(most, meet->x - p.x);
+    if (meet != front_.begin()) most = std::max(most, std::prev(meet)->z - p.z);
+    return most;
+  }
+
+ private:
+  std::vector<SectionPoint> front_;
+};
+
 /// The nearer distance of an outline point: from where the fit moved it, or from the curve.
 double miss(const SliceCurve& curve, SectionPoint p, double moved_mm) {
   return std::min(curve.nearest_distance(p), moved_mm + 1e-3 * (curve.h() + curve.d()));
@@ -65,9 +92,7 @@ SliceFit measure_fit(const Outline& outline, const FallingFit& fit, const SliceC
 std::string obstacle(const Outline& outline, const FallingFit& fit, const char* what) {
   const double followed_mm = kFollowed * outline.size_mm;
   const SectionPoint first = outline.points.front().p, last = outline.points.back().p;
-  const auto at = [](SectionPoint p) {
-    return fmt::format("x = {:.4g}, z = {:.4g} mm", p.x, p.z);
-  };
+  const auto at = [](SectionPoint p) { return fmt::format("x = {:.4g}, z = {:.4g} mm", p.x, p.z); };
   if (outline.hole)
     return fmt::format("the {} has a hole there: its boundary ends in the open at {}", what,
                        at(*outline.hole));
@@ -76,9 +101,10 @@ std::string obstacle(const Outline& outline, const FallingFit& fit, const char* 
   if (last.z > followed_mm)
     return fmt::format("the {} does not reach the ground: it ends at {}", what, at(last));
   if (fit.max_moved_mm > followed_mm)
-    return fmt::format("the {} rises, overhangs or turns back near {}, {:.3g} mm off any curve that "
-                       "falls from wall to ground",
-                       what, at(fit.worst), fit.max_moved_mm);
+    return fmt::format(
+        "the {} rises, overhangs or turns back near {}, {:.3g} mm off any curve that "
+        "falls from wall to ground",
+        what, at(fit.worst), fit.max_moved_mm);
   if (outline.gap_mm > followed_mm)
     return fmt::format("the {} has a gap of {:.3g} mm that begins at {}", what, outline.gap_mm,
                        at(outline.gap_at));
@@ -106,10 +132,15 @@ FallingFit nearest_falling(std::span<const OutlinePoint> outline) {
   double total = 0.0;
   for (const OutlinePoint& p : outline) total += p.weight_mm;
   std::vector<double> x(n), fall(n), weight(n, 1e-12 * (total > 0.0 ? total : 1.0));
+  double most_x = 0.0, most_z = 0.0;
+  for (const OutlinePoint& p : outline)
+    most_x = std::max(most_x, p.p.x), most_z = std::max(most_z, p.p.z);
+  const Depth depth(outline);
+  constexpr double kBehind = 0.1;
   x[0] = 0.0, fall[0] = -outline.front().p.z;
   for (std::size_t k = 0; k < outline.size(); ++k) {
     x[k + 1] = outline[k].p.x, fall[k + 1] = -outline[k].p.z;
-    weight[k + 1] += outline[k].weight_mm;
+    if (depth(outline[k].p) <= kBehind * (most_x + most_z)) weight[k + 1] += outline[k].weight_mm;
   }
   x[n - 1] = outline.back().p.x, fall[n - 1] = 0.0;
   pool_adjacent_violators(x, weight);
@@ -164,10 +195,11 @@ Result<SurfaceSlice> fit_section(const Section& section, FitMode mode, const std
   }
   const double h = fit.points.front().z, d = fit.points.back().x;
   if (!(std::min(h, d) > 1e-9 * std::max(h, d)))
-    return fail(ErrorKind::Infeasible, place,
-                fmt::format("the {} spans only {:.4g} x {:.4g} mm of the corner there; a curve from "
-                            "wall to ground is needed",
-                            what, d, h));
+    return fail(
+        ErrorKind::Infeasible, place,
+        fmt::format("the {} spans only {:.4g} x {:.4g} mm of the corner there; a curve from "
+                    "wall to ground is needed",
+                    what, d, h));
   SliceCurve curve = mode == FitMode::Exact ? SliceCurve::through(fit.points)
                                             : strictly_falling(std::move(fit.points));
   SliceFit figures = measure_fit(outline, fit, curve);

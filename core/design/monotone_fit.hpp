@@ -22,10 +22,13 @@ struct FallingFit {
 
 /// Least squares over all curves that fall from the wall to the ground, weighted by length.
 ///
-/// Along the outline x must not fall and z must not rise, and the two do not hinder each other: each
-/// is an isotonic regression, solved exactly in O(k) by pooling adjacent violators (Barlow et al.,
-/// Statistical Inference under Order Restrictions, 1972). A curve that falls is its own fit. Where
-/// the outline stops short of wall or ground, it goes on level or upright, at no weight.
+/// Along the outline x must not fall and z must not rise, and the two do not hinder each other:
+/// each is an isotonic regression, solved exactly in O(k) by pooling adjacent violators (Barlow et
+/// al., Statistical Inference under Order Restrictions, 1972). A curve that falls is its own fit.
+/// Where the outline stops short of wall or ground, it goes on level or upright, at no weight.
+/// Neither has weight what lies more than a tenth of the outline's size behind its outermost
+/// points, in x and in z, as the underside of an overhang: it would draw the curve away from what
+/// can be reached.
 [[nodiscard]] FallingFit nearest_falling(std::span<const OutlinePoint> outline);
 
 /// A curve through a falling polyline (`SliceCurve::through`). Stretches that are level or upright

@@ -135,17 +135,19 @@ Result<TriangleMesh> placed(TriangleMesh mesh, const Placement& placement) {
                                  static_cast<double>(mesh.corners[k + 2])});
     for (std::size_t i = 0; i < 3; ++i) {
       if (!(std::abs(p[i]) <= kFarthest_mm))
-        return fail(ErrorKind::OutOfRange, "/scale_mm",
-                    fmt::format("triangle {} would reach {:.3g} mm from the corner; at most {:g} mm "
-                                "is needed: use a smaller scale_mm",
-                                k / 9, std::abs(p[i]), kFarthest_mm));
+        return fail(
+            ErrorKind::OutOfRange, "/scale_mm",
+            fmt::format("triangle {} would reach {:.3g} mm from the corner; at most {:g} mm "
+                        "is needed: use a smaller scale_mm",
+                        k / 9, std::abs(p[i]), kFarthest_mm));
       mesh.corners[k + i] = static_cast<float>(p[i]);
     }
   }
   return mesh;
 }
 
-Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const SurfaceAssets& assets) {
+Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const SurfaceAssets& assets,
+                                            Stand stand) {
   if (asset_of(spec.surface).empty())
     return fail(ErrorKind::Infeasible, "/surface/type",
                 "a placement is proposed for meshes and grids only; set rotate_deg and "
@@ -161,9 +163,11 @@ Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const Surfac
     if (!turned) return tl::unexpected(turned.error());
     const MeshBox box = box_of(*turned);
     now.length_mm = box.high[1] - box.low[1], now.slices_mm = extent;
-    now.placement.translate_mm = {-box.low[0], 0.5 * (extent - box.low[1] - box.high[1]),
-                                  -box.low[2]};
-    for (double& shift : now.placement.translate_mm) shift = std::round(shift * 1e6) / 1e6;
+    const auto stands = [&](std::size_t axis) {
+      return stand == Stand::Whole ? -box.low[axis] : -0.5 * (box.low[axis] + box.high[axis]);
+    };
+    now.placement.translate_mm = {stands(0), 0.5 * (extent - box.low[1] - box.high[1]), stands(2)};
+    for (double& shift : now.placement.translate_mm) shift = std::round(shift * 1e6) / 1e6 + 0.0;
     auto standing = placed(*mesh, now.placement);
     if (!standing) return tl::unexpected(standing.error());
     const double shorter = std::min(extent, now.length_mm);

@@ -32,6 +32,12 @@ class PlacementMap {
 /// @retval OutOfRange  a coordinate is farther than a kilometre from the corner
 [[nodiscard]] Result<TriangleMesh> placed(TriangleMesh mesh, const Placement& placement);
 
+/// Which part of a surface stands in the corner.
+enum class Stand {
+  Whole,   ///< all of it: its box touches wall and ground
+  Quarter  ///< a quarter: the middle of its box lies on the spine
+};
+
 /// A proposal and what it reaches.
 struct ProposedPlacement {
   Placement placement;
@@ -42,12 +48,13 @@ struct ProposedPlacement {
 };
 
 /// Proposes how a mesh or grid stands in the corner: of the 24 ways to turn it by right angles the
-/// one of which falling curves reach most (in nine sections), its box touching wall and ground, its
+/// one of which falling curves reach most (in nine sections), standing as `stand` says, its
 /// middle along the spine at the middle of the slices; `scale_mm` is kept.
 ///
 /// @retval Infeasible  the surface is neither mesh nor grid, or no way of standing can be cut
 [[nodiscard]] Result<ProposedPlacement> propose_placement(const DesignSpec& spec,
-                                                          const SurfaceAssets& assets);
+                                                          const SurfaceAssets& assets,
+                                                          Stand stand = Stand::Whole);
 
 /// `spec_json` with the placement's fields set, and "fit" to "nearest" where something is out of
 /// reach: ready to be designed.

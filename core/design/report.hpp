@@ -55,8 +55,8 @@ struct DesignReport {
   double gap_mm{};
   std::vector<MergedPlace> merged;
   std::vector<std::string> notes;  ///< plain cuts, halved slices, spread of minima
-  bool fit_nearest{};  ///< "fit": "nearest" was asked for
-  SliceFit fit;        ///< of all slices together
+  bool fit_nearest{};              ///< "fit": "nearest" was asked for
+  SliceFit fit;                    ///< of all slices together
   double seconds{};
 };
 

@@ -116,6 +116,30 @@ class Envelope {
   std::vector<Line> lines_;
 };
 
+/// Takes out what is seen through a narrow gap: stretches that lie below both their neighbours by
+/// more than twice the way from the one neighbour to the other.
+void close_gaps(const Envelope& envelope, std::vector<Stretch>& stretches, double least_mm) {
+  const auto begin_of = [&](const Stretch& s) { return envelope.line(s).at(s.begin); };
+  const auto end_of = [&](const Stretch& s) { return envelope.line(s).at(s.end); };
+  std::vector<Stretch> kept;
+  for (std::size_t k = 0; k < stretches.size(); ++k) {
+    kept.push_back(stretches[k]);
+    const double level = end_of(stretches[k]), from = stretches[k].end;
+    double top = -std::numeric_limits<double>::infinity();  // of what lies in the gap
+    for (std::size_t next = k + 1; next < stretches.size(); ++next) {
+      const Stretch& s = stretches[next];
+      const double deep_enough = std::max(least_mm, 2.0 * (s.begin - from));
+      if (level - top > deep_enough && begin_of(s) - top > deep_enough && next > k + 1) {
+        k = next - 1;
+        break;
+      }
+      top = std::max({top, begin_of(s), end_of(s)});
+      if (level - top <= std::max(least_mm, 2.0 * (s.end - from))) break;
+    }
+  }
+  stretches = std::move(kept);
+}
+
 SectionPoint point_of(double t, double r) {
   return {std::max(0.0, 0.5 * (r + t)), std::max(0.0, 0.5 * (r - t))};
 }
@@ -170,8 +194,10 @@ Outline seen_from_outside(const Section& section, int samples) {
   }
   out.size_mm = most_x + most_z;
   Envelope envelope(std::move(lines));
-  const std::vector<Stretch> stretches = envelope.run();
+  std::vector<Stretch> stretches = envelope.run();
   if (stretches.empty()) return out;
+  out.hole = visible_end(section, envelope, stretches, 1e-6 * out.size_mm);
+  close_gaps(envelope, stretches, 0.02 * out.size_mm);
   const double spacing = (stretches.back().end - stretches.front().begin) / samples;
   for (const Stretch& s : stretches) {
     const Line& line = envelope.line(s);
@@ -196,7 +222,6 @@ Outline seen_from_outside(const Section& section, int samples) {
     }
   }
   out.visible_mm = std::min(out.visible_mm, out.length_mm);
-  out.hole = visible_end(section, envelope, stretches, 1e-6 * out.size_mm);
   return out;
 }
 

@@ -30,7 +30,8 @@ struct OutlinePoint {
 };
 
 /// What of a section is seen from outside the corner, looking along (-1, -1): for each x - z the
-/// boundary's point with the largest x + z.
+/// boundary's point with the largest x + z. What is seen only through a gap that is less than half
+/// as wide as what lies behind it is deep does not count as seen.
 struct Outline {
   std::vector<OutlinePoint> points;  ///< from wall to ground, by x - z
   double length_mm{};                ///< of the whole section's boundary in the corner

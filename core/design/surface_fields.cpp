@@ -17,11 +17,11 @@ constexpr std::size_t kMostNameBytes = 1024;
 
 std::string file_name(JsonFields& fields) {
   std::string name = fields.text("file", std::nullopt);
-  if (fields.has("file") && (name.empty() || name.size() > kMostNameBytes ||
-                             name.find('\0') != std::string::npos))
-    fields.add_error(ErrorKind::OutOfRange, fields.pointer("file"),
-                     fmt::format("is no file name; one of 1 to {} characters is needed",
-                                 kMostNameBytes));
+  if (fields.has("file") &&
+      (name.empty() || name.size() > kMostNameBytes || name.find('\0') != std::string::npos))
+    fields.add_error(
+        ErrorKind::OutOfRange, fields.pointer("file"),
+        fmt::format("is no file name; one of 1 to {} characters is needed", kMostNameBytes));
   return name;
 }
 
@@ -46,22 +46,22 @@ std::array<double, 3> triple(JsonFields& fields, const char* key, double most) {
     }
     out[k] = got.get<double>();
     if (!(std::abs(out[k]) <= most))
-      fields.add_error(ErrorKind::OutOfRange, place,
-                       fmt::format("is {:g}; a number from {:g} to {:g} is needed", out[k], -most,
-                                   most));
+      fields.add_error(
+          ErrorKind::OutOfRange, place,
+          fmt::format("is {:g}; a number from {:g} to {:g} is needed", out[k], -most, most));
   }
   return out;
 }
 
 json kind_schema(const char* type, const char* field, const char* about_kind,
                  const char* about_field) {
-  return {{"type", "object"},
-          {"description", about_kind},
-          {"additionalProperties", false},
-          {"required", {"type", field}},
-          {"properties",
-           {{"type", {{"const", type}}},
-            {field, {{"type", "string"}, {"description", about_field}}}}}};
+  return {
+      {"type", "object"},
+      {"description", about_kind},
+      {"additionalProperties", false},
+      {"required", {"type", field}},
+      {"properties",
+       {{"type", {{"const", type}}}, {field, {{"type", "string"}, {"description", about_field}}}}}};
 }
 
 }  // namespace
@@ -121,8 +121,10 @@ json surface_schema() {
 }
 
 void add_placement_schema(json& p) {
-  p["scale_mm"] = {{"type", "number"},      {"description", "mm that one unit of the surface is"},
-                   {"exclusiveMinimum", 0}, {"maximum", kMaxLength},
+  p["scale_mm"] = {{"type", "number"},
+                   {"description", "mm that one unit of the surface is"},
+                   {"exclusiveMinimum", 0},
+                   {"maximum", kMaxLength},
                    {"default", 1.0}};
   const auto three = [](const char* text, double most) {
     return json{{"type", "array"},

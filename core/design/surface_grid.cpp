@@ -85,8 +85,9 @@ class GridReader {
       const auto x = number(line.substr(at + 1, next - at - 1), column, "a value of x");
       if (!x) return tl::unexpected(x.error());
       if (!grid_.x.empty() && !(*x > grid_.x.back()))
-        return wrong(name_, line_, column,
-                     fmt::format("x is {:g} after {:g}; values of x must grow", *x, grid_.x.back()));
+        return wrong(
+            name_, line_, column,
+            fmt::format("x is {:g} after {:g}; values of x must grow", *x, grid_.x.back()));
       grid_.x.push_back(*x);
       if (grid_.x.size() > kMostCells) return too_large();
       at = next;

@@ -48,7 +48,8 @@ class SolidSlice {
       const double angle = 0.5 * std::numbers::pi * k / kRays;
       const double cx = k == kRays ? 0.0 : std::cos(angle), cz = k == 0 ? 0.0 : std::sin(angle);
       for (double r = kLeast * scale_mm_; r < kMost * scale_mm_; r *= kGrowth)
-        if (inside(r * cx, r * cz)) most_x = std::max(most_x, r * cx), most_z = std::max(most_z, r * cz);
+        if (inside(r * cx, r * cz))
+          most_x = std::max(most_x, r * cx), most_z = std::max(most_z, r * cz);
     }
     if (most_x == 0.0 && most_z == 0.0)
       return fail(ErrorKind::Infeasible, place,
@@ -98,7 +99,8 @@ class SolidSlice {
     constexpr int kRow = kCells + 1;
     std::array<bool, kRow> below{}, above{};
     std::array<SectionPoint, kRow> low{}, high{};  // crossings on the horizontal edges
-    const auto fill = [&](int j, std::array<bool, kRow>& row, std::array<SectionPoint, kRow>& cross) {
+    const auto fill = [&](int j, std::array<bool, kRow>& row,
+                          std::array<SectionPoint, kRow>& cross) {
       for (int i = 0; i < kRow; ++i) {
         const auto at = static_cast<std::size_t>(i);
         const SectionPoint p = point(i, j);
@@ -204,8 +206,8 @@ class SolidSlice {
 
 Surface surface_of_solid(Solid solid, const Placement& placement, FitMode fit, const char* what) {
   const PlacementMap map(placement);
-  return Surface([solid = std::move(solid), map, scale = placement.scale_mm, fit,
-                  what](double s_mm) { return SolidSlice(solid, map, scale, s_mm).cut(fit, what); });
+  return Surface([solid = std::move(solid), map, scale = placement.scale_mm, fit, what](
+                     double s_mm) { return SolidSlice(solid, map, scale, s_mm).cut(fit, what); });
 }
 
 Result<Surface> surface_implicit(const ImplicitSpec& spec, const Placement& placement,
@@ -213,9 +215,8 @@ Result<Surface> surface_implicit(const ImplicitSpec& spec, const Placement& plac
   auto f = Expression::parse(spec.f, {"x", "y", "z"});
   if (!f) return tl::unexpected(within("/surface/f", f.error()));
   auto shared = std::make_shared<Expression>(std::move(*f));
-  return surface_of_solid(
-      [shared](double x, double y, double z) { return (*shared)(x, y, z); }, placement, fit,
-      "solid");
+  return surface_of_solid([shared](double x, double y, double z) { return (*shared)(x, y, z); },
+                          placement, fit, "solid");
 }
 
 }  // namespace popcut

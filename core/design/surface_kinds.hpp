@@ -40,7 +40,7 @@ using Solid = std::function<double(double, double, double)>;
 /// border that is seen is a hole.
 ///
 /// @retval Infeasible  none of them is in the corner
-[[nodiscard]] Result<Surface> surface_of_triangles(TriangleMesh mesh, FitMode fit,
-                                                   const char* what, bool closed);
+[[nodiscard]] Result<Surface> surface_of_triangles(TriangleMesh mesh, FitMode fit, const char* what,
+                                                   bool closed);
 
 }  // namespace popcut

@@ -38,9 +38,10 @@ Result<Surface> surface_of_triangles(TriangleMesh mesh, FitMode fit, const char*
   if (!(box.high[0] > 0.0) || !(box.high[2] > 0.0))
     return fail(
         ErrorKind::Infeasible, "/translate_mm",
-        fmt::format("no part of the {} is in the corner x > 0, z > 0: it spans x = {:.4g} to {:.4g}, "
-                    "z = {:.4g} to {:.4g} mm; move it, or see popcut design --place",
-                    what, box.low[0], box.high[0], box.low[2], box.high[2]));
+        fmt::format(
+            "no part of the {} is in the corner x > 0, z > 0: it spans x = {:.4g} to {:.4g}, "
+            "z = {:.4g} to {:.4g} mm; move it, or see popcut design --place",
+            what, box.low[0], box.high[0], box.low[2], box.high[2]));
   return Surface([slicer, fit, what, closed](double s_mm) -> Result<SurfaceSlice> {
     const std::string place = fmt::format("/surface at s = {:.6g} mm", s_mm);
     const double touch = 1e-6 * (slicer->high_mm() - slicer->low_mm());

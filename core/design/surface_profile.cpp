@@ -127,10 +127,11 @@ class ProfileSlice {
       if (here > last + 1e-9 * h)
         return fail(
             ErrorKind::Infeasible, at_s(s_mm_),
-            fmt::format("the profile rises near x = {:.6g} mm (from {:.6g} to {:.6g} mm); it "
-                        "must fall all the way from the wall to the ground, or \"fit\": \"nearest\" "
-                        "takes the nearest that does",
-                        x, last, here));
+            fmt::format(
+                "the profile rises near x = {:.6g} mm (from {:.6g} to {:.6g} mm); it "
+                "must fall all the way from the wall to the ground, or \"fit\": \"nearest\" "
+                "takes the nearest that does",
+                x, last, here));
       last = here;
     }
     return {};
@@ -142,8 +143,7 @@ class ProfileSlice {
 
 }  // namespace
 
-Result<Surface> surface_profile(const ProfileSpec& spec, const Placement& placement,
-                                FitMode fit) {
+Result<Surface> surface_profile(const ProfileSpec& spec, const Placement& placement, FitMode fit) {
   auto z = Expression::parse(spec.z, {"x", "y"});
   if (!z) return tl::unexpected(within("/surface/z", z.error()));
   auto shared = std::make_shared<Expression>(std::move(*z));

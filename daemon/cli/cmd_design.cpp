@@ -34,7 +34,8 @@ namespace {
 
 struct Options {
   std::string spec, folder, formats{"fold,svg,cut,csv,report"}, fold_frames{"pi,pi/2,1.1"}, example;
-  bool schema{false}, list{false}, place{false};
+  bool schema{false}, list{false};
+  std::string place;
 };
 
 // 1. The files of a design: a row a format.
@@ -260,7 +261,9 @@ Result<void> place(const Options& options, const Globals& globals) {
   if (!spec) return tl::unexpected(within(options.spec, spec.error()));
   const auto assets = load_assets(*spec, options.spec);
   if (!assets) return tl::unexpected(within(options.spec, assets.error()));
-  if (auto done = print_placed_spec(*spec, *text, *assets, globals.quiet); !done)
+  if (auto done =
+          print_placed_spec(*spec, *text, *assets, options.place == "quarter", globals.quiet);
+      !done)
     return tl::unexpected(within(options.spec, done.error()));
   return {};
 }
@@ -276,7 +279,7 @@ Result<void> run_design(const Options& options, const Globals& globals) {
     return fail(ErrorKind::Usage, "command line",
                 "SPEC.json is missing; 'popcut design --example sphere' prints one to start from");
   }
-  if (options.place) return place(options, globals);
+  if (!options.place.empty()) return place(options, globals);
   if (options.folder.empty()) {
     return fail(ErrorKind::Usage, "command line",
                 "-o DIR is missing; name the folder for the pattern");
@@ -309,8 +312,12 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
                    "Poses in pattern.fold, rad or 90deg; pi is flat, pi/2 the designed shape")
       ->option_text("LIST [pi,pi/2,1.1]");
   command->add_flag("--schema", options->schema, "Print the JSON Schema of a SPEC");
-  command->add_flag("--place", options->place,
-                    "Print SPEC with a placement for its mesh or grid, and design nothing");
+  command
+      ->add_option("--place", options->place,
+                   "Print SPEC with a placement for its mesh or grid (whole: all of it in the\n"
+                   "corner, or quarter: its middle on the spine) and design nothing")
+      ->option_text("whole|quarter")
+      ->check(CLI::IsMember({"whole", "quarter"}));
   command->add_option("--example", options->example, "Print a shipped SPEC")->option_text("NAME");
   command->add_flag("--list", options->list, "List the shipped SPECs, the name first");
   command->callback([options, &globals, &run] {

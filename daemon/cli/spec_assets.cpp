@@ -22,8 +22,8 @@ Result<SurfaceAssets> load_assets(const DesignSpec& spec, const std::string& spe
 }
 
 Result<void> print_placed_spec(const DesignSpec& spec, const std::string& spec_text,
-                               const SurfaceAssets& assets, bool quiet) {
-  const auto proposed = propose_placement(spec, assets);
+                               const SurfaceAssets& assets, bool quarter, bool quiet) {
+  const auto proposed = propose_placement(spec, assets, quarter ? Stand::Quarter : Stand::Whole);
   if (!proposed) return tl::unexpected(proposed.error());
   const auto text = with_placement(spec_text, *proposed);
   if (!text) return tl::unexpected(text.error());

@@ -15,8 +15,9 @@ namespace popcut::cli {
                                                 const std::string& spec_file);
 
 /// Prints the spec with a placement for its mesh or grid (`propose_placement`) on standard output,
-/// and what it reaches on standard error.
+/// and what it reaches on standard error. `quarter`: its middle on the spine, else all in the
+/// corner.
 [[nodiscard]] Result<void> print_placed_spec(const DesignSpec& spec, const std::string& spec_text,
-                                             const SurfaceAssets& assets, bool quiet);
+                                             const SurfaceAssets& assets, bool quarter, bool quiet);
 
 }  // namespace popcut::cli
