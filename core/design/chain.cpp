@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -103,24 +104,19 @@ bool ChainSolver::newton_step(double shift) {
   return true;
 }
 
-Result<ChainFigures> ChainSolver::solve(const SliceCurve& curve, int units, std::span<double> x,
-                                        std::span<double> z) {
-  const auto n = static_cast<std::size_t>(units);
-  t_ = curve.equal_arcs(units);
-  trial_.resize(n + 1), step_.assign(n + 1, 0.0);
-  jet_.resize(n + 1), gradient_.resize(n + 1), diagonal_.assign(n + 1, 0.0);
-  band1_.resize(n + 1), band2_.resize(n + 1), lower1_.resize(n + 1), lower2_.resize(n + 1);
-
+ChainSolver::Minimum ChainSolver::descend(const SliceCurve& curve) {
+  const std::size_t n = t_.size() - 1;
   constexpr int kMostSteps = 200;
   // What rounding leaves of a step, relative to the parameter's range of 2.
   constexpr double kStepNoise = 1e-13;
   double loss = load(curve, t_, true);
   double shift = 0.0;
   int iterations = 0;
-  bool done = units == 1;
+  bool done = n == 1;
   while (!done && iterations < kMostSteps) {
     ++iterations;
-    const double scale = *std::max_element(diagonal_.begin() + 1, diagonal_.begin() + units);
+    const double scale = *std::max_element(diagonal_.begin() + 1,
+                                           diagonal_.begin() + static_cast<std::ptrdiff_t>(n));
     while (!newton_step(shift)) shift = std::max(2.0 * shift, 1e-3 * std::abs(scale));
     double largest = 0.0, slope = 0.0, share = 1.0;
     for (std::size_t i = 1; i < n; ++i) {
@@ -150,13 +146,76 @@ Result<ChainFigures> ChainSolver::solve(const SliceCurve& curve, int units, std:
     done = share == 1.0 && shift == 0.0 && largest < 1e-8;  // quadratic: the next is below 1e-15
     shift = share == 1.0 ? (shift < 1e-9 * std::abs(scale) ? 0.0 : 0.1 * shift) : shift;
   }
-  if (iterations == kMostSteps)
-    return fail(
-        ErrorKind::Infeasible, "",
-        fmt::format("the chain of {} units found no minimum in {} steps", units, kMostSteps));
+  return {loss, iterations, iterations < kMostSteps};
+}
+
+namespace {
+
+/// Start `k` of a curve with inflections: chords of equal extent, then steps that grow and shrink
+/// by a wave whose length, phase and height vary with k in fixed ways.
+void perturbed_start(const std::vector<double>& even, int k, std::vector<double>& t) {
+  const std::size_t n = even.size() - 1;
+  if (k == 0) {
+    for (std::size_t i = 0; i <= n; ++i)
+      t[i] = -1.0 + 2.0 * static_cast<double>(i) / static_cast<double>(n);
+    return;
+  }
+  const auto fraction = [](double a) { return a - std::floor(a); };
+  const double waves = 0.5 + 0.5 * static_cast<double>((k - 1) % 6);
+  const double phase = 2.0 * std::numbers::pi * fraction(0.6180339887 * k);
+  const double height = 0.3 + 0.6 * fraction(0.7548776662 * k);
+  double sum = 0.0;
+  std::vector<double> at(n + 1, 0.0);
+  for (std::size_t i = 1; i <= n; ++i) {
+    const double place = (static_cast<double>(i) - 0.5) / static_cast<double>(n);
+    sum += (even[i] - even[i - 1]) *
+           (1.0 + height * std::sin(2.0 * std::numbers::pi * waves * place + phase));
+    at[i] = sum;
+  }
+  for (std::size_t i = 0; i <= n; ++i) t[i] = -1.0 + 2.0 * at[i] / sum;
+}
+
+}  // namespace
+
+Result<ChainFigures> ChainSolver::solve(const SliceCurve& curve, int units, std::span<double> x,
+                                        std::span<double> z) {
+  const auto n = static_cast<std::size_t>(units);
+  t_ = curve.equal_arcs(units);
+  trial_.resize(n + 1), step_.assign(n + 1, 0.0);
+  jet_.resize(n + 1), gradient_.resize(n + 1), diagonal_.assign(n + 1, 0.0);
+  band1_.resize(n + 1), band2_.resize(n + 1), lower1_.resize(n + 1), lower2_.resize(n + 1);
+
+  ChainFigures figures;
+  const bool several = curve.has_inflections() && units >= 2;
+  const std::vector<double> even = several ? t_ : std::vector<double>{};
+  Minimum best = descend(curve);
+  int iterations = best.iterations;
+  if (several) {
+    std::vector<double> losses;
+    if (best.found) losses.push_back(best.loss), best_ = t_;
+    for (int k = 0; k < kChainStarts; ++k) {
+      perturbed_start(even, k, t_);
+      const Minimum next = descend(curve);
+      iterations += next.iterations;
+      if (!next.found) continue;
+      losses.push_back(next.loss);
+      if (!best.found || next.loss < best.loss) best = next, best_ = t_;
+    }
+    std::sort(losses.begin(), losses.end());
+    constexpr double kSame = 1e-6;
+    for (std::size_t i = 1; i < losses.size(); ++i)
+      figures.minima += losses[i] > losses[i - 1] * (1.0 + kSame);
+    if (figures.minima > 1 && losses.front() > 0.0)
+      figures.spread = losses.back() / losses.front() - 1.0;
+    if (best.found) t_ = best_, load(curve, t_, false);
+  }
+  if (!best.found)
+    return fail(ErrorKind::Infeasible, "",
+                fmt::format("the chain of {} units found no minimum in 200 steps", units));
   for (std::size_t i = 0; i <= n; ++i) x[i] = jet_[i].x, z[i] = jet_[i].z;
   x[0] = 0.0, z[0] = curve.h(), x[n] = curve.d(), z[n] = 0.0;
-  return ChainFigures{chain_loss(x, z), iterations};
+  figures.loss = chain_loss(x, z), figures.iterations = iterations;
+  return figures;
 }
 
 }  // namespace popcut

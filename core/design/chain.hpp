@@ -13,6 +13,8 @@ namespace popcut {
 struct ChainFigures {
   double loss{};  ///< L of section 3, mm^2
   int iterations{};
+  int minima{1};    ///< different ones that were found from several starts
+  double spread{};  ///< largest of them over the smallest, less 1: 0 for a single minimum
 };
 
 /// L of design reference, section 3 (S2.A): squares of the differences of neighbouring steps plus
@@ -25,8 +27,12 @@ struct ChainFigures {
 ///
 /// Every vertex lies on the curve, so one parameter a vertex is unknown. The loss is quadratic in
 /// the points and couples next but one neighbours, so the Hessian has two bands and a Newton step
-/// costs O(units). Start: equal arcs. Where the Hessian is not positive definite (curves with
-/// inflections) it is shifted, and each step is halved until the loss falls.
+/// costs O(units). Start: equal arcs; a curve that turns both ways may have several minima and is
+/// solved from `kChainStarts` more places (even chords and fixed perturbations), the best kept.
+/// Where the Hessian is not positive definite (curves with inflections) it is shifted, and each
+/// step is halved until the loss falls.
+inline constexpr int kChainStarts = 24;
+
 class ChainSolver {
  public:
   /// Writes the points to `x` and `z` (`units + 1` each, both mm).
@@ -36,10 +42,17 @@ class ChainSolver {
                                            std::span<double> z);
 
  private:
+  struct Minimum {
+    double loss{};
+    int iterations{};
+    bool found{};
+  };
+  /// Newton from `t_` down to a minimum, left in `t_` and `jet_`.
+  Minimum descend(const SliceCurve& curve);
   double load(const SliceCurve& curve, std::span<const double> t, bool with_derivatives);
   bool newton_step(double shift);
 
-  std::vector<double> t_, trial_, step_;
+  std::vector<double> t_, trial_, step_, best_;
   std::vector<CurveJet> jet_;
   std::vector<double> gradient_, diagonal_, band1_, band2_, lower1_, lower2_;
 };

@@ -42,13 +42,25 @@ class SliceCurve {
   SliceCurve(double h_mm, double d_mm) : h_(h_mm), d_(d_mm) {}
 
   /// Interpolates `x_at`, which gives the x of the point with a given t. It is sampled at Chebyshev
-  /// points of as many pieces as an error of about 1e-13 of the size needs.
-  static SliceCurve sampled(double h_mm, double d_mm, const std::function<double(double)>& x_at);
+  /// points of as many pieces as an error of about ten `tolerance` of the size needs, each at least
+  /// 2^-max_depth of the whole.
+  static SliceCurve sampled(double h_mm, double d_mm, const std::function<double(double)>& x_at,
+                            double tolerance = 1e-14, int max_depth = 12);
+
+  /// A smooth curve along a polyline that falls from (0, h) to (d, 0): a cubic B-spline over the
+  /// chord with the polyline's own n as control points. Its slopes are averages of the polyline's,
+  /// so that it falls wherever that does; it keeps both ends, and strays by a sixth of the squared
+  /// knot distance times n'' (2.5e-6 n'' of the size), or at a corner by a third of that distance
+  /// times half the corner's change of slope.
+  static SliceCurve through(const std::vector<SectionPoint>& points);
 
   [[nodiscard]] double h() const { return h_; }
   [[nodiscard]] double d() const { return d_; }
-  [[nodiscard]] bool is_ellipse() const { return pieces_.empty(); }
+  [[nodiscard]] bool is_ellipse() const { return pieces_.empty() && control_.empty(); }
   [[nodiscard]] bool is_circle() const { return is_ellipse() && h_ == d_; }
+
+  /// Whether it turns both ways: its chain may then have several minima.
+  [[nodiscard]] bool has_inflections() const { return inflected_; }
 
   [[nodiscard]] CurveJet at(double t) const;
   /// Signed distance to first order, exact for a circle: what the conformal lattice drives to zero.
@@ -70,11 +82,15 @@ class SliceCurve {
     double n{}, dn{}, ddn{};
   };
   [[nodiscard]] Rise rise(double t) const;
-  void add_pieces(double t_begin, double t_end, int depth,
+  [[nodiscard]] Rise spline_rise(double t) const;
+  void find_inflections();
+  void add_pieces(double t_begin, double t_end, double tolerance, int depth,
                   const std::function<double(double)>& n_at);
 
   double h_{}, d_{};
+  bool inflected_{false};
   std::vector<Piece> pieces_;
+  std::vector<double> control_;  ///< of a uniform cubic B-spline on [-1, 1], clamped at both ends
 };
 
 }  // namespace popcut

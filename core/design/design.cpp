@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/design/figures.hpp"
+#include "core/design/fit_report.hpp"
 #include "core/design/lattice.hpp"
 #include "core/design/mobility.hpp"
 #include "core/design/multi_state.hpp"
@@ -52,10 +53,10 @@ struct Laid {
 
 class Designer {
  public:
-  explicit Designer(const DesignSpec& spec) : spec_(spec) {}
+  Designer(const DesignSpec& spec, const SurfaceAssets& assets) : spec_(spec), assets_(assets) {}
 
   Result<Design> run() {
-    auto sliced = slice_target(spec_);
+    auto sliced = slice_target(spec_, assets_);
     if (!sliced) return tl::unexpected(sliced.error());
     sliced_ = std::move(*sliced);
     cut_after_ = sliced_.cut_after;
@@ -431,6 +432,7 @@ class Designer {
     r.gap_mm = laid.figures.gap_mm;
     r.merged = std::move(laid.strips.merged);
     r.notes = notes_;
+    add_fit(r, spec_.fit);
     return out;
   }
 
@@ -443,7 +445,8 @@ class Designer {
     }
     for (std::size_t j = 0; j < sliced_.s_mm.size(); ++j)
       r.slices.push_back({sliced_.s_mm[j], v_sum[j] / count[j], sliced_.width_mm[j],
-                          sliced_.figures[j].loss, sliced_.figures[j].iterations});
+                          sliced_.figures[j].loss, sliced_.figures[j].iterations,
+                          sliced_.figures[j].minima, sliced_.figures[j].spread, sliced_.fits[j]});
     for (const Run& run : layout.runs)
       if (run.count == 2 && layout.laid[static_cast<std::size_t>(run.first)].slice ==
                                 layout.laid[static_cast<std::size_t>(run.first) + 1].slice)
@@ -453,6 +456,7 @@ class Designer {
   }
 
   const DesignSpec& spec_;
+  const SurfaceAssets& assets_;
   Slicing sliced_;
   std::vector<std::uint8_t> cut_after_;
   std::vector<std::string> notes_;
@@ -460,6 +464,8 @@ class Designer {
 
 }  // namespace
 
-Result<Design> design(const DesignSpec& spec) { return Designer(spec).run(); }
+Result<Design> design(const DesignSpec& spec, const SurfaceAssets& assets) {
+  return Designer(spec, assets).run();
+}
 
 }  // namespace popcut

@@ -19,9 +19,11 @@ struct Design {
 /// Target surface to pattern: slices, chains, lattice, strips, cuts and folds (sections 3 and 4).
 /// `report.seconds` is left at zero; the caller has the clock.
 ///
-/// @retval OutOfRange  the surface's expression does not parse, or is not finite, positive and
-///                     falling where a slice or connector needs it; `place` names the field and s
+/// @param assets  contents of the files that the spec's surface names (`asset_of`)
+/// @retval Malformed   the surface's expression or file cannot be read
+/// @retval OutOfRange  it is not finite and positive where a slice or connector needs it; `place`
+///                     names the field and s
 /// @retval Infeasible  no valid pattern exists for it; `place` names the slice
-[[nodiscard]] Result<Design> design(const DesignSpec& spec);
+[[nodiscard]] Result<Design> design(const DesignSpec& spec, const SurfaceAssets& assets = {});
 
 }  // namespace popcut

@@ -48,9 +48,10 @@ Result<Expression> Expression::parse(const std::string& text,
   return Expression(std::move(parser));
 }
 
-double Expression::operator()(double a, double b) const {
+double Expression::operator()(double a, double b, double c) const {
   parser_->values[0] = a;
   parser_->values[1] = b;
+  parser_->values[2] = c;
   try {
     return parser_->mu.Eval();
   } catch (const mu::Parser::exception_type&) {  // some functions report a domain error this way

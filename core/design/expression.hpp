@@ -24,8 +24,8 @@ class Expression {
   Expression& operator=(Expression&&) noexcept;
   ~Expression();
 
-  /// The value at one or two variables; NaN where the formula has none.
-  [[nodiscard]] double operator()(double a, double b = 0.0) const;
+  /// The value at one to three variables; NaN where the formula has none.
+  [[nodiscard]] double operator()(double a, double b = 0.0, double c = 0.0) const;
 
  private:
   struct Parser;

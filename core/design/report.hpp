@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/design/slice_fit.hpp"
+
 namespace popcut {
 
 /// Root mean square and largest value of an error, mm.
@@ -20,6 +22,9 @@ struct SliceReport {
   double width_mm{};
   double loss{};  ///< L_j of section 3, mm^2
   int iterations{};
+  int minima{1};    ///< that the chain has, as far as several starts found them
+  double spread{};  ///< the largest of their losses over the smallest, less 1
+  SliceFit fit;
 };
 
 /// A place where the lattice does not follow the target level by level, and why.
@@ -50,6 +55,8 @@ struct DesignReport {
   double gap_mm{};
   std::vector<MergedPlace> merged;
   std::vector<std::string> notes;  ///< plain cuts, halved slices, spread of minima
+  bool fit_nearest{};              ///< "fit": "nearest" was asked for
+  SliceFit fit;                    ///< of all slices together
   double seconds{};
 };
 

@@ -21,8 +21,10 @@ struct Stretch {
 };
 
 Result<void> cut_slice(const Stretch& stretch, double s, double min_panel_mm, int j, Slicing& out) {
-  auto curve = stretch.surface->slice(s - stretch.origin_mm);
-  if (!curve) return tl::unexpected(curve.error());
+  auto cut = stretch.surface->cut(s - stretch.origin_mm);
+  if (!cut) return tl::unexpected(cut.error());
+  out.fits.push_back(cut->fit);
+  SliceCurve* const curve = &cut->curve;
   if (curve->h() < 2.0 * min_panel_mm || curve->d() < 2.0 * min_panel_mm)
     return fail(ErrorKind::Infeasible, fmt::format("/surface at slice {} (s = {:.6g} mm)", j, s),
                 fmt::format("the target spans only {:.4g} x {:.4g} mm there, no room for panels of "
@@ -53,10 +55,10 @@ Result<void> solve_chains(const DesignSpec& spec, Slicing& out) {
 
 }  // namespace
 
-Result<Slicing> slice_target(const DesignSpec& spec) {
+Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets) {
   std::optional<Surface> common;
   if (spec.surface) {
-    auto made = Surface::make(*spec.surface, spec.scale_mm);
+    auto made = Surface::make(*spec.surface, spec.placement, spec.fit, assets);
     if (!made) return tl::unexpected(made.error());
     common = std::move(*made);
   }
@@ -88,8 +90,8 @@ Result<Slicing> slice_target(const DesignSpec& spec) {
       out.units.push_back(region.units_per_slice);
     }
     if (region.radius) {
-      auto made =
-          Surface::make(RevolutionSpec{*region.radius, length / spec.scale_mm}, spec.scale_mm);
+      auto made = Surface::make(RevolutionSpec{*region.radius, length / spec.placement.scale_mm},
+                                spec.placement, spec.fit);
       if (!made) return tl::unexpected(within(fmt::format("/regions/{}", r), made.error()));
       own.push_back(std::move(*made));
       stretch.surface = &own.back();

@@ -6,6 +6,7 @@
 
 #include "core/design/chain.hpp"
 #include "core/design/curve.hpp"
+#include "core/design/slice_fit.hpp"
 #include "core/design/spec.hpp"
 #include "core/result.hpp"
 
@@ -24,7 +25,8 @@ struct Slicing {
   std::vector<std::size_t> chain_first;  ///< slices + 1 offsets into the chains
   std::vector<double> chain_x, chain_z;  ///< units + 1 vertices a slice
   std::vector<ChainFigures> figures;
-  int uniform_slices{};  ///< with adaptive widths: equal slices of the same error; else 0
+  std::vector<SliceFit> fits;  ///< what each slice leaves out of the target
+  int uniform_slices{};        ///< with adaptive widths: equal slices of the same error; else 0
 
   [[nodiscard]] int slices() const { return static_cast<int>(s_mm.size()); }
 };
@@ -33,6 +35,6 @@ struct Slicing {
 ///
 /// @retval OutOfRange  the surface is not finite and positive at a slice or connector
 /// @retval Infeasible  a slice's curve does not fall to the ground, or leaves no room for panels
-[[nodiscard]] Result<Slicing> slice_target(const DesignSpec& spec);
+[[nodiscard]] Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets);
 
 }  // namespace popcut

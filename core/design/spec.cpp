@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/design/surface_fields.hpp"
 #include "core/json_fields.hpp"
 
 namespace popcut {
@@ -14,21 +15,6 @@ namespace {
 using nlohmann::json;
 
 constexpr double kMaxLength = 1e6;  ///< 1 km: no sheet is larger
-
-Result<SurfaceSpec> parse_surface(const json& value) {
-  JsonFields fields(value, "/surface");
-  SurfaceSpec surface;
-  if (fields.word("type", 0, {"revolution", "profile"}) == 0) {
-    if (value.is_object() && !value.contains("type"))
-      fields.add_error(ErrorKind::Malformed, "/surface/type",
-                       "is missing; \"revolution\" or \"profile\" is needed");
-    surface = RevolutionSpec{fields.text("radius", std::nullopt)};
-  } else {
-    surface = ProfileSpec{fields.text("z", std::nullopt)};
-  }
-  if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
-  return surface;
-}
 
 Result<std::optional<CardSpec>> parse_card(const json* value) {
   if (!value || (value->is_boolean() && value->get<bool>())) return CardSpec{};
@@ -248,7 +234,7 @@ Result<void> parse_target(const json& root, JsonFields& fields, DesignSpec& spec
     return {};
   }
   if (surface) {
-    auto parsed = parse_surface(*surface);
+    auto parsed = parse_surface(*surface, "/surface");
     if (!parsed) return tl::unexpected(parsed.error());
     spec.surface = std::move(*parsed);
     return {};
@@ -276,7 +262,8 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
   DesignSpec spec;
   (void)fields.integer("popcut", std::nullopt, 1, 1);
   spec.name = fields.text("name", spec.name);
-  spec.scale_mm = fields.number("scale_mm", 1.0, 0.0, kMaxLength, true);
+  spec.placement = parse_placement(fields);
+  spec.fit = static_cast<FitMode>(fields.word("fit", 0, {"exact", "nearest"}));
   spec.lattice = static_cast<LatticeMethod>(
       fields.word("lattice", 2, {"branching", "slices", "conformal", "levels"}));
   spec.solver = static_cast<SolverMethod>(fields.word("solver", 0, {"newton", "slsqp"}));
@@ -287,10 +274,6 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
   else if (most)
     spec.max_step_over_mean = fields.number("max_step_over_mean", 3.0, 1.0, 1e6, true);
   spec.material = fields.text("material", spec.material);
-  for (const char* later : {"rotate_deg", "translate_mm", "fit"})
-    if (fields.value(later))
-      fields.add_error(ErrorKind::OutOfRange, fields.pointer(later),
-                       "is not built yet in this version of popcut; leave it out");
   const json* card = fields.value("card");
   const json* splay = fields.value("splay");
   if (auto target = parse_target(*root, fields, spec); !target)
@@ -323,28 +306,16 @@ std::string design_spec_schema() {
   json& p = schema["properties"];
   p["popcut"] = {{"const", 1}, {"description", "version of this format"}};
   p["name"] = {{"type", "string"}, {"default", "pattern"}};
-  p["surface"]["oneOf"] =
-      json::array({{{"type", "object"},
-                    {"description", "quarter circles about the spine: x^2 + z^2 = radius(y)^2"},
-                    {"additionalProperties", false},
-                    {"required", {"type", "radius"}},
-                    {"properties",
-                     {{"type", {{"const", "revolution"}}},
-                      {"radius", {{"type", "string"}, {"description", "expression of y"}}}}}},
-                   {{"type", "object"},
-                    {"description", "a profile that falls from the wall to the ground for each y"},
-                    {"additionalProperties", false},
-                    {"required", {"type", "z"}},
-                    {"properties",
-                     {{"type", {{"const", "profile"}}},
-                      {"z", {{"type", "string"}, {"description", "expression of x and y"}}}}}},
-                   {{"type", "object"},
-                    {"description", "three regions whose radius runs R1, R2, R3 (R1 > R3 > R2)"},
-                    {"additionalProperties", false},
-                    {"required", {"type", "radii"}},
-                    {"properties",
-                     {{"type", {{"const", "composite"}}},
-                      {"radii", {{"type", "array"}, {"minItems", 3}, {"maxItems", 3}}}}}}});
+  p["surface"] = surface_schema();
+  p["surface"]["oneOf"].push_back(
+      {{"type", "object"},
+       {"description", "three regions whose radius runs R1, R2, R3 (R1 > R3 > R2)"},
+       {"additionalProperties", false},
+       {"required", {"type", "radii"}},
+       {"properties",
+        {{"type", {{"const", "composite"}}},
+         {"radii", {{"type", "array"}, {"minItems", 3}, {"maxItems", 3}}}}}});
+  add_placement_schema(p);
   p["regions"] = {
       {"type", "array"},
       {"description", "instead of units_per_slice, slices and widths_mm: stretches with their own"},
@@ -359,8 +330,6 @@ std::string design_spec_schema() {
            {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxUnitsPerSlice}}},
           {"slices", {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxSlices}}},
           {"width_mm", number("width of its slices", positive)}}}}}};
-  p["scale_mm"] = number("mm that one unit of the surface is", positive);
-  p["scale_mm"]["default"] = 1.0;
   p["units_per_slice"] = {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxUnitsPerSlice}};
   p["slices"] = {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxSlices}};
   p["widths_mm"]["oneOf"] = json::array(

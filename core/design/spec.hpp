@@ -4,25 +4,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
+#include "core/design/surface_spec.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
-
-/// Quarter circles about the spine: x^2 + z^2 = radius(y)^2, in units of the surface.
-struct RevolutionSpec {
-  std::string radius;              ///< expression of y, and of L where there is a length
-  std::optional<double> length{};  ///< L, length of the region that it belongs to
-};
-
-/// A profile z(x, y) that falls from (0, h) to (d, 0) for each y, in units of the surface.
-struct ProfileSpec {
-  std::string z;  ///< expression of x and y
-};
-
-using SurfaceSpec = std::variant<RevolutionSpec, ProfileSpec>;
 
 /// A stretch of slices with units of its own, and perhaps a radius of its own: an expression of y
 /// from 0 at the region's start to L at its end.
@@ -70,9 +57,10 @@ struct CardSpec {
 struct DesignSpec {
   std::string name{"pattern"};
   std::optional<SurfaceSpec> surface;  ///< none where each region has a radius of its own
-  double scale_mm{1.0};                ///< one unit of the surface
-  std::vector<RegionSpec> regions;     ///< one where the spec has none: the whole
-  std::vector<double> widths_mm;       ///< one a slice; empty with `adaptive`
+  Placement placement;
+  FitMode fit{FitMode::Exact};
+  std::vector<RegionSpec> regions;  ///< one where the spec has none: the whole
+  std::vector<double> widths_mm;    ///< one a slice; empty with `adaptive`
   std::optional<AdaptiveWidths> adaptive;
   LatticeMethod lattice{LatticeMethod::Conformal};
   SolverMethod solver{SolverMethod::Newton};

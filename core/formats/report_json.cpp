@@ -10,6 +10,12 @@ using Json = nlohmann::ordered_json;
 
 Json figures(const ErrorFigures& error) { return {{"rms", error.rms_mm}, {"max", error.max_mm}}; }
 
+Json fit(const SliceFit& fit) {
+  return {{"unreachable_share", unreachable_share(fit)},
+          {"rms_mm", fit.rms_mm},
+          {"max_mm", fit.max_mm}};
+}
+
 Json slices(const DesignReport& report) {
   Json list = Json::array();
   for (const SliceReport& slice : report.slices) {
@@ -17,7 +23,10 @@ Json slices(const DesignReport& report) {
                     {"v_mm", slice.v_mm},
                     {"width_mm", slice.width_mm},
                     {"loss", slice.loss},
-                    {"iterations", slice.iterations}});
+                    {"iterations", slice.iterations},
+                    {"minima", slice.minima},
+                    {"spread", slice.spread},
+                    {"fit", fit(slice.fit)}});
   }
   return list;
 }
@@ -58,6 +67,8 @@ std::string report_json(const DesignReport& report) {
   json["end_error_mm"] = figures(report.end_error);
   json["step_over_mean"] = {{"min", report.step_over_mean_min}, {"max", report.step_over_mean_max}};
   json["gap_mm"] = report.gap_mm;
+  json["fit"] = fit(report.fit);
+  json["fit"]["mode"] = report.fit_nearest ? "nearest" : "exact";
   json["seconds"] = report.seconds;
   json["merged"] = merged(report);
   json["notes"] = report.notes;

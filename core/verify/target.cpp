@@ -254,6 +254,12 @@ Result<Target> read_target(std::string_view spec_json) {
                   "verify does not measure moved targets yet");
     }
   }
+  for (const char* moved : {"rotate_deg", "translate_mm"}) {
+    const std::vector<double> nowhere(3, 0.0);
+    if (spec->contains(moved) && (*spec)[moved] != Json(nowhere))
+      return fail(ErrorKind::OutOfRange, std::string("/") + moved,
+                  "verify does not measure targets that are turned or shifted yet");
+  }
   const auto scale = number_at(*spec, "/scale_mm", 1.0);
   if (!scale) return tl::unexpected<Error>(scale.error());
   if (!(*scale > 0.0)) return fail(ErrorKind::OutOfRange, "/scale_mm", "it must be positive");

@@ -32,6 +32,7 @@
 #include "daemon/cli/deploy_files.hpp"
 #include "daemon/cli/examples.hpp"
 #include "daemon/cli/output_folder.hpp"
+#include "daemon/cli/spec_assets.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -41,6 +42,7 @@ struct Options {
       fold_frames{"pi,pi/2,1.1"}, example;
   MotionOptions motion;
   bool schema{false}, list{false};
+  std::string place;
 };
 
 // 1. The files of a design: a row a format.
@@ -226,16 +228,18 @@ void say_remarks(const DesignReport& report, bool all) {
 
 // 3. The work.
 
+std::string about(const SurfaceSpec& surface) {
+  if (const auto* s = std::get_if<RevolutionSpec>(&surface)) return "radius " + s->radius;
+  if (const auto* s = std::get_if<ProfileSpec>(&surface)) return "profile " + s->z;
+  if (const auto* s = std::get_if<ImplicitSpec>(&surface)) return "solid " + s->f;
+  return "file " + asset_of(surface);
+}
+
 Result<void> list_examples() {
   for (const Example& example : examples()) {
     const auto spec = parse_design_spec(example.json);
     if (!spec) return tl::unexpected(within(std::string(example.name), spec.error()));
-    std::string target = "regions of their own";
-    if (spec->surface) {
-      const auto* const revolution = std::get_if<RevolutionSpec>(&*spec->surface);
-      target = revolution != nullptr ? "radius " + revolution->radius
-                                     : "profile " + std::get<ProfileSpec>(*spec->surface).z;
-    }
+    const std::string target = spec->surface ? about(*spec->surface) : "regions of their own";
     std::vector<std::string> sizes;
     for (const RegionSpec& region : spec->regions)
       sizes.push_back(fmt::format("{} x {}", region.slices, region.units_per_slice));
@@ -257,9 +261,9 @@ Result<void> print_example(const std::string& name) {
               fmt::format("'{}' is not an example; the examples are:{}", name, known));
 }
 
-Result<Design> timed_design(const DesignSpec& spec) {
+Result<Design> timed_design(const DesignSpec& spec, const SurfaceAssets& assets) {
   const auto start = std::chrono::steady_clock::now();
-  auto made = design(spec);
+  auto made = design(spec, assets);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   if (made) made->report.seconds = took.count();
   return made;
@@ -272,6 +276,8 @@ void add_thickness_note(const Material& material, Design& made) {
     made.report.notes.push_back(fmt::format("{}: {}", material.name, *warning));
 }
 
+constexpr std::uintmax_t kSpecLimitBytes = 64u << 20;
+
 Result<void> design_into(const Options& options, const Globals& globals) {
   const auto formats = parse_formats(options.formats);
   if (!formats) return tl::unexpected(formats.error());
@@ -279,7 +285,6 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (!fold_frames) return tl::unexpected(fold_frames.error());
   auto angles = angles_of(options.motion);
   if (!angles) return tl::unexpected(angles.error());
-  constexpr std::uintmax_t kSpecLimitBytes = 64u << 20;
   const auto text = read_file(options.spec, kSpecLimitBytes);
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
@@ -290,9 +295,11 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   }
   const auto thickness = thickness_of(options.motion, material->thickness_mm);
   if (!thickness) return tl::unexpected(thickness.error());
+  const auto assets = load_assets(*spec, options.spec);
+  if (!assets) return tl::unexpected(within(options.spec, assets.error()));
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
-  auto made = timed_design(*spec);
+  auto made = timed_design(*spec, *assets);
   if (!made) return tl::unexpected(within(options.spec, made.error()));
 
   add_thickness_note(*material, *made);
@@ -317,6 +324,20 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   return {};
 }
 
+Result<void> place(const Options& options, const Globals& globals) {
+  const auto text = read_file(options.spec, kSpecLimitBytes);
+  if (!text) return tl::unexpected(text.error());
+  const auto spec = parse_design_spec(*text);
+  if (!spec) return tl::unexpected(within(options.spec, spec.error()));
+  const auto assets = load_assets(*spec, options.spec);
+  if (!assets) return tl::unexpected(within(options.spec, assets.error()));
+  if (auto done =
+          print_placed_spec(*spec, *text, *assets, options.place == "quarter", globals.quiet);
+      !done)
+    return tl::unexpected(within(options.spec, done.error()));
+  return {};
+}
+
 Result<void> run_design(Options options, const Globals& globals) {
   give_back_file(options.motion, options.spec);
   if (options.schema) {
@@ -329,6 +350,7 @@ Result<void> run_design(Options options, const Globals& globals) {
     return fail(ErrorKind::Usage, "command line",
                 "SPEC.json is missing; 'popcut design --example sphere' prints one to start from");
   }
+  if (!options.place.empty()) return place(options, globals);
   if (options.folder.empty()) {
     return fail(ErrorKind::Usage, "command line",
                 "-o DIR is missing; name the folder for the pattern");
@@ -364,6 +386,12 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
       ->option_text("LIST [pi,pi/2,1.1]");
   add_motion_options(*command, options->motion);
   command->add_flag("--schema", options->schema, "Print the JSON Schema of a SPEC");
+  command
+      ->add_option("--place", options->place,
+                   "Print SPEC with a placement for its mesh or grid (whole: all of it in the\n"
+                   "corner, or quarter: its middle on the spine) and design nothing")
+      ->option_text("whole|quarter")
+      ->check(CLI::IsMember({"whole", "quarter"}));
   command->add_option("--example", options->example, "Print a shipped SPEC")->option_text("NAME");
   command->add_flag("--list", options->list, "List the shipped SPECs, the name first");
   command->callback([options, &globals, &run] {

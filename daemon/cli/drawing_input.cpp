@@ -8,14 +8,17 @@
 #include "core/design/design.hpp"
 #include "core/formats/fold_reader.hpp"
 #include "daemon/cli/output_folder.hpp"
+#include "daemon/cli/spec_assets.hpp"
 
 namespace popcut::cli {
 namespace {
 
-Result<DrawingInput> from_spec(const std::string& text) {
+Result<DrawingInput> from_spec(const std::string& text, const std::string& file) {
   const auto spec = parse_design_spec(text);
   if (!spec) return tl::unexpected(spec.error());
-  const auto made = design(*spec);
+  const auto assets = load_assets(*spec, file);
+  if (!assets) return tl::unexpected(assets.error());
+  const auto made = design(*spec, *assets);
   if (!made) return tl::unexpected(made.error());
   return DrawingInput{linework_from_pattern(made->pattern), spec->material};
 }
@@ -25,11 +28,11 @@ Result<DrawingInput> only_drawing(Result<LineWork> drawing) {
   return DrawingInput{std::move(*drawing), std::nullopt};
 }
 
-Result<DrawingInput> from_text(const std::string& text, const std::string& ending,
-                               SvgProfile profile) {
+Result<DrawingInput> from_text(const std::string& text, const std::string& file,
+                               const std::string& ending, SvgProfile profile) {
   if (ending == ".svg") return only_drawing(linework_from_svg(text, profile));
   if (ending == ".fold") return only_drawing(linework_from_fold(text));
-  if (ending == ".json") return from_spec(text);
+  if (ending == ".json") return from_spec(text, file);
   if (ending == ".dxf")
     return fail(ErrorKind::Malformed, "", "DXF is not read yet; save it as SVG or FOLD");
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
@@ -37,7 +40,7 @@ Result<DrawingInput> from_text(const std::string& text, const std::string& endin
     return only_drawing(linework_from_svg(text, profile));
   if (first != std::string::npos && text[first] == '{')
     return text.find("\"vertices_coords\"") == std::string::npos
-               ? from_spec(text)
+               ? from_spec(text, file)
                : only_drawing(linework_from_fold(text));
   return fail(ErrorKind::Malformed, "",
               "is neither a spec (.json) nor a drawing (.fold, .svg) that popcut reads");
@@ -51,7 +54,7 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgProfile profile) {
   std::string ending = std::filesystem::path(file).extension().string();
   for (char& c : ending)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  auto input = from_text(*text, ending, profile);
+  auto input = from_text(*text, file, ending, profile);
   if (!input) return tl::unexpected(within(file, input.error()));
   if (input->drawing.name.empty())
     input->drawing.name = std::filesystem::path(file).stem().string();

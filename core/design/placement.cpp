@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/placement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/design/surface_kinds.hpp"
+#include "core/json_fields.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr double kFarthest_mm = 1e6;
+
+using Vec = std::array<double, 3>;
+using Turn = std::array<Vec, 3>;
+
+/// Cosine and sine of an angle in degrees, exact at multiples of 90.
+std::array<double, 2> cos_sin(double degrees) {
+  const double quarter = degrees / 90.0;
+  if (quarter == std::floor(quarter)) {
+    const int turns = static_cast<int>(std::fmod(std::fmod(quarter, 4.0) + 4.0, 4.0));
+    constexpr std::array<std::array<double, 2>, 4> exact{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+    return exact[static_cast<std::size_t>(turns)];
+  }
+  const double angle = degrees * std::numbers::pi / 180.0;
+  return {std::cos(angle), std::sin(angle)};
+}
+
+Turn product(const Turn& a, const Turn& b) {
+  Turn out{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      for (std::size_t k = 0; k < 3; ++k) out[i][j] += a[i][k] * b[k][j];
+  return out;
+}
+
+Turn turn_of(const Vec& degrees) {
+  const auto [cx, sx] = cos_sin(degrees[0]);
+  const auto [cy, sy] = cos_sin(degrees[1]);
+  const auto [cz, sz] = cos_sin(degrees[2]);
+  const Turn x{{{1, 0, 0}, {0, cx, -sx}, {0, sx, cx}}};
+  const Turn y{{{cy, 0, sy}, {0, 1, 0}, {-sy, 0, cy}}};
+  const Turn z{{{cz, -sz, 0}, {sz, cz, 0}, {0, 0, 1}}};
+  return product(z, product(y, x));
+}
+
+/// The 24 turns by right angles, each once, in degrees.
+std::vector<Vec> right_turns() {
+  std::vector<Vec> out;
+  std::vector<Turn> seen;
+  for (int x = 0; x < 4; ++x)
+    for (int y = 0; y < 4; ++y)
+      for (int z = 0; z < 4; ++z) {
+        const Vec degrees{90.0 * x, 90.0 * y, 90.0 * z};
+        const Turn turn = turn_of(degrees);
+        if (std::find(seen.begin(), seen.end(), turn) != seen.end()) continue;
+        seen.push_back(turn);
+        out.push_back(degrees);
+      }
+  return out;
+}
+
+/// From the first slice's middle to the last one's.
+double slices_extent(const DesignSpec& spec) {
+  const std::vector<double>& w = spec.widths_mm;
+  if (w.empty()) return 0.0;
+  return std::accumulate(w.begin(), w.end(), 0.0) - 0.5 * (w.front() + w.back());
+}
+
+/// What falling curves reach of a placed mesh, in nine sections inside the slices' range.
+std::optional<SliceFit> try_slices(const TriangleMesh& mesh, double from_mm, double to_mm) {
+  const auto surface = surface_of_triangles(mesh, FitMode::Nearest, "mesh", false);
+  if (!surface) return std::nullopt;
+  constexpr int kSections = 9;
+  SliceFit sum;
+  for (int k = 0; k < kSections; ++k) {
+    const auto cut = surface->cut(from_mm + (to_mm - from_mm) * (k + 0.5) / kSections);
+    if (!cut) return std::nullopt;
+    accumulate(sum, cut->fit);
+  }
+  return sum;
+}
+
+}  // namespace
+
+MeshBox box_of(const TriangleMesh& mesh) {
+  MeshBox box;
+  box.low.fill(std::numeric_limits<double>::infinity());
+  box.high.fill(-std::numeric_limits<double>::infinity());
+  for (std::size_t k = 0; k < mesh.corners.size(); ++k) {
+    const double value = static_cast<double>(mesh.corners[k]);
+    box.low[k % 3] = std::min(box.low[k % 3], value);
+    box.high[k % 3] = std::max(box.high[k % 3], value);
+  }
+  return box;
+}
+
+bool stays_upright(const Placement& placement) {
+  return placement.rotate_deg == Vec{} && placement.translate_mm[0] == 0.0 &&
+         placement.translate_mm[2] == 0.0;
+}
+
+PlacementMap::PlacementMap(const Placement& placement)
+    : turn_(turn_of(placement.rotate_deg)),
+      scale_(placement.scale_mm),
+      shift_(placement.translate_mm) {}
+
+Vec PlacementMap::to_corner(const Vec& q) const {
+  Vec p{};
+  for (std::size_t i = 0; i < 3; ++i)
+    p[i] = scale_ * (turn_[i][0] * q[0] + turn_[i][1] * q[1] + turn_[i][2] * q[2]) + shift_[i];
+  return p;
+}
+
+Vec PlacementMap::to_surface(const Vec& p) const {
+  Vec q{};
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t i = 0; i < 3; ++i) q[k] += turn_[i][k] * (p[i] - shift_[i]) / scale_;
+  return q;
+}
+
+Result<TriangleMesh> placed(TriangleMesh mesh, const Placement& placement) {
+  const PlacementMap map(placement);
+  for (std::size_t k = 0; k + 2 < mesh.corners.size(); k += 3) {
+    const Vec p = map.to_corner({static_cast<double>(mesh.corners[k]),
+                                 static_cast<double>(mesh.corners[k + 1]),
+                                 static_cast<double>(mesh.corners[k + 2])});
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!(std::abs(p[i]) <= kFarthest_mm))
+        return fail(
+            ErrorKind::OutOfRange, "/scale_mm",
+            fmt::format("triangle {} would reach {:.3g} mm from the corner; at most {:g} mm "
+                        "is needed: use a smaller scale_mm",
+                        k / 9, std::abs(p[i]), kFarthest_mm));
+      mesh.corners[k + i] = static_cast<float>(p[i]);
+    }
+  }
+  return mesh;
+}
+
+Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const SurfaceAssets& assets,
+                                            Stand stand) {
+  if (asset_of(spec.surface).empty())
+    return fail(ErrorKind::Infeasible, "/surface/type",
+                "a placement is proposed for meshes and grids only; set rotate_deg and "
+                "translate_mm by hand");
+  const auto mesh = triangles_of(*spec.surface, assets);
+  if (!mesh) return tl::unexpected(mesh.error());
+  const double extent = slices_extent(spec);
+  std::optional<ProposedPlacement> best;
+  for (const Vec& turn : right_turns()) {
+    ProposedPlacement now;
+    now.placement = {spec.placement.scale_mm, turn, {}};
+    auto turned = placed(*mesh, now.placement);
+    if (!turned) return tl::unexpected(turned.error());
+    const MeshBox box = box_of(*turned);
+    now.length_mm = box.high[1] - box.low[1], now.slices_mm = extent;
+    const auto stands = [&](std::size_t axis) {
+      return stand == Stand::Whole ? -box.low[axis] : -0.5 * (box.low[axis] + box.high[axis]);
+    };
+    now.placement.translate_mm = {stands(0), 0.5 * (extent - box.low[1] - box.high[1]), stands(2)};
+    for (double& shift : now.placement.translate_mm) shift = std::round(shift * 1e6) / 1e6 + 0.0;
+    auto standing = placed(*mesh, now.placement);
+    if (!standing) return tl::unexpected(standing.error());
+    const double shorter = std::min(extent, now.length_mm);
+    const auto fit = try_slices(*standing, 0.5 * (extent - shorter), 0.5 * (extent + shorter));
+    if (!fit || !(fit->outline_mm > 0.0)) continue;
+    now.unreachable_share = fit->unreachable_mm / fit->outline_mm;
+    now.rms_mm = fit->rms_mm, now.max_mm = fit->max_mm;
+    constexpr double kClearly = 1e-6;
+    if (!best || now.unreachable_share < best->unreachable_share - kClearly) best = now;
+  }
+  if (!best)
+    return fail(ErrorKind::Infeasible, "/surface",
+                "none of the 24 ways to turn it by right angles can be sliced; is the surface flat "
+                "or empty?");
+  return *best;
+}
+
+Result<std::string> with_placement(std::string_view spec_json, const ProposedPlacement& proposed) {
+  auto spec = nlohmann::ordered_json::parse(spec_json, nullptr, false);
+  if (spec.is_discarded() || !spec.is_object())
+    return fail(ErrorKind::Malformed, "", "the spec is not a JSON object");
+  spec["rotate_deg"] = proposed.placement.rotate_deg;
+  spec["translate_mm"] = proposed.placement.translate_mm;
+  if (proposed.unreachable_share > 0.0 || proposed.max_mm > 0.0) spec["fit"] = "nearest";
+  return spec.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace popcut

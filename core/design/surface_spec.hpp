@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+
+namespace popcut {
+
+/// Quarter circles about the spine: x^2 + z^2 = radius(y)^2, in units of the surface.
+struct RevolutionSpec {
+  std::string radius;              ///< expression of y, and of L where there is a length
+  std::optional<double> length{};  ///< L, length of the region that it belongs to
+};
+
+/// A profile z(x, y) that falls from (0, h) to (d, 0) for each y, in units of the surface.
+struct ProfileSpec {
+  std::string z;  ///< expression of x and y
+};
+
+/// A solid: inside where f(x, y, z) < 0, outside where it is larger or not a number.
+struct ImplicitSpec {
+  std::string f;  ///< expression of x, y and z
+};
+
+/// Heights over a grid of x and y; between them the surface is linear on triangles.
+struct GridSpec {
+  std::string file;  ///< name of a CSV file (`read_height_grid`)
+};
+
+/// Triangles of a file.
+struct MeshSpec {
+  std::string file;  ///< name of an STL or OBJ file (`read_mesh`)
+};
+
+using SurfaceSpec = std::variant<RevolutionSpec, ProfileSpec, ImplicitSpec, GridSpec, MeshSpec>;
+
+/// Contents of the files that a surface names, by the name as the spec writes it. Who has the files
+/// reads them: the command line beside the spec, the daemon among what was uploaded.
+using SurfaceAssets = std::map<std::string, std::string>;
+
+/// The file that a surface needs, or empty.
+[[nodiscard]] inline std::string asset_of(const SurfaceSpec& surface) {
+  if (const auto* grid = std::get_if<GridSpec>(&surface)) return grid->file;
+  if (const auto* mesh = std::get_if<MeshSpec>(&surface)) return mesh->file;
+  return {};
+}
+
+[[nodiscard]] inline std::string asset_of(const std::optional<SurfaceSpec>& surface) {
+  return surface ? asset_of(*surface) : std::string();
+}
+
+/// How the surface stands in the corner of wall (x = 0) and ground (z = 0), y along the spine: a
+/// point q of it is at `R_z R_y R_x (scale_mm q) + translate_mm`, R the turns about the axes.
+struct Placement {
+  double scale_mm{1.0};  ///< one unit of the surface
+  std::array<double, 3> rotate_deg{};
+  std::array<double, 3> translate_mm{};
+};
+
+/// What becomes of parts that no falling curve can follow.
+enum class FitMode {
+  Exact,   ///< they are an error
+  Nearest  ///< the nearest falling curve is taken, with its error in the report
+};
+
+}  // namespace popcut

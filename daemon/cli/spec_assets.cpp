@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/cli/spec_assets.hpp"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "core/design/placement.hpp"
+#include "daemon/cli/output_folder.hpp"
+
+namespace popcut::cli {
+
+Result<SurfaceAssets> load_assets(const DesignSpec& spec, const std::string& spec_file) {
+  SurfaceAssets assets;
+  const std::string name = asset_of(spec.surface);
+  if (name.empty()) return assets;
+  const auto path = std::filesystem::path(spec_file).parent_path() / name;
+  auto bytes = read_file(path);
+  if (!bytes) return tl::unexpected(within("/surface/file", bytes.error()));
+  assets.emplace(name, std::move(*bytes));
+  return assets;
+}
+
+Result<void> print_placed_spec(const DesignSpec& spec, const std::string& spec_text,
+                               const SurfaceAssets& assets, bool quarter, bool quiet) {
+  const auto proposed = propose_placement(spec, assets, quarter ? Stand::Quarter : Stand::Whole);
+  if (!proposed) return tl::unexpected(proposed.error());
+  const auto text = with_placement(spec_text, *proposed);
+  if (!text) return tl::unexpected(text.error());
+  fmt::print("{}", *text);
+  if (quiet) return {};
+  fmt::print(stderr,
+             "of 24 ways to stand, this one leaves least out of reach: {:.1f} % of the outline; "
+             "the seen part is\nfollowed to {:.3g} mm rms, {:.3g} mm at most (nine sections)\n",
+             100.0 * proposed->unreachable_share, proposed->rms_mm, proposed->max_mm);
+  if (proposed->slices_mm > proposed->length_mm)
+    fmt::print(stderr,
+               "note: the slices reach over {:.1f} mm and the surface only over {:.1f} mm along "
+               "the spine: fewer or\nnarrower slices, or a larger scale_mm\n",
+               proposed->slices_mm, proposed->length_mm);
+  return {};
+}
+
+}  // namespace popcut::cli

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include "core/design/mesh_reader.hpp"
+#include "core/design/mesh_slicer.hpp"
+#include "core/design/surface_kinds.hpp"
+#include "tests/support/meshes.hpp"
+
+using namespace popcut;
+
+namespace {
+
+double seconds_of(const auto& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+long peak_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss / 1024;
+}
+
+/// A sphere of about `triangles` triangles in `slices` slices, from the bytes of an STL to curves.
+void slice_sphere(int triangles, int slices) {
+  const int rings = static_cast<int>(std::sqrt(triangles / 2.0));
+  const std::string stl = tests::binary_stl(tests::sphere_mesh(100.0, rings, rings));
+  TriangleMesh mesh;
+  const double read = seconds_of([&] {
+    auto result = read_mesh("sphere.stl", stl);
+    REQUIRE(result);
+    mesh = std::move(*result);
+  });
+  const std::size_t count = mesh.size();
+  const double planes = seconds_of([&] {
+    const MeshSlicer slicer(mesh);
+    std::size_t segments = 0;
+    for (int j = 0; j < slices; ++j) segments += slicer.cut(95.0 * j / slices).segments.size();
+    REQUIRE(segments > 0);
+  });
+  double error = 0.0;
+  const double curves = seconds_of([&] {
+    const auto surface = surface_of_triangles(std::move(mesh), FitMode::Exact, "mesh", true);
+    REQUIRE(surface);
+    for (int j = 0; j < slices; ++j) {
+      const double s = 95.0 * j / slices;
+      const auto cut = surface->cut(s);
+      REQUIRE(cut);
+      const CurveJet p = cut->curve.at(0.1);
+      error = std::max(error, std::abs(std::hypot(p.x, s, p.z) - 100.0));
+    }
+  });
+  fmt::print(
+      "{} triangles in {} slices: read {:.2f} s, sorted and cut {:.2f} s, sorted, cut and fitted "
+      "{:.2f} s; off the sphere by {:.2g} mm; peak {} MB\n",
+      count, slices, read, planes, curves, error, peak_mb());
+}
+
+}  // namespace
+
+TEST_CASE("slicing a mesh of a million triangles", "[bench]") { slice_sphere(1'000'000, 200); }
+TEST_CASE("slicing a mesh of nearly ten million triangles", "[bench]") {
+  slice_sphere(9'900'000, 200);
+}

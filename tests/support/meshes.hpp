@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "core/design/triangle_mesh.hpp"
+
+namespace popcut::tests {
+
+using Point = std::array<double, 3>;
+
+/// A sphere of rings and sectors about the origin, 2 sectors (rings - 1) triangles, closed.
+[[nodiscard]] TriangleMesh sphere_mesh(double radius, int rings, int sectors);
+/// An icosahedron refined `times` (each triangle into four), on a sphere.
+[[nodiscard]] TriangleMesh icosphere(double radius, int times);
+/// A torus about the z axis.
+[[nodiscard]] TriangleMesh torus(double big_radius, double small_radius, int sectors);
+/// A closed box between two corners; with `hole` the side at the largest x is left out.
+[[nodiscard]] TriangleMesh box_mesh(const Point& low, const Point& high, bool hole);
+/// The surface (x, y, z(x, y)) for x in [0, d(y)], y in [0, length]: open, as a shell is.
+[[nodiscard]] TriangleMesh shell_of(const std::function<Point(double, double)>& point, int across,
+                                    int along);
+
+[[nodiscard]] std::string binary_stl(const TriangleMesh& mesh);
+[[nodiscard]] std::string text_stl(const TriangleMesh& mesh);
+[[nodiscard]] std::string obj(const TriangleMesh& mesh);
+
+}  // namespace popcut::tests
