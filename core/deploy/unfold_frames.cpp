@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <unordered_map>
 
@@ -104,31 +105,39 @@ Result<std::vector<PatternVertex>> designed_places(const Sources& sources, doubl
   return vertices;
 }
 
-/// Compares what the law of parallel panels says with every frame whose angle is known.
+/// Compares what popcut's law of motion says with every frame whose angle is known.
 Result<void> check_frames(const FoldFile& file, const Sources& sources, const Pattern& pattern,
                           double mm, double within) {
-  const auto off = [&](std::size_t i, const std::array<double, 3>& due,
-                       const std::array<double, 3>& is, const std::string& where) -> Result<void> {
-    const double far = std::hypot(due[0] - mm * is[0], due[1] - mm * is[1], due[2] - mm * is[2]);
-    if (far <= within) return {};
-    return fail(ErrorKind::OutOfRange, fmt::format("vertex {}", i),
-                fmt::format("lies {:.3g} mm off {}, if all panels are parallel to wall or ground; "
-                            "other patterns cannot be deployed from their file yet",
-                            far, where));
+  const auto compare = [&](const FoldFrame& frame, const std::vector<std::array<double, 3>>& due,
+                           const std::string& where) -> Result<void> {
+    for (std::size_t i = 0; i < due.size(); ++i) {
+      const auto& is = frame.vertices[i];
+      const double far =
+          std::hypot(due[i][0] - mm * is[0], due[i][1] - mm * is[1], due[i][2] - mm * is[2]);
+      if (far <= within) continue;
+      return fail(ErrorKind::OutOfRange, fmt::format("vertex {}", i),
+                  fmt::format("lies {:.3g} mm off {}, if panels are parallel to wall or ground and "
+                              "V-folds lie on their creases; other patterns cannot be deployed "
+                              "from their file yet",
+                              far, where));
+    }
+    return {};
   };
+  std::vector<std::array<double, 3>> flat;
+  for (const PatternVertex& p : pattern.vertices) flat.push_back({pattern.u(p), p.v, 0});
+  if (auto ok = compare(*sources.flat, flat, "its place on the sheet"); !ok) return ok;
   for (const FoldFrame& frame : file.frames) {
     const auto psi = angle_of(frame);
-    const bool flat = &frame == sources.flat;
-    if (!flat && (!psi || frame.vertices.size() != pattern.vertices.size())) continue;
-    for (std::size_t i = 0; i < frame.vertices.size(); ++i) {
-      const PatternVertex& p = pattern.vertices[i];
-      auto ok = flat ? off(i, {pattern.u(p), p.v, 0}, frame.vertices[i], "its place on the sheet")
-                     : off(i, posed(p, *psi), frame.vertices[i],
-                           fmt::format("its place at psi = {} rad", *psi));
-      if (!ok) return ok;
-    }
+    if (&frame == sources.flat || !psi || frame.vertices.size() != flat.size()) continue;
+    auto ok = compare(frame, posed_vertices(pattern, *psi),
+                      fmt::format("its place at psi = {} rad", *psi));
+    if (!ok) return ok;
   }
   return {};
+}
+
+std::uint64_t side(std::uint32_t from, std::uint32_t to) {
+  return (static_cast<std::uint64_t>(from) << 32) | to;
 }
 
 EdgeRole role_of(char assignment) {
@@ -138,9 +147,6 @@ EdgeRole role_of(char assignment) {
 
 void add_faces_and_edges(const FoldFrame& flat, Pattern& pattern) {
   std::unordered_map<std::uint64_t, std::int32_t> face_of;  // by directed side
-  const auto side = [](std::uint32_t from, std::uint32_t to) {
-    return (static_cast<std::uint64_t>(from) << 32) | to;
-  };
   pattern.face_first.push_back(0);
   for (const auto& face : flat.faces) {
     for (std::size_t i = 0; i < face.size(); ++i)
@@ -158,6 +164,90 @@ void add_faces_and_edges(const FoldFrame& flat, Pattern& pattern) {
   }
 }
 
+/// H: what the flat frame's u is ahead of x - z. The middle of all, since tips of V-folds differ.
+double height_of_wall(const FoldFrame& flat, const Pattern& pattern, double mm) {
+  std::vector<double> ahead;
+  for (std::size_t i = 0; i < pattern.vertices.size(); ++i)
+    ahead.push_back(mm * flat.vertices[i][0] - (pattern.vertices[i].x - pattern.vertices[i].z));
+  const auto middle = ahead.begin() + static_cast<std::ptrdiff_t>(ahead.size() / 2);
+  std::nth_element(ahead.begin(), middle, ahead.end());
+  return *middle;
+}
+
+/// Finds V-folds and puts their tips back on the crease: pairs of triangles, apex - tip - B and
+/// apex - C - tip, whose tip is not where a point of a panel would be.
+class TipFinder {
+ public:
+  TipFinder(const FoldFrame& flat, double mm, double within, Pattern& pattern)
+      : flat_(flat), mm_(mm), within_(within), pattern_(pattern) {
+    for (std::uint32_t e = 0; e < pattern.edges.size(); ++e)
+      edge_of_[side(pattern.edges[e].from, pattern.edges[e].to)] = e;
+  }
+
+  void run() {
+    std::map<std::uint32_t, std::vector<std::size_t>> triangles_at;
+    for (std::size_t f = 0; f < pattern_.faces(); ++f) {
+      const auto face = pattern_.face(f);
+      if (face.size() != 3) continue;
+      for (const std::uint32_t i : face)
+        if (has_left(i)) triangles_at[i].push_back(f);
+    }
+    for (const auto& [tip, triangles] : triangles_at)
+      if (triangles.size() == 2) add(tip, triangles);
+  }
+
+ private:
+  [[nodiscard]] bool has_left(std::uint32_t i) const {
+    const PatternVertex& p = pattern_.vertices[i];
+    return std::abs(pattern_.u(p) - mm_ * flat_.vertices[i][0]) > within_ ||
+           std::abs(p.v - mm_ * flat_.vertices[i][1]) > within_;
+  }
+
+  void add(std::uint32_t tip, const std::vector<std::size_t>& triangles) {
+    for (const std::size_t first : {triangles[0], triangles[1]}) {
+      const std::size_t second = first == triangles[0] ? triangles[1] : triangles[0];
+      const auto [b, o] = around(first, tip);       // o, tip, b
+      const auto [other, c] = around(second, tip);  // o, c, tip
+      if (o != other) continue;
+      const auto edge_b = outgoing(o, b), edge_c = outgoing(o, c);
+      if (!edge_b || !edge_c) continue;
+      const double length = mm_ * std::abs(flat_.vertices[tip][1] - flat_.vertices[o][1]);
+      const double reach = mm_ * std::abs(flat_.vertices[b][0] - flat_.vertices[o][0]);
+      if (!(length > 0)) return;
+      const PatternVertex& apex = pattern_.vertices[o];
+      pattern_.vertices[tip] = {apex.x, apex.z, mm_ * flat_.vertices[tip][1]};
+      pattern_.v_folds.push_back({o, tip, *edge_b, *edge_c, length, reach / length});
+      return;
+    }
+  }
+
+  /// The corners after and before `tip` in a triangle.
+  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> around(std::size_t f,
+                                                               std::uint32_t tip) const {
+    const auto face = pattern_.face(f);
+    const auto at =
+        static_cast<std::size_t>(std::find(face.begin(), face.end(), tip) - face.begin());
+    return {face[(at + 1) % 3], face[(at + 2) % 3]};
+  }
+
+  /// The edge from `o` to `to`, turned to run that way.
+  std::optional<std::uint32_t> outgoing(std::uint32_t o, std::uint32_t to) {
+    if (const auto found = edge_of_.find(side(o, to)); found != edge_of_.end())
+      return found->second;
+    const auto found = edge_of_.find(side(to, o));
+    if (found == edge_of_.end()) return std::nullopt;
+    PatternEdge& edge = pattern_.edges[found->second];
+    std::swap(edge.from, edge.to);
+    std::swap(edge.left, edge.right);
+    return found->second;
+  }
+
+  const FoldFrame& flat_;
+  double mm_, within_;
+  Pattern& pattern_;
+  std::unordered_map<std::uint64_t, std::uint32_t> edge_of_;
+};
+
 }  // namespace
 
 Result<Pattern> pattern_from_fold(const FoldFile& file) {
@@ -173,17 +263,15 @@ Result<Pattern> pattern_from_fold(const FoldFile& file) {
   Pattern pattern;
   pattern.name = file.title;
   pattern.vertices = std::move(*vertices);
-  double ahead = 0;  // the sheet's u is measured from its edge: H is what it is ahead of x - z
-  for (std::size_t i = 0; i < pattern.vertices.size(); ++i)
-    ahead += mm * flat.vertices[i][0] - pattern.u(pattern.vertices[i]);
-  pattern.wall_mm = ahead / static_cast<double>(pattern.vertices.size());
+  pattern.wall_mm = height_of_wall(flat, pattern, mm);
+  add_faces_and_edges(flat, pattern);
+  TipFinder(flat, mm, kWithin * size, pattern).run();
   for (const PatternVertex& p : pattern.vertices) {
     pattern.width_mm = std::max(pattern.width_mm, p.v);
     pattern.ground_mm = std::max(pattern.ground_mm, pattern.u(p) - pattern.wall_mm);
   }
   if (auto sound = check_frames(file, *sources, pattern, mm, kWithin * size); !sound)
     return tl::unexpected(sound.error());
-  add_faces_and_edges(flat, pattern);
   return pattern;
 }
 
