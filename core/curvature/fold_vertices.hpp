@@ -24,7 +24,7 @@ struct VFold {
 /// A fold vertex: the middle of a connector's valley fold, or the tip A of the V-fold on it.
 struct FoldVertex {
   std::int32_t i{};      ///< level along the strip, 0 for the first one of the lattice
-  std::int32_t j{};      ///< connector along the sheet, the first one 0: between slices j and j + 1
+  std::int32_t j{};      ///< connector, counted along the sheet from 0
   double x{}, v{}, z{};  ///< of the valley's middle in the designed pose, mm
   std::optional<VFold> v_fold;
   std::array<std::int32_t, 4> ring{-1, -1, -1, -1};  ///< (i+1,j) (i,j+1) (i-1,j) (i,j-1), -1: none
@@ -43,8 +43,9 @@ struct FoldVertex {
 /// upright after a mountain. A connector is a strip whose mountains run on, some only into the
 /// strip to its left, some only into the one to its right (a slice's mountains run on into both);
 /// the connectors at both ends of a mountain have the same two panels there, which tells their
-/// levels apart and places them on one another. So levels that end at wall or ground, plain cuts,
-/// and sheets without a card are no difficulty. Wall and ground are where x and z are least.
+/// levels apart and places them on one another. So levels that end at wall or ground, and plain
+/// cuts, are no difficulty. Without a card a strip's end counts as the valley that it would have
+/// there. Wall and ground are where x and z are least.
 ///
 /// @return the vertices by connector and level
 /// @retval Malformed, OutOfRange  the file cannot be read as FOLD, or no frame of it lies flat
