@@ -61,7 +61,8 @@ Result<ChosenWidths> walk(const Surface& surface, const AdaptiveWidths& adaptive
   while (static_cast<int>(out.widths_mm.size()) < most_slices) {
     const double w = out.widths_mm.back();
     if (adaptive.length_mm && s + 0.5 * w >= *adaptive.length_mm) break;
-    const double low = 0.5 * (w + std::max(least, 0.5 * w)), high = 1.5 * w;
+    const double low = 0.5 * (w + std::max(least, 0.5 * w)),
+                 high = std::max(low, std::min(1.5 * w, size));
     double pitch = longest(s, low, high);
     if (!fits(s, pitch)) {
       // The last width was too bold for what follows: take it back by half, down to the thinnest.

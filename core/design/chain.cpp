@@ -117,7 +117,11 @@ ChainSolver::Minimum ChainSolver::descend(const SliceCurve& curve) {
     ++iterations;
     const double scale = *std::max_element(diagonal_.begin() + 1,
                                            diagonal_.begin() + static_cast<std::ptrdiff_t>(n));
-    while (!newton_step(shift)) shift = std::max(2.0 * shift, 1e-3 * std::abs(scale));
+    for (int tries = 0; !newton_step(shift); ++tries) {
+      shift = std::max(2.0 * shift, 1e-3 * std::abs(scale));
+      // A curve that is not finite has no minimum.
+      if (tries == 200 || !std::isfinite(shift)) return {loss, kMostSteps, false};
+    }
     double largest = 0.0, slope = 0.0, share = 1.0;
     for (std::size_t i = 1; i < n; ++i) {
       largest = std::max(largest, std::abs(step_[i]));

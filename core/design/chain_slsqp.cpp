@@ -122,6 +122,7 @@ Result<ChainFigures> solve_chain_slsqp(const SliceCurve& curve, int units, std::
                 fmt::format("SLSQP stopped with code {}, {:.2g} of the size off the curve; use the "
                             "newton solver",
                             static_cast<int>(end), worst));
+  x[n] = curve.d(), z[n] = 0.0;  // the sums hold to 1e-12 only
   return ChainFigures{chain_loss(x, z), problem.evaluations};
 }
 

@@ -43,7 +43,7 @@ Result<Expression> Expression::parse(const std::string& text,
         ErrorKind::Malformed, "",
         fmt::format("the expression does not parse at column {} (near \"{}\"); a formula of {} is "
                     "needed, such as sqrt(36 - y^2)",
-                    e.GetPos() + 1, e.GetToken(), names));
+                    e.GetPos() + 1, std::string(e.GetToken()).substr(0, 40), names));
   }
   return Expression(std::move(parser));
 }

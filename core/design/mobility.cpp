@@ -108,6 +108,12 @@ class AffineSystem {
         learn(node, std::move(here));
       } else {
         Combination off = blend(1.0, here, -1.0, value_[node]);
+        // What is small beside its terms is their rounding, not an equation.
+        double largest = 0.0;
+        for (const Combination* terms : {&here, &value_[node]})
+          for (const auto& [index, amount] : *terms) largest = std::max(largest, std::abs(amount));
+        std::erase_if(off,
+                      [&](const auto& term) { return std::abs(term.second) < 1e-7 * largest; });
         if (!off.empty()) equations_.push_back(std::move(off));
       }
     }

@@ -12,6 +12,26 @@
 namespace popcut {
 namespace {
 
+constexpr double kMostSpan = 1e5;     ///< 100 m: no sheet is larger
+constexpr double kLeastWidth = 1e-3;  ///< a micrometre: no knife is finer
+
+/// Widths that a sheet can have: none too thin to be told apart, none too wide in all.
+Result<void> check_widths(const std::vector<double>& widths_mm) {
+  double sum = 0.0;
+  for (std::size_t j = 0; j < widths_mm.size(); ++j) {
+    sum += widths_mm[j];
+    if (widths_mm[j] < kLeastWidth)
+      return fail(ErrorKind::OutOfRange, "/widths_mm",
+                  fmt::format("slice {} is {:g} mm wide; at least {:g} mm is needed", j,
+                              widths_mm[j], kLeastWidth));
+  }
+  if (sum > kMostSpan)
+    return fail(ErrorKind::OutOfRange, "/widths_mm",
+                fmt::format("the slices are {:g} mm wide in all; at most {:g} mm is designed", sum,
+                            kMostSpan));
+  return {};
+}
+
 /// A region's stretch of the target. Its own surface is told places from the region's start, the
 /// common one from slice 0.
 struct Stretch {
@@ -30,6 +50,12 @@ Result<void> cut_slice(const Stretch& stretch, double s, double min_panel_mm, in
                 fmt::format("the target spans only {:.4g} x {:.4g} mm there, no room for panels of "
                             "min_panel_mm = {:g}; use a larger scale_mm or fewer slices",
                             curve->d(), curve->h(), min_panel_mm));
+  if (!(curve->h() <= kMostSpan) || !(curve->d() <= kMostSpan))
+    return fail(
+        ErrorKind::OutOfRange, fmt::format("/surface at slice {} (s = {:.6g} mm)", j, s),
+        fmt::format("the target spans {:.4g} x {:.4g} mm there; at most {:g} mm is designed, "
+                    "use a smaller scale_mm",
+                    curve->d(), curve->h(), kMostSpan));
   out.curves.push_back(std::move(*curve));
   return {};
 }
@@ -72,6 +98,7 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
     out.uniform_slices = chosen->uniform_slices;
     regions.front().slices = static_cast<int>(out.width_mm.size());
   }
+  if (auto lawful = check_widths(out.width_mm); !lawful) return tl::unexpected(lawful.error());
   std::vector<Surface> own;
   own.reserve(regions.size());
   std::vector<Stretch> stretches;

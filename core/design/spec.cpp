@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMaxLength = 1e6;  ///< 1 km: no sheet is larger
+constexpr double kMaxLength = 1e5;  ///< 100 m: no sheet is larger
 
 Result<std::optional<CardSpec>> parse_card(const json* value) {
   if (!value || (value->is_boolean() && value->get<bool>())) return CardSpec{};
@@ -31,7 +31,7 @@ Result<std::optional<CardSpec>> parse_card(const json* value) {
     card.ground_mm = fields.number("ground_mm", 0.0, 0.0, kMaxLength, true);
   (void)fields.value("wall_mm");
   (void)fields.value("ground_mm");
-  card.margin_mm = fields.number("margin_mm", card.margin_mm, 0.0, kMaxLength, true);
+  card.margin_mm = fields.number("margin_mm", card.margin_mm, 0.01, kMaxLength);
   if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
   return std::optional<CardSpec>{card};
 }

@@ -152,7 +152,7 @@ class RunLayer {
     if (options_.frame.card) {
       writer.start(0.0, options_.frame.wall_mm);
       writer.panel_to(0.0, first_height, kWallPlane, -1);
-    } else if (has_own_wall && wall_end > first_height) {
+    } else if (has_own_wall && wall_end - first_height >= options_.min_panel_mm) {
       writer.start(0.0, wall_end);
       writer.panel_to(0.0, first_height, wall_plane, 0);
     } else {
@@ -163,7 +163,7 @@ class RunLayer {
                  bool has_own_ground) {
     if (options_.frame.card)
       writer.panel_to(options_.frame.ground_mm, 0.0, kGroundPlane, -1);
-    else if (has_own_ground && ground_end > last_offset)
+    else if (has_own_ground && ground_end - last_offset >= options_.min_panel_mm)
       writer.panel_to(ground_end, 0.0, ground_plane, n_);
   }
 

@@ -26,21 +26,29 @@ class CellGrid {
   template <typename Corners>
   CellGrid(std::size_t shapes, double slack_mm, Corners corners) : slack_(slack_mm) {
     if (shapes == 0) return;
-    double length = 0.0;
+    double along_u = 0.0, along_v = 0.0;
     low_ = *corners(0).begin();
     high_ = low_;
     for (std::size_t i = 0; i < shapes; ++i) {
       const auto shape = corners(i);
+      Vec2 least = *shape.begin(), most = least;
       for (const Vec2 p : shape) {
-        low_ = {std::min(low_.u, p.u), std::min(low_.v, p.v)};
-        high_ = {std::max(high_.u, p.u), std::max(high_.v, p.v)};
-        length += norm(p - *shape.begin());
+        least = {std::min(least.u, p.u), std::min(least.v, p.v)};
+        most = {std::max(most.u, p.u), std::max(most.v, p.v)};
       }
+      low_ = {std::min(low_.u, least.u), std::min(low_.v, least.v)};
+      high_ = {std::max(high_.u, most.u), std::max(high_.v, most.v)};
+      along_u += most.u - least.u;
+      along_v += most.v - least.v;
     }
+    // Cells have the shapes' own proportions: thin strips side by side must not share one.
     const double n = static_cast<double>(shapes);
-    const double side = std::max(high_.u - low_.u, high_.v - low_.v) + 4.0 * slack_mm;
-    cell_ = std::max({length / n, side / std::sqrt(4.0 * n + 16.0) / 4.0, side / 30'000.0, 1e-12});
-    while (!build(shapes, corners)) cell_ *= 2.0;
+    const auto size = [&](double sum, double side) {
+      return std::max({sum / n, side / std::sqrt(4.0 * n + 16.0) / 4.0, side / 30'000.0, 1e-12});
+    };
+    cell_u_ = size(along_u, high_.u - low_.u + 4.0 * slack_mm);
+    cell_v_ = size(along_v, high_.v - low_.v + 4.0 * slack_mm);
+    while (!build(shapes, corners)) cell_u_ *= 1.5, cell_v_ *= 1.5;
   }
 
   /// Calls `visit(i, j)`, i < j, for every two shapes that share a cell, perhaps more than once.
@@ -62,8 +70,8 @@ class CellGrid {
  private:
   template <typename Corners>
   bool build(std::size_t shapes, Corners corners) {
-    columns_ = 1 + static_cast<std::size_t>((high_.u - low_.u + 2.0 * slack_) / cell_);
-    rows_ = 1 + static_cast<std::size_t>((high_.v - low_.v + 2.0 * slack_) / cell_);
+    columns_ = 1 + static_cast<std::size_t>((high_.u - low_.u + 2.0 * slack_) / cell_u_);
+    rows_ = 1 + static_cast<std::size_t>((high_.v - low_.v + 2.0 * slack_) / cell_v_);
     if (columns_ * rows_ > 16 * shapes + 1024) return false;
     first_.assign(columns_ * rows_ + 1, 0);
     std::size_t entries = 0;
@@ -82,8 +90,8 @@ class CellGrid {
     return true;
   }
 
-  [[nodiscard]] std::size_t index(double offset, std::size_t count) const {
-    return std::min(count - 1, static_cast<std::size_t>(std::max(0.0, (offset + slack_) / cell_)));
+  [[nodiscard]] std::size_t index(double offset, double cell, std::size_t count) const {
+    return std::min(count - 1, static_cast<std::size_t>(std::max(0.0, (offset + slack_) / cell)));
   }
 
   /// Cells that a convex shape reaches into, column by column.
@@ -92,10 +100,11 @@ class CellGrid {
     double from = high_.u;
     double to = low_.u;
     for (const Vec2 p : shape) from = std::min(from, p.u), to = std::max(to, p.u);
-    const std::size_t last = index(to - low_.u + slack_, columns_);
-    for (std::size_t column = index(from - low_.u - slack_, columns_); column <= last; ++column) {
-      const double left = low_.u + cell_ * static_cast<double>(column) - 2.0 * slack_;
-      const double right = left + cell_ + 2.0 * slack_;
+    const std::size_t last = index(to - low_.u + slack_, cell_u_, columns_);
+    for (std::size_t column = index(from - low_.u - slack_, cell_u_, columns_); column <= last;
+         ++column) {
+      const double left = low_.u + cell_u_ * static_cast<double>(column) - 2.0 * slack_;
+      const double right = left + cell_u_ + 2.0 * slack_;
       double low = high_.v;
       double high = low_.v;
       const auto* corner = &*shape.begin();
@@ -110,15 +119,15 @@ class CellGrid {
         }
         if (p.u >= left && p.u <= right) low = std::min(low, p.v), high = std::max(high, p.v);
       }
-      const std::size_t top = index(high - low_.v + slack_, rows_);
-      for (std::size_t row = index(low - low_.v - slack_, rows_); row <= top; ++row) {
+      const std::size_t top = index(high - low_.v + slack_, cell_v_, rows_);
+      for (std::size_t row = index(low - low_.v - slack_, cell_v_, rows_); row <= top; ++row) {
         visit(row * columns_ + column);
       }
     }
   }
 
   Vec2 low_{}, high_{};
-  double slack_{}, cell_{1.0};
+  double slack_{}, cell_u_{1.0}, cell_v_{1.0};
   std::size_t columns_{}, rows_{};
   std::vector<std::uint32_t> first_, item_;
 };

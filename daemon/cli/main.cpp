@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <unistd.h>
+
 #include <cctype>
 #include <csignal>
 #include <cstdio>
@@ -98,6 +100,8 @@ int run(int argc, char** argv) {
 }  // namespace popcut::cli
 
 int main(int argc, char** argv) {
+  // Talk that nobody can read (a closed or full standard error) is no fault of the work.
+  if (isatty(STDERR_FILENO) == 0) (void)std::setvbuf(stderr, nullptr, _IOFBF, 1u << 16);
   std::signal(SIGXFSZ, SIG_IGN);  // a write past the file size limit fails like a full disk
   try {
     return popcut::cli::run(argc, argv);

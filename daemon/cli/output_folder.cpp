@@ -56,18 +56,37 @@ bool is_reached_plainly(const fs::path& folder, const std::string& name) {
   return true;
 }
 
-/// What the folder's last manifest lists, as far as it is lawful; nothing when there is none.
-std::set<std::string> listed_before(const fs::path& folder) {
+/// The lawful names among the texts of a JSON list.
+std::set<std::string> lawful_names(const nlohmann::json& list) {
   std::set<std::string> names;
+  if (!list.is_array()) return names;
+  for (const auto& file : list)
+    if (file.is_string() && is_lawful(file.get<std::string>())) names.insert(file);
+  return names;
+}
+
+/// "popcut plan 0.1.0" is made by "plan", whatever the version.
+std::string command_of(const std::string& made_by) {
+  std::istringstream words(made_by);
+  std::string program, command;
+  words >> program >> command;
+  return command;
+}
+
+/// What the folder's manifest lists, by the command that wrote it: a command removes only its own
+/// stale files, so that planning beside a design does not take the design away.
+std::map<std::string, std::set<std::string>> listed_before(const fs::path& folder) {
+  std::map<std::string, std::set<std::string>> names;
   const auto text = read_file(folder / kManifest, kManifestLimitBytes);
   if (!text) return names;
   const auto manifest = nlohmann::json::parse(*text, nullptr, false);
-  if (!manifest.is_object() || !manifest.contains("popcut")) return names;
-  const auto files = manifest.find("files");
-  if (files == manifest.end() || !files->is_array()) return names;
-  for (const auto& file : *files) {
-    if (file.is_string() && is_lawful(file.get<std::string>())) names.insert(file);
-  }
+  if (!manifest.is_object() || manifest.value("popcut", nlohmann::json()) != 1) return names;
+  const auto files = manifest.find("files"), others = manifest.find("others");
+  const auto made_by = manifest.find("made_by");
+  if (files != manifest.end() && made_by != manifest.end() && made_by->is_string())
+    names[command_of(*made_by)] = lawful_names(*files);
+  if (others != manifest.end() && others->is_object())
+    for (const auto& [command, list] : others->items()) names[command].merge(lawful_names(list));
   return names;
 }
 
@@ -242,8 +261,11 @@ Result<void> OutputFolder::put(const std::string& name) const {
 }
 
 Result<void> OutputFolder::put_manifest(const std::string& made_by,
-                                        const std::vector<std::string>& files) const {
-  const nlohmann::ordered_json manifest{{"popcut", 1}, {"made_by", made_by}, {"files", files}};
+                                        const std::vector<std::string>& files,
+                                        const FilesOfCommands& others) const {
+  nlohmann::ordered_json manifest{{"popcut", 1}, {"made_by", made_by}, {"files", files}};
+  for (const auto& [command, names] : others)
+    if (!names.empty()) manifest["others"][command] = names;
   const auto replace = nlohmann::ordered_json::error_handler_t::replace;
   errno = 0;
   std::ofstream out(folder_ / kAside / kManifest, std::ios::binary | std::ios::trunc);
@@ -260,10 +282,14 @@ Result<void> OutputFolder::commit(const std::string& made_by) {
   if (auto clear = check_places(); !clear) return clear;
   // 1. Until all is done the manifest lists old and new, so that whenever the run is killed the
   //    next one still knows every file that popcut wrote.
-  std::set<std::string> stale = listed_before(folder_);
+  FilesOfCommands others = listed_before(folder_);
+  std::set<std::string> stale = std::move(others[command_of(made_by)]);
+  others.erase(command_of(made_by));
+  for (auto& [command, names] : others)
+    for (const std::string& name : names_) names.erase(name);
   std::set<std::string> all = stale;
   all.insert(names_.begin(), names_.end());
-  if (auto done = put_manifest(made_by, {all.begin(), all.end()}); !done) return done;
+  if (auto done = put_manifest(made_by, {all.begin(), all.end()}, others); !done) return done;
   // 2. The new files, each by one rename.
   for (const std::string& name : names_) {
     if (auto done = put(name); !done) return done;
@@ -271,7 +297,7 @@ Result<void> OutputFolder::commit(const std::string& made_by) {
   }
   // 3. What no longer belongs.
   for (const std::string& name : stale) remove_stale(folder_, name);
-  if (auto done = put_manifest(made_by, names_); !done) return done;
+  if (auto done = put_manifest(made_by, names_, others); !done) return done;
   discard();
   return {};
 }

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -57,8 +59,10 @@ class OutputFolder {
   [[nodiscard]] Result<void> prepare();
   [[nodiscard]] Result<void> check_places() const;
   [[nodiscard]] Result<void> put(const std::string& name) const;
+  using FilesOfCommands = std::map<std::string, std::set<std::string>>;
   [[nodiscard]] Result<void> put_manifest(const std::string& made_by,
-                                          const std::vector<std::string>& files) const;
+                                          const std::vector<std::string>& files,
+                                          const FilesOfCommands& others) const;
   void discard() noexcept;
 
   std::filesystem::path folder_;
