@@ -61,15 +61,25 @@ void state_symmetry(PaperFigures& out) {
       H_off = std::max(H_off, std::abs(here.H + there.H));
     }
   }
+  double phi_off = 0;
+  for (int a = 0; a < kSide; ++a) {
+    for (int b = 0; b < kSide; ++b) {
+      const double r = 0.5 + 4.5 * a / (kSide - 1), phi = kPhi * b / (kSide - 1);
+      const VertexCurvature here = curvature_of({r, 1.7, phi});
+      const VertexCurvature there = curvature_of({r, 1.7, 2 * kPhi - phi});
+      phi_off = std::max({phi_off, std::abs(here.K - there.K), std::abs(here.H - there.H)});
+    }
+  }
+  state(out, "S5", "K and H at phi and pi/2 - phi are equal; largest difference at most 1e-12",
+        phi_off, phi_off <= kExact);
   state(out, "1C", "K(r, lambda) = K(3 sqrt 2 - r, 2 - lambda); largest difference at most 1e-12",
         K_off, K_off <= kExact);
   state(out, "1D", "H(r, lambda) = -H(3 sqrt 2 - r, 2 - lambda); largest sum at most 1e-12", H_off,
         H_off <= kExact);
 }
 
-plot::Curve locus(double from, double to, double r0, double r1, std::string name) {
+plot::Curve locus(double from, double to, double r0, double r1) {
   plot::Curve curve;
-  curve.name = std::move(name);
   curve.points = {{r0, from}, {r1, to}};
   curve.colour = "#ffd92f";
   curve.dashed = true;
@@ -107,27 +117,31 @@ Result<std::vector<Minimiser>> minimisers(PaperFigures& out) {
   return list;
 }
 
+/// A number for a picture: true minus, no minus zero.
+std::string shown(double value, int decimals) {
+  constexpr double kNothing = 1e-12;
+  std::string text = fmt::format("{:.{}f}", std::abs(value) < kNothing ? 0.0 : value, decimals);
+  if (text.front() == '-') text.replace(0, 1, "−");
+  return text;
+}
+
 void mark(plot::Panel& panel, const std::vector<Minimiser>& list, bool gaussian) {
   for (const Minimiser& m : list) {
     const Assembly& at = m.found.assembly;
-    panel.notes.push_back(
-        {at.r, at.lambda,
-         gaussian ? fmt::format("K = {:g} ({:.3f}, {:.3f})", m.target, at.r, at.lambda)
-                  : fmt::format("H = {:.3f}, K = {:g}",
-                                m.found.reached.H == 0                ? 0.0
-                                : std::abs(m.found.reached.H) < 1e-12 ? 0.0
-                                                                      : m.found.reached.H,
-                                m.target),
-         true, false});
+    const std::string text =
+        gaussian ? fmt::format("K = {} at ({:.3f}, {:.3f})", shown(m.target, 0), at.r, at.lambda)
+                 : fmt::format("H = {} (K = {})", shown(m.found.reached.H, 3), shown(m.target, 0));
+    panel.notes.push_back({at.r, at.lambda, text, true, false});
   }
 }
 
 plot::IsoPanel surfaces(bool gaussian) {
   plot::IsoPanel panel;
-  panel.title = gaussian ? "K(r, λ, φ)" : "H(r, λ, φ)";
+  panel.title = gaussian ? "Fig. S5C: K(r, λ, φ)" : "Fig. S5D: H(r, λ, φ)";
+  panel.remark = "cut open at φ = π/4; the other half is its mirror image";
   panel.axis = {plot::Axis{"r", 0.5, 5.0, false}, plot::Axis{"λ", 0.2, 3.0, false},
-                plot::Axis{"φ/π", 0.05, 0.45, false}};
-  panel.samples = 25;
+                plot::Axis{"φ/π", 0.05, 0.25, false}};
+  panel.samples = 21;
   panel.value = [gaussian](double r, double lambda, double phi_over_pi) {
     const VertexCurvature c = curvature_of({r, lambda, phi_over_pi * std::numbers::pi});
     return gaussian ? c.K : c.H;
@@ -162,15 +176,13 @@ plot::Panel assembly_panel(const AssemblyMaps& maps, bool gaussian, std::string 
   double most = 0;
   for (const double v : value)
     if (std::isfinite(v)) most = std::max(most, std::abs(v));
-  // One scale for the usual window; far larger values take the last colour.
-  const double limit = gaussian ? std::min(most, 3.0) : std::min(most, 1.0);
   plot::Panel panel;
   panel.title = std::move(title);
   panel.x = {"r", maps.r.from, maps.r.to, false};
   panel.y = {"λ", maps.lambda.from, maps.lambda.to, false};
   panel.map = plot::Map{
-      maps.r.count, maps.lambda.count, value, gaussian ? "K" : "H", -limit, limit, true, {0.0}, {}};
-  for (const double level : plot::ticks({"", -limit, limit, false}))
+      maps.r.count, maps.lambda.count, value, gaussian ? "K" : "H", -most, most, true, {0.0}, {}};
+  for (const double level : plot::ticks({"", -most, most, false}))
     if (level != 0) panel.map->thin_contours.push_back(level);
   return panel;
 }
@@ -187,14 +199,19 @@ Result<void> add_assembly_figures(PaperFigures& out) {
 
   plot::Panel K = assembly_panel(maps, true, "Fig. 1C: K(r, λ) at φ = π/4");
   plot::Panel K_marked = assembly_panel(maps, true, "Fig. S5A: K and its minimisers");
-  K.curves.push_back(locus(0.2, 3.0, r_first(0.2), r_first(3.0), "r = (1 + 2λ)/√2"));
-  K.curves.push_back(locus(0.2, 3.0, 3 / kRoot2, 3 / kRoot2, "r = 3/√2"));
-  K.notes = {{3.9, 0.9, "K > 0", false, false}, {2.35, 2.75, "K < 0", false, false}};
+  K.curves.push_back(locus(0.2, 3.0, r_first(0.2), r_first(3.0)));
+  K.curves.push_back(locus(0.2, 3.0, 3 / kRoot2, 3 / kRoot2));
+  K.notes = {{3.9, 0.9, "K > 0", false, false},
+             {2.9, 2.75, "K < 0", false, false},
+             {2.2, 0.35, "r = 3/√2", false, false},
+             {3.55, 1.85, "r = (1 + 2λ)/√2", false, false}};
   K.remarks = {"black: K = 0 of the map; yellow: the published lines"};
   plot::Panel H = assembly_panel(maps, false, "Fig. 1D: H(r, λ) at φ = π/4");
   plot::Panel H_marked = assembly_panel(maps, false, "Fig. S5B: H at the minimisers");
-  H.curves.push_back(locus(0.2, 3.0, r_minimal(0.2), r_minimal(3.0), "r = (2 + λ)/√2"));
-  H.notes = {{3.9, 0.9, "H > 0", false, false}, {0.8, 1.5, "H < 0", false, false}};
+  H.curves.push_back(locus(0.2, 3.0, r_minimal(0.2), r_minimal(3.0)));
+  H.notes = {{3.9, 0.9, "H > 0", false, false},
+             {0.8, 1.5, "H < 0", false, false},
+             {3.35, 2.55, "r = (2 + λ)/√2", false, false}};
   H.remarks = {"black: H = 0 of the map; yellow: the published line"};
   mark(K_marked, *list, true);
   mark(H_marked, *list, false);

@@ -32,8 +32,8 @@ Result<plot::Panel> azimuthal_panel(AzimuthalConvention convention, PaperFigures
   panel.title = corners ? "Fig. 2C top: at the outer corners" : "Fig. 2C top: as printed";
   panel.remarks = {corners ? "corner (Xᵢ, Zᵢ₋₁) of unit i against (i − 1/2) π/2N"
                            : "vertices j = 0 … N against j π/2N: zero at both ends"};
-  panel.x = {corners ? "unit i" : "vertex j", corners ? 1.0 : 0.0, 15.0, false};
-  panel.y = {"L_φ / ⟨L_φ⟩", 0.0, 2.8, false};
+  panel.x = {corners ? "unit i" : "vertex j", corners ? 0.5 : -0.5, 15.5, false};
+  panel.y = {"Lᵩ / ⟨Lᵩ⟩", -0.1, 3.3, false};
   for (std::size_t k = 0; k < kUnits.size(); ++k) {
     const auto error = azimuthal_error(kUnits[k], convention);
     if (!error) return tl::unexpected(error.error());

@@ -42,12 +42,16 @@ class LineCollector {
 
   void add_edge(std::size_t e) {
     const char role = frame_.assignments[e];
-    if (role != 'M' && role != 'V') return;
+    if (role != 'M' && role != 'V' && role != 'B') return;
     auto [from, to] = frame_.edges[e];
     if (v(from) > v(to)) std::swap(from, to);
     const double du = std::abs(u(to) - u(from)), dv = v(to) - v(from);
     if (!(dv > tolerance_)) return;
     const bool mountain = role == 'M';
+    if (role == 'B') {
+      if (du <= tolerance_) lines_.push_back({u(from), v(from), v(to), false, true, std::nullopt});
+      return;
+    }
     if (du > tolerance_) {
       if (mountain) return;
       for (const std::uint32_t end : {from, to}) {
@@ -71,7 +75,7 @@ class LineCollector {
       while (joints_[end].higher[first.mountain] != kNone) {
         end = straight_[static_cast<std::size_t>(joints_[end].higher[first.mountain])].to;
       }
-      lines_.push_back({u(first.from), v(first.from), v(end), first.mountain, std::nullopt});
+      lines_.push_back({u(first.from), v(first.from), v(end), first.mountain, false, std::nullopt});
       if (first.mountain) note_v_fold(first.from, end);
     }
   }
@@ -103,8 +107,12 @@ class LineCollector {
       const auto after = valley_at(centre.u, centre.v1, m, &FoldLine::v0);
       if (before) gone[*before] = true;
       if (after) gone[*after] = true;
-      lines_[m] = {centre.u, before ? lines_[*before].v0 : centre.v0,
-                   after ? lines_[*after].v1 : centre.v1, false, centre.v_fold};
+      lines_[m] = {centre.u,
+                   before ? lines_[*before].v0 : centre.v0,
+                   after ? lines_[*after].v1 : centre.v1,
+                   false,
+                   false,
+                   centre.v_fold};
     }
     std::size_t kept = 0;
     for (std::size_t k = 0; k < lines_.size(); ++k) {
@@ -117,7 +125,8 @@ class LineCollector {
   [[nodiscard]] std::optional<std::size_t> valley_at(double at_u, double at_v, std::size_t m,
                                                      double FoldLine::*end) const {
     const auto fits = [&](std::size_t k) {
-      return !lines_[k].mountain && std::abs(lines_[k].*end - at_v) <= tolerance_;
+      return !lines_[k].mountain && !lines_[k].border &&
+             std::abs(lines_[k].*end - at_v) <= tolerance_;
     };
     for (std::size_t k = m; k-- > 0 && at_u - lines_[k].u <= tolerance_;) {
       if (fits(k)) return k;

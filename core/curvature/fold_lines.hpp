@@ -16,11 +16,12 @@ struct FoldLine {
   double u{};
   double v0{}, v1{};  ///< v0 < v1
   bool mountain{};
+  bool border{};  ///< no fold: a border of the sheet, where a strip without a card ends
   std::optional<CreaseVFold> v_fold;
 };
 
-/// The folds of a flat frame that run along v, in mm. Folds within `tolerance_mm` of constant u are
-/// taken for such; slanting ones count only as the sides of V-folds.
+/// The folds and borders of a flat frame that run along v, in mm. Folds within `tolerance_mm` of
+/// constant u are taken for such; slanting ones count only as the sides of V-folds.
 [[nodiscard]] std::vector<FoldLine> fold_lines(const FoldFrame& frame, double mm_a_unit,
                                                double tolerance_mm);
 

@@ -44,7 +44,7 @@ class VertexFinder {
 
   Result<std::vector<FoldVertex>> find() {
     if (auto done = lay_strips(); !done) return tl::unexpected(done.error());
-    for (std::size_t s = 1; s + 1 < strips(); ++s) keep_connector(s);
+    choose_connectors();
     if (connectors_.empty()) {
       return fail(ErrorKind::Infeasible, "",
                   "has no connector strips between slices, so no fold vertices; a lattice of two "
@@ -95,20 +95,70 @@ class VertexFinder {
         std::lower_bound(borders_.begin(), borders_.end(), v - tolerance_) - borders_.begin());
   }
 
-  /// Keeps strip `s` if it is a connector (see the header).
-  void keep_connector(std::size_t s) {
-    const std::vector<std::uint32_t>& across = crossing_[s];
+  /// The folds across strip `s` along u, with the sheet's border for a valley where the strip has
+  /// no card to begin or end on.
+  [[nodiscard]] std::vector<std::uint32_t> folds_across(std::size_t s) const {
+    std::vector<std::uint32_t> folds;
+    constexpr std::uint32_t kNoBorder = ~std::uint32_t{0};
+    std::uint32_t border = kNoBorder;
+    for (const std::uint32_t k : crossing_[s]) {
+      if (lines_[k].border) {
+        if (folds.empty() || border == kNoBorder) border = k;
+        continue;
+      }
+      if (folds.empty() && lines_[k].mountain && border != kNoBorder) folds.push_back(border);
+      border = kNoBorder;
+      folds.push_back(k);
+    }
+    if (!folds.empty() && lines_[folds.back()].mountain && border != kNoBorder)
+      folds.push_back(border);
+    return folds;
+  }
+
+  /// Whether the mountains of strip `s` run on as a connector's do (see the header).
+  [[nodiscard]] bool like_connector(std::size_t s, const std::vector<std::uint32_t>& across) const {
     bool to_left = false, to_right = false;
     for (std::size_t k = 0; k < across.size(); ++k) {
       const FoldLine& line = lines_[across[k]];
-      if (k > 0 && line.mountain == lines_[across[k - 1]].mountain) return;
+      if (k > 0 && line.mountain == lines_[across[k - 1]].mountain) return false;
       if (!line.mountain) continue;
       const bool left = range_[across[k]].first<s, right = range_[across[k]].last> s + 1;
-      if (left && right) return;
+      if (left && right) return false;
       to_left |= left;
       to_right |= right;
     }
-    if (!to_left || !to_right) return;
+    return to_left && to_right;
+  }
+
+  /// Where levels end, a slice's mountains may look like a connector's. No two neighbours are both
+  /// connectors, and a connector has about twice as many folds as a slice: so of strips in a row
+  /// that look like it, every other one is taken, from where there are more folds on average.
+  void choose_connectors() {
+    std::vector<std::vector<std::uint32_t>> row;
+    const auto close_row = [&](std::size_t end) {
+      double sum[2]{}, count[2]{};
+      for (std::size_t k = 0; k < row.size(); ++k) {
+        sum[k % 2] += static_cast<double>(row[k].size());
+        ++count[k % 2];
+      }
+      const bool second = count[1] > 0 && sum[1] / count[1] > sum[0] / count[0];
+      for (std::size_t k = second ? 1 : 0; k < row.size(); k += 2) {
+        keep_connector(end - row.size() + k, row[k]);
+      }
+      row.clear();
+    };
+    for (std::size_t s = 1; s + 1 < strips(); ++s) {
+      std::vector<std::uint32_t> across = folds_across(s);
+      if (like_connector(s, across)) {
+        row.push_back(std::move(across));
+      } else {
+        close_row(s);
+      }
+    }
+    if (strips() > 1) close_row(strips() - 1);
+  }
+
+  void keep_connector(std::size_t s, const std::vector<std::uint32_t>& across) {
     Connector connector;
     connector.strip = s;
     double x = 0, z = 0;

@@ -24,7 +24,7 @@ struct CreaseVFold {
 /// A fold vertex: the middle of a connector's valley fold, or the tip A of the V-fold on it.
 struct FoldVertex {
   std::int32_t i{};  ///< level along the strip, 0 for the first one of the lattice
-  std::int32_t j{};  ///< connector along the sheet, the first one 0: between slices j and j + 1
+  std::int32_t j{};  ///< connector, counted along the sheet from 0
   /// Of the valley's middle in the designed pose, mm; on a splayed lattice v of a plain crease is
   /// where a tip would lie flat.
   double x{}, v{}, z{};
@@ -45,8 +45,9 @@ struct FoldVertex {
 /// upright after a mountain. A connector is a strip whose mountains run on, some only into the
 /// strip to its left, some only into the one to its right (a slice's mountains run on into both);
 /// the connectors at both ends of a mountain have the same two panels there, which tells their
-/// levels apart and places them on one another. So levels that end at wall or ground, plain cuts,
-/// and sheets without a card are no difficulty. Wall and ground are where x and z are least.
+/// levels apart and places them on one another. So levels that end at wall or ground, and plain
+/// cuts, are no difficulty. Without a card a strip's end counts as the valley that it would have
+/// there. Wall and ground are where x and z are least.
 ///
 /// @return the vertices by connector and level
 /// @retval Malformed, OutOfRange  the file cannot be read as FOLD, or no frame of it lies flat

@@ -82,6 +82,7 @@ struct IsoPanel {
     std::string name;
   };
   std::vector<Level> levels;
+  std::string remark;
 };
 
 inline constexpr double kPanelWidth = 520, kPanelHeight = 450;  // px

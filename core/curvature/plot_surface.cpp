@@ -96,14 +96,14 @@ std::vector<Facet> facets_of(const IsoPanel& panel) {
   return facets;
 }
 
-/// How bright a facet is, 0.55 to 1, lit from above and the left.
+/// How bright a facet is, 0.66 to 1, lit from above and the left.
 double light(const Facet& facet) {
   const auto& [p, q, r] = facet.corner;
   const Place e{q[0] - p[0], q[1] - p[1], q[2] - p[2]}, f{r[0] - p[0], r[1] - p[1], r[2] - p[2]};
   const Place n{e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
   const double size = std::hypot(n[0], n[1], n[2]);
   if (!(size > 0)) return 1.0;
-  return 0.55 + 0.45 * std::abs(-0.3 * n[0] - 0.5 * n[1] + 0.81 * n[2]) / size;
+  return 0.66 + 0.34 * std::abs(-0.3 * n[0] - 0.5 * n[1] + 0.81 * n[2]) / size;
 }
 
 std::string shaded(const std::string& colour, double by) {
@@ -156,7 +156,7 @@ void put_scales(std::string& svg, const IsoPanel& panel, const View& view) {
       put_text(svg, p[0] + edge.off_x, p[1] + edge.off_y, tick_text(scale, value), edge.anchor, 11);
     }
     const PlotPoint middle = view.page(between(edge.from, edge.to, 0.5));
-    const double out = axis == 2 ? 4.0 : 2.6;
+    const double out = axis == 2 ? 6.5 : 2.6;
     put_text(svg, middle[0] + out * edge.off_x, middle[1] + (axis == 2 ? 4 : out * edge.off_y),
              scale.label, edge.anchor, 14);
   }
@@ -175,12 +175,13 @@ void put_surfaces(std::string& svg, const IsoPanel& panel, double left, double t
       const std::string colour = shaded(panel.levels[facet.level].colour, light(facet));
       fmt::format_to(std::back_inserter(svg),
                      "<path d=\"M{:.1f},{:.1f}L{:.1f},{:.1f}L{:.1f},{:.1f}Z\" fill=\"{}\" "
-                     "stroke=\"{}\" stroke-width=\"0.5\" fill-opacity=\"0.9\"/>\n",
+                     "stroke=\"{}\" stroke-width=\"0.5\"/>\n",
                      a[0], a[1], b[0], b[1], c[0], c[1], colour, colour);
     }
   }
   put_box(svg, view, true);
   put_scales(svg, panel, view);
+  put_text(svg, left + 247, top + 430, panel.remark, "middle", 12);
   double y = top + 50;
   for (const IsoPanel::Level& level : panel.levels) {
     fmt::format_to(std::back_inserter(svg),

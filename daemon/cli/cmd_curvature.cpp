@@ -51,6 +51,7 @@ Result<void> put(const std::string& file, const std::function<void(std::ostream&
   if (!file.empty()) return write_whole_file(file, write);
   std::fflush(stdout);
   write(std::cout);
+  std::cout.flush();
   return {};
 }
 
