@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/curvature/splay_patch.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -39,9 +40,12 @@ Result<double> alpha_across_for_zero(SplayPatch patch, double psi_rad) {
     patch.alpha_across = alpha_across;
     return curvature_of(patch, psi_rad).K;
   };
-  double low = 1.0 / std::cos(psi_rad / 2), high = low;
-  while (high < kMost && !(K(high) > 0)) high *= 1.05;
-  if (!(low > 0) || !(K(low) < 0) || !(K(high) > 0)) {
+  constexpr double kGrowth = 1.01;
+  double low = std::max(1.0 / std::cos(psi_rad / 2), patch.alpha);
+  while (low < kMost && !(K(low) < -1e-12)) low *= kGrowth;
+  double high = low;
+  while (high < kMost && !(K(high) > 0)) high *= kGrowth;
+  if (!(K(low) < 0) || !(K(high) > 0)) {
     return fail(
         ErrorKind::Infeasible, "",
         fmt::format("no alpha across up to {:g} makes K zero at psi = {:g} rad", kMost, psi_rad));

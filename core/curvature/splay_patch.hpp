@@ -31,12 +31,13 @@ struct SplayPatch {
 
 [[nodiscard]] VertexCurvature curvature_of(const SplayPatch& patch, double psi_rad);
 
-/// The `alpha_across` above `1 / cos(psi/2)` (where those neighbours stand highest) for which K of
-/// the middle passes through zero at `psi_rad`: for smaller psi they are lower than the middle, for
-/// larger psi higher, so that a middle above its neighbours along the crease goes from K > 0 to
-/// K < 0 as the card opens.
+/// The `alpha_across` for which K of the middle passes from below zero to above it at `psi_rad`,
+/// the first one beyond both `alpha` (with which K is zero at every psi, which is no answer) and `1
+/// / cos(psi/2)` (where those neighbours stand highest). For smaller psi they are then lower than
+/// the middle, for larger psi higher, so that a middle above its neighbours along the crease goes
+/// from K > 0 to K < 0 as the card opens.
 ///
-/// @retval Infeasible  K has the same sign all the way up to 100
+/// @retval Infeasible  there is none up to 100
 [[nodiscard]] Result<double> alpha_across_for_zero(SplayPatch patch, double psi_rad);
 
 }  // namespace popcut
