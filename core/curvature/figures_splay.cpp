@@ -59,6 +59,54 @@ struct Case {
   SplayPatch patch;
 };
 
+constexpr double kPsi[] = {0.16 * kPi, 0.28 * kPi, 0.47 * kPi};  // dome, developable, saddle
+
+/// Finds the units across. On a sheet the panels must be long enough for the widest V-fold, a
+/// = 1.15 w alpha, so that the pitch across depends on what is sought: repeated until it stays.
+Result<double> solve_across(SplayPatch& patch) {
+  constexpr double kRoom = 1.15;
+  constexpr int kRounds = 200;
+  double across = 2.0;
+  for (int k = 0; k < kRounds; ++k) {
+    if (patch.on_lattice) patch.pitch_across = kRoom * patch.w * across;
+    const auto next = alpha_across_for_zero(patch, kPsi[1]);
+    if (!next) return next;
+    const bool settled = !patch.on_lattice || std::abs(*next - across) < 1e-15;
+    across = *next;
+    if (settled) break;
+  }
+  patch.alpha_across = across;
+  return across;
+}
+
+void state_signs(PaperFigures& out, const Case& c) {
+  const std::string of = fmt::format("alphas {:g}, {:g}, {:.12g} ({})", c.patch.alpha,
+                                     c.patch.alpha_along, c.patch.alpha_across, c.words);
+  const auto K = [&](double psi) { return curvature_of(c.patch, psi).K; };
+  state(out, "3D", of + ": K > 0 at 0.16 pi", K(kPsi[0]), K(kPsi[0]) > 0);
+  state(out, "3D", of + ": K = 0 at 0.28 pi; |K| below 1e-9", K(kPsi[1]),
+        std::abs(K(kPsi[1])) < 1e-9);
+  state(out, "3D", of + ": K < 0 at 0.47 pi", K(kPsi[2]), K(kPsi[2]) < 0);
+}
+
+void draw(const Case& c, plot::Panel& panel, std::string& csv) {
+  plot::Curve curve{c.words, {}, c.colour, true, false, false, 2.0};
+  plot::Curve marks{"", {}, c.colour, false, true, false, 2.0};
+  constexpr int kSamples = 161;
+  for (int k = 0; k < kSamples; ++k) {
+    const double over_pi = 0.02 + 0.6 * k / (kSamples - 1);
+    const double K = curvature_of(c.patch, over_pi * kPi).K;
+    curve.points.push_back({over_pi, K});
+    panel.y.from = std::min(panel.y.from, K);
+    panel.y.to = std::max(panel.y.to, K);
+    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{}\n", c.name, c.patch.alpha,
+                   c.patch.alpha_along, c.patch.alpha_across, over_pi * kPi, K);
+  }
+  for (const double psi : kPsi) marks.points.push_back({psi / kPi, curvature_of(c.patch, psi).K});
+  panel.curves.push_back(std::move(curve));
+  panel.curves.push_back(std::move(marks));
+}
+
 Result<void> add_patches(PaperFigures& out) {
   SplayPatch formula;
   formula.alpha = 0.8;
@@ -69,58 +117,19 @@ Result<void> add_patches(PaperFigures& out) {
   sheet.alpha = 0.7;
   Case cases[] = {{"pitch_w", "pitch w both ways", plot::kBlue, formula},
                   {"sheet", "as it fits a sheet", plot::kRed, sheet}};
-  constexpr double kPsi[] = {0.16 * kPi, 0.28 * kPi, 0.47 * kPi};
   std::string csv = "patch,alpha,alpha_along,alpha_across,psi,K\n";
   plot::Panel panel;
-  double least = 0, most = 0;
-  for (Case& c : cases) {
-    // On a sheet the panels' length must hold the widest V-fold: a = 1.15 w alpha.
-    constexpr double kRoom = 1.15;
-    const auto solve = [&]() -> Result<double> {
-      if (!c.patch.on_lattice) return alpha_across_for_zero(c.patch, kPsi[1]);
-      double across = 2.0;
-      constexpr int kRounds = 200;
-      for (int k = 0; k < kRounds; ++k) {
-        c.patch.pitch_across = kRoom * across;
-        const auto next = alpha_across_for_zero(c.patch, kPsi[1]);
-        if (!next) return next;
-        if (std::abs(*next - across) < 1e-15) break;
-        across = *next;
-      }
-      return across;
-    };
-    const auto across = solve();
-    if (!across) return tl::unexpected(across.error());
-    c.patch.alpha_across = *across;
-    plot::Curve curve{c.words, {}, c.colour, true, false, false, 2.0};
-    plot::Curve marks{"", {}, c.colour, false, true, false, 2.0};
-    constexpr int kSamples = 161;
-    for (int k = 0; k < kSamples; ++k) {
-      const double over_pi = 0.02 + 0.6 * k / (kSamples - 1);
-      const double K = curvature_of(c.patch, over_pi * kPi).K;
-      curve.points.push_back({over_pi, K});
-      least = std::min(least, K);
-      most = std::max(most, K);
-      fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{}\n", c.name, c.patch.alpha,
-                     c.patch.alpha_along, c.patch.alpha_across, over_pi * kPi, K);
-    }
-    double K[3];
-    for (std::size_t k = 0; k < 3; ++k) {
-      K[k] = curvature_of(c.patch, kPsi[k]).K;
-      marks.points.push_back({kPsi[k] / kPi, K[k]});
-    }
-    const std::string of = fmt::format("alphas {:g}, {:g}, {:.12g} ({})", c.patch.alpha,
-                                       c.patch.alpha_along, c.patch.alpha_across, c.words);
-    state(out, "3D", of + ": K > 0 at 0.16 pi", K[0], K[0] > 0);
-    state(out, "3D", of + ": K = 0 at 0.28 pi; |K| below 1e-9", K[1], std::abs(K[1]) < 1e-9);
-    state(out, "3D", of + ": K < 0 at 0.47 pi", K[2], K[2] < 0);
-    panel.curves.push_back(std::move(curve));
-    panel.curves.push_back(std::move(marks));
-  }
   panel.title = "Fig. 3D: K of a splayed patch as it opens";
   panel.x = {"Ψ/π", 0.0, 0.64, false};
-  const double room = 0.06 * (most - least);
-  panel.y = {"K", least - room, most + room, false};
+  panel.y = {"K", 0.0, 0.0, false};
+  for (Case& c : cases) {
+    if (const auto across = solve_across(c.patch); !across) return tl::unexpected(across.error());
+    state_signs(out, c);
+    draw(c, panel, csv);
+  }
+  const double room = 0.06 * (panel.y.to - panel.y.from);
+  panel.y.from -= room;
+  panel.y.to += room;
   panel.curves.push_back({"", {{0.0, 0.0}, {0.64, 0.0}}, plot::kGrey, true, false, true, 1.0});
   panel.legend_left = true;
   panel.legend_bottom = true;

@@ -153,18 +153,19 @@ void put_colour_bar(std::string& svg, const Map& map, const Frame& frame) {
   put_text(svg, bar.left + bar.width / 2, bar.top - 8, map.label, "middle", 12);
 }
 
-}  // namespace
+/// Where a contour crosses a cell's edge: edge 2 n goes from grid point n to the right, 2 n + 1 up.
+struct Crossing {
+  std::uint64_t edge{};
+  PlotPoint at{};
+};
 
-std::vector<std::vector<PlotPoint>> contour_lines(const Map& map, double level) {
-  // 1. Segments between cell edges: edge 2 n is that from grid point n to the right, 2 n + 1 up.
-  struct End {
-    std::uint64_t edge{};
-    PlotPoint at{};
-  };
-  struct Segment {
-    End end[2];
-    bool used{false};
-  };
+/// A contour's way through one cell.
+struct Segment {
+  Crossing end[2];
+  bool used{false};
+};
+
+std::vector<Segment> crossings(const Map& map, double level) {
   std::vector<Segment> segments;
   for (std::size_t row = 0; row + 1 < map.rows; ++row) {
     for (std::size_t column = 0; column + 1 < map.columns; ++column) {
@@ -177,7 +178,7 @@ std::vector<std::vector<PlotPoint>> contour_lines(const Map& map, double level) 
       const auto part = [&](std::size_t a, std::size_t b) {
         return (level - corner[a]) / (corner[b] - corner[a]);
       };
-      std::array<End, 4> crossed;
+      std::array<Crossing, 4> crossed;
       std::size_t count = 0;
       const auto above = [&](std::size_t k) { return corner[k] >= level; };
       if (above(0) != above(1)) crossed[count++] = {2 * n, {c + part(0, 1), r}};
@@ -189,21 +190,24 @@ std::vector<std::vector<PlotPoint>> contour_lines(const Map& map, double level) 
       }
     }
   }
-  // 2. Chains: each edge belongs to at most two segments.
-  std::unordered_map<std::uint64_t, std::array<std::size_t, 2>> at_edge;
+  return segments;
+}
+
+/// Joins segments that share an edge; each edge belongs to at most two.
+std::vector<std::vector<PlotPoint>> chained(std::vector<Segment> segments) {
   constexpr std::size_t kNone = ~std::size_t{0};
+  std::unordered_map<std::uint64_t, std::array<std::size_t, 2>> at_edge;
   for (std::size_t s = 0; s < segments.size(); ++s) {
-    for (const End& end : segments[s].end) {
+    for (const Crossing& end : segments[s].end) {
       auto& both = at_edge.try_emplace(end.edge, std::array{kNone, kNone}).first->second;
       (both[0] == kNone ? both[0] : both[1]) = s;
     }
   }
-  std::vector<std::vector<PlotPoint>> lines;
   const auto follow = [&](std::size_t s, int from) {
     std::vector<PlotPoint> line{segments[s].end[from].at};
     for (int out = 1 - from;;) {
       segments[s].used = true;
-      const End end = segments[s].end[out];
+      const Crossing end = segments[s].end[out];
       line.push_back(end.at);
       const auto& both = at_edge[end.edge];
       const std::size_t next = both[0] == s ? both[1] : both[0];
@@ -212,20 +216,25 @@ std::vector<std::vector<PlotPoint>> contour_lines(const Map& map, double level) 
       s = next;
     }
   };
-  const auto open_end = [&](const Segment& segment, int end) {
-    return at_edge[segment.end[end].edge][1] == kNone;
-  };
+  const auto is_end = [&](const Crossing& end) { return at_edge[end.edge][1] == kNone; };
+  std::vector<std::vector<PlotPoint>> lines;
   for (const bool closed : {false, true}) {
     for (std::size_t s = 0; s < segments.size(); ++s) {
       if (segments[s].used) continue;
-      if (closed || open_end(segments[s], 0)) {
+      if (closed || is_end(segments[s].end[0])) {
         lines.push_back(follow(s, 0));
-      } else if (open_end(segments[s], 1)) {
+      } else if (is_end(segments[s].end[1])) {
         lines.push_back(follow(s, 1));
       }
     }
   }
   return lines;
+}
+
+}  // namespace
+
+std::vector<std::vector<PlotPoint>> contour_lines(const Map& map, double level) {
+  return chained(crossings(map, level));
 }
 
 void put_map(std::string& svg, const Map& map, const Frame& frame) {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "core/curvature/fold_lines.hpp"
 #include "core/curvature/pattern_curvature.hpp"
 #include "core/design/design.hpp"
 #include "core/formats/fold_writer.hpp"
@@ -177,6 +178,33 @@ TEST_CASE("a V-fold on a crease moves its fold vertex to the tip", "[core][curva
     CHECK(std::hypot(tip[0] - b[0], tip[1] - b[1], tip[2] - b[2]) == Approx(3.2));
     const Point3 c{apex[0] + 3.2 * std::cos(psi), 51, apex[2] + 3.2 * std::sin(psi)};
     CHECK(std::hypot(tip[0] - c[0], tip[1] - c[1], tip[2] - c[2]) == Approx(3.2));
+  }
+}
+
+TEST_CASE("a valley with a V-fold on it is one fold line that knows its V-fold",
+          "[core][curvature][splay]") {
+  for (const bool forward : {true, false}) {
+    const auto v = [&](double along) { return forward ? along : 20 - along; };
+    FoldFrame frame;  // crease from 0 to 20 at u = 30, apex at 6, w = 5, alpha = 0.6
+    frame.vertices = {{30, v(0), 0},  {30, v(6), 0},  {30, v(11), 0},
+                      {30, v(11), 0}, {30, v(20), 0}, {27, v(11), 0},
+                      {33, v(11), 0}, {40, v(0), 0},  {40, v(20), 0}};
+    frame.edges = {{0, 1}, {1, 2}, {3, 4}, {1, 5}, {1, 6}, {5, 2}, {2, 6}, {5, 3}, {3, 6}, {7, 8}};
+    const std::string roles = "VMVVVBBBBM";
+    frame.assignments.assign(roles.begin(), roles.end());
+    frame.fold_angles_deg.assign(roles.size(), 0.0);
+    const auto lines = fold_lines(frame, 1.0, 1e-6);
+    REQUIRE(lines.size() == 2);
+    CHECK_FALSE(lines[0].mountain);
+    CHECK(lines[0].v0 == Approx(0).margin(1e-12));
+    CHECK(lines[0].v1 == Approx(20));
+    REQUIRE(lines[0].v_fold);
+    CHECK(lines[0].v_fold->apex_v_mm == Approx(v(6)));
+    CHECK(lines[0].v_fold->w_mm == Approx(5));
+    CHECK(lines[0].v_fold->alpha == Approx(0.6));
+    CHECK(lines[0].v_fold->sign == (forward ? 1.0 : -1.0));
+    CHECK(lines[1].mountain);
+    CHECK_FALSE(lines[1].v_fold);
   }
 }
 
