@@ -164,7 +164,7 @@ TEST_CASE("a V-fold on a crease moves its fold vertex to the tip", "[core][curva
   vertex.x = 20;
   vertex.z = 30;
   vertex.v = 50;
-  vertex.v_fold = VFold{47, 4, 0.8, 1};
+  vertex.v_fold = CreaseVFold{47, 4, 0.8, 1};
   const Point3 flat = vertex.posed(kPi);
   CHECK(flat[1] == Approx(51));  // theta = 0: A lies on the crease
   CHECK(flat[0] == Approx(-10));
