@@ -2,6 +2,8 @@
 #include "core/curvature/paper_figures.hpp"
 
 #include <algorithm>
+#include <array>
+#include <numbers>
 
 #include <nlohmann/json.hpp>
 
@@ -37,9 +39,9 @@ std::string figures_json(const PaperFigures& figures) {
 }
 
 std::string assembly_maps_svg(const AssemblyMaps& maps, double phi_rad) {
-  const std::array<plot::Panel, 2> panels{
-      figures::assembly_panel(maps, true, fmt::format("K(r, λ) at φ = {:.6g} rad", phi_rad)),
-      figures::assembly_panel(maps, false, fmt::format("H(r, λ) at φ = {:.6g} rad", phi_rad))};
+  const std::string at = fmt::format("(r, λ) at φ = {:.6g} π", phi_rad / std::numbers::pi);
+  const std::array<plot::Panel, 2> panels{figures::assembly_panel(maps, true, "K" + at),
+                                          figures::assembly_panel(maps, false, "H" + at)};
   return plot::figure_svg(panels);
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <iostream>
@@ -149,7 +150,13 @@ Result<void> run_assembly(const Options& options, const Globals& globals) {
   if (count > most) return too_many("--r and --lambda", count, most);
   const auto done = put(options.output, [&](std::ostream& out) {
     if (!picture && !json) return write_assembly_csv(*phi, *r, *lambda, out);
-    const AssemblyMaps maps = assembly_maps(*phi, *r, *lambda);
+    Samples along_r = *r, along_lambda = *lambda;
+    if (picture) {  // lines and bands need a fine grid, whatever was asked for
+      constexpr std::size_t kFine = 181;
+      along_r.count = std::max(along_r.count, kFine);
+      along_lambda.count = std::max(along_lambda.count, kFine);
+    }
+    const AssemblyMaps maps = assembly_maps(*phi, along_r, along_lambda);
     out << (picture ? assembly_maps_svg(maps, *phi) : maps_json(maps, *phi));
   });
   if (!done) return done;
@@ -157,8 +164,7 @@ Result<void> run_assembly(const Options& options, const Globals& globals) {
     fmt::print("{}\n", nlohmann::ordered_json{{"file", options.output}, {"rows", count}}.dump());
   }
   if (!globals.quiet && !options.output.empty()) {
-    fmt::print(stderr, "  wrote   {} ({} x {} values of K and H)\n", options.output, r->count,
-               lambda->count);
+    fmt::print(stderr, "  wrote   {}\n", options.output);
   }
   return {};
 }
@@ -235,7 +241,8 @@ constexpr const char* kAssemblyHelp =
     "Maps of K and H over r and lambda.\n\n"
     "  popcut curvature assembly --r 0.5:5:181 --lambda 0.2:3:141 -o maps.svg\n\n"
     "Columns r, lambda, K, H, in unit widths; r runs fastest. With -o FILE.svg a picture with the\n"
-    "zero lines, with .json lists; without -o the table goes to standard output.";
+    "zero lines (on 181 x 181 points or more), with .json lists; without -o the table goes to "
+    "standard output.";
 constexpr const char* kSolveHelp =
     "The r and lambda that have a given K, and H if asked for.\n\n"
     "  popcut curvature solve --K -1\n"

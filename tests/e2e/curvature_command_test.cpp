@@ -74,6 +74,24 @@ TEST_CASE("curvature of a designed pattern tells a sphere from a saddle", "[cli]
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 5 * 28);
 }
 
+TEST_CASE("the multi-state pattern is a dome then flat then a saddle at its middle",
+          "[cli][e2e][curvature][splay]") {
+  const TempFolder folder;
+  design_example(folder, "multistate");
+  const auto middle = [&](const std::string& psi) {
+    const Ran ran =
+        popcut_in(folder, {"curvature", "multistate/pattern.fold", "--psi", psi, "--json", "-q"});
+    REQUIRE(ran.exit == 0);
+    for (const json& value : json::parse(ran.out)["poses"][0]["values"])
+      if (value["i"] == 2 && value["j"] == 1) return value["K"].get<double>();
+    FAIL("no vertex in the middle");
+    return 0.0;
+  };
+  CHECK(middle("0.16pi") > 0.01);
+  CHECK(std::abs(middle("0.28pi")) < 1e-9);
+  CHECK(middle("0.47pi") < -0.01);
+}
+
 TEST_CASE("curvature assembly writes its grid as a table and as a picture",
           "[cli][e2e][curvature]") {
   const TempFolder folder;
