@@ -158,6 +158,13 @@ TEST_CASE("meshes keep the sheet's area and solids are closed", "[core][deploy][
         area += cross(mesh->at[b] - mesh->at[a], mesh->at[c] - mesh->at[a])[2] / 2;
       CHECK(area == Approx(sheet));
     }
+    const auto faces = triangulate_faces(pattern);
+    REQUIRE(faces);
+    double thinnest = 1e9;
+    for (const auto& [a, b, c] : faces->triangle)
+      thinnest = std::min(thinnest, cross(faces->corner[b] - faces->corner[a],
+                                          faces->corner[c] - faces->corner[a])[2]);
+    CHECK(thinnest > 1e-6);
     if (pattern.v_folds.empty()) {
       CHECK(surface_mesh(pattern, made.strips)->triangles.size() == 2 * made.report.panels);
     }
