@@ -199,6 +199,10 @@ class Scene {
       : pattern_(pattern), table_(table), options_(options), store_(model_) {}
 
   Result<std::string> written() {
+    if (pattern_.faces() > kMaxGlbFaces)
+      return fail(ErrorKind::OutOfRange, "faces",
+                  fmt::format("{} are too many for one animation; at most {} can be moved",
+                              pattern_.faces(), kMaxGlbFaces));
     const auto faces = triangulate_faces(pattern_);
     if (!faces) return tl::unexpected(faces.error());
     model_.asset.version = "2.0";

@@ -9,6 +9,8 @@
 
 namespace popcut {
 
+inline constexpr std::size_t kMaxGlbFaces = 200'000;  ///< viewers give up well before
+
 struct GlbOptions {
   std::string creator{"popcut"};
   double seconds{4};      ///< how long the animation lasts
@@ -25,7 +27,7 @@ struct GlbOptions {
 /// "wall N", "ground N" (in the planes of the card), "upright N", "level N" (parallel to them), or
 /// "face N", N the number of the face in the pattern.
 ///
-/// @retval OutOfRange  a face is not a simple polygon; `place` is "faces/N"
+/// @retval OutOfRange  a face is not a simple polygon (`place` is "faces/N"); too many faces
 /// @retval Internal    the glTF library failed
 [[nodiscard]] Result<std::string> glb(const Pattern& pattern, const PoseTable& table,
                                       const GlbOptions& options);

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "core/deploy/sheet_mesh.hpp"
 #include "core/formats/deployed_svg.hpp"
 #include "core/formats/text_sink.hpp"
 
@@ -25,7 +26,10 @@ struct Cells {
   double width{}, height{};                 ///< of the largest
 };
 
-Result<void> check(std::span<const double> psi_rad) {
+Result<void> check(const Pattern& pattern, std::span<const double> psi_rad) {
+  constexpr std::size_t kMostDrawn = 2'000'000;
+  if (border_crossings(pattern) > kMostDrawn)
+    return fail(ErrorKind::OutOfRange, "picture", "the pattern has too many panels to be drawn");
   if (psi_rad.empty() || psi_rad.size() > kMostPoses) {
     return fail(ErrorKind::OutOfRange, "poses",
                 fmt::format("{} poses; give 1 to {}", psi_rad.size(), kMostPoses));
@@ -95,7 +99,7 @@ std::string label(double x, double y, double psi_rad) {
 
 Result<void> write_poster_svg(const Pattern& pattern, std::span<const double> psi_rad,
                               const PosterOptions& options, std::ostream& out) {
-  if (auto sound = check(psi_rad); !sound) return sound;
+  if (auto sound = check(pattern, psi_rad); !sound) return sound;
   const Cells cells = cells_of(pattern, psi_rad, options);
   const auto columns =
       std::min(static_cast<std::size_t>(std::max(1, options.columns)), psi_rad.size());
@@ -115,7 +119,7 @@ Result<void> write_poster_svg(const Pattern& pattern, std::span<const double> ps
 
 Result<void> write_film_svg(const Pattern& pattern, std::span<const double> psi_rad, double seconds,
                             const PosterOptions& options, std::ostream& out) {
-  if (auto sound = check(psi_rad); !sound) return sound;
+  if (auto sound = check(pattern, psi_rad); !sound) return sound;
   const Cells cells = cells_of(pattern, psi_rad, options);
   out << head(pattern, cells.width, cells.height + kLabelPx);
   // There and back: pose i stands in step i and in step 2n - 2 - i of 2n - 2.

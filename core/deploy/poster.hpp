@@ -18,7 +18,8 @@ struct PosterOptions {
 /// Draws the poses side by side, all at one scale and from one side (`write_deployed_svg`), each
 /// with its angle below in degrees.
 ///
-/// @retval OutOfRange  no pose, more than 100, or one outside 0 < psi <= pi; `place` is its index
+/// @retval OutOfRange  no pose, more than 100, or one outside 0 < psi <= pi (`place` is its index);
+///                     millions of panels
 [[nodiscard]] Result<void> write_poster_svg(const Pattern& pattern, std::span<const double> psi_rad,
                                             const PosterOptions& options, std::ostream& out);
 

@@ -49,11 +49,17 @@ struct Crossing {
   std::uint32_t face{};
 };
 
+std::vector<double> borders_of(const Pattern& pattern) {
+  std::vector<double> v;
+  for (const PatternVertex& p : pattern.vertices) v.push_back(p.v);
+  std::sort(v.begin(), v.end());
+  v.erase(std::unique(v.begin(), v.end()), v.end());
+  return v;
+}
+
 Slabs cut_into_slabs(const Pattern& pattern) {
   Slabs slabs;
-  for (const PatternVertex& p : pattern.vertices) slabs.v.push_back(p.v);
-  std::sort(slabs.v.begin(), slabs.v.end());
-  slabs.v.erase(std::unique(slabs.v.begin(), slabs.v.end()), slabs.v.end());
+  slabs.v = borders_of(pattern);
   std::vector<Crossing> crossings;
   for (std::uint32_t f = 0; f < pattern.faces(); ++f) {
     const auto face = pattern.face(f);
@@ -104,8 +110,23 @@ SheetMesh mesh_of(const FaceTriangles& faces) {
 
 }  // namespace
 
+std::size_t border_crossings(const Pattern& pattern) {
+  const Slabs slabs{borders_of(pattern), {}, {}};
+  std::size_t crossings = 0;
+  for (std::size_t f = 0; f < pattern.faces(); ++f) {
+    const auto face = pattern.face(f);
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const std::size_t from = slabs.index(pattern.vertices[face[i]].v);
+      const std::size_t to = slabs.index(pattern.vertices[face[(i + 1) % face.size()]].v);
+      crossings += from < to ? to - from : from - to;
+    }
+  }
+  return crossings;
+}
+
 Result<SheetMesh> surface_mesh(const Pattern& pattern) {
-  if (!is_rectilinear(pattern)) return triangulate_faces(pattern).map(mesh_of);
+  if (!is_rectilinear(pattern) || border_crossings(pattern) > kMaxCrossings)
+    return triangulate_faces(pattern).map(mesh_of);
   const Slabs slabs = cut_into_slabs(pattern);
   SheetMesh mesh;
   for (std::size_t s = 0; s + 1 < slabs.v.size(); ++s) {

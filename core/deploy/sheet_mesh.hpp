@@ -20,9 +20,15 @@ struct SheetMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
+/// How many sides of faces cross the strips between neighbouring borders: about twice the panels of
+/// a lattice, but up to faces times borders where faces lie on each other.
+[[nodiscard]] std::size_t border_crossings(const Pattern& pattern);
+
+inline constexpr std::size_t kMaxCrossings = 20'000'000;
+
 /// The sheet as one surface: two triangles a panel, strip by strip, each strip from the wall
 /// outward. Panels are found from the faces of the pattern, cut where strips meet. Where a pattern
-/// is not all rectangles, its faces as triangles instead.
+/// is not all rectangles, or has more than `kMaxCrossings`, its faces as triangles instead.
 ///
 /// @retval OutOfRange  a face is not a simple polygon; `place` is "faces/N"
 [[nodiscard]] Result<SheetMesh> surface_mesh(const Pattern& pattern);

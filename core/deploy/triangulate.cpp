@@ -11,6 +11,8 @@
 namespace popcut {
 namespace {
 
+constexpr double kSliver = 1e-12;  // of the face's size squared
+
 /// Twice the signed area of the triangle a, b, c on the sheet.
 double turn(const Vec3& a, const Vec3& b, const Vec3& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -38,6 +40,7 @@ class Ring {
     low_ = low[axis_];
     const double length = high[axis_] - low[axis_];
     per_mm_ = length > 0 ? n / length : 0;
+    sliver_ = kSliver * dot(high - low, high - low);
     bucket_.resize(n + 1);
     for (std::uint32_t i = 0; i < n; ++i) mark(i);
   }
@@ -48,8 +51,11 @@ class Ring {
     std::size_t waited = 0;
     for (std::uint32_t i = 0; left_ > 3;) {
       if (!is_ear(i)) {
-        if (++waited > left_) return false;
         i = next_[i];
+        if (++waited <= left_) continue;
+        if (sliver_ == 0) return false;
+        sliver_ = 0;  // no ear but slivers: better those than none
+        waited = 0;
         continue;
       }
       take(prev_[i], i, next_[i]);
@@ -74,7 +80,7 @@ class Ring {
     return static_cast<std::size_t>(std::max(0.0, (p[axis_] - low_) * per_mm_));
   }
   void mark(std::uint32_t i) {
-    const bool blunt = turn_at(i) <= 0;
+    const bool blunt = turn_at(i) <= sliver_;
     if (blunt && blunt_[i] == 0) bucket_[slot(at_[i])].push_back(i);
     blunt_[i] = blunt ? 1 : 0;
   }
@@ -82,7 +88,7 @@ class Ring {
   /// True when the corner is convex and no other corner lies in its triangle or on its rim.
   [[nodiscard]] bool is_ear(std::uint32_t i) {
     const Vec3 &a = at_[prev_[i]], &b = at_[i], &c = at_[next_[i]];
-    if (!(turn(a, b, c) > 0)) return false;
+    if (!(turn(a, b, c) > sliver_)) return false;
     const auto [low, high] = std::minmax({slot(a), slot(b), slot(c)});
     for (std::size_t s = low; s <= high; ++s) {
       auto& bucket = bucket_[s];
@@ -90,7 +96,9 @@ class Ring {
       for (const std::uint32_t k : bucket) {
         const Vec3& p = at_[k];
         if (k == prev_[i] || k == i || k == next_[i] || p == a || p == b || p == c) continue;
-        if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0) return false;
+        const bool in =
+            turn(a, b, p) >= -sliver_ && turn(b, c, p) >= -sliver_ && turn(c, a, p) >= -sliver_;
+        if (in) return false;
       }
     }
     return true;
@@ -112,6 +120,7 @@ class Ring {
   std::vector<std::vector<std::uint32_t>> bucket_;
   std::size_t left_{}, axis_{};
   double low_{}, per_mm_{};
+  double sliver_{};  ///< twice the area, mm^2, of what counts as none
 };
 
 /// The corners without those that do not turn: along sides, and the tips of notches without width.
@@ -123,7 +132,7 @@ std::vector<Vec3> true_corners(std::vector<Vec3> corners) {
       high[c] = std::max(high[c], p[c]);
     }
   }
-  const double sliver = 1e-14 * norm(high - low);
+  const double sliver = kSliver * norm(high - low);
   const auto turns = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
     return std::abs(turn(a, b, c)) > sliver * std::max(norm(b - a), norm(c - b));
   };

@@ -28,6 +28,11 @@ std::optional<double> number(const std::string& text) {
   return value;
 }
 
+/// How many poses of a pattern one table may hold, at most `wanted`.
+std::size_t poses_at_once(const Pattern& pattern, std::size_t wanted) {
+  return std::clamp<std::size_t>(kMaxTabled / std::max<std::size_t>(1, pattern.faces()), 1, wanted);
+}
+
 /// `count` angles on the same way; shut ones are moved to where a picture can be drawn.
 std::vector<double> drawn_angles(const std::vector<double>& psi_rad, std::size_t count) {
   constexpr double kLeastRad = 3 * std::numbers::pi / 180;
@@ -91,10 +96,10 @@ Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,
                         const std::vector<double>& psi_rad, MeshAxes axes,
                         const std::string& prefix, OutputFolder& folder) {
   // A table holds some poses at a time, since thousands of poses of thousands of faces are a lot.
-  constexpr std::size_t kAtOnce = 64;
-  for (std::size_t first = 0; first < psi_rad.size(); first += kAtOnce) {
+  const std::size_t at_once = poses_at_once(pattern, 64);
+  for (std::size_t first = 0; first < psi_rad.size(); first += at_once) {
     const auto angles =
-        std::span(psi_rad).subspan(first, std::min(kAtOnce, psi_rad.size() - first));
+        std::span(psi_rad).subspan(first, std::min(at_once, psi_rad.size() - first));
     const auto table = pose_table(pattern, angles);
     if (!table) return tl::unexpected(table.error());
     for (std::size_t k = 0; k < angles.size(); ++k) {
@@ -112,12 +117,12 @@ Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,
 
 Result<void> add_glb(const Pattern& pattern, const std::vector<double>& psi_rad,
                      double thickness_mm, OutputFolder& folder) {
-  constexpr std::size_t kMostKeys = 61;
+  const std::size_t most_keys = std::max<std::size_t>(13, poses_at_once(pattern, 61));
   std::vector<double> angles = psi_rad;
   if (angles.size() > 1) {
     const auto few =
         opening_angles(psi_rad.front(), psi_rad.back(),
-                       static_cast<int>(std::clamp<std::size_t>(psi_rad.size(), 13, kMostKeys)));
+                       static_cast<int>(std::clamp<std::size_t>(psi_rad.size(), 13, most_keys)));
     if (!few) return tl::unexpected(few.error());
     angles = *few;
   }

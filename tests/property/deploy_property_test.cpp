@@ -158,6 +158,13 @@ TEST_CASE("meshes keep the sheet's area and solids are closed", "[core][deploy][
         area += cross(mesh->at[b] - mesh->at[a], mesh->at[c] - mesh->at[a])[2] / 2;
       CHECK(area == Approx(sheet));
     }
+    const auto faces = triangulate_faces(pattern);
+    REQUIRE(faces);
+    double thinnest = 1e9;
+    for (const auto& [a, b, c] : faces->triangle)
+      thinnest = std::min(thinnest, cross(faces->corner[b] - faces->corner[a],
+                                          faces->corner[c] - faces->corner[a])[2]);
+    CHECK(thinnest > 1e-6);
     if (pattern.v_folds.empty()) {
       CHECK(surface_mesh(pattern, made.strips)->triangles.size() == 2 * made.report.panels);
     }
@@ -191,4 +198,35 @@ TEST_CASE("patterns come back from their FOLD files with their V-folds", "[core]
     }
     CHECK(off < 1e-9);
   });
+}
+
+TEST_CASE("a FOLD file with any bytes changed is deployed or refused", "[core][deploy][fold]") {
+  std::mt19937 random(kSeed);
+  const std::string alphabet = "0123456789.-+eE[]{},:\"nulBMVF \n";
+  std::optional<Design> made;
+  while (!made) made = random_design(random);
+  std::ostringstream sound;
+  REQUIRE(write_fold(made->pattern, {.psi_rad = {pi, 1.1}}, sound));
+  std::size_t read = 0, deployed = 0;
+  for (int round = 0; round < 400; ++round) {
+    CAPTURE(kSeed, round);
+    std::string text = sound.str();
+    for (unsigned k = 0; k < 1 + random() % 3; ++k)
+      text[random() % text.size()] = alphabet[random() % alphabet.size()];
+    const auto file = read_fold(text);
+    if (!file) continue;
+    ++read;
+    const auto pattern = pattern_from_fold(*file);
+    if (!pattern) {
+      CHECK_FALSE(pattern.error().detail.empty());
+      continue;
+    }
+    const auto table = pose_table(*pattern, std::vector<double>{2.0, 1.0});
+    if (!table) continue;
+    const auto surface = surface_mesh(*pattern);
+    const auto animation = glb(*pattern, *table, {});
+    deployed += surface && animation ? 1 : 0;
+  }
+  CHECK(read > 20);
+  CHECK(deployed > 0);
 }
