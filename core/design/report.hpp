@@ -24,7 +24,7 @@ struct SliceReport {
   int iterations{};
   int minima{1};    ///< that the chain has, as far as several starts found them
   double spread{};  ///< the largest of their losses over the smallest, less 1
-  SliceFit fit;
+  SliceFit fit{};
 };
 
 /// A place where the lattice does not follow the target level by level, and why.
@@ -56,7 +56,7 @@ struct DesignReport {
   std::vector<MergedPlace> merged;
   std::vector<std::string> notes;  ///< plain cuts, halved slices, spread of minima
   bool fit_nearest{};              ///< "fit": "nearest" was asked for
-  SliceFit fit;                    ///< of all slices together
+  SliceFit fit{};                    ///< of all slices together
   double seconds{};
 };
 
