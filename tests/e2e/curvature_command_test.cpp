@@ -82,7 +82,8 @@ TEST_CASE("the multi-state pattern is a dome then flat then a saddle at its midd
     const Ran ran =
         popcut_in(folder, {"curvature", "multistate/pattern.fold", "--psi", psi, "--json", "-q"});
     REQUIRE(ran.exit == 0);
-    for (const json& value : json::parse(ran.out)["poses"][0]["values"])
+    const json poses = json::parse(ran.out);  // named: a range over a temporary would dangle
+    for (const json& value : poses["poses"][0]["values"])
       if (value["i"] == 2 && value["j"] == 1) return value["K"].get<double>();
     FAIL("no vertex in the middle");
     return 0.0;
