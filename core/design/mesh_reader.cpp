@@ -2,6 +2,7 @@
 #include "core/design/mesh_reader.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -51,7 +52,8 @@ bool is_binary_stl(std::string_view bytes) {
          bytes.substr(0, 1000).find('\0') != std::string_view::npos;
 }
 
-Result<void> check_binary_stl(const std::string& name, std::string_view bytes) {
+/// The bytes that head and announced triangles take; more may follow and is left out.
+Result<std::string_view> whole_binary_stl(const std::string& name, std::string_view bytes) {
   std::uint32_t count = 0;
   std::memcpy(&count, bytes.data() + 80, 4);
   const std::size_t there = (bytes.size() - kStlHead) / kStlTriangle;
@@ -59,9 +61,9 @@ Result<void> check_binary_stl(const std::string& name, std::string_view bytes) {
     return fail(
         ErrorKind::Malformed, name,
         fmt::format("announces {} triangles and holds {}; is the file whole?", count, there));
-  if (count > kMaxTriangles) return too_many(name, count);
+  if (count > kMaxTriangles) return tl::unexpected(too_many(name, count).error());
   if (count == 0) return fail(ErrorKind::Malformed, name, "has no triangles; a mesh needs faces");
-  return {};
+  return bytes.substr(0, kStlHead + kStlTriangle * static_cast<std::size_t>(count));
 }
 
 /// Walks the lines of a text file, each without its end and without blanks before it.
@@ -92,11 +94,11 @@ std::string_view next_word(std::string_view& line) {
 }
 
 /// Three finite numbers, as a vertex has; more words may follow.
-Result<void> check_vertex(const std::string& place, std::string_view words) {
-  for (int k = 0; k < 3; ++k) {
+Result<std::array<float, 3>> read_vertex(const std::string& place, std::string_view words) {
+  std::array<float, 3> out{};
+  for (float& value : out) {
     std::string_view word = next_word(words);
     if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-    float value = 0.0F;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (word.empty() || end != word.data() + word.size() || error == std::errc::invalid_argument)
       return fail(ErrorKind::Malformed, place,
@@ -108,37 +110,45 @@ Result<void> check_vertex(const std::string& place, std::string_view words) {
                   fmt::format("has the coordinate {}; a finite number is needed: repair the mesh",
                               word.substr(0, 24)));
   }
-  return {};
+  return out;
 }
 
 constexpr std::size_t kLongestLine = 1u << 16;
 
-/// Counts the faces of a text STL; assimp's own reader trusts the file more than we do.
-Result<void> check_text_stl(const std::string& name, std::string_view bytes) {
+/// A text STL in its binary form: assimp's reader of text loses memory where a file is broken.
+Result<std::string> binary_of_text(const std::string& name, std::string_view bytes) {
+  std::string out(kStlHead, '\0');
   std::size_t facets = 0, corners = 0;
   const auto done = for_each_line(bytes, [&](std::string_view line, std::size_t number) {
     const auto broken = [&](const char* what) {
       return Result<void>(
           fail(ErrorKind::Malformed, fmt::format("{}: line {}", name, number), what));
     };
-    if (line.size() > kLongestLine) return broken("is too long for an STL file");
     if (line.rfind("facet", 0) == 0) {
       if (corners != 3 * facets) return broken("a facet begins before the last has three corners");
       if (++facets > kMaxTriangles) return too_many(name, facets);
+      out.append(12, '\0');  // the normal
     }
-    if (line.rfind("vertex", 0) == 0 && ++corners > 3 * facets)
-      return broken("is a fourth corner of a facet; three are needed");
-    if (line.rfind("vertex", 0) == 0)
-      return check_vertex(fmt::format("{}: line {}", name, number), line.substr(6));
+    if (line.rfind("vertex", 0) == 0) {
+      if (++corners > 3 * facets) return broken("is a fourth corner of a facet; three are needed");
+      const auto vertex = read_vertex(fmt::format("{}: line {}", name, number), line.substr(6));
+      if (!vertex) return Result<void>(tl::unexpected(vertex.error()));
+      char raw[12];
+      std::memcpy(raw, vertex->data(), 12);
+      out.append(raw, 12);
+      if (corners == 3 * facets) out.append(2, '\0');
+    }
     return Result<void>{};
   });
-  if (!done) return done;
+  if (!done) return tl::unexpected(done.error());
   if (facets == 0 && bytes.substr(0, 5) != "solid")
     return fail(ErrorKind::Malformed, name, "is not an STL file; it has neither head nor facets");
   if (facets == 0) return fail(ErrorKind::Malformed, name, "has no triangles; a mesh needs faces");
   if (corners != 3 * facets)
     return fail(ErrorKind::Malformed, name, "ends inside a facet; is the file whole?");
-  return {};
+  const auto count = static_cast<std::uint32_t>(facets);
+  std::memcpy(out.data() + 80, &count, 4);
+  return out;
 }
 
 /// One "v", "v/t" or "v/t/n" of a face: a whole number that names a vertex.
@@ -172,8 +182,8 @@ Result<std::string> plain_obj(const std::string& name, std::string_view bytes) {
     if (line.size() > kLongestLine) return broken("is longer than 65536 characters");
     if (line.back() == '\\') return broken("goes on in the next line; write it in one");
     if (vertex) {
-      const auto ok = check_vertex(fmt::format("{}: line {}", name, number), line.substr(1));
-      if (!ok) return ok;
+      const auto ok = read_vertex(fmt::format("{}: line {}", name, number), line.substr(1));
+      if (!ok) return Result<void>(tl::unexpected(ok.error()));
     }
     std::size_t words = 0;
     out += line[0];
@@ -262,12 +272,14 @@ Result<TriangleMesh> read_mesh(const std::string& name, std::string_view bytes) 
   if (kind != "stl")
     return fail(ErrorKind::Malformed, name,
                 fmt::format("is a \"{}\" file; meshes are read from .stl and .obj", kind));
-  if (is_binary_stl(bytes)) {
-    if (auto ok = check_binary_stl(name, bytes); !ok) return tl::unexpected(ok.error());
-  } else if (auto ok = check_text_stl(name, bytes); !ok) {
-    return tl::unexpected(ok.error());
+  if (!is_binary_stl(bytes)) {
+    const auto binary = binary_of_text(name, bytes);
+    if (!binary) return tl::unexpected(binary.error());
+    return import(name, *binary, "stl");
   }
-  return import(name, bytes, "stl");
+  const auto whole = whole_binary_stl(name, bytes);
+  if (!whole) return tl::unexpected(whole.error());
+  return import(name, *whole, "stl");
 }
 
 }  // namespace popcut

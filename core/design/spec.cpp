@@ -278,6 +278,11 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
   const json* splay = fields.value("splay");
   if (auto target = parse_target(*root, fields, spec); !target)
     return tl::unexpected(target.error());
+  for (const RegionSpec& region : spec.regions)
+    for (const char* moved : {"rotate_deg", "translate_mm"})
+      if (region.radius && fields.has(moved))
+        return fail(ErrorKind::Malformed, fields.pointer(moved),
+                    "contradicts regions with radii of their own, which stand about the spine");
   if (splay) {
     auto parsed = parse_splay(*splay, spec.min_panel_mm);
     if (!parsed) return tl::unexpected(parsed.error());

@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMaxLength = 1e6;  ///< 1 km: no sheet is larger
+constexpr double kMaxLength = 1e5;  ///< 100 m: no sheet is larger
 constexpr std::size_t kMostNameBytes = 1024;
 
 std::string file_name(JsonFields& fields) {
@@ -67,7 +67,8 @@ json kind_schema(const char* type, const char* field, const char* about_kind,
 }  // namespace
 
 Result<SurfaceSpec> parse_surface(const json& value, const std::string& pointer) {
-  static const std::vector<std::string> kinds{"revolution", "profile", "implicit", "grid", "mesh"};
+  static const std::vector<std::string> kinds{"revolution", "profile", "implicit",
+                                              "grid",       "mesh",    "composite"};
   JsonFields fields(value, pointer);
   if (value.is_object() && !value.contains("type"))
     fields.add_error(ErrorKind::Malformed, fields.pointer("type"),
@@ -86,8 +87,12 @@ Result<SurfaceSpec> parse_surface(const json& value, const std::string& pointer)
     case 3:
       surface = GridSpec{file_name(fields)};
       break;
-    default:
+    case 4:
       surface = MeshSpec{file_name(fields)};
+      break;
+    default:
+      fields.add_error(ErrorKind::OutOfRange, fields.pointer("type"),
+                       "is \"composite\", which stands only at the top of a spec");
   }
   if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
   return surface;

@@ -312,6 +312,11 @@ TEST_CASE("placement and fit of a spec are read or refused with their place", "[
     CHECK(refused.error().place == row.place);
     CHECK(refused.error().kind == row.kind);
   }
+  const auto contradictory = parse_design_spec(
+      R"({"popcut": 1, "regions": [{"radius": "5", "units_per_slice": 2, "slices": 3,
+          "width_mm": 4}], "rotate_deg": [0, 0, 90]})");
+  REQUIRE_FALSE(contradictory);
+  CHECK(contradictory.error().place == "/rotate_deg");
 }
 
 TEST_CASE("a chain with several minima takes the best of them and tells the spread",
