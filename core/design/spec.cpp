@@ -36,7 +36,8 @@ Result<std::optional<CardSpec>> parse_card(const json* value) {
   return std::optional<CardSpec>{card};
 }
 
-Result<std::vector<double>> parse_widths(const json* value, int slices) {
+Result<std::vector<double>> parse_widths(const json* value, int slices,
+                                         const std::string& field = "/widths_mm") {
   const auto lawful = [](const json& w) {
     return w.is_number() && w.get<double>() > 0.0 && w.get<double>() <= kMaxLength;
   };
@@ -47,19 +48,18 @@ Result<std::vector<double>> parse_widths(const json* value, int slices) {
                             kMaxLength));
   };
   if (!value)
-    return fail(ErrorKind::Malformed, "/widths_mm",
-                "is missing; a number or a list of numbers is needed");
+    return fail(ErrorKind::Malformed, field, "is missing; a number or a list of numbers is needed");
   if (!value->is_array()) {
-    if (!lawful(*value)) return wrong(*value, "/widths_mm");
+    if (!lawful(*value)) return wrong(*value, field);
     return std::vector<double>(static_cast<std::size_t>(slices), value->get<double>());
   }
   std::vector<double> widths;
   for (std::size_t j = 0; j < value->size(); ++j) {
-    if (!lawful((*value)[j])) return wrong((*value)[j], fmt::format("/widths_mm/{}", j));
+    if (!lawful((*value)[j])) return wrong((*value)[j], fmt::format("{}/{}", field, j));
     widths.push_back((*value)[j].get<double>());
   }
   if (widths.size() != static_cast<std::size_t>(slices))
-    return fail(ErrorKind::OutOfRange, "/widths_mm",
+    return fail(ErrorKind::OutOfRange, field,
                 fmt::format("has {} widths for {} slices; one a slice or a single number is needed",
                             widths.size(), slices));
   return widths;
@@ -166,7 +166,18 @@ Result<void> parse_regions(const json& value, DesignSpec& spec) {
     RegionSpec region;
     region.units_per_slice = fields.integer("units_per_slice", std::nullopt, 1, kMaxUnitsPerSlice);
     region.slices = fields.integer("slices", std::nullopt, 1, kMaxSlices);
-    const double width = fields.number("width_mm", std::nullopt, 0.0, kMaxLength, true);
+    const json* list = fields.value("widths_mm");
+    const std::string width_field = fields.pointer(list ? "widths_mm" : "width_mm");
+    if (list && fields.has("width_mm"))
+      return fail(ErrorKind::Malformed, fields.pointer("width_mm"),
+                  fmt::format("contradicts {}; give one or the other", width_field));
+    if (list && list->is_object())
+      return fail(
+          ErrorKind::Malformed, width_field,
+          "is an object; widths are chosen from the target only where there are no regions, "
+          "so a number or a list is needed");
+    const double width =
+        list ? 0.0 : fields.number("width_mm", std::nullopt, 0.0, kMaxLength, true);
     if (fields.has("radius")) region.radius = fields.text("radius", std::nullopt);
     (void)fields.value("radius");
     if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
@@ -174,7 +185,10 @@ Result<void> parse_regions(const json& value, DesignSpec& spec) {
       return fail(
           ErrorKind::OutOfRange, fmt::format("/regions/{}/slices", r),
           fmt::format("makes {} slices in all; at most {} are designed", slices, kMaxSlices));
-    spec.widths_mm.insert(spec.widths_mm.end(), static_cast<std::size_t>(region.slices), width);
+    auto widths = list ? parse_widths(list, region.slices, width_field)
+                       : std::vector<double>(static_cast<std::size_t>(region.slices), width);
+    if (!widths) return tl::unexpected(widths.error());
+    spec.widths_mm.insert(spec.widths_mm.end(), widths->begin(), widths->end());
     spec.regions.push_back(std::move(region));
   }
   return {};
@@ -237,6 +251,10 @@ Result<void> parse_target(const json& root, JsonFields& fields, DesignSpec& spec
     auto parsed = parse_surface(*surface, "/surface");
     if (!parsed) return tl::unexpected(parsed.error());
     spec.surface = std::move(*parsed);
+    if (std::all_of(spec.regions.begin(), spec.regions.end(),
+                    [](const RegionSpec& region) { return region.radius.has_value(); }))
+      return fail(ErrorKind::Malformed, "/surface",
+                  "contradicts /regions, which all have a radius of their own; leave one out");
     return {};
   }
   for (std::size_t r = 0; r < spec.regions.size(); ++r)
@@ -327,14 +345,20 @@ std::string design_spec_schema() {
       {"items",
        {{"type", "object"},
         {"additionalProperties", false},
-        {"required", {"units_per_slice", "slices", "width_mm"}},
+        {"required", {"units_per_slice", "slices"}},
+        {"oneOf", {{{"required", {"width_mm"}}}, {{"required", {"widths_mm"}}}}},
         {"properties",
          {{"radius",
            {{"type", "string"}, {"description", "expression of y, 0 to L in the region"}}},
           {"units_per_slice",
            {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxUnitsPerSlice}}},
           {"slices", {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxSlices}}},
-          {"width_mm", number("width of its slices", positive)}}}}}};
+          {"width_mm", number("width of its slices", positive)},
+          {"widths_mm",
+           {{"description", "one width for all its slices, or a list with one a slice"},
+            {"oneOf",
+             {{{"type", "number"}, {"exclusiveMinimum", 0}, {"maximum", kMaxLength}},
+              {{"type", "array"}, {"items", number("width of a slice", positive)}}}}}}}}}}};
   p["units_per_slice"] = {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxUnitsPerSlice}};
   p["slices"] = {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxSlices}};
   p["widths_mm"]["oneOf"] = json::array(
