@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,7 @@
 #include "core/design/pattern_builder.hpp"
 #include "core/design/slicing.hpp"
 #include "core/design/splay.hpp"
+#include "core/design/strip_bridge.hpp"
 #include "core/design/strip_builder.hpp"
 
 namespace popcut {
@@ -49,6 +51,7 @@ struct Laid {
   LaidStrips strips;
   LatticeFigures figures;
   CardFrame frame;
+  std::vector<BridgeReport> bridges;
 };
 
 class Designer {
@@ -64,12 +67,8 @@ class Designer {
       notes_.push_back(
           fmt::format("{} slices of chosen widths; equal ones would be {} for the same error",
                       sliced_.slices(), sliced_.uniform_slices));
-    for (std::size_t j = 0; j < cut_after_.size(); ++j)
-      if (cut_after_[j])
-        notes_.push_back(fmt::format("plain cut between slices {} and {}: {} and {} units a slice",
-                                     j, j + 1, sliced_.units[j], sliced_.units[j + 1]));
     // A round that fails makes a plain cut more, so the rounds end.
-    for (int round = 0; round <= sliced_.slices() + 1; ++round) {
+    for (int round = 0; round <= sliced_.slices() + 2; ++round) {
       LatticeMethod method = spec_.lattice;
       std::string note;
       auto laid = lay(method, note);
@@ -79,6 +78,7 @@ class Designer {
       if (!tight) return tl::unexpected(tight.error());
       if (spec_.card && tight->second.degrees_of_freedom != 1) {
         if (cut_loose(laid->second.strips.strips, tight->first, tight->second)) continue;
+        if (std::exchange(bridging_, false)) continue;
         return fail(
             ErrorKind::Infeasible, "/units_per_slice",
             fmt::format("the structure would have {} degrees of freedom, and no plain cut mends "
@@ -227,7 +227,24 @@ class Designer {
         options.ground_ends.push_back(sliced_.curves[static_cast<std::size_t>(slice.slice)].d());
       }
     out.strips = build_strips(layout.laid, layout.runs, options);
+    if (bridging_ && out.frame.card && out.strips.unlawful.empty()) bridge(layout, out);
     return out;
+  }
+
+  /// Bridges between the runs, where they are lawful.
+  void bridge(const Layout& layout, Laid& laid) const {
+    std::vector<BridgeAim> aims;
+    const Strips& strips = laid.strips.strips;
+    std::size_t slices = 0, run = 0;
+    for (std::size_t s = 0; s < strips.size() && run + 1 < layout.runs.size(); ++s) {
+      if (strips.kind[s] != StripKind::Slice && strips.kind[s] != StripKind::Box) continue;
+      if (++slices != static_cast<std::size_t>(layout.runs[run + 1].first)) continue;
+      aims.push_back({s, &sliced_.between[static_cast<std::size_t>(strips.slice[s])]});
+      ++run;
+    }
+    BridgedStrips bridged = add_bridges(strips, aims, spec_.min_panel_mm);
+    laid.strips.strips = std::move(bridged.strips);
+    laid.bridges = std::move(bridged.made);
   }
 
   /// Measures the strips against the target.
@@ -378,12 +395,14 @@ class Designer {
     return false;
   }
 
+  static std::string cut_between(std::size_t slice) {
+    return fmt::format("plain cut between slices {} and {}: ", slice, slice + 1);
+  }
   bool cut(int slice, const std::string& reason) {
     auto& cut = cut_after_[static_cast<std::size_t>(slice)];
     if (cut || slice + 1 >= sliced_.slices()) return false;
     cut = 1;
-    notes_.push_back(
-        fmt::format("plain cut between slices {} and {}: {}", slice, slice + 1, reason));
+    notes_.push_back(cut_between(static_cast<std::size_t>(slice)) + reason);
     return true;
   }
 
@@ -431,9 +450,36 @@ class Designer {
     r.step_over_mean_max = laid.figures.step_over_mean_max;
     r.gap_mm = laid.figures.gap_mm;
     r.merged = std::move(laid.strips.merged);
+    r.bridges = std::move(laid.bridges);
+    note_borders(r.bridges);
     r.notes = notes_;
     add_fit(r, spec_.fit);
     return out;
+  }
+
+  /// What became of the places where N changes, and of other plain cuts.
+  void note_borders(const std::vector<BridgeReport>& bridges) {
+    std::size_t b = 0;
+    for (std::size_t j = 0; j < cut_after_.size(); ++j) {
+      const bool bridged = b < bridges.size() && static_cast<std::size_t>(bridges[b].slice) == j;
+      const bool changes = sliced_.cut_after[j] != 0;
+      const std::string units =
+          changes ? fmt::format("{} and {} units a slice", sliced_.units[j], sliced_.units[j + 1])
+                  : std::string("whose levels do not pair");
+      if (bridged && !changes)  // the cut that was noted has been bridged after all
+        std::erase_if(notes_,
+                      [&](const std::string& note) { return note.rfind(cut_between(j), 0) == 0; });
+      if (bridged)
+        notes_.push_back(fmt::format(
+            "connector between slices {} and {}, {}: {} planes of the one "
+            "and {} of the other, {:.3g} mm off the target at most",
+            j, j + 1, units, bridges[b].left_planes, bridges[b].right_planes, bridges[b].off_mm));
+      else if (changes)
+        notes_.push_back(fmt::format(
+            "plain cut between slices {} and {}, {}: no connector there stays near the target", j,
+            j + 1, units));
+      if (bridged) ++b;
+    }
   }
 
   void add_slices(const Layout& layout, const Strips& strips, DesignReport& r) {
@@ -460,6 +506,7 @@ class Designer {
   Slicing sliced_;
   std::vector<std::uint8_t> cut_after_;
   std::vector<std::string> notes_;
+  bool bridging_{true};  ///< connectors between runs
 };
 
 }  // namespace

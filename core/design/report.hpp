@@ -13,6 +13,7 @@ namespace popcut {
 struct ErrorFigures {
   double rms_mm{};
   double max_mm{};
+  std::size_t count{};  ///< of what was measured
 };
 
 /// One slice of the report: where it lies and how its chain came out.
@@ -35,6 +36,14 @@ struct MergedPlace {
   std::string reason;  ///< one sentence with values in mm
 };
 
+/// A connector between slices whose levels do not pair (`add_bridges`).
+struct BridgeReport {
+  int slice{};         ///< the left one
+  double off_mm{};     ///< largest distance of its fold vertices and ends from the target
+  int left_planes{};   ///< planes that it shares with the left slice
+  int right_planes{};  ///< and with the right one
+};
+
 /// What a design is, in figures (`report.json`).
 struct DesignReport {
   std::string name;
@@ -54,9 +63,10 @@ struct DesignReport {
   double step_over_mean_min{}, step_over_mean_max{};
   double gap_mm{};
   std::vector<MergedPlace> merged;
+  std::vector<BridgeReport> bridges;
   std::vector<std::string> notes;  ///< plain cuts, halved slices, spread of minima
   bool fit_nearest{};              ///< "fit": "nearest" was asked for
-  SliceFit fit{};                    ///< of all slices together
+  SliceFit fit{};                  ///< of all slices together
   double seconds{};
 };
 

@@ -16,17 +16,22 @@ constexpr double kMostSpan = 1e5;     ///< 100 m: no sheet is larger
 constexpr double kLeastWidth = 1e-3;  ///< a micrometre: no knife is finer
 
 /// Widths that a sheet can have: none too thin to be told apart, none too wide in all.
-Result<void> check_widths(const std::vector<double>& widths_mm) {
+Result<void> check_widths(const std::vector<double>& widths_mm,
+                          const std::vector<RegionSpec>& regions) {
   double sum = 0.0;
+  std::size_t r = 0, end = static_cast<std::size_t>(regions.front().slices);
+  const std::string field = regions.size() == 1 ? "/widths_mm" : "/regions";
   for (std::size_t j = 0; j < widths_mm.size(); ++j) {
+    while (j >= end && r + 1 < regions.size()) end += static_cast<std::size_t>(regions[++r].slices);
     sum += widths_mm[j];
     if (widths_mm[j] < kLeastWidth)
-      return fail(ErrorKind::OutOfRange, "/widths_mm",
+      return fail(ErrorKind::OutOfRange,
+                  regions.size() == 1 ? field : fmt::format("/regions/{}", r),
                   fmt::format("slice {} is {:g} mm wide; at least {:g} mm is needed", j,
                               widths_mm[j], kLeastWidth));
   }
   if (sum > kMostSpan)
-    return fail(ErrorKind::OutOfRange, "/widths_mm",
+    return fail(ErrorKind::OutOfRange, field,
                 fmt::format("the slices are {:g} mm wide in all; at most {:g} mm is designed", sum,
                             kMostSpan));
   return {};
@@ -98,7 +103,8 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
     out.uniform_slices = chosen->uniform_slices;
     regions.front().slices = static_cast<int>(out.width_mm.size());
   }
-  if (auto lawful = check_widths(out.width_mm); !lawful) return tl::unexpected(lawful.error());
+  if (auto lawful = check_widths(out.width_mm, regions); !lawful)
+    return tl::unexpected(lawful.error());
   std::vector<Surface> own;
   own.reserve(regions.size());
   std::vector<Stretch> stretches;
@@ -143,8 +149,8 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
       const bool cut_here = last_here && stretches[r + 1].units != here.units;
       out.cut_after.push_back(cut_here);
       out.between_s_mm.push_back(between);
-      auto curve = cut_here ? Result<SliceCurve>(out.curves.back())
-                            : owner.surface->slice(between - owner.origin_mm);
+      auto curve = owner.surface->slice(between - owner.origin_mm);
+      if (!curve && cut_here) curve = out.curves.back();  // then a bridge aims at the slice
       if (!curve) return tl::unexpected(curve.error());
       out.between.push_back(std::move(*curve));
     }

@@ -12,7 +12,8 @@ using PlaneId = std::int32_t;
 inline constexpr PlaneId kWallPlane = 0;    ///< x = 0
 inline constexpr PlaneId kGroundPlane = 1;  ///< z = 0
 
-enum class StripKind : std::uint8_t { Margin, Slice, Connector, Box };
+/// A bridge is a connector whose planes do not pair by level: between slices with another N.
+enum class StripKind : std::uint8_t { Margin, Slice, Connector, Box, Bridge };
 
 /// A row of strips along v, each a monotone staircase of panels from the wall to the ground.
 ///
@@ -22,7 +23,7 @@ enum class StripKind : std::uint8_t { Margin, Slice, Connector, Box };
 struct Strips {
   std::vector<double> v_begin;      ///< strips + 1 boundaries, mm on the sheet
   std::vector<StripKind> kind;      ///< one a strip
-  std::vector<std::int32_t> slice;  ///< slice (or left slice of a connector), -1 for a margin
+  std::vector<std::int32_t> slice;  ///< slice (or left slice of a connector or bridge), -1: margin
   std::vector<std::uint32_t> first_panel;  ///< strips + 1 offsets
   std::vector<PlaneId> plane;              ///< one a panel
   std::vector<std::int32_t> level;         ///< level of the panel's plane, -1 for wall and ground

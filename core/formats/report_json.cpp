@@ -71,6 +71,11 @@ std::string report_json(const DesignReport& report) {
   json["fit"]["mode"] = report.fit_nearest ? "nearest" : "exact";
   json["seconds"] = report.seconds;
   json["merged"] = merged(report);
+  for (const BridgeReport& bridge : report.bridges)
+    json["bridges"].push_back({{"slice", bridge.slice},
+                               {"off_mm", bridge.off_mm},
+                               {"left_planes", bridge.left_planes},
+                               {"right_planes", bridge.right_planes}});
   json["notes"] = report.notes;
   json["slices"] = slices(report);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

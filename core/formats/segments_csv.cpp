@@ -9,7 +9,7 @@ namespace popcut {
 namespace {
 
 int tag(StripKind kind, std::int32_t level) {
-  if (kind != StripKind::Connector) return 7;
+  if (kind != StripKind::Connector && kind != StripKind::Bridge) return 7;
   return level >= 0 && level % 2 == 1 ? 8 : 6;
 }
 
