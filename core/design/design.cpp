@@ -14,6 +14,7 @@
 #include "core/design/mobility.hpp"
 #include "core/design/multi_state.hpp"
 #include "core/design/pattern_builder.hpp"
+#include "core/design/pattern_counts.hpp"
 #include "core/design/slicing.hpp"
 #include "core/design/splay.hpp"
 #include "core/design/strip_bridge.hpp"
@@ -432,19 +433,9 @@ class Designer {
     r.lattice = method_name(method), r.lattice_asked = method_name(spec_.lattice);
     r.lattice_note = std::move(note);
     add_slices(layout, out.strips, r);
-    r.faces = out.pattern.faces(), r.panels = out.strips.panels();
-    double u_least = out.pattern.wall_mm, u_most = 0.0;
-    for (const SheetLine& line : out.pattern.lines) {
-      const double length = std::hypot(line.u1 - line.u0, line.v1 - line.v0);
-      u_least = std::min({u_least, line.u0, line.u1}),
-      u_most = std::max({u_most, line.u0, line.u1});
-      if (line.role == EdgeRole::Slit) ++r.cuts, r.cut_length_mm += length;
-      if (line.role == EdgeRole::Outline) r.outline_length_mm += length;
-      if (line.role == EdgeRole::Mountain || line.role == EdgeRole::Valley)
-        ++r.folds, r.fold_length_mm += length;
-    }
+    count_pattern(out.pattern, r);
+    r.panels = out.strips.panels();
     r.degrees_of_freedom = motion.degrees_of_freedom, r.pieces = motion.pieces;
-    r.sheet_u_mm = u_most - u_least, r.sheet_v_mm = out.pattern.width_mm;
     r.inner_error = laid.figures.inner_error, r.end_error = laid.figures.end_error;
     r.step_over_mean_min = laid.figures.step_over_mean_min;
     r.step_over_mean_max = laid.figures.step_over_mean_max;
@@ -454,6 +445,7 @@ class Designer {
     note_borders(r.bridges);
     r.notes = notes_;
     add_fit(r, spec_.fit);
+    out.edges = std::move(sliced_.edges);
     return out;
   }
 
@@ -483,16 +475,11 @@ class Designer {
   }
 
   void add_slices(const Layout& layout, const Strips& strips, DesignReport& r) {
-    std::vector<double> v_sum(sliced_.s_mm.size()), count(sliced_.s_mm.size());
-    for (std::size_t s = 0; s < strips.size(); ++s) {
-      if (strips.kind[s] != StripKind::Slice && strips.kind[s] != StripKind::Box) continue;
-      const auto j = static_cast<std::size_t>(strips.slice[s]);
-      v_sum[j] += 0.5 * (strips.v_begin[s] + strips.v_begin[s + 1]), ++count[j];
-    }
+    const std::vector<double> v_mm = slice_places(strips, sliced_.s_mm.size());
     for (std::size_t j = 0; j < sliced_.s_mm.size(); ++j)
-      r.slices.push_back({sliced_.s_mm[j], v_sum[j] / count[j], sliced_.width_mm[j],
-                          sliced_.figures[j].loss, sliced_.figures[j].iterations,
-                          sliced_.figures[j].minima, sliced_.figures[j].spread, sliced_.fits[j]});
+      r.slices.push_back({sliced_.s_mm[j], v_mm[j], sliced_.width_mm[j], sliced_.figures[j].loss,
+                          sliced_.figures[j].iterations, sliced_.figures[j].minima,
+                          sliced_.figures[j].spread, sliced_.fits[j]});
     for (const Run& run : layout.runs)
       if (run.count == 2 && layout.laid[static_cast<std::size_t>(run.first)].slice ==
                                 layout.laid[static_cast<std::size_t>(run.first) + 1].slice)

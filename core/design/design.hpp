@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/design/curve.hpp"
 #include "core/design/report.hpp"
 #include "core/design/spec.hpp"
 #include "core/design/strips.hpp"
@@ -14,6 +15,7 @@ struct Design {
   Strips strips;
   Pattern pattern;
   DesignReport report;
+  std::vector<SliceCurve> edges;  ///< of a patch: the target where its neighbours begin
 };
 
 /// Target surface to pattern: slices, chains, lattice, strips, cuts and folds (sections 3 and 4).

@@ -148,6 +148,9 @@ Result<TriangleMesh> placed(TriangleMesh mesh, const Placement& placement) {
 
 Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const SurfaceAssets& assets,
                                             Stand stand) {
+  if (!spec.patches.empty())
+    return fail(ErrorKind::OutOfRange, "/patches",
+                "a placement is proposed for one design; give each patch's own spec");
   if (asset_of(spec.surface).empty())
     return fail(ErrorKind::Infeasible, "/surface/type",
                 "a placement is proposed for meshes and grids only; set rotate_deg and "

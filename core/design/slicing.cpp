@@ -84,6 +84,16 @@ Result<void> solve_chains(const DesignSpec& spec, Slicing& out) {
   return {};
 }
 
+/// The target where a patch ends and its neighbour begins.
+void add_edges(const Stretch& first, const Stretch& last, Slicing& out) {
+  const auto add = [&](const Stretch& stretch, double s, const SliceCurve& own) {
+    auto curve = stretch.surface->slice(s - stretch.origin_mm);
+    out.edges.push_back(curve ? std::move(*curve) : own);
+  };
+  add(first, out.s_mm.front() - 0.5 * out.width_mm.front(), out.curves.front());
+  add(last, out.s_mm.back() + 0.5 * out.width_mm.back(), out.curves.back());
+}
+
 }  // namespace
 
 Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets) {
@@ -156,6 +166,7 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
     }
   }
   out.cut_after.push_back(0);
+  if (spec.is_patch) add_edges(stretches.front(), stretches.back(), out);
   if (auto solved = solve_chains(spec, out); !solved) return tl::unexpected(solved.error());
   return out;
 }

@@ -26,7 +26,10 @@ struct Slicing {
   std::vector<double> chain_x, chain_z;  ///< units + 1 vertices a slice
   std::vector<ChainFigures> figures;
   std::vector<SliceFit> fits;  ///< what each slice leaves out of the target
-  int uniform_slices{};        ///< with adaptive widths: equal slices of the same error; else 0
+  /// Of a patch: the target at its two edges, half a width beyond the outer slices' middles; the
+  /// slice's own curve where the target ends before.
+  std::vector<SliceCurve> edges;
+  int uniform_slices{};  ///< with adaptive widths: equal slices of the same error; else 0
 
   [[nodiscard]] int slices() const { return static_cast<int>(s_mm.size()); }
 };

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/design/patches_spec.hpp"
 #include "core/design/surface_fields.hpp"
 #include "core/json_fields.hpp"
 
@@ -265,6 +266,8 @@ Result<void> parse_target(const json& root, JsonFields& fields, DesignSpec& spec
   return {};
 }
 
+Result<DesignSpec> parse_design(const json& root);
+
 }  // namespace
 
 Result<DesignSpec> parse_design_spec(std::string_view json_text) {
@@ -275,8 +278,14 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
         fmt::format("the spec has {} bytes; at most {} are read", json_text.size(), kMostBytes));
   const auto root = parse_json(json_text);
   if (!root) return tl::unexpected(root.error());
+  if (root->is_object() && root->contains("patches")) return parse_patches(*root, parse_design);
+  return parse_design(*root);
+}
 
-  JsonFields fields(*root, "");
+namespace {
+
+Result<DesignSpec> parse_design(const json& root) {
+  JsonFields fields(root, "");
   DesignSpec spec;
   (void)fields.integer("popcut", std::nullopt, 1, 1);
   spec.name = fields.text("name", spec.name);
@@ -294,7 +303,7 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
   spec.material = fields.text("material", spec.material);
   const json* card = fields.value("card");
   const json* splay = fields.value("splay");
-  if (auto target = parse_target(*root, fields, spec); !target)
+  if (auto target = parse_target(root, fields, spec); !target)
     return tl::unexpected(target.error());
   for (const RegionSpec& region : spec.regions)
     for (const char* moved : {"rotate_deg", "translate_mm"})
@@ -311,6 +320,8 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
   spec.card = *parsed_card;
   return spec;
 }
+
+}  // namespace
 
 std::string design_spec_schema() {
   const auto number = [](const char* text, json more = json::object()) {
@@ -405,6 +416,7 @@ std::string design_spec_schema() {
          number("along the crease; default as long as the connector allows", positive)},
         {"ligament_mm",
          number("paper left beside V-folds; default 1, or min_panel_mm if that is more")}}}};
+  add_patches_schema(p);
   p["material"] = {{"type", "string"}, {"default", "paper-220"}};
   return schema.dump(2) + "\n";
 }

@@ -53,6 +53,13 @@ struct CardSpec {
   double margin_mm{15.0};
 };
 
+/// How neighbouring patches are joined along their common edge.
+enum class PatchJoin {
+  Auto,   ///< one sheet where wall and ground agree, else a seam
+  Sheet,  ///< one sheet, or an error
+  Seam    ///< patterns of their own that are glued
+};
+
 /// What a user asks for, checked for type and range but not yet for feasibility.
 struct DesignSpec {
   std::string name{"pattern"};
@@ -72,6 +79,13 @@ struct DesignSpec {
   std::optional<double> max_step_over_mean{3.0};
   bool max_step_asked{false};
   std::string material{"paper-220"};
+
+  /// Designs that are joined one after another along the spine, in place of all above but `name`
+  /// and `material`; none: this is one design.
+  std::vector<DesignSpec> patches;
+  std::vector<PatchJoin> joins;   ///< one between neighbouring patches
+  double join_tolerance_mm{1.0};  ///< largest distance of the edges' profiles
+  bool is_patch{false};           ///< one of `patches`: its edges are wanted too
 };
 
 inline constexpr double kRelaxedStep = 5.0;

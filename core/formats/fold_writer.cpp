@@ -89,6 +89,17 @@ void put_deployed_frame(TextSink& text, const Pattern& pattern, double psi_rad) 
   text.put("}");
 }
 
+/// What is glued to other patterns, and where this one lies in the whole: keys of popcut's own.
+void put_seams(TextSink& text, const Pattern& pattern) {
+  if (pattern.seams.empty()) return;
+  text(",\n\"popcut:place_mm\": [", pattern.place.u_mm, ",", pattern.place.v_mm, "]");
+  put_list(text, "popcut:seams", pattern.seams.size(), [&](std::size_t k) {
+    const Seam& seam = pattern.seams[k];
+    text("{\"id\": ", seam.id, ", \"part\": ", seam.other + 1, ", \"v_mm\": ", seam.v_mm,
+         ", \"u_mm\": [", seam.u0_mm, ",", seam.u1_mm, "]}");
+  });
+}
+
 Result<void> check(const Pattern& pattern, const FoldOptions& options) {
   for (std::size_t i = 0; i < pattern.vertices.size(); ++i) {
     const PatternVertex& p = pattern.vertices[i];
@@ -118,6 +129,7 @@ Result<void> write_fold(const Pattern& pattern, const FoldOptions& options, std:
        ",\n\"frame_classes\": [\"creasePattern\"]",
        ",\n\"frame_attributes\": [\"2D\",\"manifold\",\"orientable\"]",
        ",\n\"frame_unit\": \"mm\"");
+  put_seams(text, pattern);
   put_list(text, "vertices_coords", pattern.vertices.size(), [&](std::size_t i) {
     text("[", pattern.u(pattern.vertices[i]), ",", pattern.vertices[i].v, "]");
   });

@@ -26,6 +26,9 @@ struct FoldOptions {
 /// borders B with vertices of their own, told from the sheet's outline by `edges_popcut:role`
 /// ("mountain", "valley", "slit", "outline"). Numbers read back as the same doubles.
 ///
+/// A pattern with seams has them in `popcut:seams` (id, the other part's number, v_mm, u_mm from
+/// and to) and its corner in the whole in `popcut:place_mm`.
+///
 /// `edges_faces` has the left face first and one entry along a border. A failing stream is left
 /// failed for the caller to see.
 ///

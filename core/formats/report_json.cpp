@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/formats/report_json.hpp"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace popcut {
@@ -42,9 +43,7 @@ Json merged(const DesignReport& report) {
   return list;
 }
 
-}  // namespace
-
-std::string report_json(const DesignReport& report) {
+Json report_object(const DesignReport& report) {
   Json json;
   json["name"] = report.name;
   json["units_per_slice"] = report.units_per_slice.size() == 1
@@ -78,7 +77,86 @@ std::string report_json(const DesignReport& report) {
                                {"right_planes", bridge.right_planes}});
   json["notes"] = report.notes;
   json["slices"] = slices(report);
+  return json;
+}
+
+Json patches(const Assembly& assembly) {
+  Json list = Json::array();
+  for (const PatchReport& patch : assembly.patches)
+    list.push_back({{"name", patch.name},
+                    {"part", patch.part + 1},
+                    {"first_slice", patch.first_slice},
+                    {"slices", patch.slices},
+                    {"v_mm", {patch.v_begin_mm, patch.v_end_mm}}});
+  return list;
+}
+
+Json joins(const Assembly& assembly) {
+  Json list = Json::array();
+  for (const JoinReport& join : assembly.joins)
+    list.push_back({{"patches", {join.left, join.left + 1}},
+                    {"join", join.is_seam ? "seam" : "sheet"},
+                    {"reason", join.reason},
+                    {"misfit_mm", join.misfit_mm},
+                    {"misfit_at_mm", {join.misfit_at.x, join.misfit_at.z}},
+                    {"v_mm", join.v_mm}});
+  return list;
+}
+
+/// Each seam with its line on both of its parts.
+Json seams(const Assembly& assembly) {
+  Json list = Json::array();
+  for (std::size_t p = 0; p < assembly.parts.size(); ++p)
+    for (const Seam& seam : assembly.parts[p].pattern.seams) {
+      if (static_cast<std::size_t>(seam.other) < p) continue;
+      const auto line = [](std::size_t part, const Seam& s) {
+        return Json{{"part", part + 1}, {"v_mm", s.v_mm}, {"u_mm", {s.u0_mm, s.u1_mm}}};
+      };
+      const auto other = static_cast<std::size_t>(seam.other);
+      Json lines = Json::array({line(p, seam)});
+      for (const Seam& twin : assembly.parts[other].pattern.seams)
+        if (twin.id == seam.id) lines.push_back(line(other, twin));
+      list.push_back({{"id", seam.id}, {"length_mm", seam.u1_mm - seam.u0_mm}, {"lines", lines}});
+    }
+  return list;
+}
+
+Json parts(const Assembly& assembly) {
+  Json list = Json::array();
+  for (std::size_t p = 0; p < assembly.parts.size(); ++p) {
+    const Pattern& pattern = assembly.parts[p].pattern;
+    Json part{{"folder", part_folder(p)}, {"place_mm", {pattern.place.u_mm, pattern.place.v_mm}}};
+    part.update(report_object(assembly.parts[p].report));
+    list.push_back(std::move(part));
+  }
+  return list;
+}
+
+std::string text_of(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+std::string part_folder(std::size_t part) { return fmt::format("part-{:02}", part + 1); }
+
+std::string report_json(const DesignReport& report) { return text_of(report_object(report)); }
+
+std::string report_json(const Assembly& assembly) {
+  const DesignReport& first = assembly.parts.front().report;
+  if (assembly.patches.empty()) return report_json(first);
+  Json json;
+  if (assembly.parts.size() == 1) {
+    json = report_object(first);
+  } else {
+    json["name"] = assembly.name;
+    json["sheet_mm"] = {assembly.u_mm, assembly.v_mm};
+    json["parts"] = parts(assembly);
+  }
+  json["patches"] = patches(assembly);
+  json["joins"] = joins(assembly);
+  json["seams"] = seams(assembly);
+  return text_of(json);
 }
 
 }  // namespace popcut

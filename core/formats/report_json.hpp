@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <string>
 
-#include "core/design/report.hpp"
+#include "core/design/patches.hpp"
 
 namespace popcut {
 
@@ -11,5 +12,14 @@ namespace popcut {
 /// its name, in a fixed order. `units_per_slice` is a number, or a list when regions differ; a
 /// figure that is not finite is null.
 [[nodiscard]] std::string report_json(const DesignReport& report);
+
+/// The report of an assembly. One design is as above. Patches add `patches` (name, part, slices,
+/// v_mm from and to in the whole), `joins` (the two patches from 0, sheet or seam and why, the
+/// misfit of their profiles and where it is) and `seams` (the line on both parts); where they are
+/// several parts, counted from 1, `parts` has the report, folder and place of each.
+[[nodiscard]] std::string report_json(const Assembly& assembly);
+
+/// The folder of a part (from 0) below that of the whole: "part-01".
+[[nodiscard]] std::string part_folder(std::size_t part);
 
 }  // namespace popcut

@@ -53,6 +53,20 @@ struct VFold {
   double alpha{};          ///< tan of the splay angle
 };
 
+/// A stretch of the sheet's own edge that is glued to another pattern's (design reference, section
+/// 5): the line from (u0_mm, v_mm) to (u1_mm, v_mm), a margin on either side of it.
+struct Seam {
+  std::int32_t id{};     ///< number of the seam, the same on both patterns
+  std::int32_t other{};  ///< index of the pattern on the other side
+  double v_mm{};         ///< 0 or the pattern's width
+  double u0_mm{}, u1_mm{};
+};
+
+/// Where the corner (u, v) = (0, 0) of a pattern lies in a whole that is put together from several.
+struct PatternPlace {
+  double u_mm{}, v_mm{};
+};
+
 /// A single-sheet cut-fold pattern, flat and in split form: along a cut each side has vertices of
 /// its own, so that faces on either side can part. Vertices where a cut ends are shared.
 struct Pattern {
@@ -66,6 +80,8 @@ struct Pattern {
   std::vector<std::uint32_t> face_first;     ///< faces + 1 offsets into `face_vertices`
   std::vector<std::uint32_t> face_vertices;  ///< counter-clockwise in (u, v)
   std::vector<VFold> v_folds;
+  std::vector<Seam> seams;  ///< none where the pattern is the whole
+  PatternPlace place;
   std::vector<SheetLine> lines;  ///< folds, slits and the outline, each line once, unsplit
 
   [[nodiscard]] std::size_t faces() const { return face_first.empty() ? 0 : face_first.size() - 1; }

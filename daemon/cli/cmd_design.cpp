@@ -15,7 +15,7 @@
 
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/deploy/shut_stack.hpp"
-#include "core/design/design.hpp"
+#include "core/design/patches.hpp"
 #include "core/formats/cricut_svg.hpp"
 #include "core/formats/deployed_svg.hpp"
 #include "core/formats/dxf_writer.hpp"
@@ -49,8 +49,9 @@ struct Options {
 
 /// What the writers need beside the design.
 struct Job {
-  Design made;
-  Material material;
+  const Design& made;
+  const Assembly* whole;  ///< none where the design is one part of several
+  const Material& material;
   FoldOptions fold;
   std::vector<double> psi_rad;  ///< of the meshes
   double thickness_mm{};        ///< of the meshes; 0: one surface
@@ -149,7 +150,8 @@ Result<void> add_poses(const Job& job, OutputFolder& folder) {
 }
 
 Result<void> add_report(const Job& job, OutputFolder& folder) {
-  return folder.add("report.json", report_json(job.made.report));
+  return folder.add("report.json",
+                    job.whole ? report_json(*job.whole) : report_json(job.made.report));
 }
 
 struct Format {
@@ -226,6 +228,13 @@ void say_remarks(const DesignReport& report, bool all) {
   }
 }
 
+void say_joins(const Assembly& made) {
+  for (const JoinReport& join : made.joins)
+    fmt::print(stderr, "  {:<8} {} and {} at v = {:.1f} mm: {}; profiles {:.3g} mm apart\n",
+               join.is_seam ? "seam" : "joined", made.patches[join.left].name,
+               made.patches[join.left + 1].name, join.v_mm, join.reason, join.misfit_mm);
+}
+
 // 3. The work.
 
 std::string about(const SurfaceSpec& surface) {
@@ -261,11 +270,13 @@ Result<void> print_example(const std::string& name) {
               fmt::format("'{}' is not an example; the examples are:{}", name, known));
 }
 
-Result<Design> timed_design(const DesignSpec& spec, const SurfaceAssets& assets) {
+/// The seconds of an assembly of several parts are those of all together.
+Result<Assembly> timed_design(const DesignSpec& spec, const SurfaceAssets& assets) {
   const auto start = std::chrono::steady_clock::now();
-  auto made = design(spec, assets);
+  auto made = design_assembly(spec, assets);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  if (made) made->report.seconds = took.count();
+  if (made)
+    for (Design& part : made->parts) part.report.seconds = took.count();
   return made;
 }
 
@@ -302,25 +313,36 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   auto made = timed_design(*spec, *assets);
   if (!made) return tl::unexpected(within(options.spec, made.error()));
 
-  add_thickness_note(*material, *made);
+  for (Design& part : made->parts) add_thickness_note(*material, part);
 
-  const Job job{std::move(*made),
-                *material,
-                {"popcut " POPCUT_VERSION, *fold_frames},
-                std::move(*angles),
-                *thickness};
-  for (const Format& format : *formats) {
-    if (auto done = format.add(job, *folder); !done) return done;
+  const bool is_one = made->parts.size() == 1;
+  for (std::size_t p = 0; p < made->parts.size(); ++p) {
+    const Job job{made->parts[p], is_one ? &*made : nullptr,
+                  *material,      {"popcut " POPCUT_VERSION, *fold_frames},
+                  *angles,        *thickness};
+    folder->enter(is_one ? "" : part_folder(p));
+    for (const Format& format : *formats)
+      if (auto done = format.add(job, *folder); !done) return done;
   }
+  folder->enter("");
+  if (!is_one)
+    if (auto done = folder->add("report.json", report_json(*made)); !done) return done;
   if (auto done = folder->commit("popcut design " POPCUT_VERSION); !done) return done;
-  const DesignReport& report = job.made.report;
-  if (globals.json) fmt::print("{}", report_json(report));
+  if (globals.json) fmt::print("{}", report_json(*made));
   if (globals.quiet) return {};
-  say_figures(report);
-  say_remarks(report, globals.verbose > 0);
+  for (const Design& part : made->parts) {
+    say_figures(part.report);
+    say_remarks(part.report, globals.verbose > 0);
+  }
+  say_joins(*made);
   std::string files;
   for (const Format& format : *formats) files += fmt::format(" {}", format.file);
-  fmt::print(stderr, "  wrote   {} in {} ({:.2f} s)\n", files, options.folder, report.seconds);
+  const std::string where = is_one
+                                ? options.folder
+                                : fmt::format("{0}/part-01 to {0}/{1}, report.json in {0}",
+                                              options.folder, part_folder(made->parts.size() - 1));
+  fmt::print(stderr, "  wrote   {} in {} ({:.2f} s)\n", files, where,
+             made->parts.front().report.seconds);
   return {};
 }
 

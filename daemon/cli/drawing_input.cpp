@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "core/design/design.hpp"
+#include "core/design/patches.hpp"
 #include "core/formats/fold_reader.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/spec_assets.hpp"
@@ -18,9 +18,14 @@ Result<DrawingInput> from_spec(const std::string& text, const std::string& file)
   if (!spec) return tl::unexpected(spec.error());
   const auto assets = load_assets(*spec, file);
   if (!assets) return tl::unexpected(assets.error());
-  const auto made = design(*spec, *assets);
+  const auto made = design_assembly(*spec, *assets);
   if (!made) return tl::unexpected(made.error());
-  return DrawingInput{linework_from_pattern(made->pattern), spec->material};
+  if (made->parts.size() > 1)
+    return fail(ErrorKind::Infeasible, "/patches",
+                fmt::format("makes {} patterns with seams between them; run popcut design, then "
+                            "plan each part-NN/pattern.fold",
+                            made->parts.size()));
+  return DrawingInput{linework_from_pattern(made->parts.front().pattern), spec->material};
 }
 
 Result<DrawingInput> only_drawing(Result<LineWork> drawing) {

@@ -142,6 +142,7 @@ OutputFolder::OutputFolder(OutputFolder&& other) noexcept
     : folder_(std::move(other.folder_)),
       made_(std::move(other.made_)),
       names_(std::move(other.names_)),
+      inside_(std::move(other.inside_)),
       lock_(std::exchange(other.lock_, -1)) {}
 
 OutputFolder& OutputFolder::operator=(OutputFolder&& other) noexcept {
@@ -150,6 +151,7 @@ OutputFolder& OutputFolder::operator=(OutputFolder&& other) noexcept {
   folder_ = std::move(other.folder_);
   made_ = std::move(other.made_);
   names_ = std::move(other.names_);
+  inside_ = std::move(other.inside_);
   lock_ = std::exchange(other.lock_, -1);
   return *this;
 }
@@ -210,8 +212,9 @@ Result<void> OutputFolder::add(const std::string& name, const std::string& conte
   });
 }
 
-Result<void> OutputFolder::add(const std::string& name,
+Result<void> OutputFolder::add(const std::string& own_name,
                                const std::function<Result<void>(std::ostream&)>& write) {
+  const std::string name = inside_.empty() ? own_name : inside_ + "/" + own_name;
   if (!is_lawful(name) || std::find(names_.begin(), names_.end(), name) != names_.end()) {
     return fail(ErrorKind::Internal, name, "is not a new name below the output folder");
   }

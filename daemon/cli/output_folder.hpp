@@ -47,6 +47,8 @@ class OutputFolder {
   /// Adds a file that is streamed.
   [[nodiscard]] Result<void> add(const std::string& name,
                                  const std::function<Result<void>(std::ostream&)>& write);
+  /// Files added from now on go into `subfolder` ("part-01"), empty for the folder itself.
+  void enter(const std::string& subfolder) { inside_ = subfolder; }
   /// Makes all added files appear; `made_by` ("popcut design") goes into the manifest. Call once.
   ///
   /// @retval Unwritable  a file cannot be put in its place; `place` is that file
@@ -68,6 +70,7 @@ class OutputFolder {
   std::filesystem::path folder_;
   std::vector<std::filesystem::path> made_;  ///< folders that were made, outermost first
   std::vector<std::string> names_;           ///< added, in order
+  std::string inside_;                       ///< the subfolder that files are added to
   int lock_{-1};                             ///< the folder, open and locked
 };
 

@@ -10,14 +10,29 @@
 
 namespace popcut::cli {
 
-Result<SurfaceAssets> load_assets(const DesignSpec& spec, const std::string& spec_file) {
-  SurfaceAssets assets;
+namespace {
+
+Result<void> load_asset(const DesignSpec& spec, const std::string& spec_file,
+                        const std::string& place, SurfaceAssets& assets) {
   const std::string name = asset_of(spec.surface);
-  if (name.empty()) return assets;
+  if (name.empty() || assets.contains(name)) return {};
   const auto path = std::filesystem::path(spec_file).parent_path() / name;
   auto bytes = read_file(path);
-  if (!bytes) return tl::unexpected(within("/surface/file", bytes.error()));
+  if (!bytes) return tl::unexpected(within(place + "/surface/file", bytes.error()));
   assets.emplace(name, std::move(*bytes));
+  return {};
+}
+
+}  // namespace
+
+Result<SurfaceAssets> load_assets(const DesignSpec& spec, const std::string& spec_file) {
+  SurfaceAssets assets;
+  if (auto done = load_asset(spec, spec_file, "", assets); !done)
+    return tl::unexpected(done.error());
+  for (std::size_t k = 0; k < spec.patches.size(); ++k)
+    if (auto done = load_asset(spec.patches[k], spec_file, fmt::format("/patches/{}", k), assets);
+        !done)
+      return tl::unexpected(done.error());
   return assets;
 }
 

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/patches_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/design/pattern_counts.hpp"
+
+namespace popcut {
+namespace {
+
+void add_errors(ErrorFigures& total, const ErrorFigures& more) {
+  const auto squares = [](const ErrorFigures& e) {
+    return e.rms_mm * e.rms_mm * static_cast<double>(e.count);
+  };
+  const double sum = squares(total) + squares(more);
+  total.count += more.count;
+  total.max_mm = std::max(total.max_mm, more.max_mm);
+  total.rms_mm = total.count == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(total.count));
+}
+
+/// One word where all agree, else all of them.
+void add_word(std::string& words, const std::string& word) {
+  if (words.empty()) words = word;
+  if (words.find(word) == std::string::npos) words += " and " + word;
+}
+
+void add_patch(const DesignReport& patch, std::int32_t first_slice, bool alone, DesignReport& r) {
+  r.units_per_slice.insert(r.units_per_slice.end(), patch.units_per_slice.begin(),
+                           patch.units_per_slice.end());
+  double s_mm = 0.0;
+  if (!r.slices.empty())
+    s_mm = r.slices.back().s_mm + 0.5 * (r.slices.back().width_mm + patch.slices.front().width_mm);
+  for (SliceReport slice : patch.slices) {
+    slice.s_mm += s_mm;
+    accumulate(r.fit, slice.fit);
+    r.slices.push_back(slice);
+  }
+  add_word(r.lattice, patch.lattice);
+  add_word(r.lattice_asked, patch.lattice_asked);
+  const std::string about = alone ? "" : patch.name + ": ";
+  if (!patch.lattice_note.empty())
+    r.lattice_note += (r.lattice_note.empty() ? "" : "; ") + about + patch.lattice_note;
+  for (const std::string& note : patch.notes) r.notes.push_back(about + note);
+  for (MergedPlace place : patch.merged) {
+    place.slice += first_slice;
+    r.merged.push_back(std::move(place));
+  }
+  for (BridgeReport bridge : patch.bridges) {
+    bridge.slice += first_slice;
+    r.bridges.push_back(bridge);
+  }
+  add_errors(r.inner_error, patch.inner_error);
+  add_errors(r.end_error, patch.end_error);
+  r.step_over_mean_max = std::max(r.step_over_mean_max, patch.step_over_mean_max);
+  r.gap_mm = std::max(r.gap_mm, patch.gap_mm);
+  r.fit_nearest = r.fit_nearest || patch.fit_nearest;
+}
+
+}  // namespace
+
+DesignReport joined_report(std::span<const Design> patches, const JoinedStrips& joined,
+                           const std::vector<BridgeReport>& bridges, const Pattern& pattern) {
+  DesignReport r;
+  r.step_over_mean_min = patches.front().report.step_over_mean_min;
+  for (std::size_t k = 0; k < patches.size(); ++k) {
+    add_patch(patches[k].report, joined.first_slice[k], patches.size() == 1, r);
+    r.step_over_mean_min = std::min(r.step_over_mean_min, patches[k].report.step_over_mean_min);
+  }
+  r.bridges.insert(r.bridges.end(), bridges.begin(), bridges.end());
+  std::sort(r.bridges.begin(), r.bridges.end(),
+            [](const BridgeReport& a, const BridgeReport& b) { return a.slice < b.slice; });
+  const std::vector<double> v_mm = slice_places(joined.strips, r.slices.size());
+  for (std::size_t j = 0; j < r.slices.size(); ++j) r.slices[j].v_mm = v_mm[j];
+  count_pattern(pattern, r);
+  r.panels = joined.strips.panels();
+  return r;
+}
+
+}  // namespace popcut
