@@ -111,15 +111,15 @@ class Designer {
     return add_v_folds(strips, solved->splay, pattern);
   }
 
-  /// Runs between plain cuts; a slice that stands alone with three units or more becomes two
-  /// halves.
+  /// Runs between plain cuts; a slice that stands alone becomes two halves, since one strip
+  /// alone has only every second plane.
   [[nodiscard]] Layout layout() const {
     Layout out;
     for (int j = 0; j < sliced_.slices();) {
       int end = j + 1;
       while (end < sliced_.slices() && !cut_after_[static_cast<std::size_t>(end - 1)]) ++end;
       const int units = sliced_.units[static_cast<std::size_t>(j)];
-      const bool halved = end == j + 1 && units >= 3;
+      const bool halved = end == j + 1 && units >= 2;
       Run run{static_cast<int>(out.laid.size()), halved ? 2 : end - j, {}, {}, {}};
       RunTarget target;
       target.units = units;

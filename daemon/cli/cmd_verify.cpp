@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -64,7 +65,7 @@ Result<void> run_verify(const Options& options, const Globals& globals) {
   constexpr std::uintmax_t kSpecLimitBytes = 4u << 20;
   auto text = read_file(options.pattern, kPatternLimitBytes);
   if (!text) return tl::unexpected<Error>(text.error());
-  VerifyOptions verify{options.degrees_of_freedom, std::nullopt, is_svg(*text)};
+  VerifyOptions verify{options.degrees_of_freedom, std::nullopt, is_svg(*text), {}};
   std::vector<std::string> warnings;
   if (verify.page) {
     text = fold_of_svg(*text, options, warnings);
@@ -73,6 +74,11 @@ Result<void> run_verify(const Options& options, const Globals& globals) {
   if (!options.target.empty()) {
     auto spec = read_file(options.target, kSpecLimitBytes);
     if (!spec) return tl::unexpected<Error>(spec.error());
+    if (const std::string name = target_file_of(*spec); !name.empty()) {
+      auto bytes = read_file(std::filesystem::path(options.target).parent_path() / name);
+      if (!bytes) return tl::unexpected<Error>(within(options.target, bytes.error()));
+      verify.target_file = std::move(*bytes);
+    }
     verify.target_spec = std::move(*spec);
   }
   auto report = verify_fold(*text, verify);
