@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/design/augmented_slices.hpp"
 #include "core/design/figures.hpp"
 #include "core/design/fit_report.hpp"
 #include "core/design/lattice.hpp"
@@ -443,6 +444,7 @@ class Designer {
     r.merged = std::move(laid.strips.merged);
     r.bridges = std::move(laid.bridges);
     note_borders(r.bridges);
+    if (spec_.curvature) add_curvature(layout, method, r);
     r.notes = notes_;
     add_fit(r, spec_.fit);
     out.edges = std::move(sliced_.edges);
@@ -472,6 +474,21 @@ class Designer {
             j + 1, units));
       if (bridged) ++b;
     }
+  }
+
+  /// What the augmented loss reached, on the chains and in the lattice.
+  void add_curvature(const Layout& layout, LatticeMethod method, DesignReport& r) {
+    std::vector<PlacedPlanes> placed;
+    for (std::size_t k = 0; k < layout.runs.size(); ++k) {
+      const Run& run = layout.runs[k];
+      placed.push_back({&run.planes, {}, layout.connector_s[k]});
+      for (int j = run.first; j < run.first + run.count; ++j)
+        placed.back().slice.push_back(layout.laid[static_cast<std::size_t>(j)].slice);
+    }
+    r.curvature = std::move(sliced_.curvature);
+    measure_lattice(*spec_.curvature, placed, *r.curvature);
+    for (std::string& note : curvature_notes(*r.curvature, method))
+      notes_.push_back(std::move(note));
   }
 
   void add_slices(const Layout& layout, const Strips& strips, DesignReport& r) {

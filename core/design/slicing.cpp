@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/design/adaptive_widths.hpp"
+#include "core/design/augmented_slices.hpp"
 #include "core/design/surface.hpp"
 
 namespace popcut {
@@ -81,6 +82,7 @@ Result<void> solve_chains(const DesignSpec& spec, Slicing& out) {
     if (!figures) return tl::unexpected(within(fmt::format("slice {}", j), figures.error()));
     out.figures.push_back(*figures);
   }
+  if (spec.curvature) return augment_chains(*spec.curvature, out);
   return {};
 }
 
