@@ -78,6 +78,17 @@ Result<json> parse_json(std::string_view text, int max_depth) {
     return fail(ErrorKind::Malformed, line_and_column(text, e.byte),
                 cut_off ? "the JSON ends too early; is the file whole?"
                         : "this is not JSON; look for a missing comma, quote or bracket here");
+  } catch (const json::out_of_range& e) {  // the only one of parsing: a number like 1e400
+    const std::string_view what = e.what();
+    const std::size_t begin = what.find('\''), end = what.rfind('\'');
+    const std::string_view number =
+        begin < end ? what.substr(begin + 1, end - begin - 1) : std::string_view();
+    const std::size_t at = number.empty() ? std::string_view::npos : text.find(number);
+    return fail(
+        ErrorKind::OutOfRange, at == std::string_view::npos ? "" : line_and_column(text, at + 1),
+        fmt::format("the number {} is larger than any that can be used; numbers up to 1e308 "
+                    "can be read, and lengths up to 100000 mm",
+                    number.substr(0, 40)));
   } catch (const json::exception& e) {
     return fail(ErrorKind::Malformed, "", fmt::format("this is not lawful JSON ({})", e.what()));
   }

@@ -70,7 +70,10 @@ Result<std::vector<double>> parse_widths(const json* value, int slices,
 Result<std::vector<CurvatureTarget>> parse_targets(const json& value) {
   if (!value.is_array() || value.empty() || value.size() > 3)
     return fail(ErrorKind::Malformed, "/splay/targets",
-                "must be a list of one to three targets, since three splays are solved for");
+                fmt::format("is {}; a list of one to three targets is needed, since three splays "
+                            "are solved for",
+                            value.is_array() ? fmt::format("a list of {}", value.size())
+                                             : json_type(value)));
   std::vector<CurvatureTarget> targets;
   for (std::size_t k = 0; k < value.size(); ++k) {
     const std::string place = fmt::format("/splay/targets/{}", k);
@@ -161,7 +164,11 @@ Result<std::vector<std::string>> composite_radii(const json& surface) {
 /// `regions`: each has its own units, slices and width, and may have its own radius.
 Result<void> parse_regions(const json& value, DesignSpec& spec) {
   if (!value.is_array() || value.empty() || value.size() > 1000)
-    return fail(ErrorKind::Malformed, "/regions", "must be a list of 1 to 1000 regions");
+    return fail(ErrorKind::Malformed, "/regions",
+                fmt::format("is {}; a list of 1 to 1000 regions is needed, such as "
+                            "[{{\"units_per_slice\": 3, \"slices\": 5, \"width_mm\": 10}}]",
+                            value.is_array() ? fmt::format("a list of {}", value.size())
+                                             : json_type(value)));
   long slices = 0;
   for (std::size_t r = 0; r < value.size(); ++r) {
     JsonFields fields(value[r], fmt::format("/regions/{}", r));

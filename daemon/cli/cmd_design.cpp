@@ -33,6 +33,7 @@
 #include "daemon/cli/examples.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/spec_assets.hpp"
+#include "daemon/cli/user_tables.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -300,9 +301,13 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
   if (!spec) return tl::unexpected(within(options.spec, spec.error()));
-  const auto material = find_material(spec->material);
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto material = find_material(spec->material, tables->texts);
   if (!material) {
-    return fail(ErrorKind::OutOfRange, options.spec + ": /material", material.error().detail);
+    const Error error = tables->with_file(material.error());
+    return fail(error.place.empty() ? ErrorKind::OutOfRange : error.kind,
+                error.place.empty() ? options.spec + ": /material" : error.place, error.detail);
   }
   const auto thickness = thickness_of(options.motion, material->thickness_mm);
   if (!thickness) return tl::unexpected(thickness.error());

@@ -33,7 +33,7 @@ Result<Machine> choose_machine(const PlanJobOptions& options, const UserTables& 
   }
   if (!named && !options.mat.empty()) {
     for (const Mat& mat : machine->mats)
-      if (mat.name == options.mat) return machine;
+      if (is_mat_name(mat, options.mat)) return machine;
     const auto size = parse_size_mm(options.mat);
     if (!size) return tl::unexpected(size.error());
     return ideal(*size, options.dialect);
@@ -46,11 +46,14 @@ Result<Machine> choose_machine(const PlanJobOptions& options, const UserTables& 
 }
 
 Result<Material> choose_material(const std::string& name, const char* place,
-                                 const UserTables& tables) {
+                                 const UserTables& tables, const std::string& file) {
   auto material = find_material(name, tables.texts);
   if (material) return material;
   Error error = tables.with_file(material.error());
-  if (error.place.empty()) error = {ErrorKind::Usage, place, error.detail};
+  const bool of_option = place[0] == '-';
+  if (error.place.empty())
+    error = {of_option ? ErrorKind::Usage : ErrorKind::OutOfRange,
+             of_option ? place : fmt::format("{}: {}", file, place), error.detail};
   return tl::unexpected(error);
 }
 
@@ -108,7 +111,7 @@ Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
   if (!input) return tl::unexpected(input.error());
   const auto material = choose_material(
       !options.material.empty() ? options.material : input->material.value_or("paper-220"),
-      !options.material.empty() ? "--material" : "/material", *tables);
+      !options.material.empty() ? "--material" : "/material", *tables, options.input);
   if (!material) return tl::unexpected(material.error());
 
   PlanOptions how = *wanted;

@@ -74,7 +74,8 @@ TEST_CASE("verify of what it cannot read ends with 3 and one line", "[cli][e2e][
 
 TEST_CASE("every shipped example is designed and verified as sound", "[cli][e2e][verify]") {
   const std::string examples = POPCUT_SOURCE_DIR "/examples/";
-  for (const std::string name : {"unit", "fig2a", "cylinder", "sphere", "saddle"}) {
+  for (const std::string name : {"unit", "fig2a", "cylinder", "sphere", "saddle", "composite",
+                                 "airfoil", "packaging", "facade", "multistate"}) {
     CAPTURE(name);
     const TempFolder folder;
     const std::string spec = examples + name + ".json";
@@ -87,7 +88,7 @@ TEST_CASE("every shipped example is designed and verified as sound", "[cli][e2e]
     const json made = json::parse(text_of_file(folder / "out/report.json"));
     CHECK(verified["faces"] == made["faces"]);
     CHECK(verified["pieces"] == made["pieces"]);
-    CHECK(verified["crossing"] == "exact");
+    if (name != "facade" && name != "multistate") CHECK(verified["crossing"] == "exact");
     CHECK(verified["isometry_mm"].get<double>() < 1e-9);
     // Measured from the file alone, the distances are those that the generator reports.
     for (const char* figure : {"rms", "max"}) {
