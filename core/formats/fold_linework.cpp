@@ -25,11 +25,25 @@ bool flat(const FoldFrame& frame) {
   return high - low <= 1e-6 * std::max(size, 1.0);
 }
 
-// Splits each border edge where another one lies on it: there a slit, elsewhere the sheet's edge.
+/// The parts of 0..length that no interval of `taken` (sorted by its start) covers.
+std::vector<std::pair<double, double>> free_parts(const std::vector<OverlapIndex::Covered>& taken,
+                                                  double length) {
+  std::vector<std::pair<double, double>> parts;
+  double t = 0.0;
+  for (const auto& part : taken) {
+    if (part.from > t + kOverlapTolerance) parts.emplace_back(t, part.from);
+    t = std::max(t, part.to);
+  }
+  if (length > t + kOverlapTolerance || t == 0.0) parts.emplace_back(t, length);
+  return parts;
+}
+
+// Splits each border edge where another one lies on it: there a slit, which the first of the two
+// draws, elsewhere the sheet's edge.
 void add_borders(const std::vector<Segment>& borders, LineWork& work) {
   OverlapIndex index(OverlapIndex::cell_for(borders), kOverlapTolerance, borders.size());
   for (std::uint32_t i = 0; i < borders.size(); ++i) index.insert(borders[i], i);
-  std::vector<OverlapIndex::Covered> covered;
+  std::vector<OverlapIndex::Covered> covered, slit;
   std::vector<Piece> edge;
   for (std::uint32_t i = 0; i < borders.size(); ++i) {
     const Segment& s = borders[i];
@@ -41,16 +55,23 @@ void add_borders(const std::vector<Segment>& borders, LineWork& work) {
       return PagePoint{s.a.x + t / l * (s.b.x - s.a.x), s.a.y + t / l * (s.b.y - s.a.y)};
     };
     index.covered(s, i, covered);
+    for (const auto& [from, to] : free_parts(covered, l))
+      edge.push_back({{at(from), at(to)}, Operation::Outline, -1});
+    // What is free of all, and of those before: what remains is the slit's first side.
+    slit.clear();
     double t = 0.0;
     for (const auto& part : covered) {
-      if (part.from > t + kOverlapTolerance)
-        edge.push_back({{at(t), at(part.from)}, Operation::Outline, -1});
-      if (part.to > std::max(t, part.from))
-        work.append(Operation::Cut, std::array{at(std::max(t, part.from)), at(part.to)});
+      if (part.from > t + kOverlapTolerance) slit.push_back({t, part.from, i});
       t = std::max(t, part.to);
     }
-    if (l > t + kOverlapTolerance || t == 0.0)
-      edge.push_back({{at(t), s.b}, Operation::Outline, -1});
+    if (l > t + kOverlapTolerance) slit.push_back({t, l, i});
+    for (const auto& part : covered)
+      if (part.by < i) slit.push_back(part);
+    std::sort(slit.begin(), slit.end(),
+              [](const auto& p, const auto& q) { return p.from < q.from; });
+    if (covered.empty()) continue;
+    for (const auto& [from, to] : free_parts(slit, l))
+      work.append(Operation::Cut, std::array{at(from), at(to)});
   }
   LineWork loops;
   join(edge, kJoinTolerance, loops);
