@@ -134,7 +134,8 @@ class Crossings {
 };
 
 /// Edges between the stops of each line, each pair of vertices once.
-void add_edges(std::vector<Stop>& stops, std::span<const char> letters, PlanarGraph& graph) {
+void add_edges(std::vector<Stop>& stops, std::span<const CreaseLine> lines,
+               std::span<const std::uint32_t> line_of, PlanarGraph& graph) {
   std::sort(stops.begin(), stops.end(), [](const Stop& a, const Stop& b) {
     return a.line != b.line ? a.line < b.line : a.t < b.t;
   });
@@ -145,12 +146,15 @@ void add_edges(std::vector<Stop>& stops, std::span<const char> letters, PlanarGr
     const auto number = static_cast<std::uint32_t>(graph.edges.size());
     const auto [found, is_new] =
         known.try_emplace(std::uint64_t{low} << 32 | std::uint64_t{high}, number);
-    const char letter = letters[stops[i].line];
+    const std::uint32_t line = line_of[stops[i].line];
+    const char letter = lines[line].assignment;
     if (is_new) {
       graph.edges.push_back({low, high});
       graph.assignments.push_back(letter);
+      graph.lines.push_back(line);
     } else if (strength(letter) > strength(graph.assignments[found->second])) {
       graph.assignments[found->second] = letter;
+      graph.lines[found->second] = line;
     }
   }
 }
@@ -249,15 +253,15 @@ std::size_t PlanarGraph::joined(std::string_view over) const {
 
 Result<PlanarGraph> planar_graph(std::span<const CreaseLine> lines, double tolerance) {
   std::vector<Segment> segments;
-  std::vector<char> letters;
+  std::vector<std::uint32_t> line_of;
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const auto& [s, assignment] = lines[i];
+    const Segment& s = lines[i].segment;
     for (const PagePoint& p : {s.a, s.b})
       if (!(std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate))
         return fail(ErrorKind::OutOfRange, "", "a line lies more than 100 m from the origin");
     if (distance(s.a, s.b) <= tolerance) continue;
     segments.push_back(s);
-    letters.push_back(assignment);
+    line_of.push_back(static_cast<std::uint32_t>(i));
   }
   PlanarGraph graph;
   if (segments.empty()) return graph;
@@ -266,7 +270,7 @@ Result<PlanarGraph> planar_graph(std::span<const CreaseLine> lines, double toler
   if (!crossings.find())
     return fail(ErrorKind::OutOfRange, "", "the lines cross too often; is it a crease pattern?");
   graph.vertices = std::move(weld.points);
-  add_edges(crossings.stops, letters, graph);
+  add_edges(crossings.stops, lines, line_of, graph);
   trace_faces(graph);
   return graph;
 }
@@ -303,6 +307,7 @@ PlanarGraph split_cuts(const PlanarGraph& graph) {
       if (face < 0 || (!open && side == 1 && graph.edge_faces[e][0] >= 0)) continue;
       out.edges.push_back({vertex_of(h), vertex_of(next[h])});
       out.assignments.push_back(open ? 'B' : graph.assignments[e]);
+      out.lines.push_back(graph.lines[e]);
       out.edge_faces.push_back({face, open ? -1 : graph.edge_faces[e].at(1 - side)});
     }
   }

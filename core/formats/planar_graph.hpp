@@ -23,6 +23,7 @@ struct PlanarGraph {
   std::vector<PagePoint> vertices;
   std::vector<std::array<std::uint32_t, 2>> edges;
   std::vector<char> assignments;
+  std::vector<std::uint32_t> lines;  ///< of each edge, the line that gave it its assignment
   /// Bounded faces, seen with x to the right and y up counter-clockwise; a vertex or edge may come
   /// twice (a slit that ends inside a face). What lies inside of a face without touching it is not
   /// of its loop.
