@@ -14,6 +14,8 @@ namespace {
 constexpr double kMostChords = 20'000;  // of one arc
 constexpr int kMostHalvings = 14;       // of one knot span
 
+constexpr std::size_t kMostSplineWork = 200'000'000;  // control points times order cubed
+
 /// A control point of a rational curve: (w x, w y, w).
 struct Weighted {
   double x{}, y{}, w{1};
@@ -205,6 +207,8 @@ std::string check_spline(DxfSpline& spline) {
   if (n < p + 1)
     return fmt::format("the spline has {} control points; degree {} needs at least {}", n, p,
                        p + 1);
+  if (n * (p + 1) * (p + 1) * (p + 1) > kMostSplineWork)
+    return fmt::format("the spline has {} control points of degree {}; split it", n, p);
   if (spline.knots.empty())
     for (std::size_t i = 0; i < n + p + 1; ++i)
       spline.knots.push_back(static_cast<double>(std::clamp(i, p, n) - p));

@@ -151,6 +151,9 @@ class DxfReader {
     }
     const std::string_view layer = entity.layer == "0" ? place.layer : entity.layer;
     LayerUse& use = layer_use(layer);
+    if (layers_.size() > kMostDxfNames)
+      return stop(entity.line, fmt::format("more than {} layers", kMostDxfNames),
+                  ErrorKind::OutOfRange);
     const bool shut = use.layer.frozen || (kind != Kind::Insert && use.layer.off);
     if (shut || (kind != Kind::Insert && use.layer.unplotted) ||
         use.layer.meaning == DxfMeaning::Ignore) {

@@ -10,8 +10,7 @@
 namespace popcut {
 namespace {
 
-constexpr std::size_t kMostNames = 100'000;  // layers, line types, blocks, each
-constexpr std::size_t kMostElements = 64;    // of one line type
+constexpr std::size_t kMostElements = 64;  // of one line type
 
 struct Unit {
   const char* name;
@@ -204,8 +203,8 @@ class TableReader {
       tables_.layers.try_emplace(std::move(key), std::move(one));
     else
       tables_.linetypes.try_emplace(std::move(key), std::move(dashes));
-    if (tables_.layers.size() > kMostNames || tables_.linetypes.size() > kMostNames)
-      return stop(fmt::format("more than {} layers or line types", kMostNames),
+    if (tables_.layers.size() > kMostDxfNames || tables_.linetypes.size() > kMostDxfNames)
+      return stop(fmt::format("more than {} layers or line types", kMostDxfNames),
                   ErrorKind::OutOfRange);
     return !cursor_.error();
   }
@@ -247,8 +246,8 @@ class TableReader {
                                : stop("a block does not end (0 ENDBLK); is the file whole?");
     }
     tables_.blocks.try_emplace(std::move(key), std::move(one));
-    return tables_.blocks.size() <= kMostNames ||
-           stop(fmt::format("more than {} blocks", kMostNames), ErrorKind::OutOfRange);
+    return tables_.blocks.size() <= kMostDxfNames ||
+           stop(fmt::format("more than {} blocks", kMostDxfNames), ErrorKind::OutOfRange);
   }
 
   void settle_unit() {

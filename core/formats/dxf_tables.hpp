@@ -31,6 +31,8 @@ enum class DxfMeaning : std::uint8_t {
 /// for nothing. A fold wins over a cut, since paper that is cut through cannot be mended.
 [[nodiscard]] DxfMeaning dxf_meaning(std::string_view layer);
 
+inline constexpr std::size_t kMostDxfNames = 100'000;  ///< layers, line types, blocks, each
+
 struct DxfLayer {
   std::string name;  ///< as it may be shown
   std::string linetype{"CONTINUOUS"};
