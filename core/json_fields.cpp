@@ -13,6 +13,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::size_t kMostValues = 2'000'000;
+
 std::string line_and_column(std::string_view text, std::size_t byte) {
   byte = std::min(byte, text.size());
   const auto begin = text.begin();
@@ -42,6 +44,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 Result<json> parse_json(std::string_view text, int max_depth) {
   // The depth is limited before nlohmann sees the text, since copying a deep value recurses.
   int depth = 0;
+  std::size_t values = 0;
   bool in_string = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -56,6 +59,11 @@ Result<json> parse_json(std::string_view text, int max_depth) {
     } else if (c == ']' || c == '}') {
       --depth;
     }
+    if (!in_string && (c == ',' || c == '[' || c == '{') && ++values > kMostValues)
+      return fail(
+          ErrorKind::Malformed, line_and_column(text, i + 1),
+          fmt::format("the JSON has more than {} values; nothing popcut reads so needs that",
+                      kMostValues));
   }
   std::vector<std::set<std::string>> keys;
   std::string doubled;

@@ -40,7 +40,7 @@ namespace {
 
 struct Options {
   std::string spec, folder, formats{"fold,svg,cut,dxf,csv,glb,stl,report"},
-      fold_frames{"pi,pi/2,1.1"}, example;
+      fold_frames{"pi,pi/2,1.1"}, fold_cuts{"split"}, example;
   MotionOptions motion;
   bool schema{false}, list{false};
   std::string place;
@@ -322,9 +322,10 @@ Result<void> design_into(const Options& options, const Globals& globals) {
 
   const bool is_one = made->parts.size() == 1;
   for (std::size_t p = 0; p < made->parts.size(); ++p) {
-    const Job job{made->parts[p], is_one ? &*made : nullptr,
-                  *material,      {"popcut " POPCUT_VERSION, *fold_frames},
-                  *angles,        *thickness};
+    const Job job{
+        made->parts[p], is_one ? &*made : nullptr,
+        *material,      {"popcut " POPCUT_VERSION, *fold_frames, options.fold_cuts == "split"},
+        *angles,        *thickness};
     folder->enter(is_one ? "" : part_folder(p));
     for (const Format& format : *formats)
       if (auto done = format.add(job, *folder); !done) return done;
@@ -411,6 +412,12 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
       ->add_option("--fold-frames", options->fold_frames,
                    "Poses in pattern.fold, rad or 90deg; pi is flat, pi/2 the designed shape")
       ->option_text("LIST [pi,pi/2,1.1]");
+  command
+      ->add_option(
+          "--fold-cuts", options->fold_cuts,
+          "Cuts in pattern.fold: split (two borders B each) or C (one edge each; flat only)")
+      ->option_text("split|C [split]")
+      ->check(CLI::IsMember({"split", "C"}));
   add_motion_options(*command, options->motion);
   command->add_flag("--schema", options->schema, "Print the JSON Schema of a SPEC");
   command

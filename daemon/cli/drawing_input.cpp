@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/design/patches.hpp"
+#include "core/formats/dxf_reader.hpp"
 #include "core/formats/fold_reader.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/spec_assets.hpp"
@@ -33,13 +34,19 @@ Result<DrawingInput> only_drawing(Result<LineWork> drawing) {
   return DrawingInput{std::move(*drawing), std::nullopt};
 }
 
+Result<DrawingInput> from_dxf(const std::string& text, SvgProfile profile) {
+  DxfOptions options;
+  if (profile == SvgProfile::OrigamiSim) options.colours = DxfColours::OrigamiSim;
+  if (profile == SvgProfile::Lightburn) options.colours = DxfColours::Lightburn;
+  return only_drawing(linework_from_dxf(text, options));
+}
+
 Result<DrawingInput> from_text(const std::string& text, const std::string& file,
                                const std::string& ending, SvgProfile profile) {
   if (ending == ".svg") return only_drawing(linework_from_svg(text, profile));
   if (ending == ".fold") return only_drawing(linework_from_fold(text));
   if (ending == ".json") return from_spec(text, file);
-  if (ending == ".dxf")
-    return fail(ErrorKind::Malformed, "", "DXF is not read yet; save it as SVG or FOLD");
+  if (ending == ".dxf") return from_dxf(text, profile);
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (first != std::string::npos && text[first] == '<')
     return only_drawing(linework_from_svg(text, profile));
@@ -48,7 +55,7 @@ Result<DrawingInput> from_text(const std::string& text, const std::string& file,
                ? from_spec(text, file)
                : only_drawing(linework_from_fold(text));
   return fail(ErrorKind::Malformed, "",
-              "is neither a spec (.json) nor a drawing (.fold, .svg) that popcut reads");
+              "is neither a spec (.json) nor a drawing (.fold, .svg, .dxf) that popcut reads");
 }
 
 }  // namespace

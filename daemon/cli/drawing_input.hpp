@@ -16,7 +16,7 @@ struct DrawingInput {
   std::optional<std::string> material;
 };
 
-/// Reads a design spec (and designs it), a FOLD or an SVG file, by its ending or else its first
+/// Reads a design spec (and designs it), a FOLD, SVG or DXF file, by its ending or else its first
 /// character. A drawing without a name gets that of its file.
 ///
 /// @retval Malformed, OutOfRange, Infeasible  with the file's name before the place

@@ -234,7 +234,7 @@ TEST_CASE("FOLD edges keep what they are for", "[core][formats][fold]") {
 }
 
 TEST_CASE("a FOLD file that is not sound is refused with its place", "[core][formats][fold]") {
-  CHECK(place_of("{") == "line 1, column 2");
+  CHECK(place_of("{") == "line 1, column 1");
   CHECK(place_of("[]") == "/");
   CHECK(place_of(R"x({"vertices_coord": []})x") == "/vertices_coords");
   CHECK(place_of(R"x({"vertices_coords": [[0,0],[1]]})x") == "/vertices_coords/1");
