@@ -352,7 +352,7 @@ class Designer {
     constexpr int kMostRounds = 30;
     for (int round = 0;; ++round) {
       auto built = build_pattern(laid.strips.strips, laid.frame.wall_mm, laid.frame.ground_mm,
-                                 laid.frame.card);
+                                 laid.frame.card, spec_.min_panel_mm);
       if (!built) return tl::unexpected(built.error());
       Mobility motion = mobility(*built);
       const bool done = !laid.frame.card || motion.degrees_of_freedom == 1 || round == kMostRounds;

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "core/design/same_place.hpp"
+
 namespace popcut {
 namespace {
 
@@ -270,7 +272,7 @@ class RunLayer {
       from = it + 1 == levels.end() ? 0.0 : run_.planes.vertex(k, i).z;
       to = run_.planes.vertex(k, *(it - 1)).z;
     }
-    return std::min(to, high) > std::max(from, low);
+    return is_joint(std::min(to, high) - std::max(from, low), options_.min_panel_mm);
   }
 
   /// A slice's planes that no connector joins hang between those that are joined. One or two in a
@@ -373,11 +375,31 @@ void lay_boxes(const std::vector<LaidSlice>& laid, const Run& run, PlaneId first
   }
 }
 
+[[nodiscard]] bool is_height(const Run& run, int slice, int level) {
+  return run.planes.units == 1 ? level == 0 : Planes::holds_height(slice, level);
+}
+
+/// Planes and ends that agree but for rounding become equal.
+void unify(std::vector<Run>& runs, StripOptions& options) {
+  std::vector<double*> heights, offsets;
+  for (Run& run : runs)
+    for (int j = 0; j < run.count; ++j)
+      for (int i = 0; i <= run.planes.units; ++i)
+        (is_height(run, j, i) ? heights : offsets).push_back(&run.planes.at(j, i));
+  for (double& end : options.wall_ends) heights.push_back(&end);
+  for (double& end : options.ground_ends) offsets.push_back(&end);
+  unify_places(heights);
+  unify_places(offsets);
+}
+
 }  // namespace
 
-LaidStrips build_strips(const std::vector<LaidSlice>& laid, const std::vector<Run>& runs,
-                        const StripOptions& options) {
+LaidStrips build_strips(const std::vector<LaidSlice>& laid, const std::vector<Run>& asked,
+                        const StripOptions& asked_options) {
   LaidStrips out;
+  std::vector<Run> runs = asked;
+  StripOptions options = asked_options;
+  unify(runs, options);
   StripWriter writer(options, out.strips);
   const bool margins = options.frame.card && options.frame.margin_mm > 0.0;
   if (margins) writer.margin();
@@ -398,8 +420,7 @@ Reach reach_of(const std::vector<Run>& runs) {
   for (const Run& run : runs)
     for (int j = 0; j < run.count; ++j)
       for (int i = 0; i <= run.planes.units; ++i) {
-        const bool height = run.planes.units == 1 ? i == 0 : Planes::holds_height(j, i);
-        double& most = height ? reach.wall_mm : reach.ground_mm;
+        double& most = is_height(run, j, i) ? reach.wall_mm : reach.ground_mm;
         most = std::max(most, run.planes.at(j, i));
       }
   return reach;
