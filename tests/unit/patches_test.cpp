@@ -66,9 +66,9 @@ TEST_CASE("patches whose walls and grounds agree become one sheet", "[core][patc
     CHECK(whole.report.slices[j].v_mm - whole.report.slices[j - 1].v_mm == Approx(10.0));
   }
   REQUIRE(made->patches.size() == 3);
-  CHECK(made->patches[0].v_begin_mm == 15.0);
+  CHECK(made->patches[0].v_begin_mm == 0.0);
   CHECK(made->patches[1].v_begin_mm == made->patches[0].v_end_mm);
-  CHECK(made->patches[2].v_end_mm == Approx(whole.pattern.width_mm - 15.0));
+  CHECK(made->patches[2].v_end_mm == Approx(whole.pattern.width_mm));
   CHECK(whole.report.bridges.size() == 2);
 }
 
@@ -109,9 +109,9 @@ TEST_CASE("a patch that asks for no card takes its neighbours' where that clears
   CHECK(made->parts.front().pattern.wall_mm == 47.0);
   CHECK(made->parts.front().pattern.ground_mm == 46.0);
   // Here it does not: the tall one cannot stand under a wall of 32 mm.
-  const auto apart = assembled(
-      tube(30, 3, 3, R"(,"card":{"wall_mm":32,"ground_mm":46})") + "," + tube(40, 4, 3),
-      R"(,"join_tolerance_mm":10)");
+  const auto apart =
+      assembled(tube(30, 3, 3, R"(,"card":{"wall_mm":32,"ground_mm":46})") + "," + tube(40, 4, 3),
+                R"(,"join_tolerance_mm":11)");
   REQUIRE(apart);
   CHECK(apart->parts.size() == 2);
 }
@@ -186,9 +186,9 @@ TEST_CASE("slices of any N are connected to slices of any other", "[core][bridge
       if (left == right) continue;
       CAPTURE(left, right);
       const Design d = designed(fmt::format(
-          R"("surface":{{"type":"revolution","radius":"sqrt(3600-y^2)"}},"regions":[
+          R"j("surface":{{"type":"revolution","radius":"sqrt(3600-y^2)"}},"regions":[
              {{"units_per_slice":{},"slices":3,"width_mm":8}},
-             {{"units_per_slice":{},"slices":2,"width_mm":6}}])",
+             {{"units_per_slice":{},"slices":2,"width_mm":6}}])j",
           left, right));
       CHECK(d.report.degrees_of_freedom == 1);
       REQUIRE(d.report.bridges.size() == 1);
@@ -199,8 +199,7 @@ TEST_CASE("slices of any N are connected to slices of any other", "[core][bridge
       // Within one mean step of the coarser side.
       CHECK(bridge.off_mm <= 60.0 / std::min(std::max(left, 2), std::max(right, 2)));
       // Distances on the target are distances on the sheet, over the bridge too.
-      CHECK(d.report.slices[3].v_mm - d.report.slices[2].v_mm ==
-            Approx(7.0));
+      CHECK(d.report.slices[3].v_mm - d.report.slices[2].v_mm == Approx(7.0));
     }
 }
 
@@ -283,8 +282,8 @@ TEST_CASE("neighbours that agree but for rounding are told apart by no slit", "[
   // A bump that is symmetric about the middle slice: slices 1 and 3 have radii that differ in the
   // last digits.
   const Design d = designed(
-      R"("surface":{"type":"revolution","radius":"59.52+297.6*exp(-((y-33.65)/9.712)^2)"},
-         "units_per_slice":1,"slices":5,"widths_mm":13.46,"lattice":"slices","min_panel_mm":1.26)");
+      R"j("surface":{"type":"revolution","radius":"59.52+297.6*exp(-((y-33.65)/9.712)^2)"},
+         "units_per_slice":1,"slices":5,"widths_mm":13.46,"lattice":"slices","min_panel_mm":1.26)j");
   const Pattern& p = d.pattern;
   for (const PatternEdge& e : p.edges) {
     const double along = p.u(p.vertices[e.to]) - p.u(p.vertices[e.from]);
