@@ -27,17 +27,8 @@ namespace {
 constexpr double kCardMargin = 15.0;  ///< of wall and ground beyond the highest and farthest end
 
 std::string method_name(LatticeMethod method) {
-  switch (method) {
-    case LatticeMethod::Branching:
-      return "branching";
-    case LatticeMethod::Slices:
-      return "slices";
-    case LatticeMethod::Conformal:
-      return "conformal";
-    case LatticeMethod::Levels:
-      return "levels";
-  }
-  return "";
+  constexpr const char* kNames[] = {"branching", "slices", "conformal", "levels"};
+  return kNames[static_cast<std::size_t>(method)];
 }
 
 /// A run with what it was aimed at and how it is laid.
@@ -353,7 +344,7 @@ class Designer {
     constexpr int kMostRounds = 30;
     for (int round = 0;; ++round) {
       auto built = build_pattern(laid.strips.strips, laid.frame.wall_mm, laid.frame.ground_mm,
-                                 laid.frame.card);
+                                 laid.frame.card, spec_.min_panel_mm);
       if (!built) return tl::unexpected(built.error());
       Mobility motion = mobility(*built);
       const bool done = !laid.frame.card || motion.degrees_of_freedom == 1 || round == kMostRounds;
@@ -469,9 +460,9 @@ class Designer {
             "and {} of the other, {:.3g} mm off the target at most",
             j, j + 1, units, bridges[b].left_planes, bridges[b].right_planes, bridges[b].off_mm));
       else if (changes)
-        notes_.push_back(fmt::format(
-            "plain cut between slices {} and {}, {}: no connector there stays near the target", j,
-            j + 1, units));
+        notes_.push_back(
+            fmt::format("plain cut between slices {} and {}, {}: no connector is lawful there", j,
+                        j + 1, units));
       if (bridged) ++b;
     }
   }
