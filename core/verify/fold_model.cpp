@@ -137,6 +137,7 @@ Result<void> read_assignments(const FrameText& frame, FoldFile& file) {
         "the file assigns no folds: every edge between two faces counts as one");
     return {};
   }
+  file.assigned = true;
   if (column.number.size() != file.edges.size()) {
     return fail(
         ErrorKind::OutOfRange, place,

@@ -31,6 +31,7 @@ struct Pose {
   std::vector<Vec3> at;                ///< one a vertex, mm
   std::vector<double> fold_angle_deg;  ///< its own, one an edge or none at all; NaN is unknown
   std::optional<double> psi_rad;       ///< opening angle, where the file says it
+  bool opened{false};                  ///< made by the solver, not by the file
 };
 
 /// A FOLD file as verify needs it: a flat sheet and the poses that it takes. Indices are in range
@@ -45,6 +46,9 @@ struct FoldFile {
   bool faces_given{true};  ///< false: the file lists none (`trace_faces` makes them)
   std::vector<Pose> poses;
   bool from_popcut{false};         ///< a frame tells `popcut:psi_rad`
+  bool assigned{false};            ///< the file says which edges are folds and borders
+  bool drawn{false};               ///< made of a drawing's lines: its indices are not the file's
+  double moved_mm{};               ///< how far the drawing's points were moved to make them meet
   std::vector<std::string> notes;  ///< what was passed over, for the user
 
   [[nodiscard]] std::size_t faces() const { return face_first.empty() ? 0 : face_first.size() - 1; }

@@ -10,6 +10,8 @@
 #include <Eigen/Dense>
 #include <Eigen/Sparse>
 
+#include "core/verify/hinge_lines.hpp"
+
 namespace popcut::verify {
 namespace {
 
@@ -20,82 +22,6 @@ constexpr Eigen::Index kDenseColumns = 120;
 constexpr double kLargestZero = 1e-5;  ///< singular values above this never count as zero
 constexpr double kClearGap = 100.0;
 constexpr std::size_t kShown = 12;
-
-/// A line about which two panels turn against each other.
-struct HingeLine {
-  std::uint32_t a{}, b{};  ///< panels, a < b
-  Vec2 from, to;           ///< on the flat sheet
-};
-
-/// Hinges between the same two panels in one line are one. Two lines already lock two panels, so
-/// no more than three are kept for any two.
-std::vector<HingeLine> hinge_lines(const FoldFile& file, const Sheet& sheet) {
-  std::vector<HingeLine> all;
-  for (const Hinge& hinge : sheet.hinges) {
-    const std::uint32_t left = sheet.panel_of_face[hinge.left];
-    const std::uint32_t right = sheet.panel_of_face[hinge.right];
-    if (left == right) continue;
-    all.push_back(
-        {std::min(left, right), std::max(left, right), file.flat[hinge.from], file.flat[hinge.to]});
-  }
-  std::stable_sort(all.begin(), all.end(), [](const HingeLine& p, const HingeLine& q) {
-    return std::pair(p.a, p.b) < std::pair(q.a, q.b);
-  });
-  std::vector<HingeLine> lines;
-  std::size_t first = 0;  // of the lines between the panels at hand
-  for (const HingeLine& hinge : all) {
-    if (lines.empty() || lines.back().a != hinge.a || lines.back().b != hinge.b)
-      first = lines.size();
-    bool merged = false;
-    for (std::size_t k = first; k < lines.size() && !merged; ++k) {
-      HingeLine& line = lines[k];
-      const Vec2 way = line.to - line.from;
-      const double slack = 1e-7 * norm(way) * (norm(way) + norm(hinge.to - line.from));
-      if (std::abs(cross(way, hinge.from - line.from)) > slack ||
-          std::abs(cross(way, hinge.to - line.from)) > slack) {
-        continue;
-      }
-      for (const Vec2 end : {hinge.from, hinge.to}) {
-        if (dot(way, end - line.from) < 0.0) line.from = end;
-        if (dot(way, end - line.to) > 0.0) line.to = end;
-      }
-      merged = true;
-    }
-    if (!merged && lines.size() - first < 3) lines.push_back(hinge);
-  }
-  return lines;
-}
-
-/// Where a panel's velocity is told, and its size.
-struct PanelFrame {
-  Vec2 middle;
-  double size_mm{};
-  std::size_t hinges{};
-};
-
-std::vector<PanelFrame> panel_frames(const std::vector<HingeLine>& lines, std::size_t panels) {
-  std::vector<PanelFrame> frames(panels);
-  for (const HingeLine& line : lines) {
-    for (const std::uint32_t p : {line.a, line.b}) {
-      frames[p].middle = frames[p].middle + 0.5 * (line.from + line.to);
-      ++frames[p].hinges;
-    }
-  }
-  for (PanelFrame& frame : frames) {
-    if (frame.hinges > 0) frame.middle = (1.0 / static_cast<double>(frame.hinges)) * frame.middle;
-  }
-  for (const HingeLine& line : lines) {
-    for (const std::uint32_t p : {line.a, line.b}) {
-      for (const Vec2 end : {line.from, line.to}) {
-        frames[p].size_mm = std::max(frames[p].size_mm, norm(end - frames[p].middle));
-      }
-    }
-  }
-  for (PanelFrame& frame : frames) {
-    if (!(frame.size_mm > 0.0)) frame.size_mm = 1.0;
-  }
-  return frames;
-}
 
 Vec3 any_across(Vec3 axis) {
   const Vec3 other = std::abs(axis.x) < 0.5 ? Vec3{1.0, 0.0, 0.0} : Vec3{0.0, 1.0, 0.0};
@@ -109,13 +35,13 @@ Sparse constraints(const std::vector<HingeLine>& lines, const std::vector<PanelF
   entries.reserve(lines.size() * 42);
   int row = 0;
   for (const HingeLine& line : lines) {
-    const Vec3 from = pose.panel[line.a](line.from);
-    const Vec3 to = pose.panel[line.a](line.to);
+    const Vec3 from = pose.panel[line.left](line.from);
+    const Vec3 to = pose.panel[line.left](line.to);
     const Vec3 middle = 0.5 * (from + to);
     const Vec3 across = any_across(unit(to - from));
     const std::array<Vec3, 2> normals{across, cross(unit(to - from), across)};
-    const double lever = std::min(frames[line.a].size_mm, frames[line.b].size_mm);
-    for (const auto& [p, sign] : {std::pair(line.a, 1.0), std::pair(line.b, -1.0)}) {
+    const double lever = std::min(frames[line.left].size_mm, frames[line.right].size_mm);
+    for (const auto& [p, sign] : {std::pair(line.left, 1.0), std::pair(line.right, -1.0)}) {
       if (p == held) continue;
       const int column = 6 * static_cast<int>(p > held ? p - 1 : p);
       const double size = frames[p].size_mm;

@@ -140,12 +140,20 @@ void link(const FoldFile& file, const std::vector<Sides>& sides, Sheet& sheet, V
       check.fail(edge_place(e), fmt::format("the {} bounds no face; it lies outside the sheet or "
                                             "within a face",
                                             kind(a)));
-    } else if (used == 1 && holds(a) && a != Assignment::Unassigned) {
+    } else if (used == 1 && holds(a) && (a != Assignment::Unassigned || file.from_popcut)) {
       const auto s = static_cast<std::uint32_t>(std::max(sides[e][0], sides[e][1]));
       check.fail(edge_place(e),
                  fmt::format("the {} has a face on one side only, face {}; a face is "
                              "missing, or it is a border",
                              kind(a), sheet.side_face[s]));
+    }
+    if (used == 2 && a == Assignment::Border && !file.drawn) {
+      const auto left = static_cast<std::uint32_t>(sides[e][0]);
+      const auto right = static_cast<std::uint32_t>(sides[e][1]);
+      check.fail(edge_place(e),
+                 fmt::format("the border has faces {} and {} on both sides; a border has one face, "
+                             "a cut between two is C, a fold M or V",
+                             sheet.side_face[left], sheet.side_face[right]));
     }
     if (used != 2 || !holds(a)) continue;
     const auto left = static_cast<std::uint32_t>(sides[e][0]);
@@ -154,6 +162,7 @@ void link(const FoldFile& file, const std::vector<Sides>& sides, Sheet& sheet, V
     sheet.side_twin[right] = sides[e][0];
     const Hinge hinge{e, file.edges[e][0], file.edges[e][1], sheet.side_face[left],
                       sheet.side_face[right]};
+    if (hinge.left == hinge.right && joins(a)) continue;  // ties a hole to the rim of its face
     if (hinge.left == hinge.right) {
       check.fail(edge_place(e),
                  fmt::format("the {} has face {} on both sides; a fold must part two "

@@ -119,12 +119,14 @@ Triangles check_faces(const FoldFile& file, VerifyCheck& check) {
 Tiling check_tiling(const FoldFile& file, const Sheet& sheet, const Triangles& triangles,
                     double slack_mm, VerifyCheck& check) {
   Tiling tiling;
-  const auto [low_u, high_u] = std::minmax_element(file.flat.begin(), file.flat.end(),
-                                                   [](Vec2 a, Vec2 b) { return a.u < b.u; });
-  const auto [low_v, high_v] = std::minmax_element(file.flat.begin(), file.flat.end(),
-                                                   [](Vec2 a, Vec2 b) { return a.v < b.v; });
-  tiling.sheet_u_mm = high_u->u - low_u->u;
-  tiling.sheet_v_mm = high_v->v - low_v->v;
+  const Vec2 start = file.flat[file.face_vertices.front()];
+  Vec2 low = start, high = start;
+  for (const std::uint32_t v : file.face_vertices) {
+    low = {std::min(low.u, file.flat[v].u), std::min(low.v, file.flat[v].v)};
+    high = {std::max(high.u, file.flat[v].u), std::max(high.v, file.flat[v].v)};
+  }
+  tiling.sheet_u_mm = high.u - low.u;
+  tiling.sheet_v_mm = high.v - low.v;
 
   // 1. No two faces overlap: their triangles share no area to speak of.
   const auto corners = [&](std::size_t t) {

@@ -15,6 +15,8 @@ namespace popcut {
 struct VerifyOptions {
   std::optional<std::size_t> degrees_of_freedom{};  ///< demanded; else only 0 fails
   std::optional<std::string> target_spec{};  ///< text of a design spec: adds the distance from it
+  /// A drawing without faces lies on a page, x = v, y = u: places are told as x and y.
+  bool page{false};
 };
 
 /// Distances of fold vertices from the target surface, in mm.
@@ -22,6 +24,15 @@ struct TargetDistance {
   std::size_t vertices{};
   double rms_mm{};
   double max_mm{};
+};
+
+/// How a pattern without an opened pose was opened.
+struct OpeningFigures {
+  std::size_t driver_edge{};  ///< a fold of the line whose angle is pi - psi
+  double driver_length_mm{};
+  double reached_psi_rad{};
+  std::size_t steps{}, iterations{};
+  double gap_mm{};  ///< largest gap that is left in a hinge
 };
 
 /// What a pattern is and whether it holds. Figures that could not be measured stay zero; the check
@@ -35,7 +46,8 @@ struct VerifyReport {
   std::size_t faces{};       ///< rigid faces: those joined over flat creases count once
   std::size_t hinges{};      ///< lines about which rigid faces turn
   std::size_t pieces{};
-  std::size_t poses{};  ///< frames that were measured
+  std::size_t poses{};  ///< frames that were measured, or poses that it was opened to
+  std::optional<OpeningFigures> opening;
   double sheet_u_mm{}, sheet_v_mm{};
   double area_mm2{};
   std::size_t slits{}, holes{};
@@ -63,10 +75,13 @@ struct VerifyReport {
 /// one connected piece, faces that tile the sheet, no doubled or crossing lines, isometric and
 /// closed in every pose that the file holds, fold angles and assignments that agree with the poses,
 /// the degrees of freedom in a pose that is neither flat nor shut, and no face through another.
+/// A file without such a pose is opened by the rigid-panel solver (core/verify/opening.hpp) and
+/// judged in the poses that it goes through; one without faces gets those that its lines enclose.
 /// Shares no code with what generates patterns.
 ///
-/// @retval Malformed, OutOfRange  the file cannot be read, or it has no pose that is neither flat
-///                                nor shut; likewise for the target spec
+/// @retval Malformed, OutOfRange  the file cannot be read or shows no sheet; likewise for the
+/// target
+///                                spec
 [[nodiscard]] Result<VerifyReport> verify_fold(std::string_view text,
                                                const VerifyOptions& options = {});
 

@@ -51,6 +51,16 @@ std::string verify_json(const VerifyReport& report) {
   json["edges"] = report.edges;
   json["hinges"] = report.hinges;
   json["poses"] = report.poses;
+  if (report.opening) {
+    json["opening"] = {{"driver_edge", report.opening->driver_edge},
+                       {"driver_length_mm", report.opening->driver_length_mm},
+                       {"reached_psi_rad", report.opening->reached_psi_rad},
+                       {"steps", report.opening->steps},
+                       {"iterations", report.opening->iterations},
+                       {"gap_mm", report.opening->gap_mm}};
+  } else {
+    json["opening"] = nullptr;
+  }
   json["sheet_mm"] = {report.sheet_u_mm, report.sheet_v_mm};
   json["area_mm2"] = report.area_mm2;
   json["slits"] = report.slits;

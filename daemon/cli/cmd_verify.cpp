@@ -3,10 +3,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "core/formats/linework_graph.hpp"
+#include "core/formats/svg_reader.hpp"
 #include "core/verify/verify.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/output_folder.hpp"
@@ -17,6 +21,7 @@ namespace {
 struct Options {
   std::string pattern;
   std::string target;
+  std::string svg_profile{"origami-sim"};
   std::optional<std::size_t> degrees_of_freedom;
 };
 
@@ -32,23 +37,51 @@ Error summary(const Options& options, const VerifyReport& report) {
                       checks)};
 }
 
+/// Is it a drawing rather than a FOLD file? JSON begins with a brace, XML with an angle.
+bool is_svg(std::string_view text) {
+  if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && text[first] == '<';
+}
+
+/// The lines of an SVG drawing as FOLD text, and what the reader has to say.
+Result<std::string> fold_of_svg(const std::string& svg, const Options& options,
+                                std::vector<std::string>& warnings) {
+  const auto profile = parse_svg_profile(options.svg_profile);
+  if (!profile) return tl::unexpected<Error>(profile.error());
+  auto work = linework_from_svg(svg, *profile);
+  if (!work) return tl::unexpected<Error>(within(options.pattern, work.error()));
+  warnings = work->warnings;
+  if (work->lines.empty())
+    return fail(ErrorKind::Malformed, options.pattern,
+                "no line is drawn that is cut or folded; strokes are needed, outline and slits "
+                "black or green, mountains red, valleys blue");
+  return fold_from_linework(*work);
+}
+
 Result<void> run_verify(const Options& options, const Globals& globals) {
   constexpr std::uintmax_t kPatternLimitBytes = 1u << 29;
   constexpr std::uintmax_t kSpecLimitBytes = 4u << 20;
-  const auto text = read_file(options.pattern, kPatternLimitBytes);
+  auto text = read_file(options.pattern, kPatternLimitBytes);
   if (!text) return tl::unexpected<Error>(text.error());
-  VerifyOptions verify{options.degrees_of_freedom, std::nullopt};
+  VerifyOptions verify{options.degrees_of_freedom, std::nullopt, is_svg(*text)};
+  std::vector<std::string> warnings;
+  if (verify.page) {
+    text = fold_of_svg(*text, options, warnings);
+    if (!text) return tl::unexpected<Error>(text.error());
+  }
   if (!options.target.empty()) {
     auto spec = read_file(options.target, kSpecLimitBytes);
     if (!spec) return tl::unexpected<Error>(spec.error());
     verify.target_spec = std::move(*spec);
   }
-  const auto report = verify_fold(*text, verify);
+  auto report = verify_fold(*text, verify);
   if (!report) {
     const bool of_target = report.error().place.rfind("target", 0) == 0;
     return tl::unexpected<Error>(
         within(of_target ? options.target : options.pattern, report.error()));
   }
+  report->notes.insert(report->notes.begin(), warnings.begin(), warnings.end());
   if (globals.json) {
     fmt::print("{}", verify_json(*report));
   } else if (!globals.quiet) {
@@ -64,7 +97,9 @@ constexpr const char* kHelp =
     "  popcut verify sphere/pattern.fold --dof 1 --target sphere.json\n\n"
     "One piece, faces that tile the sheet, no doubled or crossing lines, lengths kept and hinges\n"
     "closed in every pose, fold angles, degrees of freedom, no face through another. PATTERN is a\n"
-    "FOLD file with the flat sheet and at least one pose that is neither flat nor shut.\n"
+    "FOLD file or an SVG drawing. One that shows no pose between flat and shut is opened: rigid\n"
+    "panels, closed hinges, driven by the longest fold line. Faces are traced where none are "
+    "listed.\n"
     "Exit 0 when sound, 3 when it cannot be read, 6 with the list of what fails.";
 
 }  // namespace
@@ -72,7 +107,7 @@ constexpr const char* kHelp =
 void register_verify(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("verify", kHelp);
-  command->add_option("PATTERN", options->pattern, "A FOLD file")->required();
+  command->add_option("PATTERN", options->pattern, "A FOLD file or an SVG drawing")->required();
   command
       ->add_option("--dof", options->degrees_of_freedom,
                    "Demand this many degrees of freedom; without it only 0 fails")
@@ -80,6 +115,11 @@ void register_verify(CLI::App& app, const Globals& globals, Run& run) {
   command
       ->add_option("--target", options->target, "Measure the fold vertices against a design spec")
       ->option_text("SPEC");
+  command
+      ->add_option("--svg-profile", options->svg_profile,
+                   "How an SVG says what its lines are for: origami-sim (by colour, the default),\n"
+                   "popcut, lightburn, cricut, plain")
+      ->option_text("NAME");
   command->callback([options, &globals, &run] {
     run = [options, &globals] { return run_verify(*options, globals); };
   });

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/verify/crossing.hpp"
+#include "core/verify/judge.hpp"
+
+namespace popcut::verify {
+namespace {
+
+/// The opening at which freedoms are counted by preference.
+constexpr double kGenericPsi_rad = 1.1;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+}  // namespace
+
+std::optional<std::size_t> pose_to_count_in(const Subject& subject) {
+  std::optional<std::size_t> best;
+  std::pair<bool, double> best_rank;
+  for (std::size_t k = 0; k < subject.motions.size(); ++k) {
+    const PoseMotion& motion = subject.motions[k];
+    if (!motion.bent) continue;
+    const auto psi = subject.file.poses[k].psi_rad;
+    const double far = psi ? std::abs(*psi - kGenericPsi_rad) : 10.0 - motion.least_generic;
+    const std::pair rank(motion.least_generic < 0.01, far);
+    if (best && !(rank < best_rank)) continue;
+    best = k;
+    best_rank = rank;
+  }
+  return best;
+}
+
+std::optional<double> listed_drive_deg(const Subject& subject) {
+  if (!subject.opening || subject.file.fold_angle_deg.empty()) return {};
+  const double angle = std::abs(subject.file.fold_angle_deg[subject.opening->driver_edge]);
+  if (!(angle > 1.0 && angle < 179.0)) return {};
+  return angle;
+}
+
+void judge_opening(const Subject& subject, VerifyReport& report) {
+  VerifyCheck check = named("opening");
+  if (!subject.opening) {
+    check.ran = false;
+    check.detail = "not needed: the file shows the pattern opened";
+    report.checks.push_back(std::move(check));
+    return;
+  }
+  const Opening& opening = *subject.opening;
+  report.opening =
+      OpeningFigures{opening.driver_edge, opening.driver_length_mm, opening.reached_psi_rad,
+                     opening.steps,       opening.iterations,       opening.gap_mm};
+  const auto listed = listed_drive_deg(subject);
+  const std::string place = fmt::format("/edges_vertices/{}", opening.driver_edge);
+  if (opening.poses.empty()) {
+    check.fail(opening.driver_length_mm > 0.0 ? place : "", opening.stopped);
+    check.detail = "the flat sheet could not be opened";
+  } else {
+    check.detail = fmt::format(
+        "opened by continuation to psi {:.4f} rad: {} steps, {} Gauss-Newton iterations, driven by "
+        "edge {} and what is in line with it ({:.4g} mm), guess from {}; hinges closed within "
+        "{:.2g} mm",
+        opening.reached_psi_rad, opening.steps, opening.iterations, opening.driver_edge,
+        opening.driver_length_mm, opening.guess, opening.gap_mm);
+    if (opening.reversed > 0)
+      check.fail(place,
+                 fmt::format("wrong branch: no rigid motion was found on which all folds turn "
+                             "as they are assigned; on the best one {} turn the other way",
+                             opening.reversed));
+    const bool short_of_list = listed && (std::numbers::pi - opening.reached_psi_rad) * kDegrees <
+                                             std::min(*listed, 90.0) - 1e-6;
+    if (!opening.stopped.empty() && short_of_list)
+      check.fail(place, fmt::format("a fold angle of {:.6g} degrees is listed; {}", *listed,
+                                    opening.stopped));
+    else if (!opening.stopped.empty())
+      report.notes.push_back(fmt::format("the motion ends at psi {:.4f} rad: {}",
+                                         opening.reached_psi_rad, opening.stopped));
+  }
+  if (subject.count_in && subject.mobility.degrees_of_freedom > 1) {
+    report.notes.push_back(
+        fmt::format("the pattern has {} freedoms: it was opened along one of many ways, the least "
+                    "motion that follows the assignments",
+                    subject.mobility.degrees_of_freedom));
+  }
+  for (const std::string& note : opening.notes) report.notes.push_back(note);
+  report.checks.push_back(std::move(check));
+}
+
+void judge_motion(const Subject& subject, VerifyReport& report) {
+  VerifyCheck check = named("isometry");
+  for (std::size_t k = 0; k < subject.motions.size(); ++k) {
+    const PoseMotion& motion = subject.motions[k];
+    report.isometry_mm = std::max(report.isometry_mm, motion.isometry_mm);
+    report.hinge_gap_mm = std::max(report.hinge_gap_mm, motion.hinge_gap_mm);
+    check_isometry(subject.file, subject.sheet, subject.file.poses[k], motion,
+                   subject.limits.isometry_mm, check);
+  }
+  check.detail = fmt::format(
+      "{} poses keep lengths within {:.2g} mm and hinges closed within {:.2g} mm "
+      "(limit {:.2g} mm)",
+      subject.motions.size(), report.isometry_mm, report.hinge_gap_mm, subject.limits.isometry_mm);
+  report.poses = subject.motions.size();
+  if (subject.motions.empty()) {
+    check.ran = false;
+    check.detail = "not measured: there is no pose";
+  }
+  report.checks.push_back(std::move(check));
+}
+
+void judge_freedoms(const Subject& subject, const VerifyOptions& options, VerifyReport& report) {
+  VerifyCheck check = named("degrees_of_freedom");
+  if (!subject.count_in) {
+    check.ran = false;
+    check.detail = "not counted: there is no pose that is neither flat nor shut";
+    report.checks.push_back(std::move(check));
+    return;
+  }
+  const std::size_t pose = *subject.count_in;
+  const PoseMotion& motion = subject.motions[pose];
+  const Mobility& m = subject.mobility;
+  report.degrees_of_freedom = m.degrees_of_freedom;
+  report.pose_psi_rad = subject.file.poses[pose].psi_rad.value_or(0.0);
+  report.hinges = m.hinges;
+  report.largest_zero = m.largest_zero;
+  report.smallest_nonzero = m.smallest_nonzero;
+  report.gap = m.gap;
+  report.smallest_singular_values = m.smallest;
+  check.detail = fmt::format(
+      "{}{} degree{} of freedom; {} hinges; singular values {:.2g} | {:.2g}, gap {:.1g}",
+      m.counted ? "" : "at least ", m.degrees_of_freedom, m.degrees_of_freedom == 1 ? "" : "s",
+      m.hinges, m.largest_zero, m.smallest_nonzero, m.gap);
+  const std::string& place = subject.file.poses[pose].place;
+  if (!m.clear)
+    check.fail(place, "the singular values leave no clear gap: the freedoms cannot be told");
+  if (motion.least_generic < 0.01) {
+    report.notes.push_back(
+        "freedoms were counted in a pose with flat or shut folds, where there can be "
+        "more than on the way to it");
+  }
+  const auto wanted = options.degrees_of_freedom;
+  if (wanted && *wanted != m.degrees_of_freedom) {
+    check.fail(place, fmt::format("{} degrees of freedom where {} {} demanded",
+                                  m.degrees_of_freedom, *wanted, *wanted == 1 ? "is" : "are"));
+  } else if (!wanted && m.degrees_of_freedom == 0) {
+    check.fail(place, "the pattern is rigid in this pose: it has no degree of freedom");
+  }
+  report.checks.push_back(std::move(check));
+}
+
+void judge_crossing(const Subject& subject, VerifyReport& report) {
+  VerifyCheck check = named("crossing");
+  const double slack =
+      subject.limits.slack_mm + 4.0 * std::min(report.isometry_mm, subject.limits.isometry_mm);
+  auto axis = common_fold_direction(subject.file, subject.sheet, subject.limits.slack_mm);
+  bool affine = axis.has_value();
+  std::size_t looked_at = 0;
+  for (std::size_t k = 0; k < subject.motions.size(); ++k) {
+    const PoseMotion& motion = subject.motions[k];
+    if (!motion.bent) continue;
+    if (motion.isometry_mm > subject.limits.isometry_mm) continue;  // not a pose of this sheet
+    ++looked_at;
+    if (axis && !motion.shut &&
+        check_sections(subject.file, subject.sheet, *axis, motion, slack, check)) {
+      affine = affine && in_two_directions(subject.sheet, motion, *axis);
+      continue;
+    }
+    affine = false;
+    check_faces_apart(subject.file, subject.sheet, subject.triangles, subject.file.poses[k], motion,
+                      slack, check);
+    if (motion.shut) {
+      report.notes.push_back(
+          fmt::format("frame {} has shut folds: the order of its layers is not judged",
+                      subject.file.poses[k].place));
+    }
+  }
+  if (looked_at == 0) {
+    check.ran = false;
+    check.detail = "not looked for: no opened pose keeps the lengths of the sheet";
+    report.checks.push_back(std::move(check));
+    return;
+  }
+  report.crossing_method = affine ? "exact" : "sampled";
+  check.detail = affine ? std::string("no face meets another: exact, for every 0 < psi < pi")
+                        : fmt::format("no face passes through another: sampled in {} pose{}",
+                                      looked_at, looked_at == 1 ? "" : "s");
+  if (!check.ok()) check.detail = fmt::format("{} wrong", check.failed);
+  report.checks.push_back(std::move(check));
+}
+
+}  // namespace popcut::verify
