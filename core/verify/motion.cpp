@@ -110,7 +110,13 @@ PoseMotion measure(const FoldFile& file, const Sheet& sheet, const Panels& panel
     }
     result.panel.push_back(motion);
   }
-  for (std::size_t e = 0; e < file.edges.size(); ++e) {
+  // An edge that bounds no face is carried by none where the solver made the pose.
+  for (std::size_t s = 0; pose.opened && s < sheet.side_edge.size(); ++s) {
+    if (sheet.side_edge[s] < 0) continue;
+    const auto e = static_cast<std::size_t>(sheet.side_edge[s]);
+    result.isometry_mm = std::max(result.isometry_mm, std::abs(edge_change(file, pose, e)));
+  }
+  for (std::size_t e = 0; !pose.opened && e < file.edges.size(); ++e) {
     result.isometry_mm = std::max(result.isometry_mm, std::abs(edge_change(file, pose, e)));
   }
   result.hinge_angle_deg.reserve(sheet.hinges.size());
