@@ -69,14 +69,15 @@ double angle_about(const FoldFile& file, const Hinge& hinge, const RigidMotion& 
          std::atan2(dot(cross(right.normal, left.normal), axis), dot(left.normal, right.normal));
 }
 
-std::string pose_name(const Pose& pose) {
-  const std::string frame = pose.place.empty() ? "the key frame" : "frame " + pose.place;
-  return pose.psi_rad ? fmt::format("{} (psi {:.4f})", frame, *pose.psi_rad) : frame;
-}
-
 std::string edge_place(std::uint32_t e) { return fmt::format("/edges_vertices/{}", e); }
 
 }  // namespace
+
+std::string pose_name(const Pose& pose) {
+  if (pose.opened) return "the pose " + pose.place;
+  const std::string frame = pose.place.empty() ? "the key frame" : "frame " + pose.place;
+  return pose.psi_rad ? fmt::format("{} (psi {:.4f})", frame, *pose.psi_rad) : frame;
+}
 
 Panels make_panels(const FoldFile& file, const Sheet& sheet) {
   Panels panels;
