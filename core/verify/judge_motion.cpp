@@ -173,14 +173,17 @@ void judge_crossing(const Subject& subject, VerifyReport& report) {
     check_faces_apart(subject.file, subject.sheet, subject.triangles, subject.file.poses[k], motion,
                       slack, check);
     if (motion.shut) {
-      report.notes.push_back(
-          fmt::format("frame {} has shut folds: the order of its layers is not judged",
-                      subject.file.poses[k].place));
+      report.notes.push_back(fmt::format("{} has shut folds: the order of its layers is not judged",
+                                         pose_name(subject.file.poses[k])));
     }
   }
   if (looked_at == 0) {
     check.ran = false;
     check.detail = "not looked for: no opened pose keeps the lengths of the sheet";
+    report.checks.push_back(std::move(check));
+    return;
+  }
+  if (!check.ran) {
     report.checks.push_back(std::move(check));
     return;
   }
