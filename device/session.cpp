@@ -33,7 +33,7 @@ class Run {
         program_(program),
         options_(options),
         inquirer_(transport, {options.reply_s, options.tries, 0.1}),
-        answers_(program.dialect == Dialect::Gpgl),
+        answers_(program.dialect == Dialect::Gpgl && transport.answers()),
         begun_(transport.now()) {}
 
   SessionEnd run() {
@@ -50,7 +50,7 @@ class Run {
     end_.confirmed = answers_ && !end_.error;
     for (const ByteRange& stroke : program_.strokes)
       end_.fates.push_back(
-          fate_of(stroke, ready_bytes_, good_bytes_, accepted_, machine_.buffer_bytes));
+          fate_of(stroke, ready_bytes_, good_bytes_, accepted_ + in_doubt_, machine_.buffer_bytes));
     return std::move(end_);
   }
 
@@ -99,6 +99,7 @@ class Run {
   SessionEnd end_;
   SessionPhase phase_{SessionPhase::Connecting};
   std::uint64_t accepted_{}, ready_bytes_{}, good_bytes_{};
+  std::uint64_t in_doubt_{};  ///< after `accepted_`, when the last write failed
   DeviceStatus status_{DeviceStatus::Unknown};
   nanoseconds model_zero_{};
   nanoseconds next_poll_{};
@@ -265,7 +266,10 @@ Result<void> Run::send(ByteRange range, std::uint64_t& at) {
     const Transport::WriteEnd end =
         transport_.write(program_.view({at, piece_end}), transport_.now() + to_time(kSliceS));
     at += end.taken;
-    if (end.error && end.error->kind != ErrorKind::Timeout) return tl::unexpected(*end.error);
+    if (end.error && end.error->kind != ErrorKind::Timeout) {
+      in_doubt_ = end.in_doubt;
+      return tl::unexpected(*end.error);
+    }
     if (end.taken > 0) {
       moved = transport_.now();
       continue;
@@ -299,7 +303,7 @@ Result<void> Run::poll() {
   next_poll_ = transport_.now() + to_time(options_.poll_s);
   const std::uint64_t asked = accepted_;
   if (!answers_) {
-    good_bytes_ = asked;
+    good_bytes_ = asked - std::min<std::uint64_t>(asked, transport_.in_transit());
     return {};
   }
   const Result<std::optional<DeviceStatus>> status = inquirer_.status();
@@ -375,7 +379,7 @@ Result<void> Run::sit_out_pause() {
 Result<void> Run::wait_ready(double whole_s, double left_s) {
   if (!answers_) {
     transport_.wait(to_time(std::max(left_s, 0.0)));
-    good_bytes_ = accepted_;
+    good_bytes_ = accepted_ - std::min<std::uint64_t>(accepted_, transport_.in_transit());
     return {};
   }
   double waited = 0;

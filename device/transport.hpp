@@ -23,6 +23,7 @@ class Transport {
   struct WriteEnd {
     std::size_t taken{};
     std::optional<Error> error;  ///< Timeout with `taken` short of the whole is back-pressure
+    std::size_t in_doubt{};  ///< bytes after `taken` that it may have accepted too; 0 with Timeout
   };
 
   /// Sends `bytes`, blocking until all are accepted or the deadline has passed.
@@ -33,6 +34,10 @@ class Transport {
   [[nodiscard]] virtual std::chrono::nanoseconds now() const = 0;
   /// Lets time pass on this transport's clock.
   virtual void wait(std::chrono::nanoseconds duration) = 0;
+  /// False: nothing at the other end can answer (a file), so there is no use in asking.
+  [[nodiscard]] virtual bool answers() const { return true; }
+  /// Of the bytes that were taken, how many may still be on the way (in the host's own buffers).
+  [[nodiscard]] virtual std::size_t in_transit() const { return 0; }
 };
 
 }  // namespace popcut

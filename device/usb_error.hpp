@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/result.hpp"
+#include "device/usb_device.hpp"
+
+namespace popcut {
+
+/// What a code of libusb means for the person in front of the cutter, and what to do.
+///
+/// @param doing  what could not be done: "the cutter cannot be <doing>"
+[[nodiscard]] Error usb_error(int code, const UsbDevice& device, const char* doing);
+
+}  // namespace popcut
