@@ -194,6 +194,11 @@ void UsbfsDevice::plug() {
     throw std::runtime_error(error->message);
 }
 
+void UsbfsDevice::plug_again() {
+  const Lock lock(mutex_);
+  if (!plugged_) plug();
+}
+
 void UsbfsDevice::unplug(int status) {
   const Lock lock(mutex_);
   if (!plugged_) return;

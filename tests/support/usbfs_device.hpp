@@ -61,6 +61,8 @@ class UsbfsDevice {
   ~UsbfsDevice();
 
   void plug();
+  /// `plug`, if it is not plugged in.
+  void plug_again();
   /// Transfers under way end with `status`: -ESHUTDOWN, or -EPROTO as many controllers say first.
   void unplug(int status = -108);
 
