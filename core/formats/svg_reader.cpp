@@ -473,6 +473,11 @@ class SvgReader {
   Result<void> add_fill(const SvgElement& e, const Place& place, const SvgStyle& style,
                         Operation operation) {
     const bool named = style.has_assignment || style.has_layer;
+    remove_thin_lines(lines_);
+    if (lines_.size() == 0) {
+      notes_.add(SvgNote::Invisible, [&] { return where(e.node); });
+      return {};
+    }
     if (!named) {
       Box box;
       for (const PagePoint& p : lines_.points) box.add(place.to_page(p));

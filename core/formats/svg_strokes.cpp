@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -77,6 +78,24 @@ SvgLines moved(const SvgLines& lines, const SvgTransform& to_page) {
   SvgLines out = lines;
   for (PagePoint& p : out.points) p = to_page(p);
   return out;
+}
+
+void remove_thin_lines(SvgLines& lines) {
+  SvgLines kept;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const auto line = lines[i];
+    double twice = 0.0, around = 0.0;
+    for (std::size_t k = 1; k < line.size(); ++k) {
+      const double ax = line[k - 1].x - line[0].x, ay = line[k - 1].y - line[0].y;
+      const double bx = line[k].x - line[0].x, by = line[k].y - line[0].y;
+      twice += std::abs(ax * by - ay * bx);
+      around += distance(line[k - 1], line[k]);
+    }
+    if (!(twice > 1e-9 * around * around)) continue;
+    kept.points.insert(kept.points.end(), line.begin(), line.end());
+    kept.ends.push_back(static_cast<std::uint32_t>(kept.points.size()));
+  }
+  lines = std::move(kept);
 }
 
 void remove_lines(LineWork& work, std::span<const std::size_t> which) {

@@ -47,6 +47,9 @@ class SvgStrokes {
 /// Lines on the page: each point of `lines` moved by `to_page`.
 [[nodiscard]] SvgLines moved(const SvgLines& lines, const SvgTransform& to_page);
 
+/// Takes closed lines that enclose no area away: a fill does not show them.
+void remove_thin_lines(SvgLines& lines);
+
 /// Takes the lines `which` (rising) out of `work`.
 void remove_lines(LineWork& work, std::span<const std::size_t> which);
 
