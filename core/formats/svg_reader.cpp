@@ -10,7 +10,9 @@
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
+#include "core/formats/svg_purpose.hpp"
 #include "core/formats/svg_shape.hpp"
+#include "core/formats/svg_sheets.hpp"
 #include "core/formats/svg_strokes.hpp"
 #include "core/formats/svg_style.hpp"
 #include "core/formats/svg_transform.hpp"
@@ -18,8 +20,6 @@
 
 namespace popcut {
 namespace {
-
-constexpr std::size_t kToldColours = 8;
 
 bool is_one_of(std::string_view name, std::initializer_list<std::string_view> names) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -48,6 +48,7 @@ class SvgReader {
         user_mm_(25.4 / options.dpi),
         steps_(options.limits.steps),
         styles_(text, options.profile, user_mm_, notes_, steps_),
+        purposes_(text, options.profile, notes_),
         strokes_(work_, options.limits.points) {}
 
   Result<LineWork> read(const pugi::xml_node& root, bool has_sheets) {
@@ -59,7 +60,8 @@ class SvgReader {
     work_.dashed = std::string_view(root.attribute("data-popcut").value()) == "dashes";
     if (text_.has_foreign_sheet) notes_.add(SvgNote::ForeignSheet, [] { return std::string(); });
     if (has_sheets)
-      if (auto done = read_sheets(root); !done) return tl::unexpected(done.error());
+      if (auto done = read_svg_sheets(text_, root, styles_.sheets(), notes_); !done)
+        return tl::unexpected(done.error());
     Place place;
     if (auto done = read_page(root, place); !done) return tl::unexpected(done.error());
     SvgStyle style;
@@ -101,46 +103,6 @@ class SvgReader {
                  "the drawing takes too much work here; repeat less by <use>, or set "
                  "POPCUT_RAISE_LIMITS",
                  ErrorKind::OutOfRange);
-  }
-
-  // All elements below `root` in order, without recursion.
-  template <typename Visit>
-  static void each_element(const pugi::xml_node& root, Visit visit) {
-    pugi::xml_node node = root;
-    while (node) {
-      if (node.type() == pugi::node_element) visit(node);
-      if (node.first_child()) {
-        node = node.first_child();
-        continue;
-      }
-      while (node != root && !node.next_sibling()) node = node.parent();
-      if (node == root) return;
-      node = node.next_sibling();
-    }
-  }
-
-  Result<void> read_sheets(const pugi::xml_node& root) {
-    Result<void> all;
-    each_element(root, [&](const pugi::xml_node& node) {
-      std::string_view name = node.name();
-      name.remove_prefix(std::min(name.rfind(':') + 1, name.size()));
-      if (name != "style" || !all) return;
-      const std::string_view type = node.attribute("type").value();
-      const std::string_view media = node.attribute("media").value();
-      if ((!type.empty() && type != "text/css") || is_one_of(media, {"print", "none"})) return;
-      std::string sheet;
-      for (const pugi::xml_node& part : node.children()) sheet += part.value();
-      if (auto done = styles_.sheets().add(sheet); !done) all = wrong(node, done.error());
-    });
-    const CssSheets& sheets = styles_.sheets();
-    const auto first = [&] { return fmt::format("\"{}\"", sheets.first_unknown()); };
-    const auto none = [] { return std::string(); };
-    if (sheets.unknown_selectors() > 0)
-      notes_.add(SvgNote::Selector, first, sheets.unknown_selectors());
-    if (sheets.unknown_blocks() > 0)
-      notes_.add(SvgNote::SheetBlock, first, sheets.unknown_blocks());
-    if (sheets.imports() > 0) notes_.add(SvgNote::ForeignSheet, none, sheets.imports());
-    return all;
   }
 
   // User units of the root to mm on the page.
@@ -291,7 +253,7 @@ class SvgReader {
 
   const pugi::xml_node* find_id(std::string_view id, const pugi::xml_node& any) {
     if (ids_.empty())
-      each_element(any.root(), [&](const pugi::xml_node& node) {
+      each_svg_element(any.root(), [&](const pugi::xml_node& node) {
         if (const auto attribute = node.attribute("id")) ids_.try_emplace(attribute.value(), node);
       });
     const auto found = ids_.find(id);
@@ -346,53 +308,6 @@ class SvgReader {
     return framed(target, use_node, place, style, true);
   }
 
-  // What a shape is for, and whether its outline is that of its fill.
-  struct Purpose {
-    StrokeUse use;
-    bool fill{false};
-  };
-
-  std::optional<Purpose> purpose_of(const SvgElement& e, const SvgStyle& style,
-                                    const SvgDashes& dashes) {
-    const auto here = [&] { return where(e.node); };
-    const auto shows = [&](const SvgPaint& paint, bool clear) {
-      return paint.kind != SvgPaint::Kind::None && !clear && !style.transparent;
-    };
-    const bool stroked = shows(style.stroke, style.stroke_clear);
-    const bool filled = shows(style.fill, style.fill_clear) && e.name != "line";
-    if (!stroked && !filled) {
-      notes_.add(SvgNote::Invisible, here);
-      return std::nullopt;
-    }
-    if (style.has_assignment || style.has_layer) {
-      has_names_ = true;
-      return Purpose{style.has_assignment ? style.assignment : style.layer, !stroked};
-    }
-    if (!stroked) {
-      const bool white = style.fill.kind == SvgPaint::Kind::Colour && style.fill.rgb == 0xFFFFFF;
-      if (options_.profile.fills && !white) return Purpose{options_.profile.fills, true};
-      notes_.add(options_.profile.fills ? SvgNote::FillBackground : SvgNote::FillIgnored, here);
-      return std::nullopt;
-    }
-    const std::uint32_t rgb =
-        style.stroke.kind == SvgPaint::Kind::Current ? style.colour : style.stroke.rgb;
-    if (style.stroke.kind == SvgPaint::Kind::Server) notes_.add(SvgNote::PaintServer, here);
-    const auto& d = dashes.lengths;
-    const LineStyle line = d.empty()                       ? LineStyle::Solid
-                           : d.size() >= 4 && d[0] != d[2] ? LineStyle::DashDot
-                                                           : LineStyle::Dashed;
-    if (const auto ruled = use_of_stroke(options_.profile, rgb, line, e.classes))
-      return Purpose{*ruled, false};
-    remember_colour(rgb);
-    return Purpose{options_.profile.otherwise, false};
-  }
-
-  void remember_colour(std::uint32_t rgb) {
-    if (colours_.size() < kToldColours &&
-        std::find(colours_.begin(), colours_.end(), rgb) == colours_.end())
-      colours_.push_back(rgb);
-  }
-
   Result<void> shape(const SvgElement& e, const Place& place, const SvgStyle& style) {
     const auto here = [&] { return where(e.node); };
     if (style.hidden) {
@@ -403,7 +318,7 @@ class SvgReader {
     if (style.dashes != 0)
       dashes = svg_dashes(styles_.dashes(style.dashes), style.dash_offset,
                           {user_mm_, frame_diagonal(place.frame), style.font});
-    const auto purpose = purpose_of(e, style, dashes);
+    const auto purpose = purposes_.of(e, style, dashes);
     if (!purpose) return {};
     if (!purpose->use) {
       notes_.add(SvgNote::LeftOut, here);
@@ -500,22 +415,15 @@ class SvgReader {
   void settle_fills() {
     if (fills_.empty()) return;
     const auto first = [&] { return first_fill_; };
-    notes_.add(has_names_ ? SvgNote::FillUnnamed : SvgNote::FillCut, first, filled_shapes_);
-    if (has_names_) remove_lines(work_, fills_);
+    notes_.add(purposes_.has_names() ? SvgNote::FillUnnamed : SvgNote::FillCut, first,
+               filled_shapes_);
+    if (purposes_.has_names()) remove_lines(work_, fills_);
   }
 
   void tell() {
     for (std::string& sentence : notes_.sentences()) work_.warnings.push_back(std::move(sentence));
-    if (!options_.profile.names || !options_.profile.rules.empty() || has_names_ ||
-        colours_.size() < 2)
-      return;
-    std::string colours;
-    for (const std::uint32_t rgb : colours_)
-      colours += (colours.empty() ? "" : ", ") + colour_text(rgb);
-    work_.warnings.push_back(fmt::format(
-        "strokes have {} colours ({}), and none has a name: all are cut; if the colours "
-        "have a meaning, take --svg-profile origami-sim, lightburn or one of your own",
-        colours_.size() == kToldColours ? "many" : std::to_string(colours_.size()), colours));
+    if (std::string warning = purposes_.colour_warning(); !warning.empty())
+      work_.warnings.push_back(std::move(warning));
   }
 
   const SvgText& text_;
@@ -525,6 +433,7 @@ class SvgReader {
   LineWork work_;
   SvgNotes notes_;
   SvgStyleReader styles_;
+  SvgPurposes purposes_;
   SvgStrokes strokes_;
   std::string prefix_;
   std::array<double, 2> page_mm_{};
@@ -534,8 +443,6 @@ class SvgReader {
   std::vector<std::size_t> fills_;
   std::size_t filled_shapes_{};
   std::string first_fill_;
-  std::vector<std::uint32_t> colours_;
-  bool has_names_{false};
 };
 
 bool is_svg(std::string_view name) {
