@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/cli/plan_job.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -57,6 +59,22 @@ Result<Material> choose_material(const std::string& name, const char* place,
   return tl::unexpected(error);
 }
 
+Result<SvgReadOptions> read_options(const PlanJobOptions& options, const UserTables& tables) {
+  auto profile = find_stroke_profile(options.svg_profile, tables.texts);
+  if (!profile) return tl::unexpected(tables.with_file(profile.error()));
+  const double tolerance = options.curve_tolerance_mm, dpi = options.svg_dpi;
+  if (!(tolerance >= 0.001 && tolerance <= 1.0))
+    return fail(ErrorKind::Usage, "--curve-tolerance",
+                fmt::format("{} mm; from 0.001 to 1 is needed", tolerance));
+  if (!(dpi >= 1.0 && dpi <= 10'000.0))
+    return fail(ErrorKind::Usage, "--svg-dpi", fmt::format("{}; from 1 to 10000 is needed", dpi));
+  SvgReadOptions how;
+  how.profile = std::move(*profile);
+  how.tolerance_mm = tolerance;
+  how.dpi = dpi;
+  return how;
+}
+
 Result<PlanOptions> plan_options(const PlanJobOptions& options) {
   PlanOptions out;
   out.mat = options.mat;
@@ -95,8 +113,6 @@ std::string PlanJob::program_file(std::size_t sheet) const {
 }
 
 Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
-  const auto profile = parse_svg_profile(options.svg_profile);
-  if (!profile) return tl::unexpected(profile.error());
   const auto wanted = plan_options(options);
   if (!wanted) return tl::unexpected(wanted.error());
   if (!options.dialect.empty() && options.dialect != "gpgl" && options.dialect != "hpgl")
@@ -104,10 +120,12 @@ Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
                 fmt::format("{} is not known; gpgl or hpgl", options.dialect));
   const auto tables = read_user_tables();
   if (!tables) return tl::unexpected(tables.error());
+  const auto reading = read_options(options, *tables);
+  if (!reading) return tl::unexpected(reading.error());
   const auto machine = choose_machine(options, *tables);
   if (!machine) return tl::unexpected(machine.error());
   const bool ideal_machine = machine->name.rfind("ideal", 0) == 0;
-  const auto input = read_drawing(options.input, *profile);
+  const auto input = read_drawing(options.input, *reading);
   if (!input) return tl::unexpected(input.error());
   const auto material = choose_material(
       !options.material.empty() ? options.material : input->material.value_or("paper-220"),
@@ -152,8 +170,16 @@ void add_plan_options(CLI::App& command, PlanJobOptions& options) {
   text("--dialect", options.dialect, "gpgl or hpgl; without --machine it picks the machine",
        "WORD");
   text("--svg-profile", options.svg_profile,
-       "What strokes of an SVG mean: popcut, origami-sim, lightburn, cricut, plain",
+       "What strokes of an SVG mean: popcut, origami-sim, lightburn, cricut, boxes-py, plain ...",
        "WORD [popcut]");
+  command
+      .add_option("--curve-tolerance", options.curve_tolerance_mm,
+                  "How far a curve of a drawing may be from the lines that are cut, in mm")
+      ->option_text("MM [0.02]");
+  command
+      .add_option("--svg-dpi", options.svg_dpi,
+                  "Units (px) of an SVG to the inch; 72 for old Illustrator files")
+      ->option_text("N [96]");
   command.add_flag("--clip", options.clip,
                    "Cut off what lies outside of the area instead of refusing");
 }

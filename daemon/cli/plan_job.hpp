@@ -18,10 +18,12 @@ namespace popcut::cli {
 struct PlanJobOptions {
   std::string input, machine, material, mat, at, dialect;
   std::string order{"quick"}, svg_profile{"popcut"};
+  double curve_tolerance_mm{0.02}, svg_dpi{96};
   bool clip{false};
 };
 
-/// Adds INPUT, --machine, --material, --mat, --at, --order, --dialect, --svg-profile and --clip.
+/// Adds INPUT, --machine, --material, --mat, --at, --order, --dialect, --svg-profile,
+/// --curve-tolerance, --svg-dpi and --clip.
 void add_plan_options(CLI::App& command, PlanJobOptions& options);
 
 /// A plan with the program of each of its sheets.

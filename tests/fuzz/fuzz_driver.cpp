@@ -84,7 +84,8 @@ int main(int argc, char** argv) {
   std::mt19937 random(20261121);
   const int rounds = std::atoi(argv[2]);
   for (int round = 0; round < rounds; ++round) {
-    Bytes bytes = seeds[random() % seeds.size()];
+    // The first seed is empty and is given once.
+    Bytes bytes = seeds[seeds.size() == 1 ? 0 : 1 + random() % (seeds.size() - 1)];
     for (std::size_t n = 1 + random() % 8; n > 0; --n) change(bytes, seeds, random);
     give(bytes);
   }
