@@ -93,7 +93,18 @@ struct LaidOut {
   double end_mm{};
 };
 
-LaidOut lay_out(const std::vector<TargetSlice>& slices, double begin_mm) {
+/// With `borders`, a plain cut across which panels are joined is a bridge: a connector between
+/// slices whose levels do not pair, half as wide as the slice strips beside it together. Bridges
+/// are not measured, for they follow the target only where planes of both sides let them.
+LaidOut lay_out(const std::vector<TargetSlice>& slices, double begin_mm,
+                Borders* borders = nullptr) {
+  const auto is_alone = [&](std::size_t j) {
+    return slices[j].units > 1 && (j + 1 == slices.size() || slices[j].cut_after) &&
+           (j == 0 || slices[j - 1].cut_after);
+  };
+  const auto bridge_share = [&](std::size_t j) {
+    return slices[j].units == 1 ? 0.0 : slices[j].width_mm * (is_alone(j) ? 0.125 : 0.25);
+  };
   LaidOut out;
   TargetStations& st = out.stations;
   double v = begin_mm, s = 0.0;
@@ -127,6 +138,8 @@ LaidOut lay_out(const std::vector<TargetSlice>& slices, double begin_mm) {
       connector.s_mm = s + (3.0 * w + next) / 8.0;
       st.connectors.push_back({connector, left, left + 1});
     }
+    if (slices[j].cut_after && borders != nullptr && borders->joined(v))
+      v += bridge_share(j) + bridge_share(j + 1);
     s += 0.5 * (w + next);
   }
   out.end_mm = v;
@@ -196,6 +209,8 @@ Result<TargetStations> find_stations(const FoldFile& file, const Pose& pose, con
   LaidOut laid = lay_out(slices, begin);
   const double same = 1e-6 * (borders.last() - borders.first());
   if (std::abs(laid.end_mm - end) <= same) return std::move(laid.stations);
+  LaidOut bridged = lay_out(slices, begin, &borders);
+  if (std::abs(bridged.end_mm - end) <= same) return std::move(bridged.stations);
   const LaidOut cut = lay_out(with_shown_cuts(slices, begin, borders), begin);
   if (std::abs(cut.end_mm - end) <= same) return cut.stations;
   return fail(ErrorKind::CheckFailed, "",
