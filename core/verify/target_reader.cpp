@@ -171,28 +171,40 @@ Result<RegionPlaces> read_regions(const Json& regions, Target& target) {
     return wrong("/regions", "it must be a list of 1 to 1000 regions");
   double s = 0.0;
   for (std::size_t r = 0; r < regions.size(); ++r) {
-    std::array<double, 3> found{};
-    std::size_t k = 0;
-    for (const char* member : {"units_per_slice", "slices", "width_mm"}) {
-      const auto value = number_at(regions[r], std::string("/") + member, std::nullopt, 1e-9,
-                                   k < 2 ? kMostSlices : 1e9);
-      if (!value)
-        return tl::unexpected<Error>(within(fmt::format("/regions/{}", r), value.error()));
-      found[k++] = *value;
+    const Json& region = regions[r];
+    const auto units = number_at(region, "/units_per_slice", std::nullopt, 1.0, kMostUnits);
+    const auto slices = number_at(region, "/slices", std::nullopt, 1.0, kMostSlices);
+    const bool list =
+        region.is_object() && region.contains("widths_mm") && region["widths_mm"].is_array();
+    const bool other = region.is_object() && region.contains("widths_mm");
+    const std::string place = fmt::format("/regions/{}", r);
+    for (const auto* read : {&units, &slices})
+      if (!*read) return tl::unexpected<Error>(within(place, read->error()));
+    const auto count = static_cast<std::size_t>(*slices);
+    if (list && region["widths_mm"].size() != count)
+      return wrong(place + "/widths_mm",
+                   fmt::format("{} widths for {} slices", region["widths_mm"].size(), count));
+    if (target.slices.size() + count > kMostSlices)
+      return wrong(place, "more than a million slices in all");
+    if (!target.slices.empty())
+      target.slices.back().cut_after = target.slices.back().units != static_cast<int>(*units);
+    double length = 0.0;
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto width = number_at(region,
+                                   list    ? fmt::format("/widths_mm/{}", k)
+                                   : other ? "/widths_mm"
+                                           : "/width_mm",
+                                   std::nullopt, 1e-9);
+      if (!width) return tl::unexpected<Error>(within(place, width.error()));
+      if (!target.slices.empty()) s += 0.5 * (target.slices.back().width_mm + *width);
+      if (k == 0) {
+        out.origin_mm.push_back(s - 0.5 * *width);
+        out.middle_mm.push_back(s);
+      }
+      length += *width;
+      target.slices.push_back({*width, static_cast<int>(*units), false});
     }
-    const auto count = static_cast<std::size_t>(found[1]);
-    if (found[0] < 1.0 || count < 1 || target.slices.size() + count > kMostSlices)
-      return wrong(fmt::format("/regions/{}", r), "units and slices must be 1 or more");
-    const int units = static_cast<int>(found[0]);
-    if (!target.slices.empty()) {
-      target.slices.back().cut_after = target.slices.back().units != units;
-      s += 0.5 * (target.slices.back().width_mm + found[2]);
-    }
-    out.origin_mm.push_back(s - 0.5 * found[2]);
-    out.middle_mm.push_back(s);
-    out.length_mm.push_back(found[2] * static_cast<double>(count));
-    s += found[2] * static_cast<double>(count - 1);
-    target.slices.insert(target.slices.end(), count, {found[2], units, false});
+    out.length_mm.push_back(length);
   }
   return out;
 }
@@ -239,6 +251,9 @@ Result<Surface> read_stretches(const Json& spec, const RegionPlaces& places,
 Result<Target> read_target(std::string_view spec_json, const std::string& file_bytes) {
   const auto spec = parse_spec(spec_json);
   if (!spec) return tl::unexpected<Error>(spec.error());
+  if (spec->contains("patches"))
+    return fail(ErrorKind::OutOfRange, "/patches",
+                "verify measures one patch at a time; give it the spec of that patch alone");
   const auto placement = read_placement(*spec);
   if (!placement) return tl::unexpected<Error>(placement.error());
   const bool plain =
