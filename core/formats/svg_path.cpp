@@ -32,8 +32,11 @@ class PathReader {
       }
       if (!draw(command)) return wrong("this cannot be read as path data");
       if (lines_.points.size() > most_points_)
-        return fail(ErrorKind::OutOfRange, "",
-                    fmt::format("this path has more than {} points", most_points_));
+        return fail(
+            ErrorKind::OutOfRange, "",
+            fmt::format(
+                "this path has more than {} points; simplify it, or set POPCUT_RAISE_LIMITS",
+                most_points_));
       // Further pairs after a move are lines.
       if (command == 'M') command = 'L';
       if (command == 'm') command = 'l';

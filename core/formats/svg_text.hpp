@@ -15,7 +15,7 @@ struct SvgLimits {
   std::size_t bytes{100'000'000};      ///< of the file, and of it with its entities in place
   std::size_t tree_bytes{400u << 20};  ///< of the document as a tree
   std::size_t points{4'000'000};       ///< of all lines
-  std::size_t steps{400'000'000};  ///< characters, elements and comparisons, repeats by `use` too
+  std::size_t steps{200'000'000};  ///< characters, elements and comparisons, repeats by `use` too
   int depth{200};                  ///< groups in groups, and `use` of `use`
 
   /// All but the depth times `factor`; points stay below 2^31.
