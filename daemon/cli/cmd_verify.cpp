@@ -15,6 +15,7 @@
 #include "core/verify/verify.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/output_folder.hpp"
+#include "daemon/cli/user_tables.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -48,9 +49,13 @@ bool is_svg(std::string_view text) {
 /// The lines of an SVG drawing as FOLD text, and what the reader has to say.
 Result<std::string> fold_of_svg(const std::string& svg, const Options& options,
                                 std::vector<std::string>& warnings) {
-  const auto profile = parse_svg_profile(options.svg_profile);
-  if (!profile) return tl::unexpected<Error>(profile.error());
-  auto work = linework_from_svg(svg, *profile);
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected<Error>(tables.error());
+  auto profile = find_stroke_profile(options.svg_profile, tables->texts);
+  if (!profile) return tl::unexpected<Error>(tables->with_file(profile.error()));
+  SvgReadOptions how;
+  how.profile = std::move(*profile);
+  auto work = linework_from_svg(svg, how);
   if (!work) return tl::unexpected<Error>(within(options.pattern, work.error()));
   warnings = work->warnings;
   if (work->lines.empty())
