@@ -45,10 +45,22 @@ bool is_svg(std::string_view text) {
   return first != std::string_view::npos && text[first] == '<';
 }
 
+Result<SvgProfile> profile_named(std::string_view name) {
+  for (const SvgProfile profile : {SvgProfile::Popcut, SvgProfile::OrigamiSim,
+                                   SvgProfile::Lightburn, SvgProfile::Cricut, SvgProfile::Plain}) {
+    if (name == svg_profile_name(profile)) return profile;
+  }
+  return fail(
+      ErrorKind::Usage, "--svg-profile",
+      fmt::format("there is no profile {}; there are popcut, origami-sim, lightburn, cricut "
+                  "and plain",
+                  name.substr(0, 40)));
+}
+
 /// The lines of an SVG drawing as FOLD text, and what the reader has to say.
 Result<std::string> fold_of_svg(const std::string& svg, const Options& options,
                                 std::vector<std::string>& warnings) {
-  const auto profile = parse_svg_profile(options.svg_profile);
+  const auto profile = profile_named(options.svg_profile);
   if (!profile) return tl::unexpected<Error>(profile.error());
   auto work = linework_from_svg(svg, *profile);
   if (!work) return tl::unexpected<Error>(within(options.pattern, work.error()));
