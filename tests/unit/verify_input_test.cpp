@@ -188,6 +188,17 @@ TEST_CASE("sample files from elsewhere are read or refused as they deserve", "[c
   CHECK(has(refused(sample("re_no-faces.fold")), "folded form"));
   CHECK(has(refused(sample("re_invalid-key-names.fold")), "/vertices_coords: missing"));
   CHECK(has(refused(sample("re_invalid-mismatch-length.fold")), "/edges_assignment"));
+  const auto diagonal = verify_fold(sample("fold_diagonal-cp.fold"));
+  REQUIRE(diagonal);
+  CHECK(diagonal->ok());
+  CHECK(diagonal->degrees_of_freedom == 1U);
+  // A square twist that paper folds only by bending: no rigid motion has these assignments.
+  const auto windmill = verify_fold(sample("re_windmill.fold"));
+  REQUIRE(windmill);
+  INFO(verify_text(*windmill));
+  CHECK(windmill->faces == 9);
+  CHECK_FALSE(windmill->ok());
+  CHECK(has(verify_text(*windmill), "wrong branch"));
   const auto panels = verify_fold(sample("re_panels-6x2-90deg.fold"));
   REQUIRE(panels);
   INFO(verify_text(*panels));
