@@ -74,8 +74,9 @@ usbdevfs_urb& urb_of(UMockdevIoctlData* data) {
 }  // namespace
 
 UsbTestbed::UsbTestbed() : testbed_(umockdev_testbed_new()) {
-  // Others than the owner may look in, so that a test can play an unprivileged user.
-  ::chmod(root().c_str(), 0755);
+  // Others than the owner may use it (hotplug makes a socket in it), so that a test can play an
+  // unprivileged user.
+  ::chmod(root().c_str(), 0777);
 }
 
 UsbTestbed::~UsbTestbed() { g_object_unref(testbed_); }
