@@ -245,6 +245,11 @@ void UsbfsDevice::fail_submit(int positive_errno) {
   fail_submit_ = positive_errno;
 }
 
+void UsbfsDevice::keep_discarded(bool keep) {
+  const Lock lock(mutex_);
+  keep_discarded_ = keep;
+}
+
 // Data between transfers and the device.
 
 void UsbfsDevice::move_data() {
@@ -484,6 +489,7 @@ gboolean UsbfsDevice::discard(UMockdevIoctlClient* client) {
     return transfer.client == client && transfer.urb->client_addr == address;
   });
   if (found == pending_.end()) return complete(client, -1, plugged_ ? EINVAL : ENODEV);
+  if (keep_discarded_) return complete(client, 0);
   const Transfer transfer = *found;
   pending_.erase(found);
   complete(client, 0);
