@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/cli/cut_device.hpp"
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <vector>
 
@@ -67,6 +69,9 @@ Result<Machine> machine_on_usb(const CutTargetOptions& options, const std::strin
 }
 
 Result<Machine> machine_on_port(const CutTargetOptions& options, const DeviceId& device) {
+  if (::access(device.name.c_str(), F_OK) != 0)
+    return fail(ErrorKind::DeviceGone, device.text,
+                "there is no such port; 'popcut devices' lists what is plugged in");
   if (!options.treat_as.empty()) return treated(options.treat_as);
   if (!options.machine.empty()) return named(options.machine, "--machine");
   return fail(ErrorKind::Usage, "--machine",
