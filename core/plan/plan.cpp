@@ -146,6 +146,27 @@ Toolpath strokes(const Dashed& dashed, const std::vector<Visit>& visits, Setting
   return path;
 }
 
+Ordered ordered_for(const LineWork& work, const Machine& machine, OrderOptions how,
+                    PlannedSheet& sheet, std::vector<std::string>& warnings) {
+  how.cost = TravelCost::seconds(machine.motion);
+  Ordered ordered = order(work, how);
+  sheet.order_moves = ordered.moves;
+  sheet.order_finished = ordered.finished;
+  if (!ordered.finished)
+    warnings.push_back(fmt::format(
+        "the search for a short way was ended after {} of {} moves; on another machine, or with "
+        "more time, the order may differ",
+        ordered.moves, ordered.moves_wanted));
+  if (const std::size_t late =
+          how.method == OrderMethod::Keep ? outer_before_inner(work, ordered.visits) : 0;
+      late > 0)
+    warnings.push_back(fmt::format(
+        "the order is kept as drawn: {} strokes come after the closed line around them, which may "
+        "have moved by then",
+        late));
+  return ordered;
+}
+
 void measure(PlannedSheet& sheet, const Machine& machine, const Material& material) {
   const Toolpath& path = sheet.path;
   for (std::size_t i = 0; i < path.strokes.size(); ++i) {
@@ -201,9 +222,10 @@ Result<Plan> plan(const LineWork& drawing, const Machine& machine, const Materia
   std::vector<Visit> given(dashed.work.lines.size());
   for (std::uint32_t i = 0; i < given.size(); ++i) given[i].line = i;
   sheet.travel_input_mm = travel_mm(dashed.work, given);
-  Plan out{drawing.name, machine, material, {}, dashed.work.warnings, options.seed};
+  Plan out{drawing.name, machine, material, {}, dashed.work.warnings, options.order.seed};
   Settings settings(machine, material, out.warnings);
-  sheet.path = strokes(dashed, order(dashed.work, {.effort = options.effort}), settings);
+  const Ordered ordered = ordered_for(dashed.work, machine, options.order, sheet, out.warnings);
+  sheet.path = strokes(dashed, ordered.visits, settings);
   measure(sheet, machine, material);
   out.sheets.push_back(std::move(sheet));
   return out;

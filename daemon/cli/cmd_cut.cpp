@@ -232,6 +232,7 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
   const auto machine = machine_of(*device);
   if (!machine) return tl::unexpected(machine.error());
   PlanJobOptions how = options.job;
+  how.order.progress = !globals.quiet;
   if (how.machine.empty()) how.machine = machine->name;
   if (how.machine != machine->name)
     return fail(
