@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 
 namespace popcut {
 namespace {
@@ -43,13 +44,16 @@ class Loop {
   }
   [[nodiscard]] std::uint32_t line() const { return line_; }
   [[nodiscard]] const Box& box() const { return box_; }
+  // Whether a box has room in its own; what sticks out is not inside.
+  [[nodiscard]] bool has_room_for(const Box& b) const {
+    return b.x0 >= box_.x0 && b.x1 <= box_.x1 && b.y0 >= box_.y0 && b.y1 <= box_.y1;
+  }
   // Of two loops the one that is greater is outside.
   [[nodiscard]] bool outside(const Loop& other) const {
     return area_ != other.area_ ? area_ > other.area_ : line_ > other.line_;
   }
 
   [[nodiscard]] bool holds(const PagePoint& p) {
-    if (p.x < box_.x0 || p.x > box_.x1 || p.y < box_.y0 || p.y > box_.y1) return false;
     bool inside = false;
     if (points_.size() <= kShort) {
       for (std::size_t i = 1; i < points_.size(); ++i)
@@ -182,10 +186,13 @@ class Finder {
   template <typename Visit>
   void visit_holders(std::uint32_t line, Visit&& visit) {
     if (loops_.empty() || counts_[line] == 0) return;
-    const PagePoint p = probe(work_.points_of(work_.lines[line]));
+    const auto points = work_.points_of(work_.lines[line]);
+    const PagePoint p = probe(points);
+    Box box;
+    for (const PagePoint& q : points) box.add(q);
     const std::uint32_t own = loop_of_[line];
     grids_.visit(p, [&](std::uint32_t l) {
-      if (l != own && loops_[l].holds(p)) visit(l);
+      if (l != own && loops_[l].has_room_for(box) && loops_[l].holds(p)) visit(l);
     });
   }
   [[nodiscard]] bool outside(std::uint32_t loop, std::uint32_t line) const {
@@ -265,10 +272,13 @@ Nesting nesting(const LineWork& work, const std::vector<std::uint8_t>& counts) {
       out.holders.push_back(line);
       // The loops around the innermost one are those around this line, unless lines cross.
       if ((around[line].hash ^ hash_of(l)) != around[i].hash) {
-        const std::vector<std::uint32_t> known = finder.holders(line);
-        for (const std::uint32_t h : finder.holders(i))
-          if (h != l && std::find(known.begin(), known.end(), h) == known.end())
-            out.holders.push_back(finder.line_of(h));
+        std::vector<std::uint32_t> known = finder.holders(line), others;
+        known.insert(known.begin(), l);
+        const std::vector<std::uint32_t> all = finder.holders(i);
+        std::set_difference(all.begin(), all.end(), known.begin(), known.end(),
+                            std::back_inserter(others),
+                            [&](std::uint32_t p, std::uint32_t q) { return finder.smaller(p, q); });
+        for (const std::uint32_t h : others) out.holders.push_back(finder.line_of(h));
       }
     }
     out.first.push_back(static_cast<std::uint32_t>(out.holders.size()));

@@ -9,7 +9,8 @@
 namespace popcut {
 
 /// For each line of which `counts(line)` holds, the number of closed ones among them that hold its
-/// middle point inside; 0 for all others. Even-odd rule; a line is never inside itself.
+/// middle point inside and its box in theirs; 0 for all others. Even-odd rule; a line is never
+/// inside itself.
 [[nodiscard]] std::vector<std::uint32_t> nesting_depth(const LineWork& work,
                                                        const std::vector<std::uint8_t>& counts);
 

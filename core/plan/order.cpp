@@ -7,6 +7,7 @@
 
 #include "core/plan/nesting.hpp"
 #include "core/plan/order_group.hpp"
+#include "core/plan/order_pieces.hpp"
 
 namespace popcut {
 namespace {
@@ -33,8 +34,26 @@ Nesting nesting_of_cuts(const LineWork& work) {
   return all;
 }
 
-// The bands along the feed by where lines end; outlines in one band behind all others.
-std::vector<std::uint32_t> bands(const LineWork& work, double band_mm) {
+// Lines as they are, but for those that have to wait for what lies inside them.
+void append_own(const Nesting& nesting, const std::vector<std::uint32_t>& lines,
+                std::vector<std::uint32_t>& waits, std::vector<Visit>& out) {
+  for (const std::uint32_t line : lines)
+    for (const std::uint32_t holder : nesting.around(line)) ++waits[holder];
+  std::vector<std::uint8_t> due(waits.size(), 0);
+  for (const std::uint32_t line : lines) {
+    due[line] = 1;
+    if (waits[line] > 0) continue;
+    std::size_t next = out.size();
+    out.push_back({line, false, 0});
+    for (; next < out.size(); ++next)
+      for (const std::uint32_t holder : nesting.around(out[next].line))
+        if (--waits[holder] == 0 && due[holder] != 0) out.push_back({holder, false, 0});
+  }
+}
+
+// The bands along the feed by where lines end, but not before that of what lies inside them;
+// outlines in one band behind all others.
+std::vector<std::uint32_t> bands(const LineWork& work, const Nesting& nesting, double band_mm) {
   std::vector<std::uint32_t> band(work.lines.size(), 0);
   if (!(band_mm > 0.0)) return band;
   const Box box = bounds(work);
@@ -45,13 +64,21 @@ std::vector<std::uint32_t> bands(const LineWork& work, double band_mm) {
     band[i] = static_cast<std::uint32_t>(
         std::min(outline ? 1e9 : std::floor((last - box.y0) / band_mm), 1e9));
   }
+  std::vector<std::uint32_t> lines(band.size()), waits(band.size(), 0);
+  std::iota(lines.begin(), lines.end(), 0u);
+  std::vector<Visit> inner_first;
+  append_own(nesting, lines, waits, inner_first);
+  for (const Visit& visit : inner_first)
+    for (const std::uint32_t holder : nesting.around(visit.line))
+      band[holder] = std::max(band[holder], band[visit.line]);
   return band;
 }
 
 // Groups that come one after the other; in each the lines are as drawn.
-std::vector<OrderGroup> groups_of(const LineWork& work, const OrderOptions& options) {
+std::vector<OrderGroup> groups_of(const LineWork& work, const Nesting& nesting,
+                                  const OrderOptions& options) {
   const std::vector<std::uint32_t> kind = cutting_groups(work);
-  const std::vector<std::uint32_t> band = bands(work, options.band_mm);
+  const std::vector<std::uint32_t> band = bands(work, nesting, options.band_mm);
   std::vector<std::uint32_t> lines(work.lines.size());
   std::iota(lines.begin(), lines.end(), 0u);
   const auto same = [&](std::uint32_t a, std::uint32_t b) {
@@ -70,23 +97,6 @@ std::vector<OrderGroup> groups_of(const LineWork& work, const OrderOptions& opti
                       ? order_moves(group.lines.size(), options.effort)
                       : kQuickMoves;
   return groups;
-}
-
-// Lines as they are, but for those that have to wait for what lies inside them.
-void append_own(const Nesting& nesting, const std::vector<std::uint32_t>& lines,
-                std::vector<std::uint32_t>& waits, std::vector<Visit>& out) {
-  for (const std::uint32_t line : lines)
-    for (const std::uint32_t holder : nesting.around(line)) ++waits[holder];
-  std::vector<std::uint8_t> due(waits.size(), 0);
-  for (const std::uint32_t line : lines) {
-    due[line] = 1;
-    if (waits[line] > 0) continue;
-    std::size_t next = out.size();
-    out.push_back({line, false, 0});
-    for (; next < out.size(); ++next)
-      for (const std::uint32_t holder : nesting.around(out[next].line))
-        if (--waits[holder] == 0 && due[holder] != 0) out.push_back({holder, false, 0});
-  }
 }
 
 std::vector<Visit> own_order(const LineWork& work, const Nesting& nesting,
@@ -120,6 +130,51 @@ void settle_seams(const LineWork& work, const OrderOptions& options, std::vector
   }
 }
 
+const PagePoint& last_point(std::span<const PagePoint> points, const Visit& visit) {
+  if (visit.count > 0)
+    return points[(visit.start + visit.count - 1) % (points.size() - (closed(points) ? 1 : 0))];
+  return closed(points) ? points[visit.start] : points.back();
+}
+
+Ordered order_lines(const LineWork& work, const Nesting& nesting, const OrderOptions& options) {
+  std::vector<OrderGroup> groups = groups_of(work, nesting, options);
+  double all = 0.0, done = 0.0;
+  const auto weight = [](const OrderGroup& group) {
+    return static_cast<double>(group.lines.size() + group.moves);
+  };
+  for (const OrderGroup& group : groups) all += weight(group);
+  Ordered out;
+  out.visits.reserve(work.lines.size());
+  std::optional<PagePoint> at = options.start;
+  std::vector<std::uint32_t> scratch(work.lines.size(), 0);
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    OrderGroup& group = groups[g];
+    group.start = at;
+    if (g + 1 == groups.size()) group.end = options.end;
+    KeepGoing keep_going;
+    if (options.keep_going)
+      keep_going = [&](double part) {
+        return options.keep_going((done + part * weight(group)) / all);
+      };
+    const Ordered part = order_group(work, nesting, group, options, keep_going, scratch);
+    out.visits.insert(out.visits.end(), part.visits.begin(), part.visits.end());
+    out.moves += part.moves;
+    out.moves_wanted += part.moves_wanted;
+    out.finished = out.finished && part.finished;
+    done += weight(group);
+    at = leave(work, out.visits.back());
+  }
+  if (options.any_seam) settle_seams(work, options, out.visits);
+  std::vector<Visit> own = own_order(work, nesting, groups);
+  out.own_cost = travel_cost(work, own, options);
+  out.cost = travel_cost(work, out.visits, options);
+  if (out.cost > out.own_cost) {
+    out.visits = std::move(own);
+    out.cost = out.own_cost;
+  }
+  return out;
+}
+
 Ordered as_drawn(const LineWork& work, const OrderOptions& options) {
   Ordered out;
   out.visits.resize(work.lines.size());
@@ -130,15 +185,27 @@ Ordered as_drawn(const LineWork& work, const OrderOptions& options) {
 
 }  // namespace
 
+void points_of_visit(const LineWork& work, const Visit& visit, std::vector<PagePoint>& out) {
+  const auto points = work.points_of(work.lines[visit.line]);
+  if (visit.count == 0 && visit.start == 0) {
+    out.assign(points.begin(), points.end());
+  } else {
+    const auto round = static_cast<std::uint32_t>(points.size() - (closed(points) ? 1 : 0));
+    const std::uint32_t count = visit.count > 0 ? visit.count : round + 1;
+    out.clear();
+    for (std::uint32_t i = 0; i < count; ++i) out.push_back(points[(visit.start + i) % round]);
+  }
+  if (visit.reversed) std::reverse(out.begin(), out.end());
+}
+
 PagePoint entry(const LineWork& work, const Visit& visit) {
   const auto points = work.points_of(work.lines[visit.line]);
-  return visit.reversed ? points.back() : points[visit.start];
+  return visit.reversed ? last_point(points, visit) : points[visit.start];
 }
 
 PagePoint leave(const LineWork& work, const Visit& visit) {
   const auto points = work.points_of(work.lines[visit.line]);
-  if (closed(points)) return points[visit.start];
-  return visit.reversed ? points.front() : points.back();
+  return visit.reversed ? points[visit.start] : last_point(points, visit);
 }
 
 double travel_mm(const LineWork& work, const std::vector<Visit>& visits) {
@@ -194,41 +261,11 @@ Ordered order(const LineWork& work, const OrderOptions& options) {
   Nesting nesting;
   nesting.first.assign(work.lines.size() + 1, 0);
   if (options.inner_first) nesting = nesting_of_cuts(work);
-  std::vector<OrderGroup> groups = groups_of(work, options);
-  double all = 0.0, done = 0.0;
-  const auto weight = [](const OrderGroup& group) {
-    return static_cast<double>(group.lines.size() + group.moves);
-  };
-  for (const OrderGroup& group : groups) all += weight(group);
-  Ordered out;
-  out.visits.reserve(work.lines.size());
-  std::optional<PagePoint> at = options.start;
-  std::vector<std::uint32_t> scratch(work.lines.size(), 0);
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    OrderGroup& group = groups[g];
-    group.start = at;
-    if (g + 1 == groups.size()) group.end = options.end;
-    KeepGoing keep_going;
-    if (options.keep_going)
-      keep_going = [&](double part) {
-        return options.keep_going((done + part * weight(group)) / all);
-      };
-    const Ordered part = order_group(work, nesting, group, options, keep_going, scratch);
-    out.visits.insert(out.visits.end(), part.visits.begin(), part.visits.end());
-    out.moves += part.moves;
-    out.moves_wanted += part.moves_wanted;
-    out.finished = out.finished && part.finished;
-    done += weight(group);
-    at = leave(work, out.visits.back());
-  }
-  if (options.any_seam) settle_seams(work, options, out.visits);
-  std::vector<Visit> own = own_order(work, nesting, groups);
-  out.own_cost = travel_cost(work, own, options);
+  if (!(options.corner_deg > 0.0)) return order_lines(work, nesting, options);
+  const LinePieces pieces = split_at_corners(work, nesting, options.corner_deg);
+  Ordered out = order_lines(pieces.work, nesting_of_pieces(pieces, nesting), options);
+  for (Visit& visit : out.visits) visit = pieces.visit_of(visit);
   out.cost = travel_cost(work, out.visits, options);
-  if (out.cost > out.own_cost) {
-    out.visits = std::move(own);
-    out.cost = out.own_cost;
-  }
   return out;
 }
 

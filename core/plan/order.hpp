@@ -28,14 +28,18 @@ struct OrderOptions {
   /// Without a mat: the sheet is done in bands of this many mm along the feed, so that it is not
   /// moved to and fro and what is cut is not pulled again; 0: the sheet at once. Outlines are last.
   double band_mm{0.0};
+  /// Cuts end at corners sharper than this and go on as strokes of their own, since a blade that
+  /// turns in the paper lifts it; 0: they are not split. The turn of a straight line is 0.
+  double corner_deg{0.0};
   KeepGoing keep_going{};
 };
 
-/// One stroke of an order: a line, and how it is entered.
+/// One stroke of an order: a line, or a piece of one, and how it is entered.
 struct Visit {
   std::uint32_t line{};
-  bool reversed{false};    ///< open lines: from the last point to the first
+  bool reversed{false};    ///< open lines and pieces: from the last point to the first
   std::uint32_t start{0};  ///< closed lines: the vertex at which the tool goes down and up
+  std::uint32_t count{0};  ///< points of a piece, which begins at `start`; 0: the whole line
 };
 
 struct Ordered {
@@ -67,6 +71,9 @@ struct Ordered {
 /// How many lines come after a closed line of the same group that they lie inside of.
 [[nodiscard]] std::size_t outer_before_inner(const LineWork& work,
                                              const std::vector<Visit>& visits);
+
+/// The points of a visit in the order they are made.
+void points_of_visit(const LineWork& work, const Visit& visit, std::vector<PagePoint>& out);
 
 [[nodiscard]] PagePoint entry(const LineWork& work, const Visit& visit);
 [[nodiscard]] PagePoint leave(const LineWork& work, const Visit& visit);

@@ -107,18 +107,6 @@ class Settings {
   std::array<bool, 3> checked_{};
 };
 
-// The points of a visit in the order they are cut: turned, or started at another vertex.
-void points_of_visit(const LineWork& work, const Visit& visit, std::vector<PagePoint>& out) {
-  const auto points = work.points_of(work.lines[visit.line]);
-  out.assign(points.begin(), points.end());
-  if (visit.reversed) std::reverse(out.begin(), out.end());
-  if (visit.start > 0) {
-    out.pop_back();
-    std::rotate(out.begin(), out.begin() + visit.start, out.end());
-    out.push_back(out.front());
-  }
-}
-
 // Strokes in order. Further passes go round a closed line without lifting, and back along an open
 // one.
 Toolpath strokes(const Dashed& dashed, const std::vector<Visit>& visits, Settings& settings) {

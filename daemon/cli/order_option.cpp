@@ -17,6 +17,7 @@ using std::chrono::steady_clock;
 
 constexpr double kSecondsPerEffort = 60.0;  // at most; on most machines it takes a few
 constexpr double kBandMm = 20.0;
+constexpr double kCornerDeg = 60.0;
 
 // Shows how far the search is, and ends it when its time is over.
 class Watch {
@@ -52,8 +53,10 @@ void add_order_options(CLI::App& command, OrderWords& words) {
   command
       .add_option("--seed", words.seed, "Of the moves that best tries; the same, the same order")
       ->option_text("N [1]");
-  command.add_flag("--mat-free", words.mat_free,
-                   "Without a mat: the sheet in bands along the feed, the outline last");
+  command.add_flag(
+      "--mat-free", words.mat_free,
+      "Without a mat: the sheet in bands along the feed, no cut round a sharp corner, the "
+      "outline last");
 }
 
 Result<OrderOptions> order_options(const OrderWords& words) {
@@ -75,6 +78,7 @@ Result<OrderOptions> order_options(const OrderWords& words) {
   out.effort = words.effort;
   out.seed = words.seed;
   out.band_mm = words.mat_free ? kBandMm : 0.0;
+  out.corner_deg = words.mat_free ? kCornerDeg : 0.0;
   const double most_s = kSecondsPerEffort * std::max(words.effort, 1.0);
   const auto watch = std::make_shared<Watch>(words.progress, most_s);
   out.keep_going = [watch](double done) { return watch->go_on(done); };
