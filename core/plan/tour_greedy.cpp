@@ -18,11 +18,12 @@ class Greedy {
   }
 
   TourOrder run(const NearNodes& near) {
-    for (std::uint32_t n = 0; n < stops_.node.size(); ++n) {
-      const auto row = near.near(n);
-      for (std::size_t k = 0; k < row.size() && row[k] != kNone; ++k)
-        offer(n, row[k], near.mm[std::size_t{n} * near.each + k]);
-    }
+    std::size_t count = 0;
+    visit_pairs(near, [&](std::uint32_t, std::uint32_t, float) { ++count; });
+    links_.reserve(count);
+    visit_pairs(near, [&](std::uint32_t n, std::uint32_t m, float mm) {
+      links_.push_back({mm, std::min(n, m), std::max(n, m)});
+    });
     take_shortest();
     for (std::vector<std::uint32_t> ends = loose(); ends.size() > 2; ends = loose()) {
       offer_near(ends);
@@ -38,11 +39,17 @@ class Greedy {
     std::uint32_t a, b;
   };
 
-  void offer(std::uint32_t n, std::uint32_t m, float mm) {
-    if (n < m || stops_.has_doors(m / 2))
-      links_.push_back({mm, n, m});
-    else
-      links_.push_back({mm, m, n});
+  // Each pair of near nodes once.
+  template <typename Visit>
+  void visit_pairs(const NearNodes& near, Visit&& visit) const {
+    for (std::uint32_t n = 0; n < stops_.node.size(); ++n) {
+      const auto row = near.near(n);
+      for (std::size_t k = 0; k < row.size() && row[k] != kNone; ++k) {
+        const auto back = near.near(row[k]);
+        const bool both = std::find(back.begin(), back.end(), n) != back.end();
+        if (!both || n < row[k]) visit(n, row[k], near.mm[std::size_t{n} * near.each + k]);
+      }
+    }
   }
 
   // A loose end of the stop of `n`: of a closed one either node will do.

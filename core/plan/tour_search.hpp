@@ -23,7 +23,8 @@ class TourSearch {
       : stops_(stops),
         near_(near),
         tour_(order.sequence, order.flipped),
-        waiting_(stops.node.size(), 0) {
+        waiting_(stops.node.size(), 0),
+        queue_(stops.node.size()) {
     for (std::uint32_t s = 0; s < stops.size(); ++s)
       if (!stops.later.empty() && !stops.later_than(s).empty()) bound_.push_back(s);
   }
@@ -39,19 +40,23 @@ class TourSearch {
   /// Improves until all nodes rest, or until `go_on()`, asked now and then, says no.
   template <typename GoOn>
   bool descend(GoOn&& go_on) {
-    for (std::uint32_t count = 0; head_ < queue_.size(); ++count) {
+    for (std::uint32_t count = 0; awake_ > 0; ++count) {
       if (count % 1024 == 1023 && !go_on()) return false;
-      const std::uint32_t n = queue_[head_++];
+      const std::uint32_t n = queue_[head_];
+      head_ = head_ + 1 == queue_.size() ? 0 : head_ + 1;
+      --awake_;
       waiting_[n] = 0;
       while (improve_at(n)) {
       }
-      if (head_ == queue_.size() || head_ > stops_.node.size()) forget_done();
     }
     return true;
   }
 
-  /// Forgets how to take back what was done so far.
-  void keep() { done_.clear(); }
+  /// What is done from now on can be taken back.
+  void keep() {
+    done_.clear();
+    takes_note_ = true;
+  }
 
   /// Takes back everything since the last `keep`, when `gained` was what is given.
   void take_back(double gained) {
@@ -129,16 +134,13 @@ class TourSearch {
   void wake_node(std::uint32_t n) {
     if (waiting_[n] != 0) return;
     waiting_[n] = 1;
-    queue_.push_back(n);
-  }
-  void forget_done() {
-    queue_.erase(queue_.begin(), queue_.begin() + static_cast<std::ptrdiff_t>(head_));
-    head_ = 0;
+    const std::size_t at = head_ + awake_++;
+    queue_[at < queue_.size() ? at : at - queue_.size()] = n;
   }
 
   void reverse(std::uint32_t from, std::uint32_t to) {
     const bool part = tour_.reverse(from, to);
-    done_.push_back({from, to, part ? Done::Part : Done::Rest});
+    if (takes_note_) done_.push_back({from, to, part ? Done::Part : Done::Rest});
   }
   // As seen by t0, which is an exit by definition: from the stop of `n` on to that of `m`.
   void turn(std::uint32_t t0, std::uint32_t n, std::uint32_t m) {
@@ -265,7 +267,7 @@ class TourSearch {
   }
 
   void choose_seam(std::uint32_t stop, std::uint32_t door) {
-    done_.push_back({stop, stops_.seam[stop], Done::Seam});
+    if (takes_note_) done_.push_back({stop, stops_.seam[stop], Done::Seam});
     stops_.choose_seam(stop, door);
     wake(stop);
   }
@@ -391,9 +393,10 @@ class TourSearch {
   const NearNodes& near_;
   Tour tour_;
   std::vector<std::uint8_t> waiting_;
-  std::vector<std::uint32_t> queue_;
-  std::size_t head_{0};
+  std::vector<std::uint32_t> queue_;  // a ring: a node waits in it once at most
+  std::size_t head_{0}, awake_{0};
   std::vector<Done> done_;
+  bool takes_note_{false};
   std::vector<std::uint32_t> bound_;  // stops that something must come after
   double gained_{0.0};
 };

@@ -9,23 +9,27 @@
 namespace popcut {
 namespace {
 
-// All places where the tool may go down: both ends of open stops, the doors of closed ones, which
-// have one tag.
+constexpr std::uint32_t kMostPlaces = 6;  // doors of a stop that are looked at for what is near
+
+// Places where the tool may go down: both ends of open stops, some doors of closed ones, which have
+// one tag.
 struct Places {
   std::vector<PagePoint> points;
   std::vector<std::uint32_t> tags;
 
   explicit Places(const TourStops& stops) {
-    points.reserve(stops.node.size() + stops.doors.size());
-    tags.reserve(points.capacity());
+    points.reserve(stops.node.size());
+    tags.reserve(stops.node.size());
     for (std::uint32_t n = 0; n < stops.node.size(); ++n) {
       if (stops.is_free(n)) continue;
       const std::uint32_t stop = n / 2;
       if (!stops.has_doors(stop)) {
         add(stops.node[n], n);
       } else if (n % 2 == 0) {
-        for (std::uint32_t d = stops.first_door[stop]; d < stops.first_door[stop + 1]; ++d)
-          add(stops.doors[d], n);
+        const std::uint32_t first = stops.first_door[stop];
+        const std::uint32_t doors = stops.first_door[stop + 1] - first;
+        const std::uint32_t some = std::min(doors, kMostPlaces);
+        for (std::uint32_t d = 0; d < some; ++d) add(stops.doors[first + d * doors / some], n);
       }
     }
   }
@@ -98,14 +102,15 @@ NearNodes near_nodes(const TourStops& stops, std::uint32_t each) {
   NearNodes near{each, {}, {}};
   near.nodes.assign(stops.node.size() * each, NearNodes::kNone);
   near.mm.assign(near.nodes.size(), 0.0F);
-  const Places places(stops);
+  Places places(stops);
   const PointTree tree(places.points, places.tags);
+  places.points = {};
   std::array<PointTree::Near, PointTree::kMostNear> found;
   NearList list(each);
-  for (std::uint32_t i = 0; i < places.points.size(); ++i) {
+  for (std::uint32_t i = 0; i < places.tags.size(); ++i) {
     const std::uint32_t n = places.tags[i];
     const bool first = i == 0 || places.tags[i - 1] != n;
-    const bool last = i + 1 == places.points.size() || places.tags[i + 1] != n;
+    const bool last = i + 1 == places.tags.size() || places.tags[i + 1] != n;
     if (first) list.clear();
     const std::size_t count = tree.nearest(i, std::span(found).first(each),
                                            [n](std::uint32_t tag) { return tag / 2 != n / 2; });

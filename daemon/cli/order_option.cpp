@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/cli/order_option.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
