@@ -13,7 +13,7 @@ namespace popcut {
 namespace {
 
 constexpr std::uint32_t kOutlines = 4;  // the last of `cutting_groups`
-constexpr std::uint64_t kQuickMoves = 1000;
+constexpr std::uint64_t kQuickMoves = 3000;
 
 // Which closed lines hold which lines, of cuts among cuts and of outlines among outlines.
 Nesting nesting_of_cuts(const LineWork& work) {
@@ -92,10 +92,12 @@ std::vector<OrderGroup> groups_of(const LineWork& work, const Nesting& nesting,
     if (i == 0 || !same(lines[i - 1], lines[i])) groups.emplace_back();
     groups.back().lines.push_back(lines[i]);
   }
-  for (OrderGroup& group : groups)
-    group.moves = options.method == OrderMethod::Best
-                      ? order_moves(group.lines.size(), options.effort)
-                      : kQuickMoves;
+  const bool best = options.method == OrderMethod::Best;
+  const std::uint64_t moves = best ? order_moves(lines.size(), options.effort) : kQuickMoves;
+  for (OrderGroup& group : groups)  // each its share
+    group.moves = static_cast<std::uint64_t>(static_cast<double>(moves) *
+                                             static_cast<double>(group.lines.size()) /
+                                             static_cast<double>(lines.size()));
   return groups;
 }
 
