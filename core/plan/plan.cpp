@@ -107,18 +107,6 @@ class Settings {
   std::array<bool, 3> checked_{};
 };
 
-// The points of a visit in the order they are cut: turned, or started at another vertex.
-void points_of_visit(const LineWork& work, const Visit& visit, std::vector<PagePoint>& out) {
-  const auto points = work.points_of(work.lines[visit.line]);
-  out.assign(points.begin(), points.end());
-  if (visit.reversed) std::reverse(out.begin(), out.end());
-  if (visit.start > 0) {
-    out.pop_back();
-    std::rotate(out.begin(), out.begin() + visit.start, out.end());
-    out.push_back(out.front());
-  }
-}
-
 // Strokes in order. Further passes go round a closed line without lifting, and back along an open
 // one.
 Toolpath strokes(const Dashed& dashed, const std::vector<Visit>& visits, Settings& settings) {
@@ -144,6 +132,27 @@ Toolpath strokes(const Dashed& dashed, const std::vector<Visit>& visits, Setting
     }
   }
   return path;
+}
+
+Ordered ordered_for(const LineWork& work, const Machine& machine, OrderOptions how,
+                    PlannedSheet& sheet, std::vector<std::string>& warnings) {
+  how.cost = TravelCost::seconds(machine.motion);
+  Ordered ordered = order(work, how);
+  sheet.order_moves = ordered.moves;
+  sheet.order_finished = ordered.finished;
+  if (!ordered.finished)
+    warnings.push_back(fmt::format(
+        "the search for a short way was ended after {} of {} moves; on another machine, or with "
+        "more time, the order may differ",
+        ordered.moves, ordered.moves_wanted));
+  if (const std::size_t late =
+          how.method == OrderMethod::Keep ? outer_before_inner(work, ordered.visits) : 0;
+      late > 0)
+    warnings.push_back(fmt::format(
+        "the order is kept as drawn: {} strokes come after the closed line around them, which may "
+        "have moved by then",
+        late));
+  return ordered;
 }
 
 void measure(PlannedSheet& sheet, const Machine& machine, const Material& material) {
@@ -201,9 +210,10 @@ Result<Plan> plan(const LineWork& drawing, const Machine& machine, const Materia
   std::vector<Visit> given(dashed.work.lines.size());
   for (std::uint32_t i = 0; i < given.size(); ++i) given[i].line = i;
   sheet.travel_input_mm = travel_mm(dashed.work, given);
-  Plan out{drawing.name, machine, material, {}, dashed.work.warnings, options.seed};
+  Plan out{drawing.name, machine, material, {}, dashed.work.warnings, options.order.seed};
   Settings settings(machine, material, out.warnings);
-  sheet.path = strokes(dashed, order(dashed.work, {.effort = options.effort}), settings);
+  const Ordered ordered = ordered_for(dashed.work, machine, options.order, sheet, out.warnings);
+  sheet.path = strokes(dashed, ordered.visits, settings);
   measure(sheet, machine, material);
   out.sheets.push_back(std::move(sheet));
   return out;

@@ -15,8 +15,7 @@ namespace popcut {
 struct PlanOptions {
   std::string mat{};  ///< name or size, see `choose_mat`; empty: the machine's own
   PlaceOptions place{};
-  OrderEffort effort{OrderEffort::Quick};
-  std::uint32_t seed{1};  ///< of searches that use chance; the present ones do not
+  OrderOptions order{};  ///< its `cost` is the machine's
 };
 
 /// One sheet: what the cutter does, in order, and its figures.
@@ -28,6 +27,8 @@ struct PlannedSheet {
   double cut_mm{}, fold_mm{};  ///< tool down, as sent
   double fold_line_mm{};       ///< folds before dashing
   double travel_mm{}, travel_input_mm{}, home_mm{};
+  std::uint64_t order_moves{};  ///< that the search for a short way tried
+  bool order_finished{true};    ///< false: it was ended early
   std::size_t paths{};  ///< lines of the drawing after cleaning
   double seconds{};
   std::array<double, 2> seconds_range{};
@@ -39,7 +40,7 @@ struct Plan {
   Material material;
   std::vector<PlannedSheet> sheets;
   std::vector<std::string> warnings;
-  std::uint32_t seed{};
+  std::uint64_t seed{};
 };
 
 /// Drawing to ordered strokes: placed on the mat, cleaned, folds dashed, put in order, with force,

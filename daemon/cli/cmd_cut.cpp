@@ -222,6 +222,7 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
   if (!target) return tl::unexpected(target.error());
   PlanJobOptions how = options.job;
   how.machine = target->machine.name;
+  how.order.progress = !globals.quiet;
   const auto job = make_plan_job(how);
   if (!job) return tl::unexpected(job.error());
   std::optional<OutputFolder> folder;

@@ -79,10 +79,9 @@ Result<PlanOptions> plan_options(const PlanJobOptions& options) {
   PlanOptions out;
   out.mat = options.mat;
   out.place.clip = options.clip;
-  if (options.order != "quick" && options.order != "best")
-    return fail(ErrorKind::Usage, "--order",
-                fmt::format("{} is not known; quick or best", options.order));
-  out.effort = options.order == "best" ? OrderEffort::Best : OrderEffort::Quick;
+  const auto how = order_options(options.order);
+  if (!how) return tl::unexpected(how.error());
+  out.order = *how;
   if (options.at.empty()) return out;
   SvgScan scan(options.at);
   PagePoint at;
@@ -166,7 +165,7 @@ void add_plan_options(CLI::App& command, PlanJobOptions& options) {
        "plotter",
        "NAME|WxH");
   text("--at", options.at, "Where the drawing's upper left corner goes, mm", "X,Y");
-  text("--order", options.order, "How hard to look for short ways: quick or best", "WORD [quick]");
+  add_order_options(command, options.order);
   text("--dialect", options.dialect, "gpgl or hpgl; without --machine it picks the machine",
        "WORD");
   text("--svg-profile", options.svg_profile,
