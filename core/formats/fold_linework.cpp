@@ -7,7 +7,7 @@
 
 #include "core/formats/fold_reader.hpp"
 #include "core/plan/clean.hpp"
-#include "core/plan/join.hpp"
+#include "core/plan/euler.hpp"
 #include "core/plan/nesting.hpp"
 #include "core/plan/overlap.hpp"
 
@@ -30,7 +30,7 @@ void add_borders(const std::vector<Segment>& borders, LineWork& work) {
   OverlapIndex index(OverlapIndex::cell_for(borders), kOverlapTolerance, borders.size());
   for (std::uint32_t i = 0; i < borders.size(); ++i) index.insert(borders[i], i);
   std::vector<OverlapIndex::Covered> covered;
-  std::vector<Piece> edge;
+  std::vector<Segment> edge;
   for (std::uint32_t i = 0; i < borders.size(); ++i) {
     const Segment& s = borders[i];
     const double l = distance(s.a, s.b);
@@ -44,16 +44,16 @@ void add_borders(const std::vector<Segment>& borders, LineWork& work) {
     double t = 0.0;
     for (const auto& part : covered) {
       if (part.from > t + kOverlapTolerance)
-        edge.push_back({{at(t), at(part.from)}, Operation::Outline, -1});
+        edge.push_back({at(t), at(part.from)});
       if (part.to > std::max(t, part.from))
         work.append(Operation::Cut, std::array{at(std::max(t, part.from)), at(part.to)});
       t = std::max(t, part.to);
     }
     if (l > t + kOverlapTolerance || t == 0.0)
-      edge.push_back({{at(t), s.b}, Operation::Outline, -1});
+      edge.push_back({at(t), s.b});
   }
   LineWork loops;
-  join(edge, kJoinTolerance, loops);
+  join_loops(edge, 2 * kOverlapTolerance, loops);
   const std::vector<std::uint32_t> depth =
       nesting_depth(loops, std::vector<std::uint8_t>(loops.lines.size(), 1));
   for (std::size_t i = 0; i < loops.lines.size(); ++i)
