@@ -43,14 +43,12 @@ void add_borders(const std::vector<Segment>& borders, LineWork& work) {
     index.covered(s, i, covered);
     double t = 0.0;
     for (const auto& part : covered) {
-      if (part.from > t + kOverlapTolerance)
-        edge.push_back({at(t), at(part.from)});
+      if (part.from > t + kOverlapTolerance) edge.push_back({at(t), at(part.from)});
       if (part.to > std::max(t, part.from))
         work.append(Operation::Cut, std::array{at(std::max(t, part.from)), at(part.to)});
       t = std::max(t, part.to);
     }
-    if (l > t + kOverlapTolerance || t == 0.0)
-      edge.push_back({at(t), s.b});
+    if (l > t + kOverlapTolerance || t == 0.0) edge.push_back({at(t), s.b});
   }
   LineWork loops;
   join_loops(edge, 2 * kOverlapTolerance, loops);

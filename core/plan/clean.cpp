@@ -32,9 +32,8 @@ class Snapping {
       : snap_(std::clamp(snap, kSame, kMostSnap)),
         nodes_(snap_, work.points.size()),
         node_of_(work.points.size(), kNone) {
-    owner_.reserve(work.points.size());
-    for (std::uint32_t i = 0; i < work.lines.size(); ++i) set_within(work, i);
-    for (std::uint32_t i = 0; i < work.lines.size(); ++i) set_ends(work, i);
+    for (const DrawnLine& line : work.lines) set_within(work, line);
+    for (const DrawnLine& line : work.lines) set_ends(work, line);
   }
   [[nodiscard]] std::uint32_t node(std::size_t point) const { return node_of_[point]; }
   [[nodiscard]] NodeIndex& nodes() { return nodes_; }
@@ -42,46 +41,51 @@ class Snapping {
   [[nodiscard]] double reach() const { return snap_; }
 
  private:
-  std::uint32_t add(const PagePoint& p, std::uint32_t line) {
-    owner_.push_back(line);
-    return nodes_.add(p);
-  }
-  std::uint32_t same(const PagePoint& p, std::uint32_t line) {
+  std::uint32_t same(const PagePoint& p) {
     const std::uint32_t found = nodes_.find(p, kSame);
-    return found != kNone ? found : add(p, line);
+    return found != kNone ? found : nodes_.add(p);
   }
 
-  void set_within(const LineWork& work, std::uint32_t line) {
-    const auto points = work.points_of(work.lines[line]);
-    const std::size_t first = work.lines[line].first;
+  void set_within(const LineWork& work, const DrawnLine& line) {
+    const auto points = work.points_of(line);
     const bool ring = closed(points);
     for (std::size_t k = ring ? 0 : 1; k + 1 < points.size(); ++k)
-      node_of_[first + k] = same(points[k], line);
-    if (ring) node_of_[first + points.size() - 1] = node_of_[first];
+      node_of_[line.first + k] = same(points[k]);
+    if (ring) node_of_[line.first + points.size() - 1] = node_of_[line.first];
   }
 
-  // An end goes to the nearest node of another line, or to the other end of its own; to the vertices
-  // of its own line only where it stands on one.
-  void set_ends(const LineWork& work, std::uint32_t line) {
-    const auto points = work.points_of(work.lines[line]);
-    const std::size_t first = work.lines[line].first, last = first + points.size() - 1;
+  // An end goes to the nearest node, but not back along its own line.
+  void set_ends(const LineWork& work, const DrawnLine& line) {
+    const std::size_t first = line.first, last = first + line.count - 1;
     if (node_of_[first] != kNone) return;  // closed
     for (const std::size_t end : {first, last}) {
       const PagePoint& p = work.points[end];
-      const std::uint32_t other = node_of_[end == first ? last : first];
-      const auto take = [&](std::uint32_t n) {
-        if (n == other) return points.size() > 2;
-        return owner_[n] != line || distance(nodes_.point(n), p) <= kSame;
-      };
-      const std::uint32_t found = nodes_.find(p, snap_, take);
-      node_of_[end] = found != kNone ? found : add(p, line);
+      list_just_before(work, end, end == first ? last : first);
+      const std::uint32_t found = nodes_.find(p, snap_, [&](std::uint32_t n) {
+        return std::find(just_before_.begin(), just_before_.end(), n) == just_before_.end() ||
+               distance(nodes_.point(n), p) <= kSame;
+      });
+      node_of_[end] = found != kNone ? found : nodes_.add(p);
+    }
+  }
+
+  // Nodes that the line from `end` to `other` passes within twice the snap from its end.
+  void list_just_before(const LineWork& work, std::size_t end, std::size_t other) {
+    just_before_.clear();
+    double way = 0.0;
+    for (std::size_t k = end; k != other;) {
+      const std::size_t next = other > end ? k + 1 : k - 1;
+      way += distance(work.points[k], work.points[next]);
+      if (way > 2 * snap_) return;
+      just_before_.push_back(node_of_[next]);
+      k = next;
     }
   }
 
   double snap_;
   NodeIndex nodes_;
   std::vector<std::uint32_t> node_of_;
-  std::vector<std::uint32_t> owner_;  ///< of a node: the line that made it
+  std::vector<std::uint32_t> just_before_;
 };
 
 int strength(Operation operation) {
@@ -221,21 +225,27 @@ class Taker {
   void keep(std::uint32_t s, const Segment& segment, double l, double from, double to) {
     const bool whole = from <= 0.0 && to >= l;
     if (to <= from || (!whole && to - from < 2 * kOverlapTolerance)) return;
-    const std::uint32_t a = from <= 0.0 ? segments_[s].a : node_on(segment, l, from);
-    const std::uint32_t b = to >= l ? segments_[s].b : node_on(segment, l, to);
+    const PagePoint p = at(segment, l, from), q = at(segment, l, to);
+    const std::uint32_t a = from <= 0.0 ? segments_[s].a : node_near(p);
+    const std::uint32_t b = to >= l ? segments_[s].b : node_near(q);
     if (a == b) return;
     const auto index = static_cast<std::int32_t>(left_.size());
     (last_ < 0 ? first_[s] : left_[static_cast<std::size_t>(last_)].next) = index;
     last_ = index;
     left_.push_back({a, b, -1});
-    index_.insert({snapping_.nodes().point(a), snapping_.nodes().point(b)}, s);
+    index_.insert({p, q}, s);  // as drawn: its direction tells what lies along it
+  }
+
+  static PagePoint at(const Segment& segment, double l, double t) {
+    if (t <= 0.0) return segment.a;
+    if (t >= l) return segment.b;
+    const double f = t / l;
+    return {segment.a.x + f * (segment.b.x - segment.a.x),
+            segment.a.y + f * (segment.b.y - segment.a.y)};
   }
 
   // Where a part ends because a line takes the place from there on, a node of that line is near.
-  std::uint32_t node_on(const Segment& segment, double l, double t) {
-    const double f = t / l;
-    const PagePoint p{segment.a.x + f * (segment.b.x - segment.a.x),
-                      segment.a.y + f * (segment.b.y - segment.a.y)};
+  std::uint32_t node_near(const PagePoint& p) {
     const double reach = std::min(snapping_.reach(), 2 * kOverlapTolerance);
     const std::uint32_t found = snapping_.nodes().find(p, reach);
     return found != kNone ? found : snapping_.nodes().add(p);

@@ -13,8 +13,8 @@ struct CleanOptions {
 };
 inline constexpr double kMostSnap = 1.0;
 
-/// Moves the ends of lines that lie within `snap_mm` of an end or a vertex of another line, or of
-/// their own other end, onto it. Vertices within a line stay, or go to one within 0.001 mm.
+/// Moves the ends of lines that lie within `snap_mm` of another end or vertex onto it, but not back
+/// along their own line. Vertices within a line stay, or go to one within 0.001 mm.
 /// `clean` begins so. O(n) for lines that do not pile up.
 [[nodiscard]] LineWork with_ends_snapped(const LineWork& work, double snap_mm);
 

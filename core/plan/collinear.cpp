@@ -11,8 +11,8 @@
 namespace popcut {
 namespace {
 
-constexpr double kLong = 5.0;        // mm
-constexpr double kAngleBin = 0.01;   // rad; segments that share 2 mm within 0.01 mm differ by less
+constexpr double kLong = 5.0;       // mm
+constexpr double kAngleBin = 0.01;  // rad; segments that share 2 mm within 0.01 mm differ by less
 constexpr std::int64_t kAngles = 315;  // bins over half a turn, the last one is shorter
 
 bool is_long(const Segment& s) { return distance(s.a, s.b) >= kLong; }
@@ -60,7 +60,8 @@ CollinearIndex::Line CollinearIndex::line_of(const Segment& s) const {
   if (angle < 0.0) angle += std::numbers::pi;
   if (angle >= std::numbers::pi) angle -= std::numbers::pi;
   const double nx = -std::sin(angle), ny = std::cos(angle);
-  const PagePoint half{(s.a.x + s.b.x) / 2 - sizes_.middle.x, (s.a.y + s.b.y) / 2 - sizes_.middle.y};
+  const PagePoint half{(s.a.x + s.b.x) / 2 - sizes_.middle.x,
+                       (s.a.y + s.b.y) / 2 - sizes_.middle.y};
   return {std::min(static_cast<std::int64_t>(angle / kAngleBin), kAngles - 1),
           nx * half.x + ny * half.y};
 }

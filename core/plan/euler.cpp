@@ -104,8 +104,8 @@ class Joiner {
         return operation(e) != operation(f) ? operation(e) < operation(f) : e < f;
       });
       for (auto from = begin; from != end;) {
-        const auto to =
-            std::find_if(from, end, [&](std::uint32_t e) { return operation(e) != operation(*from); });
+        const auto to = std::find_if(
+            from, end, [&](std::uint32_t e) { return operation(e) != operation(*from); });
         if (to - from > 1) visit(std::span(from, to));
         from = to;
       }
@@ -190,7 +190,8 @@ class Joiner {
     for (std::size_t i = 0; i < round.size() && left > 1; ++i) {
       if (partner_[round[i].second] != kNone) continue;
       take(i);
-      const double opposite = std::remainder(round[i].first + std::numbers::pi, 2 * std::numbers::pi);
+      const double opposite =
+          std::remainder(round[i].first + std::numbers::pi, 2 * std::numbers::pi);
       const auto at = std::lower_bound(round.begin(), round.end(), std::pair{opposite, 0u});
       const std::size_t after = static_cast<std::size_t>(at - round.begin()) % round.size();
       const std::size_t before = (after + round.size() - 1) % round.size();

@@ -22,8 +22,8 @@ struct Piece {
 /// that go straight on first, then those that were drawn as one line; closed walks that share a
 /// node with another walk are then taken into it (Hierholzer 1873). So a component with 2 k odd
 /// nodes takes k strokes, and one without any takes one closed stroke: the least number there is
-/// (Euler 1736). Folds are the exception: they are joined straight on only (within 5 degrees), for a
-/// fold is dashed from one end to the other.
+/// (Euler 1736). Folds are the exception: they are joined straight on only (within 5 degrees), for
+/// a fold is dashed from one end to the other.
 ///
 /// Strokes stand in the order of their first pieces and run as those do. Vertices within 0.001 mm
 /// of a straight line (0.002 mm at the seam of a closed one) are left out. O(n log n).

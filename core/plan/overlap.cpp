@@ -11,7 +11,9 @@
 namespace popcut {
 namespace {
 
-constexpr int kDirections = 15;  // bins of 12 degrees over a half turn
+constexpr int kDirections = 15;      // bins of 12 degrees over a half turn
+constexpr double kParallel = 0.001;  // slope between lines that share a part of both,
+constexpr double kAside = 0.004;     // and mm by which an end may have been moved aside
 
 int direction_of(const Segment& s) {
   double angle = std::atan2(s.b.y - s.a.y, s.b.x - s.a.x);
@@ -37,6 +39,10 @@ bool overlap(const Segment& s, double l, const Segment& other, double tolerance,
   to = std::min(t1, l);
   if (to - from < std::min(tolerance, 0.5 * l)) return false;
   const double slope = (h1 - h0) / (t1 - t0);
+  // Lines that cross at a small angle share no more than a point of their length.
+  const bool whole = (from <= 0.0 && to >= l) || (from <= t0 && to >= t1);
+  const double other_l = distance(other.a, other.b);
+  if (!whole && std::abs(slope) > kParallel + kAside / std::min(l, other_l)) return false;
   return std::abs(h0 + slope * (from - t0)) <= tolerance &&
          std::abs(h0 + slope * (to - t0)) <= tolerance;
 }
@@ -120,8 +126,7 @@ void OverlapIndex::covered(const Segment& segment, std::uint32_t not_this,
   });
 }
 
-void OverlapIndex::find(const Segment& segment, std::uint32_t not_this,
-                        std::vector<Covered>& out) {
+void OverlapIndex::find(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out) {
   const double l = distance(segment.a, segment.b);
   if (!(l > 0.0) || segments_.empty()) return;
   ++query_;
