@@ -16,6 +16,7 @@ Result<Machine> ideal(std::array<double, 2> size, const std::string& dialect) {
   auto machine = find_machine("hpgl-generic");
   if (!machine) return machine;
   machine->name = "ideal-hpgl";
+  machine->firmware_blade_offset = true;  // nothing of a real knife is in its way
   machine->width_mm = size[0];
   machine->length_mm = size[1];
   return machine;
@@ -61,6 +62,8 @@ Result<PlanOptions> plan_options(const PlanJobOptions& options) {
   if (options.order != "quick" && options.order != "best")
     return fail(ErrorKind::Usage, "--order",
                 fmt::format("{} is not known; quick or best", options.order));
+  if (auto knife = read_knife_option(options.knife, out); !knife)
+    return tl::unexpected(knife.error());
   out.effort = options.order == "best" ? OrderEffort::Best : OrderEffort::Quick;
   if (options.at.empty()) return out;
   SvgScan scan(options.at);
@@ -78,6 +81,7 @@ JobOptions job_options(const PlannedSheet& sheet, const Machine& machine) {
   job.page_length_mm = sheet.area_mm[1];
   if (machine.variant == "cameo3" || machine.variant == "cameo4") job.mat_code = sheet.mat.code;
   job.autoblade = machine.autoblade;
+  job.holders = holders_for(sheet);
   return job;
 }
 
@@ -120,7 +124,7 @@ Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
   }
   PlanJob job{std::move(*planned), {}};
   for (const PlannedSheet& sheet : job.plan.sheets) {
-    auto program = encode(sheet.path, *machine, *material, job_options(sheet, *machine));
+    auto program = encode(sheet.sent_path(), *machine, *material, job_options(sheet, *machine));
     if (!program) return tl::unexpected(within(options.input, program.error()));
     if (!program->dots.empty())
       job.plan.warnings.push_back(
@@ -151,6 +155,7 @@ void add_plan_options(CLI::App& command, PlanJobOptions& options) {
   text("--svg-profile", options.svg_profile,
        "What strokes of an SVG mean: popcut, origami-sim, lightburn, cricut, plain",
        "WORD [popcut]");
+  add_knife_options(command, options.knife);
   command.add_flag("--clip", options.clip,
                    "Cut off what lies outside of the area instead of refusing");
 }

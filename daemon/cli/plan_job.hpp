@@ -6,6 +6,7 @@
 
 #include "core/plan/plan.hpp"
 #include "core/result.hpp"
+#include "daemon/cli/knife_option.hpp"
 #include "protocol/encode.hpp"
 
 namespace CLI {
@@ -19,6 +20,7 @@ struct PlanJobOptions {
   std::string input, machine, material, mat, at, dialect;
   std::string order{"quick"}, svg_profile{"popcut"};
   bool clip{false};
+  KnifeOption knife;
 };
 
 /// Adds INPUT, --machine, --material, --mat, --at, --order, --dialect, --svg-profile and --clip.
