@@ -205,7 +205,10 @@ void Check::find_fold_runs() {
 void Check::compare_strokes() {
   SegmentGrid grid(segments(wanted_), slack_);
   SegmentGrid lawful_grid(segments(lawful_), slack_);
-  const VertexGrid vertices({drawing_.points.begin(), drawing_.points.end()}, reach_);
+  std::vector<PagePoint> places = drawing_.points;
+  places.insert(places.end(), expected_.also_lawful.points.begin(),
+                expected_.also_lawful.points.end());
+  const VertexGrid vertices(std::move(places), reach_);
   std::vector<Stretch> on, on_fold, on_lawful;
   for (const Drawn& drawn : drawn_) {
     on.clear(), on_fold.clear(), on_lawful.clear();

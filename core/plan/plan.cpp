@@ -178,6 +178,7 @@ Result<Plan> plan(const LineWork& drawing, const Machine& machine, const Materia
   work = clean(work, options.clean);
   turn_round(work, options.knife.direction);
   sheet.paths = work.lines.size();
+  if (options.keep_lines) sheet.lines = work;
   const Dashed dashed = folded(std::move(work), material.dashes, *mode);
   if (dashed.work.lines.empty())
     return fail(ErrorKind::OutOfRange, "",

@@ -20,6 +20,7 @@ struct PlanOptions {
   OrderEffort effort{OrderEffort::Quick};
   CleanOptions clean{};
   KnifeOptions knife{};
+  bool keep_lines{false};  ///< the sheet keeps its lines as they were before folds were dashed
   std::uint32_t seed{1};  ///< of searches that use chance; the present ones do not
 };
 
@@ -30,6 +31,7 @@ struct PlannedSheet {
   Toolpath path;                    ///< strokes in order, as they are drawn
   std::optional<Toolpath> sent;     ///< the same with overcuts and blade offset, if that differs
   KnifeWork knife;
+  std::optional<LineWork> lines;  ///< cleaned, folds whole; only where they are to be kept
   Placement transform;         ///< pattern page -> sheet
   double cut_mm{}, fold_mm{};  ///< tool down, as sent
   double fold_line_mm{};       ///< folds before dashing

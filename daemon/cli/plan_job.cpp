@@ -116,6 +116,7 @@ Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
   if (!material) return tl::unexpected(material.error());
 
   PlanOptions how = *wanted;
+  how.keep_lines = options.svg_profile == "origami-sim";
   if (ideal_machine) how.mat.clear();
   auto planned = plan(input->drawing, *machine, *material, how);
   if (!planned) {
