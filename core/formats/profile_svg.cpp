@@ -65,10 +65,11 @@ double shortest_line(const LineWork& work) {
 void write_lightburn_svg(const LineWork& dashed, const std::array<double, 2>& page_mm,
                          std::ostream& out) {
   TextSink text(out);
-  text("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
-       "version=\"1.1\" data-popcut=\"dashes\" width=\"",
-       page_mm[0], "mm\" height=\"", page_mm[1], "mm\" viewBox=\"0 0 ", page_mm[0], " ", page_mm[1],
-       "\">\n<title>", xml_escaped(dashed.name), "</title>\n");
+  text(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
+      "version=\"1.1\" data-popcut=\"dashes\" width=\"",
+      page_mm[0], "mm\" height=\"", page_mm[1], "mm\" viewBox=\"0 0 ", page_mm[0], " ", page_mm[1],
+      "\">\n<title>", xml_escaped(dashed.name), "</title>\n");
   for (const Colour& colour : kLightburn) {
     bool open = false;
     for (const DrawnLine& line : dashed.lines) {
@@ -88,8 +89,9 @@ void write_origami_sim_svg(const LineWork& whole, std::ostream& out) {
   const Box box = bounds(whole);
   const double scale = std::clamp(30.0 / shortest_line(whole), 1.0, 1000.0);
   TextSink text(out);
-  text.put("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
-           "version=\"1.1\" viewBox=\"0 0 ");
+  text.put(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
+      "version=\"1.1\" viewBox=\"0 0 ");
   text.put_rounded(box.empty() ? 1.0 : box.width() * scale);
   text.put(" ");
   text.put_rounded(box.empty() ? 1.0 : box.height() * scale);

@@ -56,6 +56,8 @@ std::size_t append_axis_path(std::span<const PagePoint> tip, Blade& blade,
       begun = true;
     } else if (std::abs(turn) > blade.swivel_above_rad) {
       append_swing(from, blade.heading, turn, blade, axis);
+    } else if (std::abs(turn) > kAligned) {
+      axis.push_back(ahead(from, u, blade.offset_mm));  // one chord of that arc
     }
     axis.push_back(ahead(tip[i], u, blade.offset_mm));
     blade.heading = u;

@@ -16,7 +16,7 @@ namespace popcut {
 struct Blade {
   double offset_mm{};
   double swivel_above_rad{0.26};  ///< corners above this angle are turned on an arc
-  double arc_tolerance_mm{0.01};  ///< between an arc and its chords
+  double arc_tolerance_mm{0.005};  ///< between an arc and its chords
   PagePoint heading{1.0, 0.0};    ///< from tip to axis, a unit vector; what the last stroke left
 };
 

@@ -81,12 +81,12 @@ Result<Placement> find_place(const LineWork& drawing, const Machine& machine, co
   const Box box = bounds(drawing);
   if (!placement) return tl::unexpected(with_advice(placement.error(), machine, mat, box, options));
   if (room > 0.0 && !options.place.clip && !keep_room(*placement, drawing, reach, room))
-    return tl::unexpected(with_advice(
-        {ErrorKind::Infeasible, "",
-         fmt::format("pattern is {:.1f} x {:.1f} mm; {:.2f} mm must stay free all round for the "
-                     "offset of the blade, so the area holds {:.1f} x {:.1f} mm",
-                     box.width(), box.height(), room, reach[0] - 2 * room, reach[1] - 2 * room)},
-        machine, mat, {0, 0, box.width() + 2 * room, box.height() + 2 * room}, options));
+    return fail(ErrorKind::Infeasible, "",
+                fmt::format("pattern is {:.1f} x {:.1f} mm; {:.2f} mm must stay free all round for "
+                            "the offset of the blade, so the area holds {:.1f} x {:.1f} mm; scale "
+                            "it down, or take a larger area",
+                            box.width(), box.height(), room, reach[0] - 2 * room,
+                            reach[1] - 2 * room));
   return placement;
 }
 

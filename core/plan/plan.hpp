@@ -21,7 +21,7 @@ struct PlanOptions {
   CleanOptions clean{};
   KnifeOptions knife{};
   bool keep_lines{false};  ///< the sheet keeps its lines as they were before folds were dashed
-  std::uint32_t seed{1};  ///< of searches that use chance; the present ones do not
+  std::uint32_t seed{1};   ///< of searches that use chance; the present ones do not
 };
 
 /// One sheet: what the cutter does, in order, and its figures.
@@ -32,9 +32,9 @@ struct PlannedSheet {
   std::optional<Toolpath> sent;     ///< the same with overcuts and blade offset, if that differs
   KnifeWork knife;
   std::optional<LineWork> lines;  ///< cleaned, folds whole; only where they are to be kept
-  Placement transform;         ///< pattern page -> sheet
-  double cut_mm{}, fold_mm{};  ///< tool down, as sent
-  double fold_line_mm{};       ///< folds before dashing
+  Placement transform;            ///< pattern page -> sheet
+  double cut_mm{}, fold_mm{};     ///< tool down, as sent
+  double fold_line_mm{};          ///< folds before dashing
   double travel_mm{}, travel_input_mm{}, home_mm{};
   std::size_t paths{};  ///< lines of the drawing after cleaning
   double seconds{};

@@ -58,7 +58,7 @@ std::string clock(double seconds) {
 }
 
 void put_travel(std::string& svg, const Toolpath& path) {
-  svg += "<path id=\"travel\" stroke=\"#808080\" stroke-width=\"0.06\" d=\"";
+  svg += "<path id=\"travel\" stroke=\"#707070\" stroke-width=\"0.1\" d=\"";
   for (std::size_t i = 1; i < path.strokes.size(); ++i) {
     put_point(svg, 'M', path.points_of(path.strokes[i - 1]).back());
     put_point(svg, 'L', path.points_of(path.strokes[i]).front());
@@ -90,10 +90,9 @@ void put_legend(std::string& svg, const PlannedSheet& sheet, const std::string& 
   put_text(svg, x, 8, title);
   for (std::size_t k = 0; k < kSteps; ++k) {
     const double t = static_cast<double>(k) / (kSteps - 1);
-    fmt::format_to(Out(svg),
-                   "<rect x=\"{:.2f}\" y=\"{:.3f}\" width=\"5\" height=\"{:.3f}\" fill=\"{}\"/>\n",
-                   x, 14 + bar * static_cast<double>(k) / kSteps, bar / kSteps + 0.05,
-                   colour_at(t));
+    fmt::format_to(
+        Out(svg), "<rect x=\"{:.2f}\" y=\"{:.3f}\" width=\"5\" height=\"{:.3f}\" fill=\"{}\"/>\n",
+        x, 14 + bar * static_cast<double>(k) / kSteps, bar / kSteps + 0.05, colour_at(t));
   }
   put_text(svg, x + 8, 17, "stroke 1, cut first");
   put_text(svg, x + 8, 14 + bar / 2 + 1.5, fmt::format("stroke {}", (n + 1) / 2));
@@ -101,9 +100,9 @@ void put_legend(std::string& svg, const PlannedSheet& sheet, const std::string& 
   put_text(svg, x, 62, fmt::format("{} lifts", n));
   put_text(svg, x, 68, fmt::format("cut {:.0f} mm, folds {:.0f} mm", sheet.cut_mm, sheet.fold_mm));
   put_text(svg, x, 74, fmt::format("travel {:.0f} mm (thin grey)", sheet.travel_mm));
-  put_text(svg, x, 80,
-           fmt::format("{} ({} to {})", clock(sheet.seconds), clock(sheet.seconds_range[0]),
-                       clock(sheet.seconds_range[1])));
+  put_text(svg, x, 80, clock(sheet.seconds));
+  put_text(svg, x, 86,
+           fmt::format("{} to {}", clock(sheet.seconds_range[0]), clock(sheet.seconds_range[1])));
   svg += "</g>\n";
 }
 

@@ -118,6 +118,8 @@ Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
   PlanOptions how = *wanted;
   how.keep_lines = options.svg_profile == "origami-sim";
   if (ideal_machine) how.mat.clear();
+  // An ideal plotter cuts lines as they are drawn.
+  if (ideal_machine && !how.knife.overcut_mm) how.knife.overcut_mm = 0.0;
   auto planned = plan(input->drawing, *machine, *material, how);
   if (!planned) {
     const bool of_option = planned.error().place.rfind("--", 0) == 0;

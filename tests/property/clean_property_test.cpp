@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/plan/clean.hpp"
+#include "core/plan/plan.hpp"
 #include "tests/support/euler_count.hpp"
 #include "tests/support/linework_checks.hpp"
 
@@ -146,5 +147,47 @@ TEST_CASE("no end moves farther than the snap", "[core][plan][clean]") {
       moved += by > 0.001 ? 1 : 0;
     }
     CHECK((moved > 0) == (snap > 0.0));
+  }
+}
+
+TEST_CASE("planned strokes are the cleaned lines in another order and direction",
+          "[core][plan][order]") {
+  std::mt19937 random(74);
+  const Machine machine = *find_machine("cameo3");
+  Material paper = *find_material("paper-220");
+  paper.score.reset();  // which goes over each line twice
+  for (int round = 0; round < 40; ++round) {
+    CAPTURE(round);
+    const LineWork work = lattice_walks(random, 0.012, uniform(random, 0.5, 12.0));
+    PlanOptions options;
+    options.place.at = PagePoint{20, 20};
+    options.keep_lines = true;
+    const auto done = plan(work, machine, paper, options);
+    REQUIRE(done);
+    const PlannedSheet& sheet = done->sheets[0];
+    REQUIRE(sheet.lines);
+    REQUIRE(sheet.path.strokes.size() == sheet.lines->lines.size());
+    std::vector<bool> seen(sheet.lines->lines.size(), false);
+    for (const Stroke& stroke : sheet.path.strokes) {
+      REQUIRE(stroke.line < seen.size());
+      CHECK_FALSE(seen[stroke.line]);
+      seen[stroke.line] = true;
+      const DrawnLine& line = sheet.lines->lines[stroke.line];
+      CHECK(line.operation == stroke.operation);
+      const auto drawn = sheet.lines->points_of(line);
+      const auto cut = sheet.path.points_of(stroke);
+      REQUIRE(drawn.size() == cut.size());
+      std::vector<PagePoint> a(drawn.begin(), drawn.end()), b(cut.begin(), cut.end());
+      if (closed(drawn)) {
+        CHECK(closed(cut));
+        a.pop_back();
+        b.pop_back();
+      }
+      std::sort(a.begin(), a.end());
+      std::sort(b.begin(), b.end());
+      CHECK(a == b);
+      CHECK(length(drawn) == Approx(length(cut)));
+      for (const PagePoint& p : cut) CHECK((p.x >= 0.0 && p.x <= 304.8 && p.y >= 0.0));
+    }
   }
 }

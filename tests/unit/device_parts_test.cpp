@@ -4,9 +4,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/plan/motion.hpp"
 #include "device/fold_chains.hpp"
 #include "device/fold_check.hpp"
-#include "core/plan/motion.hpp"
 #include "device/motion.hpp"
 #include "device/run_along.hpp"
 #include "device/window.hpp"
