@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "core/plan/blade.hpp"
+#include "core/plan/clean.hpp"
 #include "core/plan/segment_grid.hpp"
 #include "device/fold_chains.hpp"
 #include "device/fold_check.hpp"
@@ -17,6 +19,7 @@ namespace popcut {
 namespace {
 
 constexpr double kFloatNoiseMm = 1e-5;  // a sheet's file has 1e-6 mm
+constexpr double kTipMm = 0.05;  // what rounding and chords do to the tip of a trailing blade
 constexpr std::size_t kShown = 20;
 
 /// A straight part of an expected line.
@@ -47,7 +50,7 @@ class Check {
       : trace_(trace),
         expected_(expected),
         drawing_(expected.drawing),
-        reach_(trace.unit_mm / 2 + kFloatNoiseMm),
+        reach_(trace.unit_mm / 2 + kFloatNoiseMm + (by_tip() ? kTipMm : 0.0)),
         slack_(std::sqrt(2.0) * reach_) {}
 
   Comparison run() {
@@ -56,6 +59,7 @@ class Check {
     find_fold_runs();
     list_drawn();
     compare_strokes();
+    cover_by_lawful();
     std::sort(covers_.begin(), covers_.end(), [](const Cover& a, const Cover& b) {
       return a.wanted != b.wanted ? a.wanted < b.wanted : a.on.from < b.on.from;
     });
@@ -75,7 +79,7 @@ class Check {
   void list_wanted(const LineWork& work, std::vector<Wanted>& list, bool count) {
     for (std::uint32_t i = 0; i < work.lines.size(); ++i) {
       const auto points = work.points_of(work.lines[i]);
-      const bool fold = is_fold(work.lines[i].operation) && !work.dashed;
+      const bool fold = is_fold(work.lines[i].operation) && !work.dashed && !expected_.folds_whole;
       double offset = 0;
       for (std::size_t k = 1; k < points.size(); ++k) {
         const double l = distance(points[k - 1], points[k]);
@@ -87,9 +91,22 @@ class Check {
     }
   }
 
+  [[nodiscard]] bool by_tip() const {
+    return expected_.blade_offset_mm > 0 && expected_.blade_tools != 0;
+  }
+
+  /// The stroke as its tip draws it.
+  std::span<const PagePoint> drawn_points(const TraceStroke& stroke, Blade& blade) {
+    const auto points = trace_.points_of(stroke);
+    if (!by_tip() || (expected_.blade_tools >> stroke.tool & 1) == 0) return points;
+    tip_ = without_straight_vertices(tip_path(points, blade), kTipMm / 2);
+    return tip_;
+  }
+
   void list_drawn() {
+    Blade blade{.offset_mm = expected_.blade_offset_mm};
     for (std::uint32_t i = 0; i < trace_.strokes.size(); ++i) {
-      const auto points = trace_.points_of(trace_.strokes[i]);
+      const auto points = drawn_points(trace_.strokes[i], blade);
       double drawn = 0;
       for (std::size_t k = 1; k < points.size(); ++k) {
         const double l = distance(points[k - 1], points[k]);
@@ -124,6 +141,7 @@ class Check {
   }
   void find_fold_runs();
   void compare_strokes();
+  void cover_by_lawful();
   void check_vertices(const Drawn& drawn, const std::vector<Stretch>& on_fold,
                       const std::vector<Stretch>& on_lawful, const VertexGrid& vertices);
   void compare_lines();
@@ -143,7 +161,9 @@ class Check {
   double slack_;  ///< in any direction
   std::vector<Wanted> wanted_, lawful_;
   std::vector<Drawn> drawn_;
+  std::vector<PagePoint> tip_;
   std::vector<Cover> covers_;
+  std::vector<Cover> lawful_covers_;  ///< of wanted segments by what is also lawful
   std::vector<std::vector<std::uint32_t>> fold_runs_;  ///< into `wanted_`, in order along the fold
   std::vector<std::uint32_t> near_;
   std::size_t budget_{200'000'000};
@@ -185,7 +205,10 @@ void Check::find_fold_runs() {
 void Check::compare_strokes() {
   SegmentGrid grid(segments(wanted_), slack_);
   SegmentGrid lawful_grid(segments(lawful_), slack_);
-  const VertexGrid vertices({drawing_.points.begin(), drawing_.points.end()}, reach_);
+  std::vector<PagePoint> places = drawing_.points;
+  places.insert(places.end(), expected_.also_lawful.points.begin(),
+                expected_.also_lawful.points.end());
+  const VertexGrid vertices(std::move(places), reach_);
   std::vector<Stretch> on, on_fold, on_lawful;
   for (const Drawn& drawn : drawn_) {
     on.clear(), on_fold.clear(), on_lawful.clear();
@@ -220,8 +243,23 @@ void Check::compare_strokes() {
                             drawn.stroke, at.x, at.y));
       continue;
     }
-    check_vertices(drawn, on_fold, on_lawful, vertices);
+    if (!by_tip()) check_vertices(drawn, on_fold, on_lawful, vertices);
   }
+}
+
+/// Where what is also lawful runs along expected lines, those may be covered once more.
+void Check::cover_by_lawful() {
+  if (lawful_.empty()) return;
+  SegmentGrid grid(segments(wanted_), slack_);
+  for (const Wanted& lawful : lawful_) {
+    grid.near(lawful.segment, near_);
+    if (!affordable(near_.size())) return;
+    for (const std::uint32_t index : near_)
+      if (const auto common = run_along(wanted_[index].segment, lawful.segment, reach_))
+        lawful_covers_.push_back({index, common->a});
+  }
+  std::sort(lawful_covers_.begin(), lawful_covers_.end(),
+            [](const Cover& a, const Cover& b) { return a.wanted < b.wanted; });
 }
 
 void Check::check_vertices(const Drawn& drawn, const std::vector<Stretch>& on_fold,
@@ -268,11 +306,12 @@ void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, Segm
   struct Step {
     double at{};
     int by{};
+    int spare{};  ///< how often it may be covered beside
   };
   std::vector<Step> steps;
   for (const Cover& cover : covers) {
-    steps.push_back({cover.on.from, 1});
-    steps.push_back({cover.on.to, -1});
+    steps.push_back({cover.on.from, 1, 0});
+    steps.push_back({cover.on.to, -1, 0});
   }
   if (drawing_.dashed) {
     grid.near(wanted.segment, near_);
@@ -280,20 +319,28 @@ void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, Segm
     for (const std::uint32_t other : near_) {
       const auto common = run_along(wanted.segment, wanted_[other].segment, kFloatNoiseMm);
       if (!common) continue;
-      steps.push_back({common->a.from, -1});
-      steps.push_back({common->a.to, 1});
+      steps.push_back({common->a.from, -1, 0});
+      steps.push_back({common->a.to, 1, 0});
     }
   } else {
     const int passes = is_fold(drawing_.lines[wanted.line].operation) ? expected_.fold_passes
                                                                       : expected_.cut_passes;
-    steps.push_back({0, -passes});
-    steps.push_back({wanted.length, passes});
+    steps.push_back({0, -passes, 0});
+    steps.push_back({wanted.length, passes, 0});
+  }
+  const auto lawful =
+      std::lower_bound(lawful_covers_.begin(), lawful_covers_.end(), index,
+                       [](const Cover& cover, std::uint32_t i) { return cover.wanted < i; });
+  for (auto it = lawful; it != lawful_covers_.end() && it->wanted == index; ++it) {
+    steps.push_back({it->on.from, 0, 1});
+    steps.push_back({it->on.to, 0, -1});
   }
   std::sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) { return a.at < b.at; });
-  int excess = 0;
+  int excess = 0, spare = 0;
   for (std::size_t k = 0; k + 1 < steps.size(); ++k) {
     excess += steps[k].by;
-    if (excess == 0 || steps[k + 1].at - steps[k].at <= 2 * slack_) continue;
+    spare += steps[k].spare;
+    if ((excess >= 0 && excess <= spare) || steps[k + 1].at - steps[k].at <= 2 * slack_) continue;
     const PagePoint at = place(wanted, steps[k].at);
     fail_with(
         fmt::format("line {} ({}) is {} from {:.3f} to {:.3f} mm of its length, at ({:.3f}, "

@@ -4,25 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "core/plan/motion.hpp"
 #include "device/sim_cutter.hpp"
 
 namespace popcut {
-namespace {
-
-// The blade's tip is turned into the next direction at this speed: the 20 corners of the recorded
-// job cost 1.4 s with a blade of 0.9 mm offset and nothing with a pen (Cameo 3, firmware V1.60).
-constexpr double kSwivelMmS = 20;
-// Turns beyond 30 degrees are corners to lift over where the machine is told so (FE1).
-constexpr double kSharpTurnCos = 0.866;
-
-double turn_cos(PagePoint a, PagePoint b, PagePoint c) {
-  const double before = distance(a, b);
-  const double after = distance(b, c);
-  if (before == 0 || after == 0) return 1;
-  return ((b.x - a.x) * (c.x - b.x) + (b.y - a.y) * (c.y - b.y)) / (before * after);
-}
-
-}  // namespace
 
 /// Fills the planner's queue. Settings wait until all motion before them has ended.
 void SimCutter::lower() {
@@ -90,9 +75,9 @@ void SimCutter::plan_way(ActionKind kind, PagePoint to, double speed_mm_s) {
     const ToolState& state = tools_[static_cast<std::size_t>(tool_)];
     const double cosine = turn_cos(*plan_way_from_, plan_position_, to);
     const Motion& motion = machine_.motion;
-    action.leg.corner_mm_s = corner_speed(cosine, motion.accel_mm_s2, motion.corner_mm);
-    if (state.offset_mm > 0 && cosine < kSharpTurnCos) {
-      action.dwell_s = state.offset_mm * std::acos(std::clamp(cosine, -1.0, 1.0)) / kSwivelMmS;
+    action.leg.corner_mm_s = corner_speed(cosine, motion);
+    if (const double swivel = swivel_seconds(cosine, state.offset_mm, motion); swivel > 0) {
+      action.dwell_s = swivel;
       if (state.corner_lift)
         // Over the corner, up, back before it, down: the extension is cut and travelled once.
         action.dwell_s += motion.lift_s + motion.drop_s +

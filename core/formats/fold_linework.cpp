@@ -8,7 +8,7 @@
 
 #include "core/formats/fold_reader.hpp"
 #include "core/plan/clean.hpp"
-#include "core/plan/join.hpp"
+#include "core/plan/euler.hpp"
 #include "core/plan/nesting.hpp"
 #include "core/plan/overlap.hpp"
 
@@ -62,7 +62,7 @@ bool add_borders(std::vector<Segment> borders, LineWork& work) {
   OverlapIndex index(OverlapIndex::cell_for(borders), kOverlapTolerance, borders.size());
   for (std::uint32_t i = 0; i < borders.size(); ++i) index.insert(borders[i], i);
   std::vector<OverlapIndex::Covered> covered, slit;
-  std::vector<Piece> edge;
+  std::vector<Segment> edge;
   std::size_t overlaps = 0;
   for (std::uint32_t i = 0; i < borders.size(); ++i) {
     const Segment& s = borders[i];
@@ -77,7 +77,7 @@ bool add_borders(std::vector<Segment> borders, LineWork& work) {
     overlaps += covered.size();
     if (overlaps > kMostOverlaps) return false;
     for (const auto& [from, to] : free_parts(covered, l))
-      edge.push_back({{at(from), at(to)}, Operation::Outline, -1});
+      edge.push_back({at(from), at(to)});
     // What is free of all, and of those before: what remains is the slit's first side.
     slit.clear();
     double t = 0.0;
@@ -95,7 +95,7 @@ bool add_borders(std::vector<Segment> borders, LineWork& work) {
       work.append(Operation::Cut, std::array{at(from), at(to)});
   }
   LineWork loops;
-  join(edge, kJoinTolerance, loops);
+  join_loops(edge, 2 * kOverlapTolerance, loops);
   const std::vector<std::uint32_t> depth =
       nesting_depth(loops, std::vector<std::uint8_t>(loops.lines.size(), 1));
   for (std::size_t i = 0; i < loops.lines.size(); ++i)

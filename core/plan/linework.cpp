@@ -23,8 +23,6 @@ void Box::add(const PagePoint& p) {
   y1 = std::max(y1, p.y);
 }
 
-double distance(const PagePoint& a, const PagePoint& b) { return std::hypot(b.x - a.x, b.y - a.y); }
-
 double length(std::span<const PagePoint> line) {
   double sum = 0.0;
   for (std::size_t i = 1; i < line.size(); ++i) sum += distance(line[i - 1], line[i]);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -48,7 +49,10 @@ struct Box {
 inline constexpr std::size_t kMaxDrawnPoints = 20'000'000;  ///< of one drawing
 inline constexpr double kMaxCoordinate = 100'000.0;         ///< mm; nothing is longer than 100 m
 
-[[nodiscard]] double distance(const PagePoint& a, const PagePoint& b);
+[[nodiscard]] inline double distance(const PagePoint& a, const PagePoint& b) {
+  const double dx = b.x - a.x, dy = b.y - a.y;
+  return std::sqrt(dx * dx + dy * dy);  // coordinates are bounded: nothing overflows
+}
 [[nodiscard]] double length(std::span<const PagePoint> line);
 [[nodiscard]] bool closed(std::span<const PagePoint> line);
 [[nodiscard]] Box bounds(const LineWork& work);

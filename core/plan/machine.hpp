@@ -20,7 +20,8 @@ struct Motion {
   double setup_s{};           ///< settings accepted until ready
   double trailer_s{};         ///< trailer accepted until ready, beyond the way home
   double autoblade_reset_s{}, autoblade_tap_s{};  ///< reset, and each of (10 - depth) taps
-  double spread{0.25};                            ///< how far times may be off, as a part of them
+  double swivel_mm_s{20.0};  ///< of the tip, where the firmware turns the blade at a corner
+  double spread{0.25};       ///< how far times may be off, as a part of them
 };
 
 /// A scale that a machine takes as whole steps: `value = steps * per_step`.
@@ -48,6 +49,7 @@ struct Machine {
   int tool_holders{1};
   bool autoblade{false};
   bool firmware_blade_offset{true};  ///< the firmware swivels the blade itself
+  double blade_offset_mm{};          ///< of the blade it is used with; 0: the material's
   SteppedScale force_gf;
   SteppedScale speed_mm_s;
   Motion motion;
@@ -67,12 +69,20 @@ struct DashShape {
   double min_dash_mm{0.5};
 };
 
+/// What touches the sheet. A blade trails behind its axis; a pen and a stylus do not.
+enum class ToolTip : std::uint8_t { Blade, Pen, Stylus };
+
+/// How folds are made: rows of cuts, a line pressed with a stylus, a line cut half through.
+enum class FoldMode : std::uint8_t { Perforate, Score, Light };
+
 /// Settings of the tool for one kind of stroke.
 struct ToolSettings {
   int tool{1};
   double force_gf{};
   double speed_mm_s{};
   int passes{1};
+  double force_step_gf{};  ///< more force on each further pass
+  ToolTip tip{ToolTip::Blade};
 };
 
 /// A row of the material table (core/data/materials.json, and users' own tables).
@@ -82,9 +92,20 @@ struct Material {
   double thickness_mm{};
   DashShape dashes;
   ToolSettings cut, fold, draw;
+  std::optional<ToolSettings> score;  ///< a stylus or wheel; none: the material is not scored
+  std::optional<ToolSettings> light;  ///< a cut that does not go through
+  FoldMode folds{FoldMode::Perforate};
   double blade_offset_mm{0.9};
-  int autoblade_depth{};  ///< 0..10, for machines that have one
+  double overcut_mm{0.5};         ///< beyond both ends of closed cuts
+  double swivel_above_deg{15.0};  ///< corners above it are turned on an arc, where popcut does it
+  int autoblade_depth{};          ///< 0..10, for machines that have one
 };
+
+/// The blade offset that popcut has to compensate; 0 where the machine's firmware does it.
+[[nodiscard]] double host_blade_offset_mm(const Machine& machine, const Material& material);
+
+/// "perforate", "score", "light"
+[[nodiscard]] const char* fold_mode_name(FoldMode mode);
 
 /// Finds a machine by name in the built-in table, or in `user_tables` (JSON texts), which win.
 ///

@@ -34,6 +34,7 @@ Motion read_motion(JsonFields& fields) {
   motion.trailer_s = fields.number("trailer_s", {}, 0.0, 600.0);
   motion.autoblade_reset_s = fields.number("autoblade_reset_s", {}, 0.0, 600.0);
   motion.autoblade_tap_s = fields.number("autoblade_tap_s", {}, 0.0, 60.0);
+  motion.swivel_mm_s = fields.number("swivel_mm_s", 20.0, 0.1, 10'000.0);
   motion.spread = fields.number("spread", {}, 0.0, 0.9);
   return motion;
 }
@@ -83,6 +84,7 @@ Result<Machine> read_machine(const TableRow& row) {
   machine.tool_holders = fields.integer("tool_holders", {}, 1, 8);
   machine.autoblade = fields.boolean("autoblade", false);
   machine.firmware_blade_offset = fields.boolean("firmware_blade_offset", true);
+  machine.blade_offset_mm = fields.number("blade_offset_mm", 0.0, 0.0, 5.0);
   read_object(fields, "force_gf", machine.force_gf, read_scale);
   read_object(fields, "speed_mm_s", machine.speed_mm_s, read_scale);
   read_object(fields, "motion", machine.motion, read_motion);

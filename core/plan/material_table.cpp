@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <array>
 #include <optional>
 
 #include <fmt/format.h>
@@ -22,13 +23,35 @@ DashShape read_dashes(JsonFields& fields) {
   return dashes;
 }
 
-ToolSettings read_tool(JsonFields& fields) {
+ToolSettings read_tool(JsonFields& fields, ToolTip usual) {
   ToolSettings tool;
   tool.tool = fields.integer("tool", {}, 1, 8);
   tool.force_gf = fields.number("force_gf", {}, 0.0, 10'000.0);
   tool.speed_mm_s = fields.number("speed_mm_s", {}, 0.1, 10'000.0);
   tool.passes = fields.integer("passes", {}, 1, 20);
+  tool.force_step_gf = fields.number("force_step_gf", 0.0, -10'000.0, 10'000.0);
+  tool.tip = static_cast<ToolTip>(
+      fields.word("tip", static_cast<std::size_t>(usual), {"blade", "pen", "stylus"}));
   return tool;
+}
+
+std::optional<ToolSettings> read_optional_tool(JsonFields& fields, const char* name,
+                                               ToolTip usual) {
+  const nlohmann::json* given = fields.value(name);
+  if (given == nullptr || given->is_null()) return std::nullopt;
+  ToolSettings tool;
+  read_object(fields, name, tool, [&](JsonFields& inner) { return read_tool(inner, usual); });
+  return tool;
+}
+
+void read_folds(JsonFields& fields, Material& material) {
+  material.folds = static_cast<FoldMode>(fields.word("folds", 0, {"perforate", "score", "light"}));
+  const bool missing = (material.folds == FoldMode::Score && !material.score) ||
+                       (material.folds == FoldMode::Light && !material.light);
+  if (missing)
+    fields.add_error(ErrorKind::Malformed, fields.pointer("folds"),
+                     fmt::format("is {0}, which needs the settings \"{0}\" of this material",
+                                 fold_mode_name(material.folds)));
 }
 
 Result<Material> read_material(const TableRow& row) {
@@ -39,9 +62,16 @@ Result<Material> read_material(const TableRow& row) {
   fields.value("source");
   material.thickness_mm = fields.number("thickness_mm", {}, 0.001, 20.0);
   read_object(fields, "dashes", material.dashes, read_dashes);
-  read_object(fields, "cut", material.cut, read_tool);
-  read_object(fields, "fold", material.fold, read_tool);
-  read_object(fields, "draw", material.draw, read_tool);
+  const auto read_blade = [](JsonFields& inner) { return read_tool(inner, ToolTip::Blade); };
+  read_object(fields, "cut", material.cut, read_blade);
+  read_object(fields, "fold", material.fold, read_blade);
+  read_object(fields, "draw", material.draw,
+              [](JsonFields& inner) { return read_tool(inner, ToolTip::Pen); });
+  material.score = read_optional_tool(fields, "score", ToolTip::Stylus);
+  material.light = read_optional_tool(fields, "light", ToolTip::Blade);
+  read_folds(fields, material);
+  material.overcut_mm = fields.number("overcut_mm", 0.5, 0.0, 10.0);
+  material.swivel_above_deg = fields.number("swivel_above_deg", 15.0, 1.0, 90.0);
   material.blade_offset_mm = fields.number("blade_offset_mm", {}, 0.0, 5.0);
   material.autoblade_depth = fields.integer("autoblade_depth", {}, 0, 10);
   if (const auto whole = fields.finish(); !whole)
@@ -50,6 +80,16 @@ Result<Material> read_material(const TableRow& row) {
 }
 
 }  // namespace
+
+double host_blade_offset_mm(const Machine& machine, const Material& material) {
+  if (machine.firmware_blade_offset) return 0.0;
+  return machine.blade_offset_mm > 0.0 ? machine.blade_offset_mm : material.blade_offset_mm;
+}
+
+const char* fold_mode_name(FoldMode mode) {
+  constexpr std::array kNames{"perforate", "score", "light"};
+  return kNames[static_cast<std::size_t>(mode)];
+}
 
 Result<std::vector<Material>> all_materials(const std::vector<std::string>& user_tables) {
   const auto rows = table_rows("materials", kMaterialsJson, user_tables);

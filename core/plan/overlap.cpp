@@ -11,7 +11,9 @@
 namespace popcut {
 namespace {
 
-constexpr int kDirections = 15;  // bins of 12 degrees over a half turn
+constexpr int kDirections = 15;      // bins of 12 degrees over a half turn
+constexpr double kParallel = 0.001;  // slope between lines that share a part of both,
+constexpr double kAside = 0.004;     // and mm by which an end may have been moved aside
 
 int direction_of(const Segment& s) {
   double angle = std::atan2(s.b.y - s.a.y, s.b.x - s.a.x);
@@ -19,7 +21,8 @@ int direction_of(const Segment& s) {
   return static_cast<int>(angle * kDirections / std::numbers::pi) % kDirections;
 }
 
-// The part of `s` (of length `l`) that lies on `other`, if both its ends are within tolerance.
+}  // namespace
+
 bool overlap(const Segment& s, double l, const Segment& other, double tolerance, double& from,
              double& to) {
   const double dx = (s.b.x - s.a.x) / l;
@@ -36,11 +39,13 @@ bool overlap(const Segment& s, double l, const Segment& other, double tolerance,
   to = std::min(t1, l);
   if (to - from < std::min(tolerance, 0.5 * l)) return false;
   const double slope = (h1 - h0) / (t1 - t0);
+  // Lines that cross at a small angle share no more than a point of their length.
+  const bool whole = (from <= 0.0 && to >= l) || (from <= t0 && to >= t1);
+  const double other_l = distance(other.a, other.b);
+  if (!whole && std::abs(slope) > kParallel + kAside / std::min(l, other_l)) return false;
   return std::abs(h0 + slope * (from - t0)) <= tolerance &&
          std::abs(h0 + slope * (to - t0)) <= tolerance;
 }
-
-}  // namespace
 
 OverlapIndex::OverlapIndex(double cell, double tolerance, std::size_t expected)
     : cell_(cell), tolerance_(tolerance), head_(std::bit_ceil(4 * expected + 16), -1) {
@@ -115,8 +120,15 @@ void OverlapIndex::insert(const Segment& segment, std::uint32_t id) {
 void OverlapIndex::covered(const Segment& segment, std::uint32_t not_this,
                            std::vector<Covered>& out) {
   out.clear();
+  find(segment, not_this, out);
+  std::sort(out.begin(), out.end(), [](const Covered& a, const Covered& b) {
+    return a.from != b.from ? a.from < b.from : a.by < b.by;
+  });
+}
+
+void OverlapIndex::find(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out) {
   const double l = distance(segment.a, segment.b);
-  if (!(l > 0.0)) return;
+  if (!(l > 0.0) || segments_.empty()) return;
   ++query_;
   const int direction = direction_of(segment);
   visit_cells(segment, tolerance_, [&](std::int64_t cx, std::int64_t cy) {
@@ -131,9 +143,6 @@ void OverlapIndex::covered(const Segment& segment, std::uint32_t not_this,
           out.push_back(part);
       }
     }
-  });
-  std::sort(out.begin(), out.end(), [](const Covered& a, const Covered& b) {
-    return a.from != b.from ? a.from < b.from : a.by < b.by;
   });
 }
 

@@ -16,6 +16,10 @@ struct Segment {
   PagePoint b;
 };
 
+/// The part of `s` (of length `l`) that lies on `other` to `tolerance`, mm along it; false if none.
+[[nodiscard]] bool overlap(const Segment& s, double l, const Segment& other, double tolerance,
+                           double& from, double& to);
+
 /// Finds which parts of a segment lie on others: a hash of grid cells and directions, filled as one
 /// goes. Two segments overlap where one's projection falls on the other and both ends of that part
 /// lie within `tolerance` of it; so lines that cross never do.
@@ -35,6 +39,8 @@ class OverlapIndex {
   };
   /// All parts of `segment` on inserted segments, sorted by `from`; id `not_this` is passed over.
   void covered(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out);
+  /// The same, appended and not sorted.
+  void find(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out);
 
  private:
   template <typename Visit>

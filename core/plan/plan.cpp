@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -13,7 +14,7 @@
 namespace popcut {
 namespace {
 
-constexpr double kRollMargin = 10.0;  // mm of roll after the drawing
+constexpr double kRollMargin = 10.0;  // mm of roll after the drawing, more than any blade's offset
 
 // The error of `place` with what the user can do about it.
 Error with_advice(Error error, const Machine& machine, const Mat& mat, const Box& box,
@@ -61,77 +62,68 @@ Result<void> check_amount(const LineWork& work, const DashShape& shape) {
   return {};
 }
 
-// Tool, force and speed of each kind of stroke, within what the machine can; it warns once a kind.
-class Settings {
- public:
-  Settings(const Machine& machine, const Material& material, std::vector<std::string>& warnings)
-      : machine_(machine),
-        warnings_(warnings),
-        cut_(material.cut),
-        fold_(material.fold),
-        draw_(material.draw) {}
+// Moves a drawing that comes nearer to the border than `room` away from it; false where it cannot.
+bool keep_room(Placement& placement, const LineWork& drawing, const std::array<double, 2>& reach,
+               double room) {
+  Box box;
+  for (const PagePoint& p : drawing.points) box.add(placement(p));
+  if (box.width() > reach[0] - 2 * room || box.height() > reach[1] - 2 * room) return false;
+  placement.x0 += std::max(0.0, room - box.x0) - std::max(0.0, box.x1 - (reach[0] - room));
+  placement.y0 += std::max(0.0, room - box.y0) - std::max(0.0, box.y1 - (reach[1] - room));
+  return true;
+}
 
-  const ToolSettings& of(Operation operation) {
-    const int kind = operation <= Operation::Score ? 0 : is_fold(operation) ? 1 : 2;
-    ToolSettings& tool = kind == 0 ? draw_ : kind == 1 ? fold_ : cut_;
-    if (!checked_[static_cast<std::size_t>(kind)])
-      fit(tool, kind == 0 ? "draw" : kind == 1 ? "fold" : "cut");
-    checked_[static_cast<std::size_t>(kind)] = true;
-    return tool;
-  }
+// Where the drawing goes. The axis of a blade that popcut turns goes beyond what its tip cuts.
+Result<Placement> find_place(const LineWork& drawing, const Machine& machine, const Mat& mat,
+                             const PlanOptions& options, const std::array<double, 2>& reach,
+                             double room) {
+  auto placement = place(drawing, reach, options.place);
+  const Box box = bounds(drawing);
+  if (!placement) return tl::unexpected(with_advice(placement.error(), machine, mat, box, options));
+  if (room > 0.0 && !options.place.clip && !keep_room(*placement, drawing, reach, room))
+    return fail(ErrorKind::Infeasible, "",
+                fmt::format("pattern is {:.1f} x {:.1f} mm; {:.2f} mm must stay free all round for "
+                            "the offset of the blade, so the area holds {:.1f} x {:.1f} mm; scale "
+                            "it down, or take a larger area",
+                            box.width(), box.height(), room, reach[0] - 2 * room,
+                            reach[1] - 2 * room));
+  return placement;
+}
 
- private:
-  void fit(ToolSettings& tool, const char* kind) {
-    if (tool.tool > machine_.tool_holders) {
-      warnings_.push_back(fmt::format("{} asks for tool {}, {} has {}; tool 1 is used", kind,
-                                      tool.tool, machine_.name, machine_.tool_holders));
-      tool.tool = 1;
-    }
-    fit_scale(tool.force_gf, machine_.force_gf, kind, "force", "gf");
-    fit_scale(tool.speed_mm_s, machine_.speed_mm_s, kind, "speed", "mm/s");
+// Folds as dashes, or as whole lines where they are pressed or cut half through.
+Dashed folded(LineWork work, const DashShape& shape, FoldMode mode) {
+  if (mode == FoldMode::Perforate) return micro_cut(work, shape);
+  Dashed out;
+  for (std::uint32_t i = 0; i < work.lines.size(); ++i) {
+    out.line.push_back(i);
+    if (is_fold(work.lines[i].operation)) out.fold_line_mm += length(work.points_of(work.lines[i]));
   }
-  void fit_scale(double& value, const SteppedScale& scale, const char* kind, const char* what,
-                 const char* unit) {
-    if (scale.per_step <= 0.0) return;
-    const double low = scale.min_step * scale.per_step, high = scale.max_step * scale.per_step;
-    const double fitted = std::clamp(value, low, high);
-    if (fitted != value)
-      warnings_.push_back(fmt::format("{} {} of {:g} {} is beyond {}; {:g} {} is used", kind, what,
-                                      value, unit, machine_.name, fitted, unit));
-    value = fitted;
-  }
+  out.work = std::move(work);
+  out.work.dashed = true;
+  return out;
+}
 
-  const Machine& machine_;
-  std::vector<std::string>& warnings_;
-  ToolSettings cut_, fold_, draw_;
-  std::array<bool, 3> checked_{};
-};
+Result<FoldMode> fold_mode(const Material& material, const PlanOptions& options) {
+  const FoldMode mode = options.knife.folds.value_or(material.folds);
+  const bool missing =
+      (mode == FoldMode::Score && !material.score) || (mode == FoldMode::Light && !material.light);
+  if (missing)
+    return fail(ErrorKind::OutOfRange, "--folds",
+                fmt::format("material {0} has no settings \"{1}\"; add them to your table of "
+                            "materials, or take --folds perforate",
+                            material.name, fold_mode_name(mode)));
+  return mode;
+}
 
-// Strokes in order. Further passes go round a closed line without lifting, and back along an open
-// one.
-Toolpath strokes(const Dashed& dashed, const std::vector<Visit>& visits, Settings& settings) {
-  Toolpath path;
-  std::vector<PagePoint> points;
-  for (const Visit& visit : visits) {
-    const Operation operation = dashed.work.lines[visit.line].operation;
-    const ToolSettings& tool = settings.of(operation);
-    points_of_visit(dashed.work, visit, points);
-    if (closed(points)) {
-      const std::vector<PagePoint> once(points.begin() + 1, points.end());
-      for (int pass = 1; pass < tool.passes; ++pass)
-        points.insert(points.end(), once.begin(), once.end());
-    }
-    const int repeats = closed(points) ? 1 : tool.passes;
-    for (int pass = 0; pass < repeats; ++pass) {
-      path.strokes.push_back({operation, static_cast<std::uint32_t>(path.points.size()),
-                              static_cast<std::uint32_t>(points.size()), dashed.line[visit.line],
-                              static_cast<std::uint8_t>(tool.tool), tool.force_gf,
-                              tool.speed_mm_s});
-      path.points.insert(path.points.end(), points.begin(), points.end());
-      std::reverse(points.begin(), points.end());
-    }
-  }
-  return path;
+Result<void> check_options(const PlanOptions& options) {
+  const double snap = options.clean.snap_mm, overcut = options.knife.overcut_mm.value_or(0.0);
+  if (!(snap >= 0.0 && snap <= kMostSnap))
+    return fail(ErrorKind::OutOfRange, "--snap",
+                fmt::format("{:g} mm; it must be 0 to {:g} mm", snap, kMostSnap));
+  if (!(overcut >= 0.0 && overcut <= 10.0))
+    return fail(ErrorKind::OutOfRange, "--overcut",
+                fmt::format("{:g} mm; it must be 0 to 10 mm", overcut));
+  return {};
 }
 
 Ordered ordered_for(const LineWork& work, const Machine& machine, OrderOptions how,
@@ -156,7 +148,7 @@ Ordered ordered_for(const LineWork& work, const Machine& machine, OrderOptions h
 }
 
 void measure(PlannedSheet& sheet, const Machine& machine, const Material& material) {
-  const Toolpath& path = sheet.path;
+  const Toolpath& path = sheet.sent_path();
   for (std::size_t i = 0; i < path.strokes.size(); ++i) {
     const Stroke& stroke = path.strokes[i];
     const double mm = length(path.points_of(stroke));
@@ -170,8 +162,10 @@ void measure(PlannedSheet& sheet, const Machine& machine, const Material& materi
   const double out = distance({}, path.points_of(path.strokes.front()).front());
   const double back = distance(path.points_of(path.strokes.back()).back(), {});
   sheet.home_mm = out + back;
-  sheet.seconds = motion.setup_s + strokes_seconds(path, motion) + travel_seconds(out, motion) +
-                  travel_seconds(back, motion) + motion.trailer_s;
+  const FirmwareSwivel swivel{machine.firmware_blade_offset ? material.blade_offset_mm : 0.0,
+                              sheet.knife.blade_tools};
+  sheet.seconds = motion.setup_s + strokes_seconds(path, motion, swivel) +
+                  travel_seconds(out, motion) + travel_seconds(back, motion) + motion.trailer_s;
   if (machine.autoblade)
     sheet.seconds +=
         motion.autoblade_reset_s + motion.autoblade_tap_s * (10 - material.autoblade_depth);
@@ -184,24 +178,29 @@ Result<Plan> plan(const LineWork& drawing, const Machine& machine, const Materia
                   const PlanOptions& options) {
   if (auto amount = check_amount(drawing, material.dashes); !amount)
     return tl::unexpected(amount.error());
+  if (auto lawful = check_options(options); !lawful) return tl::unexpected(lawful.error());
   const auto mat = choose_mat(machine, options.mat);
   if (!mat) return tl::unexpected(mat.error());
+  const auto mode = fold_mode(material, options);
+  if (!mode) return tl::unexpected(mode.error());
   PlannedSheet sheet;
   sheet.mat = *mat;
   sheet.area_mm = reach_mm(machine, *mat);
-  const auto placement = place(drawing, sheet.area_mm, options.place);
-  if (!placement)
-    return tl::unexpected(with_advice(placement.error(), machine, *mat, bounds(drawing), options));
+  const double room = host_blade_offset_mm(machine, material);
+  const auto placement = find_place(drawing, machine, *mat, options, sheet.area_mm, room);
+  if (!placement) return tl::unexpected(placement.error());
   sheet.transform = *placement;
 
   LineWork work = placed(drawing, *placement);
   // On a roll the sheet is as long as what is cut from it; so a y-up machine starts at its origin.
   if (machine.mats.empty() && options.mat.empty())
     sheet.area_mm[1] = std::min(sheet.area_mm[1], std::ceil(bounds(work).y1) + kRollMargin);
-  if (options.place.clip) work = clipped(work, sheet.area_mm);
-  work = clean(work);
+  if (options.place.clip) work = clipped(work, sheet.area_mm, room);
+  work = clean(work, options.clean);
+  turn_round(work, options.knife.direction);
   sheet.paths = work.lines.size();
-  const Dashed dashed = micro_cut(work, material.dashes);
+  if (options.keep_lines) sheet.lines = work;
+  const Dashed dashed = folded(std::move(work), material.dashes, *mode);
   if (dashed.work.lines.empty())
     return fail(ErrorKind::OutOfRange, "",
                 "nothing is left to cut; is all of it outside of the area?");
@@ -210,10 +209,16 @@ Result<Plan> plan(const LineWork& drawing, const Machine& machine, const Materia
   std::vector<Visit> given(dashed.work.lines.size());
   for (std::uint32_t i = 0; i < given.size(); ++i) given[i].line = i;
   sheet.travel_input_mm = travel_mm(dashed.work, given);
-  Plan out{drawing.name, machine, material, {}, dashed.work.warnings, options.order.seed};
-  Settings settings(machine, material, out.warnings);
+  Plan out{drawing.name,         machine,            material, {},
+           dashed.work.warnings, options.order.seed, *mode,    options.clean.snap_mm};
+  StrokeSettings settings(machine, material, *mode, out.warnings);
   const Ordered ordered = ordered_for(dashed.work, machine, options.order, sheet, out.warnings);
-  sheet.path = strokes(dashed, ordered.visits, settings);
+  DrawnStrokes strokes = make_strokes(dashed, ordered.visits, settings);
+  sheet.path = std::move(strokes.path);
+  sheet.knife = {options.knife.overcut_mm.value_or(material.overcut_mm),
+                 material.cut.force_step_gf == 0.0 ? material.cut.passes : 1, room,
+                 material.swivel_above_deg * std::numbers::pi / 180, strokes.blade_tools};
+  sheet.sent = sent_strokes(sheet.path, sheet.knife);
   measure(sheet, machine, material);
   out.sheets.push_back(std::move(sheet));
   return out;

@@ -5,10 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "core/plan/clean.hpp"
 #include "core/plan/linework.hpp"
 #include "core/plan/machine.hpp"
 #include "core/plan/order.hpp"
 #include "core/plan/sheet.hpp"
+#include "core/plan/strokes.hpp"
 
 namespace popcut {
 
@@ -16,22 +18,31 @@ struct PlanOptions {
   std::string mat{};  ///< name or size, see `choose_mat`; empty: the machine's own
   PlaceOptions place{};
   OrderOptions order{};  ///< its `cost` is the machine's
+  CleanOptions clean{};
+  KnifeOptions knife{};
+  bool keep_lines{false};  ///< the sheet keeps its lines as they were before folds were dashed
 };
 
 /// One sheet: what the cutter does, in order, and its figures.
 struct PlannedSheet {
   Mat mat;
   std::array<double, 2> area_mm{};  ///< what can be reached, along carriage and feed
-  Toolpath path;
-  Placement transform;         ///< pattern page -> sheet
-  double cut_mm{}, fold_mm{};  ///< tool down, as sent
-  double fold_line_mm{};       ///< folds before dashing
+  Toolpath path;                    ///< strokes in order, as they are drawn
+  std::optional<Toolpath> sent;     ///< the same with overcuts and blade offset, if that differs
+  KnifeWork knife;
+  std::optional<LineWork> lines;  ///< cleaned, folds whole; only where they are to be kept
+  Placement transform;            ///< pattern page -> sheet
+  double cut_mm{}, fold_mm{};     ///< tool down, as sent
+  double fold_line_mm{};          ///< folds before dashing
   double travel_mm{}, travel_input_mm{}, home_mm{};
   std::uint64_t order_moves{};  ///< that the search for a short way tried
   bool order_finished{true};    ///< false: it was ended early
   std::size_t paths{};  ///< lines of the drawing after cleaning
   double seconds{};
   std::array<double, 2> seconds_range{};
+
+  /// What the program has to hold, stroke for stroke.
+  [[nodiscard]] const Toolpath& sent_path() const { return sent ? *sent : path; }
 };
 
 struct Plan {
@@ -41,13 +52,18 @@ struct Plan {
   std::vector<PlannedSheet> sheets;
   std::vector<std::string> warnings;
   std::uint64_t seed{};
+  FoldMode folds{FoldMode::Perforate};
+  double snap_mm{};
 };
 
 /// Drawing to ordered strokes: placed on the mat, cleaned, folds dashed, put in order, with force,
-/// speed and tool from the material within what the machine can.
+/// speed and tool from the material within what the machine can; closed cuts get their overcut, and
+/// the blade's offset is taken into account where the machine's firmware does not.
 ///
 /// @retval Infeasible  it does not fit; the detail has both sizes in mm
-/// @retval OutOfRange  there is nothing to cut, or far too much; the mat is larger than the machine
+/// @retval OutOfRange  there is nothing to cut, or far too much; the mat is larger than the
+/// machine;
+///                     an option is out of its range, or the material cannot be folded so
 /// @retval Usage       the mat is not known
 [[nodiscard]] Result<Plan> plan(const LineWork& drawing, const Machine& machine,
                                 const Material& material, const PlanOptions& options);

@@ -14,6 +14,13 @@ using Json = nlohmann::ordered_json;
 // Nanometres are plenty; more digits only make files that differ between machines.
 double rounded(double mm) { return std::round(mm * 1e6) / 1e6; }
 
+Json blade_tools(const KnifeWork& knife) {
+  Json tools = Json::array();
+  for (int tool = 1; tool < 16; ++tool)
+    if (knife.blade(tool)) tools.push_back(tool);
+  return tools;
+}
+
 // Runs of one operation in the order of cutting.
 Json operations(const Toolpath& path) {
   Json list = Json::array();
@@ -38,6 +45,7 @@ Json operations(const Toolpath& path) {
 
 Json sheet_json(const PlannedSheet& sheet, std::size_t number) {
   const Placement& t = sheet.transform;
+  const KnifeWork& knife = sheet.knife;
   return {{"name", fmt::format("sheet-{:02}", number)},
           {"mat", sheet.mat.name},
           {"area_mm", sheet.area_mm},
@@ -54,11 +62,33 @@ Json sheet_json(const PlannedSheet& sheet, std::size_t number) {
           {"seconds", rounded(sheet.seconds)},
           {"seconds_range", {rounded(sheet.seconds_range[0]), rounded(sheet.seconds_range[1])}},
           {"transform", {{t.xx, t.xy, t.x0}, {t.yx, t.yy, t.y0}}},
-          {"operations", operations(sheet.path)},
+          {"operations", operations(sheet.sent_path())},
+          {"overcut_mm", knife.overcut_mm},
+          {"blade_offset_mm", knife.blade_offset_mm},
+          {"blade_tools", blade_tools(knife)},
           {"tabs", Json::array()},
           {"seams", Json::array()},
           {"marks", Json::array()},
-          {"overcuts", Json::array()}};
+          {"overcuts", Json::array()},
+          {"lead_ins", Json::array()}};
+}
+
+// Lists that may be long are written an entry a line.
+std::string entries(const std::vector<KnifeMark>& marks) {
+  std::string text = "[";
+  for (const KnifeMark& mark : marks) {
+    Json points = Json::array();
+    for (const PagePoint& p : mark.points) points.push_back({rounded(p.x), rounded(p.y)});
+    text += text.size() > 1 ? ",\n        " : "\n        ";
+    text += Json{{"stroke", mark.stroke}, {"points", std::move(points)}}.dump();
+  }
+  return text + (marks.empty() ? "]" : "\n      ]");
+}
+
+void fill_list(std::string& text, std::size_t from, const char* name, const std::string& list) {
+  const std::string empty = fmt::format("\"{}\": []", name);
+  const std::size_t at = text.find(empty, from);
+  text.replace(at + empty.size() - 2, 2, list);
 }
 
 }  // namespace
@@ -68,12 +98,22 @@ std::string plan_json(const Plan& plan) {
             {"machine", plan.machine.name},
             {"material", plan.material.name},
             {"gap_mm", plan.material.dashes.gap_mm},
+            {"folds", fold_mode_name(plan.folds)},
+            {"snap_mm", plan.snap_mm},
             {"sheets", Json::array()},
             {"warnings", plan.warnings},
             {"seed", plan.seed}};
   for (std::size_t i = 0; i < plan.sheets.size(); ++i)
     json["sheets"].push_back(sheet_json(plan.sheets[i], i + 1));
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::size_t from = text.find("\"sheets\": [");
+  for (const PlannedSheet& sheet : plan.sheets) {
+    const KnifeMarks marks = knife_marks(sheet.path, sheet.knife);
+    fill_list(text, from, "overcuts", entries(marks.overcuts));
+    fill_list(text, from, "lead_ins", entries(marks.lead_ins));
+    from = text.find("\"lead_ins\"", from) + 1;
+  }
+  return text;
 }
 
 }  // namespace popcut

@@ -31,8 +31,7 @@ bool inside(const Box& box, const std::array<double, 2>& reach) {
 }
 
 // The part of a..b within the area, as parameters in 0..1 (Liang and Barsky 1984).
-bool clip_segment(const PagePoint& a, const PagePoint& b, const std::array<double, 2>& reach,
-                  double& t0, double& t1) {
+bool clip_segment(const PagePoint& a, const PagePoint& b, const Box& area, double& t0, double& t1) {
   t0 = 0.0;
   t1 = 1.0;
   const auto side = [&](double p, double q) {  // p t <= q
@@ -42,8 +41,8 @@ bool clip_segment(const PagePoint& a, const PagePoint& b, const std::array<doubl
     if (p > 0.0) t1 = std::min(t1, r);
     return t0 <= t1;
   };
-  return side(a.x - b.x, a.x) && side(b.x - a.x, reach[0] - a.x) && side(a.y - b.y, a.y) &&
-         side(b.y - a.y, reach[1] - a.y);
+  return side(a.x - b.x, a.x - area.x0) && side(b.x - a.x, area.x1 - a.x) &&
+         side(a.y - b.y, a.y - area.y0) && side(b.y - a.y, area.y1 - a.y);
 }
 
 PagePoint between(const PagePoint& a, const PagePoint& b, double t) {
@@ -52,13 +51,13 @@ PagePoint between(const PagePoint& a, const PagePoint& b, double t) {
   return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
 }
 
-void clip_line(std::span<const PagePoint> line, Operation operation,
-               const std::array<double, 2>& reach, std::vector<PagePoint>& run, LineWork& out) {
+void clip_line(std::span<const PagePoint> line, Operation operation, const Box& area,
+               std::vector<PagePoint>& run, LineWork& out) {
   const std::size_t first_line = out.lines.size();
   run.clear();
   for (std::size_t i = 1; i < line.size(); ++i) {
     double t0 = 0.0, t1 = 0.0;
-    const bool some = clip_segment(line[i - 1], line[i], reach, t0, t1) && t1 > t0;
+    const bool some = clip_segment(line[i - 1], line[i], area, t0, t1) && t1 > t0;
     if (!some || t0 > 0.0) {
       out.append(operation, run);
       run.clear();
@@ -202,7 +201,8 @@ LineWork placed(const LineWork& work, const Placement& placement) {
   return out;
 }
 
-LineWork clipped(const LineWork& work, const std::array<double, 2>& reach) {
+LineWork clipped(const LineWork& work, const std::array<double, 2>& reach, double room) {
+  const Box area{room, room, reach[0] - room, reach[1] - room};
   LineWork out;
   out.name = work.name;
   out.warnings = work.warnings;
@@ -210,7 +210,7 @@ LineWork clipped(const LineWork& work, const std::array<double, 2>& reach) {
   out.dashed = work.dashed;
   std::vector<PagePoint> run;
   for (const DrawnLine& line : work.lines)
-    clip_line(work.points_of(line), line.operation, reach, run, out);
+    clip_line(work.points_of(line), line.operation, area, run, out);
   return out;
 }
 

@@ -55,8 +55,10 @@ struct PlaceOptions {
 
 [[nodiscard]] LineWork placed(const LineWork& work, const Placement& placement);
 
-/// The drawing within [0, width] x [0, length]: each line is cut exactly at the border, and what is
-/// left of it goes on as lines of their own. What runs along the border is inside.
-[[nodiscard]] LineWork clipped(const LineWork& work, const std::array<double, 2>& reach);
+/// The drawing within [room, width - room] x [room, length - room]: each line is cut exactly at the
+/// border, and what is left of it goes on as lines of their own. What runs along the border is
+/// inside.
+[[nodiscard]] LineWork clipped(const LineWork& work, const std::array<double, 2>& reach,
+                               double room = 0.0);
 
 }  // namespace popcut

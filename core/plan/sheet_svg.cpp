@@ -69,7 +69,12 @@ void open_layer(std::string& svg, const Layer& layer) {
 std::string sheet_svg(const PlannedSheet& sheet, const std::string& title) {
   std::string svg;
   svg.reserve(256 + 90 * sheet.path.strokes.size() + 24 * sheet.path.points.size());
-  head(svg, sheet.area_mm, title, " data-popcut=\"dashes\"");
+  const KnifeWork& knife = sheet.knife;
+  const std::string attributes = fmt::format(
+      " data-popcut=\"dashes\" data-overcut=\"{:g}\" data-rounds=\"{}\" data-blade-offset=\"{:g}\" "
+      "data-blade-tools=\"{}\"",
+      knife.overcut_mm, knife.rounds, knife.blade_offset_mm, knife.blade_tools);
+  head(svg, sheet.area_mm, title, attributes.c_str());
   for (const Layer& layer : kLayers) {
     bool open = false;
     for (std::size_t i = 0; i < sheet.path.strokes.size(); ++i) {

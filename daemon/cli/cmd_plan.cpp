@@ -6,10 +6,12 @@
 #include <CLI/CLI.hpp>
 
 #include "core/plan/plan_json.hpp"
+#include "core/plan/plan_svg.hpp"
 #include "core/plan/sheet_svg.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/plan_job.hpp"
+#include "daemon/cli/profile_sheets.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -44,7 +46,7 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
                 "-o DIR is missing; name the folder for the sheets");
   PlanJobOptions how = options.job;
   how.order.progress = !globals.quiet;
-  const auto job = make_plan_job(how);
+  auto job = make_plan_job(how);
   if (!job) return tl::unexpected(job.error());
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
@@ -52,6 +54,12 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
     const std::string title = fmt::format("{}: sheet {}", job->plan.name, i + 1);
     const std::string svg = sheet_svg(job->plan.sheets[i], title);
     if (auto done = folder->add(PlanJob::sheet_file(i, "svg"), svg); !done) return done;
+    const std::string picture = fmt::format("plan-{:02}.svg", i + 1);
+    if (auto done = folder->add(picture, plan_svg(job->plan.sheets[i], title)); !done) return done;
+    if (auto done = add_profile_sheet(job->plan.sheets[i], i + 1, options.job.svg_profile, title,
+                                      *folder, job->plan.warnings);
+        !done)
+      return done;
     if (auto done = folder->add(job->program_file(i), job->programs[i].bytes); !done) return done;
   }
   if (auto done = folder->add("assembly.svg", assembly_svg(job->plan)); !done) return done;
@@ -67,7 +75,9 @@ constexpr const char* kHelp =
     "Pattern to cut sheets and the programs that cut them.\n\n"
     "  popcut plan sphere.json -o sheets --machine cameo3 --material paper-220\n\n"
     "Writes in DIR: sheet-NN.svg (what will be cut, in mm), sheet-NN.gpgl or .hpgl (the program),\n"
-    "assembly.svg (where it lies) and plan.json (lengths, lifts, time, order).\n"
+    "plan-NN.svg (the order as colours, to look at), assembly.svg (where it lies) and plan.json\n"
+    "(lengths, lifts, time, overcuts). --svg-profile cricut, lightburn or origami-sim writes\n"
+    "sheet-NN-PROFILE.svg for that program too.\n"
     "Folds become dashes, each line is cut once, folds first and the outline last.";
 
 }  // namespace

@@ -9,6 +9,8 @@
 #include <pugixml.hpp>
 
 #include "core/formats/json_data.hpp"
+#include "core/plan/clean.hpp"
+#include "core/plan/overcut.hpp"
 #include "daemon/cli/drawing_input.hpp"
 #include "daemon/cli/output_folder.hpp"
 
@@ -85,16 +87,45 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
     if (!number_read) return tl::unexpected(number_read.error());
     *value = *number_read;
   }
+  if (const auto folds = text_at(json, "/folds")) facts.folds = *folds;
+  if (const auto snap = number_at(json, "/snap_mm")) facts.snap_mm = *snap;
+  if (const auto offset = number_at(json, sheet + "/blade_offset_mm"))
+    facts.blade_offset_mm = *offset;
+  if (const nlohmann::json* tools = find(json, sheet + "/blade_tools"); tools && tools->is_array())
+    for (const nlohmann::json& tool : *tools)
+      if (tool.is_number_integer() && tool >= 1 && tool <= 15)
+        facts.blade_tools = static_cast<std::uint16_t>(facts.blade_tools | 1u << tool.get<int>());
   for (const char* list : {"/overcuts", "/lead_ins", "/tabs", "/marks", "/labels"})
     if (auto read = read_lawful(json, sheet + list, facts.also_lawful); !read)
       return tl::unexpected(read.error());
   return facts;
 }
 
+/// What the root of a sheet's SVG says of the knife: closed cuts are overcut from where they begin.
+void read_sheet_knife(const pugi::xml_node& root, Expected& expected) {
+  const double overcut = root.attribute("data-overcut").as_double();
+  const int rounds = root.attribute("data-rounds").as_int(1);
+  const double offset = root.attribute("data-blade-offset").as_double();
+  if (offset > 0.0 && offset < 100.0) expected.blade_offset_mm = offset;
+  expected.blade_tools =
+      static_cast<std::uint16_t>(root.attribute("data-blade-tools").as_uint() & 0xFFFFu);
+  if (!(overcut > 0.0 && overcut < 100.0)) return;
+  std::vector<PagePoint> part;
+  for (const DrawnLine& line : expected.drawing.lines) {
+    const auto points = expected.drawing.points_of(line);
+    if (!takes_overcut(line.operation, points)) continue;
+    const double mm = overcut_for(round_mm(points, rounds), overcut);
+    part.clear();
+    append_head(points, mm, part);
+    expected.also_lawful.append(Operation::Cut, part);
+    part.clear();
+    append_tail(points, mm, part);
+    expected.also_lawful.append(Operation::Cut, part);
+  }
+}
+
 /// The size of an SVG's page where it is in mm, as that of a sheet is.
-std::optional<std::array<double, 2>> svg_page_mm(const std::string& text) {
-  pugi::xml_document document;
-  if (!document.load_buffer(text.data(), text.size())) return std::nullopt;
+std::optional<std::array<double, 2>> svg_page_mm(const pugi::xml_document& document) {
   const auto side = [&](const char* name) {
     const std::string_view value = document.document_element().attribute(name).value();
     if (value.size() < 3 || value.substr(value.size() - 2) != "mm") return 0.0;
@@ -126,7 +157,12 @@ Result<Expectation> read_expectation(const std::string& file, const std::optiona
   if (input->drawing.dashed) {
     // A sheet stands where it is cut, dash by dash.
     out.expected.drawing = std::move(input->drawing);
-    if (const auto text = read_file(file, kLimitBytes)) out.page_mm = svg_page_mm(*text);
+    pugi::xml_document document;
+    const auto text = read_file(file, kLimitBytes);
+    if (text && document.load_buffer(text->data(), text->size())) {
+      out.page_mm = svg_page_mm(document);
+      read_sheet_knife(document.document_element(), out.expected);
+    }
     return out;
   }
   if (!plan)
@@ -136,10 +172,15 @@ Result<Expectation> read_expectation(const std::string& file, const std::optiona
                             file));
   const auto material = find_material(plan->material, tables.texts);
   if (!material) return tl::unexpected(within("--plan", tables.with_file(material.error())));
-  out.expected.drawing = placed(input->drawing, plan->transform);
+  out.expected.drawing = with_ends_snapped(placed(input->drawing, plan->transform), plan->snap_mm);
+  out.expected.folds_whole = plan->folds != "perforate";
+  out.expected.blade_offset_mm = plan->blade_offset_mm;
+  out.expected.blade_tools = plan->blade_tools;
   out.expected.dashes = material->dashes;
   out.expected.cut_passes = material->cut.passes;
   out.expected.fold_passes = material->fold.passes;
+  if (plan->folds == "score" && material->score) out.expected.fold_passes = material->score->passes;
+  if (plan->folds == "light" && material->light) out.expected.fold_passes = material->light->passes;
   return out;
 }
 

@@ -19,6 +19,10 @@ struct PlanFacts {
   std::array<double, 2> area_mm{};
   Placement transform;   ///< pattern to sheet
   LineWork also_lawful;  ///< overcuts, lead-ins, tabs, marks and labels that have `points`
+  std::string folds{"perforate"};
+  double snap_mm{};
+  double blade_offset_mm{};
+  std::uint16_t blade_tools{};
 };
 
 /// Reads sheet `number` (from 1) of a `plan.json`.

@@ -18,6 +18,7 @@ Result<Machine> ideal(std::array<double, 2> size, const std::string& dialect) {
   auto machine = find_machine("hpgl-generic");
   if (!machine) return machine;
   machine->name = "ideal-hpgl";
+  machine->firmware_blade_offset = true;  // nothing of a real knife is in its way
   machine->width_mm = size[0];
   machine->length_mm = size[1];
   return machine;
@@ -82,6 +83,8 @@ Result<PlanOptions> plan_options(const PlanJobOptions& options) {
   const auto how = order_options(options.order);
   if (!how) return tl::unexpected(how.error());
   out.order = *how;
+  if (auto knife = read_knife_option(options.knife, out); !knife)
+    return tl::unexpected(knife.error());
   if (options.at.empty()) return out;
   SvgScan scan(options.at);
   PagePoint at;
@@ -98,6 +101,7 @@ JobOptions job_options(const PlannedSheet& sheet, const Machine& machine) {
   job.page_length_mm = sheet.area_mm[1];
   if (machine.variant == "cameo3" || machine.variant == "cameo4") job.mat_code = sheet.mat.code;
   job.autoblade = machine.autoblade;
+  job.holders = holders_for(sheet);
   return job;
 }
 
@@ -132,7 +136,10 @@ Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
   if (!material) return tl::unexpected(material.error());
 
   PlanOptions how = *wanted;
+  how.keep_lines = options.svg_profile == "origami-sim";
   if (ideal_machine) how.mat.clear();
+  // An ideal plotter cuts lines as they are drawn.
+  if (ideal_machine && !how.knife.overcut_mm) how.knife.overcut_mm = 0.0;
   auto planned = plan(input->drawing, *machine, *material, how);
   if (!planned) {
     const bool of_option = planned.error().place.rfind("--", 0) == 0;
@@ -140,7 +147,7 @@ Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
   }
   PlanJob job{std::move(*planned), {}};
   for (const PlannedSheet& sheet : job.plan.sheets) {
-    auto program = encode(sheet.path, *machine, *material, job_options(sheet, *machine));
+    auto program = encode(sheet.sent_path(), *machine, *material, job_options(sheet, *machine));
     if (!program) return tl::unexpected(within(options.input, program.error()));
     if (!program->dots.empty())
       job.plan.warnings.push_back(
@@ -179,6 +186,7 @@ void add_plan_options(CLI::App& command, PlanJobOptions& options) {
       .add_option("--svg-dpi", options.svg_dpi,
                   "Units (px) of an SVG to the inch; 72 for old Illustrator files")
       ->option_text("N [96]");
+  add_knife_options(command, options.knife);
   command.add_flag("--clip", options.clip,
                    "Cut off what lies outside of the area instead of refusing");
 }

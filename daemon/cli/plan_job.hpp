@@ -6,6 +6,7 @@
 
 #include "core/plan/plan.hpp"
 #include "core/result.hpp"
+#include "daemon/cli/knife_option.hpp"
 #include "daemon/cli/order_option.hpp"
 #include "protocol/encode.hpp"
 
@@ -22,6 +23,7 @@ struct PlanJobOptions {
   std::string svg_profile{"popcut"};
   double curve_tolerance_mm{0.02}, svg_dpi{96};
   bool clip{false};
+  KnifeOption knife;
 };
 
 /// Adds INPUT, --machine, --material, --mat, --at, --dialect, --svg-profile, --curve-tolerance,

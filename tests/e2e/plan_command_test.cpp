@@ -72,16 +72,16 @@ TEST_CASE("a spec and its FOLD and its SVG files plan to the same sheet", "[cli]
 TEST_CASE("plan writes the sheets and their programs and nothing else", "[cli][e2e][plan]") {
   const Bench bench;
   const json plan = bench.planned({kExamples + "sphere.json"});
-  CHECK(files_below(bench.temp / "sheets") ==
-        Names{"assembly.svg", "manifest.json", "plan.json", "sheet-01.gpgl", "sheet-01.svg"});
+  CHECK(files_below(bench.temp / "sheets") == Names{"assembly.svg", "manifest.json", "plan-01.svg",
+                                                    "plan.json", "sheet-01.gpgl", "sheet-01.svg"});
   CHECK(json::parse(text_of_file(bench.temp / "sheets/plan.json")) == plan);
   pugi::xml_document svg;
   REQUIRE(svg.load_string(text_of_file(bench.temp / "sheets/sheet-01.svg").c_str()));
   CHECK(svg.select_nodes("//path").size() == plan["sheets"][0]["lifts"].get<std::size_t>());
   CHECK(svg.select_nodes("//@stroke-dasharray").empty());
   const json roll = bench.planned({kExamples + "sphere.json", "--machine", "hpgl-generic"});
-  CHECK(files_below(bench.temp / "sheets") ==
-        Names{"assembly.svg", "manifest.json", "plan.json", "sheet-01.hpgl", "sheet-01.svg"});
+  CHECK(files_below(bench.temp / "sheets") == Names{"assembly.svg", "manifest.json", "plan-01.svg",
+                                                    "plan.json", "sheet-01.hpgl", "sheet-01.svg"});
   CHECK(roll["machine"] == "hpgl-generic");
 }
 

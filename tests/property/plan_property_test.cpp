@@ -262,9 +262,9 @@ TEST_CASE("what is planned lies inside of the area and adds up", "[core][plan]")
       CHECK(p.y <= 304.8 + 1e-9);
     }
     double cut = 0.0, fold = 0.0;
-    for (const Stroke& stroke : sheet.path.strokes) {
+    for (const Stroke& stroke : sheet.sent_path().strokes) {
       REQUIRE(stroke.count >= 2);
-      const double mm = length(sheet.path.points_of(stroke));
+      const double mm = length(sheet.sent_path().points_of(stroke));
       if (is_cut(stroke.operation)) cut += mm;
       if (is_fold(stroke.operation)) fold += mm;
     }

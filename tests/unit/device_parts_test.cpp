@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/plan/motion.hpp"
 #include "device/fold_chains.hpp"
 #include "device/fold_check.hpp"
 #include "device/motion.hpp"
@@ -44,11 +45,14 @@ TEST_CASE("a leg is ridden as a trapezoid of speed", "[device][motion]") {
 }
 
 TEST_CASE("corners are the slower the sharper", "[device][motion]") {
-  CHECK(std::isinf(corner_speed(1, 1000, 0.05)));
-  const double right = corner_speed(0, 1000, 0.05);
+  Motion motion;
+  motion.accel_mm_s2 = 1000;
+  motion.corner_mm = 0.05;
+  CHECK(std::isinf(corner_speed(1, motion)));
+  const double right = corner_speed(0, motion);
   CHECK(right == Approx(std::sqrt(50 * 0.70710678 / 0.29289322)));
-  CHECK(corner_speed(-0.5, 1000, 0.05) < right);
-  CHECK(corner_speed(-1, 1000, 0.05) == Approx(0).margin(1e-6));
+  CHECK(corner_speed(-0.5, motion) < right);
+  CHECK(corner_speed(-1, motion) == Approx(0).margin(1e-6));
 }
 
 TEST_CASE("a segment is clipped to the window with its edges", "[device][window]") {

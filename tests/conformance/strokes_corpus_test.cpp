@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Drawings made by the corpus' generator, which is not part of the repository: where it is absent
+// the cases say so and pass.
+#include <catch2/catch.hpp>
+
+#include "core/formats/svg_reader.hpp"
+#include "core/plan/clean.hpp"
+#include "tests/support/corpus.hpp"
+#include "tests/support/euler_count.hpp"
+#include "tests/support/linework_checks.hpp"
+
+using namespace popcut;
+using namespace popcut::test;
+
+TEST_CASE("lifts equal the Euler minimum on every file of the corpus", "[core][plan][euler]") {
+  const auto files = corpus();
+  if (files.empty()) WARN("skipped: no generator of drawings, or no Python with numpy");
+  for (const auto& file : files) {
+    CAPTURE(file.filename().string());
+    const auto work = linework_from_svg(text_of(file), SvgProfile::Plain);
+    REQUIRE(work);
+    const LineWork cleaned = clean(*work);
+    EulerCount count(*work, kSnapTolerance);
+    double drawn = count.edges_mm(), kept = 0.0;
+    for (const DrawnLine& line : cleaned.lines) kept += length(cleaned.points_of(line));
+    CAPTURE(drawn, kept);
+    // Among 100 000 random strokes a few lie along others to 0.01 mm: each of those joins two.
+    const std::size_t overlaps = kept < drawn - 1.0 ? count.edges() / 1000 : 0;
+    CHECK(cleaned.lines.size() <= count.strokes());
+    CHECK(cleaned.lines.size() + overlaps >= count.strokes());
+    // Nothing is lost and nothing is made up.
+    CHECK(kept <= drawn + 1.0);
+    CHECK(kept >= drawn - 20.0);
+  }
+}
