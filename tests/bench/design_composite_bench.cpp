@@ -89,29 +89,21 @@ TEST_CASE("the multi-state solve of Fig. 3D", "[bench]") {
 TEST_CASE("chains with curvature asked for", "[bench]") {
   for (const auto& [units, slices] : {std::pair{6, 8}, std::pair{12, 24}, std::pair{20, 60}}) {
     const auto spec = parse_design_spec(fmt::format(
-        R"({{"popcut":1,"surface":{{"type":"revolution","radius":"sqrt(40^2+(y-30)^2)"
-  }
-}
-, "units_per_slice" : {},
-                      "slices" : {},
-                                 "widths_mm" : {},
-                                               "curvature"
-    : {{"K_area" : -0.000625, "weights" : {{"K" : 100}}}},
-      "min_panel_mm" : 0.01
-}
-})",
+        R"j({{"popcut":1,"surface":{{"type":"revolution","radius":"sqrt(40^2+(y-30)^2)"}},
+              "units_per_slice":{},"slices":{},"widths_mm":{},
+              "curvature":{{"K_area":-0.000625,"weights":{{"K":100}}}},"min_panel_mm":0.01}})j",
         units, slices, 64.0 / slices));
-REQUIRE(spec);
-CurvatureReport report;
-const double seconds = median_of(units < 20 ? 5 : 1, [&] {
-  auto made = design(*spec);
-  if (!made) FAIL(message(made.error()));
-  report = *made->report.curvature;
-});
-fmt::print(
-    "curvature on {} units x {} slices: {:.3f} s (median), {} evaluations; K's miss {:.3g} "
-    "-> {:.3g} /mm^2 rms\n",
-    units, slices, seconds, report.evaluations, report.figures.front().plain_miss.rms,
-    report.figures.front().miss.rms);
-}
+    REQUIRE(spec);
+    CurvatureReport report;
+    const double seconds = median_of(units < 20 ? 5 : 1, [&] {
+      auto made = design(*spec);
+      if (!made) FAIL(message(made.error()));
+      report = *made->report.curvature;
+    });
+    fmt::print(
+        "curvature on {} units x {} slices: {:.3f} s (median), {} evaluations; K's miss {:.3g} "
+        "-> {:.3g} /mm^2 rms\n",
+        units, slices, seconds, report.evaluations, report.figures.front().plain_miss.rms,
+        report.figures.front().miss.rms);
+  }
 }
