@@ -13,6 +13,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::size_t kMostValues = 2'000'000;
+
 std::string line_and_column(std::string_view text, std::size_t byte) {
   byte = std::min(byte, text.size());
   const auto begin = text.begin();
@@ -42,6 +44,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 Result<json> parse_json(std::string_view text, int max_depth) {
   // The depth is limited before nlohmann sees the text, since copying a deep value recurses.
   int depth = 0;
+  std::size_t values = 0;
   bool in_string = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -56,6 +59,11 @@ Result<json> parse_json(std::string_view text, int max_depth) {
     } else if (c == ']' || c == '}') {
       --depth;
     }
+    if (!in_string && (c == ',' || c == '[' || c == '{') && ++values > kMostValues)
+      return fail(
+          ErrorKind::Malformed, line_and_column(text, i + 1),
+          fmt::format("the JSON has more than {} values; nothing popcut reads so needs that",
+                      kMostValues));
   }
   std::vector<std::set<std::string>> keys;
   std::string doubled;
@@ -78,6 +86,17 @@ Result<json> parse_json(std::string_view text, int max_depth) {
     return fail(ErrorKind::Malformed, line_and_column(text, e.byte),
                 cut_off ? "the JSON ends too early; is the file whole?"
                         : "this is not JSON; look for a missing comma, quote or bracket here");
+  } catch (const json::out_of_range& e) {  // the only one of parsing: a number like 1e400
+    const std::string_view what = e.what();
+    const std::size_t begin = what.find('\''), end = what.rfind('\'');
+    const std::string_view number =
+        begin < end ? what.substr(begin + 1, end - begin - 1) : std::string_view();
+    const std::size_t at = number.empty() ? std::string_view::npos : text.find(number);
+    return fail(
+        ErrorKind::OutOfRange, at == std::string_view::npos ? "" : line_and_column(text, at + 1),
+        fmt::format("the number {} is larger than any that can be used; numbers up to 1e308 "
+                    "can be read, and lengths up to 100000 mm",
+                    number.substr(0, 40)));
   } catch (const json::exception& e) {
     return fail(ErrorKind::Malformed, "", fmt::format("this is not lawful JSON ({})", e.what()));
   }

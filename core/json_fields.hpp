@@ -16,7 +16,8 @@ namespace popcut {
 
 /// Parses JSON text from outside: at most `max_depth` deep, no key twice in one object.
 ///
-/// @retval Malformed  not JSON (place is line and column), too deep, or a doubled key
+/// @retval Malformed  not JSON (place is line and column), too deep, more than two million values,
+///                    or a doubled key
 [[nodiscard]] Result<nlohmann::json> parse_json(std::string_view text, int max_depth = 64);
 
 /// The candidate nearest to `word` when it is near enough to be what was meant, else empty.

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/formats/text_sink.hpp"
 #include "device/trace.hpp"
 #include "device/window.hpp"
 
@@ -16,25 +17,7 @@ constexpr double kMarginMm = 5;
 constexpr double kLegendRowMm = 5;
 
 /// Names come from users' tables: markup in them is only text.
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '&':
-        out += "&amp;";
-        break;
-      default:
-        out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    }
-  }
-  return out;
-}
+std::string escaped(std::string_view text) { return xml_escaped(text); }
 
 struct PageBox {
   double left{1e300}, top{1e300}, right{-1e300}, bottom{-1e300};

@@ -80,11 +80,16 @@ Result<UsbBus> UsbBus::open() {
 
 std::vector<UsbDevice> UsbBus::devices() const { return usable(DeviceList(shared_->context())); }
 
+Result<UsbDevice> UsbBus::find(const std::string& id) const {
+  std::vector<UsbDevice> found = devices();
+  return popcut::find(found, id).map([&](std::size_t i) { return std::move(found[i]); });
+}
+
 Result<std::unique_ptr<UsbTransport>> UsbBus::connect(const std::string& id) const {
   const DeviceList list(shared_->context());
   std::vector<libusb_device*> raw;
   const std::vector<UsbDevice> found = usable(list, &raw);
-  const Result<std::size_t> index = find(found, id);
+  const Result<std::size_t> index = popcut::find(found, id);
   if (!index) return tl::unexpected(index.error());
   libusb_device_handle* handle = nullptr;
   const int code = libusb_open(raw[*index], &handle);

@@ -26,13 +26,17 @@ class UsbBus {
   /// The devices now on the bus that take bytes as a cutter does, printers among them.
   [[nodiscard]] std::vector<UsbDevice> devices() const;
 
+  /// The device that an id means: by serial or by port.
+  ///
+  /// @retval DeviceGone  no such device
+  /// @retval Refused     two devices have this serial
+  [[nodiscard]] Result<UsbDevice> find(const std::string& id) const;
+
   /// Takes a device over: its kernel driver is detached (and attached again at the end), its
   /// interface claimed. Nothing is sent to it.
   ///
-  /// @param id  as `devices` gives it: by serial or by port
-  /// @retval DeviceGone  no such device
-  /// @retval Refused     another program has it; or no permission; or the kernel says no; or the id
-  ///                     is that of two devices with the same serial
+  /// @param id  as `find` takes it; its errors too
+  /// @retval Refused  another program has it; or no permission; or the kernel says no
   [[nodiscard]] Result<std::unique_ptr<UsbTransport>> connect(const std::string& id) const;
 
   /// How often devices came or went since `open`.

@@ -33,4 +33,18 @@ Error usb_error(int code, const UsbDevice& device, const char* doing) {
   }
 }
 
+Result<void> may_be_used(const UsbDevice& device) {
+  switch (usb_use(device).state) {
+    case UsbState::Busy:
+      return tl::unexpected(usb_error(LIBUSB_ERROR_BUSY, device, "used"));
+    case UsbState::NoPermission:
+      return tl::unexpected(usb_error(LIBUSB_ERROR_ACCESS, device, "used"));
+    case UsbState::Absent:
+      return tl::unexpected(usb_error(LIBUSB_ERROR_NO_DEVICE, device, "used"));
+    case UsbState::Free:
+      break;
+  }
+  return {};
+}
+
 }  // namespace popcut

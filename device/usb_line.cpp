@@ -22,7 +22,7 @@ constexpr int kMostFaults = 10;                 // failed transfers inward, in a
 constexpr milliseconds kBetweenFaults{50};
 // A transfer that was called back is returned within microseconds; a controller that hangs never
 // returns it.
-constexpr milliseconds kComeBack{5000};
+constexpr milliseconds kComeBack{2000};
 // Between a failed transfer and the hub's word that the device is gone lie some 100 ms.
 constexpr milliseconds kGoneSoon{500};
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <optional>
 
@@ -196,7 +197,7 @@ class SpacedStack {
     }
     const double seen = at.chains + share_ * at.curvature;
     if (std::isfinite(at.total()) && (!best_ || at.total() < best_->loss.total())) {
-      best_ = {points_, {}, at, 0};
+      best_ = {points_, {}, at, 0, false};
     }
     if (gradient != nullptr) {
       for (std::size_t k = 0; k < gap_.size(); ++k) gradient[k] /= scale_;
@@ -278,9 +279,24 @@ double evaluate_of(unsigned, const double* q, double* gradient, void* data) {
   return static_cast<SpacedStack*>(data)->evaluate(q, gradient);
 }
 
+/// A search's time is measured as NLopt does itself.
+class Deadline {
+ public:
+  explicit Deadline(double budget_s) : budget_s_(budget_s) {}
+  [[nodiscard]] double left_s() const {
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start_;
+    return budget_s_ - spent.count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_{std::chrono::steady_clock::now()};
+  double budget_s_;
+};
+
 /// Moves `q` downhill. NLopt ends an L-BFGS line search that gains nothing more with a failure
 /// code; so the code tells nothing, and the search goes on from there until it gains nothing.
-void minimise(SpacedStack& problem, std::vector<double>& q, int most_evaluations) {
+void minimise(SpacedStack& problem, std::vector<double>& q, int most_evaluations,
+              const Deadline& deadline) {
   problem.set_scale(1.0);
   double last = problem.evaluate(q.data(), nullptr);
   if (!(last > 0) || !std::isfinite(last)) return;
@@ -295,6 +311,9 @@ void minimise(SpacedStack& problem, std::vector<double>& q, int most_evaluations
   for (int round = 0; round < kRestarts; ++round) {
     std::vector<double> next = q;
     double value = 0.0;
+    const double left_s = deadline.left_s();
+    if (left_s <= 0.0) break;
+    nlopt_set_maxtime(opt, left_s);
     nlopt_optimize(opt, next.data(), &value);
     const double now = problem.evaluate(next.data(), nullptr);
     if (!(now < last)) break;
@@ -344,8 +363,8 @@ Result<AugmentedLoss> augmented_loss(const SliceStack& stack, const StackPoints&
 
 Result<AugmentedChains> solve_chain_augmented(const SliceStack& stack,
                                               const CurvatureTargets& targets,
-                                              const CurvatureWeights& weights,
-                                              int most_evaluations) {
+                                              const CurvatureWeights& weights, int most_evaluations,
+                                              double budget_s) {
   if (auto ok = check(stack, targets, weights); !ok) return tl::unexpected(ok.error());
   const auto plain = plain_start(stack);
   if (!plain) return tl::unexpected(plain.error());
@@ -357,19 +376,21 @@ Result<AugmentedChains> solve_chain_augmented(const SliceStack& stack,
                 "the curvature of the plain chains is not finite; no star may vanish");
   }
   const AugmentedLoss start = problem.best()->loss;
+  const Deadline deadline(budget_s);
   // Straight to it, then by growing weights, which stays nearer to the plain chains: the best
   // counts.
   std::vector<double> direct = *plain;
-  minimise(problem, direct, most_evaluations);
+  minimise(problem, direct, most_evaluations, deadline);
   std::vector<double> grown = *plain;
   constexpr int kStages = 6;
   for (int stage = 1 - kStages; stage <= 0; ++stage) {
     problem.set_share(std::pow(10.0, stage));
-    minimise(problem, grown, most_evaluations);
+    minimise(problem, grown, most_evaluations, deadline);
   }
   AugmentedChains out = *problem.best();
   out.start = start;
   out.evaluations = problem.evaluations();
+  out.out_of_time = deadline.left_s() <= 0.0;
   return out;
 }
 

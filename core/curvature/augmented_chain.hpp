@@ -58,6 +58,7 @@ struct AugmentedChains {
   AugmentedLoss start;  ///< of the plain chains, each slice for itself
   AugmentedLoss loss;
   int evaluations{};
+  bool out_of_time{};  ///< the budget was used up; the best so far is given
 };
 
 /// The augmented loss of S4 at given points,
@@ -80,11 +81,13 @@ struct AugmentedChains {
 /// on the logarithms of the vertices' spacings along the curves, exact slopes by forward
 /// differentiation, from the plain chains. A local minimum; an evaluation costs O(slices x units).
 ///
+/// @param budget_s  of the search, in seconds
 /// @retval OutOfRange  as `augmented_loss`
 /// @retval Infeasible  a plain chain has no minimum (as `ChainSolver`), or the loss is not finite
 [[nodiscard]] Result<AugmentedChains> solve_chain_augmented(const SliceStack& stack,
                                                             const CurvatureTargets& targets,
                                                             const CurvatureWeights& weights,
-                                                            int most_evaluations = 2000);
+                                                            int most_evaluations = 2000,
+                                                            double budget_s = 120.0);
 
 }  // namespace popcut

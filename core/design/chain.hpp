@@ -57,15 +57,29 @@ class ChainSolver {
   std::vector<double> gradient_, diagonal_, band1_, band2_, lower1_, lower2_;
 };
 
+/// Seconds that all slices together may take with SLSQP; each takes its share away.
+struct SlsqpBudget {
+  double total_s{600.0};
+  double left_s{total_s};
+};
+
 /// The same minimum by NLopt's SLSQP on the full problem, as the paper's code uses an SQP: 2 N
 /// steps unknown, N - 1 equations that each vertex lies on the curve, 2 that the steps sum to d and
 /// h. The reference method (`"solver": "slsqp"`); its cost grows with the cube of the units.
 ///
-/// @param budget_s  gives up after this time
+/// @param budget    gives up when it is used up; what this slice took is taken from it
 /// @retval Infeasible  NLopt failed, or its answer misses the curve by more than 1e-6 of the size
 /// @retval Timeout     the budget is used up
 [[nodiscard]] Result<ChainFigures> solve_chain_slsqp(const SliceCurve& curve, int units,
                                                      std::span<double> x, std::span<double> z,
-                                                     double budget_s = 600.0);
+                                                     SlsqpBudget& budget);
+/// One slice for itself, with `budget_s`.
+[[nodiscard]] inline Result<ChainFigures> solve_chain_slsqp(const SliceCurve& curve, int units,
+                                                            std::span<double> x,
+                                                            std::span<double> z,
+                                                            double budget_s = 600.0) {
+  SlsqpBudget budget{budget_s};
+  return solve_chain_slsqp(curve, units, x, z, budget);
+}
 
 }  // namespace popcut

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -78,7 +79,7 @@ void constraints_of(unsigned, double* result, unsigned, const double* p, double*
 }  // namespace
 
 Result<ChainFigures> solve_chain_slsqp(const SliceCurve& curve, int units, std::span<double> x,
-                                       std::span<double> z, double budget_s) {
+                                       std::span<double> z, SlsqpBudget& budget) {
   const auto n = static_cast<std::size_t>(units);
   FullProblem problem{curve, n};
   const std::vector<double> t = curve.equal_arcs(units);
@@ -99,13 +100,17 @@ Result<ChainFigures> solve_chain_slsqp(const SliceCurve& curve, int units, std::
   nlopt_set_lower_bounds1(opt, 0.0);
   nlopt_set_ftol_rel(opt, 1e-14);
   nlopt_set_xtol_rel(opt, 1e-12);
-  nlopt_set_maxtime(opt, budget_s);
+  nlopt_set_maxtime(opt, std::max(budget.left_s, 1e-9));
   double best = 0.0;
+  const auto start = std::chrono::steady_clock::now();  // as NLopt itself measures its time
   const nlopt_result end = nlopt_optimize(opt, p.data(), &best);
+  budget.left_s -= std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   nlopt_destroy(opt);
   if (end == NLOPT_MAXTIME_REACHED)
     return fail(ErrorKind::Timeout, "",
-                fmt::format("SLSQP is not done after {:.0f} s; use the newton solver", budget_s));
+                fmt::format("SLSQP is not done after {:.0f} s for all slices together; use the "
+                            "newton solver, or fewer units or slices",
+                            budget.total_s));
 
   x[0] = 0.0, z[0] = curve.h();
   for (std::size_t i = 1; i <= n; ++i) {

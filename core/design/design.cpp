@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/design/augmented_slices.hpp"
 #include "core/design/figures.hpp"
 #include "core/design/fit_report.hpp"
 #include "core/design/lattice.hpp"
@@ -26,17 +27,8 @@ namespace {
 constexpr double kCardMargin = 15.0;  ///< of wall and ground beyond the highest and farthest end
 
 std::string method_name(LatticeMethod method) {
-  switch (method) {
-    case LatticeMethod::Branching:
-      return "branching";
-    case LatticeMethod::Slices:
-      return "slices";
-    case LatticeMethod::Conformal:
-      return "conformal";
-    case LatticeMethod::Levels:
-      return "levels";
-  }
-  return "";
+  constexpr const char* kNames[] = {"branching", "slices", "conformal", "levels"};
+  return kNames[static_cast<std::size_t>(method)];
 }
 
 /// A run with what it was aimed at and how it is laid.
@@ -111,15 +103,15 @@ class Designer {
     return add_v_folds(strips, solved->splay, pattern);
   }
 
-  /// Runs between plain cuts; a slice that stands alone with three units or more becomes two
-  /// halves.
+  /// Runs between plain cuts; a slice that stands alone becomes two halves, since one strip
+  /// alone has only every second plane.
   [[nodiscard]] Layout layout() const {
     Layout out;
     for (int j = 0; j < sliced_.slices();) {
       int end = j + 1;
       while (end < sliced_.slices() && !cut_after_[static_cast<std::size_t>(end - 1)]) ++end;
       const int units = sliced_.units[static_cast<std::size_t>(j)];
-      const bool halved = end == j + 1 && units >= 3;
+      const bool halved = end == j + 1 && units >= 2;
       Run run{static_cast<int>(out.laid.size()), halved ? 2 : end - j, {}, {}, {}};
       RunTarget target;
       target.units = units;
@@ -352,7 +344,7 @@ class Designer {
     constexpr int kMostRounds = 30;
     for (int round = 0;; ++round) {
       auto built = build_pattern(laid.strips.strips, laid.frame.wall_mm, laid.frame.ground_mm,
-                                 laid.frame.card);
+                                 laid.frame.card, spec_.min_panel_mm);
       if (!built) return tl::unexpected(built.error());
       Mobility motion = mobility(*built);
       const bool done = !laid.frame.card || motion.degrees_of_freedom == 1 || round == kMostRounds;
@@ -443,6 +435,7 @@ class Designer {
     r.merged = std::move(laid.strips.merged);
     r.bridges = std::move(laid.bridges);
     note_borders(r.bridges);
+    if (spec_.curvature) add_curvature(layout, method, r);
     r.notes = notes_;
     add_fit(r, spec_.fit);
     out.edges = std::move(sliced_.edges);
@@ -467,11 +460,26 @@ class Designer {
             "and {} of the other, {:.3g} mm off the target at most",
             j, j + 1, units, bridges[b].left_planes, bridges[b].right_planes, bridges[b].off_mm));
       else if (changes)
-        notes_.push_back(fmt::format(
-            "plain cut between slices {} and {}, {}: no connector there stays near the target", j,
-            j + 1, units));
+        notes_.push_back(
+            fmt::format("plain cut between slices {} and {}, {}: no connector is lawful there", j,
+                        j + 1, units));
       if (bridged) ++b;
     }
+  }
+
+  /// What the augmented loss reached, on the chains and in the lattice.
+  void add_curvature(const Layout& layout, LatticeMethod method, DesignReport& r) {
+    std::vector<PlacedPlanes> placed;
+    for (std::size_t k = 0; k < layout.runs.size(); ++k) {
+      const Run& run = layout.runs[k];
+      placed.push_back({&run.planes, {}, layout.connector_s[k]});
+      for (int j = run.first; j < run.first + run.count; ++j)
+        placed.back().slice.push_back(layout.laid[static_cast<std::size_t>(j)].slice);
+    }
+    r.curvature = std::move(sliced_.curvature);
+    measure_lattice(*spec_.curvature, placed, *r.curvature);
+    for (std::string& note : curvature_notes(*r.curvature, method))
+      notes_.push_back(std::move(note));
   }
 
   void add_slices(const Layout& layout, const Strips& strips, DesignReport& r) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <numbers>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <muParser.h>
@@ -15,6 +16,21 @@ struct Expression::Parser {
   std::array<double, 4> values{};
 };
 
+namespace {
+
+/// Where the text has a single "=": muParser would take it as an assignment to a variable.
+std::size_t assignment_in(const std::string& text) {
+  for (std::size_t k = text.find('='); k != std::string::npos; k = text.find('=', k + 1)) {
+    const bool of_pair = k > 0 && std::string_view("=!<>").find(text[k - 1]) != std::string::npos;
+    if (of_pair) continue;
+    if (k + 1 >= text.size() || text[k + 1] != '=') return k;
+    ++k;
+  }
+  return std::string::npos;
+}
+
+}  // namespace
+
 Expression::Expression(std::unique_ptr<Parser> parser) : parser_(std::move(parser)) {}
 Expression::Expression(Expression&&) noexcept = default;
 Expression& Expression::operator=(Expression&&) noexcept = default;
@@ -22,6 +38,11 @@ Expression::~Expression() = default;
 
 Result<Expression> Expression::parse(const std::string& text,
                                      const std::vector<std::string>& variables) {
+  if (const std::size_t at = assignment_in(text); at != std::string::npos)
+    return fail(ErrorKind::Malformed, "",
+                fmt::format("the expression assigns at column {} (\"=\"); a formula of {} without "
+                            "assignments is needed (== compares)",
+                            at + 1, fmt::join(variables, ", ")));
   auto parser = std::make_unique<Parser>();
   std::string names;
   try {

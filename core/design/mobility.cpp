@@ -4,34 +4,22 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include <Eigen/Dense>
+#include <Eigen/Sparse>
 
 namespace popcut {
 namespace {
 
-/// A linear combination of parameters, sorted by index.
-using Combination = std::vector<std::pair<int, double>>;
-
-Combination blend(double a, const Combination& p, double b, const Combination& q) {
-  Combination out;
-  std::size_t i = 0, j = 0;
-  const auto keep = [&](int index, double value) {
-    if (std::abs(value) > 1e-11) out.emplace_back(index, value);
-  };
-  while (i < p.size() || j < q.size()) {
-    if (j == q.size() || (i < p.size() && p[i].first < q[j].first)) {
-      keep(p[i].first, a * p[i].second), ++i;
-    } else if (i == p.size() || q[j].first < p[i].first) {
-      keep(q[j].first, b * q[j].second), ++j;
-    } else {
-      keep(p[i].first, a * p[i].second + b * q[j].second), ++i, ++j;
-    }
-  }
-  return out;
-}
-
 /// One of the two systems: `line` faces carry an affine function, `node` faces one number each.
+///
+/// The functions that are affine over the whole always solve it. They are taken out by setting them
+/// to zero on the first line; what follows from that by propagation is exactly zero, so that a
+/// tight pattern needs no arithmetic at all. What is left over falls into components, loose ends
+/// mostly. In each the numbers of the nodes are the unknowns, and every line with more than two
+/// nodes says that those between its outermost two are interpolated: coefficients from 0 to 1, so
+/// that nothing is extrapolated and rounding cannot grow along a chain.
 class AffineSystem {
  public:
   AffineSystem(const BuiltPattern& built, bool lines_upright) : faces_(built.upright.size()) {
@@ -44,44 +32,29 @@ class AffineSystem {
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
     entries_.resize(first_.back());
     std::vector<std::uint32_t> fill(first_.begin(), first_.end() - 1);
-    double size = 1.0;
-    for (const Hinge& h : built.hinges) size = std::max({size, h.x, h.z});
     for (const Hinge& h : built.hinges) {
-      const double place = (lines_upright ? h.z : h.x) / size;
+      const double place = lines_upright ? h.z : h.x;
       const auto a = static_cast<std::uint32_t>(h.from_face),
                  b = static_cast<std::uint32_t>(h.to_face);
       entries_[fill[a]++] = {b, place};
       entries_[fill[b]++] = {a, place};
     }
-    known_.assign(faces_, 0);
-    value_.resize(faces_);
-    solved_.assign(faces_, 0);
+    held_.assign(faces_, 0);
   }
 
   /// Number of independent solutions; marks in `loose` the faces that can leave the common motion.
-  ///
-  /// The functions that are affine over the whole always solve the system. They are taken out by
-  /// setting them to zero on the first face, so that a tight pattern is all exact zeros: nothing is
-  /// extrapolated, and rounding cannot grow along the levels.
   int solutions(std::vector<std::uint8_t>& loose) {
+    const auto line = std::find(is_line_.begin(), is_line_.end(), std::uint8_t{1});
+    if (line != is_line_.end()) hold(static_cast<std::uint32_t>(line - is_line_.begin()));
+    while (!work_.empty()) {
+      const std::uint32_t f = work_.back();
+      work_.pop_back();
+      if (!held_[f] && is_determined(f)) hold(f);
+    }
+    int count = 2;
+    std::vector<std::uint8_t> seen(faces_, 0);
     for (std::uint32_t f = 0; f < faces_; ++f)
-      if (is_line_[f]) {
-        give_line(f, 0.0, {}, {});
-        break;
-      }
-    for (;;) {
-      while (!work_.empty()) {
-        const std::uint32_t f = work_.back();
-        work_.pop_back();
-        solve(f);
-      }
-      if (!set_parameter()) break;
-    }
-    int count = 2 + parameters_ - rank();
-    for (std::uint32_t f = 0; f < faces_; ++f) {
-      if (is_line_[f] && !solved_[f]) ++count, loose[f] = 1;
-      if (!value_[f].empty()) loose[f] = 1;
-    }
+      if (!held_[f] && !seen[f]) count += free_in_component(f, seen, loose);
     return count;
   }
 
@@ -90,107 +63,113 @@ class AffineSystem {
     std::uint32_t face{};
     double place{};
   };
-  void learn(std::uint32_t node, Combination value) {
-    known_[node] = 1;
-    value_[node] = std::move(value);
-    for (std::uint32_t e = first_[node]; e < first_[node + 1]; ++e)
-      if (!solved_[entries_[e].face]) work_.push_back(entries_[e].face);
+  [[nodiscard]] std::span<const Entry> around(std::uint32_t f) const {
+    return std::span(entries_).subspan(first_[f], first_[f + 1] - first_[f]);
   }
 
-  /// All nodes of line f get base + (place - origin) * slope.
-  void give_line(std::uint32_t f, double origin, const Combination& base,
-                 const Combination& slope) {
-    solved_[f] = 1;
-    for (std::uint32_t e = first_[f]; e < first_[f + 1]; ++e) {
-      const auto [node, place] = entries_[e];
-      Combination here = blend(1.0, base, place - origin, slope);
-      if (!known_[node]) {
-        learn(node, std::move(here));
-      } else {
-        Combination off = blend(1.0, here, -1.0, value_[node]);
-        // What is small beside its terms is their rounding, not an equation.
-        double largest = 0.0;
-        for (const Combination* terms : {&here, &value_[node]})
-          for (const auto& [index, amount] : *terms) largest = std::max(largest, std::abs(amount));
-        std::erase_if(off,
-                      [&](const auto& term) { return std::abs(term.second) < 1e-7 * largest; });
-        if (!off.empty()) equations_.push_back(std::move(off));
-      }
+  /// The line f is zero, and so are its nodes; the lines at them may follow.
+  void hold(std::uint32_t f) {
+    held_[f] = 1;
+    for (const Entry& entry : around(f)) {
+      if (held_[entry.face]) continue;
+      held_[entry.face] = 1;
+      for (const Entry& next : around(entry.face))
+        if (!held_[next.face]) work_.push_back(next.face);
     }
   }
 
-  /// Two known nodes at different places determine the line.
-  void solve(std::uint32_t f) {
-    if (solved_[f]) return;
-    const Entry* low = nullptr;
-    const Entry* high = nullptr;
-    for (std::uint32_t e = first_[f]; e < first_[f + 1]; ++e) {
-      const Entry& entry = entries_[e];
-      if (!known_[entry.face]) continue;
-      if (!low || entry.place < low->place) low = &entry;
-      if (!high || entry.place > high->place) high = &entry;
-    }
-    if (!low || !(high->place > low->place)) return;
-    const double span = high->place - low->place;
-    const Combination base = value_[low->face];
-    give_line(f, low->place, base, blend(1.0 / span, value_[high->face], -1.0 / span, base));
-  }
-
-  /// Sets a new parameter where nothing more follows; false when all nodes are known.
-  bool set_parameter() {
-    std::uint32_t island = static_cast<std::uint32_t>(faces_);
-    for (std::uint32_t f = next_stalled_; f < faces_; ++f) {
-      if (!is_line_[f] || solved_[f]) {
-        if (f == next_stalled_) ++next_stalled_;
-        continue;
-      }
-      const Entry* known = nullptr;
-      bool open = false;
-      for (std::uint32_t e = first_[f]; e < first_[f + 1]; ++e) {
-        if (known_[entries_[e].face])
-          known = &entries_[e];
-        else
-          open = true;
-      }
-      if (known && open) {
-        const Combination base = value_[known->face];
-        give_line(f, known->place, base, {{parameters_++, 1.0}});
-        return true;
-      }
-      if (open && island == faces_) island = f;
-    }
-    if (island < faces_) {  // another piece moves as it likes
-      give_line(island, 0.0, {{parameters_, 1.0}}, {{parameters_ + 1, 1.0}});
-      parameters_ += 2;
-      return true;
+  /// Two held nodes at different places determine a line.
+  [[nodiscard]] bool is_determined(std::uint32_t f) const {
+    const Entry* one = nullptr;
+    for (const Entry& entry : around(f)) {
+      if (!held_[entry.face]) continue;
+      if (one && one->place != entry.place) return true;
+      one = &entry;
     }
     return false;
   }
 
-  [[nodiscard]] int rank() const {
-    if (equations_.empty()) return 0;
-    Eigen::MatrixXd m =
-        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(equations_.size()), parameters_);
-    for (std::size_t r = 0; r < equations_.size(); ++r) {
-      double most = 0.0;
-      for (const auto& [index, amount] : equations_[r]) most = std::max(most, std::abs(amount));
-      for (const auto& [index, amount] : equations_[r])
-        m(static_cast<Eigen::Index>(r), index) = amount / most;
+  /// The freedoms of the faces that hang together with f and are not held.
+  int free_in_component(std::uint32_t f, std::vector<std::uint8_t>& seen,
+                        std::vector<std::uint8_t>& loose) {
+    members_.assign(1, f);
+    seen[f] = 1;
+    for (std::size_t k = 0; k < members_.size(); ++k)
+      for (const Entry& entry : around(members_[k])) {
+        if (held_[entry.face] || seen[entry.face]) continue;
+        seen[entry.face] = 1;
+        members_.push_back(entry.face);
+      }
+    column_.resize(faces_, -1);
+    int nodes = 0, slopes = 0;
+    for (const std::uint32_t m : members_)
+      if (!is_line_[m]) column_[m] = nodes++;
+    terms_.clear();
+    equations_ = 0;
+    for (const std::uint32_t m : members_)
+      if (is_line_[m]) slopes += add_equations(m);
+    const int nodes_free = nodes - rank(nodes);
+    for (const std::uint32_t m : members_)
+      if (nodes_free > 0 || (is_line_[m] && !has_two_places(m))) loose[m] = 1;
+    return nodes_free + slopes;
+  }
+
+  [[nodiscard]] bool has_two_places(std::uint32_t line) const {
+    for (const Entry& entry : around(line))
+      if (entry.place != around(line).front().place) return true;
+    return false;
+  }
+
+  /// The equations between the nodes of a line; returns how far they leave its function free.
+  int add_equations(std::uint32_t line) {
+    const auto entries = around(line);
+    if (entries.empty()) return 2;
+    const auto by_place = [](const Entry& a, const Entry& b) { return a.place < b.place; };
+    const auto [low, high] = std::minmax_element(entries.begin(), entries.end(), by_place);
+    const bool is_point = !(high->place > low->place);
+    for (const Entry& entry : entries) {
+      if (&entry == &*low || (!is_point && &entry == &*high)) continue;
+      const double t = is_point ? 0.0 : (entry.place - low->place) / (high->place - low->place);
+      put(entry.face, 1.0);
+      put(low->face, t - 1.0);
+      if (t != 0.0) put(high->face, -t);
+      ++equations_;
     }
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(m);
-    qr.setThreshold(1e-9);
+    return is_point ? 1 : 0;
+  }
+  void put(std::uint32_t node, double amount) {
+    if (!held_[node]) terms_.emplace_back(equations_, column_[node], amount);
+  }
+
+  [[nodiscard]] int rank(int columns) const {
+    constexpr double kThreshold = 1e-10;  // of interpolation weights, which are of the size of 1
+    constexpr int kDenseColumns = 400;
+    if (terms_.empty() || columns == 0) return 0;
+    Eigen::SparseMatrix<double> sparse(equations_, columns);
+    sparse.setFromTriplets(terms_.begin(), terms_.end());
+    if (columns <= kDenseColumns) {
+      Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(sparse.rows(), sparse.cols());
+      qr.setThreshold(kThreshold);
+      return static_cast<int>(qr.compute(Eigen::MatrixXd(sparse)).rank());
+    }
+    sparse.makeCompressed();
+    Eigen::SparseQR<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> qr;
+    qr.setPivotThreshold(kThreshold);
+    qr.compute(sparse);
     return static_cast<int>(qr.rank());
   }
 
   std::size_t faces_;
-  std::vector<std::uint8_t> is_line_, known_, solved_;
+  std::vector<std::uint8_t> is_line_;
+  std::vector<std::uint8_t> held_;  ///< faces that follow the common motion
   std::vector<std::uint32_t> first_;
   std::vector<Entry> entries_;
-  std::vector<Combination> value_;
-  std::vector<Combination> equations_;
   std::vector<std::uint32_t> work_;
-  int parameters_{0};
-  std::uint32_t next_stalled_{0};
+  // Of the component at hand:
+  std::vector<std::uint32_t> members_;
+  std::vector<int> column_;  ///< of each node
+  std::vector<Eigen::Triplet<double>> terms_;
+  int equations_{0};
 };
 
 int count_pieces(const BuiltPattern& built) {

@@ -21,9 +21,9 @@ struct Mobility {
 /// face at x = X moves with velocities (a - w z, B) and a level one at z = Z with (C, e + w x).
 /// Hinges equate them, and the two coordinates part: on each upright face the C of its hinges are
 /// affine in z, on each level face the B are affine in x. Both systems are solved by propagation:
-/// two known hinges of a face give all its others. Where it stalls, a new parameter is set, and
-/// equations that come back are ranked at the end. Freedoms = unknowns of both systems less the
-/// three motions of the whole.
+/// two known hinges of a face give all its others. What propagation does not reach, loose ends
+/// mostly, falls into components, and the rank of each one's interpolation equations is found by a
+/// QR factorisation. Freedoms = unknowns of both systems less the three motions of the whole.
 [[nodiscard]] Mobility mobility(const BuiltPattern& built);
 
 }  // namespace popcut

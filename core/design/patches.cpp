@@ -165,17 +165,19 @@ class Assembler {
     for (std::size_t k = begin; k < end; ++k) strips.push_back(&made_[k].strips);
     Laid out;
     out.joined = join_strips(strips, wall_mm_[begin], ground_mm_[begin]);
-    double min_panel = 0.0;
+    double min_panel = 0.0, narrowest = spec_.patches[begin].min_panel_mm;
     std::vector<BridgeAim> aims;
     for (std::size_t k = begin; k < end; ++k) {
       min_panel = std::max(min_panel, spec_.patches[k].min_panel_mm);
+      narrowest = std::min(narrowest, spec_.patches[k].min_panel_mm);
       if (bridging && k + 1 < end)
         aims.push_back({out.joined.border[k - begin], &made_[k].edges.back()});
     }
     BridgedStrips bridged = add_bridges(out.joined.strips, aims, min_panel);
     out.joined.strips = std::move(bridged.strips);
     out.bridges = std::move(bridged.made);
-    auto built = build_pattern(out.joined.strips, wall_mm_[begin], ground_mm_[begin], true);
+    auto built =
+        build_pattern(out.joined.strips, wall_mm_[begin], ground_mm_[begin], true, narrowest);
     if (!built) return tl::unexpected(built.error());
     out.built = std::move(*built);
     out.motion = mobility(out.built);

@@ -15,7 +15,8 @@ struct PatchReport {
   std::size_t part{};  ///< index of the pattern that it is in
   int first_slice{};   ///< its slices, in the numbering of that pattern
   int slices{};
-  double v_begin_mm{}, v_end_mm{};  ///< its stretch of the whole, along the spine
+  double v_begin_mm{},
+      v_end_mm{};  ///< along the spine of the whole, outer margins too
 };
 
 /// The border between a patch and the next one.

@@ -37,8 +37,9 @@ struct HalfEdge {
 
 class PatternBuilder {
  public:
-  PatternBuilder(const Strips& strips, double wall_mm, double ground_mm, bool card)
-      : strips_(strips), panels_(strips.panels()) {
+  PatternBuilder(const Strips& strips, double wall_mm, double ground_mm, bool card,
+                 double min_panel_mm)
+      : strips_(strips), panels_(strips.panels()), min_panel_mm_(min_panel_mm) {
     Pattern& p = out_.pattern;
     p.wall_mm = wall_mm;
     p.ground_mm = ground_mm;
@@ -92,11 +93,11 @@ class PatternBuilder {
         if (upright) {
           joint.z0 = std::min(strips_.z[i], strips_.z[j]);
           joint.z1 = std::max(strips_.z[i + 1], strips_.z[j + 1]);
-          if (joint.z0 > joint.z1) joints_.push_back(joint);
+          if (is_joint(joint.z0 - joint.z1, min_panel_mm_)) joints_.push_back(joint);
         } else {
           joint.x0 = std::max(strips_.x[i], strips_.x[j]);
           joint.x1 = std::min(strips_.x[i + 1], strips_.x[j + 1]);
-          if (joint.x1 > joint.x0) joints_.push_back(joint);
+          if (is_joint(joint.x1 - joint.x0, min_panel_mm_)) joints_.push_back(joint);
         }
       }
       const double p_stop = u_of(i + 1), q_stop = u_of(j + 1);
@@ -358,6 +359,7 @@ class PatternBuilder {
 
   const Strips& strips_;
   std::size_t panels_;
+  double min_panel_mm_;
   BuiltPattern out_;
   std::vector<std::uint32_t> strip_of_;
   std::vector<std::uint8_t>
@@ -372,8 +374,8 @@ class PatternBuilder {
 }  // namespace
 
 Result<BuiltPattern> build_pattern(const Strips& strips, double wall_mm, double ground_mm,
-                                   bool card) {
-  return PatternBuilder(strips, wall_mm, ground_mm, card).run();
+                                   bool card, double min_panel_mm) {
+  return PatternBuilder(strips, wall_mm, ground_mm, card, min_panel_mm).run();
 }
 
 }  // namespace popcut

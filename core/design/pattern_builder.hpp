@@ -28,8 +28,11 @@ struct BuiltPattern {
 /// strips in the same plane are joined where they overlap, and cut along the rest of their edge.
 /// O(panels).
 ///
+/// @param min_panel_mm  overlaps that are shorter are cut too (`is_joint`)
+///
 /// @retval Internal  the strips do not make simple faces (a fault of the strips' builder)
 [[nodiscard]] Result<BuiltPattern> build_pattern(const Strips& strips, double wall_mm,
-                                                 double ground_mm, bool card);
+                                                 double ground_mm, bool card,
+                                                 double min_panel_mm = 0.0);
 
 }  // namespace popcut

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "core/design/same_place.hpp"
+
 namespace popcut {
 
 JoinedStrips join_strips(std::span<const Strips* const> patches, double wall_mm, double ground_mm) {
@@ -41,6 +43,12 @@ JoinedStrips join_strips(std::span<const Strips* const> patches, double wall_mm,
     if (k + 1 < patches.size()) out.border.push_back(to.size() - 1);
     slices += last_slice + 1;
   }
+  // Patches of one target agree at their borders but for rounding.
+  std::vector<double*> heights, offsets;
+  for (double& z : to.z) heights.push_back(&z);
+  for (double& x : to.x) offsets.push_back(&x);
+  unify_places(heights);
+  unify_places(offsets);
   return out;
 }
 

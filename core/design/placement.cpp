@@ -189,6 +189,7 @@ Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const Surfac
 }
 
 Result<std::string> with_placement(std::string_view spec_json, const ProposedPlacement& proposed) {
+  if (const auto sound = parse_json(spec_json); !sound) return tl::unexpected(sound.error());
   auto spec = nlohmann::ordered_json::parse(spec_json, nullptr, false);
   if (spec.is_discarded() || !spec.is_object())
     return fail(ErrorKind::Malformed, "", "the spec is not a JSON object");

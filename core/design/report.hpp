@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +46,36 @@ struct BridgeReport {
   int right_planes{};  ///< and with the right one
 };
 
+/// Root mean square and largest distance from what was asked, in the measure's own unit.
+struct MissFigures {
+  double rms{};
+  double max{};
+};
+
+/// What was asked of one measure of curvature, and what came of it. A miss is the distance from the
+/// target, over all vertices; of a fundamental form its Frobenius norm.
+struct CurvatureFigures {
+  std::string name;  ///< "K_area", "H", "first", "second"
+  std::string unit;
+  bool asked{};
+  double least{}, largest{};     ///< reached at the chains' vertices (of K_area and H)
+  MissFigures plain_miss, miss;  ///< of the plain chains and of the augmented ones
+  std::size_t lattice_vertices{};
+  double lattice_least{}, lattice_largest{};  ///< at the lattice's own fold vertices
+  MissFigures lattice_miss;
+};
+
+/// What the augmented loss did (`"curvature"` of the spec).
+struct CurvatureReport {
+  std::size_t vertices{};         ///< inner ones that have a target
+  int slices_left_out{};          ///< in runs that are too small
+  double start_mm2{}, end_mm2{};  ///< the augmented loss of the plain chains and of the result
+  int evaluations{};
+  bool out_of_time{};
+  std::vector<CurvatureFigures> figures;
+  std::vector<std::ptrdiff_t> first_target;  ///< one a slice: of its first target, -1 for none
+};
+
 /// What a design is, in figures (`report.json`).
 struct DesignReport {
   std::string name;
@@ -64,6 +96,7 @@ struct DesignReport {
   double gap_mm{};
   std::vector<MergedPlace> merged;
   std::vector<BridgeReport> bridges;
+  std::optional<CurvatureReport> curvature;  ///< where the spec asks for some
   std::vector<std::string> notes;  ///< plain cuts, halved slices, spread of minima
   bool fit_nearest{};              ///< "fit": "nearest" was asked for
   SliceFit fit{};                  ///< of all slices together

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/design/adaptive_widths.hpp"
+#include "core/design/augmented_slices.hpp"
 #include "core/design/surface.hpp"
 
 namespace popcut {
@@ -72,15 +73,22 @@ Result<void> solve_chains(const DesignSpec& spec, Slicing& out) {
   out.chain_x.resize(out.chain_first.back());
   out.chain_z.resize(out.chain_first.back());
   ChainSolver solver;
+  SlsqpBudget budget;
   for (std::size_t j = 0; j < out.curves.size(); ++j) {
     const std::size_t first = out.chain_first[j], points = out.chain_first[j + 1] - first;
     const std::span x(out.chain_x.data() + first, points), z(out.chain_z.data() + first, points);
     auto figures = spec.solver == SolverMethod::Slsqp
-                       ? solve_chain_slsqp(out.curves[j], out.units[j], x, z)
+                       ? solve_chain_slsqp(out.curves[j], out.units[j], x, z, budget)
                        : solver.solve(out.curves[j], out.units[j], x, z);
-    if (!figures) return tl::unexpected(within(fmt::format("slice {}", j), figures.error()));
+    if (!figures) {
+      Error error = within(fmt::format("slice {}", j), figures.error());
+      if (error.kind == ErrorKind::Timeout)  // no device is late here: the spec asks for too much
+        error = {ErrorKind::OutOfRange, fmt::format("/solver at slice {}", j), error.detail};
+      return tl::unexpected(std::move(error));
+    }
     out.figures.push_back(*figures);
   }
+  if (spec.curvature) return augment_chains(*spec.curvature, out);
   return {};
 }
 

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/design/chain.hpp"
 #include "core/design/curve.hpp"
+#include "core/design/report.hpp"
 #include "core/design/slice_fit.hpp"
 #include "core/design/spec.hpp"
 #include "core/result.hpp"
@@ -29,6 +31,7 @@ struct Slicing {
   /// Of a patch: the target at its two edges, half a width beyond the outer slices' middles; the
   /// slice's own curve where the target ends before.
   std::vector<SliceCurve> edges;
+  std::optional<CurvatureReport> curvature;  ///< of augmented chains
   int uniform_slices{};  ///< with adaptive widths: equal slices of the same error; else 0
 
   [[nodiscard]] int slices() const { return static_cast<int>(s_mm.size()); }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/design/augmented_fields.hpp"
 #include "core/design/patches_spec.hpp"
 #include "core/design/surface_fields.hpp"
 #include "core/json_fields.hpp"
@@ -69,7 +70,10 @@ Result<std::vector<double>> parse_widths(const json* value, int slices,
 Result<std::vector<CurvatureTarget>> parse_targets(const json& value) {
   if (!value.is_array() || value.empty() || value.size() > 3)
     return fail(ErrorKind::Malformed, "/splay/targets",
-                "must be a list of one to three targets, since three splays are solved for");
+                fmt::format("is {}; a list of one to three targets is needed, since three splays "
+                            "are solved for",
+                            value.is_array() ? fmt::format("a list of {}", value.size())
+                                             : json_type(value)));
   std::vector<CurvatureTarget> targets;
   for (std::size_t k = 0; k < value.size(); ++k) {
     const std::string place = fmt::format("/splay/targets/{}", k);
@@ -160,7 +164,11 @@ Result<std::vector<std::string>> composite_radii(const json& surface) {
 /// `regions`: each has its own units, slices and width, and may have its own radius.
 Result<void> parse_regions(const json& value, DesignSpec& spec) {
   if (!value.is_array() || value.empty() || value.size() > 1000)
-    return fail(ErrorKind::Malformed, "/regions", "must be a list of 1 to 1000 regions");
+    return fail(ErrorKind::Malformed, "/regions",
+                fmt::format("is {}; a list of 1 to 1000 regions is needed, such as "
+                            "[{{\"units_per_slice\": 3, \"slices\": 5, \"width_mm\": 10}}]",
+                            value.is_array() ? fmt::format("a list of {}", value.size())
+                                             : json_type(value)));
   long slices = 0;
   for (std::size_t r = 0; r < value.size(); ++r) {
     JsonFields fields(value[r], fmt::format("/regions/{}", r));
@@ -291,8 +299,8 @@ Result<DesignSpec> parse_design(const json& root) {
   spec.name = fields.text("name", spec.name);
   spec.placement = parse_placement(fields);
   spec.fit = static_cast<FitMode>(fields.word("fit", 0, {"exact", "nearest"}));
-  spec.lattice = static_cast<LatticeMethod>(
-      fields.word("lattice", 2, {"branching", "slices", "conformal", "levels"}));
+  spec.lattice = static_cast<LatticeMethod>(fields.word(
+      "lattice", fields.has("curvature") ? 1 : 2, {"branching", "slices", "conformal", "levels"}));
   spec.solver = static_cast<SolverMethod>(fields.word("solver", 0, {"newton", "slsqp"}));
   spec.min_panel_mm = fields.number("min_panel_mm", 0.5, 0.0, kMaxLength, true);
   spec.max_step_asked = fields.has("max_step_over_mean");
@@ -303,6 +311,7 @@ Result<DesignSpec> parse_design(const json& root) {
   spec.material = fields.text("material", spec.material);
   const json* card = fields.value("card");
   const json* splay = fields.value("splay");
+  const json* curvature = fields.value("curvature");
   if (auto target = parse_target(root, fields, spec); !target)
     return tl::unexpected(target.error());
   for (const RegionSpec& region : spec.regions)
@@ -314,6 +323,11 @@ Result<DesignSpec> parse_design(const json& root) {
     auto parsed = parse_splay(*splay, spec.min_panel_mm);
     if (!parsed) return tl::unexpected(parsed.error());
     spec.splay = std::move(*parsed);
+  }
+  if (curvature) {
+    auto parsed = parse_augmented(*curvature);
+    if (!parsed) return tl::unexpected(parsed.error());
+    spec.curvature = std::move(*parsed);
   }
   auto parsed_card = parse_card(card);
   if (!parsed_card) return tl::unexpected(parsed_card.error());
@@ -417,6 +431,7 @@ std::string design_spec_schema() {
         {"ligament_mm",
          number("paper left beside V-folds; default 1, or min_panel_mm if that is more")}}}};
   add_patches_schema(p);
+  p["curvature"] = augmented_schema();
   p["material"] = {{"type", "string"}, {"default", "paper-220"}};
   return schema.dump(2) + "\n";
 }

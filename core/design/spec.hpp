@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/design/augmented_spec.hpp"
 #include "core/design/surface_spec.hpp"
 #include "core/result.hpp"
 
@@ -72,6 +73,7 @@ struct DesignSpec {
   LatticeMethod lattice{LatticeMethod::Conformal};
   SolverMethod solver{SolverMethod::Newton};
   std::optional<SplaySpec> splay;
+  std::optional<AugmentedSpec> curvature;
   std::optional<CardSpec> card{CardSpec{}};  ///< none: `"card": false`
   double min_panel_mm{0.5};
   /// Largest step of a conformal lattice over the mean one; none: no limit. Where the user did not

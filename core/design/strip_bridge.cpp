@@ -54,7 +54,9 @@ class Bridge {
   /// The corners of the best staircase, empty where none is lawful.
   std::vector<Corner> solve() {
     place_corners();
-    find_ways();
+    const double all = curve_.d() + curve_.h();
+    find_ways(kLongestStep * all / coarse_);
+    if (!is_solved()) find_ways(2.0 * (wall_mm_ + ground_mm_));
     double best = std::numeric_limits<double>::infinity();
     std::int32_t end = -1;
     for (std::size_t c = 0; c < corners_.size(); ++c)
@@ -146,10 +148,16 @@ class Bridge {
     return level.side | upright.side;
   }
 
-  void find_ways() {
+  [[nodiscard]] bool is_solved() const {
+    for (std::size_t c = 0; c < corners_.size(); ++c)
+      if (corners_[c].height < 0 && std::isfinite(ways_[c].cost[kBoth])) return true;
+    return false;
+  }
+
+  /// The cheapest ways with steps (level and upright together) of at most `reach`.
+  void find_ways(double reach) {
     constexpr double kNever = std::numeric_limits<double>::infinity();
     ways_.assign(corners_.size(), {{kNever, kNever, kNever, kNever}, {-1, -1, -1, -1}, {}});
-    const double reach = kLongestStep * (curve_.d() + curve_.h()) / coarse_;
     std::size_t first = 0;
     for (std::size_t b = 0; b < corners_.size(); ++b) {
       const Corner& to = corners_[b];

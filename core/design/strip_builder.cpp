@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "core/design/same_place.hpp"
+
 namespace popcut {
 namespace {
 
@@ -253,24 +255,46 @@ class RunLayer {
     return kept;
   }
 
-  /// Whether connector k has a panel in plane i of slice j that overlaps `low .. high`, the reach
-  /// of the slice's own panel along that plane.
-  [[nodiscard]] bool holds(int k, int j, int i, double low, double high) const {
-    if (k < 0 || k + 1 >= run_.count) return false;
+  /// What a slice's panel along a plane and a connector's panel in the same plane have in common.
+  struct Overlap {
+    double length_mm{};      ///< 0: the connector has no such panel, or beside it
+    bool ends_with_slice{};  ///< at its end; else the slice's panel begins last
+  };
+  /// The overlap of connector k with `low .. high`, the reach of slice j's panel in its plane i.
+  [[nodiscard]] Overlap overlap(int k, int j, int i, double low, double high) const {
+    if (k < 0 || k + 1 >= run_.count) return {};
     const std::vector<int>& levels = levels_[static_cast<std::size_t>(k)];
     const auto it = std::lower_bound(levels.begin(), levels.end(), i);
-    if (it == levels.end() || *it != i) return false;
+    if (it == levels.end() || *it != i) return {};
     double from = 0.0, to = 0.0;
     if (Planes::holds_height(j, i)) {
-      if (it + 1 == levels.end()) return false;
+      if (it + 1 == levels.end()) return {};
       from = it == levels.begin() ? 0.0 : run_.planes.vertex(k, i).x;
       to = run_.planes.vertex(k, *(it + 1)).x;
-    } else {
-      if (it == levels.begin()) return false;
-      from = it + 1 == levels.end() ? 0.0 : run_.planes.vertex(k, i).z;
-      to = run_.planes.vertex(k, *(it - 1)).z;
+      return {std::min(to, high) - std::max(from, low), high < to};
     }
-    return std::min(to, high) > std::max(from, low);
+    if (it == levels.begin()) return {};
+    from = it + 1 == levels.end() ? 0.0 : run_.planes.vertex(k, i).z;
+    to = run_.planes.vertex(k, *(it - 1)).z;
+    return {std::min(to, high) - std::max(from, low), low > from};
+  }
+
+  /// Leaves a pair of planes out of slice j where its joint with a connector would be too narrow:
+  /// the one at `q` of its `own` and the one that ends it. Whether there was one.
+  bool drop_neck(int j, const std::vector<int>& own, std::size_t q, double low, double high) {
+    for (const int k : {j - 1, j}) {
+      const Overlap shared = overlap(k, j, own[q], low, high);
+      if (shared.length_mm <= 0.0 || is_joint(shared.length_mm, options_.min_panel_mm)) continue;
+      const bool with_next = q == 0 || (shared.ends_with_slice && q + 1 < own.size());
+      if (own.size() < 2 || (with_next && q + 1 == own.size())) return false;
+      const std::size_t first = with_next ? q : q - 1;
+      dead_[at(j, own[first])] = dead_[at(j, own[first + 1])] = 1;
+      note(j, own[first], "slice",
+           fmt::format("a joint of {:.4g} mm is under min_panel_mm = {:g}", shared.length_mm,
+                       options_.min_panel_mm));
+      return true;
+    }
+    return false;
   }
 
   /// A slice's planes that no connector joins hang between those that are joined. One or two in a
@@ -293,7 +317,12 @@ class RunLayer {
           const double before = q > 0 ? run_.planes.value[at(j, own[q - 1])] : 0.0;
           const double after = q + 1 < own.size() ? run_.planes.value[at(j, own[q + 1])] : 0.0;
           const double low = std::min(before, after), high = std::max(before, after);
-          if (!holds(j - 1, j, own[q], low, high) && !holds(j, j, own[q], low, high)) {
+          if (drop_neck(j, own, q, low, high)) {
+            dropped = true;
+            break;
+          }
+          if (overlap(j - 1, j, own[q], low, high).length_mm <= 0.0 &&
+              overlap(j, j, own[q], low, high).length_mm <= 0.0) {
             hanging.push_back(own[q]);
             continue;
           }
@@ -373,11 +402,31 @@ void lay_boxes(const std::vector<LaidSlice>& laid, const Run& run, PlaneId first
   }
 }
 
+[[nodiscard]] bool is_height(const Run& run, int slice, int level) {
+  return run.planes.units == 1 ? level == 0 : Planes::holds_height(slice, level);
+}
+
+/// Planes and ends that agree but for rounding become equal.
+void unify(std::vector<Run>& runs, StripOptions& options) {
+  std::vector<double*> heights, offsets;
+  for (Run& run : runs)
+    for (int j = 0; j < run.count; ++j)
+      for (int i = 0; i <= run.planes.units; ++i)
+        (is_height(run, j, i) ? heights : offsets).push_back(&run.planes.at(j, i));
+  for (double& end : options.wall_ends) heights.push_back(&end);
+  for (double& end : options.ground_ends) offsets.push_back(&end);
+  unify_places(heights);
+  unify_places(offsets);
+}
+
 }  // namespace
 
-LaidStrips build_strips(const std::vector<LaidSlice>& laid, const std::vector<Run>& runs,
-                        const StripOptions& options) {
+LaidStrips build_strips(const std::vector<LaidSlice>& laid, const std::vector<Run>& asked,
+                        const StripOptions& asked_options) {
   LaidStrips out;
+  std::vector<Run> runs = asked;
+  StripOptions options = asked_options;
+  unify(runs, options);
   StripWriter writer(options, out.strips);
   const bool margins = options.frame.card && options.frame.margin_mm > 0.0;
   if (margins) writer.margin();
@@ -398,8 +447,7 @@ Reach reach_of(const std::vector<Run>& runs) {
   for (const Run& run : runs)
     for (int j = 0; j < run.count; ++j)
       for (int i = 0; i <= run.planes.units; ++i) {
-        const bool height = run.planes.units == 1 ? i == 0 : Planes::holds_height(j, i);
-        double& most = height ? reach.wall_mm : reach.ground_mm;
+        double& most = is_height(run, j, i) ? reach.wall_mm : reach.ground_mm;
         most = std::max(most, run.planes.at(j, i));
       }
   return reach;

@@ -12,6 +12,13 @@ using PlaneId = std::int32_t;
 inline constexpr PlaneId kWallPlane = 0;    ///< x = 0
 inline constexpr PlaneId kGroundPlane = 1;  ///< z = 0
 
+/// Whether a stretch of `length_mm` that two panels of one plane have in common joins them: paper
+/// narrower than the smallest panel would tear, so it is cut.
+[[nodiscard]] inline bool is_joint(double length_mm, double min_panel_mm) {
+  constexpr double kRounding = 1e-6;
+  return length_mm > 0.0 && length_mm >= (1.0 - kRounding) * min_panel_mm;
+}
+
 /// A bridge is a connector whose planes do not pair by level: between slices with another N.
 enum class StripKind : std::uint8_t { Margin, Slice, Connector, Box, Bridge };
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -14,6 +15,8 @@
 namespace popcut {
 namespace {
 
+constexpr std::size_t kMostOverlaps = 20'000'000;  // pairs of border edges on one line
+
 bool flat(const FoldFrame& frame) {
   if (frame.vertices.empty() || frame.edges.empty()) return false;
   double low = 1e300, high = -1e300, size = 0.0;
@@ -25,12 +28,42 @@ bool flat(const FoldFrame& frame) {
   return high - low <= 1e-6 * std::max(size, 1.0);
 }
 
-// Splits each border edge where another one lies on it: there a slit, elsewhere the sheet's edge.
-void add_borders(const std::vector<Segment>& borders, LineWork& work) {
+/// The parts of 0..length that no interval of `taken` (sorted by its start) covers.
+std::vector<std::pair<double, double>> free_parts(const std::vector<OverlapIndex::Covered>& taken,
+                                                  double length) {
+  std::vector<std::pair<double, double>> parts;
+  double t = 0.0;
+  for (const auto& part : taken) {
+    if (part.from > t + kOverlapTolerance) parts.emplace_back(t, part.from);
+    t = std::max(t, part.to);
+  }
+  if (length > t + kOverlapTolerance || t == 0.0) parts.emplace_back(t, length);
+  return parts;
+}
+
+/// Of border edges between the same points two are kept, the sides of a slit, if there are two.
+void keep_pairs(std::vector<Segment>& borders) {
+  for (Segment& s : borders)
+    if (s.b < s.a) std::swap(s.a, s.b);
+  std::sort(borders.begin(), borders.end(),
+            [](const Segment& p, const Segment& q) { return p.a != q.a ? p.a < q.a : p.b < q.b; });
+  const auto same = [](const Segment& p, const Segment& q) { return p.a == q.a && p.b == q.b; };
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < borders.size(); ++i)
+    if (kept < 2 || !same(borders[i], borders[kept - 1]) || !same(borders[i], borders[kept - 2]))
+      borders[kept++] = borders[i];
+  borders.resize(kept);
+}
+
+// Splits each border edge where another one lies on it: there a slit, which the first of the two
+// draws, elsewhere the sheet's edge.
+bool add_borders(std::vector<Segment> borders, LineWork& work) {
+  keep_pairs(borders);
   OverlapIndex index(OverlapIndex::cell_for(borders), kOverlapTolerance, borders.size());
   for (std::uint32_t i = 0; i < borders.size(); ++i) index.insert(borders[i], i);
-  std::vector<OverlapIndex::Covered> covered;
+  std::vector<OverlapIndex::Covered> covered, slit;
   std::vector<Segment> edge;
+  std::size_t overlaps = 0;
   for (std::uint32_t i = 0; i < borders.size(); ++i) {
     const Segment& s = borders[i];
     const double l = distance(s.a, s.b);
@@ -41,14 +74,25 @@ void add_borders(const std::vector<Segment>& borders, LineWork& work) {
       return PagePoint{s.a.x + t / l * (s.b.x - s.a.x), s.a.y + t / l * (s.b.y - s.a.y)};
     };
     index.covered(s, i, covered);
+    overlaps += covered.size();
+    if (overlaps > kMostOverlaps) return false;
+    for (const auto& [from, to] : free_parts(covered, l))
+      edge.push_back({at(from), at(to)});
+    // What is free of all, and of those before: what remains is the slit's first side.
+    slit.clear();
     double t = 0.0;
     for (const auto& part : covered) {
-      if (part.from > t + kOverlapTolerance) edge.push_back({at(t), at(part.from)});
-      if (part.to > std::max(t, part.from))
-        work.append(Operation::Cut, std::array{at(std::max(t, part.from)), at(part.to)});
+      if (part.from > t + kOverlapTolerance) slit.push_back({t, part.from, i});
       t = std::max(t, part.to);
     }
-    if (l > t + kOverlapTolerance || t == 0.0) edge.push_back({at(t), s.b});
+    if (l > t + kOverlapTolerance) slit.push_back({t, l, i});
+    for (const auto& part : covered)
+      if (part.by < i) slit.push_back(part);
+    std::sort(slit.begin(), slit.end(),
+              [](const auto& p, const auto& q) { return p.from < q.from; });
+    if (covered.empty()) continue;
+    for (const auto& [from, to] : free_parts(slit, l))
+      work.append(Operation::Cut, std::array{at(from), at(to)});
   }
   LineWork loops;
   join_loops(edge, 2 * kOverlapTolerance, loops);
@@ -57,6 +101,7 @@ void add_borders(const std::vector<Segment>& borders, LineWork& work) {
   for (std::size_t i = 0; i < loops.lines.size(); ++i)
     work.append(depth[i] % 2 == 0 ? Operation::Outline : Operation::Cut,
                 loops.points_of(loops.lines[i]));
+  return true;
 }
 
 struct Surprises {
@@ -165,7 +210,9 @@ Result<LineWork> linework_from_fold(std::string_view text) {
         ++(angle != 0.0 ? surprises.by_angle : surprises.unassigned);
     }
   }
-  add_borders(borders, work);
+  if (!add_borders(std::move(borders), work))
+    return fail(ErrorKind::OutOfRange, "/edges_vertices",
+                "border edges lie upon each other too often; each side of a cut is drawn once");
   surprises.tell(work.warnings);
   return work;
 }

@@ -2,34 +2,38 @@
 #include "core/formats/fold_reader.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
-#include "core/formats/json_data.hpp"
 #include "core/json_fields.hpp"
+#include "core/verify/fold_text.hpp"
 
 namespace popcut {
 namespace {
 
-using Json = nlohmann::json;
+using verify::FoldColumn;
+using verify::FrameText;
 
-constexpr std::size_t kMaxFrames = 1000;
-constexpr std::size_t kMaxInFrames =
-    30'000'000;  // vertices and edges of all frames, with inherited
+constexpr std::size_t kMaxBytes = 400u << 20;  // of all frames in memory, with what they inherit
+constexpr std::size_t kNone = ~std::size_t{0};
 
-// Reads the keys of one frame; the first fault stays.
+std::size_t bytes_of(const FoldFrame& frame) {
+  std::size_t corners = 0;
+  for (const auto& face : frame.faces) corners += face.size();
+  return 24 * frame.vertices.size() + 17 * frame.edges.size() + 48 * frame.faces.size() +
+         4 * corners;
+}
+
+/// Takes what one frame of the file says into a frame that may have inherited; the first fault
+/// stays.
 class FrameReader {
  public:
-  FrameReader(const Json& json, std::string pointer, FoldFrame& frame)
-      : json_(json), pointer_(std::move(pointer)), frame_(frame) {}
+  FrameReader(const FrameText& text, FoldFrame& frame) : text_(text), frame_(frame) {}
 
-  Result<void> read(bool needs_vertices) {
-    if (!json_.is_object()) return wrong("", "a frame is an object", json_);
+  Result<void> read() {
     read_words();
-    if (auto done = vertices(needs_vertices); !done) return done;
+    if (auto done = vertices(); !done) return done;
     if (auto done = edges(); !done) return done;
     if (auto done = assignments(); !done) return done;
     if (auto done = angles(); !done) return done;
@@ -37,103 +41,67 @@ class FrameReader {
   }
 
  private:
-  [[nodiscard]] std::string at(const std::string& key) const { return pointer_ + "/" + key; }
-  [[nodiscard]] tl::unexpected<Error> wrong(const std::string& key, const char* due,
-                                            const Json& value) const {
-    return fail(ErrorKind::Malformed, key.empty() && pointer_.empty() ? "/" : pointer_ + key,
-                fmt::format("is {}; {}", json_type(value), due));
-  }
-
-  // The list at `key`, or null if there is none; `length` (if not 0) is the length it must have.
-  Result<const Json*> list(const char* key, std::size_t length, const char* like) const {
-    const auto found = json_.find(key);
-    if (found == json_.end() || found->is_null()) return nullptr;
-    if (!found->is_array()) return wrong(fmt::format("/{}", key), "a list is needed", *found);
-    if (like != nullptr && found->size() != length)
-      return fail(ErrorKind::Malformed, at(key),
-                  fmt::format("has {} entries; {} has {}, and both must be equally long",
-                              found->size(), like, length));
-    return &*found;
-  }
+  [[nodiscard]] std::string at(const std::string& rest) const { return text_.place + rest; }
 
   void read_words() {
-    const auto text = [&](const char* key, std::string& out) {
-      const auto found = json_.find(key);
-      if (found != json_.end() && found->is_string()) out = found->get<std::string>();
-    };
-    text("frame_title", frame_.title);
-    text("frame_unit", frame_.unit);
-    const auto psi = json_.find("frame_popcut:psi_rad");
-    frame_.psi_rad.reset();
-    if (psi != json_.end() && psi->is_number()) frame_.psi_rad = psi->get<double>();
-    const auto classes = json_.find("frame_classes");
-    if (classes == json_.end() || !classes->is_array()) return;
-    frame_.folded_form = false;
-    for (const Json& word : *classes)
-      if (word.is_string() && word.get<std::string>() == "foldedForm") frame_.folded_form = true;
+    if (!text_.title.empty()) frame_.title = text_.title;
+    if (!text_.unit.empty()) frame_.unit = text_.unit;
+    frame_.psi_rad = text_.psi_rad;
+    if (text_.classes.empty()) return;
+    const auto& classes = text_.classes;
+    frame_.folded_form = std::find(classes.begin(), classes.end(), "foldedForm") != classes.end();
   }
 
-  Result<void> vertices(bool needed) {
-    const auto found = list("vertices_coords", 0, nullptr);
-    if (!found) return tl::unexpected(found.error());
-    if (*found == nullptr) {
-      if (!needed) return {};
-      std::vector<std::string> keys;
-      for (const auto& item : json_.items())
-        if (keys.size() < 200) keys.push_back(item.key());
-      const std::string near = nearest_word("vertices_coords", keys);
-      return fail(ErrorKind::Malformed, at("vertices_coords"),
-                  near.empty() ? "is missing; the vertices' coordinates are needed"
-                               : fmt::format("is missing; is \"{}\" meant to be it?", near));
-    }
+  Result<void> vertices() {
+    const FoldColumn& column = text_.vertices_coords;
+    if (!column.present) return {};
     frame_.vertices.clear();
-    frame_.vertices.reserve((*found)->size());
-    for (std::size_t i = 0; i < (*found)->size(); ++i) {
-      const Json& point = (**found)[i];
-      const std::string place = fmt::format("/vertices_coords/{}", i);
-      if (!point.is_array() || point.size() < 2 || point.size() > 3)
-        return wrong(place, "two or three coordinates are needed", point);
+    frame_.vertices.reserve(column.rows());
+    for (std::size_t i = 0; i < column.rows(); ++i) {
+      const std::size_t begin = column.row_begin(i), count = column.row_end(i) - begin;
+      if (count < 2 || count > 3)
+        return fail(ErrorKind::Malformed, at(fmt::format("/vertices_coords/{}", i)),
+                    fmt::format("has {} numbers; two or three coordinates are needed", count));
       std::array<double, 3> p{};
-      for (std::size_t c = 0; c < point.size(); ++c) {
-        if (!point[c].is_number())
-          return wrong(fmt::format("{}/{}", place, c), "a number is needed", point[c]);
-        p[c] = point[c].get<double>();
-        if (!std::isfinite(p[c]))
-          return fail(ErrorKind::OutOfRange, fmt::format("{}{}/{}", pointer_, place, c),
-                      "is not a finite number");
+      for (std::size_t c = 0; c < count; ++c) {
+        p.at(c) = column.number[begin + c];
+        if (!std::isfinite(p.at(c)))
+          return fail(ErrorKind::OutOfRange, at(fmt::format("/vertices_coords/{}/{}", i, c)),
+                      "is no finite number; a coordinate is needed");
       }
       frame_.vertices.push_back(p);
     }
     return {};
   }
 
-  Result<std::uint32_t> index(const Json& value, const std::string& place) const {
-    if (!value.is_number_integer()) return wrong(place, "the index of a vertex is needed", value);
-    const auto i = value.is_number_unsigned() ? value.get<std::uint64_t>() : ~std::uint64_t{0};
-    if (i >= frame_.vertices.size())
-      return fail(ErrorKind::OutOfRange, pointer_ + place,
-                  fmt::format("is {}; there are {} vertices, so at most {}", value.dump(),
-                              frame_.vertices.size(),
-                              static_cast<std::int64_t>(frame_.vertices.size()) - 1));
-    return static_cast<std::uint32_t>(i);
+  /// The vertex that entry `n` of row `i` names.
+  Result<std::uint32_t> index(const FoldColumn& column, const char* key, std::size_t i,
+                              std::size_t n) const {
+    const double value = column.number[column.row_begin(i) + n];
+    const std::size_t count = frame_.vertices.size();
+    if (value >= 0.0 && value < static_cast<double>(count) && value == std::floor(value))
+      return static_cast<std::uint32_t>(value);
+    return fail(ErrorKind::OutOfRange, at(fmt::format("/{}/{}/{}", key, i, n)),
+                count == 0 ? fmt::format("is {:g}; there are no vertices", value)
+                           : fmt::format("is {:g}; the number of a vertex, 0 to {}, is needed",
+                                         value, count - 1));
   }
 
   Result<void> edges() {
-    const auto found = list("edges_vertices", 0, nullptr);
-    if (!found) return tl::unexpected(found.error());
-    if (*found == nullptr) return recheck_edges();
+    const FoldColumn& column = text_.edges_vertices;
+    if (!column.present) return recheck();
     frame_.edges.clear();
-    frame_.edges.reserve((*found)->size());
-    for (std::size_t i = 0; i < (*found)->size(); ++i) {
-      const Json& edge = (**found)[i];
-      const std::string place = fmt::format("/edges_vertices/{}", i);
-      if (!edge.is_array() || edge.size() != 2)
-        return wrong(place, "two vertices are needed", edge);
+    frame_.edges.reserve(column.rows());
+    for (std::size_t i = 0; i < column.rows(); ++i) {
+      const std::size_t count = column.row_end(i) - column.row_begin(i);
+      if (count != 2)
+        return fail(ErrorKind::Malformed, at(fmt::format("/edges_vertices/{}", i)),
+                    fmt::format("has {} entries; an edge needs two vertices", count));
       std::array<std::uint32_t, 2> ends{};
       for (std::size_t e = 0; e < 2; ++e) {
-        const auto vertex = index(edge[e], fmt::format("{}/{}", place, e));
+        const auto vertex = index(column, "edges_vertices", i, e);
         if (!vertex) return tl::unexpected(vertex.error());
-        ends[e] = *vertex;
+        ends.at(e) = *vertex;
       }
       frame_.edges.push_back(ends);
     }
@@ -142,27 +110,35 @@ class FrameReader {
     return {};
   }
 
-  // A frame that inherits edges but brings vertices of its own must have enough of them.
-  Result<void> recheck_edges() const {
-    for (const auto& edge : frame_.edges)
-      if (std::max(edge[0], edge[1]) >= frame_.vertices.size())
-        return fail(ErrorKind::OutOfRange, at("vertices_coords"),
-                    fmt::format("has {} vertices; inherited edges ask for vertex {}",
-                                frame_.vertices.size(), std::max(edge[0], edge[1])));
-    return {};
+  /// A frame that inherits edges or faces but brings vertices of its own must have enough of them.
+  Result<void> recheck() const {
+    std::uint32_t most = 0;
+    for (const auto& edge : frame_.edges) most = std::max({most, edge[0], edge[1]});
+    if (!text_.faces_vertices.present)
+      for (const auto& face : frame_.faces)
+        for (const std::uint32_t v : face) most = std::max(most, v);
+    if (most < frame_.vertices.size() || (frame_.edges.empty() && most == 0)) return {};
+    return fail(ErrorKind::OutOfRange, at("/vertices_coords"),
+                fmt::format("has {} vertices; what is inherited asks for vertex {}",
+                            frame_.vertices.size(), most));
+  }
+
+  Result<void> same_length(const FoldColumn& column, const char* key) const {
+    if (column.number.size() == frame_.edges.size()) return {};
+    return fail(ErrorKind::Malformed, at(fmt::format("/{}", key)),
+                fmt::format("has {} entries; edges_vertices has {}, and both must be equally long",
+                            column.number.size(), frame_.edges.size()));
   }
 
   Result<void> assignments() {
-    const auto found = list("edges_assignment", frame_.edges.size(), "edges_vertices");
-    if (!found) return tl::unexpected(found.error());
-    if (*found == nullptr) return {};
-    for (std::size_t i = 0; i < (*found)->size(); ++i) {
-      const Json& value = (**found)[i];
-      if (value.is_null()) continue;
-      const std::string word = value.is_string() ? value.get<std::string>() : "";
-      const char letter = word.size() == 1 ? static_cast<char>(std::toupper(word[0])) : '?';
+    const FoldColumn& column = text_.edges_assignment;
+    if (!column.present) return {};
+    if (auto same = same_length(column, "edges_assignment"); !same) return same;
+    for (std::size_t i = 0; i < column.number.size(); ++i) {
+      auto letter = static_cast<char>(column.number[i]);
+      if (letter >= 'a' && letter <= 'z') letter = static_cast<char>(letter - 'a' + 'A');
       if (std::string_view("BMVFUCJ").find(letter) == std::string_view::npos)
-        return fail(ErrorKind::Malformed, fmt::format("{}/edges_assignment/{}", pointer_, i),
+        return fail(ErrorKind::Malformed, at(fmt::format("/edges_assignment/{}", i)),
                     "is no assignment; one of B, M, V, F, U, C, J is needed");
       frame_.assignments[i] = letter;
     }
@@ -170,95 +146,125 @@ class FrameReader {
   }
 
   Result<void> angles() {
-    for (const char* key : {"edges_foldAngle", "edges_foldAngles"}) {
-      const auto found = list(key, frame_.edges.size(), "edges_vertices");
-      if (!found) return tl::unexpected(found.error());
-      if (*found == nullptr) continue;
-      for (std::size_t i = 0; i < (*found)->size(); ++i) {
-        const Json& value = (**found)[i];
-        if (value.is_null()) continue;
-        if (!value.is_number())
-          return wrong(fmt::format("/{}/{}", key, i), "degrees are needed", value);
-        const double degrees = value.get<double>();
-        if (!(std::abs(degrees) <= 360.0))
-          return fail(ErrorKind::OutOfRange, fmt::format("{}/{}/{}", pointer_, key, i),
-                      fmt::format("is {:g} degrees; from -180 to 180", degrees));
-        frame_.fold_angles_deg[i] = degrees;
+    const FoldColumn& column = text_.edges_fold_angle;
+    if (!column.present) return {};
+    if (auto same = same_length(column, "edges_foldAngle"); !same) return same;
+    for (std::size_t i = 0; i < column.number.size(); ++i) {
+      const double degrees = column.number[i];
+      if (std::isnan(degrees)) {
+        frame_.fold_angles_deg[i] = 0.0;
+        continue;
       }
+      if (!(std::abs(degrees) <= 360.0))
+        return fail(ErrorKind::OutOfRange, at(fmt::format("/edges_foldAngle/{}", i)),
+                    fmt::format("is {:g} degrees; one of -180 to 180 is needed", degrees));
+      frame_.fold_angles_deg[i] = degrees;
     }
     return {};
   }
 
   Result<void> faces() {
-    const auto found = list("faces_vertices", 0, nullptr);
-    if (!found) return tl::unexpected(found.error());
-    if (*found == nullptr) return {};
+    const FoldColumn& column = text_.faces_vertices;
+    if (!column.present) return {};
     frame_.faces.clear();
-    frame_.faces.reserve((*found)->size());
-    for (std::size_t i = 0; i < (*found)->size(); ++i) {
-      const Json& face = (**found)[i];
-      const std::string place = fmt::format("/faces_vertices/{}", i);
-      if (!face.is_array()) return wrong(place, "a list of vertices is needed", face);
-      std::vector<std::uint32_t> corners;
-      corners.reserve(face.size());
-      for (std::size_t c = 0; c < face.size(); ++c) {
-        const auto vertex = index(face[c], fmt::format("{}/{}", place, c));
+    frame_.faces.reserve(column.rows());
+    for (std::size_t i = 0; i < column.rows(); ++i) {
+      std::vector<std::uint32_t> corners(column.row_end(i) - column.row_begin(i));
+      for (std::size_t c = 0; c < corners.size(); ++c) {
+        const auto vertex = index(column, "faces_vertices", i, c);
         if (!vertex) return tl::unexpected(vertex.error());
-        corners.push_back(*vertex);
+        corners[c] = *vertex;
       }
       frame_.faces.push_back(std::move(corners));
     }
     return {};
   }
 
-  const Json& json_;
-  std::string pointer_;
+  const FrameText& text_;
   FoldFrame& frame_;
 };
 
-// The frame that `json` starts from: its parent if it inherits, else an empty one.
-Result<FoldFrame> parent_of(const Json& json, const std::string& pointer, const FoldFile& file) {
-  const auto inherit = json.find("frame_inherit");
-  if (inherit == json.end() || !inherit->is_boolean() || !inherit->get<bool>()) return FoldFrame{};
-  const auto parent = json.find("frame_parent");
-  const bool known = parent != json.end() && parent->is_number_unsigned() &&
-                     parent->get<std::uint64_t>() < file.frames.size();
-  if (!known)
-    return fail(ErrorKind::Malformed, pointer + "/frame_parent",
-                "a frame that inherits needs the number of a frame before it");
-  return file.frames[parent->get<std::size_t>()];
+/// The frame that frame `i` inherits from, kNone for none.
+Result<std::size_t> parent_of(const std::vector<FrameText>& texts, std::size_t i) {
+  const FrameText& text = texts[i];
+  if (!text.inherit) return kNone;
+  const double parent = text.parent.value_or(-1.0);
+  if (parent >= 0.0 && parent < static_cast<double>(texts.size()) && parent == std::floor(parent) &&
+      parent != static_cast<double>(i))
+    return static_cast<std::size_t>(parent);
+  return fail(ErrorKind::Malformed, text.place + "/frame_parent",
+              fmt::format("a frame that inherits needs the number of another frame, 0 to {}",
+                          texts.size() - 1));
 }
+
+/// Reads the frames so that each comes after the one that it inherits from.
+class FrameOrder {
+ public:
+  FrameOrder(const std::vector<FrameText>& texts, FoldFile& file)
+      : texts_(texts), file_(file), state_(texts.size(), State::Waiting) {}
+
+  Result<void> read(std::size_t i) {
+    std::vector<std::pair<std::size_t, std::size_t>> chain;  // frame, its parent
+    for (std::size_t at = i; at != kNone && state_[at] != State::Read;) {
+      if (state_[at] == State::Under)
+        return fail(ErrorKind::Malformed, texts_[at].place + "/frame_parent",
+                    "the frame inherits from itself by way of others; one must not inherit");
+      state_[at] = State::Under;
+      const auto parent = parent_of(texts_, at);
+      if (!parent) return tl::unexpected(parent.error());
+      chain.emplace_back(at, *parent);
+      at = *parent;
+    }
+    for (auto link = chain.rbegin(); link != chain.rend(); ++link)
+      if (auto done = take(link->first, link->second); !done) return done;
+    return {};
+  }
+
+ private:
+  enum class State : std::uint8_t { Waiting, Under, Read };
+
+  Result<void> take(std::size_t i, std::size_t parent) {
+    FoldFrame& frame = file_.frames[i];
+    const auto fits = [&](std::size_t more) { return bytes_ + more <= kMaxBytes; };
+    if (parent != kNone && !fits(bytes_of(file_.frames[parent]))) return too_large(i);
+    if (parent != kNone) frame = file_.frames[parent];
+    if (auto done = FrameReader(texts_[i], frame).read(); !done) return done;
+    bytes_ += bytes_of(frame);
+    if (!fits(0)) return too_large(i);
+    state_[i] = State::Read;
+    return {};
+  }
+
+  [[nodiscard]] tl::unexpected<Error> too_large(std::size_t i) const {
+    return fail(
+        ErrorKind::OutOfRange, texts_[i].place,
+        fmt::format("the frames together need more than {} MB; leave some out", kMaxBytes >> 20));
+  }
+
+  const std::vector<FrameText>& texts_;
+  FoldFile& file_;
+  std::vector<State> state_;
+  std::size_t bytes_{0};
+};
 
 }  // namespace
 
 Result<FoldFile> read_fold(std::string_view text) {
-  const auto json = parse_json_data(text);
-  if (!json) return tl::unexpected(json.error());
-  FoldFile file;
-  file.frames.emplace_back();
-  if (auto key = FrameReader(*json, "", file.frames.front()).read(true); !key)
-    return tl::unexpected(key.error());
-  const auto title = json->find("file_title");
-  if (title != json->end() && title->is_string()) file.title = title->get<std::string>();
-  const auto frames = json->find("file_frames");
-  if (frames == json->end() || frames->is_null()) return file;
-  if (!frames->is_array() || frames->size() > kMaxFrames)
-    return fail(ErrorKind::Malformed, "/file_frames",
-                fmt::format("a list of at most {} frames is needed", kMaxFrames));
-  std::size_t total = file.frames[0].vertices.size() + file.frames[0].edges.size();
-  for (std::size_t i = 0; i < frames->size(); ++i) {
-    const std::string pointer = fmt::format("/file_frames/{}", i);
-    if (!(*frames)[i].is_object())
-      return fail(ErrorKind::Malformed, pointer, "a frame is an object");
-    auto frame = parent_of((*frames)[i], pointer, file);
-    if (!frame) return tl::unexpected(frame.error());
-    if (auto done = FrameReader((*frames)[i], pointer, *frame).read(false); !done)
-      return tl::unexpected(done.error());
-    total += frame->vertices.size() + frame->edges.size();
-    if (total > kMaxInFrames)
-      return fail(ErrorKind::Malformed, pointer, "the frames together are too large to be read");
-    file.frames.push_back(std::move(*frame));
+  const auto texts = verify::read_fold_text(text);
+  if (!texts) return tl::unexpected(texts.error());
+  const FrameText& key = texts->front();
+  if (!key.vertices_coords.present && !key.inherit) {
+    const std::string near = nearest_word("vertices_coords", key.other_names);
+    return fail(ErrorKind::Malformed, "/vertices_coords",
+                near.empty() ? "is missing; the vertices' coordinates are needed"
+                             : fmt::format("is missing; is \"{}\" meant to be it?", near));
   }
+  FoldFile file;
+  file.title = key.file_title;
+  file.frames.resize(texts->size());
+  FrameOrder order(*texts, file);
+  for (std::size_t i = 0; i < texts->size(); ++i)
+    if (auto done = order.read(i); !done) return tl::unexpected(done.error());
   return file;
 }
 

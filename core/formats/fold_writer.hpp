@@ -16,6 +16,8 @@ struct FoldOptions {
   std::string creator{"popcut"};
   /// Opening angles of the deployed frames, in rad: pi is flat, pi/2 the designed shape, 0 shut.
   std::vector<double> psi_rad{std::numbers::pi, std::numbers::pi / 2, 1.1};
+  /// Cuts as two borders B with vertices of their own, or as single edges C.
+  bool split_cuts{true};
 };
 
 /// Writes `pattern` as FOLD 1.2 (edemaine/fold, doc/spec.md), as a stream: no copy is made of it.
@@ -31,6 +33,10 @@ struct FoldOptions {
 ///
 /// `edges_faces` has the left face first and one entry along a border. A failing stream is left
 /// failed for the caller to see.
+///
+/// Without `split_cuts` each cut is one edge C between vertices that both sides share, and the
+/// frame has the attribute "cuts" (FOLD 1.2, optional there). Sides that part cannot be told then,
+/// so there are no deployed frames.
 ///
 /// @retval Internal    a coordinate is not finite, since JSON has no word for it
 /// @retval OutOfRange  an opening angle is outside 0..pi; `place` is its index in the list

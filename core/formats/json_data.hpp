@@ -13,7 +13,7 @@ namespace popcut {
 /// What a JSON text may be before any memory is taken for it.
 struct JsonLimits {
   std::size_t bytes{256u << 20};
-  std::size_t values{20'000'000};  ///< about the number of commas and brackets
+  std::size_t values{8'000'000};  ///< about the number of commas and brackets
   int depth{64};
 };
 

@@ -43,6 +43,27 @@ Json merged(const DesignReport& report) {
   return list;
 }
 
+Json curvature(const CurvatureReport& report) {
+  const auto miss = [](const MissFigures& m) { return Json{{"rms", m.rms}, {"max", m.max}}; };
+  Json json{{"vertices", report.vertices},
+            {"loss_mm2", {{"plain", report.start_mm2}, {"augmented", report.end_mm2}}},
+            {"evaluations", report.evaluations},
+            {"out_of_time", report.out_of_time}};
+  for (const CurvatureFigures& f : report.figures) {
+    Json& to = json[f.name];
+    to["unit"] = f.unit;
+    const bool form = f.name == "first" || f.name == "second";
+    if (!form) to["reached"] = {{"least", f.least}, {"largest", f.largest}};
+    if (f.asked) to["miss"] = miss(f.miss), to["plain_miss"] = miss(f.plain_miss);
+    if (f.lattice_vertices == 0) continue;
+    to["lattice"] = {{"vertices", f.lattice_vertices},
+                     {"least", f.lattice_least},
+                     {"largest", f.lattice_largest}};
+    if (f.asked) to["lattice"]["miss"] = miss(f.lattice_miss);
+  }
+  return json;
+}
+
 Json report_object(const DesignReport& report) {
   Json json;
   json["name"] = report.name;
@@ -68,6 +89,7 @@ Json report_object(const DesignReport& report) {
   json["gap_mm"] = report.gap_mm;
   json["fit"] = fit(report.fit);
   json["fit"]["mode"] = report.fit_nearest ? "nearest" : "exact";
+  if (report.curvature) json["curvature"] = curvature(*report.curvature);
   json["seconds"] = report.seconds;
   json["merged"] = merged(report);
   for (const BridgeReport& bridge : report.bridges)

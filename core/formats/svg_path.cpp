@@ -8,17 +8,19 @@
 #include <fmt/format.h>
 
 #include "core/formats/svg_scan.hpp"
+#include "core/formats/svg_units.hpp"
 
 namespace popcut {
 namespace {
 
 class PathReader {
  public:
-  PathReader(std::string_view data, double tolerance, std::size_t most_points)
-      : data_(data), scan_(data), pen_(tolerance), most_points_(most_points) {}
+  PathReader(std::string_view data, SvgPen pen, const SvgLines& lines, std::size_t most_points)
+      : data_(data), scan_(data), pen_(pen), lines_(lines), most_points_(most_points) {}
 
-  Result<SvgLines> read() {
+  Result<void> read() {
     char command = 0;
+    if (trimmed(data_) == "none") return {};
     while (!scan_.at_end()) {
       const char c = scan_.peek();
       if (std::isalpha(static_cast<unsigned char>(c)) != 0) {
@@ -29,14 +31,18 @@ class PathReader {
         return wrong("a command is needed");
       }
       if (!draw(command)) return wrong("this cannot be read as path data");
-      if (pen_.points() > most_points_)
-        return fail(ErrorKind::OutOfRange, "",
-                    fmt::format("the drawing has more than {} points", most_points_));
+      if (lines_.points.size() > most_points_)
+        return fail(
+            ErrorKind::OutOfRange, "",
+            fmt::format(
+                "this path has more than {} points; simplify it, or set POPCUT_RAISE_LIMITS",
+                most_points_));
       // Further pairs after a move are lines.
       if (command == 'M') command = 'L';
       if (command == 'm') command = 'l';
     }
-    return pen_.take();
+    pen_.finish();
+    return {};
   }
 
  private:
@@ -129,6 +135,7 @@ class PathReader {
   std::string_view data_;
   SvgScan scan_;
   SvgPen pen_;
+  const SvgLines& lines_;
   std::size_t most_points_;
   PagePoint control_;  ///< last control point, of S and T
   char before_{0};
@@ -137,8 +144,16 @@ class PathReader {
 
 }  // namespace
 
+Result<void> read_svg_path(std::string_view data, double tolerance, std::size_t most_points,
+                           SvgLines& lines, bool closes) {
+  return PathReader(data, SvgPen(tolerance, lines, closes), lines, most_points).read();
+}
+
 Result<SvgLines> parse_svg_path(std::string_view data, double tolerance, std::size_t most_points) {
-  return PathReader(data, tolerance, most_points).read();
+  SvgLines lines;
+  if (auto done = read_svg_path(data, tolerance, most_points, lines); !done)
+    return tl::unexpected(done.error());
+  return lines;
 }
 
 }  // namespace popcut

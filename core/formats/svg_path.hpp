@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <string>
+#include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -10,8 +11,21 @@
 
 namespace popcut {
 
-/// Polylines in user units. A closed one repeats its first point.
-using SvgLines = std::vector<std::vector<PagePoint>>;
+/// Polylines in user units, one after the other. A closed one repeats its first point.
+struct SvgLines {
+  std::vector<PagePoint> points;
+  std::vector<std::uint32_t> ends;  ///< of each line, past its last point
+
+  [[nodiscard]] std::size_t size() const { return ends.size(); }
+  [[nodiscard]] std::span<const PagePoint> operator[](std::size_t i) const {
+    const std::size_t from = i == 0 ? 0 : ends[i - 1];
+    return std::span(points).subspan(from, ends[i] - from);
+  }
+  void clear() {
+    points.clear();
+    ends.clear();
+  }
+};
 
 /// Draws with SVG's pen: curves become chords that stay within `tolerance` of them.
 ///
@@ -20,7 +34,10 @@ using SvgLines = std::vector<std::vector<PagePoint>>;
 /// d. An arc of radius r takes chords of the angle 2 acos(1 - tolerance / r).
 class SvgPen {
  public:
-  explicit SvgPen(double tolerance) : tolerance_(tolerance) {}
+  /// Draws into `lines` after what is there; `closes` also closes what is left open, as a fill
+  /// does.
+  SvgPen(double tolerance, SvgLines& lines, bool closes = false)
+      : tolerance_(tolerance), lines_(lines), closes_(closes) {}
 
   void move(const PagePoint& to);
   void line(const PagePoint& to);
@@ -28,25 +45,30 @@ class SvgPen {
   void cubic(const PagePoint& control0, const PagePoint& control1, const PagePoint& to);
   void arc(double rx, double ry, double turn_deg, bool large, bool sweep, const PagePoint& to);
   void close();
+  /// Ends the last line. Nothing is in `lines` for certain before.
+  void finish();
 
   [[nodiscard]] const PagePoint& at() const { return at_; }
-  [[nodiscard]] std::size_t points() const { return points_; }
-  /// All lines; the pen starts anew.
-  [[nodiscard]] SvgLines take();
 
  private:
   void add(const PagePoint& to);
   double tolerance_;
-  SvgLines lines_;
+  SvgLines& lines_;
   PagePoint at_, start_;
+  bool closes_;
   bool down_{false};
-  std::size_t points_{};
 };
 
-/// Follows path data (all commands, absolute and relative, repeated and run together).
+/// Follows path data (all commands, absolute and relative, repeated and run together) and adds its
+/// lines to `lines`; `closes` as for `SvgPen`.
 ///
 /// @retval Malformed   it is not path data; the detail says at which character
-/// @retval OutOfRange  more than `most_points` points
+/// @retval OutOfRange  `lines` has more than `most_points` points
+[[nodiscard]] Result<void> read_svg_path(std::string_view data, double tolerance,
+                                         std::size_t most_points, SvgLines& lines,
+                                         bool closes = false);
+
+/// The lines of path data, see `read_svg_path`.
 [[nodiscard]] Result<SvgLines> parse_svg_path(std::string_view data, double tolerance,
                                               std::size_t most_points);
 

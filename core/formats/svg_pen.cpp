@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "core/formats/svg_path.hpp"
 
@@ -13,7 +12,8 @@ constexpr double kMostChords = 20'000;  // of one curve
 
 int chords(double second_derivative, double tolerance) {
   const double n = std::ceil(std::sqrt(second_derivative / (8 * tolerance)));
-  return static_cast<int>(std::clamp(n, 1.0, kMostChords));
+  if (!(n < kMostChords)) return static_cast<int>(kMostChords);  // NaN too
+  return std::max(static_cast<int>(n), 1);
 }
 
 double second_difference(const PagePoint& a, const PagePoint& b, const PagePoint& c) {
@@ -22,17 +22,23 @@ double second_difference(const PagePoint& a, const PagePoint& b, const PagePoint
 
 }  // namespace
 
-void SvgPen::move(const PagePoint& to) {
-  at_ = start_ = to;
+void SvgPen::finish() {
+  if (!down_) return;
+  if (closes_ && at_ != start_) lines_.points.push_back(start_);
+  lines_.ends.push_back(static_cast<std::uint32_t>(lines_.points.size()));
   down_ = false;
 }
 
+void SvgPen::move(const PagePoint& to) {
+  finish();
+  at_ = start_ = to;
+}
+
 void SvgPen::add(const PagePoint& to) {
-  if (!down_) lines_.push_back({at_});
+  if (!down_) lines_.points.push_back(at_);
   down_ = true;
-  lines_.back().push_back(to);
+  lines_.points.push_back(to);
   at_ = to;
-  ++points_;
 }
 
 void SvgPen::line(const PagePoint& to) { add(to); }
@@ -99,14 +105,8 @@ void SvgPen::arc(double rx, double ry, double turn_deg, bool large, bool sweep,
 
 void SvgPen::close() {
   if (down_ && at_ != start_) add(start_);
+  finish();
   at_ = start_;
-  down_ = false;
-}
-
-SvgLines SvgPen::take() {
-  down_ = false;
-  points_ = 0;
-  return std::exchange(lines_, {});
 }
 
 }  // namespace popcut

@@ -2,207 +2,350 @@
 #include "core/formats/svg_style.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "core/formats/svg_scan.hpp"
+#include "core/formats/svg_dash.hpp"
 
 namespace popcut {
-namespace {
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return out;
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && static_cast<unsigned char>(text.front()) <= ' ') text.remove_prefix(1);
-  while (!text.empty() && static_cast<unsigned char>(text.back()) <= ' ') text.remove_suffix(1);
-  return text;
-}
-
-std::vector<double> dash_list(std::string_view text) {
-  std::vector<double> dashes;
-  SvgScan scan(text);
-  double value = 0.0;
-  while (dashes.size() < 64 && scan.number_follows() && scan.number(value)) {
-    (void)scan.word();  // "px" and the like
-    dashes.push_back(value);
-  }
-  const bool lawful = std::all_of(dashes.begin(), dashes.end(), [](double d) { return d >= 0.0; });
-  if (!lawful || std::accumulate(dashes.begin(), dashes.end(), 0.0) <= 0.0) return {};
-  if (dashes.size() % 2 == 1) {
-    const std::vector<double> once = dashes;
-    dashes.insert(dashes.end(), once.begin(), once.end());
-  }
-  return dashes;
-}
-
-void set(SvgStyle& style, std::string_view name, std::string_view value) {
-  value = trimmed(value);
-  if (value == "inherit" || value.empty()) return;
-  if (name == "stroke") style.stroke = lower(value);
-  if (name == "fill") style.fill = lower(value);
-  if (name == "display") style.display_none = value == "none";
-  if (name == "visibility") style.hidden = value == "hidden" || value == "collapse";
-  if (name == "stroke-dasharray") style.dashes = dash_list(value);
-  if (name == "stroke-dashoffset") {
-    double offset = 0.0;
-    if (SvgScan(value).number(offset)) style.dash_offset = offset;
-  }
-}
-
-// What a word of an assignment or a layer means: an operation, nothing ("-"), or unknown.
-struct Meaning {
-  bool known{};
-  std::optional<Operation> operation;
+enum class SvgStyleReader::Property : std::uint8_t {
+  None,
+  Stroke,
+  Fill,
+  Colour,
+  Display,
+  Visibility,
+  Dashes,
+  DashOffset,
+  StrokeOpacity,
+  FillOpacity,
+  Opacity,
+  FontSize,
+  ClipPath,
+  Mask,
+  Filter,
+  Marker,
+  Overflow,
+  VectorEffect,
+  Geometry,  ///< what popcut reads from attributes only
 };
 
-Meaning meaning_of(const std::string& word) {
-  constexpr std::array<std::pair<std::string_view, int>, 25> kWords{{{"m", 2},
-                                                                     {"mountain", 2},
-                                                                     {"fold-mountain", 2},
-                                                                     {"mountain-fold", 2},
-                                                                     {"v", 3},
-                                                                     {"valley", 3},
-                                                                     {"fold-valley", 3},
-                                                                     {"valley-fold", 3},
-                                                                     {"c", 4},
-                                                                     {"cut", 4},
-                                                                     {"slit", 4},
-                                                                     {"cuts", 4},
-                                                                     {"slits", 4},
-                                                                     {"b", 5},
-                                                                     {"outline", 5},
-                                                                     {"border", 5},
-                                                                     {"boundary", 5},
-                                                                     {"mark", 0},
-                                                                     {"draw", 0},
-                                                                     {"label", 0},
-                                                                     {"score", 1},
-                                                                     {"f", -1},
-                                                                     {"u", -1},
-                                                                     {"j", -1},
-                                                                     {"ignore", -1}}};
-  for (const auto& [name, kind] : kWords)
-    if (word == name)
-      return {true, kind < 0 ? std::nullopt : std::optional(static_cast<Operation>(kind))};
-  return {};
-}
+namespace {
 
-std::optional<Operation> by_colour(const std::string& colour, SvgProfile profile) {
-  if (colour == "#ff0000") return Operation::FoldMountain;
-  if (colour == "#0000ff") return Operation::FoldValley;
-  if (profile == SvgProfile::Lightburn) return Operation::Cut;
-  if (colour == "#000000") return Operation::Outline;
-  if (colour == "#00ff00" || colour == "#008000") return Operation::Cut;
-  return std::nullopt;  // yellow, magenta and what Origami Simulator does not know
+// Zero, as a number or in per cent.
+std::optional<bool> is_zero(std::string_view value) {
+  const auto length = parse_svg_length(value);
+  if (!length ||
+      (length->unit != SvgLength::Unit::User && length->unit != SvgLength::Unit::Percent))
+    return std::nullopt;
+  return length->value <= 0.0;
 }
 
 }  // namespace
 
-SvgStyle style_of(const pugi::xml_node& node, const SvgStyle& inherited) {
-  SvgStyle style = inherited;
-  for (const char* name :
-       {"stroke", "fill", "display", "visibility", "stroke-dasharray", "stroke-dashoffset"})
-    if (const auto attribute = node.attribute(name)) set(style, name, attribute.value());
-  std::string_view declarations = node.attribute("style").value();
-  while (!declarations.empty()) {
-    const std::size_t end = std::min(declarations.find(';'), declarations.size());
-    const std::string_view one = declarations.substr(0, end);
-    const std::size_t colon = one.find(':');
-    if (colon != std::string_view::npos)
-      set(style, trimmed(one.substr(0, colon)), one.substr(colon + 1));
-    declarations.remove_prefix(std::min(end + 1, declarations.size()));
+std::string svg_where(const SvgText& text, const pugi::xml_node& node) {
+  std::string where = fmt::format("line {}", svg_line(text, node.offset_debug()));
+  const std::string_view id = node.attribute("id").value();
+  if (!id.empty()) where += fmt::format(" (id \"{}\")", id.substr(0, 60));
+  return where;
+}
+
+SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
+  using P = Property;
+  const auto one_of = [&](std::initializer_list<std::pair<std::string_view, P>> names) {
+    for (const auto& [known, property] : names)
+      if (name == known) return property;
+    return P::None;
+  };
+  if (name.empty()) return P::None;
+  switch (name[0]) {
+    case 's':
+      return one_of({{"stroke", P::Stroke},
+                     {"stroke-dasharray", P::Dashes},
+                     {"stroke-dashoffset", P::DashOffset},
+                     {"stroke-opacity", P::StrokeOpacity}});
+    case 'f':
+      return one_of({{"fill", P::Fill},
+                     {"fill-opacity", P::FillOpacity},
+                     {"font-size", P::FontSize},
+                     {"filter", P::Filter}});
+    case 'c':
+      return one_of({{"color", P::Colour},
+                     {"clip-path", P::ClipPath},
+                     {"cx", P::Geometry},
+                     {"cy", P::Geometry}});
+    case 'd':
+      return one_of({{"display", P::Display}, {"d", P::Geometry}});
+    case 'v':
+      return one_of({{"visibility", P::Visibility}, {"vector-effect", P::VectorEffect}});
+    case 'o':
+      return one_of({{"opacity", P::Opacity}, {"overflow", P::Overflow}});
+    case 'm':
+      return one_of({{"mask", P::Mask},
+                     {"marker", P::Marker},
+                     {"marker-start", P::Marker},
+                     {"marker-mid", P::Marker},
+                     {"marker-end", P::Marker}});
+    default:
+      return one_of({{"transform", P::Geometry},
+                     {"transform-origin", P::Geometry},
+                     {"x", P::Geometry},
+                     {"y", P::Geometry},
+                     {"r", P::Geometry},
+                     {"rx", P::Geometry},
+                     {"ry", P::Geometry},
+                     {"width", P::Geometry},
+                     {"height", P::Geometry}});
   }
-  if (const auto assignment = node.attribute("data-assignment"))
-    style.assignment = lower(trimmed(assignment.value()));
-  const std::string label = lower(trimmed(node.attribute("inkscape:label").value()));
-  if (std::string_view(node.attribute("inkscape:groupmode").value()) == "layer" &&
-      meaning_of(label).known)
-    style.layer = label;
-  return style;
 }
 
-std::optional<Operation> operation_of(const SvgStyle& style, SvgProfile profile) {
-  if (profile == SvgProfile::Plain) return Operation::Cut;
-  for (const std::string& word : {style.assignment, style.layer})
-    if (const Meaning meaning = meaning_of(word); meaning.known) return meaning.operation;
-  if (profile == SvgProfile::OrigamiSim || profile == SvgProfile::Lightburn)
-    return by_colour(plain_colour(style.stroke), profile);
-  return Operation::Cut;
+bool SvgStyleReader::set_paint(SvgPaint& paint, std::string_view value) {
+  const auto parsed = parse_svg_paint(value);
+  if (parsed) paint = *parsed;
+  return parsed.has_value();
 }
 
-std::string plain_colour(std::string_view colour) {
-  const std::string c = lower(trimmed(colour));
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kNames{
-      {{"black", "#000000"},
-       {"red", "#ff0000"},
-       {"blue", "#0000ff"},
-       {"lime", "#00ff00"},
-       {"green", "#008000"},
-       {"yellow", "#ffff00"},
-       {"magenta", "#ff00ff"},
-       {"fuchsia", "#ff00ff"},
-       {"white", "#ffffff"}}};
-  for (const auto& [name, hex] : kNames)
-    if (c == name) return std::string(hex);
-  if (c.size() == 4 && c[0] == '#') return {'#', c[1], c[1], c[2], c[2], c[3], c[3]};
-  if (c.rfind("rgb(", 0) != 0) return c;
-  SvgScan scan(std::string_view(c).substr(4));
-  std::array<double, 3> rgb{};
-  for (double& channel : rgb) {
-    if (!scan.number(channel)) return c;
-    if (scan.peek() == '%') {
-      scan.skip();
-      channel *= 2.55;
+bool SvgStyleReader::set_dashes(SvgStyle& style, std::string_view value) {
+  if (value == "none") {
+    style.dashes = 0;
+    return true;
+  }
+  auto known = known_dashes_.find(std::string(value));
+  if (known == known_dashes_.end()) {
+    auto list = parse_svg_dashes(value);
+    if (!list) {
+      too_many_dashes_ = true;
+      return true;
     }
-    channel = std::clamp(std::round(channel), 0.0, 255.0);
+    const bool solid = list->empty();
+    const auto index = solid ? 0u : static_cast<std::uint32_t>(dash_lists_.size());
+    if (!solid) dash_lists_.push_back(std::move(*list));
+    known = known_dashes_.emplace(value, index).first;
   }
-  return fmt::format("#{:02x}{:02x}{:02x}", static_cast<int>(rgb[0]), static_cast<int>(rgb[1]),
-                     static_cast<int>(rgb[2]));
+  // A list that cannot be read is passed over, and what is inherited stays.
+  if (known->second == 0) return same_word(value, "none");
+  style.dashes = known->second;
+  return true;
 }
 
-std::vector<std::vector<PagePoint>> dashed_by_style(const std::vector<PagePoint>& line,
-                                                    const SvgStyle& style,
-                                                    std::size_t most_points) {
-  const double period = std::accumulate(style.dashes.begin(), style.dashes.end(), 0.0);
-  double phase = std::fmod(style.dash_offset, period);
-  if (phase < 0.0) phase += period;
-  std::size_t at = 0;
-  while (phase >= style.dashes[at] && phase > 0.0) {
-    phase -= style.dashes[at];
-    at = (at + 1) % style.dashes.size();
+bool SvgStyleReader::set_font(double& font, std::string_view value, double inherited) const {
+  const auto length = parse_svg_length(value);
+  if (!length) return true;  // large, smaller ...: only em and ex are measured by it
+  font = user_units(*length, {user_mm_, inherited, inherited});
+  return true;
+}
+
+void SvgStyleReader::apply(Property property, std::string_view value, const SvgStyle& inherited,
+                           const SvgElement& element, SvgStyle& style, bool is_attribute) {
+  using P = Property;
+  value = trimmed(value);
+  static const SvgStyle kInitial;
+  const bool initial = value == "initial";
+  if (initial || value == "inherit" || value == "unset" || value == "revert") {
+    const SvgStyle& from = initial ? kInitial : inherited;
+    if (property == P::Stroke) style.stroke = from.stroke;
+    if (property == P::Fill) style.fill = from.fill;
+    if (property == P::Colour) style.colour = from.colour;
+    if (property == P::Visibility) style.hidden = from.hidden;
+    if (property == P::Dashes) style.dashes = from.dashes;
+    if (property == P::DashOffset) style.dash_offset = from.dash_offset;
+    if (property == P::Display) style.display_none = value == "inherit" && from.display_none;
+    if (property == P::StrokeOpacity) style.stroke_clear = from.stroke_clear;
+    if (property == P::FillOpacity) style.fill_clear = from.fill_clear;
+    if (property == P::FontSize) style.font = from.font;
+    return;
   }
-  double left = style.dashes[at] - phase;  // of the present dash or gap
-  std::vector<std::vector<PagePoint>> parts;
-  std::size_t points = 0;
-  if (at % 2 == 0) parts.push_back({line.front()});
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    const double l = distance(line[i - 1], line[i]);
-    double t = 0.0;
-    while (l - t > left) {
-      t += left;
-      const PagePoint p{line[i - 1].x + t / l * (line[i].x - line[i - 1].x),
-                        line[i - 1].y + t / l * (line[i].y - line[i - 1].y)};
-      if (at % 2 == 0)
-        parts.back().push_back(p);
-      else
-        parts.push_back({p});
-      at = (at + 1) % style.dashes.size();
-      left = style.dashes[at];
-      if (++points > most_points) return parts;
+  bool understood = true;
+  const auto zero = [&](bool& clear) {
+    const auto is = is_zero(value);
+    understood = is.has_value();
+    if (is) clear = *is;
+  };
+  switch (property) {
+    case P::None:
+      return;
+    case P::Stroke:
+      understood = set_paint(style.stroke, value);
+      break;
+    case P::Fill:
+      understood = set_paint(style.fill, value);
+      break;
+    case P::Colour: {
+      SvgPaint paint{SvgPaint::Kind::Current, 0};
+      understood = set_paint(paint, value);
+      if (paint.kind == SvgPaint::Kind::Colour) style.colour = paint.rgb;
+      break;
     }
-    left -= l - t;
-    if (at % 2 == 0) parts.back().push_back(line[i]);
+    case P::Display:
+      style.display_none = same_word(value, "none");
+      break;
+    case P::Visibility:
+      style.hidden = same_word(value, "hidden") || same_word(value, "collapse");
+      break;
+    case P::Dashes:
+      understood = set_dashes(style, value);
+      break;
+    case P::DashOffset: {
+      const auto length = parse_svg_length(value);
+      understood = length.has_value();
+      if (length) style.dash_offset = *length;
+      break;
+    }
+    case P::StrokeOpacity:
+      zero(style.stroke_clear);
+      break;
+    case P::FillOpacity:
+      zero(style.fill_clear);
+      break;
+    case P::Opacity: {
+      bool clear = false;
+      zero(clear);
+      style.transparent = inherited.transparent || clear;
+      break;
+    }
+    case P::FontSize:
+      understood = set_font(style.font, value, inherited.font);
+      break;
+    case P::ClipPath:
+      style.clipped = value != "none";
+      break;
+    case P::Mask:
+      style.masked = value != "none";
+      break;
+    case P::Filter:
+      style.filtered = value != "none";
+      break;
+    case P::Marker:
+      style.marked = value != "none";
+      break;
+    case P::Overflow:
+      style.overflows = value == "visible" || value == "auto";
+      break;
+    case P::VectorEffect:
+      style.non_scaling = value == "non-scaling-stroke";
+      break;
+    case P::Geometry:
+      if (!is_attribute && element.name != "svg" && value != "none" && value != "auto")
+        notes_.add(SvgNote::SheetGeometry, [&] { return svg_where(text_, element.node); });
+      break;
   }
-  return parts;
+  if (!understood)
+    notes_.add(SvgNote::Value, [&] {
+      return fmt::format("{}: \"{}\"", svg_where(text_, element.node), value.substr(0, 60));
+    });
+}
+
+bool SvgStyleReader::apply_all(std::string_view declarations, bool important,
+                               const SvgStyle& inherited, const SvgElement& element,
+                               SvgStyle& style) {
+  steps_ -= std::min(steps_, declarations.size());
+  bool other_kind = false;
+  CssDeclaration one;
+  while (next_declaration(declarations, one)) {
+    if (one.important == important)
+      apply(property_of(one.name), one.value, inherited, element, style, false);
+    else
+      other_kind = true;
+  }
+  return other_kind;
+}
+
+void SvgStyleReader::read_attributes(const SvgStyle& inherited, SvgElement& element,
+                                     SvgStyle& style) {
+  for (const pugi::xml_attribute& attribute : element.node.attributes()) {
+    const std::string_view name = attribute.name(), value = attribute.value();
+    if (steps_ > 0) --steps_;
+    if (name == "d") {
+      element.d = value;
+    } else if (name == "style") {
+      element.style = value;
+    } else if (name == "id") {
+      element.id = value;
+    } else if (name == "class") {
+      element.classes = value;
+    } else if (name == "transform") {
+      element.transform = value;
+      element.has_transform = true;
+    } else if (name == "data-assignment") {
+      element.assignment = value;
+    } else if (name == "href") {
+      element.href = value;
+    } else if (const std::size_t colon = name.find(':'); colon != std::string_view::npos) {
+      const std::string_view local = name.substr(colon + 1);
+      if (local == "label") element.label = value;
+      if (local == "groupmode") element.is_layer = value == "layer";
+      if (local == "href" && element.href.empty()) element.href = value;
+    } else if (const Property property = property_of(name); property != Property::None) {
+      apply(property, value, inherited, element, style, true);
+    }
+  }
+}
+
+void SvgStyleReader::apply_sheets(const SvgStyle& inherited, const SvgElement& element,
+                                  SvgStyle& style, std::string_view own) {
+  found_.clear();
+  if (!sheets_.empty() &&
+      !sheets_.find(element.node, element.name, element.id, element.classes, steps_, found_))
+    return;
+  bool important = false;
+  for (const CssRule* rule : found_)
+    important |= apply_all(rule->declarations, false, inherited, element, style);
+  const bool own_important = apply_all(own, false, inherited, element, style);
+  if (important)
+    for (const CssRule* rule : found_)
+      apply_all(rule->declarations, true, inherited, element, style);
+  if (own_important) apply_all(own, true, inherited, element, style);
+}
+
+void SvgStyleReader::read_names(SvgElement& element, SvgStyle& style) {
+  if (!profile_.names) return;
+  if (!element.assignment.empty()) {
+    const auto use = use_of_assignment(element.assignment);
+    if (use) {
+      style.assignment = *use;
+      style.has_assignment = true;
+    } else {
+      notes_.add(SvgNote::Assignment, [&] {
+        return fmt::format("{}: \"{}\"", svg_where(text_, element.node),
+                           element.assignment.substr(0, 40));
+      });
+    }
+  }
+  if (element.is_layer)
+    if (const auto use = use_of_label(profile_, element.label)) {
+      style.layer = *use;
+      style.has_layer = true;
+    }
+}
+
+Result<SvgElement> SvgStyleReader::read(const pugi::xml_node& node, std::string_view prefix,
+                                        const SvgStyle& inherited, SvgStyle& style) {
+  SvgElement element;
+  element.node = node;
+  element.name = node.name();
+  if (const std::size_t colon = element.name.find(':'); colon != std::string_view::npos) {
+    if (element.name.substr(0, colon) != prefix) return SvgElement{};
+    element.name.remove_prefix(colon + 1);
+  }
+  style = inherited;
+  style.display_none = style.clipped = style.masked = style.filtered = style.overflows = false;
+  read_attributes(inherited, element, style);
+  if (!sheets_.empty() || !element.style.empty()) {
+    if (element.style.find("/*") != std::string_view::npos) {
+      const std::string plain = without_css_comments(element.style);
+      apply_sheets(inherited, element, style, plain);
+    } else {
+      apply_sheets(inherited, element, style, element.style);
+    }
+  }
+  read_names(element, style);
+  if (too_many_dashes_)
+    return fail(
+        ErrorKind::OutOfRange, svg_where(text_, node),
+        fmt::format("stroke-dasharray has more than {} numbers; write fewer", kMaxDashNumbers));
+  return element;
 }
 
 }  // namespace popcut

@@ -1,40 +1,100 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <optional>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include <pugixml.hpp>
 
-#include "core/formats/svg_reader.hpp"
+#include "core/formats/svg_colour.hpp"
+#include "core/formats/svg_css.hpp"
+#include "core/formats/svg_notes.hpp"
+#include "core/formats/svg_profile.hpp"
+#include "core/formats/svg_text.hpp"
+#include "core/formats/svg_units.hpp"
 
 namespace popcut {
 
-/// What an element inherits and sets of its looks and its meaning.
-struct SvgStyle {
-  std::string stroke{"none"};
-  std::string fill{"black"};
-  bool hidden{false};
-  bool display_none{false};
-  std::vector<double> dashes;  ///< user units, even count; empty: solid
-  double dash_offset{};
-  std::string assignment;  ///< data-assignment of it or of the nearest ancestor that has one
-  std::string layer;       ///< label of the nearest Inkscape layer whose label says a meaning
+/// An element with those of its attributes that are asked for most.
+struct SvgElement {
+  pugi::xml_node node;
+  std::string_view name;  ///< without the prefix of SVG; empty: of another namespace
+  std::string_view id, classes, style, transform, d, href, assignment, label;
+  bool has_transform{false};
+  bool is_layer{false};  ///< an Inkscape layer
 };
 
-/// The style of `node`, whose parent has `inherited`. Presentation attributes, then `style`.
-[[nodiscard]] SvgStyle style_of(const pugi::xml_node& node, const SvgStyle& inherited);
+/// What an element inherits and sets of its looks and its meaning.
+struct SvgStyle {
+  SvgPaint stroke;
+  SvgPaint fill{SvgPaint::Kind::Colour, 0};
+  std::uint32_t colour{};  ///< what currentColor is
+  std::uint32_t dashes{};  ///< for `SvgStyleReader::dashes`; 0: solid
+  SvgLength dash_offset;
+  double font{16.0};  ///< user units
+  bool hidden{false}, transparent{false}, stroke_clear{false}, fill_clear{false};
+  bool marked{false}, non_scaling{false};
+  bool has_assignment{false}, has_layer{false};
+  StrokeUse assignment;  ///< `data-assignment` of it or of the nearest ancestor that has one
+  StrokeUse layer;       ///< of the nearest layer whose label the profile knows
 
-/// What a line of this style is for; none: it is not cut.
-[[nodiscard]] std::optional<Operation> operation_of(const SvgStyle& style, SvgProfile profile);
+  // Not inherited.
+  bool display_none{false}, clipped{false}, masked{false}, filtered{false}, overflows{false};
+};
 
-/// "#rrggbb" of a colour, in lower case; as it stands if it is not understood.
-[[nodiscard]] std::string plain_colour(std::string_view colour);
+/// "line 7 (id "a")" of a node.
+[[nodiscard]] std::string svg_where(const SvgText& text, const pugi::xml_node& node);
 
-/// The parts of `line` that are drawn with `dashes`; both in user units.
-[[nodiscard]] std::vector<std::vector<PagePoint>> dashed_by_style(
-    const std::vector<PagePoint>& line, const SvgStyle& style, std::size_t most_points);
+/// Reads elements and works their styles out: attributes, style sheets by specificity, `style`, and
+/// what of these is !important.
+class SvgStyleReader {
+ public:
+  /// `user_mm` is a user unit; work is taken off `steps`.
+  SvgStyleReader(const SvgText& text, const StrokeProfile& profile, double user_mm, SvgNotes& notes,
+                 std::size_t& steps)
+      : text_(text), profile_(profile), user_mm_(user_mm), notes_(notes), steps_(steps) {}
+
+  /// The element `node`, and in `style` its style, whose parent has `inherited`. What takes more
+  /// than the steps that are left is not done; they are zero then.
+  ///
+  /// @retval OutOfRange  a stroke-dasharray of too many numbers
+  [[nodiscard]] Result<SvgElement> read(const pugi::xml_node& node, std::string_view prefix,
+                                        const SvgStyle& inherited, SvgStyle& style);
+
+  [[nodiscard]] CssSheets& sheets() { return sheets_; }
+  [[nodiscard]] std::span<const SvgLength> dashes(std::uint32_t index) const {
+    return dash_lists_[index];
+  }
+
+ private:
+  enum class Property : std::uint8_t;
+  static Property property_of(std::string_view name);
+  void read_attributes(const SvgStyle& inherited, SvgElement& element, SvgStyle& style);
+  void apply_sheets(const SvgStyle& inherited, const SvgElement& element, SvgStyle& style,
+                    std::string_view own);
+  bool apply_all(std::string_view declarations, bool important, const SvgStyle& inherited,
+                 const SvgElement& element, SvgStyle& style);
+  void apply(Property property, std::string_view value, const SvgStyle& inherited,
+             const SvgElement& element, SvgStyle& style, bool is_attribute);
+  bool set_paint(SvgPaint& paint, std::string_view value);
+  bool set_dashes(SvgStyle& style, std::string_view value);
+  bool set_font(double& font, std::string_view value, double inherited) const;
+  void read_names(SvgElement& element, SvgStyle& style);
+
+  const SvgText& text_;
+  const StrokeProfile& profile_;
+  double user_mm_;
+  SvgNotes& notes_;
+  std::size_t& steps_;
+  CssSheets sheets_;
+  std::vector<const CssRule*> found_;
+  std::vector<std::vector<SvgLength>> dash_lists_{{}};
+  std::unordered_map<std::string, std::uint32_t> known_dashes_;
+  bool too_many_dashes_{false};
+};
 
 }  // namespace popcut

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/formats/svg_scan.hpp"
+#include "core/formats/svg_units.hpp"
 
 namespace popcut {
 namespace {
@@ -36,6 +37,14 @@ SvgTransform SvgTransform::operator*(const SvgTransform& m) const {
           b * m.c + d * m.d, a * m.e + c * m.f + e, b * m.e + d * m.f + f};
 }
 
+std::optional<SvgTransform> SvgTransform::inverse() const {
+  const double det = a * d - b * c;
+  if (!std::isfinite(det) || !(std::abs(det) > 1e-14 * (a * a + b * b + c * c + d * d)))
+    return std::nullopt;
+  return SvgTransform{
+      d / det, -b / det, -c / det, a / det, (c * f - d * e) / det, (b * e - a * f) / det};
+}
+
 double SvgTransform::largest_scale() const {
   const double sum = a * a + b * b + c * c + d * d;
   const double det = a * d - b * c;
@@ -45,6 +54,7 @@ double SvgTransform::largest_scale() const {
 std::optional<SvgTransform> parse_svg_transform(std::string_view text) {
   SvgTransform all;
   SvgScan scan(text);
+  if (trimmed(text) == "none") return all;
   while (!scan.at_end()) {
     const std::string_view name = scan.word();
     if (scan.peek() != '(') return std::nullopt;
@@ -54,6 +64,8 @@ std::optional<SvgTransform> parse_svg_transform(std::string_view text) {
     while (scan.number_follows()) {
       if (count == values.size() || !scan.number(values[count])) return std::nullopt;
       ++count;
+      const std::string_view unit = scan.peek() == ')' ? std::string_view{} : scan.word();
+      if (!unit.empty() && unit != "deg" && unit != "px") return std::nullopt;
     }
     if (scan.peek() != ')') return std::nullopt;
     scan.skip();

@@ -16,11 +16,14 @@ struct SvgTransform {
   }
   /// First `inner`, then this.
   [[nodiscard]] SvgTransform operator*(const SvgTransform& inner) const;
+  /// The way back; none where areas vanish.
+  [[nodiscard]] std::optional<SvgTransform> inverse() const;
   /// The most that any length grows.
   [[nodiscard]] double largest_scale() const;
 };
 
-/// A `transform` attribute: matrix, translate, scale, rotate, skewX, skewY, one after the other.
+/// A `transform` attribute: matrix, translate, scale, rotate, skewX, skewY, one after the other, or
+/// none. Numbers may have deg or px after them.
 [[nodiscard]] std::optional<SvgTransform> parse_svg_transform(std::string_view text);
 
 }  // namespace popcut

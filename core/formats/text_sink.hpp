@@ -63,7 +63,7 @@ class TextSink {
 };
 
 /// `text` for an XML element or attribute: the five special characters escaped, control characters
-/// (which XML 1.0 cannot hold) turned into blanks.
+/// (which XML 1.0 cannot hold) turned into blanks, U+FFFE, U+FFFF and what is not UTF-8 into U+FFFD.
 [[nodiscard]] std::string xml_escaped(std::string_view text);
 
 /// `text` as a JSON string with its quotes; bytes that are not UTF-8 become U+FFFD.

@@ -6,215 +6,269 @@
 #include <numeric>
 
 #include "core/plan/nesting.hpp"
-#include "core/plan/point_grid.hpp"
-#include "core/plan/route.hpp"
+#include "core/plan/order_group.hpp"
+#include "core/plan/order_pieces.hpp"
 
 namespace popcut {
 namespace {
 
-bool is_closed(const LineWork& work, std::uint32_t line) {
-  return closed(work.points_of(work.lines[line]));
+constexpr std::uint32_t kOutlines = 4;  // the last of `cutting_groups`
+constexpr std::uint64_t kQuickMoves = 3000;
+
+// Which closed lines hold which lines, of cuts among cuts and of outlines among outlines.
+Nesting nesting_of_cuts(const LineWork& work) {
+  Nesting all;
+  all.first.assign(work.lines.size() + 1, 0);
+  std::vector<Nesting> parts;
+  for (const Operation operation : {Operation::Cut, Operation::Outline}) {
+    std::vector<std::uint8_t> counts;
+    counts.reserve(work.lines.size());
+    for (const DrawnLine& line : work.lines) counts.push_back(line.operation == operation ? 1 : 0);
+    parts.push_back(nesting(work, counts));
+  }
+  for (std::uint32_t i = 0; i < work.lines.size(); ++i) {
+    for (const Nesting& part : parts)
+      all.holders.insert(all.holders.end(), part.around(i).begin(), part.around(i).end());
+    all.first[i + 1] = static_cast<std::uint32_t>(all.holders.size());
+  }
+  return all;
 }
 
-// Where the tool can go down: each vertex of a closed line, both ends of an open one.
-struct Door {
-  std::uint32_t line{};
-  std::uint32_t vertex{};
-};
-
-// Always the nearest door of a line that is still to do. The grid is made anew whenever half of the
-// doors are gone, so that cells keep about one each: O(n) on average in all.
-class NearestFirst {
- public:
-  NearestFirst(const LineWork& work, const std::vector<std::uint32_t>& lines)
-      : work_(work), done_(work.lines.size(), 0), left_(lines.size()) {
-    for (const std::uint32_t line : lines) {
-      const std::uint32_t count = work.lines[line].count;
-      if (is_closed(work, line))
-        for (std::uint32_t v = 0; v + 1 < count; ++v) doors_.push_back({line, v});
-      else
-        doors_.insert(doors_.end(), {{line, 0}, {line, count - 1}});
-    }
+// Lines as they are, but for those that have to wait for what lies inside them.
+void append_own(const Nesting& nesting, const std::vector<std::uint32_t>& lines,
+                std::vector<std::uint32_t>& waits, std::vector<Visit>& out) {
+  for (const std::uint32_t line : lines)
+    for (const std::uint32_t holder : nesting.around(line)) ++waits[holder];
+  std::vector<std::uint8_t> due(waits.size(), 0);
+  for (const std::uint32_t line : lines) {
+    due[line] = 1;
+    if (waits[line] > 0) continue;
+    std::size_t next = out.size();
+    out.push_back({line, false, 0});
+    for (; next < out.size(); ++next)
+      for (const std::uint32_t holder : nesting.around(out[next].line))
+        if (--waits[holder] == 0 && due[holder] != 0) out.push_back({holder, false, 0});
   }
-
-  std::vector<Visit> run(PagePoint at) {
-    std::vector<Visit> visits;
-    visits.reserve(left_);
-    while (left_ > 0) {
-      std::erase_if(doors_, [&](const Door& door) { return done_[door.line] != 0; });
-      std::vector<PagePoint> points;
-      points.reserve(doors_.size());
-      for (const Door& door : doors_) points.push_back(point(door));
-      const PointGrid grid(points);
-      for (std::size_t until = left_ / 2; left_ > until; --left_) {
-        const auto to_do = [&](std::uint32_t d) { return done_[doors_[d].line] == 0; };
-        grid.nearest(at, 1, to_do, near_);
-        const Door door = doors_[near_.front()];
-        done_[door.line] = 1;
-        visits.push_back(through(door));
-        at = leave(work_, visits.back());
-      }
-    }
-    return visits;
-  }
-
- private:
-  [[nodiscard]] const PagePoint& point(const Door& door) const {
-    return work_.points[work_.lines[door.line].first + door.vertex];
-  }
-  [[nodiscard]] Visit through(const Door& door) const {
-    if (is_closed(work_, door.line)) return {door.line, false, door.vertex};
-    return {door.line, door.vertex != 0, 0};
-  }
-
-  const LineWork& work_;
-  std::vector<std::uint8_t> done_;
-  std::size_t left_;
-  std::vector<Door> doors_;
-  std::vector<std::uint32_t> near_;
-};
-
-double way_through(const LineWork& work, const PagePoint& from, const std::vector<Visit>& visits) {
-  if (visits.empty()) return 0.0;
-  return distance(from, entry(work, visits.front())) + travel_mm(work, visits);
 }
 
-// Moves the seam of each closed line to where the way in and out is shortest.
-void move_seams(const LineWork& work, const PagePoint& from, std::vector<Visit>& visits) {
+// The bands along the feed by where lines end, but not before that of what lies inside them;
+// outlines in one band behind all others.
+std::vector<std::uint32_t> bands(const LineWork& work, const Nesting& nesting, double band_mm) {
+  std::vector<std::uint32_t> band(work.lines.size(), 0);
+  if (!(band_mm > 0.0)) return band;
+  const Box box = bounds(work);
+  for (std::size_t i = 0; i < band.size(); ++i) {
+    double last = box.y0;
+    for (const PagePoint& p : work.points_of(work.lines[i])) last = std::max(last, p.y);
+    const bool outline = work.lines[i].operation == Operation::Outline;
+    band[i] = static_cast<std::uint32_t>(
+        std::min(outline ? 1e9 : std::floor((last - box.y0) / band_mm), 1e9));
+  }
+  std::vector<std::uint32_t> lines(band.size()), waits(band.size(), 0);
+  std::iota(lines.begin(), lines.end(), 0u);
+  std::vector<Visit> inner_first;
+  append_own(nesting, lines, waits, inner_first);
+  for (const Visit& visit : inner_first)
+    for (const std::uint32_t holder : nesting.around(visit.line))
+      band[holder] = std::max(band[holder], band[visit.line]);
+  return band;
+}
+
+// Groups that come one after the other; in each the lines are as drawn.
+std::vector<OrderGroup> groups_of(const LineWork& work, const Nesting& nesting,
+                                  const OrderOptions& options) {
+  const std::vector<std::uint32_t> kind = cutting_groups(work);
+  const std::vector<std::uint32_t> band = bands(work, nesting, options.band_mm);
+  std::vector<std::uint32_t> lines(work.lines.size());
+  std::iota(lines.begin(), lines.end(), 0u);
+  const auto same = [&](std::uint32_t a, std::uint32_t b) {
+    return band[a] == band[b] && kind[a] == kind[b];
+  };
+  std::stable_sort(lines.begin(), lines.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return band[a] != band[b] ? band[a] < band[b] : kind[a] < kind[b];
+  });
+  std::vector<OrderGroup> groups;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (i == 0 || !same(lines[i - 1], lines[i])) groups.emplace_back();
+    groups.back().lines.push_back(lines[i]);
+  }
+  const bool best = options.method == OrderMethod::Best;
+  const std::uint64_t moves = best ? order_moves(lines.size(), options.effort) : kQuickMoves;
+  for (OrderGroup& group : groups)  // each its share
+    group.moves = static_cast<std::uint64_t>(static_cast<double>(moves) *
+                                             static_cast<double>(group.lines.size()) /
+                                             static_cast<double>(lines.size()));
+  return groups;
+}
+
+std::vector<Visit> own_order(const LineWork& work, const Nesting& nesting,
+                             const std::vector<OrderGroup>& groups) {
+  std::vector<Visit> out;
+  out.reserve(work.lines.size());
+  std::vector<std::uint32_t> waits(work.lines.size(), 0);
+  for (const OrderGroup& group : groups) append_own(nesting, group.lines, waits, out);
+  return out;
+}
+
+// Moves the seam of each closed line to where the way in and out costs least, of all its vertices.
+void settle_seams(const LineWork& work, const OrderOptions& options, std::vector<Visit>& visits) {
   for (std::size_t i = 0; i < visits.size(); ++i) {
     Visit& visit = visits[i];
-    if (!is_closed(work, visit.line)) continue;
-    const PagePoint before = i == 0 ? from : leave(work, visits[i - 1]);
-    const bool last = i + 1 == visits.size();
-    const PagePoint after = last ? before : entry(work, visits[i + 1]);
     const auto points = work.points_of(work.lines[visit.line]);
+    if (!closed(points)) continue;
+    const bool last = i + 1 == visits.size();
+    const auto before = i == 0 ? options.start : std::optional(leave(work, visits[i - 1]));
+    const auto after = last ? options.end : std::optional(entry(work, visits[i + 1]));
     const auto detour = [&](std::uint32_t v) {
-      return distance(before, points[v]) + (last ? 0.0 : distance(points[v], after));
+      return (before ? options.cost(distance(*before, points[v])) : 0.0) +
+             (after ? options.cost(distance(points[v], *after)) : 0.0);
     };
+    double least = detour(visit.start);
     for (std::uint32_t v = 0; v + 1 < points.size(); ++v)
-      if (detour(v) < detour(visit.start)) visit.start = v;
+      if (const double way = detour(v); way < least) {
+        least = way;
+        visit.start = v;
+      }
   }
 }
 
-void improve(const LineWork& work, const PagePoint& from, std::vector<Visit>& visits,
-             const RouteEffort& effort) {
-  std::vector<RouteStop> stops;
-  stops.reserve(visits.size());
-  for (const Visit& visit : visits) {
-    Visit forward = visit;
-    forward.reversed = false;
-    stops.push_back({entry(work, forward), leave(work, forward), visit.reversed});
-  }
-  std::vector<std::uint32_t> sequence(visits.size());
-  std::iota(sequence.begin(), sequence.end(), 0u);
-  improve_route(from, stops, sequence, effort);
-  std::vector<Visit> better;
-  better.reserve(visits.size());
-  for (const std::uint32_t s : sequence) {
-    better.push_back(visits[s]);
-    better.back().reversed = stops[s].flipped && !is_closed(work, visits[s].line);
-  }
-  visits = std::move(better);
+const PagePoint& last_point(std::span<const PagePoint> points, const Visit& visit) {
+  if (visit.count > 0)
+    return points[(visit.start + visit.count - 1) % (points.size() - (closed(points) ? 1 : 0))];
+  return closed(points) ? points[visit.start] : points.back();
 }
 
-RouteEffort effort_for(std::size_t n, OrderEffort effort) {
-  const bool best = effort == OrderEffort::Best;
-  const std::size_t most = best ? 4'000'000'000 : 400'000'000;  // stops moved in all, about
-  return {.neighbours = best ? 10u : 8u,
-          .passes = best ? 30 : 8,
-          .longest_move = std::clamp<std::size_t>(most / (n + 1), 1000, 100'000)};
+Ordered order_lines(const LineWork& work, const Nesting& nesting, const OrderOptions& options) {
+  std::vector<OrderGroup> groups = groups_of(work, nesting, options);
+  double all = 0.0, done = 0.0;
+  const auto weight = [](const OrderGroup& group) {
+    return static_cast<double>(group.lines.size() + group.moves);
+  };
+  for (const OrderGroup& group : groups) all += weight(group);
+  Ordered out;
+  out.visits.reserve(work.lines.size());
+  std::optional<PagePoint> at = options.start;
+  std::vector<std::uint32_t> scratch(work.lines.size(), 0);
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    OrderGroup& group = groups[g];
+    group.start = at;
+    if (g + 1 == groups.size()) group.end = options.end;
+    KeepGoing keep_going;
+    if (options.keep_going)
+      keep_going = [&](double part) {
+        return options.keep_going((done + part * weight(group)) / all);
+      };
+    const Ordered part = order_group(work, nesting, group, options, keep_going, scratch);
+    out.visits.insert(out.visits.end(), part.visits.begin(), part.visits.end());
+    out.moves += part.moves;
+    out.moves_wanted += part.moves_wanted;
+    out.finished = out.finished && part.finished;
+    done += weight(group);
+    at = leave(work, out.visits.back());
+  }
+  if (options.any_seam) settle_seams(work, options, out.visits);
+  std::vector<Visit> own = own_order(work, nesting, groups);
+  out.own_cost = travel_cost(work, own, options);
+  out.cost = travel_cost(work, out.visits, options);
+  if (out.cost > out.own_cost) {
+    out.visits = std::move(own);
+    out.cost = out.own_cost;
+  }
+  return out;
 }
 
-std::vector<Visit> short_way(const LineWork& work, const PagePoint& from,
-                             const std::vector<std::uint32_t>& lines, OrderEffort effort) {
-  std::vector<Visit> best;
-  best.reserve(lines.size());
-  for (const std::uint32_t line : lines) best.push_back({line, false, 0});
-  double shortest = way_through(work, from, best);
-  std::vector<Visit> visits = NearestFirst(work, lines).run(from);
-  for (int round = 0; round < (effort == OrderEffort::Best ? 3 : 1); ++round) {
-    improve(work, from, visits, effort_for(lines.size(), effort));
-    move_seams(work, from, visits);
-    const double way = way_through(work, from, visits);
-    if (way >= shortest) break;
-    shortest = way;
-    best = visits;
-  }
-  return best;
+Ordered as_drawn(const LineWork& work, const OrderOptions& options) {
+  Ordered out;
+  out.visits.resize(work.lines.size());
+  for (std::uint32_t i = 0; i < work.lines.size(); ++i) out.visits[i].line = i;
+  out.cost = out.own_cost = travel_cost(work, out.visits, options);
+  return out;
 }
 
 }  // namespace
 
+void points_of_visit(const LineWork& work, const Visit& visit, std::vector<PagePoint>& out) {
+  const auto points = work.points_of(work.lines[visit.line]);
+  if (visit.count == 0 && visit.start == 0) {
+    out.assign(points.begin(), points.end());
+  } else {
+    const auto round = static_cast<std::uint32_t>(points.size() - (closed(points) ? 1 : 0));
+    const std::uint32_t count = visit.count > 0 ? visit.count : round + 1;
+    out.clear();
+    for (std::uint32_t i = 0; i < count; ++i) out.push_back(points[(visit.start + i) % round]);
+  }
+  if (visit.reversed) std::reverse(out.begin(), out.end());
+}
+
 PagePoint entry(const LineWork& work, const Visit& visit) {
   const auto points = work.points_of(work.lines[visit.line]);
-  return visit.reversed ? points.back() : points[visit.start];
+  return visit.reversed ? last_point(points, visit) : points[visit.start];
 }
 
 PagePoint leave(const LineWork& work, const Visit& visit) {
   const auto points = work.points_of(work.lines[visit.line]);
-  if (closed(points)) return points[visit.start];
-  return visit.reversed ? points.front() : points.back();
+  return visit.reversed ? points[visit.start] : last_point(points, visit);
 }
 
 double travel_mm(const LineWork& work, const std::vector<Visit>& visits) {
+  return travel_cost(work, visits, {.start = std::nullopt, .end = std::nullopt});
+}
+
+double travel_cost(const LineWork& work, const std::vector<Visit>& visits,
+                   const OrderOptions& options) {
+  if (visits.empty()) return 0.0;
   double sum = 0.0;
+  if (options.start) sum += options.cost(distance(*options.start, entry(work, visits.front())));
   for (std::size_t i = 1; i < visits.size(); ++i)
-    sum += distance(leave(work, visits[i - 1]), entry(work, visits[i]));
+    sum += options.cost(distance(leave(work, visits[i - 1]), entry(work, visits[i])));
+  if (options.end) sum += options.cost(distance(leave(work, visits.back()), *options.end));
   return sum;
 }
 
+std::uint64_t order_moves(std::size_t lines, double effort) {
+  const double moves = 2000.0 * std::sqrt(static_cast<double>(lines)) * effort;
+  return static_cast<std::uint64_t>(std::clamp(moves, 0.0, 1e15));
+}
+
 std::vector<std::uint32_t> cutting_groups(const LineWork& work) {
-  std::vector<std::uint8_t> cuts;
-  cuts.reserve(work.lines.size());
-  for (const DrawnLine& line : work.lines) cuts.push_back(is_cut(line.operation) ? 1 : 0);
-  const std::vector<std::uint32_t> depth = nesting_depth(work, cuts);
-  const std::uint32_t deepest = depth.empty() ? 0 : *std::max_element(depth.begin(), depth.end());
   std::vector<std::uint32_t> groups;
   groups.reserve(work.lines.size());
-  for (std::size_t i = 0; i < work.lines.size(); ++i) {
-    const std::uint32_t inner_first = deepest - depth[i];
-    switch (work.lines[i].operation) {
-      case Operation::Draw:
-        groups.push_back(0);
-        break;
-      case Operation::Score:
-        groups.push_back(1);
-        break;
-      case Operation::FoldMountain:
-      case Operation::FoldValley:
-        groups.push_back(2);
-        break;
-      case Operation::Cut:
-        groups.push_back(3 + inner_first);
-        break;
-      case Operation::Outline:
-        groups.push_back(4 + deepest + inner_first);
-        break;
-    }
+  for (const DrawnLine& line : work.lines) {
+    const bool fold = is_fold(line.operation);
+    const bool cut = line.operation == Operation::Cut;
+    groups.push_back(line.operation == Operation::Draw    ? 0
+                     : line.operation == Operation::Score ? 1
+                     : fold                               ? 2
+                     : cut                                ? 3
+                                                          : kOutlines);
   }
   return groups;
 }
 
-std::vector<Visit> order(const LineWork& work, const OrderOptions& options) {
-  const std::vector<std::uint32_t> groups = cutting_groups(work);
-  std::vector<std::uint32_t> lines(work.lines.size());
-  std::iota(lines.begin(), lines.end(), 0u);
-  std::stable_sort(lines.begin(), lines.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return groups[a] < groups[b]; });
-  std::vector<Visit> plain, visits;
-  PagePoint at = options.home;
-  for (std::size_t i = 0; i < lines.size();) {
-    std::size_t j = i;
-    while (j < lines.size() && groups[lines[j]] == groups[lines[i]]) ++j;
-    const std::vector<std::uint32_t> group(lines.begin() + static_cast<std::ptrdiff_t>(i),
-                                           lines.begin() + static_cast<std::ptrdiff_t>(j));
-    for (const std::uint32_t line : group) plain.push_back({line, false, 0});
-    const std::vector<Visit> part = short_way(work, at, group, options.effort);
-    visits.insert(visits.end(), part.begin(), part.end());
-    at = leave(work, visits.back());
-    i = j;
+std::size_t outer_before_inner(const LineWork& work, const std::vector<Visit>& visits) {
+  const Nesting nesting = nesting_of_cuts(work);
+  std::vector<std::size_t> place(work.lines.size());
+  for (std::size_t i = 0; i < visits.size(); ++i) place[visits[i].line] = i;
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < work.lines.size(); ++i) {
+    const auto around = nesting.around(i);
+    count += std::any_of(around.begin(), around.end(),
+                         [&](std::uint32_t holder) { return place[holder] < place[i]; });
   }
-  return travel_mm(work, visits) <= travel_mm(work, plain) ? visits : plain;
+  return count;
+}
+
+Ordered order(const LineWork& work, const OrderOptions& options) {
+  if (options.method == OrderMethod::Keep) return as_drawn(work, options);
+  Nesting nesting;
+  nesting.first.assign(work.lines.size() + 1, 0);
+  if (options.inner_first) nesting = nesting_of_cuts(work);
+  if (!(options.corner_deg > 0.0)) return order_lines(work, nesting, options);
+  const LinePieces pieces = split_at_corners(work, nesting, options.corner_deg);
+  Ordered out = order_lines(pieces.work, nesting_of_pieces(pieces, nesting), options);
+  for (Visit& visit : out.visits) visit = pieces.visit_of(visit);
+  out.cost = travel_cost(work, out.visits, options);
+  return out;
 }
 
 }  // namespace popcut

@@ -126,6 +126,27 @@ Result<void> check_options(const PlanOptions& options) {
   return {};
 }
 
+Ordered ordered_for(const LineWork& work, const Machine& machine, OrderOptions how,
+                    PlannedSheet& sheet, std::vector<std::string>& warnings) {
+  how.cost = TravelCost::seconds(machine.motion);
+  Ordered ordered = order(work, how);
+  sheet.order_moves = ordered.moves;
+  sheet.order_finished = ordered.finished;
+  if (!ordered.finished)
+    warnings.push_back(fmt::format(
+        "the search for a short way was ended after {} of {} moves; on another machine, or with "
+        "more time, the order may differ",
+        ordered.moves, ordered.moves_wanted));
+  if (const std::size_t late =
+          how.method == OrderMethod::Keep ? outer_before_inner(work, ordered.visits) : 0;
+      late > 0)
+    warnings.push_back(fmt::format(
+        "the order is kept as drawn: {} strokes come after the closed line around them, which may "
+        "have moved by then",
+        late));
+  return ordered;
+}
+
 void measure(PlannedSheet& sheet, const Machine& machine, const Material& material) {
   const Toolpath& path = sheet.sent_path();
   for (std::size_t i = 0; i < path.strokes.size(); ++i) {
@@ -189,10 +210,10 @@ Result<Plan> plan(const LineWork& drawing, const Machine& machine, const Materia
   for (std::uint32_t i = 0; i < given.size(); ++i) given[i].line = i;
   sheet.travel_input_mm = travel_mm(dashed.work, given);
   Plan out{drawing.name,         machine,      material, {},
-           dashed.work.warnings, options.seed, *mode,    options.clean.snap_mm};
+           dashed.work.warnings, options.order.seed, *mode,    options.clean.snap_mm};
   StrokeSettings settings(machine, material, *mode, out.warnings);
-  DrawnStrokes strokes =
-      make_strokes(dashed, order(dashed.work, {.effort = options.effort}), settings);
+  const Ordered ordered = ordered_for(dashed.work, machine, options.order, sheet, out.warnings);
+  DrawnStrokes strokes = make_strokes(dashed, ordered.visits, settings);
   sheet.path = std::move(strokes.path);
   sheet.knife = {options.knife.overcut_mm.value_or(material.overcut_mm),
                  material.cut.force_step_gf == 0.0 ? material.cut.passes : 1, room,

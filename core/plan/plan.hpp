@@ -17,11 +17,10 @@ namespace popcut {
 struct PlanOptions {
   std::string mat{};  ///< name or size, see `choose_mat`; empty: the machine's own
   PlaceOptions place{};
-  OrderEffort effort{OrderEffort::Quick};
+  OrderOptions order{};  ///< its `cost` is the machine's
   CleanOptions clean{};
   KnifeOptions knife{};
   bool keep_lines{false};  ///< the sheet keeps its lines as they were before folds were dashed
-  std::uint32_t seed{1};   ///< of searches that use chance; the present ones do not
 };
 
 /// One sheet: what the cutter does, in order, and its figures.
@@ -36,6 +35,8 @@ struct PlannedSheet {
   double cut_mm{}, fold_mm{};     ///< tool down, as sent
   double fold_line_mm{};          ///< folds before dashing
   double travel_mm{}, travel_input_mm{}, home_mm{};
+  std::uint64_t order_moves{};  ///< that the search for a short way tried
+  bool order_finished{true};    ///< false: it was ended early
   std::size_t paths{};  ///< lines of the drawing after cleaning
   double seconds{};
   std::array<double, 2> seconds_range{};
@@ -50,7 +51,7 @@ struct Plan {
   Material material;
   std::vector<PlannedSheet> sheets;
   std::vector<std::string> warnings;
-  std::uint32_t seed{};
+  std::uint64_t seed{};
   FoldMode folds{FoldMode::Perforate};
   double snap_mm{};
 };

@@ -57,6 +57,8 @@ Json sheet_json(const PlannedSheet& sheet, std::size_t number) {
           {"home_mm", rounded(sheet.home_mm)},
           {"lifts", sheet.path.strokes.size()},
           {"paths", sheet.paths},
+          {"order_moves", sheet.order_moves},
+          {"order_finished", sheet.order_finished},
           {"seconds", rounded(sheet.seconds)},
           {"seconds_range", {rounded(sheet.seconds_range[0]), rounded(sheet.seconds_range[1])}},
           {"transform", {{t.xx, t.xy, t.x0}, {t.yx, t.yy, t.y0}}},

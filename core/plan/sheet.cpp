@@ -82,7 +82,16 @@ void clip_line(std::span<const PagePoint> line, Operation operation, const Box& 
   run.clear();
 }
 
+/// Whether two words are the same but for capitals.
+bool same_word(std::string_view a, std::string_view b) {
+  const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [&](char p, char q) { return small(p) == small(q); });
+}
+
 }  // namespace
+
+bool is_mat_name(const Mat& mat, std::string_view word) { return same_word(mat.name, word); }
 
 Result<std::array<double, 2>> parse_size_mm(std::string_view text) {
   const auto wrong = [&] {
@@ -97,9 +106,9 @@ Result<std::array<double, 2>> parse_size_mm(std::string_view text) {
   rest.remove_prefix(1);
   if (!read_number(rest, size[1])) return wrong();
   double unit = 0.0;
-  if (rest.empty() || rest == "mm") unit = 1.0;
-  if (rest == "cm") unit = 10.0;
-  if (rest == "in") unit = 25.4;
+  if (rest.empty() || same_word(rest, "mm")) unit = 1.0;
+  if (same_word(rest, "cm")) unit = 10.0;
+  if (same_word(rest, "in")) unit = 25.4;
   if (unit == 0.0) return wrong();
   for (double& side : size) {
     side *= unit;
@@ -114,7 +123,7 @@ Result<Mat> choose_mat(const Machine& machine, std::string_view wanted) {
                                 : machine.mats.front();
   std::vector<std::string> names;
   for (const Mat& mat : machine.mats) {
-    if (mat.name == wanted) return mat;
+    if (is_mat_name(mat, wanted)) return mat;
     names.push_back(mat.name);
   }
   const auto size = parse_size_mm(wanted);

@@ -10,6 +10,9 @@
 
 namespace popcut {
 
+/// Whether `word` is the mat's name, whatever its capitals ("12X12").
+[[nodiscard]] bool is_mat_name(const Mat& mat, std::string_view word);
+
 /// Width and length in mm: "300x200", "300x200mm", "12x12in", "30.5x30.5cm".
 ///
 /// @retval Usage  it is none of these, or a side is not between 1 mm and 100 m

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "core/formats/text_sink.hpp"
+
 namespace popcut {
 namespace {
 
@@ -20,24 +22,7 @@ constexpr std::array kLayers{
     Layer{Operation::FoldMountain, "#ff0000", "M"}, Layer{Operation::FoldValley, "#0000ff", "V"},
     Layer{Operation::Cut, "#000000", "C"},          Layer{Operation::Outline, "#000001", "B"}};
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '&')
-      out += "&amp;";
-    else if (c == '"')
-      out += "&quot;";
-    else if (static_cast<unsigned char>(c) < 0x20)
-      out += ' ';
-    else
-      out += c;
-  }
-  return out;
-}
+std::string escaped(const std::string& text) { return xml_escaped(text); }
 
 using Out = std::back_insert_iterator<std::string>;
 

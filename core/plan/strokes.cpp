@@ -20,18 +20,6 @@ std::size_t kind_of(Operation operation) {
   return is_fold(operation) ? 2 : 3;
 }
 
-// The points of a visit in the order they are cut: turned, or started at another vertex.
-void points_of_visit(const LineWork& work, const Visit& visit, std::vector<PagePoint>& out) {
-  const auto points = work.points_of(work.lines[visit.line]);
-  out.assign(points.begin(), points.end());
-  if (visit.reversed) std::reverse(out.begin(), out.end());
-  if (visit.start > 0) {
-    out.pop_back();
-    std::rotate(out.begin(), out.begin() + visit.start, out.end());
-    out.push_back(out.front());
-  }
-}
-
 double overcut_of(const Toolpath& path, const Stroke& stroke, const KnifeWork& knife) {
   const auto points = path.points_of(stroke);
   if (!(knife.overcut_mm > 0.0) || !knife.blade(stroke.tool) ||

@@ -56,6 +56,7 @@ Result<void> append(std::vector<TableRow>& rows, std::string_view list, std::str
   fields.integer("popcut", std::nullopt, 1, 1);
   fields.value("machines");
   fields.value("materials");
+  fields.value("svg_profiles");
   if (auto known = fields.finish(); !known) return known;
   const auto found = json->find(std::string(list));
   if (found == json->end()) return {};

@@ -8,5 +8,6 @@ namespace popcut {
 /// The built-in tables core/data/*.json, embedded when the library is built.
 extern const std::string_view kMachinesJson;
 extern const std::string_view kMaterialsJson;
+extern const std::string_view kSvgProfilesJson;
 
 }  // namespace popcut

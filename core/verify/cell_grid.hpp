@@ -55,13 +55,24 @@ class CellGrid {
   /// Gives up when more than `budget` pairs come together.
   template <typename Visit>
   [[nodiscard]] bool each_pair(std::uint64_t budget, Visit visit) const {
+    return each_pair_of_groups(
+        budget, [](std::uint32_t i) { return i; }, visit);
+  }
+
+  /// The same for shapes of different groups: `group(i)` is one number for a run of shapes. Shapes
+  /// of one group may crowd a cell at no cost.
+  template <typename Group, typename Visit>
+  [[nodiscard]] bool each_pair_of_groups(std::uint64_t budget, Group group, Visit visit) const {
     for (std::size_t c = 0; c + 1 < first_.size(); ++c) {
       const auto inside = std::span(item_).subspan(first_[c], first_[c + 1] - first_[c]);
-      const std::uint64_t pairs = static_cast<std::uint64_t>(inside.size()) * inside.size() / 2;
-      if (pairs > budget) return false;
-      budget -= pairs;
+      std::size_t past = 0;  // of the run that shape i belongs to
       for (std::size_t i = 0; i < inside.size(); ++i) {
-        for (std::size_t j = i + 1; j < inside.size(); ++j) visit(inside[i], inside[j]);
+        past = std::max(past, i + 1);
+        while (past < inside.size() && group(inside[past]) == group(inside[i])) ++past;
+        const std::uint64_t pairs = inside.size() - past;
+        if (pairs > budget) return false;
+        budget -= pairs;
+        for (std::size_t j = past; j < inside.size(); ++j) visit(inside[i], inside[j]);
       }
     }
     return true;

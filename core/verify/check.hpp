@@ -29,6 +29,12 @@ struct VerifyCheck {
     ++failed;
     if (failures.size() < kListed) failures.push_back({std::move(place), std::move(what)});
   }
+  /// Says that it was not judged, unless something was found before it was given up.
+  void not_judged(std::string why) {
+    if (failed > 0) return;
+    ran = false;
+    detail = "not judged: " + std::move(why);
+  }
 };
 
 }  // namespace popcut

@@ -15,9 +15,11 @@ using Json = nlohmann::json;
 
 constexpr double kNull = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kMaxClasses = 100;
+constexpr std::size_t kMaxOtherNames = 50;
+constexpr std::size_t kMaxTitle = 1000;
 
 /// What kind of value a member holds.
-enum class Form { Skip, Frames, Rows, Angles, Letters, Classes, Unit, Parent, Psi, Inherit };
+enum class Form { Skip, Frames, Rows, Angles, Letters, Classes, Unit, Title, Parent, Psi, Inherit };
 
 Form form_of(const std::string& key, bool top) {
   if (key == "vertices_coords" || key == "edges_vertices" || key == "faces_vertices") {
@@ -27,6 +29,7 @@ Form form_of(const std::string& key, bool top) {
   if (key == "edges_assignment") return Form::Letters;
   if (key == "frame_classes") return Form::Classes;
   if (key == "frame_unit") return Form::Unit;
+  if (key == "frame_title" || (top && key == "file_title")) return Form::Title;
   if (key == "frame_parent") return Form::Parent;
   if (key == "frame_popcut:psi_rad") return Form::Psi;
   if (key == "frame_inherit") return Form::Inherit;
@@ -48,7 +51,11 @@ class FoldSax : public nlohmann::json_sax<Json> {
  public:
   explicit FoldSax(std::string_view text) : text_(text) { frames_.emplace_back(); }
 
-  bool null() override { return form_ == Form::Unit || scalar(kNull, "null"); }
+  bool null() override {
+    const bool whole = is_column() && level() == 0;  // a member that is null is not there
+    if (whole || form_ == Form::Unit || form_ == Form::Title) return done();
+    return scalar(kNull, "null");
+  }
   bool boolean(bool value) override {
     if (form_ == Form::Inherit && level() == 0) {
       frame().inherit = value;
@@ -81,6 +88,15 @@ class FoldSax : public nlohmann::json_sax<Json> {
  private:
   FrameText& frame() { return frames_[owner_]; }
   [[nodiscard]] int level() const { return depth_ - value_depth_; }
+  [[nodiscard]] bool is_column() const {
+    return form_ == Form::Rows || form_ == Form::Angles || form_ == Form::Letters;
+  }
+  /// Counts a number or a row.
+  bool count() {
+    return ++numbers_ <= kMaxFoldNumbers ||
+           stop(ErrorKind::OutOfRange, place(),
+                fmt::format("more than {} numbers in the file; split it", kMaxFoldNumbers));
+  }
   bool done() {
     form_ = Form::Skip;
     return true;
@@ -102,6 +118,7 @@ class FoldSax : public nlohmann::json_sax<Json> {
   std::size_t owner_{0};  ///< the frame that the member being read belongs to
   int depth_{0};
   int value_depth_{0};
+  std::size_t numbers_{0};
   bool in_frames_{false};
 };
 
@@ -138,6 +155,7 @@ bool FoldSax::wrong(const char* found) {
       right = "a list of strings";
       break;
     case Form::Unit:
+    case Form::Title:
       right = "a string";
       break;
     case Form::Parent:
@@ -161,15 +179,15 @@ bool FoldSax::scalar(double value, const char* found) {
     case Form::Rows:
       if (level() != 2 || std::isnan(value)) return wrong(found);
       column_->number.push_back(value);
-      return true;
+      return count();
     case Form::Angles:
       if (level() != 1) return wrong(found);
       column_->number.push_back(value);
-      return true;
+      return count();
     case Form::Letters:
       if (level() != 1 || !std::isnan(value)) return wrong(found);
       column_->number.push_back(static_cast<double>('U'));
-      return true;
+      return count();
     case Form::Parent:
     case Form::Psi:
       if (level() != 0) return wrong(found);
@@ -184,7 +202,7 @@ bool FoldSax::string(string_t& value) {
   if (form_ == Form::Skip) return depth_ > 0 || wrong("a string");
   if (form_ == Form::Letters && level() == 1 && value.size() == 1) {
     column_->number.push_back(static_cast<double>(value[0]));
-    return true;
+    return count();
   }
   if (form_ == Form::Classes && level() == 1) {
     if (frame().classes.size() < kMaxClasses) frame().classes.push_back(value);
@@ -192,6 +210,10 @@ bool FoldSax::string(string_t& value) {
   }
   if (form_ == Form::Unit && level() == 0) {
     frame().unit = value;
+    return done();
+  }
+  if (form_ == Form::Title && level() == 0) {
+    (key_ == "file_title" ? frame().file_title : frame().title) = value.substr(0, kMaxTitle);
     return done();
   }
   return wrong("a string");
@@ -228,6 +250,9 @@ bool FoldSax::key(string_t& name) {
   owner_ = of_frame ? frames_.size() - 1 : 0;
   FrameText& owner = frames_[owner_];
   column_ = column_of(owner, name);
+  if (form_ == Form::Skip && owner.other_names.size() < kMaxOtherNames && name.size() < 64 &&
+      name.find(':') == string_t::npos)
+    owner.other_names.push_back(name);
   if (form_ == Form::Frames) {
     if (frames_.size() > 1)
       return stop(ErrorKind::Malformed, "/file_frames", "the member is given twice");
@@ -254,8 +279,10 @@ bool FoldSax::start_array(std::size_t) {
       return depth_ == 1 ? open() : wrong("a list");
     case Form::Rows:
       if (level() == 0) column_->present = true;
-      if (level() == 1)
+      if (level() == 1) {
         column_->row_first.push_back(static_cast<std::uint32_t>(column_->number.size()));
+        if (!count()) return false;
+      }
       return level() < 2 ? open() : wrong("a list");
     case Form::Angles:
     case Form::Letters:

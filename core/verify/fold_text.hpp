@@ -35,12 +35,16 @@ struct FrameText {
   FoldColumn faces_vertices;
   std::vector<std::string> classes;
   std::string unit;
+  std::string title;                     ///< `frame_title`
+  std::string file_title;                ///< of the key frame only
+  std::vector<std::string> other_names;  ///< members that are not FOLD's, the first few
   std::optional<double> parent;
   std::optional<double> psi_rad;  ///< `frame_popcut:psi_rad`
   bool inherit{false};
 };
 
-inline constexpr std::size_t kMaxFoldBytes = std::size_t{1} << 29;
+inline constexpr std::size_t kMaxFoldBytes = std::size_t{1} << 28;
+inline constexpr std::size_t kMaxFoldNumbers = 32'000'000;  ///< numbers, and rows, of all members
 inline constexpr int kMaxFoldDepth = 64;
 inline constexpr std::size_t kMaxFoldFrames = 10'000;
 
@@ -49,7 +53,8 @@ inline constexpr std::size_t kMaxFoldFrames = 10'000;
 ///
 /// @retval Malformed   not JSON (with line and column), nested too deep, or a member that has
 ///                     another type than FOLD 1.2 gives it (with JSON pointer)
-/// @retval OutOfRange  larger than `kMaxFoldBytes` or more than `kMaxFoldFrames` frames
+/// @retval OutOfRange  larger than `kMaxFoldBytes`, or more than `kMaxFoldFrames` frames or
+///                     `kMaxFoldNumbers` numbers
 [[nodiscard]] Result<std::vector<FrameText>> read_fold_text(std::string_view text);
 
 }  // namespace popcut::verify

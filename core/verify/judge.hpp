@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct Limits {
 /// A pattern with all that is known about it so far.
 struct Subject {
   FoldFile file;
+  bool page{};  ///< places of a drawing are told as x and y
   Limits limits;
   Sheet sheet;
   Panels panels;
@@ -38,6 +40,9 @@ struct Subject {
   std::optional<std::size_t> count_in;  ///< the pose in which freedoms are counted
   Mobility mobility;                    ///< in that pose
 };
+
+/// "WHAT near" a place on the sheet, in the words of who drew it.
+[[nodiscard]] std::string near_place(const Subject& subject, const char* what, Vec2 p);
 
 [[nodiscard]] VerifyCheck named(const char* name);
 

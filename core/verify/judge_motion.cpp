@@ -18,6 +18,13 @@ namespace {
 constexpr double kGenericPsi_rad = 1.1;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
+/// An edge in the words of who drew it.
+std::string edge_name(const Subject& subject, std::uint32_t e) {
+  if (!subject.file.drawn) return fmt::format("edge {}", e);
+  const auto [a, b] = subject.file.edges[e];
+  return near_place(subject, "the line", 0.5 * (subject.file.flat[a] + subject.file.flat[b]));
+}
+
 }  // namespace
 
 std::optional<std::size_t> pose_to_count_in(const Subject& subject) {
@@ -63,10 +70,11 @@ void judge_opening(const Subject& subject, VerifyReport& report) {
   } else {
     check.detail = fmt::format(
         "opened by continuation to psi {:.4f} rad: {} steps, {} Gauss-Newton iterations, driven by "
-        "edge {} and what is in line with it ({:.4g} mm), guess from {}; hinges closed within "
+        "{} and what is in line with it ({:.4g} mm), guess from {}; hinges closed within "
         "{:.2g} mm",
-        opening.reached_psi_rad, opening.steps, opening.iterations, opening.driver_edge,
-        opening.driver_length_mm, opening.guess, opening.gap_mm);
+        opening.reached_psi_rad, opening.steps, opening.iterations,
+        edge_name(subject, opening.driver_edge), opening.driver_length_mm, opening.guess,
+        opening.gap_mm);
     if (opening.reversed > 0)
       check.fail(place,
                  fmt::format("wrong branch: no rigid motion was found on which all folds turn "
@@ -173,14 +181,17 @@ void judge_crossing(const Subject& subject, VerifyReport& report) {
     check_faces_apart(subject.file, subject.sheet, subject.triangles, subject.file.poses[k], motion,
                       slack, check);
     if (motion.shut) {
-      report.notes.push_back(
-          fmt::format("frame {} has shut folds: the order of its layers is not judged",
-                      subject.file.poses[k].place));
+      report.notes.push_back(fmt::format("{} has shut folds: the order of its layers is not judged",
+                                         pose_name(subject.file.poses[k])));
     }
   }
   if (looked_at == 0) {
     check.ran = false;
     check.detail = "not looked for: no opened pose keeps the lengths of the sheet";
+    report.checks.push_back(std::move(check));
+    return;
+  }
+  if (!check.ran) {
     report.checks.push_back(std::move(check));
     return;
   }

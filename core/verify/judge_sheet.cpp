@@ -64,6 +64,11 @@ Limits limits_of(const FoldFile& file) {
           .angle_deg = 0.1};
 }
 
+std::string near_place(const Subject& subject, const char* what, Vec2 p) {
+  return subject.page ? fmt::format("{} near x {:.2f}, y {:.2f} mm", what, p.v, p.u)
+                      : fmt::format("{} near ({:.6g}, {:.6g}) mm", what, p.u, p.v);
+}
+
 VerifyCheck named(const char* name) {
   VerifyCheck check;
   check.name = name;

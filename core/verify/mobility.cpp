@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <random>
 #include <utility>
 
@@ -11,6 +13,7 @@
 #include <Eigen/Sparse>
 
 #include "core/verify/hinge_lines.hpp"
+#include "core/verify/loops.hpp"
 
 namespace popcut::verify {
 namespace {
@@ -170,10 +173,96 @@ void split_sparse(const Sparse& jacobian, double noise, Mobility& result) {
   }
 }
 
+/// The freedoms as speeds of the hinge lines: rows ask that a loop of panels closes. Angular
+/// velocities about it add up to nothing, and so do their moments about the loop's middle, which
+/// are scaled by the loop's size.
+Sparse loop_constraints(const FoldFile& file, const Sheet& sheet, const PoseMotion& pose,
+                        const std::vector<HingeLine>& lines, const Loops& loops, double& least_mm) {
+  // 1. The line that a fold belongs to, and whether it turns against it.
+  struct OfLine {
+    std::int32_t line{-1};
+    double sign{1.0};
+  };
+  std::vector<OfLine> of_line(sheet.hinges.size());
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> between;
+  for (std::uint32_t k = 0; k < lines.size(); ++k)
+    between[std::minmax({lines[k].left, lines[k].right})].push_back(k);
+  for (std::uint32_t h = 0; h < sheet.hinges.size(); ++h) {
+    const Hinge& hinge = sheet.hinges[h];
+    const std::uint32_t left = sheet.panel_of_face[hinge.left];
+    const std::uint32_t right = sheet.panel_of_face[hinge.right];
+    if (left == right) continue;
+    const Vec2 from = file.flat[hinge.from];
+    const Vec2 to = file.flat[hinge.to];
+    double nearest = 0.0;
+    for (const std::uint32_t k : between[std::minmax({left, right})]) {
+      const HingeLine& line = lines[k];
+      const Vec2 way = line.to - line.from;
+      const double off =
+          (std::abs(cross(way, from - line.from)) + std::abs(cross(way, to - line.from))) /
+          norm(way);
+      if (of_line[h].line >= 0 && off >= nearest) continue;
+      nearest = off;
+      of_line[h].line = static_cast<std::int32_t>(k);
+      of_line[h].sign = (line.left == left ? 1.0 : -1.0) * (dot(way, to - from) > 0.0 ? 1.0 : -1.0);
+    }
+  }
+  // 2. Six rows a loop.
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(6 * loops.crossings.size());
+  std::vector<std::pair<Vec3, Vec3>> axis;  // where, and which way it turns the rest of the loop
+  int row = 0;
+  for (std::size_t k = 0; k < loops.size(); ++k) {
+    axis.clear();
+    Vec3 middle;
+    for (std::uint32_t c = loops.first[k]; c < loops.first[k + 1]; ++c) {
+      const Crossing& crossing = loops.crossings[c];
+      const Hinge& hinge = sheet.hinges[crossing.hinge];
+      const RigidMotion& motion = pose.panel[sheet.panel_of_face[hinge.left]];
+      const Vec3 from = motion(file.flat[hinge.from]);
+      const Vec3 to = motion(file.flat[hinge.to]);
+      const double sign = (crossing.to_left ? 1.0 : -1.0) * of_line[crossing.hinge].sign;
+      axis.emplace_back(0.5 * (from + to), sign * unit(to - from));
+      middle = middle + 0.5 * (from + to);
+    }
+    if (axis.empty()) continue;
+    middle = (1.0 / static_cast<double>(axis.size())) * middle;
+    double size = 0.0;
+    for (const auto& [at, way] : axis) size = std::max(size, norm(at - middle));
+    if (!(size > 0.0)) size = 1.0;
+    least_mm = std::min(least_mm, size);
+    for (std::size_t i = 0; i < axis.size(); ++i) {
+      const std::int32_t line = of_line[loops.crossings[loops.first[k] + i].hinge].line;
+      if (line < 0) continue;  // a flat crease
+      const auto& [at, way] = axis[i];
+      const Vec3 moment = (1.0 / size) * cross(at - middle, way);
+      int r = row;
+      for (const double value : {way.x, way.y, way.z, moment.x, moment.y, moment.z})
+        entries.emplace_back(r++, line, value);
+    }
+    row += 6;
+  }
+  Sparse jacobian(row, static_cast<Eigen::Index>(lines.size()));
+  jacobian.setFromTriplets(entries.begin(), entries.end());
+  return jacobian;
+}
+
+/// The freedoms as velocities of the panels, where loops cannot be told: rows ask that hinges stay
+/// closed.
+Sparse hinge_constraints(const Sheet& sheet, const PoseMotion& pose,
+                         const std::vector<HingeLine>& lines, double& least_mm) {
+  const std::vector<PanelFrame> frames = panel_frames(lines, sheet.panels);
+  const auto busiest = std::max_element(
+      frames.begin(), frames.end(),
+      [](const PanelFrame& a, const PanelFrame& b) { return a.hinges < b.hinges; });
+  for (const PanelFrame& frame : frames) least_mm = std::min(least_mm, frame.size_mm);
+  return constraints(lines, frames, pose, static_cast<std::uint32_t>(busiest - frames.begin()));
+}
+
 }  // namespace
 
-Mobility mobility(const FoldFile& file, const Sheet& sheet, const PoseMotion& pose,
-                  double noise_mm) {
+Mobility mobility(const FoldFile& file, const Sheet& sheet, const PoseMotion& pose, double noise_mm,
+                  MobilityForm form) {
   Mobility result;
   const std::vector<HingeLine> lines = hinge_lines(file, sheet);
   result.hinges = lines.size();
@@ -181,15 +270,16 @@ Mobility mobility(const FoldFile& file, const Sheet& sheet, const PoseMotion& po
     result.clear = true;
     return result;
   }
-  const std::vector<PanelFrame> frames = panel_frames(lines, sheet.panels);
-  const auto busiest = std::max_element(
-      frames.begin(), frames.end(),
-      [](const PanelFrame& a, const PanelFrame& b) { return a.hinges < b.hinges; });
-  const Sparse jacobian =
-      constraints(lines, frames, pose, static_cast<std::uint32_t>(busiest - frames.begin()));
+  const auto loops = form == MobilityForm::Panels ? std::nullopt : loops_of(file, sheet);
+  double least_mm = 1e300;
+  const Sparse jacobian = loops ? loop_constraints(file, sheet, pose, lines, *loops, least_mm)
+                                : hinge_constraints(sheet, pose, lines, least_mm);
   result.unknowns = static_cast<std::size_t>(jacobian.cols());
-  double least_mm = busiest->size_mm;
-  for (const PanelFrame& frame : frames) least_mm = std::min(least_mm, frame.size_mm);
+  if (jacobian.rows() == 0) {  // a tree of panels: every hinge turns as it likes
+    result.degrees_of_freedom = loops ? lines.size() : result.unknowns;
+    result.clear = true;
+    return result;
+  }
   result.noise = std::max(1e-13, noise_mm / least_mm);
   result.sparse = jacobian.cols() > kDenseColumns;
   if (result.sparse) {

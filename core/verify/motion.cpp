@@ -69,14 +69,15 @@ double angle_about(const FoldFile& file, const Hinge& hinge, const RigidMotion& 
          std::atan2(dot(cross(right.normal, left.normal), axis), dot(left.normal, right.normal));
 }
 
-std::string pose_name(const Pose& pose) {
-  const std::string frame = pose.place.empty() ? "the key frame" : "frame " + pose.place;
-  return pose.psi_rad ? fmt::format("{} (psi {:.4f})", frame, *pose.psi_rad) : frame;
-}
-
 std::string edge_place(std::uint32_t e) { return fmt::format("/edges_vertices/{}", e); }
 
 }  // namespace
+
+std::string pose_name(const Pose& pose) {
+  if (pose.opened) return "the pose " + pose.place;
+  const std::string frame = pose.place.empty() ? "the key frame" : "frame " + pose.place;
+  return pose.psi_rad ? fmt::format("{} (psi {:.4f})", frame, *pose.psi_rad) : frame;
+}
 
 Panels make_panels(const FoldFile& file, const Sheet& sheet) {
   Panels panels;
@@ -110,7 +111,13 @@ PoseMotion measure(const FoldFile& file, const Sheet& sheet, const Panels& panel
     }
     result.panel.push_back(motion);
   }
-  for (std::size_t e = 0; e < file.edges.size(); ++e) {
+  // An edge that bounds no face is carried by none where the solver made the pose.
+  for (std::size_t s = 0; pose.opened && s < sheet.side_edge.size(); ++s) {
+    if (sheet.side_edge[s] < 0) continue;
+    const auto e = static_cast<std::size_t>(sheet.side_edge[s]);
+    result.isometry_mm = std::max(result.isometry_mm, std::abs(edge_change(file, pose, e)));
+  }
+  for (std::size_t e = 0; !pose.opened && e < file.edges.size(); ++e) {
     result.isometry_mm = std::max(result.isometry_mm, std::abs(edge_change(file, pose, e)));
   }
   result.hinge_angle_deg.reserve(sheet.hinges.size());

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/verify/check.hpp"
@@ -47,6 +48,9 @@ struct PoseMotion {
 
 /// Fold angles below this many degrees count as flat, above 180 less it as shut.
 inline constexpr double kFlatOrShut_deg = 0.01;
+
+/// What a pose is called in a message.
+[[nodiscard]] std::string pose_name(const Pose& pose);
 
 /// Measures a pose: the rigid motion of every panel, and how far the pose is from being made of
 /// rigid panels on closed hinges. Fold angles come from the panels' normals: the angle from the

@@ -25,6 +25,7 @@ constexpr std::size_t kDrivers = 3;
 constexpr std::size_t kRandomGuesses = 4;
 /// Unknowns times Gauss-Newton steps that are spent on one sheet.
 constexpr double kMostWork = 4e6;
+constexpr std::size_t kLeastIterations = 16;  ///< however large the sheet is
 
 /// What is known of a line before it moves.
 struct LineWish {
@@ -144,6 +145,11 @@ class Follower {
   [[nodiscard]] std::size_t steps() const { return steps_; }
   [[nodiscard]] std::size_t unfolded() const { return unfolded_; }
   [[nodiscard]] std::size_t reversed() const { return reversed_; }
+  /// The sheet has cost all the work that one may cost.
+  [[nodiscard]] bool spent() const {
+    return static_cast<double>(solver_.unknowns() * solver_.iterations()) > kMostWork &&
+           solver_.iterations() > kLeastIterations;
+  }
 
  private:
   /// How well a pose near the flat state keeps to the assignments.
@@ -151,10 +157,6 @@ class Follower {
     std::size_t reversed{}, unfolded{};
     [[nodiscard]] std::size_t worst() const { return reversed * 1000 + unfolded; }
   };
-  [[nodiscard]] bool spent() const {
-    return static_cast<double>(solver_.unknowns() * solver_.iterations()) > kMostWork &&
-           solver_.iterations() > 40;
-  }
   [[nodiscard]] RigidState drawn(const Guess& guess, double driven_rad);
   [[nodiscard]] Fit fit_of(const std::vector<double>& angle_rad, double driven_rad) const;
   [[nodiscard]] RigidState predicted(double driven_rad, std::vector<double>& tangent) const;
@@ -371,6 +373,7 @@ Opening follow(const FoldFile& file, const Sheet& sheet, const RigidSheet& rigid
   }
   opening.steps = follower.steps();
   opening.iterations = solver.iterations();
+  opening.spent = follower.spent();
   return opening;
 }
 
@@ -391,10 +394,11 @@ Opening open_sheet(const FoldFile& file, const Sheet& sheet, std::span<const dou
         rigid_sheet(file, sheet, std::min(lines[driver].left, lines[driver].right));
     const std::vector<LineWish> wishes = wishes_of(file, sheet, rigid);
     Opening opening = follow(file, sheet, rigid, wishes, driver, psi_rad, slack_mm);
+    const bool spent = opening.spent;
     const bool farther = opening.reached_psi_rad < best.reached_psi_rad;
     if (first || farther) best = std::move(opening);
     first = false;
-    if (best.stopped.empty()) break;
+    if (best.stopped.empty() || spent) break;
   }
   return best;
 }

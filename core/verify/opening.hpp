@@ -24,6 +24,7 @@ struct Opening {
   std::string guess;                  ///< what the way out of the flat state was guessed from
   std::string stopped;                ///< why it went no further; empty when it reached the last
   std::size_t reversed{};  ///< folds that turn against their assignment on the branch taken
+  bool spent{};            ///< the sheet is so large that not all was tried
   std::vector<std::string> notes;
 };
 

@@ -18,6 +18,21 @@ namespace {
 /// Overlaps that are collected before the search for more is given up.
 constexpr std::size_t kEnough = 1000;
 
+/// Most pairs of triangles are told apart at once, so more of them can be looked at.
+constexpr std::uint64_t kPatience = 16;
+
+/// True when a side of the counter-clockwise triangle `a` has all of `b` on its outer side.
+bool beside(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec2 way = a[(k + 1) % 3] - a[k];
+    if (cross(way, b[0] - a[k]) <= 0.0 && cross(way, b[1] - a[k]) <= 0.0 &&
+        cross(way, b[2] - a[k]) <= 0.0) {
+      return true;
+    }
+  }
+  return false;
+}
+
 std::string face_place(std::uint32_t f) { return fmt::format("/faces_vertices/{}", f); }
 std::string edge_place(std::uint32_t e) { return fmt::format("/edges_vertices/{}", e); }
 std::string show(Vec2 p) { return fmt::format("({:.6g}, {:.6g})", p.u, p.v); }
@@ -135,12 +150,15 @@ Tiling check_tiling(const FoldFile& file, const Sheet& sheet, const Triangles& t
   };
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> overlaps;
   std::set<std::pair<std::uint32_t, std::uint32_t>> counted;
+  const auto face_of_triangle = [&](std::uint32_t t) { return triangles.face[t]; };
   const CellGrid grid(triangles.corners.size(), slack_mm, corners);
-  const bool all =
-      grid.each_pair(pair_budget(triangles.corners.size()), [&](std::uint32_t i, std::uint32_t j) {
-        if (triangles.face[i] == triangles.face[j] || overlaps.size() > kEnough) return;
+  const bool all = grid.each_pair_of_groups(
+      kPatience * pair_budget(triangles.corners.size()), face_of_triangle,
+      [&](std::uint32_t i, std::uint32_t j) {
+        if (overlaps.size() > kEnough) return;
         const auto a = corners(i);
         const auto b = corners(j);
+        if (beside(a, b) || beside(b, a)) return;
         const double common = common_area(a, b);
         const auto reach = [](const std::array<Vec2, 3>& t) {
           return std::max({norm(t[1] - t[0]), norm(t[2] - t[1]), norm(t[0] - t[2])});
@@ -150,7 +168,6 @@ Tiling check_tiling(const FoldFile& file, const Sheet& sheet, const Triangles& t
           overlaps[std::minmax(triangles.face[i], triangles.face[j])] += common;
         }
       });
-  if (!all) check.fail("/faces_vertices", "too many faces lie in one place to be compared");
   for (const auto& [faces, common] : overlaps) {
     check.fail(face_place(faces.second),
                fmt::format("it overlaps face {} by {:.6g} mm2", faces.first, common));
@@ -182,6 +199,7 @@ Tiling check_tiling(const FoldFile& file, const Sheet& sheet, const Triangles& t
   check.detail = fmt::format("{} faces of {:.6g} mm2 tile {:.6g} x {:.6g} mm, {} slits, {} holes",
                              file.faces(), tiling.area_mm2, tiling.sheet_u_mm, tiling.sheet_v_mm,
                              tiling.slits, tiling.holes);
+  if (!all) check.not_judged("too many faces lie in one place to be compared; their areas agree");
   return tiling;
 }
 
@@ -220,13 +238,13 @@ void check_lines(const FoldFile& file, const Sheet& sheet, double slack_mm, Veri
           vertex_inside(f, back, e);
         }
       });
-  if (!all) check.fail("/edges_vertices", "too many edges lie in one place to be compared");
   std::size_t folds = 0;
   std::size_t borders = 0;
   for (const Assignment a : file.assignment) ++(holds(a) ? folds : borders);
   check.detail = fmt::format(
       "{} folds, {} borders and sides of cuts; none crosses or doubles another", folds, borders);
   if (!check.ok()) check.detail = fmt::format("{} wrong", check.failed);
+  if (!all) check.not_judged("too many edges lie in one place to be compared");
 }
 
 }  // namespace popcut::verify

@@ -67,24 +67,22 @@ void open(Subject& subject) {
 
 /// Edges and faces of a drawing have no numbers that its maker knows: they are told by where they
 /// lie.
-void name_places(const FoldFile& file, bool page, VerifyReport& report) {
-  const auto near = [&](const char* what, Vec2 p) {
-    return page ? fmt::format("{} near x {:.2f}, y {:.2f} mm", what, p.v, p.u)
-                : fmt::format("{} near ({:.6g}, {:.6g}) mm", what, p.u, p.v);
-  };
+void name_places(const Subject& subject, VerifyReport& report) {
+  const FoldFile& file = subject.file;
   for (VerifyCheck& check : report.checks) {
     for (VerifyFailure& failure : check.failures) {
       std::size_t index = 0;
       if (std::sscanf(failure.place.c_str(), "/edges_vertices/%zu", &index) == 1 &&
           index < file.edges.size()) {
         const auto [a, b] = file.edges[index];
-        failure.place = near("the line", 0.5 * (file.flat[a] + file.flat[b]));
+        failure.place = near_place(subject, "the line", 0.5 * (file.flat[a] + file.flat[b]));
       } else if (std::sscanf(failure.place.c_str(), "/faces_vertices/%zu", &index) == 1 &&
                  index < file.faces()) {
         const auto corners = face_of(file, index);
         Vec2 sum;
         for (const std::uint32_t v : corners) sum = sum + file.flat[v];
-        failure.place = near("the face", (1.0 / static_cast<double>(corners.size())) * sum);
+        failure.place =
+            near_place(subject, "the face", (1.0 / static_cast<double>(corners.size())) * sum);
       }
     }
   }
@@ -105,7 +103,7 @@ std::size_t VerifyReport::failed() const {
 Result<VerifyReport> verify_fold(std::string_view text, const VerifyOptions& options) {
   std::optional<Target> target;
   if (options.target_spec) {
-    auto read = read_target(*options.target_spec);
+    auto read = read_target(*options.target_spec, options.target_file);
     if (!read) return tl::unexpected<Error>(within("target", std::move(read.error())));
     target = std::move(*read);
   }
@@ -113,6 +111,7 @@ Result<VerifyReport> verify_fold(std::string_view text, const VerifyOptions& opt
   if (!read) return tl::unexpected<Error>(std::move(read.error()));
   Subject subject;
   subject.file = std::move(*read);
+  subject.page = options.page;
   if (!subject.file.faces_given && subject.file.poses.empty()) {
     if (auto done = planarise(subject.file); !done) return tl::unexpected<Error>(done.error());
     subject.file.notes.emplace_back("no faces are listed: they were traced along the lines");
@@ -145,7 +144,7 @@ Result<VerifyReport> verify_fold(std::string_view text, const VerifyOptions& opt
   judge_freedoms(subject, options, report);
   judge_crossing(subject, report);
   if (target) check_target(subject, *target, report);
-  if (subject.file.drawn) name_places(subject.file, options.page, report);
+  if (subject.file.drawn) name_places(subject, report);
   return report;
 }
 

@@ -17,6 +17,7 @@ struct VerifyOptions {
   std::optional<std::string> target_spec{};  ///< text of a design spec: adds the distance from it
   /// A drawing without faces lies on a page, x = v, y = u: places are told as x and y.
   bool page{false};
+  std::string target_file{};  ///< bytes of the file that the spec names (`target_file_of`)
 };
 
 /// Distances of fold vertices from the target surface, in mm.
@@ -84,6 +85,9 @@ struct VerifyReport {
 ///                                spec
 [[nodiscard]] Result<VerifyReport> verify_fold(std::string_view text,
                                                const VerifyOptions& options = {});
+
+/// The mesh or grid file that the spec's surface names, or empty.
+[[nodiscard]] std::string target_file_of(std::string_view spec_json);
 
 /// The report for a person: a line a check, with the first failures and a count of the others.
 [[nodiscard]] std::string verify_text(const VerifyReport& report);

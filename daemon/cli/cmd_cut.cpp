@@ -7,7 +7,6 @@
 #include <iostream>
 #include <memory>
 #include <optional>
-#include <string_view>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -17,25 +16,22 @@
 #include "core/plan/plan_json.hpp"
 #include "core/plan/sheet_svg.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/cut_device.hpp"
 #include "daemon/cli/expectation.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/plan_job.hpp"
 #include "daemon/cli/progress_bar.hpp"
-#include "daemon/cli/user_tables.hpp"
 #include "device/expect.hpp"
 #include "device/session.hpp"
-#include "device/sim_transport.hpp"
 
 namespace popcut::cli {
 namespace {
 
 struct Options {
   PlanJobOptions job;
-  std::string device, folder;
+  std::string device, treat_as, folder;
   bool direct{false}, yes{false};
 };
-
-constexpr std::string_view kSim = "sim:";
 
 // Ctrl-C asks the session to stop at the end of a stroke, with the tool up.
 std::atomic<bool> stop_asked{false};
@@ -53,40 +49,12 @@ class InterruptGuard {
   void (*before_)(int);
 };
 
-// 1. Which device, and may it be cut on?
-
-/// The simulated machine of `sim:NAME`. Without --device it is that of --machine, else the Cameo 3.
-Result<std::string> device_of(const Options& options) {
-  std::string device = options.device;
-  if (device.empty())
-    device =
-        fmt::format("{}{}", kSim, options.job.machine.empty() ? "cameo3" : options.job.machine);
-  if (device.rfind(kSim, 0) == 0) return device;
-  if (options.yes)
-    return fail(ErrorKind::Usage, "--yes",
-                fmt::format("works with simulated devices only, and {} is none: a person must look "
-                            "at each sheet before it is cut; leave --yes out",
-                            device));
-  return fail(ErrorKind::DeviceGone, "--device",
-              fmt::format("{} cannot be reached: USB is not built yet; sim:NAME is simulated, and "
-                          "'popcut devices' lists what there is",
-                          device));
-}
-
-Result<Machine> machine_of(const std::string& device) {
-  const auto tables = read_user_tables();
-  if (!tables) return tl::unexpected(tables.error());
-  auto machine = find_machine(device.substr(kSim.size()), tables->texts);
-  if (machine) return machine;
-  Error error = tables->with_file(machine.error());
-  if (error.place.empty()) error = {ErrorKind::Usage, "--device", error.detail};
-  return tl::unexpected(error);
-}
+// 1. May it be cut?
 
 /// A person says yes to each sheet, or --yes stands for it.
 Result<void> ask(const Options& options, const PlanJob& job, std::size_t sheet,
-                 const std::string& device) {
-  if (options.yes) return {};
+                 const CutTarget& target) {
+  if (options.yes || target.device.kind == DeviceKind::File) return {};
   if (isatty(STDIN_FILENO) != 1 || isatty(STDERR_FILENO) != 1)
     return fail(ErrorKind::Refused, "",
                 "nobody to ask whether to start: not on a terminal; with a simulated device --yes "
@@ -94,9 +62,11 @@ Result<void> ask(const Options& options, const PlanJob& job, std::size_t sheet,
   const PlannedSheet& planned = job.plan.sheets[sheet];
   const std::string mat =
       planned.mat.name.empty() ? "" : fmt::format(" on the {} mat", planned.mat.name);
-  fmt::print(stderr, "Load sheet {} of {} ({}){} into {}, about {:.0f} min. Start cutting? [y/N] ",
-             sheet + 1, job.plan.sheets.size(), job.plan.material.title, mat, device,
-             std::ceil(planned.seconds / 60));
+  fmt::print(
+      stderr, "Load sheet {} of {} ({}){} into {}, about {:.0f} min. Start cutting? [y/N] ",
+      sheet + 1, job.plan.sheets.size(), job.plan.material.title, mat,
+      target.simulated() ? target.device.text : target.machine.title + " at " + target.device.text,
+      std::ceil(planned.seconds / 60));
   std::string answer;
   std::getline(std::cin, answer);
   if (answer == "y" || answer == "Y" || answer == "yes") return {};
@@ -110,19 +80,16 @@ Result<void> ask(const Options& options, const PlanJob& job, std::size_t sheet,
 
 struct CutSheet {
   SessionEnd end;
-  Trace trace;
+  std::optional<Trace> trace;  ///< of a simulated cutter
   std::uint64_t certain{}, in_doubt{}, not_sent{};
 };
 
-Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const Machine& machine,
+Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const CutTarget& target,
                            const Globals& globals) {
   const PlannedSheet& planned = job.plan.sheets[sheet];
-  SimOptions around;
-  around.page_width_mm = planned.area_mm[0];
-  around.page_length_mm = planned.area_mm[1];
-  auto sim = SimCutter::make(machine, around);
-  if (!sim) return tl::unexpected(sim.error());
-  SimTransport cable(std::move(*sim));
+  auto cable = Cable::open(target, sheet_path(target, sheet, job.plan.sheets.size()),
+                           {planned.area_mm[0], planned.area_mm[1]});
+  if (!cable) return tl::unexpected(cable.error());
   ProgressBar bar(!globals.quiet);
   const double whole = planned.seconds;
   SessionOptions options;
@@ -136,8 +103,10 @@ Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const Machine&
   };
   CutSheet cut;
   const InterruptGuard guard;  // at the question, Ctrl-C ends popcut as usual
-  cut.end = run_session(cable, machine, job.programs[sheet], options);
-  cut.trace = cable.cutter().trace();
+  cut.end = run_session(cable->transport(), target.machine, job.programs[sheet], options);
+  cut.trace = cable->trace();
+  if (!cut.end.error && !cut.end.cancelled)
+    if (const auto kept = cable->finish(); !kept) cut.end.error = kept.error();
   for (const StrokeFate fate : cut.end.fates)
     ++(fate == StrokeFate::Certain   ? cut.certain
        : fate == StrokeFate::InDoubt ? cut.in_doubt
@@ -160,12 +129,13 @@ Result<void> judge(const PlanJob& job, std::size_t sheet, const CutSheet& cut) {
   if (cut.end.cancelled)
     return fail(ErrorKind::Refused, place,
                 "stopped as asked, with the tool up and parked; " + ledger);
+  if (!cut.trace) return {};
   Expected expected;
   auto drawing = linework_from_svg(sheet_svg(job.plan.sheets[sheet], ""), SvgProfile::Popcut);
   if (!drawing) return tl::unexpected(within(place, drawing.error()));
   expected.drawing = std::move(*drawing);
   add_knife(job.plan.sheets[sheet].knife, expected);
-  const auto held = expect(cut.trace, expected);
+  const auto held = expect(*cut.trace, expected);
   if (!held) return tl::unexpected(within(place, held.error()));
   return {};
 }
@@ -174,10 +144,13 @@ Result<void> keep(OutputFolder& folder, const PlanJob& job, std::size_t sheet,
                   const CutSheet& cut) {
   const std::string title = fmt::format("{}: sheet {}", job.plan.name, sheet + 1);
   const auto name = [&](const char* ending) { return PlanJob::sheet_file(sheet, ending); };
-  return folder.add(job.program_file(sheet), job.programs[sheet].bytes)
-      .and_then([&] { return folder.add(name("svg"), sheet_svg(job.plan.sheets[sheet], title)); })
-      .and_then([&] { return folder.add(name("cut.svg"), trace_svg(cut.trace)); })
-      .and_then([&] { return folder.add(name("trace.json"), trace_json(cut.trace)); });
+  const auto sent = folder.add(job.program_file(sheet), job.programs[sheet].bytes).and_then([&] {
+    return folder.add(name("svg"), sheet_svg(job.plan.sheets[sheet], title));
+  });
+  if (!sent || !cut.trace) return sent;
+  return folder.add(name("cut.svg"), trace_svg(*cut.trace)).and_then([&] {
+    return folder.add(name("trace.json"), trace_json(*cut.trace));
+  });
 }
 
 nlohmann::ordered_json sheet_json(const CutSheet& cut, std::size_t sheet,
@@ -188,17 +161,29 @@ nlohmann::ordered_json sheet_json(const CutSheet& cut, std::size_t sheet,
       {"confirmed", cut.end.confirmed},
       {"strokes",
        {{"certain", cut.certain}, {"in_doubt", cut.in_doubt}, {"not_sent", cut.not_sent}}},
-      {"cut_mm", cut.trace.cut_mm},
       {"seconds", cut.end.seconds},
       {"identity", cut.end.identity}};
+  if (cut.trace) json["cut_mm"] = cut.trace->cut_mm;
   if (!judged) json["error"] = message(judged.error());
   return json;
 }
 
-void say(const PlanJob& job, std::size_t sheet, const CutSheet& cut, const std::string& device) {
-  fmt::print(stderr, "sheet {} of {}: {} strokes, {:.0f} mm cut on {} in {:.0f} s of its time\n",
-             sheet + 1, job.plan.sheets.size(), cut.trace.lifts, cut.trace.cut_mm, device,
-             cut.end.seconds);
+void say(const PlanJob& job, std::size_t sheet, const CutSheet& cut, const CutTarget& target) {
+  const std::size_t sheets = job.plan.sheets.size();
+  if (target.device.kind == DeviceKind::File) {
+    fmt::print(stderr, "sheet {} of {}: the program is in {}; nothing is cut\n", sheet + 1, sheets,
+               sheet_path(target, sheet, sheets));
+    return;
+  }
+  if (cut.trace)
+    fmt::print(stderr, "sheet {} of {}: {} strokes, {:.0f} mm cut on {} in {:.0f} s of its time\n",
+               sheet + 1, sheets, cut.trace->lifts, cut.trace->cut_mm, target.device.text,
+               cut.end.seconds);
+  else
+    fmt::print(stderr,
+               "sheet {} of {}: {} strokes cut, {} in doubt, {} not sent, on {} in {:.0f} s\n",
+               sheet + 1, sheets, cut.certain, cut.in_doubt, cut.not_sent, target.device.text,
+               cut.end.seconds);
   if (!cut.end.confirmed && !cut.end.error)
     fmt::print(stderr,
                "  this machine answers nothing: {} strokes count as cut, {} are in doubt "
@@ -209,17 +194,17 @@ void say(const PlanJob& job, std::size_t sheet, const CutSheet& cut, const std::
 // 3. The work.
 
 Result<void> cut_all(const Options& options, const Globals& globals, const PlanJob& job,
-                     const Machine& machine, const std::string& device,
-                     std::optional<OutputFolder>& folder, nlohmann::ordered_json& sheets) {
+                     const CutTarget& target, std::optional<OutputFolder>& folder,
+                     nlohmann::ordered_json& sheets) {
   for (std::size_t sheet = 0; sheet < job.plan.sheets.size(); ++sheet) {
-    if (auto asked = ask(options, job, sheet, device); !asked) return asked;
-    const auto cut = cut_sheet(job, sheet, machine, globals);
+    if (auto asked = ask(options, job, sheet, target); !asked) return asked;
+    const auto cut = cut_sheet(job, sheet, target, globals);
     if (!cut) return tl::unexpected(cut.error());
     const Result<void> judged = judge(job, sheet, *cut);
     sheets.push_back(sheet_json(*cut, sheet, judged));
     if (folder)
       if (auto kept = keep(*folder, job, sheet, *cut); !kept) return kept;
-    if (!globals.quiet) say(job, sheet, *cut, device);
+    if (!globals.quiet) say(job, sheet, *cut, target);
     if (!judged) return judged;
   }
   return {};
@@ -229,16 +214,17 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
   if (!options.direct)
     return fail(ErrorKind::Refused, "",
                 "queueing a job needs popcutd, which is not built yet; --direct cuts without it");
-  const auto device = device_of(options);
-  if (!device) return tl::unexpected(device.error());
-  const auto machine = machine_of(*device);
-  if (!machine) return tl::unexpected(machine.error());
+  const bool simulated = options.device.empty() || options.device.rfind("sim:", 0) == 0;
+  if (options.yes && !simulated)
+    return fail(ErrorKind::Usage, "--yes",
+                fmt::format("works with simulated devices only, and {} is none: a person must look "
+                            "at each sheet before it is cut; leave --yes out",
+                            options.device));
+  const auto target = choose_target({options.device, options.job.machine, options.treat_as});
+  if (!target) return tl::unexpected(target.error());
   PlanJobOptions how = options.job;
-  if (how.machine.empty()) how.machine = machine->name;
-  if (how.machine != machine->name)
-    return fail(
-        ErrorKind::Usage, "--machine",
-        fmt::format("{} is not the machine of {}; give one of the two", how.machine, *device));
+  how.machine = target->machine.name;
+  how.order.progress = !globals.quiet;
   const auto job = make_plan_job(how);
   if (!job) return tl::unexpected(job.error());
   std::optional<OutputFolder> folder;
@@ -252,7 +238,7 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
       fmt::print(stderr, "warning: {}\n", warning);
   nlohmann::ordered_json sheets = nlohmann::ordered_json::array();
   // What happened is kept, whatever happened.
-  const Result<void> cut = cut_all(options, globals, *job, *machine, *device, folder, sheets);
+  const Result<void> cut = cut_all(options, globals, *job, *target, folder, sheets);
   if (folder) {
     if (auto done = folder->add("plan.json", plan_json(job->plan)); !done) return done;
     if (auto done = folder->commit("popcut cut " POPCUT_VERSION); !done) return done;
@@ -260,40 +246,23 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
       fmt::print(stderr, "programs, drawings and traces are in {}\n", options.folder);
   }
   if (globals.json) {
-    const nlohmann::ordered_json json{{"device", *device}, {"sheets", sheets}};
+    const nlohmann::ordered_json json{
+        {"device", target->device.text}, {"machine", target->machine.name}, {"sheets", sheets}};
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   }
   return cut;
 }
 
-Result<void> list_devices(const Globals& globals) {
-  const auto tables = read_user_tables();
-  if (!tables) return tl::unexpected(tables.error());
-  const auto machines = all_machines(tables->texts);
-  if (!machines) return tl::unexpected(tables->with_file(machines.error()));
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const Machine& machine : *machines) {
-    const std::string id = fmt::format("{}{}", kSim, machine.name);
-    if (globals.json)
-      list.push_back({{"id", id}, {"machine", machine.name}, {"simulated", true}});
-    else
-      fmt::print("{:<22} {}, simulated\n", id, machine.title);
-  }
-  if (globals.json) fmt::print("{}\n", nlohmann::ordered_json{{"devices", list}}.dump(2));
-  return {};
-}
-
 constexpr const char* kHelp =
     "Cut a spec or a pattern.\n\n"
     "  popcut cut sphere.json --direct                     # asks for each sheet, then cuts it\n"
-    "  popcut cut sphere.json --direct --yes -o cut        # simulated: no questions\n\n"
+    "  popcut cut sphere.json --direct --yes -o cut        # simulated: no questions\n"
+    "  popcut cut sphere.json --direct --device usb:51053P # the cutter of that serial number\n\n"
     "Plans as 'popcut plan' does, then sends each sheet to the cutter and waits until it is done.\n"
     "Ctrl-C stops at the end of the stroke, with the tool up. With -o DIR it keeps for each sheet\n"
-    "the program, its drawing, and what the knife did (sheet-NN.cut.svg, sheet-NN.trace.json).";
-
-constexpr const char* kDevicesHelp =
-    "The devices that can be cut on: a simulated one for each machine popcut knows.\n\n"
-    "  popcut devices";
+    "the program, its drawing, and what the simulated knife did (sheet-NN.cut.svg, .trace.json).\n"
+    "Devices: sim:NAME, usb:ID, serial:/dev/ttyUSB0[,baud=9600][,flow=none|rtscts|xonxoff],\n"
+    "lp:/dev/usb/lp0, file:NAME (writes the program, cuts nothing).";
 
 }  // namespace
 
@@ -303,15 +272,16 @@ void register_cut(CLI::App& app, const Globals& globals, Run& run) {
   add_plan_options(*command, options->job);
   command->add_option("--device", options->device, "Where to cut; 'popcut devices' lists them")
       ->option_text("ID [sim:cameo3]");
+  command
+      ->add_option("--treat-as", options->treat_as,
+                   "Drive a cutter whose model is not known as this machine")
+      ->option_text("NAME");
   command->add_flag("--direct", options->direct, "Without popcutd, from here");
   command->add_flag("--yes", options->yes, "Ask nothing; with simulated devices only");
   command->add_option("-o,--output", options->folder, "Keep programs, drawings and traces there")
       ->option_text("DIR");
   command->callback([options, &globals, &run] {
     run = [options, &globals] { return run_cut(*options, globals); };
-  });
-  app.add_subcommand("devices", kDevicesHelp)->callback([&globals, &run] {
-    run = [&globals] { return list_devices(globals); };
   });
 }
 

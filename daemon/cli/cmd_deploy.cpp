@@ -17,6 +17,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/deploy_files.hpp"
 #include "daemon/cli/output_folder.hpp"
+#include "daemon/cli/user_tables.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -123,8 +124,14 @@ Result<void> run_deploy(Options options, const Globals& globals) {
   give_back_file(options.motion, options.file);
   const auto convention = parse_convention(options.convention);
   if (!convention) return tl::unexpected(convention.error());
-  const auto material = find_material(options.material);
-  if (!material) return fail(ErrorKind::Usage, "command line", material.error().detail);
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto material = find_material(options.material, tables->texts);
+  if (!material) {
+    const Error error = tables->with_file(material.error());
+    if (!error.place.empty()) return tl::unexpected(error);
+    return fail(ErrorKind::Usage, "command line", error.detail);
+  }
   const auto thickness = thickness_of(options.motion, material->thickness_mm);
   if (!thickness) return tl::unexpected(thickness.error());
   if (options.file.empty()) {

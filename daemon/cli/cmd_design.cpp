@@ -33,13 +33,14 @@
 #include "daemon/cli/examples.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/spec_assets.hpp"
+#include "daemon/cli/user_tables.hpp"
 
 namespace popcut::cli {
 namespace {
 
 struct Options {
   std::string spec, folder, formats{"fold,svg,cut,dxf,csv,glb,stl,report"},
-      fold_frames{"pi,pi/2,1.1"}, example;
+      fold_frames{"pi,pi/2,1.1"}, fold_cuts{"split"}, example;
   MotionOptions motion;
   bool schema{false}, list{false};
   std::string place;
@@ -300,9 +301,13 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
   if (!spec) return tl::unexpected(within(options.spec, spec.error()));
-  const auto material = find_material(spec->material);
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto material = find_material(spec->material, tables->texts);
   if (!material) {
-    return fail(ErrorKind::OutOfRange, options.spec + ": /material", material.error().detail);
+    const Error error = tables->with_file(material.error());
+    return fail(error.place.empty() ? ErrorKind::OutOfRange : error.kind,
+                error.place.empty() ? options.spec + ": /material" : error.place, error.detail);
   }
   const auto thickness = thickness_of(options.motion, material->thickness_mm);
   if (!thickness) return tl::unexpected(thickness.error());
@@ -317,9 +322,10 @@ Result<void> design_into(const Options& options, const Globals& globals) {
 
   const bool is_one = made->parts.size() == 1;
   for (std::size_t p = 0; p < made->parts.size(); ++p) {
-    const Job job{made->parts[p], is_one ? &*made : nullptr,
-                  *material,      {"popcut " POPCUT_VERSION, *fold_frames},
-                  *angles,        *thickness};
+    const Job job{
+        made->parts[p], is_one ? &*made : nullptr,
+        *material,      {"popcut " POPCUT_VERSION, *fold_frames, options.fold_cuts == "split"},
+        *angles,        *thickness};
     folder->enter(is_one ? "" : part_folder(p));
     for (const Format& format : *formats)
       if (auto done = format.add(job, *folder); !done) return done;
@@ -406,6 +412,12 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
       ->add_option("--fold-frames", options->fold_frames,
                    "Poses in pattern.fold, rad or 90deg; pi is flat, pi/2 the designed shape")
       ->option_text("LIST [pi,pi/2,1.1]");
+  command
+      ->add_option(
+          "--fold-cuts", options->fold_cuts,
+          "Cuts in pattern.fold: split (two borders B each) or C (one edge each; flat only)")
+      ->option_text("split|C [split]")
+      ->check(CLI::IsMember({"split", "C"}));
   add_motion_options(*command, options->motion);
   command->add_flag("--schema", options->schema, "Print the JSON Schema of a SPEC");
   command

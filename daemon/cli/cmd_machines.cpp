@@ -6,6 +6,8 @@
 #include "core/plan/machine.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/user_tables.hpp"
+#include "device/ports.hpp"
+#include "device/usb_bus.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -95,6 +97,68 @@ Result<void> list_materials(const Globals& globals) {
   return {};
 }
 
+// What is plugged in.
+
+struct Listed {
+  std::string id, title, state;
+  Json more;  ///< beside these three, for --json
+};
+
+std::vector<Listed> usb_devices(const std::vector<Machine>& machines) {
+  std::vector<Listed> list;
+  const auto bus = UsbBus::open();
+  if (!bus) return list;  // a computer without USB has no USB devices
+  for (const UsbDevice& device : bus->devices()) {
+    const std::vector<const Machine*> fits = recognise(device, machines);
+    const std::string ids = fmt::format("{:04x}:{:04x}", device.vendor_id, device.product_id);
+    const std::string name = device.product.empty() ? ids : device.product + ", " + ids;
+    const std::string title =
+        !fits.empty() ? fits.front()->title
+        : known_vendor(device, machines)
+            ? fmt::format("unknown model ({}); --treat-as NAME drives it as a known one", name)
+            : fmt::format("not known as a cutter ({})", name);
+    const UsbUse use = usb_use(device);
+    Json more{{"simulated", false}, {"usb", ids}, {"port", device.port}, {"serial", device.serial}};
+    if (!fits.empty()) more["machine"] = fits.front()->name;
+    if (!use.driver.empty()) more["driver"] = use.driver;
+    list.push_back({device.id, title, std::string(name_of(use.state)), std::move(more)});
+  }
+  return list;
+}
+
+Result<void> list_devices(const Globals& globals) {
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto machines = all_machines(tables->texts);
+  if (!machines) return tl::unexpected(tables->with_file(machines.error()));
+  std::vector<Listed> list = usb_devices(*machines);
+  for (const PortInfo& port : list_ports())
+    list.push_back({port.id,
+                    "a port; --machine NAME says what is behind it",
+                    port.usable ? "free" : "no permission",
+                    {{"simulated", false}}});
+  for (const Machine& machine : *machines)
+    list.push_back({"sim:" + machine.name,
+                    machine.title + ", simulated",
+                    "free",
+                    {{"simulated", true}, {"machine", machine.name}}});
+  Json all = Json::array();
+  for (const Listed& device : list) {
+    Json one{{"id", device.id}, {"title", device.title}, {"state", device.state}};
+    one.update(device.more);
+    all.push_back(std::move(one));
+    if (!globals.json) fmt::print("{:<26} {:<13} {}\n", device.id, device.state, device.title);
+  }
+  if (globals.json)
+    fmt::print("{}\n", Json{{"devices", all}}.dump(2, ' ', false, Json::error_handler_t::replace));
+  return {};
+}
+
+constexpr const char* kDevicesHelp =
+    "The devices that can be cut on: what is plugged in, and a simulated one for each machine "
+    "that\n"
+    "popcut knows. 'popcut doctor' says why one is not free.\n\n"
+    "  popcut devices";
 constexpr const char* kMachinesHelp =
     "The machines popcut knows: name, language, largest area, USB id, mats.\n\n"
     "  popcut machines\n\n"
@@ -113,6 +177,9 @@ constexpr const char* kMaterialsHelp =
 void register_machines(CLI::App& app, const Globals& globals, Run& run) {
   app.add_subcommand("machines", kMachinesHelp)->callback([&globals, &run] {
     run = [&globals] { return list_machines(globals); };
+  });
+  app.add_subcommand("devices", kDevicesHelp)->callback([&globals, &run] {
+    run = [&globals] { return list_devices(globals); };
   });
   app.add_subcommand("materials", kMaterialsHelp)->callback([&globals, &run] {
     run = [&globals] { return list_materials(globals); };

@@ -44,7 +44,9 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
   if (options.folder.empty())
     return fail(ErrorKind::Usage, "command line",
                 "-o DIR is missing; name the folder for the sheets");
-  auto job = make_plan_job(options.job);
+  PlanJobOptions how = options.job;
+  how.order.progress = !globals.quiet;
+  auto job = make_plan_job(how);
   if (!job) return tl::unexpected(job.error());
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@
 #include "core/verify/verify.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/output_folder.hpp"
+#include "daemon/cli/user_tables.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -47,9 +49,13 @@ bool is_svg(std::string_view text) {
 /// The lines of an SVG drawing as FOLD text, and what the reader has to say.
 Result<std::string> fold_of_svg(const std::string& svg, const Options& options,
                                 std::vector<std::string>& warnings) {
-  const auto profile = parse_svg_profile(options.svg_profile);
-  if (!profile) return tl::unexpected<Error>(profile.error());
-  auto work = linework_from_svg(svg, *profile);
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected<Error>(tables.error());
+  auto profile = find_stroke_profile(options.svg_profile, tables->texts);
+  if (!profile) return tl::unexpected<Error>(tables->with_file(profile.error()));
+  SvgReadOptions how;
+  how.profile = std::move(*profile);
+  auto work = linework_from_svg(svg, how);
   if (!work) return tl::unexpected<Error>(within(options.pattern, work.error()));
   warnings = work->warnings;
   if (work->lines.empty())
@@ -64,7 +70,7 @@ Result<void> run_verify(const Options& options, const Globals& globals) {
   constexpr std::uintmax_t kSpecLimitBytes = 4u << 20;
   auto text = read_file(options.pattern, kPatternLimitBytes);
   if (!text) return tl::unexpected<Error>(text.error());
-  VerifyOptions verify{options.degrees_of_freedom, std::nullopt, is_svg(*text)};
+  VerifyOptions verify{options.degrees_of_freedom, std::nullopt, is_svg(*text), {}};
   std::vector<std::string> warnings;
   if (verify.page) {
     text = fold_of_svg(*text, options, warnings);
@@ -73,6 +79,11 @@ Result<void> run_verify(const Options& options, const Globals& globals) {
   if (!options.target.empty()) {
     auto spec = read_file(options.target, kSpecLimitBytes);
     if (!spec) return tl::unexpected<Error>(spec.error());
+    if (const std::string name = target_file_of(*spec); !name.empty()) {
+      auto bytes = read_file(std::filesystem::path(options.target).parent_path() / name);
+      if (!bytes) return tl::unexpected<Error>(within(options.target, bytes.error()));
+      verify.target_file = std::move(*bytes);
+    }
     verify.target_spec = std::move(*spec);
   }
   auto report = verify_fold(*text, verify);

@@ -31,6 +31,7 @@ void register_simulate(CLI::App& app, const Globals& globals, Run& run);
 void register_cut(CLI::App& app, const Globals& globals, Run& run);
 void register_curvature(CLI::App& app, const Globals& globals, Run& run);
 void register_figures(CLI::App& app, const Globals& globals, Run& run);
+void register_doctor(CLI::App& app, const Globals& globals, Run& run);
 void register_machines(CLI::App& app, const Globals& globals, Run& run);
 
 }  // namespace popcut::cli

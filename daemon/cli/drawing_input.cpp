@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/cli/drawing_input.hpp"
 
+#include <cstdlib>
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "core/design/patches.hpp"
+#include "core/formats/dxf_reader.hpp"
 #include "core/formats/fold_reader.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/spec_assets.hpp"
@@ -33,37 +36,71 @@ Result<DrawingInput> only_drawing(Result<LineWork> drawing) {
   return DrawingInput{std::move(*drawing), std::nullopt};
 }
 
-Result<DrawingInput> from_text(const std::string& text, const std::string& file,
-                               const std::string& ending, SvgProfile profile) {
-  if (ending == ".svg") return only_drawing(linework_from_svg(text, profile));
+Result<DrawingInput> from_dxf(const std::string& text, const SvgReadOptions& how) {
+  DxfOptions options;
+  if (how.profile.name == "origami-sim") options.colours = DxfColours::OrigamiSim;
+  if (how.profile.name == "lightburn") options.colours = DxfColours::Lightburn;
+  options.tolerance_mm = how.tolerance_mm;
+  return only_drawing(linework_from_dxf(text, options));
+}
+
+Result<DrawingInput> from_text(std::string text, const std::string& file, const std::string& ending,
+                               const SvgReadOptions& how) {
+  if (ending == ".svg") return only_drawing(linework_from_svg(std::move(text), how));
   if (ending == ".fold") return only_drawing(linework_from_fold(text));
   if (ending == ".json") return from_spec(text, file);
-  if (ending == ".dxf")
-    return fail(ErrorKind::Malformed, "", "DXF is not read yet; save it as SVG or FOLD");
+  if (ending == ".dxf") return from_dxf(text, how);
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (first != std::string::npos && text[first] == '<')
-    return only_drawing(linework_from_svg(text, profile));
+    return only_drawing(linework_from_svg(std::move(text), how));
   if (first != std::string::npos && text[first] == '{')
     return text.find("\"vertices_coords\"") == std::string::npos
                ? from_spec(text, file)
                : only_drawing(linework_from_fold(text));
   return fail(ErrorKind::Malformed, "",
-              "is neither a spec (.json) nor a drawing (.fold, .svg) that popcut reads");
+              "is neither a spec (.json) nor a drawing (.fold, .svg, .dxf) that popcut reads");
+}
+
+// How much more than usual a drawing may take.
+Result<unsigned> raised_limits() {
+  const char* const text = std::getenv("POPCUT_RAISE_LIMITS");
+  if (text == nullptr || *text == '\0') return 1u;
+  char* end = nullptr;
+  const long factor = std::strtol(text, &end, 10);
+  if (*end == '\0' && factor >= 1 && factor <= 100) return static_cast<unsigned>(factor);
+  return fail(ErrorKind::Usage, "POPCUT_RAISE_LIMITS",
+              fmt::format("is \"{}\"; a whole number from 1 to 100 is needed, as 4",
+                          std::string_view(text).substr(0, 40)));
 }
 
 }  // namespace
 
-Result<DrawingInput> read_drawing(const std::string& file, SvgProfile profile) {
-  const auto text = read_file(file);
-  if (!text) return tl::unexpected(text.error());
+Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how) {
+  const auto factor = raised_limits();
+  if (!factor) return tl::unexpected(factor.error());
+  how.limits = how.limits.raised(*factor);
   std::string ending = std::filesystem::path(file).extension().string();
   for (char& c : ending)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  auto input = from_text(*text, file, ending, profile);
+  auto text = ending == ".svg" ? read_file(file, how.limits.bytes) : read_file(file);
+  if (!text && ending == ".svg" && text.error().detail.find("is larger than") == 0)
+    return fail(ErrorKind::OutOfRange, file,
+                fmt::format("is larger than {} bytes; simplify it, or set POPCUT_RAISE_LIMITS=4",
+                            how.limits.bytes));
+  if (!text) return tl::unexpected(text.error());
+  auto input = from_text(std::move(*text), file, ending, how);
   if (!input) return tl::unexpected(within(file, input.error()));
   if (input->drawing.name.empty())
     input->drawing.name = std::filesystem::path(file).stem().string();
   return input;
+}
+
+Result<DrawingInput> read_drawing(const std::string& file, SvgProfile profile) {
+  auto found = find_stroke_profile(svg_profile_name(profile));
+  if (!found) return tl::unexpected(found.error());
+  SvgReadOptions how;
+  how.profile = std::move(*found);
+  return read_drawing(file, std::move(how));
 }
 
 }  // namespace popcut::cli

@@ -16,10 +16,15 @@ struct DrawingInput {
   std::optional<std::string> material;
 };
 
-/// Reads a design spec (and designs it), a FOLD or an SVG file, by its ending or else its first
-/// character. A drawing without a name gets that of its file.
+/// Reads a design spec (and designs it), a FOLD, SVG or DXF file, by its ending or else its first
+/// character. A drawing without a name gets that of its file. `how` is for drawings with curves and
+/// strokes; its limits are raised by POPCUT_RAISE_LIMITS, a factor from 1 to 100.
 ///
 /// @retval Malformed, OutOfRange, Infeasible  with the file's name before the place
+/// @retval Usage  POPCUT_RAISE_LIMITS is no such factor
+[[nodiscard]] Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how);
+
+/// The same with a built-in profile and the usual options.
 [[nodiscard]] Result<DrawingInput> read_drawing(const std::string& file, SvgProfile profile);
 
 }  // namespace popcut::cli

@@ -18,8 +18,8 @@ namespace {
 
 // Every subcommand of this build; the order is the order of the help.
 constexpr std::initializer_list<Register> kCommands = {
-    register_design, register_deploy,   register_verify,    register_plan,   register_simulate,
-    register_cut,    register_machines, register_curvature, register_figures};
+    register_design, register_deploy,   register_verify, register_plan,      register_simulate,
+    register_cut,    register_machines, register_doctor, register_curvature, register_figures};
 
 constexpr const char* kPurpose =
     "popcut turns a target surface into a pop-up pattern, a cut sheet, and a finished cut.\n\n"

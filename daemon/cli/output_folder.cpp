@@ -17,6 +17,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/json_fields.hpp"
+
 namespace popcut::cli {
 namespace {
 
@@ -79,7 +81,8 @@ std::map<std::string, std::set<std::string>> listed_before(const fs::path& folde
   std::map<std::string, std::set<std::string>> names;
   const auto text = read_file(folder / kManifest, kManifestLimitBytes);
   if (!text) return names;
-  const auto manifest = nlohmann::json::parse(*text, nullptr, false);
+  const auto parsed = parse_json(*text);
+  const nlohmann::json manifest = parsed ? *parsed : nlohmann::json();
   if (!manifest.is_object() || manifest.value("popcut", nlohmann::json()) != 1) return names;
   const auto files = manifest.find("files"), others = manifest.find("others");
   const auto made_by = manifest.find("made_by");

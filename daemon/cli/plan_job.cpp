@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/cli/plan_job.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -34,7 +36,7 @@ Result<Machine> choose_machine(const PlanJobOptions& options, const UserTables& 
   }
   if (!named && !options.mat.empty()) {
     for (const Mat& mat : machine->mats)
-      if (mat.name == options.mat) return machine;
+      if (is_mat_name(mat, options.mat)) return machine;
     const auto size = parse_size_mm(options.mat);
     if (!size) return tl::unexpected(size.error());
     return ideal(*size, options.dialect);
@@ -47,24 +49,42 @@ Result<Machine> choose_machine(const PlanJobOptions& options, const UserTables& 
 }
 
 Result<Material> choose_material(const std::string& name, const char* place,
-                                 const UserTables& tables) {
+                                 const UserTables& tables, const std::string& file) {
   auto material = find_material(name, tables.texts);
   if (material) return material;
   Error error = tables.with_file(material.error());
-  if (error.place.empty()) error = {ErrorKind::Usage, place, error.detail};
+  const bool of_option = place[0] == '-';
+  if (error.place.empty())
+    error = {of_option ? ErrorKind::Usage : ErrorKind::OutOfRange,
+             of_option ? place : fmt::format("{}: {}", file, place), error.detail};
   return tl::unexpected(error);
+}
+
+Result<SvgReadOptions> read_options(const PlanJobOptions& options, const UserTables& tables) {
+  auto profile = find_stroke_profile(options.svg_profile, tables.texts);
+  if (!profile) return tl::unexpected(tables.with_file(profile.error()));
+  const double tolerance = options.curve_tolerance_mm, dpi = options.svg_dpi;
+  if (!(tolerance >= 0.001 && tolerance <= 1.0))
+    return fail(ErrorKind::Usage, "--curve-tolerance",
+                fmt::format("{} mm; from 0.001 to 1 is needed", tolerance));
+  if (!(dpi >= 1.0 && dpi <= 10'000.0))
+    return fail(ErrorKind::Usage, "--svg-dpi", fmt::format("{}; from 1 to 10000 is needed", dpi));
+  SvgReadOptions how;
+  how.profile = std::move(*profile);
+  how.tolerance_mm = tolerance;
+  how.dpi = dpi;
+  return how;
 }
 
 Result<PlanOptions> plan_options(const PlanJobOptions& options) {
   PlanOptions out;
   out.mat = options.mat;
   out.place.clip = options.clip;
-  if (options.order != "quick" && options.order != "best")
-    return fail(ErrorKind::Usage, "--order",
-                fmt::format("{} is not known; quick or best", options.order));
+  const auto how = order_options(options.order);
+  if (!how) return tl::unexpected(how.error());
+  out.order = *how;
   if (auto knife = read_knife_option(options.knife, out); !knife)
     return tl::unexpected(knife.error());
-  out.effort = options.order == "best" ? OrderEffort::Best : OrderEffort::Quick;
   if (options.at.empty()) return out;
   SvgScan scan(options.at);
   PagePoint at;
@@ -96,8 +116,6 @@ std::string PlanJob::program_file(std::size_t sheet) const {
 }
 
 Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
-  const auto profile = parse_svg_profile(options.svg_profile);
-  if (!profile) return tl::unexpected(profile.error());
   const auto wanted = plan_options(options);
   if (!wanted) return tl::unexpected(wanted.error());
   if (!options.dialect.empty() && options.dialect != "gpgl" && options.dialect != "hpgl")
@@ -105,14 +123,16 @@ Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
                 fmt::format("{} is not known; gpgl or hpgl", options.dialect));
   const auto tables = read_user_tables();
   if (!tables) return tl::unexpected(tables.error());
+  const auto reading = read_options(options, *tables);
+  if (!reading) return tl::unexpected(reading.error());
   const auto machine = choose_machine(options, *tables);
   if (!machine) return tl::unexpected(machine.error());
   const bool ideal_machine = machine->name.rfind("ideal", 0) == 0;
-  const auto input = read_drawing(options.input, *profile);
+  const auto input = read_drawing(options.input, *reading);
   if (!input) return tl::unexpected(input.error());
   const auto material = choose_material(
       !options.material.empty() ? options.material : input->material.value_or("paper-220"),
-      !options.material.empty() ? "--material" : "/material", *tables);
+      !options.material.empty() ? "--material" : "/material", *tables, options.input);
   if (!material) return tl::unexpected(material.error());
 
   PlanOptions how = *wanted;
@@ -152,13 +172,21 @@ void add_plan_options(CLI::App& command, PlanJobOptions& options) {
        "plotter",
        "NAME|WxH");
   text("--at", options.at, "Where the drawing's upper left corner goes, mm", "X,Y");
-  text("--order", options.order, "How hard to look for short ways: quick or best", "WORD [quick]");
+  add_order_options(command, options.order);
   text("--dialect", options.dialect, "gpgl or hpgl; without --machine it picks the machine",
        "WORD");
   text("--svg-profile", options.svg_profile,
-       "What strokes of an SVG mean: popcut, origami-sim, lightburn, cricut, plain",
+       "What strokes of an SVG mean: popcut, origami-sim, lightburn, cricut, boxes-py, plain ...",
        "WORD [popcut]");
   add_knife_options(command, options.knife);
+  command
+      .add_option("--curve-tolerance", options.curve_tolerance_mm,
+                  "How far a curve of a drawing may be from the lines that are cut, in mm")
+      ->option_text("MM [0.02]");
+  command
+      .add_option("--svg-dpi", options.svg_dpi,
+                  "Units (px) of an SVG to the inch; 72 for old Illustrator files")
+      ->option_text("N [96]");
   command.add_flag("--clip", options.clip,
                    "Cut off what lies outside of the area instead of refusing");
 }

@@ -7,6 +7,7 @@
 #include "core/plan/plan.hpp"
 #include "core/result.hpp"
 #include "daemon/cli/knife_option.hpp"
+#include "daemon/cli/order_option.hpp"
 #include "protocol/encode.hpp"
 
 namespace CLI {
@@ -18,12 +19,15 @@ namespace popcut::cli {
 /// The options that say how an input becomes sheets, shared by `plan` and `cut`.
 struct PlanJobOptions {
   std::string input, machine, material, mat, at, dialect;
-  std::string order{"quick"}, svg_profile{"popcut"};
+  OrderWords order{};
+  std::string svg_profile{"popcut"};
+  double curve_tolerance_mm{0.02}, svg_dpi{96};
   bool clip{false};
   KnifeOption knife;
 };
 
-/// Adds INPUT, --machine, --material, --mat, --at, --order, --dialect, --svg-profile and --clip.
+/// Adds INPUT, --machine, --material, --mat, --at, --dialect, --svg-profile, --curve-tolerance,
+/// --svg-dpi, --clip and those of `add_order_options`.
 void add_plan_options(CLI::App& command, PlanJobOptions& options);
 
 /// A plan with the program of each of its sheets.

@@ -40,7 +40,7 @@ Result<UserTables> read_user_tables() {
   constexpr std::uintmax_t kTableLimitBytes = 4u << 20;
   UserTables tables;
   for (const fs::path& folder : folders())
-    for (const char* name : {"machines.json", "materials.json"}) {
+    for (const char* name : {"machines.json", "materials.json", "svg_profiles.json"}) {
       std::error_code ignored;
       const fs::path file = folder / name;
       if (!fs::exists(file, ignored)) continue;

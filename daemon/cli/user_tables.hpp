@@ -8,7 +8,8 @@
 
 namespace popcut::cli {
 
-/// The users' own tables of machines and materials as texts, with the files they came from.
+/// The users' own tables of machines, materials and SVG profiles as texts, with the files they came
+/// from.
 struct UserTables {
   std::vector<std::string> texts;
   std::vector<std::string> files;
@@ -17,8 +18,9 @@ struct UserTables {
   [[nodiscard]] Error with_file(Error error) const;
 };
 
-/// Reads `machines.json` and `materials.json` of /etc/popcut and then of $XDG_CONFIG_HOME/popcut
-/// (~/.config/popcut), whose rows win. Files that are not there are passed over.
+/// Reads `machines.json`, `materials.json` and `svg_profiles.json` of /etc/popcut and then of
+/// $XDG_CONFIG_HOME/popcut (~/.config/popcut), whose rows win. Files that are not there are passed
+/// over.
 ///
 /// @retval Malformed  one is there and cannot be read
 [[nodiscard]] Result<UserTables> read_user_tables();

@@ -403,6 +403,28 @@ TEST_CASE("a kernel without memory for a transfer takes nothing and says so", "[
   CHECK_FALSE(cable->write(bytes("M0,0\x03"), cable->now() + 1s).error);
 }
 
+TEST_CASE("a controller that hangs is told and takes nothing else down", "[device][usb]") {
+  Bus bus;
+  Limited limited;
+  limited.room = 100;
+  bus.device.on_out = [&](std::span<const std::byte> bytes) { return limited.take(bytes); };
+  const UsbBus usb = value(UsbBus::open());
+  auto cable = value(usb.connect("usb:51053P"));
+  bus.device.keep_discarded(true);
+  const auto start = cable->now();
+  const auto end = cable->write(bytes(std::string(500, 'h')), start + 100ms);
+  REQUIRE(end.error);
+  CHECK(end.error->kind == ErrorKind::DeviceGone);
+  CHECK(end.error->detail.find("does not give a transfer back") != std::string::npos);
+  CHECK(end.taken == 0);
+  CHECK(end.in_doubt == 500);
+  CHECK(cable->now() - start < 4s);
+  cable.reset();        // its memory stays with the kernel
+  bus.device.unplug();  // and comes back at last
+  std::this_thread::sleep_for(50ms);
+  CHECK(usb.devices().empty());
+}
+
 TEST_CASE("a hundred plugs in a row leave no file open", "[device][usb]") {
   const auto open_files = [] {
     int count = 0;

@@ -168,7 +168,59 @@ TEST_CASE("a spec that cannot be read is exit code 3 with its place", "[cli][e2e
   spec["material"] = "papier";
   write_file(bench.temp / "material.json", spec.dump());
   check_refused(bench.design({"material.json", "-o", "out"}), 3, "material.json: /material: ");
+  check_refused(
+      run_program({POPCUT_PROGRAM, "plan", "material.json", "-o", "plan"}, bench.temp.path()), 3,
+      "material.json: /material: ");
   CHECK_FALSE(fs::exists(bench.temp / "out"));
+}
+
+TEST_CASE("design knows the materials of the user's own table", "[cli][e2e][design]") {
+  const Bench bench;
+  const json known =
+      json::parse(run_program({POPCUT_PROGRAM, "materials", "--json"}, bench.temp.path()).out);
+  json own = known["materials"][0];
+  own["name"] = "felt-3mm", own["thickness_mm"] = 3.0;
+  fs::create_directories(bench.temp / "config/popcut");
+  write_file(bench.temp / "config/popcut/materials.json", json{{"popcut", 1}, {"materials", {own}}}.dump());
+  json spec = json::parse(text_of_file(kExamples + "sphere.json"));
+  spec["material"] = "felt-3mm";
+  write_file(bench.temp / "felt.json", spec.dump());
+  const std::string config = "XDG_CONFIG_HOME=" + (bench.temp / "config").string();
+  const auto with_table = [&](Names arguments) {
+    arguments.insert(arguments.begin(), {"/usr/bin/env", config, POPCUT_PROGRAM});
+    return run_program(arguments, bench.temp.path());
+  };
+  const Ran made = with_table({"design", "felt.json", "-o", "out", "--formats", "cut,report"});
+  CAPTURE(made.err);
+  CHECK(made.exit == 0);
+  CHECK(made.err.find("felt-3mm: ") != std::string::npos);  // too thick for its smallest panel
+  check_refused(bench.design({"felt.json", "-o", "none"}), 3, "felt.json: /material: ");
+  write_file(bench.temp / "config/popcut/materials.json", "{\"materials\": 3}");
+  check_refused(with_table({"design", "felt.json", "-o", "none"}), 3,
+                (bench.temp / "config/popcut/materials.json").string());
+}
+
+TEST_CASE("names that XML cannot hold still make well-formed drawings", "[cli][e2e][design]") {
+  const Bench bench;
+  json spec = json::parse(text_of_file(kExamples + "unit.json"));
+  spec["name"] = "a\x01<b>\xEF\xBF\xBE & \xF0\x9F\x98\x80";
+  write_file(bench.temp / "name.json", spec.dump());
+  REQUIRE(
+      bench.design({"name.json", "-o", "out", "--formats", "svg,cut,cricut,picture,poster"}).exit ==
+      0);
+  REQUIRE(
+      run_program({POPCUT_PROGRAM, "plan", "name.json", "-o", "plan"}, bench.temp.path()).exit ==
+      0);
+  for (const std::string file :
+       {"out/pattern.svg", "out/cut.svg", "out/cricut.svg", "out/deployed.svg", "out/poster.svg",
+        "plan/sheet-01.svg", "plan/assembly.svg"}) {
+    CAPTURE(file);
+    const std::string text = text_of_file(bench.temp / file);
+    CHECK(text.find('\x01') == std::string::npos);
+    CHECK(text.find("\xEF\xBF\xBE") == std::string::npos);
+    pugi::xml_document read;
+    CHECK(read.load_string(text.c_str()));
+  }
 }
 
 TEST_CASE("an output that cannot be written is exit code 7 and nothing changes",

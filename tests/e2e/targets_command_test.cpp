@@ -75,7 +75,19 @@ TEST_CASE("a mesh that nobody here drew becomes a sound pattern with its error i
   CHECK(report["fit"]["rms_mm"] < 3.0);
   CHECK(report["fit"]["max_mm"] < 15.0);
   CHECK(report["slices"][0]["fit"].contains("unreachable_share"));
-  CHECK(bench.popcut({"verify", "out/pattern.fold", "--dof", "1"}).exit == 0);
+  const Ran verified = bench.popcut(
+      {"verify", "out/pattern.fold", "--dof", "1", "--target", "placed.json", "--json"});
+  CAPTURE(verified.err);
+  CHECK(verified.exit == 0);
+  // From the mesh itself, the fold vertices are not farther off than the two errors together.
+  const json inner = json::parse(verified.out)["target"]["inner_mm"];
+  CHECK(inner["vertices"] > 20);
+  CHECK(inner["rms"] < report["inner_error_mm"]["max"].get<double>() +
+                           report["fit"]["max_mm"].get<double>() + 0.1);
+  fs::remove(bench.temp / "meshes/teapot.obj");
+  check_refused(
+      bench.popcut({"verify", "out/pattern.fold", "--dof", "1", "--target", "placed.json"}), 3,
+      "teapot.obj");
 }
 
 TEST_CASE("grids and solids become sound patterns from the command line", "[cli][e2e][target]") {

@@ -242,36 +242,6 @@ TEST_CASE("cleaning keeps every place of a drawing and adds none", "[core][plan]
   }
 }
 
-TEST_CASE("the order is a permutation with reversals and never longer than the drawing's own",
-          "[core][plan][order]") {
-  std::mt19937 random(17);
-  for (const OrderEffort effort : {OrderEffort::Quick, OrderEffort::Best})
-    for (int round = 0; round < 25; ++round) {
-      CAPTURE(round);
-      const LineWork work = random_lines(random, whole(random, 1, 120));
-      const auto visits = order(work, {.effort = effort, .home = {}});
-      REQUIRE(visits.size() == work.lines.size());
-      std::vector<int> seen(work.lines.size(), 0);
-      const auto groups = cutting_groups(work);
-      for (std::size_t i = 0; i < visits.size(); ++i) {
-        ++seen[visits[i].line];
-        const auto points = work.points_of(work.lines[visits[i].line]);
-        CHECK(visits[i].start < points.size());
-        if (!closed(points)) CHECK(visits[i].start == 0);
-        if (i > 0) CHECK(groups[visits[i - 1].line] <= groups[visits[i].line]);
-      }
-      CHECK(std::all_of(seen.begin(), seen.end(), [](int n) { return n == 1; }));
-      std::vector<Visit> plain(work.lines.size());
-      for (std::uint32_t i = 0; i < plain.size(); ++i) plain[i].line = i;
-      std::stable_sort(plain.begin(), plain.end(), [&](const Visit& a, const Visit& b) {
-        return groups[a.line] < groups[b.line];
-      });
-      CHECK(travel_mm(work, visits) <= travel_mm(work, plain) + 1e-9);
-      const auto again = order(work, {.effort = effort, .home = {}});
-      for (std::size_t i = 0; i < visits.size(); ++i) CHECK(again[i].line == visits[i].line);
-    }
-}
-
 TEST_CASE("what is planned lies inside of the area and adds up", "[core][plan]") {
   std::mt19937 random(19);
   const Machine machine = *find_machine("cameo3");

@@ -54,6 +54,58 @@ TEST_CASE("a file with any bytes changed is judged without a crash", "[core][ver
   CHECK(read > 20);  // not everything may be refused before it is judged
 }
 
+TEST_CASE("flat files with numbers changed are opened or refused and always judged",
+          "[core][verify][property]") {
+  const unsigned seed = 20261122;
+  CAPTURE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> change(-8.0, 8.0);
+  std::size_t opened = 0;
+  for (int round = 0; round < 160; ++round) {
+    CAPTURE(round);
+    FoldDraft draft = draft_of(CylinderCard{.levels = 2, .slices = 2});
+    draft.poses.clear();
+    if (round % 2 == 0) draft.key_angle_deg.clear();
+    if (round % 4 < 2) draft.faces.clear();
+    const int changes = static_cast<int>(random() % 6);
+    for (int k = 0; k < changes; ++k) {
+      const std::size_t vertex = random() % draft.flat.size();
+      const std::size_t edge = random() % draft.edges.size();
+      switch (random() % 5) {
+        case 0:
+          draft.flat[vertex][random() % 2] += change(random);
+          break;
+        case 1:
+          draft.assignment[edge] = "BMVFUCJ"[random() % 7];
+          break;
+        case 2:
+          draft.edges[edge][random() % 2] = vertex == draft.edges[edge][0] ? 0 : vertex;
+          break;
+        case 3:
+          draft.flat[vertex] = draft.flat[random() % draft.flat.size()];
+          break;
+        default:
+          if (!draft.faces.empty())
+            draft.faces.erase(draft.faces.begin() +
+                              static_cast<long>(random() % draft.faces.size()));
+          break;
+      }
+    }
+    const auto report = verify_fold(draft.text());
+    if (!report) {
+      CHECK(exit_code(report.error().kind) == 3);
+      continue;
+    }
+    CHECK(verify_json(*report).back() == '\n');
+    if (changes == 0) {
+      INFO(verify_text(*report));
+      CHECK(report->ok());
+    }
+    if (report->opening && report->opening->reached_psi_rad < 3.0) ++opened;
+  }
+  CHECK(opened > 40);
+}
+
 TEST_CASE("a pattern with one number changed is never called sound", "[core][verify][property]") {
   const FoldDraft sound = draft_of(CylinderCard{.levels = 3, .slices = 3});
   REQUIRE(verify_fold(sound.text(), {.degrees_of_freedom = 1})->ok());

@@ -209,8 +209,10 @@ std::string FoldDraft::text() const {
   return fmt::format(
       "{{\"file_spec\":1.2,\"frame_classes\":[\"creasePattern\"],\"frame_unit\":\"mm\",\n"
       "\"vertices_coords\":{},\n\"edges_vertices\":{},\n\"edges_assignment\":[{}],\n"
-      "\"edges_foldAngle\":{},\n\"faces_vertices\":{},\n\"file_frames\":[{}]}}\n",
-      rows(flat), rows(edges), letters, numbers(key_angle_deg), rows(faces), frames);
+      "{}{}\"file_frames\":[{}]}}\n",
+      rows(flat), rows(edges), letters,
+      key_angle_deg.empty() ? "" : "\"edges_foldAngle\":" + numbers(key_angle_deg) + ",\n",
+      faces.empty() ? "" : "\"faces_vertices\":" + rows(faces) + ",\n", frames);
 }
 
 FoldDraft draft_of(const std::vector<DraftStrip>& strips, double wall_mm) {

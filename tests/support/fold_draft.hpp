@@ -18,9 +18,9 @@ struct FoldDraft {
   };
   std::vector<std::array<double, 2>> flat;  ///< (u, v)
   std::vector<std::array<std::size_t, 2>> edges;
-  std::string assignment;  ///< a letter an edge
-  std::vector<double> key_angle_deg;
-  std::vector<std::vector<std::size_t>> faces;
+  std::string assignment;                       ///< a letter an edge
+  std::vector<double> key_angle_deg;            ///< empty: the member is left out
+  std::vector<std::vector<std::size_t>> faces;  ///< likewise
   std::vector<Pose> poses;
 
   [[nodiscard]] std::string text() const;

@@ -74,8 +74,9 @@ usbdevfs_urb& urb_of(UMockdevIoctlData* data) {
 }  // namespace
 
 UsbTestbed::UsbTestbed() : testbed_(umockdev_testbed_new()) {
-  // Others than the owner may look in, so that a test can play an unprivileged user.
-  ::chmod(root().c_str(), 0755);
+  // Others than the owner may use it (hotplug makes a socket in it), so that a test can play an
+  // unprivileged user.
+  ::chmod(root().c_str(), 0777);
 }
 
 UsbTestbed::~UsbTestbed() { g_object_unref(testbed_); }
@@ -194,6 +195,11 @@ void UsbfsDevice::plug() {
     throw std::runtime_error(error->message);
 }
 
+void UsbfsDevice::plug_again() {
+  const Lock lock(mutex_);
+  if (!plugged_) plug();
+}
+
 void UsbfsDevice::unplug(int status) {
   const Lock lock(mutex_);
   if (!plugged_) return;
@@ -237,6 +243,11 @@ void UsbfsDevice::fail_in(int status) {
 void UsbfsDevice::fail_submit(int positive_errno) {
   const Lock lock(mutex_);
   fail_submit_ = positive_errno;
+}
+
+void UsbfsDevice::keep_discarded(bool keep) {
+  const Lock lock(mutex_);
+  keep_discarded_ = keep;
 }
 
 // Data between transfers and the device.
@@ -478,6 +489,7 @@ gboolean UsbfsDevice::discard(UMockdevIoctlClient* client) {
     return transfer.client == client && transfer.urb->client_addr == address;
   });
   if (found == pending_.end()) return complete(client, -1, plugged_ ? EINVAL : ENODEV);
+  if (keep_discarded_) return complete(client, 0);
   const Transfer transfer = *found;
   pending_.erase(found);
   complete(client, 0);

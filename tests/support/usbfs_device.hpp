@@ -61,6 +61,8 @@ class UsbfsDevice {
   ~UsbfsDevice();
 
   void plug();
+  /// `plug`, if it is not plugged in.
+  void plug_again();
   /// Transfers under way end with `status`: -ESHUTDOWN, or -EPROTO as many controllers say first.
   void unplug(int status = -108);
 
@@ -73,6 +75,8 @@ class UsbfsDevice {
   void fail_in(int status);
   /// The next transfer is not taken by the kernel.
   void fail_submit(int positive_errno);
+  /// A controller that hangs: transfers that are called back are not given back.
+  void keep_discarded(bool keep);
   /// The kernel's driver as it would be found now.
   [[nodiscard]] std::string driver() const;
 
@@ -130,7 +134,7 @@ class UsbfsDevice {
   UMockdevIoctlClient* claimed_{};
   std::vector<UMockdevIoctlClient*> clients_;
   std::string driver_;
-  bool plugged_{false}, attached_{false}, moving_{false}, again_{false};
+  bool plugged_{false}, attached_{false}, moving_{false}, again_{false}, keep_discarded_{false};
   int fail_submit_{};
   int master_{-1}, slave_{-1};
   Counts counts_;

@@ -316,7 +316,7 @@ TEST_CASE("what is wrong with a spec is said with its place", "[core][spec]") {
       {R"({"popcut":2,"surface":{"type":"revolution","radius":"60"},"units_per_slice":4,"slices":4,"widths_mm":5})",
        ErrorKind::OutOfRange, "/popcut", "from 1 to 1"},
       {R"({"popcut":1,"surface":{"type":"revolution","radius":"60"},"units_per_slice":4,"slices":4,"widths_mm":1e400})",
-       ErrorKind::Malformed, "", "lawful"},
+       ErrorKind::OutOfRange, "line 1, column 102", "1e400 is larger"},
       {"{\"popcut\":1,\n \"surface\":", ErrorKind::Malformed, "line 2", "too early"},
       {"{\"popcut\":1, \"popcut\":1}", ErrorKind::Malformed, "", "twice"},
       {"[]", ErrorKind::Malformed, "/", "object"},

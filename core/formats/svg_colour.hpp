@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace popcut {
+
+/// What a stroke or a fill is painted with.
+struct SvgPaint {
+  enum class Kind : std::uint8_t {
+    None,     ///< nothing is painted
+    Colour,   ///< `rgb`
+    Current,  ///< the colour of `color`
+    Server,   ///< a gradient or pattern; `rgb` is the colour that stands in for it
+  };
+  Kind kind{Kind::None};
+  std::uint32_t rgb{};  ///< 0xRRGGBB
+  friend bool operator==(const SvgPaint&, const SvgPaint&) = default;
+};
+
+/// A paint of SVG: none, a CSS colour (names, #hex, rgb(), hsl(), currentColor), or url(#id) with
+/// or without a colour after it. What is wholly transparent is none.
+[[nodiscard]] std::optional<SvgPaint> parse_svg_paint(std::string_view text);
+
+/// "#rrggbb".
+[[nodiscard]] std::string colour_text(std::uint32_t rgb);
+
+}  // namespace popcut

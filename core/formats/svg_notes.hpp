@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace popcut {
+
+/// What of a drawing is not read as it is drawn, or is read in a way that its author may not
+/// expect.
+enum class SvgNote {
+  Dashed,
+  Dots,
+  FillCut,
+  FillIgnored,
+  FillBackground,
+  FillUnnamed,
+  Invisible,
+  LeftOut,
+  Hidden,
+  Squashed,
+  Empty,
+  Clipped,
+  Masked,
+  Filtered,
+  Marked,
+  PaintServer,
+  OutOfFrame,
+  ForeignUse,
+  MissingUse,
+  ForeignSheet,
+  Selector,
+  SheetBlock,
+  Value,
+  SheetGeometry,
+  Assignment,
+  Count_,
+};
+
+/// Counts what is to be told, and where each was met first.
+class SvgNotes {
+ public:
+  /// `where` is asked only the first time.
+  template <typename Where>
+  void add(SvgNote note, const Where& where, std::size_t count = 1) {
+    Entry& entry = entries_[static_cast<std::size_t>(note)];
+    if (entry.count == 0) entry.first = where();
+    entry.count += count;
+  }
+  /// An element that cannot be read.
+  template <typename Where>
+  void add_element(std::string_view name, const Where& where) {
+    auto found = elements_.find(name);
+    if (found == elements_.end()) {
+      if (elements_.size() >= kMostNames) name = "other elements";
+      found = elements_.try_emplace(std::string(name.substr(0, 40))).first;
+    }
+    if (found->second.count == 0) found->second.first = where();
+    ++found->second.count;
+  }
+  /// One sentence a kind: what, how many, where the first one is, what would be right.
+  [[nodiscard]] std::vector<std::string> sentences() const;
+
+ private:
+  static constexpr std::size_t kMostNames = 50;
+  struct Entry {
+    std::size_t count{};
+    std::string first;
+  };
+  std::array<Entry, static_cast<std::size_t>(SvgNote::Count_)> entries_;
+  std::map<std::string, Entry, std::less<>> elements_;
+};
+
+}  // namespace popcut

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/plan/machine.hpp"
+#include "core/result.hpp"
+#include "device/device_id.hpp"
+#include "device/trace.hpp"
+#include "device/transport.hpp"
+
+namespace popcut::cli {
+
+/// Where a job is cut, and as what machine.
+struct CutTarget {
+  DeviceId device;
+  Machine machine;
+
+  [[nodiscard]] bool simulated() const { return device.kind == DeviceKind::Simulated; }
+  /// Something with a knife: a person says yes first.
+  [[nodiscard]] bool real() const { return !simulated() && device.kind != DeviceKind::File; }
+};
+
+/// The words of the command line that say where.
+struct CutTargetOptions {
+  std::string device;    ///< empty: the simulated machine
+  std::string machine;   ///< --machine
+  std::string treat_as;  ///< --treat-as: a model that is not known is driven as this one
+};
+
+/// Finds the device and what machine it is: a USB device by its ids, a simulated one by its name,
+/// a port by --machine or --treat-as. Sends nothing, claims nothing.
+///
+/// @retval Usage       the words contradict each other or are not known
+/// @retval DeviceGone  the device is not there
+/// @retval Refused     it may not be used now, or its model is not known
+[[nodiscard]] Result<CutTarget> choose_target(const CutTargetOptions& options);
+
+/// An open way to a device, for one sheet.
+class Cable {
+ public:
+  /// @param name     of a file, where the device is one
+  /// @param area_mm  of the sheet, for the simulated cutter
+  [[nodiscard]] static Result<Cable> open(const CutTarget& target, const std::string& name,
+                                          std::array<double, 2> area_mm);
+  [[nodiscard]] Transport& transport() { return *transport_; }
+  /// What the simulated cutter did; none for others.
+  [[nodiscard]] std::optional<Trace> trace() const;
+  /// A file is given its name; nothing for others.
+  [[nodiscard]] Result<void> finish();
+
+ private:
+  std::unique_ptr<Transport> transport_;
+};
+
+/// Where the sheet of a job goes if the device is a file: one sheet has its name, several have
+/// numbers ("out-02.gpgl").
+[[nodiscard]] std::string sheet_path(const CutTarget& target, std::size_t sheet,
+                                     std::size_t sheets);
+
+}  // namespace popcut::cli

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace popcut {
+
+/// A port of the kernel that a cutter may be at. Which cutter, no port tells.
+struct PortInfo {
+  std::string id;      ///< "serial:/dev/ttyUSB0", "lp:/dev/usb/lp0"
+  std::string path;    ///< "/dev/ttyUSB0"
+  bool usable{false};  ///< may be opened by who asks
+};
+
+/// USB serial adapters, serial USB devices and USB printer ports, by name. Opens none of them.
+[[nodiscard]] std::vector<PortInfo> list_ports();
+
+/// Programs that have one of `paths` open, as "cupsd (812)". Programs of others are only seen by
+/// root.
+[[nodiscard]] std::vector<std::string> who_has_open(const std::vector<std::string>& paths);
+
+}  // namespace popcut

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include "core/design/design.hpp"
+#include "core/design/multi_state.hpp"
+#include "core/formats/fold_writer.hpp"
+#include "core/verify/verify.hpp"
+
+using namespace popcut;
+
+namespace {
+
+double median_of(int runs, const auto& work) {
+  std::vector<double> times;
+  for (int k = 0; k < runs; ++k) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    times.push_back(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  std::nth_element(times.begin(), times.begin() + runs / 2, times.end());
+  return times[static_cast<std::size_t>(runs / 2)];
+}
+
+DesignSpec example(const std::string& name) {
+  std::ifstream file(POPCUT_SOURCE_DIR "/examples/" + name + ".json");
+  std::stringstream text;
+  text << file.rdbuf();
+  const auto spec = parse_design_spec(text.str());
+  REQUIRE(spec);
+  return *spec;
+}
+
+std::string fold_of(const Design& made) {
+  std::ostringstream out;
+  REQUIRE(write_fold(made.pattern, {}, out));
+  return out.str();
+}
+
+}  // namespace
+
+TEST_CASE("the composite of Fig. 3A", "[bench]") {
+  const DesignSpec spec = example("composite");
+  Design made;
+  const double designed = median_of(21, [&] {
+    auto result = design(spec);
+    REQUIRE(result);
+    made = std::move(*result);
+  });
+  std::string fold;
+  const double written = median_of(21, [&] { fold = fold_of(made); });
+  const double verified = median_of(5, [&] { REQUIRE(verify_fold(fold)->ok()); });
+  fmt::print(
+      "composite of Fig. 3A, {} slices, {} folds: designed in {:.1f} ms, FOLD in {:.1f} ms, "
+      "verified "
+      "in {:.1f} ms (medians)\n",
+      made.report.slices.size(), made.report.folds, 1e3 * designed, 1e3 * written, 1e3 * verified);
+}
+
+TEST_CASE("the multi-state solve of Fig. 3D", "[bench]") {
+  const DesignSpec spec = example("multistate");
+  DesignSpec plain = spec;
+  plain.splay.reset();
+  const auto made = design(plain);
+  REQUIRE(made);
+  MultiState state;
+  const double solved = median_of(11, [&] {
+    auto result = solve_multi_state(made->strips, *spec.splay);
+    REQUIRE(result);
+    state = std::move(*result);
+  });
+  std::string reached;
+  for (const double K : state.K_rad) reached += fmt::format(" {:+.4f}", K);
+  const double whole = median_of(11, [&] { REQUIRE(design(spec)); });
+  fmt::print(
+      "multi-state, three openings: alphas solved in {:.1f} ms, with its design {:.1f} ms "
+      "(medians); K ={} rad\n",
+      1e3 * solved, 1e3 * whole, reached);
+}
+
+TEST_CASE("chains with curvature asked for", "[bench]") {
+  for (const auto& [units, slices] : {std::pair{6, 8}, std::pair{12, 24}, std::pair{20, 60}}) {
+    const auto spec = parse_design_spec(fmt::format(
+        R"({{"popcut":1,"surface":{{"type":"revolution","radius":"sqrt(40^2+(y-30)^2)"
+  }
+}
+, "units_per_slice" : {},
+                      "slices" : {},
+                                 "widths_mm" : {},
+                                               "curvature"
+    : {{"K_area" : -0.000625, "weights" : {{"K" : 100}}}},
+      "min_panel_mm" : 0.01
+}
+})",
+        units, slices, 64.0 / slices));
+REQUIRE(spec);
+CurvatureReport report;
+const double seconds = median_of(units < 20 ? 5 : 1, [&] {
+  auto made = design(*spec);
+  if (!made) FAIL(message(made.error()));
+  report = *made->report.curvature;
+});
+fmt::print(
+    "curvature on {} units x {} slices: {:.3f} s (median), {} evaluations; K's miss {:.3g} "
+    "-> {:.3g} /mm^2 rms\n",
+    units, slices, seconds, report.evaluations, report.figures.front().plain_miss.rms,
+    report.figures.front().miss.rms);
+}
+}

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+#include <cstdint>
+#include <string_view>
+
+#include "core/formats/svg_path.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const auto lines = popcut::parse_svg_path(text, 0.02, 100'000);
+  (void)lines;
+  return 0;
+}

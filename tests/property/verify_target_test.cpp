@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// The distance from the target that the verifier finds, from its own reading of the spec, is the
+// one that the generator reports from its curves.
+#include <sstream>
+#include <string>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include "core/design/design.hpp"
+#include "core/formats/fold_writer.hpp"
+#include "core/verify/verify.hpp"
+#include "tests/support/meshes.hpp"
+
+using namespace popcut;
+
+namespace {
+
+struct Compared {
+  DesignReport report;
+  VerifyReport verified;
+};
+
+Compared compare(const std::string& spec_text, const std::string& target_text,
+                 const std::string& bytes = {}) {
+  CAPTURE(spec_text);
+  const auto spec = parse_design_spec(spec_text);
+  if (!spec) FAIL(message(spec.error()));
+  const auto made = design(*spec, {{asset_of(spec->surface), bytes}});
+  if (!made) FAIL(message(made.error()));
+  std::ostringstream fold;
+  REQUIRE(write_fold(made->pattern, {}, fold));
+  VerifyOptions options;
+  options.target_spec = target_text, options.target_file = bytes;
+  const auto verified = verify_fold(fold.str(), options);
+  if (!verified) FAIL(message(verified.error()));
+  INFO(verify_text(*verified));
+  CHECK(verified->ok());
+  REQUIRE(verified->target_inner);
+  return {made->report, *verified};
+}
+
+/// Inner and end errors agree to `within_mm`.
+void check_agrees(const std::string& spec, double within_mm = 1e-7, const std::string& bytes = {}) {
+  CAPTURE(spec);
+  const Compared both = compare(spec, spec, bytes);
+  const TargetDistance &inner = *both.verified.target_inner, &all = *both.verified.target_all;
+  CHECK(inner.vertices > 0);
+  CHECK(inner.rms_mm == Approx(both.report.inner_error.rms_mm).margin(within_mm));
+  CHECK(inner.max_mm == Approx(both.report.inner_error.max_mm).margin(within_mm));
+  CHECK(all.max_mm == Approx(std::max(both.report.inner_error.max_mm, both.report.end_error.max_mm))
+                          .margin(10.0 * within_mm));
+}
+
+std::string one(const std::string& surface, const std::string& more = "") {
+  return fmt::format(
+      R"({{"popcut":1,"surface":{},"units_per_slice":5,"slices":6,"widths_mm":7{}}})", surface,
+      more);
+}
+
+}  // namespace
+
+TEST_CASE("verify finds the error of each kind of target that the design reports",
+          "[property][design][verify][target]") {
+  check_agrees(
+      one(R"j({"type":"implicit","f":"x^2 + z^2 - 1 - 0.1*sin(3*y)"})j", R"(,"scale_mm":40)"));
+  check_agrees(one(R"j({"type":"implicit","f":"x^2 + z^2 - 1 - 0.1*sin(3*y)"})j",
+                   R"(,"scale_mm":40,"lattice":"slices")"));
+  check_agrees(one(R"j({"type":"profile","z":"2 - x - 0.2*x*y"})j",
+                   R"(,"scale_mm":40,"rotate_deg":[0,5,0],"translate_mm":[-5,-20,-5])"));
+  check_agrees(one(R"j({"type":"profile","z":"2 - x - 0.2*x*y"})j",
+                   R"(,"scale_mm":40,"translate_mm":[0,-20,0],"lattice":"branching")"));
+  check_agrees(one(R"j({"type":"revolution","radius":"sqrt(4-y^2)"})j",
+                   R"(,"scale_mm":40,"translate_mm":[0,-20,0],"lattice":"slices")"));
+}
+
+TEST_CASE("verify measures grids and meshes by their triangles",
+          "[property][design][verify][target]") {
+  std::string csv = ",0,10,20,30,40\n";
+  for (int y = 0; y <= 60; y += 20) csv += fmt::format("{},40,37,{},18,0\n", y, 30 + y / 10);
+  // The generator rounds what it has placed to single precision, tilts level stretches, and lays a
+  // smooth curve through a section's corners.
+  check_agrees(one(R"({"type":"grid","file":"h.csv"})"), 1e-3, csv);
+  const TriangleMesh ball = tests::sphere_mesh(60.0, 80, 80);
+  for (const std::string& bytes : {tests::binary_stl(ball), tests::text_stl(ball)}) {
+    check_agrees(one(R"({"type":"mesh","file":"b.stl"})", R"(,"lattice":"slices")"), 1e-3, bytes);
+    check_agrees(one(R"({"type":"mesh","file":"b.stl"})",
+                     R"(,"translate_mm":[-3,10,-4],"rotate_deg":[0,90,0])"),
+                 1e-3, bytes);
+  }
+  check_agrees(one(R"({"type":"mesh","file":"b.obj"})", R"(,"scale_mm":1.5)"), 5e-3,
+               tests::obj(ball));
+}
+
+TEST_CASE("verify finds the slices of regions with their plain cuts and slices alone",
+          "[property][design][verify][target]") {
+  check_agrees(
+      R"j({"popcut":1,"surface":{"type":"revolution","radius":"sqrt(4-y^2)"},"scale_mm":40,"regions":[
+          {"units_per_slice":4,"slices":3,"width_mm":6},{"units_per_slice":5,"slices":1,"width_mm":8},
+          {"units_per_slice":3,"slices":4,"width_mm":5},{"units_per_slice":2,"slices":1,"width_mm":5},
+          {"units_per_slice":1,"slices":2,"width_mm":5}]})j");
+  check_agrees(
+      R"j({"popcut":1,"scale_mm":10,"regions":[
+          {"units_per_slice":4,"slices":3,"width_mm":6,"radius":"5+y/L"},
+          {"units_per_slice":4,"slices":4,"widths_mm":[5,7,4,6],"radius":"6-0.5*sin(y)"}]})j");
+  check_agrees(
+      R"j({"popcut":1,"surface":{"type":"composite","radii":[60,25,40]},"regions":[
+          {"units_per_slice":1,"slices":4,"width_mm":12},{"units_per_slice":2,"slices":8,"width_mm":4},
+          {"units_per_slice":3,"slices":6,"width_mm":8}]})j");
+  for (const int units : {2, 3, 7})
+    check_agrees(fmt::format(
+        R"j({{"popcut":1,"surface":{{"type":"profile","z":"26*(1 - x/140)*(1 + 0.9*x/140)"}},
+            "units_per_slice":{},"slices":1,"widths_mm":20}})j",
+        units));
+}
+
+TEST_CASE("verify reads widths that the design chose off the pattern",
+          "[property][design][verify][target]") {
+  check_agrees(
+      R"j({"popcut":1,"surface":{"type":"revolution","radius":"sqrt(4-y^2)"},"scale_mm":40,
+          "units_per_slice":5,"slices":30,"widths_mm":{"max_error_mm":0.2,"length_mm":50}})j");
+}
+
+TEST_CASE("verify looks past V-folds at the creases that they stand on",
+          "[property][design][verify][target]") {
+  check_agrees(
+      R"j({"popcut":1,"surface":{"type":"profile","z":"75 - x"},"units_per_slice":3,"slices":5,
+          "widths_mm":15,"splay":{"alpha":1.5}})j");
+}
+
+TEST_CASE("verify says so when pattern and target do not belong together",
+          "[property][design][verify][target]") {
+  const auto spec = parse_design_spec(one(R"({"type":"revolution","radius":"50"})"));
+  const auto made = design(*spec);
+  REQUIRE(made);
+  std::ostringstream fold;
+  REQUIRE(write_fold(made->pattern, {}, fold));
+  VerifyOptions options;
+  options.target_spec =
+      R"({"popcut":1,"surface":{"type":"revolution","radius":"50"},"units_per_slice":5,"slices":9,"widths_mm":7})";
+  const auto other = verify_fold(fold.str(), options);
+  REQUIRE(other);
+  CHECK_FALSE(other->ok());
+  CHECK(verify_text(*other).find("they do not belong together") != std::string::npos);
+
+  const auto refused = [&](const std::string& surface, const std::string& bytes) {
+    options.target_spec = one(surface), options.target_file = bytes;
+    const auto result = verify_fold(fold.str(), options);
+    REQUIRE_FALSE(result);
+    CHECK(exit_code(result.error().kind) == 3);
+    return message(result.error());
+  };
+  using Catch::Matchers::Contains;
+  const std::string grid = R"({"type":"grid","file":"h.csv"})",
+                    mesh = R"({"type":"mesh","file":"m.stl"})";
+  CHECK_THAT(refused(grid, ",0,10\n0,5,\n80,5,0\n"), Contains("line 2: column 3 is no number"));
+  CHECK_THAT(refused(grid, ",0,10\n0,5,0\n0,5,0\n"), Contains("does not grow"));
+  CHECK_THAT(refused(grid, ""), Contains("two or more values"));
+  CHECK_THAT(refused(mesh, "solid\nvertex 1 2\n"), Contains("line 2: three numbers"));
+  CHECK_THAT(refused(mesh, ""), Contains("no triangle"));
+  CHECK_THAT(refused(R"({"type":"mesh","file":"m.obj"})", "v 0 0 0\nf 1 2 3\n"),
+             Contains("line 2: a face names"));
+  CHECK_THAT(refused(R"({"type":"blob"})", ""), Contains("\"blob\" is not known"));
+  CHECK_THAT(refused(R"({"type":"implicit","f":"x+"})", ""), Contains("/surface/f"));
+}

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+// Patterns without an opened pose: the rigid-panel solver opens them.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "core/verify/motion.hpp"
+#include "core/verify/opening.hpp"
+#include "core/verify/verify.hpp"
+#include "tests/support/fold_draft.hpp"
+#include "tests/support/verify_drafts.hpp"
+
+using namespace popcut;
+using namespace popcut::tests;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// A vertex of four creases in the middle of a disc of radius 30, at these directions.
+FoldDraft four_folds(const std::vector<double>& at_deg, const std::string& letters) {
+  FoldDraft draft;
+  draft.flat.push_back({0.0, 0.0});
+  const std::size_t n = at_deg.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const double angle = at_deg[k] * kPi / 180.0;
+    draft.flat.push_back({30.0 * std::cos(angle), 30.0 * std::sin(angle)});
+    draft.edges.push_back({0, k + 1});
+    draft.assignment += letters[k];
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    draft.edges.push_back({k + 1, (k + 1) % n + 1});
+    draft.assignment += 'B';
+    draft.faces.push_back({0, k + 1, (k + 1) % n + 1});
+  }
+  return draft;
+}
+
+FoldDraft without_poses(FoldDraft draft, bool keep_angles) {
+  draft.poses.clear();
+  if (!keep_angles) draft.key_angle_deg.clear();
+  return draft;
+}
+
+/// The solver's pose, its vertices moved so that the panel of face 0 lies where it lies in `other`.
+double largest_difference(const verify::FoldFile& file, const verify::Sheet& sheet,
+                          const verify::Pose& pose, const verify::Pose& other) {
+  const auto panels = make_panels(file, sheet);
+  const auto from = measure(file, sheet, panels, pose).panel[0];
+  const auto to = measure(file, sheet, panels, other).panel[0];
+  double largest = 0.0;
+  for (std::size_t i = 0; i < pose.at.size(); ++i) {
+    const verify::Vec3 p = pose.at[i] - from.origin;
+    const verify::Vec3 moved = to.origin + dot(p, from.along_u) * to.along_u +
+                               dot(p, from.along_v) * to.along_v + dot(p, from.normal) * to.normal;
+    largest = std::max(largest, norm(moved - other.at[i]));
+  }
+  return largest;
+}
+
+}  // namespace
+
+TEST_CASE("a flat pattern is opened to the poses that its maker knows", "[core][verify]") {
+  std::vector<FoldDraft> drafts{box_card(), draft_of(CylinderCard{.levels = 4, .slices = 3})};
+  for (const double alpha : {0.3, 0.8, 1.4, 2.5}) {
+    FoldDraft draft = splayed_card(alpha, 1.1);
+    const FoldDraft right = splayed_card(alpha, kPi / 2.0);
+    draft.poses.push_back(right.poses[0]);
+    draft.key_angle_deg = right.key_angle_deg;
+    drafts.push_back(draft);
+  }
+  for (std::size_t k = 0; k < drafts.size(); ++k) {
+    for (const bool angles : {true, false}) {
+      CAPTURE(k, angles);
+      const auto known = verify::read_fold(drafts[k].text());
+      auto file = verify::read_fold(without_poses(drafts[k], angles).text());
+      REQUIRE(file);
+      VerifyCheck check;
+      const verify::Sheet sheet = make_sheet(*file, check);
+      const double psi[] = {kPi / 2.0, 1.1};
+      const verify::Opening opening = open_sheet(*file, sheet, psi, 1e-9);
+      INFO(opening.stopped);
+      REQUIRE(opening.poses.size() == 2);
+      CHECK(opening.gap_mm < 1e-11);
+      for (const verify::Pose& pose : known->poses) {
+        for (const verify::Pose& opened : opening.poses) {
+          if (std::abs(*opened.psi_rad - *pose.psi_rad) > 1e-9) continue;
+          CHECK(largest_difference(*file, sheet, opened, pose) < 1e-9);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("a pattern without a deployed frame is judged in poses of its own", "[core][verify]") {
+  for (const bool flat_frame : {true, false}) {
+    CAPTURE(flat_frame);
+    FoldDraft draft = box_card();
+    draft.poses.resize(flat_frame ? 1 : 0);  // psi = pi: flat
+    const VerifyReport report = verified(draft, {.degrees_of_freedom = 1});
+    INFO(verify_text(report));
+    CHECK(report.ok());
+    REQUIRE(report.opening);
+    CHECK(report.opening->reached_psi_rad == Approx(1.1));
+    CHECK(report.opening->driver_length_mm == Approx(50.0));  // the spine, margin to margin
+    CHECK(report.crossing_method == "exact");
+    CHECK(has(verify_text(report), "opened by continuation"));
+    CHECK(has(verify_json(report), "\"reached_psi_rad\""));
+  }
+  CHECK(has(verify_json(verified(box_card())), "\"opening\": null"));
+}
+
+TEST_CASE("a crossing that only opening shows is found", "[core][verify]") {
+  // 40 right, 20 up, 20 left, 30 down, as soon as it is opened to a right angle.
+  FoldDraft draft = folded_strip({0.0, 40.0, 60.0, 80.0, 110.0}, {90.0, 90.0, 90.0});
+  const VerifyReport report = verified(without_poses(draft, true));
+  INFO(verify_text(report));
+  CHECK(has(failures(report, "crossing"), "cross near"));
+  CHECK(report.degrees_of_freedom == 3U);
+  CHECK(has(verify_text(report), "one of many ways"));
+}
+
+TEST_CASE("a sheet is opened as far as its listed angle and no farther", "[core][verify]") {
+  FoldDraft draft = folded_strip({0.0, 40.0, 60.0, 80.0, 110.0}, {40.0, 40.0, 40.0});
+  const VerifyReport report = verified(without_poses(draft, true));
+  INFO(verify_text(report));
+  CHECK(report.ok());
+  REQUIRE(report.opening);
+  CHECK(report.opening->reached_psi_rad == Approx(kPi - 40.0 * kPi / 180.0));
+}
+
+TEST_CASE("a flat-foldable vertex opens with the speeds of its half-angle tangents",
+          "[core][verify]") {
+  // Degree four, opposite angles add up to 180 degrees: tangents of half angles keep their ratio.
+  const FoldDraft draft = four_folds({0.0, 70.0, 180.0 - 40.0 + 0.0, 250.0}, "VVVM");
+  const VerifyReport report = verified(draft, {.degrees_of_freedom = 1});
+  INFO(verify_text(report));
+  CHECK(report.degrees_of_freedom == 1U);
+  REQUIRE(report.opening);
+  CHECK(report.opening->gap_mm < 1e-11);
+}
+
+TEST_CASE("assignments that no rigid motion obeys are told as the wrong branch", "[core][verify]") {
+  // Four valleys about a vertex: one of them must turn the other way.
+  const VerifyReport report = verified(four_folds({0.0, 80.0, 170.0, 250.0}, "VVVV"));
+  INFO(verify_text(report));
+  CHECK_FALSE(report.ok());
+  CHECK(has(failures(report, "opening"), "wrong branch"));
+}
+
+TEST_CASE("folds that stay flat on the way are told", "[core][verify]") {
+  // Two straight valleys that cross: either one folds, never both.
+  const VerifyReport report = verified(four_folds({0.0, 90.0, 180.0, 270.0}, "VVVV"));
+  INFO(verify_text(report));
+  CHECK(report.ok());
+  CHECK(has(verify_text(report), "2 folds stay flat in the motion that was found"));
+}
+
+TEST_CASE("a sheet that cannot leave the flat state says so", "[core][verify]") {
+  SECTION("three folds about a vertex") {
+    const VerifyReport report = verified(four_folds({0.0, 120.0, 240.0}, "VVM"));
+    INFO(verify_text(report));
+    CHECK_FALSE(report.ok());
+    CHECK_FALSE(report.degrees_of_freedom);
+    CHECK(has(failures(report, "opening"), "flat sheet cannot be left"));
+  }
+  SECTION("no fold at all") {
+    const VerifyReport report = verified(four_folds({0.0, 120.0, 240.0}, "FFF"));
+    CHECK(has(failures(report, "opening"), "there is no fold between them"));
+  }
+}
+
+TEST_CASE("a fold that shuts early ends the motion and is no failure", "[core][verify]") {
+  // The two short sectors fold onto each other long before the long fold is shut.
+  const VerifyReport report = verified(four_folds({0.0, 80.0, 100.0, 230.0}, "VMVV"));
+  INFO(verify_text(report));
+  REQUIRE(report.opening);
+  CHECK(report.opening->reached_psi_rad > 0.0);
+  CHECK(report.poses > 0);
+}
