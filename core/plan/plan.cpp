@@ -209,7 +209,7 @@ Result<Plan> plan(const LineWork& drawing, const Machine& machine, const Materia
   std::vector<Visit> given(dashed.work.lines.size());
   for (std::uint32_t i = 0; i < given.size(); ++i) given[i].line = i;
   sheet.travel_input_mm = travel_mm(dashed.work, given);
-  Plan out{drawing.name,         machine,            material, {},
+  Plan out{drawing.name,         machine,      material, {},
            dashed.work.warnings, options.order.seed, *mode,    options.clean.snap_mm};
   StrokeSettings settings(machine, material, *mode, out.warnings);
   const Ordered ordered = ordered_for(dashed.work, machine, options.order, sheet, out.warnings);

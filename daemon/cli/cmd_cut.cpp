@@ -17,6 +17,7 @@
 #include "core/plan/sheet_svg.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/cut_device.hpp"
+#include "daemon/cli/expectation.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/plan_job.hpp"
 #include "daemon/cli/progress_bar.hpp"
@@ -133,6 +134,7 @@ Result<void> judge(const PlanJob& job, std::size_t sheet, const CutSheet& cut) {
   auto drawing = linework_from_svg(sheet_svg(job.plan.sheets[sheet], ""), SvgProfile::Popcut);
   if (!drawing) return tl::unexpected(within(place, drawing.error()));
   expected.drawing = std::move(*drawing);
+  add_knife(job.plan.sheets[sheet].knife, expected);
   const auto held = expect(*cut.trace, expected);
   if (!held) return tl::unexpected(within(place, held.error()));
   return {};

@@ -101,27 +101,19 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   return facts;
 }
 
-/// What the root of a sheet's SVG says of the knife: closed cuts are overcut from where they begin.
-void read_sheet_knife(const pugi::xml_node& root, Expected& expected) {
-  const double overcut = root.attribute("data-overcut").as_double();
-  const int rounds = root.attribute("data-rounds").as_int(1);
-  const double offset = root.attribute("data-blade-offset").as_double();
-  if (offset > 0.0 && offset < 100.0) expected.blade_offset_mm = offset;
-  expected.blade_tools =
+/// What the root of a sheet's SVG says of the knife.
+KnifeWork sheet_knife(const pugi::xml_node& root) {
+  const auto length = [&](const char* name) {
+    const double mm = root.attribute(name).as_double();
+    return mm > 0.0 && mm < 100.0 ? mm : 0.0;
+  };
+  KnifeWork knife;
+  knife.overcut_mm = length("data-overcut");
+  knife.rounds = root.attribute("data-rounds").as_int(1);
+  knife.blade_offset_mm = length("data-blade-offset");
+  knife.blade_tools =
       static_cast<std::uint16_t>(root.attribute("data-blade-tools").as_uint() & 0xFFFFu);
-  if (!(overcut > 0.0 && overcut < 100.0)) return;
-  std::vector<PagePoint> part;
-  for (const DrawnLine& line : expected.drawing.lines) {
-    const auto points = expected.drawing.points_of(line);
-    if (!takes_overcut(line.operation, points)) continue;
-    const double mm = overcut_for(round_mm(points, rounds), overcut);
-    part.clear();
-    append_head(points, mm, part);
-    expected.also_lawful.append(Operation::Cut, part);
-    part.clear();
-    append_tail(points, mm, part);
-    expected.also_lawful.append(Operation::Cut, part);
-  }
+  return knife;
 }
 
 /// The size of an SVG's page where it is in mm, as that of a sheet is.
@@ -137,6 +129,24 @@ std::optional<std::array<double, 2>> svg_page_mm(const pugi::xml_document& docum
 }
 
 }  // namespace
+
+void add_knife(const KnifeWork& knife, Expected& expected) {
+  expected.blade_offset_mm = knife.blade_offset_mm;
+  expected.blade_tools = knife.blade_tools;
+  if (!(knife.overcut_mm > 0.0) || knife.blade_tools == 0) return;
+  std::vector<PagePoint> part;
+  for (const DrawnLine& line : expected.drawing.lines) {
+    const auto points = expected.drawing.points_of(line);
+    if (!takes_overcut(line.operation, points)) continue;
+    const double mm = overcut_for(round_mm(points, knife.rounds), knife.overcut_mm);
+    part.clear();
+    append_head(points, mm, part);
+    expected.also_lawful.append(Operation::Cut, part);
+    part.clear();
+    append_tail(points, mm, part);
+    expected.also_lawful.append(Operation::Cut, part);
+  }
+}
 
 Result<PlanFacts> read_plan_facts(const std::string& file, std::size_t number) {
   const auto text = read_file(file, kLimitBytes);
@@ -161,7 +171,7 @@ Result<Expectation> read_expectation(const std::string& file, const std::optiona
     const auto text = read_file(file, kLimitBytes);
     if (text && document.load_buffer(text->data(), text->size())) {
       out.page_mm = svg_page_mm(document);
-      read_sheet_knife(document.document_element(), out.expected);
+      add_knife(sheet_knife(document.document_element()), out.expected);
     }
     return out;
   }

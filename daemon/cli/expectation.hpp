@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/plan/sheet.hpp"
+#include "core/plan/strokes.hpp"
 #include "core/result.hpp"
 #include "daemon/cli/user_tables.hpp"
 #include "device/expect.hpp"
@@ -36,6 +37,10 @@ struct Expectation {
   Expected expected;
   std::optional<std::array<double, 2>> page_mm;  ///< width and length of the sheet's drawing
 };
+
+/// What the knife does beside a sheet's strokes: closed cuts are overcut from where they begin, and
+/// a blade that the program turns is followed by its tip.
+void add_knife(const KnifeWork& knife, Expected& expected);
 
 /// Reads a `sheet-NN.svg`, or a pattern (.svg, .fold, or a spec) that `plan` puts on its sheet.
 ///

@@ -178,6 +178,7 @@ void add_plan_options(CLI::App& command, PlanJobOptions& options) {
   text("--svg-profile", options.svg_profile,
        "What strokes of an SVG mean: popcut, origami-sim, lightburn, cricut, boxes-py, plain ...",
        "WORD [popcut]");
+  add_knife_options(command, options.knife);
   command
       .add_option("--curve-tolerance", options.curve_tolerance_mm,
                   "How far a curve of a drawing may be from the lines that are cut, in mm")
@@ -186,7 +187,6 @@ void add_plan_options(CLI::App& command, PlanJobOptions& options) {
       .add_option("--svg-dpi", options.svg_dpi,
                   "Units (px) of an SVG to the inch; 72 for old Illustrator files")
       ->option_text("N [96]");
-  add_knife_options(command, options.knife);
   command.add_flag("--clip", options.clip,
                    "Cut off what lies outside of the area instead of refusing");
 }
