@@ -81,12 +81,12 @@ Result<Placement> find_place(const LineWork& drawing, const Machine& machine, co
   const Box box = bounds(drawing);
   if (!placement) return tl::unexpected(with_advice(placement.error(), machine, mat, box, options));
   if (room > 0.0 && !options.place.clip && !keep_room(*placement, drawing, reach, room))
-    return fail(ErrorKind::Infeasible, "",
-                fmt::format("pattern is {:.1f} x {:.1f} mm; {:.2f} mm must stay free all round for "
-                            "the offset of the blade, so the area holds {:.1f} x {:.1f} mm; scale "
-                            "it down, or take a larger area",
-                            box.width(), box.height(), room, reach[0] - 2 * room,
-                            reach[1] - 2 * room));
+    return fail(
+        ErrorKind::Infeasible, "",
+        fmt::format("pattern is {:.1f} x {:.1f} mm; {:.2f} mm must stay free all round for "
+                    "the offset of the blade, so the area holds {:.1f} x {:.1f} mm; scale "
+                    "it down, or take a larger area",
+                    box.width(), box.height(), room, reach[0] - 2 * room, reach[1] - 2 * room));
   return placement;
 }
 
@@ -209,8 +209,9 @@ Result<Plan> plan(const LineWork& drawing, const Machine& machine, const Materia
   std::vector<Visit> given(dashed.work.lines.size());
   for (std::uint32_t i = 0; i < given.size(); ++i) given[i].line = i;
   sheet.travel_input_mm = travel_mm(dashed.work, given);
-  Plan out{drawing.name,         machine,      material, {},
-           dashed.work.warnings, options.order.seed, *mode,    options.clean.snap_mm};
+  Plan out{
+      drawing.name,         machine, material, {}, dashed.work.warnings, options.order.seed, *mode,
+      options.clean.snap_mm};
   StrokeSettings settings(machine, material, *mode, out.warnings);
   const Ordered ordered = ordered_for(dashed.work, machine, options.order, sheet, out.warnings);
   DrawnStrokes strokes = make_strokes(dashed, ordered.visits, settings);

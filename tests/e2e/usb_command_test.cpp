@@ -137,8 +137,9 @@ struct Desk {
     return value(SimCutter::make(machine, around));
   }
   [[nodiscard]] std::vector<std::string> cut_words() const {
-    return {"cut",   kSphere,      "--direct",    "--device", "usb:51053P", "--machine",
-            "quick", "--material", "quick-paper", "-o",       "cut"};
+    // Without overcut the trace is the sheet's drawing, stroke by stroke.
+    return {"cut",        kSphere,       "--direct", "--device", "usb:51053P", "--machine", "quick",
+            "--material", "quick-paper", "-o",       "cut",      "--overcut",  "0"};
   }
   struct Said {
     int exit{};
