@@ -1,0 +1,417 @@
+// SPDX-License-Identifier: MIT
+#include "core/layout/layout.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "core/layout/marks.hpp"
+#include "core/layout/packing.hpp"
+#include "core/layout/pieces.hpp"
+#include "core/layout/seam_search.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr double kMargin = 10.0;  // mm around the pieces on a sheet, where there is room
+constexpr double kOn = 1e-6;      // mm
+constexpr int kMostRounds = 60;   // of searching again after tabs found no room
+constexpr std::size_t kMostPieces = 10'000;
+constexpr std::size_t kLarge = 20'000;  // segments; with more only the cheapest way is laid
+
+LineWork swapped(LineWork work) {
+  for (PagePoint& p : work.points) std::swap(p.x, p.y);
+  return work;
+}
+
+// Tabs that were placed, by cells, so that new ones can keep clear of them.
+class PlacedTabs {
+ public:
+  PlacedTabs(const TabShape& shape, const std::vector<Tab>& tabs)
+      : cell_(shape.pitch_mm + 2 * shape.depth_mm),
+        clearance_mm_(shape.clearance_mm),
+        tabs_(tabs) {}
+
+  [[nodiscard]] bool meets(const Tab& tab) const {
+    const auto [cx, cy] = cell(tab);
+    for (std::int64_t dx = -1; dx <= 1; ++dx)
+      for (std::int64_t dy = -1; dy <= 1; ++dy) {
+        const auto found = cells_.find(key(cx + dx, cy + dy));
+        if (found == cells_.end()) continue;
+        for (const std::uint32_t i : found->second)
+          if (tabs_meet(tabs_[i], tab, clearance_mm_)) return true;
+      }
+    return false;
+  }
+  void add(std::uint32_t i) {
+    const auto [cx, cy] = cell(tabs_[i]);
+    cells_[key(cx, cy)].push_back(i);
+  }
+
+ private:
+  [[nodiscard]] std::pair<std::int64_t, std::int64_t> cell(const Tab& tab) const {
+    const PagePoint& p = tab.corners[0];
+    return {static_cast<std::int64_t>(std::floor(p.x / cell_)),
+            static_cast<std::int64_t>(std::floor(p.y / cell_))};
+  }
+  static std::uint64_t key(std::int64_t x, std::int64_t y) {
+    return static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15ULL ^
+           static_cast<std::uint64_t>(y + 0x40000000);
+  }
+  double cell_, clearance_mm_;
+  const std::vector<Tab>& tabs_;
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
+};
+
+// The seam that has to go because `stretch` of `run` finds no room for a tab.
+BannedSeam ban_for(const SeamRun& run, const Stretch& stretch, const Box& box,
+                   const TabShape& shape) {
+  // Where another seam ends on this one it is that one that leaves too little.
+  const double low = run.vertical ? box.y0 : box.x0, high = run.vertical ? box.y1 : box.x1;
+  const bool first = stretch.from <= run.from + kOn && run.from > low + kOn;
+  const bool last = stretch.to >= run.to - kOn && run.to < high - kOn;
+  const double beside = shape.min_stretch_mm();
+  if (run.vertical && (first || last))
+    return {false, first ? run.from : run.to, run.at - beside, run.at + beside, beside / 2};
+  return {run.vertical, run.at, stretch.from, stretch.to, run.vertical ? kOn : 0.3};
+}
+
+// Tabs on one side of a stretch that keep clear of those placed: over its whole length, or drawn
+// back from its ends, where another seam's tabs may lie. Their least depth, 0 for none.
+double fit_beside(TabFitter& fitter, const PlacedTabs& placed, const SeamRun& run,
+                  const Stretch& stretch, int side, const TabShape& shape, std::vector<Tab>& out) {
+  const double back = shape.depth_mm + shape.clearance_mm;
+  for (const auto& [low, high] : {std::pair{0.0, 0.0}, {back, 0.0}, {0.0, back}, {back, back}}) {
+    const Stretch part{stretch.from + low, stretch.to - high, 0, 0};
+    if (part.to - part.from < shape.min_stretch_mm()) continue;
+    out.clear();
+    const double depth = fitter.fit({run.vertical, run.at}, part, side, out);
+    if (depth > 0.0 &&
+        std::none_of(out.begin(), out.end(), [&](const Tab& tab) { return placed.meets(tab); }))
+      return depth;
+  }
+  return 0.0;
+}
+
+// Gives every stretch of every run its tabs, the short ones first since they have least choice.
+// Returns the seams that have to go where some find no room.
+std::vector<BannedSeam> place_tabs(std::vector<SeamRun>& runs, LineIndex& lines,
+                                   const TabShape& shape, std::vector<Tab>& tabs) {
+  struct Task {
+    std::uint32_t run{}, stretch{};
+    double length{};
+  };
+  std::vector<Task> tasks;
+  for (std::uint32_t r = 0; r < runs.size(); ++r)
+    for (std::uint32_t s = 0; s < runs[r].uncut.size(); ++s)
+      tasks.push_back({r, s, runs[r].uncut[s].to - runs[r].uncut[s].from});
+  std::stable_sort(tasks.begin(), tasks.end(),
+                   [](const Task& a, const Task& b) { return a.length < b.length; });
+  tabs.clear();
+  std::vector<BannedSeam> banned;
+  TabFitter fitter(lines, shape);
+  PlacedTabs placed(shape, tabs);
+  std::array<std::vector<Tab>, 2> tried;
+  for (const Task& task : tasks) {
+    SeamRun& run = runs[task.run];
+    Stretch& stretch = run.uncut[task.stretch];
+    std::array<double, 2> depth{};
+    for (std::size_t side = 0; side < 2; ++side)
+      depth[side] =
+          fit_beside(fitter, placed, run, stretch, side == 0 ? 1 : -1, shape, tried[side]);
+    const std::size_t side = depth[0] >= depth[1] ? 0 : 1;
+    if (depth[side] == 0.0) {
+      banned.push_back(ban_for(run, stretch, lines.box(), shape));
+      continue;
+    }
+    stretch.first_tab = static_cast<std::uint32_t>(tabs.size());
+    stretch.tabs = static_cast<std::uint32_t>(tried[side].size());
+    for (Tab& tab : tried[side]) {
+      tab.run = task.run;
+      // A tab towards larger coordinates lies under the upper piece.
+      tab.on = side == 0 ? run.lower : run.upper;
+      tab.under = side == 0 ? run.upper : run.lower;
+      tabs.push_back(tab);
+      placed.add(static_cast<std::uint32_t>(tabs.size() - 1));
+    }
+  }
+  return banned;
+}
+
+// One way to lay the drawing: which seams are straight from edge to edge, and how pieces lie.
+struct Way {
+  bool swap{};
+  SeamSearch search;
+  Result<FoundSeams> found{tl::unexpect, Error{}};
+  [[nodiscard]] double cost() const {
+    return found ? found->cost : std::numeric_limits<double>::infinity();
+  }
+};
+
+struct Laid {
+  bool swap{};
+  double cost{};
+  Partition partition;
+  std::vector<SeamRun> runs;
+  std::vector<Tab> tabs;
+};
+
+// Tries all ways, cheapest first, until one has room for all of its tabs.
+class Search {
+ public:
+  Search(const LineWork& drawing, const LayoutOptions& options)
+      : options_(options),
+        reach_(options.tabs.depth_mm + options.tabs.clearance_mm + 8.0),
+        lines_{LineIndex(drawing, reach_), LineIndex(swapped(drawing), reach_)} {}
+
+  /// Lawful layouts: one for each way of laying a small drawing, the cheapest two of a large one.
+  Result<std::vector<Laid>> run() {
+    std::vector<Way> ways = all_ways();
+    std::optional<Error> asked;
+    for (Way& way : ways) {
+      way.found = way.search.find();
+      if (!way.found && way.found.error().place.rfind("--", 0) == 0) asked = way.found.error();
+    }
+    std::stable_sort(ways.begin(), ways.end(),
+                     [](const Way& a, const Way& b) { return a.cost() < b.cost(); });
+    const std::size_t wanted = lines_[0].segments().size() > kLarge ? 1 : ways.size();
+    std::vector<Laid> all;
+    for (std::size_t i = 0; i < ways.size() && all.size() < wanted; ++i) {
+      Way& way = ways[i];
+      if (!way.found) continue;
+      if (way.found->partition.pieces() > kMostPieces)
+        return fail(ErrorKind::Infeasible, "",
+                    fmt::format("would take {} pieces; at most {}, on a larger mat",
+                                way.found->partition.pieces(), kMostPieces));
+      if (auto laid = settle(way)) all.push_back(std::move(*laid));
+    }
+    if (!all.empty()) return all;
+    if (asked) return tl::unexpected(*asked);
+    const TabShape& tabs = options_.tabs;
+    return fail(
+        ErrorKind::Infeasible, "",
+        fmt::format("no seams part it into pieces of at most {:.1f} x {:.1f} mm with room "
+                    "for a tab of {:g} mm (at least {:g}) on every stretch; a larger mat, "
+                    "or a material with smaller tabs",
+                    options_.area_mm[0], options_.area_mm[1], tabs.depth_mm, tabs.min_depth_mm));
+  }
+
+  LineIndex& index(bool swap) { return lines_[swap ? 1 : 0]; }
+
+ private:
+  LineIndex& index(const Way& way) { return index(way.swap); }
+
+  // Looks again until every stretch has its tabs.
+  std::optional<Laid> settle(Way& way) {
+    for (int round = 0; round < kMostRounds && way.found; ++round) {
+      Laid laid{way.swap, way.cost(), way.found->partition, {}, {}};
+      laid.runs = seam_runs(laid.partition, index(way), options_.min_panel_mm);
+      const auto banned = place_tabs(laid.runs, index(way), options_.tabs, laid.tabs);
+      if (banned.empty()) return laid;
+      way.search.ban(banned);
+      way.found = way.search.find();
+    }
+    return std::nullopt;
+  }
+
+  std::vector<Way> all_ways() {
+    const double width = options_.area_mm[0] - options_.origin.x;
+    const double height = options_.area_mm[1] - options_.origin.y;
+    std::vector<Way> ways;
+    const bool small = lines_[0].segments().size() <= kLarge;
+    for (const int kind : {0, 1, 2, 3, 4, 5, 6, 7}) {
+      const bool swap = (kind & 1) != 0, turn = (kind & 2) != 0, full = (kind & 4) != 0;
+      if (turn && std::abs(width - height) <= kOn) continue;
+      if (full && !small) continue;
+      const SearchLimits limits{swap == turn ? width : height,
+                                swap == turn ? height : width,
+                                options_.tabs,
+                                options_.min_panel_mm,
+                                swap ? options_.seams_y : options_.seams_x,
+                                swap ? options_.seams_x : options_.seams_y,
+                                {},
+                                full};
+      ways.push_back({swap, SeamSearch(index(swap), limits)});
+    }
+    return ways;
+  }
+
+  const LayoutOptions& options_;
+  double reach_;
+  std::array<LineIndex, 2> lines_;
+};
+
+void unswap(Laid& laid, std::vector<LineWork>& works) {
+  for (LineWork& work : works) work = swapped(std::move(work));
+  for (SeamRun& run : laid.runs) run.vertical = !run.vertical;
+  for (Tab& tab : laid.tabs)
+    for (PagePoint& p : tab.corners) std::swap(p.x, p.y);
+}
+
+// Leaves out the pieces that hold nothing: parts of the box beyond the paper.
+void drop_empty(std::vector<LineWork>& works, Laid& laid) {
+  std::vector<std::uint32_t> to(works.size());
+  std::uint32_t kept = 0;
+  for (std::size_t i = 0; i < works.size(); ++i) {
+    to[i] = kept;
+    if (works[i].lines.empty()) continue;
+    if (kept != i) works[kept] = std::move(works[i]);
+    ++kept;
+  }
+  if (kept == works.size()) return;
+  works.resize(kept);
+  for (SeamRun& run : laid.runs) {
+    run.lower = to[run.lower];
+    run.upper = to[run.upper];
+  }
+  for (Tab& tab : laid.tabs) {
+    tab.on = to[tab.on];
+    tab.under = to[tab.under];
+  }
+}
+
+void name_seams(Layout& layout) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> ids;
+  for (SeamRun& run : layout.runs) {
+    if (run.uncut.empty() && run.covered.empty()) continue;  // beyond the paper
+    const auto key = std::minmax(run.lower, run.upper);
+    const auto [at, fresh] = ids.try_emplace(key, static_cast<std::uint32_t>(layout.seams.size()));
+    if (fresh) layout.seams.push_back({key.first, key.second, 0.0, seam_label(at->second)});
+    run.seam = at->second;
+    for (const Stretch& stretch : run.uncut)
+      layout.seams[run.seam].glue_mm += stretch.to - stretch.from;
+  }
+  for (const Seam& seam : layout.seams) layout.glue_mm += seam.glue_mm;
+}
+
+Result<void> put_on_sheets(Layout& layout, const LayoutOptions& options) {
+  const std::array<double, 2> area{options.area_mm[0] - options.origin.x,
+                                   options.area_mm[1] - options.origin.y};
+  std::vector<std::array<double, 2>> sizes;
+  for (std::size_t i = 0; i < layout.pieces.size(); ++i) {
+    const Box& box = layout.pieces[i].box;
+    const double w = box.width(), h = box.height();
+    const auto fits = [&](double x, double y) { return x <= area[0] + kOn && y <= area[1] + kOn; };
+    if (!fits(w, h) && !fits(h, w))
+      return fail(ErrorKind::Infeasible, "",
+                  fmt::format("piece {} with its tabs is {:.1f} x {:.1f} mm, the area holds {:.1f} "
+                              "x {:.1f} mm; a larger mat, or shallower tabs",
+                              i + 1, w, h, area[0], area[1]));
+    sizes.push_back({w, h});
+  }
+  const std::vector<PackedBox> packed = pack(sizes, area, options.spacing_mm);
+  // What is left of a sheet becomes margin, up to kMargin on each side.
+  std::vector<std::array<double, 2>> margins;
+  for (std::size_t i = 0; i < packed.size(); ++i) {
+    const PackedBox& at = packed[i];
+    if (margins.size() <= at.sheet) margins.resize(at.sheet + 1, {kMargin, kMargin});
+    const std::array<double, 2> end{at.x + sizes[i][at.turned ? 1 : 0],
+                                    at.y + sizes[i][at.turned ? 0 : 1]};
+    for (std::size_t k = 0; k < 2; ++k)
+      margins[at.sheet][k] = std::min(margins[at.sheet][k], std::max(0.0, (area[k] - end[k]) / 2));
+  }
+  for (std::uint32_t i = 0; i < packed.size(); ++i) {
+    Piece& piece = layout.pieces[i];
+    const PackedBox& at = packed[i];
+    const double x = at.x + options.origin.x + margins[at.sheet][0];
+    const double y = at.y + options.origin.y + margins[at.sheet][1];
+    piece.sheet = at.sheet;
+    piece.transform = at.turned ? Placement{0, -1, x + piece.box.y1, 1, 0, y - piece.box.x0}
+                                : Placement{1, 0, x - piece.box.x0, 0, 1, y - piece.box.y0};
+    if (layout.sheets.size() <= at.sheet) layout.sheets.resize(at.sheet + 1);
+    LayoutSheet& sheet = layout.sheets[at.sheet];
+    sheet.pieces.push_back(i);
+    sheet.used_mm[0] = std::max(sheet.used_mm[0], x + sizes[i][at.turned ? 1 : 0]);
+    sheet.used_mm[1] = std::max(sheet.used_mm[1], y + sizes[i][at.turned ? 0 : 1]);
+  }
+  return {};
+}
+
+Result<void> check(const LayoutOptions& options) {
+  for (const double side : options.area_mm)
+    if (!(side >= 1.0 && side <= kMaxCoordinate))
+      return fail(ErrorKind::OutOfRange, "", fmt::format("an area {:g} mm wide is none", side));
+  if (options.area_mm[0] - options.origin.x < 1.0 || options.area_mm[1] - options.origin.y < 1.0)
+    return fail(
+        ErrorKind::Infeasible, "--at",
+        fmt::format("{:g},{:g} leaves nothing of the {:.1f} x {:.1f} mm that can be cut",
+                    options.origin.x, options.origin.y, options.area_mm[0], options.area_mm[1]));
+  return check_tab_shape(options.tabs, "/tabs");
+}
+
+// The pieces of one way with borders, marks and places.
+Result<Layout> finish(const LineWork& drawing, const LayoutOptions& options, Search& search,
+                      Laid& laid) {
+  std::vector<LineWork> works = split_lines(laid.swap ? swapped(drawing) : drawing, laid.partition);
+  add_borders(laid.runs, laid.tabs, search.index(laid.swap), works);
+  if (laid.swap) unswap(laid, works);
+  drop_empty(works, laid);
+  Layout layout;
+  layout.runs = std::move(laid.runs);
+  layout.tabs = std::move(laid.tabs);
+  name_seams(layout);
+  for (LineWork& work : works) {
+    Piece piece;
+    piece.work = std::move(work);
+    piece.box = bounds(piece.work);
+    piece.first_mark = static_cast<std::uint32_t>(piece.work.lines.size());
+    layout.pieces.push_back(std::move(piece));
+  }
+  if (options.labels) add_marks(layout, search.index(false), options.tabs.clearance_mm);
+  if (auto put = put_on_sheets(layout, options); !put) return tl::unexpected(put.error());
+  return layout;
+}
+
+}  // namespace
+
+Result<Layout> lay_out(const LineWork& drawing, const LayoutOptions& options) {
+  if (auto lawful = check(options); !lawful) return tl::unexpected(lawful.error());
+  Search search(drawing, options);
+  auto ways = search.run();
+  if (!ways) return tl::unexpected(ways.error());
+  std::optional<Layout> best;
+  Error error;
+  double cost = 0.0;
+  for (Laid& laid : *ways) {
+    auto layout = finish(drawing, options, search, laid);
+    if (!layout) {
+      error = layout.error();
+      continue;
+    }
+    const auto worse = [&] {
+      return std::pair(best->sheets.size(), cost) <= std::pair(layout->sheets.size(), laid.cost);
+    };
+    if (best && worse()) continue;
+    best = std::move(*layout);
+    cost = laid.cost;
+  }
+  if (!best) return tl::unexpected(error);
+  const Box box = bounds(drawing);
+  best->least_sheets = static_cast<std::uint32_t>(
+      std::ceil(box.width() * box.height() / (options.area_mm[0] * options.area_mm[1]) - 1e-9));
+  return std::move(*best);
+}
+
+LineWork sheet_work(const Layout& layout, std::uint32_t sheet,
+                    std::vector<std::uint32_t>& piece_of) {
+  LineWork out;
+  piece_of.clear();
+  std::vector<PagePoint> points;
+  for (const std::uint32_t i : layout.sheets[sheet].pieces) {
+    const Piece& piece = layout.pieces[i];
+    for (const DrawnLine& line : piece.work.lines) {
+      points.clear();
+      for (const PagePoint& p : piece.work.points_of(line)) points.push_back(piece.transform(p));
+      out.append(line.operation, points);
+      piece_of.resize(out.lines.size(), i);
+    }
+  }
+  return out;
+}
+
+}  // namespace popcut

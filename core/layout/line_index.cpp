@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+#include "core/layout/line_index.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace popcut {
+namespace {
+
+constexpr double kOn = 1e-6;  // mm beside a seam that still lie on it
+
+std::vector<Segment> segments_of(const LineWork& work, std::vector<Operation>& operations) {
+  std::vector<Segment> segments;
+  segments.reserve(work.points.size());
+  for (const DrawnLine& line : work.lines) {
+    if (line.operation == Operation::Draw) continue;
+    const auto points = work.points_of(line);
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      if (points[i - 1] == points[i]) continue;
+      segments.push_back({points[i - 1], points[i]});
+      operations.push_back(line.operation);
+    }
+  }
+  return segments;
+}
+
+// Segments of lines that close: they say where the paper ends.
+std::vector<std::uint32_t> borders_of(const LineWork& work) {
+  std::vector<std::uint32_t> borders;
+  std::uint32_t next = 0;
+  for (const DrawnLine& line : work.lines) {
+    if (line.operation == Operation::Draw) continue;
+    const auto points = work.points_of(line);
+    const bool border = is_cut(line.operation) && closed(points);
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      if (points[i - 1] == points[i]) continue;
+      if (border) borders.push_back(next);
+      ++next;
+    }
+  }
+  return borders;
+}
+
+double low(const Segment& s, bool x) { return x ? std::min(s.a.x, s.b.x) : std::min(s.a.y, s.b.y); }
+double high(const Segment& s, bool x) {
+  return x ? std::max(s.a.x, s.b.x) : std::max(s.a.y, s.b.y);
+}
+
+void merge(std::vector<Stretch>& stretches) {
+  std::sort(stretches.begin(), stretches.end(),
+            [](const Stretch& a, const Stretch& b) { return a.from < b.from; });
+  std::size_t kept = 0;
+  for (const Stretch& s : stretches) {
+    if (kept > 0 && s.from <= stretches[kept - 1].to + kOn)
+      stretches[kept - 1].to = std::max(stretches[kept - 1].to, s.to);
+    else
+      stretches[kept++] = s;
+  }
+  stretches.resize(kept);
+}
+
+}  // namespace
+
+std::size_t LineIndex::Slices::slice(double at) const {
+  const double k = (at - from) / width;
+  const auto last = static_cast<double>(first.size() - 2);
+  return static_cast<std::size_t>(std::clamp(k, 0.0, last));
+}
+
+std::span<const std::uint32_t> LineIndex::Slices::of(double at) const {
+  const std::size_t k = slice(at);
+  return std::span(items).subspan(first[k], first[k + 1] - first[k]);
+}
+
+LineIndex::Slices LineIndex::slices(bool by_x, const std::vector<std::uint32_t>& which,
+                                    double reach) const {
+  Slices out;
+  const double from = (by_x ? box_.x0 : box_.y0) - reach;
+  const double extent = (by_x ? box_.width() : box_.height()) + 2 * reach;
+  out.from = from;
+  // As fine as the entries stay linear in the segments: long lines lie in many slices.
+  std::size_t count = std::clamp<std::size_t>(which.size() / 2, 1, 8192);
+  for (;; count /= 2) {
+    out.width = std::max(extent / static_cast<double>(count), 1e-9);
+    double entries = 0.0;
+    for (const std::uint32_t i : which)
+      entries += 2 + (high(segments_[i], by_x) - low(segments_[i], by_x) + 2 * reach) / out.width;
+    if (count == 1 || entries <= 8.0 * static_cast<double>(which.size()) + 4096) break;
+  }
+  out.first.assign(count + 1, 0);
+  const auto each = [&](auto&& visit) {
+    for (const std::uint32_t i : which) {
+      const std::size_t k0 = out.slice(low(segments_[i], by_x) - reach);
+      const std::size_t k1 = out.slice(high(segments_[i], by_x) + reach);
+      for (std::size_t k = k0; k <= k1; ++k) visit(k, i);
+    }
+  };
+  each([&](std::size_t k, std::uint32_t) { ++out.first[k + 1]; });
+  std::partial_sum(out.first.begin(), out.first.end(), out.first.begin());
+  out.items.resize(out.first.back());
+  std::vector<std::uint32_t> at(out.first.begin(), out.first.end() - 1);
+  each([&](std::size_t k, std::uint32_t i) { out.items[at[k]++] = i; });
+  return out;
+}
+
+LineIndex::LineIndex(const LineWork& work, double reach_mm)
+    : segments_(segments_of(work, operations_)), grid_(segments_, reach_mm) {
+  for (const Segment& s : segments_) {
+    box_.add(s.a);
+    box_.add(s.b);
+  }
+  if (segments_.empty()) box_ = {0, 0, 0, 0};
+  std::vector<std::uint32_t> all(segments_.size());
+  std::iota(all.begin(), all.end(), 0u);
+  // A seam looks for slivers beside it: a reach of a millimetre is more than any narrowest panel.
+  slices_ = {slices(true, all, 1.0), slices(false, all, 1.0)};
+  const std::vector<std::uint32_t> borders = borders_of(work);
+  has_border_ = !borders.empty();
+  border_ = slices(false, borders, 0.0);
+}
+
+void LineIndex::scan(const AxisLine& line, double from, double to, double min_panel_mm,
+                     SeamScan& out) const {
+  out = {};
+  const auto n_of = [&](const PagePoint& p) { return (line.vertical ? p.x : p.y) - line.at; };
+  const auto t_of = [&](const PagePoint& p) { return line.vertical ? p.y : p.x; };
+  for (const std::uint32_t i : slices_[line.vertical ? 0 : 1].of(line.at)) {
+    const Segment& s = segments_[i];
+    const double na = n_of(s.a), nb = n_of(s.b);
+    const double n0 = std::min(na, nb), n1 = std::max(na, nb);
+    const double t0 = std::min(t_of(s.a), t_of(s.b)), t1 = std::max(t_of(s.a), t_of(s.b));
+    if (t1 < from - kOn || t0 > to + kOn) continue;
+    const double overlap = std::min(t1, to) - std::max(t0, from);
+    if (n1 - n0 <= kOn) {  // beside the seam or on it
+      if (n0 > min_panel_mm || n1 < -min_panel_mm || overlap <= kOn) continue;
+      if (std::abs(n0) > kOn)
+        out.sliver_mm += overlap;
+      else if (is_cut(operations_[i]))
+        out.covered.push_back({std::max(t0, from), std::min(t1, to), 0, 0});
+      else
+        out.fold_mm += overlap;
+      continue;
+    }
+    if (n0 > kOn || n1 < -kOn) continue;
+    const double k = std::clamp(-na / (nb - na), 0.0, 1.0);
+    const double t = t_of(s.a) + k * (t_of(s.b) - t_of(s.a));
+    if (t <= from + kOn || t >= to - kOn) continue;
+    out.breaks.push_back(t);
+    if (n0 < -kOn && n1 > kOn) ++(is_cut(operations_[i]) ? out.cuts_crossed : out.folds_crossed);
+  }
+  std::sort(out.breaks.begin(), out.breaks.end());
+  out.breaks.erase(std::unique(out.breaks.begin(), out.breaks.end(),
+                               [](double a, double b) { return b - a <= kOn; }),
+                   out.breaks.end());
+  merge(out.covered);
+}
+
+double LineIndex::free_depth(const AxisLine& line, double from, double to, int side, double most) {
+  const Segment root{line.point(from, 0), line.point(to, 0)};
+  grid_.near(root, near_);
+  double depth = most;
+  for (const std::uint32_t i : near_) {
+    const Segment& s = segments_[i];
+    const auto n_of = [&](const PagePoint& p) {
+      return side * ((line.vertical ? p.x : p.y) - line.at);
+    };
+    const auto t_of = [&](const PagePoint& p) { return line.vertical ? p.y : p.x; };
+    double ta = t_of(s.a), tb = t_of(s.b), na = n_of(s.a), nb = n_of(s.b);
+    if (ta > tb) {
+      std::swap(ta, tb);
+      std::swap(na, nb);
+    }
+    if (tb <= from + kOn || ta >= to - kOn) {
+      if (tb < from - kOn || ta > to + kOn || tb - ta > kOn) continue;
+    }
+    // The part of it over the root.
+    const double k0 = tb > ta ? std::clamp((from - ta) / (tb - ta), 0.0, 1.0) : 0.0;
+    const double k1 = tb > ta ? std::clamp((to - ta) / (tb - ta), 0.0, 1.0) : 1.0;
+    const double m0 = na + k0 * (nb - na), m1 = na + k1 * (nb - na);
+    const double n1 = std::max(m0, m1);
+    if (n1 <= kOn) continue;  // on the other side, or on the seam itself
+    depth = std::min(depth, std::max(0.0, std::min(m0, m1)));
+  }
+  return depth;
+}
+
+bool LineIndex::is_paper(const PagePoint& p) const {
+  if (p.x <= box_.x0 || p.x >= box_.x1 || p.y <= box_.y0 || p.y >= box_.y1) return false;
+  if (!has_border_) return true;
+  bool inside = false;
+  for (const std::uint32_t i : border_.of(p.y)) {
+    const Segment& s = segments_[i];
+    if ((s.a.y > p.y) == (s.b.y > p.y)) continue;
+    const double x = s.a.x + (p.y - s.a.y) / (s.b.y - s.a.y) * (s.b.x - s.a.x);
+    if (x < p.x) inside = !inside;
+  }
+  return inside;
+}
+
+std::vector<double> LineIndex::parallels(bool vertical) const {
+  std::vector<double> at;
+  for (const Segment& s : segments_) {
+    const double a = vertical ? s.a.x : s.a.y, b = vertical ? s.b.x : s.b.y;
+    if (std::abs(a - b) <= kOn) at.push_back(a);
+  }
+  std::sort(at.begin(), at.end());
+  at.erase(std::unique(at.begin(), at.end(), [](double a, double b) { return b - a <= kOn; }),
+           at.end());
+  return at;
+}
+
+}  // namespace popcut

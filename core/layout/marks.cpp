@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+#include "core/layout/marks.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "core/layout/single_stroke.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr double kTick = 2.5;  // mm into the panel
+constexpr double kLeastTick = 0.8;
+constexpr std::array kHeights{5.0, 4.0, 3.0, 2.2};  // of letters, mm
+constexpr double kGap = 1.0;                        // between seam and letters
+
+struct Place {
+  const SeamRun* run{};
+  Stretch stretch{};
+};
+
+class Marks {
+ public:
+  Marks(Layout& layout, LineIndex& lines, double clearance_mm)
+      : layout_(layout), lines_(lines), clearance_mm_(clearance_mm) {}
+
+  // Ticks near both ends of a long stretch, or one in its middle. Both sides or none.
+  bool tick(const Place& place) {
+    const double length = place.stretch.to - place.stretch.from;
+    bool any = false;
+    const auto at = [&](double part) {
+      const double t = place.stretch.from + part * length;
+      const double room = std::min(depth(place, t, t, 1), depth(place, t, t, -1));
+      if (room < kLeastTick) return;
+      draw(*place.run, t, room, 1);
+      draw(*place.run, t, room, -1);
+      any = true;
+    };
+    if (has_two(place)) {
+      at(0.1);
+      at(0.9);
+    } else {
+      at(0.5);
+    }
+    return any;
+  }
+  static bool has_two(const Place& place) { return place.stretch.to - place.stretch.from >= 24.0; }
+
+  // The seam's letter on both sides of the stretch.
+  bool letter(const Place& place, const std::string& label) {
+    const SeamRun& run = *place.run;
+    const std::string low = fmt::format("{}{}", run.lower + 1, label);
+    const std::string high = fmt::format("{}{}", run.upper + 1, label);
+    return write(place, low, -1, run.lower) && write(place, high, 1, run.upper);
+  }
+
+ private:
+  [[nodiscard]] double depth(const Place& place, double from, double to, int side) {
+    const AxisLine line{place.run->vertical, place.run->at};
+    const double a = std::max(from - clearance_mm_, place.stretch.from);
+    const double b = std::min(to + clearance_mm_, place.stretch.to);
+    return lines_.free_depth(line, a, b, side, kTick + clearance_mm_) - clearance_mm_;
+  }
+
+  void draw(const SeamRun& run, double t, double room, int side) {
+    const AxisLine line{run.vertical, run.at};
+    const double far = std::min(kTick, room);
+    layout_.pieces[side < 0 ? run.lower : run.upper].work.append(
+        Operation::Draw,
+        std::array{line.point(t, side * std::min(0.3, far / 3)), line.point(t, side * far)});
+  }
+
+  bool write(const Place& place, const std::string& text, int side, std::uint32_t piece) {
+    const AxisLine line{place.run->vertical, place.run->at};
+    const double middle = (place.stretch.from + place.stretch.to) / 2;
+    const double length = place.stretch.to - place.stretch.from;
+    for (const double height : kHeights) {
+      const PagePoint size = single_stroke_size(text, height);
+      if (size.x > 0.7 * length) continue;
+      const double need = kGap + size.y + clearance_mm_;
+      if (lines_.free_depth(line, middle - size.x / 2, middle + size.x / 2, side, need) < need)
+        continue;
+      // Upright beside a seam along x; read from below beside one along y.
+      const double bar = size.y - height;
+      for (std::vector<PagePoint> stroke : single_stroke(text, height)) {
+        for (PagePoint& p : stroke) {
+          const double along = p.x - size.x / 2;
+          const double across = (side > 0 ? kGap + height : -(kGap + bar)) + p.y;
+          // Along y the text is turned by a quarter against the clock: up is towards smaller x.
+          p = place.run->vertical ? PagePoint{line.at + across, middle - along}
+                                  : PagePoint{middle + along, line.at + across};
+        }
+        layout_.pieces[piece].work.append(Operation::Draw, stroke);
+      }
+      return true;
+    }
+    return false;
+  }
+
+  Layout& layout_;
+  LineIndex& lines_;
+  double clearance_mm_;
+};
+
+}  // namespace
+
+std::string seam_label(std::size_t i) {
+  std::string label;
+  for (++i; i > 0; i = (i - 1) / 26)
+    label.insert(label.begin(), static_cast<char>('A' + (i - 1) % 26));
+  return label;
+}
+
+void add_marks(Layout& layout, LineIndex& lines, double clearance_mm) {
+  for (Piece& piece : layout.pieces)
+    piece.first_mark = static_cast<std::uint32_t>(piece.work.lines.size());
+  // The stretches of each seam, longest first: letters go where there is most room.
+  std::vector<std::vector<Place>> places(layout.seams.size());
+  for (const SeamRun& run : layout.runs)
+    for (const Stretch& stretch : run.uncut) places[run.seam].push_back({&run, stretch});
+  Marks marks(layout, lines, clearance_mm);
+  std::size_t unlabelled = 0, unticked = 0;
+  for (std::size_t s = 0; s < places.size(); ++s) {
+    std::vector<Place>& of_seam = places[s];
+    if (of_seam.empty()) continue;
+    std::stable_sort(of_seam.begin(), of_seam.end(), [](const Place& a, const Place& b) {
+      return a.stretch.to - a.stretch.from > b.stretch.to - b.stretch.from;
+    });
+    of_seam.resize(std::min<std::size_t>(of_seam.size(), 12));
+    const auto letter = std::find_if(of_seam.begin(), of_seam.end(), [&](const Place& place) {
+      return marks.letter(place, layout.seams[s].label);
+    });
+    // Where the letter stands there is room for ticks beside it only on a long stretch.
+    std::size_t ticked = 0;
+    for (auto place = of_seam.begin(); place != of_seam.end(); ++place)
+      if (ticked < 2 && (place != letter || of_seam.size() == 1 || Marks::has_two(*place)) &&
+          marks.tick(*place))
+        ++ticked;
+    if (letter == of_seam.end()) ++unlabelled;
+    if (ticked == 0) ++unticked;
+  }
+  if (unlabelled > 0)
+    layout.warnings.push_back(
+        fmt::format("{} seams have no room for their letter; see assembly.svg", unlabelled));
+  if (unticked > 0)
+    layout.warnings.push_back(fmt::format("{} seams have no room for ticks", unticked));
+}
+
+}  // namespace popcut

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "core/layout/partition.hpp"
+
+namespace popcut {
+
+/// The drawing parted at the seams: each line in the pieces it runs through, in the drawing's own
+/// coordinates. What runs along a seam is left to `add_borders`.
+[[nodiscard]] std::vector<LineWork> split_lines(const LineWork& drawing,
+                                                const Partition& partition);
+
+/// Adds each piece's border along its seams as outline: the cuts that are there anyway, straight
+/// lines, and the way round its tabs. `tabs` are those of all runs, in order.
+void add_borders(const std::vector<SeamRun>& runs, const std::vector<Tab>& tabs,
+                 const LineIndex& lines, std::vector<LineWork>& pieces);
+
+}  // namespace popcut
