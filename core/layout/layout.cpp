@@ -254,13 +254,14 @@ void unswap(Laid& laid, std::vector<LineWork>& works) {
 }
 
 // Leaves out the pieces that hold nothing: parts of the box beyond the paper.
-void drop_empty(std::vector<LineWork>& works, Laid& laid) {
+void drop_empty(std::vector<LineWork>& works, std::vector<std::uint32_t>& columns, Laid& laid) {
   std::vector<std::uint32_t> to(works.size());
   std::uint32_t kept = 0;
   for (std::size_t i = 0; i < works.size(); ++i) {
     to[i] = kept;
     if (works[i].lines.empty()) continue;
     if (kept != i) works[kept] = std::move(works[i]);
+    columns[kept] = columns[i];
     ++kept;
   }
   if (kept == works.size()) return;
@@ -289,6 +290,20 @@ void name_seams(Layout& layout) {
   for (const Seam& seam : layout.seams) layout.glue_mm += seam.glue_mm;
 }
 
+// Within columns one seam after the other, then column to column all seams at once.
+void order_glueing(Layout& layout) {
+  std::map<std::uint32_t, std::vector<std::uint32_t>> between;
+  for (std::uint32_t s = 0; s < layout.seams.size(); ++s) {
+    const Seam& seam = layout.seams[s];
+    const std::uint32_t a = layout.pieces[seam.lower].column, b = layout.pieces[seam.upper].column;
+    if (a == b)
+      layout.steps.push_back({s});
+    else
+      between[std::max(a, b)].push_back(s);
+  }
+  for (auto& [column, seams] : between) layout.steps.push_back(std::move(seams));
+}
+
 Result<void> put_on_sheets(Layout& layout, const LayoutOptions& options) {
   const std::array<double, 2> area{options.area_mm[0] - options.origin.x,
                                    options.area_mm[1] - options.origin.y};
@@ -304,7 +319,12 @@ Result<void> put_on_sheets(Layout& layout, const LayoutOptions& options) {
                               i + 1, w, h, area[0], area[1]));
     sizes.push_back({w, h});
   }
-  const std::vector<PackedBox> packed = pack(sizes, area, options.spacing_mm);
+  std::vector<PackedBox> packed = pack(sizes, area, options.spacing_mm);
+  // Sheets are numbered as their first pieces are.
+  std::map<std::uint32_t, std::uint32_t> number;
+  for (PackedBox& box : packed)
+    box.sheet =
+        number.try_emplace(box.sheet, static_cast<std::uint32_t>(number.size())).first->second;
   // What is left of a sheet becomes margin, up to kMargin on each side.
   std::vector<std::array<double, 2>> margins;
   for (std::size_t i = 0; i < packed.size(); ++i) {
@@ -350,7 +370,10 @@ Result<Layout> finish(const LineWork& drawing, const LayoutOptions& options, Sea
   std::vector<LineWork> works = split_lines(laid.swap ? swapped(drawing) : drawing, laid.partition);
   add_borders(laid.runs, laid.tabs, search.index(laid.swap), works);
   if (laid.swap) unswap(laid, works);
-  drop_empty(works, laid);
+  std::vector<std::uint32_t> columns;
+  for (std::uint32_t c = 0; c < laid.partition.rows.size(); ++c)
+    columns.insert(columns.end(), laid.partition.rows[c].size() + 1, c);
+  drop_empty(works, columns, laid);
   Layout layout;
   layout.runs = std::move(laid.runs);
   layout.tabs = std::move(laid.tabs);
@@ -360,8 +383,10 @@ Result<Layout> finish(const LineWork& drawing, const LayoutOptions& options, Sea
     piece.work = std::move(work);
     piece.box = bounds(piece.work);
     piece.first_mark = static_cast<std::uint32_t>(piece.work.lines.size());
+    piece.column = columns[layout.pieces.size()];
     layout.pieces.push_back(std::move(piece));
   }
+  order_glueing(layout);
   if (options.labels) add_marks(layout, search.index(false), options.tabs.clearance_mm);
   if (auto put = put_on_sheets(layout, options); !put) return tl::unexpected(put.error());
   return layout;

@@ -46,6 +46,7 @@ struct Seam {
 struct Piece {
   LineWork work;               ///< drawing mm: lines of the drawing, its border with tabs, marks
   Box box;                     ///< of `work`
+  std::uint32_t column{};      ///< pieces of one column are glued to each other first
   std::uint32_t sheet{};       ///< from 0
   Placement transform{};       ///< drawing -> sheet
   std::uint32_t first_mark{};  ///< lines of `work` from here on are ticks and letters
@@ -62,7 +63,8 @@ struct Layout {
   std::vector<Seam> seams;
   std::vector<Tab> tabs;
   std::vector<LayoutSheet> sheets;
-  double glue_mm{};  ///< length of all stretches that are glued
+  std::vector<std::vector<std::uint32_t>> steps;  ///< seams in the order of glueing, at once each
+  double glue_mm{};                               ///< length of all stretches that are glued
   std::uint32_t
       least_sheets{};  ///< no layout can take fewer: area of the drawing's box over a sheet's
   std::vector<std::string> warnings;

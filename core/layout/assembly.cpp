@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: MIT
+#include "core/layout/assembly.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "core/plan/linework.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr std::array kTints{"#cfe3f7", "#fbe3c8", "#d8efd3", "#f3d6e4",
+                            "#e3dcf3", "#f5efc4", "#d2eeee", "#e6e0d6"};
+
+const char* colour(Operation operation) {
+  switch (operation) {
+    case Operation::FoldMountain:
+      return "#d62728";
+    case Operation::FoldValley:
+      return "#1f5fd6";
+    default:
+      return "#333333";
+  }
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '&')
+      out += "&amp;";
+    else
+      out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  return out;
+}
+
+class Drawing {
+ public:
+  Drawing(const Layout& layout, const LineWork& drawing) : layout_(layout), drawing_(drawing) {}
+
+  std::string svg() {
+    const Box box = bounds(drawing_);
+    const double size = std::max(box.width(), box.height());
+    text_ = std::clamp(std::min(size / 45, std::min(box.width(), box.height()) / 20), 3.5, 60.0);
+    // The steps stand beside the drawing, or under a wide one.
+    const bool under = box.width() > 1.6 * box.height();
+    const double list = (static_cast<double>(layout_.steps.size() + 3) * 1.5 + 1) * text_;
+    const double width = box.width() + (under ? 2 : 30) * text_;
+    const double height =
+        under ? box.height() + 2 * text_ + list : std::max(box.height() + 2 * text_, list);
+    const PagePoint steps_at =
+        under ? PagePoint{box.x0, box.y1 + 2 * text_} : PagePoint{box.x1 + text_, box.y0 + text_};
+    out_ += fmt::format(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
+        "width=\"{:.3f}mm\" height=\"{:.3f}mm\" viewBox=\"{:.3f} {:.3f} {:.3f} {:.3f}\" "
+        "font-family=\"sans-serif\">\n<title>{}: how the pieces come together</title>\n",
+        width, height, box.x0 - text_, box.y0 - text_, width, height, escaped(drawing_.name));
+    out_ += fmt::format(
+        "<rect x=\"{:.3f}\" y=\"{:.3f}\" width=\"{:.3f}\" height=\"{:.3f}\" "
+        "fill=\"white\"/>\n",
+        box.x0 - text_, box.y0 - text_, width, height);
+    pieces();
+    lines_of_drawing(size);
+    tabs(size);
+    seams(size);
+    numbers();
+    steps(steps_at);
+    out_ += "</svg>\n";
+    return std::move(out_);
+  }
+
+ private:
+  // Tints: the boxes that a piece's share of the drawing fills, without its tabs.
+  void pieces() {
+    for (std::uint32_t i = 0; i < layout_.pieces.size(); ++i) {
+      const Box box = share(i);
+      out_ += fmt::format(
+          "<rect x=\"{:.3f}\" y=\"{:.3f}\" width=\"{:.3f}\" height=\"{:.3f}\" "
+          "fill=\"{}\" fill-opacity=\"0.6\"/>\n",
+          box.x0, box.y0, box.width(), box.height(), kTints[i % kTints.size()]);
+    }
+  }
+
+  [[nodiscard]] Box share(std::uint32_t i) const {
+    const Piece& piece = layout_.pieces[i];
+    Box box;
+    for (std::uint32_t l = 0; l < piece.first_mark; ++l) {
+      const DrawnLine& line = piece.work.lines[l];
+      const auto points = piece.work.points_of(line);
+      if (line.operation != Operation::Outline || points.size() == 2)
+        for (const PagePoint& p : points) box.add(p);
+      else
+        for (const PagePoint& p : {points.front(), points.back()}) box.add(p);
+    }
+    return box;
+  }
+
+  void lines_of_drawing(double size) {
+    for (const Operation operation :
+         {Operation::FoldMountain, Operation::FoldValley, Operation::Cut, Operation::Outline}) {
+      std::string path;
+      for (const DrawnLine& line : drawing_.lines) {
+        if (line.operation != operation) continue;
+        const char* sign = "M";
+        for (const PagePoint& p : drawing_.points_of(line)) {
+          path += fmt::format("{}{:.3f},{:.3f}", sign, p.x, p.y);
+          sign = "L";
+        }
+      }
+      if (path.empty()) continue;
+      out_ += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:.3f}\"/>\n",
+                          path, colour(operation), size / 2000);
+    }
+  }
+
+  void tabs(double size) {
+    for (const Tab& tab : layout_.tabs) {
+      out_ += "<path d=\"";
+      for (std::size_t k = 0; k < 4; ++k)
+        out_ +=
+            fmt::format("{}{:.3f},{:.3f}", k == 0 ? "M" : "L", tab.corners[k].x, tab.corners[k].y);
+      out_ += fmt::format(
+          "Z\" fill=\"#2ca02c\" fill-opacity=\"0.35\" stroke=\"#2ca02c\" "
+          "stroke-width=\"{:.3f}\"/>\n",
+          size / 2500);
+    }
+  }
+
+  void seams(double size) {
+    std::string path;
+    for (const SeamRun& run : layout_.runs)
+      path += run.vertical ? fmt::format("M{:.3f},{:.3f}V{:.3f}", run.at, run.from, run.to)
+                           : fmt::format("M{:.3f},{:.3f}H{:.3f}", run.from, run.at, run.to);
+    out_ +=
+        fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"#2ca02c\" stroke-width=\"{:.3f}\"/>\n",
+                    path, size / 700);
+    // Each seam's letter where its longest run has its middle.
+    std::vector<const SeamRun*> longest(layout_.seams.size(), nullptr);
+    for (const SeamRun& run : layout_.runs) {
+      if (run.uncut.empty() && run.covered.empty()) continue;
+      const SeamRun*& best = longest[run.seam];
+      if (!best || run.to - run.from > best->to - best->from) best = &run;
+    }
+    for (std::size_t s = 0; s < longest.size(); ++s) {
+      if (!longest[s]) continue;
+      const double middle = (longest[s]->from + longest[s]->to) / 2;
+      const PagePoint p = AxisLine{longest[s]->vertical, longest[s]->at}.point(middle, 0);
+      out_ += fmt::format(
+          "<circle cx=\"{0:.3f}\" cy=\"{1:.3f}\" r=\"{2:.3f}\" fill=\"white\" "
+          "stroke=\"#2ca02c\" stroke-width=\"{3:.3f}\"/>",
+          p.x, p.y, 0.8 * text_, text_ / 12);
+      text(p.x, p.y + 0.35 * text_, text_, "middle", layout_.seams[s].label);
+    }
+  }
+
+  void numbers() {
+    for (std::uint32_t i = 0; i < layout_.pieces.size(); ++i) {
+      const Box box = share(i);
+      const double x = (box.x0 + box.x1) / 2, y = (box.y0 + box.y1) / 2;
+      text(x, y, 1.6 * text_, "middle", fmt::format("{}", i + 1));
+      text(x, y + 1.2 * text_, 0.8 * text_, "middle",
+           fmt::format("sheet {}", layout_.pieces[i].sheet + 1));
+    }
+  }
+
+  void steps(const PagePoint& at) {
+    const double x = at.x;
+    double y = at.y;
+    text(x, y, 1.1 * text_, "start", "Glue in this order");
+    for (std::size_t k = 0; k < layout_.steps.size(); ++k) {
+      std::string words;
+      for (const std::uint32_t s : layout_.steps[k]) {
+        const Seam& seam = layout_.seams[s];
+        words += fmt::format("{}{} ({} + {})", words.empty() ? "" : ", ", seam.label,
+                             seam.lower + 1, seam.upper + 1);
+      }
+      y += 1.5 * text_;
+      if (words.size() > 40) words = words.substr(0, words.find(')', 24) + 1) + " ...";
+      text(x, y, 0.9 * text_, "start", fmt::format("{}. {}", k + 1, words));
+    }
+    y += 1.5 * text_;
+    text(x, y, 0.9 * text_, "start",
+         fmt::format("{:.0f} mm, {} tabs (green): under the other piece", layout_.glue_mm,
+                     layout_.tabs.size()));
+  }
+
+  void text(double x, double y, double size, const char* anchor, const std::string& words) {
+    out_ += fmt::format(
+        "<text x=\"{:.3f}\" y=\"{:.3f}\" font-size=\"{:.3f}\" text-anchor=\"{}\" "
+        "fill=\"#111111\">{}</text>\n",
+        x, y, size, anchor, escaped(words));
+  }
+
+  const Layout& layout_;
+  const LineWork& drawing_;
+  double text_{};
+  std::string out_;
+};
+
+}  // namespace
+
+std::string assembly_svg(const Layout& layout, const LineWork& drawing) {
+  return Drawing(layout, drawing).svg();
+}
+
+}  // namespace popcut
