@@ -235,6 +235,7 @@ class Search {
                                 swap ? options_.seams_y : options_.seams_x,
                                 swap ? options_.seams_x : options_.seams_y,
                                 {},
+                                swap,
                                 full};
       ways.push_back({swap, SeamSearch(index(swap), limits)});
     }

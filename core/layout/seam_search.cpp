@@ -177,7 +177,7 @@ Result<SeamSearch::Chosen> SeamSearch::straight(bool vertical, const Lines& line
         if (std::abs(other - a) < std::abs(nearest - a) &&
             seam_cost(*lines_, limits_, {vertical, other}, from, to) < kNever)
           nearest = other;
-      return tl::unexpected(unlawful(vertical ? "x" : "y", a, nearest));
+      return tl::unexpected(unlawful(vertical != limits_.swapped ? "x" : "y", a, nearest));
     }
     stage(a, depth);
     all.at.push_back(a);

@@ -26,7 +26,8 @@ struct SearchLimits {
   double min_panel_mm{};
   std::vector<double> asked_x, asked_y;
   std::vector<BannedSeam> banned;
-  bool full{false};  ///< rather full pieces and a rest than pieces of one size
+  bool swapped{false};  ///< x and y of the drawing have changed places, for what errors say
+  bool full{false};     ///< rather full pieces and a rest than pieces of one size
 };
 
 struct FoundSeams {

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#include <sys/resource.h>
+
+#include <chrono>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include "core/layout/layout.hpp"
+#include "core/plan/clean.hpp"
+#include "tests/support/random_pattern.hpp"
+
+using namespace popcut;
+
+namespace {
+
+double seconds_of(const auto& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void lay(const char* what, const LineWork& drawing, std::size_t faces, LayoutOptions options) {
+  const Box box = bounds(drawing);
+  std::size_t segments = 0;
+  for (const DrawnLine& line : drawing.lines) segments += line.count - 1;
+  Layout layout;
+  const double seconds = seconds_of([&] {
+    auto laid = lay_out(drawing, options);
+    if (!laid) FAIL(message(laid.error()));
+    layout = std::move(*laid);
+  });
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  fmt::print(
+      "{:<28} {:>7} {:>8} {:>6.0f} x {:<6.0f} {:>4.0f} x {:<4.0f} {:>6} {:>6} {:>6} {:>7.0f} "
+      "{:>6} {:>8.3f} {:>7.2f} {:>6}\n",
+      what, faces, segments, box.width(), box.height(), options.area_mm[0], options.area_mm[1],
+      layout.pieces.size(), layout.sheets.size(), layout.least_sheets, layout.glue_mm,
+      layout.tabs.size(), seconds, seconds * 1e6 / static_cast<double>(segments),
+      usage.ru_maxrss / 1024);
+}
+
+}  // namespace
+
+TEST_CASE("splitting and packing", "[bench]") {
+  fmt::print("{:<28} {:>7} {:>8} {:>15} {:>11} {:>6} {:>6} {:>6} {:>7} {:>6} {:>8} {:>7} {:>6}\n",
+             "drawing", "faces", "segments", "mm", "area", "pieces", "sheets", "least", "glue",
+             "tabs", "s", "us/seg", "MB");
+  const auto with = [](double width, double height) {
+    LayoutOptions options;
+    options.area_mm = {width, height};
+    return options;
+  };
+  std::size_t faces = 0;
+  const LineWork composite = clean(test::example_linework("composite", faces));
+  lay("Fig. 3A, 12 x 12 inch mat", composite, faces, with(304.8, 304.8));
+  lay("Fig. 3A, A4", composite, faces, with(210, 297));
+  const LineWork wide = clean(test::lattice_linework(6, 200, 10, 100, faces));
+  lay("2 m lattice, 12 x 12 inch", wide, faces, with(304.8, 304.8));
+  lay("2 m lattice, A4", wide, faces, with(210, 297));
+  for (const int slices : {125, 250, 500, 1000, 2000}) {
+    const LineWork large = clean(test::lattice_linework(50, slices, 30, 1000, faces));
+    lay("lattice of 50 units", large, faces, with(610, 914));
+  }
+}
