@@ -104,6 +104,41 @@ LineIndex::Slices LineIndex::slices(bool by_x, const std::vector<std::uint32_t>&
   return out;
 }
 
+void LineIndex::sort_slices(bool by_x, Slices& slices) const {
+  const double extent = by_x ? box_.height() : box_.width();
+  const auto low_of = [&](std::uint32_t i) { return low(segments_[i], !by_x); };
+  const auto high_of = [&](std::uint32_t i) { return high(segments_[i], !by_x); };
+  slices.begin.resize(slices.items.size());
+  slices.reach.resize(slices.items.size());
+  for (std::size_t k = 0; k + 1 < slices.first.size(); ++k) {
+    const auto at = slices.items.begin();
+    const auto first = at + slices.first[k], last = at + slices.first[k + 1];
+    const auto rest = std::partition(
+        first, last, [&](std::uint32_t i) { return high_of(i) - low_of(i) > extent / 16; });
+    std::sort(rest, last, [&](std::uint32_t a, std::uint32_t b) { return low_of(a) < low_of(b); });
+    slices.first_short.push_back(static_cast<std::uint32_t>(rest - at));
+    double reach = -1e300;
+    for (auto i = rest; i != last; ++i) {
+      reach = std::max(reach, high_of(*i));
+      slices.begin[static_cast<std::size_t>(i - at)] = low_of(*i);
+      slices.reach[static_cast<std::size_t>(i - at)] = reach;
+    }
+  }
+}
+
+// All segments of the line's slice that may lie over `from`..`to`.
+template <typename Visit>
+void LineIndex::visit(const AxisLine& line, double from, double to, Visit&& visit) const {
+  const Slices& slices = slices_[line.vertical ? 0 : 1];
+  const std::size_t k = slices.slice(line.at);
+  for (std::size_t i = slices.first[k]; i < slices.first_short[k]; ++i) visit(slices.items[i]);
+  const auto begin = slices.begin.begin();
+  auto i = static_cast<std::size_t>(
+      std::upper_bound(begin + slices.first_short[k], begin + slices.first[k + 1], to + kOn) -
+      begin);
+  while (i-- > slices.first_short[k] && slices.reach[i] >= from - kOn) visit(slices.items[i]);
+}
+
 LineIndex::LineIndex(const LineWork& work, double reach_mm)
     : segments_(segments_of(work, operations_)), grid_(segments_, reach_mm) {
   for (const Segment& s : segments_) {
@@ -115,6 +150,8 @@ LineIndex::LineIndex(const LineWork& work, double reach_mm)
   std::iota(all.begin(), all.end(), 0u);
   // A seam looks for slivers beside it: a reach of a millimetre is more than any narrowest panel.
   slices_ = {slices(true, all, 1.0), slices(false, all, 1.0)};
+  sort_slices(true, slices_[0]);
+  sort_slices(false, slices_[1]);
   const std::vector<std::uint32_t> borders = borders_of(work);
   has_border_ = !borders.empty();
   border_ = slices(false, borders, 0.0);
@@ -125,30 +162,30 @@ void LineIndex::scan(const AxisLine& line, double from, double to, double min_pa
   out = {};
   const auto n_of = [&](const PagePoint& p) { return (line.vertical ? p.x : p.y) - line.at; };
   const auto t_of = [&](const PagePoint& p) { return line.vertical ? p.y : p.x; };
-  for (const std::uint32_t i : slices_[line.vertical ? 0 : 1].of(line.at)) {
+  visit(line, from, to, [&](std::uint32_t i) {
     const Segment& s = segments_[i];
     const double na = n_of(s.a), nb = n_of(s.b);
     const double n0 = std::min(na, nb), n1 = std::max(na, nb);
     const double t0 = std::min(t_of(s.a), t_of(s.b)), t1 = std::max(t_of(s.a), t_of(s.b));
-    if (t1 < from - kOn || t0 > to + kOn) continue;
+    if (t1 < from - kOn || t0 > to + kOn) return;
     const double overlap = std::min(t1, to) - std::max(t0, from);
     if (n1 - n0 <= kOn) {  // beside the seam or on it
-      if (n0 > min_panel_mm || n1 < -min_panel_mm || overlap <= kOn) continue;
+      if (n0 > min_panel_mm || n1 < -min_panel_mm || overlap <= kOn) return;
       if (std::abs(n0) > kOn)
         out.sliver_mm += overlap;
       else if (is_cut(operations_[i]))
         out.covered.push_back({std::max(t0, from), std::min(t1, to), 0, 0});
       else
         out.fold_mm += overlap;
-      continue;
+      return;
     }
-    if (n0 > kOn || n1 < -kOn) continue;
+    if (n0 > kOn || n1 < -kOn) return;
     const double k = std::clamp(-na / (nb - na), 0.0, 1.0);
     const double t = t_of(s.a) + k * (t_of(s.b) - t_of(s.a));
-    if (t <= from + kOn || t >= to - kOn) continue;
+    if (t <= from + kOn || t >= to - kOn) return;
     out.breaks.push_back(t);
     if (n0 < -kOn && n1 > kOn) ++(is_cut(operations_[i]) ? out.cuts_crossed : out.folds_crossed);
-  }
+  });
   std::sort(out.breaks.begin(), out.breaks.end());
   out.breaks.erase(std::unique(out.breaks.begin(), out.breaks.end(),
                                [](double a, double b) { return b - a <= kOn; }),

@@ -47,13 +47,19 @@ class LineIndex {
   [[nodiscard]] Operation operation(std::size_t i) const { return operations_[i]; }
 
  private:
-  // Segments by slices of one coordinate: a seam looks into one.
+  // Segments by slices of one coordinate: a seam looks into one. Within a slice the long ones come
+  // first, the others by where they begin along it, with how far any up to there reaches.
   struct Slices {
     double from{}, width{1.0};
     std::vector<std::uint32_t> first, items;
+    std::vector<std::uint32_t> first_short;
+    std::vector<double> begin, reach;
     [[nodiscard]] std::size_t slice(double at) const;
     [[nodiscard]] std::span<const std::uint32_t> of(double at) const;
   };
+  void sort_slices(bool by_x, Slices& slices) const;
+  template <typename Visit>
+  void visit(const AxisLine& line, double from, double to, Visit&& visit) const;
   [[nodiscard]] Slices slices(bool by_x, const std::vector<std::uint32_t>& which,
                               double reach) const;
 
