@@ -58,7 +58,7 @@ TEST_CASE("splitting and packing", "[bench]") {
   fmt::print(
       "{:<28} {:>7} {:>8} {:>15} {:>11} {:>6} {:>6} {:>6} {:>7} {:>6} {:>8} {:>8} {:>7} {:>6}\n",
       "drawing", "faces", "segments", "mm", "area", "pieces", "sheets", "least", "glue", "tabs",
-      "s", "us/seg", "MB");
+      "cpu s", "wall s", "us/seg", "MB");
   const auto with = [](double width, double height) {
     LayoutOptions options;
     options.area_mm = {width, height};
