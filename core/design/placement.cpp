@@ -103,12 +103,12 @@ MeshBox box_of(const TriangleMesh& mesh) {
   return box;
 }
 
-bool stays_upright(const Placement& placement) {
+bool stays_upright(const TargetPlacement& placement) {
   return placement.rotate_deg == Vec{} && placement.translate_mm[0] == 0.0 &&
          placement.translate_mm[2] == 0.0;
 }
 
-PlacementMap::PlacementMap(const Placement& placement)
+PlacementMap::PlacementMap(const TargetPlacement& placement)
     : turn_(turn_of(placement.rotate_deg)),
       scale_(placement.scale_mm),
       shift_(placement.translate_mm) {}
@@ -127,7 +127,7 @@ Vec PlacementMap::to_surface(const Vec& p) const {
   return q;
 }
 
-Result<TriangleMesh> placed(TriangleMesh mesh, const Placement& placement) {
+Result<TriangleMesh> placed(TriangleMesh mesh, const TargetPlacement& placement) {
   const PlacementMap map(placement);
   for (std::size_t k = 0; k + 2 < mesh.corners.size(); k += 3) {
     const Vec p = map.to_corner({static_cast<double>(mesh.corners[k]),

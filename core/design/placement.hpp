@@ -12,12 +12,12 @@
 namespace popcut {
 
 /// No turn, and no shift but along the spine: the slices of an upright surface stay its own.
-[[nodiscard]] bool stays_upright(const Placement& placement);
+[[nodiscard]] bool stays_upright(const TargetPlacement& placement);
 
 /// A placement as a map: points of the surface (its own units) to the corner (mm) and back.
 class PlacementMap {
  public:
-  explicit PlacementMap(const Placement& placement);
+  explicit PlacementMap(const TargetPlacement& placement);
   [[nodiscard]] std::array<double, 3> to_corner(const std::array<double, 3>& q) const;
   [[nodiscard]] std::array<double, 3> to_surface(const std::array<double, 3>& p) const;
 
@@ -30,7 +30,7 @@ class PlacementMap {
 /// The mesh in the corner, mm.
 ///
 /// @retval OutOfRange  a coordinate is farther than a kilometre from the corner
-[[nodiscard]] Result<TriangleMesh> placed(TriangleMesh mesh, const Placement& placement);
+[[nodiscard]] Result<TriangleMesh> placed(TriangleMesh mesh, const TargetPlacement& placement);
 
 /// Which part of a surface stands in the corner.
 enum class Stand {
@@ -40,7 +40,7 @@ enum class Stand {
 
 /// A proposal and what it reaches.
 struct ProposedPlacement {
-  Placement placement;
+  TargetPlacement placement;
   double unreachable_share{};  ///< of the outline in the slices that were tried
   double rms_mm{}, max_mm{};   ///< of the nearest falling curves there
   double length_mm{};          ///< of the surface along the spine as it then stands

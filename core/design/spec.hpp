@@ -65,7 +65,7 @@ enum class PatchJoin {
 struct DesignSpec {
   std::string name{"pattern"};
   std::optional<SurfaceSpec> surface;  ///< none where each region has a radius of its own
-  Placement placement;
+  TargetPlacement placement;
   FitMode fit{FitMode::Exact};
   std::vector<RegionSpec> regions;  ///< one where the spec has none: the whole
   std::vector<double> widths_mm;    ///< one a slice; empty with `adaptive`

@@ -8,7 +8,7 @@ namespace {
 
 /// Picks the maker of each kind.
 struct Make {
-  const Placement& placement;
+  const TargetPlacement& placement;
   FitMode fit;
   const SurfaceAssets& assets;
 
@@ -31,8 +31,8 @@ struct Make {
 
 }  // namespace
 
-Result<Surface> Surface::make(const SurfaceSpec& spec, const Placement& placement, FitMode fit,
-                              const SurfaceAssets& assets) {
+Result<Surface> Surface::make(const SurfaceSpec& spec, const TargetPlacement& placement,
+                              FitMode fit, const SurfaceAssets& assets) {
   return std::visit(Make{placement, fit, assets}, spec);
 }
 

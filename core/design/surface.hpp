@@ -25,11 +25,12 @@ class Surface {
   /// @retval Malformed   the expression does not parse, the file is absent or not of its kind
   /// @retval OutOfRange  a value in the file is not lawful, or the file is too large
   /// @retval Infeasible  no part of the mesh is in the corner
-  [[nodiscard]] static Result<Surface> make(const SurfaceSpec& spec, const Placement& placement,
-                                            FitMode fit, const SurfaceAssets& assets = {});
+  [[nodiscard]] static Result<Surface> make(const SurfaceSpec& spec,
+                                            const TargetPlacement& placement, FitMode fit,
+                                            const SurfaceAssets& assets = {});
   /// Without turn or shift, exact.
   [[nodiscard]] static Result<Surface> make(const SurfaceSpec& spec, double scale_mm) {
-    return make(spec, Placement{scale_mm, {}, {}}, FitMode::Exact);
+    return make(spec, TargetPlacement{scale_mm, {}, {}}, FitMode::Exact);
   }
 
   /// The curve with what it leaves out of the target.

@@ -98,8 +98,8 @@ Result<SurfaceSpec> parse_surface(const json& value, const std::string& pointer)
   return surface;
 }
 
-Placement parse_placement(JsonFields& fields) {
-  Placement placement;
+TargetPlacement parse_placement(JsonFields& fields) {
+  TargetPlacement placement;
   placement.scale_mm = fields.number("scale_mm", 1.0, 0.0, kMaxLength, true);
   placement.rotate_deg = triple(fields, "rotate_deg", 3600.0);
   placement.translate_mm = triple(fields, "translate_mm", kMaxLength);

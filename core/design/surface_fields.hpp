@@ -18,7 +18,7 @@ class JsonFields;
                                                 const std::string& pointer);
 
 /// Reads `scale_mm`, `rotate_deg`, `translate_mm` of a spec; errors are kept by `fields`.
-[[nodiscard]] Placement parse_placement(JsonFields& fields);
+[[nodiscard]] TargetPlacement parse_placement(JsonFields& fields);
 
 /// The JSON Schema of a `surface`.
 [[nodiscard]] nlohmann::json surface_schema();

@@ -159,7 +159,7 @@ Result<TriangleMesh> read_height_grid(const std::string& name, std::string_view 
   return mesh;
 }
 
-Result<Surface> surface_grid(const GridSpec& spec, const Placement& placement, FitMode fit,
+Result<Surface> surface_grid(const GridSpec& spec, const TargetPlacement& placement, FitMode fit,
                              const SurfaceAssets& assets) {
   auto mesh = triangles_of(spec, assets);
   if (!mesh) return tl::unexpected(mesh.error());

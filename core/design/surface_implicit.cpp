@@ -204,13 +204,14 @@ class SolidSlice {
 
 }  // namespace
 
-Surface surface_of_solid(Solid solid, const Placement& placement, FitMode fit, const char* what) {
+Surface surface_of_solid(Solid solid, const TargetPlacement& placement, FitMode fit,
+                         const char* what) {
   const PlacementMap map(placement);
   return Surface([solid = std::move(solid), map, scale = placement.scale_mm, fit, what](
                      double s_mm) { return SolidSlice(solid, map, scale, s_mm).cut(fit, what); });
 }
 
-Result<Surface> surface_implicit(const ImplicitSpec& spec, const Placement& placement,
+Result<Surface> surface_implicit(const ImplicitSpec& spec, const TargetPlacement& placement,
                                  FitMode fit) {
   auto f = Expression::parse(spec.f, {"x", "y", "z"});
   if (!f) return tl::unexpected(within("/surface/f", f.error()));

@@ -12,14 +12,14 @@ namespace popcut {
 
 /// The kinds of `Surface::make`, a file each.
 [[nodiscard]] Result<Surface> surface_revolution(const RevolutionSpec& spec,
-                                                 const Placement& placement, FitMode fit);
-[[nodiscard]] Result<Surface> surface_profile(const ProfileSpec& spec, const Placement& placement,
-                                              FitMode fit);
-[[nodiscard]] Result<Surface> surface_implicit(const ImplicitSpec& spec, const Placement& placement,
-                                               FitMode fit);
-[[nodiscard]] Result<Surface> surface_grid(const GridSpec& spec, const Placement& placement,
+                                                 const TargetPlacement& placement, FitMode fit);
+[[nodiscard]] Result<Surface> surface_profile(const ProfileSpec& spec,
+                                              const TargetPlacement& placement, FitMode fit);
+[[nodiscard]] Result<Surface> surface_implicit(const ImplicitSpec& spec,
+                                               const TargetPlacement& placement, FitMode fit);
+[[nodiscard]] Result<Surface> surface_grid(const GridSpec& spec, const TargetPlacement& placement,
                                            FitMode fit, const SurfaceAssets& assets);
-[[nodiscard]] Result<Surface> surface_mesh(const MeshSpec& spec, const Placement& placement,
+[[nodiscard]] Result<Surface> surface_mesh(const MeshSpec& spec, const TargetPlacement& placement,
                                            FitMode fit, const SurfaceAssets& assets);
 
 /// A solid by its sign: negative inside; where it is not a number is outside. In units of the
@@ -29,7 +29,7 @@ using Solid = std::function<double(double, double, double)>;
 /// Slices of a solid: its extent in the corner is sought along rays, its boundary by marching
 /// squares of 192 x 192 cells with every crossing found by bisection. Parts thinner than a cell can
 /// be missed. Where the section is a single falling curve, that is sampled from the solid itself.
-[[nodiscard]] Surface surface_of_solid(Solid solid, const Placement& placement, FitMode fit,
+[[nodiscard]] Surface surface_of_solid(Solid solid, const TargetPlacement& placement, FitMode fit,
                                        const char* what);
 
 /// The triangles that a surface's file holds, before the placement; grids become triangles too.

@@ -56,7 +56,7 @@ Result<Surface> surface_of_triangles(TriangleMesh mesh, FitMode fit, const char*
   });
 }
 
-Result<Surface> surface_mesh(const MeshSpec& spec, const Placement& placement, FitMode fit,
+Result<Surface> surface_mesh(const MeshSpec& spec, const TargetPlacement& placement, FitMode fit,
                              const SurfaceAssets& assets) {
   auto mesh = triangles_of(spec, assets);
   if (!mesh) return tl::unexpected(mesh.error());

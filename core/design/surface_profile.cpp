@@ -143,7 +143,8 @@ class ProfileSlice {
 
 }  // namespace
 
-Result<Surface> surface_profile(const ProfileSpec& spec, const Placement& placement, FitMode fit) {
+Result<Surface> surface_profile(const ProfileSpec& spec, const TargetPlacement& placement,
+                                FitMode fit) {
   auto z = Expression::parse(spec.z, {"x", "y"});
   if (!z) return tl::unexpected(within("/surface/z", z.error()));
   auto shared = std::make_shared<Expression>(std::move(*z));

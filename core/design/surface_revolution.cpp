@@ -32,7 +32,7 @@ Result<SurfaceSlice> slice(const Expression& radius, double length, double scale
 
 }  // namespace
 
-Result<Surface> surface_revolution(const RevolutionSpec& spec, const Placement& placement,
+Result<Surface> surface_revolution(const RevolutionSpec& spec, const TargetPlacement& placement,
                                    FitMode fit) {
   std::vector<std::string> variables{"y"};
   if (spec.length) variables.emplace_back("L");

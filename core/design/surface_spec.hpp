@@ -54,7 +54,7 @@ using SurfaceAssets = std::map<std::string, std::string>;
 
 /// How the surface stands in the corner of wall (x = 0) and ground (z = 0), y along the spine: a
 /// point q of it is at `R_z R_y R_x (scale_mm q) + translate_mm`, R the turns about the axes.
-struct Placement {
+struct TargetPlacement {
   double scale_mm{1.0};  ///< one unit of the surface
   std::array<double, 3> rotate_deg{};
   std::array<double, 3> translate_mm{};

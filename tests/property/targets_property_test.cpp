@@ -45,7 +45,7 @@ double apart(const SliceCurve& a, const SliceCurve& b) {
 }
 
 SliceCurve slice(const SurfaceSpec& spec, const SurfaceAssets& assets, double s) {
-  const auto made = Surface::make(spec, Placement{}, FitMode::Exact, assets);
+  const auto made = Surface::make(spec, TargetPlacement{}, FitMode::Exact, assets);
   if (!made) FAIL(message(made.error()));
   auto cut = made->slice(s);
   if (!cut) FAIL(message(cut.error()));

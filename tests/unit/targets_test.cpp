@@ -20,7 +20,7 @@ using namespace popcut::tests;
 namespace {
 
 Result<Surface> surface(const SurfaceSpec& spec, const SurfaceAssets& assets = {},
-                        const Placement& placement = {}, FitMode fit = FitMode::Exact) {
+                        const TargetPlacement& placement = {}, FitMode fit = FitMode::Exact) {
   return Surface::make(spec, placement, fit, assets);
 }
 
@@ -31,7 +31,7 @@ SurfaceSlice cut(const Result<Surface>& from, double s) {
   return *slice;
 }
 
-Result<Surface> mesh_surface(const TriangleMesh& mesh, const Placement& placement = {},
+Result<Surface> mesh_surface(const TriangleMesh& mesh, const TargetPlacement& placement = {},
                              FitMode fit = FitMode::Exact) {
   return surface(MeshSpec{"part.stl"}, {{"part.stl", binary_stl(mesh)}}, placement, fit);
 }
@@ -123,7 +123,7 @@ TEST_CASE("slices at a mesh's own planes and corners are whole", "[core][target]
 TEST_CASE("what no falling curve reaches is refused or measured", "[core][target]") {
   // A ball that floats in the corner: only its outer quarter falls, and the nearest curve cuts some
   // of that off to come nearer to the rest that is seen.
-  const Placement floating{1.0, {}, {30, 0, 30}};
+  const TargetPlacement floating{1.0, {}, {30, 0, 30}};
   const TriangleMesh ball = icosphere(20.0, 4);
   const auto refused = mesh_surface(ball, floating)->cut(0.0);
   REQUIRE_FALSE(refused);
@@ -230,7 +230,7 @@ TEST_CASE("the report of a mesh says what is out of reach", "[core][target]") {
 }
 
 TEST_CASE("a mesh that cannot be used is refused with its own reason", "[core][target]") {
-  const auto refusal = [](const TriangleMesh& mesh, const Placement& placement) {
+  const auto refusal = [](const TriangleMesh& mesh, const TargetPlacement& placement) {
     const auto made = mesh_surface(mesh, placement);
     if (!made) return made.error();
     const auto slice = made->cut(5.0);
