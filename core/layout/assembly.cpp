@@ -176,7 +176,7 @@ class Drawing {
     for (std::size_t k = 0; k < layout_.steps.size(); ++k) {
       std::string words;
       for (const std::uint32_t s : layout_.steps[k]) {
-        const Seam& seam = layout_.seams[s];
+        const PieceSeam& seam = layout_.seams[s];
         words += fmt::format("{}{} ({} + {})", words.empty() ? "" : ", ", seam.label,
                              seam.lower + 1, seam.upper + 1);
       }

@@ -288,14 +288,14 @@ void name_seams(Layout& layout) {
     for (const Stretch& stretch : run.uncut)
       layout.seams[run.seam].glue_mm += stretch.to - stretch.from;
   }
-  for (const Seam& seam : layout.seams) layout.glue_mm += seam.glue_mm;
+  for (const PieceSeam& seam : layout.seams) layout.glue_mm += seam.glue_mm;
 }
 
 // Within columns one seam after the other, then column to column all seams at once.
 void order_glueing(Layout& layout) {
   std::map<std::uint32_t, std::vector<std::uint32_t>> between;
   for (std::uint32_t s = 0; s < layout.seams.size(); ++s) {
-    const Seam& seam = layout.seams[s];
+    const PieceSeam& seam = layout.seams[s];
     const std::uint32_t a = layout.pieces[seam.lower].column, b = layout.pieces[seam.upper].column;
     if (a == b)
       layout.steps.push_back({s});

@@ -20,7 +20,7 @@ struct LayoutOptions {
   TabShape tabs{};
   double min_panel_mm{0.5};       ///< no seam leaves a narrower stretch of paper
   double spacing_mm{5.0};         ///< between pieces on one sheet
-  std::vector<double> seams_x{};  ///< seams that were asked for, at these x of the drawing
+  std::vector<double> seams_x{};  ///< seams that were asked for, from the drawing's left edge
   std::vector<double> seams_y{};
   bool labels{true};  ///< ticks and letters on both sides of each seam
 };
@@ -36,7 +36,7 @@ struct SeamRun {
 };
 
 /// A seam: where two pieces meet. Its letters stand on both sides.
-struct Seam {
+struct PieceSeam {
   std::uint32_t lower{}, upper{};
   double glue_mm{};  ///< uncut length
   std::string label;
@@ -60,7 +60,7 @@ struct LayoutSheet {
 struct Layout {
   std::vector<Piece> pieces;
   std::vector<SeamRun> runs;
-  std::vector<Seam> seams;
+  std::vector<PieceSeam> seams;
   std::vector<Tab> tabs;
   std::vector<LayoutSheet> sheets;
   std::vector<std::vector<std::uint32_t>> steps;  ///< seams in the order of glueing, at once each

@@ -13,6 +13,7 @@ namespace {
 constexpr double kTick = 2.5;  // mm into the panel
 constexpr double kLeastTick = 0.8;
 constexpr std::array kHeights{5.0, 4.0, 3.0, 2.2};  // of letters, mm
+constexpr double kMarkDash = 0.7, kMarkGap = 0.5;   // of marks that the knife makes, mm
 constexpr double kGap = 1.0;                        // between seam and letters
 
 struct Place {
@@ -104,6 +105,34 @@ class Marks {
 };
 
 }  // namespace
+
+void cut_marks(Layout& layout) {
+  for (Piece& piece : layout.pieces) {
+    LineWork work;
+    work.name = piece.work.name;
+    for (std::uint32_t l = 0; l < piece.first_mark; ++l)
+      work.append(piece.work.lines[l].operation, piece.work.points_of(piece.work.lines[l]));
+    for (std::size_t l = piece.first_mark; l < piece.work.lines.size(); ++l) {
+      const auto points = piece.work.points_of(piece.work.lines[l]);
+      for (std::size_t i = 1; i < points.size(); ++i) {
+        const PagePoint &a = points[i - 1], &b = points[i];
+        const double l_mm = distance(a, b);
+        if (l_mm <= kMarkGap) continue;
+        // Half a gap at both ends: the paper holds at corners.
+        const double n = std::max(1.0, std::round(l_mm / (kMarkDash + kMarkGap)));
+        const double share = l_mm / n;
+        for (int k = 0; k < static_cast<int>(n); ++k) {
+          const auto at = [&](double mm) {
+            return PagePoint{a.x + mm / l_mm * (b.x - a.x), a.y + mm / l_mm * (b.y - a.y)};
+          };
+          work.append(Operation::Cut,
+                      std::array{at(k * share + kMarkGap / 2), at((k + 1) * share - kMarkGap / 2)});
+        }
+      }
+    }
+    piece.work = std::move(work);
+  }
+}
 
 std::string seam_label(std::size_t i) {
   std::string label;

@@ -11,6 +11,9 @@ namespace popcut {
 /// told in the warnings. `tabs` lie on one side: letters stand on the panels, ticks too.
 void add_marks(Layout& layout, LineIndex& lines, double clearance_mm);
 
+/// Makes the marks rows of short cuts, for machines without a pen.
+void cut_marks(Layout& layout);
+
 /// "A", "B", ... "Z", "AA", "AB", ...
 [[nodiscard]] std::string seam_label(std::size_t i);
 

@@ -168,7 +168,8 @@ Result<SeamSearch::Chosen> SeamSearch::straight(bool vertical, const Lines& line
     all.cost +=
         part(some, prices, start, end, most, depth, start_tab, end_tab, limits_.full, all.at);
   };
-  for (const double a : asked) {
+  for (double a : asked) {
+    a += low;  // they are told from the drawing's edge
     if (a <= low + kOn || a >= high - kOn) continue;
     const double cost = seam_cost(*lines_, limits_, {vertical, a}, from, to);
     if (cost == kNever) {
@@ -177,7 +178,8 @@ Result<SeamSearch::Chosen> SeamSearch::straight(bool vertical, const Lines& line
         if (std::abs(other - a) < std::abs(nearest - a) &&
             seam_cost(*lines_, limits_, {vertical, other}, from, to) < kNever)
           nearest = other;
-      return tl::unexpected(unlawful(vertical != limits_.swapped ? "x" : "y", a, nearest));
+      return tl::unexpected(
+          unlawful(vertical != limits_.swapped ? "x" : "y", a - low, nearest - low));
     }
     stage(a, depth);
     all.at.push_back(a);

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/plan/tab_shape.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
@@ -99,6 +100,7 @@ struct Material {
   double overcut_mm{0.5};         ///< beyond both ends of closed cuts
   double swivel_above_deg{15.0};  ///< corners above it are turned on an arc, where popcut does it
   int autoblade_depth{};          ///< 0..10, for machines that have one
+  TabShape tabs;                  ///< that glue pieces of an oversized drawing
 };
 
 /// The blade offset that popcut has to compensate; 0 where the machine's firmware does it.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -54,6 +55,19 @@ void read_folds(JsonFields& fields, Material& material) {
                                  fold_mode_name(material.folds)));
 }
 
+TabShape read_tabs(JsonFields& fields) {
+  constexpr double kDegree = 0.017453292519943295;
+  TabShape tabs;
+  tabs.depth_mm = fields.number("depth_mm", tabs.depth_mm, 0.5, 200.0);
+  tabs.min_depth_mm =
+      fields.number("min_depth_mm", std::min(tabs.min_depth_mm, tabs.depth_mm), 0.2, tabs.depth_mm);
+  tabs.side_rad = kDegree * fields.number("side_deg", tabs.side_rad / kDegree, 20.0, 89.9);
+  tabs.pitch_mm = fields.number("pitch_mm", tabs.pitch_mm, 5.0, 10'000.0);
+  tabs.clearance_mm = fields.number("clearance_mm", tabs.clearance_mm, 0.0, tabs.pitch_mm / 4);
+  tabs.min_root_mm = fields.number("min_root_mm", tabs.min_root_mm, 0.2, tabs.pitch_mm / 4);
+  return tabs;
+}
+
 Result<Material> read_material(const TableRow& row) {
   Material material;
   JsonFields fields(row.row, row.pointer);
@@ -74,6 +88,8 @@ Result<Material> read_material(const TableRow& row) {
   material.swivel_above_deg = fields.number("swivel_above_deg", 15.0, 1.0, 90.0);
   material.blade_offset_mm = fields.number("blade_offset_mm", {}, 0.0, 5.0);
   material.autoblade_depth = fields.integer("autoblade_depth", {}, 0, 10);
+  if (const nlohmann::json* tabs = fields.value("tabs"); tabs != nullptr)
+    read_object(fields, "tabs", material.tabs, read_tabs);
   if (const auto whole = fields.finish(); !whole)
     return tl::unexpected(in_table(row, whole.error()));
   return material;

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/layout/marks.hpp"
 #include "core/plan/clean.hpp"
 #include "core/plan/micro_cut.hpp"
 #include "core/plan/motion.hpp"
@@ -20,7 +21,7 @@ constexpr double kRollMargin = 10.0;  // mm of roll after the drawing, more than
 Error with_advice(Error error, const Machine& machine, const Mat& mat, const Box& box,
                   const PlanOptions& options) {
   if (error.kind != ErrorKind::Infeasible || options.place.at) return error;
-  std::string advice = "splitting is not built yet: ";
+  std::string advice = "leave --no-split out to split it, ";
   for (const Mat& other : machine.mats) {
     const auto reach = reach_mm(machine, other);
     if ((box.width() <= reach[0] && box.height() <= reach[1]) ||
@@ -172,6 +173,119 @@ void measure(PlannedSheet& sheet, const Machine& machine, const Material& materi
   sheet.seconds_range = {sheet.seconds * (1 - motion.spread), sheet.seconds * (1 + motion.spread)};
 }
 
+// Sheet by sheet, from lines in their places to strokes in order.
+class Planner {
+ public:
+  Planner(const LineWork& drawing, const Machine& machine, const Material& material,
+          const PlanOptions& options, Mat mat, FoldMode mode)
+      : drawing_(drawing),
+        options_(options),
+        mat_(std::move(mat)),
+        room_(host_blade_offset_mm(machine, material)),
+        out_{
+            drawing.name,         machine, material, {}, drawing.warnings, options.order.seed, mode,
+            options.clean.snap_mm},
+        settings_(out_.machine, out_.material, mode, out_.warnings) {}
+
+  Result<Plan> run() {
+    const std::array<double, 2> reach = reach_mm(out_.machine, mat_);
+    const auto placement = find_place(drawing_, out_.machine, mat_, options_, reach, room_);
+    const bool too_large = !placement && placement.error().kind == ErrorKind::Infeasible &&
+                           placement.error().place.empty();
+    auto done = too_large && options_.split ? split(reach)
+                : placement                 ? whole(*placement, reach)
+                                            : tl::unexpected(placement.error());
+    if (!done) return tl::unexpected(done.error());
+    return std::move(out_);
+  }
+
+ private:
+  // On a roll the sheet is as long as what is cut from it; so a y-up machine starts at its origin.
+  [[nodiscard]] double sheet_length(double reach, double used) const {
+    const bool roll = out_.machine.mats.empty() && options_.mat.empty();
+    return roll ? std::min(reach, std::ceil(used) + kRollMargin) : reach;
+  }
+
+  Result<void> whole(const Placement& placement, const std::array<double, 2>& reach) {
+    PlannedSheet sheet;
+    sheet.transform = placement;
+    LineWork work = placed(drawing_, placement);
+    sheet.area_mm = {reach[0], sheet_length(reach[1], bounds(work).y1)};
+    if (options_.place.clip) work = clipped(work, sheet.area_mm, room_);
+    return add(std::move(work), std::move(sheet));
+  }
+
+  Result<void> split(const std::array<double, 2>& reach) {
+    LineWork work = clean(drawing_, options_.clean);
+    out_.warnings = work.warnings;  // the drawing's own and what cleaning adds
+    LayoutOptions how;
+    const PagePoint at = options_.place.at.value_or(PagePoint{});
+    how.area_mm = {reach[0] - room_, reach[1] - room_};
+    how.origin = {std::max(at.x, room_), std::max(at.y, room_)};
+    how.tabs = out_.material.tabs;
+    how.seams_x = options_.seams_x;
+    how.seams_y = options_.seams_y;
+    how.labels = options_.labels != LabelTool::None;
+    auto layout = lay_out(work, how);
+    if (!layout) return tl::unexpected(layout.error());
+    const bool pen = out_.material.draw.tool <= out_.machine.tool_holders;
+    if (options_.labels == LabelTool::Cut || (options_.labels == LabelTool::Auto && !pen))
+      cut_marks(*layout);
+    out_.warnings.insert(out_.warnings.end(), layout->warnings.begin(), layout->warnings.end());
+    std::vector<std::uint32_t> piece_of;
+    for (std::uint32_t k = 0; k < layout->sheets.size(); ++k) {
+      PlannedSheet sheet;
+      sheet.pieces = layout->sheets[k].pieces;
+      std::sort(sheet.pieces.begin(), sheet.pieces.end());
+      sheet.transform = layout->pieces[sheet.pieces.front()].transform;
+      sheet.area_mm = {reach[0], sheet_length(reach[1], layout->sheets[k].used_mm[1] + room_)};
+      if (auto done = add(sheet_work(*layout, k, piece_of), std::move(sheet)); !done) return done;
+    }
+    out_.layout = std::move(*layout);
+    out_.whole = std::move(work);
+    return {};
+  }
+
+  Result<void> add(LineWork work, PlannedSheet sheet) {
+    sheet.mat = mat_;
+    work.dashed = drawing_.dashed;
+    work.warnings.clear();
+    work = clean(work, options_.clean);
+    turn_round(work, options_.knife.direction);
+    sheet.paths = work.lines.size();
+    if (options_.keep_lines) sheet.lines = work;
+    const Dashed dashed = folded(std::move(work), out_.material.dashes, out_.folds);
+    if (dashed.work.lines.empty())
+      return fail(ErrorKind::OutOfRange, "",
+                  "nothing is left to cut; is all of it outside of the area?");
+    out_.warnings.insert(out_.warnings.end(), dashed.work.warnings.begin(),
+                         dashed.work.warnings.end());
+    sheet.fold_line_mm = dashed.fold_line_mm;
+    std::vector<Visit> given(dashed.work.lines.size());
+    for (std::uint32_t i = 0; i < given.size(); ++i) given[i].line = i;
+    sheet.travel_input_mm = travel_mm(dashed.work, given);
+    const Ordered ordered =
+        ordered_for(dashed.work, out_.machine, options_.order, sheet, out_.warnings);
+    DrawnStrokes strokes = make_strokes(dashed, ordered.visits, settings_);
+    sheet.path = std::move(strokes.path);
+    const Material& material = out_.material;
+    sheet.knife = {options_.knife.overcut_mm.value_or(material.overcut_mm),
+                   material.cut.force_step_gf == 0.0 ? material.cut.passes : 1, room_,
+                   material.swivel_above_deg * std::numbers::pi / 180, strokes.blade_tools};
+    sheet.sent = sent_strokes(sheet.path, sheet.knife);
+    measure(sheet, out_.machine, material);
+    out_.sheets.push_back(std::move(sheet));
+    return {};
+  }
+
+  const LineWork& drawing_;
+  const PlanOptions& options_;
+  Mat mat_;
+  double room_;
+  Plan out_;
+  StrokeSettings settings_;
+};
+
 }  // namespace
 
 Result<Plan> plan(const LineWork& drawing, const Machine& machine, const Material& material,
@@ -179,50 +293,11 @@ Result<Plan> plan(const LineWork& drawing, const Machine& machine, const Materia
   if (auto amount = check_amount(drawing, material.dashes); !amount)
     return tl::unexpected(amount.error());
   if (auto lawful = check_options(options); !lawful) return tl::unexpected(lawful.error());
-  const auto mat = choose_mat(machine, options.mat);
+  auto mat = choose_mat(machine, options.mat);
   if (!mat) return tl::unexpected(mat.error());
   const auto mode = fold_mode(material, options);
   if (!mode) return tl::unexpected(mode.error());
-  PlannedSheet sheet;
-  sheet.mat = *mat;
-  sheet.area_mm = reach_mm(machine, *mat);
-  const double room = host_blade_offset_mm(machine, material);
-  const auto placement = find_place(drawing, machine, *mat, options, sheet.area_mm, room);
-  if (!placement) return tl::unexpected(placement.error());
-  sheet.transform = *placement;
-
-  LineWork work = placed(drawing, *placement);
-  // On a roll the sheet is as long as what is cut from it; so a y-up machine starts at its origin.
-  if (machine.mats.empty() && options.mat.empty())
-    sheet.area_mm[1] = std::min(sheet.area_mm[1], std::ceil(bounds(work).y1) + kRollMargin);
-  if (options.place.clip) work = clipped(work, sheet.area_mm, room);
-  work = clean(work, options.clean);
-  turn_round(work, options.knife.direction);
-  sheet.paths = work.lines.size();
-  if (options.keep_lines) sheet.lines = work;
-  const Dashed dashed = folded(std::move(work), material.dashes, *mode);
-  if (dashed.work.lines.empty())
-    return fail(ErrorKind::OutOfRange, "",
-                "nothing is left to cut; is all of it outside of the area?");
-  sheet.fold_line_mm = dashed.fold_line_mm;
-
-  std::vector<Visit> given(dashed.work.lines.size());
-  for (std::uint32_t i = 0; i < given.size(); ++i) given[i].line = i;
-  sheet.travel_input_mm = travel_mm(dashed.work, given);
-  Plan out{
-      drawing.name,         machine, material, {}, dashed.work.warnings, options.order.seed, *mode,
-      options.clean.snap_mm};
-  StrokeSettings settings(machine, material, *mode, out.warnings);
-  const Ordered ordered = ordered_for(dashed.work, machine, options.order, sheet, out.warnings);
-  DrawnStrokes strokes = make_strokes(dashed, ordered.visits, settings);
-  sheet.path = std::move(strokes.path);
-  sheet.knife = {options.knife.overcut_mm.value_or(material.overcut_mm),
-                 material.cut.force_step_gf == 0.0 ? material.cut.passes : 1, room,
-                 material.swivel_above_deg * std::numbers::pi / 180, strokes.blade_tools};
-  sheet.sent = sent_strokes(sheet.path, sheet.knife);
-  measure(sheet, machine, material);
-  out.sheets.push_back(std::move(sheet));
-  return out;
+  return Planner(drawing, machine, material, options, std::move(*mat), *mode).run();
 }
 
 }  // namespace popcut

@@ -43,8 +43,19 @@ Json operations(const Toolpath& path) {
   return list;
 }
 
-Json sheet_json(const PlannedSheet& sheet, std::size_t number) {
-  const Placement& t = sheet.transform;
+Json transform_json(const Placement& t) { return {{t.xx, t.xy, t.x0}, {t.yx, t.yy, t.y0}}; }
+
+// The pieces of a sheet, numbered from 1 over the whole plan.
+Json pieces_json(const Plan& plan, const PlannedSheet& sheet) {
+  Json list = Json::array();
+  if (!plan.layout) list.push_back({{"piece", 1}, {"transform", transform_json(sheet.transform)}});
+  for (const std::uint32_t piece : sheet.pieces)
+    list.push_back({{"piece", piece + 1},
+                    {"transform", transform_json(plan.layout->pieces[piece].transform)}});
+  return list;
+}
+
+Json sheet_json(const Plan& plan, const PlannedSheet& sheet, std::size_t number) {
   const KnifeWork& knife = sheet.knife;
   return {{"name", fmt::format("sheet-{:02}", number)},
           {"mat", sheet.mat.name},
@@ -61,7 +72,8 @@ Json sheet_json(const PlannedSheet& sheet, std::size_t number) {
           {"order_finished", sheet.order_finished},
           {"seconds", rounded(sheet.seconds)},
           {"seconds_range", {rounded(sheet.seconds_range[0]), rounded(sheet.seconds_range[1])}},
-          {"transform", {{t.xx, t.xy, t.x0}, {t.yx, t.yy, t.y0}}},
+          {"transform", sheet.pieces.size() > 1 ? Json() : transform_json(sheet.transform)},
+          {"pieces", pieces_json(plan, sheet)},
           {"operations", operations(sheet.sent_path())},
           {"overcut_mm", knife.overcut_mm},
           {"blade_offset_mm", knife.blade_offset_mm},
@@ -73,16 +85,90 @@ Json sheet_json(const PlannedSheet& sheet, std::size_t number) {
           {"lead_ins", Json::array()}};
 }
 
-// Lists that may be long are written an entry a line.
-std::string entries(const std::vector<KnifeMark>& marks) {
-  std::string text = "[";
-  for (const KnifeMark& mark : marks) {
-    Json points = Json::array();
-    for (const PagePoint& p : mark.points) points.push_back({rounded(p.x), rounded(p.y)});
-    text += text.size() > 1 ? ",\n        " : "\n        ";
-    text += Json{{"stroke", mark.stroke}, {"points", std::move(points)}}.dump();
+Json points_json(std::span<const PagePoint> points, const Placement& to_sheet) {
+  Json list = Json::array();
+  for (const PagePoint& p : points) {
+    const PagePoint q = to_sheet(p);
+    list.push_back({rounded(q.x), rounded(q.y)});
   }
-  return text + (marks.empty() ? "]" : "\n      ]");
+  return list;
+}
+
+// Lists that may be long are written an entry a line.
+std::string lines(const std::vector<Json>& entries) {
+  std::string text = "[";
+  for (const Json& entry : entries) {
+    text += text.size() > 1 ? ",\n        " : "\n        ";
+    text += entry.dump();
+  }
+  return text + (entries.empty() ? "]" : "\n      ]");
+}
+
+// What splitting put on a sheet, in sheet mm.
+struct SplitLists {
+  std::vector<Json> tabs, seams, marks;
+};
+
+SplitLists split_lists(const Layout& layout, const PlannedSheet& sheet) {
+  SplitLists out;
+  const auto here = [&](std::uint32_t piece) { return layout.pieces[piece].sheet; };
+  const std::uint32_t number = here(sheet.pieces.front());
+  for (const Tab& tab : layout.tabs)
+    if (here(tab.on) == number)
+      out.tabs.push_back({{"seam", layout.seams[layout.runs[tab.run].seam].label},
+                          {"piece", tab.on + 1},
+                          {"under", tab.under + 1},
+                          {"points", points_json(tab.corners, layout.pieces[tab.on].transform)}});
+  for (const SeamRun& run : layout.runs)
+    for (const auto& [piece, other] :
+         {std::pair{run.lower, run.upper}, std::pair{run.upper, run.lower}}) {
+      if (here(piece) != number || (run.uncut.empty() && run.covered.empty())) continue;
+      const AxisLine line{run.vertical, run.at};
+      Json glued = Json::array();
+      for (const Stretch& s : run.uncut)
+        glued.push_back(points_json(std::array{line.point(s.from, 0), line.point(s.to, 0)},
+                                    layout.pieces[piece].transform));
+      out.seams.push_back(
+          {{"seam", layout.seams[run.seam].label},
+           {"piece", piece + 1},
+           {"other", other + 1},
+           {"points", points_json(std::array{line.point(run.from, 0), line.point(run.to, 0)},
+                                  layout.pieces[piece].transform)},
+           {"glued", std::move(glued)}});
+    }
+  for (const std::uint32_t i : sheet.pieces) {
+    const Piece& piece = layout.pieces[i];
+    for (std::size_t l = piece.first_mark; l < piece.work.lines.size(); ++l)
+      out.marks.push_back(
+          {{"piece", i + 1},
+           {"points", points_json(piece.work.points_of(piece.work.lines[l]), piece.transform)}});
+  }
+  return out;
+}
+
+// How the pieces come together.
+void add_layout(const Layout& layout, Json& json) {
+  Json seams = Json::array(), steps = Json::array();
+  for (const PieceSeam& seam : layout.seams)
+    seams.push_back({{"seam", seam.label},
+                     {"pieces", {seam.lower + 1, seam.upper + 1}},
+                     {"glue_mm", rounded(seam.glue_mm)}});
+  for (const auto& step : layout.steps) {
+    Json labels = Json::array();
+    for (const std::uint32_t seam : step) labels.push_back(layout.seams[seam].label);
+    steps.push_back(std::move(labels));
+  }
+  json["layout"] = {{"pieces", layout.pieces.size()},     {"least_sheets", layout.least_sheets},
+                    {"glue_mm", rounded(layout.glue_mm)}, {"tabs", layout.tabs.size()},
+                    {"seams", std::move(seams)},          {"steps", std::move(steps)}};
+}
+
+std::string entries(const std::vector<KnifeMark>& marks) {
+  std::vector<Json> list;
+  list.reserve(marks.size());
+  for (const KnifeMark& mark : marks)
+    list.push_back({{"stroke", mark.stroke}, {"points", points_json(mark.points, {})}});
+  return lines(list);
 }
 
 void fill_list(std::string& text, std::size_t from, const char* name, const std::string& list) {
@@ -103,11 +189,18 @@ std::string plan_json(const Plan& plan) {
             {"sheets", Json::array()},
             {"warnings", plan.warnings},
             {"seed", plan.seed}};
+  if (plan.layout) add_layout(*plan.layout, json);
   for (std::size_t i = 0; i < plan.sheets.size(); ++i)
-    json["sheets"].push_back(sheet_json(plan.sheets[i], i + 1));
+    json["sheets"].push_back(sheet_json(plan, plan.sheets[i], i + 1));
   std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   std::size_t from = text.find("\"sheets\": [");
   for (const PlannedSheet& sheet : plan.sheets) {
+    if (plan.layout) {
+      const SplitLists split = split_lists(*plan.layout, sheet);
+      fill_list(text, from, "tabs", lines(split.tabs));
+      fill_list(text, from, "seams", lines(split.seams));
+      fill_list(text, from, "marks", lines(split.marks));
+    }
     const KnifeMarks marks = knife_marks(sheet.path, sheet.knife);
     fill_list(text, from, "overcuts", entries(marks.overcuts));
     fill_list(text, from, "lead_ins", entries(marks.lead_ins));

@@ -13,8 +13,8 @@ namespace popcut {
 /// dashed by its style. The root says `data-popcut="dashes"`: folds are dashes already.
 [[nodiscard]] std::string sheet_svg(const PlannedSheet& sheet, const std::string& title);
 
-/// How the sheets come together: for one sheet its outline and its folds as lines, with its name
-/// and its place on the mat. To look at, not to cut.
+/// How the sheets come together: what `assembly_svg` of a layout draws, or for one whole sheet its
+/// outline and its folds as lines, with its name and its place on the mat. To look at, not to cut.
 [[nodiscard]] std::string assembly_svg(const Plan& plan);
 
 }  // namespace popcut

@@ -68,6 +68,11 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   if (number < 1 || number > sheets->size())
     return fail(ErrorKind::OutOfRange, "/sheets",
                 fmt::format("there is no sheet {}; the plan has {}", number, sheets->size()));
+  if (find(json, "/layout") != nullptr)
+    return fail(ErrorKind::Usage, "/layout",
+                fmt::format("the plan splits its drawing into pieces; compare each sheet with its "
+                            "own drawing, --expect sheet-{:02}.svg",
+                            number));
   PlanFacts facts;
   const auto machine = text_at(json, "/machine");
   if (!machine) return tl::unexpected(machine.error());

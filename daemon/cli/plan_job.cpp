@@ -85,6 +85,8 @@ Result<PlanOptions> plan_options(const PlanJobOptions& options) {
   out.order = *how;
   if (auto knife = read_knife_option(options.knife, out); !knife)
     return tl::unexpected(knife.error());
+  if (auto split = read_split_option(options.split, out); !split)
+    return tl::unexpected(split.error());
   if (options.at.empty()) return out;
   SvgScan scan(options.at);
   PagePoint at;
@@ -179,6 +181,7 @@ void add_plan_options(CLI::App& command, PlanJobOptions& options) {
        "What strokes of an SVG mean: popcut, origami-sim, lightburn, cricut, boxes-py, plain ...",
        "WORD [popcut]");
   add_knife_options(command, options.knife);
+  add_split_options(command, options.split);
   command
       .add_option("--curve-tolerance", options.curve_tolerance_mm,
                   "How far a curve of a drawing may be from the lines that are cut, in mm")

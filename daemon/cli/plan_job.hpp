@@ -8,6 +8,7 @@
 #include "core/result.hpp"
 #include "daemon/cli/knife_option.hpp"
 #include "daemon/cli/order_option.hpp"
+#include "daemon/cli/split_option.hpp"
 #include "protocol/encode.hpp"
 
 namespace CLI {
@@ -24,6 +25,7 @@ struct PlanJobOptions {
   double curve_tolerance_mm{0.02}, svg_dpi{96};
   bool clip{false};
   KnifeOption knife;
+  SplitOption split;
 };
 
 /// Adds INPUT, --machine, --material, --mat, --at, --dialect, --svg-profile, --curve-tolerance,

@@ -265,6 +265,6 @@ TEST_CASE("the assembly names every piece and every seam", "[layout]") {
   std::size_t in_steps = 0;
   for (const auto& step : layout->steps) in_steps += step.size();
   CHECK(in_steps == layout->seams.size());
-  for (const Seam& seam : layout->seams)
+  for (const PieceSeam& seam : layout->seams)
     CHECK_THAT(svg, Catch::Contains(">" + seam.label + "</text>"));
 }
