@@ -17,19 +17,24 @@ namespace {
 
 constexpr double kRollMargin = 10.0;  // mm of roll after the drawing, more than any blade's offset
 
+// The name of a mat of the machine that holds a drawing of this size whole; empty: none does.
+std::string mat_for(const Machine& machine, const Box& box) {
+  for (const Mat& other : machine.mats) {
+    const auto reach = reach_mm(machine, other);
+    if ((box.width() <= reach[0] && box.height() <= reach[1]) ||
+        (box.height() <= reach[0] && box.width() <= reach[1]))
+      return other.name;
+  }
+  return {};
+}
+
 // The error of `place` with what the user can do about it.
 Error with_advice(Error error, const Machine& machine, const Mat& mat, const Box& box,
                   const PlanOptions& options) {
   if (error.kind != ErrorKind::Infeasible || options.place.at) return error;
   std::string advice = "leave --no-split out to split it, ";
-  for (const Mat& other : machine.mats) {
-    const auto reach = reach_mm(machine, other);
-    if ((box.width() <= reach[0] && box.height() <= reach[1]) ||
-        (box.height() <= reach[0] && box.width() <= reach[1])) {
-      advice += fmt::format("use --mat {}, ", other.name);
-      break;
-    }
-  }
+  if (const std::string other = mat_for(machine, box); !other.empty())
+    advice += fmt::format("use --mat {}, ", other);
   advice += "scale it down, take a larger machine, or cut off what lies outside with --clip";
   const auto reach = reach_mm(machine, mat);
   error.detail =
@@ -232,6 +237,8 @@ class Planner {
     if (options_.labels == LabelTool::Cut || (options_.labels == LabelTool::Auto && !pen))
       cut_marks(*layout);
     out_.warnings.insert(out_.warnings.end(), layout->warnings.begin(), layout->warnings.end());
+    if (const std::string other = mat_for(out_.machine, bounds(work)); !other.empty())
+      out_.warnings.push_back(fmt::format("it need not be split: --mat {} holds it whole", other));
     std::vector<std::uint32_t> piece_of;
     for (std::uint32_t k = 0; k < layout->sheets.size(); ++k) {
       PlannedSheet sheet;

@@ -85,12 +85,12 @@ TEST_CASE("plan writes the sheets and their programs and nothing else", "[cli][e
   CHECK(roll["machine"] == "hpgl-generic");
 }
 
-TEST_CASE("what is too large is refused with exit 4 and clipped only when asked",
+TEST_CASE("what is too large and not to be split is refused and clipped only when asked",
           "[cli][e2e][plan]") {
   const Bench bench;
   write_file(bench.temp / "big.svg", kBigSvg);
-  bench.refused({"big.svg"}, 4, "pattern is 340.0 x 40.0 mm");
-  bench.refused({"big.svg"}, 4, "304.8 x 304.8 mm");
+  bench.refused({"big.svg", "--no-split"}, 4, "pattern is 340.0 x 40.0 mm");
+  bench.refused({"big.svg", "--no-split"}, 4, "304.8 x 304.8 mm");
   const json clipped = bench.planned({"big.svg", "--clip"});
   CHECK(clipped["sheets"][0]["cut_mm"].get<double>() == Approx(2 * 294.8));
   const json whole = bench.planned({"big.svg", "--mat", "400x300"});

@@ -7,8 +7,10 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "core/formats/linework_graph.hpp"
 #include "core/layout/layout.hpp"
 #include "core/plan/clean.hpp"
+#include "core/verify/verify.hpp"
 #include "tests/support/random_pattern.hpp"
 
 using namespace popcut;
@@ -222,7 +224,55 @@ void check_layout(const LineWork& drawing, const LayoutOptions& options, const L
   }
 }
 
+// The drawing as it is after glueing: every seam is cut but where a tab's root bridges it. `skip`
+// leaves out that tab.
+LineWork as_glued(const LineWork& drawing, const Layout& layout, std::size_t skip) {
+  LineWork work = drawing;
+  for (const SeamRun& run : layout.runs) {
+    const AxisLine line{run.vertical, run.at};
+    for (const Stretch& stretch : run.uncut) {
+      double at = stretch.from;
+      for (std::uint32_t i = 0; i < stretch.tabs; ++i) {
+        const Tab& tab = layout.tabs[stretch.first_tab + i];
+        if (stretch.first_tab + i == skip) continue;
+        const double a = run.vertical ? tab.corners[0].y : tab.corners[0].x;
+        const double b = run.vertical ? tab.corners[3].y : tab.corners[3].x;
+        work.append(Operation::Cut, std::array{line.point(at, 0), line.point(a, 0)});
+        at = b;
+      }
+      work.append(Operation::Cut, std::array{line.point(at, 0), line.point(stretch.to, 0)});
+    }
+  }
+  return work;
+}
+
 }  // namespace
+
+TEST_CASE("Pieces that are joined over their tabs have the freedoms of the whole",
+          "[layout][verify]") {
+  std::mt19937 random(20261122);
+  int judged = 0;
+  for (int round = 0; round < 14; ++round) {
+    CAPTURE(round);
+    const LineWork drawing = clean(random_linework(random, 2.5));
+    const Box box = bounds(drawing);
+    LayoutOptions options;
+    options.area_mm = {0.7 * box.width(), 0.7 * box.height()};
+    const auto layout = lay_out(drawing, options);
+    if (!layout || layout->tabs.empty()) continue;
+    const auto freedoms = [](const LineWork& work) {
+      VerifyOptions verify;
+      verify.page = true;
+      const auto report = verify_fold(fold_from_linework(work), verify);
+      if (!report) FAIL(message(report.error()));
+      return std::pair(report->degrees_of_freedom, report->pieces);
+    };
+    const auto whole = freedoms(drawing);
+    CHECK(freedoms(as_glued(drawing, *layout, layout->tabs.size())) == whole);
+    ++judged;
+  }
+  CHECK(judged >= 8);
+}
 
 TEST_CASE("Pieces with tabs glue together to the drawing they were split from", "[layout]") {
   std::mt19937 random(20261121);

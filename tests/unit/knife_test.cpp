@@ -159,6 +159,7 @@ TEST_CASE("the axis of a turned blade stays in the area", "[core][plan][knife]")
   }
   options.place.clip = false;
   options.mat = "300x200";
+  options.split = false;
   const auto tight = plan(work, machine("hpgl-generic"), paper(), options);
   REQUIRE_FALSE(tight);
   CHECK(tight.error().detail.find("0.25 mm must stay free") != std::string::npos);

@@ -173,19 +173,31 @@ TEST_CASE("folds come before cuts and inner cuts before outer ones and the outli
   CHECK(last_loop == Approx(70.0));
 }
 
-TEST_CASE("a pattern too large for the mat is refused with both sizes", "[core][plan][sheet]") {
+TEST_CASE("a pattern too large for the mat is refused with both sizes or split",
+          "[core][plan][sheet]") {
   LineWork work;
   draw(work, Operation::Outline, {{0, 0}, {320, 0}, {320, 310}, {0, 310}, {0, 0}});
-  const auto refused = plan(work, cameo3(), paper(), {});
+  PlanOptions whole;
+  whole.split = false;
+  const auto refused = plan(work, cameo3(), paper(), whole);
   REQUIRE_FALSE(refused);
   CHECK(refused.error().kind == ErrorKind::Infeasible);
   CHECK(refused.error().detail.find("320.0 x 310.0 mm") != std::string::npos);
   CHECK(refused.error().detail.find("304.8 x 304.8 mm") != std::string::npos);
   work = {};
   draw(work, Operation::Outline, {{0, 0}, {500, 0}, {500, 200}, {0, 200}, {0, 0}});
-  const auto longer = plan(work, cameo3(), paper(), {});
+  const auto longer = plan(work, cameo3(), paper(), whole);
   REQUIRE_FALSE(longer);
   CHECK(longer.error().detail.find("--mat 12x24") != std::string::npos);
+  // Where it may be split it is, and the mat that would hold it whole is named.
+  const auto split = plan(work, cameo3(), paper(), {});
+  REQUIRE(split);
+  REQUIRE(split->layout);
+  CHECK(split->layout->pieces.size() == 2);
+  const auto names = [](const std::string& w) {
+    return w.find("--mat 12x24") != std::string::npos;
+  };
+  CHECK(std::any_of(split->warnings.begin(), split->warnings.end(), names));
   CHECK(plan(work, cameo3(), paper(), {.mat = "12x24"}));
 }
 

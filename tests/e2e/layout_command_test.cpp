@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+// Drawings larger than the mat, by the real binary.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.hpp"
+
+using namespace popcut::testing;
+using nlohmann::json;
+
+namespace {
+
+const std::string kSphere = std::string(POPCUT_SOURCE_DIR) + "/examples/sphere.json";
+
+struct Bench {
+  TempFolder temp;
+  Ran popcut(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), POPCUT_PROGRAM);
+    return run_program(arguments, temp.path());
+  }
+  void refused(std::vector<std::string> arguments, int exit, const std::string& part) const {
+    const Ran ran = popcut(std::move(arguments));
+    CAPTURE(ran.err);
+    CHECK(ran.exit == exit);
+    CHECK(ran.err.find(part) != std::string::npos);
+    CHECK(std::count(ran.err.begin(), ran.err.end(), '\n') == 1);
+  }
+};
+
+std::string two_digits(std::size_t n) { return (n < 10 ? "0" : "") + std::to_string(n); }
+
+}  // namespace
+
+TEST_CASE("a design larger than the mat is cut sheet by sheet as it was planned",
+          "[cli][e2e][layout]") {
+  const Bench bench;
+  const std::vector<std::string> words{kSphere, "--machine", "cameo3", "--mat", "110x110"};
+  std::vector<std::string> plan{"plan"};
+  plan.insert(plan.end(), words.begin(), words.end());
+  plan.insert(plan.end(), {"-o", "sheets", "--json", "-q"});
+  const Ran planned = bench.popcut(plan);
+  CAPTURE(planned.err);
+  REQUIRE(planned.exit == 0);
+  const json whole = json::parse(planned.out);
+  const std::size_t sheets = whole["sheets"].size();
+  REQUIRE(sheets > 1);
+  CHECK(whole["layout"]["pieces"].get<std::size_t>() >= sheets);
+  CHECK(whole["layout"]["least_sheets"].get<std::size_t>() <= sheets);
+  std::size_t tabs = 0;
+  for (std::size_t k = 0; k < sheets; ++k) {
+    const json& sheet = whole["sheets"][k];
+    tabs += sheet["tabs"].size();
+    CHECK(!sheet["seams"].empty());
+    CHECK(!sheet["marks"].empty());
+    for (const json& piece : sheet["pieces"]) {
+      const json& t = piece["transform"];
+      CHECK(t[0][0].get<double>() * t[1][1].get<double>() -
+                t[0][1].get<double>() * t[1][0].get<double>() ==
+            Approx(1.0));
+    }
+    const std::string name = "sheets/sheet-" + two_digits(k + 1);
+    const Ran simulated = bench.popcut({"simulate", name + ".gpgl", "-o", "simulated", "--machine",
+                                        "cameo3", "--expect", name + ".svg"});
+    CAPTURE(simulated.err);
+    CHECK(simulated.exit == 0);
+  }
+  CHECK(tabs == whole["layout"]["tabs"].get<std::size_t>());
+  CHECK(text_of_file(bench.temp / "sheets/assembly.svg").find("Glue in this order") !=
+        std::string::npos);
+
+  std::vector<std::string> cut{"cut"};
+  cut.insert(cut.end(), {kSphere, "--mat", "110x110", "--direct", "--yes", "--device", "sim:cameo3",
+                         "-o", "cut"});
+  const Ran done = bench.popcut(cut);
+  CAPTURE(done.err);
+  CHECK(done.exit == 0);
+  for (std::size_t k = 0; k < sheets; ++k)
+    CHECK(done.err.find("sheet " + std::to_string(k + 1) + " of " + std::to_string(sheets)) !=
+          std::string::npos);
+}
+
+TEST_CASE("what cannot be split is refused with one line", "[cli][e2e][layout]") {
+  const Bench bench;
+  const auto with = [](std::vector<std::string> more) {
+    std::vector<std::string> all{"plan", kSphere, "-o", "sheets", "--machine", "cameo3"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  bench.refused(with({"--mat", "110x110", "--no-split"}), 4, "leave --no-split out");
+  bench.refused(with({"--mat", "8x8"}), 4, "no seams part it");
+  bench.refused(with({"--mat", "110x110", "--labels", "ink"}), 2, "one of auto, pen, cut, none");
+  bench.refused(with({"--mat", "110x110", "--no-split", "--seam-x", "60"}), 2, "contradicts");
+  bench.refused(with({"--mat", "110x110", "--seam-x", "nan"}), 2, "--seam-x");
+  // A seam of the user's own is refused where a fold or a narrow panel lies, with the nearest
+  // place.
+  bench.refused(with({"--mat", "110x110", "--seam-y", "85"}), 4, "the nearest that does not is");
+  CHECK(files_below(bench.temp.path()).empty());
+}
