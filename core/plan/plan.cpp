@@ -195,11 +195,13 @@ class Planner {
   Result<Plan> run() {
     const std::array<double, 2> reach = reach_mm(out_.machine, mat_);
     const auto placement = find_place(drawing_, out_.machine, mat_, options_, reach, room_);
+    // Seams that were asked for are made even where the drawing would fit.
+    const bool asked = !options_.seams_x.empty() || !options_.seams_y.empty();
     const bool too_large = !placement && placement.error().kind == ErrorKind::Infeasible &&
                            placement.error().place.empty();
-    auto done = too_large && options_.split ? split(reach)
-                : placement                 ? whole(*placement, reach)
-                                            : tl::unexpected(placement.error());
+    auto done = (too_large || asked) && options_.split ? split(reach)
+                : placement                            ? whole(*placement, reach)
+                                                       : tl::unexpected(placement.error());
     if (!done) return tl::unexpected(done.error());
     return std::move(out_);
   }

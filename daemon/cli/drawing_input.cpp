@@ -10,6 +10,7 @@
 #include "core/design/patches.hpp"
 #include "core/formats/dxf_reader.hpp"
 #include "core/formats/fold_reader.hpp"
+#include "core/layout/joined_parts.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/spec_assets.hpp"
 
@@ -23,17 +24,19 @@ Result<DrawingInput> from_spec(const std::string& text, const std::string& file)
   if (!assets) return tl::unexpected(assets.error());
   const auto made = design_assembly(*spec, *assets);
   if (!made) return tl::unexpected(made.error());
-  if (made->parts.size() > 1)
-    return fail(ErrorKind::Infeasible, "/patches",
-                fmt::format("makes {} patterns with seams between them; run popcut design, then "
-                            "plan each part-NN/pattern.fold",
-                            made->parts.size()));
-  return DrawingInput{linework_from_pattern(made->parts.front().pattern), spec->material};
+  if (made->parts.size() > 1) {
+    std::vector<const Pattern*> parts;
+    for (const Design& part : made->parts) parts.push_back(&part.pattern);
+    JoinedParts joined = join_parts(parts);
+    joined.drawing.name = made->name;
+    return DrawingInput{std::move(joined.drawing), spec->material, std::move(joined.seams_x)};
+  }
+  return DrawingInput{linework_from_pattern(made->parts.front().pattern), spec->material, {}};
 }
 
 Result<DrawingInput> only_drawing(Result<LineWork> drawing) {
   if (!drawing) return tl::unexpected(drawing.error());
-  return DrawingInput{std::move(*drawing), std::nullopt};
+  return DrawingInput{std::move(*drawing), std::nullopt, {}};
 }
 
 Result<DrawingInput> from_dxf(const std::string& text, const SvgReadOptions& how) {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/formats/svg_reader.hpp"
 #include "core/plan/linework.hpp"
@@ -14,6 +15,8 @@ namespace popcut::cli {
 struct DrawingInput {
   LineWork drawing;
   std::optional<std::string> material;
+  std::vector<double>
+      seams_x{};  ///< declared seams: it is to be split there, mm from its left edge
 };
 
 /// Reads a design spec (and designs it), a FOLD, SVG or DXF file, by its ending or else its first

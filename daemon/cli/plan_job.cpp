@@ -138,6 +138,12 @@ Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
   if (!material) return tl::unexpected(material.error());
 
   PlanOptions how = *wanted;
+  if (!input->seams_x.empty() && !how.split)
+    return fail(ErrorKind::Infeasible, options.input,
+                fmt::format("makes {} parts with seams between them, which --no-split forbids; "
+                            "leave it out, or plan each part of popcut design",
+                            input->seams_x.size() + 1));
+  how.seams_x.insert(how.seams_x.end(), input->seams_x.begin(), input->seams_x.end());
   how.keep_lines = options.svg_profile == "origami-sim";
   if (ideal_machine) how.mat.clear();
   // An ideal plotter cuts lines as they are drawn.

@@ -100,3 +100,28 @@ TEST_CASE("what cannot be split is refused with one line", "[cli][e2e][layout]")
   bench.refused(with({"--mat", "110x110", "--seam-y", "85"}), 4, "the nearest that does not is");
   CHECK(files_below(bench.temp.path()).empty());
 }
+
+TEST_CASE("patches with a declared seam are planned as pieces that are glued there",
+          "[cli][e2e][layout]") {
+  const Bench bench;
+  write_file(bench.temp / "two.json", R"j({"popcut": 1, "name": "two", "join": "seam", "patches": [
+      {"name": "a", "regions": [{"radius": "40", "units_per_slice": 3, "slices": 4, "width_mm": 10}]},
+      {"name": "b", "card": {"wall_mm": 70}, "regions": [{"radius": "40", "units_per_slice": 2, "slices": 4, "width_mm": 10}]}]})j");
+  const Ran ran =
+      bench.popcut({"plan", "two.json", "-o", "sheets", "--machine", "cameo3", "--json"});
+  CAPTURE(ran.err);
+  REQUIRE(ran.exit == 0);
+  const json plan = json::parse(ran.out);
+  CHECK(plan["layout"]["pieces"] == 2);
+  CHECK(plan["layout"]["seams"].size() == 1);
+  CHECK(plan["layout"]["seams"][0]["glue_mm"].get<double>() > 90.0);
+  CHECK(plan["layout"]["tabs"].get<int>() >= 2);
+  for (std::size_t k = 1; k <= plan["sheets"].size(); ++k) {
+    const std::string name = "sheets/sheet-" + two_digits(k);
+    const Ran held = bench.popcut({"simulate", name + ".gpgl", "-o", "simulated", "--machine",
+                                   "cameo3", "--expect", name + ".svg"});
+    CAPTURE(held.err);
+    CHECK(held.exit == 0);
+  }
+  bench.refused({"plan", "two.json", "-o", "other", "--no-split"}, 4, "--no-split forbids");
+}
