@@ -263,7 +263,10 @@ std::vector<Finding> diagnose(const CutterFacts& facts, const Surroundings& surr
   }
   const Answers& answers = **facts.said;
   findings.push_back(of_status(answers.status));
-  if (answers.status) findings.push_back(of_identity(answers.identity, facts));
+  // A machine that has something else to do, or no sheet, may well keep its name to itself.
+  const bool at_rest = answers.status == DeviceStatus::Ready;
+  if (at_rest || !answers.identity.empty())
+    findings.push_back(of_identity(answers.identity, facts));
   return findings;
 }
 

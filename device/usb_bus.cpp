@@ -72,6 +72,7 @@ Result<std::size_t> find(const std::vector<UsbDevice>& devices, const std::strin
 }  // namespace
 
 Result<UsbBus> UsbBus::open() {
+  UsbLine::release_retired();
   auto shared = std::make_shared<Shared>();
   if (const Result<void> started = shared->start(); !started)
     return tl::unexpected(started.error());

@@ -93,12 +93,36 @@ bool UsbLine::call_back() {
   return !out_busy_ && !in_busy_;
 }
 
+namespace {
+
+/// Lines whose transfers a controller keeps. Never destroyed: it may still write to them.
+struct Kept {
+  std::mutex mutex;
+  std::vector<std::shared_ptr<UsbLine>> lines;
+};
+
+Kept& kept() {
+  static auto* const all = new Kept;
+  return *all;
+}
+
+}  // namespace
+
 void UsbLine::retire(std::shared_ptr<UsbLine> line) {
   if (line->call_back()) return;
-  static auto* const kept = new std::vector<std::shared_ptr<UsbLine>>();
-  static std::mutex guard;
-  const std::lock_guard lock(guard);
-  kept->push_back(std::move(line));
+  const std::lock_guard lock(kept().mutex);
+  kept().lines.push_back(std::move(line));
+}
+
+void UsbLine::release_retired() {
+  std::vector<std::shared_ptr<UsbLine>> back;
+  const std::lock_guard lock(kept().mutex);
+  std::erase_if(kept().lines, [&](std::shared_ptr<UsbLine>& line) {
+    const std::lock_guard line_lock(line->mutex_);
+    if (line->out_busy_ || line->in_busy_) return false;
+    back.push_back(line);
+    return true;
+  });
 }
 
 UsbLine::~UsbLine() {

@@ -34,8 +34,10 @@ class UsbLine {
   UsbLine(const UsbLine&) = delete;
   UsbLine& operator=(const UsbLine&) = delete;
   ~UsbLine();
-  /// Lets go of the device. A line whose transfers a hung controller keeps is kept too, for good.
+  /// Lets go of the device. A line whose transfers a hung controller keeps is kept too.
   static void retire(std::shared_ptr<UsbLine> line);
+  /// Those kept whose transfers have come back since.
+  static void release_retired();
 
   [[nodiscard]] Transport::WriteEnd send(std::span<const std::byte> piece, Deadline until);
   [[nodiscard]] Result<std::vector<std::byte>> receive(Deadline until);

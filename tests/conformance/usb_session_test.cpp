@@ -262,9 +262,11 @@ struct Script {
   std::vector<UsbFault> faults;
   SessionOptions options = impatient();
   std::atomic<bool> cancel{false};
+  SimCutter cutter;
   Ended ended;
 
-  explicit Script(std::uint32_t s) : seed(s), job(Job::make(s, 60, s % 2 == 0 ? 500 : 65536)) {
+  explicit Script(std::uint32_t s)
+      : seed(s), job(Job::make(s, 60, s % 2 == 0 ? 500 : 65536)), cutter(cutter_for(job)) {
     std::mt19937 random(s + 77);
     faults = random_faults(random, job.program.bytes.size());
     if (s % 5 != 0) return;  // a host that gives up somewhere on the way
@@ -283,11 +285,11 @@ struct Script {
   }
 };
 
-/// Plays a script on a device of its own.
+/// Plays a script on a device of its own. Catch is not to be called here: many play at once.
 void play(const UsbTestbed& testbed, const UsbBus& usb, Script& script, int place) {
   const std::string serial = fmt::format("S{}", place);
   UsbfsDevice device(testbed, {.serial = serial, .port = place, .address = place + 1});
-  UsbCutter cutter(device, cutter_for(script.job), script.faults);
+  UsbCutter cutter(device, std::move(script.cutter), script.faults);
   const std::uint64_t seen = usb.changes();
   device.plug();
   const std::string id = "usb:" + serial;
@@ -327,8 +329,7 @@ TEST_CASE("whatever fails on the bus the ledger is true and nothing is cut twice
       ++(script->ended.end.error ? failed : done);
     }
   }
-  WARN(fmt::format("{} scripts: {} sheets done, {} given up, 0 lines cut twice", scripts, done,
-                   failed));
+  WARN(fmt::format("{} scripts: {} sheets done, {} given up", scripts, done, failed));
   CHECK(failed > 0);
   CHECK(done > 0);
 }

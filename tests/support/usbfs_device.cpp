@@ -11,33 +11,13 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <iterator>
 #include <stdexcept>
 #include <utility>
 
-#include <fmt/format.h>
-
 namespace popcut::testing {
 namespace {
-
-// The calls of usbfs only reach an emulated device through umockdev's preloaded library: a test
-// that is started without it starts itself again with it.
-__attribute__((constructor)) void preload(int, char** argv, char**) {
-  constexpr const char* kLibrary = "libumockdev-preload.so.0";
-  const char* const before = std::getenv("LD_PRELOAD");
-  if (before != nullptr && std::strstr(before, kLibrary) != nullptr) return;
-  const std::string all =
-      before == nullptr ? kLibrary : std::string(kLibrary) + " " + std::string(before);
-  ::setenv("LD_PRELOAD", all.c_str(), 1);
-  const char* const asan = std::getenv("ASAN_OPTIONS");  // the library comes before its runtime
-  const std::string options =
-      (asan == nullptr ? "" : std::string(asan) + ":") + "verify_asan_link_order=0";
-  ::setenv("ASAN_OPTIONS", options.c_str(), 1);
-  ::execv("/proc/self/exe", argv);
-}
 
 using Lock = std::lock_guard<std::recursive_mutex>;
 
@@ -73,21 +53,6 @@ usbdevfs_urb& urb_of(UMockdevIoctlData* data) {
 
 }  // namespace
 
-UsbTestbed::UsbTestbed() : testbed_(umockdev_testbed_new()) {
-  // Others than the owner may use it (hotplug makes a socket in it), so that a test can play an
-  // unprivileged user.
-  ::chmod(root().c_str(), 0777);
-}
-
-UsbTestbed::~UsbTestbed() { g_object_unref(testbed_); }
-
-std::string UsbTestbed::root() const {
-  gchar* const path = umockdev_testbed_get_root_dir(testbed_);
-  std::string text = path;
-  g_free(path);
-  return text;
-}
-
 UsbfsDevice::UsbfsDevice(const UsbTestbed& testbed, UsbfsShape shape)
     : testbed_(testbed), shape_(std::move(shape)), handler_(umockdev_ioctl_base_new()) {
   life_->device = this;
@@ -106,14 +71,6 @@ UsbfsDevice::~UsbfsDevice() {
   g_object_unref(handler_);
 }
 
-std::string UsbfsDevice::node() const {
-  return fmt::format("/dev/bus/usb/{:03}/{:03}", shape_.bus, shape_.address);
-}
-
-std::string UsbfsDevice::sysfs_path() const {
-  return fmt::format("/devices/usb{0}/{0}-{1}", shape_.bus, shape_.port);
-}
-
 std::string UsbfsDevice::driver() const {
   const Lock lock(mutex_);
   return driver_;
@@ -122,45 +79,6 @@ std::string UsbfsDevice::driver() const {
 UsbfsDevice::Counts UsbfsDevice::counts() const {
   const Lock lock(mutex_);
   return counts_;
-}
-
-std::vector<std::uint8_t> UsbfsDevice::descriptors() const {
-  const auto low = [](unsigned v) { return static_cast<std::uint8_t>(v & 0xff); };
-  const auto high = [](unsigned v) { return static_cast<std::uint8_t>(v >> 8); };
-  const UsbfsShape& s = shape_;
-  // As a Cameo 3 sends them: USB 2.0, 64-byte packets, self-powered, 100 mA.
-  std::vector<std::uint8_t> bytes{
-      18, 1, 0, 2, 0, 0, 0, 64, low(s.vendor), high(s.vendor), low(s.product), high(s.product),
-      0,  1, 1, 2, 3, 1};
-  std::vector<std::uint8_t> config{9, 2, 0, 0, 1, 1, 0, 0xc0, 50};
-  const auto endpoint = [&](std::uint8_t address, std::uint8_t type, std::uint8_t packet) {
-    config.insert(config.end(), {7, 5, address, type, packet, 0, 1});
-  };
-  const auto endpoints =
-      static_cast<std::uint8_t>(1 + (s.in_endpoint != 0 ? 1 : 0) + (s.interrupt_endpoint ? 1 : 0));
-  config.insert(config.end(),
-                {9, 4, 0, 0, endpoints, s.interface_class, 1, s.interface_protocol, 0});
-  if (s.interrupt_endpoint) endpoint(0x83, 3, 32);
-  endpoint(s.out_endpoint, 2, 64);
-  if (s.in_endpoint != 0) endpoint(s.in_endpoint, 2, 64);
-  config[2] = low(static_cast<unsigned>(config.size()));
-  bytes.insert(bytes.end(), config.begin(), config.end());
-  return bytes;
-}
-
-std::string UsbfsDevice::sysfs_entry() const {
-  const UsbfsShape& s = shape_;
-  std::string hex;
-  for (const std::uint8_t byte : descriptors()) hex += fmt::format("{:02x}", byte);
-  // Without a line for the node, which is made by hand. The interface is what names the driver.
-  return fmt::format(
-      "P: {0}\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: DRIVER=usb\nE: DEVNAME={1}\n"
-      "E: PRODUCT={2:x}/{3:x}/100\nE: BUSNUM={4:03}\nE: DEVNUM={5:03}\nE: MAJOR=189\nE: MINOR={6}\n"
-      "A: busnum={4}\\n\nA: devnum={5}\\n\nA: bConfigurationValue=1\\n\nA: speed=12\\n\n"
-      "A: idVendor={2:04x}\\n\nA: idProduct={3:04x}\\n\nA: serial={7}\\n\nA: manufacturer={8}\\n\n"
-      "A: product={9}\\n\nA: devpath={10}\\n\nH: descriptors={11}\n",
-      sysfs_path(), node(), s.vendor, s.product, s.bus, s.address,
-      (s.bus - 1) * 128 + s.address - 1, s.serial, s.manufacturer, s.name, s.port, hex);
 }
 
 void UsbfsDevice::plug() {
@@ -191,7 +109,8 @@ void UsbfsDevice::plug() {
   if (::symlink(name.data(), path.c_str()) != 0)
     throw std::runtime_error("no node for an emulated device: " + path);
   GError* error = nullptr;
-  if (umockdev_testbed_add_from_string(testbed_.get(), sysfs_entry().c_str(), &error) == FALSE)
+  if (umockdev_testbed_add_from_string(testbed_.get(), shape_.sysfs_entry().c_str(), &error) ==
+      FALSE)
     throw std::runtime_error(error->message);
 }
 
@@ -212,7 +131,7 @@ void UsbfsDevice::unplug(int status) {
   ::close(slave_);
   ::close(master_);
   slave_ = master_ = -1;
-  const std::string sys = "/sys" + sysfs_path();
+  const std::string sys = "/sys" + shape_.sysfs_path();
   umockdev_testbed_uevent(testbed_.get(), sys.c_str(), "remove");
   ::unlink((testbed_.root() + node()).c_str());
   umockdev_testbed_remove_device(testbed_.get(), sys.c_str());

@@ -14,33 +14,10 @@
 
 #include <umockdev.h>
 
+#include "tests/support/usb_testbed.hpp"
+#include "tests/support/usbfs_shape.hpp"
+
 namespace popcut::testing {
-
-/// What an emulated USB device is, as it stands in its descriptors and in sysfs.
-struct UsbfsShape {
-  std::uint16_t vendor{0x0b4d}, product{0x112f};  ///< Cameo 3
-  std::string serial{"51053P"}, manufacturer{"Silhouette"}, name{"CAMEO 3"};
-  int bus{1}, port{1}, address{2};
-  std::string driver{"usblp"};  ///< of the kernel, bound to interface 0; empty: none
-  std::uint8_t out_endpoint{0x01}, in_endpoint{0x82};
-  bool interrupt_endpoint{false};  ///< a third one, as the Portrait V1 has
-  std::uint8_t interface_class{7}, interface_protocol{2};
-};
-
-/// A test must own one of these before anything of libusb is called. Its folder stands for /sys and
-/// /dev as long as it lives; programs started meanwhile see it too.
-class UsbTestbed {
- public:
-  UsbTestbed();
-  UsbTestbed(const UsbTestbed&) = delete;
-  UsbTestbed& operator=(const UsbTestbed&) = delete;
-  ~UsbTestbed();
-  [[nodiscard]] UMockdevTestbed* get() const { return testbed_; }
-  [[nodiscard]] std::string root() const;
-
- private:
-  UMockdevTestbed* testbed_;
-};
 
 /// A USB device behind an emulated usbfs node: the libusb under test is the unmodified one.
 ///
@@ -84,7 +61,7 @@ class UsbfsDevice {
     std::uint64_t detaches{}, attaches{}, clear_halts{}, resets{}, discards{}, idle_reaps{};
   };
   [[nodiscard]] Counts counts() const;
-  [[nodiscard]] std::string node() const;
+  [[nodiscard]] std::string node() const { return shape_.node(); }
 
  private:
   struct Transfer {
@@ -119,9 +96,6 @@ class UsbfsDevice {
   void finish(const Transfer& transfer, int status);
   void show_poll();
   void forget(UMockdevIoctlClient* client);
-  [[nodiscard]] std::vector<std::uint8_t> descriptors() const;
-  [[nodiscard]] std::string sysfs_path() const;
-  [[nodiscard]] std::string sysfs_entry() const;
 
   const UsbTestbed& testbed_;
   UsbfsShape shape_;

@@ -116,6 +116,15 @@ TEST_CASE("firmware and models that are not known are told apart", "[device][doc
   CHECK(says(told(facts), "problem: it does not say what it is"));
 }
 
+TEST_CASE("a busy or empty machine that keeps its name to itself is no problem of its own",
+          "[device][doctor]") {
+  CutterFacts facts = cameo3();
+  facts.said = Answers{DeviceStatus::NoMedia, ""};
+  CHECK_FALSE(says(told(facts), "what it is"));
+  facts.said = Answers{DeviceStatus::Ready, ""};
+  CHECK(says(told(facts), "problem: it does not say what it is"));
+}
+
 TEST_CASE("an empty bus gets advice and ports that may hold a vinyl cutter", "[device][doctor]") {
   CHECK_FALSE(says(nothing_found({}).remedy, "vinyl"));
   CHECK(says(nothing_found({"serial:/dev/ttyUSB0"}).remedy, "--device serial:/dev/ttyUSB0"));

@@ -2,10 +2,12 @@
 #include <fcntl.h>
 #include <pty.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
 
 #include <array>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -15,6 +17,7 @@
 
 #include "device/device_id.hpp"
 #include "device/file_transport.hpp"
+#include "device/ports.hpp"
 #include "device/serial_transport.hpp"
 #include "device/session.hpp"
 #include "tests/support/process.hpp"
@@ -237,6 +240,29 @@ TEST_CASE("a session with a file streams the program alone and calls nothing cut
   CHECK(text_of_file(name) == program.bytes);
   CHECK_FALSE(end.confirmed);
   for (const StrokeFate fate : end.fates) CHECK(fate != StrokeFate::Certain);
+}
+
+TEST_CASE("programs that have a file open are named", "[device][doctor]") {
+  const TempFolder folder;
+  const std::string path = (folder / "lp0").string();
+  write_file(path, "");
+  CHECK(who_has_open({path}).empty());
+  int ready[2];
+  REQUIRE(::pipe(ready) == 0);
+  const pid_t child = ::fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    const int file = ::open(path.c_str(), O_RDWR);
+    if (file >= 0 && ::write(ready[1], "x", 1) == 1) ::pause();
+    ::_exit(0);
+  }
+  char sign{};
+  CHECK(::read(ready[0], &sign, 1) == 1);
+  const std::vector<std::string> programs = who_has_open({path});
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  REQUIRE(programs.size() == 1);
+  CHECK(programs.front().find(fmt::format("({})", child)) != std::string::npos);
 }
 
 TEST_CASE("device ids are read or refused with what would be right", "[device][id]") {
