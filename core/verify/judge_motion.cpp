@@ -10,6 +10,7 @@
 
 #include "core/verify/crossing.hpp"
 #include "core/verify/judge.hpp"
+#include "core/verify/sweep.hpp"
 
 namespace popcut::verify {
 namespace {
@@ -17,12 +18,33 @@ namespace {
 /// The opening at which freedoms are counted by preference.
 constexpr double kGenericPsi_rad = 1.1;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kSweepStep_rad = std::numbers::pi / 90.0;
 
 /// An edge in the words of who drew it.
 std::string edge_name(const Subject& subject, std::uint32_t e) {
   if (!subject.file.drawn) return fmt::format("edge {}", e);
   const auto [a, b] = subject.file.edges[e];
   return near_place(subject, "the line", 0.5 * (subject.file.flat[a] + subject.file.flat[b]));
+}
+
+/// Looks for crossings over the whole motion of a sheet with one freedom, from nearly flat to
+/// nearly shut, and says how far that was.
+std::string judge_sweep(const Subject& subject, double slack_mm, VerifyCheck& check,
+                        VerifyReport& report) {
+  const Sweep sweep =
+      sweep_motion(subject.file, subject.sheet, subject.motions[*subject.count_in], kSweepStep_rad,
+                   std::max(0.5 * subject.limits.isometry_mm, report.hinge_gap_mm));
+  for (const Pose& pose : sweep.poses) {
+    const PoseMotion motion = measure(subject.file, subject.sheet, subject.panels, pose);
+    check_faces_apart(subject.file, subject.sheet, subject.triangles, pose, motion, slack_mm,
+                      check);
+    if (!check.ok()) break;
+  }
+  if (!sweep.stopped.empty())
+    report.notes.push_back(fmt::format("the motion was followed to psi {:.4f} rad only: {}",
+                                       sweep.to_psi_rad, sweep.stopped));
+  return fmt::format(" and in {} of the whole motion, psi {:.3g} to {:.3g} rad", sweep.poses.size(),
+                     sweep.from_psi_rad, sweep.to_psi_rad);
 }
 
 }  // namespace
@@ -195,10 +217,13 @@ void judge_crossing(const Subject& subject, VerifyReport& report) {
     report.checks.push_back(std::move(check));
     return;
   }
+  std::string swept;
+  if (!affine && check.ok() && subject.count_in && subject.mobility.degrees_of_freedom == 1)
+    swept = judge_sweep(subject, slack, check, report);
   report.crossing_method = affine ? "exact" : "sampled";
   check.detail = affine ? std::string("no face meets another: exact, for every 0 < psi < pi")
-                        : fmt::format("no face passes through another: sampled in {} pose{}",
-                                      looked_at, looked_at == 1 ? "" : "s");
+                        : fmt::format("no face passes through another: sampled in {} pose{}{}",
+                                      looked_at, looked_at == 1 ? "" : "s", swept);
   if (!check.ok()) check.detail = fmt::format("{} wrong", check.failed);
   report.checks.push_back(std::move(check));
 }

@@ -9,6 +9,7 @@
 
 #include "core/verify/motion.hpp"
 #include "core/verify/opening.hpp"
+#include "core/verify/sweep.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/fold_draft.hpp"
 #include "tests/support/verify_drafts.hpp"
@@ -180,4 +181,104 @@ TEST_CASE("a fold that shuts early ends the motion and is no failure", "[core][v
   REQUIRE(report.opening);
   CHECK(report.opening->reached_psi_rad > 0.0);
   CHECK(report.poses > 0);
+}
+
+namespace {
+
+/// Two V-folds back to back on the crease of a card, the apexes 10 mm apart: with alpha 2 the tips
+/// draw back past the apexes, and into each other where the card is nearly shut.
+FoldDraft two_back_to_back(double apart, double psi) {
+  const double w = 10.0;
+  const double alpha = 2.0;
+  const double side = 30.0;
+  const double theta = 2.0 * std::atan2(alpha * std::cos(psi / 2.0), 1.0);
+  FoldDraft draft;
+  FoldDraft::Pose pose{psi, {}, {}};
+  const auto on_card = [&](double u, double v) {
+    const double x = u - side;
+    draft.flat.push_back({u, v});
+    pose.at.push_back(x > 0.0 ? std::array{x, v, 0.0}
+                              : std::array{-x * std::cos(psi), v, -x * std::sin(psi)});
+  };
+  const auto edge = [&](std::size_t a, std::size_t b, char letter, double angle) {
+    draft.edges.push_back({a, b});
+    draft.assignment += letter;
+    draft.key_angle_deg.push_back(angle);
+  };
+  const double crease = (kPi - psi) * 180.0 / kPi;
+  const double flank =
+      2.0 * std::atan(std::sqrt(1.0 + alpha * alpha) / std::tan(psi / 2.0)) * 180.0 / kPi;
+  for (const double v : {0.0, 60.0}) {
+    for (const double u : {0.0, side, 2.0 * side}) on_card(u, v);
+  }
+  // From 6 and from 11: O, B, C, the crease beyond the slit, A.
+  for (const double way : {-1.0, 1.0}) {
+    const double o = 30.0 + way * apart / 2.0;
+    on_card(side, o);
+    on_card(side - w * alpha, o + way * w);
+    on_card(side + w * alpha, o + way * w);
+    on_card(side, o + way * w);
+    draft.flat.push_back({side, o + way * w});
+    pose.at.push_back({w * std::sin(theta) * std::cos(psi / 2.0), o + way * w * std::cos(theta),
+                       w * std::sin(theta) * std::sin(psi / 2.0)});
+  }
+  for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {2, 5}, {5, 4}, {4, 3}, {3, 0}})
+    edge(static_cast<std::size_t>(a), static_cast<std::size_t>(b), 'B', 0.0);
+  for (const std::size_t o : {6U, 11U}) {
+    for (const std::size_t middle : {o + 3, o + 4}) {
+      edge(o + 1, middle, 'B', 0.0);
+      edge(middle, o + 2, 'B', 0.0);
+    }
+    edge(o, o + 4, 'M', -crease);
+    edge(o, o + 1, 'V', flank);
+    edge(o, o + 2, 'V', flank);
+  }
+  edge(1, 9, 'V', crease);
+  edge(6, 11, 'V', crease);
+  edge(14, 4, 'V', crease);
+  draft.faces = {{0, 1, 9, 7, 6, 11, 12, 14, 4, 3},
+                 {1, 2, 5, 4, 14, 13, 11, 6, 8, 9},
+                 {6, 7, 10},
+                 {6, 10, 8},
+                 {11, 15, 12},
+                 {11, 13, 15}};
+  pose.angle_deg = draft.key_angle_deg;
+  draft.poses.push_back(pose);
+  return draft;
+}
+
+}  // namespace
+
+TEST_CASE("a crossing is found between and beyond the poses that a file shows", "[core][verify]") {
+  // Tips meet where 2 w cos(theta) = -apart: at psi 1.67 rad for 6 mm, beyond 1.9 for none.
+  const VerifyReport open = verified(two_back_to_back(6.0, 2.5), {.degrees_of_freedom = 1});
+  INFO(verify_text(open));
+  CHECK_FALSE(passes(open, "crossing"));
+  CHECK(open.crossing_method == "sampled");
+  CHECK(has(failures(open, "crossing"), "moved to psi"));
+  const VerifyReport far = verified(two_back_to_back(13.0, 2.5), {.degrees_of_freedom = 1});
+  INFO(verify_text(far));
+  CHECK(far.ok());
+  CHECK(has(verify_text(far), "of the whole motion, psi 3.12 to 0.02 rad"));
+}
+
+TEST_CASE("the motion of a splayed card is the closed form in every pose", "[core][verify]") {
+  const auto file = verify::read_fold(splayed_card(1.4, 2.5).text());
+  REQUIRE(file);
+  VerifyCheck check;
+  const verify::Sheet sheet = make_sheet(*file, check);
+  const auto pose = std::find_if(file->poses.begin(), file->poses.end(),
+                                 [](const verify::Pose& p) { return p.psi_rad.has_value(); });
+  REQUIRE(pose != file->poses.end());
+  const verify::Panels panels = make_panels(*file, sheet);
+  const verify::Sweep sweep =
+      sweep_motion(*file, sheet, measure(*file, sheet, panels, *pose), kPi / 60.0, 1e-9);
+  CHECK(sweep.stopped.empty());
+  CHECK(sweep.poses.size() >= 60);
+  for (const verify::Pose& moved : sweep.poses) {
+    const auto known = verify::read_fold(splayed_card(1.4, *moved.psi_rad).text());
+    REQUIRE(known);
+    CAPTURE(*moved.psi_rad);
+    CHECK(largest_difference(*file, sheet, moved, known->poses.back()) < 1e-9);
+  }
 }
