@@ -147,6 +147,9 @@ ChainSolver::Minimum ChainSolver::descend(const SliceCurve& curve) {
     }
     std::swap(t_, trial_);
     loss = next_loss;
+    // At a corner of the curve, or where the loss itself is rounded, halving leaves nothing of a
+    // step: the minimum is here.
+    if (share * largest < kStepNoise) break;
     done = share == 1.0 && shift == 0.0 && largest < 1e-8;  // quadratic: the next is below 1e-15
     shift = share == 1.0 ? (shift < 1e-9 * std::abs(scale) ? 0.0 : 0.1 * shift) : shift;
   }
