@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string_view>
 #include <utility>
 
 #include <muParser.h>
@@ -196,7 +197,28 @@ std::array<double, 3> PlacedFrame::to_surface(const std::array<double, 3>& p) co
   return q;
 }
 
+namespace {
+
+/// A "=" that is no part of ==, !=, <= or >=: the parser would set a variable by it.
+bool assigns(const std::string& text) {
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    if (text[k] != '=') continue;
+    if (k + 1 < text.size() && text[k + 1] == '=') {
+      ++k;
+    } else if (k == 0 || std::string_view("<>!").find(text[k - 1]) == std::string_view::npos) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
 Result<TargetFormula> read_formula(const std::string& expression, std::optional<double> length) {
+  if (assigns(expression))
+    return fail(
+        ErrorKind::Malformed, "",
+        "the expression sets a variable by \"=\"; write a formula without it (== compares)");
   try {
     auto shared = std::make_shared<Expression>(expression, length);
     return [shared](double x, double y, double z) { return (*shared)(x, y, z); };

@@ -186,3 +186,22 @@ TEST_CASE("faces that lie on each other in a pose are found", "[core][verify]") 
     CHECK(has(failures(report, "crossing"), "faces 0 and 4 lie on each other"));
   }
 }
+
+TEST_CASE("a target's formula that sets a variable is refused", "[core][verify]") {
+  const auto with = [](const std::string& radius) {
+    VerifyOptions options;
+    options.target_spec = R"({"popcut": 1, "name": "t", "units_per_slice": 1, "slices": 2,
+      "widths_mm": 10, "surface": {"type": "revolution", "radius": ")" +
+                          radius + "\"}}";
+    return verify_fold(box_card().text(), options);
+  };
+  for (const char* wrong : {"y=3", "20 + (y = 3)", "x<y=3"}) {
+    CAPTURE(wrong);
+    const auto report = with(wrong);
+    REQUIRE_FALSE(report);
+    CHECK(has(message(report.error()), "/surface/radius"));
+    CHECK(has(message(report.error()), "sets a variable"));
+  }
+  CHECK(with("y >= 3 ? 20 : 25"));
+  CHECK(with("y == 3 ? 20 : 25"));
+}
