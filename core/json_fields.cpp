@@ -227,7 +227,7 @@ std::size_t JsonFields::word(const std::string& key, std::size_t fallback,
   if (it != words.end()) return static_cast<std::size_t>(it - words.begin());
   const std::string near = nearest_word(got, words);
   add_error(ErrorKind::OutOfRange, pointer(key),
-            fmt::format("is \"{}\"; {}one of {} is needed", got,
+            fmt::format("is \"{:.60}{}\"; {}one of {} is needed", got, got.size() > 60 ? "..." : "",
                         near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near),
                         fmt::join(words, ", ")));
   return fallback;
