@@ -187,9 +187,9 @@ TEST_CASE("nothing is cut without somebody who said yes", "[cli][e2e]") {
   check_one_line(bench.run({"cut", kSphere, "--direct", "--yes", "--device", "sim:cameo3",
                             "--machine", "cameo4"}),
                  2, "cameo4");
-  check_one_line(
-      bench.run({"cut", kSphere, "--direct", "--yes", "--machine", "cameo3", "--mat", "100x100"}),
-      4, "mm");
+  check_one_line(bench.run({"cut", kSphere, "--direct", "--yes", "--machine", "cameo3", "--mat",
+                            "100x100", "--no-split"}),
+                 4, "mm");
 }
 
 TEST_CASE("devices lists a simulated one for each machine", "[cli][e2e]") {
