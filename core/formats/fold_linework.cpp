@@ -152,8 +152,8 @@ const FoldFrame* flat_frame(const FoldFile& file) {
   return nullptr;
 }
 
-Result<LineWork> linework_from_fold(std::string_view text) {
-  const auto file = read_fold(text);
+Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& limits) {
+  const auto file = read_fold(text, limits);
   if (!file) return tl::unexpected(file.error());
   const FoldFrame* frame = flat_frame(*file);
   if (frame == nullptr)
