@@ -388,7 +388,8 @@ Result<LineWork> linework_from_dxf(std::string_view text, const DxfOptions& opti
   if (text.size() > options.most_bytes)
     return fail(
         ErrorKind::OutOfRange, "",
-        fmt::format("{} bytes of DXF; at most {} are read unless POPCUT_RAISE_LIMITS is set", text.size(), options.most_bytes));
+        fmt::format("{} bytes of DXF; at most {} are read unless POPCUT_RAISE_LIMITS is set",
+                    text.size(), options.most_bytes));
   if (text.substr(0, 18) == "AutoCAD Binary DXF")
     return fail(ErrorKind::Malformed, "line 1",
                 "is a binary DXF; save it as ASCII DXF, R12 or 2000 for instance");

@@ -200,10 +200,7 @@ Result<std::size_t> parent_of(const std::vector<FrameText>& texts, std::size_t i
 class FrameOrder {
  public:
   FrameOrder(const std::vector<FrameText>& texts, FoldFile& file, std::size_t most_bytes)
-      : texts_(texts),
-        file_(file),
-        state_(texts.size(), State::Waiting),
-        most_bytes_(most_bytes) {}
+      : texts_(texts), file_(file), state_(texts.size(), State::Waiting), most_bytes_(most_bytes) {}
 
   Result<void> read(std::size_t i) {
     std::vector<std::pair<std::size_t, std::size_t>> chain;  // frame, its parent

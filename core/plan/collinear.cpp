@@ -103,8 +103,8 @@ void CollinearIndex::covered_by_long(const Segment& segment, std::uint32_t not_t
     if (!near) continue;
     const std::int64_t angle = (a + kAngles) % kAngles;
     const double side = a == angle ? 1.0 : -1.0, offset = side * line.offset;
-    const double radians = line.radians + (a < 0 ? std::numbers::pi : 0.0) -
-                           (a >= kAngles ? std::numbers::pi : 0.0);
+    const double radians =
+        line.radians + (a < 0 ? std::numbers::pi : 0.0) - (a >= kAngles ? std::numbers::pi : 0.0);
     const auto bin = static_cast<std::int64_t>(std::floor(offset / offset_bin_));
     for (std::int64_t r = bin - 1; r <= bin + 1; ++r)
       for (std::int32_t s = head_[slot(angle, r)]; s >= 0;

@@ -44,7 +44,9 @@ std::vector<CutPiece> cut_pieces(const LineWork& work) {
 class Clearances {
  public:
   Clearances(const std::vector<CutPiece>& cuts, double clearance)
-      : cuts_(cuts), clearance_(clearance), grid_(segments(cuts), std::max(clearance, kTouch), cuts.size() > kManyCuts),
+      : cuts_(cuts),
+        clearance_(clearance),
+        grid_(segments(cuts), std::max(clearance, kTouch), cuts.size() > kManyCuts),
         seen_(cuts.size(), 0) {}
 
   void find(std::span<const PagePoint> fold, std::vector<Dash>& kept) {
@@ -102,11 +104,10 @@ class Clearances {
     const double reach =
         grid_.cell_mm() * std::numbers::sqrt2 / 2 + clearance_ / kSteepest + kTouch;
     for (const Rest& rest : rest_) {
-      const auto after = std::upper_bound(
-          whole.begin(), whole.end(), rest.at,
-          [](double at, const Dash& stretch) { return at < stretch.from; });
-      const bool all_kept = after != whole.begin() &&
-                            std::prev(after)->from <= rest.at - reach &&
+      const auto after =
+          std::upper_bound(whole.begin(), whole.end(), rest.at,
+                           [](double at, const Dash& stretch) { return at < stretch.from; });
+      const bool all_kept = after != whole.begin() && std::prev(after)->from <= rest.at - reach &&
                             std::prev(after)->to >= rest.at + reach;
       if (!all_kept) meet_some(rest.cuts, piece, l, t, kept);
     }

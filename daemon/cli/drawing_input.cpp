@@ -40,8 +40,7 @@ Result<DrawingInput> only_drawing(Result<LineWork> drawing) {
   return DrawingInput{std::move(*drawing), std::nullopt, {}};
 }
 
-Result<DrawingInput> from_dxf(const std::string& text, const SvgReadOptions& how,
-                              unsigned factor) {
+Result<DrawingInput> from_dxf(const std::string& text, const SvgReadOptions& how, unsigned factor) {
   DxfOptions options = DxfOptions{}.raised(factor);
   if (how.profile.name == "origami-sim") options.colours = DxfColours::OrigamiSim;
   if (how.profile.name == "lightburn") options.colours = DxfColours::Lightburn;
@@ -63,9 +62,8 @@ Result<DrawingInput> from_text(std::string text, const std::string& file, const 
   if (first != std::string::npos && text[first] == '<')
     return only_drawing(linework_from_svg(std::move(text), how));
   if (first != std::string::npos && text[first] == '{')
-    return text.find("\"vertices_coords\"") == std::string::npos
-               ? from_spec(text, file)
-               : from_fold(text, factor);
+    return text.find("\"vertices_coords\"") == std::string::npos ? from_spec(text, file)
+                                                                 : from_fold(text, factor);
   return fail(ErrorKind::Malformed, "",
               "is neither a spec (.json) nor a drawing (.fold, .svg, .dxf) that popcut reads");
 }

@@ -130,8 +130,9 @@ TEST_CASE("sheets for other programs are as large as the mat and every dash is a
     for (const char* colour : {expected.outline, expected.mountain, expected.valley})
       if (*colour != '\0') CHECK(count(colour) >= 1);
     // It reads back to the same lengths.
-    const Ran again = plan(temp, "A=", {"sheets/sheet-01-" + std::string(expected.profile) + ".svg",
-                                        "--svg-profile", expected.profile});
+    const Ran again = plan(temp, "A=",
+                           {"sheets/sheet-01-" + std::string(expected.profile) + ".svg",
+                            "--svg-profile", expected.profile});
     CAPTURE(again.err);
     CHECK(again.exit == 0);
   }
@@ -139,8 +140,9 @@ TEST_CASE("sheets for other programs are as large as the mat and every dash is a
 
 TEST_CASE("a DXF drawing is planned and its sheet is what the program cuts", "[cli][e2e][dxf]") {
   const TempFolder temp;
-  std::string dxf = "  0\nSECTION\n  2\nHEADER\n  9\n$INSUNITS\n 70\n4\n  0\nENDSEC\n"
-                    "  0\nSECTION\n  2\nENTITIES\n";
+  std::string dxf =
+      "  0\nSECTION\n  2\nHEADER\n  9\n$INSUNITS\n 70\n4\n  0\nENDSEC\n"
+      "  0\nSECTION\n  2\nENTITIES\n";
   const auto line = [&](const char* layer, const char* ends) {
     dxf += std::string("  0\nLINE\n  8\n") + layer + "\n" + ends;
   };
@@ -148,8 +150,9 @@ TEST_CASE("a DXF drawing is planned and its sheet is what the program cuts", "[c
   line("CUT", " 10\n60\n 20\n0\n 11\n60\n 21\n40\n");
   line("CUT", " 10\n60\n 20\n40\n 11\n0\n 21\n0\n");
   line("FOLD_V", " 10\n30\n 20\n5\n 11\n50\n 21\n5\n");
-  write_file(temp / "a.dxf", dxf + "  0\nCIRCLE\n  8\nCUT\n 10\n50\n 20\n15\n 40\n4\n"
-                                   "  0\nENDSEC\n  0\nEOF\n");
+  write_file(temp / "a.dxf", dxf +
+                                 "  0\nCIRCLE\n  8\nCUT\n 10\n50\n 20\n15\n 40\n4\n"
+                                 "  0\nENDSEC\n  0\nEOF\n");
   for (const char* machine : {"cameo3", "hpgl-generic"}) {
     CAPTURE(machine);
     const Ran ran = plan(temp, "A=", {"a.dxf", "--machine", machine});
