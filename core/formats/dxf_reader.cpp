@@ -375,11 +375,21 @@ class DxfReader {
 
 }  // namespace
 
+DxfOptions DxfOptions::raised(unsigned factor) const {
+  constexpr std::size_t kMost = 0x7fffffff;
+  DxfOptions more = *this;
+  more.most_bytes = std::min(kMost, most_bytes * factor);
+  more.most_points = std::min(kMost, most_points * factor);
+  more.most_lines *= factor;
+  return more;
+}
+
 Result<LineWork> linework_from_dxf(std::string_view text, const DxfOptions& options) {
   if (text.size() > options.most_bytes)
     return fail(
         ErrorKind::OutOfRange, "",
-        fmt::format("{} bytes of DXF; at most {} are read", text.size(), options.most_bytes));
+        fmt::format("{} bytes of DXF; at most {} are read unless POPCUT_RAISE_LIMITS is set",
+                    text.size(), options.most_bytes));
   if (text.substr(0, 18) == "AutoCAD Binary DXF")
     return fail(ErrorKind::Malformed, "line 1",
                 "is a binary DXF; save it as ASCII DXF, R12 or 2000 for instance");

@@ -23,6 +23,9 @@ struct DxfOptions {
   std::size_t most_points{10'000'000};  ///< of the drawing, curves flattened
   std::size_t most_lines{50'000'000};   ///< of text read again for inserts
   std::size_t most_deep{32};            ///< inserts within inserts
+
+  /// All that is counted times `factor`; the file and its points stay below 2^31.
+  [[nodiscard]] DxfOptions raised(unsigned factor) const;
 };
 
 /// The lines of an ASCII DXF drawing (R9 to R2018) in page mm: x to the right, y turned down.

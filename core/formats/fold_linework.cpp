@@ -76,8 +76,7 @@ bool add_borders(std::vector<Segment> borders, LineWork& work) {
     index.covered(s, i, covered);
     overlaps += covered.size();
     if (overlaps > kMostOverlaps) return false;
-    for (const auto& [from, to] : free_parts(covered, l))
-      edge.push_back({at(from), at(to)});
+    for (const auto& [from, to] : free_parts(covered, l)) edge.push_back({at(from), at(to)});
     // What is free of all, and of those before: what remains is the slit's first side.
     slit.clear();
     double t = 0.0;
@@ -152,8 +151,8 @@ const FoldFrame* flat_frame(const FoldFile& file) {
   return nullptr;
 }
 
-Result<LineWork> linework_from_fold(std::string_view text) {
-  const auto file = read_fold(text);
+Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& limits) {
+  const auto file = read_fold(text, limits);
   if (!file) return tl::unexpected(file.error());
   const FoldFrame* frame = flat_frame(*file);
   if (frame == nullptr)

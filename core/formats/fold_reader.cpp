@@ -15,7 +15,6 @@ namespace {
 using verify::FoldColumn;
 using verify::FrameText;
 
-constexpr std::size_t kMaxBytes = 400u << 20;  // of all frames in memory, with what they inherit
 constexpr std::size_t kNone = ~std::size_t{0};
 
 std::size_t bytes_of(const FoldFrame& frame) {
@@ -200,8 +199,8 @@ Result<std::size_t> parent_of(const std::vector<FrameText>& texts, std::size_t i
 /// Reads the frames so that each comes after the one that it inherits from.
 class FrameOrder {
  public:
-  FrameOrder(const std::vector<FrameText>& texts, FoldFile& file)
-      : texts_(texts), file_(file), state_(texts.size(), State::Waiting) {}
+  FrameOrder(const std::vector<FrameText>& texts, FoldFile& file, std::size_t most_bytes)
+      : texts_(texts), file_(file), state_(texts.size(), State::Waiting), most_bytes_(most_bytes) {}
 
   Result<void> read(std::size_t i) {
     std::vector<std::pair<std::size_t, std::size_t>> chain;  // frame, its parent
@@ -225,7 +224,7 @@ class FrameOrder {
 
   Result<void> take(std::size_t i, std::size_t parent) {
     FoldFrame& frame = file_.frames[i];
-    const auto fits = [&](std::size_t more) { return bytes_ + more <= kMaxBytes; };
+    const auto fits = [&](std::size_t more) { return bytes_ + more <= most_bytes_; };
     if (parent != kNone && !fits(bytes_of(file_.frames[parent]))) return too_large(i);
     if (parent != kNone) frame = file_.frames[parent];
     if (auto done = FrameReader(texts_[i], frame).read(); !done) return done;
@@ -238,19 +237,20 @@ class FrameOrder {
   [[nodiscard]] tl::unexpected<Error> too_large(std::size_t i) const {
     return fail(
         ErrorKind::OutOfRange, texts_[i].place,
-        fmt::format("the frames together need more than {} MB; leave some out", kMaxBytes >> 20));
+        fmt::format("the frames together need more than {} MB; leave some out", most_bytes_ >> 20));
   }
 
   const std::vector<FrameText>& texts_;
   FoldFile& file_;
   std::vector<State> state_;
+  std::size_t most_bytes_;
   std::size_t bytes_{0};
 };
 
 }  // namespace
 
-Result<FoldFile> read_fold(std::string_view text) {
-  const auto texts = verify::read_fold_text(text);
+Result<FoldFile> read_fold(std::string_view text, const FoldLimits& limits) {
+  const auto texts = verify::read_fold_text(text, limits);
   if (!texts) return tl::unexpected(texts.error());
   const FrameText& key = texts->front();
   if (!key.vertices_coords.present && !key.inherit) {
@@ -262,7 +262,7 @@ Result<FoldFile> read_fold(std::string_view text) {
   FoldFile file;
   file.title = key.file_title;
   file.frames.resize(texts->size());
-  FrameOrder order(*texts, file);
+  FrameOrder order(*texts, file, limits.frame_bytes);
   for (std::size_t i = 0; i < texts->size(); ++i)
     if (auto done = order.read(i); !done) return tl::unexpected(done.error());
   return file;

@@ -10,8 +10,11 @@
 
 #include "core/plan/linework.hpp"
 #include "core/result.hpp"
+#include "core/verify/fold_text.hpp"
 
 namespace popcut {
+
+using verify::FoldLimits;
 
 /// One frame of a FOLD file as it stands, with what it inherits filled in.
 struct FoldFrame {
@@ -36,8 +39,8 @@ struct FoldFile {
 /// angles, `edges_foldAngles` (1.0); strict about indices, lengths and numbers.
 ///
 /// @retval Malformed   not JSON, or not of FOLD's form; place is a JSON pointer or line and column
-/// @retval OutOfRange  an index or number that is not lawful
-[[nodiscard]] Result<FoldFile> read_fold(std::string_view text);
+/// @retval OutOfRange  an index or number that is not lawful, or over a limit
+[[nodiscard]] Result<FoldFile> read_fold(std::string_view text, const FoldLimits& limits = {});
 
 /// The first frame that lies flat in z, frames that are no folded form first (a model folded flat
 /// lies flat, too); null if there is none.
@@ -52,6 +55,7 @@ struct FoldFile {
 /// where they bound a hole. F, J and flat U edges are left out.
 ///
 /// @retval Malformed, OutOfRange  as `read_fold`; no frame lies flat in z; coordinates beyond 100 m
-[[nodiscard]] Result<LineWork> linework_from_fold(std::string_view text);
+[[nodiscard]] Result<LineWork> linework_from_fold(std::string_view text,
+                                                  const FoldLimits& limits = {});
 
 }  // namespace popcut

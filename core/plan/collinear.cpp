@@ -49,10 +49,9 @@ CollinearIndex::CollinearIndex(std::span<const Segment> all, double tolerance)
       longs_by_place_(sizes_.long_cell, tolerance, sizes_.shorts > 0 ? sizes_.longs : 0),
       any_short_(sizes_.shorts > 0),
       head_(std::bit_ceil(2 * sizes_.longs + 16), -1) {
-  next_.reserve(sizes_.longs);
+  lines_.reserve(sizes_.longs);
   segments_.reserve(sizes_.longs);
   ids_.reserve(sizes_.longs);
-  bins_.reserve(sizes_.longs);
 }
 
 CollinearIndex::Line CollinearIndex::line_of(const Segment& s) const {
@@ -62,7 +61,7 @@ CollinearIndex::Line CollinearIndex::line_of(const Segment& s) const {
   const double nx = -std::sin(angle), ny = std::cos(angle);
   const PagePoint half{(s.a.x + s.b.x) / 2 - sizes_.middle.x,
                        (s.a.y + s.b.y) / 2 - sizes_.middle.y};
-  return {std::min(static_cast<std::int64_t>(angle / kAngleBin), kAngles - 1),
+  return {std::min(static_cast<std::int64_t>(angle / kAngleBin), kAngles - 1), angle,
           nx * half.x + ny * half.y};
 }
 
@@ -78,8 +77,8 @@ void CollinearIndex::insert(const Segment& segment, std::uint32_t id) {
   const Line line = line_of(segment);
   const auto bin = static_cast<std::int64_t>(std::floor(line.offset / offset_bin_));
   std::int32_t& head = head_[slot(line.angle, bin)];
-  bins_.push_back(bin * kAngles + line.angle);
-  next_.push_back(head);
+  lines_.push_back({static_cast<float>(line.radians), static_cast<float>(line.offset),
+                    static_cast<std::int32_t>(bin * kAngles + line.angle), head});
   head = static_cast<std::int32_t>(segments_.size());
   segments_.push_back(segment);
   ids_.push_back(id);
@@ -91,17 +90,35 @@ void CollinearIndex::covered_by_long(const Segment& segment, std::uint32_t not_t
                                      std::vector<Covered>& out) {
   const double l = distance(segment.a, segment.b);
   const Line line = line_of(segment);
+  // Along the line from the foot of the middle of the drawing: where the segment begins and ends.
+  const double ux = std::cos(line.radians), uy = std::sin(line.radians);
+  const auto along = [&](const PagePoint& p) {
+    return (p.x - sizes_.middle.x) * ux + (p.y - sizes_.middle.y) * uy;
+  };
+  const double from = along(segment.a), to = along(segment.b);
+  const double near_mm = tolerance_ + 0.001 + 1e-6 * sizes_.reach;  // floats are rounded
   // The last bin is narrower than the others: beside it two are looked at.
   for (std::int64_t a = line.angle - 2; a <= line.angle + 2; ++a) {
     const bool near = std::abs(a - line.angle) <= 1 || a >= kAngles || a < 0;
     if (!near) continue;
     const std::int64_t angle = (a + kAngles) % kAngles;
-    const double offset = a == angle ? line.offset : -line.offset;
+    const double side = a == angle ? 1.0 : -1.0, offset = side * line.offset;
+    const double radians =
+        line.radians + (a < 0 ? std::numbers::pi : 0.0) - (a >= kAngles ? std::numbers::pi : 0.0);
     const auto bin = static_cast<std::int64_t>(std::floor(offset / offset_bin_));
     for (std::int64_t r = bin - 1; r <= bin + 1; ++r)
-      for (std::int32_t s = head_[slot(angle, r)]; s >= 0; s = next_[static_cast<std::size_t>(s)]) {
+      for (std::int32_t s = head_[slot(angle, r)]; s >= 0;
+           s = lines_[static_cast<std::size_t>(s)].next) {
         const auto index = static_cast<std::size_t>(s);
-        if (ids_[index] == not_this || bins_[index] != r * kAngles + angle) continue;
+        const LongLine& other = lines_[index];
+        if (other.bin != r * kAngles + angle) continue;
+        // How far the segment's ends are from the other line: both on one side of it, or near?
+        const double turn = static_cast<double>(other.radians) - radians;
+        const double sine = side * turn * (1.0 - turn * turn / 6);
+        const double foot = offset * (1.0 - turn * turn / 2) - static_cast<double>(other.offset);
+        const double first = foot - from * sine, last = foot - to * sine;
+        if (std::min(first, last) > near_mm || std::max(first, last) < -near_mm) continue;
+        if (ids_[index] == not_this) continue;
         Covered part{0.0, 0.0, ids_[index]};
         if (overlap(segment, l, segments_[index], tolerance_, part.from, part.to))
           out.push_back(part);

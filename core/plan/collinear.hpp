@@ -35,8 +35,8 @@ class CollinearIndex {
   };
   static Sizes sizes_of(std::span<const Segment> all);
   struct Line {
-    std::int64_t angle{};
-    double offset{};
+    std::int64_t angle{};  ///< its bin
+    double radians{}, offset{};
   };
   [[nodiscard]] Line line_of(const Segment& segment) const;
   [[nodiscard]] std::size_t slot(std::int64_t angle, std::int64_t offset) const;
@@ -48,11 +48,15 @@ class CollinearIndex {
   OverlapIndex shorts_;
   OverlapIndex longs_by_place_;
   bool any_short_;
+  struct LongLine {
+    float radians{}, offset{};
+    std::int32_t bin{};
+    std::int32_t next{};
+  };
   std::vector<std::int32_t> head_;  ///< of long segments, by line
-  std::vector<std::int32_t> next_;
+  std::vector<LongLine> lines_;
   std::vector<Segment> segments_;
   std::vector<std::uint32_t> ids_;
-  std::vector<std::int64_t> bins_;
 };
 
 }  // namespace popcut

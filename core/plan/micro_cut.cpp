@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numbers>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -16,6 +18,8 @@ constexpr double kTouch = 0.05;    // mm between a fold and a cut that meet
 constexpr double kSteepest = 0.5;  // sine; below it the clearance grows no more
 constexpr double kCorner = 0.98;   // cosine; a sharper turn of a fold gets clearance
 constexpr double kSlack = 1e-9;
+constexpr std::size_t kManyCuts = 1000;  // a finer grid pays
+constexpr std::size_t kFewCuts = 4;      // of a cell, that are met at once
 
 struct CutPiece {
   Segment segment;
@@ -40,7 +44,10 @@ std::vector<CutPiece> cut_pieces(const LineWork& work) {
 class Clearances {
  public:
   Clearances(const std::vector<CutPiece>& cuts, double clearance)
-      : cuts_(cuts), clearance_(clearance), grid_(segments(cuts), std::max(clearance, kTouch)) {}
+      : cuts_(cuts),
+        clearance_(clearance),
+        grid_(segments(cuts), std::max(clearance, kTouch), cuts.size() > kManyCuts),
+        seen_(cuts.size(), 0) {}
 
   void find(std::span<const PagePoint> fold, std::vector<Dash>& kept) {
     kept.clear();
@@ -78,8 +85,49 @@ class Clearances {
     return dot < kCorner * distance(a, b) * distance(b, c);
   }
 
+  // Where cuts are many, some of each cell are met first: mostly these keep all that the others
+  // would keep, too.
   void meet_cuts(const Segment& piece, double l, double t, std::vector<Dash>& kept) {
-    grid_.near(piece, near_);
+    ++query_;
+    const std::size_t first = kept.size();
+    rest_.clear();
+    const PagePoint u{(piece.b.x - piece.a.x) / l, (piece.b.y - piece.a.y) / l};
+    grid_.each_cell(piece, [&](const PagePoint& centre, std::span<const std::uint32_t> cuts) {
+      const std::size_t some = std::min(cuts.size(), kFewCuts);
+      meet_some(cuts.first(some), piece, l, t, kept);
+      const double at = (centre.x - piece.a.x) * u.x + (centre.y - piece.a.y) * u.y;
+      if (some < cuts.size()) rest_.push_back({t + at, cuts.subspan(some)});
+    });
+    if (rest_.empty()) return;
+    merge_from(kept, first);
+    const std::vector<Dash> whole(kept.begin() + static_cast<std::ptrdiff_t>(first), kept.end());
+    const double reach =
+        grid_.cell_mm() * std::numbers::sqrt2 / 2 + clearance_ / kSteepest + kTouch;
+    for (const Rest& rest : rest_) {
+      const auto after =
+          std::upper_bound(whole.begin(), whole.end(), rest.at,
+                           [](double at, const Dash& stretch) { return at < stretch.from; });
+      const bool all_kept = after != whole.begin() && std::prev(after)->from <= rest.at - reach &&
+                            std::prev(after)->to >= rest.at + reach;
+      if (!all_kept) meet_some(rest.cuts, piece, l, t, kept);
+    }
+  }
+
+  // Joins the stretches from `first` on where they overlap, in order.
+  static void merge_from(std::vector<Dash>& kept, std::size_t first) {
+    const auto begin = kept.begin() + static_cast<std::ptrdiff_t>(first);
+    std::sort(begin, kept.end(), [](const Dash& a, const Dash& b) { return a.from < b.from; });
+    auto last = begin;
+    for (auto next = begin; next != kept.end(); ++next)
+      if (next == begin || next->from > last->to)
+        *(next == begin ? last : ++last) = *next;
+      else
+        last->to = std::max(last->to, next->to);
+    if (begin != kept.end()) kept.erase(last + 1, kept.end());
+  }
+
+  void meet_some(std::span<const std::uint32_t> cuts, const Segment& piece, double l, double t,
+                 std::vector<Dash>& kept) {
     const double ux = (piece.b.x - piece.a.x) / l, uy = (piece.b.y - piece.a.y) / l;
     const auto along = [&](const PagePoint& p) {
       return (p.x - piece.a.x) * ux + (p.y - piece.a.y) * uy;
@@ -87,7 +135,9 @@ class Clearances {
     const auto aside = [&](const PagePoint& p) {
       return (p.y - piece.a.y) * ux - (p.x - piece.a.x) * uy;
     };
-    for (const std::uint32_t c : near_) {
+    for (const std::uint32_t c : cuts) {
+      if (seen_[c] == query_) continue;
+      seen_[c] = query_;
       const CutPiece& cut = cuts_[c];
       const double h0 = aside(cut.segment.a), h1 = aside(cut.segment.b);
       const double s0 = along(cut.segment.a), s1 = along(cut.segment.b);
@@ -106,7 +156,13 @@ class Clearances {
   const std::vector<CutPiece>& cuts_;
   double clearance_;
   SegmentGrid grid_;
-  std::vector<std::uint32_t> near_;
+  struct Rest {
+    double at{};  ///< along the fold, of the middle of a cell
+    std::span<const std::uint32_t> cuts;
+  };
+  std::vector<std::uint32_t> seen_;  ///< query that met the cut last
+  std::uint32_t query_{};
+  std::vector<Rest> rest_;
 };
 
 // The part of a line between two lengths along it.

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "core/plan/stroke_loops.hpp"
+
 namespace popcut {
 namespace {
 
@@ -13,7 +15,7 @@ bool crosses_left_of(const PagePoint& p, const PagePoint& a, const PagePoint& b)
   return (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y);
 }
 
-double area(std::span<const PagePoint> loop) {
+double area_of(std::span<const PagePoint> loop) {
   double twice = 0.0;
   const PagePoint& o = loop.front();
   for (std::size_t i = 1; i < loop.size(); ++i)
@@ -39,11 +41,12 @@ PagePoint probe(std::span<const PagePoint> line) {
 class Loop {
  public:
   Loop(std::span<const PagePoint> points, std::uint32_t line)
-      : points_(points), line_(line), area_(area(points)) {
+      : points_(points), line_(line), area_(area_of(points)) {
     for (const PagePoint& p : points) box_.add(p);
   }
   [[nodiscard]] std::uint32_t line() const { return line_; }
   [[nodiscard]] const Box& box() const { return box_; }
+  [[nodiscard]] double area() const { return area_; }
   // Whether a box has room in its own; what sticks out is not inside.
   [[nodiscard]] bool has_room_for(const Box& b) const {
     return b.x0 >= box_.x0 && b.x1 <= box_.x1 && b.y0 >= box_.y0 && b.y1 <= box_.y1;
@@ -175,11 +178,12 @@ std::uint64_t hash_of(std::uint64_t z) {
 
 class Finder {
  public:
-  Finder(const LineWork& work, const std::vector<std::uint8_t>& counts)
+  // `inner`: whether the loops of strokes that meet themselves count, too.
+  Finder(const LineWork& work, const std::vector<std::uint8_t>& counts, bool inner)
       : work_(work),
         counts_(counts),
         loop_of_(work.lines.size(), kNone),
-        loops_(find()),
+        loops_(find(inner)),
         grids_(loops_) {}
 
   // Calls visit(loop) for each loop around a line.
@@ -190,9 +194,8 @@ class Finder {
     const PagePoint p = probe(points);
     Box box;
     for (const PagePoint& q : points) box.add(q);
-    const std::uint32_t own = loop_of_[line];
     grids_.visit(p, [&](std::uint32_t l) {
-      if (l != own && loops_[l].has_room_for(box) && loops_[l].holds(p)) visit(l);
+      if (loops_[l].line() != line && loops_[l].has_room_for(box) && loops_[l].holds(p)) visit(l);
     });
   }
   [[nodiscard]] bool outside(std::uint32_t loop, std::uint32_t line) const {
@@ -217,20 +220,33 @@ class Finder {
  private:
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  std::vector<Loop> find() {
+  std::vector<Loop> find(bool inner) {
+    std::vector<std::uint32_t> line_of;  // of the loops within strokes
+    for (std::uint32_t i = 0; inner && i < work_.lines.size(); ++i) {
+      if (counts_[i] != 0) append_stroke_loops(work_.points_of(work_.lines[i]), within_);
+      line_of.resize(within_.ends.size(), i);
+    }
     std::vector<Loop> loops;
+    std::size_t next = 0;
     for (std::uint32_t i = 0; i < work_.lines.size(); ++i) {
       const auto points = work_.points_of(work_.lines[i]);
-      if (counts_[i] == 0 || !closed(points)) continue;
-      loop_of_[i] = static_cast<std::uint32_t>(loops.size());
-      loops.emplace_back(points, i);
+      if (counts_[i] != 0 && closed(points)) add(loops, points, i);
+      for (; next < line_of.size() && line_of[next] == i; ++next) add(loops, within_.loop(next), i);
     }
     return loops;
+  }
+  // Of the loops of a line the largest one says what it lies inside of.
+  void add(std::vector<Loop>& loops, std::span<const PagePoint> points, std::uint32_t line) {
+    std::uint32_t& own = loop_of_[line];
+    const auto number = static_cast<std::uint32_t>(loops.size());
+    loops.emplace_back(points, line);
+    if (own == kNone || loops[own].area() < loops[number].area()) own = number;
   }
 
   const LineWork& work_;
   const std::vector<std::uint8_t>& counts_;
   std::vector<std::uint32_t> loop_of_;
+  StrokeLoops within_;
   std::vector<Loop> loops_;
   LoopGrids grids_;
 };
@@ -246,14 +262,14 @@ struct Around {
 std::vector<std::uint32_t> nesting_depth(const LineWork& work,
                                          const std::vector<std::uint8_t>& counts) {
   std::vector<std::uint32_t> depth(work.lines.size(), 0);
-  Finder finder(work, counts);
+  Finder finder(work, counts, false);
   for (std::uint32_t i = 0; i < work.lines.size(); ++i)
     finder.visit_holders(i, [&](std::uint32_t) { ++depth[i]; });
   return depth;
 }
 
 Nesting nesting(const LineWork& work, const std::vector<std::uint8_t>& counts) {
-  Finder finder(work, counts);
+  Finder finder(work, counts, true);
   const auto n = static_cast<std::uint32_t>(work.lines.size());
   std::vector<Around> around(n);
   for (std::uint32_t i = 0; i < n; ++i)

@@ -25,7 +25,8 @@ struct Nesting {
 };
 
 /// Nesting of the lines that count, as `nesting_depth`; of two closed lines that each hold the
-/// other's middle, the one of the larger area is outside. O(n log n) and what is found, for lines
+/// other's middle, the one of the larger area is outside. A stroke that meets itself, as a lollipop
+/// does, holds what lies in its loops. O(n log n) and what is found, for lines
 /// that are not nested thousands deep.
 [[nodiscard]] Nesting nesting(const LineWork& work, const std::vector<std::uint8_t>& counts);
 

@@ -8,7 +8,8 @@
 
 namespace popcut {
 
-SegmentGrid::SegmentGrid(std::span<const Segment> segments, double reach) : reach_(reach) {
+SegmentGrid::SegmentGrid(std::span<const Segment> segments, double reach, bool fine)
+    : reach_(reach) {
   Box box;
   double total = 0.0;
   for (const Segment& s : segments) {
@@ -17,10 +18,12 @@ SegmentGrid::SegmentGrid(std::span<const Segment> segments, double reach) : reac
     total += distance(s.a, s.b);
   }
   if (segments.empty()) box = {0.0, 0.0, 0.0, 0.0};
-  // As many cells as segments, but none so small that the lines take more than 8 cells on average.
+  // As many cells as segments, but none so small that the lines take more than 8 cells on average;
+  // in a fine grid a million, and 16 million entries.
   const double n = static_cast<double>(segments.size()) + 1.0;
-  cell_ = std::max({std::sqrt(box.width() * box.height() / n), total / (8.0 * n), 2.0 * reach,
-                    (box.width() + box.height()) / (4.0 * n)});
+  const double cells = fine ? std::max(n, 1e6) : n, entries = fine ? std::max(8 * n, 16e6) : 8 * n;
+  cell_ = std::max({std::sqrt(box.width() * box.height() / cells), total / entries, 2.0 * reach,
+                    (box.width() + box.height()) / (4.0 * cells)});
   x0_ = box.x0;
   y0_ = box.y0;
   columns_ = static_cast<std::int64_t>(box.width() / cell_) + 1;
@@ -33,34 +36,6 @@ SegmentGrid::SegmentGrid(std::span<const Segment> segments, double reach) : reac
   std::vector<std::uint32_t> fill(first_.begin(), first_.end() - 1);
   for (std::uint32_t i = 0; i < segments.size(); ++i)
     visit(segments[i], 0.0, [&](std::size_t cell) { items_[fill[cell]++] = i; });
-}
-
-template <typename Visit>
-void SegmentGrid::visit(const Segment& s, double reach, Visit&& visit_cell) const {
-  const auto clamp_to = [](double value, std::int64_t count) {
-    return static_cast<std::int64_t>(
-        std::clamp(std::floor(value), 0.0, static_cast<double>(count - 1)));
-  };
-  const bool flat = std::abs(s.b.x - s.a.x) >= std::abs(s.b.y - s.a.y);
-  const double origin_major = flat ? x0_ : y0_, origin_minor = flat ? y0_ : x0_;
-  const std::int64_t majors = flat ? columns_ : rows_, minors = flat ? rows_ : columns_;
-  double m0 = flat ? s.a.x : s.a.y, n0 = flat ? s.a.y : s.a.x;
-  double m1 = flat ? s.b.x : s.b.y, n1 = flat ? s.b.y : s.b.x;
-  if (m0 > m1) {
-    std::swap(m0, m1);
-    std::swap(n0, n1);
-  }
-  const double slope = m1 > m0 ? (n1 - n0) / (m1 - m0) : 0.0;
-  const std::int64_t last = clamp_to((m1 + reach - origin_major) / cell_, majors);
-  for (std::int64_t c = clamp_to((m0 - reach - origin_major) / cell_, majors); c <= last; ++c) {
-    const double from = std::clamp(origin_major + static_cast<double>(c) * cell_ - reach, m0, m1);
-    const double to = std::clamp(origin_major + static_cast<double>(c + 1) * cell_ + reach, m0, m1);
-    const double a = n0 + slope * (from - m0), b = n0 + slope * (to - m0);
-    const std::int64_t top = clamp_to((std::max(a, b) + reach - origin_minor) / cell_, minors);
-    for (std::int64_t d = clamp_to((std::min(a, b) - reach - origin_minor) / cell_, minors);
-         d <= top; ++d)
-      visit_cell(static_cast<std::size_t>(flat ? d * columns_ + c : c * columns_ + d));
-  }
 }
 
 void SegmentGrid::near(const Segment& segment, std::vector<std::uint32_t>& out) {

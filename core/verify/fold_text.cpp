@@ -49,7 +49,10 @@ FoldColumn* column_of(FrameText& frame, const std::string& key) {
 /// object that holds the member being read: its value's outer list opens at that depth.
 class FoldSax : public nlohmann::json_sax<Json> {
  public:
-  explicit FoldSax(std::string_view text) : text_(text) { frames_.emplace_back(); }
+  FoldSax(std::string_view text, const FoldLimits& limits)
+      : text_(text), most_numbers_(limits.numbers) {
+    frames_.emplace_back();
+  }
 
   bool null() override {
     const bool whole = is_column() && level() == 0;  // a member that is null is not there
@@ -93,9 +96,9 @@ class FoldSax : public nlohmann::json_sax<Json> {
   }
   /// Counts a number or a row.
   bool count() {
-    return ++numbers_ <= kMaxFoldNumbers ||
+    return ++numbers_ <= most_numbers_ ||
            stop(ErrorKind::OutOfRange, place(),
-                fmt::format("more than {} numbers in the file; split it", kMaxFoldNumbers));
+                fmt::format("more than {} numbers in the file; split it", most_numbers_));
   }
   bool done() {
     form_ = Form::Skip;
@@ -111,6 +114,7 @@ class FoldSax : public nlohmann::json_sax<Json> {
   bool open();
 
   std::string_view text_;
+  std::size_t most_numbers_;
   std::vector<FrameText> frames_;
   std::string key_;
   FoldColumn* column_{nullptr};
@@ -323,13 +327,13 @@ bool FoldSax::parse_error(std::size_t position, const std::string&,
 
 }  // namespace
 
-Result<std::vector<FrameText>> read_fold_text(std::string_view text) {
-  if (text.size() > kMaxFoldBytes) {
+Result<std::vector<FrameText>> read_fold_text(std::string_view text, const FoldLimits& limits) {
+  if (text.size() > limits.bytes) {
     return fail(
         ErrorKind::OutOfRange, "",
-        fmt::format("the text has {} bytes; at most {} are read", text.size(), kMaxFoldBytes));
+        fmt::format("the text has {} bytes; at most {} are read", text.size(), limits.bytes));
   }
-  FoldSax sax(text);
+  FoldSax sax(text, limits);
   if (!Json::sax_parse(text, &sax)) return tl::unexpected<Error>(std::move(sax.error));
   return sax.take();
 }

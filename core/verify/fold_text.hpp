@@ -43,8 +43,17 @@ struct FrameText {
   bool inherit{false};
 };
 
-inline constexpr std::size_t kMaxFoldBytes = std::size_t{1} << 28;
-inline constexpr std::size_t kMaxFoldNumbers = 32'000'000;  ///< numbers, and rows, of all members
+/// What a FOLD file may take; checked before the memory is taken.
+struct FoldLimits {
+  std::size_t bytes{std::size_t{1} << 28};  ///< of the text
+  std::size_t numbers{32'000'000};          ///< numbers, and rows, of all members
+  std::size_t frame_bytes{400u << 20};      ///< of all frames in memory, with what they inherit
+
+  /// All of them times `factor`.
+  [[nodiscard]] FoldLimits raised(unsigned factor) const {
+    return {bytes * factor, numbers * factor, frame_bytes * factor};
+  }
+};
 inline constexpr int kMaxFoldDepth = 64;
 inline constexpr std::size_t kMaxFoldFrames = 10'000;
 
@@ -53,8 +62,8 @@ inline constexpr std::size_t kMaxFoldFrames = 10'000;
 ///
 /// @retval Malformed   not JSON (with line and column), nested too deep, or a member that has
 ///                     another type than FOLD 1.2 gives it (with JSON pointer)
-/// @retval OutOfRange  larger than `kMaxFoldBytes`, or more than `kMaxFoldFrames` frames or
-///                     `kMaxFoldNumbers` numbers
-[[nodiscard]] Result<std::vector<FrameText>> read_fold_text(std::string_view text);
+/// @retval OutOfRange  over a limit, or more than `kMaxFoldFrames` frames
+[[nodiscard]] Result<std::vector<FrameText>> read_fold_text(std::string_view text,
+                                                            const FoldLimits& limits = {});
 
 }  // namespace popcut::verify

@@ -52,8 +52,10 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
   if (!folder) return tl::unexpected(folder.error());
   for (std::size_t i = 0; i < job->plan.sheets.size(); ++i) {
     const std::string title = fmt::format("{}: sheet {}", job->plan.name, i + 1);
-    const std::string svg = sheet_svg(job->plan.sheets[i], title);
-    if (auto done = folder->add(PlanJob::sheet_file(i, "svg"), svg); !done) return done;
+    if (auto done =
+            folder->add(PlanJob::sheet_file(i, "svg"), sheet_svg(job->plan.sheets[i], title));
+        !done)
+      return done;
     const std::string picture = fmt::format("plan-{:02}.svg", i + 1);
     if (auto done = folder->add(picture, plan_svg(job->plan.sheets[i], title)); !done) return done;
     if (auto done = add_profile_sheet(job->plan.sheets[i], i + 1, options.job.svg_profile, title,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/cli/drawing_input.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <utility>
@@ -39,29 +40,39 @@ Result<DrawingInput> only_drawing(Result<LineWork> drawing) {
   return DrawingInput{std::move(*drawing), std::nullopt, {}};
 }
 
-Result<DrawingInput> from_dxf(const std::string& text, const SvgReadOptions& how) {
-  DxfOptions options;
+Result<DrawingInput> from_dxf(const std::string& text, const SvgReadOptions& how, unsigned factor) {
+  DxfOptions options = DxfOptions{}.raised(factor);
   if (how.profile.name == "origami-sim") options.colours = DxfColours::OrigamiSim;
   if (how.profile.name == "lightburn") options.colours = DxfColours::Lightburn;
   options.tolerance_mm = how.tolerance_mm;
   return only_drawing(linework_from_dxf(text, options));
 }
 
+Result<DrawingInput> from_fold(const std::string& text, unsigned factor) {
+  return only_drawing(linework_from_fold(text, FoldLimits{}.raised(factor)));
+}
+
 Result<DrawingInput> from_text(std::string text, const std::string& file, const std::string& ending,
-                               const SvgReadOptions& how) {
+                               const SvgReadOptions& how, unsigned factor) {
   if (ending == ".svg") return only_drawing(linework_from_svg(std::move(text), how));
-  if (ending == ".fold") return only_drawing(linework_from_fold(text));
+  if (ending == ".fold") return from_fold(text, factor);
   if (ending == ".json") return from_spec(text, file);
-  if (ending == ".dxf") return from_dxf(text, how);
+  if (ending == ".dxf") return from_dxf(text, how, factor);
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (first != std::string::npos && text[first] == '<')
     return only_drawing(linework_from_svg(std::move(text), how));
   if (first != std::string::npos && text[first] == '{')
-    return text.find("\"vertices_coords\"") == std::string::npos
-               ? from_spec(text, file)
-               : only_drawing(linework_from_fold(text));
+    return text.find("\"vertices_coords\"") == std::string::npos ? from_spec(text, file)
+                                                                 : from_fold(text, factor);
   return fail(ErrorKind::Malformed, "",
               "is neither a spec (.json) nor a drawing (.fold, .svg, .dxf) that popcut reads");
+}
+
+// What is read of a file before it is known what is in it; a spec is small.
+std::size_t most_bytes(const std::string& ending, const SvgReadOptions& how, unsigned factor) {
+  if (ending == ".svg") return how.limits.bytes;
+  if (ending == ".dxf") return DxfOptions{}.raised(factor).most_bytes;
+  return FoldLimits{}.raised(factor).bytes;
 }
 
 // How much more than usual a drawing may take.
@@ -85,13 +96,14 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how) {
   std::string ending = std::filesystem::path(file).extension().string();
   for (char& c : ending)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  auto text = ending == ".svg" ? read_file(file, how.limits.bytes) : read_file(file);
-  if (!text && ending == ".svg" && text.error().detail.find("is larger than") == 0)
+  const std::size_t most = most_bytes(ending, how, *factor);
+  auto text = read_file(file, most);
+  if (!text && text.error().detail.find("is larger than") == 0)
     return fail(ErrorKind::OutOfRange, file,
-                fmt::format("is larger than {} bytes; simplify it, or set POPCUT_RAISE_LIMITS=4",
-                            how.limits.bytes));
+                fmt::format("is larger than {} bytes; simplify it, or set POPCUT_RAISE_LIMITS={}",
+                            most, std::min(100u, 4 * *factor)));
   if (!text) return tl::unexpected(text.error());
-  auto input = from_text(std::move(*text), file, ending, how);
+  auto input = from_text(std::move(*text), file, ending, how, *factor);
   if (!input) return tl::unexpected(within(file, input.error()));
   if (input->drawing.name.empty())
     input->drawing.name = std::filesystem::path(file).stem().string();

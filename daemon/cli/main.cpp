@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <unistd.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <cctype>
 #include <csignal>
@@ -100,6 +103,10 @@ int run(int argc, char** argv) {
 }  // namespace popcut::cli
 
 int main(int argc, char** argv) {
+#ifdef M_MMAP_THRESHOLD
+  // Large arrays go back at once; else the heap of a large drawing keeps holes where they were.
+  mallopt(M_MMAP_THRESHOLD, 256 * 1024);
+#endif
   // Talk that nobody can read (a closed or full standard error) is no fault of the work.
   if (isatty(STDERR_FILENO) == 0) (void)std::setvbuf(stderr, nullptr, _IOFBF, 1u << 16);
   std::signal(SIGXFSZ, SIG_IGN);  // a write past the file size limit fails like a full disk

@@ -170,7 +170,7 @@ void add_plan_options(CLI::App& command, PlanJobOptions& options) {
   const auto text = [&](const char* name, std::string& value, const char* help, const char* shown) {
     command.add_option(name, value, help)->option_text(shown);
   };
-  command.add_option("INPUT", options.input, "A SPEC (.json) or a pattern (.fold, .svg)")
+  command.add_option("INPUT", options.input, "A SPEC (.json) or a drawing (.fold, .svg, .dxf)")
       ->required();
   text("--machine", options.machine, "The cutter; 'popcut machines' lists them", "NAME [cameo3]");
   text("--material", options.material, "What is cut; 'popcut materials' lists them",

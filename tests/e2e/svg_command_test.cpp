@@ -77,5 +77,102 @@ TEST_CASE("a drawing over a limit is refused before it is read and the limits ca
   std::filesystem::resize_file(temp / "huge.svg", 300'000'000);  // no disk is taken
   check_refused(plan(temp, "A=", {"huge.svg"}), 3, "huge.svg: is larger than 100000000 bytes");
   check_refused(plan(temp, "POPCUT_RAISE_LIMITS=4", {"huge.svg"}), 3, "byte 1 is zero");
+  for (const char* name : {"huge.dxf", "huge.fold", "huge.json", "huge"}) {
+    std::filesystem::copy_file(temp / "huge.svg", temp / name);
+    std::filesystem::resize_file(temp / name, 300'000'000);
+    check_refused(plan(temp, "A=", {name}), 3, "is larger than 268435456 bytes");
+    CHECK(plan(temp, "POPCUT_RAISE_LIMITS=4", {name}).err.find("is larger than") ==
+          std::string::npos);
+  }
   check_refused(plan(temp, "POPCUT_RAISE_LIMITS=x", {"huge.svg"}), 2, "POPCUT_RAISE_LIMITS: is");
+}
+
+TEST_CASE("sheets for other programs are as large as the mat and every dash is a path",
+          "[cli][e2e][svg]") {
+  const TempFolder temp;
+  write_file(temp / "a.svg",
+             "<svg xmlns='http://www.w3.org/2000/svg' width='100mm' height='80mm' "
+             "viewBox='0 0 100 80' fill='none' stroke='#000'>"
+             "<path data-assignment='B' d='M0 0H100V80H0Z'/><path data-assignment='C' "
+             "d='M20 20V60'/><path data-assignment='M' d='M20 30H80'/><path data-assignment='V' "
+             "d='M20 50H80'/></svg>");
+  struct Expected {
+    const char *profile, *size, *outline, *mountain, *valley;
+  };
+  const Expected all[] = {
+      {"cricut", "width=\"11.5in\" height=\"11.5in\"", "", "", ""},
+      {"lightburn", "width=\"304.8mm\" height=\"304.8mm\"", "stroke=\"#000000\"",
+       "stroke=\"#ff0000\"", "stroke=\"#0000ff\""},
+      {"origami-sim", "viewBox=\"0 0 ", "stroke=\"#000000\"", "stroke=\"#ff0000\"",
+       "stroke=\"#0000ff\""},
+  };
+  for (const Expected& expected : all) {
+    CAPTURE(expected.profile);
+    const Ran ran = plan(temp, "A=", {"a.svg", "--svg-profile", expected.profile});
+    CAPTURE(ran.err);
+    REQUIRE(ran.exit == 0);
+    const json sheet = json::parse(ran.out)["sheets"][0];
+    const std::string text =
+        text_of_file(temp / (std::string("sheets/sheet-01-") + expected.profile + ".svg"));
+    const auto count = [&](const std::string& part) {
+      std::size_t found = 0;
+      for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+        ++found;
+      return found;
+    };
+    CHECK(count(expected.size) == 1);
+    CHECK(count("stroke-dasharray") == 0);
+    const bool whole = std::string(expected.profile) == "origami-sim";
+    if (whole)
+      CHECK(count("<line ") == 4 + 1 + 2);  // there folds stay lines
+    else
+      CHECK(count("<path ") == sheet["lifts"].get<std::size_t>());
+    for (const char* colour : {expected.outline, expected.mountain, expected.valley})
+      if (*colour != '\0') CHECK(count(colour) >= 1);
+    // It reads back to the same lengths.
+    const Ran again = plan(temp, "A=",
+                           {"sheets/sheet-01-" + std::string(expected.profile) + ".svg",
+                            "--svg-profile", expected.profile});
+    CAPTURE(again.err);
+    CHECK(again.exit == 0);
+  }
+}
+
+TEST_CASE("a DXF drawing is planned and its sheet is what the program cuts", "[cli][e2e][dxf]") {
+  const TempFolder temp;
+  std::string dxf =
+      "  0\nSECTION\n  2\nHEADER\n  9\n$INSUNITS\n 70\n4\n  0\nENDSEC\n"
+      "  0\nSECTION\n  2\nENTITIES\n";
+  const auto line = [&](const char* layer, const char* ends) {
+    dxf += std::string("  0\nLINE\n  8\n") + layer + "\n" + ends;
+  };
+  line("CUT", " 10\n0\n 20\n0\n 11\n60\n 21\n0\n");
+  line("CUT", " 10\n60\n 20\n0\n 11\n60\n 21\n40\n");
+  line("CUT", " 10\n60\n 20\n40\n 11\n0\n 21\n0\n");
+  line("FOLD_V", " 10\n30\n 20\n5\n 11\n50\n 21\n5\n");
+  write_file(temp / "a.dxf", dxf +
+                                 "  0\nCIRCLE\n  8\nCUT\n 10\n50\n 20\n15\n 40\n4\n"
+                                 "  0\nENDSEC\n  0\nEOF\n");
+  for (const char* machine : {"cameo3", "hpgl-generic"}) {
+    CAPTURE(machine);
+    const Ran ran = plan(temp, "A=", {"a.dxf", "--machine", machine});
+    CAPTURE(ran.err);
+    REQUIRE(ran.exit == 0);
+    const json sheet = json::parse(ran.out)["sheets"][0];
+    CHECK(sheet["fold_line_mm"].get<double>() == Approx(20.0));
+    CHECK(sheet["paths"].get<int>() == 3);
+    CHECK(sheet["cut_mm"].get<double>() > 172.0);
+    const char* program = machine == std::string("cameo3") ? "sheet-01.gpgl" : "sheet-01.hpgl";
+    for (const std::vector<std::string>& expect :
+         {std::vector<std::string>{"sheets/sheet-01.svg"},
+          std::vector<std::string>{"a.dxf", "--plan", "sheets/plan.json"}}) {
+      std::vector<std::string> all{POPCUT_PROGRAM, "simulate", "sheets/" + std::string(program),
+                                   "-o",           "cut",      "--machine",
+                                   machine,        "--expect"};
+      all.insert(all.end(), expect.begin(), expect.end());
+      const Ran held = run_program(all, temp.path());
+      CAPTURE(held.err);
+      CHECK(held.exit == 0);
+    }
+  }
 }

@@ -225,6 +225,37 @@ TEST_CASE("what is inside is cut first and depths may mix", "[core][plan][order]
   CHECK(outer_before_inner_by_hand(work, done.visits) == 0);
 }
 
+TEST_CASE("what lies in the loop of an open stroke is cut before that stroke",
+          "[core][plan][order]") {
+  using Points = std::vector<PagePoint>;
+  // A lollipop whose loop ends at a vertex, one whose loop ends on a straight line, one that
+  // crosses itself, and a long one, whose pairs are found by place.
+  Points long_one{{0, 0}, {0, 50}};
+  for (int i = 1; i <= 60; ++i)
+    long_one.push_back({static_cast<double>(i), i % 2 == 0 ? 50.0 : 51.0});
+  long_one.insert(long_one.end(), {{60, 10}, {-9, 10}});
+  const std::vector<Points> strokes{
+      {{-40, 0}, {0, 0}, {50, 0}, {50, 50}, {0, 50}, {0, 0}},
+      {{-40, 0}, {50, 0}, {50, 50}, {0, 50}, {0, 0}},
+      {{-40, 0}, {50, 0}, {50, 50}, {0, 50}, {0, -40}},
+      long_one,
+  };
+  for (const Points& stroke : strokes) {
+    CAPTURE(stroke.size());
+    LineWork work;
+    draw(work, Operation::Cut, stroke);
+    draw(work, Operation::Cut, {{20, 20}, {24, 25}});  // inside
+    draw(work, Operation::Cut, {{70, 0}, {75, 2}});    // outside
+    const Nesting found = nesting(work, {1, 1, 1});
+    CHECK(found.around(0).empty());
+    REQUIRE(found.around(1).size() == 1);
+    CHECK(found.around(1)[0] == 0);
+    CHECK(found.around(2).empty());
+    const std::vector<std::uint32_t> lines = lines_of(order(work, {}));
+    CHECK(std::find(lines.begin(), lines.end(), 1u) < std::find(lines.begin(), lines.end(), 0u));
+  }
+}
+
 TEST_CASE("one stroke and none are ordered", "[core][plan][order]") {
   CHECK(order({}, {}).visits.empty());
   LineWork work;

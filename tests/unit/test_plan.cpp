@@ -140,6 +140,32 @@ TEST_CASE("a cut that meets a fold in its middle keeps its clearance", "[core][p
   CHECK(dashes >= 10);
 }
 
+TEST_CASE("folds keep clear of each of very many cuts", "[core][plan][dash]") {
+  LineWork work;
+  for (int i = 0; i < 40; ++i)
+    draw(work, Operation::FoldValley, {{0, 2.0 * i}, {40, 2.0 * i + 0.5}});
+  for (int i = 0; i <= 3000; ++i) {
+    const double x = 15.0 + i * 0.001;
+    draw(work, Operation::Cut, {{x, -1}, {x, 90}});
+  }
+  for (int i = 0; i < 40; ++i)
+    draw(work, Operation::Cut, {{30, 2.0 * i + 0.2}, {30, 2.0 * i + 1.0}});
+  const DashShape shape = paper().dashes;
+  const Dashed dashed = micro_cut(work, shape);
+  std::vector<double> dashes_mm(work.lines.size(), 0.0);
+  for (std::size_t i = 0; i < dashed.work.lines.size(); ++i) {
+    const auto points = dashed.work.points_of(dashed.work.lines[i]);
+    if (!is_fold(dashed.work.lines[i].operation)) continue;
+    dashes_mm[dashed.line[i]] += length(points);
+    const double x0 = points.front().x, x1 = points.back().x;
+    CAPTURE(x0, x1);
+    CHECK((x1 <= 15.0 - 0.49 || x0 >= 18.0 + 0.49));  // the cuts are not quite across the folds
+    CHECK((x1 <= 30.0 - 0.49 || x0 >= 30.0 + 0.49));
+  }
+  // About 14 + 11 + 9 mm are free: six tenths of it are cut.
+  for (std::size_t i = 0; i < 40; ++i) CHECK(dashes_mm[i] == Approx(0.62 * 34.0).epsilon(0.05));
+}
+
 TEST_CASE("folds too short for a dash are told and left uncut", "[core][plan][dash]") {
   LineWork work;
   draw(work, Operation::FoldMountain, {{3, 4}, {4.2, 4}});
