@@ -28,10 +28,11 @@ enum class SessionPhase : std::uint8_t {
   Settings,
   Cutting,
   Paused,
+  Held,
   Finishing,
   Parking
 };
-/// "connecting", "sending the settings", "cutting", "paused on the panel", ...
+/// "connecting", "sending the settings", "cutting", "paused on the panel", "held", ...
 [[nodiscard]] std::string_view name_of(SessionPhase phase);
 
 struct SessionProgress {
@@ -50,6 +51,9 @@ struct SessionOptions {
   double pause_limit_s{3600};  ///< for a pause on the panel
   /// Set from outside to end the job at the next end of a stroke, with the tool up and parked.
   const std::atomic<bool>* cancel{};
+  /// While it is set from outside, nothing is sent beyond the next end of a stroke, where the tool
+  /// is lifted and waits.
+  const std::atomic<bool>* pause{};
   /// Called about every `poll_s`, and when the phase changes.
   std::function<void(const SessionProgress&)> progress;
 };

@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -75,6 +76,7 @@ class SimCutter {
   void unload_media();
   void pause();  ///< takes effect when the leg under way has ended
   void resume();
+  void answer_as(std::string identity) { machine_.identity = std::move(identity); }  ///< to FG
   void cancel();  ///< only while paused: the rest is thrown away and the machine resets itself
 
   // What is to be seen.
