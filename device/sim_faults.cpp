@@ -31,8 +31,11 @@ Result<SimFault> fault_from(const nlohmann::json& json, const std::string& point
                 "a fault is an object, as in {\"at_byte\": 800, \"kind\": \"stall\"}");
   JsonFields fields(json, pointer);
   SimFault fault;
-  fault.kind =
-      static_cast<Kind>(fields.word("kind", kKinds.size(), {kKinds.begin(), kKinds.end()}));
+  if (!fields.has("kind"))
+    fields.add_error(ErrorKind::OutOfRange, fields.pointer("kind"),
+                     fmt::format("is missing; one of {} is needed", fmt::join(kKinds, ", ")));
+  const std::vector<std::string> kinds(kKinds.begin(), kKinds.end());
+  fault.kind = static_cast<Kind>(fields.word("kind", 0, kinds));
   const bool path = fields.has("at_path");
   if (path && fields.has("at_byte"))
     fields.add_error(ErrorKind::OutOfRange, fields.pointer("at_path"),

@@ -98,6 +98,7 @@ void SimTransport::strike_paths() {
 }
 
 void SimTransport::strike(const SimFault& fault) {
+  struck_ = now();
   const nanoseconds later = now() + seconds(fault.seconds);
   switch (fault.kind) {
     case SimFault::Kind::Unplug:

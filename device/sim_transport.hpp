@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ class SimTransport final : public Transport {
 
   [[nodiscard]] SimCutter& cutter() { return cutter_; }
   [[nodiscard]] const SimCutter& cutter() const { return cutter_; }
+  /// When a fault last struck.
+  [[nodiscard]] std::optional<std::chrono::nanoseconds> struck() const { return struck_; }
   /// A reset of the bus, a new cable: what was unplugged can be reached again.
   void replug() { unplugged_ = false; }
 
@@ -50,6 +53,7 @@ class SimTransport final : public Transport {
   std::vector<Press> presses_;
   bool unplugged_{false}, write_ends_{false}, stalls_{false};
   std::chrono::nanoseconds nak_until_{}, silent_until_{};
+  std::optional<std::chrono::nanoseconds> struck_;
   std::string garbage_;
 };
 

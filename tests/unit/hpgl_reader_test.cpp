@@ -87,9 +87,10 @@ TEST_CASE("pen down without a point is a dot", "[protocol][hpgl][decode]") {
 TEST_CASE("CAMM-GL mode 1 and U and D are read among HPGL", "[protocol][hpgl][decode]") {
   CHECK(brief(read("H;M1,2;D3,4,5,6;I1,1;R-2,-3;I0,5;PU9,9;")) ==
         "home H; move 1,2; draw 3,4 5,6; draw 6,7; move 4,4; draw 4,9; move 9,9");
-  CHECK(brief(read("U1,2;D3,4;U;D;d7,8u9,9")) == "move 1,2; draw 3,4; move; draw; draw 7,8");
+  CHECK(brief(read("U1,2;D3,4;U;D;d7,8u9,9;")) ==
+        "move 1,2; draw 3,4; move; draw; draw 7,8; move 9,9");
   CHECK(brief(read("L0;F30;C1,2,3,0,360;A1,1;")) ==
-        "line type L 0; speed F 30; UNKNOWN \"C1,2,3,0,360\"; UNKNOWN \"A1,1\"");
+        "line type L 0; speed F 30; unknown C1,2,3,0,360; unknown A1,1");
 }
 
 TEST_CASE("a command without an end is not kept for ever", "[protocol][hpgl][decode]") {
