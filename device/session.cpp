@@ -40,7 +40,8 @@ class Run {
     Result<Schedule> plan = schedule(program_, machine_);
     if (plan) {
       plan_ = std::move(*plan);
-      Result<void> done = connect().and_then([&] { return settings(); });
+      Result<void> done =
+          connect().and_then([&] { return settings(); }).and_then([&] { return search(); });
       done = done.and_then([&] { return geometry(); }).and_then([&] { return park(); });
       if (!done) end_.error = done.error();
     } else {
@@ -59,6 +60,7 @@ class Run {
   Result<void> connect();
   Result<void> check_identity();
   Result<void> settings();
+  Result<void> search();
   Result<void> geometry();
   Result<void> park();
 
@@ -188,6 +190,41 @@ Result<void> Run::settings() {
   tell(SessionPhase::Settings);
   for (const ByteRange& block : program_.setup)
     if (const Result<void> sent = send(block, accepted_); !sent) return sent;
+  return wait_ready(plan_.setup_s);
+}
+
+/// Registration marks: the machine searches them and answers once, without being asked. Until then
+/// nothing else is asked, since replies do not say what they answer.
+Result<void> Run::search() {
+  if (program_.search.begin == program_.search.end) return {};
+  tell(SessionPhase::Searching);
+  if (!answers_) return send(program_.search, accepted_);  // a file
+  constexpr double kLongestS = 40;
+  if (const Result<void> clean = inquirer_.forget(); !clean) return clean;
+  if (const Result<void> sent = send(program_.search, accepted_); !sent) return sent;
+  Result<std::string> reply = fail(ErrorKind::Timeout, "", "");
+  for (double waited = 0; waited < kLongestS; waited += options_.poll_s) {
+    reply = inquirer_.await(options_.poll_s);
+    if (reply || reply.error().kind != ErrorKind::Timeout) break;
+    if (cancel_asked()) {
+      end_.cancelled = true;
+      return tl::unexpected(
+          refused("cancelled while the machine searched the registration marks; nothing was cut"));
+    }
+    tell(SessionPhase::Searching);
+  }
+  if (!reply && reply.error().kind == ErrorKind::Timeout)
+    return fail(
+        ErrorKind::Timeout, "",
+        fmt::format("the machine did not say within {:g} s whether it found the registration "
+                    "marks; nothing was cut",
+                    kLongestS));
+  if (!reply) return tl::unexpected(reply.error());
+  const Result<double> found = parse_number(*reply);
+  if (!found || *found != 0)
+    return tl::unexpected(
+        refused("the registration marks were not found, and nothing was cut; see that the sheet is "
+                "printed at 100 %, lies as the plan says, and has its square at the upper left"));
   return wait_ready(plan_.setup_s);
 }
 
@@ -452,33 +489,6 @@ Result<void> Run::wait_ready(double whole_s, double left_s) {
 }
 
 }  // namespace
-
-std::string_view name_of(SessionPhase phase) {
-  switch (phase) {
-    case SessionPhase::Connecting:
-      return "connecting";
-    case SessionPhase::Settings:
-      return "sending the settings";
-    case SessionPhase::Cutting:
-      return "cutting";
-    case SessionPhase::Paused:
-      return "paused on the panel";
-    case SessionPhase::Held:
-      return "held";
-    case SessionPhase::Finishing:
-      return "finishing";
-    case SessionPhase::Parking:
-      return "parking";
-  }
-  return "";
-}
-
-StrokeFate fate_of(ByteRange stroke, std::uint64_t ready_bytes, std::uint64_t good_bytes,
-                   std::uint64_t accepted, std::uint64_t buffer_bytes) {
-  if (stroke.begin >= std::min(accepted, stroke.end)) return StrokeFate::NotSent;
-  const bool pushed_through = stroke.end + buffer_bytes <= good_bytes;
-  return stroke.end <= ready_bytes || pushed_through ? StrokeFate::Certain : StrokeFate::InDoubt;
-}
 
 SessionEnd run_session(Transport& transport, const Machine& machine, const EncodedProgram& program,
                        const SessionOptions& options) {

@@ -26,13 +26,14 @@ enum class StrokeFate : std::uint8_t {
 enum class SessionPhase : std::uint8_t {
   Connecting,
   Settings,
+  Searching,
   Cutting,
   Paused,
   Held,
   Finishing,
   Parking
 };
-/// "connecting", "sending the settings", "cutting", "paused on the panel", "held", ...
+/// "connecting", "sending the settings", "searching the marks", "cutting", "paused on the panel", "held", ...
 [[nodiscard]] std::string_view name_of(SessionPhase phase);
 
 struct SessionProgress {
@@ -77,7 +78,7 @@ struct SessionEnd {
 /// Machines that answer nothing (HPGL) are paced by the model of their motion alone.
 ///
 /// Ends with
-/// - Refused: no media (before anything is cut, or when it runs out), cancelled on the panel,
+/// - Refused: registration marks not found; no media (before anything is cut, or when it runs out), cancelled on the panel,
 /// paused
 ///   for too long, another model than `machine`, or replies that are no status
 /// - Timeout: no reply, or no byte taken, or not ready for too long

@@ -15,9 +15,9 @@ namespace {
 
 using Kind = SimFault::Kind;
 
-constexpr std::array<std::string_view, 10> kKinds{"unplug",  "short write", "nak",    "silence",
-                                                  "garbage", "pause",       "cancel", "media out",
-                                                  "stall",   "wrong name"};
+constexpr std::array<std::string_view, 11> kKinds{"unplug",  "short write", "nak",     "silence",
+                                                  "garbage", "pause",       "cancel",  "media out",
+                                                  "stall",   "wrong name",  "no marks"};
 constexpr std::size_t kMostFaults = 1000;
 constexpr double kFarthest = 1e9;  // bytes or paths
 constexpr double kLongestS = 1e6;

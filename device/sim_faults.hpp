@@ -25,6 +25,7 @@ struct SimFault {
     MediaOut,    ///< the sheet is pulled out, and loaded again after `seconds` if above 0
     Stall,       ///< this write fails, though some of its bytes have arrived
     WrongName,   ///< the machine answers `text` to FG
+    NoMarks,     ///< no registration mark can be seen
   };
   std::uint64_t at_byte{};
   Kind kind{};

@@ -123,6 +123,9 @@ void SimTransport::strike(const SimFault& fault) {
     case SimFault::Kind::WrongName:
       cutter_.answer_as(fault.text);
       break;
+    case SimFault::Kind::NoMarks:
+      cutter_.lose_marks();
+      break;
     case SimFault::Kind::Pause:
       cutter_.pause();
       if (fault.seconds > 0) presses_.push_back({later, Button::Resume});

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/plan/machine.hpp"
+#include "core/plan/marks.hpp"
 #include "core/result.hpp"
 #include "core/toolpath.hpp"
 #include "protocol/program.hpp"
@@ -39,6 +40,9 @@ struct EncodedProgram {
   std::vector<ByteRange> strokes;   ///< one a stroke of the toolpath, in its order
   std::vector<std::uint32_t> dots;  ///< strokes all of whose points round to one unit: not sent,
                                     ///< their range is empty, and whoever calls tells the user
+  /// Between setup and geometry, if there are registration marks: the search for them, which the
+  /// machine answers once. Nothing may follow before it has said that they are found.
+  ByteRange search{};
 
   [[nodiscard]] std::span<const std::byte> view(ByteRange range) const {
     return std::as_bytes(std::span(bytes)).subspan(range.begin, range.end - range.begin);
@@ -100,6 +104,8 @@ struct JobOptions {
   DrawForm draw{DrawForm::Usual};
   bool fractions{false};             ///< GPGL: coordinates in hundredths of a unit, lines as D
   std::optional<HpglHabits> hpgl{};  ///< none: those of the machine's variant
+  /// GPGL: registration marks to search first; coordinates are then counted from their corner.
+  std::optional<MarkLayout> marks{};
 };
 
 /// Options for a job on a mat.
@@ -123,6 +129,9 @@ struct JobOptions {
 /// What lifts the tool where stroke `index` of a program ends, for a pause between strokes: a move
 /// to where it stands. Empty for a dot.
 [[nodiscard]] std::string lift_after(const EncodedProgram& program, std::size_t index);
+
+/// The commands of GPGL that make a machine search registration marks (inkscape-silhouette).
+[[nodiscard]] std::string mark_search(const MarkLayout& marks, const Machine& machine);
 
 /// `encode` for machines whose language is gpgl.
 [[nodiscard]] Result<EncodedProgram> encode_gpgl(const Toolpath& toolpath, const Machine& machine,

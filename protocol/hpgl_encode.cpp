@@ -215,6 +215,11 @@ Result<HpglHabits> hpgl_habits(std::string_view variant) {
 
 Result<EncodedProgram> encode_hpgl(const Toolpath& toolpath, const Machine& machine,
                                    const Material&, const JobOptions& options) {
+  if (options.marks)
+    return fail(ErrorKind::OutOfRange, "/language",
+                fmt::format("{} speaks HPGL, in which no search for registration marks is known; a "
+                            "Silhouette has one",
+                            machine.name));
   const Result<HpglHabits> habits =
       options.hpgl ? Result<HpglHabits>(*options.hpgl) : hpgl_habits(machine.variant);
   if (!habits) return tl::unexpected(habits.error());

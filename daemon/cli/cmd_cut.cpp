@@ -15,6 +15,7 @@
 #include "core/formats/svg_reader.hpp"
 #include "core/plan/plan_json.hpp"
 #include "core/plan/sheet_svg.hpp"
+#include "core/plan/test_shape.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/cut_device.hpp"
 #include "daemon/cli/expectation.hpp"
@@ -32,7 +33,7 @@ namespace {
 struct Options {
   PlanJobOptions job;
   std::string device, treat_as, folder, faults;
-  bool direct{false}, yes{false};
+  bool direct{false}, yes{false}, test{false};
 };
 
 // Ctrl-C asks the session to stop at the end of a stroke, with the tool up.
@@ -217,6 +218,10 @@ Result<void> cut_all(const Options& options, const Globals& globals, const PlanJ
 }
 
 Result<void> run_cut(const Options& options, const Globals& globals) {
+  if (options.test != options.job.input.empty())
+    return fail(ErrorKind::Usage, "command line",
+                options.test ? "INPUT and --test both; --test cuts a shape of its own"
+                             : "INPUT is missing; name a SPEC or a pattern, or give --test");
   if (!options.direct)
     return fail(ErrorKind::Refused, "",
                 "queueing a job needs popcutd, which is not built yet; --direct cuts without it");
@@ -236,6 +241,10 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
   PlanJobOptions how = options.job;
   how.machine = target->machine.name;
   how.order.progress = !globals.quiet;
+  if (options.test) {
+    how.drawing = test_shape();
+    if (how.at.empty() && !how.marks.wanted) how.at = "5,5";
+  }
   const auto job = make_plan_job(how);
   if (!job) return tl::unexpected(job.error());
   std::optional<OutputFolder> folder;
@@ -283,6 +292,9 @@ void register_cut(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("cut", kHelp);
   add_plan_options(*command, options->job);
+  command->get_option("INPUT")->required(false);
+  command->add_flag("--test", options->test,
+                    "Cut a small shape to try the material: a square, a triangle, a fold");
   command->add_option("--device", options->device, "Where to cut; 'popcut devices' lists them")
       ->option_text("ID [sim:cameo3]");
   command
