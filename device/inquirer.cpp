@@ -44,9 +44,9 @@ Result<bool> Inquirer::pay_debt(Deadline until) {
   return owed_.empty();
 }
 
-Result<std::string> Inquirer::receive() {
+Result<std::string> Inquirer::receive(double seconds) {
   std::string reply;
-  const std::chrono::nanoseconds until = later(limits_.reply_s);
+  const std::chrono::nanoseconds until = later(seconds);
   for (;;) {
     const Result<std::vector<std::byte>> piece = transport_.read(until);
     if (!piece) return tl::unexpected(piece.error());
@@ -73,7 +73,7 @@ Result<std::optional<std::string>> Inquirer::ask(std::string_view query) {
   for (int i = 0; i < limits_.tries && !owed_.empty(); ++i)
     if (const Result<bool> rest = pay_debt(until); !rest) return tl::unexpected(rest.error());
   if (!owed_.empty()) return std::nullopt;
-  Result<std::string> reply = receive();
+  Result<std::string> reply = receive(limits_.reply_s);
   if (!reply) return tl::unexpected(reply.error());
   return std::move(*reply);
 }

@@ -36,13 +36,20 @@ class Inquirer {
   /// One reply to `query`, without its ETX. None: the machine takes no data just now.
   [[nodiscard]] Result<std::optional<std::string>> ask(std::string_view query);
 
+  /// Drops what arrived unasked, before something that is answered of itself.
+  [[nodiscard]] Result<void> forget() { return drain(); }
+  /// The one reply that comes within `seconds`, without its ETX.
+  ///
+  /// @retval Timeout  none came
+  [[nodiscard]] Result<std::string> await(double seconds) { return receive(seconds); }
+
   /// Sends what was not taken of a query, which must be whole before anything else follows it.
   /// True once nothing is owed.
   [[nodiscard]] Result<bool> pay_debt(Deadline until);
 
  private:
   [[nodiscard]] Result<void> drain();
-  [[nodiscard]] Result<std::string> receive();
+  [[nodiscard]] Result<std::string> receive(double seconds);
   [[nodiscard]] std::chrono::nanoseconds later(double seconds) const;
 
   Transport& transport_;

@@ -40,7 +40,8 @@ class Run {
     Result<Schedule> plan = schedule(program_, machine_);
     if (plan) {
       plan_ = std::move(*plan);
-      Result<void> done = connect().and_then([&] { return settings(); });
+      Result<void> done =
+          connect().and_then([&] { return settings(); }).and_then([&] { return search(); });
       done = done.and_then([&] { return geometry(); }).and_then([&] { return park(); });
       if (!done) end_.error = done.error();
     } else {
@@ -59,17 +60,29 @@ class Run {
   Result<void> connect();
   Result<void> check_identity();
   Result<void> settings();
+  Result<void> search();
   Result<void> geometry();
   Result<void> park();
 
   // Streaming.
-  Result<void> send(ByteRange range, std::uint64_t& at);
+  Result<void> send(std::span<const std::byte> bytes, std::uint64_t& count);
+  Result<void> send(ByteRange range, std::uint64_t& at) {
+    at = range.begin;
+    return send(program_.view(range), at);
+  }
   Result<void> send_until(std::uint64_t end);
   [[nodiscard]] std::uint64_t affordable() const;
   [[nodiscard]] std::uint64_t stroke_end(std::uint64_t byte) const;
   [[nodiscard]] bool cancel_asked() const {
     return options_.cancel != nullptr && options_.cancel->load(std::memory_order_relaxed);
   }
+
+  // Holding.
+  [[nodiscard]] bool pause_asked() const {
+    return options_.pause != nullptr && options_.pause->load(std::memory_order_relaxed);
+  }
+  Result<void> hold();
+  Result<void> lift();
 
   // The machine's state.
   Result<void> poll();
@@ -180,6 +193,41 @@ Result<void> Run::settings() {
   return wait_ready(plan_.setup_s);
 }
 
+/// Registration marks: the machine searches them and answers once, without being asked. Until then
+/// nothing else is asked, since replies do not say what they answer.
+Result<void> Run::search() {
+  if (program_.search.begin == program_.search.end) return {};
+  tell(SessionPhase::Searching);
+  if (!answers_) return send(program_.search, accepted_);  // a file
+  constexpr double kLongestS = 40;
+  if (const Result<void> clean = inquirer_.forget(); !clean) return clean;
+  if (const Result<void> sent = send(program_.search, accepted_); !sent) return sent;
+  Result<std::string> reply = fail(ErrorKind::Timeout, "", "");
+  for (double waited = 0; waited < kLongestS; waited += options_.poll_s) {
+    reply = inquirer_.await(options_.poll_s);
+    if (reply || reply.error().kind != ErrorKind::Timeout) break;
+    if (cancel_asked()) {
+      end_.cancelled = true;
+      return tl::unexpected(
+          refused("cancelled while the machine searched the registration marks; nothing was cut"));
+    }
+    tell(SessionPhase::Searching);
+  }
+  if (!reply && reply.error().kind == ErrorKind::Timeout)
+    return fail(
+        ErrorKind::Timeout, "",
+        fmt::format("the machine did not say within {:g} s whether it found the registration "
+                    "marks; nothing was cut",
+                    kLongestS));
+  if (!reply) return tl::unexpected(reply.error());
+  const Result<double> found = parse_number(*reply);
+  if (!found || *found != 0)
+    return tl::unexpected(
+        refused("the registration marks were not found, and nothing was cut; see that the sheet is "
+                "printed at 100 %, lies as the plan says, and has its square at the upper left"));
+  return wait_ready(plan_.setup_s);
+}
+
 /// How far may be sent now: at most a window of estimated motion ahead of the machine, but never so
 /// little that it has less than half a window left.
 std::uint64_t Run::affordable() const {
@@ -212,7 +260,17 @@ Result<void> Run::geometry() {
   set_model(0);
   next_poll_ = transport_.now() + to_time(options_.poll_s);
   std::uint64_t end = program_.geometry.end;
+  const std::uint64_t nowhere = end;
+  std::uint64_t hold_at = nowhere;
   while (accepted_ < end) {
+    if (end_.cancelled || !pause_asked())
+      hold_at = nowhere;
+    else if (hold_at == nowhere)
+      hold_at = accepted_ == program_.geometry.begin ? accepted_ : stroke_end(accepted_);
+    if (accepted_ == hold_at) {
+      if (const Result<void> held = hold(); !held) return held;
+      hold_at = nowhere;
+    }
     if (!end_.cancelled && cancel_asked()) {
       end_.cancelled = true;
       end = accepted_ == program_.geometry.begin ? accepted_ : stroke_end(accepted_);
@@ -224,7 +282,7 @@ Result<void> Run::geometry() {
     }
     // The model stands still at what was sent: a machine that has nothing to do is not ahead of us.
     set_model(model_s());
-    const std::uint64_t until = std::min(affordable(), end);
+    const std::uint64_t until = std::min({affordable(), end, hold_at});
     if (until > accepted_) {
       if (const Result<void> sent = send_until(until); !sent) return sent;
       continue;
@@ -235,6 +293,37 @@ Result<void> Run::geometry() {
   }
   tell(SessionPhase::Finishing);
   return wait_ready(plan_.geometry_s, sent_s_ - model_s());
+}
+
+/// The tool is lifted where the last stroke ends: the end of a stroke alone leaves it in the sheet.
+/// These bytes belong to no stroke, and the ledger does not count them.
+Result<void> Run::lift() {
+  const auto& strokes = program_.strokes;
+  for (std::size_t k = strokes.size(); k-- > 0;) {
+    if (strokes[k].end > accepted_ || strokes[k].begin == strokes[k].end) continue;
+    const std::string bytes = lift_after(program_, k);
+    std::uint64_t count = 0;
+    return send(std::as_bytes(std::span(bytes)), count);
+  }
+  return {};
+}
+
+/// Waits at the end of a stroke, with the tool up, until the host lets the job go on or ends it.
+Result<void> Run::hold() {
+  const Result<void> at_rest = lift().and_then([&] {
+    tell(SessionPhase::Held);
+    return wait_ready(plan_.geometry_s, sent_s_ - model_s());
+  });
+  if (!at_rest) return at_rest;
+  while (pause_asked() && !cancel_asked()) {
+    tell(SessionPhase::Held);
+    transport_.wait(to_time(kPausedPollS));
+    if (transport_.now() < next_poll_) continue;
+    if (const Result<void> polled = poll(); !polled) return polled;
+  }
+  set_model(sent_s_);
+  tell(SessionPhase::Cutting);
+  return {};
 }
 
 Result<void> Run::park() {
@@ -252,22 +341,21 @@ Result<void> Run::send_until(std::uint64_t end) {
   return sent;
 }
 
-/// Sends a range from `at` on and counts what was accepted there, also on error. Back-pressure is
-/// no fault: the rest follows from the exact byte.
-Result<void> Run::send(ByteRange range, std::uint64_t& at) {
+/// Sends bytes and adds to `count` what was accepted, also on error. Back-pressure is no fault: the
+/// rest follows from the exact byte.
+Result<void> Run::send(std::span<const std::byte> bytes, std::uint64_t& count) {
   constexpr double kSliceS = 0.25;
   nanoseconds moved = transport_.now();
-  at = range.begin;
-  while (at < range.end) {
+  while (!bytes.empty()) {
     const Result<bool> paid = inquirer_.pay_debt(transport_.now() + to_time(kSliceS));
     if (!paid) return tl::unexpected(paid.error());
-    const std::uint64_t piece_end =
-        !*paid ? at : std::min<std::uint64_t>(range.end, at + kMaxWriteBytes);
+    const std::size_t piece = *paid ? std::min(bytes.size(), kMaxWriteBytes) : 0;
     const Transport::WriteEnd end =
-        transport_.write(program_.view({at, piece_end}), transport_.now() + to_time(kSliceS));
-    at += end.taken;
+        transport_.write(bytes.first(piece), transport_.now() + to_time(kSliceS));
+    bytes = bytes.subspan(end.taken);
+    count += end.taken;
     if (end.error && end.error->kind != ErrorKind::Timeout) {
-      in_doubt_ = end.in_doubt;
+      if (&count == &accepted_) in_doubt_ = end.in_doubt;
       return tl::unexpected(*end.error);
     }
     if (end.taken > 0) {
@@ -401,31 +489,6 @@ Result<void> Run::wait_ready(double whole_s, double left_s) {
 }
 
 }  // namespace
-
-std::string_view name_of(SessionPhase phase) {
-  switch (phase) {
-    case SessionPhase::Connecting:
-      return "connecting";
-    case SessionPhase::Settings:
-      return "sending the settings";
-    case SessionPhase::Cutting:
-      return "cutting";
-    case SessionPhase::Paused:
-      return "paused on the panel";
-    case SessionPhase::Finishing:
-      return "finishing";
-    case SessionPhase::Parking:
-      return "parking";
-  }
-  return "";
-}
-
-StrokeFate fate_of(ByteRange stroke, std::uint64_t ready_bytes, std::uint64_t good_bytes,
-                   std::uint64_t accepted, std::uint64_t buffer_bytes) {
-  if (stroke.begin >= std::min(accepted, stroke.end)) return StrokeFate::NotSent;
-  const bool pushed_through = stroke.end + buffer_bytes <= good_bytes;
-  return stroke.end <= ready_bytes || pushed_through ? StrokeFate::Certain : StrokeFate::InDoubt;
-}
 
 SessionEnd run_session(Transport& transport, const Machine& machine, const EncodedProgram& program,
                        const SessionOptions& options) {

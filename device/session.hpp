@@ -26,12 +26,14 @@ enum class StrokeFate : std::uint8_t {
 enum class SessionPhase : std::uint8_t {
   Connecting,
   Settings,
+  Searching,
   Cutting,
   Paused,
+  Held,
   Finishing,
   Parking
 };
-/// "connecting", "sending the settings", "cutting", "paused on the panel", ...
+/// "connecting", "sending the settings", "searching the marks", "cutting", "paused on the panel", "held", ...
 [[nodiscard]] std::string_view name_of(SessionPhase phase);
 
 struct SessionProgress {
@@ -50,6 +52,9 @@ struct SessionOptions {
   double pause_limit_s{3600};  ///< for a pause on the panel
   /// Set from outside to end the job at the next end of a stroke, with the tool up and parked.
   const std::atomic<bool>* cancel{};
+  /// While it is set from outside, nothing is sent beyond the next end of a stroke, where the tool
+  /// is lifted and waits.
+  const std::atomic<bool>* pause{};
   /// Called about every `poll_s`, and when the phase changes.
   std::function<void(const SessionProgress&)> progress;
 };
@@ -73,7 +78,7 @@ struct SessionEnd {
 /// Machines that answer nothing (HPGL) are paced by the model of their motion alone.
 ///
 /// Ends with
-/// - Refused: no media (before anything is cut, or when it runs out), cancelled on the panel,
+/// - Refused: registration marks not found; no media (before anything is cut, or when it runs out), cancelled on the panel,
 /// paused
 ///   for too long, another model than `machine`, or replies that are no status
 /// - Timeout: no reply, or no byte taken, or not ready for too long

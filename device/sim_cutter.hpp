@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -32,6 +33,8 @@ struct SimOptions {
   bool media{true};         ///< a sheet is loaded
   bool unlimited{false};    ///< takes any number of bytes at once: for estimates
   double reply_s{0.00075};  ///< median of the recorded replies (logic analyser, Portrait V1.00)
+  bool marks{true};         ///< the sheet bears the registration marks that the program searches
+  std::optional<PagePoint> marks_at{};  ///< their corner on the sheet; none: just where expected
   std::vector<int> tools{2, 0};  ///< what ESC NAK tells is in each holder: 2 autoblade, 0 nothing
 };
 
@@ -75,6 +78,8 @@ class SimCutter {
   void unload_media();
   void pause();  ///< takes effect when the leg under way has ended
   void resume();
+  void lose_marks() { options_.marks = false; }  ///< no mark can be seen on the sheet
+  void answer_as(std::string identity) { machine_.identity = std::move(identity); }  ///< to FG
   void cancel();  ///< only while paused: the rest is thrown away and the machine resets itself
 
   // What is to be seen.
@@ -147,6 +152,7 @@ class SimCutter {
   void apply_window(const Command& command, std::span<const double> args);
   void apply_tool(std::span<const double> args);
   void apply_home(Verb verb);
+  void search_marks(std::span<const double> args);
   void end_of_job();
   void unknown(std::string_view text);
   void remark(std::string text);
@@ -194,7 +200,7 @@ class SimCutter {
   MachinePoint origin_{};
   MachinePoint near_{}, far_{};  ///< working window as sent
   Window window_;
-  bool setup_done_{false}, drawn_{false};
+  bool setup_done_{false}, drawn_{false}, marks_found_{false};
   double way_in_mm_{};  ///< from home to the first stroke
 
   Trace trace_;

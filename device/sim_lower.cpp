@@ -41,8 +41,12 @@ void SimCutter::lower_point(const Command& command) {
       lower_move(to);
     else
       lower_draw(to);
+  } else if (command.verb == Verb::Move) {  // PU alone lifts the tool where it is
+    if (plan_down_) plan_dwell(machine_.motion.lift_s, Commit::ToolUp);
+    plan_dwell(0, Commit::Moved);
+    actions_.back().to = plan_logical_;
   } else {
-    plan_dwell(0, Commit::Nothing);  // PU or PD without points
+    plan_dwell(0, Commit::Nothing);  // PD alone: the next line brings the tool down
   }
   Action& action = actions_.back();
   action.begin_byte = command.begin;

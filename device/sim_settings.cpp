@@ -117,6 +117,7 @@ void SimCutter::apply(const Command& command) {
   trace_.settings.push_back(
       {std::string(setting_name(command.verb, text)), {args.begin(), args.end()}});
   stroke_open_ = false;  // what is drawn from here on is drawn otherwise
+  if (text == "TB123" || text == "TB124") return search_marks(args);
   switch (command.verb) {
     case Verb::Initialise:
       end_of_job();
@@ -254,7 +255,36 @@ void SimCutter::end_of_job() {
   if (plan_down_) plan_dwell(machine_.motion.lift_s, Commit::ToolUp);
   if (!drawn_) return;
   plan_dwell(machine_.motion.trailer_s, Commit::Nothing);
-  drawn_ = setup_done_ = false;
+  if (marks_found_) origin_ = {};
+  drawn_ = setup_done_ = marks_found_ = false;
+}
+
+/// Height, width and where the search begins, 10 mm before the marks' corner. One reply when it has
+/// ended: 0 if they are found, from when on their corner is zero. How long a search takes was never
+/// recorded; the sensor passes along both sides of the rectangle.
+void SimCutter::search_marks(std::span<const double> args) {
+  constexpr double kSearchMm = 10;
+  constexpr double kSensorMmS = 40;
+  const double unit = machine_.unit_mm;
+  const double height = std::max(0.0, arg(args, 0, 0)) * unit;
+  const double width = std::max(0.0, arg(args, 1, 0)) * unit;
+  PagePoint corner = map_.to_page({arg(args, 2, 0), arg(args, 3, 0)});
+  corner = {corner.x + kSearchMm, corner.y + kSearchMm};
+  const PagePoint printed = options_.marks_at.value_or(corner);
+  const bool near =
+      std::abs(printed.x - corner.x) <= kSearchMm && std::abs(printed.y - corner.y) <= kSearchMm;
+  const bool on_sheet =
+      options_.unlimited ||
+      (width > 0 && height > 0 && printed.x + width <= options_.page_width_mm + kSearchMm &&
+       printed.y + height <= options_.page_length_mm + kSearchMm);
+  marks_found_ = options_.marks && near && on_sheet;
+  const double seconds = std::min(2 * (width + height) / kSensorMmS, 30.0);
+  plan_dwell(seconds, Commit::Nothing);
+  const auto ends = now_ + std::chrono::nanoseconds(std::llround(seconds * 1e9));
+  if (answers()) replies_.push_back({ends, marks_found_ ? "    0\x03" : "    1\x03"});
+  if (!marks_found_) return;
+  origin_ = {(printed.y + machine_.margin_top_mm) / unit,
+             (printed.x + machine_.margin_left_mm) / unit};
 }
 
 void SimCutter::unknown(std::string_view text) {

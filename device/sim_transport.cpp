@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace popcut {
 namespace {
@@ -12,18 +13,31 @@ using std::chrono::nanoseconds;
 // Full-speed USB moves about this much in bulk.
 constexpr double kBytesPerSecond = 1e6;
 
+constexpr std::size_t kPacketBytes = 64;
+
 nanoseconds seconds(double value) { return nanoseconds(std::llround(value * 1e9)); }
 
 Error gone() { return {ErrorKind::DeviceGone, "", "the cutter was unplugged; check its cable"}; }
+
+Error stalled() {
+  return {
+      ErrorKind::Refused, "",
+      "the cutter stalled while it was sent data; switch it off and on, look at the sheet, then "
+      "start again"};
+}
 
 Error too_late(const char* what) { return {ErrorKind::Timeout, "", what}; }
 
 }  // namespace
 
 SimTransport::SimTransport(SimCutter cutter, std::vector<SimFault> faults)
-    : cutter_(std::move(cutter)), faults_(std::move(faults)) {
+    : cutter_(std::move(cutter)) {
+  for (SimFault& fault : faults)
+    (fault.at_path ? path_faults_ : faults_).push_back(std::move(fault));
   std::stable_sort(faults_.begin(), faults_.end(),
                    [](const SimFault& a, const SimFault& b) { return a.at_byte < b.at_byte; });
+  std::stable_sort(path_faults_.begin(), path_faults_.end(),
+                   [](const SimFault& a, const SimFault& b) { return *a.at_path < *b.at_path; });
 }
 
 void SimTransport::run_until(nanoseconds time) {
@@ -34,7 +48,7 @@ void SimTransport::run_until(nanoseconds time) {
     if (due == presses_.end() || due->time > time) break;
     const Press press = *due;
     presses_.erase(due);
-    cutter_.run_until(press.time);
+    run_clock(press.time);
     switch (press.button) {
       case Button::Resume:
         cutter_.resume();
@@ -45,9 +59,24 @@ void SimTransport::run_until(nanoseconds time) {
       case Button::LoadMedia:
         cutter_.load_media();
         break;
+      case Button::Replug:
+        unplugged_ = false;
+        break;
     }
   }
+  run_clock(time);
+}
+
+/// Runs the cutter; while a fault waits for a stroke, event by event.
+void SimTransport::run_clock(nanoseconds time) {
+  while (next_path_fault_ < path_faults_.size()) {
+    strike_paths();
+    const auto event = cutter_.next_event();
+    if (!event || *event > time) break;
+    cutter_.run_until(*event);
+  }
   cutter_.run_until(time);
+  strike_paths();
 }
 
 std::size_t SimTransport::before_fault(std::size_t bytes) const {
@@ -56,51 +85,75 @@ std::size_t SimTransport::before_fault(std::size_t bytes) const {
   return std::min<std::uint64_t>(bytes, left);
 }
 
-bool SimTransport::strike() {
-  bool ends = false;
-  while (next_fault_ < faults_.size() && faults_[next_fault_].at_byte <= cutter_.accepted_bytes()) {
-    const SimFault& fault = faults_[next_fault_++];
-    const nanoseconds later = now() + seconds(fault.seconds);
-    switch (fault.kind) {
-      case SimFault::Kind::Unplug:
-        unplugged_ = true;
-        break;
-      case SimFault::Kind::ShortWrite:
-        ends = true;
-        break;
-      case SimFault::Kind::Nak:
-        nak_until_ = later;
-        break;
-      case SimFault::Kind::Silence:
-        silent_until_ = later;
-        break;
-      case SimFault::Kind::Garbage:
-        garbage_ += fault.text;
-        break;
-      case SimFault::Kind::Pause:
-        cutter_.pause();
-        if (fault.seconds > 0) presses_.push_back({later, Button::Resume});
-        break;
-      case SimFault::Kind::Cancel:
-        cutter_.pause();
-        presses_.push_back({later, Button::Cancel});
-        break;
-      case SimFault::Kind::MediaOut:
-        cutter_.unload_media();
-        if (fault.seconds > 0) presses_.push_back({later, Button::LoadMedia});
-        break;
-    }
+void SimTransport::strike() {
+  while (next_fault_ < faults_.size() && faults_[next_fault_].at_byte <= cutter_.accepted_bytes())
+    strike(faults_[next_fault_++]);
+}
+
+void SimTransport::strike_paths() {
+  const auto begun = [&] { return cutter_.trace().strokes.size(); };
+  while (next_path_fault_ < path_faults_.size() &&
+         *path_faults_[next_path_fault_].at_path <= begun())
+    strike(path_faults_[next_path_fault_++]);
+}
+
+void SimTransport::strike(const SimFault& fault) {
+  struck_ = now();
+  const nanoseconds later = now() + seconds(fault.seconds);
+  switch (fault.kind) {
+    case SimFault::Kind::Unplug:
+      unplugged_ = true;
+      if (fault.seconds > 0) presses_.push_back({later, Button::Replug});
+      break;
+    case SimFault::Kind::ShortWrite:
+      write_ends_ = true;
+      break;
+    case SimFault::Kind::Stall:
+      stalls_ = true;
+      break;
+    case SimFault::Kind::Nak:
+      nak_until_ = later;
+      break;
+    case SimFault::Kind::Silence:
+      silent_until_ = later;
+      break;
+    case SimFault::Kind::Garbage:
+      garbage_ += fault.text;
+      break;
+    case SimFault::Kind::WrongName:
+      cutter_.answer_as(fault.text);
+      break;
+    case SimFault::Kind::NoMarks:
+      cutter_.lose_marks();
+      break;
+    case SimFault::Kind::Pause:
+      cutter_.pause();
+      if (fault.seconds > 0) presses_.push_back({later, Button::Resume});
+      break;
+    case SimFault::Kind::Cancel:
+      cutter_.pause();
+      presses_.push_back({later, Button::Cancel});
+      break;
+    case SimFault::Kind::MediaOut:
+      cutter_.unload_media();
+      if (fault.seconds > 0) presses_.push_back({later, Button::LoadMedia});
+      break;
   }
-  return ends;
 }
 
 Transport::WriteEnd SimTransport::write(std::span<const std::byte> bytes, Deadline until) {
   std::size_t taken = 0;
   for (;;) {
-    const bool ends = strike();
+    strike();
     if (unplugged_) return {taken, gone()};
     if (taken == bytes.size()) return {taken, std::nullopt};
-    if (ends) return {taken, too_late("the write ended early")};
+    if (std::exchange(write_ends_, false)) return {taken, too_late("the write ended early")};
+    if (std::exchange(stalls_, false)) {
+      // Half a packet has arrived, but the bus does not say so.
+      const std::size_t rest = std::min(bytes.size() - taken, kPacketBytes);
+      static_cast<void>(cutter_.accept(bytes.subspan(taken, rest / 2)));
+      return {taken, stalled(), rest};
+    }
     if (now() < nak_until_) {
       run_until(std::min(nak_until_, until));
       if (now() >= until && now() < nak_until_)

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "core/plan/linework.hpp"
+#include "device/sim_transport.hpp"
 
 namespace popcut {
 
@@ -35,6 +36,42 @@ Result<Trace> simulate(std::span<const std::byte> program, const Machine& machin
                             "\"{}\"; a {} program is needed",
                             trace.unknown_count, trace.unknown.front(),
                             machine.language == "hpgl" ? "HPGL" : "GPGL"));
+  return trace;
+}
+
+Result<Trace> simulate_faults(std::span<const std::byte> program, const Machine& machine,
+                              const SimOptions& options, std::vector<SimFault> faults) {
+  if (program.empty())
+    return fail(ErrorKind::Malformed, "", "the program is empty; a GPGL or HPGL program is needed");
+  Result<SimCutter> made = SimCutter::make(machine, options);
+  if (!made) return tl::unexpected(made.error());
+  SimTransport cable(std::move(*made), std::move(faults));
+  constexpr std::chrono::seconds kPatience(3600);
+  const std::size_t whole = program.size();
+  std::string why;
+  while (!program.empty() && why.empty()) {
+    const auto end = cable.write(program, cable.now() + kPatience);
+    program = program.subspan(end.taken);
+    if (cable.cutter().trace().points.size() > kMaxDrawnPoints)
+      return fail(ErrorKind::OutOfRange, "",
+                  fmt::format("the program draws more than {} points", kMaxDrawnPoints));
+    if (!end.error) break;
+    if (end.error->kind != ErrorKind::Timeout) why = end.error->detail;
+    // A write that ends early is not the end; one that takes nothing for an hour is.
+    else if (end.taken == 0 && cable.cutter().status() != DeviceStatus::Moving)
+      why = fmt::format("the cutter takes no data: {}", name_of(cable.cutter().status()));
+  }
+  if (program.empty()) cable.cutter().finish();
+  // By the cable's clock, on which faults still strike and buttons are still pressed.
+  do cable.wait(kPatience);
+  while (cable.cutter().status() == DeviceStatus::Moving);
+  Trace trace = cable.cutter().trace();
+  if (!why.empty())
+    trace.remarks.push_back(fmt::format("the host gave up after {} of {} bytes: {}",
+                                        whole - program.size(), whole, why));
+  else if (cable.cutter().status() != DeviceStatus::Ready)
+    trace.remarks.push_back(fmt::format("all was sent, but the cutter never came to rest: {}",
+                                        name_of(cable.cutter().status())));
   return trace;
 }
 

@@ -7,9 +7,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/plan/machine.hpp"
+#include "core/plan/marks.hpp"
 #include "core/result.hpp"
 #include "core/toolpath.hpp"
 #include "protocol/program.hpp"
@@ -38,6 +40,9 @@ struct EncodedProgram {
   std::vector<ByteRange> strokes;   ///< one a stroke of the toolpath, in its order
   std::vector<std::uint32_t> dots;  ///< strokes all of whose points round to one unit: not sent,
                                     ///< their range is empty, and whoever calls tells the user
+  /// Between setup and geometry, if there are registration marks: the search for them, which the
+  /// machine answers once. Nothing may follow before it has said that they are found.
+  ByteRange search{};
 
   [[nodiscard]] std::span<const std::byte> view(ByteRange range) const {
     return std::as_bytes(std::span(bytes)).subspan(range.begin, range.end - range.begin);
@@ -55,13 +60,31 @@ enum class DrawForm : std::uint8_t {
   Binary,  ///< BE1, BE2, BE3
 };
 
+/// The words for moving and drawing.
+enum class HpglWords : std::uint8_t {
+  PenUpDown,  ///< PUx,y; PDx,y;
+  UpDown,     ///< Ux,y; Dx,y; (some vinyl cutters)
+  MoveDraw,   ///< Mx,y; Dx,y; (CAMM-GL mode 1, whose absolute points need no PA)
+};
+
 /// What HPGL machines differ in beside their units.
 struct HpglHabits {
+  HpglWords words{HpglWords::PenUpDown};
   bool move_by_pa{false};      ///< PU takes no point: `PU;PAx,y;`
   bool newline{false};         ///< a newline after each command
   bool speed_and_force{true};  ///< VS and FS are sent, where the machine's scales have steps
   bool final_in{true};         ///< the trailer ends with IN
+  bool negative{false};        ///< negative coordinates are lawful
 };
+
+/// The habits that a machine's variant names: words joined by "+", as in "pa+newline".
+///
+/// generic, camm2: none of the others. pa: PU takes no point. newline: one after each command.
+/// plain: no VS and FS. open: no final IN. ud: U and D for PU and PD. camm1: CAMM-GL mode 1.
+/// negative: negative coordinates are lawful, as they are for camm1 and camm2.
+///
+/// @retval OutOfRange  a word that is none of these, or two that contradict each other
+[[nodiscard]] Result<HpglHabits> hpgl_habits(std::string_view variant);
 
 /// What a job adds to strokes, machine and material.
 struct JobOptions {
@@ -81,6 +104,8 @@ struct JobOptions {
   DrawForm draw{DrawForm::Usual};
   bool fractions{false};             ///< GPGL: coordinates in hundredths of a unit, lines as D
   std::optional<HpglHabits> hpgl{};  ///< none: those of the machine's variant
+  /// GPGL: registration marks to search first; coordinates are then counted from their corner.
+  std::optional<MarkLayout> marks{};
 };
 
 /// Options for a job on a mat.
@@ -101,13 +126,20 @@ struct JobOptions {
                                             const Material& material,
                                             const JobOptions& options = {});
 
+/// What lifts the tool where stroke `index` of a program ends, for a pause between strokes: a move
+/// to where it stands. Empty for a dot.
+[[nodiscard]] std::string lift_after(const EncodedProgram& program, std::size_t index);
+
+/// The commands of GPGL that make a machine search registration marks (inkscape-silhouette).
+[[nodiscard]] std::string mark_search(const MarkLayout& marks, const Machine& machine);
+
 /// `encode` for machines whose language is gpgl.
 [[nodiscard]] Result<EncodedProgram> encode_gpgl(const Toolpath& toolpath, const Machine& machine,
                                                  const Material& material,
                                                  const JobOptions& options = {});
 
-/// `encode` for machines whose language is hpgl. Negative coordinates are an error: many machines
-/// that speak HPGL take none.
+/// `encode` for machines whose language is hpgl. Negative coordinates are an error unless the
+/// machine's habits take them: many machines that speak HPGL take none.
 [[nodiscard]] Result<EncodedProgram> encode_hpgl(const Toolpath& toolpath, const Machine& machine,
                                                  const Material& material,
                                                  const JobOptions& options = {});

@@ -46,6 +46,11 @@ class GpglEncoder {
       first = *steps;
     }
     write_setup(first);
+    if (options_.marks) {
+      program_.search.begin = program_.bytes.size();
+      program_.bytes += mark_search(*options_.marks, machine_);
+      program_.search.end = program_.bytes.size();
+    }
     program_.geometry.begin = program_.bytes.size();
     for (std::size_t k = 0; k < toolpath_.strokes.size(); ++k) {
       const std::uint64_t begin = program_.bytes.size();
@@ -231,6 +236,24 @@ class GpglEncoder {
 
 }  // namespace
 
+std::string mark_search(const MarkLayout& marks, const Machine& machine) {
+  const auto units = [&](double mm) { return std::llround(mm / machine.unit_mm); };
+  const auto from = [&](double corner_mm, double margin_mm) {
+    return units(corner_mm + margin_mm - marks.search_mm);
+  };
+  const long long arm = units(marks.arm_mm);
+  const long long line = units(marks.line_mm);
+  std::string text = fmt::format("TB50,0;TB99;TB52,{};TB51,{};TB53,{};", marks.style,
+                                 marks.arm_first ? arm : line, marks.arm_first ? line : arm);
+  if (!marks.arm_first) text += "TB54,0,0;";
+  text += fmt::format("TB55,1;TB{},{},{},{},{};", marks.four_corners ? 124 : 123,
+                      units(marks.height_mm), units(marks.width_mm),
+                      from(marks.top_mm, machine.margin_top_mm),
+                      from(marks.left_mm, machine.margin_left_mm));
+  std::replace(text.begin(), text.end(), ';', kEtx);
+  return text;
+}
+
 Result<EncodedProgram> encode_gpgl(const Toolpath& toolpath, const Machine& machine,
                                    const Material& material, const JobOptions& options) {
   const GpglVariant* variant = find_gpgl_variant(machine.variant);
@@ -244,8 +267,15 @@ Result<EncodedProgram> encode_gpgl(const Toolpath& toolpath, const Machine& mach
   if (options.fractions && options.draw == DrawForm::Binary)
     return fail(ErrorKind::OutOfRange, "",
                 "fractions cannot be drawn with BE, which takes whole units; draw with D");
-  const Result<PageMap> map = page_map(machine, options.page_length_mm);
+  Result<PageMap> map = page_map(machine, options.page_length_mm);
   if (!map) return tl::unexpected(map.error());
+  if (options.marks) {
+    if (auto clear = check_marks(*options.marks, toolpath); !clear)
+      return tl::unexpected(clear.error());
+    // Once found, the marks' corner is zero.
+    map->margin_left_mm = -options.marks->left_mm;
+    map->margin_top_mm = -options.marks->top_mm;
+  }
   return GpglEncoder(toolpath, machine, material, options, *variant, *map).run();
 }
 

@@ -130,6 +130,7 @@ void GpglReader::take(unsigned char c, Program& into) {
     escape_at_ = offset_;
     return;
   }
+  if (state_ != State::Between && offset_ - begin_ >= kLongestCommand) give_up(into);
   switch (state_) {
     case State::Between:
       if (c == static_cast<unsigned char>(kEtx))
@@ -160,6 +161,16 @@ void GpglReader::take(unsigned char c, Program& into) {
     case State::Jog:
       return;
   }
+}
+
+/// A command without an end is not kept for ever: what there is of it is unknown, and the rest too.
+void GpglReader::give_up(Program& into) {
+  push_unknown(std::exchange(raw_, {}), begin_, offset_, into);
+  begin_ = offset_;
+  entry_ = nullptr;
+  arguments_.clear();
+  deltas_.clear();
+  state_ = State::Raw;
 }
 
 void GpglReader::begin(unsigned char c) {

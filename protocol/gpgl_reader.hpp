@@ -45,6 +45,7 @@ class GpglReader {
 
   void take(unsigned char c, Program& into);
   void begin(unsigned char c);
+  void give_up(Program& into);
   void take_escape(unsigned char c, Program& into);
   void take_mnemonic(unsigned char c, Program& into);
   void take_number(unsigned char c, Program& into);

@@ -14,15 +14,22 @@ namespace {
 constexpr std::size_t kMaxCommandBytes = 1023;
 constexpr std::size_t kMaxPointBytes = 26;
 
-struct HpglVariant {
-  std::string_view name;
-  HpglHabits habits;
+// A word of a variant and what it changes.
+struct HabitWord {
+  std::string_view word;
+  void (*change)(HpglHabits& habits);
 };
 
-constexpr std::array<HpglVariant, 3> kVariants{{
-    {"generic", {}},
-    {"pa", {.move_by_pa = true}},
-    {"newline", {.newline = true}},
+constexpr std::array<HabitWord, 9> kWords{{
+    {"generic", [](HpglHabits&) {}},
+    {"pa", [](HpglHabits& h) { h.move_by_pa = true; }},
+    {"newline", [](HpglHabits& h) { h.newline = true; }},
+    {"plain", [](HpglHabits& h) { h.speed_and_force = false; }},
+    {"open", [](HpglHabits& h) { h.final_in = false; }},
+    {"negative", [](HpglHabits& h) { h.negative = true; }},
+    {"ud", [](HpglHabits& h) { h.words = HpglWords::UpDown; }},
+    {"camm1", [](HpglHabits& h) { h.words = HpglWords::MoveDraw, h.negative = true; }},
+    {"camm2", [](HpglHabits& h) { h.negative = true; }},
 }};
 
 class HpglEncoder {
@@ -74,9 +81,17 @@ class HpglEncoder {
     append_number(program_.bytes, point.b);
   }
 
+  [[nodiscard]] std::string_view up() const {
+    constexpr std::array<std::string_view, 3> kUp{"PU", "U", "M"};
+    return kUp[static_cast<std::size_t>(habits_.words)];
+  }
+  [[nodiscard]] std::string_view down() const {
+    return habits_.words == HpglWords::PenUpDown ? "PD" : "D";
+  }
+
   void write_move(GridPoint point) {
     if (habits_.move_by_pa) write_plain("PU");
-    program_.bytes += habits_.move_by_pa ? "PA" : "PU";
+    program_.bytes += habits_.move_by_pa ? "PA" : up();
     append_point(point);
     end_command();
   }
@@ -92,7 +107,7 @@ class HpglEncoder {
 
   void write_setup(const StrokeSteps& first) {
     write_plain("IN");
-    write_plain("PA");
+    if (habits_.words != HpglWords::MoveDraw) write_plain("PA");
     program_.setup.push_back({0, program_.bytes.size()});
     const std::uint64_t begin = program_.bytes.size();
     sent_.tool = 0;
@@ -112,7 +127,7 @@ class HpglEncoder {
       least.a = std::min(least.a, point.a);
       least.b = std::min(least.b, point.b);
     }
-    if (least.a >= 0 && least.b >= 0) return {};
+    if (habits_.negative || (least.a >= 0 && least.b >= 0)) return {};
     const auto missing = [&](std::int64_t units) {
       return static_cast<double>(units < 0 ? -units : 0) * machine_.unit_mm;
     };
@@ -135,7 +150,8 @@ class HpglEncoder {
         steps->tool != sent_.tool ||
         (habits_.speed_and_force && (steps->speed != sent_.speed || steps->force != sent_.force));
     if (changes) {
-      write_plain("PU");  // nothing changes while the tool is down
+      // Nothing changes while the tool is down. M of CAMM-GL does not go without a point.
+      write_plain(habits_.words == HpglWords::UpDown ? "U" : "PU");
       write_changes(*steps);
     }
     write_move(line_.front());
@@ -146,13 +162,13 @@ class HpglEncoder {
   void write_line() {
     std::string& bytes = program_.bytes;
     std::size_t begin = bytes.size();
-    bytes += "PD";
+    bytes += down();
     for (std::size_t k = 1; k < line_.size(); ++k) {
       if (bytes.size() - begin + kMaxPointBytes > kMaxCommandBytes) {
         bytes.back() = ';';  // in place of the comma
         if (habits_.newline) bytes += '\n';
         begin = bytes.size();
-        bytes += "PD";
+        bytes += down();
       }
       append_point(line_[k]);
       bytes += ',';
@@ -172,17 +188,41 @@ class HpglEncoder {
 
 }  // namespace
 
+Result<HpglHabits> hpgl_habits(std::string_view variant) {
+  HpglHabits habits;
+  for (std::string_view rest = variant;;) {
+    const std::string_view word = rest.substr(0, rest.find('+'));
+    const auto known = std::find_if(kWords.begin(), kWords.end(),
+                                    [&](const HabitWord& w) { return w.word == word; });
+    if (known == kWords.end()) {
+      std::string names;
+      for (const HabitWord& w : kWords)
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", w.word);
+      return fail(
+          ErrorKind::OutOfRange, "/variant",
+          fmt::format("\"{}\" is no variant of HPGL; {} are known, joined by +", word, names));
+    }
+    known->change(habits);
+    if (word.size() == rest.size()) break;
+    rest.remove_prefix(word.size() + 1);
+  }
+  if (habits.move_by_pa && habits.words != HpglWords::PenUpDown)
+    return fail(ErrorKind::OutOfRange, "/variant",
+                fmt::format("\"{}\": pa goes with PU and PD only; leave pa, or ud and camm1, out",
+                            variant));
+  return habits;
+}
+
 Result<EncodedProgram> encode_hpgl(const Toolpath& toolpath, const Machine& machine,
                                    const Material&, const JobOptions& options) {
-  std::optional<HpglHabits> habits = options.hpgl;
-  std::string names;
-  for (const HpglVariant& known : kVariants) {
-    if (!habits && known.name == machine.variant) habits = known.habits;
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", known.name);
-  }
-  if (!habits)
-    return fail(ErrorKind::OutOfRange, "/variant",
-                fmt::format("\"{}\" is no variant of HPGL; {} are known", machine.variant, names));
+  if (options.marks)
+    return fail(ErrorKind::OutOfRange, "/language",
+                fmt::format("{} speaks HPGL, in which no search for registration marks is known; a "
+                            "Silhouette has one",
+                            machine.name));
+  const Result<HpglHabits> habits =
+      options.hpgl ? Result<HpglHabits>(*options.hpgl) : hpgl_habits(machine.variant);
+  if (!habits) return tl::unexpected(habits.error());
   const Result<PageMap> map = page_map(machine, options.page_length_mm);
   if (!map) return tl::unexpected(map.error());
   return HpglEncoder(toolpath, machine, *habits, *map).run();

@@ -33,6 +33,17 @@ constexpr std::array kCommands{
     HpglCommand{"PU", Verb::Move, Points},
     HpglCommand{"PA", Verb::Absolute, Points},
     HpglCommand{"PR", Verb::Other, Points},
+    // One letter: U and D of some vinyl cutters, the others CAMM-GL mode 1, where I and R are
+    // relative. Its arcs, texts and hatchings (A C E G K N P Q S T) are not followed.
+    HpglCommand{"U", Verb::Move, Points},
+    HpglCommand{"D", Verb::Draw, Points},
+    HpglCommand{"M", Verb::Move, Points},
+    HpglCommand{"I", Verb::Draw, Points},
+    HpglCommand{"R", Verb::Move, Points},
+    HpglCommand{"H", Verb::Home},
+    HpglCommand{"L", Verb::LineType},
+    HpglCommand{"B", Verb::Other},
+    HpglCommand{"F", Verb::Speed},
     HpglCommand{"SP", Verb::SelectTool},
     HpglCommand{"VS", Verb::Speed},
     HpglCommand{"FS", Verb::Force},
@@ -67,6 +78,8 @@ constexpr std::array kCommands{
     HpglCommand{"LB", Verb::Unknown, Label},
     HpglCommand{"PE", Verb::Unknown, Encoded},
 };
+
+constexpr std::size_t kLongestControl = 256;
 
 const HpglCommand* find_command(std::string_view mnemonic) {
   const auto found = std::find_if(kCommands.begin(), kCommands.end(),
@@ -120,6 +133,7 @@ void HpglReader::take(unsigned char c, Program& into) {
     control_.assign(1, kEsc);
     return;
   }
+  if (state_ != State::Between && offset_ - begin_ >= kLongestCommand) give_up(into);
   switch (state_) {
     case State::Between:
       if (c == ';')
@@ -132,7 +146,9 @@ void HpglReader::take(unsigned char c, Program& into) {
         raw_ += static_cast<char>(c);
         return take_mnemonic(capital(c));
       }
-      state_ = State::Raw;
+      // Not a letter: a command of one letter, if there is one.
+      entry_ = find_command(mnemonic_);
+      state_ = entry_ != nullptr ? State::Numbers : State::Raw;
       return take(c, into);
     case State::Numbers:
       return take_number(c, into);
@@ -143,6 +159,16 @@ void HpglReader::take(unsigned char c, Program& into) {
     default:
       return;
   }
+}
+
+/// As `GpglReader::give_up`.
+void HpglReader::give_up(Program& into) {
+  push(Verb::Unknown, std::exchange(raw_, {}), begin_, offset_, into);
+  begin_ = offset_;
+  entry_ = nullptr;
+  mnemonic_.clear();
+  arguments_.clear();
+  state_ = State::Raw;
 }
 
 void HpglReader::begin(char c) {
@@ -183,7 +209,8 @@ void HpglReader::take_escape(unsigned char c, Program& into) {
   constexpr std::string_view kArguments = "0123456789;-+ ";
   if (c == ':')
     done(Verb::Other);
-  else if (kArguments.find(static_cast<char>(c)) == std::string_view::npos)
+  else if (kArguments.find(static_cast<char>(c)) == std::string_view::npos ||
+           control_.size() > kLongestControl)
     done(Verb::Unknown);
 }
 
@@ -229,6 +256,7 @@ void HpglReader::close(std::uint64_t end, Program& into) {
                          verb == Verb::BladeOffset))
     verb = Verb::Other;  // back to the default
   if (verb == Verb::Initialise) down_ = relative_ = false;
+  if (verb == Verb::Home) position_ = {}, down_ = false;
   const auto first = static_cast<std::uint32_t>(into.args.size());
   into.args.insert(into.args.end(), values.begin(), values.end());
   if (verb == Verb::SelectTool && values.empty()) into.args.push_back(0);
@@ -240,16 +268,20 @@ void HpglReader::close(std::uint64_t end, Program& into) {
 void HpglReader::push_points(std::uint64_t end, Program& into) {
   const std::vector<double>& values = arguments_.values();
   Verb verb = entry_->verb;
-  if (entry_->mnemonic == "PD" || entry_->mnemonic == "PU") {
+  const std::string_view word = entry_->mnemonic;
+  const bool one_letter = word.size() == 1;
+  bool relative = relative_;
+  if (one_letter || word == "PD" || word == "PU") {
     down_ = verb == Verb::Draw;
+    if (one_letter && word != "U" && word != "D") relative = word == "I" || word == "R";
   } else {
-    relative_ = entry_->mnemonic == "PR";
+    relative = relative_ = word == "PR";
     if (values.empty()) return push(verb, mnemonic_, begin_, end, into);
     verb = down_ ? Verb::Draw : Verb::Move;
   }
   const auto first = static_cast<std::uint32_t>(into.points.size());
   for (std::size_t k = 0; k + 1 < values.size(); k += 2) {
-    const MachinePoint from = relative_ ? position_ : MachinePoint{};
+    const MachinePoint from = relative ? position_ : MachinePoint{};
     position_ = {from.a + values[k], from.b + values[k + 1]};
     into.points.push_back(position_);
   }

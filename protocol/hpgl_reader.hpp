@@ -42,6 +42,7 @@ class HpglReader {
 
   void take(unsigned char c, Program& into);
   void begin(char c);
+  void give_up(Program& into);
   void take_escape(unsigned char c, Program& into);
   void take_mnemonic(char c);
   void take_number(unsigned char c, Program& into);

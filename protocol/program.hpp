@@ -8,6 +8,10 @@
 
 namespace popcut {
 
+/// Longest command that is read, in bytes: a path of some 400 000 points. What is longer is
+/// Unknown.
+inline constexpr std::uint64_t kLongestCommand = std::uint64_t{1} << 22;
+
 /// The language a program is written in.
 enum class Dialect : std::uint8_t { Gpgl, Hpgl };
 

@@ -33,16 +33,21 @@ std::string shown(std::string_view reply) {
   return text;
 }
 
-Result<std::vector<double>> parse_numbers(std::string_view reply, std::size_t wanted) {
+Result<std::vector<double>> parse_numbers(std::string_view reply, std::size_t wanted,
+                                          std::size_t most) {
   Arguments arguments;
   bool lawful = reply.size() <= kLongestReply;
   if (lawful)
     for (const char c : without_end(reply)) lawful = lawful && arguments.take(c);
   arguments.end();
-  if (lawful && !arguments.bad() && arguments.values().size() == wanted) return arguments.values();
+  if (lawful && !arguments.bad() && arguments.values().size() >= wanted &&
+      arguments.values().size() <= most)
+    return arguments.values();
   return fail(ErrorKind::Malformed, "",
               fmt::format("the device replied \"{}\"; {} expected", shown(reply),
-                          wanted == 1 ? "a number was" : "two numbers were"));
+                          wanted == most
+                              ? fmt::format("{} number{}", wanted, wanted == 1 ? " was" : "s were")
+                              : fmt::format("{} to {} numbers were", wanted, most)));
 }
 
 }  // namespace
@@ -101,13 +106,58 @@ Result<Identity> parse_identity(std::string_view reply) {
 }
 
 Result<NumberPair> parse_pair(std::string_view reply) {
-  return parse_numbers(reply, 2).map([](const std::vector<double>& values) {
+  return parse_numbers(reply, 2, 2).map([](const std::vector<double>& values) {
     return NumberPair{values[0], values[1]};
   });
 }
 
 Result<double> parse_number(std::string_view reply) {
-  return parse_numbers(reply, 1).map([](const std::vector<double>& values) { return values[0]; });
+  return parse_numbers(reply, 1, 1).map([](const std::vector<double>& values) {
+    return values[0];
+  });
+}
+
+Result<NumberPair> parse_position(std::string_view reply) {
+  return parse_numbers(reply, 3, 3).map([](const std::vector<double>& values) {
+    return NumberPair{values[0], values[1]};
+  });
+}
+
+Result<std::vector<int>> parse_tools(std::string_view reply) {
+  const auto values = parse_numbers(reply, 1, 8);
+  if (!values) return tl::unexpected(values.error());
+  std::vector<int> codes;
+  for (const double value : *values) {
+    if (!(value >= 0 && value <= 255) || value != static_cast<int>(value))
+      return fail(ErrorKind::Malformed, "",
+                  fmt::format("the device replied \"{}\"; tool codes of 0 to 255 were expected",
+                              shown(reply)));
+    codes.push_back(static_cast<int>(value));
+  }
+  return codes;
+}
+
+std::string_view tool_name(int code) {
+  switch (code) {
+    case 0:
+      return "empty";
+    case 1:
+      return "ratchet blade";
+    case 2:
+      return "autoblade";
+    case 3:
+      return "deep-cut blade";
+    case 4:
+      return "kraft blade";
+    case 5:
+      return "rotary blade";
+    case 7:
+      return "pen";
+    case 255:
+      return "error";
+    default:
+      return "unknown tool";
+  }
 }
 
 }  // namespace popcut

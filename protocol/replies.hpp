@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/result.hpp"
 
@@ -18,7 +19,12 @@ inline constexpr std::string_view kWindowFarQuery{"U\x03"};
 inline constexpr std::string_view kCalibrationQuery{"FA\x03"};
 inline constexpr std::string_view kMarkSensorQuery{"TB71\x03"};
 inline constexpr std::string_view kToolsQuery{"\x1b\x15"};  ///< Cameo 4 and later
-inline constexpr std::string_view kReset{"\x1b\x04"};       ///< no reply
+inline constexpr std::string_view kScaleQuery{"TC\x03"};    ///< Cameo 3; meaning unknown
+inline constexpr std::string_view kSpeedQuery{"FQ0\x03"};   ///< speed in steps, it seems
+inline constexpr std::string_view kOffsetQuery{"FQ2\x03"};  ///< blade offset, it seems
+inline constexpr std::string_view kMarkResultQuery{"FQ5\x03"};
+inline constexpr std::string_view kPositionQuery{"G\x03"};
+inline constexpr std::string_view kReset{"\x1b\x04"};  ///< no reply
 
 /// What a GPGL machine says of itself when asked for its status. What is not one of the known
 /// replies is Unknown and must never be taken for Ready.
@@ -50,5 +56,18 @@ struct NumberPair {
 ///
 /// @retval Malformed  not one number
 [[nodiscard]] Result<double> parse_number(std::string_view reply);
+
+/// The reply to G: where the tool stands, in units of the feed and the carriage.
+///
+/// @retval Malformed  not three numbers
+[[nodiscard]] Result<NumberPair> parse_position(std::string_view reply);
+
+/// The reply to ESC NAK, a code a holder: 0 empty, 1 ratchet blade, 2 autoblade, 3 deep cut, 4
+/// kraft blade, 5 rotary blade, 7 pen, 255 error.
+///
+/// @retval Malformed  not one to eight whole numbers of 0 to 255
+[[nodiscard]] Result<std::vector<int>> parse_tools(std::string_view reply);
+/// "empty", "ratchet blade", ...; "unknown tool" for codes that nobody has explained.
+[[nodiscard]] std::string_view tool_name(int code);
 
 }  // namespace popcut

@@ -15,10 +15,13 @@
 #include "core/formats/svg_reader.hpp"
 #include "core/plan/plan_json.hpp"
 #include "core/plan/sheet_svg.hpp"
+#include "core/plan/test_shape.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/cut_device.hpp"
 #include "daemon/cli/expectation.hpp"
+#include "daemon/cli/fault_file.hpp"
 #include "daemon/cli/output_folder.hpp"
+#include "daemon/cli/pause_key.hpp"
 #include "daemon/cli/plan_job.hpp"
 #include "daemon/cli/progress_bar.hpp"
 #include "device/expect.hpp"
@@ -29,8 +32,8 @@ namespace {
 
 struct Options {
   PlanJobOptions job;
-  std::string device, treat_as, folder;
-  bool direct{false}, yes{false};
+  std::string device, treat_as, folder, faults;
+  bool direct{false}, yes{false}, test{false};
 };
 
 // Ctrl-C asks the session to stop at the end of a stroke, with the tool up.
@@ -92,13 +95,17 @@ Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const CutTarge
   if (!cable) return tl::unexpected(cable.error());
   ProgressBar bar(!globals.quiet);
   const double whole = planned.seconds;
+  PauseKey pause;
   SessionOptions options;
   options.cancel = &stop_asked;
+  options.pause = &pause.asked();
   options.progress = [&](const SessionProgress& p) {
+    pause.look();
     const std::string what =
         p.phase == SessionPhase::Cutting
             ? fmt::format("cutting, stroke {} of {}", p.strokes_done, p.strokes)
-            : std::string(name_of(p.phase));
+        : p.phase == SessionPhase::Held ? "held with the tool up, p goes on"
+                                        : std::string(name_of(p.phase));
     bar.show(what, 1 - p.seconds_left / std::max(whole, 1.0), p.seconds_left);
   };
   CutSheet cut;
@@ -211,6 +218,10 @@ Result<void> cut_all(const Options& options, const Globals& globals, const PlanJ
 }
 
 Result<void> run_cut(const Options& options, const Globals& globals) {
+  if (options.test != options.job.input.empty())
+    return fail(ErrorKind::Usage, "command line",
+                options.test ? "INPUT and --test both; --test cuts a shape of its own"
+                             : "INPUT is missing; name a SPEC or a pattern, or give --test");
   if (!options.direct)
     return fail(ErrorKind::Refused, "",
                 "queueing a job needs popcutd, which is not built yet; --direct cuts without it");
@@ -220,11 +231,20 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
                 fmt::format("works with simulated devices only, and {} is none: a person must look "
                             "at each sheet before it is cut; leave --yes out",
                             options.device));
-  const auto target = choose_target({options.device, options.job.machine, options.treat_as});
+  auto target = choose_target({options.device, options.job.machine, options.treat_as});
   if (!target) return tl::unexpected(target.error());
+  if (!options.faults.empty()) {
+    auto faults = read_faults(options.faults, *target);
+    if (!faults) return tl::unexpected(faults.error());
+    target->faults = std::move(*faults);
+  }
   PlanJobOptions how = options.job;
   how.machine = target->machine.name;
   how.order.progress = !globals.quiet;
+  if (options.test) {
+    how.drawing = test_shape();
+    if (how.at.empty() && !how.marks.wanted) how.at = "5,5";
+  }
   const auto job = make_plan_job(how);
   if (!job) return tl::unexpected(job.error());
   std::optional<OutputFolder> folder;
@@ -259,7 +279,9 @@ constexpr const char* kHelp =
     "  popcut cut sphere.json --direct --yes -o cut        # simulated: no questions\n"
     "  popcut cut sphere.json --direct --device usb:51053P # the cutter of that serial number\n\n"
     "Plans as 'popcut plan' does, then sends each sheet to the cutter and waits until it is done.\n"
-    "Ctrl-C stops at the end of the stroke, with the tool up. With -o DIR it keeps for each sheet\n"
+    "Ctrl-C stops at the end of the stroke, with the tool up and parked; the key p holds there "
+    "and\n"
+    "goes on. With -o DIR it keeps for each sheet\n"
     "the program, its drawing, and what the simulated knife did (sheet-NN.cut.svg, .trace.json).\n"
     "Devices: sim:NAME, usb:ID, serial:/dev/ttyUSB0[,baud=9600][,flow=none|rtscts|xonxoff],\n"
     "lp:/dev/usb/lp0, file:NAME (writes the program, cuts nothing).";
@@ -270,12 +292,19 @@ void register_cut(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("cut", kHelp);
   add_plan_options(*command, options->job);
+  command->get_option("INPUT")->required(false);
+  command->add_flag("--test", options->test,
+                    "Cut a small shape to try the material: a square, a triangle, a fold");
   command->add_option("--device", options->device, "Where to cut; 'popcut devices' lists them")
       ->option_text("ID [sim:cameo3]");
   command
       ->add_option("--treat-as", options->treat_as,
                    "Drive a cutter whose model is not known as this machine")
       ->option_text("NAME");
+  command
+      ->add_option("--faults", options->faults,
+                   "What goes wrong with a simulated device; docs/simulator.md has the form")
+      ->option_text("FILE");
   command->add_flag("--direct", options->direct, "Without popcutd, from here");
   command->add_flag("--yes", options->yes, "Ask nothing; with simulated devices only");
   command->add_option("-o,--output", options->folder, "Keep programs, drawings and traces there")

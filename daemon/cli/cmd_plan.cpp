@@ -63,6 +63,9 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
         !done)
       return done;
     if (auto done = folder->add(job->program_file(i), job->programs[i].bytes); !done) return done;
+    if (job->marks.empty()) continue;
+    const std::string marks = marks_svg(job->marks[i], job->plan.sheets[i].area_mm, title);
+    if (auto done = folder->add(PlanJob::sheet_file(i, "marks.svg"), marks); !done) return done;
   }
   if (auto done = folder->add("assembly.svg", assembly_svg(job->plan)); !done) return done;
   const std::string json = plan_json(job->plan);

@@ -11,7 +11,9 @@
 
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/expectation.hpp"
+#include "daemon/cli/fault_file.hpp"
 #include "daemon/cli/output_folder.hpp"
+#include "daemon/cli/simulate_pty.hpp"
 #include "daemon/cli/user_tables.hpp"
 #include "device/simulate.hpp"
 #include "protocol/decode.hpp"
@@ -20,7 +22,9 @@ namespace popcut::cli {
 namespace {
 
 struct Options {
-  std::string program, folder, machine, expect, plan;
+  std::string program, folder, machine, expect, plan, faults;
+  bool pty{false};
+  double speedup{1};
   std::size_t sheet{1};
 };
 
@@ -91,6 +95,11 @@ Result<void> check(const Trace& trace, const Expectation& expectation, const std
 }
 
 Result<void> run_simulate(const Options& options, const Globals& globals) {
+  if (options.pty)
+    return serve_pty({options.machine, options.folder, options.faults, options.speedup}, globals);
+  if (options.program.empty())
+    return fail(ErrorKind::Usage, "command line",
+                "PROGRAM is missing; name a GPGL or HPGL program, or give --pty");
   if (options.folder.empty())
     return fail(ErrorKind::Usage, "command line",
                 "-o DIR is missing; name the folder for cut.svg and trace.json");
@@ -114,7 +123,15 @@ Result<void> run_simulate(const Options& options, const Globals& globals) {
     if (!read) return tl::unexpected(read.error());
     expected = std::move(*read);
   }
-  const auto trace = simulate(program, *machine, sheet_of(plan, expected, *machine, program));
+  std::vector<SimFault> faults;
+  if (!options.faults.empty()) {
+    auto read = read_faults(options.faults);
+    if (!read) return tl::unexpected(read.error());
+    faults = std::move(*read);
+  }
+  const SimOptions sheet = sheet_of(plan, expected, *machine, program);
+  const auto trace = faults.empty() ? simulate(program, *machine, sheet)
+                                    : simulate_faults(program, *machine, sheet, std::move(faults));
   if (!trace) return tl::unexpected(within(options.program, trace.error()));
 
   auto folder = OutputFolder::open(options.folder);
@@ -150,7 +167,13 @@ void register_simulate(CLI::App& app, const Globals& globals, Run& run) {
   const auto text = [&](const char* name, std::string& value, const char* help, const char* shown) {
     command->add_option(name, value, help)->option_text(shown);
   };
-  command->add_option("PROGRAM", options->program, "A GPGL or HPGL program")->required();
+  command->add_option("PROGRAM", options->program, "A GPGL or HPGL program; none with --pty");
+  text("--faults", options->faults, "What goes wrong on the way; docs/simulator.md has the form",
+       "FILE");
+  command->add_flag("--pty", options->pty,
+                    "Be a cutter at a pseudo terminal for other programs, until Ctrl-C");
+  command->add_option("--speedup", options->speedup, "With --pty: times as fast as a real one")
+      ->option_text("N [1]");
   text("-o,--output", options->folder, "The folder for the files; made if absent", "DIR");
   text("--machine", options->machine, "The cutter; 'popcut machines' lists them",
        "NAME [the plan's, else cameo3 or hpgl-generic]");

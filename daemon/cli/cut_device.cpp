@@ -118,7 +118,7 @@ Result<CutTarget> choose_target(const CutTargetOptions& options) {
     return simulated_machine(options, *device);
   }();
   if (!machine) return tl::unexpected(machine.error());
-  return CutTarget{*device, std::move(*machine)};
+  return CutTarget{*device, std::move(*machine), {}};
 }
 
 Result<Cable> Cable::open(const CutTarget& target, const std::string& name,
@@ -149,7 +149,7 @@ Result<Cable> Cable::open(const CutTarget& target, const std::string& name,
   around.page_length_mm = area_mm[1];
   auto sim = SimCutter::make(target.machine, around);
   if (!sim) return tl::unexpected(sim.error());
-  cable.transport_ = std::make_unique<SimTransport>(std::move(*sim));
+  cable.transport_ = std::make_unique<SimTransport>(std::move(*sim), target.faults);
   return cable;
 }
 

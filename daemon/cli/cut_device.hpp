@@ -5,10 +5,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/plan/machine.hpp"
 #include "core/result.hpp"
 #include "device/device_id.hpp"
+#include "device/sim_faults.hpp"
 #include "device/trace.hpp"
 #include "device/transport.hpp"
 
@@ -18,6 +20,7 @@ namespace popcut::cli {
 struct CutTarget {
   DeviceId device;
   Machine machine;
+  std::vector<SimFault> faults{};  ///< of the simulated cutter
 
   [[nodiscard]] bool simulated() const { return device.kind == DeviceKind::Simulated; }
   /// Something with a knife: a person says yes first.

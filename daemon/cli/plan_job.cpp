@@ -87,7 +87,10 @@ Result<PlanOptions> plan_options(const PlanJobOptions& options) {
     return tl::unexpected(knife.error());
   if (auto split = read_split_option(options.split, out); !split)
     return tl::unexpected(split.error());
-  if (options.at.empty()) return out;
+  if (options.at.empty()) {
+    if (options.marks.wanted) out.place.at = PagePoint{16, 16};  // clear of the marks
+    return out;
+  }
   SvgScan scan(options.at);
   PagePoint at;
   if (!scan.number(at.x) || !scan.number(at.y) || !scan.at_end())
@@ -130,7 +133,9 @@ Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
   const auto machine = choose_machine(options, *tables);
   if (!machine) return tl::unexpected(machine.error());
   const bool ideal_machine = machine->name.rfind("ideal", 0) == 0;
-  const auto input = read_drawing(options.input, *reading);
+  const auto input = options.drawing
+                         ? Result<DrawingInput>(DrawingInput{*options.drawing, std::nullopt})
+                         : read_drawing(options.input, *reading);
   if (!input) return tl::unexpected(input.error());
   const auto material = choose_material(
       !options.material.empty() ? options.material : input->material.value_or("paper-220"),
@@ -153,9 +158,14 @@ Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
     const bool of_option = planned.error().place.rfind("--", 0) == 0;
     return tl::unexpected(of_option ? planned.error() : within(options.input, planned.error()));
   }
-  PlanJob job{std::move(*planned), {}};
+  PlanJob job{std::move(*planned), {}, {}};
   for (const PlannedSheet& sheet : job.plan.sheets) {
-    auto program = encode(sheet.sent_path(), *machine, *material, job_options(sheet, *machine));
+    JobOptions sent = job_options(sheet, *machine);
+    const auto marks = read_mark_option(options.marks, *machine, sheet.area_mm);
+    if (!marks) return tl::unexpected(marks.error());
+    sent.marks = *marks;
+    if (*marks) job.marks.push_back(**marks);
+    auto program = encode(sheet.sent_path(), *machine, *material, sent);
     if (!program) return tl::unexpected(within(options.input, program.error()));
     if (!program->dots.empty())
       job.plan.warnings.push_back(
@@ -188,6 +198,7 @@ void add_plan_options(CLI::App& command, PlanJobOptions& options) {
        "WORD [popcut]");
   add_knife_options(command, options.knife);
   add_split_options(command, options.split);
+  add_mark_options(command, options.marks);
   command
       .add_option("--curve-tolerance", options.curve_tolerance_mm,
                   "How far a curve of a drawing may be from the lines that are cut, in mm")

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/plan/plan.hpp"
 #include "core/result.hpp"
 #include "daemon/cli/knife_option.hpp"
+#include "daemon/cli/mark_option.hpp"
 #include "daemon/cli/order_option.hpp"
 #include "daemon/cli/split_option.hpp"
 #include "protocol/encode.hpp"
@@ -26,6 +28,8 @@ struct PlanJobOptions {
   bool clip{false};
   KnifeOption knife;
   SplitOption split;
+  MarkOption marks;
+  std::optional<LineWork> drawing{};  ///< in place of the input, if there is one
 };
 
 /// Adds INPUT, --machine, --material, --mat, --at, --dialect, --svg-profile, --curve-tolerance,
@@ -36,6 +40,7 @@ void add_plan_options(CLI::App& command, PlanJobOptions& options);
 struct PlanJob {
   Plan plan;
   std::vector<EncodedProgram> programs;
+  std::vector<MarkLayout> marks;  ///< one a sheet, or none
 
   /// "sheet-01.gpgl": the file of a sheet's program.
   [[nodiscard]] std::string program_file(std::size_t sheet) const;

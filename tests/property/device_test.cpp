@@ -74,23 +74,6 @@ TEST_CASE("what the simulated cutter draws is the toolpath within half a machine
 
 namespace {
 
-/// One or two faults of any kind at any byte.
-std::vector<SimFault> random_faults(std::mt19937& random, std::size_t program_bytes) {
-  using Kind = SimFault::Kind;
-  constexpr Kind kinds[] = {Kind::Unplug,  Kind::ShortWrite, Kind::Nak,    Kind::Silence,
-                            Kind::Garbage, Kind::Pause,      Kind::Cancel, Kind::MediaOut};
-  const std::string texts[] = {"0\x03", "1\x03", "x", std::string(300, ' '), "4", "\x03\x03"};
-  std::vector<SimFault> faults(std::uniform_int_distribution<std::size_t>(1, 2)(random));
-  for (SimFault& fault : faults) {
-    fault.kind = kinds[std::uniform_int_distribution<int>(0, 7)(random)];
-    fault.at_byte = std::uniform_int_distribution<std::uint64_t>(0, program_bytes)(random);
-    const double waits[] = {0.05, 0.7, 3, 30};
-    fault.seconds = waits[std::uniform_int_distribution<int>(0, 3)(random)];
-    fault.text = texts[std::uniform_int_distribution<int>(0, 5)(random)];
-  }
-  return faults;
-}
-
 /// How many strokes were cut whole, and how many in part or whole. All must be the program's, in
 /// its order, none twice.
 struct CutStrokes {
@@ -140,14 +123,14 @@ TEST_CASE("whatever goes wrong the ledger is true and nothing is cut twice", "[d
       }
       SimOptions sheet;
       sheet.page_length_mm = 300;
-      std::vector<SimFault> faults = random_faults(random, program.bytes.size());
+      std::vector<SimFault> faults = random_faults(seed, 1 + seed % 2, program.bytes.size());
       // Nobody can see what a machine that answers nothing has thrown away.
       if (target.language == "hpgl")
         std::erase_if(faults, [](const SimFault& f) { return f.kind == SimFault::Kind::Cancel; });
       std::string what;
       for (const SimFault& fault : faults)
-        what += fmt::format("{} at byte {} for {} s; ", static_cast<int>(fault.kind), fault.at_byte,
-                            fault.seconds);
+        what += fmt::format("{} at byte {} path {} for {} s; ", name_of(fault.kind), fault.at_byte,
+                            fault.at_path.value_or(0), fault.seconds);
       CAPTURE(what);
       SimTransport cable(cutter(target, sheet), faults);
       SessionOptions options;
@@ -157,6 +140,14 @@ TEST_CASE("whatever goes wrong the ledger is true and nothing is cut twice", "[d
         const std::size_t at = std::uniform_int_distribution<std::size_t>(0, 60)(random);
         options.progress = [&stop, at](const SessionProgress& p) {
           if (p.strokes_done >= at) stop = true;
+        };
+      }
+      std::atomic<bool> hold{false};
+      if (seed % 7 == 0) {  // and one that pauses for a while
+        options.pause = &hold;
+        const std::size_t at = std::uniform_int_distribution<std::size_t>(0, 40)(random);
+        options.progress = [&, at](const SessionProgress& p) {
+          hold = p.strokes_done >= at && cable.now() < std::chrono::seconds(60);
         };
       }
       const SessionEnd end = run_session(cable, target, program, options);

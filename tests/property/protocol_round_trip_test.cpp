@@ -70,6 +70,12 @@ std::vector<Case> all_cases() {
     cases.push_back(hpgl_case(y_up, {.move_by_pa = true}));
     cases.push_back(hpgl_case(y_up, {.newline = true}));
     cases.push_back(hpgl_case(y_up, {.move_by_pa = true, .newline = true}));
+    cases.push_back(hpgl_case(y_up, {.words = HpglWords::UpDown}));
+    for (const bool newline : {false, true}) {
+      cases.push_back(
+          hpgl_case(y_up, {.words = HpglWords::MoveDraw, .newline = newline, .negative = true}));
+      cases.back().negative = true;
+    }
   }
   return cases;
 }

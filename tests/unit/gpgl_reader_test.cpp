@@ -264,3 +264,14 @@ TEST_CASE("the language of a program is told from its first bytes", "[protocol][
   CHECK(guess_dialect(bytes_of("IN;\nPU1,2;\nPD3,4;\nLBtext\x03;PU;")) == Dialect::Hpgl);
   CHECK(guess_dialect({}) == Dialect::Gpgl);
 }
+
+TEST_CASE("a GPGL command without an end is not kept for ever", "[protocol][gpgl][decode]") {
+  GpglReader reader;
+  Program program;
+  reader.feed(bytes_of("BE1" + std::string(5 << 20, '\x90') + "\x03M1,2\x03"), program);
+  REQUIRE(program.commands.size() == 3);
+  CHECK(program.commands[0].verb == Verb::Unknown);
+  CHECK(program.commands[1].verb == Verb::Unknown);
+  CHECK(program.commands[2].verb == Verb::Move);
+  CHECK(program.points.size() == 1);
+}

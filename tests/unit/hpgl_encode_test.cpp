@@ -126,5 +126,48 @@ TEST_CASE("an unknown variant of HPGL is refused with those that are known",
           "[protocol][hpgl][encode]") {
   Machine machine = plotter();
   machine.variant = "dmpl";
-  CHECK_THAT(text_of(two_lines(), machine), Catch::Contains("generic, pa, newline are known"));
+  CHECK_THAT(text_of(two_lines(), machine), Catch::Contains("generic, pa, newline, plain"));
+}
+
+TEST_CASE("HPGL variants are words joined by plus signs", "[protocol][hpgl][encode]") {
+  const auto written = [](const char* variant) {
+    Machine machine = plotter();
+    machine.variant = variant;
+    return text_of(two_lines(), machine);
+  };
+  CHECK(written("pa+newline+plain+open") ==
+        "IN;\nPA;\nSP1;\nPU;\nPA0,0;\nPD1016,0,1016,1016;\nPU;\nPA400,400;\nPD800,400;\nPU;\n"
+        "PA0,0;\nSP0;\n");
+  CHECK(written("ud") ==
+        "IN;PA;SP1;VS50;FS7;U0,0;D1016,0,1016,1016;U400,400;D800,400;U0,0;SP0;IN;");
+  CHECK(written("camm1+plain") == "IN;SP1;M0,0;D1016,0,1016,1016;M400,400;D800,400;M0,0;SP0;IN;");
+  CHECK(written("camm2") == written("generic"));
+  CHECK_THAT(written("pa+ud"), Catch::Contains("pa goes with PU and PD only"));
+  CHECK_THAT(written("generic+"), Catch::Contains("\"\" is no variant"));
+}
+
+TEST_CASE("CAMM-GL takes negative coordinates and other HPGL only where it says so",
+          "[protocol][hpgl][encode]") {
+  Toolpath toolpath = two_lines();
+  toolpath.points[3] = {-3, -0.5};
+  Machine machine = plotter();
+  for (const char* variant : {"camm1", "camm2", "ud+negative"}) {
+    machine.variant = variant;
+    CHECK_THAT(text_of(toolpath, machine), Catch::Contains("-120,-20;"));
+  }
+  machine.variant = "ud";
+  CHECK_THAT(text_of(toolpath, machine), Catch::Contains("negative coordinates"));
+}
+
+TEST_CASE("the tool is lifted in the words of the program itself", "[protocol][encode]") {
+  const auto lifted = [](const Machine& machine) {
+    return readable(bytes_of(lift_after(*encode(two_lines(), machine, paper()), 0)));
+  };
+  Machine machine = plotter();
+  CHECK(lifted(machine) == readable(bytes_of("PU;")));
+  machine.variant = "ud";
+  CHECK(lifted(machine) == readable(bytes_of("U;")));
+  machine.variant = "camm1";
+  CHECK(lifted(machine) == readable(bytes_of("M1016,1016;")));
+  CHECK(lifted(cameo3()) == readable(bytes_of("M508,508\x03")));
 }

@@ -83,3 +83,29 @@ TEST_CASE("pen down without a point is a dot", "[protocol][hpgl][decode]") {
   CHECK(pen.points[0] == MachinePoint{5, 6});
   CHECK(pen.strokes[1].count == 2);
 }
+
+TEST_CASE("CAMM-GL mode 1 and U and D are read among HPGL", "[protocol][hpgl][decode]") {
+  CHECK(brief(read("H;M1,2;D3,4,5,6;I1,1;R-2,-3;I0,5;PU9,9;")) ==
+        "home H; move 1,2; draw 3,4 5,6; draw 6,7; move 4,4; draw 4,9; move 9,9");
+  CHECK(brief(read("U1,2;D3,4;U;D;d7,8u9,9;")) ==
+        "move 1,2; draw 3,4; move; draw; draw 7,8; move 9,9");
+  CHECK(brief(read("L0;F30;C1,2,3,0,360;A1,1;")) ==
+        "line type L 0; speed F 30; unknown C1,2,3,0,360; unknown A1,1");
+}
+
+TEST_CASE("a command without an end is not kept for ever", "[protocol][hpgl][decode]") {
+  HpglReader reader;
+  Program program;
+  const std::string piece(1 << 20, '~');
+  for (int k = 0; k < 10; ++k) reader.feed(bytes_of(piece), program);
+  CHECK(program.commands.size() == 2);  // of 4 MiB each, all Unknown
+  reader.finish(program);
+  REQUIRE(program.commands.size() == 3);
+  CHECK(program.commands[2].end == 10U << 20);
+  for (const std::string& text : program.texts) CHECK(text.size() <= kLongestCommand);
+  // And what follows it is read again.
+  reader = {};
+  Program after;
+  reader.feed(bytes_of("PD" + std::string(5 << 20, '1') + ";PU1,2;"), after);
+  CHECK(after.commands.back().verb == Verb::Move);
+}

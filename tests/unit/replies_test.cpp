@@ -41,8 +41,22 @@ TEST_CASE("numbers in replies are blank padded", "[protocol][replies]") {
   CHECK(parse_number("   18\x03").value() == 18);
   CHECK(parse_pair("   18\x03").error().kind == ErrorKind::Malformed);
   CHECK(parse_number("1,2").error().kind == ErrorKind::Malformed);
-  CHECK(parse_pair("1,x").error().detail ==
-        "the device replied \"1,x\"; two numbers were expected");
+  CHECK(parse_pair("1,x").error().detail == "the device replied \"1,x\"; 2 numbers were expected");
   CHECK(parse_pair("1,\x1b").error().detail.find('\x1b') == std::string::npos);
   CHECK_FALSE(parse_pair(std::string(100, '1')));
+}
+
+TEST_CASE("tools and positions are read from their replies", "[protocol][replies]") {
+  CHECK(parse_tools("2,0\x03").value() == std::vector<int>{2, 0});
+  CHECK(parse_tools("7").value() == std::vector<int>{7});
+  for (const char* reply : {"", "2,,0", "1.5", "256", "-1", "x", "1,2,3,4,5,6,7,8,9"}) {
+    CAPTURE(reply);
+    CHECK_FALSE(parse_tools(reply));
+  }
+  CHECK(tool_name(2) == "autoblade");
+  CHECK(tool_name(6) == "unknown tool");
+  const NumberPair at = parse_position("   100,   300,    20\x03").value();
+  CHECK(at.first == 100);
+  CHECK(at.second == 300);
+  CHECK_FALSE(parse_position("100,300"));
 }

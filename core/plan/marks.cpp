@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+#include "core/plan/marks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace popcut {
+namespace {
+
+constexpr double kInsetMm = 10;
+constexpr double kFarInsetMm = 30;
+constexpr double kLeastMm = 60;  // arms of 20 mm from both sides, and some room
+
+Result<void> check_shape(const MarkLayout& m) {
+  const bool finite = std::isfinite(m.left_mm) && std::isfinite(m.top_mm) &&
+                      std::abs(m.left_mm) < kMaxCoordinate && std::abs(m.top_mm) < kMaxCoordinate;
+  const bool sized = m.width_mm < kMaxCoordinate && m.height_mm < kMaxCoordinate &&
+                     m.width_mm >= 2 * m.arm_mm && m.height_mm >= 2 * m.arm_mm;
+  const bool marks = m.arm_mm > 0 && m.line_mm > 0 && m.line_mm < m.arm_mm && m.square_mm > 0 &&
+                     m.square_mm <= m.arm_mm && m.search_mm >= 0 && m.search_mm < 100;
+  if (finite && sized && marks) return {};
+  return fail(ErrorKind::OutOfRange, "marks",
+              fmt::format("a rectangle of {:g} x {:g} mm with arms of {:g} mm; it must be at least "
+                          "twice as long as the arms",
+                          m.width_mm, m.height_mm, m.arm_mm));
+}
+
+}  // namespace
+
+Result<MarkLayout> marks_for(std::array<double, 2> page_mm) {
+  MarkLayout marks;
+  marks.left_mm = marks.top_mm = kInsetMm;
+  marks.width_mm = page_mm[0] - 2 * kInsetMm;
+  marks.height_mm = page_mm[1] - kInsetMm - kFarInsetMm;
+  if (marks.width_mm >= kLeastMm && marks.height_mm >= kLeastMm) return marks;
+  return fail(
+      ErrorKind::Infeasible, "marks",
+      fmt::format("a page of {:g} x {:g} mm has no room for registration marks; it takes {:g} "
+                  "x {:g} mm",
+                  page_mm[0], page_mm[1], kLeastMm + 2 * kInsetMm,
+                  kLeastMm + kInsetMm + kFarInsetMm));
+}
+
+Result<void> check_marks(const MarkLayout& marks, const Toolpath& path) {
+  if (auto lawful = check_shape(marks); !lawful) return lawful;
+  const double right = marks.left_mm + marks.width_mm;
+  const double bottom = marks.top_mm + marks.height_mm;
+  const auto hits = [](PagePoint p, double x0, double y0, double x1, double y1) {
+    return p.x > x0 && p.x < x1 && p.y > y0 && p.y < y1;
+  };
+  const double arm = marks.arm_mm, line = marks.line_mm, square = marks.square_mm;
+  for (std::size_t k = 0; k < path.strokes.size(); ++k) {
+    for (const PagePoint& p : path.points_of(path.strokes[k])) {
+      const std::string place = fmt::format("/strokes/{}", k);
+      constexpr double kNoise = 1e-9;
+      if (p.x < marks.left_mm - kNoise || p.x > right + kNoise || p.y < marks.top_mm - kNoise ||
+          p.y > bottom + kNoise)
+        return fail(ErrorKind::Infeasible, place,
+                    fmt::format("({:.1f}, {:.1f}) mm lies outside the registration marks, where "
+                                "nothing is cut; they go from ({:g}, {:g}) to ({:g}, {:g}) mm",
+                                p.x, p.y, marks.left_mm, marks.top_mm, right, bottom));
+      const bool on_mark =
+          hits(p, marks.left_mm, marks.top_mm, marks.left_mm + square, marks.top_mm + square) ||
+          hits(p, right - arm, marks.top_mm, right, marks.top_mm + line) ||
+          hits(p, right - line, marks.top_mm, right, marks.top_mm + arm) ||
+          hits(p, marks.left_mm, bottom - line, marks.left_mm + arm, bottom) ||
+          hits(p, marks.left_mm, bottom - arm, marks.left_mm + line, bottom) ||
+          (marks.four_corners && (hits(p, right - arm, bottom - line, right, bottom) ||
+                                  hits(p, right - line, bottom - arm, right, bottom)));
+      if (on_mark)
+        return fail(ErrorKind::Infeasible, place,
+                    fmt::format("({:.1f}, {:.1f}) mm lies on a registration mark; move the drawing "
+                                "with --at",
+                                p.x, p.y));
+    }
+  }
+  return {};
+}
+
+std::string marks_svg(const MarkLayout& m, std::array<double, 2> page_mm,
+                      const std::string& title) {
+  std::string safe;
+  for (const char c : title)
+    if (c != '<' && c != '>' && c != '&' && static_cast<unsigned char>(c) >= 0x20) safe += c;
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:g}mm\" height=\"{1:g}mm\" viewBox=\"0 "
+      "0 "
+      "{0:g} {1:g}\">\n<title>{2}</title>\n<g id=\"registration-marks\" fill=\"black\">\n",
+      page_mm[0], page_mm[1], safe);
+  const auto rect = [&](double x, double y, double w, double h) {
+    svg +=
+        fmt::format("<rect x=\"{:g}\" y=\"{:g}\" width=\"{:g}\" height=\"{:g}\"/>\n", x, y, w, h);
+  };
+  const double right = m.left_mm + m.width_mm;
+  const double bottom = m.top_mm + m.height_mm;
+  rect(m.left_mm, m.top_mm, m.square_mm, m.square_mm);
+  rect(right - m.arm_mm, m.top_mm, m.arm_mm, m.line_mm);
+  rect(right - m.line_mm, m.top_mm, m.line_mm, m.arm_mm);
+  rect(m.left_mm, bottom - m.line_mm, m.arm_mm, m.line_mm);
+  rect(m.left_mm, bottom - m.arm_mm, m.line_mm, m.arm_mm);
+  if (m.four_corners) {
+    rect(right - m.arm_mm, bottom - m.line_mm, m.arm_mm, m.line_mm);
+    rect(right - m.line_mm, bottom - m.arm_mm, m.line_mm, m.arm_mm);
+  }
+  return svg + "</g>\n</svg>\n";
+}
+
+}  // namespace popcut

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/result.hpp"
+#include "daemon/cli/cut_device.hpp"
+#include "device/sim_faults.hpp"
+
+namespace popcut::cli {
+
+/// Reads a fault script; its errors name the file.
+[[nodiscard]] Result<std::vector<SimFault>> read_faults(const std::string& file);
+/// The same for a cut.
+///
+/// @retval Usage  the device is not a simulated one
+[[nodiscard]] Result<std::vector<SimFault>> read_faults(const std::string& file,
+                                                        const CutTarget& target);
+
+}  // namespace popcut::cli

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <termios.h>
+
+#include <atomic>
+#include <optional>
+
+namespace popcut::cli {
+
+/// The key p at the terminal, which holds a cut and lets it go on. Not on a terminal it does
+/// nothing. While it lives, keys are read at once and not shown.
+class PauseKey {
+ public:
+  PauseKey();
+  ~PauseKey();
+  PauseKey(const PauseKey&) = delete;
+  PauseKey& operator=(const PauseKey&) = delete;
+
+  /// Reads the keys that were pressed since.
+  void look();
+  [[nodiscard]] const std::atomic<bool>& asked() const { return asked_; }
+
+ private:
+  std::atomic<bool> asked_{false};
+  std::optional<termios> before_;
+};
+
+}  // namespace popcut::cli

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+
+#include <catch2/catch.hpp>
+
+#include "device/session.hpp"
+#include "tests/support/sim_bench.hpp"
+
+using namespace popcut;
+using namespace popcut::testing;
+using std::chrono::nanoseconds;
+
+namespace {
+
+double in_seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+
+/// A job of short strokes, so that a window of motion holds several.
+struct Job {
+  Machine machine;
+  Toolpath path;
+  EncodedProgram program;
+
+  explicit Job(const char* name = "cameo3") : machine(testing::machine(name)) {
+    const Material paper = value(find_material("paper-220"));
+    for (int k = 0; k < 200; ++k) {
+      Stroke stroke;
+      stroke.first = static_cast<std::uint32_t>(path.points.size());
+      stroke.count = 2;
+      stroke.tool = 1;
+      stroke.force_gf = paper.cut.force_gf;
+      stroke.speed_mm_s = paper.cut.speed_mm_s;
+      const double x = 5 + k % 20 * 9.0;
+      const double y = 5 + static_cast<double>(k / 20) * 9.0;
+      path.points.push_back({x, y});
+      path.points.push_back({x + 4, y + 1});
+      path.strokes.push_back(stroke);
+    }
+    JobOptions job;
+    job.page_length_mm = 300;
+    program = value(encode(path, machine, paper, job));
+  }
+  [[nodiscard]] SimTransport cable(std::vector<SimFault> faults = {}) const {
+    SimOptions sheet;
+    sheet.page_length_mm = 300;
+    return SimTransport(cutter(machine, sheet), std::move(faults));
+  }
+};
+
+/// A cable that notes when it last took more than a query.
+class Watched final : public Transport {
+ public:
+  explicit Watched(SimTransport& cable) : cable_(cable) {}
+  WriteEnd write(std::span<const std::byte> bytes, Deadline until) override {
+    const WriteEnd end = cable_.write(bytes, until);
+    if (end.taken > 3) last = cable_.now();
+    return end;
+  }
+  Result<std::vector<std::byte>> read(Deadline until) override { return cable_.read(until); }
+  nanoseconds now() const override { return cable_.now(); }
+  void wait(nanoseconds duration) override { cable_.wait(duration); }
+
+  nanoseconds last{};
+
+ private:
+  SimTransport& cable_;
+};
+
+std::size_t count(const SessionEnd& end, StrokeFate fate) {
+  return static_cast<std::size_t>(std::count(end.fates.begin(), end.fates.end(), fate));
+}
+
+}  // namespace
+
+TEST_CASE("a pause from the host stops between strokes with the tool up and goes on",
+          "[device][session]") {
+  for (const char* name : {"cameo3", "portrait", "hpgl-generic"}) {
+    CAPTURE(name);
+    const Job job(name);
+    SimTransport cable = job.cable();
+    std::atomic<bool> pause{false};
+    std::optional<nanoseconds> asked, held;
+    std::size_t strokes_held = 0;
+    bool tool_up = true;
+    SessionOptions options;
+    options.pause = &pause;
+    options.progress = [&](const SessionProgress& p) {
+      if (!asked && p.strokes_done >= 20) {
+        pause = true;
+        asked = cable.now();
+      }
+      if (p.phase != SessionPhase::Held || cable.cutter().status() == DeviceStatus::Moving) return;
+      if (!held) {
+        held = cable.now();
+        strokes_held = cable.cutter().trace().strokes.size();
+      }
+      tool_up = tool_up && !cable.cutter().tool_down();
+      CHECK(cable.cutter().trace().strokes.size() == strokes_held);
+      if (cable.now() > *held + std::chrono::seconds(30)) pause = false;
+    };
+    const SessionEnd end = run_session(cable, job.machine, job.program, options);
+    REQUIRE_FALSE(end.error);
+    REQUIRE(held);
+    CHECK(tool_up);
+    CHECK(in_seconds(*held - *asked) < 3.5);
+    std::printf("host pause on %s: at rest, tool up, %.2f s after it was asked\n", name,
+                in_seconds(*held - *asked));
+    // Then all of it is cut, once.
+    const Trace& trace = cable.cutter().trace();
+    CHECK(trace.strokes.size() == 200);
+    CHECK(trace.cut_mm == Approx(200 * 4.123).epsilon(0.01));
+    CHECK(trace.unknown.empty());
+    if (name != std::string("hpgl-generic")) CHECK(count(end, StrokeFate::Certain) == 200);
+  }
+}
+
+TEST_CASE("what was cut before a pause of the host is certain while it lasts and after a cancel",
+          "[device][session]") {
+  const Job job;
+  SimTransport cable = job.cable();
+  std::atomic<bool> pause{false}, cancel{false};
+  SessionOptions options;
+  options.pause = &pause;
+  options.cancel = &cancel;
+  options.progress = [&](const SessionProgress& p) {
+    if (p.strokes_done >= 20) pause = true;
+    if (p.phase == SessionPhase::Held && cable.cutter().status() == DeviceStatus::Ready)
+      cancel = true;
+  };
+  const SessionEnd end = run_session(cable, job.machine, job.program, options);
+  REQUIRE_FALSE(end.error);
+  CHECK(end.cancelled);
+  const std::size_t cut = cable.cutter().trace().strokes.size();
+  CHECK(cut < 60);
+  CHECK(count(end, StrokeFate::Certain) == cut);
+  CHECK(count(end, StrokeFate::InDoubt) == 0);
+  CHECK(cable.cutter().position() == PagePoint{0, 0});
+}
+
+TEST_CASE("each way to stop is obeyed within one window and the rest is never sent",
+          "[device][session]") {
+  const Job job;
+  constexpr double kWindowS = 2;
+  constexpr double kPollS = 0.5;
+  using Kind = SimFault::Kind;
+  // On the panel: no byte of the geometry is taken later than a poll after the button.
+  for (const Kind kind : {Kind::Pause, Kind::Cancel, Kind::MediaOut}) {
+    SimFault fault{.kind = kind, .seconds = kind == Kind::Cancel ? 1.0 : 0.0};
+    fault.at_path = 30;
+    SimTransport cable = job.cable({fault});
+    Watched watched(cable);
+    SessionOptions options;
+    options.pause_limit_s = 20;
+    options.poll_s = kPollS;
+    const SessionEnd end = run_session(watched, job.machine, job.program, options);
+    CAPTURE(static_cast<int>(kind));
+    REQUIRE(end.error);
+    CHECK(end.error->kind == ErrorKind::Refused);
+    REQUIRE(cable.struck());
+    const double late = std::max(0.0, in_seconds(watched.last - *cable.struck()));
+    std::printf("%s: the last byte was sent at most %.2f s later, %zu of 200 strokes not sent\n",
+                std::string(name_of(kind)).c_str(), late, count(end, StrokeFate::NotSent));
+    CHECK(late <= kWindowS);
+    CHECK(count(end, StrokeFate::NotSent) > 130);
+    cable.cutter().load_media();
+    cable.cutter().resume();
+    cable.cutter().run_dry();
+    CHECK(cable.cutter().trace().strokes.size() <= 200 - count(end, StrokeFate::NotSent));
+  }
+  SimTransport cable = job.cable();
+  std::atomic<bool> cancel{false};
+  nanoseconds asked{}, tool_stopped{};
+  std::size_t strokes = 0;
+  SessionOptions options;
+  options.poll_s = 0.05;  // a fine clock for the figure
+  options.cancel = &cancel;
+  options.progress = [&](const SessionProgress& p) {
+    if (!cancel && p.strokes_done >= 30) cancel = true, asked = cable.now();
+    const std::size_t cut = cable.cutter().trace().strokes.size();
+    if (cut != strokes) tool_stopped = cable.now();
+    strokes = cut;
+  };
+  const SessionEnd end = run_session(cable, job.machine, job.program, options);
+  REQUIRE_FALSE(end.error);
+  std::printf("host cancel: the last stroke ended at most %.2f s later, %zu of 200 not sent\n",
+              in_seconds(tool_stopped - asked), count(end, StrokeFate::NotSent));
+  CHECK(in_seconds(tool_stopped - asked) < kWindowS + kPollS + 0.5);
+  CHECK(count(end, StrokeFate::InDoubt) == 0);
+}
