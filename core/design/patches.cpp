@@ -74,7 +74,7 @@ class Assembler {
  public:
   Assembler(const DesignSpec& spec, const SurfaceAssets& assets) : spec_(spec), assets_(assets) {}
 
-  Result<Assembly> run() {
+  Result<PatchAssembly> run() {
     out_.name = spec_.name;
     for (std::size_t k = 0; k < spec_.patches.size(); ++k) {
       auto made = design(spec_.patches[k], assets_);
@@ -306,16 +306,16 @@ class Assembler {
   const SurfaceAssets& assets_;
   std::vector<Design> made_;
   std::vector<double> wall_mm_, ground_mm_;
-  Assembly out_;
+  PatchAssembly out_;
 };
 
 }  // namespace
 
-Result<Assembly> design_assembly(const DesignSpec& spec, const SurfaceAssets& assets) {
+Result<PatchAssembly> design_assembly(const DesignSpec& spec, const SurfaceAssets& assets) {
   if (!spec.patches.empty()) return Assembler(spec, assets).run();
   auto made = design(spec, assets);
   if (!made) return tl::unexpected(made.error());
-  Assembly out;
+  PatchAssembly out;
   out.name = spec.name;
   out.u_mm = made->report.sheet_u_mm, out.v_mm = made->report.sheet_v_mm;
   out.parts.push_back(std::move(*made));

@@ -15,8 +15,7 @@ struct PatchReport {
   std::size_t part{};  ///< index of the pattern that it is in
   int first_slice{};   ///< its slices, in the numbering of that pattern
   int slices{};
-  double v_begin_mm{},
-      v_end_mm{};  ///< along the spine of the whole, outer margins too
+  double v_begin_mm{}, v_end_mm{};  ///< along the spine of the whole, outer margins too
 };
 
 /// The border between a patch and the next one.
@@ -31,7 +30,7 @@ struct JoinReport {
 };
 
 /// Designs that belong together: patches joined along the spine, in as few patterns as they allow.
-struct Assembly {
+struct PatchAssembly {
   std::string name;
   std::vector<Design> parts;         ///< each a pattern that stands and folds on its own
   std::vector<PatchReport> patches;  ///< none where the spec is one design
@@ -51,7 +50,7 @@ struct Assembly {
 /// @retval Infeasible  a misfit above `join_tolerance_mm` (place is the patch), or one sheet was
 ///                     asked for and walls or grounds differ; else as `design`, in a patch after
 ///                     `/patches/K`
-[[nodiscard]] Result<Assembly> design_assembly(const DesignSpec& spec,
-                                               const SurfaceAssets& assets = {});
+[[nodiscard]] Result<PatchAssembly> design_assembly(const DesignSpec& spec,
+                                                    const SurfaceAssets& assets = {});
 
 }  // namespace popcut

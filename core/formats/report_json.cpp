@@ -102,7 +102,7 @@ Json report_object(const DesignReport& report) {
   return json;
 }
 
-Json patches(const Assembly& assembly) {
+Json patches(const PatchAssembly& assembly) {
   Json list = Json::array();
   for (const PatchReport& patch : assembly.patches)
     list.push_back({{"name", patch.name},
@@ -113,7 +113,7 @@ Json patches(const Assembly& assembly) {
   return list;
 }
 
-Json joins(const Assembly& assembly) {
+Json joins(const PatchAssembly& assembly) {
   Json list = Json::array();
   for (const JoinReport& join : assembly.joins)
     list.push_back({{"patches", {join.left, join.left + 1}},
@@ -126,7 +126,7 @@ Json joins(const Assembly& assembly) {
 }
 
 /// Each seam with its line on both of its parts.
-Json seams(const Assembly& assembly) {
+Json seams(const PatchAssembly& assembly) {
   Json list = Json::array();
   for (std::size_t p = 0; p < assembly.parts.size(); ++p)
     for (const Seam& seam : assembly.parts[p].pattern.seams) {
@@ -143,7 +143,7 @@ Json seams(const Assembly& assembly) {
   return list;
 }
 
-Json parts(const Assembly& assembly) {
+Json parts(const PatchAssembly& assembly) {
   Json list = Json::array();
   for (std::size_t p = 0; p < assembly.parts.size(); ++p) {
     const Pattern& pattern = assembly.parts[p].pattern;
@@ -164,7 +164,7 @@ std::string part_folder(std::size_t part) { return fmt::format("part-{:02}", par
 
 std::string report_json(const DesignReport& report) { return text_of(report_object(report)); }
 
-std::string report_json(const Assembly& assembly) {
+std::string report_json(const PatchAssembly& assembly) {
   const DesignReport& first = assembly.parts.front().report;
   if (assembly.patches.empty()) return report_json(first);
   Json json;

@@ -17,7 +17,7 @@ namespace popcut {
 /// v_mm from and to in the whole), `joins` (the two patches from 0, sheet or seam and why, the
 /// misfit of their profiles and where it is) and `seams` (the line on both parts); where they are
 /// several parts, counted from 1, `parts` has the report, folder and place of each.
-[[nodiscard]] std::string report_json(const Assembly& assembly);
+[[nodiscard]] std::string report_json(const PatchAssembly& assembly);
 
 /// The folder of a part (from 0) below that of the whole: "part-01".
 [[nodiscard]] std::string part_folder(std::size_t part);

@@ -88,7 +88,7 @@ class Drawing {
   }
 
   [[nodiscard]] Box share(std::uint32_t i) const {
-    const Piece& piece = layout_.pieces[i];
+    const SheetPiece& piece = layout_.pieces[i];
     Box box;
     for (std::uint32_t l = 0; l < piece.first_mark; ++l) {
       const DrawnLine& line = piece.work.lines[l];

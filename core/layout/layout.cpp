@@ -69,7 +69,7 @@ class PlacedTabs {
 };
 
 // The seam that has to go because `stretch` of `run` finds no room for a tab.
-BannedSeam ban_for(const SeamRun& run, const Stretch& stretch, const Box& box,
+BannedSeam ban_for(const SeamRun& run, const SeamStretch& stretch, const Box& box,
                    const TabShape& shape) {
   // Where another seam ends on this one it is that one that leaves too little.
   const double low = run.vertical ? box.y0 : box.x0, high = run.vertical ? box.y1 : box.x1;
@@ -84,10 +84,11 @@ BannedSeam ban_for(const SeamRun& run, const Stretch& stretch, const Box& box,
 // Tabs on one side of a stretch that keep clear of those placed: over its whole length, or drawn
 // back from its ends, where another seam's tabs may lie. Their least depth, 0 for none.
 double fit_beside(TabFitter& fitter, const PlacedTabs& placed, const SeamRun& run,
-                  const Stretch& stretch, int side, const TabShape& shape, std::vector<Tab>& out) {
+                  const SeamStretch& stretch, int side, const TabShape& shape,
+                  std::vector<Tab>& out) {
   const double back = shape.depth_mm + shape.clearance_mm;
   for (const auto& [low, high] : {std::pair{0.0, 0.0}, {back, 0.0}, {0.0, back}, {back, back}}) {
-    const Stretch part{stretch.from + low, stretch.to - high, 0, 0};
+    const SeamStretch part{stretch.from + low, stretch.to - high, 0, 0};
     if (part.to - part.from < shape.min_stretch_mm()) continue;
     out.clear();
     const double depth = fitter.fit({run.vertical, run.at}, part, side, out);
@@ -119,7 +120,7 @@ std::vector<BannedSeam> place_tabs(std::vector<SeamRun>& runs, LineIndex& lines,
   std::array<std::vector<Tab>, 2> tried;
   for (const Task& task : tasks) {
     SeamRun& run = runs[task.run];
-    Stretch& stretch = run.uncut[task.stretch];
+    SeamStretch& stretch = run.uncut[task.stretch];
     std::array<double, 2> depth{};
     for (std::size_t side = 0; side < 2; ++side)
       depth[side] =
@@ -285,7 +286,7 @@ void name_seams(Layout& layout) {
     const auto [at, fresh] = ids.try_emplace(key, static_cast<std::uint32_t>(layout.seams.size()));
     if (fresh) layout.seams.push_back({key.first, key.second, 0.0, seam_label(at->second)});
     run.seam = at->second;
-    for (const Stretch& stretch : run.uncut)
+    for (const SeamStretch& stretch : run.uncut)
       layout.seams[run.seam].glue_mm += stretch.to - stretch.from;
   }
   for (const PieceSeam& seam : layout.seams) layout.glue_mm += seam.glue_mm;
@@ -337,7 +338,7 @@ Result<void> put_on_sheets(Layout& layout, const LayoutOptions& options) {
       margins[at.sheet][k] = std::min(margins[at.sheet][k], std::max(0.0, (area[k] - end[k]) / 2));
   }
   for (std::uint32_t i = 0; i < packed.size(); ++i) {
-    Piece& piece = layout.pieces[i];
+    SheetPiece& piece = layout.pieces[i];
     const PackedBox& at = packed[i];
     const double x = at.x + options.origin.x + margins[at.sheet][0];
     const double y = at.y + options.origin.y + margins[at.sheet][1];
@@ -369,7 +370,11 @@ Result<void> check(const LayoutOptions& options) {
 Result<Layout> finish(const LineWork& drawing, const LayoutOptions& options, Search& search,
                       Laid& laid) {
   std::vector<LineWork> works = split_lines(laid.swap ? swapped(drawing) : drawing, laid.partition);
-  add_borders(laid.runs, laid.tabs, search.index(laid.swap), works);
+  const bool outlined =
+      std::any_of(drawing.lines.begin(), drawing.lines.end(),
+                  [](const DrawnLine& line) { return line.operation == Operation::Outline; });
+  add_borders(laid.runs, laid.tabs, search.index(laid.swap),
+              outlined ? Operation::Outline : Operation::Cut, works);
   if (laid.swap) unswap(laid, works);
   std::vector<std::uint32_t> columns;
   for (std::uint32_t c = 0; c < laid.partition.rows.size(); ++c)
@@ -380,7 +385,7 @@ Result<Layout> finish(const LineWork& drawing, const LayoutOptions& options, Sea
   layout.tabs = std::move(laid.tabs);
   name_seams(layout);
   for (LineWork& work : works) {
-    Piece piece;
+    SheetPiece piece;
     piece.work = std::move(work);
     piece.box = bounds(piece.work);
     piece.first_mark = static_cast<std::uint32_t>(piece.work.lines.size());
@@ -429,7 +434,7 @@ LineWork sheet_work(const Layout& layout, std::uint32_t sheet,
   piece_of.clear();
   std::vector<PagePoint> points;
   for (const std::uint32_t i : layout.sheets[sheet].pieces) {
-    const Piece& piece = layout.pieces[i];
+    const SheetPiece& piece = layout.pieces[i];
     for (const DrawnLine& line : piece.work.lines) {
       points.clear();
       for (const PagePoint& p : piece.work.points_of(line)) points.push_back(piece.transform(p));

@@ -27,12 +27,12 @@ struct LayoutOptions {
 
 /// What lies on one seam between two pieces: a straight run of it in drawing mm.
 struct SeamRun {
-  bool vertical{};                 ///< along y at x = `at`; else along x at y = `at`
-  double at{}, from{}, to{};       ///< `from` < `to`
-  std::uint32_t lower{}, upper{};  ///< the pieces before (left of, above) and after it
-  std::uint32_t seam{};            ///< all runs between the same two pieces are one seam
-  std::vector<Stretch> uncut{};    ///< what is glued: every stretch of paper that is not cut
-  std::vector<Stretch> covered{};  ///< where the drawing is cut anyway
+  bool vertical{};                     ///< along y at x = `at`; else along x at y = `at`
+  double at{}, from{}, to{};           ///< `from` < `to`
+  std::uint32_t lower{}, upper{};      ///< the pieces before (left of, above) and after it
+  std::uint32_t seam{};                ///< all runs between the same two pieces are one seam
+  std::vector<SeamStretch> uncut{};    ///< what is glued: every stretch of paper that is not cut
+  std::vector<SeamStretch> covered{};  ///< where the drawing is cut anyway
 };
 
 /// A seam: where two pieces meet. Its letters stand on both sides.
@@ -43,7 +43,7 @@ struct PieceSeam {
 };
 
 /// One piece of the drawing with its tabs, and where it goes.
-struct Piece {
+struct SheetPiece {
   LineWork work;               ///< drawing mm: lines of the drawing, its border with tabs, marks
   Box box;                     ///< of `work`
   std::uint32_t column{};      ///< pieces of one column are glued to each other first
@@ -58,7 +58,7 @@ struct LayoutSheet {
 };
 
 struct Layout {
-  std::vector<Piece> pieces;
+  std::vector<SheetPiece> pieces;
   std::vector<SeamRun> runs;
   std::vector<PieceSeam> seams;
   std::vector<Tab> tabs;

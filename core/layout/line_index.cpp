@@ -47,11 +47,11 @@ double high(const Segment& s, bool x) {
   return x ? std::max(s.a.x, s.b.x) : std::max(s.a.y, s.b.y);
 }
 
-void merge(std::vector<Stretch>& stretches) {
+void merge(std::vector<SeamStretch>& stretches) {
   std::sort(stretches.begin(), stretches.end(),
-            [](const Stretch& a, const Stretch& b) { return a.from < b.from; });
+            [](const SeamStretch& a, const SeamStretch& b) { return a.from < b.from; });
   std::size_t kept = 0;
-  for (const Stretch& s : stretches) {
+  for (const SeamStretch& s : stretches) {
     if (kept > 0 && s.from <= stretches[kept - 1].to + kOn)
       stretches[kept - 1].to = std::max(stretches[kept - 1].to, s.to);
     else

@@ -14,10 +14,10 @@ namespace popcut {
 
 /// Everything that a straight seam meets on its way.
 struct SeamScan {
-  std::vector<Stretch> covered;  ///< where a cut or an outline runs along it, merged and sorted
-  std::vector<double> breaks;    ///< where lines end on it or cross it, sorted
-  double fold_mm{};              ///< folds that run along it: unlawful
-  double sliver_mm{};            ///< lines beside it, nearer than the narrowest panel: unlawful
+  std::vector<SeamStretch> covered;  ///< where a cut or an outline runs along it, merged and sorted
+  std::vector<double> breaks;        ///< where lines end on it or cross it, sorted
+  double fold_mm{};                  ///< folds that run along it: unlawful
+  double sliver_mm{};                ///< lines beside it, nearer than the narrowest panel: unlawful
   std::uint32_t folds_crossed{}, cuts_crossed{};
 };
 

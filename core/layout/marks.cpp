@@ -18,7 +18,7 @@ constexpr double kGap = 1.0;                        // between seam and letters
 
 struct Place {
   const SeamRun* run{};
-  Stretch stretch{};
+  SeamStretch stretch{};
 };
 
 class Marks {
@@ -107,7 +107,7 @@ class Marks {
 }  // namespace
 
 void cut_marks(Layout& layout) {
-  for (Piece& piece : layout.pieces) {
+  for (SheetPiece& piece : layout.pieces) {
     LineWork work;
     work.name = piece.work.name;
     for (std::uint32_t l = 0; l < piece.first_mark; ++l)
@@ -142,12 +142,12 @@ std::string seam_label(std::size_t i) {
 }
 
 void add_marks(Layout& layout, LineIndex& lines, double clearance_mm) {
-  for (Piece& piece : layout.pieces)
+  for (SheetPiece& piece : layout.pieces)
     piece.first_mark = static_cast<std::uint32_t>(piece.work.lines.size());
   // The stretches of each seam, longest first: letters go where there is most room.
   std::vector<std::vector<Place>> places(layout.seams.size());
   for (const SeamRun& run : layout.runs)
-    for (const Stretch& stretch : run.uncut) places[run.seam].push_back({&run, stretch});
+    for (const SeamStretch& stretch : run.uncut) places[run.seam].push_back({&run, stretch});
   Marks marks(layout, lines, clearance_mm);
   std::size_t unlabelled = 0, unticked = 0;
   for (std::size_t s = 0; s < places.size(); ++s) {

@@ -110,7 +110,7 @@ std::uint32_t Partition::piece_at(const PagePoint& p) const {
 }
 
 void uncut_stretches(const LineIndex& lines, const AxisLine& line, double from, double to,
-                     const SeamScan& scan, std::vector<Stretch>& out) {
+                     const SeamScan& scan, std::vector<SeamStretch>& out) {
   out.clear();
   const auto add = [&](double a, double b) {
     if (b - a > kOn && lines.is_paper(line.point((a + b) / 2, 0))) out.push_back({a, b, 0, 0});
@@ -125,7 +125,7 @@ void uncut_stretches(const LineIndex& lines, const AxisLine& line, double from, 
     add(a, b);
   };
   double at = from;
-  for (const Stretch& cut : scan.covered) {
+  for (const SeamStretch& cut : scan.covered) {
     if (cut.from > at) free_part(at, cut.from);
     at = std::max(at, cut.to);
   }

@@ -40,6 +40,6 @@ struct Partition {
 /// The stretches of paper along the line that no cut follows, parted where lines end on it or cross
 /// it.
 void uncut_stretches(const LineIndex& lines, const AxisLine& line, double from, double to,
-                     const SeamScan& scan, std::vector<Stretch>& out);
+                     const SeamScan& scan, std::vector<SeamStretch>& out);
 
 }  // namespace popcut

@@ -129,19 +129,17 @@ std::vector<LineWork> split_lines(const LineWork& drawing, const Partition& part
 }
 
 void add_borders(const std::vector<SeamRun>& runs, const std::vector<Tab>& tabs,
-                 const LineIndex& lines, std::vector<LineWork>& pieces) {
+                 const LineIndex& lines, Operation border, std::vector<LineWork>& pieces) {
   std::vector<PagePoint> way;
   for (const SeamRun& run : runs) {
     const AxisLine line{run.vertical, run.at};
-    for (const Stretch& cut : run.covered) {
+    for (const SeamStretch& cut : run.covered) {
       const double middle = (cut.from + cut.to) / 2;
       const std::array<PagePoint, 2> ends{line.point(cut.from, 0), line.point(cut.to, 0)};
-      if (lines.is_paper(line.point(middle, -1e-3)))
-        pieces[run.lower].append(Operation::Outline, ends);
-      if (lines.is_paper(line.point(middle, 1e-3)))
-        pieces[run.upper].append(Operation::Outline, ends);
+      if (lines.is_paper(line.point(middle, -1e-3))) pieces[run.lower].append(border, ends);
+      if (lines.is_paper(line.point(middle, 1e-3))) pieces[run.upper].append(border, ends);
     }
-    for (const Stretch& stretch : run.uncut)
+    for (const SeamStretch& stretch : run.uncut)
       for (const std::uint32_t piece : {run.lower, run.upper}) {
         way.assign({line.point(stretch.from, 0)});
         for (std::uint32_t i = 0; i < stretch.tabs; ++i) {
@@ -152,7 +150,7 @@ void add_borders(const std::vector<SeamRun>& runs, const std::vector<Tab>& tabs,
         }
         if (const PagePoint last = line.point(stretch.to, 0); way.back() != last)
           way.push_back(last);
-        pieces[piece].append(Operation::Outline, way);
+        pieces[piece].append(border, way);
       }
   }
 }

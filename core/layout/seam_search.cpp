@@ -83,13 +83,13 @@ Error unlawful(const char* name, double asked, double nearest) {
 }
 
 // Stretches parted further at `ys`.
-void part_at(std::vector<Stretch>& stretches, const std::vector<double>& ys) {
+void part_at(std::vector<SeamStretch>& stretches, const std::vector<double>& ys) {
   for (const double y : ys) {
-    const auto at = std::find_if(stretches.begin(), stretches.end(), [&](const Stretch& s) {
+    const auto at = std::find_if(stretches.begin(), stretches.end(), [&](const SeamStretch& s) {
       return y > s.from + kOn && y < s.to - kOn;
     });
     if (at == stretches.end()) continue;
-    Stretch rest = *at;
+    SeamStretch rest = *at;
     rest.from = y;
     at->to = y;
     stretches.insert(at + 1, rest);
@@ -99,11 +99,11 @@ void part_at(std::vector<Stretch>& stretches, const std::vector<double>& ys) {
 }  // namespace
 
 bool ColumnEnds::lawful(bool right_side, double y) const {
-  const std::vector<Stretch>& stretches = right_side ? right : left;
+  const std::vector<SeamStretch>& stretches = right_side ? right : left;
   const auto after = std::upper_bound(stretches.begin(), stretches.end(), y,
-                                      [](double at, const Stretch& s) { return at < s.from; });
+                                      [](double at, const SeamStretch& s) { return at < s.from; });
   if (after == stretches.begin()) return true;
-  const Stretch& s = *(after - 1);
+  const SeamStretch& s = *(after - 1);
   if (y >= s.to - kOn || y <= s.from + kOn) return true;
   return y - s.from >= least_mm && s.to - y >= least_mm;
 }
@@ -115,12 +115,12 @@ double seam_cost(LineIndex& lines, const SearchLimits& limits, const AxisLine& l
   SeamScan scan;
   lines.scan(line, from, to, limits.min_panel_mm, scan);
   if (scan.fold_mm > 0.0 || scan.sliver_mm > 0.0) return kNever;
-  std::vector<Stretch> stretches;
+  std::vector<SeamStretch> stretches;
   uncut_stretches(lines, line, from, to, scan, stretches);
   TabFitter fitter(lines, limits.tabs);
   std::vector<Tab> tabs;
   double cost = kFoldCrossed * scan.folds_crossed + kCutCrossed * scan.cuts_crossed;
-  for (const Stretch& stretch : stretches) {
+  for (const SeamStretch& stretch : stretches) {
     tabs.clear();
     double depth = fitter.fit(line, stretch, 1, tabs);
     if (depth < limits.tabs.depth_mm) depth = std::max(depth, fitter.fit(line, stretch, -1, tabs));
@@ -191,9 +191,9 @@ Result<SeamSearch::Chosen> SeamSearch::straight(bool vertical, const Lines& line
   return all;
 }
 
-std::vector<Stretch> SeamSearch::glued(double x) {
+std::vector<SeamStretch> SeamSearch::glued(double x) {
   const Box& box = lines_->box();
-  std::vector<Stretch> out;
+  std::vector<SeamStretch> out;
   if (x <= box.x0 + kOn || x >= box.x1 - kOn) return out;
   SeamScan scan;
   lines_->scan({true, x}, box.y0, box.y1, limits_.min_panel_mm, scan);

@@ -37,7 +37,7 @@ struct FoundSeams {
 
 /// What the sides of a column ask of the rows that meet them: the stretches that are glued there.
 struct ColumnEnds {
-  std::vector<Stretch> left, right;
+  std::vector<SeamStretch> left, right;
   double least_mm{};  ///< no stretch may be parted into less
   [[nodiscard]] bool lawful(bool right_side, double y) const;
 };
@@ -75,7 +75,7 @@ class SeamSearch {
   [[nodiscard]] Lines priced(bool vertical, double from, double to, const ColumnEnds* ends);
   [[nodiscard]] Result<Chosen> straight(bool vertical, const Lines& lines, double from, double to);
   [[nodiscard]] Result<Column> rows(double left, double right, std::vector<double> met);
-  [[nodiscard]] std::vector<Stretch> glued(double x);
+  [[nodiscard]] std::vector<SeamStretch> glued(double x);
 
   LineIndex* lines_;
   SearchLimits limits_;

@@ -61,7 +61,7 @@ bool TabFitter::fit_one(const AxisLine& line, double from, double to, int side, 
   return true;
 }
 
-double TabFitter::fit(const AxisLine& line, const Stretch& stretch, int side,
+double TabFitter::fit(const AxisLine& line, const SeamStretch& stretch, int side,
                       std::vector<Tab>& out) {
   const std::size_t before = out.size();
   const double length = stretch.to - stretch.from;

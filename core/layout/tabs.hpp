@@ -14,7 +14,7 @@ namespace popcut {
 class LineIndex;
 
 /// An interval along a seam, mm.
-struct Stretch {
+struct SeamStretch {
   double from{}, to{};
   std::uint32_t first_tab{}, tabs{};  ///< of the layout's tabs
 };
@@ -46,7 +46,7 @@ class TabFitter {
  public:
   TabFitter(LineIndex& lines, const TabShape& shape) : lines_(lines), shape_(shape) {}
   /// Least depth over the stretch's tabs; 0 where one finds no room.
-  [[nodiscard]] double fit(const AxisLine& line, const Stretch& stretch, int side,
+  [[nodiscard]] double fit(const AxisLine& line, const SeamStretch& stretch, int side,
                            std::vector<Tab>& out);
 
  private:

@@ -125,7 +125,7 @@ SplitLists split_lists(const Layout& layout, const PlannedSheet& sheet) {
       if (here(piece) != number || (run.uncut.empty() && run.covered.empty())) continue;
       const AxisLine line{run.vertical, run.at};
       Json glued = Json::array();
-      for (const Stretch& s : run.uncut)
+      for (const SeamStretch& s : run.uncut)
         glued.push_back(points_json(std::array{line.point(s.from, 0), line.point(s.to, 0)},
                                     layout.pieces[piece].transform));
       out.seams.push_back(
@@ -137,7 +137,7 @@ SplitLists split_lists(const Layout& layout, const PlannedSheet& sheet) {
            {"glued", std::move(glued)}});
     }
   for (const std::uint32_t i : sheet.pieces) {
-    const Piece& piece = layout.pieces[i];
+    const SheetPiece& piece = layout.pieces[i];
     for (std::size_t l = piece.first_mark; l < piece.work.lines.size(); ++l)
       out.marks.push_back(
           {{"piece", i + 1},

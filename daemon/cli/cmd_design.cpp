@@ -51,7 +51,7 @@ struct Options {
 /// What the writers need beside the design.
 struct Job {
   const Design& made;
-  const Assembly* whole;  ///< none where the design is one part of several
+  const PatchAssembly* whole;  ///< none where the design is one part of several
   const Material& material;
   FoldOptions fold;
   std::vector<double> psi_rad;  ///< of the meshes
@@ -229,7 +229,7 @@ void say_remarks(const DesignReport& report, bool all) {
   }
 }
 
-void say_joins(const Assembly& made) {
+void say_joins(const PatchAssembly& made) {
   for (const JoinReport& join : made.joins)
     fmt::print(stderr, "  {:<8} {} and {} at v = {:.1f} mm: {}; profiles {:.3g} mm apart\n",
                join.is_seam ? "seam" : "joined", made.patches[join.left].name,
@@ -272,7 +272,7 @@ Result<void> print_example(const std::string& name) {
 }
 
 /// The seconds of an assembly of several parts are those of all together.
-Result<Assembly> timed_design(const DesignSpec& spec, const SurfaceAssets& assets) {
+Result<PatchAssembly> timed_design(const DesignSpec& spec, const SurfaceAssets& assets) {
   const auto start = std::chrono::steady_clock::now();
   auto made = design_assembly(spec, assets);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;

@@ -122,7 +122,8 @@ TEST_CASE("slices of a tenth of a millimetre are judged in all checks", "[cli][e
   const Ran ran = popcut_in(folder, {"verify", "out/pattern.fold", "--dof", "1", "--json"});
   CAPTURE(ran.err);
   CHECK(ran.exit == 0);
-  for (const json& check : json::parse(ran.out)["checks"]) {
+  const json report = json::parse(ran.out);
+  for (const json& check : report["checks"]) {
     CAPTURE(check.dump());
     CHECK(check["ok"] == true);
     CHECK(check["ran"] == (check["name"] != "opening"));

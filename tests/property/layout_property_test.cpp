@@ -230,7 +230,7 @@ LineWork as_glued(const LineWork& drawing, const Layout& layout, std::size_t ski
   LineWork work = drawing;
   for (const SeamRun& run : layout.runs) {
     const AxisLine line{run.vertical, run.at};
-    for (const Stretch& stretch : run.uncut) {
+    for (const SeamStretch& stretch : run.uncut) {
       double at = stretch.from;
       for (std::uint32_t i = 0; i < stretch.tabs; ++i) {
         const Tab& tab = layout.tabs[stretch.first_tab + i];

@@ -35,7 +35,7 @@ LayoutOptions on(double width, double height) {
 double glued_from(const Layout& layout, double low, double high) {
   double sum = 0.0;
   for (const SeamRun& run : layout.runs)
-    for (const Stretch& s : run.uncut)
+    for (const SeamStretch& s : run.uncut)
       sum += std::max(0.0, std::min(s.to, high) - std::max(s.from, low));
   return sum;
 }
@@ -89,6 +89,18 @@ TEST_CASE("no seam runs along a fold or nearer to it than the narrowest panel", 
   REQUIRE(layout);
   REQUIRE(layout->runs.size() == 1);
   CHECK((layout->runs[0].at < 60 || layout->runs[0].at > 140));
+}
+
+TEST_CASE("a piece of a drawing without outline has a border that closes", "[layout]") {
+  LineWork work;
+  add(work, Operation::Cut, {{0, 0}, {200, 0}, {200, 60}, {0, 60}, {0, 0}});
+  add(work, Operation::Cut, {{10, 30}, {190, 30}});
+  const auto layout = lay_out(work, on(120, 70));
+  REQUIRE(layout);
+  REQUIRE(layout->pieces.size() == 2);
+  for (const SheetPiece& piece : layout->pieces)
+    for (std::uint32_t l = 0; l < piece.first_mark; ++l)
+      CHECK(piece.work.lines[l].operation == Operation::Cut);
 }
 
 TEST_CASE("a fold that a seam crosses parts its tabs", "[layout]") {
@@ -194,7 +206,7 @@ TEST_CASE("both sides of a seam carry its letter and ticks that meet", "[layout]
   REQUIRE(layout->pieces.size() == 2);
   std::array<std::vector<double>, 2> ticks;
   for (std::size_t i = 0; i < 2; ++i) {
-    const Piece& piece = layout->pieces[i];
+    const SheetPiece& piece = layout->pieces[i];
     REQUIRE(piece.first_mark < piece.work.lines.size());
     for (std::size_t l = piece.first_mark; l < piece.work.lines.size(); ++l) {
       CHECK(piece.work.lines[l].operation == Operation::Draw);

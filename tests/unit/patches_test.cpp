@@ -21,7 +21,7 @@ std::string tube(double radius, int units, int slices, const std::string& more =
       radius, units, slices, more);
 }
 
-Result<Assembly> assembled(const std::string& patches, const std::string& more = "") {
+Result<PatchAssembly> assembled(const std::string& patches, const std::string& more = "") {
   const auto spec =
       parse_design_spec(fmt::format(R"({{"popcut":1,"patches":[{}]{}}})", patches, more));
   if (!spec) return tl::unexpected(spec.error());
