@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Whole sessions with the simulated cutter behind an emulated USB device, in real time. The cutter
 // moves two hundred times as fast as a real one; every time of the host is what it is.
+#include <chrono>
 #include <cstdlib>
 #include <future>
 #include <optional>
@@ -290,14 +291,16 @@ void play(const UsbTestbed& testbed, const UsbBus& usb, Script& script, int plac
   const std::string serial = fmt::format("S{}", place);
   UsbfsDevice device(testbed, {.serial = serial, .port = place, .address = place + 1});
   UsbCutter cutter(device, std::move(script.cutter), script.faults);
-  const std::uint64_t seen = usb.changes();
   device.plug();
   const std::string id = "usb:" + serial;
-  for (int i = 0; i < 100; ++i) {
-    static_cast<void>(usb.wait_for_change(seen, 50ms));
+  // By the clock: the others' coming and going are changes too.
+  const auto until = std::chrono::steady_clock::now() + 20s;
+  while (std::chrono::steady_clock::now() < until) {
+    const std::uint64_t seen = usb.changes();
     const auto devices = usb.devices();
     if (std::any_of(devices.begin(), devices.end(), [&](const auto& d) { return d.id == id; }))
       break;
+    static_cast<void>(usb.wait_for_change(seen, 50ms));
   }
   script.ended = session(usb, device, id, script.job, cutter, script.options);
 }
