@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/plan/machine.hpp"
+#include "core/result.hpp"
+#include "daemon/service/model.hpp"
+#include "device/session.hpp"
+#include "protocol/encode.hpp"
+
+namespace popcut::daemon {
+
+/// One sheet for one cutter. The program is what was stored when the plan was made.
+struct CutOrder {
+  std::string attempt;  ///< of the store
+  std::string device;
+  EncodedProgram program;
+  std::array<double, 2> area_mm{};
+  std::int64_t first_stroke{0};  ///< resume-from: earlier strokes are not sent
+};
+
+/// What is written down while a sheet is cut. Called on the cutter's thread; each call returns when
+/// it is committed. An error ends the cut at the next end of a stroke.
+class CutJournal {
+ public:
+  virtual ~CutJournal() = default;
+  /// Strokes up to `last` (from where the one before ended) are about to be sent. Before any byte
+  /// of them.
+  [[nodiscard]] virtual Result<void> intend(std::int64_t last_stroke) = 0;
+  /// Strokes up to `certain` are cut for sure, those up to `taken` have a byte with the device.
+  [[nodiscard]] virtual Result<void> settle(std::int64_t certain, std::int64_t taken,
+                                            std::uint64_t bytes_taken) = 0;
+  virtual void progress(const SessionProgress& progress) = 0;
+  /// Once, last.
+  virtual void ended(const SessionEnd& end) = 0;
+};
+
+/// The cutters of this machine, each with a thread of its own. Nothing here starts a knife but
+/// `cut`.
+class Cutters {
+ public:
+  virtual ~Cutters() = default;
+  /// Called from any thread when a device comes, goes or changes.
+  virtual void on_change(std::function<void()> changed) = 0;
+  [[nodiscard]] virtual std::vector<DeviceRecord> list() const = 0;
+  [[nodiscard]] virtual Result<Machine> machine(const std::string& device) const = 0;
+  /// @retval DeviceGone  it is not there
+  /// @retval Refused     it is cutting already, or is disabled
+  [[nodiscard]] virtual Result<void> cut(CutOrder order, std::shared_ptr<CutJournal> journal) = 0;
+  /// At the next end of a stroke, tool up; returns at once.
+  virtual void pause(const std::string& device) = 0;
+  virtual void resume(const std::string& device) = 0;
+  virtual void cancel(const std::string& device) = 0;
+  /// After a fault: drain, clear, open anew. Never sends a program.
+  [[nodiscard]] virtual Result<void> reset(const std::string& device) = 0;
+  /// Ends all cuts at the ends of their strokes and waits for them, at most so long.
+  virtual void stop_all(double seconds) = 0;
+  /// True as long as every cutter's thread has turned within the last seconds (for the watchdog).
+  [[nodiscard]] virtual bool alive() const = 0;
+};
+
+}  // namespace popcut::daemon

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/result.hpp"
+#include "daemon/service/model.hpp"
+
+namespace popcut::daemon {
+
+/// What a worker process is asked to do with a design.
+struct PlanningTask {
+  enum class Kind : std::uint8_t {
+    Check,    ///< read it and say what it is; the preview comes along
+    Plan,     ///< design if it is a spec, then plan and encode for the machine
+    TestCut,  ///< the material's small test shape, planned and encoded
+  };
+  Kind kind{};
+  std::string design_path;  ///< stored bytes; read by the daemon and sent through the pipe
+  std::string
+      design_kind;  ///< "spec", "fold", "svg", "dxf"; empty in Check: told by the media type
+  std::string media_type{};
+  std::map<std::string, std::string> asset_paths{};  ///< by id
+  std::string machine_json, material_json;           ///< rows of the tables
+  std::map<std::string, std::string> options{};      ///< as in `PlanWish`
+};
+
+struct PlanningFile {
+  std::string name;  ///< "sheet-01.gpgl", "sheet-01.program.json", "plan.json", "pattern.svg", ...
+  std::string bytes;
+};
+
+struct PlanningOutcome {
+  std::string design_kind;
+  std::vector<std::string> assets{};  ///< ids that the spec refers to
+  std::vector<SheetPlan> sheets{};
+  std::vector<std::string> warnings{};
+  std::string sha256{};  ///< over all programs in order
+  std::vector<PlanningFile> files{};
+};
+
+struct PlanningLimits {
+  int processes{1};  ///< at once
+  double cpu_s{600};
+  double wall_s{1200};
+  std::uint64_t memory_bytes{std::uint64_t{2} << 30};
+  std::uint64_t output_bytes{std::uint64_t{1} << 30};
+};
+
+/// Runs designs in processes of their own (`popcutd --worker`, pipes only), a bounded number at
+/// once, so that a hostile one disturbs nothing. `done` is called once for each task, on a thread
+/// of the planner's; with Refused if it was cancelled, and with Infeasible saying which limit was
+/// hit, or that the worker died.
+class Planner {
+ public:
+  virtual ~Planner() = default;
+  using Done = std::function<void(Result<PlanningOutcome>)>;
+  /// Number of the task, for `cancel`.
+  virtual std::uint64_t start(PlanningTask task, Done done) = 0;
+  /// Kills it, if it has not ended.
+  virtual void cancel(std::uint64_t task) = 0;
+};
+
+}  // namespace popcut::daemon

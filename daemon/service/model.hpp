@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace popcut::daemon {
+
+/// What a principal may do; each role may do what those before it may.
+enum class Role : std::uint8_t { Viewer, Submitter, Operator, Admin };
+[[nodiscard]] std::string_view name_of(Role role);
+[[nodiscard]] std::optional<Role> role_from(std::string_view name);
+
+/// Who asks.
+struct Principal {
+  std::string name;  ///< "uid:1000", "token:01J..."
+  Role role{};
+};
+
+/// Milliseconds since 1970, UTC, of the store's clock.
+using TimeMs = std::int64_t;
+
+enum class JobState : std::uint8_t {
+  Queued,
+  Planning,
+  Ready,
+  Armed,
+  Cutting,
+  Paused,
+  Interrupted,
+  Done,
+  Failed,
+  Cancelled
+};
+[[nodiscard]] std::string_view name_of(JobState state);
+[[nodiscard]] std::optional<JobState> job_state_from(std::string_view name);
+[[nodiscard]] bool is_terminal(JobState state);
+
+/// What a person may ask of a job.
+enum class JobAction : std::uint8_t {
+  Arm,
+  Disarm,
+  Start,
+  Pause,
+  Resume,
+  Cancel,
+  ConfirmResult,
+  RetrySheet,
+  SkipSheet,
+  ResumeFrom
+};
+/// "arm", "confirm-result", ...: as in the URL.
+[[nodiscard]] std::string_view name_of(JobAction action);
+[[nodiscard]] std::optional<JobAction> job_action_from(std::string_view name);
+
+/// Part of a list, in the order of ids; `cursor` is what the page before gave, or empty.
+struct PageWish {
+  int limit{50};
+  std::string cursor{};
+};
+template <typename T>
+struct Page {
+  std::vector<T> items;
+  std::string next_cursor;  ///< empty: that was the last page
+};
+
+/// A file that was received, lying in the state's folder for incoming files.
+struct Upload {
+  std::string path;
+  std::string sha256;  ///< 64 hexadecimal digits
+  std::uint64_t bytes{};
+};
+
+struct Asset {
+  std::string id;  ///< "sha256-..."
+  std::uint64_t bytes{};
+  TimeMs created{};
+  bool is_new{true};
+};
+
+struct Design {
+  std::string id;  ///< "sha256-..."
+  std::string name;
+  std::string kind;  ///< "spec", "fold", "svg", "dxf"
+  std::string owner;
+  std::uint64_t bytes{};
+  TimeMs created{};
+  std::vector<std::string> assets{};  ///< what a spec refers to
+  bool is_new{true};
+};
+
+/// How a design becomes sheets: the words of `popcut plan`, checked by the planner.
+struct PlanWish {
+  std::string design;
+  std::string material;  ///< empty: the design's own, else paper-220
+  std::string device;    ///< empty: any; the machine is the device's
+  std::string machine;   ///< empty: that of the device, else of the first device
+  std::map<std::string, std::string>
+      options{};  ///< "mat", "order", "at", "split", ... without dashes
+};
+
+struct SheetPlan {
+  int number{};  ///< from 1
+  int paths{};
+  double cut_mm{}, fold_mm{}, travel_mm{};
+  double seconds{};
+  std::array<double, 2> seconds_range{};
+  std::array<double, 2> area_mm{};
+  std::string program_sha256;
+};
+
+enum class PlanState : std::uint8_t { Pending, Planned, Failed };
+
+struct PlanRecord {
+  std::string id;  ///< ULID
+  std::string design, material, machine;
+  PlanState state{};
+  std::string sha256;  ///< of all programs; the same design and words give the same
+  std::vector<SheetPlan> sheets{};
+  std::vector<std::string> warnings{};
+  std::string error{};  ///< if it failed
+  TimeMs created{};
+};
+
+struct Attention {
+  std::string kind;  ///< load_sheet, confirm_result, device_absent, device_fault, media_out,
+                     ///< in_doubt, disk_low
+  int sheet{}, total{};
+  std::string text;
+  TimeMs since{};
+  std::vector<std::string> actions{};
+};
+
+struct JobProgress {
+  std::int64_t paths_certain{}, paths_sent{}, paths_total{};
+  double cut_mm{};
+};
+
+struct Job {
+  std::string id;  ///< ULID
+  std::int64_t rev{};
+  JobState state{};
+  std::string reason{};
+  std::string name, note, owner, operator_name{};
+  std::string device{};  ///< empty: none chosen yet
+  std::string design, plan, material;
+  int priority{}, copies{1};
+  bool held{false};
+  int sheets_total{};
+  int sheet{};  ///< the current one, from 1; 0: none
+  int blank{1}, segment{1};
+  JobProgress progress{};
+  std::array<double, 2> remaining_s{};
+  TimeMs created{};
+  std::optional<TimeMs> started{}, finished{};
+  std::string outcome{};
+  std::vector<std::string> tags{};
+  std::optional<Attention> attention{};
+  std::vector<std::string> actions{};  ///< lawful now
+};
+
+struct JobCreate {
+  std::string design, plan;  ///< one of the two
+  std::string material{}, device{};
+  std::map<std::string, std::string> options{};
+  int copies{1}, priority{0};
+  std::string name{}, note{};
+  std::vector<std::string> tags{};
+};
+
+struct JobPatch {
+  std::optional<int> priority{};
+  std::optional<std::string> name{}, note{}, device{};
+};
+
+struct JobFilter {
+  std::vector<JobState> states{};
+  std::string owner{}, device{};
+  std::optional<TimeMs> since{};
+};
+
+/// The words of an action. Which are needed depends on the action; others must be absent.
+struct ActionWish {
+  JobAction action{};
+  std::optional<int> sheet{}, blank{};
+  std::string device{}, plan_sha256{};
+  std::optional<bool> good{};               ///< confirm-result
+  std::optional<std::int64_t> from_path{};  ///< resume-from
+  std::string registration{};               ///< resume-from: "kept" or "re-registered"
+  bool accept_double_cut{false}, skip_in_doubt{false};
+  std::string reason{};
+};
+
+struct SheetRecord {
+  int number{}, copy{1}, blank{1}, segment{1};
+  std::string state;  ///< waiting, ready, armed, cutting, interrupted, done, skipped
+  SheetPlan plan{};
+  std::optional<TimeMs> started{}, finished{};
+};
+
+/// Strokes `first .. last`, counted from 0; `last < first`: none.
+struct PathRange {
+  std::int64_t first{0}, last{-1};
+};
+
+struct Attempt {
+  std::string id;
+  int blank{1}, segment{1};
+  TimeMs started{};
+  std::optional<TimeMs> ended{};
+  std::string
+      end_kind{};  ///< done, cancelled, device_gone, stall, panel_stop, crash, shutdown, ...
+  std::string operator_name{};
+  std::uint64_t bytes_taken{};
+};
+
+struct Ledger {
+  int sheet{}, blank{1}, segment{1};
+  std::int64_t certain_upto{-1};  ///< last stroke of the run of certain ones from the start
+  std::vector<PathRange> certain{}, in_doubt{}, not_sent{};
+  std::string last_status{};
+  std::vector<Attempt> attempts{};
+};
+
+struct Event {
+  std::int64_t seq{};  ///< 0: progress, which is not stored
+  std::string kind;    ///< job, sheet, device, queue, progress, notice
+  TimeMs time{};
+  std::string job{};
+  std::string data;  ///< compact JSON with "rev"
+};
+
+struct DeviceRecord {
+  std::string id;  ///< "sim:cameo3", "usb:51053P"
+  std::int64_t rev{1};
+  std::string model, title;
+  std::string state;  ///< absent, offline, idle, busy, attention, fault
+  std::vector<std::string> reasons{};
+  bool enabled{true}, simulated{false};
+  double width_mm{}, length_mm{};
+  std::string firmware{};
+  std::string job{};
+  std::int64_t sheets_done{};
+  double cut_mm{};
+};
+
+struct MaterialRecord {
+  std::string id;
+  std::int64_t rev{1};
+  std::string json;  ///< the material's row as in materials.json
+  bool built_in{true};
+};
+
+struct TokenRecord {
+  std::string id;
+  std::string name;
+  Role role{};
+  TimeMs created{};
+  std::optional<TimeMs> expires{};
+};
+/// A token at the only moment when it is known whole.
+struct NewToken {
+  TokenRecord record;
+  std::string text;  ///< "pc_<id>_<43 base64url>"
+};
+
+struct UsageRow {
+  std::string key;  ///< owner, device or material
+  double seconds{}, cut_mm{};
+  std::int64_t sheets{};
+};
+
+}  // namespace popcut::daemon

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "core/result.hpp"
+
+namespace popcut::daemon {
+
+/// The kinds of problem that the HTTP interface tells; each has one status and one type URI.
+enum class ProblemKind : std::uint8_t {
+  Validation,             ///< 422
+  MalformedJson,          ///< 400, with the byte offset
+  BadRequest,             ///< 400: what no front door should let in
+  UnsupportedMedia,       ///< 415
+  TooLarge,               ///< 413
+  WrongHost,              ///< 421
+  Unauthenticated,        ///< 401
+  Forbidden,              ///< 403
+  NotFound,               ///< 404
+  MethodNotAllowed,       ///< 405
+  StateConflict,          ///< 409, with the state and the actions that are lawful in it
+  DeviceAbsent,           ///< 409
+  Stale,                  ///< 412, with the revision that is current
+  PreconditionRequired,   ///< 428
+  IdempotencyKeyMissing,  ///< 400
+  IdempotencyKeyReused,   ///< 422
+  IdempotencyInProgress,  ///< 409
+  Rate,                   ///< 429, with Retry-After
+  QueueFull,              ///< 503
+  Unavailable,            ///< 503
+  DiskFull,               ///< 507
+  Internal,               ///< 500
+};
+
+/// One thing that is wrong with a request.
+struct RequestFault {
+  std::string pointer;  ///< JSON pointer into the body, "?name" of a query, or "line:column"
+  std::string code;     ///< "range", "unknown_member", "type", "missing", ...
+  std::string detail;   ///< what would be right: "must be 1..1000", "did you mean /material?"
+};
+
+/// Why a request was not done.
+struct Problem {
+  ProblemKind kind{};
+  std::string detail;
+  std::vector<RequestFault> errors{};
+  std::optional<std::int64_t> rev{};           ///< current revision (Stale)
+  std::string state{};                         ///< current state (StateConflict, Stale)
+  std::vector<std::string> allowed_actions{};  ///< lawful now (StateConflict, Stale)
+  std::optional<int> retry_after_s{};
+};
+
+template <typename T>
+using Answer = tl::expected<T, Problem>;
+
+/// Shorthand for returning a problem from a function that yields an `Answer`.
+[[nodiscard]] inline tl::unexpected<Problem> refuse(ProblemKind kind, std::string detail) {
+  return tl::unexpected<Problem>(Problem{kind, std::move(detail)});
+}
+
+/// "validation", "state-conflict", ...: the last part of the type's URI.
+[[nodiscard]] std::string_view slug_of(ProblemKind kind);
+/// "Request is not valid", ...
+[[nodiscard]] std::string_view title_of(ProblemKind kind);
+/// The HTTP status of `kind`.
+[[nodiscard]] int status_of(ProblemKind kind);
+/// An error of the pipeline as a problem: Malformed, OutOfRange and Infeasible are validation.
+[[nodiscard]] Problem problem_from(const Error& error);
+
+}  // namespace popcut::daemon

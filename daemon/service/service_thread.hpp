@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+namespace popcut::daemon {
+
+/// The one thread that owns the store and the service. Two lanes: what a running cut waits for
+/// goes before what people ask.
+class ServiceThread {
+ public:
+  enum class Lane { Cutting, Asking };
+
+  ServiceThread();
+  /// Runs what is queued, then ends.
+  ~ServiceThread();
+  ServiceThread(const ServiceThread&) = delete;
+  ServiceThread& operator=(const ServiceThread&) = delete;
+
+  /// Queues `work`; never blocks. False: the thread is ending and will not run it.
+  bool post(Lane lane, std::function<void()> work);
+  /// Runs `work` there and waits for it. From the thread itself it runs at once.
+  bool run(Lane lane, const std::function<void()>& work);
+  /// How many wait, of both lanes.
+  [[nodiscard]] std::size_t waiting() const;
+  /// Runs `work` every `period_ms` in the lane of those who ask.
+  void every(int period_ms, std::function<void()> work);
+  void stop();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace popcut::daemon
