@@ -10,6 +10,7 @@
 #include <exception>
 #include <initializer_list>
 #include <iostream>
+#include <memory>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -21,8 +22,9 @@ namespace {
 
 // Every subcommand of this build; the order is the order of the help.
 constexpr std::initializer_list<Register> kCommands = {
-    register_design, register_deploy,   register_verify, register_plan,      register_simulate,
-    register_cut,    register_machines, register_doctor, register_curvature, register_figures};
+    register_design, register_deploy,    register_verify,      register_plan,   register_simulate,
+    register_cut,    register_jobs,      register_job_actions, register_daemon, register_machines,
+    register_doctor, register_curvature, register_figures};
 
 constexpr const char* kPurpose =
     "popcut turns a target surface into a pop-up pattern, a cut sheet, and a finished cut.\n\n"
@@ -30,7 +32,9 @@ constexpr const char* kPurpose =
     "  popcut deploy sphere/pattern.fold -o poses  # meshes of the poses as it opens\n"
     "  popcut verify sphere/pattern.fold           # is it sound? one freedom? no crossing?\n"
     "  popcut plan sphere.json -o sheets           # the sheets and the programs that cut them\n"
-    "  popcut cut sphere.json --direct             # cut it, on the simulated cutter by default\n\n"
+    "  popcut cut sphere.json --wait               # cut it: a job for popcutd, with you at each "
+    "sheet\n"
+    "  popcut cut sphere.json --direct             # cut it from here, simulated by default\n\n"
     "'popcut COMMAND --help' explains a command. Lengths are in mm, angles in rad unless the name\n"
     "of an option or field says otherwise.";
 constexpr const char* kFooter =
@@ -39,6 +43,16 @@ constexpr const char* kFooter =
     "out of range; 4 no valid pattern or layout; 5 device absent, refused or failed; 6 a check "
     "did\n"
     "not hold; 7 output not written.";
+
+/// The commands one line each; each explains itself.
+class ShortHelp : public CLI::Formatter {
+  std::string make_subcommand(const CLI::App* command) const override {
+    const std::string what = command->get_description();
+    const std::string line = "  " + command->get_name();
+    return line + std::string(line.size() < 14 ? 14 - line.size() : 1, ' ') +
+           what.substr(0, what.find('\n')) + "\n";
+  }
+};
 
 int report(const Error& error) {
   std::cout.flush();
@@ -79,6 +93,7 @@ int run(int argc, char** argv) {
   CLI::App app{kPurpose, "popcut"};
   Globals globals;
   Run work;
+  app.formatter(std::make_shared<ShortHelp>());
   app.fallthrough();             // the options below may stand after the subcommand too
   app.require_subcommand(0, 1);  // none is refused below, after words that are no option
   app.set_version_flag("--version", "popcut " POPCUT_VERSION);
