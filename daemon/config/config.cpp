@@ -29,23 +29,31 @@ Result<void> read_log(TomlFields& fields, LogConfig& log) {
   return fields.finish();
 }
 
-Result<void> read_limits(TomlFields& fields, LimitConfig& limits) {
+Result<void> read_limits(TomlFields& fields, Config& config) {
+  HttpLimits& limits = config.limits;
   fields.integer("header_bytes", limits.header_bytes, 1024, 64 << 10);
   fields.integer("json_bytes", limits.json_bytes, 1024, 64 * kMib);
   fields.integer("json_depth", limits.json_depth, 4, 64);
   fields.integer("design_bytes", limits.design_bytes, 1024, 1024 * kMib);
   fields.integer("asset_bytes", limits.asset_bytes, 1024, 4096 * kMib);
   fields.integer("connections", limits.connections, 4, 10'000);
-  fields.integer("sse_clients", limits.sse_clients, 1, 1000);
-  fields.number("requests_per_s", limits.requests_per_s, 0.1, 1e6);
-  fields.integer("request_burst", limits.request_burst, 1, 1'000'000);
-  fields.integer("login_failures_per_min", limits.login_failures_per_min, 1, 1000);
+  fields.integer("reserved_connections", limits.reserved_connections, 1, 100);
+  fields.integer("streams", limits.streams, 1, 1000);
+  fields.integer("uploads", limits.uploads, 1, 1000);
+  fields.number("rate_per_s", limits.rate_per_s, 0.1, 1e6);
+  fields.number("rate_burst", limits.rate_burst, 1, 1e6);
+  fields.integer("failed_logins_per_minute", limits.failed_logins_per_minute, 1, 1000);
   fields.number("header_s", limits.header_s, 0.1, 600);
   fields.number("body_s", limits.body_s, 0.1, 3600);
+  fields.number("body_bytes_per_s", limits.body_bytes_per_s, 1, 1e9);
   fields.number("idle_s", limits.idle_s, 0.1, 3600);
-  fields.integer("body_bytes_per_s", limits.body_bytes_per_s, 1, 1024 * kMib);
-  fields.integer("queue_jobs", limits.queue_jobs, 1, 10'000'000);
-  fields.integer("sheets_per_job", limits.sheets_per_job, 1, 1'000'000);
+  fields.number("answer_s", limits.answer_s, 1, 3600);
+  fields.number("design_answer_s", limits.design_answer_s, 1, 86'400);
+  fields.number("heartbeat_s", limits.heartbeat_s, 0.1, 3600);
+  fields.integer("stream_events", limits.stream_events, 16, 100'000);
+  fields.integer("stream_bytes", limits.stream_bytes, 4096, 64 * kMib);
+  fields.integer("queue_jobs", config.queue_jobs, 1, 10'000'000);
+  fields.integer("sheets_per_job", config.sheets_per_job, 1, 1'000'000);
   return fields.finish();
 }
 
@@ -174,7 +182,7 @@ Result<void> read_webhook(TomlFields& fields, WebhookConfig& webhook) {
 
 }  // namespace
 
-Result<ListenAddress> parse_listen(std::string_view text) {
+Result<ListenAddress> parse_listen(std::string_view text, bool remote) {
   const auto wrong = [&](const char* why) {
     return fail(ErrorKind::OutOfRange, "",
                 fmt::format("\"{}\" {}; as in \"127.0.0.1:8631\" or \"[::1]:8631\"", text, why));
@@ -189,10 +197,10 @@ Result<ListenAddress> parse_listen(std::string_view text) {
   const auto [end, bad] = std::from_chars(port.data(), port.data() + port.size(), address.port);
   if (bad != std::errc() || end != port.data() + port.size()) return wrong("has no lawful port");
   if (host == "localhost") address.host = "127.0.0.1";
-  if (address.host.rfind("127.", 0) != 0 && address.host != "::1")
+  if (!remote && address.host.rfind("127.", 0) != 0 && address.host != "::1")
     return wrong(
-        "is not this computer alone: popcutd listens on loopback addresses only; for "
-        "others put a proxy with TLS before it");
+        "can be reached from other computers: put a proxy with TLS before popcutd and let it "
+        "listen here only, or say allow_remote = true");
   return address;
 }
 
@@ -210,17 +218,19 @@ Result<Config> parse_config(std::string_view text) {
   }
   Config config;
   TomlFields fields(parsed, "");
+  fields.boolean("allow_remote", config.allow_remote);
   fields.texts("listen", config.listen);
   config.listen_given = fields.has("listen");
   for (const std::string& address : config.listen)
-    if (const auto lawful = parse_listen(address); !lawful)
+    if (const auto lawful = parse_listen(address, config.allow_remote); !lawful)
       fields.refuse("listen", lawful.error().kind, lawful.error().detail);
   fields.text("socket", config.socket);
   fields.text("state", config.state);
   fields.texts("allowed_hosts", config.allowed_hosts);
+  fields.texts("allowed_origins", config.allowed_origins);
   fields.table("log", [&](TomlFields& log) { return read_log(log, config.log); });
   fields.tables("device", [&](TomlFields& one) { return read_device(one, config.devices); });
-  fields.table("limits", [&](TomlFields& some) { return read_limits(some, config.limits); });
+  fields.table("limits", [&](TomlFields& some) { return read_limits(some, config); });
   fields.table("planner", [&](TomlFields& some) { return read_planner(some, config.planner); });
   fields.tables("user", [&](TomlFields& one) { return read_user(one, config.users); });
   fields.table("webhook", [&](TomlFields& some) { return read_webhook(some, config.webhook); });

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/result.hpp"
+#include "daemon/http/limits.hpp"
 #include "daemon/service/model.hpp"
 
 namespace popcut::daemon {
@@ -28,24 +29,6 @@ struct UserRule {
   std::optional<std::uint32_t> uid{}, gid{};
   std::string name{};  ///< as it was written, "alice" or "@popcut"
   Role role{};
-};
-
-/// Every limit that requests meet; all are tested.
-struct LimitConfig {
-  std::uint64_t header_bytes{8192};
-  std::uint64_t json_bytes{256u << 10};
-  int json_depth{32};
-  std::uint64_t design_bytes{32u << 20};
-  std::uint64_t asset_bytes{256u << 20};
-  int connections{64};
-  int sse_clients{16};
-  double requests_per_s{20};
-  int request_burst{60};
-  int login_failures_per_min{5};
-  double header_s{10}, body_s{30}, idle_s{60};
-  std::uint64_t body_bytes_per_s{1024};
-  std::int64_t queue_jobs{50'000};
-  int sheets_per_job{10'000};
 };
 
 struct PlannerConfig {
@@ -75,10 +58,15 @@ struct Config {
   bool listen_given{false};  ///< by the file: each address must then be had
   std::string socket{};
   std::string state{};
-  std::vector<std::string> allowed_hosts{"localhost", "127.0.0.1", "[::1]"};
+  /// Names beside localhost, 127.0.0.1 and [::1] under which it is reached: "cutter.lab:8631".
+  std::vector<std::string> allowed_hosts{};
+  std::vector<std::string> allowed_origins{};  ///< of its page behind a proxy: "https://cutter.lab"
+  bool allow_remote{false};  ///< addresses that others reach; a proxy with TLS must be before them
   LogConfig log{};
   std::vector<DeviceConfig> devices{};  ///< none: one simulated cutter
-  LimitConfig limits{};
+  HttpLimits limits{};
+  std::int64_t queue_jobs{50'000};
+  int sheets_per_job{10'000};
   PlannerConfig planner{};
   std::vector<UserRule> users{};
   WebhookConfig webhook{};
@@ -96,7 +84,7 @@ struct ListenAddress {
   std::string host;
   std::uint16_t port{};
 };
-/// @retval OutOfRange  it is none; only loopback addresses are
-[[nodiscard]] Result<ListenAddress> parse_listen(std::string_view text);
+/// @retval OutOfRange  it is none, or is not of this computer alone and `remote` is false
+[[nodiscard]] Result<ListenAddress> parse_listen(std::string_view text, bool remote = false);
 
 }  // namespace popcut::daemon

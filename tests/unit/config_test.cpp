@@ -34,11 +34,11 @@ TEST_CASE("an empty configuration is loopback with the limits of the manual", "[
   CHECK(config->limits.json_depth == 32);
   CHECK(config->limits.design_bytes == 33'554'432);
   CHECK(config->limits.connections == 64);
-  CHECK(config->limits.sse_clients == 16);
-  CHECK(config->limits.requests_per_s == 20);
-  CHECK(config->limits.request_burst == 60);
-  CHECK(config->limits.queue_jobs == 50'000);
-  CHECK(config->limits.sheets_per_job == 10'000);
+  CHECK(config->limits.streams == 16);
+  CHECK(config->limits.rate_per_s == 20);
+  CHECK(config->limits.rate_burst == 60);
+  CHECK(config->queue_jobs == 50'000);
+  CHECK(config->sheets_per_job == 10'000);
   CHECK(config->planner.memory_bytes == std::uint64_t{2} << 30);
   CHECK(config->webhook.url.empty());
 }
@@ -62,7 +62,7 @@ machine = "hpgl-generic"
 enabled = false
 [limits]
 json_depth = 16
-requests_per_s = 1000
+rate_per_s = 1000
 [planner]
 processes = 2
 memory_mib = 512
@@ -99,7 +99,7 @@ TEST_CASE("what is wrong in a configuration is told with line and column and wha
   refused("[limits]\njson_dept = 3", "2:1: limits.json_dept", "did you mean json_depth?");
   refused("[limits]\njson_depth = 3", "2:14: limits.json_depth", "must be 4 to 64");
   refused("[limits]\njson_depth = \"3\"", "2:14: limits.json_depth", "must be a whole number");
-  refused("[limits]\nrequests_per_s = nan", "2:18: limits.requests_per_s", "must be");
+  refused("[limits]\nrate_per_s = nan", "2:14: limits.rate_per_s", "must be");
   refused("limits = 3", "1:10: limits", "must be a table, [limits]");
   refused("device = {id = \"sim:cameo3\"}", "1:10: device", "[[device]]");
   refused("[[device]]\nmachine = \"cameo3\"", "1:1: device.id", "is missing");
