@@ -16,6 +16,7 @@
 #include <CLI/CLI.hpp>
 
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/help_pages.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -81,6 +82,22 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& refused) {
   return {ErrorKind::Usage, "command line", what + "; '" + help + " --help' lists what is right"};
 }
 
+/// 'popcut help-page bash|zsh|fish|man', for the build and for packages.
+void add_help_pages(CLI::App& app, Run& run) {
+  auto kind = std::make_shared<std::string>();
+  CLI::App* const command = app.add_subcommand("help-page", "Completions, and the manual page");
+  command->group("");  // hidden
+  command->add_option("KIND", *kind, "bash, zsh, fish or man")->required();
+  command->callback([&app, &run, kind] {
+    run = [&app, kind]() -> Result<void> {
+      const auto page = help_page(app, *kind, 1);
+      if (!page) return tl::unexpected(page.error());
+      std::cout << *page;
+      return {};
+    };
+  });
+}
+
 /// Nothing that went to standard output may be lost in silence (a full disk behind a `>`).
 int finish() {
   std::cout.flush();
@@ -102,6 +119,7 @@ int run(int argc, char** argv) {
   app.add_flag("-v,--verbose", globals.verbose, "Say more; twice for everything");
   app.footer(kFooter);
   for (const Register add : kCommands) add(app, globals, work);
+  add_help_pages(app, work);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& refused) {

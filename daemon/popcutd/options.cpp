@@ -11,8 +11,10 @@
 #include <CLI/CLI.hpp>
 
 #include "core/plan/machine.hpp"
+#include "daemon/cli/help_pages.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/user_tables.hpp"
+#include "daemon/config/default_text.hpp"
 #include "daemon/popcutd/paths.hpp"
 
 namespace popcut::daemon {
@@ -25,7 +27,7 @@ constexpr const char* kPurpose =
     "  popcutd --config popcutd.toml --check-config\n\n"
     "Then, in another terminal: popcut cut sphere.json --wait\n\n"
     "Without --config it reads ~/.config/popcut/popcutd.toml or /etc/popcut/popcutd.toml, if one "
-    "is\nthere; 'man popcutd.toml' has every key. Ctrl-C stops a cut at the end of its stroke.";
+    "is\nthere; --print-config prints every key. Ctrl-C stops a cut at the end of its stroke.";
 constexpr const char* kFooter =
     "Exit codes: 0 stopped as asked; 1 a fault in popcutd; 2 wrong command line; 5 an address or "
     "the\nstate folder is in use; 7 the state folder cannot be written; 78 the configuration or "
@@ -68,6 +70,9 @@ Result<DaemonOptions> parse_options(int argc, const char* const* argv) {
   app.add_option("--config", options.config, "Read this configuration (TOML)")->option_text("FILE");
   app.add_flag("--check-config", options.check_config,
                "Say whether the configuration is right, and end");
+  bool print_config = false;
+  app.add_flag("--print-config", print_config,
+               "Print a configuration with every key and its default, and end");
   app.add_option("--state", options.state, "Keep jobs, designs and plans there")
       ->option_text("DIR");
   app.add_option("--listen", options.listen, "Serve HTTP at this loopback address, and no other")
@@ -75,6 +80,8 @@ Result<DaemonOptions> parse_options(int argc, const char* const* argv) {
   app.add_option("--socket", options.socket, "Unix socket to serve at")->option_text("PATH");
   app.add_option("--sim", options.simulated, "Attach a simulated cutter; may stand several times")
       ->option_text("NAME [cameo3]");
+  std::string page;
+  app.add_option("--help-page", page, "bash, zsh, fish or man")->group("");  // hidden
   app.footer(kFooter);
   try {
     app.parse(argc, const_cast<char**>(argv));
@@ -85,6 +92,16 @@ Result<DaemonOptions> parse_options(int argc, const char* const* argv) {
     app.exit(refused);
     std::cout.flush();
     options.exit = 0;
+  }
+  if (!page.empty()) {
+    const auto text = cli::help_page(app, page, 8);
+    if (!text) return tl::unexpected(text.error());
+    std::cout << *text << std::flush;
+    options.exit = std::cout ? 0 : exit_code(ErrorKind::Unwritable);
+  }
+  if (print_config) {
+    std::cout << kConfigText << std::flush;
+    options.exit = std::cout ? 0 : exit_code(ErrorKind::Unwritable);
   }
   return options;
 }

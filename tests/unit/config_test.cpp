@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "daemon/config/config.hpp"
+#include "daemon/config/default_text.hpp"
 #include "tests/support/process.hpp"
 
 using namespace popcut;
@@ -120,6 +121,54 @@ TEST_CASE("what is wrong in a configuration is told with line and column and wha
   refused("state = \"a\\u0007b\"", "1:9: state", "control character");
   refused("listen = [", "1:11", "is not TOML");
   refused("listen = []\nlisten = []", "2:10", "is not TOML");
+}
+
+TEST_CASE("the printed configuration names every key with its default", "[daemon][config]") {
+  CHECK(parse_config(kConfigText));
+  // Without the #, all but the examples of what has no default must read as the defaults do.
+  std::string text(kConfigText);
+  for (std::size_t at = 0; (at = text.find("\n#", at)) != std::string::npos; ++at)
+    if (text[at + 2] != ' ') text.erase(at + 1, 1);
+  const std::size_t group = text.find("group = \"popcut\"");
+  text.replace(group, 16, "gid = 1234       ");
+  const auto config = parse_config(text);
+  INFO((config ? "" : message(config.error())));
+  REQUIRE(config);
+  const Config usual;
+  CHECK(config->listen == usual.listen);
+  CHECK(config->log.level == usual.log.level);
+  CHECK(config->queue_jobs == usual.queue_jobs);
+  CHECK(config->sheets_per_job == usual.sheets_per_job);
+  CHECK(config->planner.processes == usual.planner.processes);
+  CHECK(config->planner.memory_bytes == usual.planner.memory_bytes);
+  CHECK(config->planner.output_bytes == usual.planner.output_bytes);
+  CHECK(config->planner.cpu_s == usual.planner.cpu_s);
+  CHECK(config->planner.wall_s == usual.planner.wall_s);
+  REQUIRE(config->devices.size() == 3);
+  CHECK(config->devices[0].time_scale == DeviceConfig{}.time_scale);
+  const HttpLimits& a = config->limits;
+  const HttpLimits b;
+  CHECK(a.header_bytes == b.header_bytes);
+  CHECK(a.json_bytes == b.json_bytes);
+  CHECK(a.json_depth == b.json_depth);
+  CHECK(a.design_bytes == b.design_bytes);
+  CHECK(a.asset_bytes == b.asset_bytes);
+  CHECK(a.connections == b.connections);
+  CHECK(a.reserved_connections == b.reserved_connections);
+  CHECK(a.streams == b.streams);
+  CHECK(a.uploads == b.uploads);
+  CHECK(a.rate_per_s == b.rate_per_s);
+  CHECK(a.rate_burst == b.rate_burst);
+  CHECK(a.failed_logins_per_minute == b.failed_logins_per_minute);
+  CHECK(a.header_s == b.header_s);
+  CHECK(a.body_s == b.body_s);
+  CHECK(a.body_bytes_per_s == b.body_bytes_per_s);
+  CHECK(a.idle_s == b.idle_s);
+  CHECK(a.answer_s == b.answer_s);
+  CHECK(a.design_answer_s == b.design_answer_s);
+  CHECK(a.heartbeat_s == b.heartbeat_s);
+  CHECK(a.stream_events == b.stream_events);
+  CHECK(a.stream_bytes == b.stream_bytes);
 }
 
 TEST_CASE("noise is never a configuration and never ends popcut", "[daemon][config]") {
