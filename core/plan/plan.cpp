@@ -259,7 +259,7 @@ class Planner {
     sheet.mat = mat_;
     work.dashed = drawing_.dashed;
     work.warnings.clear();
-    work = clean(work, options_.clean);
+    work = clean(std::move(work), options_.clean);
     turn_round(work, options_.knife.direction);
     sheet.paths = work.lines.size();
     if (options_.keep_lines) sheet.lines = work;
