@@ -56,6 +56,13 @@ Result<Schedule> schedule(const EncodedProgram& program, const Machine& machine)
   for (const SimCutter::Step& step : steps)
     if (step.whole_command)
       plan.geometry.push_back({step.end_byte, in_seconds(step.time - zero), 0.0});
+  // What follows the last command, as a newline does, is sent with it.
+  if (plan.geometry.empty() || plan.geometry.back().end_byte < program.geometry.end) {
+    const double seconds = plan.geometry_s;
+    if (!plan.geometry.empty()) plan.geometry.pop_back();
+    if (program.geometry.end > program.geometry.begin)
+      plan.geometry.push_back({program.geometry.end, seconds, 0.0});
+  }
   set_stroke_ends(program.strokes, plan.geometry);
   return plan;
 }

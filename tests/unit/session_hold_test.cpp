@@ -122,6 +122,21 @@ TEST_CASE("a pause from the host stops between strokes with the tool up and goes
   }
 }
 
+TEST_CASE("a machine that wants a newline after each command is sent all of its job",
+          "[device][session]") {
+  for (const char* name : {"hpgl-clone", "hpgl-ud", "camm-1", "camm-2"}) {
+    CAPTURE(name);
+    const Job job(name);
+    SimTransport cable = job.cable();
+    const SessionEnd end = run_session(cable, job.machine, job.program);
+    REQUIRE_FALSE(end.error);
+    cable.cutter().run_dry();
+    CHECK(cable.cutter().trace().strokes.size() == 200);
+    CHECK(cable.cutter().trace().unknown.empty());
+    CHECK(cable.cutter().accepted_bytes() == job.program.bytes.size());
+  }
+}
+
 TEST_CASE("what was cut before a pause of the host is certain while it lasts and after a cancel",
           "[device][session]") {
   const Job job;
