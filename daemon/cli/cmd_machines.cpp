@@ -50,7 +50,7 @@ Result<void> list_machines(const Globals& globals) {
   for (const Machine& m : *machines) {
     std::string mats;
     for (const Mat& mat : m.mats) mats += " " + mat.name;
-    fmt::print("{:<18} {:<30} {:<5} {:>6.1f} x {:<7.0f} mm  {:<9}{}\n", m.name, m.title, m.language,
+    fmt::print("{:<18} {:<40} {:<5} {:>6.1f} x {:<7.0f} mm  {:<9}{}\n", m.name, m.title, m.language,
                m.width_mm, m.length_mm, usb_id(m), mats);
   }
   return {};
