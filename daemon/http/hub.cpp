@@ -112,7 +112,10 @@ bool Hub::make_room(bool& reserved) {
   return true;
 }
 
-void Hub::remove(const ClientPtr& client) { std::erase(clients, client); }
+void Hub::remove(const ClientPtr& client) {
+  std::erase(clients, client);
+  if (stopping && clients.empty() && on_empty) on_empty();
+}
 
 void Hub::publish(const EventFramePtr& frame) {
   for (const std::shared_ptr<Stream>& stream : streams) {

@@ -98,6 +98,7 @@ struct Hub {
   std::atomic<int> listeners{0};  ///< streams that are or are about to be served
   int uploads{0};
   bool stopping{false};
+  std::function<void()> on_empty{};  ///< called when the last client has gone while it stops
 
   [[nodiscard]] const HttpLimits& limits() const { return options.limits; }
   [[nodiscard]] double now_s() const;

@@ -61,10 +61,11 @@ class Members {
 /// Problem of `faults`.
 [[nodiscard]] Problem validation(std::vector<RequestFault> faults);
 
-/// Parses and reads a body of members in one go: `read` takes what it wants.
+/// Parses and reads a body of members in one go: `read` takes what it wants. No body at all is one
+/// without members.
 template <typename Value, typename Read>
 Answer<Value> read_body_as(const Request& request, int max_depth, Read read) {
-  const Answer<nlohmann::json> json = parse_body(request.body, max_depth);
+  const Answer<nlohmann::json> json = parse_body(request.body.empty() ? "{}" : request.body, max_depth);
   if (!json) return tl::unexpected<Problem>(json.error());
   std::vector<RequestFault> faults;
   Members members(*json, faults);

@@ -180,7 +180,7 @@ void HttpServer::Impl::begin_stop(double grace_s) {
     if (client->state != Client::State::Busy || client->stream) client->close();
   grace.expires_after(std::chrono::microseconds(static_cast<std::int64_t>(grace_s * 1e6)));
   grace.async_wait([this](const boost::system::error_code&) { cut_off(); });
-  // Nobody left: no need to wait.
+  hub.on_empty = [this] { grace.cancel(); };
   if (hub.clients.empty()) grace.cancel();
 }
 
