@@ -232,21 +232,10 @@ Result<void> Run::search() {
   return wait_ready(plan_.setup_s);
 }
 
-/// How far may be sent now: at most a window of estimated motion ahead of the machine, but never so
-/// little that it has less than half a window left.
 std::uint64_t Run::affordable() const {
-  const double now_s = model_s();
-  std::uint64_t until = accepted_;
-  std::size_t next = next_command_;
-  double ahead = sent_s_ - now_s;
-  while (next < plan_.geometry.size() && until < accepted_ + kMaxWriteBytes) {
-    const TimedCommand& command = plan_.geometry[next++];
-    const bool starving = ahead < 0.5 * options_.window_s;
-    ahead = command.seconds - now_s;
-    if (!starving && ahead > options_.window_s) break;
-    until = command.end_byte;
-  }
-  return until;
+  const std::uint64_t end =
+      affordable_end(plan_, next_command_, sent_s_, model_s(), options_.window_s, kMaxWriteBytes);
+  return std::max(end, accepted_);
 }
 
 Result<void> Run::geometry() {

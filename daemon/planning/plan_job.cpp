@@ -152,7 +152,7 @@ Result<PlanJob> make_plan_job(const PlanWords& words, const std::vector<std::str
   const auto machine = choose_machine(words, tables);
   if (!machine) return tl::unexpected(machine.error());
   const bool ideal_machine = machine->name.rfind("ideal", 0) == 0;
-  const auto input = read(*reading);
+  auto input = read(*reading);
   if (!input) return tl::unexpected(input.error());
   const auto material = choose_material(
       !words.material.empty() ? words.material : input->material.value_or("paper-220"),
@@ -171,7 +171,7 @@ Result<PlanJob> make_plan_job(const PlanWords& words, const std::vector<std::str
   if (ideal_machine) how.mat.clear();
   // An ideal plotter cuts lines as they are drawn.
   if (ideal_machine && !how.knife.overcut_mm) how.knife.overcut_mm = 0.0;
-  auto planned = plan(input->drawing, *machine, *material, how);
+  auto planned = plan(std::move(input->drawing), *machine, *material, how);
   if (!planned) {
     const bool of_option = planned.error().place.rfind("--", 0) == 0;
     return tl::unexpected(of_option ? planned.error() : named(planned.error()));
