@@ -15,7 +15,7 @@ Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sourc
   if (!spec) return tl::unexpected(spec.error());
   const auto assets = sources.assets(*spec);
   if (!assets) return tl::unexpected(assets.error());
-  const auto made = design_assembly(*spec, *assets);
+  auto made = design_assembly(*spec, *assets);
   if (!made) return tl::unexpected(made.error());
   if (sources.designed)
     if (const auto kept = sources.designed(*spec, *made); !kept)

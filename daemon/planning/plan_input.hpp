@@ -27,8 +27,8 @@ enum class InputKind : std::uint8_t { Spec, Fold, Svg, Dxf };
 /// What designing a spec takes from outside, and gives.
 struct SpecSources {
   std::function<Result<SurfaceAssets>(const DesignSpec&)> assets;  ///< what its surfaces name
-  /// If there: is shown the design before its drawing is made of it.
-  std::function<Result<void>(const DesignSpec&, const PatchAssembly&)> designed{};
+  /// If there: is shown the design (and may add notes to its report) before it is drawn.
+  std::function<Result<void>(const DesignSpec&, PatchAssembly&)> designed{};
 };
 
 /// Reads a drawing, or designs a spec. `factor` raises the limits of FOLD and DXF files; those of
