@@ -45,10 +45,14 @@ FakeService::FakeService() {
   material_map["paper-220"] = {"paper-220", 1, R"({"force_gf": 120})", true};
 }
 
-std::optional<Problem> FakeService::trouble(const char* name) {
+void FakeService::note(const char* name) {
   asked.emplace_back(name);
   if (throws) throw std::runtime_error("the fake was told to");
   if (throws_bad_alloc) throw std::bad_alloc();
+}
+
+std::optional<Problem> FakeService::trouble(const char* name) {
+  note(name);
   std::optional<Problem> problem = std::move(next_problem);
   next_problem.reset();
   return problem;
@@ -110,7 +114,7 @@ Answer<NewToken> FakeService::create_token(const Principal&, const std::string& 
 }
 
 std::vector<TokenRecord> FakeService::tokens() {
-  asked.emplace_back("tokens");
+  note("tokens");
   std::vector<TokenRecord> out;
   for (const auto& [id, token] : token_map) out.push_back(token);
   return out;
@@ -177,7 +181,7 @@ Answer<Asset> FakeService::add_asset(const Principal&, Upload upload) {
 }
 
 Page<Design> FakeService::designs(const PageWish& wish) {
-  asked.emplace_back("designs");
+  note("designs");
   last_page = wish;
   Page<Design> page;
   for (const auto& [id, design] : design_map) {
@@ -354,7 +358,7 @@ Answer<void> FakeService::delete_job(const Principal&, const std::string& id) {
 }
 
 std::vector<Job> FakeService::queue(const std::string& device) {
-  asked.emplace_back("queue");
+  note("queue");
   std::vector<Job> out;
   for (const auto& [id, job] : job_map)
     if (!is_terminal(job.state) && (device.empty() || job.device == device)) out.push_back(job);
@@ -375,7 +379,7 @@ Answer<Job> FakeService::move(const Principal&, const std::string& id, const std
 }
 
 std::vector<DeviceRecord> FakeService::devices() {
-  asked.emplace_back("devices");
+  note("devices");
   std::vector<DeviceRecord> out;
   for (const auto& [id, device] : device_map) out.push_back(device);
   return out;
@@ -403,7 +407,7 @@ Answer<DeviceRecord> FakeService::act_on_device(const Principal&, const std::str
 }
 
 std::vector<MaterialRecord> FakeService::materials() {
-  asked.emplace_back("materials");
+  note("materials");
   std::vector<MaterialRecord> out;
   for (const auto& [id, material] : material_map) out.push_back(material);
   return out;
@@ -446,7 +450,11 @@ Answer<std::vector<Event>> FakeService::events(std::int64_t after, int limit,
   return out;
 }
 
-std::int64_t FakeService::last_event() { return seq_; }
+std::int64_t FakeService::last_event() {
+  note("last_event");
+  return seq_;
+}
+
 std::int64_t FakeService::first_event() { return first_kept; }
 
 void FakeService::listen(std::function<void(const Event&)> listener) {
@@ -455,17 +463,17 @@ void FakeService::listen(std::function<void(const Event&)> listener) {
 
 std::vector<UsageRow> FakeService::usage(std::optional<TimeMs>, std::optional<TimeMs>,
                                          const std::string&) {
-  asked.emplace_back("usage");
+  note("usage");
   return {{"uid:0", 12.5, 340.25, 2}, {"=cmd|' /C calc'!A0", 1, 2, 3}};
 }
 
 Service::Health FakeService::health() {
-  asked.emplace_back("health");
-  if (throws) throw std::runtime_error("the fake was told to");
+  note("health");
   return {healthy, 1024, healthy, healthy ? "" : "the disk failed"};
 }
 
 std::string FakeService::metrics() {
+  note("metrics");
   return "# TYPE popcut_jobs gauge\npopcut_jobs{state=\"queued\"} 0\n";
 }
 

@@ -111,6 +111,8 @@ class FakeService : public Service {
     std::string sha256;
     Rendered rendered;
   };
+  /// Notes that a member was called; throws if it was told to.
+  void note(const char* name);
   std::optional<Problem> trouble(const char* name);
   Job& changed(Job& job);
   std::map<std::string, Kept> kept_;
