@@ -60,7 +60,7 @@ std::optional<Problem> FakeService::trouble(const char* name) {
 
 Job& FakeService::changed(Job& job) {
   ++job.rev;
-  tell("job", job.id, fmt::format(R"({{"state":"{}","rev":{}}})", name_of(job.state), job.rev));
+  tell("job", job.id, fmt::format(R"("state":"{}","rev":{})", name_of(job.state), job.rev));
   return job;
 }
 
@@ -83,14 +83,19 @@ Job& FakeService::add_job(JobState state, const std::string& owner) {
   return job_map[job.id] = job;
 }
 
-void FakeService::tell(const std::string& kind, const std::string& job, const std::string& data) {
-  const Event event{++seq_, kind, kNow, job, data};
+void FakeService::tell(const std::string& kind, const std::string& job,
+                       const std::string& members) {
+  const std::int64_t seq = ++seq_;
+  const Event event{
+      seq, kind, kNow, job,
+      fmt::format(R"({{"seq":{},"kind":"{}","job":"{}",{}}})", seq, kind, job, members)};
   log.push_back(event);
   for (const auto& listener : listeners_) listener(event);
 }
 
-void FakeService::tell_progress(const std::string& job, const std::string& data) {
-  const Event event{0, "progress", kNow, job, data};
+void FakeService::tell_progress(const std::string& job, const std::string& members) {
+  const Event event{0, "progress", kNow, job,
+                    fmt::format(R"({{"seq":0,"kind":"progress","job":"{}",{}}})", job, members)};
   for (const auto& listener : listeners_) listener(event);
 }
 
@@ -141,10 +146,11 @@ Answer<NewToken> FakeService::open_session(const std::string& one_shot) {
   return create_token({}, "session", Role::Operator, 43200);
 }
 
-Answer<Rendered> FakeService::once(const Principal&, const IdempotentRequest& request,
+Answer<Rendered> FakeService::once(const Principal& who, const IdempotentRequest& request,
                                    const std::function<Rendered()>& effect) {
   asked.emplace_back("once");
-  if (const auto found = kept_.find(request.key); found != kept_.end()) {
+  const std::string key = who.name + " " + request.key;
+  if (const auto found = kept_.find(key); found != kept_.end()) {
     if (found->second.sha256 != request.sha256)
       return refuse(ProblemKind::IdempotencyKeyReused, "the key was used for another request");
     Rendered again = found->second.rendered;
@@ -152,7 +158,7 @@ Answer<Rendered> FakeService::once(const Principal&, const IdempotentRequest& re
     return again;
   }
   Rendered fresh = effect();
-  if (fresh.status < 500 && fresh.status != 429) kept_[request.key] = {request.sha256, fresh};
+  if (fresh.status < 500 && fresh.status != 429) kept_[key] = {request.sha256, fresh};
   return fresh;
 }
 

@@ -46,10 +46,10 @@ class FakeService : public Service {
 
   /// A job in state `state` that belongs to `owner`.
   Job& add_job(JobState state, const std::string& owner);
-  /// Stores an event and tells it to who listens.
-  void tell(const std::string& kind, const std::string& job, const std::string& data);
+  /// Stores an event and tells it to who listens; `members` is JSON without its brackets.
+  void tell(const std::string& kind, const std::string& job, const std::string& members);
   /// Tells progress, which is not stored.
-  void tell_progress(const std::string& job, const std::string& data);
+  void tell_progress(const std::string& job, const std::string& members);
 
   std::optional<Principal> authenticate(std::string_view bearer) override;
   Answer<NewToken> create_token(const Principal&, const std::string& name, Role role,
