@@ -15,6 +15,7 @@
 #include <spdlog/spdlog.h>
 
 #include "daemon/cli/user_tables.hpp"
+#include "daemon/devices/make_cutters.hpp"
 #include "daemon/http/server.hpp"
 #include "daemon/planning/make_planner.hpp"
 #include "daemon/popcutd/greeting.hpp"
@@ -160,8 +161,7 @@ std::optional<Trouble> Daemon::open_devices() {
   planner_ = make_planner(limits, "/proc/self/exe");
   CuttersOptions options;
   options.tables = tables_;
-  for (const DeviceConfig& device : config_.devices)
-    if (device.enabled) options.devices.push_back(cutter_of(device));
+  options.devices = config_.devices;
   auto cutters = make_cutters(std::move(options));
   if (!cutters) return Trouble{exit_code(cutters.error().kind), message(cutters.error())};
   cutters_ = std::move(*cutters);
