@@ -8,9 +8,9 @@ namespace {
 
 // In the order of the enumerations.
 constexpr std::array<std::string_view, 4> kRoles{"viewer", "submitter", "operator", "admin"};
-constexpr std::array<std::string_view, 10> kStates{"queued",      "planning", "ready",  "armed",
-                                                   "cutting",     "paused",   "interrupted",
-                                                   "done",        "failed",   "cancelled"};
+constexpr std::array<std::string_view, 10> kStates{"queued",  "planning", "ready",       "armed",
+                                                   "cutting", "paused",   "interrupted", "done",
+                                                   "failed",  "cancelled"};
 constexpr std::array<std::string_view, 10> kActions{
     "arm",    "disarm",         "start",       "pause",      "resume",
     "cancel", "confirm-result", "retry-sheet", "skip-sheet", "resume-from"};
