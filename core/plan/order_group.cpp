@@ -70,7 +70,7 @@ class Group {
     const std::vector<std::uint32_t> drawn_seams = stops_.seam;
     NearNodes near = near_nodes(stops_, neighbours(options));
     TourOrder best = first_order(near);
-    near.mm = {};
+    near.mm = std::vector<float>();
     ImproveOptions how{0, options.seed};
     const double greedy_cost = tour_cost(stops_, best);
     bool finished = improve_tour(stops_, near, best, how, keep_going).finished;

@@ -81,7 +81,7 @@ struct Plan {
 /// machine;
 ///                     an option is out of its range, or the material cannot be folded so
 /// @retval Usage       the mat is not known
-[[nodiscard]] Result<Plan> plan(const LineWork& drawing, const Machine& machine,
+[[nodiscard]] Result<Plan> plan(LineWork drawing, const Machine& machine,
                                 const Material& material, const PlanOptions& options);
 
 }  // namespace popcut

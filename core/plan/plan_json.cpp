@@ -2,9 +2,13 @@
 #include "core/plan/plan_json.hpp"
 
 #include <cmath>
+#include <iterator>
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "core/formats/text_sink.hpp"
 
 namespace popcut {
 namespace {
@@ -163,12 +167,24 @@ void add_layout(const Layout& layout, Json& json) {
                     {"seams", std::move(seams)},          {"steps", std::move(steps)}};
 }
 
-std::string entries(const std::vector<KnifeMark>& marks) {
-  std::vector<Json> list;
-  list.reserve(marks.size());
-  for (const KnifeMark& mark : marks)
-    list.push_back({{"stroke", mark.stroke}, {"points", points_json(mark.points, {})}});
-  return lines(list);
+// There may be a hundred thousand: they are written without a tree of values.
+std::string entries(const KnifeMarks& marks, const std::vector<KnifeMarks::Mark>& list) {
+  std::string text = "[";
+  for (const KnifeMarks::Mark& mark : list) {
+    text += text.size() > 1 ? ",\n        " : "\n        ";
+    fmt::format_to(std::back_inserter(text), FMT_COMPILE("{{\"stroke\":{},\"points\":["),
+                   mark.stroke);
+    for (const PagePoint& p : marks.points_of(mark)) {
+      text += text.back() == ']' ? ",[" : "[";
+      append_rounded(text, p.x);
+      text += ',';
+      append_rounded(text, p.y);
+      text += ']';
+    }
+    text += "]}";
+  }
+  text += list.empty() ? "]" : "\n      ]";
+  return text;
 }
 
 void fill_list(std::string& text, std::size_t from, const char* name, const std::string& list) {
@@ -202,8 +218,8 @@ std::string plan_json(const Plan& plan) {
       fill_list(text, from, "marks", lines(split.marks));
     }
     const KnifeMarks marks = knife_marks(sheet.path, sheet.knife);
-    fill_list(text, from, "overcuts", entries(marks.overcuts));
-    fill_list(text, from, "lead_ins", entries(marks.lead_ins));
+    fill_list(text, from, "overcuts", entries(marks, marks.overcuts));
+    fill_list(text, from, "lead_ins", entries(marks, marks.lead_ins));
     from = text.find("\"lead_ins\"", from) + 1;
   }
   return text;

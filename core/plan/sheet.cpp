@@ -195,10 +195,9 @@ Result<Placement> place(const LineWork& work, const std::array<double, 2>& reach
                           reach[0], reach[1]));
 }
 
-LineWork placed(const LineWork& work, const Placement& placement) {
-  LineWork out = work;
-  for (PagePoint& p : out.points) p = placement(p);
-  return out;
+LineWork placed(LineWork work, const Placement& placement) {
+  for (PagePoint& p : work.points) p = placement(p);
+  return work;
 }
 
 LineWork clipped(const LineWork& work, const std::array<double, 2>& reach, double room) {

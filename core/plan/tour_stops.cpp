@@ -104,7 +104,7 @@ NearNodes near_nodes(const TourStops& stops, std::uint32_t each) {
   near.mm.assign(near.nodes.size(), 0.0F);
   Places places(stops);
   const PointTree tree(places.points, places.tags);
-  places.points = {};
+  places.points = std::vector<PagePoint>();
   std::array<PointTree::Near, PointTree::kMostNear> found;
   NearList list(each);
   for (std::uint32_t i = 0; i < places.tags.size(); ++i) {

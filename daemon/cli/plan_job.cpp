@@ -133,7 +133,7 @@ Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
   const auto machine = choose_machine(options, *tables);
   if (!machine) return tl::unexpected(machine.error());
   const bool ideal_machine = machine->name.rfind("ideal", 0) == 0;
-  const auto input = options.drawing
+  auto input = options.drawing
                          ? Result<DrawingInput>(DrawingInput{*options.drawing, std::nullopt})
                          : read_drawing(options.input, *reading);
   if (!input) return tl::unexpected(input.error());
@@ -153,7 +153,7 @@ Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
   if (ideal_machine) how.mat.clear();
   // An ideal plotter cuts lines as they are drawn.
   if (ideal_machine && !how.knife.overcut_mm) how.knife.overcut_mm = 0.0;
-  auto planned = plan(input->drawing, *machine, *material, how);
+  auto planned = plan(std::move(input->drawing), *machine, *material, how);
   if (!planned) {
     const bool of_option = planned.error().place.rfind("--", 0) == 0;
     return tl::unexpected(of_option ? planned.error() : within(options.input, planned.error()));

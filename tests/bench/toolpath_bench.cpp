@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
-#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <random>
@@ -14,11 +13,10 @@
 #include "core/formats/svg_reader.hpp"
 #include "core/plan/machine.hpp"
 #include "core/plan/order.hpp"
+#include "tests/support/corpus.hpp"
 #include "tests/support/order_checks.hpp"
-#include "tests/support/process.hpp"
 
 using namespace popcut;
-using namespace popcut::testing;
 
 namespace {
 
@@ -39,35 +37,15 @@ constexpr Reference kReferences[] = {
     {"kiri_100k", 163391, 51801, 46088, 0.0},
 };
 
-std::filesystem::path corpus() {
-  return std::filesystem::temp_directory_path() / "popcut-toolpath-corpus";
-}
-
-// The generator needs numpy; its files are kept for the next time.
 bool made_corpus() {
-  const std::filesystem::path generator =
-      POPCUT_SOURCE_DIR "/../shared/data/drawings/gen_corpus.py";
-  if (std::filesystem::exists(corpus() / "popup_card.svg")) return true;
-  if (!std::filesystem::exists(generator)) {
-    WARN("skipped: the corpus generator data/drawings/gen_corpus.py is not here");
-    return false;
-  }
-  for (const char* python : {"python3", "/usr/bin/python3"}) {
-    const std::filesystem::path fresh = corpus().string() + ".new";
-    std::filesystem::create_directories(fresh);
-    const Ran ran = run_program({python, generator.string(), fresh.string()}, fresh);
-    if (ran.exit != 0) continue;
-    std::filesystem::remove_all(corpus());
-    std::filesystem::rename(fresh, corpus());
-    return true;
-  }
-  WARN("skipped: the corpus generator does not run; it needs python3-numpy");
+  if (!test::corpus().empty()) return true;
+  WARN("skipped: the corpus generator data/drawings/gen_corpus.py is not here, or does not run");
   return false;
 }
 
 // All strokes of a file as cuts, as they are drawn.
 LineWork strokes_of(const std::string& name) {
-  auto work = linework_from_svg(text_of_file(corpus() / (name + ".svg")), SvgProfile::Plain);
+  auto work = linework_from_svg(test::text_of(test::corpus_folder() / (name + ".svg")), SvgProfile::Plain);
   REQUIRE(work);
   for (DrawnLine& line : work->lines) line.operation = Operation::Cut;
   return std::move(*work);
