@@ -255,19 +255,27 @@ void unswap(Laid& laid, std::vector<LineWork>& works) {
     for (PagePoint& p : tab.corners) std::swap(p.x, p.y);
 }
 
-// Leaves out the pieces that hold nothing: parts of the box beyond the paper.
-void drop_empty(std::vector<LineWork>& works, std::vector<std::uint32_t>& columns, Laid& laid) {
-  std::vector<std::uint32_t> to(works.size());
-  std::uint32_t kept = 0;
-  for (std::size_t i = 0; i < works.size(); ++i) {
-    to[i] = kept;
-    if (works[i].lines.empty()) continue;
-    if (kept != i) works[kept] = std::move(works[i]);
-    columns[kept] = columns[i];
-    ++kept;
-  }
-  if (kept == works.size()) return;
-  works.resize(kept);
+// The pieces with their lines; those that hold nothing, parts of the box beyond the paper, are left
+// out.
+std::vector<SheetPiece> make_pieces(std::vector<LineWork>& works, Laid& laid) {
+  std::vector<SheetPiece> pieces;
+  std::vector<std::uint32_t> to;
+  const Partition& partition = laid.partition;
+  for (std::uint32_t c = 0; c < partition.rows.size(); ++c)
+    for (std::size_t r = 0; r <= partition.rows[c].size(); ++r) {
+      LineWork& work = works[to.size()];
+      to.push_back(static_cast<std::uint32_t>(pieces.size()));
+      if (work.lines.empty()) continue;
+      SheetPiece piece;
+      piece.work = std::move(work);
+      piece.box = bounds(piece.work);
+      piece.share = partition.share(c, r);
+      if (laid.swap)
+        for (PagePoint& p : piece.share) std::swap(p.x, p.y);
+      piece.first_mark = static_cast<std::uint32_t>(piece.work.lines.size());
+      piece.column = c;
+      pieces.push_back(std::move(piece));
+    }
   for (SeamRun& run : laid.runs) {
     run.lower = to[run.lower];
     run.upper = to[run.upper];
@@ -276,6 +284,7 @@ void drop_empty(std::vector<LineWork>& works, std::vector<std::uint32_t>& column
     tab.on = to[tab.on];
     tab.under = to[tab.under];
   }
+  return pieces;
 }
 
 void name_seams(Layout& layout) {
@@ -376,22 +385,11 @@ Result<Layout> finish(const LineWork& drawing, const LayoutOptions& options, Sea
   add_borders(laid.runs, laid.tabs, search.index(laid.swap),
               outlined ? Operation::Outline : Operation::Cut, works);
   if (laid.swap) unswap(laid, works);
-  std::vector<std::uint32_t> columns;
-  for (std::uint32_t c = 0; c < laid.partition.rows.size(); ++c)
-    columns.insert(columns.end(), laid.partition.rows[c].size() + 1, c);
-  drop_empty(works, columns, laid);
   Layout layout;
+  layout.pieces = make_pieces(works, laid);
   layout.runs = std::move(laid.runs);
   layout.tabs = std::move(laid.tabs);
   name_seams(layout);
-  for (LineWork& work : works) {
-    SheetPiece piece;
-    piece.work = std::move(work);
-    piece.box = bounds(piece.work);
-    piece.first_mark = static_cast<std::uint32_t>(piece.work.lines.size());
-    piece.column = columns[layout.pieces.size()];
-    layout.pieces.push_back(std::move(piece));
-  }
   order_glueing(layout);
   if (options.labels) add_marks(layout, search.index(false), options.tabs.clearance_mm);
   if (auto put = put_on_sheets(layout, options); !put) return tl::unexpected(put.error());

@@ -44,12 +44,13 @@ struct PieceSeam {
 
 /// One piece of the drawing with its tabs, and where it goes.
 struct SheetPiece {
-  LineWork work;               ///< drawing mm: lines of the drawing, its border with tabs, marks
-  Box box;                     ///< of `work`
-  std::uint32_t column{};      ///< pieces of one column are glued to each other first
-  std::uint32_t sheet{};       ///< from 0
-  Placement transform{};       ///< drawing -> sheet
-  std::uint32_t first_mark{};  ///< lines of `work` from here on are ticks and letters
+  LineWork work;                 ///< drawing mm: lines of the drawing, its border with tabs, marks
+  Box box;                       ///< of `work`
+  std::vector<PagePoint> share;  ///< what of the drawing's box is this piece's, without tabs
+  std::uint32_t column{};        ///< pieces of one column are glued to each other first
+  std::uint32_t sheet{};         ///< from 0
+  Placement transform{};         ///< drawing -> sheet
+  std::uint32_t first_mark{};    ///< lines of `work` from here on are ticks and letters
 };
 
 struct LayoutSheet {

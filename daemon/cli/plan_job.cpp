@@ -100,6 +100,17 @@ Result<PlanOptions> plan_options(const PlanJobOptions& options) {
   return out;
 }
 
+// Marks tie a drawing to artwork on one page.
+Error split_and_printed(const Plan& plan) {
+  const Box box = bounds(plan.whole);
+  const PlannedSheet& sheet = plan.sheets.front();
+  return {ErrorKind::Infeasible, "",
+          fmt::format("is {:.1f} x {:.1f} mm, too large for one sheet of {:.1f} x {:.1f} mm, and a "
+                      "printed drawing is not split; scale it down, use a larger --mat, or leave "
+                      "--marks out",
+                      box.width(), box.height(), sheet.area_mm[0], sheet.area_mm[1])};
+}
+
 JobOptions job_options(const PlannedSheet& sheet, const Machine& machine) {
   JobOptions job;
   job.page_width_mm = sheet.area_mm[0];
@@ -133,9 +144,8 @@ Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
   const auto machine = choose_machine(options, *tables);
   if (!machine) return tl::unexpected(machine.error());
   const bool ideal_machine = machine->name.rfind("ideal", 0) == 0;
-  auto input = options.drawing
-                         ? Result<DrawingInput>(DrawingInput{*options.drawing, std::nullopt})
-                         : read_drawing(options.input, *reading);
+  auto input = options.drawing ? Result<DrawingInput>(DrawingInput{*options.drawing, std::nullopt})
+                               : read_drawing(options.input, *reading);
   if (!input) return tl::unexpected(input.error());
   const auto material = choose_material(
       !options.material.empty() ? options.material : input->material.value_or("paper-220"),
@@ -159,12 +169,15 @@ Result<PlanJob> make_plan_job(const PlanJobOptions& options) {
     return tl::unexpected(of_option ? planned.error() : within(options.input, planned.error()));
   }
   PlanJob job{std::move(*planned), {}, {}};
-  for (const PlannedSheet& sheet : job.plan.sheets) {
+  if (options.marks.wanted && job.plan.layout)
+    return tl::unexpected(within(options.input, split_and_printed(job.plan)));
+  for (PlannedSheet& sheet : job.plan.sheets) {
     JobOptions sent = job_options(sheet, *machine);
     const auto marks = read_mark_option(options.marks, *machine, sheet.area_mm);
     if (!marks) return tl::unexpected(marks.error());
     sent.marks = *marks;
     if (*marks) job.marks.push_back(**marks);
+    sheet.registration = *marks;
     auto program = encode(sheet.sent_path(), *machine, *material, sent);
     if (!program) return tl::unexpected(within(options.input, program.error()));
     if (!program->dots.empty())

@@ -220,7 +220,7 @@ TEST_CASE("doctor and cut name what a model that is not known is nearest to",
   // With the name of a known one it is cut on.
   std::vector<std::string> words = desk.cut_words();
   words[5] = "--treat-as";
-  AtTerminal popcut(words, desk.folder);
+  AtTerminal popcut(POPCUT_PROGRAM, words, desk.folder);
   REQUIRE(popcut.shows("Start cutting? [y/N]"));
   popcut.type("y\n");
   CHECK(popcut.ended() == 0);
@@ -228,7 +228,7 @@ TEST_CASE("doctor and cut name what a model that is not known is nearest to",
 
 TEST_CASE("doctor names the program that has the cutter", "[cli][usb][doctor][e2e]") {
   Desk desk;
-  AtTerminal other(desk.cut_words(), desk.folder);
+  AtTerminal other(POPCUT_PROGRAM, desk.cut_words(), desk.folder);
   REQUIRE(other.shows("Start cutting? [y/N]"));
   UsbfsDevice& device = desk.device;
   other.type("y\n");
