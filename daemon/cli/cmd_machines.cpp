@@ -155,9 +155,8 @@ Result<void> list_devices(const Globals& globals) {
 }
 
 constexpr const char* kDevicesHelp =
-    "The devices that can be cut on: what is plugged in, and a simulated one for each machine "
-    "that\n"
-    "popcut knows. 'popcut doctor' says why one is not free.\n\n"
+    "The devices that can be cut on: what is plugged in, and a simulated one for each machine.\n"
+    "'popcut doctor' says why one is not free.\n\n"
     "  popcut devices";
 constexpr const char* kMachinesHelp =
     "The machines popcut knows: name, language, largest area, USB id, mats.\n\n"
