@@ -194,12 +194,19 @@ class Search {
     if (!all.empty()) return all;
     if (asked) return tl::unexpected(*asked);
     const TabShape& tabs = options_.tabs;
+    const bool with_asked = !options_.seams_x.empty() || !options_.seams_y.empty();
     return fail(
-        ErrorKind::Infeasible, "",
-        fmt::format("no seams part it into pieces of at most {:.1f} x {:.1f} mm with room "
-                    "for a tab of {:g} mm (at least {:g}) on every stretch; a larger mat, "
+        ErrorKind::Infeasible,
+        !with_asked                ? ""
+        : options_.seams_y.empty() ? "--seam-x"
+                                   : "--seam-y",
+        fmt::format("no seams{} part it into pieces of at most {:.1f} x {:.1f} mm with room "
+                    "for a tab of {:g} mm (at least {:g}) on every stretch; {}a larger mat, "
                     "or a material with smaller tabs",
-                    options_.area_mm[0], options_.area_mm[1], tabs.depth_mm, tabs.min_depth_mm));
+                    with_asked ? " beside those asked for" : "",
+                    options_.area_mm[0] - options_.origin.x,
+                    options_.area_mm[1] - options_.origin.y, tabs.depth_mm, tabs.min_depth_mm,
+                    with_asked ? "other places for them, " : ""));
   }
 
   LineIndex& index(bool swap) { return lines_[swap ? 1 : 0]; }
@@ -375,6 +382,18 @@ Result<void> check(const LayoutOptions& options) {
   return check_tab_shape(options.tabs, "/tabs");
 }
 
+// Seams that were asked for lie on the drawing.
+Result<void> check_asked(const std::vector<double>& seams, double extent, const char* option,
+                         const char* axis) {
+  for (const double mm : seams)
+    if (!(mm > kOn && mm < extent - kOn))
+      return fail(ErrorKind::OutOfRange, option,
+                  fmt::format("{0} = {1:g} mm is not on the drawing, which goes from 0 to {2:.1f} "
+                              "mm; a place between",
+                              axis, mm, extent));
+  return {};
+}
+
 // The pieces of one way with borders, marks and places.
 Result<Layout> finish(const LineWork& drawing, const LayoutOptions& options, Search& search,
                       Laid& laid) {
@@ -400,6 +419,11 @@ Result<Layout> finish(const LineWork& drawing, const LayoutOptions& options, Sea
 
 Result<Layout> lay_out(const LineWork& drawing, const LayoutOptions& options) {
   if (auto lawful = check(options); !lawful) return tl::unexpected(lawful.error());
+  const Box box = bounds(drawing);
+  auto asked = check_asked(options.seams_x, box.width(), "--seam-x", "x").and_then([&] {
+    return check_asked(options.seams_y, box.height(), "--seam-y", "y");
+  });
+  if (!asked) return tl::unexpected(asked.error());
   Search search(drawing, options);
   auto ways = search.run();
   if (!ways) return tl::unexpected(ways.error());
@@ -420,7 +444,6 @@ Result<Layout> lay_out(const LineWork& drawing, const LayoutOptions& options) {
     cost = laid.cost;
   }
   if (!best) return tl::unexpected(error);
-  const Box box = bounds(drawing);
   best->least_sheets = static_cast<std::uint32_t>(
       std::ceil(box.width() * box.height() / (options.area_mm[0] * options.area_mm[1]) - 1e-9));
   return std::move(*best);

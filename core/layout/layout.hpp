@@ -85,7 +85,7 @@ struct Layout {
 ///
 /// @retval Infeasible  no lawful seams for this area; a seam that was asked for is not lawful (the
 ///                     detail names the nearest that is)
-/// @retval OutOfRange  an area or a tab with impossible values
+/// @retval OutOfRange  an area or a tab with impossible values; a seam beyond the drawing
 [[nodiscard]] Result<Layout> lay_out(const LineWork& drawing, const LayoutOptions& options);
 
 /// All pieces of one sheet as one drawing in sheet mm; `piece_of` names the piece of each line.
