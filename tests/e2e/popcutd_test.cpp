@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: MIT
 // popcutd and popcut together, as people use them.
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <future>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -29,7 +34,8 @@ const std::string kUnit = POPCUT_SOURCE_DIR "/examples/unit.json";
 
 /// A daemon and people who talk with it.
 struct Workshop {
-  explicit Workshop(double time_scale = 0) : daemon(POPCUTD_PROGRAM, time_scale) {
+  explicit Workshop(double time_scale = 0, const std::string& more = "")
+      : daemon(POPCUTD_PROGRAM, time_scale, more) {
     ::setenv("POPCUT_URL", daemon.socket().c_str(), 1);
     ::unsetenv("POPCUT_TOKEN");
   }
@@ -72,6 +78,71 @@ struct Workshop {
         newest = entry.path();
     return Json::parse(text_of_file(newest));
   }
+};
+
+/// Takes what a webhook sends: refuses the first, takes all others.
+class Receiver {
+ public:
+  Receiver() : fd_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in at{};
+    at.sin_family = AF_INET;
+    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof at;
+    REQUIRE(::bind(fd_, reinterpret_cast<const sockaddr*>(&at), size) == 0);
+    REQUIRE(::listen(fd_, 8) == 0);
+    REQUIRE(::getsockname(fd_, reinterpret_cast<sockaddr*>(&at), &size) == 0);
+    port_ = ntohs(at.sin_port);
+    thread_ = std::thread([this] { serve(); });
+  }
+  ~Receiver() {
+    end_ = true;
+    thread_.join();
+    ::close(fd_);
+  }
+  Receiver(const Receiver&) = delete;
+  Receiver& operator=(const Receiver&) = delete;
+  [[nodiscard]] std::string host_port() const { return "127.0.0.1:" + std::to_string(port_); }
+  [[nodiscard]] std::vector<std::string> requests() {
+    const std::lock_guard hold(lock_);
+    return requests_;
+  }
+
+ private:
+  void serve() {
+    while (!end_) {
+      pollfd one{fd_, POLLIN, 0};
+      if (::poll(&one, 1, 50) > 0) answer(::accept(fd_, nullptr, nullptr));
+    }
+  }
+  void answer(int peer) {
+    std::string text;
+    std::array<char, 4096> room{};
+    while (!whole(text)) {
+      pollfd one{peer, POLLIN, 0};
+      if (::poll(&one, 1, 5000) <= 0) break;
+      const ssize_t got = ::recv(peer, room.data(), room.size(), 0);
+      if (got <= 0) break;
+      text.append(room.data(), static_cast<std::size_t>(got));
+    }
+    const std::lock_guard hold(lock_);
+    const std::string status = requests_.empty() ? "500 No" : "204 Taken";
+    requests_.push_back(text);
+    const std::string reply =
+        "HTTP/1.1 " + status + "\r\nConnection: close\r\nContent-Length: 0\r\n\r\n";
+    (void)::send(peer, reply.data(), reply.size(), MSG_NOSIGNAL);
+    ::close(peer);
+  }
+  static bool whole(const std::string& text) {
+    const std::size_t end = text.find("\r\n\r\n"), at = text.find("Content-Length: ");
+    return end != std::string::npos && at != std::string::npos &&
+           text.size() >= end + 4 + std::strtoul(text.c_str() + at + 16, nullptr, 10);
+  }
+  int fd_;
+  std::uint16_t port_{};
+  std::atomic<bool> end_{false};
+  std::mutex lock_;
+  std::vector<std::string> requests_;
+  std::thread thread_;
 };
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
@@ -310,6 +381,42 @@ TEST_CASE("the service manager is told of each step and fed while all turns", "[
   CHECK(listen_for("STOPPING=1"));
   CHECK(shop.daemon.wait() == 0);
   ::close(listener);
+}
+
+TEST_CASE("a webhook hears each event in order and again until it has taken it", "[popcutd][e2e]") {
+  Receiver receiver;
+  const TempFolder folder;
+  const std::string secret = (folder / "secret").string();
+  write_file(secret, "0123456789abcdef\n");
+  Workshop shop(0, "[webhook]\nurl = \"http://" + receiver.host_port() + "/hook\"\nallow = [\"" +
+                       receiver.host_port() + "\"]\nsecret_file = \"" + secret + "\"\n");
+  shop.open();
+  const std::string id = first_line(shop.popcut({"cut", kUnit, "-q"}).out);
+  REQUIRE(shop.comes_to(id, "ready"));
+  REQUIRE(shop.popcut({"cancel", id}).exit == 0);
+  const auto begun = std::chrono::steady_clock::now();
+  std::vector<std::string> requests;
+  const auto told = [&](const std::string& word) {
+    requests = receiver.requests();
+    return !requests.empty() && requests.back().find(word) != std::string::npos;
+  };
+  while (!told("cancelled") && std::chrono::steady_clock::now() - begun < std::chrono::seconds(60))
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  REQUIRE(told("cancelled"));
+  REQUIRE(requests.size() > 4);
+  const auto body = [](const std::string& text) { return text.substr(text.find("\r\n\r\n") + 4); };
+  CHECK(body(requests[0]) == body(requests[1]));  // refused, and sent again
+  std::int64_t last = 0;
+  for (std::size_t k = 1; k < requests.size(); ++k) {
+    CHECK(requests[k].rfind("POST /hook HTTP/1.1\r\n", 0) == 0);
+    CHECK(requests[k].find("\r\nPopcut-Signature: sha256=") != std::string::npos);
+    const std::int64_t seq = Json::parse(body(requests[k]))["seq"];
+    CHECK(seq > last);
+    last = seq;
+  }
+  shop.daemon.signal(SIGTERM);
+  CHECK(shop.daemon.wait() == 0);
+  CHECK(text_of_file(fs::path(shop.daemon.state()) / "webhook") == std::to_string(last));
 }
 
 TEST_CASE("sockets of systemd are served and no others", "[popcutd][e2e]") {
