@@ -303,6 +303,35 @@ TEST_CASE("a stop while cutting ends with the stroke and the job says so", "[pop
   CHECK(shop.job(id)["state"] == "cancelled");
 }
 
+TEST_CASE("the view of jobs has all of them and each change", "[popcutd][e2e]") {
+  Workshop shop;
+  shop.open();
+  const std::string one = first_line(shop.popcut({"cut", kUnit, "-q"}).out);
+  const std::string two = first_line(shop.popcut({"cut", kUnit, "-q", "--name", "gift card"}).out);
+  REQUIRE(shop.comes_to(one, "ready"));
+  REQUIRE(shop.comes_to(two, "ready"));
+  CHECK(shop.popcut({"arm"}).exit == 2);  // which of the two?
+  CHECK(shop.popcut({"arm", one.substr(0, 4)}).exit == 2);
+  auto view = std::async(std::launch::async, [&] {
+    return run_program(
+        {"/usr/bin/env", "timeout", "-s", "INT", "3", POPCUT_PROGRAM, "jobs", "--watch"}, "/");
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  REQUIRE(shop.popcut({"cancel", two, "-q"}).exit == 0);
+  const std::string shown = view.get().out;
+  CAPTURE(shown);
+  CHECK(shown.find(one.substr(0, 12) + " unit: ready") != std::string::npos);
+  CHECK(shown.find(two.substr(0, 12) + " gift card: ready") != std::string::npos);
+  CHECK(shown.find(two.substr(0, 12) + " gift card: cancelled") != std::string::npos);
+  CHECK(shop.popcut({"jobs", "--state", "cancelled"}).out.find("gift card") != std::string::npos);
+  CHECK(shop.popcut({"hold", one}).exit == 0);
+  CHECK(shop.popcut({"jobs"}).out.find("held") != std::string::npos);
+  CHECK(shop.popcut({"release", one}).exit == 0);
+  CHECK(shop.popcut({"pause", one}).exit == 5);
+  CHECK(shop.popcut({"events", "--job", one, "--json"}).out.find("\"planning\"") !=
+        std::string::npos);
+}
+
 TEST_CASE("a second popcutd on the same state says who holds it", "[popcutd][e2e]") {
   Workshop shop;
   shop.open();
