@@ -303,6 +303,46 @@ TEST_CASE("a stop while cutting ends with the stroke and the job says so", "[pop
   CHECK(shop.job(id)["state"] == "cancelled");
 }
 
+TEST_CASE("the words of popcut plan and the files of a spec go along with a job",
+          "[popcutd][e2e]") {
+  Workshop shop;
+  shop.open();
+  // A grid that the spec names by its file goes up first.
+  std::string grid;
+  for (int row = 0; row < 12; ++row) {
+    for (int column = 0; column < 12; ++column)
+      grid += (column > 0 ? "," : "") + std::to_string(60.0 - 3.0 * column - 0.1 * row * row);
+    grid += "\n";
+  }
+  write_file(shop.daemon.folder() / "heights.csv", grid);
+  write_file(shop.daemon.folder() / "hill.json",
+             R"({"popcut": 1, "name": "hill", "surface": {"type": "grid", "file": "heights.csv"},
+                 "scale_mm": 1, "units_per_slice": 3, "slices": 4, "widths_mm": 2})");
+  const Ran hill = shop.popcut({"cut", "hill.json"});
+  CAPTURE(hill.err);
+  CHECK(hill.exit == 0);
+  CHECK(hill.err.find("uploading heights.csv") != std::string::npos);
+  REQUIRE(fs::exists(shop.daemon.state() + "/assets"));
+  CHECK(files_below(shop.daemon.state() + "/assets").size() == 1);
+  write_file(shop.daemon.folder() / "lost.json",
+             R"({"popcut": 1, "surface": {"type": "grid", "file": "absent.csv"},
+                 "units_per_slice": 3, "slices": 4, "widths_mm": 2})");
+  const Ran lost = shop.popcut({"cut", "lost.json"});
+  CHECK(lost.exit == 3);
+  CHECK(lost.err.find("lost.json: /surface/file: absent.csv") != std::string::npos);
+
+  const std::string id = first_line(
+      shop.popcut({"cut", kUnit, "-q", "--order", "keep", "--material", "pp-150", "--copies", "3"})
+          .out);
+  REQUIRE(shop.comes_to(id, "ready"));
+  CHECK(shop.job(id)["sheets_total"] == 3);
+  CHECK(shop.job(id)["material"] == "pp-150");
+  const Ran wrong = shop.popcut({"cut", kUnit, "--material", "pp-15"});
+  CHECK(wrong.exit == 3);
+  CHECK(wrong.err.find("/material") != std::string::npos);
+  CHECK(shop.popcut({"cut", POPCUT_SOURCE_DIR "/README.md"}).exit == 3);
+}
+
 TEST_CASE("the view of jobs has all of them and each change", "[popcutd][e2e]") {
   Workshop shop;
   shop.open();
@@ -342,6 +382,13 @@ TEST_CASE("a second popcutd on the same state says who holds it", "[popcutd][e2e
   CAPTURE(second.err);
   CHECK(second.exit == 5);
   CHECK(second.err.find(std::to_string(shop.daemon.pid())) != std::string::npos);
+  const Ran third = run_program(
+      {POPCUTD_PROGRAM, "--state", (shop.daemon.folder() / "third").string(), "--listen",
+       shop.daemon.url().substr(7), "--socket", (shop.daemon.folder() / "third.sock").string()},
+      "/");
+  CAPTURE(third.err);
+  CHECK(third.exit == 5);
+  CHECK(third.err.find(shop.daemon.url().substr(7)) != std::string::npos);
 }
 
 TEST_CASE("what needs a person ends popcutd with 78", "[popcutd][e2e]") {
