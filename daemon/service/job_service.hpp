@@ -56,7 +56,8 @@ class JobService : public Service {
 /// run left (cutting and paused jobs are interrupted, armed ones ready, planning ones queued), then
 /// planning goes on. Never starts or resumes a cut.
 ///
-/// The parts must outlive the service; it is destroyed after `thread` was stopped, or on it.
+/// The parts must outlive the service; it is destroyed after `thread` was stopped, or on it. Planner
+/// and cutters go before `thread`, since they may still post to it.
 ///
 /// @retval Unwritable  the store could not be read or written
 [[nodiscard]] Result<std::unique_ptr<JobService>> make_service(Store& store, ServiceThread& thread,
