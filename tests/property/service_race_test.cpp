@@ -207,6 +207,7 @@ TEST_CASE("whatever happens in whatever order the rules of jobs hold", "[daemon]
         for (const std::string& device : bench.cutters.busy()) {
           const unsigned what = random() % 5;
           const std::int64_t first = bench.cutters.first_stroke(device);
+          (void)bench.cutters.intend(device, first);
           if (what == 0) {
             bench.cutters.progress(device, {.phase = SessionPhase::Held});
           } else if (what == 1) {

@@ -117,13 +117,17 @@ TEST_CASE("a damaged database is refused in words or read without harm", "[daemo
     if (!trouble.empty()) {
       ++refused;
       CHECK(trouble.find("popcut.db") != std::string::npos);
-      if (fs::exists(victim)) CHECK(read_whole(victim, 1u << 26).value() == bytes);
+      const bool same = !fs::exists(victim) || read_whole(victim, 1u << 26).value() == bytes;
+      CHECK(same);
       bench.stop();
       continue;
     }
     ++opened;
     // A flipped bit within a text is nothing that SQLite can see, but no job may go missing.
-    if (read_all(bench) < kJobs) ++lost;
+    if (read_all(bench) < kJobs) {
+      ++lost;
+      WARN("round " << round << ": fewer jobs after damage to the " << (log ? "log" : "file"));
+    }
     CHECK(bench.cutters.cuts() == 1);
     bench.crash();
   }
