@@ -182,6 +182,15 @@ Result<void> read_webhook(TomlFields& fields, WebhookConfig& webhook) {
 
 }  // namespace
 
+std::vector<UserRule> default_users() {
+  std::vector<UserRule> rules;
+  if (const auto gid = gid_of("popcut"))
+    rules.push_back({std::nullopt, gid, "@popcut", Role::Operator});
+  if (const auto gid = gid_of("popcut-admin"))
+    rules.push_back({std::nullopt, gid, "@popcut-admin", Role::Admin});
+  return rules;
+}
+
 Result<ListenAddress> parse_listen(std::string_view text, bool remote) {
   const auto wrong = [&](const char* why) {
     return fail(ErrorKind::OutOfRange, "",

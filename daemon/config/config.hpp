@@ -79,6 +79,10 @@ struct Config {
 /// @retval OutOfRange  a value that is not lawful
 [[nodiscard]] Result<Config> parse_config(std::string_view text);
 
+/// Who may come over the unix socket where the configuration names nobody: the members of the
+/// groups popcut (operator) and popcut-admin (admin), where there are such groups.
+[[nodiscard]] std::vector<UserRule> default_users();
+
 /// "127.0.0.1:8631", "[::1]:0" or "localhost:8631" as host (without brackets) and port.
 struct ListenAddress {
   std::string host;

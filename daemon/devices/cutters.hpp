@@ -22,11 +22,14 @@ struct CutOrder {
   std::string device;
   EncodedProgram program;
   std::array<double, 2> area_mm{};
-  std::int64_t first_stroke{0};  ///< resume-from: earlier strokes are not sent
+  std::int64_t first_stroke{0};  ///< resume-from: earlier strokes are not sent. Strokes are always
+                                 ///< counted as in the whole program, in the journal too
 };
 
-/// What is written down while a sheet is cut. Called on the cutter's thread; each call returns when
-/// it is committed. An error ends the cut at the next end of a stroke.
+/// What is written down while a sheet is cut. Called on the cutter's thread. `intend` and `ended`
+/// return when they are committed; what `settle` says is committed with the next of them, or with
+/// progress (lost in a crash it leaves more in doubt, never less). An error ends the cut at the
+/// next end of a stroke.
 class CutJournal {
  public:
   virtual ~CutJournal() = default;

@@ -3,10 +3,7 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <memory>
-#include <sstream>
 #include <utility>
 
 #include <openssl/evp.h>
@@ -123,15 +120,6 @@ Result<void> read_dots(JsonFields& fields, EncodedProgram& program) {
   return {};
 }
 
-Result<std::string> whole_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (file) text << file.rdbuf();
-  if (!file || !text)
-    return fail(ErrorKind::Malformed, path, "the stored program cannot be read; plan again");
-  return std::move(text).str();
-}
-
 }  // namespace
 
 std::string sha256_of(std::string_view bytes) {
@@ -156,19 +144,6 @@ std::string program_index(const EncodedProgram& program) {
                    {"strokes", ends_of(program.strokes)},
                    {"dots", program.dots}};
   return index.dump() + "\n";
-}
-
-Result<EncodedProgram> load_program(const std::string& folder, int number) {
-  const std::string name = fmt::format("{}/sheet-{:02}.", folder, number);
-  const auto index = whole_file(name + "program.json");
-  if (!index) return tl::unexpected(index.error());
-  std::error_code ignored;
-  const bool hpgl = std::filesystem::exists(name + "hpgl", ignored);
-  auto bytes = whole_file(name + (hpgl ? "hpgl" : "gpgl"));
-  if (!bytes) return tl::unexpected(bytes.error());
-  auto program = read_program(*index, std::move(*bytes));
-  if (!program) return tl::unexpected(within(name + "program.json", program.error()));
-  return program;
 }
 
 Result<EncodedProgram> read_program(std::string_view index, std::string bytes) {

@@ -23,11 +23,6 @@ namespace popcut::planning {
 /// @retval CheckFailed the bytes are not those the index was written for
 [[nodiscard]] Result<EncodedProgram> read_program(std::string_view index, std::string bytes);
 
-/// The program of sheet `number` (from 1) as it was stored in a plan's folder.
-///
-/// @retval Malformed  a file is not there or cannot be read; else as `read_program`
-[[nodiscard]] Result<EncodedProgram> load_program(const std::string& folder, int number);
-
 /// SHA-256 as 64 hexadecimal digits.
 [[nodiscard]] std::string sha256_of(std::string_view bytes);
 /// SHA-256 over the bytes of all programs one after another, as `cat sheet-*.gpgl | sha256sum`.

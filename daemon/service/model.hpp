@@ -69,7 +69,9 @@ struct Page {
   std::string next_cursor;  ///< empty: that was the last page
 };
 
-/// A file that was received, lying in the state's folder for incoming files.
+/// A file that was received, lying in the state's folder for incoming files. Whoever receives it
+/// syncs it (fsync), so that the service's thread need not wait for the disk. It is gone
+/// afterwards.
 struct Upload {
   std::string path;
   std::string sha256;  ///< 64 hexadecimal digits
@@ -111,7 +113,7 @@ struct SheetPlan {
   double seconds{};
   std::array<double, 2> seconds_range{};
   std::array<double, 2> area_mm{};
-  std::string program_sha256;
+  std::string program_sha256;  ///< of `EncodedProgram::bytes`; checked again at START
 };
 
 enum class PlanState : std::uint8_t { Pending, Planned, Failed };

@@ -35,6 +35,10 @@ struct IdempotentRequest {
 /// What takes long (checking a design, planning, cutting) goes on elsewhere and comes back as an
 /// event. Members that change something run in one transaction; what follows from it (starting a
 /// planner, starting a knife) happens after the commit.
+///
+/// A database that cannot be read is told as a problem (Unavailable, Internal) where an `Answer` is
+/// given. Members that give a plain value, and all of them within `once`, throw instead, something
+/// derived from std::exception: callers answer 503.
 class Service {
  public:
   virtual ~Service() = default;

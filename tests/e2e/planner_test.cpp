@@ -263,13 +263,6 @@ TEST_CASE("a stored program is read back as it was and refused when anything is 
   CHECK(program->geometry.begin == program->search.end);
   CHECK(program->trailer.end == bytes.size());
   CHECK(planning::program_index(*program) == index);
-  // In a folder, as the daemon keeps it.
-  write_file(bench.temp / "sheet-01.program.json", index);
-  write_file(bench.temp / "sheet-01.gpgl", bytes);
-  const auto stored = planning::load_program(bench.temp.path().string(), 1);
-  REQUIRE(stored);
-  CHECK(stored->strokes == program->strokes);
-  CHECK_FALSE(planning::load_program(bench.temp.path().string(), 2));
   std::string changed = bytes;
   changed[changed.size() / 2] ^= 1;
   CHECK(planning::read_program(index, changed).error().kind == ErrorKind::CheckFailed);

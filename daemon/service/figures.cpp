@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/service/figures.hpp"
+
+#include <iterator>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "daemon/jobs/rules.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+// A label's value: backslash, quote and newline are escaped.
+std::string label(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '\\' || c == '"') escaped += '\\';
+    escaped += c == '\n' ? ' ' : c;
+  }
+  return escaped;
+}
+
+}  // namespace
+
+std::vector<UsageRow> usage_by(Database& database, std::optional<TimeMs> from,
+                               std::optional<TimeMs> to, const std::string& by) {
+  const char* const column = by == "device" ? "device" : by == "material" ? "material" : "owner";
+  std::vector<UsageRow> all;
+  Rows rows = database.rows(
+      fmt::format("SELECT {0}, sum(seconds), sum(cut_mm), sum(sheets) FROM usage WHERE time>=? AND "
+                  "time<? GROUP BY {0} ORDER BY {0}",
+                  column),
+      from.value_or(std::numeric_limits<TimeMs>::min()),
+      to.value_or(std::numeric_limits<TimeMs>::max()));
+  while (rows.next())
+    all.push_back({.key = rows.text(0),
+                   .seconds = rows.real(1),
+                   .cut_mm = rows.real(2),
+                   .sheets = rows.integer(3)});
+  return all;
+}
+
+std::string metrics_text(Memory& memory, JobTable& jobs, const std::vector<DeviceRecord>& devices) {
+  std::string text;
+  const auto out = std::back_inserter(text);
+  Database& db = memory.db();
+  fmt::format_to(out, "# TYPE popcut_jobs gauge\n# HELP popcut_jobs Jobs by state.\n");
+  for (const JobState state : all_states())
+    fmt::format_to(out, "popcut_jobs{{state=\"{}\"}} {}\n", name_of(state), jobs.count(state));
+  const std::int64_t oldest = db.number(
+      "SELECT min(created) FROM (SELECT created FROM job WHERE state='queued' ORDER BY id LIMIT "
+      "1)");
+  fmt::format_to(out,
+                 "# TYPE popcut_queue_oldest_seconds gauge\npopcut_queue_oldest_seconds {:.3f}\n",
+                 oldest == 0 ? 0.0 : static_cast<double>(memory.now() - oldest) / 1000);
+  fmt::format_to(out, "# TYPE popcut_sheets_done counter\n");
+  for (const DeviceRecord& device : devices)
+    fmt::format_to(out, "popcut_sheets_done_total{{device=\"{}\"}} {}\n", label(device.id),
+                   device.sheets_done);
+  fmt::format_to(out, "# TYPE popcut_cut_mm counter\n");
+  for (const DeviceRecord& device : devices)
+    fmt::format_to(out, "popcut_cut_mm_total{{device=\"{}\"}} {:.1f}\n", label(device.id),
+                   device.cut_mm);
+  fmt::format_to(out, "# TYPE popcut_interrupted counter\n");
+  Rows causes = db.rows(
+      "SELECT end_kind, count(*) FROM attempt WHERE ended IS NOT NULL AND end_kind NOT IN ('done', "
+      "'cancelled', 'refused') GROUP BY end_kind ORDER BY end_kind");
+  while (causes.next())
+    fmt::format_to(out, "popcut_interrupted_total{{cause=\"{}\"}} {}\n", label(causes.text(0)),
+                   causes.integer(1));
+  const Memory::Figures& figures = memory.figures();
+  fmt::format_to(out, "# TYPE popcut_db_commit_seconds histogram\n");
+  std::uint64_t below = 0;
+  for (std::size_t i = 0; i < figures.commit_buckets.size(); ++i) {
+    below += figures.commit_buckets[i];
+    const std::string bound =
+        i < Memory::commit_bounds().size() ? fmt::format("{}", Memory::commit_bounds()[i]) : "+Inf";
+    fmt::format_to(out, "popcut_db_commit_seconds_bucket{{le=\"{}\"}} {}\n", bound, below);
+  }
+  fmt::format_to(out, "popcut_db_commit_seconds_sum {:.6f}\npopcut_db_commit_seconds_count {}\n",
+                 figures.commit_seconds, figures.commits);
+  fmt::format_to(out, "# TYPE popcut_db_free_bytes gauge\npopcut_db_free_bytes {}\n",
+                 memory.folder().free_bytes());
+  fmt::format_to(out, "# TYPE popcut_db_degraded gauge\npopcut_db_degraded {}\n",
+                 memory.degraded() ? 1 : 0);
+  return text;
+}
+
+}  // namespace popcut::daemon

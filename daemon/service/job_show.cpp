@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "daemon/service/job_book.hpp"
+
+namespace popcut::daemon {
+
+JobFacts JobBook::facts_of(const JobRow& row) {
+  return {.state = row.state,
+          .held = row.held,
+          .pausing = row.asked == "pause",
+          .cancelling = row.asked == "cancel",
+          .awaits_result = row.attention == "confirm_result"};
+}
+
+std::optional<Attention> JobBook::attention_of(const JobRow& row) const {
+  if (row.attention.empty()) return std::nullopt;
+  Attention attention{.kind = row.attention,
+                      .sheet = row.sheet,
+                      .total = row.sheets_total,
+                      .text = row.attention_text,
+                      .since = row.attention_since};
+  if (row.state == JobState::Ready && !row.wish.empty()) {
+    const auto device = parts_.devices.find(row.wish);
+    if (!device || device->state == "absent" || device->state == "offline") {
+      attention.kind = "device_absent";
+      attention.text = fmt::format("{} is not there; plug it in and switch it on, then {}",
+                                   row.wish, row.attention_text);
+    }
+  }
+  for (const JobAction action : lawful_actions(facts_of(row)))
+    attention.actions.emplace_back(name_of(action));
+  return attention;
+}
+
+Job JobBook::shown(const JobRow& row) const {
+  Job job;
+  job.id = row.id;
+  job.rev = row.rev;
+  job.state = row.state;
+  job.reason = row.reason;
+  job.name = row.name;
+  job.note = row.note;
+  job.owner = row.owner;
+  job.operator_name = row.operator_name;
+  job.device = row.device.empty() ? row.wish : row.device;
+  job.design = row.design;
+  job.plan = row.plan;
+  job.material = row.material;
+  job.priority = row.priority;
+  job.copies = row.copies;
+  job.held = row.held;
+  job.sheets_total = row.sheets_total;
+  job.sheet = row.sheet;
+  job.blank = row.blank;
+  job.segment = row.segment;
+  job.progress = {.paths_certain = row.done_paths + row.paths_certain,
+                  .paths_sent = row.done_paths + row.paths_sent,
+                  .paths_total = row.paths_total,
+                  .cut_mm = row.done_mm};
+  job.remaining_s = {row.low_s, row.high_s};
+  if (const LiveCut* now = live ? live(row.id) : nullptr) {
+    job.progress.paths_certain = row.done_paths + now->certain;
+    job.progress.paths_sent = row.done_paths + now->sent;
+    if (const auto sheet = const_cast<JobBook*>(this)->current_sheet(row)) {
+      job.progress.cut_mm += (sheet->cut_mm + sheet->fold_mm) * now->cut_share;
+      const double over = now->seconds_left < 0 || sheet->seconds <= 0
+                              ? 0.0
+                              : std::clamp(1 - now->seconds_left / sheet->seconds, 0.0, 1.0);
+      job.remaining_s[0] = std::max(0.0, row.low_s - over * sheet->seconds_range[0]);
+      job.remaining_s[1] = std::max(0.0, row.high_s - over * sheet->seconds_range[1]);
+    }
+  }
+  job.created = row.created;
+  job.started = row.started;
+  job.finished = row.finished;
+  job.outcome = row.outcome;
+  job.tags = list_from_json(row.tags);
+  job.attention = attention_of(row);
+  for (const JobAction action : lawful_actions(facts_of(row)))
+    job.actions.emplace_back(name_of(action));
+  return job;
+}
+
+Problem JobBook::conflict(const JobRow& row, std::string detail) {
+  Problem problem{ProblemKind::StateConflict, std::move(detail)};
+  problem.rev = row.rev;
+  problem.state = name_of(row.state);
+  for (const JobAction action : lawful_actions(facts_of(row)))
+    problem.allowed_actions.emplace_back(name_of(action));
+  return problem;
+}
+
+Answer<void> JobBook::check_rev(const JobRow& row, std::int64_t if_match) {
+  if (row.rev == if_match) return {};
+  Problem problem =
+      conflict(row, fmt::format("the job was changed meanwhile (it is at revision {}, "
+                                "the request was for {}); read it again",
+                                row.rev, if_match));
+  problem.kind = ProblemKind::Stale;
+  return tl::unexpected(std::move(problem));
+}
+
+Answer<Page<Job>> JobBook::list(const JobFilter& filter, const PageWish& wish) {
+  if (!wish.cursor.empty() && !is_ulid(wish.cursor))
+    return tl::unexpected(Problem{ProblemKind::Validation,
+                                  "the cursor is not valid",
+                                  {{"?cursor", "format", "must be what the page before gave"}}});
+  return parts_.memory.look([&]() -> Answer<Page<Job>> {
+    Page<Job> page;
+    std::vector<JobRow> rows = jobs_.list(filter, wish.cursor, wish.limit + 1);
+    const bool more = rows.size() > static_cast<std::size_t>(wish.limit);
+    if (more) rows.pop_back();
+    for (const JobRow& row : rows) page.items.push_back(shown(row));
+    if (more && !rows.empty()) page.next_cursor = rows.back().id;
+    return page;
+  });
+}
+
+Answer<Job> JobBook::find(const std::string& id) {
+  return parts_.memory.look([&]() -> Answer<Job> {
+    return row(id).map([&](const JobRow& found) { return shown(found); });
+  });
+}
+
+Answer<std::vector<SheetRecord>> JobBook::sheets(const std::string& id) {
+  return parts_.memory.look([&]() -> Answer<std::vector<SheetRecord>> {
+    const Answer<JobRow> job = row(id);
+    if (!job) return tl::unexpected(job.error());
+    const std::vector<SheetPlan> plans = parts_.plans.table().sheets(job->plan);
+    std::vector<SheetRecord> all;
+    if (plans.empty()) return all;
+    all.reserve(static_cast<std::size_t>(job->sheets_total));
+    const auto count = static_cast<int>(plans.size());
+    for (int k = 1; k <= job->sheets_total; ++k) {
+      SheetRecord record{.number = k, .copy = (k - 1) / count + 1, .state = "waiting"};
+      record.plan = plans[static_cast<std::size_t>(plan_sheet(*job, k, count) - 1)];
+      record.plan.number = k;
+      all.push_back(std::move(record));
+    }
+    for (const AttemptTable::SheetRow& seen : attempts_.sheets(id)) {
+      if (seen.sheet < 1 || seen.sheet > job->sheets_total) continue;
+      SheetRecord& record = all[static_cast<std::size_t>(seen.sheet - 1)];
+      record.blank = seen.blank;
+      record.segment = seen.segment;
+      record.state = seen.state;
+      record.started = seen.started;
+      record.finished = seen.finished;
+    }
+    return all;
+  });
+}
+
+Answer<Ledger> JobBook::ledger(const std::string& id, int sheet) {
+  return parts_.memory.look([&]() -> Answer<Ledger> {
+    const Answer<JobRow> job = row(id);
+    if (!job) return tl::unexpected(job.error());
+    if (sheet < 1 || sheet > job->sheets_total)
+      return refuse(ProblemKind::NotFound,
+                    fmt::format("job {} has no sheet {}; it has {}", id, sheet, job->sheets_total));
+    const int count = job->sheets_total / std::max(1, job->copies);
+    const auto plan = parts_.plans.table().sheet(job->plan, plan_sheet(*job, sheet, count));
+    const auto seen = attempts_.sheet(id, sheet);
+    Ledger ledger{
+        .sheet = sheet, .blank = seen ? seen->blank : 1, .segment = seen ? seen->segment : 1};
+    std::vector<std::vector<FateRun>> fates;
+    std::int64_t strokes = plan ? plan->paths : 0;
+    for (const AttemptRow& row : attempts_.of_sheet(id, sheet)) {
+      ledger.attempts.push_back({.id = row.id,
+                                 .blank = row.blank,
+                                 .segment = row.segment,
+                                 .started = row.started.value_or(row.created),
+                                 .ended = row.ended,
+                                 .end_kind = row.end_kind,
+                                 .operator_name = row.operator_name,
+                                 .bytes_taken = row.bytes_taken});
+      if (row.blank != ledger.blank) continue;
+      strokes = row.strokes;
+      ledger.last_status = row.last_status;
+      fates.push_back(attempts_.fates(row.id));
+    }
+    fill_ledger(ledger, merged_fates(strokes, fates));
+    return ledger;
+  });
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/service/service_thread.hpp"
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace popcut::daemon {
+
+using Clock = std::chrono::steady_clock;
+
+struct ServiceThread::State {
+  struct Periodic {
+    Clock::time_point next;
+    std::chrono::milliseconds period;
+    std::shared_ptr<std::function<void()>> work;
+  };
+
+  mutable std::mutex mutex;
+  std::condition_variable wake;
+  std::deque<std::function<void()>> cutting, asking;
+  std::vector<Periodic> periodic;
+  bool ending{false};
+  std::thread thread;
+
+  // Puts what is due into the lane of those who ask; gives when the next is.
+  Clock::time_point queue_due() {
+    const Clock::time_point now = Clock::now();
+    Clock::time_point next = now + std::chrono::hours(1);
+    for (Periodic& one : periodic) {
+      if (one.next <= now && !ending) {
+        asking.emplace_back([work = one.work] { (*work)(); });
+        one.next = now + one.period;
+      }
+      next = std::min(next, one.next);
+    }
+    return next;
+  }
+
+  void loop() {
+    std::unique_lock lock(mutex);
+    for (;;) {
+      const Clock::time_point next = queue_due();
+      std::deque<std::function<void()>>& lane = cutting.empty() ? asking : cutting;
+      if (lane.empty()) {
+        if (ending) return;
+        wake.wait_until(lock, next);
+        continue;
+      }
+      const std::function<void()> work = std::move(lane.front());
+      lane.pop_front();
+      lock.unlock();
+      work();
+      lock.lock();
+    }
+  }
+};
+
+ServiceThread::ServiceThread() : state_(std::make_unique<State>()) {
+  state_->thread = std::thread([this] { state_->loop(); });
+}
+
+ServiceThread::~ServiceThread() { stop(); }
+
+bool ServiceThread::post(Lane lane, std::function<void()> work) {
+  {
+    const std::lock_guard lock(state_->mutex);
+    if (state_->ending) return false;
+    (lane == Lane::Cutting ? state_->cutting : state_->asking).push_back(std::move(work));
+  }
+  state_->wake.notify_one();
+  return true;
+}
+
+bool ServiceThread::run(Lane lane, const std::function<void()>& work) {
+  if (std::this_thread::get_id() == state_->thread.get_id()) {
+    work();
+    return true;
+  }
+  std::mutex mutex;
+  std::condition_variable over;
+  bool done = false;
+  const bool queued = post(lane, [&] {
+    work();
+    // Notified under the lock: whoever waits destroys both as soon as it has it.
+    const std::lock_guard lock(mutex);
+    done = true;
+    over.notify_one();
+  });
+  if (!queued) return false;
+  std::unique_lock lock(mutex);
+  over.wait(lock, [&] { return done; });
+  return true;
+}
+
+std::size_t ServiceThread::waiting() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->cutting.size() + state_->asking.size();
+}
+
+void ServiceThread::every(int period_ms, std::function<void()> work) {
+  const std::chrono::milliseconds period(period_ms);
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->periodic.push_back(
+        {Clock::now() + period, period, std::make_shared<std::function<void()>>(std::move(work))});
+  }
+  state_->wake.notify_one();
+}
+
+void ServiceThread::stop() {
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->ending = true;
+  }
+  state_->wake.notify_one();
+  if (state_->thread.joinable() && std::this_thread::get_id() != state_->thread.get_id())
+    state_->thread.join();
+}
+
+}  // namespace popcut::daemon

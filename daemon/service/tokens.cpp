@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/service/tokens.hpp"
+
+#include <fmt/format.h>
+
+namespace popcut::daemon {
+namespace {
+
+constexpr std::int64_t kOneShotMs = 60'000;
+constexpr std::size_t kMostOneShots = 100;
+constexpr int kLongestLifetimeS = 10 * 366 * 86'400;
+// A session's end is moved on at most so often, so that reading writes nearly nothing.
+constexpr std::int64_t kExtendMs = 10 * 60'000;
+
+struct Parts {
+  std::string_view id, secret;
+};
+
+// "pc_<26>_<43>"
+std::optional<Parts> parts_of(std::string_view bearer) {
+  if (bearer.size() != 3 + 26 + 1 + 43 || !bearer.starts_with("pc_") || bearer[29] != '_')
+    return std::nullopt;
+  return Parts{bearer.substr(3, 26), bearer.substr(30)};
+}
+
+}  // namespace
+
+std::optional<Principal> Tokens::authenticate(std::string_view bearer) {
+  const std::optional<Parts> parts = parts_of(bearer);
+  if (!parts || !is_ulid(parts->id)) return std::nullopt;
+  std::string secret, principal, kind;
+  std::optional<TimeMs> expires;
+  std::optional<Role> role;
+  try {
+    Rows rows = memory_.db().rows(
+        "SELECT secret_sha256, role, principal, expires, kind FROM token WHERE id=?", parts->id);
+    if (rows.next()) {
+      secret = rows.text(0);
+      role = role_from(rows.text(1));
+      principal = rows.text(2);
+      expires = rows.maybe_integer(3);
+      kind = rows.text(4);
+    }
+  } catch (const StoreFault& fault) {
+    memory_.note(fault);
+    return std::nullopt;
+  }
+  if (!equal_in_constant_time(secret, sha256_hex(parts->secret)) || !role) return std::nullopt;
+  const TimeMs now = memory_.now();
+  if (expires && *expires <= now) return std::nullopt;
+  if (kind == "session" && *expires < now + options_.session_ms - kExtendMs) {
+    // If it cannot be written the session ends earlier, no more.
+    (void)memory_.change([&]() -> Answer<void> {
+      memory_.db().run("UPDATE token SET expires=? WHERE id=?", now + options_.session_ms,
+                       parts->id);
+      return {};
+    });
+  }
+  return Principal{principal, *role};
+}
+
+NewToken Tokens::store(const char* kind, const std::string& name, Role role,
+                       const std::string& principal, std::optional<TimeMs> expires) {
+  NewToken token;
+  token.record = {.id = memory_.new_id(),
+                  .name = name,
+                  .role = role,
+                  .created = memory_.now(),
+                  .expires = expires};
+  const std::string secret = base64url(random_bytes(32));
+  memory_.db().run(
+      "INSERT INTO token(id, kind, name, role, principal, secret_sha256, created, expires) "
+      "VALUES(?, ?, ?, ?, ?, ?, ?, ?)",
+      token.record.id, kind, name, name_of(role),
+      principal.empty() ? "token:" + token.record.id : principal, sha256_hex(secret),
+      token.record.created, expires);
+  token.text = fmt::format("pc_{}_{}", token.record.id, secret);
+  return token;
+}
+
+Answer<NewToken> Tokens::create(const Principal& who, const std::string& name, Role role,
+                                std::optional<int> lifetime_s) {
+  if (who.role < Role::Admin) return refuse(ProblemKind::Forbidden, "tokens are made by an admin");
+  if (name.empty() || name.size() > 120)
+    return tl::unexpected(Problem{ProblemKind::Validation,
+                                  "the name is not valid",
+                                  {{"/name", "range", "must be of 1 to 120 characters"}}});
+  if (lifetime_s && (*lifetime_s < 1 || *lifetime_s > kLongestLifetimeS))
+    return tl::unexpected(
+        Problem{ProblemKind::Validation,
+                "the lifetime is not valid",
+                {{"/lifetime_s", "range", fmt::format("must be 1..{}", kLongestLifetimeS)}}});
+  return memory_.change([&]() -> Answer<NewToken> {
+    std::optional<TimeMs> expires;
+    if (lifetime_s) expires = memory_.now() + std::int64_t{*lifetime_s} * 1000;
+    NewToken token = store("token", name, role, "", expires);
+    memory_.audit(who.name, "create-token", token.record.id,
+                  fmt::format("{} {}", name_of(role), name));
+    return token;
+  });
+}
+
+std::vector<TokenRecord> Tokens::list() {
+  std::vector<TokenRecord> all;
+  Rows rows = memory_.db().rows(
+      "SELECT id, name, role, created, expires FROM token WHERE kind='token' ORDER BY id");
+  while (rows.next())
+    all.push_back({.id = rows.text(0),
+                   .name = rows.text(1),
+                   .role = role_from(rows.text(2)).value_or(Role::Viewer),
+                   .created = rows.integer(3),
+                   .expires = rows.maybe_integer(4)});
+  return all;
+}
+
+Answer<void> Tokens::remove(const Principal& who, const std::string& id) {
+  return memory_.change([&]() -> Answer<void> {
+    Rows rows = memory_.db().rows("SELECT principal FROM token WHERE id=?", id);
+    if (!rows.next()) return refuse(ProblemKind::NotFound, "there is no token " + id);
+    if (who.role < Role::Admin && rows.text(0) != who.name)
+      return refuse(ProblemKind::Forbidden, "the tokens of others are taken away by an admin");
+    memory_.db().run("DELETE FROM token WHERE id=?", id);
+    memory_.audit(who.name, "delete-token", id, "");
+    return {};
+  });
+}
+
+Answer<std::string> Tokens::create_one_shot(const Principal& who) {
+  tidy();
+  if (one_shots_.size() >= kMostOneShots)
+    return tl::unexpected(
+        Problem{ProblemKind::Rate, "too many pages are being opened", {}, {}, {}, {}, 60});
+  const std::string word = base64url(random_bytes(32));
+  one_shots_[sha256_hex(word)] = {who, memory_.monotonic() + kOneShotMs};
+  return word;
+}
+
+Answer<NewToken> Tokens::open_session(const std::string& one_shot) {
+  const auto found = one_shots_.find(sha256_hex(one_shot));
+  if (found == one_shots_.end() || found->second.until_ms <= memory_.monotonic())
+    return refuse(ProblemKind::Unauthenticated,
+                  "this address was used already, or is older than a minute; ask for a new one "
+                  "with 'popcut open'");
+  const Principal who = found->second.principal;
+  one_shots_.erase(found);
+  return memory_.change([&]() -> Answer<NewToken> {
+    NewToken token =
+        store("session", "page", who.role, who.name, memory_.now() + options_.session_ms);
+    memory_.audit(who.name, "open-session", token.record.id, "");
+    return token;
+  });
+}
+
+void Tokens::tidy() {
+  const std::int64_t now = memory_.monotonic();
+  std::erase_if(one_shots_, [&](const auto& one) { return one.second.until_ms <= now; });
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/store/attempt_table.hpp"
+
+#include <algorithm>
+
+namespace popcut::daemon {
+namespace {
+
+#define POPCUT_ATTEMPT_COLUMNS                                                            \
+  "id, job, k, blank, segment, first_stroke, strokes, device, device_session, operator, " \
+  "plan_sha256, invocation, created, started_at, ended, end_kind, bytes_taken, last_status"
+
+std::vector<AttemptRow> rows_of(Rows rows) {
+  std::vector<AttemptRow> all;
+  while (rows.next()) {
+    AttemptRow row;
+    row.id = rows.text(0);
+    row.job = rows.text(1);
+    row.sheet = rows.small(2);
+    row.blank = rows.small(3);
+    row.segment = rows.small(4);
+    row.first_stroke = rows.integer(5);
+    row.strokes = rows.integer(6);
+    row.device = rows.text(7);
+    row.device_session = rows.text(8);
+    row.operator_name = rows.text(9);
+    row.plan_sha256 = rows.text(10);
+    row.invocation = rows.text(11);
+    row.created = rows.integer(12);
+    row.started = rows.maybe_integer(13);
+    row.ended = rows.maybe_integer(14);
+    row.end_kind = rows.text(15);
+    row.bytes_taken = static_cast<std::uint64_t>(rows.integer(16));
+    row.last_status = rows.text(17);
+    all.push_back(std::move(row));
+  }
+  return all;
+}
+
+AttemptTable::SheetRow sheet_of(const Rows& rows) {
+  return {.sheet = rows.small(0),
+          .blank = rows.small(1),
+          .segment = rows.small(2),
+          .state = rows.text(3),
+          .started = rows.maybe_integer(4),
+          .finished = rows.maybe_integer(5)};
+}
+
+}  // namespace
+
+void AttemptTable::insert(const AttemptRow& row) {
+  db_.run("INSERT INTO attempt(" POPCUT_ATTEMPT_COLUMNS
+          ") VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+          row.id, row.job, row.sheet, row.blank, row.segment, row.first_stroke, row.strokes,
+          row.device, row.device_session, row.operator_name, row.plan_sha256, row.invocation,
+          row.created, row.started, row.ended, row.end_kind, row.bytes_taken, row.last_status);
+}
+
+void AttemptTable::put_chunk(const std::string& attempt, int seq, PathRange paths,
+                             std::string_view state) {
+  if (paths.last < paths.first) return;
+  db_.run(
+      "INSERT OR REPLACE INTO chunk(attempt, seq, path_from, path_to, state) "
+      "VALUES(?, ?, ?, ?, ?)",
+      attempt, seq, paths.first, paths.last, state);
+}
+
+void AttemptTable::mark(const std::string& attempt, const AttemptMarks& marks) {
+  const std::int64_t taken = std::max(marks.taken, marks.certain);
+  db_.run("DELETE FROM chunk WHERE attempt=?", attempt);
+  put_chunk(attempt, 0, {marks.first, marks.certain}, "certain");
+  put_chunk(attempt, 1, {std::max(marks.first, marks.certain + 1), taken}, "sent");
+  put_chunk(attempt, 2, {std::max(marks.first, taken + 1), marks.intended}, "intent");
+}
+
+void AttemptTable::add_bytes(const std::string& attempt, std::uint64_t bytes_taken) {
+  db_.run("UPDATE attempt SET bytes_taken=max(bytes_taken, ?) WHERE id=?", bytes_taken, attempt);
+}
+
+void AttemptTable::finish(const std::string& attempt, TimeMs ended, const std::string& end_kind,
+                          const std::string& last_status, const std::vector<FateRun>& fates) {
+  db_.run("UPDATE attempt SET ended=?, end_kind=?, last_status=? WHERE id=?", ended, end_kind,
+          last_status, attempt);
+  db_.run("DELETE FROM chunk WHERE attempt=?", attempt);
+  int seq = 0;
+  for (const FateRun& run : fates)
+    if (run.fate != PathFate::NotSent)
+      put_chunk(attempt, seq++, run.paths, run.fate == PathFate::Certain ? "certain" : "doubt");
+}
+
+void AttemptTable::never_started(const std::string& attempt, TimeMs now) {
+  db_.run("UPDATE attempt SET started_at=NULL, ended=?, end_kind='refused' WHERE id=?", now,
+          attempt);
+  db_.run("DELETE FROM chunk WHERE attempt=?", attempt);
+}
+
+void AttemptTable::crash(const std::string& attempt, TimeMs now) {
+  db_.run("UPDATE attempt SET ended=?, end_kind='crash' WHERE id=?", now, attempt);
+  db_.run("UPDATE chunk SET state='doubt' WHERE attempt=? AND state IN ('intent', 'sent')",
+          attempt);
+}
+
+std::vector<AttemptRow> AttemptTable::of_sheet(const std::string& job, int sheet) {
+  return rows_of(db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS
+                          " FROM attempt WHERE job=? AND k=? ORDER BY id",
+                          job, sheet));
+}
+
+std::vector<AttemptRow> AttemptTable::open() {
+  return rows_of(
+      db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS " FROM attempt WHERE ended IS NULL ORDER BY id"));
+}
+
+std::vector<FateRun> AttemptTable::fates(const std::string& attempt) {
+  std::vector<FateRun> runs;
+  Rows rows = db_.rows(
+      "SELECT path_from, path_to, state FROM chunk WHERE attempt=? ORDER BY path_from", attempt);
+  while (rows.next())
+    runs.push_back({{rows.integer(0), rows.integer(1)},
+                    rows.text(2) == "certain" ? PathFate::Certain : PathFate::InDoubt});
+  return runs;
+}
+
+void AttemptTable::put_sheet(const std::string& job, int sheet, int blank, int segment,
+                             std::string_view state, std::optional<TimeMs> started,
+                             std::optional<TimeMs> finished) {
+  db_.run(
+      "INSERT INTO sheet(job, k, blank, segment, state, started, finished) "
+      "VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7) ON CONFLICT(job, k) DO UPDATE SET blank=?3, "
+      "segment=?4, state=?5, started=coalesce(?6, started), finished=?7",
+      job, sheet, blank, segment, state, started, finished);
+}
+
+std::vector<AttemptTable::SheetRow> AttemptTable::sheets(const std::string& job) {
+  std::vector<SheetRow> all;
+  Rows rows = db_.rows(
+      "SELECT k, blank, segment, state, started, finished FROM sheet WHERE job=? ORDER BY k", job);
+  while (rows.next()) all.push_back(sheet_of(rows));
+  return all;
+}
+
+std::optional<AttemptTable::SheetRow> AttemptTable::sheet(const std::string& job, int sheet) {
+  Rows rows =
+      db_.rows("SELECT k, blank, segment, state, started, finished FROM sheet WHERE job=? AND k=?",
+               job, sheet);
+  if (!rows.next()) return std::nullopt;
+  return sheet_of(rows);
+}
+
+void AttemptTable::arm(const ArmRow& row) {
+  db_.run(
+      "INSERT OR REPLACE INTO arm(job, sheet, blank, device, plan_sha256, operator, armed, "
+      "invocation) VALUES(?, ?, ?, ?, ?, ?, ?, ?)",
+      row.job, row.sheet, row.blank, row.device, row.plan_sha256, row.operator_name, row.armed,
+      row.invocation);
+}
+
+void AttemptTable::disarm(const std::string& job) { db_.run("DELETE FROM arm WHERE job=?", job); }
+
+std::optional<AttemptTable::ArmRow> AttemptTable::armed(const std::string& job) {
+  Rows rows = db_.rows(
+      "SELECT job, sheet, blank, device, plan_sha256, operator, armed, invocation FROM arm "
+      "WHERE job=?",
+      job);
+  if (!rows.next()) return std::nullopt;
+  return ArmRow{.job = rows.text(0),
+                .sheet = rows.small(1),
+                .blank = rows.small(2),
+                .device = rows.text(3),
+                .plan_sha256 = rows.text(4),
+                .operator_name = rows.text(5),
+                .armed = rows.integer(6),
+                .invocation = rows.text(7)};
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/store/digest.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <stdexcept>
+#include <vector>
+
+#include <openssl/crypto.h>
+#include <openssl/evp.h>
+#include <sys/random.h>
+
+namespace popcut::daemon {
+namespace {
+
+constexpr std::string_view kCrockford = "0123456789ABCDEFGHJKMNPQRSTVWXYZ";
+
+std::string hex_of(const unsigned char* bytes, std::size_t count) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string text;
+  text.reserve(2 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    text += digits[bytes[i] >> 4];
+    text += digits[bytes[i] & 15];
+  }
+  return text;
+}
+
+// 128 bits as 26 characters of 5 bits, most significant first; the first holds 3.
+std::string ulid_text(const std::array<std::uint8_t, 16>& bytes) {
+  std::string text(26, '0');
+  for (std::size_t place = 0; place < 26; ++place) {
+    unsigned value = 0;
+    for (std::size_t bit = 0; bit < 5; ++bit) {
+      const std::size_t at = place * 5 + bit;  // of 130 bits, the first two are zero
+      const unsigned one = at < 2 ? 0U : (bytes[(at - 2) / 8] >> (7 - (at - 2) % 8)) & 1U;
+      value = value << 1 | one;
+    }
+    text[place] = kCrockford[value];
+  }
+  return text;
+}
+
+std::array<std::uint8_t, 16> ulid_bytes(std::string_view text) {
+  std::array<std::uint8_t, 16> bytes{};
+  for (std::size_t place = 0; place < 26; ++place) {
+    const std::size_t value = kCrockford.find(text[place]);
+    for (std::size_t bit = 0; bit < 5; ++bit) {
+      const std::size_t at = place * 5 + bit;
+      if (at < 2 || (value >> (4 - bit) & 1U) == 0) continue;
+      bytes[(at - 2) / 8] =
+          static_cast<std::uint8_t>(bytes[(at - 2) / 8] | 1U << (7 - (at - 2) % 8));
+    }
+  }
+  return bytes;
+}
+
+void put_time(std::array<std::uint8_t, 16>& bytes, std::int64_t ms) {
+  const auto time = static_cast<std::uint64_t>(std::max<std::int64_t>(0, ms));
+  for (std::size_t i = 0; i < 6; ++i)
+    bytes[i] = static_cast<std::uint8_t>(time >> (8 * (5 - i)) & 0xFF);
+}
+
+}  // namespace
+
+struct Sha256::State {
+  EVP_MD_CTX* context{EVP_MD_CTX_new()};
+  State() {
+    if (context == nullptr || EVP_DigestInit_ex(context, EVP_sha256(), nullptr) != 1)
+      throw std::runtime_error("SHA-256 is not available in this OpenSSL");
+  }
+  ~State() { EVP_MD_CTX_free(context); }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+};
+
+Sha256::Sha256() : state_(std::make_unique<State>()) {}
+Sha256::~Sha256() = default;
+Sha256::Sha256(Sha256&&) noexcept = default;
+Sha256& Sha256::operator=(Sha256&&) noexcept = default;
+
+void Sha256::add(std::string_view bytes) {
+  EVP_DigestUpdate(state_->context, bytes.data(), bytes.size());
+}
+
+std::string Sha256::hex() {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned size = 0;
+  EVP_DigestFinal_ex(state_->context, digest.data(), &size);
+  return hex_of(digest.data(), size);
+}
+
+std::string sha256_hex(std::string_view bytes) {
+  Sha256 digest;
+  digest.add(bytes);
+  return digest.hex();
+}
+
+Result<std::string> sha256_of_file(const std::string& path) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rbe"),
+                                                             &std::fclose);
+  if (!file) return fail(ErrorKind::Malformed, path, "cannot be opened; it must be readable");
+  Sha256 digest;
+  std::vector<char> block(std::size_t{1} << 16);
+  for (;;) {
+    const std::size_t got = std::fread(block.data(), 1, block.size(), file.get());
+    digest.add({block.data(), got});
+    if (got < block.size()) break;
+  }
+  if (std::ferror(file.get()) != 0)
+    return fail(ErrorKind::Malformed, path, "cannot be read to its end");
+  return digest.hex();
+}
+
+bool equal_in_constant_time(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
+}
+
+std::string random_bytes(std::size_t count) {
+  std::string bytes(count, '\0');
+  std::size_t have = 0;
+  while (have < count) {
+    const ssize_t got = getrandom(bytes.data() + have, std::min<std::size_t>(count - have, 256), 0);
+    if (got > 0) have += static_cast<std::size_t>(got);
+  }
+  return bytes;
+}
+
+std::string base64url(std::string_view bytes) {
+  constexpr std::string_view alphabet =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+  std::string text;
+  unsigned held = 0;
+  int bits = 0;
+  for (const char c : bytes) {
+    held = (held << 8 | static_cast<unsigned char>(c)) & 0xFFFFU;
+    for (bits += 8; bits >= 6; bits -= 6) text += alphabet[held >> (bits - 6) & 63U];
+  }
+  if (bits > 0) text += alphabet[held << (6 - bits) & 63U];
+  return text;
+}
+
+UlidSource::UlidSource(std::string_view last) { raise_above(last); }
+
+void UlidSource::raise_above(std::string_view last) {
+  if (is_ulid(last)) last_ = std::max(last_, ulid_bytes(last));
+}
+
+std::string UlidSource::next(std::int64_t now_ms) {
+  std::array<std::uint8_t, 16> fresh{};
+  put_time(fresh, now_ms);
+  const std::string chance = random_bytes(10);
+  for (std::size_t i = 0; i < 10; ++i) fresh[6 + i] = static_cast<std::uint8_t>(chance[i]);
+  if (std::equal(fresh.begin(), fresh.begin() + 6, last_.begin()) || fresh < last_) {
+    fresh = last_;
+    for (std::size_t i = 16; i-- > 0;)
+      if (++fresh[i] != 0) break;
+  }
+  last_ = fresh;
+  return ulid_text(fresh);
+}
+
+std::string first_ulid_of(std::int64_t time_ms) {
+  std::array<std::uint8_t, 16> bytes{};
+  put_time(bytes, time_ms);
+  return ulid_text(bytes);
+}
+
+bool is_ulid(std::string_view text) {
+  return text.size() == 26 && text[0] <= '7' &&
+         text.find_first_not_of(kCrockford) == std::string_view::npos;
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/store/job_table.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "daemon/store/digest.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+#define POPCUT_JOB_COLUMNS                                                                     \
+  "id, rev, state, reason, asked, name, note, owner, operator, wish, device, design, plan, "   \
+  "material, priority, position, copies, held, sheets_total, sheet, blank, segment, "          \
+  "first_stroke, paths_certain, paths_sent, paths_total, done_paths, done_mm, low_s, high_s, " \
+  "created, started, finished, outcome, tags, attention, attention_text, attention_since"
+
+constexpr std::string_view kInsert =
+    "INSERT INTO job(" POPCUT_JOB_COLUMNS
+    ") VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+    "?, ?, ?, ?, ?, ?, ?, ?, ?, ?)";
+constexpr std::string_view kUpdate =
+    "UPDATE job SET rev=?, state=?, reason=?, asked=?, name=?, note=?, operator=?, wish=?, "
+    "device=?, priority=?, position=?, held=?, sheets_total=?, sheet=?, blank=?, segment=?, "
+    "first_stroke=?, paths_certain=?, paths_sent=?, paths_total=?, done_paths=?, done_mm=?, "
+    "low_s=?, high_s=?, started=?, finished=?, outcome=?, attention=?, attention_text=?, "
+    "attention_since=? WHERE id=? AND rev=?";
+constexpr std::string_view kFind =
+    "SELECT " POPCUT_JOB_COLUMNS " FROM job WHERE id=? AND deleted=0";
+constexpr std::string_view kQueue =
+    "SELECT " POPCUT_JOB_COLUMNS
+    " FROM job WHERE state NOT IN ('done', 'failed', 'cancelled') AND deleted=0 AND "
+    "(?1='' OR device=?1 OR (device='' AND wish IN ('', ?1))) "
+    "ORDER BY priority DESC, position, id LIMIT ?2";
+constexpr std::string_view kWaiting =
+    "SELECT " POPCUT_JOB_COLUMNS " FROM job WHERE plan=? AND state=? LIMIT ?";
+constexpr std::string_view kOnDevice =
+    "SELECT " POPCUT_JOB_COLUMNS
+    " FROM job WHERE device=? AND state IN ('armed', 'cutting', 'paused')";
+
+JobState state_of(const std::string& word) {
+  if (const auto state = job_state_from(word)) return *state;
+  throw StoreFault(FaultKind::Corrupt, fmt::format("a job's state is {:?}", word));
+}
+
+JobRow row_of(const Rows& rows) {
+  int at = 0;
+  const auto text = [&] { return rows.text(at++); };
+  const auto whole = [&] { return rows.integer(at++); };
+  const auto small = [&] { return rows.small(at++); };
+  JobRow row;
+  row.id = text();
+  row.rev = whole();
+  row.state = state_of(text());
+  for (std::string* field :
+       {&row.reason, &row.asked, &row.name, &row.note, &row.owner, &row.operator_name, &row.wish,
+        &row.device, &row.design, &row.plan, &row.material})
+    *field = text();
+  row.priority = small();
+  row.position = whole();
+  row.copies = small();
+  row.held = whole() != 0;
+  for (int* field : {&row.sheets_total, &row.sheet, &row.blank, &row.segment}) *field = small();
+  for (std::int64_t* field :
+       {&row.first_stroke, &row.paths_certain, &row.paths_sent, &row.paths_total, &row.done_paths})
+    *field = whole();
+  for (double* field : {&row.done_mm, &row.low_s, &row.high_s}) *field = rows.real(at++);
+  row.created = whole();
+  row.started = rows.maybe_integer(at++);
+  row.finished = rows.maybe_integer(at++);
+  for (std::string* field : {&row.outcome, &row.tags, &row.attention, &row.attention_text})
+    *field = text();
+  row.attention_since = whole();
+  return row;
+}
+
+std::vector<JobRow> rows_of(Rows rows) {
+  std::vector<JobRow> all;
+  while (rows.next()) all.push_back(row_of(rows));
+  return all;
+}
+
+std::optional<JobRow> first_of(Rows rows) {
+  if (!rows.next()) return std::nullopt;
+  return row_of(rows);
+}
+
+}  // namespace
+
+void JobTable::insert(const JobRow& row) {
+  db_.run(kInsert, row.id, row.rev, name_of(row.state), row.reason, row.asked, row.name, row.note,
+          row.owner, row.operator_name, row.wish, row.device, row.design, row.plan, row.material,
+          row.priority, row.position, row.copies, row.held, row.sheets_total, row.sheet, row.blank,
+          row.segment, row.first_stroke, row.paths_certain, row.paths_sent, row.paths_total,
+          row.done_paths, row.done_mm, row.low_s, row.high_s, row.created, row.started,
+          row.finished, row.outcome, row.tags, row.attention, row.attention_text,
+          row.attention_since);
+}
+
+void JobTable::update(JobRow& row) {
+  const int changed =
+      db_.run(kUpdate, row.rev + 1, name_of(row.state), row.reason, row.asked, row.name, row.note,
+              row.operator_name, row.wish, row.device, row.priority, row.position, row.held,
+              row.sheets_total, row.sheet, row.blank, row.segment, row.first_stroke,
+              row.paths_certain, row.paths_sent, row.paths_total, row.done_paths, row.done_mm,
+              row.low_s, row.high_s, row.started, row.finished, row.outcome, row.attention,
+              row.attention_text, row.attention_since, row.id, row.rev);
+  if (changed != 1) throw StoreFault(FaultKind::Other, "job " + row.id + " was changed meanwhile");
+  ++row.rev;
+}
+
+std::optional<JobRow> JobTable::find(std::string_view id) { return first_of(db_.rows(kFind, id)); }
+
+std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& after, int limit) {
+  // Each state is a run of an index in the order of ids; a page is the first of all these runs.
+  std::string sql = "SELECT " POPCUT_JOB_COLUMNS " FROM job WHERE id>?1 AND deleted=0";
+  if (!filter.owner.empty()) sql += " AND owner=?3";
+  if (!filter.device.empty()) sql += " AND device=?4";
+  if (!filter.states.empty()) sql += " AND state=?5";
+  sql += " ORDER BY id LIMIT ?2";
+  std::string low = after;
+  // One below the first id of that time, so that it is itself found.
+  if (filter.since) low = std::max(low, first_ulid_of(*filter.since - 1));
+  std::vector<std::string_view> states{""};
+  if (!filter.states.empty()) {
+    states.clear();
+    for (const JobState state : filter.states) states.push_back(name_of(state));
+  }
+  std::sort(states.begin(), states.end());
+  states.erase(std::unique(states.begin(), states.end()), states.end());
+  std::vector<JobRow> all;
+  for (const std::string_view state : states) {
+    const std::array<Bound, 5> values{low, limit, filter.owner, filter.device, state};
+    const std::size_t used = !filter.states.empty()   ? 5
+                             : !filter.device.empty() ? 4
+                             : !filter.owner.empty()  ? 3
+                                                      : 2;
+    std::vector<JobRow> run = rows_of(db_.rows_list(sql, std::span(values).first(used)));
+    std::move(run.begin(), run.end(), std::back_inserter(all));
+  }
+  std::sort(all.begin(), all.end(), [](const JobRow& a, const JobRow& b) { return a.id < b.id; });
+  if (all.size() > static_cast<std::size_t>(limit)) all.resize(static_cast<std::size_t>(limit));
+  return all;
+}
+
+std::vector<JobRow> JobTable::queue(const std::string& device, int limit) {
+  return rows_of(db_.rows(kQueue, device, limit));
+}
+
+std::vector<JobRow> JobTable::waiting_for(const std::string& plan, JobState state, int limit) {
+  return rows_of(db_.rows(kWaiting, plan, name_of(state), limit));
+}
+
+std::string JobTable::next_plan() {
+  Rows rows = db_.rows(
+      "SELECT plan FROM job WHERE state='queued' ORDER BY priority DESC, position LIMIT 1");
+  return rows.next() ? rows.text(0) : std::string();
+}
+
+std::optional<JobRow> JobTable::on_device(const std::string& device) {
+  return first_of(db_.rows(kOnDevice, device));
+}
+
+std::int64_t JobTable::last_position() { return db_.number("SELECT max(position) FROM job"); }
+
+std::int64_t JobTable::count(JobState state) {
+  return db_.number("SELECT jobs FROM tally WHERE state=?", name_of(state));
+}
+
+std::int64_t JobTable::open_count() {
+  return db_.number(
+      "SELECT sum(jobs) FROM tally WHERE state NOT IN ('done', 'failed', 'cancelled')");
+}
+
+}  // namespace popcut::daemon

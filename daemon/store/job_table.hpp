@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/service/model.hpp"
+#include "daemon/store/database.hpp"
+
+namespace popcut::daemon {
+
+/// A row of the table of jobs.
+struct JobRow {
+  std::string id;
+  std::int64_t rev{0};
+  JobState state{};
+  std::string reason{}, asked{};  ///< asked: "", "pause", "cancel"
+  std::string name{}, note{}, owner{}, operator_name{};
+  std::string wish{}, device{};  ///< asked for; that the sheet lies in
+  std::string design{}, plan{}, material{};
+  int priority{};
+  std::int64_t position{};
+  int copies{1};
+  bool held{false};
+  int sheets_total{}, sheet{}, blank{1}, segment{1};
+  std::int64_t first_stroke{0};
+  std::int64_t paths_certain{}, paths_sent{}, paths_total{};  ///< of the current sheet; of all
+  std::int64_t done_paths{};                                  ///< of the sheets before it
+  double done_mm{};
+  double low_s{}, high_s{};  ///< what is left, this sheet whole
+  TimeMs created{};
+  std::optional<TimeMs> started{}, finished{};
+  std::string outcome{}, tags{"[]"};
+  std::string attention{}, attention_text{};
+  TimeMs attention_since{};
+};
+
+/// The statements over `job`. All throw StoreFault.
+class JobTable {
+ public:
+  explicit JobTable(Database& database) : db_(database) {}
+
+  void insert(const JobRow& row);
+  /// Writes all that may change, with the next revision.
+  void update(JobRow& row);
+  [[nodiscard]] std::optional<JobRow> find(std::string_view id);
+  /// Up to `limit` jobs with ids above `after`, in their order.
+  [[nodiscard]] std::vector<JobRow> list(const JobFilter& filter, const std::string& after,
+                                         int limit);
+  /// Up to `limit` jobs that are not ended, in the order of the queue; of all devices if `device`
+  /// is empty, else of those that are bound to it or to none.
+  [[nodiscard]] std::vector<JobRow> queue(const std::string& device, int limit);
+  /// Those whose plan is awaited.
+  [[nodiscard]] std::vector<JobRow> waiting_for(const std::string& plan, JobState state, int limit);
+  /// The plan of the first job in the queue whose plan nobody makes yet, or empty.
+  [[nodiscard]] std::string next_plan();
+  /// The armed, cutting or paused job of a device.
+  [[nodiscard]] std::optional<JobRow> on_device(const std::string& device);
+  [[nodiscard]] std::int64_t last_position();
+  [[nodiscard]] std::int64_t count(JobState state);
+  [[nodiscard]] std::int64_t open_count();
+
+ private:
+  Database& db_;
+};
+
+}  // namespace popcut::daemon

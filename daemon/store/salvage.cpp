@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "daemon/store/damaged.hpp"
+#include "daemon/store/digest.hpp"
+#include "daemon/store/store.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+namespace fs = std::filesystem;
+
+tl::unexpected<OpenTrouble> trouble(OpenTrouble::Kind kind, std::string detail) {
+  return tl::unexpected<OpenTrouble>(OpenTrouble{kind, std::move(detail)});
+}
+
+std::vector<std::string> columns_of(Database& database, const std::string& table,
+                                    const char* what) {
+  std::vector<std::string> names;
+  Rows rows =
+      database.rows(fmt::format("SELECT name FROM pragma_table_info('{}') WHERE {}", table, what));
+  while (rows.next()) names.push_back(rows.text(0));
+  return names;
+}
+
+// Rows from the front up to damage, then from the back up to it: what lies before and behind.
+Salvage::Table bring_over(Database& from, Database& to, const std::string& table) {
+  Salvage::Table report{.name = table};
+  const std::vector<std::string> columns = columns_of(to, table, "1");
+  const std::vector<std::string> keys = columns_of(to, table, "pk > 0 ORDER BY pk");
+  const std::string names = fmt::format("{}", fmt::join(columns, ","));
+  std::string marks;
+  for (std::size_t i = 0; i < columns.size(); ++i) marks += i == 0 ? "?" : ",?";
+  const std::string insert =
+      fmt::format("INSERT OR IGNORE INTO {}({}) VALUES({})", table, names, marks);
+  for (const char* direction : {"ASC", "DESC"}) {
+    try {
+      Rows rows =
+          from.rows(fmt::format("SELECT {} FROM {} ORDER BY {} {}", names, table,
+                                fmt::join(keys, fmt::format(" {},", direction)), direction));
+      while (rows.next()) {
+        std::vector<Bound> values;
+        for (std::size_t i = 0; i < columns.size(); ++i)
+          values.push_back(rows.value(static_cast<int>(i)));
+        try {
+          report.rows += to.run_list(insert, values);
+        } catch (const StoreFault& fault) {
+          if (fault.kind() != FaultKind::Constraint && fault.kind() != FaultKind::Other) throw;
+          ++report.refused;
+        }
+      }
+      return report;
+    } catch (const StoreFault& fault) {
+      if (fault.kind() == FaultKind::Full) throw;
+      report.whole = false;
+    }
+  }
+  return report;
+}
+
+int version_of(Database& damaged) {
+  try {
+    return static_cast<int>(damaged.number("PRAGMA user_version"));
+  } catch (const StoreFault&) {
+    return 0;
+  }
+}
+
+std::vector<Salvage::Table> bring_all(Database& from, Database& to) {
+  std::vector<Salvage::Table> tables;
+  Transaction all(to);
+  for (const std::string_view name : table_names())
+    tables.push_back(bring_over(from, to, std::string(name)));
+  all.commit();
+  to.checkpoint(true);
+  return tables;
+}
+
+}  // namespace
+
+Result<std::string> set_aside(const std::string& database, const std::string& backups) {
+  std::string digests;
+  for (const char* suffix : {"", "-wal"})
+    if (fs::exists(database + suffix))
+      digests += sha256_of_file(database + suffix).value_or("unreadable");
+  const fs::path place = fs::path(backups) / ("damaged-" + sha256_hex(digests).substr(0, 16));
+  std::error_code error;
+  if (fs::exists(place, error)) return place.string();
+  const fs::path fresh = fs::path(backups) / (".new-" + place.filename().string());
+  remove_tree(fresh.string());
+  fs::create_directory(fresh, error);
+  for (const char* suffix : {"", "-wal"}) {
+    if (error || !fs::exists(database + suffix)) continue;
+    const fs::path copy = fresh / (fs::path(database).filename().string() + suffix);
+    fs::copy_file(database + suffix, copy, error);
+    if (!error) (void)keep_file(copy.string(), copy.string());
+  }
+  if (!error) fs::rename(fresh, place, error);
+  if (!error) return place.string();
+  remove_tree(fresh.string());
+  return fail(ErrorKind::Unwritable, place.string(), "cannot be written: " + error.message());
+}
+
+tl::expected<Salvage, OpenTrouble> salvage(const std::string& path) {
+  auto folder = StateFolder::open(path);
+  if (!folder)
+    return trouble(folder.error().kind == ErrorKind::Refused ? OpenTrouble::Kind::Locked
+                                                             : OpenTrouble::Kind::Io,
+                   message(folder.error()));
+  const std::string original = (*folder)->at("popcut.db");
+  const std::string fresh = original + ".salvaged";
+  std::error_code error;
+  if (!fs::exists(original, error))
+    return trouble(OpenTrouble::Kind::Io, original + ": is not there; nothing to salvage");
+  const Result<std::string> aside = set_aside(original, (*folder)->at("backups"));
+  if (!aside) return trouble(OpenTrouble::Kind::Io, message(aside.error()));
+  Salvage report{.tables = {}, .original = *aside};
+  // Reading writes a log's index beside the file, so a copy of the copy is read.
+  const std::string reading = (*folder)->at("incoming/salvage");
+  try {
+    fs::copy(*aside, reading, fs::copy_options::recursive);
+    for (const char* suffix : {"", "-wal", "-journal"}) remove_tree(fresh + suffix);
+    Database from({.path = reading + "/popcut.db", .create = false, .exclusive_wal = false});
+    Database to({.path = fresh});
+    const int version = version_of(from);
+    const int newest = migrations().back().version;
+    if (version > newest)
+      return trouble(OpenTrouble::Kind::TooNew, original + ": was written by a later popcutd");
+    build_schema(to, migrations(), version < 1 ? newest : version);
+    report.tables = bring_all(from, to);
+  } catch (const StoreFault& fault) {
+    const bool damage = fault.kind() == FaultKind::Corrupt;
+    return trouble(
+        damage ? OpenTrouble::Kind::Corrupt : OpenTrouble::Kind::Io,
+        fmt::format("{}: {}{}", original, fault.what(),
+                    damage ? "; nothing can be read of it, put a copy from backups in its "
+                             "place"
+                           : ""));
+  } catch (const fs::filesystem_error& fault) {
+    return trouble(OpenTrouble::Kind::Io, fault.what());
+  }
+  remove_tree(reading);
+  const bool nothing = std::all_of(report.tables.begin(), report.tables.end(),
+                                   [](const auto& table) { return table.rows == 0; });
+  if (nothing) {
+    remove_tree(fresh);
+    remove_tree(fresh + "-wal");
+    return trouble(OpenTrouble::Kind::Corrupt, original +
+                                                   ": nothing can be read of it; put a copy from " +
+                                                   (*folder)->at("backups") + " in its place");
+  }
+  remove_tree(fresh + "-wal");
+  // The damaged one lies in backups. Between these steps popcutd would find its database gone, or
+  // its log missing, and refuse to start: never an old log with a new database.
+  remove_tree(original);
+  remove_tree(original + "-wal");
+  Result<void> done = keep_file(fresh, original);
+  if (done) done = write_file((*folder)->at("database-state"), "clean\n");
+  if (!done) return trouble(OpenTrouble::Kind::Io, message(done.error()));
+  return report;
+}
+
+}  // namespace popcut::daemon

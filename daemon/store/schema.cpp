@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/store/schema.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+// Times are milliseconds since 1970; ids are ULIDs; lengths are millimetres.
+constexpr std::string_view kVersion1 = R"sql(
+CREATE TABLE asset(
+  id TEXT PRIMARY KEY CHECK(length(id) = 71),
+  bytes INTEGER NOT NULL, created INTEGER NOT NULL) STRICT, WITHOUT ROWID;
+
+CREATE TABLE design(
+  id TEXT PRIMARY KEY CHECK(length(id) = 71),
+  name TEXT NOT NULL, kind TEXT NOT NULL CHECK(kind IN ('spec', 'fold', 'svg', 'dxf')),
+  media_type TEXT NOT NULL, owner TEXT NOT NULL, bytes INTEGER NOT NULL,
+  created INTEGER NOT NULL, assets TEXT NOT NULL) STRICT, WITHOUT ROWID;
+CREATE INDEX design_created ON design(created, id);
+
+-- `key` is the digest of all that decides what comes out: the same is planned once.
+CREATE TABLE plan(
+  id TEXT PRIMARY KEY CHECK(length(id) = 26),
+  key TEXT NOT NULL, kind TEXT NOT NULL CHECK(kind IN ('design', 'test')),
+  design TEXT NOT NULL, material TEXT NOT NULL, machine TEXT NOT NULL,
+  state TEXT NOT NULL CHECK(state IN ('pending', 'planned', 'failed')),
+  sha256 TEXT NOT NULL, sheets INTEGER NOT NULL, paths INTEGER NOT NULL, cut_mm REAL NOT NULL,
+  low_s REAL NOT NULL, high_s REAL NOT NULL, width_mm REAL NOT NULL, length_mm REAL NOT NULL,
+  warnings TEXT NOT NULL, error TEXT NOT NULL, options TEXT NOT NULL,
+  machine_json TEXT NOT NULL, material_json TEXT NOT NULL,
+  created INTEGER NOT NULL,
+  CHECK(state != 'planned' OR (sheets > 0 AND length(sha256) = 64))) STRICT, WITHOUT ROWID;
+CREATE UNIQUE INDEX plan_key ON plan(key) WHERE state IN ('pending', 'planned');
+CREATE INDEX plan_design ON plan(design);
+CREATE INDEX plan_pending ON plan(id) WHERE state = 'pending';
+
+CREATE TABLE plan_sheet(
+  plan TEXT NOT NULL REFERENCES plan(id) ON DELETE CASCADE,
+  number INTEGER NOT NULL CHECK(number BETWEEN 1 AND 10000),
+  paths INTEGER NOT NULL CHECK(paths >= 0), cut_mm REAL NOT NULL, fold_mm REAL NOT NULL,
+  travel_mm REAL NOT NULL, seconds REAL NOT NULL, low_s REAL NOT NULL, high_s REAL NOT NULL,
+  width_mm REAL NOT NULL, length_mm REAL NOT NULL,
+  program_sha256 TEXT NOT NULL CHECK(length(program_sha256) = 64),
+  PRIMARY KEY(plan, number)) STRICT, WITHOUT ROWID;
+
+-- `wish` is the device that was asked for, `device` the one that the sheet lies in.
+CREATE TABLE job(
+  id TEXT PRIMARY KEY CHECK(length(id) = 26),
+  rev INTEGER NOT NULL,
+  state TEXT NOT NULL CHECK(state IN ('queued', 'planning', 'ready', 'armed', 'cutting', 'paused',
+                                      'interrupted', 'done', 'failed', 'cancelled')),
+  reason TEXT NOT NULL, asked TEXT NOT NULL CHECK(asked IN ('', 'pause', 'cancel')),
+  name TEXT NOT NULL, note TEXT NOT NULL, owner TEXT NOT NULL, operator TEXT NOT NULL,
+  wish TEXT NOT NULL, device TEXT NOT NULL, design TEXT NOT NULL,
+  plan TEXT NOT NULL REFERENCES plan(id), material TEXT NOT NULL,
+  priority INTEGER NOT NULL CHECK(priority BETWEEN -10 AND 10), position INTEGER NOT NULL,
+  copies INTEGER NOT NULL CHECK(copies BETWEEN 1 AND 1000),
+  held INTEGER NOT NULL CHECK(held IN (0, 1)),
+  sheets_total INTEGER NOT NULL CHECK(sheets_total BETWEEN 0 AND 10000),
+  sheet INTEGER NOT NULL CHECK(sheet BETWEEN 0 AND sheets_total),
+  blank INTEGER NOT NULL CHECK(blank >= 1), segment INTEGER NOT NULL CHECK(segment >= 1),
+  first_stroke INTEGER NOT NULL CHECK(first_stroke >= 0),
+  paths_certain INTEGER NOT NULL, paths_sent INTEGER NOT NULL, paths_total INTEGER NOT NULL,
+  done_paths INTEGER NOT NULL, done_mm REAL NOT NULL,
+  low_s REAL NOT NULL, high_s REAL NOT NULL,
+  created INTEGER NOT NULL, started INTEGER, finished INTEGER,
+  outcome TEXT NOT NULL, tags TEXT NOT NULL,
+  attention TEXT NOT NULL, attention_text TEXT NOT NULL, attention_since INTEGER NOT NULL,
+  deleted INTEGER NOT NULL DEFAULT 0 CHECK(deleted IN (0, 1)),
+  CHECK(state NOT IN ('armed', 'cutting', 'paused') OR (device != '' AND sheet > 0)),
+  CHECK(state NOT IN ('ready', 'interrupted') OR sheet > 0),
+  CHECK((state IN ('done', 'failed', 'cancelled')) = (finished IS NOT NULL))) STRICT, WITHOUT ROWID;
+CREATE INDEX job_state ON job(state, id);
+CREATE INDEX job_owner ON job(owner, id);
+CREATE INDEX job_device ON job(device, id);
+CREATE INDEX job_wish ON job(wish, id) WHERE wish != '';
+CREATE INDEX job_design ON job(design) WHERE state NOT IN ('done', 'failed', 'cancelled');
+CREATE INDEX job_plan ON job(plan, state);
+CREATE INDEX job_queue ON job(priority DESC, position, id)
+  WHERE state NOT IN ('done', 'failed', 'cancelled');
+CREATE INDEX job_position ON job(position);
+CREATE INDEX job_waiting ON job(priority DESC, position) WHERE state = 'queued';
+-- A device has one sheet in it.
+CREATE UNIQUE INDEX job_busy ON job(device) WHERE state IN ('armed', 'cutting', 'paused');
+-- Terminal states never change.
+CREATE TRIGGER job_ended BEFORE UPDATE OF state, outcome, finished, started, sheet, blank, segment
+  ON job WHEN old.state IN ('done', 'failed', 'cancelled')
+  BEGIN SELECT RAISE(ABORT, 'the job has ended'); END;
+CREATE TRIGGER job_kept BEFORE DELETE ON job
+  BEGIN SELECT RAISE(ABORT, 'jobs are never deleted'); END;
+
+-- How many jobs there are of each state, so that nobody has to count them.
+CREATE TABLE tally(state TEXT PRIMARY KEY, jobs INTEGER NOT NULL) STRICT, WITHOUT ROWID;
+CREATE TRIGGER tally_insert AFTER INSERT ON job BEGIN
+  INSERT INTO tally(state, jobs) VALUES(new.state, 1)
+    ON CONFLICT(state) DO UPDATE SET jobs = jobs + 1; END;
+CREATE TRIGGER tally_update AFTER UPDATE OF state ON job WHEN old.state != new.state BEGIN
+  UPDATE tally SET jobs = jobs - 1 WHERE state = old.state;
+  INSERT INTO tally(state, jobs) VALUES(new.state, 1)
+    ON CONFLICT(state) DO UPDATE SET jobs = jobs + 1; END;
+
+-- Sheets that have been the current one; what the others are follows from the plan.
+CREATE TABLE sheet(
+  job TEXT NOT NULL REFERENCES job(id), k INTEGER NOT NULL CHECK(k BETWEEN 1 AND 10000),
+  blank INTEGER NOT NULL, segment INTEGER NOT NULL,
+  state TEXT NOT NULL CHECK(state IN ('ready', 'armed', 'cutting', 'interrupted', 'done',
+                                      'skipped')),
+  started INTEGER, finished INTEGER,
+  PRIMARY KEY(job, k)) STRICT, WITHOUT ROWID;
+
+CREATE TABLE arm(
+  job TEXT PRIMARY KEY REFERENCES job(id), sheet INTEGER NOT NULL, blank INTEGER NOT NULL,
+  device TEXT NOT NULL, plan_sha256 TEXT NOT NULL, operator TEXT NOT NULL,
+  armed INTEGER NOT NULL, invocation TEXT NOT NULL) STRICT, WITHOUT ROWID;
+
+CREATE TABLE attempt(
+  id TEXT PRIMARY KEY CHECK(length(id) = 26),
+  job TEXT NOT NULL REFERENCES job(id), k INTEGER NOT NULL, blank INTEGER NOT NULL,
+  segment INTEGER NOT NULL, first_stroke INTEGER NOT NULL, strokes INTEGER NOT NULL,
+  device TEXT NOT NULL, device_session TEXT NOT NULL, operator TEXT NOT NULL,
+  plan_sha256 TEXT NOT NULL, invocation TEXT NOT NULL,
+  created INTEGER NOT NULL, started_at INTEGER, ended INTEGER, end_kind TEXT NOT NULL,
+  bytes_taken INTEGER NOT NULL, last_status TEXT NOT NULL) STRICT, WITHOUT ROWID;
+-- The same blank is never started twice.
+CREATE UNIQUE INDEX attempt_once ON attempt(job, k, blank, segment) WHERE started_at IS NOT NULL;
+CREATE INDEX attempt_job ON attempt(job, k, id);
+CREATE INDEX attempt_open ON attempt(id) WHERE ended IS NULL;
+
+CREATE TABLE chunk(
+  attempt TEXT NOT NULL REFERENCES attempt(id), seq INTEGER NOT NULL,
+  path_from INTEGER NOT NULL CHECK(path_from >= 0), path_to INTEGER NOT NULL,
+  state TEXT NOT NULL CHECK(state IN ('intent', 'sent', 'doubt', 'certain')),
+  CHECK(path_to >= path_from),
+  PRIMARY KEY(attempt, seq)) STRICT, WITHOUT ROWID;
+
+CREATE TABLE event(
+  seq INTEGER PRIMARY KEY, time INTEGER NOT NULL,
+  kind TEXT NOT NULL CHECK(kind IN ('job', 'sheet', 'device', 'queue', 'notice')),
+  job TEXT NOT NULL, data TEXT NOT NULL) STRICT;
+CREATE INDEX event_job ON event(job, seq) WHERE job != '';
+
+CREATE TABLE idem(
+  principal TEXT NOT NULL, key TEXT NOT NULL, request TEXT NOT NULL, status INTEGER NOT NULL,
+  body TEXT NOT NULL, etag TEXT NOT NULL, location TEXT NOT NULL, expires INTEGER NOT NULL,
+  PRIMARY KEY(principal, key)) STRICT, WITHOUT ROWID;
+CREATE INDEX idem_expires ON idem(expires);
+
+CREATE TABLE audit(
+  seq INTEGER PRIMARY KEY, time INTEGER NOT NULL, principal TEXT NOT NULL,
+  action TEXT NOT NULL, subject TEXT NOT NULL, detail TEXT NOT NULL) STRICT;
+
+CREATE TABLE token(
+  id TEXT PRIMARY KEY CHECK(length(id) = 26),
+  kind TEXT NOT NULL CHECK(kind IN ('token', 'session')),
+  name TEXT NOT NULL, role TEXT NOT NULL CHECK(role IN ('viewer', 'submitter', 'operator',
+                                                        'admin')),
+  principal TEXT NOT NULL, secret_sha256 TEXT NOT NULL CHECK(length(secret_sha256) = 64),
+  created INTEGER NOT NULL, expires INTEGER) STRICT, WITHOUT ROWID;
+
+CREATE TABLE material(
+  id TEXT PRIMARY KEY, rev INTEGER NOT NULL, json TEXT NOT NULL) STRICT, WITHOUT ROWID;
+
+CREATE TABLE device(
+  id TEXT PRIMARY KEY, rev INTEGER NOT NULL, model TEXT NOT NULL, title TEXT NOT NULL,
+  simulated INTEGER NOT NULL, width_mm REAL NOT NULL, length_mm REAL NOT NULL,
+  enabled INTEGER NOT NULL CHECK(enabled IN (0, 1)), state TEXT NOT NULL,
+  sheets_done INTEGER NOT NULL, cut_mm REAL NOT NULL) STRICT, WITHOUT ROWID;
+
+CREATE TABLE usage(
+  seq INTEGER PRIMARY KEY, time INTEGER NOT NULL, owner TEXT NOT NULL, operator TEXT NOT NULL,
+  device TEXT NOT NULL, material TEXT NOT NULL, job TEXT NOT NULL, k INTEGER NOT NULL,
+  seconds REAL NOT NULL, cut_mm REAL NOT NULL, sheets INTEGER NOT NULL) STRICT;
+CREATE INDEX usage_time ON usage(time);
+)sql";
+
+}  // namespace
+
+const std::vector<Migration>& migrations() {
+  static const std::vector<Migration> all{{1, kVersion1}};
+  return all;
+}
+
+const std::vector<std::string_view>& table_names() {
+  static const std::vector<std::string_view> names{
+      "asset", "design", "plan", "plan_sheet", "job",   "sheet",    "arm",    "attempt",
+      "chunk", "event",  "idem", "audit",      "token", "material", "device", "usage"};
+  return names;
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+namespace popcut::daemon {
+
+/// "popc": tells a database of ours from any other.
+inline constexpr int kApplicationId = 0x706F7063;
+
+/// One step from the version before it to `version`, forward only.
+struct Migration {
+  int version{};
+  std::string_view sql;
+};
+
+/// All steps in order, the first making the tables of an empty database.
+[[nodiscard]] const std::vector<Migration>& migrations();
+
+/// The tables, for salvage: those that others refer to come first.
+[[nodiscard]] const std::vector<std::string_view>& table_names();
+
+}  // namespace popcut::daemon

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/store/state_folder.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+namespace popcut::daemon {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] int get() const { return fd_; }
+  [[nodiscard]] bool good() const { return fd_ >= 0; }
+  /// Some file systems tell only here that a write failed.
+  bool shut() { return close(std::exchange(fd_, -1)) == 0; }
+
+ private:
+  int fd_;
+};
+
+tl::unexpected<Error> trouble(const std::string& path, const char* doing) {
+  const char* const advice =
+      errno == ENOSPC || errno == EDQUOT ? "; the disk is full, make room" : "";
+  return fail(ErrorKind::Unwritable, path,
+              fmt::format("{}: {}{}", doing, std::strerror(errno), advice));
+}
+
+bool write_all(int fd, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t done = write(fd, bytes.data(), bytes.size());
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(done));
+  }
+  return true;
+}
+
+Result<void> write_synced(const std::string& path, std::string_view bytes) {
+  Descriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!file.good()) return trouble(path, "cannot be made");
+  if (!write_all(file.get(), bytes)) return trouble(path, "cannot be written");
+  if (fsync(file.get()) != 0) return trouble(path, "cannot be synced");
+  if (!file.shut()) return trouble(path, "cannot be closed");
+  return {};
+}
+
+Result<void> rename_synced(const std::string& from, const std::string& to) {
+  if (rename(from.c_str(), to.c_str()) != 0) return trouble(to, "cannot take its name");
+  return sync_folder(fs::path(to).parent_path().string());
+}
+
+void clear_unfinished(const std::string& path) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(path + "/incoming", ignored))
+    remove_tree(entry.path().string());
+  for (const char* inside : {"plans", "previews", "designs", "assets", "backups"})
+    for (const auto& entry : fs::directory_iterator(path + "/" + inside, ignored))
+      if (entry.path().filename().string().starts_with(".new-")) remove_tree(entry.path().string());
+}
+
+std::string beside(const std::string& path) {
+  const fs::path place(path);
+  return (place.parent_path() / (".new-" + place.filename().string())).string();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<StateFolder>> StateFolder::open(const std::string& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) {
+    fs::create_directories(fs::path(path).parent_path(), error);
+    if (mkdir(path.c_str(), 0700) != 0 && errno != EEXIST) return trouble(path, "cannot be made");
+  }
+  for (const char* inside : {"designs", "assets", "plans", "previews", "incoming", "backups"}) {
+    const std::string folder = path + "/" + inside;
+    if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
+      return trouble(folder, "cannot be made");
+  }
+  const std::string lock_path = path + "/lock";
+  const int lock = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (lock < 0) return trouble(lock_path, "cannot be made");
+  if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
+    const bool held = errno == EWOULDBLOCK;
+    close(lock);
+    if (!held) return trouble(lock_path, "cannot be locked");
+    return fail(ErrorKind::Refused, path,
+                "another popcutd keeps its state here; stop it first, or name another folder with "
+                "--state");
+  }
+  clear_unfinished(path);
+  std::unique_ptr<StateFolder> folder(new StateFolder(path, lock));
+  folder->reserved_ = fs::exists(folder->at("reserve"), error);
+  return folder;
+}
+
+StateFolder::~StateFolder() {
+  if (lock_ >= 0) close(lock_);
+}
+
+std::string StateFolder::at(std::string_view inside) const {
+  return fmt::format("{}/{}", path_, inside);
+}
+
+std::uint64_t StateFolder::free_bytes() const {
+  struct statvfs disk {};
+  if (statvfs(path_.c_str(), &disk) != 0) return 0;
+  return std::uint64_t{disk.f_bavail} * disk.f_frsize;
+}
+
+bool StateFolder::take_reserve(std::uint64_t bytes) {
+  if (reserved_) return true;
+  const std::string place = at("reserve");
+  const std::string fresh = at(".new-reserve");
+  Descriptor file(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+  if (!file.good()) return false;
+  const bool taken = posix_fallocate(file.get(), 0, static_cast<off_t>(bytes)) == 0 &&
+                     file.shut() && rename(fresh.c_str(), place.c_str()) == 0;
+  if (!taken) unlink(fresh.c_str());
+  reserved_ = taken;
+  return taken;
+}
+
+bool StateFolder::free_reserve() {
+  if (!reserved_) return false;
+  reserved_ = false;
+  return unlink(at("reserve").c_str()) == 0;
+}
+
+Result<void> keep_file(const std::string& from, const std::string& to) {
+  Descriptor file(open(from.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (!file.good()) return trouble(from, "cannot be opened");
+  if (fsync(file.get()) != 0) return trouble(from, "cannot be synced");
+  return rename_synced(from, to);
+}
+
+Result<void> write_file(const std::string& path, std::string_view bytes) {
+  const std::string fresh = beside(path);
+  Result<void> done = write_synced(fresh, bytes);
+  if (done) done = rename_synced(fresh, path);
+  if (!done) unlink(fresh.c_str());
+  return done;
+}
+
+Result<void> write_folder(const std::string& path,
+                          const std::vector<std::pair<std::string, std::string_view>>& files) {
+  const std::string fresh = beside(path);
+  remove_tree(fresh);
+  if (mkdir(fresh.c_str(), 0700) != 0) return trouble(fresh, "cannot be made");
+  Result<void> done{};
+  for (const auto& [name, bytes] : files) {
+    if (!is_plain_name(name))
+      done = fail(ErrorKind::Internal, name, "no plain file name; letters, digits, . - _ only");
+    else
+      done = write_synced(fresh + "/" + name, bytes);
+    if (!done) break;
+  }
+  if (done) done = sync_folder(fresh);
+  if (done) {
+    remove_tree(path);
+    done = rename_synced(fresh, path);
+  }
+  if (!done) remove_tree(fresh);
+  return done;
+}
+
+Result<std::string> read_whole(const std::string& path, std::uint64_t limit) {
+  Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  struct stat about {};
+  if (!file.good() || fstat(file.get(), &about) != 0 || !S_ISREG(about.st_mode))
+    return fail(ErrorKind::Malformed, path, "cannot be opened; it must be a readable file");
+  if (static_cast<std::uint64_t>(about.st_size) > limit)
+    return fail(ErrorKind::Malformed, path,
+                fmt::format("is {} bytes long; at most {} are lawful", about.st_size, limit));
+  std::string bytes(static_cast<std::size_t>(about.st_size), '\0');
+  std::size_t have = 0;
+  while (have < bytes.size()) {
+    const ssize_t got = read(file.get(), bytes.data() + have, bytes.size() - have);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return fail(ErrorKind::Malformed, path, "cannot be read to its end");
+    have += static_cast<std::size_t>(got);
+  }
+  return bytes;
+}
+
+void remove_tree(const std::string& path) {
+  std::error_code ignored;
+  fs::remove_all(path, ignored);
+}
+
+Result<void> sync_folder(const std::string& path) {
+  const Descriptor folder(open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!folder.good()) return trouble(path, "cannot be opened");
+  if (fsync(folder.get()) != 0) return trouble(path, "cannot be synced");
+  return {};
+}
+
+bool is_plain_name(std::string_view name) {
+  return !name.empty() && name.size() <= 100 && name[0] != '.' &&
+         name.find_first_not_of(
+             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-") ==
+             std::string_view::npos;
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/store/store.hpp"
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "daemon/store/damaged.hpp"
+#include "daemon/store/digest.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kClean = "clean\n";
+constexpr std::string_view kInUse = "in use\n";
+
+tl::unexpected<OpenTrouble> trouble(OpenTrouble::Kind kind, std::string detail) {
+  return tl::unexpected<OpenTrouble>(OpenTrouble{kind, std::move(detail)});
+}
+
+int version_of(Database& database) {
+  return static_cast<int>(database.number("PRAGMA user_version"));
+}
+
+// Until it has its name it is nothing: what has the name is a whole database.
+void make_database(const std::string& path, const StoreOptions& options) {
+  const std::string fresh = path + ".new";
+  remove_tree(fresh);
+  remove_tree(fresh + "-journal");
+  remove_tree(fresh + "-wal");
+  {
+    Database database({.path = fresh, .vfs = options.vfs});
+    build_schema(database, options.steps, options.steps.back().version);
+    database.checkpoint(true);
+  }
+  remove_tree(fresh + "-wal");
+  if (const Result<void> kept = keep_file(fresh, path); !kept)
+    throw StoreFault(FaultKind::Io, message(kept.error()));
+}
+
+// What is wrong with the file before SQLite is let near it; empty: nothing.
+std::string header_damage(const std::string& path) {
+  std::array<unsigned char, 100> header{};
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rbe"),
+                                                             &std::fclose);
+  if (!file) return "cannot be opened";
+  if (std::fread(header.data(), 1, header.size(), file.get()) != header.size())
+    return "is too short for a database";
+  constexpr std::string_view magic("SQLite format 3\0", 16);
+  if (!std::equal(magic.begin(), magic.end(), header.begin())) return "is no SQLite database";
+  if (header[18] != 2 || header[19] != 2) return "is not in the mode that popcutd keeps it in";
+  const unsigned id = static_cast<unsigned>(header[68]) << 24 |
+                      static_cast<unsigned>(header[69]) << 16 |
+                      static_cast<unsigned>(header[70]) << 8 | static_cast<unsigned>(header[71]);
+  return id == static_cast<unsigned>(kApplicationId) ? "" : "is no database of popcutd";
+}
+
+tl::unexpected<OpenTrouble> damaged(const std::string& path, const StateFolder& folder,
+                                    const std::string& what) {
+  const Result<std::string> copy = set_aside(path, folder.at("backups"));
+  return trouble(OpenTrouble::Kind::Corrupt,
+                 fmt::format("{}: the database {}; {}, and nothing of it was changed: 'popcut db "
+                             "salvage' brings over what can be read, or put a copy from {} in its "
+                             "place",
+                             path, what,
+                             copy ? "a copy was set aside as " + *copy
+                                  : "no copy could be set aside (" + message(copy.error()) + ")",
+                             folder.at("backups")));
+}
+
+}  // namespace
+
+void build_schema(Database& database, const std::vector<Migration>& steps, int version) {
+  Transaction all(database);
+  for (const Migration& step : steps)
+    if (step.version <= version) database.script(std::string(step.sql));
+  database.script(
+      fmt::format("PRAGMA application_id={}; PRAGMA user_version={};", kApplicationId, version));
+  all.commit();
+}
+
+tl::expected<std::unique_ptr<Store>, OpenTrouble> Store::open(StoreOptions options) {
+  auto folder = StateFolder::open(options.folder);
+  if (!folder)
+    return trouble(folder.error().kind == ErrorKind::Refused ? OpenTrouble::Kind::Locked
+                                                             : OpenTrouble::Kind::Io,
+                   message(folder.error()));
+  std::unique_ptr<Store> store(new Store(std::move(options), std::move(*folder)));
+  const StoreOptions& wish = store->options_;
+  const std::string path = store->folder_->at("popcut.db");
+  const std::string mark = read_whole(store->folder_->at("database-state"), 100).value_or("");
+  try {
+    std::error_code ignored;
+    if (!fs::exists(path, ignored)) {
+      if (!mark.empty() || fs::exists(path + "-wal", ignored))
+        return trouble(OpenTrouble::Kind::Corrupt,
+                       path + ": the database is gone, but it was here before; put a copy from " +
+                           store->folder_->at("backups") +
+                           " in its place, or remove the file database-state beside it to start "
+                           "with an empty queue");
+      make_database(path, wish);
+    }
+    if (std::string what = header_damage(path); !what.empty())
+      return damaged(path, *store->folder_, what);
+    if (mark == kInUse)
+      if (std::string what = log_damage(path + "-wal"); !what.empty())
+        return damaged(path, *store->folder_, "was not closed and its log " + what);
+    store->database_ = std::make_unique<Database>(
+        Database::Options{.path = path, .vfs = wish.vfs, .create = false});
+    const int version = version_of(*store->database_);
+    const int newest = wish.steps.back().version;
+    if (version > newest)
+      return trouble(OpenTrouble::Kind::TooNew,
+                     fmt::format("{}: was written by a later popcutd (schema {}, this one knows up "
+                                 "to {}); install that one, or put back the copy that it made",
+                                 path, version, newest));
+    {
+      Rows verdict = store->database_->rows("PRAGMA quick_check(1)");
+      if (!verdict.next() || verdict.text(0) != "ok")
+        return damaged(path, *store->folder_, "is damaged: " + verdict.text(0));
+    }
+    if (version < 1) return damaged(path, *store->folder_, "has no version");
+    if (version < newest) store->migrate();
+    store->folder_->take_reserve(wish.reserve_bytes);
+    return store;
+  } catch (const StoreFault& fault) {
+    store->failed_ = true;
+    if (fault.kind() == FaultKind::Corrupt || fault.kind() == FaultKind::Constraint)
+      return damaged(path, *store->folder_, fmt::format("is damaged: {}", fault.what()));
+    return trouble(OpenTrouble::Kind::Io, fmt::format("{}: {}", path, fault.what()));
+  }
+}
+
+void Store::migrate() {
+  const int from = version_of(*database_);
+  const int to = options_.steps.back().version;
+  (void)back_up(
+      *database_, *folder_,
+      fmt::format("before-version-{}-{}.db", to, sha256_hex(random_bytes(8)).substr(0, 8)));
+  Transaction all(*database_);
+  for (const Migration& step : options_.steps)
+    if (step.version > from) database_->script(std::string(step.sql));
+  database_->script(fmt::format("PRAGMA user_version={}", to));
+  all.commit();
+}
+
+void Store::mark_in_use() {
+  if (const Result<void> done = write_file(folder_->at("database-state"), kInUse); !done)
+    throw StoreFault(FaultKind::Io, message(done.error()));
+}
+
+Store::~Store() {
+  if (!database_ || failed_) return;
+  try {
+    database_->checkpoint(true);
+    // Only now may the log be missing.
+    (void)write_file(folder_->at("database-state"), kClean);
+  } catch (const StoreFault&) {
+    // The log stays and is read at the next opening.
+  }
+}
+
+std::string back_up(Database& database, const StateFolder& folder, const std::string& name) {
+  const std::string path = folder.at("backups/" + name);
+  const std::string fresh = folder.at("backups/.new-" + name);
+  remove_tree(fresh);
+  database.run("VACUUM INTO ?", fresh);
+  if (const Result<void> kept = keep_file(fresh, path); !kept)
+    throw StoreFault(FaultKind::Io, message(kept.error()));
+  return path;
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "daemon/store/database.hpp"
+#include "daemon/store/schema.hpp"
+#include "daemon/store/state_folder.hpp"
+
+namespace popcut::daemon {
+
+struct StoreOptions {
+  std::string folder;                     ///< STATE
+  std::uint64_t reserve_bytes{4u << 20};  ///< kept free for the last records of a full disk
+  std::string vfs{};                      ///< of SQLite; tests
+  std::vector<Migration> steps{migrations()};
+};
+
+/// Why the store was not opened.
+struct OpenTrouble {
+  enum class Kind : std::uint8_t {
+    Locked,   ///< another process has it
+    Corrupt,  ///< needs a person: `popcut db salvage`; popcutd exits 78
+    TooNew,   ///< written by a later popcutd; exits 78
+    Io,       ///< the folder cannot be read or written
+  };
+  Kind kind{};
+  std::string detail;  ///< what, where, and what a person can do
+};
+
+/// popcutd's memory: STATE/popcut.db and the files beside it, held by this process alone.
+class Store {
+ public:
+  /// Takes the lock, checks the database, brings it to the newest version (after a copy into
+  /// STATE/backups) and takes the reserve.
+  ///
+  /// A damaged database is never used, nor changed: a copy is set aside in STATE/backups, and the
+  /// original stays where it is.
+  [[nodiscard]] static tl::expected<std::unique_ptr<Store>, OpenTrouble> open(StoreOptions options);
+  /// Moves the log into the database, unless the disk failed.
+  ~Store();
+  Store(const Store&) = delete;
+  Store& operator=(const Store&) = delete;
+
+  [[nodiscard]] Database& database() { return *database_; }
+  [[nodiscard]] StateFolder& folder() { return *folder_; }
+  [[nodiscard]] const StoreOptions& options() const { return options_; }
+  /// Says that an unclean end may leave a log that must not be missing. After the first commit.
+  void mark_in_use();
+  /// The disk failed: nothing is written any more, not at the end either.
+  void give_up() { failed_ = true; }
+
+ private:
+  Store(StoreOptions options, std::unique_ptr<StateFolder> folder)
+      : options_(std::move(options)), folder_(std::move(folder)) {}
+  void migrate();
+  StoreOptions options_;
+  std::unique_ptr<StateFolder> folder_;
+  std::unique_ptr<Database> database_;
+  bool failed_{false};
+};
+
+/// What salvage brought over.
+struct Salvage {
+  struct Table {
+    std::string name;
+    std::int64_t rows{};     ///< brought over
+    std::int64_t refused{};  ///< read, but against the rules of the schema
+    bool whole{true};        ///< false: reading stopped at damage
+  };
+  std::vector<Table> tables;
+  std::string original;  ///< where the damaged file lies now
+};
+
+/// Reads what can be read of STATE/popcut.db into a new database, which takes its place. The
+/// damaged one is kept in STATE/backups. Takes the lock: popcutd must not run.
+[[nodiscard]] tl::expected<Salvage, OpenTrouble> salvage(const std::string& folder);
+
+/// Copies the database by VACUUM INTO to STATE/backups/NAME.
+///
+/// @throws StoreFault  if it cannot be read, or there is no room
+[[nodiscard]] std::string back_up(Database& database, const StateFolder& folder,
+                                  const std::string& name);
+
+/// What is wrong with a write-ahead log whose last process did not end it: nothing, or a text.
+///
+/// A log may end in the middle of its last transaction, which was never reported as done. But what
+/// stands before another commit was synced before that was written, so it must be whole.
+[[nodiscard]] std::string log_damage(const std::string& path);
+
+}  // namespace popcut::daemon

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "daemon/planning/planner.hpp"
+#include "daemon/store/digest.hpp"
+#include "daemon/store/state_folder.hpp"
+
+namespace popcut::test {
+
+/// The program that the fake planner makes of sheet `number`: strokes of ten bytes each.
+inline EncodedProgram fake_program(const std::string& seed, int number, int strokes) {
+  EncodedProgram program;
+  program.dialect = Dialect::Gpgl;
+  const std::string digest = daemon::sha256_hex(seed + std::to_string(number));
+  program.bytes = "setup " + digest.substr(0, 4);
+  program.setup = {{0, program.bytes.size()}};
+  program.geometry.begin = program.bytes.size();
+  for (int i = 0; i < strokes; ++i) {
+    const std::uint64_t begin = program.bytes.size();
+    program.bytes += "M" + digest.substr(static_cast<std::size_t>(i % 50), 9);
+    program.strokes.push_back({begin, program.bytes.size()});
+  }
+  program.geometry.end = program.bytes.size();
+  program.trailer = {program.bytes.size(), program.bytes.size() + 3};
+  program.bytes += "END";
+  return program;
+}
+
+/// Reads what the fake planner stored.
+inline Result<EncodedProgram> read_fake_program(const std::string& folder, int sheet) {
+  const auto bytes =
+      daemon::read_whole(folder + "/sheet-" + std::to_string(sheet) + ".gpgl", 1u << 24);
+  if (!bytes) return tl::unexpected(bytes.error());
+  EncodedProgram program;
+  program.dialect = Dialect::Gpgl;
+  program.bytes = *bytes;
+  const std::uint64_t setup = 10;
+  program.setup = {{0, setup}};
+  program.geometry = {setup, program.bytes.size() - 3};
+  for (std::uint64_t at = setup; at + 10 <= program.geometry.end; at += 10)
+    program.strokes.push_back({at, at + 10});
+  program.trailer = {program.geometry.end, program.bytes.size()};
+  return program;
+}
+
+/// Plans anything at once, always the same way: `sheets` sheets of `strokes` strokes. A design
+/// whose file holds "bad" fails; one that holds "slow" waits for `release`.
+class FakePlanner final : public daemon::Planner {
+ public:
+  int sheets{2};
+  int strokes{5};
+  std::array<double, 2> area_mm{200, 280};
+  std::atomic<int> started{0}, cancelled{0};
+
+  FakePlanner() : thread_([this] { loop(); }) {}
+  ~FakePlanner() override {
+    {
+      const std::lock_guard lock(mutex_);
+      ending_ = true;
+    }
+    wake_.notify_all();
+    thread_.join();
+  }
+
+  std::uint64_t start(daemon::PlanningTask task, Done done) override {
+    const std::lock_guard lock(mutex_);
+    ++started;
+    tasks_.push_back({++last_, std::move(task), std::move(done)});
+    wake_.notify_all();
+    return last_;
+  }
+  void cancel(std::uint64_t task) override {
+    const std::lock_guard lock(mutex_);
+    cancels_.push_back(task);
+    ++cancelled;
+    wake_.notify_all();
+  }
+  void release() {
+    const std::lock_guard lock(mutex_);
+    released_ = true;
+    wake_.notify_all();
+  }
+  [[nodiscard]] daemon::PlanningTask last_task() const {
+    const std::lock_guard lock(mutex_);
+    return seen_;
+  }
+
+ private:
+  struct One {
+    std::uint64_t number;
+    daemon::PlanningTask task;
+    Done done;
+  };
+  void loop() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      wake_.wait(lock, [&] { return ending_ || !tasks_.empty(); });
+      if (ending_) return;
+      One one = std::move(tasks_.front());
+      tasks_.pop_front();
+      seen_ = one.task;
+      const std::string text = daemon::read_whole(one.task.design_path, 1u << 26).value_or("");
+      const auto is_cancelled = [&] {
+        return std::find(cancels_.begin(), cancels_.end(), one.number) != cancels_.end();
+      };
+      if (one.task.kind == daemon::PlanningTask::Kind::Plan &&
+          text.find("slow") != std::string::npos)
+        wake_.wait(lock, [&] { return ending_ || released_ || is_cancelled(); });
+      if (ending_) return;
+      Result<daemon::PlanningOutcome> outcome =
+          is_cancelled() ? fail(ErrorKind::Refused, "", "cancelled") : outcome_of(one.task, text);
+      lock.unlock();
+      one.done(std::move(outcome));
+      lock.lock();
+    }
+  }
+  Result<daemon::PlanningOutcome> outcome_of(const daemon::PlanningTask& task,
+                                             const std::string& text) {
+    if (text.find("bad") != std::string::npos)
+      return fail(ErrorKind::Malformed, "/surface", "is not known; one of sphere, saddle");
+    daemon::PlanningOutcome outcome;
+    outcome.design_kind = "spec";
+    if (task.kind == daemon::PlanningTask::Kind::Check) {
+      outcome.files.push_back({"preview.svg", "<svg/>"});
+      for (const auto& [id, path] : task.asset_paths) outcome.assets.push_back(id);
+      return outcome;
+    }
+    std::string seed = text + task.machine_json + task.material_json;
+    for (const auto& [name, value] : task.options) seed += name + value;
+    daemon::Sha256 all;
+    for (int number = 1; number <= sheets; ++number) {
+      const EncodedProgram program = fake_program(seed, number, strokes);
+      all.add(program.bytes);
+      outcome.sheets.push_back({.number = number,
+                                .paths = strokes,
+                                .cut_mm = 100,
+                                .fold_mm = 50,
+                                .travel_mm = 30,
+                                .seconds = 10,
+                                .seconds_range = {8, 13},
+                                .area_mm = area_mm,
+                                .program_sha256 = daemon::sha256_hex(program.bytes)});
+      outcome.files.push_back({"sheet-" + std::to_string(number) + ".gpgl", program.bytes});
+    }
+    outcome.files.push_back({"plan.json", "{}"});
+    outcome.sha256 = all.hex();
+    return outcome;
+  }
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<One> tasks_;
+  std::vector<std::uint64_t> cancels_;
+  daemon::PlanningTask seen_;
+  std::uint64_t last_{0};
+  bool released_{false}, ending_{false};
+  std::thread thread_;
+};
+
+}  // namespace popcut::test

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <type_traits>
+
+#include <unistd.h>
+
+#include "daemon/service/job_service.hpp"
+#include "tests/support/fake_cutters.hpp"
+#include "tests/support/fake_planner.hpp"
+
+namespace popcut::test {
+
+/// A folder that is gone with this.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "popcut-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no scratch folder");
+    path_ = name;
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+inline void write_text(const std::string& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+/// A service over a store in a scratch folder, with fakes for planner and cutters.
+class ServiceBench {
+ public:
+  const daemon::Principal viewer{"uid:1", daemon::Role::Viewer};
+  const daemon::Principal student{"uid:2", daemon::Role::Submitter};
+  const daemon::Principal other_student{"uid:3", daemon::Role::Submitter};
+  const daemon::Principal tutor{"uid:4", daemon::Role::Operator};
+  const daemon::Principal admin{"uid:5", daemon::Role::Admin};
+  const std::string device{"sim:cameo3"};
+
+  daemon::ServiceOptions options;
+  std::string vfs;
+  std::uint64_t reserve_bytes{1u << 16};
+  std::int64_t skew_ms{0};            ///< of the wall's clock
+  std::int64_t monotonic_skew_ms{0};  ///< of the other one
+  FakePlanner planner;
+  FakeCutters cutters;
+
+  explicit ServiceBench(bool begin = true) : ServiceBench(std::vector<std::string>{}, begin) {}
+  explicit ServiceBench(std::vector<std::string> devices, bool begin = true)
+      : cutters(devices.empty() ? std::vector<std::string>{"sim:cameo3"} : devices) {
+    options.read_program = read_fake_program;
+    options.least_free_bytes = 1;
+    options.wall_ms = [this] {
+      using namespace std::chrono;
+      return duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count() + skew_ms;
+    };
+    options.monotonic_ms = [this] {
+      using namespace std::chrono;
+      return duration_cast<milliseconds>(steady_clock::now().time_since_epoch()).count() +
+             monotonic_skew_ms;
+    };
+    if (begin) start();
+  }
+  ~ServiceBench() { stop(); }
+
+  /// Opens the store and the service; the trouble in words, or nothing.
+  std::string start() {
+    auto opened =
+        daemon::Store::open({.folder = folder(), .reserve_bytes = reserve_bytes, .vfs = vfs});
+    if (!opened) return opened.error().detail;
+    store_ = std::move(*opened);
+    thread_ = std::make_unique<daemon::ServiceThread>();
+    auto made = daemon::make_service(*store_, *thread_, planner, cutters, options);
+    if (!made) return made.error().detail;
+    service_ = std::move(*made);
+    return {};
+  }
+  /// Ends in order.
+  void stop() {
+    if (thread_) thread_->stop();
+    service_.reset();
+    thread_.reset();
+    store_.reset();
+  }
+  /// Ends as a killed process does: nothing is moved, flushed or marked.
+  void crash() {
+    thread_->stop();
+    service_.reset();
+    thread_.reset();
+    store_->give_up();
+    store_.reset();
+    cutters.forget();
+  }
+
+  [[nodiscard]] std::string folder() const { return scratch_.path() + "/state"; }
+  [[nodiscard]] daemon::Store& store() { return *store_; }
+  [[nodiscard]] daemon::ServiceThread& thread() { return *thread_; }
+  [[nodiscard]] daemon::JobService& service() { return *service_; }
+
+  /// `work(service)` on the service's thread.
+  template <typename Work>
+  auto on(const Work& work) {
+    using Value = std::invoke_result_t<Work, daemon::JobService&>;
+    if constexpr (std::is_void_v<Value>) {
+      thread_->run(daemon::ServiceThread::Lane::Asking, [&] { work(*service_); });
+    } else {
+      std::optional<Value> value;
+      thread_->run(daemon::ServiceThread::Lane::Asking, [&] { value.emplace(work(*service_)); });
+      return std::move(*value);
+    }
+  }
+  /// Waits until `holds()`; false after a minute.
+  bool wait(const std::function<bool()>& holds) {
+    for (int i = 0; i < 60'000; ++i) {
+      if (holds()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return false;
+  }
+
+  /// Uploads a design of that text; gives its id or the problem.
+  daemon::Answer<daemon::Design> add_design(const std::string& text,
+                                            const std::string& name = "card") {
+    static std::atomic<int> number{0};
+    const std::string path = folder() + "/incoming/upload-" + std::to_string(++number);
+    write_text(path, text);
+    std::mutex mutex;
+    std::condition_variable over;
+    std::optional<daemon::Answer<daemon::Design>> answer;
+    on([&](daemon::JobService& service) {
+      service.add_design(student, {path, daemon::sha256_hex(text), text.size()}, "application/json",
+                         name, [&](daemon::Answer<daemon::Design> done) {
+                           const std::lock_guard lock(mutex);
+                           answer.emplace(std::move(done));
+                           over.notify_all();
+                         });
+    });
+    std::unique_lock lock(mutex);
+    over.wait_for(lock, std::chrono::seconds(60), [&] { return answer.has_value(); });
+    return answer ? *answer : daemon::refuse(daemon::ProblemKind::Internal, "no answer");
+  }
+  daemon::Answer<daemon::Job> create(const std::string& design, int copies = 1) {
+    daemon::JobCreate wish;
+    wish.design = design;
+    wish.copies = copies;
+    return on([&](daemon::JobService& service) { return service.create_job(student, wish); });
+  }
+  daemon::Job job(const std::string& id) {
+    return on([&](daemon::JobService& service) { return service.job(id).value(); });
+  }
+  daemon::Job wait_for(const std::string& id, daemon::JobState state) {
+    wait([&] { return job(id).state == state; });
+    return job(id);
+  }
+  /// A job that is ready for its first sheet.
+  daemon::Job ready_job(const std::string& text = "{\"card\":1}", int copies = 1) {
+    const auto design = add_design(text);
+    const auto made = create(design.value().id, copies);
+    return wait_for(made.value().id, daemon::JobState::Ready);
+  }
+  daemon::Answer<daemon::Job> act(const std::string& id, daemon::ActionWish wish) {
+    return on([&](daemon::JobService& service) {
+      const auto now = service.job(id);
+      if (!now) return now;
+      if (!wish.sheet && wish.action != daemon::JobAction::Start) wish.sheet = now->sheet;
+      return service.act(tutor, id, now->rev, wish);
+    });
+  }
+  daemon::Answer<daemon::Job> act(const std::string& id, daemon::JobAction action) {
+    return act(id, daemon::ActionWish{.action = action});
+  }
+  /// Armed and started: the sheet is with the cutter.
+  daemon::Job started(const std::string& id) {
+    act(id, daemon::JobAction::Arm).value();
+    return act(id, daemon::JobAction::Start).value();
+  }
+
+ private:
+  ScratchFolder scratch_;
+  std::unique_ptr<daemon::Store> store_;
+  std::unique_ptr<daemon::ServiceThread> thread_;
+  std::unique_ptr<daemon::JobService> service_;
+};
+
+}  // namespace popcut::test
