@@ -28,8 +28,8 @@ constexpr double kLinger_s = 2;
 struct Exchange {
   Request request{};
   const Route* route{nullptr};
-  std::optional<Spool> spool{};
-  bool holds_upload{false};
+  // Shared with whoever writes it or reads it: the file goes with the last of them.
+  std::shared_ptr<Spool> spool{};
   Clock::time_point begun{Clock::now()};
 };
 
@@ -261,8 +261,7 @@ std::optional<Problem> look_at_principal(Hub& hub, const Client& client, Exchang
   }
   Answer<Spool> spool = Spool::create(hub.options.incoming_folder, request.id);
   if (!spool) return spool.error();
-  exchange.spool.emplace(std::move(*spool));
-  exchange.holds_upload = true;
+  exchange.spool = std::make_shared<Spool>(std::move(*spool));
   ++hub.uploads;
   return std::nullopt;
 }
@@ -297,9 +296,13 @@ asio::awaitable<std::optional<Problem>> read_whole_body(Hub& hub, ClientPtr clie
   if (!exchange.spool) co_return std::nullopt;
   if (got == 0)
     co_return Problem{ProblemKind::Validation, "the body is empty; send the file itself"};
-  Answer<Upload> upload = exchange.spool->finish();
-  if (!upload) co_return upload.error();
-  exchange.request.upload = std::move(*upload);
+  auto upload = std::make_shared<std::optional<Answer<Upload>>>();
+  std::function<void()> finish = [upload, spool = exchange.spool] { *upload = spool->finish(); };
+  const bool finished = co_await hub.run_aside(client, std::move(finish));
+  if (!finished || !*upload)
+    co_return Problem{ProblemKind::Unavailable, "the disk takes too long; try again"};
+  if (!**upload) co_return (*upload)->error();
+  exchange.request.upload = std::move(***upload);
   co_return std::nullopt;
 }
 
@@ -321,8 +324,9 @@ asio::awaitable<Response> ask_handler(Hub& hub, ClientPtr client, Exchange& exch
   auto request = std::make_shared<Request>(exchange.request);
   const Route* const route = exchange.route;
   const auto shop = std::make_shared<Shop>(hub.shop);
+  const std::shared_ptr<Spool> spool = exchange.spool;  // until the service has answered
   std::function<void(Service&, Hub::Done)> work = [=](Service& service, const Hub::Done& done) {
-    const Reply reply([answer, done](Response response) {
+    const Reply reply([answer, done, spool](Response response) {
       done([answer, response = std::move(response)]() mutable { *answer = std::move(response); });
     });
     dispatch(*request, *route, service, *shop, reply);
@@ -448,7 +452,7 @@ asio::awaitable<void> serve(Hub& hub, ClientPtr client) {
     Exchange exchange;
     exchange.request.id = new_request_id();
     const bool goes_on = co_await serve_one(hub, client, exchange);
-    if (exchange.holds_upload) --hub.uploads;
+    if (exchange.spool) --hub.uploads;
     if (!goes_on) break;
     ++client->served;
     client->reader.next();

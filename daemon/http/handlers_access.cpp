@@ -57,13 +57,16 @@ void open_session(const Request& request, Service& service, const Shop& shop, Re
 }
 
 void close_session(const Request& request, Service& service, const Shop&, Reply reply) {
-  const std::string& name = request.principal.name;
-  constexpr std::string_view kToken = "token:";
-  if (!name.starts_with(kToken))
+  // "Bearer pc_<id>_<secret>"; that it is a lawful one was seen at the door.
+  const std::string_view sent = request.header("authorization").value_or("");
+  const std::size_t begin = sent.find("pc_");
+  const std::size_t end = sent.find('_', begin == std::string_view::npos ? begin : begin + 3);
+  if (begin == std::string_view::npos || end == std::string_view::npos)
     return reply(problem_response(
         Problem{ProblemKind::NotFound, "this connection has no session; it is known by its user"},
         request));
-  const Answer<void> gone = service.delete_token(request.principal, name.substr(kToken.size()));
+  const std::string id(sent.substr(begin + 3, end - begin - 3));
+  const Answer<void> gone = service.delete_token(request.principal, id);
   if (!gone) return reply(problem_response(gone.error(), request));
   reply(empty_response());
 }

@@ -80,11 +80,19 @@ double Hub::now_s() const {
   return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
 }
 
-bool Hub::make_room(bool& reserved) {
+bool Hub::is_greedy(const Peer& peer) const {
+  if (!peer.is_local) return false;
+  const auto held = std::count_if(clients.begin(), clients.end(), [&](const ClientPtr& client) {
+    return client->peer.is_local && client->peer.uid == peer.uid && !client->reserved;
+  });
+  return held >= std::max(1, limits().connections * 3 / 4);
+}
+
+bool Hub::make_room(const Peer& peer, bool& reserved) {
   reserved = false;
   const auto usual = std::count_if(clients.begin(), clients.end(),
                                    [](const ClientPtr& client) { return !client->reserved; });
-  if (usual < limits().connections) return true;
+  if (usual < limits().connections && !is_greedy(peer)) return true;
   ClientPtr quietest;
   for (const ClientPtr& client : clients) {
     const bool is_quiet = !client->reserved && !client->closed &&
@@ -142,8 +150,8 @@ void Hub::log_request(const Client& client, const Request& request, const Respon
   static_cast<void>(client);
 }
 
-asio::awaitable<bool> Hub::ask(ClientPtr client, std::function<void(Service&, Done)> work,
-                               double patience_s) {
+asio::awaitable<bool> Hub::wait_for(ClientPtr client, std::function<bool(Done)> start,
+                                    double patience_s) {
   auto ticket = std::make_shared<Ticket>(io);
   ticket->timer.expires_after(
       std::chrono::microseconds(static_cast<std::int64_t>(patience_s * 1e6)));
@@ -156,10 +164,8 @@ asio::awaitable<bool> Hub::ask(ClientPtr client, std::function<void(Service&, Do
       ticket->timer.cancel();
     });
   };
-  Service* const service = options.service;
-  const bool taken = options.on_service(
-      [work = std::move(work), done = std::move(done), service] { work(*service, done); });
-  if (taken && !client->closed) {
+  const bool started = start(std::move(done));
+  if (started && !client->closed) {
     boost::system::error_code ec;
     co_await ticket->timer.async_wait(asio::redirect_error(asio::use_awaitable, ec));
   }
@@ -167,6 +173,26 @@ asio::awaitable<bool> Hub::ask(ClientPtr client, std::function<void(Service&, Do
   const bool answered = ticket->done;
   ticket->done = true;  // what comes later comes too late
   co_return answered;
+}
+
+asio::awaitable<bool> Hub::ask(ClientPtr client, std::function<void(Service&, Done)> work,
+                               double patience_s) {
+  std::function<bool(Done)> start = [this, work = std::move(work)](Done done) {
+    return options.on_service(
+        [work, done = std::move(done), service = options.service] { work(*service, done); });
+  };
+  co_return co_await wait_for(client, std::move(start), patience_s);
+}
+
+asio::awaitable<bool> Hub::run_aside(ClientPtr client, std::function<void()> work) {
+  std::function<bool(Done)> start = [this, work = std::move(work)](Done done) {
+    asio::post(disk, [work, done = std::move(done)] {
+      work();
+      done({});
+    });
+    return true;
+  };
+  co_return co_await wait_for(client, std::move(start), limits().answer_s);
 }
 
 std::string new_request_id() {

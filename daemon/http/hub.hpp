@@ -86,6 +86,7 @@ struct Hub {
   explicit Hub(HttpOptions what);
 
   asio::io_context io{1};
+  asio::thread_pool disk{1};
   std::shared_ptr<Link> link;
   HttpOptions options;
   Shop shop;
@@ -104,17 +105,25 @@ struct Hub {
   [[nodiscard]] double now_s() const;
   /// A place for a new connection: one that is free, else that of the longest idle one, else a
   /// reserved one. False: there is none.
-  [[nodiscard]] bool make_room(bool& reserved);
+  [[nodiscard]] bool make_room(const Peer& peer, bool& reserved);
+  /// True for a user of the unix socket who has three quarters of all places already.
+  [[nodiscard]] bool is_greedy(const Peer& peer) const;
   void remove(const ClientPtr& client);
   void publish(const EventFramePtr& frame);
   void log_request(const Client& client, const Request& request, const Response& response,
                    double ms) const;
-  /// Runs `work` on the service's thread with a function to call, there or later, when it is done.
-  /// The coroutine wakes then. `work` writes its results where `arrive`, run on this thread before
-  /// the coroutine wakes, can reach them. False: too late, or the service takes nothing.
+  /// To be called once, on any thread, when something is done: the coroutine that waits for it
+  /// wakes, and `arrive` has run on the thread of HTTP before.
   using Done = std::function<void(std::function<void()> arrive)>;
+  /// Begins something by `start` and waits for it. False: it did not begin, or takes too long.
+  asio::awaitable<bool> wait_for(ClientPtr client, std::function<bool(Done)> start,
+                                 double patience_s);
+  /// Runs `work` on the service's thread and waits until it calls the function that it is given,
+  /// there or later. False: too late, or the service takes nothing.
   asio::awaitable<bool> ask(ClientPtr client, std::function<void(Service&, Done)> work,
                             double patience_s);
+  /// Runs `work`, which waits for the disk, on a thread beside and waits until it has ended.
+  asio::awaitable<bool> run_aside(ClientPtr client, std::function<void()> work);
 };
 
 /// Serves one connection until it ends.

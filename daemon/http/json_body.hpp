@@ -65,7 +65,8 @@ class Members {
 /// without members.
 template <typename Value, typename Read>
 Answer<Value> read_body_as(const Request& request, int max_depth, Read read) {
-  const Answer<nlohmann::json> json = parse_body(request.body.empty() ? "{}" : request.body, max_depth);
+  const Answer<nlohmann::json> json =
+      parse_body(request.body.empty() ? "{}" : request.body, max_depth);
   if (!json) return tl::unexpected<Problem>(json.error());
   std::vector<RequestFault> faults;
   Members members(*json, faults);

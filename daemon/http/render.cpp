@@ -220,15 +220,15 @@ ordered_json to_json(const UsageRow& row) {
 }
 
 std::string event_json(const Event& event) {
-  const ordered_json head{{"seq", event.seq},
-                          {"kind", event.kind},
-                          {"time", rfc3339(event.time)},
-                          {"job", text_or_null(event.job)}};
+  const std::string time = fmt::format("\"time\":\"{}\"}}", rfc3339(event.time));
+  // "{...}" of the service: its last bracket makes place for the time.
+  if (event.data.size() > 2 && event.data.back() == '}')
+    return fmt::format("{},{}", std::string_view(event.data).substr(0, event.data.size() - 1),
+                       time);
+  const ordered_json head{{"seq", event.seq}, {"kind", event.kind}};
   std::string out = dump(head);
-  if (event.data.size() <= 2 || event.data.front() != '{') return out;
   out.back() = ',';
-  out += std::string_view(event.data).substr(1);
-  return out;
+  return out + time;
 }
 
 std::string usage_csv(const std::vector<UsageRow>& rows, const std::string& by) {

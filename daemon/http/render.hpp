@@ -27,7 +27,7 @@ namespace popcut::daemon::http {
 [[nodiscard]] nlohmann::ordered_json to_json(const NewToken& token);
 [[nodiscard]] nlohmann::ordered_json to_json(const UsageRow& row);
 
-/// `event.data` with "seq", "kind", "time" and "job" before its own members. It is not parsed.
+/// `event.data`, which has "seq" and "kind" and more, with its "time". It is not parsed.
 [[nodiscard]] std::string event_json(const Event& event);
 
 /// Rows of usage as CSV, with a head line; keys are quoted, and none is a formula to a spreadsheet.

@@ -84,8 +84,8 @@ Peer peer_of(int socket, const http::Listener& listener) {
 
 void welcome(Hub& hub, Socket socket, const http::Listener& listener) {
   bool reserved = false;
-  if (hub.stopping || !hub.make_room(reserved)) return;  // the socket closes here
   Peer peer = peer_of(socket.native_handle(), listener);
+  if (hub.stopping || !hub.make_room(peer, reserved)) return;  // the socket closes here
   auto client = std::make_shared<Client>(hub.io, std::move(socket), std::move(peer), hub.limits());
   client->reserved = reserved;
   hub.clients.push_back(client);
@@ -229,6 +229,7 @@ void HttpServer::stop(double grace_s) {
   asio::post(impl.hub.io, [&impl, grace_s] { impl.begin_stop(grace_s); });
   impl.thread.join();  // run() returns when no coroutine is left
   impl.hub.link->cut();
+  impl.hub.disk.join();
 }
 
 bool HttpServer::alive() const { return steady_ms() - impl_->turned_ms < kAliveFor_ms; }

@@ -45,10 +45,14 @@ FakeService::FakeService() {
   material_map["paper-220"] = {"paper-220", 1, R"({"force_gf": 120})", true};
 }
 
-std::optional<Problem> FakeService::trouble(const char* name) {
+void FakeService::note(const char* name) {
   asked.emplace_back(name);
   if (throws) throw std::runtime_error("the fake was told to");
   if (throws_bad_alloc) throw std::bad_alloc();
+}
+
+std::optional<Problem> FakeService::trouble(const char* name) {
+  note(name);
   std::optional<Problem> problem = std::move(next_problem);
   next_problem.reset();
   return problem;
@@ -56,7 +60,7 @@ std::optional<Problem> FakeService::trouble(const char* name) {
 
 Job& FakeService::changed(Job& job) {
   ++job.rev;
-  tell("job", job.id, fmt::format(R"({{"state":"{}","rev":{}}})", name_of(job.state), job.rev));
+  tell("job", job.id, fmt::format(R"("state":"{}","rev":{})", name_of(job.state), job.rev));
   return job;
 }
 
@@ -79,14 +83,19 @@ Job& FakeService::add_job(JobState state, const std::string& owner) {
   return job_map[job.id] = job;
 }
 
-void FakeService::tell(const std::string& kind, const std::string& job, const std::string& data) {
-  const Event event{++seq_, kind, kNow, job, data};
+void FakeService::tell(const std::string& kind, const std::string& job,
+                       const std::string& members) {
+  const std::int64_t seq = ++seq_;
+  const Event event{
+      seq, kind, kNow, job,
+      fmt::format(R"({{"seq":{},"kind":"{}","job":"{}",{}}})", seq, kind, job, members)};
   log.push_back(event);
   for (const auto& listener : listeners_) listener(event);
 }
 
-void FakeService::tell_progress(const std::string& job, const std::string& data) {
-  const Event event{0, "progress", kNow, job, data};
+void FakeService::tell_progress(const std::string& job, const std::string& members) {
+  const Event event{0, "progress", kNow, job,
+                    fmt::format(R"({{"seq":0,"kind":"progress","job":"{}",{}}})", job, members)};
   for (const auto& listener : listeners_) listener(event);
 }
 
@@ -110,7 +119,7 @@ Answer<NewToken> FakeService::create_token(const Principal&, const std::string& 
 }
 
 std::vector<TokenRecord> FakeService::tokens() {
-  asked.emplace_back("tokens");
+  note("tokens");
   std::vector<TokenRecord> out;
   for (const auto& [id, token] : token_map) out.push_back(token);
   return out;
@@ -137,10 +146,11 @@ Answer<NewToken> FakeService::open_session(const std::string& one_shot) {
   return create_token({}, "session", Role::Operator, 43200);
 }
 
-Answer<Rendered> FakeService::once(const Principal&, const IdempotentRequest& request,
+Answer<Rendered> FakeService::once(const Principal& who, const IdempotentRequest& request,
                                    const std::function<Rendered()>& effect) {
   asked.emplace_back("once");
-  if (const auto found = kept_.find(request.key); found != kept_.end()) {
+  const std::string key = who.name + " " + request.key;
+  if (const auto found = kept_.find(key); found != kept_.end()) {
     if (found->second.sha256 != request.sha256)
       return refuse(ProblemKind::IdempotencyKeyReused, "the key was used for another request");
     Rendered again = found->second.rendered;
@@ -148,7 +158,7 @@ Answer<Rendered> FakeService::once(const Principal&, const IdempotentRequest& re
     return again;
   }
   Rendered fresh = effect();
-  if (fresh.status < 500 && fresh.status != 429) kept_[request.key] = {request.sha256, fresh};
+  if (fresh.status < 500 && fresh.status != 429) kept_[key] = {request.sha256, fresh};
   return fresh;
 }
 
@@ -177,7 +187,7 @@ Answer<Asset> FakeService::add_asset(const Principal&, Upload upload) {
 }
 
 Page<Design> FakeService::designs(const PageWish& wish) {
-  asked.emplace_back("designs");
+  note("designs");
   last_page = wish;
   Page<Design> page;
   for (const auto& [id, design] : design_map) {
@@ -354,7 +364,7 @@ Answer<void> FakeService::delete_job(const Principal&, const std::string& id) {
 }
 
 std::vector<Job> FakeService::queue(const std::string& device) {
-  asked.emplace_back("queue");
+  note("queue");
   std::vector<Job> out;
   for (const auto& [id, job] : job_map)
     if (!is_terminal(job.state) && (device.empty() || job.device == device)) out.push_back(job);
@@ -375,7 +385,7 @@ Answer<Job> FakeService::move(const Principal&, const std::string& id, const std
 }
 
 std::vector<DeviceRecord> FakeService::devices() {
-  asked.emplace_back("devices");
+  note("devices");
   std::vector<DeviceRecord> out;
   for (const auto& [id, device] : device_map) out.push_back(device);
   return out;
@@ -403,7 +413,7 @@ Answer<DeviceRecord> FakeService::act_on_device(const Principal&, const std::str
 }
 
 std::vector<MaterialRecord> FakeService::materials() {
-  asked.emplace_back("materials");
+  note("materials");
   std::vector<MaterialRecord> out;
   for (const auto& [id, material] : material_map) out.push_back(material);
   return out;
@@ -446,7 +456,11 @@ Answer<std::vector<Event>> FakeService::events(std::int64_t after, int limit,
   return out;
 }
 
-std::int64_t FakeService::last_event() { return seq_; }
+std::int64_t FakeService::last_event() {
+  note("last_event");
+  return seq_;
+}
+
 std::int64_t FakeService::first_event() { return first_kept; }
 
 void FakeService::listen(std::function<void(const Event&)> listener) {
@@ -455,17 +469,17 @@ void FakeService::listen(std::function<void(const Event&)> listener) {
 
 std::vector<UsageRow> FakeService::usage(std::optional<TimeMs>, std::optional<TimeMs>,
                                          const std::string&) {
-  asked.emplace_back("usage");
+  note("usage");
   return {{"uid:0", 12.5, 340.25, 2}, {"=cmd|' /C calc'!A0", 1, 2, 3}};
 }
 
 Service::Health FakeService::health() {
-  asked.emplace_back("health");
-  if (throws) throw std::runtime_error("the fake was told to");
+  note("health");
   return {healthy, 1024, healthy, healthy ? "" : "the disk failed"};
 }
 
 std::string FakeService::metrics() {
+  note("metrics");
   return "# TYPE popcut_jobs gauge\npopcut_jobs{state=\"queued\"} 0\n";
 }
 

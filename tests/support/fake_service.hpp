@@ -46,10 +46,10 @@ class FakeService : public Service {
 
   /// A job in state `state` that belongs to `owner`.
   Job& add_job(JobState state, const std::string& owner);
-  /// Stores an event and tells it to who listens.
-  void tell(const std::string& kind, const std::string& job, const std::string& data);
+  /// Stores an event and tells it to who listens; `members` is JSON without its brackets.
+  void tell(const std::string& kind, const std::string& job, const std::string& members);
   /// Tells progress, which is not stored.
-  void tell_progress(const std::string& job, const std::string& data);
+  void tell_progress(const std::string& job, const std::string& members);
 
   std::optional<Principal> authenticate(std::string_view bearer) override;
   Answer<NewToken> create_token(const Principal&, const std::string& name, Role role,
@@ -111,6 +111,8 @@ class FakeService : public Service {
     std::string sha256;
     Rendered rendered;
   };
+  /// Notes that a member was called; throws if it was told to.
+  void note(const char* name);
   std::optional<Problem> trouble(const char* name);
   Job& changed(Job& job);
   std::map<std::string, Kept> kept_;
