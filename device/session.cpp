@@ -8,6 +8,7 @@
 
 #include "device/inquirer.hpp"
 #include "device/schedule.hpp"
+#include "device/stroke_journal.hpp"
 
 namespace popcut {
 namespace {
@@ -33,6 +34,7 @@ class Run {
         program_(program),
         options_(options),
         inquirer_(transport, {options.reply_s, options.tries, 0.1}),
+        journal_(program, machine, options),
         answers_(program.dialect == Dialect::Gpgl && transport.answers()),
         begun_(transport.now()) {}
 
@@ -47,6 +49,8 @@ class Run {
     } else {
       end_.error = plan.error();
     }
+    journal_.settle(ready_bytes_, good_bytes_, accepted_ + in_doubt_);
+    if (!end_.error) end_.error = journal_.failure();
     end_.seconds = to_seconds(transport_.now() - begun_);
     end_.confirmed = answers_ && !end_.error;
     for (const ByteRange& stroke : program_.strokes)
@@ -72,7 +76,6 @@ class Run {
   }
   Result<void> send_until(std::uint64_t end);
   [[nodiscard]] std::uint64_t affordable() const;
-  [[nodiscard]] std::uint64_t stroke_end(std::uint64_t byte) const;
   [[nodiscard]] bool cancel_asked() const {
     return options_.cancel != nullptr && options_.cancel->load(std::memory_order_relaxed);
   }
@@ -85,7 +88,7 @@ class Run {
   Result<void> lift();
 
   // The machine's state.
-  Result<void> poll();
+  Result<void> poll(), look();
   void note_ready(std::uint64_t bytes);
   [[nodiscard]] Result<void> stuck() const;
   [[nodiscard]] Result<void> stopped(DeviceStatus status) const;
@@ -106,6 +109,7 @@ class Run {
   const EncodedProgram& program_;
   const SessionOptions& options_;
   Inquirer inquirer_;
+  StrokeJournal journal_;
   bool answers_;
   nanoseconds begun_;
   Schedule plan_;
@@ -228,29 +232,10 @@ Result<void> Run::search() {
   return wait_ready(plan_.setup_s);
 }
 
-/// How far may be sent now: at most a window of estimated motion ahead of the machine, but never so
-/// little that it has less than half a window left.
 std::uint64_t Run::affordable() const {
-  const double now_s = model_s();
-  std::uint64_t until = accepted_;
-  std::size_t next = next_command_;
-  double ahead = sent_s_ - now_s;
-  while (next < plan_.geometry.size() && until < accepted_ + kMaxWriteBytes) {
-    const TimedCommand& command = plan_.geometry[next++];
-    const bool starving = ahead < 0.5 * options_.window_s;
-    ahead = command.seconds - now_s;
-    if (!starving && ahead > options_.window_s) break;
-    until = command.end_byte;
-  }
-  return until;
-}
-
-std::uint64_t Run::stroke_end(std::uint64_t byte) const {
-  const auto& strokes = program_.strokes;
-  const auto at =
-      std::lower_bound(strokes.begin(), strokes.end(), byte,
-                       [](const ByteRange& stroke, std::uint64_t b) { return stroke.end < b; });
-  return at == strokes.end() ? program_.geometry.end : std::max(at->end, byte);
+  const std::uint64_t end =
+      affordable_end(plan_, next_command_, sent_s_, model_s(), options_.window_s, kMaxWriteBytes);
+  return std::max(end, accepted_);
 }
 
 Result<void> Run::geometry() {
@@ -262,18 +247,20 @@ Result<void> Run::geometry() {
   std::uint64_t end = program_.geometry.end;
   const std::uint64_t nowhere = end;
   std::uint64_t hold_at = nowhere;
+  bool stopping = false;
   while (accepted_ < end) {
-    if (end_.cancelled || !pause_asked())
+    if (stopping || !pause_asked())
       hold_at = nowhere;
     else if (hold_at == nowhere)
-      hold_at = accepted_ == program_.geometry.begin ? accepted_ : stroke_end(accepted_);
+      hold_at = stroke_end_after(program_, accepted_);
     if (accepted_ == hold_at) {
       if (const Result<void> held = hold(); !held) return held;
       hold_at = nowhere;
     }
-    if (!end_.cancelled && cancel_asked()) {
-      end_.cancelled = true;
-      end = accepted_ == program_.geometry.begin ? accepted_ : stroke_end(accepted_);
+    if (!stopping && (cancel_asked() || journal_.failure())) {
+      stopping = true;
+      end_.cancelled = cancel_asked();
+      end = stroke_end_after(program_, accepted_);
       continue;
     }
     if (transport_.now() >= next_poll_) {
@@ -284,6 +271,7 @@ Result<void> Run::geometry() {
     set_model(model_s());
     const std::uint64_t until = std::min({affordable(), end, hold_at});
     if (until > accepted_) {
+      if (!stopping && !journal_.intend(until)) continue;
       if (const Result<void> sent = send_until(until); !sent) return sent;
       continue;
     }
@@ -298,14 +286,9 @@ Result<void> Run::geometry() {
 /// The tool is lifted where the last stroke ends: the end of a stroke alone leaves it in the sheet.
 /// These bytes belong to no stroke, and the ledger does not count them.
 Result<void> Run::lift() {
-  const auto& strokes = program_.strokes;
-  for (std::size_t k = strokes.size(); k-- > 0;) {
-    if (strokes[k].end > accepted_ || strokes[k].begin == strokes[k].end) continue;
-    const std::string bytes = lift_after(program_, k);
-    std::uint64_t count = 0;
-    return send(std::as_bytes(std::span(bytes)), count);
-  }
-  return {};
+  const std::string bytes = lift_at(program_, accepted_);
+  std::uint64_t count = 0;
+  return send(std::as_bytes(std::span(bytes)), count);
 }
 
 /// Waits at the end of a stroke, with the tool up, until the host lets the job go on or ends it.
@@ -315,7 +298,7 @@ Result<void> Run::hold() {
     return wait_ready(plan_.geometry_s, sent_s_ - model_s());
   });
   if (!at_rest) return at_rest;
-  while (pause_asked() && !cancel_asked()) {
+  while (pause_asked() && !cancel_asked() && !journal_.failure()) {
     tell(SessionPhase::Held);
     transport_.wait(to_time(kPausedPollS));
     if (transport_.now() < next_poll_) continue;
@@ -388,6 +371,12 @@ void Run::note_ready(std::uint64_t bytes) {
 }
 
 Result<void> Run::poll() {
+  const Result<void> looked = look();
+  journal_.settle(ready_bytes_, good_bytes_, accepted_);
+  return looked;
+}
+
+Result<void> Run::look() {
   next_poll_ = transport_.now() + to_time(options_.poll_s);
   const std::uint64_t asked = accepted_;
   if (!answers_) {
@@ -475,6 +464,10 @@ Result<void> Run::wait_ready(double whole_s, double left_s) {
     const nanoseconds before = transport_.now();
     if (const Result<void> polled = poll(); !polled) return polled;
     if (status_ == DeviceStatus::Ready) return {};
+    if (cancel_asked() && phase_ < SessionPhase::Searching) {
+      end_.cancelled = true;
+      return tl::unexpected(refused("cancelled while the machine was busy; nothing was cut"));
+    }
     if (waited > 3 * whole_s + options_.stuck_s)
       return fail(
           ErrorKind::Timeout, "",
@@ -492,6 +485,7 @@ Result<void> Run::wait_ready(double whole_s, double left_s) {
 
 SessionEnd run_session(Transport& transport, const Machine& machine, const EncodedProgram& program,
                        const SessionOptions& options) {
+  if (options.first_stroke > 0) return run_rest(transport, machine, program, options);
   return Run(transport, machine, program, options).run();
 }
 

@@ -33,7 +33,8 @@ enum class SessionPhase : std::uint8_t {
   Finishing,
   Parking
 };
-/// "connecting", "sending the settings", "searching the marks", "cutting", "paused on the panel", "held", ...
+/// "connecting", "sending the settings", "searching the marks", "cutting", "paused on the panel",
+/// "held", ...
 [[nodiscard]] std::string_view name_of(SessionPhase phase);
 
 struct SessionProgress {
@@ -57,6 +58,17 @@ struct SessionOptions {
   const std::atomic<bool>* pause{};
   /// Called about every `poll_s`, and when the phase changes.
   std::function<void(const SessionProgress&)> progress;
+  /// Earlier strokes are left out: after the setup and what they changed of it the tool goes, up,
+  /// to where this one begins. Numbers of strokes stay those of the whole program.
+  std::size_t first_stroke{0};
+
+  /// The journal. `intend` is called before any byte of the strokes up to `last_stroke` is sent
+  /// (from where the call before ended), `settle` when more of them are certain or taken; strokes
+  /// are counted from 0, -1 is none. When one returns an error, the job ends with that error at the
+  /// next end of a stroke, with the tool up and parked; neither is called again.
+  std::function<Result<void>(std::int64_t last_stroke)> intend{};
+  std::function<Result<void>(std::int64_t certain, std::int64_t taken, std::uint64_t bytes)>
+      settle{};
 };
 
 /// How a session ended. The ledger is there in any case.
@@ -78,12 +90,14 @@ struct SessionEnd {
 /// Machines that answer nothing (HPGL) are paced by the model of their motion alone.
 ///
 /// Ends with
-/// - Refused: registration marks not found; no media (before anything is cut, or when it runs out), cancelled on the panel,
-/// paused
+/// - Refused: registration marks not found; no media (before anything is cut, or when it runs out),
+/// cancelled on the panel, paused
 ///   for too long, another model than `machine`, or replies that are no status
 /// - Timeout: no reply, or no byte taken, or not ready for too long
 /// - DeviceGone: the transport says so
-/// - OutOfRange: the machine or program cannot be modelled (see `SimCutter::make`)
+/// - OutOfRange: the machine or program cannot be modelled (see `SimCutter::make`), or there is no
+///   stroke `first_stroke`
+/// - what the journal said
 [[nodiscard]] SessionEnd run_session(Transport& transport, const Machine& machine,
                                      const EncodedProgram& program,
                                      const SessionOptions& options = {});

@@ -130,6 +130,14 @@ struct JobOptions {
 /// to where it stands. Empty for a dot.
 [[nodiscard]] std::string lift_after(const EncodedProgram& program, std::size_t index);
 
+/// What is left of a program from stroke `first` on, as a program of its own: the whole setup, the
+/// settings that earlier strokes changed, the search for marks if there is one, the strokes from
+/// `first` on (each begins with a move, tool up), and the trailer. Stroke 0 of it is `first`.
+///
+/// @retval OutOfRange  there is no such stroke
+/// @retval Malformed   a stroke before it cannot be read
+[[nodiscard]] Result<EncodedProgram> rest_of(const EncodedProgram& program, std::size_t first);
+
 /// The commands of GPGL that make a machine search registration marks (inkscape-silhouette).
 [[nodiscard]] std::string mark_search(const MarkLayout& marks, const Machine& machine);
 

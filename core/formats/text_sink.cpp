@@ -11,15 +11,32 @@
 
 namespace popcut {
 
-void TextSink::put_rounded(double number) {
+char* write_rounded(char* to, double number) {
   constexpr double kLargest = 1e9;  // beyond it six decimals mean nothing
-  if (!(std::abs(number) < kLargest)) return put(number);
-  fmt::memory_buffer text;
-  fmt::format_to(std::back_inserter(text), "{:.6f}", number);
-  std::string_view digits(text.data(), text.size());
-  digits.remove_suffix(digits.size() - 1 - digits.find_last_not_of('0'));
-  if (digits.back() == '.') digits.remove_suffix(1);
-  put(digits == "-0" ? std::string_view("0") : digits);
+  if (!(std::abs(number) < kLargest)) return std::to_chars(to, to + kLongestNumber, number).ptr;
+  const long long millionths = std::llround(number * 1e6);
+  if (millionths < 0) *to++ = '-';
+  const auto size = static_cast<unsigned long long>(millionths < 0 ? -millionths : millionths);
+  to = std::to_chars(to, to + kLongestNumber, size / 1'000'000).ptr;
+  unsigned rest = static_cast<unsigned>(size % 1'000'000);
+  if (rest == 0) return to;
+  *to++ = '.';
+  for (unsigned place = 100'000; rest > 0; place /= 10) {
+    *to++ = static_cast<char>('0' + rest / place);
+    rest %= place;
+  }
+  return to;
+}
+
+void append_rounded(std::string& text, double number) {
+  char digits[kLongestNumber];
+  text.append(digits, write_rounded(digits, number));
+}
+
+void TextSink::put_rounded(double number) {
+  if (block_.size() - used_ < kLongestNumber) flush();
+  char* const first = block_.data() + used_;
+  used_ += static_cast<std::size_t>(write_rounded(first, number) - first);
 }
 
 namespace {

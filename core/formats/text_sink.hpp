@@ -11,6 +11,14 @@
 
 namespace popcut {
 
+inline constexpr std::size_t kLongestNumber = 32;  ///< characters
+
+/// Writes `number` rounded to six decimals (nanometres, for mm), without trailing zeros, to where
+/// `kLongestNumber` characters have room. @return the end of what was written
+char* write_rounded(char* to, double number);
+/// The same at the end of `text`.
+void append_rounded(std::string& text, double number);
+
 /// Text on its way to a stream: numbers are written by `std::to_chars`, in blocks, because large
 /// patterns have millions of them. Flushes itself when it goes.
 class TextSink {
@@ -47,8 +55,6 @@ class TextSink {
   }
 
  private:
-  static constexpr std::size_t kLongestNumber = 32;
-
   template <typename Number>
   void put_number(Number number) {
     if (block_.size() - used_ < kLongestNumber) flush();
@@ -63,7 +69,8 @@ class TextSink {
 };
 
 /// `text` for an XML element or attribute: the five special characters escaped, control characters
-/// (which XML 1.0 cannot hold) turned into blanks, U+FFFE, U+FFFF and what is not UTF-8 into U+FFFD.
+/// (which XML 1.0 cannot hold) turned into blanks, U+FFFE, U+FFFF and what is not UTF-8 into
+/// U+FFFD.
 [[nodiscard]] std::string xml_escaped(std::string_view text);
 
 /// `text` as a JSON string with its quotes; bytes that are not UTF-8 become U+FFFD.

@@ -9,6 +9,8 @@ namespace popcut {
 namespace {
 
 constexpr double kOn = 1e-6;  // mm beside a seam that still lie on it
+// A seam looks for slivers beside it: a millimetre is more than any narrowest panel.
+constexpr double kBeside = 1.0;
 
 std::vector<Segment> segments_of(const LineWork& work, std::vector<Operation>& operations) {
   std::vector<Segment> segments;
@@ -70,7 +72,7 @@ std::size_t LineIndex::Slices::slice(double at) const {
 
 std::span<const std::uint32_t> LineIndex::Slices::of(double at) const {
   const std::size_t k = slice(at);
-  return std::span(items).subspan(first[k], first[k + 1] - first[k]);
+  return std::span(items).subspan(first[k], size(k));
 }
 
 LineIndex::Slices LineIndex::slices(bool by_x, const std::vector<std::uint32_t>& which,
@@ -148,8 +150,7 @@ LineIndex::LineIndex(const LineWork& work, double reach_mm)
   if (segments_.empty()) box_ = {0, 0, 0, 0};
   std::vector<std::uint32_t> all(segments_.size());
   std::iota(all.begin(), all.end(), 0u);
-  // A seam looks for slivers beside it: a reach of a millimetre is more than any narrowest panel.
-  slices_ = {slices(true, all, 1.0), slices(false, all, 1.0)};
+  slices_ = {slices(true, all, kBeside), slices(false, all, kBeside)};
   sort_slices(true, slices_[0]);
   sort_slices(false, slices_[1]);
   const std::vector<std::uint32_t> borders = borders_of(work);
@@ -235,16 +236,18 @@ bool LineIndex::is_paper(const PagePoint& p) const {
   return inside;
 }
 
-std::vector<double> LineIndex::parallels(bool vertical) const {
-  std::vector<double> at;
-  for (const Segment& s : segments_) {
-    const double a = vertical ? s.a.x : s.a.y, b = vertical ? s.b.x : s.b.y;
-    if (std::abs(a - b) <= kOn) at.push_back(a);
-  }
-  std::sort(at.begin(), at.end());
-  at.erase(std::unique(at.begin(), at.end(), [](double a, double b) { return b - a <= kOn; }),
-           at.end());
-  return at;
+std::vector<std::uint32_t> LineIndex::between(bool by_x, double from, double to) const {
+  const Slices& slices = slices_[by_x ? 0 : 1];
+  const std::size_t first = slices.slice(from), last = slices.slice(to);
+  std::vector<std::uint32_t> out;
+  for (std::size_t k = first; k <= last; ++k)
+    for (const std::uint32_t i : std::span(slices.items).subspan(slices.first[k], slices.size(k))) {
+      const double begin = low(segments_[i], by_x);
+      if (begin > to + kOn || high(segments_[i], by_x) < from - kOn) continue;
+      // Where it lies in several slices it counts in the first of them.
+      if (k == first || k == slices.slice(begin - kBeside)) out.push_back(i);
+    }
+  return out;
 }
 
 }  // namespace popcut

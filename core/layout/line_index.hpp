@@ -39,8 +39,9 @@ class LineIndex {
   /// none, inside its box.
   [[nodiscard]] bool is_paper(const PagePoint& p) const;
 
-  /// Coordinates of all lines parallel to a vertical (or horizontal) seam, sorted, each once.
-  [[nodiscard]] std::vector<double> parallels(bool vertical) const;
+  /// The segments that reach into the strip between two lines along y (`by_x`) or x, touching it
+  /// included, each once. O(k) for what lies in and near the strip.
+  [[nodiscard]] std::vector<std::uint32_t> between(bool by_x, double from, double to) const;
 
   [[nodiscard]] const Box& box() const { return box_; }
   [[nodiscard]] std::span<const Segment> segments() const { return segments_; }
@@ -55,6 +56,7 @@ class LineIndex {
     std::vector<std::uint32_t> first_short;
     std::vector<double> begin, reach;
     [[nodiscard]] std::size_t slice(double at) const;
+    [[nodiscard]] std::size_t size(std::size_t k) const { return first[k + 1] - first[k]; }
     [[nodiscard]] std::span<const std::uint32_t> of(double at) const;
   };
   void sort_slices(bool by_x, Slices& slices) const;

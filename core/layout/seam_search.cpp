@@ -18,10 +18,11 @@ constexpr double kFoldCrossed = 8.0, kCutCrossed = 4.0;  // mm of glue that a cr
 constexpr double kPiece = 300.0;                         // and one more piece
 constexpr double kUneven = 20.0;                         // and a piece that is nearly empty
 
-// Positions at which a seam may run: every cut along it, and a grid between.
-std::vector<double> candidates(const LineIndex& lines, bool vertical, double low, double high) {
+// Positions at which a seam over `from`..`to` may run: every cut along it, and a grid between.
+std::vector<double> candidates(const LineIndex& lines, bool vertical, double low, double high,
+                               double from, double to) {
   std::vector<double> at;
-  for (std::size_t i = 0; i < lines.segments().size(); ++i) {
+  for (const std::uint32_t i : lines.between(!vertical, from, to)) {
     const Segment& s = lines.segments()[i];
     const double a = vertical ? s.a.x : s.a.y, b = vertical ? s.b.x : s.b.y;
     if (is_cut(lines.operation(i)) && std::abs(a - b) <= kOn && a > low + kOn && a < high - kOn)
@@ -134,7 +135,7 @@ SeamSearch::Lines SeamSearch::priced(bool vertical, double from, double to,
                                      const ColumnEnds* ends) {
   const Box& box = lines_->box();
   const double low = vertical ? box.x0 : box.y0, high = vertical ? box.x1 : box.y1;
-  Lines out{candidates(*lines_, vertical, low, high), {}};
+  Lines out{candidates(*lines_, vertical, low, high, from, to), {}};
   out.costs.reserve(out.at.size());
   const bool needed = high - low > (vertical ? limits_.width_mm : limits_.height_mm);
   for (const double at : out.at) {
@@ -170,7 +171,6 @@ Result<SeamSearch::Chosen> SeamSearch::straight(bool vertical, const Lines& line
   };
   for (double a : asked) {
     a += low;  // they are told from the drawing's edge
-    if (a <= low + kOn || a >= high - kOn) continue;
     const double cost = seam_cost(*lines_, limits_, {vertical, a}, from, to);
     if (cost == kNever) {
       double nearest = kNever;

@@ -22,13 +22,33 @@ struct Strip {
   double left{}, right{};
   std::vector<Span> across;      // y of every line in it, sorted by `from`
   std::vector<Span> cut_beside;  // y where its right side is cut, merged
+  std::vector<Span> beside;      // y where any line runs along its right side, merged
 };
 
+void merge(std::vector<Span>& spans) {
+  std::sort(spans.begin(), spans.end(),
+            [](const Span& a, const Span& b) { return a.from < b.from; });
+  std::size_t kept = 0;
+  for (const Span& s : spans) {
+    if (kept > 0 && s.from <= spans[kept - 1].to + kOn)
+      spans[kept - 1].to = std::max(spans[kept - 1].to, s.to);
+    else
+      spans[kept++] = s;
+  }
+  spans.resize(kept);
+}
+
 std::vector<Strip> strips_of(const LineIndex& lines, double left, double right) {
-  std::vector<double> at{left};
-  for (const double x : lines.parallels(true))
-    if (x > left + kOn && x < right - kOn) at.push_back(x);
-  at.push_back(right);
+  const std::vector<std::uint32_t> inside = lines.between(true, left, right);
+  std::vector<double> at{left, right};
+  for (const std::uint32_t i : inside) {
+    const Segment& s = lines.segments()[i];
+    if (std::abs(s.a.x - s.b.x) <= kOn && s.a.x > left + kOn && s.a.x < right - kOn)
+      at.push_back(s.a.x);
+  }
+  std::sort(at.begin(), at.end());
+  at.erase(std::unique(at.begin(), at.end(), [](double a, double b) { return b - a <= kOn; }),
+           at.end());
   std::vector<Strip> strips(at.size() - 1);
   for (std::size_t i = 0; i < strips.size(); ++i) {
     strips[i].left = at[i];
@@ -38,14 +58,16 @@ std::vector<Strip> strips_of(const LineIndex& lines, double left, double right) 
     const auto k = std::upper_bound(at.begin() + 1, at.end() - 1, x + kOn) - at.begin() - 1;
     return static_cast<std::size_t>(std::max<std::ptrdiff_t>(k, 0));
   };
-  for (std::size_t i = 0; i < lines.segments().size(); ++i) {
+  for (const std::uint32_t i : inside) {
     const Segment& s = lines.segments()[i];
     const double x0 = std::min(s.a.x, s.b.x), x1 = std::max(s.a.x, s.b.x);
     const Span y{std::min(s.a.y, s.b.y), std::max(s.a.y, s.b.y)};
     if (x1 < left - kOn || x0 > right + kOn) continue;
     if (x1 - x0 <= kOn) {
-      if (!is_cut(lines.operation(i)) || x0 <= left + kOn || x0 >= right - kOn) continue;
-      strips[strip_at(x0) - 1].cut_beside.push_back(y);
+      if (x0 <= left + kOn || x0 >= right - kOn) continue;
+      Strip& before = strips[strip_at(x0) - 1];
+      before.beside.push_back(y);
+      if (is_cut(lines.operation(i))) before.cut_beside.push_back(y);
       continue;
     }
     for (std::size_t k = strip_at(std::max(x0, left)); k < strips.size(); ++k) {
@@ -54,17 +76,10 @@ std::vector<Strip> strips_of(const LineIndex& lines, double left, double right) 
     }
   }
   for (Strip& strip : strips) {
-    const auto before = [](const Span& a, const Span& b) { return a.from < b.from; };
-    std::sort(strip.across.begin(), strip.across.end(), before);
-    std::sort(strip.cut_beside.begin(), strip.cut_beside.end(), before);
-    std::size_t kept = 0;
-    for (const Span& s : strip.cut_beside) {
-      if (kept > 0 && s.from <= strip.cut_beside[kept - 1].to + kOn)
-        strip.cut_beside[kept - 1].to = std::max(strip.cut_beside[kept - 1].to, s.to);
-      else
-        strip.cut_beside[kept++] = s;
-    }
-    strip.cut_beside.resize(kept);
+    std::sort(strip.across.begin(), strip.across.end(),
+              [](const Span& a, const Span& b) { return a.from < b.from; });
+    merge(strip.cut_beside);
+    merge(strip.beside);
   }
   return strips;
 }
@@ -91,8 +106,13 @@ class Steps {
     // Two states a height: tabs below, tabs above. What is glued in one stretch has one side.
     std::vector<double> best(2 * count, 0.0), next(2 * count);
     std::vector<std::uint32_t> from(strips_.size() * 2 * count);
+    since_.assign(count, strips_.front().left);
+    paper_.assign(count, false);
     for (std::size_t i = 0; i < strips_.size(); ++i) {
-      if (i > 0) step_over(strips_[i - 1], best, from.data() + i * 2 * count);
+      if (i > 0) {
+        end_stretches(strips_[i - 1], false, best);
+        step_over(strips_[i - 1], best, from.data() + i * 2 * count);
+      }
       price(strips_[i], next);
       for (std::size_t j = 0; j < count; ++j)
         if ((i == 0 && !ends_.lawful(false, ys_[j])) ||
@@ -100,6 +120,7 @@ class Steps {
           next[j] = next[count + j] = kNever;
       for (std::size_t j = 0; j < best.size(); ++j) best[j] += next[j];
     }
+    end_stretches(strips_.back(), true, best);
     const auto end = std::min_element(best.begin(), best.end());
     cost = *end;
     StepSeam seam;
@@ -117,7 +138,7 @@ class Steps {
 
  private:
   // What each height costs in a strip: its width, where a tab finds room below or above.
-  void price(const Strip& strip, std::vector<double>& out) const {
+  void price(const Strip& strip, std::vector<double>& out) {
     const std::size_t count = ys_.size();
     const double width = strip.right - strip.left;
     const double need = limits_.tabs.min_depth_mm + limits_.tabs.clearance_mm;
@@ -130,7 +151,8 @@ class Steps {
         reached = std::max(reached, strip.across[next].to);
       const double above = y - reached;
       const double below = next < strip.across.size() ? strip.across[next].from - y : 1e300;
-      if (!lines_.is_paper({(strip.left + strip.right) / 2, y})) {
+      paper_[j] = lines_.is_paper({(strip.left + strip.right) / 2, y});
+      if (!paper_[j]) {
         out[j] = out[count + j] = above > kOn && below > kOn ? 0.0 : kNever;
         continue;
       }
@@ -141,6 +163,23 @@ class Steps {
       };
       out[j] = with(below);
       out[count + j] = with(above);
+    }
+  }
+
+  // A stretch of glue ends where a line runs along the strip's right side: at that height no way is
+  // lawful whose stretch, over one strip or several, was too short for a tab. Ways change their
+  // height only where stretches end, so that each has been at one height all along.
+  void end_stretches(const Strip& strip, bool last, std::vector<double>& best) {
+    const std::size_t count = ys_.size();
+    std::size_t next = 0;
+    for (std::size_t j = 0; j < count; ++j) {
+      while (next < strip.beside.size() && strip.beside[next].to < ys_[j] - kOn) ++next;
+      const bool ends =
+          last || (next < strip.beside.size() && strip.beside[next].from <= ys_[j] + kOn);
+      if (!ends) continue;
+      if (paper_[j] && strip.right - since_[j] < limits_.tabs.min_stretch_mm())
+        best[j] = best[count + j] = kNever;
+      since_[j] = strip.right;
     }
   }
 
@@ -184,6 +223,8 @@ class Steps {
   const ColumnEnds& ends_;
   std::vector<Strip> strips_;
   std::vector<double> ys_;
+  std::vector<double> since_;  // where the stretch at each height begins
+  std::vector<bool> paper_;    // whether there is any at each height of the strip
 };
 
 }  // namespace

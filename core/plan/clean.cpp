@@ -2,11 +2,12 @@
 #include "core/plan/clean.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "core/plan/collinear.hpp"
+#include "core/plan/crowding.hpp"
 #include "core/plan/euler.hpp"
 #include "core/plan/node_index.hpp"
 
@@ -16,12 +17,15 @@ namespace {
 constexpr double kSame = 0.001;  // mm; vertices of different lines this near are one
 constexpr std::uint32_t kNone = NodeIndex::kNone;
 
-/// A straight part of a drawn line between two nodes.
-struct DrawnSegment {
-  std::uint32_t a{}, b{};
-  Operation operation{};
-  bool joins_next{false};     ///< the next segment goes on from its end
-  std::int32_t loops_to{-1};  ///< first segment of a closed line, at its last
+/// The straight parts of the drawn lines, in the order of the drawing.
+struct DrawnSegments {
+  struct Kind {
+    Operation operation{};
+    bool joins_next{false};  ///< the next segment goes on from its end
+    bool loops{false};       ///< the last of a closed line: the first one goes on from its end
+  };
+  std::vector<NodeEdge> edges;
+  std::vector<Kind> kinds;
 };
 
 // The vertices of a drawing as nodes: those within lines first, then the ends, which go to a node
@@ -39,6 +43,8 @@ class Snapping {
   [[nodiscard]] NodeIndex& nodes() { return nodes_; }
   [[nodiscard]] const NodeIndex& nodes() const { return nodes_; }
   [[nodiscard]] double reach() const { return snap_; }
+  /// The nodes of the points are not asked for any more.
+  void forget_points() { node_of_ = std::vector<std::uint32_t>(); }
 
  private:
   std::uint32_t same(const PagePoint& p) {
@@ -106,46 +112,50 @@ int strength(Operation operation) {
   return 0;
 }
 
-std::vector<DrawnSegment> segments_of(const LineWork& work, const Snapping& snapping) {
-  std::vector<DrawnSegment> segments;
-  segments.reserve(work.points.size() - std::min(work.points.size(), work.lines.size()));
+DrawnSegments segments_of(const LineWork& work, const Snapping& snapping) {
+  DrawnSegments out;
+  const std::size_t most = work.points.size() - std::min(work.points.size(), work.lines.size());
+  out.edges.reserve(most);
+  out.kinds.reserve(most);
   for (const DrawnLine& line : work.lines) {
-    const auto first = static_cast<std::int32_t>(segments.size());
+    const std::size_t first = out.edges.size();
     for (std::uint32_t i = 1; i < line.count; ++i) {
       const std::uint32_t a = snapping.node(line.first + i - 1), b = snapping.node(line.first + i);
-      if (a != b) segments.push_back({a, b, line.operation, true, -1});
+      if (a == b) continue;
+      out.edges.push_back({a, b});
+      out.kinds.push_back({line.operation, true, false});
     }
-    if (static_cast<std::int32_t>(segments.size()) == first) continue;
-    segments.back().joins_next = false;
-    if (segments.back().b == segments[static_cast<std::size_t>(first)].a)
-      segments.back().loops_to = first;
+    if (out.edges.size() == first) continue;
+    out.kinds.back().joins_next = false;
+    out.kinds.back().loops = out.edges.back().b == out.edges[first].a;
   }
-  return segments;
+  return out;
 }
 
-// What is left of each segment once the stronger and the longer ones have taken their places.
+// What is left of each segment once the stronger and the longer ones have taken their places. Those
+// that share no part with another one stay whole and are not looked at.
 class Taker {
  public:
-  Taker(const std::vector<DrawnSegment>& segments, Snapping& snapping)
-      : segments_(segments),
+  Taker(const DrawnSegments& segments, Snapping& snapping)
+      : edges_(segments.edges),
+        kinds_(segments.kinds),
         snapping_(snapping),
-        index_(plain(segments, snapping), kOverlapTolerance),
-        first_(segments.size(), -1) {
-    left_.reserve(segments.size());
+        first_(segments.edges.size(), kWhole) {
+    const auto crowded = crowded_edges(edges_, snapping.nodes().points(), kOverlapTolerance);
+    for (std::uint32_t s = 0; s < crowded.size(); ++s)
+      if (crowded[s] != 0) order_.push_back(s);
   }
 
   void run() {
-    std::vector<std::uint32_t> order(segments_.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::vector<float> lengths(segments_.size());
-    for (std::size_t s = 0; s < segments_.size(); ++s)
-      lengths[s] = static_cast<float>(length_of(segments_[s]));
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      const int sa = strength(segments_[a].operation), sb = strength(segments_[b].operation);
-      if (sa != sb) return sa > sb;
-      return lengths[a] != lengths[b] ? lengths[a] > lengths[b] : a < b;
-    });
-    for (const std::uint32_t s : order) take(s);
+    if (order_.empty()) return;
+    std::vector<Segment> plain;
+    plain.reserve(order_.size());
+    for (const std::uint32_t s : order_) plain.push_back(segment_of(s));
+    index_.emplace(plain, kOverlapTolerance);
+    plain = std::vector<Segment>();
+    left_.reserve(order_.size());
+    sort_strongest_first();
+    for (const std::uint32_t s : order_) take(s);
   }
 
   [[nodiscard]] std::size_t contradictions() const { return contradictions_; }
@@ -153,57 +163,68 @@ class Taker {
   /// The pieces, in the order of the drawing.
   [[nodiscard]] std::vector<Piece> pieces() const {
     std::vector<Piece> pieces;
-    pieces.reserve(left_.size());
-    std::int32_t before = -1;  // piece that ends where segment s begins
-    std::vector<std::int32_t> first_whole(segments_.size(), -1);
-    for (std::size_t s = 0; s < segments_.size(); ++s) {
-      const DrawnSegment& segment = segments_[s];
-      std::int32_t at_end = -1;
-      for (std::int32_t l = first_[s]; l >= 0; l = left_[static_cast<std::size_t>(l)].next) {
-        const Left& left = left_[static_cast<std::size_t>(l)];
+    pieces.reserve(edges_.size() + left_.size());
+    std::int32_t before = -1;      // piece that ends where segment s begins
+    std::int32_t line_first = -1;  // piece that the line begins with
+    bool begins = true;
+    for (std::uint32_t s = 0; s < edges_.size(); ++s) {
+      std::int32_t first = -1, last = -1;  // pieces at its ends
+      const auto add = [&](const NodeEdge& part) {
         const auto id = static_cast<std::int32_t>(pieces.size());
-        if (left.a == segment.a) {
-          first_whole[s] = id;
-          if (before >= 0) pieces[static_cast<std::size_t>(before)].next = id;
-        }
-        if (left.b == segment.b) at_end = id;
-        pieces.push_back({left.a, left.b, segment.operation, -1});
-      }
-      if (segment.loops_to >= 0 && at_end >= 0)
-        pieces[static_cast<std::size_t>(at_end)].next =
-            first_whole[static_cast<std::size_t>(segment.loops_to)];
-      before = segment.joins_next ? at_end : -1;
+        if (part.a == edges_[s].a) first = id;
+        if (part.b == edges_[s].b) last = id;
+        pieces.push_back({part.a, part.b, kinds_[s].operation, -1});
+      };
+      if (first_[s] == kWhole) add(edges_[s]);
+      for (std::int32_t l = first_[s]; l >= 0; l = left_[static_cast<std::size_t>(l)].next)
+        add(left_[static_cast<std::size_t>(l)].edge);
+      if (first >= 0 && before >= 0) pieces[static_cast<std::size_t>(before)].next = first;
+      if (begins) line_first = first;
+      if (kinds_[s].loops && last >= 0) pieces[static_cast<std::size_t>(last)].next = line_first;
+      before = kinds_[s].joins_next ? last : -1;
+      begins = !kinds_[s].joins_next;
     }
     return pieces;
   }
 
  private:
+  static constexpr std::int32_t kNothing = -1, kWhole = -2;  ///< in `first_`
+
   /// A part of a segment between two nodes.
   struct Left {
-    std::uint32_t a{}, b{};
+    NodeEdge edge;
     std::int32_t next{-1};  ///< the next part of the same segment
   };
 
-  [[nodiscard]] Segment segment_of(const DrawnSegment& s) const {
-    return {snapping_.nodes().point(s.a), snapping_.nodes().point(s.b)};
+  [[nodiscard]] Segment segment_of(std::uint32_t s) const {
+    return {snapping_.nodes().point(edges_[s].a), snapping_.nodes().point(edges_[s].b)};
   }
-  [[nodiscard]] double length_of(const DrawnSegment& s) const {
-    return distance(snapping_.nodes().point(s.a), snapping_.nodes().point(s.b));
-  }
-  static std::vector<Segment> plain(const std::vector<DrawnSegment>& segments,
-                                    const Snapping& snapping) {
-    std::vector<Segment> out;
-    out.reserve(segments.size());
-    for (const DrawnSegment& s : segments)
-      out.push_back({snapping.nodes().point(s.a), snapping.nodes().point(s.b)});
-    return out;
+
+  void sort_strongest_first() {
+    struct Key {
+      int strength;
+      float mm;
+      std::uint32_t segment;
+    };
+    std::vector<Key> keys;
+    keys.reserve(order_.size());
+    for (const std::uint32_t s : order_) {
+      const Segment segment = segment_of(s);
+      keys.push_back(
+          {strength(kinds_[s].operation), static_cast<float>(distance(segment.a, segment.b)), s});
+    }
+    std::sort(keys.begin(), keys.end(), [](const Key& p, const Key& q) {
+      if (p.strength != q.strength) return p.strength > q.strength;
+      return p.mm != q.mm ? p.mm > q.mm : p.segment < q.segment;
+    });
+    for (std::size_t i = 0; i < keys.size(); ++i) order_[i] = keys[i].segment;
   }
 
   void take(std::uint32_t s) {
-    const DrawnSegment& drawn = segments_[s];
-    const Segment segment = segment_of(drawn);
+    first_[s] = kNothing;
+    const Segment segment = segment_of(s);
     const double l = distance(segment.a, segment.b);
-    index_.covered(segment, s, covered_);
+    index_->covered(segment, s, covered_);
     double t = 0.0;
     last_ = -1;
     for (const auto& part : covered_) {
@@ -215,8 +236,8 @@ class Taker {
   }
 
   bool gives_way(std::uint32_t s, std::uint32_t to) {
-    const Operation mine = segments_[s].operation;
-    const Operation other = segments_[to].operation;
+    const Operation mine = kinds_[s].operation;
+    const Operation other = kinds_[to].operation;
     if ((mine == Operation::Draw) != (other == Operation::Draw)) return false;
     if (is_fold(mine) && is_fold(other) && mine != other) ++contradictions_;
     return true;
@@ -226,14 +247,14 @@ class Taker {
     const bool whole = from <= 0.0 && to >= l;
     if (to <= from || (!whole && to - from < 2 * kOverlapTolerance)) return;
     const PagePoint p = at(segment, l, from), q = at(segment, l, to);
-    const std::uint32_t a = from <= 0.0 ? segments_[s].a : node_near(p);
-    const std::uint32_t b = to >= l ? segments_[s].b : node_near(q);
+    const std::uint32_t a = from <= 0.0 ? edges_[s].a : node_near(p);
+    const std::uint32_t b = to >= l ? edges_[s].b : node_near(q);
     if (a == b) return;
     const auto index = static_cast<std::int32_t>(left_.size());
     (last_ < 0 ? first_[s] : left_[static_cast<std::size_t>(last_)].next) = index;
     last_ = index;
-    left_.push_back({a, b, -1});
-    index_.insert({p, q}, s);  // as drawn: its direction tells what lies along it
+    left_.push_back({{a, b}, -1});
+    index_->insert({p, q}, s);  // as drawn: its direction tells what lies along it
   }
 
   static PagePoint at(const Segment& segment, double l, double t) {
@@ -251,9 +272,11 @@ class Taker {
     return found != kNone ? found : snapping_.nodes().add(p);
   }
 
-  const std::vector<DrawnSegment>& segments_;
+  const std::vector<NodeEdge>& edges_;
+  const std::vector<DrawnSegments::Kind>& kinds_;
   Snapping& snapping_;
-  CollinearIndex index_;
+  std::vector<std::uint32_t> order_;  ///< crowded segments
+  std::optional<CollinearIndex> index_;
   std::vector<CollinearIndex::Covered> covered_;
   std::vector<std::int32_t> first_;  ///< of a segment: its first part in `left_`
   std::vector<Left> left_;
@@ -281,23 +304,32 @@ LineWork with_ends_snapped(const LineWork& work, double snap_mm) {
   return out;
 }
 
-LineWork clean(const LineWork& work, const CleanOptions& options) {
-  Snapping snapping(work, options.snap_mm);
+LineWork clean(LineWork&& work, const CleanOptions& options) {
+  LineWork out = without_lines(work);
   std::vector<Piece> pieces;
+  std::vector<PagePoint> nodes;
   std::size_t contradictions = 0;
   {
-    const std::vector<DrawnSegment> segments = segments_of(work, snapping);
+    Snapping snapping(work, options.snap_mm);
+    const DrawnSegments segments = segments_of(work, snapping);
+    work = {};
+    snapping.forget_points();
     Taker taker(segments, snapping);
     taker.run();
     pieces = taker.pieces();
     contradictions = taker.contradictions();
+    nodes = std::move(snapping.nodes()).take_points();
   }
-  LineWork out = without_lines(work);
-  join(pieces, snapping.nodes().points(), out);
+  join(pieces, nodes, out);
   if (contradictions > 0)
     out.warnings.push_back(fmt::format(
         "{} places are both mountain and valley; they are folded as mountain", contradictions));
   return out;
+}
+
+LineWork clean(const LineWork& work, const CleanOptions& options) {
+  LineWork copy = work;
+  return clean(std::move(copy), options);
 }
 
 }  // namespace popcut

@@ -27,6 +27,8 @@ inline constexpr double kMostSnap = 1.0;
 ///
 /// O(n log n) in the number of segments for drawings whose lines do not pile up.
 [[nodiscard]] LineWork clean(const LineWork& work, const CleanOptions& options = {});
+/// The same; the points of `work` are given back as soon as they have been read.
+[[nodiscard]] LineWork clean(LineWork&& work, const CleanOptions& options = {});
 
 /// The part of `line` without the vertices that lie within `tolerance` of the chord beside them.
 [[nodiscard]] std::vector<PagePoint> without_straight_vertices(std::span<const PagePoint> line,

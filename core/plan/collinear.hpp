@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/plan/line_bins.hpp"
 #include "core/plan/overlap.hpp"
 
 namespace popcut {
@@ -12,9 +13,7 @@ namespace popcut {
 /// Finds which parts of a segment lie on others, for segments of any lengths, filled as one goes.
 ///
 /// Short ones are found by place (`OverlapIndex`). Long ones would fill its cells: they are found
-/// by the line that they lie on, its angle and its distance from the middle of the drawing, in bins
-/// of 0.01 rad and 1 % of the drawing. Two segments of more than 5 mm that share less than 2 mm at
-/// an angle of more than half a degree are not found.
+/// by the line that they lie on (`LineBins`).
 class CollinearIndex {
  public:
   using Covered = OverlapIndex::Covered;
@@ -28,33 +27,29 @@ class CollinearIndex {
 
  private:
   struct Sizes {
-    double short_cell{1.0}, long_cell{1.0};
+    double short_cell{1.0}, long_cell{1.0}, usual_long{kLongSegment};
     std::size_t shorts{}, longs{};
     PagePoint middle;
     double reach{1.0};  ///< half the drawing's diagonal
   };
   static Sizes sizes_of(std::span<const Segment> all);
-  struct Line {
-    std::int64_t angle{};  ///< its bin
-    double radians{}, offset{};
-  };
-  [[nodiscard]] Line line_of(const Segment& segment) const;
-  [[nodiscard]] std::size_t slot(std::int64_t angle, std::int64_t offset) const;
+  [[nodiscard]] std::size_t slot(std::uint64_t bin) const { return bin & (head_.size() - 1); }
   void covered_by_long(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out);
 
   Sizes sizes_;
   double tolerance_;
-  double offset_bin_;
+  LineBins bins_;
   OverlapIndex shorts_;
   OverlapIndex longs_by_place_;
   bool any_short_;
-  struct LongLine {
-    float radians{}, offset{};
-    std::int32_t bin{};
-    std::int32_t next{};
+  struct Entry {
+    LongLine line;
+    std::uint64_t bin{};
+    std::uint32_t segment{};  ///< index into segments_
+    std::int32_t next{};      ///< entry of the same slot
   };
   std::vector<std::int32_t> head_;  ///< of long segments, by line
-  std::vector<LongLine> lines_;
+  std::vector<Entry> lines_;
   std::vector<Segment> segments_;
   std::vector<std::uint32_t> ids_;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -38,12 +39,18 @@ struct Mat {
   double width_mm{}, length_mm{};  ///< usable, along carriage and feed
 };
 
+inline constexpr std::array<std::string_view, 3> kGpglVariants{"classic", "cameo3", "cameo4"};
+/// The habits of HPGL machines, which protocol/encode.hpp explains.
+inline constexpr std::array<std::string_view, 9> kHpglWords{
+    "generic", "pa", "newline", "plain", "open", "negative", "ud", "camm1", "camm2"};
+
 /// A row of the machine table (core/data/machines.json, and users' own tables).
 struct Machine {
   std::string name;      ///< "cameo3": what --machine and sim:NAME take
   std::string title;     ///< "Silhouette Cameo 3"
   std::string language;  ///< "gpgl" or "hpgl"
-  std::string variant;   ///< dialect of the language: "cameo3", "cameo4", "classic", "generic"
+  std::string variant;   ///< dialect of the language: one of kGpglVariants; for HPGL words of
+                         ///< kHpglWords joined by "+"
   double unit_mm{0.05};
   double width_mm{}, length_mm{};  ///< largest area along carriage and feed, without a mat
   double margin_left_mm{}, margin_top_mm{};

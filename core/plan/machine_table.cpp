@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -70,6 +72,25 @@ void read_place(JsonFields& fields, Machine& machine) {
   machine.y_up = fields.boolean("y_up", false);
 }
 
+// A variant of GPGL, or habits of an HPGL machine: words joined by "+".
+void read_variant(JsonFields& fields, Machine& machine) {
+  machine.variant = fields.text("variant", {});
+  const bool hpgl = machine.language == "hpgl";
+  const auto known = hpgl ? std::span<const std::string_view>(kHpglWords) : kGpglVariants;
+  std::string_view rest = machine.variant;
+  for (bool more = true; more;) {
+    const std::string_view word = hpgl ? rest.substr(0, rest.find('+')) : rest;
+    more = word.size() < rest.size();
+    if (more) rest.remove_prefix(word.size() + 1);
+    if (std::find(known.begin(), known.end(), word) != known.end()) continue;
+    fields.add_error(
+        ErrorKind::OutOfRange, fields.pointer("variant"),
+        fmt::format("\"{}\" is no variant of {}; {}{}", word.substr(0, 40), hpgl ? "HPGL" : "GPGL",
+                    fmt::join(known, ", "), hpgl ? " are known, joined by +" : " are known"));
+    return;
+  }
+}
+
 Result<Machine> read_machine(const TableRow& row) {
   Machine machine;
   JsonFields fields(row.row, row.pointer);
@@ -77,9 +98,8 @@ Result<Machine> read_machine(const TableRow& row) {
   machine.title = fields.text("title", {});
   fields.value("source");
   const std::vector<std::string> languages{"gpgl", "hpgl"};
-  const std::vector<std::string> variants{"generic", "classic", "cameo3", "cameo4"};
   machine.language = languages[fields.word("language", 0, languages)];
-  machine.variant = variants[fields.word("variant", 0, variants)];
+  read_variant(fields, machine);
   read_place(fields, machine);
   machine.tool_holders = fields.integer("tool_holders", {}, 1, 8);
   machine.autoblade = fields.boolean("autoblade", false);

@@ -16,12 +16,14 @@ std::int64_t NodeIndex::cell(double value) const {
   return static_cast<std::int64_t>(std::floor(value / cell_));
 }
 
+// Cells of a block of 8 x 8 lie beside each other: what is drawn nearby is near in memory too.
 std::size_t NodeIndex::slot(std::int64_t cx, std::int64_t cy) const {
-  std::uint64_t h = static_cast<std::uint64_t>(cx) * 0x9E3779B97F4A7C15ULL;
-  h ^= static_cast<std::uint64_t>(cy) * 0xC2B2AE3D27D4EB4FULL;
+  std::uint64_t h = static_cast<std::uint64_t>(cx >> 3) * 0x9E3779B97F4A7C15ULL;
+  h ^= static_cast<std::uint64_t>(cy >> 3) * 0xC2B2AE3D27D4EB4FULL;
   h ^= h >> 29;
   h *= 0xBF58476D1CE4E5B9ULL;
-  return (h ^ (h >> 32)) & (head_.size() - 1);
+  h ^= h >> 32;
+  return (h << 6 | static_cast<std::uint64_t>((cx & 7) | (cy & 7) << 3)) & (head_.size() - 1);
 }
 
 std::uint32_t NodeIndex::add(const PagePoint& p) {

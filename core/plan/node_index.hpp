@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/toolpath.hpp"
@@ -26,6 +27,7 @@ class NodeIndex {
   std::uint32_t add(const PagePoint& p);
   [[nodiscard]] const PagePoint& point(std::uint32_t node) const { return points_[node]; }
   [[nodiscard]] const std::vector<PagePoint>& points() const { return points_; }
+  [[nodiscard]] std::vector<PagePoint> take_points() && { return std::move(points_); }
   [[nodiscard]] std::size_t size() const { return points_.size(); }
 
  private:

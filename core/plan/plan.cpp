@@ -47,7 +47,9 @@ Error with_advice(Error error, const Machine& machine, const Mat& mat, const Box
 Result<void> check_amount(const LineWork& work, const DashShape& shape) {
   if (work.lines.empty())
     return fail(ErrorKind::OutOfRange, "",
-                "the drawing has no line to cut or fold; one at least is due");
+                fmt::format("the drawing has no line to cut or fold; one at least is due{}{}",
+                            work.warnings.empty() ? "" : "; what it has: ",
+                            fmt::join(work.warnings, "; ")));
   if (work.points.size() > kMaxDrawnPoints)
     return fail(
         ErrorKind::OutOfRange, "",
@@ -96,9 +98,11 @@ Result<Placement> find_place(const LineWork& drawing, const Machine& machine, co
   return placement;
 }
 
-// Folds as dashes, or as whole lines where they are pressed or cut half through.
+// Folds as dashes, or as they stand where they are pressed or cut half through, or dashes already.
 Dashed folded(LineWork work, const DashShape& shape, FoldMode mode) {
-  if (mode == FoldMode::Perforate) return micro_cut(work, shape);
+  const bool any = std::any_of(work.lines.begin(), work.lines.end(),
+                               [](const DrawnLine& line) { return is_fold(line.operation); });
+  if (mode == FoldMode::Perforate && any && !work.dashed) return micro_cut(work, shape);
   Dashed out;
   for (std::uint32_t i = 0; i < work.lines.size(); ++i) {
     out.line.push_back(i);
@@ -181,15 +185,21 @@ void measure(PlannedSheet& sheet, const Machine& machine, const Material& materi
 // Sheet by sheet, from lines in their places to strokes in order.
 class Planner {
  public:
-  Planner(const LineWork& drawing, const Machine& machine, const Material& material,
+  Planner(LineWork&& drawing, const Machine& machine, const Material& material,
           const PlanOptions& options, Mat mat, FoldMode mode)
-      : drawing_(drawing),
+      : drawing_(std::move(drawing)),
+        dashed_(drawing_.dashed),
         options_(options),
         mat_(std::move(mat)),
         room_(host_blade_offset_mm(machine, material)),
-        out_{
-            drawing.name,         machine, material, {}, drawing.warnings, options.order.seed, mode,
-            options.clean.snap_mm},
+        out_{drawing_.name,
+             machine,
+             material,
+             {},
+             drawing_.warnings,
+             options.order.seed,
+             mode,
+             options.clean.snap_mm},
         settings_(out_.machine, out_.material, mode, out_.warnings) {}
 
   Result<Plan> run() {
@@ -216,7 +226,7 @@ class Planner {
   Result<void> whole(const Placement& placement, const std::array<double, 2>& reach) {
     PlannedSheet sheet;
     sheet.transform = placement;
-    LineWork work = placed(drawing_, placement);
+    LineWork work = placed(std::move(drawing_), placement);
     sheet.area_mm = {reach[0], sheet_length(reach[1], bounds(work).y1)};
     if (options_.place.clip) work = clipped(work, sheet.area_mm, room_);
     return add(std::move(work), std::move(sheet));
@@ -257,9 +267,9 @@ class Planner {
 
   Result<void> add(LineWork work, PlannedSheet sheet) {
     sheet.mat = mat_;
-    work.dashed = drawing_.dashed;
+    work.dashed = dashed_;
     work.warnings.clear();
-    work = clean(work, options_.clean);
+    work = clean(std::move(work), options_.clean);
     turn_round(work, options_.knife.direction);
     sheet.paths = work.lines.size();
     if (options_.keep_lines) sheet.lines = work;
@@ -287,7 +297,8 @@ class Planner {
     return {};
   }
 
-  const LineWork& drawing_;
+  LineWork drawing_;  ///< until it has been placed
+  bool dashed_;
   const PlanOptions& options_;
   Mat mat_;
   double room_;
@@ -297,7 +308,7 @@ class Planner {
 
 }  // namespace
 
-Result<Plan> plan(const LineWork& drawing, const Machine& machine, const Material& material,
+Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& material,
                   const PlanOptions& options) {
   if (auto amount = check_amount(drawing, material.dashes); !amount)
     return tl::unexpected(amount.error());
@@ -306,7 +317,7 @@ Result<Plan> plan(const LineWork& drawing, const Machine& machine, const Materia
   if (!mat) return tl::unexpected(mat.error());
   const auto mode = fold_mode(material, options);
   if (!mode) return tl::unexpected(mode.error());
-  return Planner(drawing, machine, material, options, std::move(*mat), *mode).run();
+  return Planner(std::move(drawing), machine, material, options, std::move(*mat), *mode).run();
 }
 
 }  // namespace popcut

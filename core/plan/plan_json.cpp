@@ -2,9 +2,13 @@
 #include "core/plan/plan_json.hpp"
 
 #include <cmath>
+#include <iterator>
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "core/formats/text_sink.hpp"
 
 namespace popcut {
 namespace {
@@ -45,13 +49,30 @@ Json operations(const Toolpath& path) {
 
 Json transform_json(const Placement& t) { return {{t.xx, t.xy, t.x0}, {t.yx, t.yy, t.y0}}; }
 
+// What of the pattern is a piece's, in its own mm, without tabs.
+Json share_json(const SheetPiece& piece) {
+  Json list = Json::array();
+  for (const PagePoint& p : piece.share) list.push_back({p.x, p.y});
+  return list;
+}
+
+// Where a printed sheet's registration marks stand.
+Json registration_json(const std::optional<MarkLayout>& marks) {
+  if (!marks) return {};
+  return {{"left_mm", marks->left_mm},     {"top_mm", marks->top_mm},
+          {"width_mm", marks->width_mm},   {"height_mm", marks->height_mm},
+          {"arm_mm", marks->arm_mm},       {"line_mm", marks->line_mm},
+          {"square_mm", marks->square_mm}, {"corners", marks->four_corners ? 4 : 3}};
+}
+
 // The pieces of a sheet, numbered from 1 over the whole plan.
 Json pieces_json(const Plan& plan, const PlannedSheet& sheet) {
   Json list = Json::array();
   if (!plan.layout) list.push_back({{"piece", 1}, {"transform", transform_json(sheet.transform)}});
   for (const std::uint32_t piece : sheet.pieces)
     list.push_back({{"piece", piece + 1},
-                    {"transform", transform_json(plan.layout->pieces[piece].transform)}});
+                    {"transform", transform_json(plan.layout->pieces[piece].transform)},
+                    {"share", share_json(plan.layout->pieces[piece])}});
   return list;
 }
 
@@ -78,6 +99,7 @@ Json sheet_json(const Plan& plan, const PlannedSheet& sheet, std::size_t number)
           {"overcut_mm", knife.overcut_mm},
           {"blade_offset_mm", knife.blade_offset_mm},
           {"blade_tools", blade_tools(knife)},
+          {"registration", registration_json(sheet.registration)},
           {"tabs", Json::array()},
           {"seams", Json::array()},
           {"marks", Json::array()},
@@ -163,12 +185,24 @@ void add_layout(const Layout& layout, Json& json) {
                     {"seams", std::move(seams)},          {"steps", std::move(steps)}};
 }
 
-std::string entries(const std::vector<KnifeMark>& marks) {
-  std::vector<Json> list;
-  list.reserve(marks.size());
-  for (const KnifeMark& mark : marks)
-    list.push_back({{"stroke", mark.stroke}, {"points", points_json(mark.points, {})}});
-  return lines(list);
+// There may be a hundred thousand: they are written without a tree of values.
+std::string entries(const KnifeMarks& marks, const std::vector<KnifeMarks::Mark>& list) {
+  std::string text = "[";
+  for (const KnifeMarks::Mark& mark : list) {
+    text += text.size() > 1 ? ",\n        " : "\n        ";
+    fmt::format_to(std::back_inserter(text), FMT_COMPILE("{{\"stroke\":{},\"points\":["),
+                   mark.stroke);
+    for (const PagePoint& p : marks.points_of(mark)) {
+      text += text.back() == ']' ? ",[" : "[";
+      append_rounded(text, p.x);
+      text += ',';
+      append_rounded(text, p.y);
+      text += ']';
+    }
+    text += "]}";
+  }
+  text += list.empty() ? "]" : "\n      ]";
+  return text;
 }
 
 void fill_list(std::string& text, std::size_t from, const char* name, const std::string& list) {
@@ -202,8 +236,8 @@ std::string plan_json(const Plan& plan) {
       fill_list(text, from, "marks", lines(split.marks));
     }
     const KnifeMarks marks = knife_marks(sheet.path, sheet.knife);
-    fill_list(text, from, "overcuts", entries(marks.overcuts));
-    fill_list(text, from, "lead_ins", entries(marks.lead_ins));
+    fill_list(text, from, "overcuts", entries(marks, marks.overcuts));
+    fill_list(text, from, "lead_ins", entries(marks, marks.lead_ins));
     from = text.find("\"lead_ins\"", from) + 1;
   }
   return text;

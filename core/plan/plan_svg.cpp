@@ -36,7 +36,8 @@ void put(std::string& svg, double mm) {
   const long long hundredths = std::llround(mm * 100);
   if (hundredths < 0) svg += '-';
   const unsigned long long size = static_cast<unsigned long long>(std::llabs(hundredths));
-  fmt::format_to(Out(svg), "{}", size / 100);
+  char digits[kLongestNumber];
+  svg.append(digits, std::to_chars(digits, digits + kLongestNumber, size / 100).ptr);
   if (size % 100 == 0) return;
   svg += '.';
   svg += static_cast<char>('0' + size % 100 / 10);
@@ -138,7 +139,8 @@ std::string plan_svg(const PlannedSheet& sheet, const std::string& title) {
   }
   svg += "</g>\n";
   put_legend(svg, sheet, title);
-  return svg + "</svg>\n";
+  svg += "</svg>\n";
+  return svg;
 }
 
 }  // namespace popcut

@@ -53,7 +53,7 @@ struct PlaceOptions {
 [[nodiscard]] Result<Placement> place(const LineWork& work, const std::array<double, 2>& reach,
                                       const PlaceOptions& options);
 
-[[nodiscard]] LineWork placed(const LineWork& work, const Placement& placement);
+[[nodiscard]] LineWork placed(LineWork work, const Placement& placement);
 
 /// The drawing within [room, width - room] x [room, length - room]: each line is cut exactly at the
 /// border, and what is left of it goes on as lines of their own. What runs along the border is

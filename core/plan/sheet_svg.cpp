@@ -5,6 +5,7 @@
 #include <array>
 #include <iterator>
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include "core/formats/text_sink.hpp"
@@ -27,23 +28,12 @@ std::string escaped(const std::string& text) { return xml_escaped(text); }
 
 using Out = std::back_insert_iterator<std::string>;
 
-// At most nanometres, without trailing zeros.
-void number(std::string& svg, double value) {
-  const std::size_t from = svg.size();
-  fmt::format_to(Out(svg), "{:.6f}", value);
-  std::size_t to = svg.size();
-  while (svg[to - 1] == '0') --to;
-  if (svg[to - 1] == '.') --to;
-  svg.resize(to);
-  if (svg.compare(from, std::string::npos, "-0") == 0) svg.replace(from, 2, "0");
-}
-
 void path_data(std::string& svg, std::span<const PagePoint> points) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     svg += i == 0 ? 'M' : i == 1 ? 'L' : ' ';
-    number(svg, points[i].x);
+    append_rounded(svg, points[i].x);
     svg += ',';
-    number(svg, points[i].y);
+    append_rounded(svg, points[i].y);
   }
 }
 
@@ -85,12 +75,13 @@ std::string sheet_svg(const PlannedSheet& sheet, const std::string& title) {
       open = true;
       svg += "<path d=\"";
       path_data(svg, sheet.path.points_of(stroke));
-      fmt::format_to(Out(svg), "\" data-assignment=\"{}\" data-order=\"{}\"/>\n", layer.assignment,
-                     i + 1);
+      fmt::format_to(Out(svg), FMT_COMPILE("\" data-assignment=\"{}\" data-order=\"{}\"/>\n"),
+                     layer.assignment, i + 1);
     }
     if (open) svg += "</g>\n";
   }
-  return svg + "</svg>\n";
+  svg += "</svg>\n";
+  return svg;
 }
 
 std::string assembly_svg(const Plan& plan) {
@@ -117,16 +108,20 @@ std::string assembly_svg(const Plan& plan) {
         x, kBetween, sheet.area_mm[0], sheet.area_mm[1], i + 1, escaped(plan.name),
         escaped(plan.machine.name), t.x0, t.y0, turned ? ", turned by 90 degrees" : "");
     for (const Layer& layer : kLayers) {
-      std::string data;
-      for (const Stroke& stroke : sheet.path.strokes)
-        if (stroke.operation == layer.operation) path_data(data, sheet.path.points_of(stroke));
-      if (!data.empty())
-        fmt::format_to(Out(svg), "<path stroke=\"{}\" d=\"{}\"/>\n", layer.colour, data);
+      bool open = false;
+      for (const Stroke& stroke : sheet.path.strokes) {
+        if (stroke.operation != layer.operation) continue;
+        if (!open) fmt::format_to(Out(svg), "<path stroke=\"{}\" d=\"", layer.colour);
+        open = true;
+        path_data(svg, sheet.path.points_of(stroke));
+      }
+      if (open) svg += "\"/>\n";
     }
     svg += "</g>\n";
     x += sheet.area_mm[0] + kBetween;
   }
-  return svg + "</svg>\n";
+  svg += "</svg>\n";
+  return svg;
 }
 
 }  // namespace popcut

@@ -156,6 +156,11 @@ std::optional<Toolpath> sent_strokes(const Toolpath& drawn, const KnifeWork& kni
 
 KnifeMarks knife_marks(const Toolpath& drawn, const KnifeWork& knife) {
   KnifeMarks marks;
+  const auto end_mark = [&](std::vector<KnifeMarks::Mark>& list, std::uint32_t stroke,
+                            std::size_t first) {
+    list.push_back({stroke, static_cast<std::uint32_t>(first),
+                    static_cast<std::uint32_t>(marks.points.size() - first)});
+  };
   Blade blade = blade_of(knife);
   std::vector<PagePoint> line, axis;
   for (std::uint32_t i = 0; i < drawn.strokes.size(); ++i) {
@@ -164,10 +169,12 @@ KnifeMarks knife_marks(const Toolpath& drawn, const KnifeWork& knife) {
     const double mm = overcut_of(drawn, stroke, knife);
     line.clear();
     if (mm > 0.0) {
-      marks.overcuts.push_back({i, {}});
-      append_tail(points, mm, marks.overcuts.back().points);
-      marks.overcuts.push_back({i, {}});
-      append_head(points, mm, marks.overcuts.back().points);
+      std::size_t first = marks.points.size();
+      append_tail(points, mm, marks.points);
+      end_mark(marks.overcuts, i, first);
+      first = marks.points.size();
+      append_head(points, mm, marks.points);
+      end_mark(marks.overcuts, i, first);
       append_with_overcut(points, mm, line);
     } else {
       line.assign(points.begin(), points.end());
@@ -175,9 +182,11 @@ KnifeMarks knife_marks(const Toolpath& drawn, const KnifeWork& knife) {
     if (!(knife.blade_offset_mm > 0.0) || !knife.blade(stroke.tool)) continue;
     axis.clear();
     const std::size_t entry = append_axis_path(line, blade, axis);
-    if (entry > 1)
-      marks.lead_ins.push_back(
-          {i, {axis.begin(), axis.begin() + static_cast<std::ptrdiff_t>(entry)}});
+    if (entry <= 1) continue;
+    const std::size_t first = marks.points.size();
+    marks.points.insert(marks.points.end(), axis.begin(),
+                        axis.begin() + static_cast<std::ptrdiff_t>(entry));
+    end_mark(marks.lead_ins, i, first);
   }
   return marks;
 }

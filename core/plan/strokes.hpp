@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -72,12 +73,16 @@ struct KnifeWork {
 
 /// What is cut or passed beside the drawing: overcuts as the tip cuts them, entry rotations as the
 /// axis goes.
-struct KnifeMark {
-  std::uint32_t stroke{};
-  std::vector<PagePoint> points;
-};
 struct KnifeMarks {
-  std::vector<KnifeMark> overcuts, lead_ins;
+  struct Mark {
+    std::uint32_t stroke{}, first{}, count{};  ///< points `first .. first + count`
+  };
+  std::vector<PagePoint> points;
+  std::vector<Mark> overcuts, lead_ins;
+
+  [[nodiscard]] std::span<const PagePoint> points_of(const Mark& mark) const {
+    return std::span(points).subspan(mark.first, mark.count);
+  }
 };
 [[nodiscard]] KnifeMarks knife_marks(const Toolpath& drawn, const KnifeWork& knife);
 

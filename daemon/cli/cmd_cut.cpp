@@ -5,8 +5,10 @@
 #include <csignal>
 #include <cstdio>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -18,6 +20,7 @@
 #include "core/plan/test_shape.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/cut_device.hpp"
+#include "daemon/cli/cut_queue.hpp"
 #include "daemon/cli/expectation.hpp"
 #include "daemon/cli/fault_file.hpp"
 #include "daemon/cli/output_folder.hpp"
@@ -34,6 +37,10 @@ struct Options {
   PlanJobOptions job;
   std::string device, treat_as, folder, faults;
   bool direct{false}, yes{false}, test{false};
+  int copies{1}, priority{0};
+  std::string name;
+  bool wait{false};
+  std::map<std::string, std::string> plan_words{};  ///< options of the plan as they were typed
 };
 
 // Ctrl-C asks the session to stop at the end of a stroke, with the tool up.
@@ -217,14 +224,43 @@ Result<void> cut_all(const Options& options, const Globals& globals, const PlanJ
   return {};
 }
 
+/// What stands in the way of leaving the cut to popcutd, or doing it from here.
+Result<void> check_words(const Options& options) {
+  const auto wrong = [](const char* option, const char* why) {
+    return fail(ErrorKind::Usage, option, why);
+  };
+  if (options.direct && (options.wait || options.copies != 1 || options.priority != 0))
+    return wrong("--direct",
+                 "cuts from here and at once; --wait, --copies and --priority are for "
+                 "the queue of popcutd");
+  if (options.direct) return {};
+  if (options.test) return wrong("--test", "works with --direct");
+  if (options.yes)
+    return wrong("--yes",
+                 "works with --direct only: a job waits for 'popcut arm' and 'popcut "
+                 "start'");
+  if (!options.faults.empty())
+    return wrong("--faults", "works with --direct; popcutd has them in its configuration");
+  if (!options.folder.empty())
+    return wrong("--output",
+                 "works with --direct; popcutd keeps the plan's files, see 'popcut "
+                 "jobs JOB'");
+  if (!options.job.machine.empty() || !options.treat_as.empty())
+    return wrong(options.treat_as.empty() ? "--machine" : "--treat-as",
+                 "works with --direct; with popcutd the device says what it is: --device");
+  return {};
+}
+
 Result<void> run_cut(const Options& options, const Globals& globals) {
   if (options.test != options.job.input.empty())
     return fail(ErrorKind::Usage, "command line",
                 options.test ? "INPUT and --test both; --test cuts a shape of its own"
                              : "INPUT is missing; name a SPEC or a pattern, or give --test");
+  if (const auto lawful = check_words(options); !lawful) return lawful;
   if (!options.direct)
-    return fail(ErrorKind::Refused, "",
-                "queueing a job needs popcutd, which is not built yet; --direct cuts without it");
+    return queue_cut({options.job.input, options.device, options.job.material, options.name,
+                      options.plan_words, options.copies, options.priority, options.wait},
+                     globals);
   const bool simulated = options.device.empty() || options.device.rfind("sim:", 0) == 0;
   if (options.yes && !simulated)
     return fail(ErrorKind::Usage, "--yes",
@@ -273,12 +309,32 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
   return cut;
 }
 
+/// The options of the plan that were given, as popcutd takes them: names without dashes.
+std::map<std::string, std::string> plan_words(const CLI::App& command) {
+  static const std::set<std::string> kOwn{"INPUT",  "test", "device",   "treat-as", "faults",
+                                          "direct", "yes",  "output",   "copies",   "name",
+                                          "wait",   "help", "priority", "material", "machine"};
+  std::map<std::string, std::string> words;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0 || option->get_lnames().empty()) continue;
+    const std::string& name = option->get_lnames().front();
+    if (kOwn.contains(name)) continue;
+    words[name] = option->get_expected_max() == 0 ? "true" : option->results().back();
+  }
+  return words;
+}
+
 constexpr const char* kHelp =
-    "Cut a spec or a pattern.\n\n"
+    "Cut a spec or a pattern: queued with popcutd, or with --direct from here.\n\n"
+    "  popcut cut sphere.json --wait                       # a job; tells when a person is needed\n"
+    "  popcut arm                                          # the sheet is loaded\n"
+    "  popcut start                                        # the knife goes down\n\n"
     "  popcut cut sphere.json --direct                     # asks for each sheet, then cuts it\n"
     "  popcut cut sphere.json --direct --yes -o cut        # simulated: no questions\n"
     "  popcut cut sphere.json --direct --device usb:51053P # the cutter of that serial number\n\n"
-    "Plans as 'popcut plan' does, then sends each sheet to the cutter and waits until it is done.\n"
+    "--direct plans as 'popcut plan' does, then sends each sheet to the cutter and waits until it "
+    "is\n"
+    "done.\n"
     "Ctrl-C stops at the end of the stroke, with the tool up and parked; the key p holds there "
     "and\n"
     "goes on. With -o DIR it keeps for each sheet\n"
@@ -309,7 +365,21 @@ void register_cut(CLI::App& app, const Globals& globals, Run& run) {
   command->add_flag("--yes", options->yes, "Ask nothing; with simulated devices only");
   command->add_option("-o,--output", options->folder, "Keep programs, drawings and traces there")
       ->option_text("DIR");
-  command->callback([options, &globals, &run] {
+  command
+      ->add_option("--copies", options->copies,
+                   "How many of it popcutd is to cut, each on its own "
+                   "blanks")
+      ->check(CLI::Range(1, 1000))
+      ->option_text("N [1]");
+  command->add_option("--priority", options->priority, "Before (above 0) or after other jobs")
+      ->check(CLI::Range(-10, 10))
+      ->option_text("-10..10 [0]");
+  command->add_option("--name", options->name, "What the job is called; else the input's name")
+      ->option_text("TEXT");
+  command->add_flag("--wait", options->wait,
+                    "Tell each thing that waits for a person; return when the job has ended");
+  command->callback([options, command, &globals, &run] {
+    options->plan_words = plan_words(*command);
     run = [options, &globals] { return run_cut(*options, globals); };
   });
 }

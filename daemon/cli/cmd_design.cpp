@@ -14,7 +14,6 @@
 #include <CLI/CLI.hpp>
 
 #include "core/deploy/sheet_mesh.hpp"
-#include "core/deploy/shut_stack.hpp"
 #include "core/design/patches.hpp"
 #include "core/formats/cricut_svg.hpp"
 #include "core/formats/deployed_svg.hpp"
@@ -34,6 +33,7 @@
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/spec_assets.hpp"
 #include "daemon/cli/user_tables.hpp"
+#include "daemon/planning/design_files.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -281,13 +281,6 @@ Result<PatchAssembly> timed_design(const DesignSpec& spec, const SurfaceAssets& 
   return made;
 }
 
-/// Says in the report where the paper's thickness matters.
-void add_thickness_note(const Material& material, Design& made) {
-  const ShutStack stack = shut_stack(made.strips, material.thickness_mm);
-  if (const auto warning = thickness_warning(stack, material.thickness_mm))
-    made.report.notes.push_back(fmt::format("{}: {}", material.name, *warning));
-}
-
 constexpr std::uintmax_t kSpecLimitBytes = 64u << 20;
 
 Result<void> design_into(const Options& options, const Globals& globals) {
@@ -318,7 +311,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   auto made = timed_design(*spec, *assets);
   if (!made) return tl::unexpected(within(options.spec, made.error()));
 
-  for (Design& part : made->parts) add_thickness_note(*material, part);
+  for (Design& part : made->parts) planning::add_thickness_note(*material, part);
 
   const bool is_one = made->parts.size() == 1;
   for (std::size_t p = 0; p < made->parts.size(); ++p) {

@@ -50,7 +50,7 @@ Result<void> list_machines(const Globals& globals) {
   for (const Machine& m : *machines) {
     std::string mats;
     for (const Mat& mat : m.mats) mats += " " + mat.name;
-    fmt::print("{:<18} {:<30} {:<5} {:>6.1f} x {:<7.0f} mm  {:<9}{}\n", m.name, m.title, m.language,
+    fmt::print("{:<18} {:<40} {:<5} {:>6.1f} x {:<7.0f} mm  {:<9}{}\n", m.name, m.title, m.language,
                m.width_mm, m.length_mm, usb_id(m), mats);
   }
   return {};
@@ -155,9 +155,8 @@ Result<void> list_devices(const Globals& globals) {
 }
 
 constexpr const char* kDevicesHelp =
-    "The devices that can be cut on: what is plugged in, and a simulated one for each machine "
-    "that\n"
-    "popcut knows. 'popcut doctor' says why one is not free.\n\n"
+    "The devices that can be cut on: what is plugged in, and a simulated one for each machine.\n"
+    "'popcut doctor' says why one is not free.\n\n"
     "  popcut devices";
 constexpr const char* kMachinesHelp =
     "The machines popcut knows: name, language, largest area, USB id, mats.\n\n"

@@ -32,6 +32,9 @@ void register_cut(CLI::App& app, const Globals& globals, Run& run);
 void register_curvature(CLI::App& app, const Globals& globals, Run& run);
 void register_figures(CLI::App& app, const Globals& globals, Run& run);
 void register_doctor(CLI::App& app, const Globals& globals, Run& run);
+void register_jobs(CLI::App& app, const Globals& globals, Run& run);
+void register_job_actions(CLI::App& app, const Globals& globals, Run& run);
+void register_daemon(CLI::App& app, const Globals& globals, Run& run);
 void register_machines(CLI::App& app, const Globals& globals, Run& run);
 
 }  // namespace popcut::cli

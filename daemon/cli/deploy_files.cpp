@@ -10,10 +10,10 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "core/deploy/glb.hpp"
 #include "core/deploy/pose_table.hpp"
 #include "core/deploy/poster.hpp"
 #include "daemon/cli/angles.hpp"
+#include "daemon/planning/design_files.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -26,11 +26,6 @@ std::optional<double> number(const std::string& text) {
   const auto [stop, error] = std::from_chars(text.data(), end, value);
   if (error != std::errc() || stop != end) return std::nullopt;
   return value;
-}
-
-/// How many poses of a pattern one table may hold, at most `wanted`.
-std::size_t poses_at_once(const Pattern& pattern, std::size_t wanted) {
-  return std::clamp<std::size_t>(kMaxTabled / std::max<std::size_t>(1, pattern.faces()), 1, wanted);
 }
 
 /// `count` angles on the same way; shut ones are moved to where a picture can be drawn.
@@ -96,7 +91,7 @@ Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,
                         const std::vector<double>& psi_rad, MeshAxes axes,
                         const std::string& prefix, OutputFolder& folder) {
   // A table holds some poses at a time, since thousands of poses of thousands of faces are a lot.
-  const std::size_t at_once = poses_at_once(pattern, 64);
+  const std::size_t at_once = planning::poses_at_once(pattern, 64);
   for (std::size_t first = 0; first < psi_rad.size(); first += at_once) {
     const auto angles =
         std::span(psi_rad).subspan(first, std::min(at_once, psi_rad.size() - first));
@@ -117,19 +112,7 @@ Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,
 
 Result<void> add_glb(const Pattern& pattern, const std::vector<double>& psi_rad,
                      double thickness_mm, OutputFolder& folder) {
-  const std::size_t most_keys = std::max<std::size_t>(13, poses_at_once(pattern, 61));
-  std::vector<double> angles = psi_rad;
-  if (angles.size() > 1) {
-    const auto few =
-        opening_angles(psi_rad.front(), psi_rad.back(),
-                       static_cast<int>(std::clamp<std::size_t>(psi_rad.size(), 13, most_keys)));
-    if (!few) return tl::unexpected(few.error());
-    angles = *few;
-  }
-  const auto table = pose_table(pattern, angles);
-  if (!table) return tl::unexpected(table.error());
-  const auto bytes =
-      glb(pattern, *table, {.creator = "popcut " POPCUT_VERSION, .thickness_mm = thickness_mm});
+  const auto bytes = planning::animation_glb(pattern, psi_rad, thickness_mm);
   if (!bytes) return tl::unexpected(bytes.error());
   return folder.add("deploy.glb", *bytes);
 }

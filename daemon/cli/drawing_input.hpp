@@ -1,23 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "core/formats/svg_reader.hpp"
-#include "core/plan/linework.hpp"
 #include "core/result.hpp"
+#include "daemon/planning/plan_input.hpp"
 
 namespace popcut::cli {
 
-/// What `plan` and `cut` are given: a drawing, and the material its spec asks for.
-struct DrawingInput {
-  LineWork drawing;
-  std::optional<std::string> material;
-  std::vector<double>
-      seams_x{};  ///< declared seams: it is to be split there, mm from its left edge
-};
+using planning::DrawingInput;
 
 /// Reads a design spec (and designs it), a FOLD, SVG or DXF file, by its ending or else its first
 /// character. A drawing without a name gets that of its file. `how` is for drawings with curves and

@@ -10,19 +10,22 @@
 #include <exception>
 #include <initializer_list>
 #include <iostream>
+#include <memory>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/help_pages.hpp"
 
 namespace popcut::cli {
 namespace {
 
 // Every subcommand of this build; the order is the order of the help.
 constexpr std::initializer_list<Register> kCommands = {
-    register_design, register_deploy,   register_verify, register_plan,      register_simulate,
-    register_cut,    register_machines, register_doctor, register_curvature, register_figures};
+    register_design, register_deploy,    register_verify,      register_plan,   register_simulate,
+    register_cut,    register_jobs,      register_job_actions, register_daemon, register_machines,
+    register_doctor, register_curvature, register_figures};
 
 constexpr const char* kPurpose =
     "popcut turns a target surface into a pop-up pattern, a cut sheet, and a finished cut.\n\n"
@@ -30,7 +33,9 @@ constexpr const char* kPurpose =
     "  popcut deploy sphere/pattern.fold -o poses  # meshes of the poses as it opens\n"
     "  popcut verify sphere/pattern.fold           # is it sound? one freedom? no crossing?\n"
     "  popcut plan sphere.json -o sheets           # the sheets and the programs that cut them\n"
-    "  popcut cut sphere.json --direct             # cut it, on the simulated cutter by default\n\n"
+    "  popcut cut sphere.json --wait               # cut it: a job for popcutd, with you at each "
+    "sheet\n"
+    "  popcut cut sphere.json --direct             # cut it from here, simulated by default\n\n"
     "'popcut COMMAND --help' explains a command. Lengths are in mm, angles in rad unless the name\n"
     "of an option or field says otherwise.";
 constexpr const char* kFooter =
@@ -39,6 +44,16 @@ constexpr const char* kFooter =
     "out of range; 4 no valid pattern or layout; 5 device absent, refused or failed; 6 a check "
     "did\n"
     "not hold; 7 output not written.";
+
+/// The commands one line each; each explains itself.
+class ShortHelp : public CLI::Formatter {
+  std::string make_subcommand(const CLI::App* command) const override {
+    const std::string what = command->get_description();
+    const std::string line = "  " + command->get_name();
+    return line + std::string(line.size() < 14 ? 14 - line.size() : 1, ' ') +
+           what.substr(0, what.find('\n')) + "\n";
+  }
+};
 
 int report(const Error& error) {
   std::cout.flush();
@@ -67,6 +82,22 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& refused) {
   return {ErrorKind::Usage, "command line", what + "; '" + help + " --help' lists what is right"};
 }
 
+/// 'popcut help-page bash|zsh|fish|man', for the build and for packages.
+void add_help_pages(CLI::App& app, Run& run) {
+  auto kind = std::make_shared<std::string>();
+  CLI::App* const command = app.add_subcommand("help-page", "Completions, and the manual page");
+  command->group("");  // hidden
+  command->add_option("KIND", *kind, "bash, zsh, fish or man")->required();
+  command->callback([&app, &run, kind] {
+    run = [&app, kind]() -> Result<void> {
+      const auto page = help_page(app, *kind, 1);
+      if (!page) return tl::unexpected(page.error());
+      std::cout << *page;
+      return {};
+    };
+  });
+}
+
 /// Nothing that went to standard output may be lost in silence (a full disk behind a `>`).
 int finish() {
   std::cout.flush();
@@ -79,6 +110,7 @@ int run(int argc, char** argv) {
   CLI::App app{kPurpose, "popcut"};
   Globals globals;
   Run work;
+  app.formatter(std::make_shared<ShortHelp>());
   app.fallthrough();             // the options below may stand after the subcommand too
   app.require_subcommand(0, 1);  // none is refused below, after words that are no option
   app.set_version_flag("--version", "popcut " POPCUT_VERSION);
@@ -87,6 +119,7 @@ int run(int argc, char** argv) {
   app.add_flag("-v,--verbose", globals.verbose, "Say more; twice for everything");
   app.footer(kFooter);
   for (const Register add : kCommands) add(app, globals, work);
+  add_help_pages(app, work);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& refused) {

@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "daemon/cli/progress_bar.hpp"
@@ -17,8 +16,6 @@ namespace {
 using std::chrono::steady_clock;
 
 constexpr double kSecondsPerEffort = 60.0;  // at most; on most machines it takes a few
-constexpr double kBandMm = 20.0;
-constexpr double kCornerDeg = 60.0;
 
 // Shows how far the search is, and ends it when its time is over.
 class Watch {
@@ -60,30 +57,10 @@ void add_order_options(CLI::App& command, OrderWords& words) {
       "outline last");
 }
 
-Result<OrderOptions> order_options(const OrderWords& words) {
-  OrderOptions out;
-  if (words.method == "best") {
-    out.method = OrderMethod::Best;
-  } else if (words.method == "keep") {
-    out.method = OrderMethod::Keep;
-  } else if (words.method != "quick") {
-    return fail(ErrorKind::Usage, "--order",
-                fmt::format("{} is not known; quick, best or keep", words.method));
-  }
-  if (!(words.effort >= 0.01 && words.effort <= 1000.0))
-    return fail(ErrorKind::Usage, "--effort",
-                fmt::format("{} is out of range; from 0.01 to 1000", words.effort));
-  if (words.mat_free && out.method == OrderMethod::Keep)
-    return fail(ErrorKind::Usage, "--mat-free",
-                "it changes the order that --order keep keeps; leave one of them out");
-  out.effort = words.effort;
-  out.seed = words.seed;
-  out.band_mm = words.mat_free ? kBandMm : 0.0;
-  out.corner_deg = words.mat_free ? kCornerDeg : 0.0;
+std::function<bool(double)> watched_search(const OrderWords& words) {
   const double most_s = kSecondsPerEffort * std::max(words.effort, 1.0);
   const auto watch = std::make_shared<Watch>(words.progress, most_s);
-  out.keep_going = [watch](double done) { return watch->go_on(done); };
-  return out;
+  return [watch](double done) { return watch->go_on(done); };
 }
 
 }  // namespace popcut::cli

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <string>
+#include <functional>
 
-#include "core/plan/order.hpp"
-#include "core/result.hpp"
+#include "daemon/planning/plan_words.hpp"
 
 namespace CLI {
 class App;
@@ -12,21 +11,13 @@ class App;
 
 namespace popcut::cli {
 
-struct OrderWords {
-  std::string method{"quick"};
-  double effort{1.0};
-  std::uint64_t seed{1};
-  bool mat_free{false};
-  bool progress{true};  ///< on a terminal, once it takes over two seconds
-};
+using planning::OrderWords;
 
 /// Adds --order, --effort, --seed and --mat-free.
 void add_order_options(CLI::App& command, OrderWords& words);
 
-/// The search that they ask for. It ends at the latest after a minute a unit of effort, and shows
-/// how far it is.
-///
-/// @retval Usage  the word is not known, or the effort is not from 0.01 to 1000
-[[nodiscard]] Result<OrderOptions> order_options(const OrderWords& words);
+/// For `OrderOptions::keep_going`: shows how far the search is, and ends it at the latest after a
+/// minute a unit of effort.
+[[nodiscard]] std::function<bool(double)> watched_search(const OrderWords& words);
 
 }  // namespace popcut::cli

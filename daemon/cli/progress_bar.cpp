@@ -16,8 +16,11 @@ using std::chrono::steady_clock;
 ProgressBar::ProgressBar(bool wanted)
     : wanted_(wanted && isatty(STDERR_FILENO) == 1), begun_(steady_clock::now()) {}
 
-ProgressBar::~ProgressBar() {
+ProgressBar::~ProgressBar() { clear(); }
+
+void ProgressBar::clear() {
   if (drawn_) fmt::print(stderr, "\r\x1b[K");
+  drawn_ = false;
 }
 
 void ProgressBar::show(std::string_view what, double done, double seconds_left) {

@@ -19,6 +19,8 @@ class ProgressBar {
   /// @param what  "cutting, stroke 12 of 480"
   /// @param done  0 to 1
   void show(std::string_view what, double done, double seconds_left);
+  /// Takes the line away, for other words; the next `show` draws it again.
+  void clear();
 
  private:
   bool wanted_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -181,7 +182,11 @@ TEST_CASE("nothing is cut without somebody who said yes", "[cli][e2e]") {
   check_one_line(bench.run({"cut", kSphere, "--direct", "--yes", "--device", "usb:1"}), 2,
                  "simulated devices only");
   check_one_line(bench.run({"cut", kSphere, "--direct", "--device", "usb:1"}), 5, "usb:1");
-  check_one_line(bench.run({"cut", kSphere}), 5, "popcutd, which is not built yet");
+  ::setenv("POPCUT_URL", "/nonexistent/popcut.sock", 1);
+  check_one_line(bench.run({"cut", kSphere}), 5, "popcutd does not answer there");
+  check_one_line(bench.run({"cut", "absent.json"}), 3, "absent.json");
+  check_one_line(bench.run({"cut", kSphere, "--yes"}), 2, "--direct");
+  check_one_line(bench.run({"cut", kSphere, "--direct", "--wait"}), 2, "queue");
   check_one_line(bench.run({"cut", kSphere, "--direct", "--yes", "--device", "sim:nothing"}), 2,
                  "nothing");
   check_one_line(bench.run({"cut", kSphere, "--direct", "--yes", "--device", "sim:cameo3",

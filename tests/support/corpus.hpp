@@ -1,36 +1,57 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace popcut::test {
 
-/// The synthetic drawings of the generator beside the repository, made once in the working
-/// directory; empty where the generator, Python or numpy is absent.
+/// Where the synthetic drawings are kept for all tests and benchmarks of this machine.
+inline std::filesystem::path corpus_folder() {
+  return std::filesystem::temp_directory_path() / "popcut-toolpath-corpus";
+}
+
+/// The synthetic drawings of the generator beside the repository, made once; empty where the
+/// generator, Python or numpy is absent.
 inline std::vector<std::filesystem::path> corpus() {
   namespace fs = std::filesystem;
   const fs::path generator = POPCUT_SOURCE_DIR "/../shared/data/drawings/gen_corpus.py";
-  const fs::path folder = fs::current_path() / "corpus";
-  if (!fs::exists(generator)) return {};
-  if (!fs::exists(folder / "done")) {
+  if (!fs::exists(corpus_folder())) {
+    if (!fs::exists(generator)) return {};
+    // Made aside, then renamed: several tests may run at once.
+    const fs::path fresh = corpus_folder().string() + "." + std::to_string(::getpid());
     bool made = false;
     for (const char* python : {"/usr/bin/python3", "python3"}) {
       const std::string command = std::string(python) + " '" + generator.string() + "' '" +
-                                  folder.string() + "' > /dev/null 2>&1";
+                                  fresh.string() + "' > /dev/null 2>&1";
       made = made || std::system(command.c_str()) == 0;
     }
-    if (!made) return {};
-    std::ofstream(folder / "done") << "all files are there\n";
+    std::error_code ignored;
+    if (made) fs::rename(fresh, corpus_folder(), ignored);
+    fs::remove_all(fresh, ignored);
+    if (!fs::exists(corpus_folder())) return {};
   }
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder))
+  for (const auto& entry : fs::directory_iterator(corpus_folder()))
     if (entry.path().extension() == ".svg") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
   return files;
+}
+
+/// How busy the machine was in the last minute: with each measured time.
+inline std::string load() {
+  std::ifstream file("/proc/loadavg");
+  std::string one;
+  file >> one;
+  return one;
 }
 
 inline std::string text_of(const std::filesystem::path& path) {

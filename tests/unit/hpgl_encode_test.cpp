@@ -3,6 +3,7 @@
 
 #include "protocol/decode.hpp"
 #include "protocol/encode.hpp"
+#include "protocol/gpgl_variants.hpp"
 #include "protocol/moves.hpp"
 #include "tests/support/protocol_samples.hpp"
 
@@ -144,6 +145,14 @@ TEST_CASE("HPGL variants are words joined by plus signs", "[protocol][hpgl][enco
   CHECK(written("camm2") == written("generic"));
   CHECK_THAT(written("pa+ud"), Catch::Contains("pa goes with PU and PD only"));
   CHECK_THAT(written("generic+"), Catch::Contains("\"\" is no variant"));
+}
+
+TEST_CASE("every habit that a table may name is known to the encoder", "[protocol][hpgl][encode]") {
+  for (const std::string_view word : kHpglWords) {
+    CAPTURE(word);
+    CHECK(hpgl_habits(word));
+  }
+  for (const std::string_view name : kGpglVariants) CHECK(find_gpgl_variant(name) != nullptr);
 }
 
 TEST_CASE("CAMM-GL takes negative coordinates and other HPGL only where it says so",

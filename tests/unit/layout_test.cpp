@@ -139,6 +139,27 @@ TEST_CASE("a stepped seam changes its height only along cuts", "[layout]") {
   CHECK(stepped);
 }
 
+TEST_CASE("a stepped seam goes where strips beside a line are too narrow for a tab", "[layout]") {
+  // As above, but at 58..102 a cut leaves a strip of 2 mm at the edge, in which no tab finds room.
+  LineWork work = sheet(60, 170);
+  add(work, Operation::Cut, {{30, 10}, {30, 160}});
+  add(work, Operation::Cut, {{2, 58}, {2, 102}});
+  for (double y = 5; y < 170; y += 2.5) {
+    if (y < 60 || y > 112) add(work, Operation::FoldValley, {{0, y}, {30, y}});
+    if (y < 62 || y > 78) add(work, Operation::FoldValley, {{30, y}, {60, y}});
+  }
+  LayoutOptions options = on(65, 140);
+  options.tabs.depth_mm = 4;
+  const auto layout = lay_out(work, options);
+  REQUIRE(layout);
+  REQUIRE(layout->pieces.size() == 2);
+  for (const SeamRun& run : layout->runs) {
+    if (run.vertical || run.from > 0) continue;
+    CHECK(run.at > 102.0);
+    CHECK(run.at < 112.5);
+  }
+}
+
 TEST_CASE("paper ends where its closed lines say so and is not glued beyond", "[layout]") {
   LineWork work;  // an L: 200 wide below, 60 wide above
   work.name = "L";

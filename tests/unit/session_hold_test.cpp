@@ -16,7 +16,7 @@ namespace {
 
 double in_seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
-/// A job of short strokes, so that a window of motion holds several.
+/// A job of short strokes to and fro, so that a window of motion holds several.
 struct Job {
   Machine machine;
   Toolpath path;
@@ -31,8 +31,8 @@ struct Job {
       stroke.tool = 1;
       stroke.force_gf = paper.cut.force_gf;
       stroke.speed_mm_s = paper.cut.speed_mm_s;
-      const double x = 5 + k % 20 * 9.0;
-      const double y = 5 + static_cast<double>(k / 20) * 9.0;
+      const int row = k / 20, column = row % 2 == 0 ? k % 20 : 19 - k % 20;
+      const double x = 5 + column * 9.0, y = 5 + row * 9.0;
       path.points.push_back({x, y});
       path.points.push_back({x + 4, y + 1});
       path.strokes.push_back(stroke);
@@ -78,40 +78,62 @@ TEST_CASE("a pause from the host stops between strokes with the tool up and goes
   for (const char* name : {"cameo3", "portrait", "hpgl-generic"}) {
     CAPTURE(name);
     const Job job(name);
+    double worst_s = 0;
+    for (int ask = 0; ask < 12; ++ask) {
+      CAPTURE(ask);
+      SimTransport cable = job.cable();
+      std::atomic<bool> pause{false};
+      std::optional<nanoseconds> asked, held;
+      std::size_t strokes_held = 0;
+      bool tool_up = true;
+      SessionOptions options;
+      options.poll_s = 0.05;  // a fine clock for the figure
+      options.pause = &pause;
+      options.progress = [&](const SessionProgress& p) {
+        if (!asked && p.strokes_done >= 20 && in_seconds(cable.now()) > 12 + 0.37 * ask) {
+          pause = true;
+          asked = cable.now();
+        }
+        if (p.phase != SessionPhase::Held || cable.cutter().status() == DeviceStatus::Moving)
+          return;
+        if (!held) {
+          held = cable.now();
+          strokes_held = cable.cutter().trace().strokes.size();
+        }
+        tool_up = tool_up && !cable.cutter().tool_down();
+        CHECK(cable.cutter().trace().strokes.size() == strokes_held);
+        if (cable.now() > *held + std::chrono::seconds(30)) pause = false;
+      };
+      const SessionEnd end = run_session(cable, job.machine, job.program, options);
+      REQUIRE_FALSE(end.error);
+      REQUIRE(held);
+      CHECK(tool_up);
+      worst_s = std::max(worst_s, in_seconds(*held - *asked));
+      // Then all of it is cut, once.
+      const Trace& trace = cable.cutter().trace();
+      CHECK(trace.strokes.size() == 200);
+      CHECK(trace.cut_mm == Approx(200 * 4.123).epsilon(0.01));
+      CHECK(trace.unknown.empty());
+      if (name != std::string("hpgl-generic")) CHECK(count(end, StrokeFate::Certain) == 200);
+    }
+    CHECK(worst_s <= SessionOptions().window_s);
+    std::printf("host pause on %s: at rest, tool up, at most %.2f s after it was asked\n", name,
+                worst_s);
+  }
+}
+
+TEST_CASE("a machine that wants a newline after each command is sent all of its job",
+          "[device][session]") {
+  for (const char* name : {"hpgl-clone", "hpgl-ud", "camm-1", "camm-2"}) {
+    CAPTURE(name);
+    const Job job(name);
     SimTransport cable = job.cable();
-    std::atomic<bool> pause{false};
-    std::optional<nanoseconds> asked, held;
-    std::size_t strokes_held = 0;
-    bool tool_up = true;
-    SessionOptions options;
-    options.pause = &pause;
-    options.progress = [&](const SessionProgress& p) {
-      if (!asked && p.strokes_done >= 20) {
-        pause = true;
-        asked = cable.now();
-      }
-      if (p.phase != SessionPhase::Held || cable.cutter().status() == DeviceStatus::Moving) return;
-      if (!held) {
-        held = cable.now();
-        strokes_held = cable.cutter().trace().strokes.size();
-      }
-      tool_up = tool_up && !cable.cutter().tool_down();
-      CHECK(cable.cutter().trace().strokes.size() == strokes_held);
-      if (cable.now() > *held + std::chrono::seconds(30)) pause = false;
-    };
-    const SessionEnd end = run_session(cable, job.machine, job.program, options);
+    const SessionEnd end = run_session(cable, job.machine, job.program);
     REQUIRE_FALSE(end.error);
-    REQUIRE(held);
-    CHECK(tool_up);
-    CHECK(in_seconds(*held - *asked) < 3.5);
-    std::printf("host pause on %s: at rest, tool up, %.2f s after it was asked\n", name,
-                in_seconds(*held - *asked));
-    // Then all of it is cut, once.
-    const Trace& trace = cable.cutter().trace();
-    CHECK(trace.strokes.size() == 200);
-    CHECK(trace.cut_mm == Approx(200 * 4.123).epsilon(0.01));
-    CHECK(trace.unknown.empty());
-    if (name != std::string("hpgl-generic")) CHECK(count(end, StrokeFate::Certain) == 200);
+    cable.cutter().run_dry();
+    CHECK(cable.cutter().trace().strokes.size() == 200);
+    CHECK(cable.cutter().trace().unknown.empty());
+    CHECK(cable.cutter().accepted_bytes() == job.program.bytes.size());
   }
 }
 
@@ -168,23 +190,30 @@ TEST_CASE("each way to stop is obeyed within one window and the rest is never se
     cable.cutter().run_dry();
     CHECK(cable.cutter().trace().strokes.size() <= 200 - count(end, StrokeFate::NotSent));
   }
-  SimTransport cable = job.cable();
-  std::atomic<bool> cancel{false};
-  nanoseconds asked{}, tool_stopped{};
-  std::size_t strokes = 0;
-  SessionOptions options;
-  options.poll_s = 0.05;  // a fine clock for the figure
-  options.cancel = &cancel;
-  options.progress = [&](const SessionProgress& p) {
-    if (!cancel && p.strokes_done >= 30) cancel = true, asked = cable.now();
-    const std::size_t cut = cable.cutter().trace().strokes.size();
-    if (cut != strokes) tool_stopped = cable.now();
-    strokes = cut;
-  };
-  const SessionEnd end = run_session(cable, job.machine, job.program, options);
-  REQUIRE_FALSE(end.error);
-  std::printf("host cancel: the last stroke ended at most %.2f s later, %zu of 200 not sent\n",
-              in_seconds(tool_stopped - asked), count(end, StrokeFate::NotSent));
-  CHECK(in_seconds(tool_stopped - asked) < kWindowS + kPollS + 0.5);
-  CHECK(count(end, StrokeFate::InDoubt) == 0);
+  double worst_s = 0;
+  for (int ask = 0; ask < 12; ++ask) {
+    CAPTURE(ask);
+    SimTransport cable = job.cable();
+    std::atomic<bool> cancel{false};
+    nanoseconds asked{}, tool_stopped{};
+    std::size_t strokes = 0;
+    SessionOptions options;
+    options.poll_s = 0.05;  // a fine clock for the figure
+    options.cancel = &cancel;
+    options.progress = [&](const SessionProgress& p) {
+      if (!cancel && p.strokes_done >= 20 && in_seconds(cable.now()) > 12 + 0.37 * ask)
+        cancel = true, asked = cable.now();
+      const std::size_t cut = cable.cutter().trace().strokes.size();
+      if (cut != strokes) tool_stopped = cable.now();
+      strokes = cut;
+    };
+    const SessionEnd end = run_session(cable, job.machine, job.program, options);
+    REQUIRE_FALSE(end.error);
+    CHECK(end.cancelled);
+    worst_s = std::max(worst_s, in_seconds(tool_stopped - asked));
+    CHECK(count(end, StrokeFate::InDoubt) == 0);
+    CHECK(count(end, StrokeFate::NotSent) > 100);
+  }
+  std::printf("host cancel: the last stroke ended at most %.2f s later\n", worst_s);
+  CHECK(worst_s <= kWindowS);
 }

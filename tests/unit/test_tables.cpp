@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <set>
 
 #include <catch2/catch.hpp>
@@ -108,4 +109,27 @@ TEST_CASE("a user's table that is not lawful is refused with its place", "[core]
           R"({"popcut":1,"machines":[{"name":"a","like":"cameo3","motion":{"accel_mm_s2":1}}]})") ==
       "table 1: /machines/0/motion/travel_mm_s");
   CHECK_FALSE(all_machines({std::string(100'000, '[')}));
+}
+
+TEST_CASE("a user's HPGL machine names its habits as words joined by plus signs",
+          "[core][plan][tables]") {
+  const auto with = [](const std::string& variant) {
+    return find_machine("mine", {R"j({"popcut": 1, "machines": [{"name": "mine", "title": "Mine",
+      "like": "hpgl-generic", "variant": ")j" +
+                                 variant + R"j("}]})j"});
+  };
+  const auto clone = with("pa+newline+plain");
+  REQUIRE(clone);
+  CHECK(clone->variant == "pa+newline+plain");
+  for (const char* wrong : {"cameo3", "pa+", "", "+pa", "pa newline"}) {
+    CAPTURE(wrong);
+    const auto refused = with(wrong);
+    REQUIRE_FALSE(refused);
+    CHECK_THAT(refused.error().place, Catch::Contains("/machines/0/variant"));
+    CHECK_THAT(refused.error().detail, Catch::Contains("camm2 are known, joined by +"));
+  }
+  const auto machines = all_machines();
+  REQUIRE(machines);
+  CHECK(std::count_if(machines->begin(), machines->end(),
+                      [](const Machine& m) { return m.language == "hpgl"; }) >= 6);
 }

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/cli/cut_queue.hpp"
+
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/design/spec.hpp"
+#include "core/json_fields.hpp"
+#include "daemon/cli/job_follow.hpp"
+#include "daemon/cli/job_view.hpp"
+#include "daemon/cli/output_folder.hpp"
+#include "daemon/client/api.hpp"
+
+namespace popcut::cli {
+namespace {
+
+using client::Api;
+using Json = nlohmann::ordered_json;
+
+constexpr std::uintmax_t kMostDesignBytes = std::uintmax_t{1} << 30;
+
+struct Upload {
+  std::string bytes, media_type;
+};
+
+bool is_asset(const Json& object) {
+  const auto type = object.find("type"), file = object.find("file");
+  return type != object.end() && file != object.end() && file->is_string() &&
+         (*type == "mesh" || *type == "grid");
+}
+
+/// Puts the id of the uploaded file in place of each name, relative to the spec's folder.
+Result<void> upload_assets(Api& api, Json& value, const std::string& pointer,
+                           const std::string& spec_file, const Globals& globals, bool& changed) {
+  if (value.is_object() && is_asset(value)) {
+    const auto name = value["file"].get<std::string>();
+    const auto path = std::filesystem::path(spec_file).parent_path() / name;
+    const auto bytes = read_file(path);
+    if (!bytes) return tl::unexpected(within(spec_file, within(pointer + "/file", bytes.error())));
+    if (!globals.quiet)
+      fmt::print(stderr, "uploading {} ({} bytes)\n", path.string(), bytes->size());
+    const auto asset = api.upload("/v1/assets", *bytes, "application/octet-stream", path.string());
+    if (!asset) return tl::unexpected(asset.error());
+    value["file"] = client::text_of(*asset, "id");
+    changed = true;
+    return {};
+  }
+  if (!value.is_structured()) return {};
+  for (auto it = value.begin(); it != value.end(); ++it) {
+    const std::string below = value.is_object()
+                                  ? pointer + "/" + it.key()
+                                  : fmt::format("{}/{}", pointer, std::distance(value.begin(), it));
+    if (auto done = upload_assets(api, *it, below, spec_file, globals, changed); !done) return done;
+  }
+  return {};
+}
+
+Result<Upload> from_json(Api& api, std::string text, const std::string& file,
+                         const Globals& globals) {
+  // A pattern is checked by popcutd; a spec is small, and what is wrong with it is told at once.
+  if (text.find("\"vertices_coords\"") != std::string::npos)
+    return Upload{std::move(text), "application/json"};
+  if (const auto spec = parse_design_spec(text); !spec)
+    return tl::unexpected(within(file, spec.error()));
+  Json json = Json::parse(text);
+  bool changed = false;
+  if (auto done = upload_assets(api, json, "", file, globals, changed); !done)
+    return tl::unexpected(done.error());
+  return Upload{changed ? json.dump() : std::move(text), "application/json"};
+}
+
+Result<Upload> read_input(Api& api, const std::string& file, const Globals& globals) {
+  auto text = read_file(file, kMostDesignBytes);
+  if (!text) return tl::unexpected(text.error());
+  std::string ending = std::filesystem::path(file).extension().string();
+  for (char& c : ending)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  if (ending == ".dxf") return Upload{std::move(*text), "application/dxf"};
+  if (ending == ".svg") return Upload{std::move(*text), "image/svg+xml"};
+  const std::size_t first = text->find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  if (first != std::string::npos && (*text)[first] == '<')
+    return Upload{std::move(*text), "image/svg+xml"};
+  if (first != std::string::npos && (*text)[first] == '{')
+    return from_json(api, std::move(*text), file, globals);
+  return fail(ErrorKind::Malformed, file,
+              "is neither a spec (.json) nor a drawing (.fold, .svg, .dxf) that popcut reads");
+}
+
+Result<nlohmann::json> queue(Api& api, const QueueWish& wish, const Globals& globals) {
+  auto upload = read_input(api, wish.input, globals);
+  if (!upload) return tl::unexpected(upload.error());
+  const std::string name =
+      wish.name.empty() ? std::filesystem::path(wish.input).stem().string() : wish.name;
+  const auto design = api.upload("/v1/designs?name=" + client::percent_encoded(name), upload->bytes,
+                                 upload->media_type, wish.input);
+  if (!design) return tl::unexpected(design.error());
+  nlohmann::json body{{"design", client::text_of(*design, "id")}, {"name", name}};
+  if (wish.copies != 1) body["copies"] = wish.copies;
+  if (wish.priority != 0) body["priority"] = wish.priority;
+  if (!wish.material.empty()) body["material"] = wish.material;
+  if (!wish.device.empty()) body["device"] = wish.device;
+  if (!wish.options.empty()) body["options"] = wish.options;
+  return api.post("/v1/jobs", body, wish.input);
+}
+
+void say_queued(const nlohmann::json& job, const Globals& globals) {
+  if (globals.quiet) return;
+  fmt::print(stderr, "queued '{}' as job {}\n", job_title(job), client::text_of(job, "id"));
+}
+
+}  // namespace
+
+Result<void> queue_cut(const QueueWish& wish, const Globals& globals) {
+  auto api = Api::from_environment();
+  if (!api) return tl::unexpected(api.error());
+  auto job = queue(*api, wish, globals);
+  if (!job) return tl::unexpected(job.error());
+  const std::string id = client::text_of(*job, "id");
+  say_queued(*job, globals);
+  if (!wish.wait) {
+    if (globals.json)
+      fmt::print("{}\n", job->dump(2, ' ', false, Json::error_handler_t::replace));
+    else
+      fmt::print("{}\n", id);
+    if (!globals.quiet) fmt::print(stderr, "'popcut jobs --watch' shows when a person is needed\n");
+    return {};
+  }
+  const auto last = follow_job(*api, id, globals, [](const nlohmann::json&) { return false; });
+  if (!last) return tl::unexpected(last.error());
+  if (globals.json)
+    fmt::print("{}\n", last->dump(2, ' ', false, Json::error_handler_t::replace));
+  else
+    fmt::print("{}\n", id);
+  return verdict(*last);
+}
+
+}  // namespace popcut::cli

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "core/result.hpp"
+#include "daemon/cli/command.hpp"
+
+namespace popcut::cli {
+
+/// A job for popcutd.
+struct QueueWish {
+  std::string input, device, material, name;
+  std::map<std::string, std::string> options{};  ///< of the plan, as typed, without dashes
+  int copies{1}, priority{0};
+  bool wait{false};
+};
+
+/// `popcut cut` without --direct: uploads what the input needs and the input, queues the job,
+/// prints its id on standard output, and with `wait` follows it to its end.
+///
+/// @retval Malformed, OutOfRange  the input; found here or by popcutd
+/// @retval DeviceGone, Refused    popcutd is absent, says no, or the job did not become done
+[[nodiscard]] Result<void> queue_cut(const QueueWish& wish, const Globals& globals);
+
+}  // namespace popcut::cli

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/cli/job_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace popcut::cli {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kShortId = 12;
+constexpr std::size_t kMostJobsShown = 200;
+
+std::string text_of(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  std::string text =
+      found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  return text;
+}
+
+std::int64_t whole_of(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number_integer() ? found->get<std::int64_t>() : 0;
+}
+
+const Json& part_of(const Json& object, const char* key) {
+  static const Json kNothing = Json::object();
+  const auto found = object.find(key);
+  return found != object.end() && found->is_object() ? *found : kNothing;
+}
+
+bool may(const Json& job, const char* action) {
+  const auto list = job.find("actions");
+  return list != job.end() && list->is_array() &&
+         std::find(list->begin(), list->end(), Json(action)) != list->end();
+}
+
+std::string clock_text(double seconds) {
+  const auto whole = static_cast<std::int64_t>(std::ceil(std::clamp(seconds, 0.0, 1e9)));
+  return whole >= 3600 ? fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
+                       : fmt::format("{}:{:02}", whole / 60, whole % 60);
+}
+
+std::string sheet_text(const Json& job) {
+  const std::int64_t sheet = whole_of(job, "sheet"), total = whole_of(job, "sheets_total");
+  if (sheet > 0) return fmt::format("sheet {} of {}", sheet, total);
+  return total > 0 ? fmt::format("{} sheet{}", total, total == 1 ? "" : "s") : std::string();
+}
+
+bool is(const Json& job, const char* state) { return text_of(job, "state") == state; }
+
+std::string path_text(const Json& job) {
+  const Json& progress = part_of(job, "progress");
+  const std::int64_t total = whole_of(progress, "paths_total");
+  if (total == 0) return {};
+  return fmt::format("path {} of {}", whole_of(progress, "paths_certain"), total);
+}
+
+void interrupted_ways(const Json& job, std::vector<std::string>& lines) {
+  const std::string id = short_id(job);
+  const std::int64_t sheet = whole_of(job, "sheet");
+  const std::string reason = text_of(job, "reason");
+  lines.push_back(fmt::format("sheet {} was interrupted{}{} at {}: look at it, then one of", sheet,
+                              reason.empty() ? "" : " by ", reason, path_text(job)));
+  if (may(job, "retry-sheet"))
+    lines.push_back(
+        fmt::format("  popcut retry {} {}          # again, on a new sheet", id, sheet));
+  if (may(job, "resume-from"))
+    lines.push_back(fmt::format("  popcut resume {} --from PATH  # go on, on the same sheet", id));
+  if (may(job, "confirm-result"))
+    lines.push_back(
+        fmt::format("  popcut confirm {} {} good   # it is whole after all", id, sheet));
+  lines.push_back(fmt::format("  popcut cancel {}", id));
+}
+
+int rank(const Json& job) {
+  if (is(job, "cutting") || is(job, "paused")) return 0;
+  if (is(job, "interrupted") || is(job, "armed")) return 1;
+  if (is(job, "ready")) return 2;
+  return has_ended(job) ? 4 : 3;
+}
+
+/// Cut to `width` columns; a character of several bytes is never cut through.
+std::string fitted(std::string text, std::size_t width) {
+  std::size_t columns = 0, at = 0;
+  for (; at < text.size(); ++at) {
+    if ((static_cast<unsigned char>(text[at]) & 0xC0) == 0x80) continue;
+    if (++columns > width) break;
+  }
+  text.resize(at);
+  return text;
+}
+
+std::string bar(double part) {
+  constexpr int kCells = 16;
+  const int full = static_cast<int>(std::clamp(part, 0.0, 1.0) * kCells);
+  return fmt::format("[{}{}] {:3.0f} %", std::string(static_cast<std::size_t>(full), '#'),
+                     std::string(static_cast<std::size_t>(kCells - full), '.'), 100 * part);
+}
+
+std::string view_line(const Json& job) {
+  std::string line =
+      fmt::format("{:<{}}  {:<20} {:<12} {:<14}", short_id(job), kShortId,
+                  fitted(text_of(job, "name"), 20), text_of(job, "state"), sheet_text(job));
+  const double part = part_done(job);
+  if (part >= 0) line += fmt::format(" {}  {} left", bar(part), clock_text(seconds_left(job)));
+  if (!text_of(job, "device").empty()) line += "  on " + text_of(job, "device");
+  const auto held = job.find("held");
+  if (held != job.end() && *held == true) line += "  held";
+  if (has_ended(job) && !text_of(job, "reason").empty()) line += "  " + text_of(job, "reason");
+  return line;
+}
+
+}  // namespace
+
+std::string short_id(const Json& job) { return text_of(job, "id").substr(0, kShortId); }
+
+std::string job_title(const Json& job) {
+  const std::string name = text_of(job, "name");
+  return name.empty() ? short_id(job) : name;
+}
+
+bool has_ended(const Json& job) {
+  return is(job, "done") || is(job, "failed") || is(job, "cancelled");
+}
+
+double part_done(const Json& job) {
+  const Json& progress = part_of(job, "progress");
+  const std::int64_t total = whole_of(progress, "paths_total");
+  if (total <= 0 || !(is(job, "cutting") || is(job, "paused"))) return -1;
+  return static_cast<double>(whole_of(progress, "paths_certain")) / static_cast<double>(total);
+}
+
+double seconds_left(const Json& job) {
+  const Json& est = part_of(job, "est");
+  const auto range = est.find("remaining_s");
+  if (range == est.end() || !range->is_array() || range->size() != 2) return 0;
+  return (*range)[1].is_number() ? (*range)[1].get<double>() : 0;
+}
+
+std::string job_summary(const Json& job) {
+  std::string line = text_of(job, "state");
+  const auto add = [&](const std::string& more) {
+    if (!more.empty()) line += ", " + more;
+  };
+  add(text_of(job, "reason"));
+  if (!has_ended(job)) add(sheet_text(job));
+  if (part_done(job) >= 0) add(path_text(job));
+  if (!has_ended(job) && !text_of(job, "device").empty()) add("on " + text_of(job, "device"));
+  return line;
+}
+
+std::vector<std::string> waiting_for(const Json& job) {
+  std::vector<std::string> lines;
+  const std::string id = short_id(job);
+  const std::int64_t sheet = whole_of(job, "sheet"), total = whole_of(job, "sheets_total");
+  const Json& attention = part_of(job, "attention");
+  const std::string kind = text_of(attention, "kind"), text = text_of(attention, "text");
+  const std::string device = text_of(job, "device");
+  if (is(job, "interrupted")) {
+    interrupted_ways(job, lines);
+  } else if (is(job, "armed")) {
+    lines.push_back(fmt::format("armed: popcut start {}   (within 10 minutes)", id));
+  } else if (is(job, "paused")) {
+    lines.push_back(fmt::format("paused, tool up: popcut resume {}", id));
+  } else if (kind == "confirm_result") {
+    lines.push_back(
+        fmt::format("look at sheet {}: popcut confirm {} {} good   (or bad)", sheet, id, sheet));
+  } else if (is(job, "ready") && may(job, "arm")) {
+    const std::int64_t blank = whole_of(job, "blank");
+    lines.push_back(fmt::format("load sheet {} of {}{}{}{}: popcut arm {} {}", sheet, total,
+                                device.empty() ? "" : " into ", device,
+                                blank > 1 ? fmt::format(", blank {}", blank) : "", id, sheet));
+  }
+  const bool said =
+      kind.empty() || kind == "load_sheet" || kind == "confirm_result" || text.empty();
+  if (!said) lines.insert(lines.begin(), text);
+  return lines;
+}
+
+std::vector<std::string> jobs_view(const std::vector<Json>& jobs, const ViewStyle& style) {
+  std::vector<const Json*> order;
+  for (const Json& job : jobs)
+    if (job.is_object()) order.push_back(&job);
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Json* a, const Json* b) { return rank(*a) < rank(*b); });
+  std::vector<std::string> lines;
+  for (std::size_t k = 0; k < std::min(order.size(), kMostJobsShown); ++k) {
+    lines.push_back(fitted(view_line(*order[k]), style.width));
+    for (const std::string& wait : waiting_for(*order[k])) {
+      const std::string line = fitted("    -> " + wait, style.width);
+      lines.push_back(style.colour ? "\x1b[1m" + line + "\x1b[0m" : line);
+    }
+  }
+  if (order.size() > kMostJobsShown)
+    lines.push_back(fmt::format("and {} more", order.size() - kMostJobsShown));
+  return lines;
+}
+
+std::vector<std::string> job_details(const Json& job, const std::vector<Json>& sheets) {
+  std::vector<std::string> lines;
+  const auto add = [&](const char* key, const std::string& value) {
+    if (!value.empty()) lines.push_back(fmt::format("{:<10} {}", key, value));
+  };
+  add("job", text_of(job, "id"));
+  add("name", text_of(job, "name"));
+  add("state", job_summary(job));
+  add("material", text_of(job, "material"));
+  add("note", text_of(job, "note"));
+  add("design", text_of(job, "design"));
+  add("plan", text_of(job, "plan"));
+  add("owner", text_of(job, "owner"));
+  add("operator", text_of(job, "operator"));
+  add("created", text_of(job, "created"));
+  add("started", text_of(job, "started"));
+  add("finished", text_of(job, "finished"));
+  for (const Json& sheet : sheets) {
+    const Json& plan = part_of(sheet, "plan");
+    const auto number = [&](const char* key) {
+      const auto found = plan.find(key);
+      return found != plan.end() && found->is_number() ? found->get<double>() : 0.0;
+    };
+    lines.push_back(
+        fmt::format("sheet {:<4} {:<12} {:.0f} paths, {:.0f} mm cut, {:.0f} mm of folds, about {}",
+                    whole_of(sheet, "sheet"), text_of(sheet, "state"), number("paths"),
+                    number("cut_mm"), number("fold_mm"), clock_text(number("seconds"))));
+  }
+  for (const std::string& wait : waiting_for(job)) lines.push_back("-> " + wait);
+  return lines;
+}
+
+}  // namespace popcut::cli

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/client/api.hpp"
+
+#include <cstdlib>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/json_fields.hpp"
+#include "daemon/client/problem_line.hpp"
+
+namespace popcut::client {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* kOpenStates = "queued,planning,ready,armed,cutting,paused,interrupted";
+constexpr std::size_t kIdLength = 26;
+
+std::string upper(std::string text) {
+  for (char& c : text)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  return text;
+}
+
+std::string id_of(const Json& job) { return text_of(job, "id"); }
+
+std::string titled(const Json& job) {
+  const std::string name = text_of(job, "name");
+  return name.empty() ? id_of(job) : fmt::format("{} ({})", id_of(job), name);
+}
+
+std::string names_of(const std::vector<const Json*>& jobs) {
+  constexpr std::size_t kMost = 5;
+  std::string names;
+  for (std::size_t k = 0; k < std::min(jobs.size(), kMost); ++k)
+    names += (k > 0 ? ", " : "") + titled(*jobs[k]);
+  if (jobs.size() > kMost) names += fmt::format(" and {} more", jobs.size() - kMost);
+  return names;
+}
+
+bool looks_the_same(const Json& a, const Json& b) {
+  for (const char* key : {"state", "sheet", "blank", "segment"})
+    if (a.value(key, Json()) != b.value(key, Json())) return false;
+  return true;
+}
+
+std::vector<const Json*> beginning_with(const std::vector<Json>& jobs, const std::string& prefix) {
+  std::vector<const Json*> fitting;
+  for (const Json& job : jobs)
+    if (id_of(job).rfind(prefix, 0) == 0) fitting.push_back(&job);
+  return fitting;
+}
+
+bool may(const Json& job, const std::string& action) {
+  const auto list = job.find("actions");
+  if (list == job.end() || !list->is_array()) return false;
+  for (const Json& one : *list)
+    if (one == action) return true;
+  return false;
+}
+
+}  // namespace
+
+std::string text_of(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+std::int64_t revision_of(const Json& object) {
+  const auto found = object.find("rev");
+  return found != object.end() && found->is_number_integer() ? found->get<std::int64_t>() : 0;
+}
+
+std::string percent_encoded(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       c == '-' || c == '.' || c == '_' || c == '~';
+    if (plain)
+      out.push_back(c);
+    else
+      out += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return out;
+}
+
+Result<Api> Api::from_environment() {
+  auto where = addresses([](const char* name) -> const char* { return std::getenv(name); });
+  if (!where) return tl::unexpected(where.error());
+  const char* const token = std::getenv("POPCUT_TOKEN");
+  return Api(HttpClient(std::move(*where), token != nullptr ? token : ""));
+}
+
+Result<Json> Api::read(Result<HttpResponse> response, const std::string& place) {
+  if (!response) return tl::unexpected(response.error());
+  if (response->status >= 300) return tl::unexpected(error_from(*response, place));
+  if (response->body.empty()) return Json::object();
+  auto json = parse_json(response->body, 64);
+  if (json) return json;
+  return fail(ErrorKind::Refused, http_.address().text(),
+              "what answers there is not popcutd (no JSON); look at POPCUT_URL");
+}
+
+Result<Json> Api::get(const std::string& target, const std::string& place) {
+  return read(http_.ask({"GET", target}), place);
+}
+
+Result<std::string> Api::get_text(const std::string& target, const std::string& accept,
+                                  const std::string& place) {
+  auto response = http_.ask({"GET", target, {}, {}, {{"Accept", accept}}});
+  if (!response) return tl::unexpected(response.error());
+  if (response->status >= 300) return tl::unexpected(error_from(*response, place));
+  return std::move(response->body);
+}
+
+Result<Json> Api::post(const std::string& target, const Json& body, const std::string& place,
+                       std::int64_t rev) {
+  const std::string text = body.dump(-1, ' ', false, Json::error_handler_t::replace);
+  HttpRequest request{"POST", target, text, "application/json"};
+  if (rev >= 0) request.headers.emplace_back("If-Match", fmt::format("\"{}\"", rev));
+  return read(http_.ask(std::move(request)), place);
+}
+
+Result<Json> Api::upload(const std::string& target, const std::string& bytes,
+                         const std::string& media_type, const std::string& place) {
+  constexpr double kUploadSeconds = 900;  // a design is read before popcutd answers
+  HttpRequest request{"POST", target, bytes, media_type};
+  request.seconds = kUploadSeconds;
+  return read(http_.ask(std::move(request)), place);
+}
+
+Result<void> Api::remove(const std::string& target, const std::string& place) {
+  const auto done = read(http_.ask({"DELETE", target}), place);
+  if (!done) return tl::unexpected(done.error());
+  return {};
+}
+
+Result<std::vector<Json>> Api::list(const std::string& target, const std::string& place,
+                                    std::size_t most) {
+  std::vector<Json> items;
+  std::string cursor;
+  do {
+    std::string page = target + (target.find('?') == std::string::npos ? "?" : "&") +
+                       fmt::format("limit={}", std::min<std::size_t>(200, most - items.size()));
+    if (!cursor.empty()) page += "&cursor=" + percent_encoded(cursor);
+    auto got = get(page, place);
+    if (!got) return tl::unexpected(got.error());
+    if (!got->is_object() || !got->contains("items") || !(*got)["items"].is_array())
+      return fail(ErrorKind::Refused, http_.address().text(), "what answers there is not popcutd");
+    for (Json& one : (*got)["items"]) items.push_back(std::move(one));
+    cursor = got->contains("next_cursor") && (*got)["next_cursor"].is_string()
+                 ? (*got)["next_cursor"].get<std::string>()
+                 : std::string();
+  } while (!cursor.empty() && items.size() < most);
+  return items;
+}
+
+Result<std::vector<Json>> Api::open_jobs() {
+  return list(std::string("/v1/jobs?state=") + kOpenStates, "jobs");
+}
+
+Result<Json> Api::find_job(const std::string& word) {
+  const std::string prefix = upper(word);
+  const std::string place = "job " + word;
+  if (prefix.empty() ||
+      prefix.find_first_not_of("0123456789ABCDEFGHJKMNPQRSTVWXYZ") != std::string::npos ||
+      prefix.size() > kIdLength)
+    return fail(ErrorKind::Usage, place,
+                "is no job id; 'popcut jobs' lists them, and the beginning of one is enough");
+  if (prefix.size() == kIdLength) return get("/v1/jobs/" + prefix, place);
+  for (const bool all : {false, true}) {
+    const auto jobs = all ? list("/v1/jobs", place) : open_jobs();
+    if (!jobs) return tl::unexpected(jobs.error());
+    const auto fitting = beginning_with(*jobs, prefix);
+    if (fitting.size() == 1) return *fitting.front();
+    if (fitting.size() > 1)
+      return fail(
+          ErrorKind::Usage, place,
+          fmt::format("begins {} ids: {}; give more letters", fitting.size(), names_of(fitting)));
+  }
+  return fail(ErrorKind::Refused, place, "there is no such job; 'popcut jobs --all' lists them");
+}
+
+Result<Json> Api::only_job_for(const std::string& action) {
+  const auto jobs = open_jobs();
+  if (!jobs) return tl::unexpected(jobs.error());
+  std::vector<const Json*> fitting;
+  for (const Json& job : *jobs)
+    if (may(job, action)) fitting.push_back(&job);
+  if (fitting.size() == 1) return *fitting.front();
+  if (fitting.empty())
+    return fail(
+        ErrorKind::Refused, "",
+        fmt::format("no job is waiting for '{}'; 'popcut jobs' says what each waits for", action));
+  return fail(
+      ErrorKind::Usage, "command line",
+      fmt::format("which job? {} may be told '{}': {}", fitting.size(), action, names_of(fitting)));
+}
+
+Result<Json> Api::act(const Json& job, const std::string& action, const Json& body) {
+  constexpr int kTries = 5;
+  const std::string id = id_of(job);
+  const std::string target = fmt::format("/v1/jobs/{}/actions/{}", id, action);
+  Json seen = job;
+  for (int k = 0;; ++k) {
+    auto done = post(target, body, "job " + id, revision_of(seen));
+    if (done || k + 1 == kTries || done.error().kind != ErrorKind::Refused) return done;
+    auto now = get("/v1/jobs/" + id, "job " + id);
+    if (!now) return done;
+    const bool moved_on = revision_of(*now) != revision_of(seen);
+    // Pausing and cancelling are meant whatever has become of it.
+    const bool always = action == "pause" || action == "cancel";
+    if (!moved_on || !(always || looks_the_same(*now, job))) return done;
+    seen = std::move(*now);
+  }
+}
+
+}  // namespace popcut::client

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "core/result.hpp"
+#include "daemon/client/http_client.hpp"
+
+namespace popcut::client {
+
+/// popcutd's resources as JSON, for the commands.
+class Api {
+ public:
+  using Json = nlohmann::json;
+
+  /// @retval Usage  POPCUT_URL is no address
+  [[nodiscard]] static Result<Api> from_environment();
+  explicit Api(HttpClient client) : http_(std::move(client)) {}
+
+  /// GET; `place` is what errors are about.
+  [[nodiscard]] Result<Json> get(const std::string& target, const std::string& place);
+  [[nodiscard]] Result<std::string> get_text(const std::string& target, const std::string& accept,
+                                             const std::string& place);
+  /// POST of JSON. `rev` at least 0: only if the resource has that revision.
+  [[nodiscard]] Result<Json> post(const std::string& target, const Json& body,
+                                  const std::string& place, std::int64_t rev = -1);
+  /// POST of a file as it is.
+  [[nodiscard]] Result<Json> upload(const std::string& target, const std::string& bytes,
+                                    const std::string& media_type, const std::string& place);
+  [[nodiscard]] Result<void> remove(const std::string& target, const std::string& place);
+  /// All items of a list, page by page, at most `most`.
+  [[nodiscard]] Result<std::vector<Json>> list(const std::string& target, const std::string& place,
+                                               std::size_t most = 100'000);
+
+  /// The job that `word` names: an id or a prefix of one only, in any case of letters.
+  ///
+  /// @retval Usage    several jobs begin so
+  /// @retval Refused  none does
+  [[nodiscard]] Result<Json> find_job(const std::string& word);
+  /// The one job of which `action` is lawful now.
+  ///
+  /// @retval Refused  there is none
+  /// @retval Usage    there are several
+  [[nodiscard]] Result<Json> only_job_for(const std::string& action);
+  /// Jobs that have not ended.
+  [[nodiscard]] Result<std::vector<Json>> open_jobs();
+
+  /// Does `action` to a job as it was seen in `job`. If only its revision has changed since, and
+  /// not what a person sees of it (state, sheet, blank, segment), it is done all the same.
+  [[nodiscard]] Result<Json> act(const Json& job, const std::string& action, const Json& body);
+
+  [[nodiscard]] HttpClient& http() { return http_; }
+
+ private:
+  [[nodiscard]] Result<Json> read(Result<HttpResponse> response, const std::string& place);
+  HttpClient http_;
+};
+
+/// A member that is a text, else an empty one.
+[[nodiscard]] std::string text_of(const nlohmann::json& object, const char* key);
+/// "rev", else 0.
+[[nodiscard]] std::int64_t revision_of(const nlohmann::json& object);
+/// `text` for a query or a path: all but letters, digits and "-._~" as %XX.
+[[nodiscard]] std::string percent_encoded(std::string_view text);
+
+}  // namespace popcut::client

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/result.hpp"
+#include "daemon/client/address.hpp"
+#include "daemon/client/sse_reader.hpp"
+
+namespace popcut::client {
+
+/// What is asked of popcutd.
+struct HttpRequest {
+  std::string method{"GET"};
+  std::string target;
+  std::string_view body{};  ///< must live until the answer is there
+  std::string content_type{};
+  std::vector<std::pair<std::string, std::string>> headers{};
+  double seconds{60};  ///< until the answer must have begun
+};
+
+struct HttpResponse {
+  int status{};
+  std::string content_type, etag, location, body;
+  std::optional<double> retry_after_s{};
+};
+
+/// Speaks HTTP with one popcutd, one question at a time. What broke on the way is asked again:
+/// every POST has an idempotency key, made here and the same on each try.
+class HttpClient {
+ public:
+  HttpClient(std::vector<Address> addresses, std::string token);
+  ~HttpClient();
+  HttpClient(HttpClient&&) noexcept;
+  HttpClient& operator=(HttpClient&&) noexcept;
+
+  /// @retval DeviceGone  nobody answers at any address, or no more
+  /// @retval Refused     the answer is no HTTP, or the socket may not be used
+  [[nodiscard]] Result<HttpResponse> ask(HttpRequest request);
+  /// The address that answered last, else the first.
+  [[nodiscard]] const Address& address() const;
+  [[nodiscard]] const std::vector<Address>& addresses() const { return addresses_; }
+  [[nodiscard]] const std::string& token() const { return token_; }
+  /// How often what broke is asked again, at growing intervals (200 ms, 400 ms, ...).
+  void set_tries(int tries) { tries_ = tries; }
+
+ private:
+  friend class EventStream;
+  struct Connection;
+  [[nodiscard]] Result<void> connect();
+  [[nodiscard]] Result<HttpResponse> ask_once(const HttpRequest& request);
+  std::vector<Address> addresses_;
+  std::string token_;
+  std::size_t used_{0};
+  int tries_{4};
+  bool reached_{false};  ///< before that, nobody there is told at once
+  std::unique_ptr<Connection> connection_;
+};
+
+/// The events of popcutd as they come, over a connection of its own, which is made anew where it
+/// breaks: no stored event is lost or told twice.
+class EventStream {
+ public:
+  /// @param target  "/v1/events"
+  EventStream(const HttpClient& like, std::string target);
+  ~EventStream();
+  EventStream(const EventStream&) = delete;
+  EventStream& operator=(const EventStream&) = delete;
+
+  /// Events that came within `seconds`, as soon as there is one; none: the time is over, or the
+  /// stream is broken and will be tried again by the next call (`connected` tells).
+  ///
+  /// @retval Refused  popcutd answers with a problem (`problem`)
+  [[nodiscard]] Result<std::vector<SseEvent>> next(double seconds);
+  [[nodiscard]] bool connected() const;
+  [[nodiscard]] const std::optional<HttpResponse>& problem() const { return problem_; }
+
+ private:
+  struct Stream;
+  [[nodiscard]] Result<void> open(double seconds);
+  std::vector<Address> addresses_;
+  std::string token_, target_;
+  SseReader reader_;
+  std::optional<HttpResponse> problem_;
+  std::unique_ptr<Stream> stream_;
+};
+
+/// 32 random characters, for an Idempotency-Key.
+[[nodiscard]] std::string random_key();
+
+}  // namespace popcut::client

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/client/problem_line.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/json_fields.hpp"
+
+namespace popcut::client {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string text_of(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+std::string kind_of(const Json& problem) {
+  const std::string type = text_of(problem, "type");
+  return type.substr(type.rfind('/') + 1);
+}
+
+/// "arm" as it is typed: "popcut arm".
+std::string command_of(const std::string& action) {
+  if (action == "confirm-result") return "confirm";
+  if (action == "retry-sheet") return "retry";
+  if (action == "skip-sheet") return "skip";
+  if (action == "resume-from") return "resume --from";
+  return action;
+}
+
+std::string allowed(const Json& problem) {
+  std::string words;
+  const auto list = problem.find("allowed_actions");
+  if (list == problem.end() || !list->is_array()) return {};
+  for (const Json& one : *list)
+    if (one.is_string()) words += (words.empty() ? "" : ", ") + command_of(one.get<std::string>());
+  return words;
+}
+
+Error invalid(const Json& problem, const std::string& place, const std::string& detail) {
+  Error error{ErrorKind::OutOfRange, place, detail};
+  const auto list = problem.find("errors");
+  if (list == problem.end() || !list->is_array() || list->empty() || !list->front().is_object())
+    return error;
+  const Json& first = list->front();
+  const std::string pointer = text_of(first, "pointer");
+  const std::string code = text_of(first, "code");
+  if (code == "infeasible") error.kind = ErrorKind::Infeasible;
+  if (code == "malformed") error.kind = ErrorKind::Malformed;
+  if (!text_of(first, "detail").empty()) error.detail = text_of(first, "detail");
+  if (code == "unknown_member") error.detail = fmt::format("is not known; {}", error.detail);
+  if (list->size() > 1) error.detail += fmt::format(" (and {} more)", list->size() - 1);
+  return pointer.empty() ? error : within(place, {error.kind, pointer, error.detail});
+}
+
+Error conflict(const Json& problem, const std::string& place, std::string detail) {
+  const std::string state = text_of(problem, "state");
+  const std::string words = allowed(problem);
+  if (!state.empty() && detail.find(state) == std::string::npos)
+    detail += fmt::format("; it is {}", state);
+  if (!words.empty()) detail += fmt::format("; now it may be told: {}", words);
+  return {ErrorKind::Refused, place, detail};
+}
+
+}  // namespace
+
+Error error_from(const HttpResponse& response, const std::string& place) {
+  const auto parsed = parse_json(response.body, 32);
+  if (!parsed || !parsed->is_object())
+    return {ErrorKind::Refused, place,
+            fmt::format("popcutd answered {} without saying why; see its log", response.status)};
+  const Json& problem = *parsed;
+  const std::string kind = kind_of(problem);
+  std::string detail = text_of(problem, "detail");
+  if (detail.empty()) detail = text_of(problem, "title");
+  if (response.status == 401)
+    return {ErrorKind::Refused, place,
+            detail +
+                "; put a token in POPCUT_TOKEN ('popcut token create --role operator' makes "
+                "one, on the computer where popcutd runs)"};
+  if (kind == "validation") return invalid(problem, place, detail);
+  if (kind == "malformed-json") return {ErrorKind::Malformed, place, detail};
+  if (kind == "too-large" || kind == "unsupported-media")
+    return {ErrorKind::OutOfRange, place, detail};
+  if (kind == "state-conflict" || kind == "stale") return conflict(problem, place, detail);
+  return {ErrorKind::Refused, place, detail};
+}
+
+}  // namespace popcut::client

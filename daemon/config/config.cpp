@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/config/config.hpp"
+
+#include <grp.h>
+#include <pwd.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "daemon/config/toml_fields.hpp"
+#include "device/device_id.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+constexpr std::int64_t kMib = 1 << 20;
+constexpr double kDay = 86'400;
+
+const std::vector<std::string> kRoles{"viewer", "submitter", "operator", "admin"};
+
+Result<void> read_log(TomlFields& fields, LogConfig& log) {
+  std::string form = log.form == LogForm::Json ? "json" : "text";
+  fields.word("form", form, {"text", "json"});
+  log.form = form == "json" ? LogForm::Json : LogForm::Text;
+  fields.word("level", log.level, {"debug", "info", "warning", "error"});
+  return fields.finish();
+}
+
+Result<void> read_limits(TomlFields& fields, Config& config) {
+  HttpLimits& limits = config.limits;
+  fields.integer("header_bytes", limits.header_bytes, 1024, 64 << 10);
+  fields.integer("json_bytes", limits.json_bytes, 1024, 64 * kMib);
+  fields.integer("json_depth", limits.json_depth, 4, 64);
+  fields.integer("design_bytes", limits.design_bytes, 1024, 1024 * kMib);
+  fields.integer("asset_bytes", limits.asset_bytes, 1024, 4096 * kMib);
+  fields.integer("connections", limits.connections, 4, 10'000);
+  fields.integer("reserved_connections", limits.reserved_connections, 1, 100);
+  fields.integer("streams", limits.streams, 1, 1000);
+  fields.integer("uploads", limits.uploads, 1, 1000);
+  fields.number("rate_per_s", limits.rate_per_s, 0.1, 1e6);
+  fields.number("rate_burst", limits.rate_burst, 1, 1e6);
+  fields.integer("failed_logins_per_minute", limits.failed_logins_per_minute, 1, 1000);
+  fields.number("header_s", limits.header_s, 0.1, 600);
+  fields.number("body_s", limits.body_s, 0.1, 3600);
+  fields.number("body_bytes_per_s", limits.body_bytes_per_s, 1, 1e9);
+  fields.number("idle_s", limits.idle_s, 0.1, 3600);
+  fields.number("answer_s", limits.answer_s, 1, 3600);
+  fields.number("design_answer_s", limits.design_answer_s, 1, 86'400);
+  fields.number("heartbeat_s", limits.heartbeat_s, 0.1, 3600);
+  fields.integer("stream_events", limits.stream_events, 16, 100'000);
+  fields.integer("stream_bytes", limits.stream_bytes, 4096, 64 * kMib);
+  fields.integer("queue_jobs", config.queue_jobs, 1, 10'000'000);
+  fields.integer("sheets_per_job", config.sheets_per_job, 1, 1'000'000);
+  return fields.finish();
+}
+
+Result<void> read_planner(TomlFields& fields, PlannerConfig& planner) {
+  fields.integer("processes", planner.processes, 1, 64);
+  fields.number("cpu_s", planner.cpu_s, 1, kDay);
+  fields.number("wall_s", planner.wall_s, 1, kDay);
+  std::int64_t memory_mib = static_cast<std::int64_t>(planner.memory_bytes) / kMib;
+  std::int64_t output_mib = static_cast<std::int64_t>(planner.output_bytes) / kMib;
+  fields.integer("memory_mib", memory_mib, 64, 1 << 20);
+  fields.integer("output_mib", output_mib, 1, 64 << 10);
+  planner.memory_bytes = static_cast<std::uint64_t>(memory_mib * kMib);
+  planner.output_bytes = static_cast<std::uint64_t>(output_mib * kMib);
+  return fields.finish();
+}
+
+void check_device_id(TomlFields& fields, const DeviceConfig& device) {
+  if (device.id.empty())
+    return fields.refuse("id", ErrorKind::Malformed,
+                         "is missing; as in id = \"sim:cameo3\" or id = \"usb:51053P\"");
+  const auto parsed = parse_device_id(device.id);
+  if (!parsed) return fields.refuse("id", ErrorKind::OutOfRange, parsed.error().detail);
+  if (parsed->kind == DeviceKind::File)
+    return fields.refuse("id", ErrorKind::OutOfRange,
+                         "is a file, which popcutd cannot cut on; 'popcut cut --direct --device "
+                         "file:NAME' writes one");
+  const bool simulated = parsed->kind == DeviceKind::Simulated;
+  for (const char* key : {"time_scale", "faults", "trace"})
+    if (!simulated && fields.has(key))
+      fields.refuse(key, ErrorKind::OutOfRange,
+                    fmt::format("is for simulated cutters, and {} is none", device.id));
+  const bool port = parsed->kind == DeviceKind::Serial || parsed->kind == DeviceKind::Printer;
+  if (port && device.machine.empty() && device.treat_as.empty())
+    fields.refuse("machine", ErrorKind::Malformed,
+                  fmt::format("is missing: {} does not tell what it is; as in machine = "
+                              "\"hpgl-generic\"",
+                              device.id));
+}
+
+Result<void> read_device(TomlFields& fields, std::vector<DeviceConfig>& devices) {
+  DeviceConfig device;
+  fields.text("id", device.id);
+  fields.text("machine", device.machine);
+  fields.text("treat_as", device.treat_as);
+  fields.boolean("enabled", device.enabled);
+  fields.number("time_scale", device.time_scale, 0, 1e6);
+  fields.text("faults", device.faults);
+  fields.text("trace", device.trace);
+  check_device_id(fields, device);
+  for (const DeviceConfig& other : devices)
+    if (other.id == device.id)
+      fields.refuse("id", ErrorKind::OutOfRange, fmt::format("{} is there twice", device.id));
+  if (auto done = fields.finish(); !done) return done;
+  devices.push_back(std::move(device));
+  return {};
+}
+
+std::optional<std::uint32_t> uid_of(const std::string& name) {
+  std::array<char, 4096> room{};
+  passwd row{};
+  passwd* found = nullptr;
+  if (::getpwnam_r(name.c_str(), &row, room.data(), room.size(), &found) != 0 || found == nullptr)
+    return std::nullopt;
+  return row.pw_uid;
+}
+
+std::optional<std::uint32_t> gid_of(const std::string& name) {
+  std::array<char, 16384> room{};
+  group row{};
+  group* found = nullptr;
+  if (::getgrnam_r(name.c_str(), &row, room.data(), room.size(), &found) != 0 || found == nullptr)
+    return std::nullopt;
+  return row.gr_gid;
+}
+
+Result<void> read_user(TomlFields& fields, std::vector<UserRule>& users) {
+  UserRule rule;
+  std::string user, group, role;
+  std::int64_t uid = -1, gid = -1;
+  constexpr std::int64_t kMostId = 4'294'967'294;
+  fields.text("user", user);
+  fields.text("group", group);
+  fields.integer("uid", uid, 0, kMostId);
+  fields.integer("gid", gid, 0, kMostId);
+  fields.word("role", role, kRoles);
+  const int named = static_cast<int>(!user.empty()) + static_cast<int>(!group.empty()) +
+                    static_cast<int>(uid >= 0) + static_cast<int>(gid >= 0);
+  if (named != 1)
+    fields.refuse("user", ErrorKind::Malformed, "give one of user, group, uid and gid");
+  if (role.empty())
+    fields.refuse("role", ErrorKind::Malformed,
+                  fmt::format("is missing; one of {}", fmt::join(kRoles, ", ")));
+  if (uid >= 0) rule.uid = static_cast<std::uint32_t>(uid);
+  if (gid >= 0) rule.gid = static_cast<std::uint32_t>(gid);
+  if (!user.empty() && !(rule.uid = uid_of(user)))
+    fields.refuse("user", ErrorKind::OutOfRange,
+                  fmt::format("\"{}\" is no user of this computer", user));
+  if (!group.empty() && !(rule.gid = gid_of(group)))
+    fields.refuse("group", ErrorKind::OutOfRange,
+                  fmt::format("\"{}\" is no group of this computer", group));
+  if (auto done = fields.finish(); !done) return done;
+  rule.name = !user.empty()    ? user
+              : !group.empty() ? "@" + group
+              : rule.uid       ? fmt::format("uid {}", *rule.uid)
+                               : fmt::format("gid {}", *rule.gid);
+  rule.role = static_cast<Role>(std::find(kRoles.begin(), kRoles.end(), role) - kRoles.begin());
+  users.push_back(std::move(rule));
+  return {};
+}
+
+Result<void> read_webhook(TomlFields& fields, WebhookConfig& webhook) {
+  fields.text("url", webhook.url);
+  fields.text("secret_file", webhook.secret_file);
+  fields.texts("allow", webhook.allow);
+  if (!webhook.url.empty() && webhook.url.rfind("http://", 0) != 0)
+    fields.refuse("url", ErrorKind::OutOfRange,
+                  "must begin with http://; for https put a proxy of your own before it");
+  if (!webhook.url.empty() && webhook.secret_file.empty())
+    fields.refuse("secret_file", ErrorKind::Malformed,
+                  "is missing: each call is signed with the secret in that file");
+  if (!webhook.url.empty() && webhook.allow.empty())
+    fields.refuse("allow", ErrorKind::Malformed,
+                  "is missing: the hosts that may be called, as in allow = [\"localhost:9000\"]");
+  return fields.finish();
+}
+
+}  // namespace
+
+std::vector<UserRule> default_users() {
+  std::vector<UserRule> rules;
+  if (const auto gid = gid_of("popcut"))
+    rules.push_back({std::nullopt, gid, "@popcut", Role::Operator});
+  if (const auto gid = gid_of("popcut-admin"))
+    rules.push_back({std::nullopt, gid, "@popcut-admin", Role::Admin});
+  return rules;
+}
+
+Result<ListenAddress> parse_listen(std::string_view text, bool remote) {
+  const auto wrong = [&](const char* why) {
+    return fail(ErrorKind::OutOfRange, "",
+                fmt::format("\"{}\" {}; as in \"127.0.0.1:8631\" or \"[::1]:8631\"", text, why));
+  };
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos) return wrong("has no port");
+  std::string_view host = text.substr(0, colon);
+  const std::string_view port = text.substr(colon + 1);
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']')
+    host = host.substr(1, host.size() - 2);
+  ListenAddress address{std::string(host), 0};
+  const auto [end, bad] = std::from_chars(port.data(), port.data() + port.size(), address.port);
+  if (bad != std::errc() || end != port.data() + port.size()) return wrong("has no lawful port");
+  if (host == "localhost") address.host = "127.0.0.1";
+  if (!remote && address.host.rfind("127.", 0) != 0 && address.host != "::1")
+    return wrong(
+        "can be reached from other computers: put a proxy with TLS before popcutd and let it "
+        "listen here only, or say allow_remote = true");
+  return address;
+}
+
+Result<Config> parse_config(std::string_view text) {
+  constexpr std::size_t kMostBytes = 1 << 20;
+  if (text.size() > kMostBytes)
+    return fail(ErrorKind::OutOfRange, "", "is larger than 1 MiB; this is no configuration");
+  toml::table parsed;
+  try {
+    parsed = toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    const toml::source_position at = error.source().begin;
+    return fail(ErrorKind::Malformed, fmt::format("{}:{}", at.line, at.column),
+                fmt::format("is not TOML: {}", error.description()));
+  }
+  Config config;
+  TomlFields fields(parsed, "");
+  fields.boolean("allow_remote", config.allow_remote);
+  fields.texts("listen", config.listen);
+  config.listen_given = fields.has("listen");
+  for (const std::string& address : config.listen)
+    if (const auto lawful = parse_listen(address, config.allow_remote); !lawful)
+      fields.refuse("listen", lawful.error().kind, lawful.error().detail);
+  fields.text("socket", config.socket);
+  fields.text("state", config.state);
+  fields.texts("allowed_hosts", config.allowed_hosts);
+  fields.texts("allowed_origins", config.allowed_origins);
+  fields.table("log", [&](TomlFields& log) { return read_log(log, config.log); });
+  fields.tables("device", [&](TomlFields& one) { return read_device(one, config.devices); });
+  fields.table("limits", [&](TomlFields& some) { return read_limits(some, config); });
+  fields.table("planner", [&](TomlFields& some) { return read_planner(some, config.planner); });
+  fields.tables("user", [&](TomlFields& one) { return read_user(one, config.users); });
+  fields.table("webhook", [&](TomlFields& some) { return read_webhook(some, config.webhook); });
+  if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
+  return config;
+}
+
+}  // namespace popcut::daemon

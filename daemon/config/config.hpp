@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/result.hpp"
+#include "daemon/http/limits.hpp"
+#include "daemon/service/model.hpp"
+
+namespace popcut::daemon {
+
+/// A cutter that popcutd drives.
+struct DeviceConfig {
+  std::string id;          ///< "sim:cameo3", "usb:51053P", "serial:/dev/ttyUSB0"
+  std::string machine{};   ///< of a port, which does not tell what is behind it
+  std::string treat_as{};  ///< drive an unknown model as this machine
+  bool enabled{true};
+  double time_scale{20};  ///< simulated: times as fast as the machine; 0: on a virtual clock
+  std::string faults{};   ///< simulated: a fault script's file
+  std::string trace{};    ///< simulated: folder for what the knife did, a JSON file a sheet
+};
+
+/// Who may come in over the unix socket, by the peer's credentials: a user or a group.
+struct UserRule {
+  std::optional<std::uint32_t> uid{}, gid{};
+  std::string name{};  ///< as it was written, "alice" or "@popcut"
+  Role role{};
+};
+
+struct PlannerConfig {
+  int processes{1};
+  double cpu_s{600};
+  double wall_s{1200};
+  std::uint64_t memory_bytes{std::uint64_t{2} << 30};
+  std::uint64_t output_bytes{std::uint64_t{1} << 30};
+};
+
+/// Where finished and waiting jobs are told to; off unless a URL is given.
+struct WebhookConfig {
+  std::string url{};
+  std::string secret_file{};
+  std::vector<std::string> allow{};  ///< "host:port" that may be called
+};
+
+enum class LogForm : std::uint8_t { Text, Json };
+struct LogConfig {
+  LogForm form{LogForm::Text};
+  std::string level{"info"};
+};
+
+/// popcutd's configuration. What is empty has a default that depends on who runs it (`paths.hpp`).
+struct Config {
+  std::vector<std::string> listen{"127.0.0.1:8631", "[::1]:8631"};
+  bool listen_given{false};  ///< by the file: each address must then be had
+  std::string socket{};
+  std::string state{};
+  /// Names beside localhost, 127.0.0.1 and [::1] under which it is reached: "cutter.lab:8631".
+  std::vector<std::string> allowed_hosts{};
+  std::vector<std::string> allowed_origins{};  ///< of its page behind a proxy: "https://cutter.lab"
+  bool allow_remote{false};  ///< addresses that others reach; a proxy with TLS must be before them
+  LogConfig log{};
+  std::vector<DeviceConfig> devices{};  ///< none: one simulated cutter
+  HttpLimits limits{};
+  std::int64_t queue_jobs{50'000};
+  int sheets_per_job{10'000};
+  PlannerConfig planner{};
+  std::vector<UserRule> users{};
+  WebhookConfig webhook{};
+};
+
+/// Reads a configuration in TOML. Strict: what is not known, of another type or out of its range is
+/// an error at its line and column. Users and groups are looked up on this machine.
+///
+/// @retval Malformed   not TOML, or a key that is not known; place is "line:column: key"
+/// @retval OutOfRange  a value that is not lawful
+[[nodiscard]] Result<Config> parse_config(std::string_view text);
+
+/// Who may come over the unix socket where the configuration names nobody: the members of the
+/// groups popcut (operator) and popcut-admin (admin), where there are such groups.
+[[nodiscard]] std::vector<UserRule> default_users();
+
+/// "127.0.0.1:8631", "[::1]:0" or "localhost:8631" as host (without brackets) and port.
+struct ListenAddress {
+  std::string host;
+  std::uint16_t port{};
+};
+/// @retval OutOfRange  it is none, or is not of this computer alone and `remote` is false
+[[nodiscard]] Result<ListenAddress> parse_listen(std::string_view text, bool remote = false);
+
+}  // namespace popcut::daemon

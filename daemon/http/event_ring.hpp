@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "daemon/service/model.hpp"
+
+namespace popcut::daemon::http {
+
+/// An event as it goes to clients.
+struct EventFrame {
+  std::int64_t seq{};  ///< 0: not stored, and so without an id
+  bool is_progress{false};
+  std::string job{};
+  std::string text{};  ///< "id: 7\nevent: job\ndata: {...}\n\n"
+};
+using EventFramePtr = std::shared_ptr<const EventFrame>;  // one frame, many clients
+
+[[nodiscard]] EventFramePtr frame_of(const Event& event);
+/// A frame without an id.
+[[nodiscard]] std::string frame_text(std::string_view event, std::string_view data);
+
+/// What one client has yet to be sent. Bounded: progress goes first, the older of one job before
+/// anything else; when that is not enough the ring is cleared and has overflowed for good, and the
+/// client comes again by the id that it saw last.
+class EventRing {
+ public:
+  EventRing(std::size_t most_events, std::size_t most_bytes)
+      : most_events_(most_events), most_bytes_(most_bytes) {}
+
+  void push(EventFramePtr frame);
+  /// Overflows: clears the ring for good.
+  void give_up();
+  /// The oldest; nullptr if there is none.
+  [[nodiscard]] EventFramePtr pop();
+  [[nodiscard]] bool is_empty() const { return frames_.empty(); }
+  [[nodiscard]] bool has_overflowed() const { return overflowed_; }
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+  [[nodiscard]] std::size_t size() const { return frames_.size(); }
+  /// Frames that were not sent.
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+
+ private:
+  [[nodiscard]] bool fits(const EventFrame& frame) const;
+  bool drop_progress(const std::string* of_job);
+  std::deque<EventFramePtr> frames_;
+  std::size_t most_events_, most_bytes_;
+  std::size_t bytes_{0};
+  std::uint64_t dropped_{0};
+  bool overflowed_{false};
+};
+
+}  // namespace popcut::daemon::http

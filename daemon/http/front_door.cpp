@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/http/front_door.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "daemon/http/head.hpp"
+
+namespace popcut::daemon::http {
+namespace {
+
+constexpr std::string_view kOwnHosts[] = {"localhost", "127.0.0.1", "[::1]"};
+
+bool is_listed(const std::vector<std::string>& list, std::string_view word) {
+  return std::find(list.begin(), list.end(), word) != list.end();
+}
+
+bool is_own_host(std::string_view host, std::uint16_t port) {
+  for (const std::string_view own : kOwnHosts) {
+    if (host == fmt::format("{}:{}", own, port)) return true;
+    if (port == 80 && host == own) return true;
+  }
+  return false;
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  return text;
+}
+
+}  // namespace
+
+std::optional<Problem> check_host(const RequestHead& head, const Peer& peer, const Names& names) {
+  const std::string host = to_lower(head.header("host").value_or(""));
+  if (peer.is_local) return std::nullopt;
+  if (is_own_host(host, peer.port) || is_listed(names.hosts, host)) return std::nullopt;
+  return Problem{ProblemKind::WrongHost,
+                 fmt::format("this is popcutd at localhost:{}, and Host names another; if that is "
+                             "a name of it, add it to http.hosts",
+                             peer.port)};
+}
+
+std::optional<Problem> check_origin(const RequestHead& head, const Peer& peer, const Names& names) {
+  if (head.method == Method::Get || head.method == Method::Head) return std::nullopt;
+  const auto elsewhere = [] {
+    return Problem{ProblemKind::Forbidden,
+                   "a page of another origin may not ask this; use popcut's own page or a program"};
+  };
+  if (const auto origin = head.header("origin")) {
+    constexpr std::string_view kHttp = "http://";
+    const std::string lower = to_lower(*origin);
+    const bool is_own = lower.starts_with(kHttp) && !peer.is_local &&
+                        is_own_host(std::string_view(lower).substr(kHttp.size()), peer.port);
+    if (!is_own && !is_listed(names.origins, lower)) return elsewhere();
+  }
+  const auto site = head.header("sec-fetch-site");
+  if (site && *site != "same-origin") return elsewhere();
+  return std::nullopt;
+}
+
+Answer<Principal> local_principal(const Peer& peer, const HttpUsers& users, uid_t own_uid) {
+  Principal principal{fmt::format("uid:{}", peer.uid), Role::Admin};
+  if (peer.uid == 0 || peer.uid == own_uid) return principal;
+  std::optional<Role> role;
+  if (const auto user = users.users.find(peer.uid); user != users.users.end()) role = user->second;
+  for (const gid_t group : peer.groups)
+    if (const auto found = users.groups.find(group);
+        found != users.groups.end() && (!role || *role < found->second))
+      role = found->second;
+  if (!role)
+    return refuse(ProblemKind::Forbidden,
+                  fmt::format("user {} has no role here; an administrator gives one in users.toml, "
+                              "or by one of its groups",
+                              peer.uid));
+  principal.role = *role;
+  return principal;
+}
+
+Answer<std::string> bearer_of(const RequestHead& head) {
+  const auto value = head.header("authorization");
+  if (!value)
+    return refuse(ProblemKind::Unauthenticated,
+                  "this needs a token: send 'Authorization: Bearer pc_...', or ask over the unix "
+                  "socket; 'popcut token create' makes one");
+  constexpr std::string_view kScheme = "bearer ";
+  if (to_lower(value->substr(0, kScheme.size())) != kScheme)
+    return refuse(ProblemKind::Unauthenticated, "the only way to authenticate is a Bearer token");
+  const std::string_view token = trimmed(value->substr(kScheme.size()));
+  const bool has_form =
+      token.size() >= 8 && token.size() <= 200 &&
+      std::all_of(token.begin(), token.end(), [](char c) { return c > ' ' && c < '\x7F'; });
+  if (!has_form)
+    return refuse(ProblemKind::Unauthenticated, "the token is not one that popcut gave");
+  return std::string(token);
+}
+
+std::optional<Problem> check_media(const RequestHead& head, std::string& media_type) {
+  if (const auto coding = head.header("content-encoding");
+      coding && to_lower(*coding) != "identity")
+    return Problem{ProblemKind::UnsupportedMedia,
+                   "packed bodies are not read; send it without Content-Encoding"};
+  const auto value = head.header("content-type");
+  if (!value) return std::nullopt;
+  const std::string lower = to_lower(*value);
+  const std::size_t semicolon = lower.find(';');
+  media_type = std::string(trimmed(std::string_view(lower).substr(0, semicolon)));
+  if (semicolon == std::string::npos) return std::nullopt;
+  const std::string_view parameter = trimmed(std::string_view(lower).substr(semicolon + 1));
+  if (parameter != "charset=utf-8" && parameter != "charset=\"utf-8\"")
+    return Problem{ProblemKind::UnsupportedMedia,
+                   "the only parameter of a Content-Type here is charset=utf-8"};
+  return std::nullopt;
+}
+
+}  // namespace popcut::daemon::http

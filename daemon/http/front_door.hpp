@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/http/message.hpp"
+
+namespace popcut::daemon {
+
+/// What users of this machine may do who come over the unix socket. Root and the user that the
+/// daemon runs as are admin, whatever stands here; who is not named may nothing.
+struct HttpUsers {
+  std::map<uid_t, Role> users;
+  std::map<gid_t, Role> groups;  ///< of several, the greatest role counts
+};
+
+}  // namespace popcut::daemon
+
+namespace popcut::daemon::http {
+
+/// The other end of a connection.
+struct Peer {
+  bool is_local{false};  ///< unix socket: `uid` and `groups` are those of the process there
+  uid_t uid{};
+  std::vector<gid_t> groups{};
+  std::string address{};  ///< TCP: without the port
+  std::uint16_t port{};   ///< TCP: the port of ours that it came to
+};
+
+/// Hosts and origins that are ours.
+struct Names {
+  std::vector<std::string> hosts;    ///< beside localhost, 127.0.0.1 and [::1]: "name:port"
+  std::vector<std::string> origins;  ///< beside http:// of those: "https://name"
+};
+
+/// Nothing if Host names this daemon: a page of elsewhere whose name was turned to 127.0.0.1 sends
+/// its own name. Over the unix socket no page can come, and any host passes.
+[[nodiscard]] std::optional<Problem> check_host(const RequestHead& head, const Peer& peer,
+                                                const Names& names);
+
+/// Nothing if the request changes nothing, or is not sent by a page of elsewhere. Origin is held
+/// against the names that are known, never against Host.
+[[nodiscard]] std::optional<Problem> check_origin(const RequestHead& head, const Peer& peer,
+                                                  const Names& names);
+
+/// The principal behind a unix socket.
+/// @retval Forbidden  a user without a role
+[[nodiscard]] Answer<Principal> local_principal(const Peer& peer, const HttpUsers& users,
+                                                uid_t own_uid);
+
+/// The token of `Authorization: Bearer ...`.
+/// @retval Unauthenticated  there is none, or it is of no form that tokens have
+[[nodiscard]] Answer<std::string> bearer_of(const RequestHead& head);
+
+/// Nothing if the body has a form that `media_type` can say: no Content-Encoding, no parameters
+/// but charset=utf-8. Fills `media_type` in lower case.
+[[nodiscard]] std::optional<Problem> check_media(const RequestHead& head, std::string& media_type);
+
+}  // namespace popcut::daemon::http

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/http/hub.hpp"
+
+#include <algorithm>
+#include <random>
+
+#include <fmt/format.h>
+#include <spdlog/logger.h>
+
+#include "daemon/http/digest.hpp"
+#include "daemon/http/openapi.hpp"
+
+namespace popcut::daemon::http {
+namespace {
+
+// How long a connection may have said nothing before its place is given to another.
+constexpr double kQuiet_s = 1;
+
+double age_s(const Client& client) {
+  return std::chrono::duration<double>(Clock::now() - client.since).count();
+}
+
+}  // namespace
+
+void Link::post(std::function<void()> work) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (io_ != nullptr) asio::post(*io_, std::move(work));
+}
+
+void Link::cut() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  io_ = nullptr;
+}
+
+void Client::enter(State next) {
+  state = next;
+  since = Clock::now();
+}
+
+void Client::expect_within(const std::shared_ptr<Client>& self, double seconds) {
+  const std::uint64_t round = ++guard_round;
+  guard.expires_after(std::chrono::microseconds(static_cast<std::int64_t>(seconds * 1e6)));
+  guard.async_wait(
+      [weak = std::weak_ptr<Client>(self), round](const boost::system::error_code& ec) {
+        const std::shared_ptr<Client> client = weak.lock();
+        if (!ec && client && client->guard_round == round) client->close();
+      });
+}
+
+void Client::relax() {
+  ++guard_round;
+  guard.cancel();
+}
+
+void Client::close() {
+  closed = true;
+  boost::system::error_code none;
+  socket.close(none);
+  relax();
+  if (ticket) ticket->timer.cancel();
+  if (stream) stream->wake.cancel();
+}
+
+Hub::Hub(HttpOptions what)
+    : link(std::make_shared<Link>(io)),
+      options(std::move(what)),
+      names{options.hosts, options.origins},
+      rate(options.limits.rate_per_s, options.limits.rate_burst),
+      urgent_rate(options.limits.rate_per_s, options.limits.rate_burst),
+      logins(options.limits.failed_logins_per_minute) {
+  shop.limits = options.limits;
+  shop.build = options.build;
+  Sha256 hash;
+  hash.add(openapi_json());
+  shop.openapi_sha256 = hash.hex();
+  if (options.log)
+    shop.log_fault = [log = options.log](const std::string& line) {
+      log->log(spdlog::level::err, "{}", line);
+    };
+  shop.metrics = [this] { return metrics.text(options.build, static_cast<int>(clients.size())); };
+}
+
+double Hub::now_s() const {
+  return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+}
+
+bool Hub::is_greedy(const Peer& peer) const {
+  if (!peer.is_local) return false;
+  const auto held = std::count_if(clients.begin(), clients.end(), [&](const ClientPtr& client) {
+    return client->peer.is_local && client->peer.uid == peer.uid && !client->reserved;
+  });
+  return held >= std::max(1, limits().connections * 3 / 4);
+}
+
+bool Hub::make_room(const Peer& peer, bool& reserved) {
+  reserved = false;
+  const auto usual = std::count_if(clients.begin(), clients.end(),
+                                   [](const ClientPtr& client) { return !client->reserved; });
+  if (usual < limits().connections && !is_greedy(peer)) return true;
+  ClientPtr quietest;
+  const bool own_only = is_greedy(peer);
+  for (const ClientPtr& client : clients) {
+    if (own_only && !(client->peer.is_local && client->peer.uid == peer.uid)) continue;
+    const bool is_quiet = !client->reserved && !client->closed &&
+                          client->state == Client::State::Idle &&
+                          (client->served > 0 || age_s(*client) > kQuiet_s);
+    if (is_quiet && (!quietest || client->since < quietest->since)) quietest = client;
+  }
+  if (quietest) {
+    quietest->close();  // its coroutine ends soon; the place is given away now
+    remove(quietest);
+    return true;
+  }
+  reserved = true;
+  const auto kept = static_cast<int>(clients.size()) - static_cast<int>(usual);
+  if (kept < limits().reserved_connections) return true;
+  // Of those in reserved places the one goes that has waited longest to say what it wants.
+  ClientPtr slowest;
+  for (const ClientPtr& client : clients)
+    if (client->reserved && client->state != Client::State::Busy && !client->closed &&
+        (!slowest || client->since < slowest->since))
+      slowest = client;
+  if (!slowest) return false;
+  slowest->close();
+  remove(slowest);
+  return true;
+}
+
+void Hub::remove(const ClientPtr& client) {
+  std::erase(clients, client);
+  if (stopping && clients.empty() && on_empty) on_empty();
+}
+
+void Hub::log_fault(std::string_view what) const {
+  if (options.log) options.log->log(spdlog::level::err, "http: {}", for_log(what));
+}
+
+void Hub::end_missed() {
+  if (!link->missed.exchange(false)) return;
+  for (const std::shared_ptr<Stream>& stream : streams) {
+    stream->ring.give_up();
+    stream->wake.cancel();
+  }
+}
+
+void Hub::publish(const EventFramePtr& frame) {
+  end_missed();
+  for (const std::shared_ptr<Stream>& stream : streams) {
+    const std::uint64_t before = stream->ring.dropped();
+    stream->ring.push(frame);
+    metrics.drop_events(stream->ring.dropped() - before);
+    stream->wake.cancel();
+  }
+}
+
+void Hub::log_request(const Request& request, const Response& response, double ms) const {
+  if (!options.log) return;
+  const bool is_quiet =
+      response.status < 400 && (request.method == Method::Get || request.method == Method::Head);
+  const auto level = response.status >= 500   ? spdlog::level::err
+                     : response.status >= 400 ? spdlog::level::warn
+                     : is_quiet               ? spdlog::level::debug
+                                              : spdlog::level::info;
+  // The path without its query: names of designs are nobody's business in a log.
+  options.log->log(level, "http {} {} {} {} {} {:.1f} ms", request.id,
+                   request.principal.name.empty() ? "-" : for_log(request.principal.name),
+                   name_of(request.method), for_log(request.path()), response.status, ms);
+}
+
+asio::awaitable<bool> Hub::wait_for(ClientPtr client, std::function<bool(Done)> start,
+                                    double patience_s) {
+  auto ticket = std::make_shared<Ticket>(io);
+  ticket->timer.expires_after(
+      std::chrono::microseconds(static_cast<std::int64_t>(patience_s * 1e6)));
+  client->ticket = ticket;
+  Done done = [ticket, out = link](std::function<void()> arrive) {
+    out->post([ticket, arrive = std::move(arrive)] {
+      if (ticket->done) return;
+      if (arrive) arrive();
+      ticket->done = true;
+      ticket->timer.cancel();
+    });
+  };
+  const bool started = start(std::move(done));
+  if (started && !client->closed) {
+    boost::system::error_code ec;
+    co_await ticket->timer.async_wait(asio::redirect_error(asio::use_awaitable, ec));
+  }
+  client->ticket.reset();
+  const bool answered = ticket->done;
+  ticket->done = true;  // what comes later comes too late
+  co_return answered;
+}
+
+asio::awaitable<bool> Hub::ask(ClientPtr client, std::function<void(Service&, Done)> work,
+                               double patience_s) {
+  std::function<bool(Done)> start = [this, work = std::move(work)](Done done) {
+    return options.on_service([work, done = std::move(done), service = options.service] {
+      // Nothing that goes wrong here may end the service's thread.
+      try {
+        work(*service, done);
+      } catch (const std::exception&) {
+        try {
+          done({});
+        } catch (const std::exception&) {  // the client's patience ends it
+        }
+      }
+    });
+  };
+  co_return co_await wait_for(client, std::move(start), patience_s);
+}
+
+asio::awaitable<bool> Hub::run_aside(ClientPtr client, std::function<void()> work) {
+  std::function<bool(Done)> start = [this, work = std::move(work)](Done done) {
+    asio::post(disk, [work, done = std::move(done)] {
+      work();
+      done({});
+    });
+    return true;
+  };
+  co_return co_await wait_for(client, std::move(start), limits().answer_s);
+}
+
+std::string new_request_id() {
+  constexpr std::string_view kDigits = "0123456789ABCDEFGHJKMNPQRSTVWXYZ";
+  thread_local std::mt19937_64 random{std::random_device{}()};
+  auto ms = static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::milliseconds>(
+                                           std::chrono::system_clock::now().time_since_epoch())
+                                           .count());
+  std::string id(26, '0');
+  for (std::size_t i = 10; i-- > 0; ms >>= 5) id[i] = kDigits[ms & 31u];
+  std::uint64_t low = random(), high = random();
+  for (std::size_t i = 10; i < 18; ++i, low >>= 5) id[i] = kDigits[low & 31u];
+  for (std::size_t i = 18; i < 26; ++i, high >>= 5) id[i] = kDigits[high & 31u];
+  return id;
+}
+
+}  // namespace popcut::daemon::http

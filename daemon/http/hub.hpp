@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/asio.hpp"
+
+#include "daemon/http/event_ring.hpp"
+#include "daemon/http/front_door.hpp"
+#include "daemon/http/http_metrics.hpp"
+#include "daemon/http/rate_limit.hpp"
+#include "daemon/http/routes.hpp"
+#include "daemon/http/server.hpp"
+#include "daemon/http/wire.hpp"
+
+// What the coroutines of the server share. All of it belongs to the thread of HTTP, but `Link`.
+namespace popcut::daemon::http {
+
+namespace asio = boost::asio;
+using Socket = asio::generic::stream_protocol::socket;
+using Clock = std::chrono::steady_clock;
+
+/// The way from other threads to that of HTTP. Outlives the server: what comes too late is dropped.
+class Link {
+ public:
+  explicit Link(asio::io_context& io) : io_(&io) {}
+  void post(std::function<void()> work);
+  void cut();
+  std::atomic<int> listeners{0};    ///< streams that are or are about to be served
+  std::atomic<bool> missed{false};  ///< an event could not be passed on: streams begin anew
+
+ private:
+  std::mutex mutex_;
+  asio::io_context* io_;
+};
+
+/// Something that another thread will do; the coroutine that waits wakes when it is done, when it
+/// has waited long enough, or when its client goes.
+struct Ticket {
+  explicit Ticket(asio::io_context& io) : timer(io) {}
+  asio::steady_timer timer;
+  bool done{false};
+};
+
+/// A client of the event stream.
+struct Stream {
+  Stream(asio::io_context& io, const HttpLimits& limits)
+      : ring(limits.stream_events, limits.stream_bytes), wake(io) {}
+  EventRing ring;
+  asio::steady_timer wake;
+};
+
+/// One connection.
+struct Client {
+  Client(asio::io_context& io, Socket accepted, Peer who, const HttpLimits& limits)
+      : socket(std::move(accepted)), peer(std::move(who)), reader(limits.header_bytes), guard(io) {}
+
+  enum class State { Idle, Head, Busy };
+  Socket socket;
+  Peer peer;
+  RequestReader reader;
+  asio::steady_timer guard;  ///< closes the connection when it takes too long
+  std::uint64_t guard_round{0};
+  State state{State::Idle};
+  Clock::time_point since{Clock::now()};  ///< of `state`
+  std::uint64_t served{0};
+  bool reserved{false};  ///< in a place that serves urgent requests only
+  bool closed{false};
+  std::shared_ptr<Ticket> ticket{};
+  std::shared_ptr<Stream> stream{};
+  std::array<char, 16384> buffer{};
+
+  void enter(State next);
+  /// Closes the connection in `seconds` unless it is called again or `relax`ed.
+  void expect_within(const std::shared_ptr<Client>& self, double seconds);
+  void relax();
+  void close();
+};
+using ClientPtr = std::shared_ptr<Client>;  // the coroutine's, the guard's and the hub's
+
+struct Hub {
+  explicit Hub(HttpOptions what);
+
+  asio::io_context io{1};
+  asio::thread_pool disk{1};
+  std::shared_ptr<Link> link;
+  HttpOptions options;
+  Shop shop;
+  Names names;
+  HttpMetrics metrics;
+  RateLimit rate, urgent_rate;
+  FailedLogins logins;
+  std::vector<ClientPtr> clients;
+  std::vector<std::shared_ptr<Stream>> streams;
+  int uploads{0};
+  bool stopping{false};
+  std::function<void()> on_empty{};  ///< called when the last client has gone while it stops
+
+  [[nodiscard]] const HttpLimits& limits() const { return options.limits; }
+  [[nodiscard]] double now_s() const;
+  /// A place for a new connection: one that is free, else that of the longest idle one, else a
+  /// reserved one. False: there is none.
+  [[nodiscard]] bool make_room(const Peer& peer, bool& reserved);
+  /// True for a user of the unix socket who has three quarters of all places already.
+  [[nodiscard]] bool is_greedy(const Peer& peer) const;
+  void remove(const ClientPtr& client);
+  void publish(const EventFramePtr& frame);
+  /// Ends all streams by overflow if an event was missed.
+  void end_missed();
+  void log_fault(std::string_view what) const;
+  void log_request(const Request& request, const Response& response, double ms) const;
+  /// To be called once, on any thread, when something is done: the coroutine that waits for it
+  /// wakes, and `arrive` has run on the thread of HTTP before.
+  using Done = std::function<void(std::function<void()> arrive)>;
+  /// Begins something by `start` and waits for it. False: it did not begin, or takes too long.
+  asio::awaitable<bool> wait_for(ClientPtr client, std::function<bool(Done)> start,
+                                 double patience_s);
+  /// Runs `work` on the service's thread and waits until it calls the function that it is given,
+  /// there or later. False: too late, or the service takes nothing.
+  asio::awaitable<bool> ask(ClientPtr client, std::function<void(Service&, Done)> work,
+                            double patience_s);
+  /// Runs `work`, which waits for the disk, on a thread beside and waits until it has ended.
+  asio::awaitable<bool> run_aside(ClientPtr client, std::function<void()> work);
+};
+
+/// Serves one connection until it ends.
+asio::awaitable<void> serve(Hub& hub, ClientPtr client);
+/// Sends all of `bytes`, at the least speed that limits want; false: the client is gone.
+asio::awaitable<bool> send_all(Hub& hub, ClientPtr client, std::string_view bytes);
+/// Streams events until the client goes, or is too slow.
+asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& request);
+
+/// Calls something when it goes: what a coroutine has taken is given back however it ends.
+class AtEnd {
+ public:
+  explicit AtEnd(std::function<void()> what) : what_(std::move(what)) {}
+  ~AtEnd() { what_(); }
+  AtEnd(const AtEnd&) = delete;
+  AtEnd& operator=(const AtEnd&) = delete;
+
+ private:
+  std::function<void()> what_;
+};
+
+/// 26 characters that sort by time, unlike any other.
+[[nodiscard]] std::string new_request_id();
+
+}  // namespace popcut::daemon::http

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace popcut::daemon {
+
+/// What one client may take of the daemon. Every member is a line `limits.NAME` of the
+/// configuration; a test holds the defaults against the documentation.
+struct HttpLimits {
+  std::size_t header_bytes{8 << 10};
+  std::size_t json_bytes{256 << 10};
+  int json_depth{32};
+  std::uint64_t design_bytes{std::uint64_t{32} << 20};
+  std::uint64_t asset_bytes{std::uint64_t{256} << 20};
+  int connections{64};
+  int reserved_connections{4};  ///< more, that serve nothing but what stops a knife
+  int streams{16};              ///< clients of /v1/events at once, part of `connections`
+  int uploads{8};               ///< bodies that are being written to disk at once
+  double rate_per_s{20};        ///< requests of one principal in the long run
+  double rate_burst{60};
+  int failed_logins_per_minute{5};
+  double header_s{10};
+  double body_s{30};  ///< and from then on at least `body_bytes_per_s` on average
+  double body_bytes_per_s{1024};
+  double idle_s{60};
+  double answer_s{30};          ///< how long a handler may take
+  double design_answer_s{900};  ///< and one that waits for a design to be read
+  double heartbeat_s{15};
+  std::size_t stream_events{256};
+  std::size_t stream_bytes{256 << 10};
+};
+
+}  // namespace popcut::daemon

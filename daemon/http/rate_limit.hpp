@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <string>
+#include <unordered_map>
+
+namespace popcut::daemon::http {
+
+/// Lets each key do `burst` things at once and `per_s` a second in the long run. Time is seconds of
+/// any steady clock, given by the caller.
+class RateLimit {
+ public:
+  RateLimit(double per_s, double burst) : per_s_(per_s), burst_(burst) {}
+  /// Takes one; if there is none, the whole seconds until there is.
+  [[nodiscard]] std::optional<int> take(const std::string& key, double now_s);
+  [[nodiscard]] std::size_t size() const { return buckets_.size(); }
+
+ private:
+  struct Bucket {
+    double left{}, since_s{};
+  };
+  void forget_full(double now_s);
+  double per_s_, burst_;
+  std::unordered_map<std::string, Bucket> buckets_;
+};
+
+/// Counts failures to log in, for each key, over the last minute. Who knows a token is never locked
+/// out by who does not: only failures are refused.
+class FailedLogins {
+ public:
+  explicit FailedLogins(int per_minute) : per_minute_(per_minute) {}
+  /// Notes a failure; seconds to wait if it is one too many.
+  [[nodiscard]] std::optional<int> note(const std::string& key, double now_s);
+
+ private:
+  int per_minute_;
+  std::unordered_map<std::string, std::deque<double>> failures_;
+};
+
+}  // namespace popcut::daemon::http

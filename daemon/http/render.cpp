@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/http/render.hpp"
+
+#include <array>
+#include <ctime>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace popcut::daemon::http {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json text_or_null(const std::string& text) {
+  return text.empty() ? ordered_json(nullptr) : ordered_json(text);
+}
+
+ordered_json time_or_null(const std::optional<TimeMs>& time) {
+  return time ? ordered_json(rfc3339(*time)) : ordered_json(nullptr);
+}
+
+ordered_json ranges(const std::vector<PathRange>& all) {
+  ordered_json out = ordered_json::array();
+  for (const PathRange& range : all) out.push_back({range.first, range.last});
+  return out;
+}
+
+ordered_json attention_or_null(const std::optional<Attention>& attention) {
+  if (!attention) return nullptr;
+  return {{"kind", attention->kind},
+          {"sheet", attention->sheet},
+          {"total", attention->total},
+          {"text", attention->text},
+          {"since", rfc3339(attention->since)},
+          {"actions", attention->actions}};
+}
+
+ordered_json links_of(const Job& job) {
+  const std::string self = "/v1/jobs/" + job.id;
+  ordered_json links{{"self", self}, {"sheets", self + "/sheets"}, {"events", self + "/events"}};
+  links["design"] = text_or_null(job.design.empty() ? "" : "/v1/designs/" + job.design);
+  links["plan"] = text_or_null(job.plan.empty() ? "" : "/v1/plans/" + job.plan);
+  return links;
+}
+
+}  // namespace
+
+std::string rfc3339(TimeMs time) {
+  std::int64_t ms = time % 1000;
+  std::int64_t seconds = time / 1000;
+  if (ms < 0) ms += 1000, --seconds;
+  const std::time_t clock = seconds;
+  std::tm utc{};
+  if (gmtime_r(&clock, &utc) == nullptr) return "1970-01-01T00:00:00.000Z";
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", utc.tm_year + 1900,
+                     utc.tm_mon + 1, utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec, ms);
+}
+
+ordered_json to_json(const Asset& asset) {
+  return {{"id", asset.id}, {"bytes", asset.bytes}, {"created", rfc3339(asset.created)}};
+}
+
+ordered_json to_json(const Design& design) {
+  const std::string self = "/v1/designs/" + design.id;
+  return {{"id", design.id},
+          {"name", design.name},
+          {"kind", design.kind},
+          {"owner", text_or_null(design.owner)},
+          {"bytes", design.bytes},
+          {"created", rfc3339(design.created)},
+          {"assets", design.assets},
+          {"links",
+           {{"self", self}, {"content", self + "/content"}, {"preview", self + "/preview.svg"}}}};
+}
+
+ordered_json to_json(const SheetPlan& sheet) {
+  return {{"sheet", sheet.number},
+          {"paths", sheet.paths},
+          {"cut_mm", sheet.cut_mm},
+          {"fold_mm", sheet.fold_mm},
+          {"travel_mm", sheet.travel_mm},
+          {"seconds", sheet.seconds},
+          {"seconds_range", sheet.seconds_range},
+          {"area_mm", sheet.area_mm},
+          {"program_sha256", sheet.program_sha256}};
+}
+
+ordered_json to_json(const PlanRecord& plan) {
+  constexpr std::array<std::string_view, 3> kStates{"pending", "planned", "failed"};
+  ordered_json sheets = ordered_json::array();
+  for (const SheetPlan& sheet : plan.sheets) sheets.push_back(to_json(sheet));
+  return {{"id", plan.id},
+          {"design", plan.design},
+          {"material", text_or_null(plan.material)},
+          {"machine", text_or_null(plan.machine)},
+          {"state", kStates[static_cast<std::size_t>(plan.state)]},
+          {"sha256", text_or_null(plan.sha256)},
+          {"sheets", std::move(sheets)},
+          {"warnings", plan.warnings},
+          {"error", text_or_null(plan.error)},
+          {"created", rfc3339(plan.created)},
+          {"links", {{"self", "/v1/plans/" + plan.id}, {"design", "/v1/designs/" + plan.design}}}};
+}
+
+ordered_json to_json(const Job& job) {
+  ordered_json out{
+      {"id", job.id},
+      {"rev", job.rev},
+      {"state", name_of(job.state)},
+      {"reason", text_or_null(job.reason)},
+      {"name", text_or_null(job.name)},
+      {"note", text_or_null(job.note)},
+      {"owner", job.owner},
+      {"operator", text_or_null(job.operator_name)},
+      {"device", text_or_null(job.device)},
+      {"design", text_or_null(job.design)},
+      {"plan", text_or_null(job.plan)},
+      {"material", text_or_null(job.material)},
+      {"priority", job.priority},
+      {"copies", job.copies},
+      {"held", job.held},
+      {"sheets_total", job.sheets_total},
+      {"sheet", job.sheet > 0 ? ordered_json(job.sheet) : ordered_json(nullptr)},
+      {"blank", job.blank},
+      {"segment", job.segment},
+      {"progress",
+       {{"paths_certain", job.progress.paths_certain},
+        {"paths_sent", job.progress.paths_sent},
+        {"paths_total", job.progress.paths_total},
+        {"cut_mm", job.progress.cut_mm}}},
+      {"est", {{"remaining_s", job.remaining_s}}},
+      {"created", rfc3339(job.created)},
+      {"started", time_or_null(job.started)},
+      {"finished", time_or_null(job.finished)},
+      {"outcome", text_or_null(job.outcome)},
+      {"tags", job.tags},
+      {"attention", attention_or_null(job.attention)},
+      {"actions", job.actions},
+  };
+  out["links"] = links_of(job);
+  return out;
+}
+
+ordered_json to_json(const SheetRecord& sheet) {
+  return {{"sheet", sheet.number},
+          {"copy", sheet.copy},
+          {"blank", sheet.blank},
+          {"segment", sheet.segment},
+          {"state", sheet.state},
+          {"plan", to_json(sheet.plan)},
+          {"started", time_or_null(sheet.started)},
+          {"finished", time_or_null(sheet.finished)}};
+}
+
+ordered_json to_json(const Ledger& ledger) {
+  ordered_json attempts = ordered_json::array();
+  for (const Attempt& attempt : ledger.attempts)
+    attempts.push_back({{"id", attempt.id},
+                        {"blank", attempt.blank},
+                        {"segment", attempt.segment},
+                        {"started", rfc3339(attempt.started)},
+                        {"ended", time_or_null(attempt.ended)},
+                        {"end_kind", text_or_null(attempt.end_kind)},
+                        {"operator", text_or_null(attempt.operator_name)},
+                        {"bytes_taken", attempt.bytes_taken}});
+  return {{"sheet", ledger.sheet},
+          {"blank", ledger.blank},
+          {"segment", ledger.segment},
+          {"certain_upto", ledger.certain_upto},
+          {"certain", ranges(ledger.certain)},
+          {"in_doubt", ranges(ledger.in_doubt)},
+          {"not_sent", ranges(ledger.not_sent)},
+          {"last_status", text_or_null(ledger.last_status)},
+          {"attempts", std::move(attempts)}};
+}
+
+ordered_json to_json(const DeviceRecord& device) {
+  return {{"id", device.id},
+          {"rev", device.rev},
+          {"model", device.model},
+          {"title", device.title},
+          {"state", device.state},
+          {"reasons", device.reasons},
+          {"enabled", device.enabled},
+          {"simulated", device.simulated},
+          {"width_mm", device.width_mm},
+          {"length_mm", device.length_mm},
+          {"firmware", text_or_null(device.firmware)},
+          {"job", text_or_null(device.job)},
+          {"sheets_done", device.sheets_done},
+          {"cut_mm", device.cut_mm}};
+}
+
+ordered_json to_json(const MaterialRecord& material) {
+  ordered_json row = ordered_json::parse(material.json, nullptr, false);
+  return {{"id", material.id},
+          {"rev", material.rev},
+          {"built_in", material.built_in},
+          {"material", row.is_discarded() ? ordered_json(nullptr) : std::move(row)}};
+}
+
+ordered_json to_json(const TokenRecord& token) {
+  return {{"id", token.id},
+          {"name", token.name},
+          {"role", name_of(token.role)},
+          {"created", rfc3339(token.created)},
+          {"expires", time_or_null(token.expires)}};
+}
+
+ordered_json to_json(const NewToken& token) {
+  ordered_json out = to_json(token.record);
+  out["token"] = token.text;
+  return out;
+}
+
+ordered_json to_json(const UsageRow& row) {
+  return {
+      {"key", row.key}, {"seconds", row.seconds}, {"cut_mm", row.cut_mm}, {"sheets", row.sheets}};
+}
+
+std::string event_json(const Event& event) {
+  const std::string time = fmt::format("\"time\":\"{}\"}}", rfc3339(event.time));
+  // "{...}" of the service: its last bracket makes place for the time.
+  if (event.data.size() > 2 && event.data.back() == '}')
+    return fmt::format("{},{}", std::string_view(event.data).substr(0, event.data.size() - 1),
+                       time);
+  const ordered_json head{{"seq", event.seq}, {"kind", event.kind}};
+  std::string out = dump(head);
+  out.back() = ',';
+  return out + time;
+}
+
+std::string usage_csv(const std::vector<UsageRow>& rows, const std::string& by) {
+  std::string out = fmt::format("{},seconds,cut_mm,sheets\r\n", by);
+  for (const UsageRow& row : rows) {
+    std::string key;
+    // A cell that starts so is a formula to spreadsheets.
+    if (!row.key.empty() && std::string_view("=+-@\t\r").find(row.key[0]) != std::string_view::npos)
+      key += '\'';
+    for (const char c : row.key) key += c == '"' ? std::string("\"\"") : std::string(1, c);
+    out += fmt::format("\"{}\",{:.3f},{:.3f},{}\r\n", key, row.seconds, row.cut_mm, row.sheets);
+  }
+  return out;
+}
+
+std::string dump(const ordered_json& value) {
+  return value.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+}  // namespace popcut::daemon::http

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/result.hpp"
+#include "daemon/http/front_door.hpp"
+#include "daemon/http/limits.hpp"
+#include "daemon/service/service.hpp"
+
+namespace spdlog {
+class logger;
+}
+
+namespace popcut::daemon {
+
+struct HttpEndpoint {
+  std::string address;   ///< "127.0.0.1:8631", "[::1]:8631", "unix:/path"; port 0: any free one
+  bool optional{false};  ///< where the system has no such address (no IPv6), go on without
+};
+
+struct HttpOptions {
+  std::vector<HttpEndpoint> listen{};
+  std::vector<int> inherited{};  ///< sockets that listen already (systemd); the server owns them
+  bool allow_remote{false};      ///< endpoints other than loopback ones; a proxy with TLS is before
+  std::vector<std::string> hosts{};    ///< more names of this daemon: "cutter.lab:8631"
+  std::vector<std::string> origins{};  ///< more origins of its page: "https://cutter.lab"
+  HttpUsers users{};
+  HttpLimits limits{};
+  std::string incoming_folder{};  ///< of the state: uploads lie there until the service takes them
+  std::string build{"0"};         ///< version, for /v1/meta
+  /// Lives longer than the server; called on its own thread only.
+  Service* service{nullptr};
+  /// Puts work on the service's thread (lane of those who ask); false: it takes no more.
+  std::function<bool(std::function<void()>)> on_service{};
+  std::shared_ptr<spdlog::logger> log{};  ///< null: no log
+};
+
+/// The HTTP side of popcutd: one thread, all sockets. It asks the service and never waits for it;
+/// a client that is slow, silent or hostile costs a place among the connections and nothing else.
+class HttpServer {
+ public:
+  explicit HttpServer(HttpOptions options);
+  ~HttpServer();
+  HttpServer(const HttpServer&) = delete;
+  HttpServer& operator=(const HttpServer&) = delete;
+
+  /// Listens and begins to serve. SIGPIPE is ignored from here on, in the whole process. What an
+  /// earlier run left among the uploads is removed.
+  /// @retval Usage, Refused  an endpoint that is not optional cannot be listened on
+  [[nodiscard]] Result<void> start();
+  /// The port of the first TCP endpoint; 0 if there is none.
+  [[nodiscard]] std::uint16_t port() const;
+  /// Where it listens: "127.0.0.1:8631", "unix:/run/popcut.sock".
+  [[nodiscard]] std::vector<std::string> endpoints() const;
+  /// Accepts no more, lets requests end for `grace_s`, then cuts them off. The service's thread
+  /// must still run. Idempotent.
+  void stop(double grace_s = 2);
+  /// True as long as the thread has turned within the last five seconds (for the watchdog).
+  [[nodiscard]] bool alive() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace popcut::daemon

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/planning/design_files.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "core/deploy/glb.hpp"
+#include "core/deploy/pose_table.hpp"
+#include "core/deploy/shut_stack.hpp"
+#include "core/formats/fold_writer.hpp"
+#include "core/formats/report_json.hpp"
+#include "core/formats/svg_pattern.hpp"
+
+namespace popcut::planning {
+namespace {
+
+constexpr int kFrames = 60;  // as popcut design
+
+Result<void> add_part(const Design& part, const std::string& prefix, const FileSink& add,
+                      std::vector<std::string>& warnings) {
+  std::ostringstream svg;
+  write_pattern_svg(part.pattern, svg);
+  if (auto done = add(prefix + "pattern.svg", std::move(svg).str()); !done) return done;
+  std::ostringstream fold;
+  FoldOptions options;
+  options.creator = "popcut " POPCUT_VERSION;
+  if (auto written = write_fold(part.pattern, options, fold); !written) return written;
+  if (auto done = add(prefix + "pattern.fold", std::move(fold).str()); !done) return done;
+  const auto angles = opening_angles(std::numbers::pi, std::numbers::pi / 2, kFrames);
+  if (!angles) return tl::unexpected(angles.error());
+  auto glb = animation_glb(part.pattern, *angles, 0.0);
+  if (glb) return add(prefix + "deploy.glb", std::move(*glb));
+  warnings.push_back(fmt::format("{}deploy.glb is not made: {}", prefix, message(glb.error())));
+  return {};
+}
+
+}  // namespace
+
+std::size_t poses_at_once(const Pattern& pattern, std::size_t wanted) {
+  return std::clamp<std::size_t>(kMaxTabled / std::max<std::size_t>(1, pattern.faces()), 1, wanted);
+}
+
+Result<std::string> animation_glb(const Pattern& pattern, const std::vector<double>& psi_rad,
+                                  double thickness_mm) {
+  const std::size_t most_keys = std::max<std::size_t>(13, poses_at_once(pattern, 61));
+  std::vector<double> angles = psi_rad;
+  if (angles.size() > 1) {
+    const auto few =
+        opening_angles(psi_rad.front(), psi_rad.back(),
+                       static_cast<int>(std::clamp<std::size_t>(psi_rad.size(), 13, most_keys)));
+    if (!few) return tl::unexpected(few.error());
+    angles = *few;
+  }
+  const auto table = pose_table(pattern, angles);
+  if (!table) return tl::unexpected(table.error());
+  return glb(pattern, *table, {.creator = "popcut " POPCUT_VERSION, .thickness_mm = thickness_mm});
+}
+
+void add_thickness_note(const Material& material, Design& made) {
+  const ShutStack stack = shut_stack(made.strips, material.thickness_mm);
+  if (const auto warning = thickness_warning(stack, material.thickness_mm))
+    made.report.notes.push_back(fmt::format("{}: {}", material.name, *warning));
+}
+
+Result<void> add_design_files(const PatchAssembly& made, const FileSink& add,
+                              std::vector<std::string>& warnings) {
+  const bool is_one = made.parts.size() == 1;
+  for (std::size_t p = 0; p < made.parts.size(); ++p)
+    if (auto done = add_part(made.parts[p], is_one ? "" : part_folder(p) + "-", add, warnings);
+        !done)
+      return done;
+  return add("report.json", report_json(made));
+}
+
+}  // namespace popcut::planning

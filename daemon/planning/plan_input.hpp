@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/design/patches.hpp"
+#include "core/formats/svg_reader.hpp"
+#include "core/plan/linework.hpp"
+#include "core/result.hpp"
+
+namespace popcut::planning {
+
+/// What is planned: a drawing, and the material its spec asks for.
+struct DrawingInput {
+  LineWork drawing;
+  std::optional<std::string> material;
+  std::vector<double>
+      seams_x{};  ///< declared seams: it is to be split there, mm from its left edge
+};
+
+enum class InputKind : std::uint8_t { Spec, Fold, Svg, Dxf };
+
+/// What designing a spec takes from outside, and gives.
+struct SpecSources {
+  std::function<Result<SurfaceAssets>(const DesignSpec&)> assets;  ///< what its surfaces name
+  /// If there: is shown the design (and may add notes to its report) before it is drawn.
+  std::function<Result<void>(const DesignSpec&, PatchAssembly&)> designed{};
+};
+
+/// Reads a drawing, or designs a spec. `factor` raises the limits of FOLD and DXF files; those of
+/// SVG are in `how`.
+///
+/// @retval Malformed, OutOfRange, Infeasible  places are those within the text
+[[nodiscard]] Result<DrawingInput> drawing_from_text(std::string text, InputKind kind,
+                                                     const SvgReadOptions& how, unsigned factor,
+                                                     const SpecSources& sources);
+
+}  // namespace popcut::planning

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "daemon/planning/make_planner.hpp"
+#include "daemon/planning/worker_talk.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+using planning::CallOff;
+
+class ProcessPlanner final : public Planner {
+ public:
+  ProcessPlanner(const PlanningLimits& limits, std::string program)
+      : limits_(limits), program_(std::move(program)) {
+    for (int k = 0; k < std::max(1, limits_.processes); ++k)
+      threads_.emplace_back([this] { supervise(); });
+    threads_.emplace_back([this] { tell_called_off(); });
+  }
+
+  ~ProcessPlanner() override {
+    {
+      const std::lock_guard lock(mutex_);
+      stopping_ = true;
+      for (Task& task : waiting_) called_off_.push_back(std::move(task));
+      waiting_.clear();
+      for (const auto& [id, call_off] : running_) call_off->call();
+    }
+    changed_.notify_all();
+    for (std::thread& thread : threads_) thread.join();
+  }
+  ProcessPlanner(const ProcessPlanner&) = delete;
+  ProcessPlanner& operator=(const ProcessPlanner&) = delete;
+
+  std::uint64_t start(PlanningTask task, Done done) override {
+    std::uint64_t id = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      id = ++last_id_;
+      (stopping_ ? called_off_ : waiting_).push_back({id, std::move(task), std::move(done)});
+    }
+    changed_.notify_all();
+    return id;
+  }
+
+  void cancel(std::uint64_t id) override {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = running_.find(id); found != running_.end()) return found->second->call();
+    const auto waits = std::find_if(waiting_.begin(), waiting_.end(),
+                                    [&](const Task& task) { return task.id == id; });
+    if (waits == waiting_.end()) return;
+    called_off_.push_back(std::move(*waits));
+    waiting_.erase(waits);
+    changed_.notify_all();
+  }
+
+ private:
+  struct Task {
+    std::uint64_t id{};
+    PlanningTask task;
+    Done done;
+  };
+
+  /// Works off what waits, one after another.
+  void supervise() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      changed_.wait(lock, [&] { return stopping_ || !waiting_.empty(); });
+      if (waiting_.empty()) return;
+      Task task = std::move(waiting_.front());
+      waiting_.pop_front();
+      CallOff call_off;
+      running_[task.id] = &call_off;
+      lock.unlock();
+      Result<PlanningOutcome> outcome =
+          planning::run_in_worker(task.task, limits_, program_, call_off);
+      lock.lock();
+      running_.erase(task.id);
+      lock.unlock();
+      task.done(std::move(outcome));
+      task = {};
+      lock.lock();
+    }
+  }
+
+  /// Tells those that were called off before they had begun, without waiting for a free process.
+  void tell_called_off() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      changed_.wait(lock, [&] { return stopping_ || !called_off_.empty(); });
+      if (called_off_.empty()) return;
+      Task task = std::move(called_off_.front());
+      called_off_.pop_front();
+      lock.unlock();
+      task.done(fail(ErrorKind::Refused, "", "the planning was cancelled"));
+      task = {};
+      lock.lock();
+    }
+  }
+
+  const PlanningLimits limits_;
+  const std::string program_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Task> waiting_, called_off_;
+  std::map<std::uint64_t, CallOff*> running_;
+  std::uint64_t last_id_{};
+  bool stopping_{false};
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace
+
+std::unique_ptr<Planner> make_planner(const PlanningLimits& limits, std::string program) {
+  return std::make_unique<ProcessPlanner>(limits, std::move(program));
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/planning/preview.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+namespace popcut::planning {
+namespace {
+
+constexpr std::size_t kMostPoints = 1'000'000;
+
+const char* colour_of(Operation operation) {
+  switch (operation) {
+    case Operation::FoldMountain:
+      return "#d32f2f";
+    case Operation::FoldValley:
+      return "#1565c0";
+    case Operation::Cut:
+    case Operation::Outline:
+      return "#000000";
+    default:
+      return "#2e7d32";
+  }
+}
+
+/// Characters that mean something in XML, and those that may not stand in it.
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '&')
+      out += "&amp;";
+    else if (static_cast<unsigned char>(c) >= 0x20 && static_cast<unsigned char>(c) < 0x7F)
+      out += c;
+    else
+      out += '?';
+  }
+  return out;
+}
+
+std::string note(const std::string& text, double x, double y, double size) {
+  return fmt::format(
+      "<text x=\"{:.2f}\" y=\"{:.2f}\" font-family=\"sans-serif\" font-size=\"{:.2f}\">{}</text>\n",
+      x, y, size, escaped(text));
+}
+
+std::string head(double x, double y, double width, double height) {
+  return fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{2:.2f}mm\" height=\"{3:.2f}mm\" "
+      "viewBox=\"{0:.2f} {1:.2f} {2:.2f} {3:.2f}\">\n"
+      "<rect x=\"{0:.2f}\" y=\"{1:.2f}\" width=\"{2:.2f}\" height=\"{3:.2f}\" fill=\"#fff\"/>\n",
+      x, y, width, height);
+}
+
+}  // namespace
+
+std::string preview_svg(const LineWork& work) {
+  const Box box = bounds(work);
+  if (box.empty()) return no_preview_svg("nothing to cut, fold or draw was found");
+  const double size = std::max({box.width(), box.height(), 1.0});
+  const double margin = 0.03 * size;
+  std::string svg =
+      head(box.x0 - margin, box.y0 - margin, box.width() + 2 * margin, box.height() + 2 * margin);
+  auto out = std::back_inserter(svg);
+  std::size_t drawn = 0;
+  constexpr auto kLast = static_cast<int>(Operation::Outline);
+  for (int k = 0; k <= kLast; ++k) {
+    const auto operation = static_cast<Operation>(k);
+    bool open = false;
+    for (const DrawnLine& line : work.lines) {
+      if (line.operation != operation || drawn + line.count > kMostPoints) continue;
+      if (!open)
+        fmt::format_to(out, "<path fill=\"none\" stroke=\"{}\" stroke-width=\"{:.3f}\" d=\"",
+                       colour_of(operation), size / 600);
+      open = true;
+      drawn += line.count;
+      char letter = 'M';
+      for (const PagePoint& p : work.points_of(line)) {
+        fmt::format_to(out, "{}{:.2f} {:.2f}", letter, p.x, p.y);
+        letter = 'L';
+      }
+    }
+    if (open) svg += "\"/>\n";
+  }
+  if (drawn < work.points.size())
+    svg += note("shown in part: the drawing is large", box.x0, box.y0, size / 40);
+  svg += "</svg>\n";
+  return svg;
+}
+
+std::string no_preview_svg(const std::string& why) {
+  constexpr std::size_t kLine = 60;
+  std::string svg = head(0, 0, 200, 100) + note("no preview", 5, 15, 6);
+  double y = 25;
+  for (std::size_t at = 0; at < std::min<std::size_t>(why.size(), 10 * kLine); at += kLine, y += 7)
+    svg += note(why.substr(at, kLine), 5, y, 5);
+  return svg + "</svg>\n";
+}
+
+}  // namespace popcut::planning

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "core/plan/linework.hpp"
+
+namespace popcut::planning {
+
+/// What was read of a drawing, to look at, in mm: cuts black, mountains red, valleys blue, scores
+/// and drawn lines green. Nothing of the file's own text is in it. At most about a million points;
+/// a larger drawing is shown in part, and says so.
+[[nodiscard]] std::string preview_svg(const LineWork& work);
+
+/// A picture that says why there is none.
+[[nodiscard]] std::string no_preview_svg(const std::string& why);
+
+}  // namespace popcut::planning

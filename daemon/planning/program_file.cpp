@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/planning/program_file.hpp"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include <openssl/evp.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/json_fields.hpp"
+
+namespace popcut::planning {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+class Digest {
+ public:
+  Digest() : context_(EVP_MD_CTX_new()) {
+    EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr);
+  }
+  void add(std::string_view bytes) { EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()); }
+  std::string hex() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+    unsigned int size = 0;
+    EVP_DigestFinal_ex(context_.get(), digest.data(), &size);
+    std::string text;
+    for (unsigned int i = 0; i < size; ++i) text += fmt::format("{:02x}", digest[i]);
+    return text;
+  }
+
+ private:
+  struct Free {
+    void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
+  };
+  std::unique_ptr<EVP_MD_CTX, Free> context_;
+};
+
+std::vector<std::uint64_t> ends_of(const std::vector<ByteRange>& blocks) {
+  std::vector<std::uint64_t> ends;
+  ends.reserve(blocks.size());
+  for (const ByteRange& block : blocks) ends.push_back(block.end);
+  return ends;
+}
+
+/// Reads a list of whole numbers; each is at least the one before, from `low` to `high`.
+Result<std::vector<std::uint64_t>> rising(JsonFields& fields, const char* key, std::uint64_t low,
+                                          std::uint64_t high) {
+  const nlohmann::json* list = fields.value(key);
+  const std::string place = fields.pointer(key);
+  if (list == nullptr || !list->is_array())
+    return fail(ErrorKind::Malformed, place, "a list of whole numbers is needed");
+  std::vector<std::uint64_t> values;
+  values.reserve(list->size());
+  for (const nlohmann::json& value : *list) {
+    const std::string at = fmt::format("{}/{}", place, values.size());
+    if (!value.is_number_unsigned())
+      return fail(ErrorKind::Malformed, at, "a whole number is needed");
+    const auto number = value.get<std::uint64_t>();
+    const std::uint64_t least = values.empty() ? low : values.back();
+    if (number < least || number > high)
+      return fail(ErrorKind::OutOfRange, at,
+                  fmt::format("is {}; {} to {} is lawful there", number, least, high));
+    values.push_back(number);
+  }
+  return values;
+}
+
+std::vector<ByteRange> blocks_from(std::uint64_t begin, const std::vector<std::uint64_t>& ends) {
+  std::vector<ByteRange> blocks;
+  blocks.reserve(ends.size());
+  for (const std::uint64_t end : ends) {
+    blocks.push_back({begin, end});
+    begin = end;
+  }
+  return blocks;
+}
+
+Result<void> read_blocks(JsonFields& fields, EncodedProgram& program) {
+  const std::uint64_t size = program.bytes.size();
+  const auto setup = rising(fields, "setup", 0, size);
+  if (!setup) return tl::unexpected(setup.error());
+  program.setup = blocks_from(0, *setup);
+  const std::uint64_t after_setup = setup->empty() ? 0 : setup->back();
+  const nlohmann::json* search = fields.value("search");
+  if (search == nullptr || !search->is_number_unsigned() ||
+      search->get<std::uint64_t>() < after_setup || search->get<std::uint64_t>() > size)
+    return fail(ErrorKind::OutOfRange, fields.pointer("search"),
+                fmt::format("a whole number from {} to {} is needed", after_setup, size));
+  program.search = {after_setup, search->get<std::uint64_t>()};
+  const auto strokes = rising(fields, "strokes", program.search.end, size);
+  if (!strokes) return tl::unexpected(strokes.error());
+  program.strokes = blocks_from(program.search.end, *strokes);
+  program.geometry = {program.search.end, strokes->empty() ? program.search.end : strokes->back()};
+  program.trailer = {program.geometry.end, size};
+  return {};
+}
+
+/// Dots are the strokes without bytes, all of them.
+Result<void> read_dots(JsonFields& fields, EncodedProgram& program) {
+  const auto dots = rising(fields, "dots", 0, program.strokes.size());
+  if (!dots) return tl::unexpected(dots.error());
+  for (const std::uint64_t dot : *dots) program.dots.push_back(static_cast<std::uint32_t>(dot));
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < program.strokes.size(); ++k) {
+    const bool empty = program.strokes[k].begin == program.strokes[k].end;
+    const bool listed = next < program.dots.size() && program.dots[next] == k;
+    if (empty != listed)
+      return fail(ErrorKind::OutOfRange, fields.pointer("dots"),
+                  fmt::format("stroke {} has {} bytes; the list has just those without any", k,
+                              program.strokes[k].end - program.strokes[k].begin));
+    next += listed ? 1 : 0;
+  }
+  if (next != program.dots.size())
+    return fail(ErrorKind::OutOfRange, fields.pointer("dots"), "names a stroke twice");
+  return {};
+}
+
+}  // namespace
+
+std::string sha256_of(std::string_view bytes) {
+  Digest digest;
+  digest.add(bytes);
+  return digest.hex();
+}
+
+std::string sha256_of(const std::vector<EncodedProgram>& programs) {
+  Digest digest;
+  for (const EncodedProgram& program : programs) digest.add(program.bytes);
+  return digest.hex();
+}
+
+std::string program_index(const EncodedProgram& program) {
+  const Json index{{"popcut", 1},
+                   {"dialect", program.dialect == Dialect::Hpgl ? "hpgl" : "gpgl"},
+                   {"bytes", program.bytes.size()},
+                   {"sha256", sha256_of(program.bytes)},
+                   {"setup", ends_of(program.setup)},
+                   {"search", program.geometry.begin},
+                   {"strokes", ends_of(program.strokes)},
+                   {"dots", program.dots}};
+  return index.dump() + "\n";
+}
+
+Result<EncodedProgram> read_program(std::string_view index, std::string bytes) {
+  const auto parsed = parse_json(index, 4);
+  if (!parsed) return tl::unexpected(parsed.error());
+  EncodedProgram program;
+  program.bytes = std::move(bytes);
+  JsonFields fields(*parsed, "");
+  fields.integer("popcut", std::nullopt, 1, 1);
+  program.dialect = static_cast<Dialect>(fields.word("dialect", 0, {"gpgl", "hpgl"}));
+  if (!fields.has("dialect"))
+    fields.add_error(ErrorKind::Malformed, "/dialect", "is missing; gpgl or hpgl is needed");
+  const nlohmann::json* size = fields.value("bytes");
+  const std::string sha256 = fields.text("sha256", std::nullopt);
+  for (const char* list : {"setup", "search", "strokes", "dots"}) fields.value(list);
+  if (const auto whole = fields.finish(); !whole) return tl::unexpected(whole.error());
+  const bool same = size != nullptr && size->is_number_unsigned() &&
+                    size->get<std::uint64_t>() == program.bytes.size() &&
+                    sha256 == sha256_of(program.bytes);
+  if (!same)
+    return fail(ErrorKind::CheckFailed, "/sha256",
+                fmt::format("the program's {} bytes are not those that were planned; plan again",
+                            program.bytes.size()));
+  const auto read =
+      read_blocks(fields, program).and_then([&] { return read_dots(fields, program); });
+  if (!read) return tl::unexpected(read.error());
+  return program;
+}
+
+}  // namespace popcut::planning

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/planning/work.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/json_fields.hpp"
+#include "core/plan/marks.hpp"
+#include "core/plan/plan_json.hpp"
+#include "core/plan/sheet_svg.hpp"
+#include "core/plan/test_shape.hpp"
+#include "daemon/planning/content_kind.hpp"
+#include "daemon/planning/plan_job.hpp"
+#include "daemon/planning/preview.hpp"
+#include "daemon/planning/program_file.hpp"
+#include "daemon/planning/task_words.hpp"
+
+namespace popcut::planning {
+namespace {
+
+using daemon::PlanningOutcome;
+using Kind = daemon::PlanningTask::Kind;
+
+constexpr const char* kUsualMachine = "cameo3";
+
+// 1. Assets: what a spec's `file` members mean here.
+
+bool is_asset_id(std::string_view name) {
+  constexpr std::string_view kPrefix{"sha256-"};
+  if (name.size() != kPrefix.size() + 64 || name.substr(0, kPrefix.size()) != kPrefix) return false;
+  return name.find_first_not_of("0123456789abcdef", kPrefix.size()) == std::string_view::npos;
+}
+
+/// Each file that a spec names, with its JSON pointer.
+std::vector<std::pair<std::string, std::string>> files_of(const DesignSpec& spec) {
+  std::vector<std::pair<std::string, std::string>> files;
+  const auto note = [&](const std::string& place, const std::optional<SurfaceSpec>& surface) {
+    const std::string name = asset_of(surface);
+    if (!name.empty()) files.emplace_back(place + "/surface/file", name);
+  };
+  note("", spec.surface);
+  for (std::size_t k = 0; k < spec.patches.size(); ++k)
+    note(fmt::format("/patches/{}", k), spec.patches[k].surface);
+  return files;
+}
+
+Result<std::vector<std::string>> asset_ids(const DesignSpec& spec) {
+  std::vector<std::string> ids;
+  for (const auto& [place, name] : files_of(spec)) {
+    if (!is_asset_id(name))
+      return fail(ErrorKind::OutOfRange, place,
+                  fmt::format("is \"{}\", which is no asset's id; send the file to /v1/assets and "
+                              "name it by the id that comes back (sha256-...)",
+                              name.substr(0, 60)));
+    if (std::find(ids.begin(), ids.end(), name) == ids.end()) ids.push_back(name);
+  }
+  return ids;
+}
+
+/// Takes them out of `given`, since they may be large.
+Result<SurfaceAssets> assets_for(const DesignSpec& spec, SurfaceAssets& given) {
+  if (const auto lawful = asset_ids(spec); !lawful) return tl::unexpected(lawful.error());
+  SurfaceAssets assets;
+  for (const auto& [place, name] : files_of(spec)) {
+    if (assets.contains(name)) continue;
+    const auto found = given.find(name);
+    if (found == given.end())
+      return fail(ErrorKind::OutOfRange, place,
+                  fmt::format("there is no asset {}; send the file to /v1/assets first", name));
+    assets.emplace(name, std::move(found->second));
+  }
+  return assets;
+}
+
+// 2. Rows of the tables.
+
+struct RowTables {
+  std::vector<std::string> texts;
+  std::string machine, material;  ///< names; empty: none was given
+};
+
+/// Makes a row a table of its own; gives its name.
+Result<std::string> add_row(const std::string& json, const char* list,
+                            std::vector<std::string>& texts) {
+  if (json.empty()) return std::string();
+  auto row = parse_json(json, 16);
+  if (!row) return tl::unexpected(row.error());
+  if (!row->is_object() || !row->contains("name") || !(*row)["name"].is_string())
+    return fail(ErrorKind::Malformed, "/name", "a row of a table is needed, with its name");
+  std::string name = (*row)["name"].get<std::string>();
+  nlohmann::json table{{"popcut", 1}};
+  table[list] = nlohmann::json::array({std::move(*row)});
+  texts.push_back(table.dump());
+  return name;
+}
+
+Result<RowTables> tables_of(const WorkerTask& task) {
+  RowTables tables;
+  auto machine = add_row(task.machine_json, "machines", tables.texts);
+  if (!machine) return tl::unexpected(within("machine", machine.error()));
+  auto material = add_row(task.material_json, "materials", tables.texts);
+  if (!material) return tl::unexpected(within("material", material.error()));
+  tables.machine = machine->empty() ? kUsualMachine : std::move(*machine);
+  tables.material = std::move(*material);
+  return tables;
+}
+
+// 3. Plans.
+
+daemon::SheetPlan figures_of(const PlanJob& job, std::size_t index) {
+  const PlannedSheet& sheet = job.plan.sheets[index];
+  daemon::SheetPlan figures;
+  figures.number = static_cast<int>(index) + 1;
+  figures.paths = static_cast<int>(job.programs[index].strokes.size());
+  figures.cut_mm = sheet.cut_mm;
+  figures.fold_mm = sheet.fold_mm;
+  figures.travel_mm = sheet.travel_mm;
+  figures.seconds = sheet.seconds;
+  figures.seconds_range = sheet.seconds_range;
+  figures.area_mm = sheet.area_mm;
+  figures.program_sha256 = sha256_of(job.programs[index].bytes);
+  return figures;
+}
+
+Result<void> add_plan_files(const PlanJob& job, const FileSink& add) {
+  for (std::size_t i = 0; i < job.plan.sheets.size(); ++i) {
+    const std::string title = fmt::format("{}: sheet {}", job.plan.name, i + 1);
+    const PlannedSheet& sheet = job.plan.sheets[i];
+    auto done =
+        add(job.program_file(i), job.programs[i].bytes)
+            .and_then([&] {
+              return add(PlanJob::sheet_file(i, "program.json"), program_index(job.programs[i]));
+            })
+            .and_then([&] { return add(PlanJob::sheet_file(i, "svg"), sheet_svg(sheet, title)); });
+    if (done && !job.marks.empty())
+      done =
+          add(PlanJob::sheet_file(i, "marks.svg"), marks_svg(job.marks[i], sheet.area_mm, title));
+    if (!done) return done;
+  }
+  return add("assembly.svg", assembly_svg(job.plan)).and_then([&] {
+    return add("plan.json", plan_json(job.plan));
+  });
+}
+
+Result<PlanningOutcome> outcome_of(const PlanJob& job, PlanningOutcome outcome,
+                                   const FileSink& add) {
+  for (std::size_t i = 0; i < job.plan.sheets.size(); ++i)
+    outcome.sheets.push_back(figures_of(job, i));
+  outcome.warnings.insert(outcome.warnings.end(), job.plan.warnings.begin(),
+                          job.plan.warnings.end());
+  outcome.sha256 = sha256_of(job.programs);
+  if (auto done = add_plan_files(job, add); !done) return tl::unexpected(done.error());
+  return outcome;
+}
+
+Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add) {
+  auto words = words_of_options(task.options);
+  if (!words) return tl::unexpected(words.error());
+  const auto tables = tables_of(task);
+  if (!tables) return tl::unexpected(tables.error());
+  words->machine = tables->machine;
+  words->material = tables->material;
+  PlanningOutcome outcome;
+  SpecSources sources;
+  sources.assets = [&](const DesignSpec& spec) { return assets_for(spec, task.assets); };
+  sources.designed = [&](const DesignSpec& spec, PatchAssembly& made) -> Result<void> {
+    if (const auto ids = asset_ids(spec)) outcome.assets = *ids;
+    const std::string name = words->material.empty() ? spec.material : words->material;
+    if (const auto material = find_material(name, tables->texts))
+      for (Design& part : made.parts) add_thickness_note(*material, part);
+    return add_design_files(made, add, outcome.warnings);
+  };
+  const auto read = [&](const SvgReadOptions& how) -> Result<DrawingInput> {
+    if (task.kind == Kind::TestCut) return DrawingInput{test_shape(), std::nullopt, {}};
+    const auto kind =
+        task.design_kind.empty() ? kind_of_content(task.design) : input_kind_from(task.design_kind);
+    if (!kind) return tl::unexpected(kind.error());
+    outcome.design_kind = std::string(name_of(*kind));
+    auto input = drawing_from_text(std::move(task.design), *kind, how, 1, sources);
+    if (input && input->drawing.name.empty()) input->drawing.name = "design";
+    return input;
+  };
+  if (task.kind == Kind::TestCut && words->at.empty() && !words->marks.wanted) words->at = "5,5";
+  const auto job = make_plan_job(*words, tables->texts, read, "");
+  if (!job) return tl::unexpected(in_request(job.error()));
+  return outcome_of(*job, std::move(outcome), add);
+}
+
+// 4. Checks.
+
+constexpr long kMostPreviewUnits = 200'000;
+
+/// A spec's preview is the pattern it gives. That there is none is no fault of the spec's form.
+Result<std::string> spec_preview(const DesignSpec& spec, WorkerTask& task,
+                                 std::vector<std::string>& warnings) {
+  long units = 0;
+  const auto count = [&](const DesignSpec& one) {
+    for (const RegionSpec& region : one.regions)
+      units += static_cast<long>(region.slices) * region.units_per_slice;
+  };
+  count(spec);
+  for (const DesignSpec& patch : spec.patches) count(patch);
+  if (units > kMostPreviewUnits)
+    return no_preview_svg(fmt::format("a design of {} units is drawn when it is planned", units));
+  for (const auto& [place, name] : files_of(spec))
+    if (!task.assets.contains(name))
+      return no_preview_svg(fmt::format("{} is not there yet: {}", place, name));
+  const SpecSources sources{[&](const DesignSpec& own) { return assets_for(own, task.assets); }};
+  const auto drawn = drawing_from_text(task.design, InputKind::Spec, {}, 1, sources);
+  if (drawn) return preview_svg(drawn->drawing);
+  warnings.push_back(message(drawn.error()));
+  return no_preview_svg(message(drawn.error()));
+}
+
+Result<PlanningOutcome> check(WorkerTask& task, const FileSink& add) {
+  const auto kind =
+      task.design_kind.empty() ? kind_of_content(task.design) : input_kind_from(task.design_kind);
+  if (!kind) return tl::unexpected(kind.error());
+  PlanningOutcome outcome;
+  outcome.design_kind = std::string(name_of(*kind));
+  Result<std::string> preview;
+  if (*kind == InputKind::Spec) {
+    const auto spec = parse_design_spec(task.design);
+    if (!spec) return tl::unexpected(spec.error());
+    auto ids = asset_ids(*spec);
+    if (!ids) return tl::unexpected(ids.error());
+    outcome.assets = std::move(*ids);
+    preview = spec_preview(*spec, task, outcome.warnings);
+  } else {
+    auto profile = find_stroke_profile("popcut");
+    if (!profile) return tl::unexpected(profile.error());
+    SvgReadOptions how;
+    how.profile = std::move(*profile);
+    const auto drawn = drawing_from_text(std::move(task.design), *kind, how, 1, {});
+    if (!drawn) return tl::unexpected(drawn.error());
+    outcome.warnings = drawn->drawing.warnings;
+    preview = preview_svg(drawn->drawing);
+  }
+  if (!preview) return tl::unexpected(preview.error());
+  if (auto done = add("preview.svg", std::move(*preview)); !done)
+    return tl::unexpected(done.error());
+  return outcome;
+}
+
+}  // namespace
+
+Result<PlanningOutcome> perform(WorkerTask task, const FileSink& add) {
+  return task.kind == Kind::Check ? check(task, add) : make_plan(task, add);
+}
+
+}  // namespace popcut::planning

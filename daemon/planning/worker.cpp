@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/planning/worker.hpp"
+
+#include <sys/resource.h>
+#include <unistd.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+#include <cerrno>
+#include <cstdint>
+#include <exception>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "daemon/planning/frames.hpp"
+#include "daemon/planning/task_json.hpp"
+#include "daemon/planning/work.hpp"
+
+namespace popcut::planning {
+namespace {
+
+constexpr int kBroken = 3;
+constexpr std::uint64_t kMostTaskBytes = std::uint64_t{2} << 30;
+
+/// From now on this process opens nothing: no file, no socket. What it has is its pipes.
+void give_up_files() {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  const rlimit none{3, 3};  // 0, 1 and 2 are there
+  ::setrlimit(RLIMIT_NOFILE, &none);
+#endif
+}
+
+class Pipes {
+ public:
+  Pipes(int in, int out) : in_(in), out_(out) {}
+
+  /// Reads frames until the one that says that nothing more comes.
+  Result<WorkerTask> read() {
+    FrameReader reader(kMostTaskBytes);
+    Result<WorkerTask> task = fail(ErrorKind::Malformed, "pipe", "no task came");
+    bool go = false;
+    const auto take = [&](Frame frame) -> Result<void> {
+      if (frame.kind == FrameKind::Task) {
+        task = read_task(frame.bytes);
+        return task ? Result<void>() : tl::unexpected(task.error());
+      }
+      if (!task) return tl::unexpected(task.error());
+      if (frame.kind == FrameKind::Design) task->design = std::move(frame.bytes);
+      if (frame.kind == FrameKind::Asset) task->assets[frame.name] = std::move(frame.bytes);
+      go = frame.kind == FrameKind::Go;
+      return {};
+    };
+    std::string block(1u << 16, '\0');
+    while (!go) {
+      const ssize_t got = ::read(in_, block.data(), block.size());
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) return fail(ErrorKind::Malformed, "pipe", "it ended before the task did");
+      const std::string_view bytes(block.data(), static_cast<std::size_t>(got));
+      if (const Result<void> fed = reader.feed(bytes, take); !fed)
+        return tl::unexpected(fed.error());
+    }
+    return task;
+  }
+
+  [[nodiscard]] Result<void> write(FrameKind kind, std::string_view name, std::string_view bytes) {
+    const std::string head = frame_head(kind, name, bytes.size());
+    if (put(head) && put(bytes)) return {};
+    return fail(ErrorKind::Unwritable, "pipe", "nobody reads any more");
+  }
+
+ private:
+  bool put(std::string_view bytes) const {
+    while (!bytes.empty()) {
+      const ssize_t put = ::write(out_, bytes.data(), bytes.size());
+      if (put < 0 && errno == EINTR) continue;
+      if (put <= 0) return false;
+      bytes.remove_prefix(static_cast<std::size_t>(put));
+    }
+    return true;
+  }
+  int in_, out_;
+};
+
+Result<daemon::PlanningOutcome> guarded(Pipes& pipes) {
+  const auto add = [&](const std::string& name, const std::string& bytes) {
+    return pipes.write(FrameKind::File, name, bytes);
+  };
+  const auto too_large = [] {
+    return fail(ErrorKind::Infeasible, "",
+                "needs more memory than a design may take; make it smaller or simpler");
+  };
+  try {
+    Result<WorkerTask> task = pipes.read();
+    if (!task) return tl::unexpected(task.error());
+    return perform(std::move(*task), add);
+  } catch (const std::bad_alloc&) {
+    return too_large();
+  } catch (const std::length_error&) {
+    return too_large();
+  } catch (const std::exception& fault) {
+    return fail(ErrorKind::Internal, "worker", fault.what());
+  }
+}
+
+}  // namespace
+
+int run_worker(int in, int out) {
+#ifdef M_MMAP_THRESHOLD
+  mallopt(M_MMAP_THRESHOLD, 256 * 1024);  // large arrays go back at once
+#endif
+  if (in == STDIN_FILENO && out == STDOUT_FILENO) give_up_files();
+  Pipes pipes(in, out);
+  const Result<daemon::PlanningOutcome> outcome = guarded(pipes);
+  const bool told =
+      outcome ? pipes.write(FrameKind::Outcome, "", outcome_json(*outcome)).has_value()
+              : pipes.write(FrameKind::Failure, "", error_json(outcome.error())).has_value();
+  return told ? 0 : kBroken;
+}
+
+}  // namespace popcut::planning

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+
+#include "core/result.hpp"
+#include "daemon/planning/planner.hpp"
+
+namespace popcut::planning {
+
+/// A child that runs this program as `--worker`: nothing of ours is open in it but three pipes, its
+/// environment is empty, it works within its limits and dies with the thread that started it.
+class WorkerProcess {
+ public:
+  /// @retval Internal  it cannot be started (no descriptors, no processes left)
+  [[nodiscard]] static Result<WorkerProcess> start(const std::string& program,
+                                                   const daemon::PlanningLimits& limits);
+  WorkerProcess(WorkerProcess&& other) noexcept;
+  WorkerProcess& operator=(WorkerProcess&&) = delete;
+  WorkerProcess(const WorkerProcess&) = delete;
+  WorkerProcess& operator=(const WorkerProcess&) = delete;
+  ~WorkerProcess();  ///< kills it and waits for it
+
+  /// The pipes, without blocking; -1 once closed.
+  [[nodiscard]] int to() const { return to_; }
+  [[nodiscard]] int from() const { return from_; }
+  [[nodiscard]] int errors() const { return errors_; }
+  void close_to();
+  void close_errors();
+  void kill() const;
+  /// Its status as `waitpid` has it. It is killed if it does not end within a second or two.
+  int wait();
+
+ private:
+  WorkerProcess() = default;
+  int to_{-1}, from_{-1}, errors_{-1};
+  pid_t pid_{-1};
+};
+
+}  // namespace popcut::planning

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/planning/worker_talk.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <deque>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "daemon/planning/frames.hpp"
+#include "daemon/planning/task_json.hpp"
+#include "daemon/planning/worker_process.hpp"
+
+namespace popcut::planning {
+namespace {
+
+using daemon::PlanningFile;
+using daemon::PlanningLimits;
+using daemon::PlanningOutcome;
+using daemon::PlanningTask;
+using std::chrono::steady_clock;
+
+constexpr std::size_t kBlock = 1u << 16;
+constexpr std::size_t kMostFiles = 100'000;
+
+/// A stored file on its way into the pipe: head first, then the bytes as they are read.
+class Source {
+ public:
+  static Result<Source> memory(FrameKind kind, std::string_view bytes) {
+    Source source;
+    source.pending_ = frame_head(kind, "", bytes.size()) + std::string(bytes);
+    return source;
+  }
+  static Result<Source> file(FrameKind kind, const std::string& name, const std::string& path) {
+    Source source;
+    source.file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    struct stat status {};
+    if (source.file_ < 0 || ::fstat(source.file_, &status) != 0 || !S_ISREG(status.st_mode))
+      return fail(ErrorKind::Internal, path,
+                  std::string("the stored file cannot be read: ") + std::strerror(errno));
+    source.left_ = static_cast<std::uint64_t>(status.st_size);
+    source.pending_ = frame_head(kind, name, source.left_);
+    return source;
+  }
+  Source(Source&& other) noexcept
+      : file_(std::exchange(other.file_, -1)),
+        left_(other.left_),
+        pending_(std::move(other.pending_)),
+        at_(other.at_) {}
+  Source& operator=(Source&&) = delete;
+  Source(const Source&) = delete;
+  Source& operator=(const Source&) = delete;
+  ~Source() {
+    if (file_ >= 0) ::close(file_);
+  }
+
+  /// What is next; empty: all is sent.
+  Result<std::string_view> next() {
+    if (at_ == pending_.size() && left_ > 0) {
+      pending_.resize(std::min<std::uint64_t>(kBlock, left_));
+      const ssize_t got = ::read(file_, pending_.data(), pending_.size());
+      if (got <= 0) return fail(ErrorKind::Internal, "design", "the stored file became shorter");
+      pending_.resize(static_cast<std::size_t>(got));
+      left_ -= static_cast<std::uint64_t>(got);
+      at_ = 0;
+    }
+    return std::string_view(pending_).substr(at_);
+  }
+  void sent(std::size_t bytes) { at_ += bytes; }
+
+ private:
+  Source() = default;
+  int file_{-1};
+  std::uint64_t left_{};
+  std::string pending_;
+  std::size_t at_{};
+};
+
+/// A write to a worker that died must not end this process.
+class PipeSignalBlocked {
+ public:
+  PipeSignalBlocked() {
+    sigset_t pipe;
+    ::sigemptyset(&pipe);
+    ::sigaddset(&pipe, SIGPIPE);
+    ::pthread_sigmask(SIG_BLOCK, &pipe, &before_);
+  }
+  ~PipeSignalBlocked() {
+    // One that came meanwhile is taken away, unless it was blocked before.
+    sigset_t pipe;
+    ::sigemptyset(&pipe);
+    ::sigaddset(&pipe, SIGPIPE);
+    constexpr timespec kNow{0, 0};
+    if (::sigismember(&before_, SIGPIPE) == 0)
+      while (::sigtimedwait(&pipe, nullptr, &kNow) > 0) {
+      }
+    ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  PipeSignalBlocked(const PipeSignalBlocked&) = delete;
+  PipeSignalBlocked& operator=(const PipeSignalBlocked&) = delete;
+
+ private:
+  sigset_t before_{};
+};
+
+Error infeasible(std::string detail) { return {ErrorKind::Infeasible, "", std::move(detail)}; }
+
+/// The last line that a worker said on standard error, printable.
+std::string last_words(const std::string& errors) {
+  std::string line = errors.substr(0, errors.find_last_not_of(" \n") + 1);
+  if (const auto at = line.rfind('\n'); at != std::string::npos) line.erase(0, at + 1);
+  for (char& c : line)
+    if (c < 0x20 || c > 0x7E) c = '?';
+  return line.empty() ? "" : " (" + line.substr(0, 200) + ")";
+}
+
+class Talk {
+ public:
+  Talk(const PlanningLimits& limits, const CallOff& call_off, WorkerProcess process)
+      : limits_(limits),
+        call_off_(call_off),
+        process_(std::move(process)),
+        reader_(limits.output_bytes),
+        until_(steady_clock::now() + std::chrono::milliseconds(static_cast<std::int64_t>(
+                                         1000 * std::clamp(limits.wall_s, 0.01, 1e8)))) {}
+
+  Result<PlanningOutcome> run(std::deque<Source> sources) {
+    sources_ = std::move(sources);
+    const Result<void> talked = talk();
+    if (!talked) process_.kill();
+    const int status = process_.wait();
+    if (!talked) return tl::unexpected(talked.error());
+    if (answer_) return std::move(*answer_);
+    return tl::unexpected(how_it_died(status));
+  }
+
+ private:
+  Result<void> talk() {
+    while (process_.from() >= 0 && !done_) {
+      std::array<pollfd, 4> waits{pollfd{process_.from(), POLLIN, 0},
+                                  {process_.errors(), POLLIN, 0},
+                                  {call_off_.descriptor(), POLLIN, 0},
+                                  {process_.to(), POLLOUT, 0}};
+      const auto left =
+          std::chrono::duration_cast<std::chrono::milliseconds>(until_ - steady_clock::now());
+      if (left.count() <= 0)
+        return tl::unexpected(infeasible(fmt::format(
+            "took longer than the {:g} s that a design may take; make it smaller or simpler",
+            limits_.wall_s)));
+      const auto most = std::min<std::int64_t>(left.count() + 1, 1000);
+      if (::poll(waits.data(), waits.size(), static_cast<int>(most)) < 0 && errno != EINTR)
+        return fail(ErrorKind::Internal, "worker", std::strerror(errno));
+      if (call_off_.called()) return fail(ErrorKind::Refused, "", "the planning was cancelled");
+      if (waits[1].revents != 0) hear_errors();
+      if (waits[3].revents != 0)
+        if (const Result<void> sent = send(); !sent) return sent;
+      if (waits[0].revents != 0)
+        if (const Result<void> heard = hear(); !heard) return heard;
+    }
+    return {};
+  }
+
+  Result<void> send() {
+    while (!sources_.empty()) {
+      const Result<std::string_view> bytes = sources_.front().next();
+      if (!bytes) return tl::unexpected(bytes.error());
+      if (bytes->empty()) {
+        sources_.pop_front();
+        continue;
+      }
+      const ssize_t put = ::write(process_.to(), bytes->data(), bytes->size());
+      if (put < 0 && (errno == EAGAIN || errno == EINTR)) return {};
+      if (put <= 0) break;  // it reads no more: what it says tells why
+      sources_.front().sent(static_cast<std::size_t>(put));
+    }
+    sources_.clear();
+    process_.close_to();
+    return {};
+  }
+
+  void hear_errors() {
+    std::array<char, 4096> block{};
+    const ssize_t got = ::read(process_.errors(), block.data(), block.size());
+    if (got < 0 && (errno == EAGAIN || errno == EINTR)) return;
+    if (got <= 0) return process_.close_errors();
+    errors_.append(block.data(), static_cast<std::size_t>(got));
+    if (errors_.size() > 2 * block.size()) errors_.erase(0, errors_.size() - block.size());
+  }
+
+  Result<void> hear() {
+    block_.resize(kBlock);
+    const ssize_t got = ::read(process_.from(), block_.data(), block_.size());
+    if (got < 0 && (errno == EAGAIN || errno == EINTR)) return {};
+    done_ = got <= 0;
+    if (done_) return {};
+    const Result<void> fed =
+        reader_.feed(std::string_view(block_).substr(0, static_cast<std::size_t>(got)),
+                     [this](Frame frame) { return take(std::move(frame)); });
+    if (fed) return fed;
+    if (fed.error().kind == ErrorKind::OutOfRange)
+      return tl::unexpected(infeasible(fmt::format(
+          "gives more than the {} bytes of files that a design may give; make it smaller or "
+          "simpler",
+          limits_.output_bytes)));
+    return fail(ErrorKind::Internal, "worker", message(fed.error()));
+  }
+
+  Result<void> take(Frame frame) {
+    const auto wrong = [](const char* what) { return fail(ErrorKind::Malformed, "pipe", what); };
+    if (answer_) return wrong("a frame after the last one");
+    switch (frame.kind) {
+      case FrameKind::File:
+        if (frame.name.empty() || !names_.insert(frame.name).second || names_.size() > kMostFiles)
+          return wrong("a file without a name of its own, or too many");
+        files_.push_back(PlanningFile{std::move(frame.name), std::move(frame.bytes)});
+        return {};
+      case FrameKind::Outcome: {
+        Result<PlanningOutcome> outcome = read_outcome(frame.bytes);
+        if (!outcome) return tl::unexpected(outcome.error());
+        outcome->files = std::move(files_);
+        answer_ = std::move(outcome);
+        return {};
+      }
+      case FrameKind::Failure:
+        answer_ = tl::unexpected(read_error(frame.bytes));
+        return {};
+      default:
+        return wrong("a frame that only goes the other way");
+    }
+  }
+
+  [[nodiscard]] Error how_it_died(int status) const {
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
+      return infeasible(fmt::format(
+          "took more than the {:g} s of processor time that a design may take; make it smaller or "
+          "simpler",
+          limits_.cpu_s));
+    if (WIFSIGNALED(status))
+      return infeasible(fmt::format("made the planner die of signal {}{}; please report the design",
+                                    WTERMSIG(status), last_words(errors_)));
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    if (code == 126 || code == 127)
+      return {ErrorKind::Internal, "worker", "cannot be started; is popcutd installed whole?"};
+    return infeasible(fmt::format("made the planner end with code {}{}; please report the design",
+                                  code, last_words(errors_)));
+  }
+
+  const PlanningLimits& limits_;
+  const CallOff& call_off_;
+  WorkerProcess process_;
+  FrameReader reader_;
+  steady_clock::time_point until_;
+  std::deque<Source> sources_;
+  std::string block_, errors_;
+  std::set<std::string> names_;
+  std::vector<PlanningFile> files_;
+  std::optional<Result<PlanningOutcome>> answer_;
+  bool done_{false};
+};
+
+Result<std::deque<Source>> sources_of(const PlanningTask& task) {
+  WorkerTask words;
+  words.kind = task.kind;
+  words.design_kind = task.design_kind;
+  words.machine_json = task.machine_json;
+  words.material_json = task.material_json;
+  words.options = task.options;
+  std::deque<Source> sources;
+  const auto keep = [&](Result<Source> source) -> Result<void> {
+    if (!source) return tl::unexpected(source.error());
+    sources.push_back(std::move(*source));
+    return {};
+  };
+  Result<void> kept = keep(Source::memory(FrameKind::Task, task_json(words)));
+  if (kept && task.kind != PlanningTask::Kind::TestCut)
+    kept = keep(Source::file(FrameKind::Design, "", task.design_path));
+  for (const auto& [id, path] : task.asset_paths)
+    if (kept) kept = keep(Source::file(FrameKind::Asset, id, path));
+  if (kept) kept = keep(Source::memory(FrameKind::Go, ""));
+  if (!kept) return tl::unexpected(kept.error());
+  return sources;
+}
+
+}  // namespace
+
+CallOff::CallOff() : event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
+CallOff::~CallOff() {
+  if (event_ >= 0) ::close(event_);
+}
+
+void CallOff::call() {
+  called_ = true;
+  const std::uint64_t one = 1;
+  if (event_ >= 0 && ::write(event_, &one, sizeof one) < 0) { /* it is seen within a second */
+  }
+}
+
+Result<PlanningOutcome> run_in_worker(const PlanningTask& task, const PlanningLimits& limits,
+                                      const std::string& program, const CallOff& call_off) {
+  auto sources = sources_of(task);
+  if (!sources) return tl::unexpected(sources.error());
+  auto process = WorkerProcess::start(program, limits);
+  if (!process) return tl::unexpected(process.error());
+  const PipeSignalBlocked blocked;
+  return Talk(limits, call_off, std::move(*process)).run(std::move(*sources));
+}
+
+}  // namespace popcut::planning

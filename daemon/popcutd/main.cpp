@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+
+#include "daemon/planning/worker.hpp"
+#include "daemon/popcutd/log.hpp"
+#include "daemon/popcutd/options.hpp"
+#include "daemon/popcutd/serve.hpp"
+#include "daemon/popcutd/service_manager.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+constexpr int kNeedsPerson = 78;  // EX_CONFIG: systemd does not start it again
+
+int report(const Error& error, int code) {
+  std::fprintf(stderr, "popcutd: %s\n", without_control(message(error)).c_str());
+  return code;
+}
+
+/// A wrong configuration needs a person; a wrong command line has its own code.
+int config_code(const Error& error) {
+  return error.kind == ErrorKind::Usage ? exit_code(error.kind) : kNeedsPerson;
+}
+
+int run(int argc, char** argv) {
+  const auto options = parse_options(argc, argv);
+  if (!options) return report(options.error(), exit_code(options.error().kind));
+  if (options->exit) return *options->exit;
+  std::string file;
+  const auto config = load_config(*options, file);
+  if (!config) return report(config.error(), config_code(config.error()));
+  if (options->check_config) {
+    std::printf("%s: ok\n", file.empty() ? "no configuration file; the defaults" : file.c_str());
+    return 0;
+  }
+  const ServiceManager manager = ServiceManager::from_environment();
+  const auto log = make_log(config->log, std::getenv("JOURNAL_STREAM") != nullptr);
+  return serve(*config, *options, manager, log);
+}
+
+}  // namespace
+}  // namespace popcut::daemon
+
+int main(int argc, char** argv) {
+  ::umask(077);  // jobs and designs are nobody else's
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a write past the file size limit fails like a full disk
+  try {
+    if (argc == 2 && std::strcmp(argv[1], "--worker") == 0)
+      return popcut::planning::run_worker(0, 1);
+    return popcut::daemon::run(argc, argv);
+  } catch (const std::exception& fault) {
+    std::fprintf(stderr, "popcutd: internal fault: %s\n", fault.what());
+  } catch (...) {
+    std::fputs("popcutd: internal fault: unknown exception\n", stderr);
+  }
+  return 1;
+}

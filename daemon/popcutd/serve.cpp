@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/popcutd/serve.hpp"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+#include <mutex>
+#include <optional>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "daemon/cli/user_tables.hpp"
+#include "daemon/devices/make_cutters.hpp"
+#include "daemon/http/server.hpp"
+#include "daemon/planning/make_planner.hpp"
+#include "daemon/popcutd/greeting.hpp"
+#include "daemon/popcutd/log.hpp"
+#include "daemon/popcutd/sheet_program.hpp"
+#include "daemon/service/job_service.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kNeedsPerson = 78;
+constexpr double kStopSeconds = 30;   // within the unit's TimeoutStopSec
+constexpr double kStuckSeconds = 10;  // a thread that has not turned for so long is stuck
+constexpr double kLookSeconds = 0.5;
+
+/// Why it does not start, or no more runs.
+struct Trouble {
+  int code{};
+  std::string text;
+};
+
+double since(Clock::time_point then) {
+  return std::chrono::duration<double>(Clock::now() - then).count();
+}
+
+int code_of(const OpenTrouble& trouble) {
+  switch (trouble.kind) {
+    case OpenTrouble::Kind::Locked:
+      return exit_code(ErrorKind::Refused);
+    case OpenTrouble::Kind::Io:
+      return exit_code(ErrorKind::Unwritable);
+    default:
+      return kNeedsPerson;
+  }
+}
+
+/// What the service's thread says of itself while it turns.
+class Pulse {
+ public:
+  /// Puts a beat on the service's thread, unless one is under way.
+  void ask(ServiceThread& thread, Service& service) {
+    if (asked_.exchange(true)) return;
+    const bool taken = thread.post(ServiceThread::Lane::Asking, [this, &service] {
+      std::string status;
+      for (const DeviceRecord& device : service.devices())
+        if (device.state == "busy")
+          status +=
+              fmt::format("{}{} cuts job {}", status.empty() ? "" : "; ", device.id, device.job);
+      const std::lock_guard hold(lock_);
+      status_ = status.empty() ? "waiting for jobs" : status;
+      beat_ = Clock::now();
+      asked_ = false;
+    });
+    if (!taken) asked_ = false;
+  }
+  [[nodiscard]] bool alive() const {
+    const std::lock_guard hold(lock_);
+    return since(beat_) < kStuckSeconds;
+  }
+  [[nodiscard]] std::string status() const {
+    const std::lock_guard hold(lock_);
+    return status_;
+  }
+
+ private:
+  mutable std::mutex lock_;
+  std::atomic<bool> asked_{false};
+  Clock::time_point beat_{Clock::now()};
+  std::string status_;
+};
+
+HttpUsers users_of(const Config& config) {
+  HttpUsers users;
+  for (const UserRule& rule : config.users.empty() ? default_users() : config.users) {
+    if (rule.uid) users.users[*rule.uid] = rule.role;
+    if (rule.gid) users.groups[*rule.gid] = rule.role;
+  }
+  return users;
+}
+
+/// All parts, in the order in which they need each other.
+class Daemon {
+ public:
+  Daemon(const Config& config, std::shared_ptr<spdlog::logger> log)
+      : config_(config), log_(std::move(log)) {}
+  ~Daemon() { stop(); }
+  Daemon(const Daemon&) = delete;
+  Daemon& operator=(const Daemon&) = delete;
+
+  [[nodiscard]] std::optional<Trouble> start(const ServiceManager& manager);
+  void stop();
+  void beat() { pulse_.ask(*thread_, *service_); }
+  [[nodiscard]] bool alive() const { return pulse_.alive() && http_->alive() && cutters_->alive(); }
+  [[nodiscard]] std::string status() const { return pulse_.status(); }
+  [[nodiscard]] std::vector<std::string> endpoints() const { return http_->endpoints(); }
+
+ private:
+  [[nodiscard]] std::optional<Trouble> open_state();
+  [[nodiscard]] std::optional<Trouble> open_devices();
+  [[nodiscard]] std::optional<Trouble> open_service();
+  [[nodiscard]] std::optional<Trouble> open_http(const ServiceManager& manager);
+  const Config& config_;
+  std::shared_ptr<spdlog::logger> log_;
+  std::vector<std::string> tables_{};
+  std::unique_ptr<Store> store_{};
+  std::unique_ptr<ServiceThread> thread_{};
+  std::unique_ptr<Planner> planner_{};
+  std::unique_ptr<Cutters> cutters_{};
+  std::unique_ptr<JobService> service_{};
+  std::unique_ptr<HttpServer> http_{};
+  Pulse pulse_{};
+};
+
+std::optional<Trouble> Daemon::start(const ServiceManager& manager) {
+  auto tables = cli::read_user_tables();
+  if (!tables) return Trouble{kNeedsPerson, message(tables.error())};
+  tables_ = std::move(tables->texts);
+  manager.tell("EXTEND_TIMEOUT_USEC=120000000\nSTATUS=opening the database");
+  if (auto trouble = open_state()) return trouble;
+  if (auto trouble = open_devices()) return trouble;
+  if (auto trouble = open_service()) return trouble;
+  return open_http(manager);
+}
+
+std::optional<Trouble> Daemon::open_state() {
+  StoreOptions options;
+  options.folder = config_.state;
+  auto store = Store::open(std::move(options));
+  if (!store) return Trouble{code_of(store.error()), store.error().detail};
+  store_ = std::move(*store);
+  return std::nullopt;
+}
+
+std::optional<Trouble> Daemon::open_devices() {
+  PlanningLimits limits;
+  limits.processes = config_.planner.processes;
+  limits.cpu_s = config_.planner.cpu_s;
+  limits.wall_s = config_.planner.wall_s;
+  limits.memory_bytes = config_.planner.memory_bytes;
+  limits.output_bytes = config_.planner.output_bytes;
+  planner_ = make_planner(limits, "/proc/self/exe");
+  CuttersOptions options;
+  options.tables = tables_;
+  options.devices = config_.devices;
+  auto cutters = make_cutters(std::move(options));
+  if (!cutters) return Trouble{exit_code(cutters.error().kind), message(cutters.error())};
+  cutters_ = std::move(*cutters);
+  return std::nullopt;
+}
+
+std::optional<Trouble> Daemon::open_service() {
+  thread_ = std::make_unique<ServiceThread>();
+  ServiceOptions options;
+  options.queue_jobs = config_.queue_jobs;
+  options.sheets_per_job = config_.sheets_per_job;
+  options.plans_at_once = config_.planner.processes;
+  options.tables = tables_;
+  options.read_program = stored_program;
+  options.log = [log = log_](const std::string& line) { log->info(line); };
+  auto service = make_service(*store_, *thread_, *planner_, *cutters_, std::move(options));
+  if (!service) return Trouble{exit_code(service.error().kind), message(service.error())};
+  service_ = std::move(*service);
+  return std::nullopt;
+}
+
+std::optional<Trouble> Daemon::open_http(const ServiceManager& manager) {
+  HttpOptions options;
+  options.inherited = manager.sockets();
+  if (options.inherited.empty()) {
+    for (const std::string& address : config_.listen)
+      options.listen.push_back({address, !config_.listen_given && address.front() == '['});
+    if (!config_.socket.empty()) options.listen.push_back({"unix:" + config_.socket, false});
+  }
+  options.allow_remote = config_.allow_remote;
+  options.hosts = config_.allowed_hosts;
+  options.origins = config_.allowed_origins;
+  options.users = users_of(config_);
+  options.limits = config_.limits;
+  options.incoming_folder = store_->folder().at("incoming");
+  options.build = POPCUT_VERSION;
+  options.service = service_.get();
+  options.on_service = [this](std::function<void()> work) {
+    return thread_->post(ServiceThread::Lane::Asking, std::move(work));
+  };
+  options.log = log_;
+  http_ = std::make_unique<HttpServer>(std::move(options));
+  if (auto started = http_->start(); !started)
+    return Trouble{exit_code(ErrorKind::Refused), message(started.error())};
+  return std::nullopt;
+}
+
+void Daemon::stop() {
+  if (service_) thread_->run(ServiceThread::Lane::Cutting, [this] { service_->stopping(); });
+  if (cutters_) cutters_->stop_all(kStopSeconds);
+  if (http_) http_->stop();
+  planner_.reset();
+  if (thread_) thread_->stop();
+  http_.reset();
+  service_.reset();
+  thread_.reset();
+  cutters_.reset();
+  store_.reset();
+}
+
+/// Signals come to who waits for them, and to no other thread.
+class Signals {
+ public:
+  Signals() {
+    sigemptyset(&set_);
+    for (const int one : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set_, one);
+    pthread_sigmask(SIG_BLOCK, &set_, nullptr);
+  }
+  /// The signal that came within `seconds`, or 0.
+  [[nodiscard]] int wait(double seconds) const {
+    timespec time{};
+    time.tv_sec = static_cast<time_t>(seconds);
+    time.tv_nsec = static_cast<long>((seconds - static_cast<double>(time.tv_sec)) * 1e9);
+    const int got = sigtimedwait(&set_, nullptr, &time);
+    return got > 0 ? got : 0;
+  }
+
+ private:
+  sigset_t set_{};
+};
+
+void reload(const DaemonOptions& options, const Config& running, const ServiceManager& manager,
+            spdlog::logger& log) {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  manager.tell(
+      fmt::format("RELOADING=1\nMONOTONIC_USEC={}", now.tv_sec * 1'000'000 + now.tv_nsec / 1000));
+  std::string file;
+  const auto config = load_config(options, file);
+  if (!config) {
+    log.error("the configuration was not read again: {}", message(config.error()));
+  } else {
+    set_level(log, config->log.level);
+    log.info(
+        "the configuration was read again: the level of the log is {}; all else is taken at "
+        "the next start",
+        config->log.level);
+    if (config->state != running.state) log.warn("the state folder stays {}", running.state);
+  }
+  manager.tell("READY=1");
+}
+
+/// Until somebody ends it.
+void watch(Daemon& daemon, const Config& config, const DaemonOptions& options,
+           const ServiceManager& manager, const Signals& signals, spdlog::logger& log) {
+  const double watchdog = manager.watchdog_s().value_or(0);
+  const double step = watchdog > 0 ? std::min(kLookSeconds, watchdog / 4) : kLookSeconds;
+  auto fed = Clock::now();
+  std::string told;
+  bool well = true;
+  for (;;) {
+    const int signal = signals.wait(step);
+    if (signal == SIGHUP) reload(options, config, manager, log);
+    if (signal == SIGINT || signal == SIGTERM) return;
+    daemon.beat();
+    const bool alive = daemon.alive();
+    if (alive != well) log.error("{}", alive ? "all threads turn again" : "a thread does not turn");
+    well = alive;
+    if (alive && watchdog > 0 && since(fed) > watchdog / 3) {
+      manager.tell("WATCHDOG=1");
+      fed = Clock::now();
+    }
+    if (const std::string status = daemon.status(); status != told && !status.empty())
+      manager.tell_status(told = status);
+  }
+}
+
+}  // namespace
+
+int serve(const Config& config, const DaemonOptions& options, const ServiceManager& manager,
+          std::shared_ptr<spdlog::logger> log) {
+  const Signals signals;
+  Daemon daemon(config, log);
+  if (const auto trouble = daemon.start(manager)) {
+    std::fprintf(stderr, "popcutd: %s\n", without_control(trouble->text).c_str());
+    manager.tell_status(trouble->text);
+    return trouble->code;
+  }
+  if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "{}", greeting(config, daemon.endpoints()));
+  log->info("serving at {}", fmt::join(daemon.endpoints(), ", "));
+  manager.tell("READY=1");
+  watch(daemon, config, options, manager, signals, *log);
+  log->info("stopping: cuts end with their stroke");
+  manager.tell(fmt::format("STOPPING=1\nEXTEND_TIMEOUT_USEC={:.0f}", (kStopSeconds + 10) * 1e6));
+  daemon.stop();
+  log->info("stopped");
+  return 0;
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,23 @@
+cmake_minimum_required(VERSION 3.25)
+# Installs the libraries in a folder of their own and builds a program with find_package(popcut).
+# -DBUILD=build folder -DSOURCE=consumer -DFOLDER=scratch -DSPEC=a spec -DSANITIZE=... -DGENERATOR=...
+file(REMOVE_RECURSE ${FOLDER})
+function(run)
+  execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE out)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "${ARGV} ends with ${result}:\n${out}")
+  endif()
+  set(said "${out}" PARENT_SCOPE)
+endfunction()
+run(${CMAKE_COMMAND} --install ${BUILD} --component dev --prefix ${FOLDER}/installed)
+set(flags "")
+if(SANITIZE)
+  set(flags "-DCMAKE_CXX_FLAGS=-fsanitize=${SANITIZE}")
+endif()
+run(${CMAKE_COMMAND} -S ${SOURCE} -B ${FOLDER}/build -G ${GENERATOR} ${flags}
+    -DCMAKE_PREFIX_PATH=${FOLDER}/installed)
+run(${CMAKE_COMMAND} --build ${FOLDER}/build)
+run(${FOLDER}/build/consumer ${SPEC})
+if(NOT said MATCHES "folds on sim:cameo3")
+  message(FATAL_ERROR "the consumer says: ${said}")
+endif()

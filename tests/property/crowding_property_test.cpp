@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <random>
+
+#include <catch2/catch.hpp>
+
+#include "core/plan/clean.hpp"
+#include "core/plan/crowding.hpp"
+#include "core/plan/overlap.hpp"
+
+using namespace popcut;
+
+namespace {
+
+/// Segments on few lines, of short and long ones, some a little beside the line, some drawn
+/// backwards, and some anywhere.
+struct Draft {
+  std::vector<PagePoint> nodes;
+  std::vector<NodeEdge> edges;
+
+  void add(const PagePoint& a, const PagePoint& b) {
+    const auto n = static_cast<std::uint32_t>(nodes.size());
+    nodes.insert(nodes.end(), {a, b});
+    edges.push_back({n, n + 1});
+  }
+  [[nodiscard]] Segment at(std::size_t e) const { return {nodes[edges[e].a], nodes[edges[e].b]}; }
+};
+
+Draft random_draft(std::mt19937& random, double size, double longest) {
+  std::uniform_real_distribution<double> chance(0, 1);
+  const double angles[] = {0.0, 1e-4, 3.1415, 1.5707963267948966, 3.14159265 * chance(random)};
+  Draft draft;
+  for (int line = 0; line < 12; ++line) {
+    const double angle = angles[random() % 5], x = size * chance(random), y = size * chance(random);
+    const double ux = std::cos(angle), uy = std::sin(angle);
+    for (int k = 0; k < 8; ++k) {
+      const double from = size * (chance(random) - 0.5), aside = 0.03 * (chance(random) - 0.5);
+      const double to = from + (chance(random) < 0.5 ? longest : 2.0) * (chance(random) - 0.5);
+      const double turn = 0.01 * (chance(random) - 0.5) / std::max(1.0, std::abs(to - from));
+      draft.add({x + from * ux - aside * uy, y + from * uy + aside * ux},
+                {x + to * ux - (aside + turn) * uy, y + to * uy + (aside + turn) * ux});
+    }
+  }
+  for (int k = 0; k < 30; ++k)
+    draft.add({size * chance(random), size * chance(random)},
+              {size * chance(random), size * chance(random)});
+  return draft;
+}
+
+}  // namespace
+
+TEST_CASE("all edges that share a part with another are looked at again", "[core][plan][clean]") {
+  std::size_t sharing = 0, marked = 0, all = 0;
+  for (std::uint32_t seed = 1; seed <= 120; ++seed) {
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const double size = seed % 3 == 0 ? 20'000 : seed % 3 == 1 ? 300 : 20;
+    const Draft draft = random_draft(random, size, seed % 2 == 0 ? 4.0 : size / 3);
+    const auto crowded = crowded_edges(draft.edges, draft.nodes, kOverlapTolerance);
+    REQUIRE(crowded.size() == draft.edges.size());
+    for (std::size_t s = 0; s < crowded.size(); ++s) {
+      bool shares = false;
+      const double l = distance(draft.at(s).a, draft.at(s).b);
+      const auto tiny = [&](std::size_t e) { return distance(draft.at(e).a, draft.at(e).b) < 0.1; };
+      for (std::size_t t = 0; t < crowded.size() && !tiny(s); ++t) {
+        double from = 0.0, to = 0.0;
+        if (t == s || tiny(t) || !overlap(draft.at(s), l, draft.at(t), kOverlapTolerance, from, to))
+          continue;
+        shares = true;
+        CAPTURE(s, t, from, to);
+        CHECK(int{crowded[s]} + int{crowded[t]} == 2);
+      }
+      sharing += shares ? 1 : 0;
+      marked += crowded[s];
+      ++all;
+    }
+  }
+  CHECK(sharing > 1500);
+  CHECK(marked < 2 * sharing);
+  CHECK(marked < all);
+}

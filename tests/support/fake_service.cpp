@@ -1,0 +1,496 @@
+// SPDX-License-Identifier: MIT
+#include "tests/support/fake_service.hpp"
+
+#include <fstream>
+#include <iterator>
+#include <new>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace popcut::daemon {
+namespace {
+
+constexpr TimeMs kNow = 1'795'255'200'123;  // 2026-11-21T10:00:00.123Z
+
+std::string id_of(int number) { return fmt::format("01JD0000000000000000{:06}", number); }
+
+tl::unexpected<Problem> nothing(const std::string& what) {
+  return refuse(ProblemKind::NotFound, what);
+}
+
+template <typename Map>
+auto find(const Map& map, const std::string& id, const char* what)
+    -> Answer<typename Map::mapped_type> {
+  const auto found = map.find(id);
+  if (found == map.end()) return nothing(fmt::format("there is no {} {}", what, id));
+  return found->second;
+}
+
+}  // namespace
+
+FakeService::FakeService() {
+  for (const Role role : {Role::Viewer, Role::Submitter, Role::Operator, Role::Admin}) {
+    const std::string name(name_of(role));
+    bearers["pc_" + name + "_0123456789"] = {"token:" + name, role};
+    token_map[name] = {name, name + "'s", role, kNow, std::nullopt};
+  }
+  device_map["sim:cameo3"] = {.id = "sim:cameo3",
+                              .model = "cameo3",
+                              .title = "Simulated cutter",
+                              .state = "idle",
+                              .simulated = true,
+                              .width_mm = 304.8,
+                              .length_mm = 304.8};
+  material_map["paper-220"] = {"paper-220", 1, R"({"force_gf": 120})", true};
+}
+
+void FakeService::note(const char* name) {
+  asked.emplace_back(name);
+  if (throws) throw std::runtime_error("the fake was told to");
+  if (throws_bad_alloc) throw std::bad_alloc();
+}
+
+std::optional<Problem> FakeService::trouble(const char* name) {
+  note(name);
+  std::optional<Problem> problem = std::move(next_problem);
+  next_problem.reset();
+  return problem;
+}
+
+Job& FakeService::changed(Job& job) {
+  ++job.rev;
+  tell("job", job.id, fmt::format(R"("state":"{}","rev":{})", name_of(job.state), job.rev));
+  return job;
+}
+
+Job& FakeService::add_job(JobState state, const std::string& owner) {
+  Job job;
+  job.id = id_of(++next_id_);
+  job.rev = 1;
+  job.state = state;
+  job.owner = owner;
+  job.device = "sim:cameo3";
+  job.design = "sha256-" + std::string(64, 'a');
+  job.plan = id_of(900);
+  job.material = "paper-220";
+  job.sheets_total = 2;
+  job.sheet = 1;
+  job.created = kNow;
+  if (state == JobState::Ready)
+    job.attention = Attention{"load_sheet", 1, 2, "load sheet 1 of 2", kNow, {"arm"}};
+  job.actions = {"arm", "cancel"};
+  return job_map[job.id] = job;
+}
+
+void FakeService::tell(const std::string& kind, const std::string& job,
+                       const std::string& members) {
+  const std::int64_t seq = ++seq_;
+  const Event event{
+      seq, kind, kNow, job,
+      fmt::format(R"({{"seq":{},"kind":"{}","job":"{}",{}}})", seq, kind, job, members)};
+  log.push_back(event);
+  for (const auto& listener : listeners_) listener(event);
+}
+
+void FakeService::tell_progress(const std::string& job, const std::string& members) {
+  const Event event{0, "progress", kNow, job,
+                    fmt::format(R"({{"seq":0,"kind":"progress","job":"{}",{}}})", job, members)};
+  for (const auto& listener : listeners_) listener(event);
+}
+
+std::optional<Principal> FakeService::authenticate(std::string_view bearer) {
+  asked.emplace_back("authenticate");
+  const auto found = bearers.find(std::string(bearer));
+  if (found == bearers.end()) return std::nullopt;
+  return found->second;
+}
+
+Answer<NewToken> FakeService::create_token(const Principal&, const std::string& name, Role role,
+                                           std::optional<int> lifetime_s) {
+  if (auto problem = trouble("create_token")) return tl::unexpected<Problem>(*problem);
+  const std::string id = id_of(++next_id_);
+  TokenRecord record{id, name, role, kNow, std::nullopt};
+  if (lifetime_s) record.expires = kNow + TimeMs{*lifetime_s} * 1000;
+  const std::string text = "pc_" + id + "_" + std::string(43, 'x');
+  token_map[id] = record;
+  bearers[text] = {"token:" + id, role};
+  return NewToken{record, text};
+}
+
+std::vector<TokenRecord> FakeService::tokens() {
+  note("tokens");
+  std::vector<TokenRecord> out;
+  for (const auto& [id, token] : token_map) out.push_back(token);
+  return out;
+}
+
+Answer<void> FakeService::delete_token(const Principal&, const std::string& id) {
+  if (auto problem = trouble("delete_token")) return tl::unexpected<Problem>(*problem);
+  if (token_map.erase(id) == 0) return nothing("there is no such token");
+  std::erase_if(bearers, [&](const auto& entry) { return entry.second.name == "token:" + id; });
+  return {};
+}
+
+Answer<std::string> FakeService::create_one_shot(const Principal&) {
+  if (auto problem = trouble("create_one_shot")) return tl::unexpected<Problem>(*problem);
+  const std::string word = "one-shot-" + id_of(++next_id_);
+  one_shots_[word] = true;
+  return word;
+}
+
+Answer<NewToken> FakeService::open_session(const std::string& one_shot) {
+  if (auto problem = trouble("open_session")) return tl::unexpected<Problem>(*problem);
+  if (one_shots_.erase(one_shot) == 0)
+    return refuse(ProblemKind::Unauthenticated, "the word was used, or is too old");
+  return create_token({}, "session", Role::Operator, 43200);
+}
+
+Answer<Rendered> FakeService::once(const Principal& who, const IdempotentRequest& request,
+                                   const std::function<Rendered()>& effect) {
+  asked.emplace_back("once");
+  const std::string key = who.name + " " + request.key;
+  if (const auto found = kept_.find(key); found != kept_.end()) {
+    if (found->second.sha256 != request.sha256)
+      return refuse(ProblemKind::IdempotencyKeyReused, "the key was used for another request");
+    Rendered again = found->second.rendered;
+    again.replayed = true;
+    return again;
+  }
+  Rendered fresh = effect();
+  if (fresh.status < 500 && fresh.status != 429) kept_[key] = {request.sha256, fresh};
+  return fresh;
+}
+
+void FakeService::add_design(const Principal& who, Upload upload, std::string media_type,
+                             std::string name, std::function<void(Answer<Design>)> done) {
+  if (auto problem = trouble("add_design")) return done(tl::unexpected<Problem>(*problem));
+  if (drops_replies) return;
+  last_upload = upload;
+  std::ifstream in(upload.path, std::ios::binary);
+  last_upload_text.assign(std::istreambuf_iterator<char>(in), {});
+  last_upload_name = name;
+  last_media_type = media_type;
+  const std::string id = "sha256-" + upload.sha256;
+  const bool is_new = design_map.find(id) == design_map.end();
+  Design design{id, name, "spec", who.name, upload.bytes, kNow, {}, is_new};
+  if (is_new) design_map[id] = design;
+  done(design);
+}
+
+Answer<Asset> FakeService::add_asset(const Principal&, Upload upload) {
+  if (auto problem = trouble("add_asset")) return tl::unexpected<Problem>(*problem);
+  last_upload = upload;
+  std::ifstream in(upload.path, std::ios::binary);
+  last_upload_text.assign(std::istreambuf_iterator<char>(in), {});
+  return Asset{"sha256-" + upload.sha256, upload.bytes, kNow, true};
+}
+
+Page<Design> FakeService::designs(const PageWish& wish) {
+  note("designs");
+  last_page = wish;
+  Page<Design> page;
+  for (const auto& [id, design] : design_map) {
+    if (id <= wish.cursor) continue;
+    if (static_cast<int>(page.items.size()) == wish.limit) {
+      page.next_cursor = page.items.back().id;
+      break;
+    }
+    page.items.push_back(design);
+  }
+  return page;
+}
+
+Answer<Design> FakeService::design(const std::string& id) {
+  if (auto problem = trouble("design")) return tl::unexpected<Problem>(*problem);
+  return find(design_map, id, "design");
+}
+
+Answer<std::string> FakeService::design_content(const std::string& id) {
+  if (auto problem = trouble("design_content")) return tl::unexpected<Problem>(*problem);
+  return find(files, id, "content of");
+}
+
+Answer<void> FakeService::delete_design(const Principal&, const std::string& id) {
+  if (auto problem = trouble("delete_design")) return tl::unexpected<Problem>(*problem);
+  design_map.erase(id);
+  return {};
+}
+
+Answer<PlanRecord> FakeService::plan_design(const Principal&, const PlanWish& wish) {
+  if (auto problem = trouble("plan_design")) return tl::unexpected<Problem>(*problem);
+  last_plan = wish;
+  if (design_map.find(wish.design) == design_map.end()) return nothing("there is no such design");
+  PlanRecord plan;
+  plan.id = id_of(++next_id_);
+  plan.design = wish.design;
+  plan.material = wish.material;
+  plan.machine = wish.machine;
+  plan.created = kNow;
+  return plan_map[plan.id] = plan;
+}
+
+Answer<PlanRecord> FakeService::plan(const std::string& id) {
+  if (auto problem = trouble("plan")) return tl::unexpected<Problem>(*problem);
+  return find(plan_map, id, "plan");
+}
+
+Answer<std::string> FakeService::plan_file(const std::string& id, const std::string& name) {
+  if (auto problem = trouble("plan_file")) return tl::unexpected<Problem>(*problem);
+  return find(files, id + "/" + name, "file");
+}
+
+void FakeService::design_preview(const std::string& id,
+                                 std::function<void(Answer<std::string>)> done) {
+  if (auto problem = trouble("design_preview")) return done(tl::unexpected<Problem>(*problem));
+  if (design_map.find(id) == design_map.end()) return done(nothing("there is no such design"));
+  done(preview);
+}
+
+Answer<Job> FakeService::create_job(const Principal& who, const JobCreate& wish) {
+  if (auto problem = trouble("create_job")) return tl::unexpected<Problem>(*problem);
+  last_create = wish;
+  ++made_jobs;
+  Job& job = add_job(JobState::Queued, who.name);
+  job.name = wish.name;
+  job.copies = wish.copies;
+  job.priority = wish.priority;
+  job.tags = wish.tags;
+  return changed(job);
+}
+
+Answer<Page<Job>> FakeService::jobs(const JobFilter& filter, const PageWish& wish) {
+  if (auto problem = trouble("jobs")) return tl::unexpected<Problem>(*problem);
+  last_filter = filter;
+  last_page = wish;
+  Page<Job> page;
+  for (const auto& [id, job] : job_map) {
+    bool is_wanted = filter.states.empty();
+    for (const JobState state : filter.states) is_wanted = is_wanted || state == job.state;
+    if (id <= wish.cursor || !is_wanted) continue;
+    if (static_cast<int>(page.items.size()) == wish.limit) {
+      page.next_cursor = page.items.back().id;
+      break;
+    }
+    page.items.push_back(job);
+  }
+  return page;
+}
+
+Answer<Job> FakeService::job(const std::string& id) {
+  if (auto problem = trouble("job")) return tl::unexpected<Problem>(*problem);
+  return find(job_map, id, "job");
+}
+
+Answer<std::vector<SheetRecord>> FakeService::sheets(const std::string& id) {
+  if (auto problem = trouble("sheets")) return tl::unexpected<Problem>(*problem);
+  const Answer<Job> found = find(job_map, id, "job");
+  if (!found) return tl::unexpected<Problem>(found.error());
+  std::vector<SheetRecord> out;
+  for (int k = 1; k <= found->sheets_total; ++k) {
+    SheetRecord sheet;
+    sheet.number = k;
+    sheet.state = k == 1 ? "ready" : "waiting";
+    sheet.plan.number = k;
+    sheet.plan.paths = 10;
+    sheet.plan.cut_mm = 100;
+    out.push_back(sheet);
+  }
+  return out;
+}
+
+Answer<Ledger> FakeService::ledger(const std::string& id, int sheet) {
+  if (auto problem = trouble("ledger")) return tl::unexpected<Problem>(*problem);
+  const Answer<Job> found = find(job_map, id, "job");
+  if (!found) return tl::unexpected<Problem>(found.error());
+  if (sheet > found->sheets_total) return nothing("the job has no such sheet");
+  Ledger ledger;
+  ledger.sheet = sheet;
+  ledger.certain_upto = 4;
+  ledger.certain = {{0, 4}};
+  ledger.in_doubt = {{5, 6}};
+  ledger.not_sent = {{7, 9}};
+  ledger.attempts.push_back({.id = id_of(1), .started = kNow, .operator_name = "uid:0"});
+  return ledger;
+}
+
+Answer<Job> FakeService::patch_job(const Principal&, const std::string& id, std::int64_t if_match,
+                                   const JobPatch& patch) {
+  if (auto problem = trouble("patch_job")) return tl::unexpected<Problem>(*problem);
+  last_patch = patch;
+  Job& job = job_map.at(id);
+  if (job.rev != if_match) {
+    Problem stale{ProblemKind::Stale, "it was changed meanwhile"};
+    stale.rev = job.rev;
+    return tl::unexpected<Problem>(stale);
+  }
+  if (patch.priority) job.priority = *patch.priority;
+  if (patch.name) job.name = *patch.name;
+  return changed(job);
+}
+
+Answer<Job> FakeService::act(const Principal& who, const std::string& id, std::int64_t if_match,
+                             const ActionWish& wish) {
+  if (auto problem = trouble("act")) return tl::unexpected<Problem>(*problem);
+  last_action = wish;
+  Job& job = job_map.at(id);
+  if (job.rev != if_match) {
+    Problem stale{ProblemKind::Stale, "it was changed meanwhile"};
+    stale.rev = job.rev;
+    stale.state = std::string(name_of(job.state));
+    stale.allowed_actions = job.actions;
+    return tl::unexpected<Problem>(stale);
+  }
+  if (is_terminal(job.state)) {
+    Problem conflict{ProblemKind::StateConflict, "the job has ended"};
+    conflict.state = std::string(name_of(job.state));
+    return tl::unexpected<Problem>(conflict);
+  }
+  static const std::map<JobAction, JobState> kLeadsTo{
+      {JobAction::Arm, JobState::Armed},      {JobAction::Disarm, JobState::Ready},
+      {JobAction::Start, JobState::Cutting},  {JobAction::Pause, JobState::Paused},
+      {JobAction::Resume, JobState::Cutting}, {JobAction::Cancel, JobState::Cancelled},
+  };
+  if (const auto next = kLeadsTo.find(wish.action); next != kLeadsTo.end())
+    job.state = next->second;
+  job.operator_name = who.name;
+  return changed(job);
+}
+
+Answer<void> FakeService::delete_job(const Principal&, const std::string& id) {
+  if (auto problem = trouble("delete_job")) return tl::unexpected<Problem>(*problem);
+  job_map.erase(id);
+  return {};
+}
+
+std::vector<Job> FakeService::queue(const std::string& device) {
+  note("queue");
+  std::vector<Job> out;
+  for (const auto& [id, job] : job_map)
+    if (!is_terminal(job.state) && (device.empty() || job.device == device)) out.push_back(job);
+  return out;
+}
+
+Answer<Job> FakeService::hold(const Principal&, const std::string& id, bool held) {
+  if (auto problem = trouble("hold")) return tl::unexpected<Problem>(*problem);
+  const auto found = job_map.find(id);
+  if (found == job_map.end()) return nothing("there is no such job");
+  found->second.held = held;
+  return changed(found->second);
+}
+
+Answer<Job> FakeService::move(const Principal&, const std::string& id, const std::string&) {
+  if (auto problem = trouble("move")) return tl::unexpected<Problem>(*problem);
+  return find(job_map, id, "job");
+}
+
+std::vector<DeviceRecord> FakeService::devices() {
+  note("devices");
+  std::vector<DeviceRecord> out;
+  for (const auto& [id, device] : device_map) out.push_back(device);
+  return out;
+}
+
+Answer<DeviceRecord> FakeService::device(const std::string& id) {
+  if (auto problem = trouble("device")) return tl::unexpected<Problem>(*problem);
+  return find(device_map, id, "device");
+}
+
+Answer<DeviceRecord> FakeService::act_on_device(const Principal&, const std::string& id,
+                                                std::int64_t if_match, const std::string& action) {
+  if (auto problem = trouble("act_on_device")) return tl::unexpected<Problem>(*problem);
+  const auto found = device_map.find(id);
+  if (found == device_map.end()) return nothing("there is no such device");
+  DeviceRecord& device = found->second;
+  if (device.rev != if_match) {
+    Problem stale{ProblemKind::Stale, "it was changed meanwhile"};
+    stale.rev = device.rev;
+    return tl::unexpected<Problem>(stale);
+  }
+  if (action == "enable" || action == "disable") device.enabled = action == "enable";
+  ++device.rev;
+  return device;
+}
+
+std::vector<MaterialRecord> FakeService::materials() {
+  note("materials");
+  std::vector<MaterialRecord> out;
+  for (const auto& [id, material] : material_map) out.push_back(material);
+  return out;
+}
+
+Answer<MaterialRecord> FakeService::material(const std::string& id) {
+  if (auto problem = trouble("material")) return tl::unexpected<Problem>(*problem);
+  return find(material_map, id, "material");
+}
+
+Answer<MaterialRecord> FakeService::put_material(const Principal&, const std::string& id,
+                                                 std::int64_t if_match, const std::string& json) {
+  if (auto problem = trouble("put_material")) return tl::unexpected<Problem>(*problem);
+  const auto found = material_map.find(id);
+  const std::int64_t rev = found == material_map.end() ? 0 : found->second.rev;
+  if (rev != if_match) {
+    Problem stale{ProblemKind::Stale, "it was changed meanwhile"};
+    stale.rev = rev;
+    return tl::unexpected<Problem>(stale);
+  }
+  return material_map[id] = {id, rev + 1, json, false};
+}
+
+Answer<void> FakeService::delete_material(const Principal&, const std::string& id, std::int64_t) {
+  if (auto problem = trouble("delete_material")) return tl::unexpected<Problem>(*problem);
+  if (material_map.erase(id) == 0) return nothing("there is no such material");
+  return {};
+}
+
+Answer<std::vector<Event>> FakeService::events(std::int64_t after, int limit,
+                                               const std::string& job) {
+  if (auto problem = trouble("events")) return tl::unexpected<Problem>(*problem);
+  std::vector<Event> out;
+  for (const Event& event : log) {
+    if (event.seq <= after || event.seq < first_kept) continue;
+    if (!job.empty() && event.job != job) continue;
+    if (static_cast<int>(out.size()) == limit) break;
+    out.push_back(event);
+  }
+  return out;
+}
+
+std::int64_t FakeService::last_event() {
+  note("last_event");
+  return seq_;
+}
+
+std::int64_t FakeService::first_event() { return first_kept; }
+
+void FakeService::listen(std::function<void(const Event&)> listener) {
+  listeners_.push_back(std::move(listener));
+}
+
+std::vector<UsageRow> FakeService::usage(std::optional<TimeMs>, std::optional<TimeMs>,
+                                         const std::string&) {
+  note("usage");
+  return {{"uid:0", 12.5, 340.25, 2}, {"=cmd|' /C calc'!A0", 1, 2, 3}};
+}
+
+Service::Health FakeService::health() {
+  note("health");
+  return {healthy, 1024, healthy, healthy ? "" : "the disk failed"};
+}
+
+std::string FakeService::metrics() {
+  note("metrics");
+  return "# TYPE popcut_jobs gauge\npopcut_jobs{state=\"queued\"} 0\n";
+}
+
+Answer<std::string> FakeService::backup(const Principal&) {
+  if (auto problem = trouble("backup")) return tl::unexpected<Problem>(*problem);
+  return std::string("backups/popcut-1.db");
+}
+
+Answer<std::string> FakeService::check_integrity(const Principal&) {
+  if (auto problem = trouble("check_integrity")) return tl::unexpected<Problem>(*problem);
+  return std::string("ok");
+}
+
+}  // namespace popcut::daemon

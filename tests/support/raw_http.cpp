@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: MIT
+#include "tests/support/raw_http.hpp"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace popcut::daemon {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::filesystem::path new_folder() {
+  std::string text = (std::filesystem::temp_directory_path() / "popcut-http-XXXXXX").string();
+  if (::mkdtemp(text.data()) == nullptr) throw std::runtime_error("no temporary folder");
+  return text;
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::map<std::string, std::string> headers_of(std::string_view head) {
+  std::map<std::string, std::string> out;
+  while (!head.empty()) {
+    const std::size_t end = head.find("\r\n");
+    const std::string_view line = head.substr(0, end);
+    const std::size_t colon = line.find(": ");
+    if (colon != std::string_view::npos)
+      out[lower(std::string(line.substr(0, colon)))] = std::string(line.substr(colon + 2));
+    if (end == std::string_view::npos) break;
+    head.remove_prefix(end + 2);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string WireResponse::problem() const {
+  constexpr std::string_view kBefore = "https://popcut.invalid/p/";
+  const std::size_t at = body.find(kBefore);
+  if (at == std::string::npos) return {};
+  const std::size_t begin = at + kBefore.size();
+  return body.substr(begin, body.find('"', begin) - begin);
+}
+
+RawConnection::RawConnection(std::uint16_t port, bool six)
+    : socket_(::socket(six ? AF_INET6 : AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  sockaddr_in four{};
+  four.sin_family = AF_INET;
+  four.sin_port = htons(port);
+  four.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  sockaddr_in6 loop{};
+  loop.sin6_family = AF_INET6;
+  loop.sin6_port = htons(port);
+  loop.sin6_addr = in6addr_loopback;
+  const auto* const address =
+      six ? reinterpret_cast<const sockaddr*>(&loop) : reinterpret_cast<const sockaddr*>(&four);
+  if (::connect(socket_, address, six ? sizeof(loop) : sizeof(four)) != 0)
+    throw std::runtime_error("cannot connect to the server");
+}
+
+RawConnection::RawConnection(const std::string& unix_path)
+    : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strncpy(address.sun_path, unix_path.c_str(), sizeof(address.sun_path) - 1);
+  if (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0)
+    throw std::runtime_error("cannot connect to the unix socket");
+}
+
+RawConnection::RawConnection(RawConnection&& other) noexcept
+    : socket_(std::exchange(other.socket_, -1)), pending_(std::move(other.pending_)) {}
+
+RawConnection::~RawConnection() {
+  if (socket_ >= 0) ::close(socket_);
+}
+
+bool RawConnection::send(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (sent <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(sent));
+  }
+  return true;
+}
+
+bool RawConnection::more(double seconds) {
+  pollfd wait{socket_, POLLIN, 0};
+  if (::poll(&wait, 1, static_cast<int>(std::max(seconds, 0.0) * 1000)) <= 0) return false;
+  char buffer[65536];
+  const ssize_t got = ::recv(socket_, buffer, sizeof(buffer), 0);
+  if (got <= 0) return false;
+  pending_.append(buffer, static_cast<std::size_t>(got));
+  return true;
+}
+
+WireResponse RawConnection::receive(double seconds, bool is_head) {
+  const auto until = Clock::now() + std::chrono::duration<double>(seconds);
+  const auto left = [&] { return std::chrono::duration<double>(until - Clock::now()).count(); };
+  std::size_t end = 0;
+  while ((end = pending_.find("\r\n\r\n")) == std::string::npos)
+    if (!more(left())) return {};
+  WireResponse response;
+  const std::string head = pending_.substr(0, end);
+  if (head.size() > 12) response.status = std::atoi(head.c_str() + 9);
+  response.headers = headers_of(head);
+  pending_.erase(0, end + 4);
+  if (response.status == 100) return receive(left(), is_head);
+  const auto length = response.headers.find("content-length");
+  if (length == response.headers.end() || is_head) return response;
+  const std::size_t size = std::strtoull(length->second.c_str(), nullptr, 10);
+  while (pending_.size() < size)
+    if (!more(left())) break;
+  response.body = pending_.substr(0, size);
+  pending_.erase(0, size);
+  return response;
+}
+
+std::string RawConnection::receive_until(std::string_view ending, double seconds) {
+  const auto until = Clock::now() + std::chrono::duration<double>(seconds);
+  while (pending_.find(ending) == std::string::npos) {
+    const double left = std::chrono::duration<double>(until - Clock::now()).count();
+    if (left <= 0 || !more(left)) break;
+  }
+  const std::size_t end = pending_.find(ending);
+  const std::size_t size = end == std::string::npos ? pending_.size() : end + ending.size();
+  std::string out = pending_.substr(0, size);
+  pending_.erase(0, size);
+  return out;
+}
+
+bool RawConnection::closes(double seconds) {
+  const auto until = Clock::now() + std::chrono::duration<double>(seconds);
+  while (true) {
+    const double left = std::chrono::duration<double>(until - Clock::now()).count();
+    pollfd wait{socket_, POLLIN, 0};
+    if (left <= 0 || ::poll(&wait, 1, static_cast<int>(left * 1000)) <= 0) return false;
+    char buffer[4096];
+    if (::recv(socket_, buffer, sizeof(buffer), 0) <= 0) return true;
+  }
+}
+
+void RawConnection::reset() {
+  const linger now{1, 0};
+  ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &now, sizeof(now));
+  ::close(std::exchange(socket_, -1));
+}
+
+void RawConnection::shrink_buffer(int bytes) {
+  ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof(bytes));
+}
+
+WorkThread::WorkThread() : thread_([this] { loop(); }) {}
+
+WorkThread::~WorkThread() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ending_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+bool WorkThread::post(std::function<void()> work) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (ending_) return false;
+    queue_.push_back(std::move(work));
+  }
+  wake_.notify_all();
+  return true;
+}
+
+void WorkThread::run(const std::function<void()>& work) {
+  std::mutex mutex;
+  std::condition_variable finished;
+  bool done = false;
+  post([&] {
+    work();
+    const std::lock_guard<std::mutex> lock(mutex);
+    done = true;
+    finished.notify_all();
+  });
+  std::unique_lock<std::mutex> lock(mutex);
+  finished.wait(lock, [&] { return done; });
+}
+
+void WorkThread::loop() {
+  while (true) {
+    std::function<void()> work;
+    {
+      std::unique_lock<std::mutex> lock(mutex_);
+      wake_.wait(lock, [&] { return ending_ || !queue_.empty(); });
+      if (queue_.empty()) return;
+      work = std::move(queue_.front());
+      queue_.pop_front();
+    }
+    work();
+  }
+}
+
+LiveServer::LiveServer(const std::function<void(HttpOptions&)>& change) : folder_(new_folder()) {
+  socket_path_ = (folder_ / "popcut.sock").string();
+  std::filesystem::create_directory(folder_ / "incoming");
+  HttpOptions options;
+  options.listen = {{"127.0.0.1:0"}, {"unix:" + socket_path_}};
+  options.incoming_folder = (folder_ / "incoming").string();
+  options.build = "0.0-test";
+  options.service = &fake;
+  options.on_service = [this](std::function<void()> work) { return thread_.post(std::move(work)); };
+  // Suites ask more often than people; one case proves the defaults.
+  options.limits.rate_per_s = 1e6;
+  options.limits.rate_burst = 1e6;
+  if (change) change(options);
+  server_ = std::make_unique<HttpServer>(std::move(options));
+  if (const auto started = server_->start(); !started)
+    throw std::runtime_error(message(started.error()));
+}
+
+LiveServer::~LiveServer() {
+  server_->stop(0.2);
+  server_.reset();
+  std::error_code none;
+  std::filesystem::remove_all(folder_, none);
+}
+
+void LiveServer::ask(const std::function<void(FakeService&)>& what) {
+  thread_.run([&] { what(fake); });
+}
+
+std::size_t LiveServer::spools() const {
+  std::error_code none;
+  const std::filesystem::directory_iterator all(folder_ / "incoming", none);
+  return static_cast<std::size_t>(std::distance(begin(all), end(all)));
+}
+
+std::string LiveServer::request(std::string_view method, std::string_view target,
+                                std::string_view role, std::string_view more,
+                                std::string_view body) const {
+  std::string out =
+      fmt::format("{} {} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n{}", method, target, port(), more);
+  if (!role.empty()) out += fmt::format("Authorization: Bearer pc_{}_0123456789\r\n", role);
+  if (!body.empty()) out += fmt::format("Content-Length: {}\r\n", body.size());
+  return fmt::format("{}\r\n{}", out, body);
+}
+
+WireResponse LiveServer::fetch(std::string_view method, std::string_view target,
+                               std::string_view role, std::string_view more,
+                               std::string_view body) const {
+  RawConnection connection = connect();
+  connection.send(request(method, target, role, more, body));
+  return connection.receive(20, method == "HEAD");
+}
+
+std::string acting(std::string_view if_match) {
+  static std::atomic<int> number{0};
+  std::string out = fmt::format(
+      "Content-Type: application/json\r\nIdempotency-Key: test-key-{:012}\r\n", ++number);
+  if (!if_match.empty()) out += fmt::format("If-Match: {}\r\n", if_match);
+  return out;
+}
+
+bool comes_true(const std::function<bool()>& holds, double seconds) {
+  const auto until = Clock::now() + std::chrono::duration<double>(seconds);
+  while (!holds()) {
+    if (Clock::now() > until) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return true;
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include <map>
+#include <random>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "daemon/client/address.hpp"
+#include "daemon/client/api.hpp"
+#include "daemon/client/problem_line.hpp"
+#include "daemon/client/sse_reader.hpp"
+
+using namespace popcut;
+using namespace popcut::client;
+
+namespace {
+
+Environment environment(std::map<std::string, std::string> values) {
+  return [values = std::move(values)](const char* name) -> const char* {
+    const auto found = values.find(name);
+    return found == values.end() ? nullptr : found->second.c_str();
+  };
+}
+
+std::string told(int status, const std::string& body) {
+  HttpResponse response;
+  response.status = status;
+  response.body = body;
+  return message(error_from(response, "job 01J"));
+}
+
+}  // namespace
+
+TEST_CASE("popcutd is looked for where the environment says", "[client]") {
+  const auto url = addresses(environment({{"POPCUT_URL", "http://[::1]:9000/"}}));
+  REQUIRE(url);
+  REQUIRE(url->size() == 1);
+  CHECK(url->front().text() == "http://[::1]:9000");
+  CHECK(url->front().host_header() == "[::1]:9000");
+  const auto plain = addresses(environment({{"XDG_RUNTIME_DIR", "/run/user/7"}, {"HOME", "/h"}}));
+  REQUIRE(plain);
+  REQUIRE(plain->size() == 3);
+  CHECK((*plain)[0].text() == "/run/user/7/popcut.sock");
+  CHECK((*plain)[1].text() == "/h/.local/state/popcut/popcut.sock");
+  CHECK((*plain)[2].text() == "/run/popcut.sock");
+  CHECK(plain->front().host_header() == "localhost");
+  const auto token = addresses(environment({{"POPCUT_TOKEN", "pc_1_2"}}));
+  REQUIRE(token);
+  CHECK(token->front().text() == "http://127.0.0.1:8631");
+}
+
+TEST_CASE("an address that is none is told with one that is", "[client]") {
+  for (const char* wrong : {"", "popcut.sock", "https://x", "http://", "http://a:0",
+                            "http://a:99999", "http://a:8631/v1", "http://user@a", "ftp://x"}) {
+    CAPTURE(wrong);
+    const auto address = parse_address(wrong);
+    REQUIRE_FALSE(address);
+    CHECK(address.error().kind == ErrorKind::Usage);
+    CHECK(address.error().detail.find("http://127.0.0.1:8631") != std::string::npos);
+  }
+  CHECK_FALSE(parse_address("/" + std::string(107, 'x')));
+  CHECK(parse_address("/" + std::string(106, 'x')));
+  CHECK(parse_address("unix:/a")->path == "/a");
+  CHECK(parse_address("http://cutter")->port == 8631);
+}
+
+TEST_CASE("an event stream is read whole in whatever pieces it comes", "[client]") {
+  const std::string stream =
+      "\n: heartbeat\n\nid: 7\nevent: job\ndata: {\"a\":\ndata:1}\n\nevent:progress\r\n"
+      "data: x\r\n\r\nid: 9\n\ndata\n\n";
+  std::mt19937 random(7);
+  for (int round = 0; round < 200; ++round) {
+    SseReader reader;
+    std::vector<SseEvent> events;
+    for (std::size_t at = 0; at < stream.size();) {
+      const std::size_t piece = 1 + random() % 9;
+      for (SseEvent& event : reader.feed(std::string_view(stream).substr(at, piece)))
+        events.push_back(std::move(event));
+      at += piece;
+    }
+    REQUIRE(events.size() == 3);
+    CHECK(events[0].kind == "job");
+    CHECK(events[0].data == "{\"a\":\n1}");
+    CHECK(events[0].id == "7");
+    CHECK(events[1].kind == "progress");
+    CHECK(events[1].data == "x");
+    CHECK(events[2].kind == "message");
+    CHECK(events[2].data.empty());
+    CHECK(reader.last_id() == "9");
+  }
+}
+
+TEST_CASE("an endless event is not kept", "[client]") {
+  SseReader reader(1000);
+  for (int k = 0; k < 100; ++k) CHECK(reader.feed("data: " + std::string(90, 'x') + "\n").empty());
+  CHECK(reader.broken());
+}
+
+TEST_CASE("a problem of popcutd is one line that says what is right", "[client]") {
+  CHECK(told(422, R"({"type":"https://popcut.invalid/p/validation","title":"Request is not valid",
+      "status":422,"errors":[{"pointer":"/copies","code":"range","detail":"must be 1..1000"},
+      {"pointer":"/materiel","code":"unknown_member","detail":"did you mean /material?"}]})") ==
+        "job 01J: /copies: must be 1..1000 (and 1 more)");
+  CHECK(told(409, R"({"type":"https://popcut.invalid/p/state-conflict","title":"Not now",
+      "detail":"sheet 2 is not the current one","state":"ready",
+      "allowed_actions":["arm","confirm-result"]})") ==
+        "job 01J: sheet 2 is not the current one; it is ready; now it may be told: arm, confirm");
+  CHECK(told(502, "<html>").find("502") != std::string::npos);
+  CHECK(told(401, R"({"type":"x/unauthenticated","detail":"who are you"})").find("POPCUT_TOKEN") !=
+        std::string::npos);
+  HttpResponse infeasible;
+  infeasible.status = 422;
+  infeasible.body =
+      R"({"type":"p/validation","errors":[{"pointer":"","code":"infeasible","detail":"no"}]})";
+  CHECK(exit_code(error_from(infeasible, "a").kind) == 4);
+}
+
+TEST_CASE("a query's value is encoded", "[client]") {
+  CHECK(percent_encoded("a b&c=\xC3\xA9") == "a%20b%26c%3D%C3%A9");
+}
+
+TEST_CASE("an absent popcutd is told with how to start it", "[client]") {
+  Api api(HttpClient({Address{"/nonexistent/popcut.sock", {}, 0}}, ""));
+  api.http().set_tries(0);
+  const auto jobs = api.open_jobs();
+  REQUIRE_FALSE(jobs);
+  CHECK(jobs.error().kind == ErrorKind::DeviceGone);
+  CHECK(jobs.error().place == "/nonexistent/popcut.sock");
+  CHECK(jobs.error().detail.find("'popcutd'") != std::string::npos);
+}

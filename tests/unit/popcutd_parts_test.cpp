@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <map>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "daemon/popcutd/log.hpp"
+#include "daemon/popcutd/options.hpp"
+#include "daemon/popcutd/paths.hpp"
+#include "daemon/popcutd/service_manager.hpp"
+#include "tests/support/process.hpp"
+
+using namespace popcut;
+using namespace popcut::daemon;
+
+namespace {
+
+client::Environment environment(std::map<std::string, std::string> values) {
+  return [values = std::move(values)](const char* name) -> const char* {
+    const auto found = values.find(name);
+    return found == values.end() ? nullptr : found->second.c_str();
+  };
+}
+
+/// The other end of NOTIFY_SOCKET.
+class Listener {
+ public:
+  explicit Listener(const std::string& path) : fd_(::socket(AF_UNIX, SOCK_DGRAM, 0)) {
+    sockaddr_un at{};
+    at.sun_family = AF_UNIX;
+    path.copy(at.sun_path, path.size());
+    REQUIRE(::bind(fd_, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0);
+  }
+  ~Listener() { ::close(fd_); }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+  [[nodiscard]] std::string heard() const {
+    std::array<char, 256> room{};
+    const ssize_t got = ::recv(fd_, room.data(), room.size(), MSG_DONTWAIT);
+    return got > 0 ? std::string(room.data(), static_cast<std::size_t>(got)) : std::string();
+  }
+
+ private:
+  int fd_;
+};
+
+}  // namespace
+
+TEST_CASE("popcutd's folders follow who runs it", "[daemon][paths]") {
+  const auto user =
+      default_paths(environment({{"HOME", "/home/a"}, {"XDG_RUNTIME_DIR", "/run/user/7"}}), false);
+  REQUIRE(user);
+  CHECK(user->state == "/home/a/.local/state/popcut");
+  CHECK(user->socket == "/run/user/7/popcut.sock");
+  CHECK(user->configurations == std::vector<std::string>{"/home/a/.config/popcut/popcutd.toml",
+                                                         "/etc/popcut/popcutd.toml"});
+  const auto service =
+      default_paths(environment({{"STATE_DIRECTORY", "/var/lib/popcut:/var/lib/other"},
+                                 {"CONFIGURATION_DIRECTORY", "/etc/popcut"},
+                                 {"HOME", "/"}}),
+                    false);
+  REQUIRE(service);
+  CHECK(service->state == "/var/lib/popcut");
+  CHECK(service->socket == "/run/popcut.sock");
+  CHECK(service->configurations == std::vector<std::string>{"/etc/popcut/popcutd.toml"});
+  CHECK(default_paths(environment({{"HOME", "/root"}}), true)->socket == "/run/popcut.sock");
+  CHECK(default_paths(environment({{"HOME", "/h"}}), false)->socket ==
+        "/h/.local/state/popcut/popcut.sock");
+  const auto nowhere = default_paths(environment({}), false);
+  REQUIRE_FALSE(nowhere);
+  CHECK(nowhere.error().place == "--state");
+}
+
+TEST_CASE("the service manager hears what popcutd says", "[daemon][systemd]") {
+  const testing::TempFolder folder;
+  const std::string path = (folder / "notify").string();
+  const Listener listener(path);
+  ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  ::setenv("WATCHDOG_USEC", "20000000", 1);
+  const ServiceManager manager = ServiceManager::from_environment();
+  CHECK(std::getenv("NOTIFY_SOCKET") == nullptr);
+  CHECK(manager.present());
+  CHECK(manager.watchdog_s() == 20.0);
+  CHECK(manager.tell("READY=1"));
+  CHECK(listener.heard() == "READY=1");
+  CHECK(manager.tell_status("cutting\nEXTEND_TIMEOUT_USEC=9"));
+  CHECK(listener.heard() == "STATUS=cutting EXTEND_TIMEOUT_USEC=9");
+  const ServiceManager alone = ServiceManager::from_environment();
+  CHECK_FALSE(alone.present());
+  CHECK(alone.tell("READY=1"));
+  CHECK_FALSE(alone.watchdog_s());
+}
+
+TEST_CASE("what is meant for another process is not taken", "[daemon][systemd]") {
+  ::setenv("WATCHDOG_USEC", "1000000", 1);
+  ::setenv("WATCHDOG_PID", "1", 1);
+  ::setenv("LISTEN_FDS", "1", 1);
+  ::setenv("LISTEN_PID", "1", 1);
+  const ServiceManager manager = ServiceManager::from_environment();
+  CHECK_FALSE(manager.watchdog_s());
+  CHECK(manager.sockets().empty());
+}
+
+TEST_CASE("a log line is one line whatever it holds", "[daemon][log]") {
+  CHECK(without_control("a\nb\x1b[31m\x07") == "a | b\\x1b[31m\\x07");
+  CHECK(json_string("a\"\n\xff") == "\"a\\\"\\n\xEF\xBF\xBD\"");
+  CHECK(job_in("job 01JDX7KQ4M8ZB1Q2R3S4T5V6W7: cutting") == "01JDX7KQ4M8ZB1Q2R3S4T5V6W7");
+  CHECK(job_in("job name is long and no id").empty());
+  CHECK(job_in("job 01JDX7KQ4M8ZB1Q2R3S4T5V6W7X").empty());
+}
+
+TEST_CASE("options stand over the configuration and both over the defaults", "[daemon][config]") {
+  const testing::TempFolder folder;
+  const std::string file = (folder / "popcutd.toml").string();
+  testing::write_file(file,
+                      "socket = \"/a.sock\"\nstate = \"/a\"\n[[device]]\nid = \"sim:cameo\"\n");
+  DaemonOptions options;
+  options.config = file;
+  options.state = "/b";
+  options.simulated = {"cameo4"};
+  std::string found;
+  const auto config = load_config(options, found);
+  REQUIRE(config);
+  CHECK(found == file);
+  CHECK(config->state == "/b");
+  CHECK(config->socket == "/a.sock");
+  REQUIRE(config->devices.size() == 2);
+  CHECK(config->devices[1].id == "sim:cameo4");
+  options.simulated = {"cameo33"};
+  const auto unknown = load_config(options, found);
+  REQUIRE_FALSE(unknown);
+  CHECK(message(unknown.error()).find("did you mean cameo3?") != std::string::npos);
+  options.simulated.clear();
+  options.listen = {"0.0.0.0:1"};
+  CHECK_FALSE(load_config(options, found));
+  testing::write_file(file, "state = 7\n");
+  const auto wrong = load_config({.config = file}, found);
+  REQUIRE_FALSE(wrong);
+  CHECK(wrong.error().place == file + ": 1:9: state");
+}
