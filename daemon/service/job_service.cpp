@@ -65,6 +65,7 @@ class LiveService final : public JobService {
     memory_.on_degraded = [this] { desk_.stop_cuts(); };
   }
   ~LiveService() override {
+    cutters_.on_change({});
     if (errand_.joinable()) errand_.join();
   }
 
