@@ -5,10 +5,9 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <stdexcept>
 #include <string>
 #include <vector>
-
-#include <catch2/catch.hpp>
 
 #include "tests/support/fault_control.hpp"
 
@@ -19,11 +18,10 @@ class FaultPage {
  public:
   explicit FaultPage(const std::string& path) : path_(path) {
     const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    REQUIRE(file >= 0);
-    REQUIRE(::ftruncate(file, 4096) == 0);
+    if (file < 0 || ::ftruncate(file, 4096) != 0) throw std::runtime_error("no page: " + path);
     void* const page = ::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
     ::close(file);
-    REQUIRE(page != MAP_FAILED);
+    if (page == MAP_FAILED) throw std::runtime_error("no page: " + path);
     shared_ = static_cast<FaultControl*>(page);
   }
   ~FaultPage() { ::munmap(shared_, 4096); }
