@@ -464,6 +464,10 @@ Result<void> Run::wait_ready(double whole_s, double left_s) {
     const nanoseconds before = transport_.now();
     if (const Result<void> polled = poll(); !polled) return polled;
     if (status_ == DeviceStatus::Ready) return {};
+    if (cancel_asked() && phase_ < SessionPhase::Searching) {
+      end_.cancelled = true;
+      return tl::unexpected(refused("cancelled while the machine was busy; nothing was cut"));
+    }
     if (waited > 3 * whole_s + options_.stuck_s)
       return fail(
           ErrorKind::Timeout, "",

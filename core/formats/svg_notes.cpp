@@ -71,10 +71,9 @@ Wording wording(SvgNote note) {
               "strokes are painted with gradients or patterns and are read as plain lines",
               "give them a colour"};
     case SvgNote::OutOfFrame:
-      return {
-          "line leaves the frame of its <svg> or <symbol>, which hides it, and is cut whole",
-          "lines leave the frame of their <svg> or <symbol>, which hides them, and are cut whole",
-          "clip them in the editor"};
+      return {"line leaves the frame of its <svg> or <symbol> and is cut inside it only",
+              "lines leave the frame of their <svg> or <symbol> and are cut inside it only",
+              "set overflow=\"visible\" there to cut them whole"};
     case SvgNote::ForeignUse:
       return {"<use> of another file is left out, for nothing is fetched",
               "<use> of other files are left out, for nothing is fetched",

@@ -245,7 +245,7 @@ class SvgReader {
     SvgClip clip;
     const auto back = frame_to_page.inverse();
     if (back && !style.overflows) {
-      clip = {*back, box};
+      clip = {frame_to_page, *back, box, place.clip};
       place.clip = &clip;
     }
     return children(node, place, style);
@@ -349,12 +349,13 @@ class SvgReader {
 
   Result<void> add(const SvgElement& e, const Place& place, const SvgLines& lines,
                    const SvgTransform& to_page, Operation operation) {
+    const std::size_t first = work_.lines.size();
     const auto added = strokes_.add(lines, to_page, operation);
     if (!added) return wrong(e.node, added.error());
     const auto here = [&] { return where(e.node); };
     if (*added == 0) notes_.add(SvgNote::Empty, here);
-    if (place.clip != nullptr)
-      if (const std::size_t count = strokes_.leaving(*place.clip, *added); count > 0)
+    if (place.clip != nullptr && *added > 0)
+      if (const std::size_t count = strokes_.clip(*place.clip, first); count > 0)
         notes_.add(SvgNote::OutOfFrame, here, count);
     return {};
   }

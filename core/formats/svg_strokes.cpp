@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "core/plan/clip_line.hpp"
+
 namespace popcut {
 namespace {
 
@@ -60,18 +62,40 @@ Result<void> SvgStrokes::dash(const SvgLines& lines, const SvgDashes& dashes, st
   return {};
 }
 
-std::size_t SvgStrokes::leaving(const SvgClip& clip, std::size_t count) const {
-  const double margin = 1e-6 * (clip.box.width() + clip.box.height());
-  const std::span<const DrawnLine> last = std::span(work_.lines).last(count);
-  return static_cast<std::size_t>(
-      std::count_if(last.begin(), last.end(), [&](const DrawnLine& line) {
-        const auto points = work_.points_of(line);
-        return std::any_of(points.begin(), points.end(), [&](const PagePoint& p) {
-          const PagePoint q = clip.from_page(p);
-          return q.x < clip.box.x0 - margin || q.x > clip.box.x1 + margin ||
-                 q.y < clip.box.y0 - margin || q.y > clip.box.y1 + margin;
-        });
-      }));
+std::size_t SvgStrokes::clip(const SvgClip& frame, std::size_t first) {
+  const std::size_t left = frame.around != nullptr ? clip(*frame.around, first) : 0;
+  const double margin = 1e-6 * (frame.box.width() + frame.box.height());
+  const Box box{frame.box.x0 - margin, frame.box.y0 - margin, frame.box.x1 + margin,
+                frame.box.y1 + margin};
+  const auto leaves = [&](const DrawnLine& line) {
+    const auto points = work_.points_of(line);
+    return std::any_of(points.begin(), points.end(), [&](const PagePoint& p) {
+      const PagePoint q = frame.from_page(p);
+      return q.x < box.x0 || q.x > box.x1 || q.y < box.y0 || q.y > box.y1;
+    });
+  };
+  const auto begin = work_.lines.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto lost = static_cast<std::size_t>(std::count_if(begin, work_.lines.end(), leaves));
+  if (lost == 0) return left;
+  LineWork kept;
+  std::vector<PagePoint> here, run;
+  for (auto line = begin; line != work_.lines.end(); ++line) {
+    const auto points = work_.points_of(*line);
+    if (!leaves(*line)) {
+      kept.append(line->operation, points);
+      continue;
+    }
+    here.clear();
+    for (const PagePoint& p : points) here.push_back(frame.from_page(p));
+    const std::size_t from = kept.points.size();
+    clip_line(here, line->operation, frame.box, run, kept);
+    for (std::size_t i = from; i < kept.points.size(); ++i)
+      kept.points[i] = frame.to_page(kept.points[i]);
+  }
+  work_.points.resize(begin->first);
+  work_.lines.erase(begin, work_.lines.end());
+  for (const DrawnLine& line : kept.lines) work_.append(line.operation, kept.points_of(line));
+  return std::max(left, lost);
 }
 
 SvgLines moved(const SvgLines& lines, const SvgTransform& to_page) {

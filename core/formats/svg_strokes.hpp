@@ -15,8 +15,9 @@ namespace popcut {
 
 /// The frame of a nested <svg> or <symbol>, which hides what leaves it.
 struct SvgClip {
-  SvgTransform from_page;
-  Box box;  ///< in the frame's own units
+  SvgTransform to_page, from_page;
+  Box box;                  ///< in the frame's own units
+  const SvgClip* around{};  ///< the frame that this one lies in
 };
 
 /// Collects strokes on the page, within the limits. Its errors have no place.
@@ -36,8 +37,9 @@ class SvgStrokes {
   [[nodiscard]] Result<void> dash(const SvgLines& lines, const SvgDashes& dashes,
                                   std::size_t& steps, SvgLines& out) const;
 
-  /// How many of the last `count` lines leave the frame.
-  [[nodiscard]] std::size_t leaving(const SvgClip& clip, std::size_t count) const;
+  /// Cuts off what of the lines from `first` on leaves the frame or one around it. Returns how many
+  /// lines lost something.
+  std::size_t clip(const SvgClip& frame, std::size_t first);
 
  private:
   LineWork& work_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -76,28 +77,39 @@ class Drawing {
   }
 
  private:
-  // Tints: the boxes that a piece's share of the drawing fills, without its tabs.
+  // Each piece's share of the paper in its own tint. What closes in the drawing says where paper
+  // is.
   void pieces() {
-    for (std::uint32_t i = 0; i < layout_.pieces.size(); ++i) {
-      const Box box = share(i);
+    std::string paper;
+    for (const DrawnLine& line : drawing_.lines) {
+      const auto points = drawing_.points_of(line);
+      if (is_cut(line.operation) && closed(points)) append_path(points, paper);
+    }
+    const bool clip = !paper.empty();
+    if (clip)
       out_ += fmt::format(
-          "<rect x=\"{:.3f}\" y=\"{:.3f}\" width=\"{:.3f}\" height=\"{:.3f}\" "
-          "fill=\"{}\" fill-opacity=\"0.6\"/>\n",
-          box.x0, box.y0, box.width(), box.height(), kTints[i % kTints.size()]);
+          "<clipPath id=\"paper\"><path clip-rule=\"evenodd\" d=\"{}\"/></clipPath>\n", paper);
+    out_ += fmt::format("<g fill-opacity=\"0.6\"{}>\n", clip ? " clip-path=\"url(#paper)\"" : "");
+    for (std::uint32_t i = 0; i < layout_.pieces.size(); ++i) {
+      std::string path;
+      append_path(layout_.pieces[i].share, path);
+      out_ += fmt::format("<path d=\"{}Z\" fill=\"{}\"/>\n", path, kTints[i % kTints.size()]);
+    }
+    out_ += "</g>\n";
+  }
+
+  static void append_path(std::span<const PagePoint> points, std::string& path) {
+    const char* sign = "M";
+    for (const PagePoint& p : points) {
+      path += fmt::format("{}{:.3f},{:.3f}", sign, p.x, p.y);
+      sign = "L";
     }
   }
 
+  // The middle of a piece's share, which its number is written on.
   [[nodiscard]] Box share(std::uint32_t i) const {
-    const SheetPiece& piece = layout_.pieces[i];
     Box box;
-    for (std::uint32_t l = 0; l < piece.first_mark; ++l) {
-      const DrawnLine& line = piece.work.lines[l];
-      const auto points = piece.work.points_of(line);
-      if (line.operation != Operation::Outline || points.size() == 2)
-        for (const PagePoint& p : points) box.add(p);
-      else
-        for (const PagePoint& p : {points.front(), points.back()}) box.add(p);
-    }
+    for (const PagePoint& p : layout_.pieces[i].share) box.add(p);
     return box;
   }
 
@@ -107,11 +119,7 @@ class Drawing {
       std::string path;
       for (const DrawnLine& line : drawing_.lines) {
         if (line.operation != operation) continue;
-        const char* sign = "M";
-        for (const PagePoint& p : drawing_.points_of(line)) {
-          path += fmt::format("{}{:.3f},{:.3f}", sign, p.x, p.y);
-          sign = "L";
-        }
+        append_path(drawing_.points_of(line), path);
       }
       if (path.empty()) continue;
       out_ += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:.3f}\"/>\n",

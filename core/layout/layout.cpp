@@ -194,12 +194,19 @@ class Search {
     if (!all.empty()) return all;
     if (asked) return tl::unexpected(*asked);
     const TabShape& tabs = options_.tabs;
+    const bool with_asked = !options_.seams_x.empty() || !options_.seams_y.empty();
     return fail(
-        ErrorKind::Infeasible, "",
-        fmt::format("no seams part it into pieces of at most {:.1f} x {:.1f} mm with room "
-                    "for a tab of {:g} mm (at least {:g}) on every stretch; a larger mat, "
+        ErrorKind::Infeasible,
+        !with_asked                ? ""
+        : options_.seams_y.empty() ? "--seam-x"
+                                   : "--seam-y",
+        fmt::format("no seams{} part it into pieces of at most {:.1f} x {:.1f} mm with room "
+                    "for a tab of {:g} mm (at least {:g}) on every stretch; {}a larger mat, "
                     "or a material with smaller tabs",
-                    options_.area_mm[0], options_.area_mm[1], tabs.depth_mm, tabs.min_depth_mm));
+                    with_asked ? " beside those asked for" : "",
+                    options_.area_mm[0] - options_.origin.x,
+                    options_.area_mm[1] - options_.origin.y, tabs.depth_mm, tabs.min_depth_mm,
+                    with_asked ? "other places for them, " : ""));
   }
 
   LineIndex& index(bool swap) { return lines_[swap ? 1 : 0]; }
@@ -255,19 +262,27 @@ void unswap(Laid& laid, std::vector<LineWork>& works) {
     for (PagePoint& p : tab.corners) std::swap(p.x, p.y);
 }
 
-// Leaves out the pieces that hold nothing: parts of the box beyond the paper.
-void drop_empty(std::vector<LineWork>& works, std::vector<std::uint32_t>& columns, Laid& laid) {
-  std::vector<std::uint32_t> to(works.size());
-  std::uint32_t kept = 0;
-  for (std::size_t i = 0; i < works.size(); ++i) {
-    to[i] = kept;
-    if (works[i].lines.empty()) continue;
-    if (kept != i) works[kept] = std::move(works[i]);
-    columns[kept] = columns[i];
-    ++kept;
-  }
-  if (kept == works.size()) return;
-  works.resize(kept);
+// The pieces with their lines; those that hold nothing, parts of the box beyond the paper, are left
+// out.
+std::vector<SheetPiece> make_pieces(std::vector<LineWork>& works, Laid& laid) {
+  std::vector<SheetPiece> pieces;
+  std::vector<std::uint32_t> to;
+  const Partition& partition = laid.partition;
+  for (std::uint32_t c = 0; c < partition.rows.size(); ++c)
+    for (std::size_t r = 0; r <= partition.rows[c].size(); ++r) {
+      LineWork& work = works[to.size()];
+      to.push_back(static_cast<std::uint32_t>(pieces.size()));
+      if (work.lines.empty()) continue;
+      SheetPiece piece;
+      piece.work = std::move(work);
+      piece.box = bounds(piece.work);
+      piece.share = partition.share(c, r);
+      if (laid.swap)
+        for (PagePoint& p : piece.share) std::swap(p.x, p.y);
+      piece.first_mark = static_cast<std::uint32_t>(piece.work.lines.size());
+      piece.column = c;
+      pieces.push_back(std::move(piece));
+    }
   for (SeamRun& run : laid.runs) {
     run.lower = to[run.lower];
     run.upper = to[run.upper];
@@ -276,6 +291,7 @@ void drop_empty(std::vector<LineWork>& works, std::vector<std::uint32_t>& column
     tab.on = to[tab.on];
     tab.under = to[tab.under];
   }
+  return pieces;
 }
 
 void name_seams(Layout& layout) {
@@ -366,6 +382,18 @@ Result<void> check(const LayoutOptions& options) {
   return check_tab_shape(options.tabs, "/tabs");
 }
 
+// Seams that were asked for lie on the drawing.
+Result<void> check_asked(const std::vector<double>& seams, double extent, const char* option,
+                         const char* axis) {
+  for (const double mm : seams)
+    if (!(mm > kOn && mm < extent - kOn))
+      return fail(ErrorKind::OutOfRange, option,
+                  fmt::format("{0} = {1:g} mm is not on the drawing, which goes from 0 to {2:.1f} "
+                              "mm; a place between",
+                              axis, mm, extent));
+  return {};
+}
+
 // The pieces of one way with borders, marks and places.
 Result<Layout> finish(const LineWork& drawing, const LayoutOptions& options, Search& search,
                       Laid& laid) {
@@ -376,22 +404,11 @@ Result<Layout> finish(const LineWork& drawing, const LayoutOptions& options, Sea
   add_borders(laid.runs, laid.tabs, search.index(laid.swap),
               outlined ? Operation::Outline : Operation::Cut, works);
   if (laid.swap) unswap(laid, works);
-  std::vector<std::uint32_t> columns;
-  for (std::uint32_t c = 0; c < laid.partition.rows.size(); ++c)
-    columns.insert(columns.end(), laid.partition.rows[c].size() + 1, c);
-  drop_empty(works, columns, laid);
   Layout layout;
+  layout.pieces = make_pieces(works, laid);
   layout.runs = std::move(laid.runs);
   layout.tabs = std::move(laid.tabs);
   name_seams(layout);
-  for (LineWork& work : works) {
-    SheetPiece piece;
-    piece.work = std::move(work);
-    piece.box = bounds(piece.work);
-    piece.first_mark = static_cast<std::uint32_t>(piece.work.lines.size());
-    piece.column = columns[layout.pieces.size()];
-    layout.pieces.push_back(std::move(piece));
-  }
   order_glueing(layout);
   if (options.labels) add_marks(layout, search.index(false), options.tabs.clearance_mm);
   if (auto put = put_on_sheets(layout, options); !put) return tl::unexpected(put.error());
@@ -402,6 +419,11 @@ Result<Layout> finish(const LineWork& drawing, const LayoutOptions& options, Sea
 
 Result<Layout> lay_out(const LineWork& drawing, const LayoutOptions& options) {
   if (auto lawful = check(options); !lawful) return tl::unexpected(lawful.error());
+  const Box box = bounds(drawing);
+  auto asked = check_asked(options.seams_x, box.width(), "--seam-x", "x").and_then([&] {
+    return check_asked(options.seams_y, box.height(), "--seam-y", "y");
+  });
+  if (!asked) return tl::unexpected(asked.error());
   Search search(drawing, options);
   auto ways = search.run();
   if (!ways) return tl::unexpected(ways.error());
@@ -422,7 +444,6 @@ Result<Layout> lay_out(const LineWork& drawing, const LayoutOptions& options) {
     cost = laid.cost;
   }
   if (!best) return tl::unexpected(error);
-  const Box box = bounds(drawing);
   best->least_sheets = static_cast<std::uint32_t>(
       std::ceil(box.width() * box.height() / (options.area_mm[0] * options.area_mm[1]) - 1e-9));
   return std::move(*best);

@@ -44,12 +44,13 @@ struct PieceSeam {
 
 /// One piece of the drawing with its tabs, and where it goes.
 struct SheetPiece {
-  LineWork work;               ///< drawing mm: lines of the drawing, its border with tabs, marks
-  Box box;                     ///< of `work`
-  std::uint32_t column{};      ///< pieces of one column are glued to each other first
-  std::uint32_t sheet{};       ///< from 0
-  Placement transform{};       ///< drawing -> sheet
-  std::uint32_t first_mark{};  ///< lines of `work` from here on are ticks and letters
+  LineWork work;                 ///< drawing mm: lines of the drawing, its border with tabs, marks
+  Box box;                       ///< of `work`
+  std::vector<PagePoint> share;  ///< what of the drawing's box is this piece's, without tabs
+  std::uint32_t column{};        ///< pieces of one column are glued to each other first
+  std::uint32_t sheet{};         ///< from 0
+  Placement transform{};         ///< drawing -> sheet
+  std::uint32_t first_mark{};    ///< lines of `work` from here on are ticks and letters
 };
 
 struct LayoutSheet {
@@ -84,7 +85,7 @@ struct Layout {
 ///
 /// @retval Infeasible  no lawful seams for this area; a seam that was asked for is not lawful (the
 ///                     detail names the nearest that is)
-/// @retval OutOfRange  an area or a tab with impossible values
+/// @retval OutOfRange  an area or a tab with impossible values; a seam beyond the drawing
 [[nodiscard]] Result<Layout> lay_out(const LineWork& drawing, const LayoutOptions& options);
 
 /// All pieces of one sheet as one drawing in sheet mm; `piece_of` names the piece of each line.

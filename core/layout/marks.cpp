@@ -171,9 +171,11 @@ void add_marks(Layout& layout, LineIndex& lines, double clearance_mm) {
   }
   if (unlabelled > 0)
     layout.warnings.push_back(
-        fmt::format("{} seams have no room for their letter; see assembly.svg", unlabelled));
+        fmt::format("{} of {} seams have no room for their letter; see assembly.svg", unlabelled,
+                    layout.seams.size()));
   if (unticked > 0)
-    layout.warnings.push_back(fmt::format("{} seams have no room for ticks", unticked));
+    layout.warnings.push_back(
+        fmt::format("{} of {} seams have no room for ticks", unticked, layout.seams.size()));
 }
 
 }  // namespace popcut

@@ -101,6 +101,31 @@ std::uint32_t Partition::piece(std::size_t column, std::size_t row) const {
   return first_[column] + static_cast<std::uint32_t>(row);
 }
 
+std::vector<PagePoint> Partition::share(std::size_t column, std::size_t row) const {
+  const auto& seams = rows[column];
+  const StepSeam above{{xs[column], xs[column + 1]}, {top}};
+  const StepSeam below{{xs[column], xs[column + 1]}, {bottom}};
+  const StepSeam& upper = row == 0 ? above : seams[row - 1];
+  const StepSeam& lower = row == seams.size() ? below : seams[row];
+  std::vector<PagePoint> polygon;
+  const auto corner = [&](double x, double y) {
+    const PagePoint p{x, y};
+    const std::size_t n = polygon.size();
+    // A seam that goes straight on has no corner there.
+    if (n > 1 && polygon[n - 1].y == y && polygon[n - 2].y == y) polygon.pop_back();
+    if (polygon.empty() || polygon.back() != p) polygon.push_back(p);
+  };
+  for (std::size_t i = 0; i < upper.y.size(); ++i) {
+    corner(upper.x[i], upper.y[i]);
+    corner(upper.x[i + 1], upper.y[i]);
+  }
+  for (std::size_t i = lower.y.size(); i-- > 0;) {
+    corner(lower.x[i + 1], lower.y[i]);
+    corner(lower.x[i], lower.y[i]);
+  }
+  return polygon;
+}
+
 std::uint32_t Partition::piece_at(const PagePoint& p) const {
   const auto after = std::upper_bound(xs.begin() + 1, xs.end() - 1, p.x);
   const auto c = static_cast<std::size_t>(after - xs.begin()) - 1;

@@ -26,6 +26,8 @@ struct Partition {
   /// The piece in which a point lies that is on no seam.
   [[nodiscard]] std::uint32_t piece_at(const PagePoint& p) const;
   [[nodiscard]] std::uint32_t piece(std::size_t column, std::size_t row) const;
+  /// What of the box belongs to a piece: a polygon along its sides and seams.
+  [[nodiscard]] std::vector<PagePoint> share(std::size_t column, std::size_t row) const;
   void index();  ///< after a change of `xs` or `rows`
 
  private:

@@ -171,7 +171,6 @@ Result<SeamSearch::Chosen> SeamSearch::straight(bool vertical, const Lines& line
   };
   for (double a : asked) {
     a += low;  // they are told from the drawing's edge
-    if (a <= low + kOn || a >= high - kOn) continue;
     const double cost = seam_cost(*lines_, limits_, {vertical, a}, from, to);
     if (cost == kNever) {
       double nearest = kNever;

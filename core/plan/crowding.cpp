@@ -36,15 +36,17 @@ bool may_share(const Segment& s, const Segment& t, double tolerance) {
   if (std::max(t0, t1) <= 0.0 || std::min(t0, t1) >= square) return false;
   double h0 = aside(t.a), h1 = aside(t.b);
   const double l = std::sqrt(square);
-  // Twice: what lies within the tolerance of `t` may lie a little farther from `s`.
-  const double near = 2.0 * tolerance * l;
+  // What lies within the tolerance of `t` may lie a little farther from `s` where both are short,
+  // for then they may be turned by twice the tolerance a length.
+  const double shorter = std::min(l, distance(t.a, t.b));
+  const double near = tolerance * (1.0 + std::min(1.0, 4.0 * tolerance / shorter)) * l;
   if (std::min(h0, h1) > near || std::max(h0, h1) < -near) return false;
   if (t0 > t1) {
     std::swap(t0, t1);
     std::swap(h0, h1);
   }
   const double from = std::max(t0, 0.0), to = std::min(t1, square);
-  const double least = std::min({tolerance, 0.5 * l, 0.5 * distance(t.a, t.b)});
+  const double least = std::min(tolerance, 0.5 * shorter);
   if (to - from < 0.4 * least * l || !(t1 > t0)) return false;
   const double slope = (h1 - h0) / (t1 - t0);
   return std::abs(h0 + slope * (from - t0)) <= near && std::abs(h0 + slope * (to - t0)) <= near;

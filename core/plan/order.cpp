@@ -92,13 +92,16 @@ std::vector<OrderGroup> groups_of(const LineWork& work, const Nesting& nesting,
     if (i == 0 || !same(lines[i - 1], lines[i])) groups.emplace_back();
     groups.back().lines.push_back(lines[i]);
   }
-  const bool best = options.method == OrderMethod::Best;
-  const std::uint64_t moves = best ? order_moves(lines.size(), options.effort) : kQuickMoves;
-  for (OrderGroup& group : groups)  // each its share
-    group.moves = static_cast<std::uint64_t>(static_cast<double>(moves) *
-                                             static_cast<double>(group.lines.size()) /
-                                             static_cast<double>(lines.size()));
   return groups;
+}
+
+// Each group's share of the moves that are tried.
+void share_moves(std::vector<OrderGroup>& groups, std::uint64_t moves) {
+  double lines = 0.0;
+  for (const OrderGroup& group : groups) lines += static_cast<double>(group.lines.size());
+  for (OrderGroup& group : groups)
+    group.moves = static_cast<std::uint64_t>(static_cast<double>(moves) *
+                                             static_cast<double>(group.lines.size()) / lines);
 }
 
 std::vector<Visit> own_order(const LineWork& work, const Nesting& nesting,
@@ -138,8 +141,10 @@ const PagePoint& last_point(std::span<const PagePoint> points, const Visit& visi
   return closed(points) ? points[visit.start] : points.back();
 }
 
-Ordered order_lines(const LineWork& work, const Nesting& nesting, const OrderOptions& options) {
-  std::vector<OrderGroup> groups = groups_of(work, nesting, options);
+// Group by group, each from where the last one ends. What each group's order is goes to its
+// `known`.
+Ordered order_groups(const LineWork& work, const Nesting& nesting, std::vector<OrderGroup>& groups,
+                     const OrderOptions& options, const KeepGoing& keep_going) {
   double all = 0.0, done = 0.0;
   const auto weight = [](const OrderGroup& group) {
     return static_cast<double>(group.lines.size() + group.moves);
@@ -153,23 +158,45 @@ Ordered order_lines(const LineWork& work, const Nesting& nesting, const OrderOpt
     OrderGroup& group = groups[g];
     group.start = at;
     if (g + 1 == groups.size()) group.end = options.end;
-    KeepGoing keep_going;
-    if (options.keep_going)
-      keep_going = [&](double part) {
-        return options.keep_going((done + part * weight(group)) / all);
-      };
-    const Ordered part = order_group(work, nesting, group, options, keep_going, scratch);
+    KeepGoing part_goes_on;
+    if (keep_going)
+      part_goes_on = [&](double part) { return keep_going((done + part * weight(group)) / all); };
+    Ordered part = order_group(work, nesting, group, options, part_goes_on, scratch);
     out.visits.insert(out.visits.end(), part.visits.begin(), part.visits.end());
     out.moves += part.moves;
     out.moves_wanted += part.moves_wanted;
     out.finished = out.finished && part.finished;
     done += weight(group);
     at = leave(work, out.visits.back());
+    group.known = std::move(part.visits);
   }
   if (options.any_seam) settle_seams(work, options, out.visits);
+  out.cost = travel_cost(work, out.visits, options);
+  return out;
+}
+
+// Best goes on from what Quick finds, which no clock ends; so it is never dearer.
+void make_better(const LineWork& work, const Nesting& nesting, std::vector<OrderGroup>& groups,
+                 const OrderOptions& options, Ordered& quick) {
+  share_moves(groups, order_moves(work.lines.size(), options.effort));
+  Ordered best = order_groups(work, nesting, groups, options, options.keep_going);
+  if (best.cost > quick.cost) {
+    best.visits = std::move(quick.visits);
+    best.cost = quick.cost;
+  }
+  quick = std::move(best);
+}
+
+Ordered order_lines(const LineWork& work, const Nesting& nesting, const OrderOptions& options) {
+  std::vector<OrderGroup> groups = groups_of(work, nesting, options);
+  share_moves(groups, kQuickMoves);
+  const bool best = options.method == OrderMethod::Best;
+  OrderOptions quick = options;
+  quick.method = OrderMethod::Quick;
+  Ordered out = order_groups(work, nesting, groups, quick, best ? KeepGoing{} : options.keep_going);
+  if (best) make_better(work, nesting, groups, options, out);
   std::vector<Visit> own = own_order(work, nesting, groups);
   out.own_cost = travel_cost(work, own, options);
-  out.cost = travel_cost(work, out.visits, options);
   if (out.cost > out.own_cost) {
     out.visits = std::move(own);
     out.cost = out.own_cost;

@@ -53,8 +53,9 @@ struct Ordered {
 /// The order in which the lines are made. Draw, score, folds, cuts, outline; of cuts and outlines
 /// what lies inside a closed line before that line. Within these bounds what the moves between the
 /// strokes cost is made small: open lines from either end, closed ones from any vertex. It is never
-/// dearer than the drawing's own order within the same bounds. The same options give the same
-/// order, unless `keep_going` ends it early.
+/// dearer than the drawing's own order within the same bounds, and Best is never dearer than Quick.
+/// The same options give the same order, unless `keep_going` ends it early; it cannot end Best
+/// before what Quick finds is there.
 ///
 /// `Keep` changes nothing: what is returned is the drawing as it is.
 ///

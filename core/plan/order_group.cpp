@@ -65,12 +65,18 @@ class Group {
   Group& operator=(const Group&) = delete;
 
   Ordered run(const OrderGroup& group, const OrderOptions& options, const KeepGoing& keep_going) {
+    return group.known.empty() ? find(group, options, keep_going)
+                               : improve(group, options, keep_going);
+  }
+
+ private:
+  Ordered find(const OrderGroup& group, const OrderOptions& options, const KeepGoing& keep_going) {
     const TourOrder own = with_precedence(stops_, order_of(group.lines));
     const double own_cost = tour_cost(stops_, own);
     const std::vector<std::uint32_t> drawn_seams = stops_.seam;
     NearNodes near = near_nodes(stops_, neighbours(options));
     TourOrder best = first_order(near);
-    near.mm = std::vector<float>();
+    if (stops_.doors.empty()) near.mm = std::vector<float>();
     ImproveOptions how{0, options.seed};
     const double greedy_cost = tour_cost(stops_, best);
     bool finished = improve_tour(stops_, near, best, how, keep_going).finished;
@@ -96,7 +102,33 @@ class Group {
             group.moves,  improved.finished};
   }
 
- private:
+  // Goes on from the order that is known.
+  Ordered improve(const OrderGroup& group, const OrderOptions& options,
+                  const KeepGoing& keep_going) {
+    TourOrder best{{0}, std::vector<std::uint8_t>(stops_.size(), 0)};
+    best.sequence.reserve(stops_.size());
+    for (const Visit& visit : group.known) {
+      const std::uint32_t s = stop_of_[visit.line];
+      best.sequence.push_back(s);
+      best.flipped[s] = visit.reversed ? 1 : 0;
+      if (stops_.has_doors(s)) stops_.choose_seam(s, door_at(s, visit));
+    }
+    const NearNodes near = near_nodes(stops_, neighbours(options));
+    const Improved improved =
+        improve_tour(stops_, near, best, {group.moves, options.seed}, keep_going);
+    const double cost = tour_cost(stops_, best);
+    return {visits(best), cost, cost, improved.kicks, group.moves, improved.finished};
+  }
+
+  [[nodiscard]] std::uint32_t door_at(std::uint32_t stop, const Visit& visit) const {
+    const std::uint32_t first = stops_.first_door[stop];
+    std::uint32_t d = first;
+    while (d + 1 < stops_.first_door[stop + 1] &&
+           door_vertex(d - first, vertices(visit.line)) < visit.start)
+      ++d;
+    return d;
+  }
+
   [[nodiscard]] std::uint32_t vertices(std::uint32_t line) const {
     const auto points = work_.points_of(work_.lines[line]);
     return closed(points) ? static_cast<std::uint32_t>(points.size()) - 1 : 0;

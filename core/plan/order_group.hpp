@@ -14,6 +14,7 @@ struct OrderGroup {
   std::vector<std::uint32_t> lines;
   std::optional<PagePoint> start, end;
   std::uint64_t moves{0};
+  std::vector<Visit> known{};  ///< an order that is to be made better; empty: there is none yet
 };
 
 /// A short way through one group, see `order`. Costs are those of the group from its start to its

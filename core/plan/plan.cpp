@@ -47,7 +47,9 @@ Error with_advice(Error error, const Machine& machine, const Mat& mat, const Box
 Result<void> check_amount(const LineWork& work, const DashShape& shape) {
   if (work.lines.empty())
     return fail(ErrorKind::OutOfRange, "",
-                "the drawing has no line to cut or fold; one at least is due");
+                fmt::format("the drawing has no line to cut or fold; one at least is due{}{}",
+                            work.warnings.empty() ? "" : "; what it has: ",
+                            fmt::join(work.warnings, "; ")));
   if (work.points.size() > kMaxDrawnPoints)
     return fail(
         ErrorKind::OutOfRange, "",

@@ -9,6 +9,7 @@
 #include "core/plan/clean.hpp"
 #include "core/plan/linework.hpp"
 #include "core/plan/machine.hpp"
+#include "core/plan/marks.hpp"
 #include "core/plan/order.hpp"
 #include "core/plan/sheet.hpp"
 #include "core/plan/strokes.hpp"
@@ -53,6 +54,7 @@ struct PlannedSheet {
   std::size_t paths{};          ///< lines of the drawing after cleaning
   double seconds{};
   std::array<double, 2> seconds_range{};
+  std::optional<MarkLayout> registration{};  ///< of a printed sheet, which whoever prints it sets
 
   /// What the program has to hold, stroke for stroke.
   [[nodiscard]] const Toolpath& sent_path() const { return sent ? *sent : path; }
@@ -81,7 +83,7 @@ struct Plan {
 /// machine;
 ///                     an option is out of its range, or the material cannot be folded so
 /// @retval Usage       the mat is not known
-[[nodiscard]] Result<Plan> plan(LineWork drawing, const Machine& machine,
-                                const Material& material, const PlanOptions& options);
+[[nodiscard]] Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& material,
+                                const PlanOptions& options);
 
 }  // namespace popcut

@@ -49,13 +49,30 @@ Json operations(const Toolpath& path) {
 
 Json transform_json(const Placement& t) { return {{t.xx, t.xy, t.x0}, {t.yx, t.yy, t.y0}}; }
 
+// What of the pattern is a piece's, in its own mm, without tabs.
+Json share_json(const SheetPiece& piece) {
+  Json list = Json::array();
+  for (const PagePoint& p : piece.share) list.push_back({p.x, p.y});
+  return list;
+}
+
+// Where a printed sheet's registration marks stand.
+Json registration_json(const std::optional<MarkLayout>& marks) {
+  if (!marks) return {};
+  return {{"left_mm", marks->left_mm},     {"top_mm", marks->top_mm},
+          {"width_mm", marks->width_mm},   {"height_mm", marks->height_mm},
+          {"arm_mm", marks->arm_mm},       {"line_mm", marks->line_mm},
+          {"square_mm", marks->square_mm}, {"corners", marks->four_corners ? 4 : 3}};
+}
+
 // The pieces of a sheet, numbered from 1 over the whole plan.
 Json pieces_json(const Plan& plan, const PlannedSheet& sheet) {
   Json list = Json::array();
   if (!plan.layout) list.push_back({{"piece", 1}, {"transform", transform_json(sheet.transform)}});
   for (const std::uint32_t piece : sheet.pieces)
     list.push_back({{"piece", piece + 1},
-                    {"transform", transform_json(plan.layout->pieces[piece].transform)}});
+                    {"transform", transform_json(plan.layout->pieces[piece].transform)},
+                    {"share", share_json(plan.layout->pieces[piece])}});
   return list;
 }
 
@@ -82,6 +99,7 @@ Json sheet_json(const Plan& plan, const PlannedSheet& sheet, std::size_t number)
           {"overcut_mm", knife.overcut_mm},
           {"blade_offset_mm", knife.blade_offset_mm},
           {"blade_tools", blade_tools(knife)},
+          {"registration", registration_json(sheet.registration)},
           {"tabs", Json::array()},
           {"seams", Json::array()},
           {"marks", Json::array()},

@@ -61,6 +61,7 @@ class TourSearch {
   /// Takes back everything since the last `keep`, when `gained` was what is given.
   void take_back(double gained) {
     gained_ = gained;
+    settled_ = NearNodes::kNone;
     for (std::size_t i = done_.size(); i-- > 0;) {
       const Done& d = done_[i];
       if (d.kind == Done::Seam)
@@ -170,10 +171,15 @@ class TourSearch {
         break;
     }
     for (const std::uint32_t n : t) wake_node(n);
+    settled_ = NearNodes::kNone;
   }
 
   bool improve_at(std::uint32_t t0) {
-    if (stops_.has_doors(t0 / 2) && (improve_seam(t0 / 2) || improve_place(t0 / 2))) return true;
+    const std::uint32_t stop = t0 / 2;
+    if (stops_.has_doors(stop) && settled_ != stop) {  // its other node was just looked at
+      if (improve_seam(stop) || improve_place(stop)) return true;
+      settled_ = stop;
+    }
     return improve_links(t0);
   }
 
@@ -269,6 +275,7 @@ class TourSearch {
   void choose_seam(std::uint32_t stop, std::uint32_t door) {
     if (takes_note_) done_.push_back({stop, stops_.seam[stop], Done::Seam});
     stops_.choose_seam(stop, door);
+    settled_ = NearNodes::kNone;
     wake(stop);
   }
 
@@ -292,10 +299,15 @@ class TourSearch {
     const double saved = stops_.between(before, enter) + stops_.between(leave, after) -
                          stops_.between(before, after);
     if (saved <= kWorthwhile) return false;
-    for (const std::uint32_t n : near_.near(enter)) {
-      if (n == NearNodes::kNone) break;
+    const auto row = near_.near(enter);
+    for (std::size_t k = 0; k < row.size() && row[k] != NearNodes::kNone; ++k) {
+      const std::uint32_t n = row[k];
       const std::uint32_t m = mate(n);
       if (m / 2 == stop) continue;
+      // Hardly any door is nearer to n than this, wherever the seams are: it is not worth a look.
+      const double least =
+          stops_.cost(static_cast<double>(near_.mm[std::size_t{enter} * near_.each + k]));
+      if (saved + stops_.between(n, m) - least <= kWorthwhile) continue;
       const auto [cost, door] = best_door(stop, n, m);
       const double gain = saved + stops_.between(n, m) - cost;
       if (gain <= kWorthwhile) continue;
@@ -397,7 +409,8 @@ class TourSearch {
   std::size_t head_{0}, awake_{0};
   std::vector<Done> done_;
   bool takes_note_{false};
-  std::vector<std::uint32_t> bound_;  // stops that something must come after
+  std::vector<std::uint32_t> bound_;         // stops that something must come after
+  std::uint32_t settled_{NearNodes::kNone};  // closed stop whose seam and place were best just now
   double gained_{0.0};
 };
 

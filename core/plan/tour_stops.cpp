@@ -9,7 +9,8 @@
 namespace popcut {
 namespace {
 
-constexpr std::uint32_t kMostPlaces = 6;  // doors of a stop that are looked at for what is near
+// Doors of a stop that are looked at for what is near.
+constexpr std::uint32_t kMostPlaces = 6, kPlacesOfMany = 3, kMany = 3000;
 
 // Places where the tool may go down: both ends of open stops, some doors of closed ones, which have
 // one tag.
@@ -28,7 +29,8 @@ struct Places {
       } else if (n % 2 == 0) {
         const std::uint32_t first = stops.first_door[stop];
         const std::uint32_t doors = stops.first_door[stop + 1] - first;
-        const std::uint32_t some = std::min(doors, kMostPlaces);
+        const std::uint32_t some =
+            std::min(doors, stops.size() > kMany ? kPlacesOfMany : kMostPlaces);
         for (std::uint32_t d = 0; d < some; ++d) add(stops.doors[first + d * doors / some], n);
       }
     }

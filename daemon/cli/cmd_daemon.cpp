@@ -11,6 +11,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/job_follow.hpp"
 #include "daemon/client/api.hpp"
+#include "daemon/store/store.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -281,10 +282,42 @@ Result<void> database(const char* action, const Globals& globals) {
   return {};
 }
 
+/// Opens the file itself, under the lock of the state folder: popcutd must not run.
+Result<void> salvage_database(std::string folder, const Globals& globals) {
+  if (folder.empty())
+    folder = client::user_state_folder([](const char* name) { return std::getenv(name); });
+  if (folder.empty())
+    return fail(ErrorKind::Usage, "--state", "is missing; as in --state /var/lib/popcut");
+  const auto saved = daemon::salvage(folder);
+  if (!saved) return fail(ErrorKind::Refused, "", saved.error().detail);
+  Json tables = Json::array();
+  for (const auto& table : saved->tables) {
+    tables.push_back({{"table", table.name},
+                      {"rows", table.rows},
+                      {"refused", table.refused},
+                      {"whole", table.whole}});
+    if (!globals.json && !globals.quiet)
+      fmt::print("{:<14} {:>8} rows{}{}\n", table.name, table.rows,
+                 table.refused > 0 ? fmt::format(", {} against the rules", table.refused) : "",
+                 table.whole ? "" : ", the rest cannot be read");
+  }
+  if (globals.json)
+    fmt::print("{}\n", dumped(Json{{"tables", tables}, {"original", saved->original}}));
+  else if (!globals.quiet)
+    fmt::print(stderr,
+               "the damaged database is in {}; start popcutd and look at 'popcut jobs "
+               "--all'\n",
+               saved->original);
+  return {};
+}
+
 constexpr const char* kDbHelp =
-    "popcutd's database: copy it, check it.\n\n"
+    "popcutd's database: copy it, check it, save what can be saved.\n\n"
     "  popcut db backup       # a whole copy in popcutd's folder for backups; prints its path\n"
-    "  popcut db check        # every page and index is read";
+    "  popcut db check        # every page and index is read\n"
+    "  popcut db salvage      # popcutd says that it is damaged (exit 78): what can be read goes "
+    "into\n"
+    "                         # a new one, the damaged one is kept; popcutd must not run";
 
 void add_db(CLI::App& app, const Globals& globals, Run& run) {
   CLI::App* const command = app.add_subcommand("db", kDbHelp);
@@ -293,6 +326,14 @@ void add_db(CLI::App& app, const Globals& globals, Run& run) {
       ->callback([&globals, &run] { run = [&globals] { return database("backup", globals); }; });
   command->add_subcommand("check", "Read all of it, and say whether it is sound")
       ->callback([&globals, &run] { run = [&globals] { return database("check", globals); }; });
+  auto folder = std::make_shared<std::string>();
+  CLI::App* const salvage =
+      command->add_subcommand("salvage", "Save what can be read of a damaged database");
+  salvage->add_option("--state", *folder, "popcutd's state folder")
+      ->option_text("DIR [~/.local/state/popcut]");
+  salvage->callback([folder, &globals, &run] {
+    run = [folder, &globals] { return salvage_database(*folder, globals); };
+  });
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "core/plan/overcut.hpp"
 #include "daemon/cli/drawing_input.hpp"
 #include "daemon/cli/output_folder.hpp"
+#include "daemon/cli/split_facts.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -68,11 +69,6 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   if (number < 1 || number > sheets->size())
     return fail(ErrorKind::OutOfRange, "/sheets",
                 fmt::format("there is no sheet {}; the plan has {}", number, sheets->size()));
-  if (find(json, "/layout") != nullptr)
-    return fail(ErrorKind::Usage, "/layout",
-                fmt::format("the plan splits its drawing into pieces; compare each sheet with its "
-                            "own drawing, --expect sheet-{:02}.svg",
-                            number));
   PlanFacts facts;
   const auto machine = text_at(json, "/machine");
   if (!machine) return tl::unexpected(machine.error());
@@ -82,11 +78,20 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   facts.material = *material;
   const std::string sheet = fmt::format("/sheets/{}", number - 1);
   Placement& t = facts.transform;
-  const std::pair<const char*, double*> numbers[] = {
-      {"/transform/0/0", &t.xx},         {"/transform/0/1", &t.xy},
-      {"/transform/0/2", &t.x0},         {"/transform/1/0", &t.yx},
-      {"/transform/1/1", &t.yy},         {"/transform/1/2", &t.y0},
-      {"/area_mm/0", &facts.area_mm[0]}, {"/area_mm/1", &facts.area_mm[1]}};
+  std::vector<std::pair<const char*, double*>> numbers{{"/area_mm/0", &facts.area_mm[0]},
+                                                       {"/area_mm/1", &facts.area_mm[1]}};
+  if (find(json, "/layout") != nullptr) {
+    auto pieces = read_split_facts(json, sheet);
+    if (!pieces) return tl::unexpected(pieces.error());
+    facts.pieces = std::move(*pieces);
+  } else {
+    numbers.insert(numbers.end(), {{"/transform/0/0", &t.xx},
+                                   {"/transform/0/1", &t.xy},
+                                   {"/transform/0/2", &t.x0},
+                                   {"/transform/1/0", &t.yx},
+                                   {"/transform/1/1", &t.yy},
+                                   {"/transform/1/2", &t.y0}});
+  }
   for (const auto& [pointer, value] : numbers) {
     const auto number_read = number_at(json, sheet + pointer);
     if (!number_read) return tl::unexpected(number_read.error());
@@ -100,7 +105,7 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
     for (const nlohmann::json& tool : *tools)
       if (tool.is_number_integer() && tool >= 1 && tool <= 15)
         facts.blade_tools = static_cast<std::uint16_t>(facts.blade_tools | 1u << tool.get<int>());
-  for (const char* list : {"/overcuts", "/lead_ins", "/tabs", "/marks", "/labels"})
+  for (const char* list : {"/overcuts", "/lead_ins", "/marks", "/labels"})
     if (auto read = read_lawful(json, sheet + list, facts.also_lawful); !read)
       return tl::unexpected(read.error());
   return facts;
@@ -131,6 +136,21 @@ std::optional<std::array<double, 2>> svg_page_mm(const pugi::xml_document& docum
   const std::array<double, 2> size{side("width"), side("height")};
   if (!(size[0] > 0 && size[1] > 0)) return std::nullopt;
   return size;
+}
+
+// The pattern where the plan puts it: whole, or the pieces that lie on the sheet.
+LineWork drawing_on_sheet(const LineWork& pattern, const PlanFacts& plan) {
+  if (plan.pieces.empty()) return with_ends_snapped(placed(pattern, plan.transform), plan.snap_mm);
+  CleanOptions how;
+  how.snap_mm = plan.snap_mm;
+  const LineWork whole = clean(pattern, how);
+  const LineIndex lines(whole, 10.0);
+  LineWork out;
+  for (const PlannedPiece& piece : plan.pieces) {
+    const LineWork part = lines_of_piece(whole, lines, piece);
+    for (const DrawnLine& line : part.lines) out.append(line.operation, part.points_of(line));
+  }
+  return out;
 }
 
 }  // namespace
@@ -187,7 +207,7 @@ Result<Expectation> read_expectation(const std::string& file, const std::optiona
                             file));
   const auto material = find_material(plan->material, tables.texts);
   if (!material) return tl::unexpected(within("--plan", tables.with_file(material.error())));
-  out.expected.drawing = with_ends_snapped(placed(input->drawing, plan->transform), plan->snap_mm);
+  out.expected.drawing = drawing_on_sheet(input->drawing, *plan);
   out.expected.folds_whole = plan->folds != "perforate";
   out.expected.blade_offset_mm = plan->blade_offset_mm;
   out.expected.blade_tools = plan->blade_tools;

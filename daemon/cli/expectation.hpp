@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "core/layout/piece_lines.hpp"
 #include "core/plan/sheet.hpp"
 #include "core/plan/strokes.hpp"
 #include "core/result.hpp"
@@ -18,8 +19,9 @@ struct PlanFacts {
   std::string machine;
   std::string material;
   std::array<double, 2> area_mm{};
-  Placement transform;   ///< pattern to sheet
-  LineWork also_lawful;  ///< overcuts, lead-ins, tabs, marks and labels that have `points`
+  Placement transform;               ///< pattern to sheet
+  std::vector<PlannedPiece> pieces;  ///< where the pattern was split: those on this sheet
+  LineWork also_lawful;              ///< overcuts, lead-ins, marks and labels that have `points`
   std::string folds{"perforate"};
   double snap_mm{};
   double blade_offset_mm{};

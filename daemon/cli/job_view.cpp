@@ -220,13 +220,14 @@ std::vector<std::string> job_details(const Json& job, const std::vector<Json>& s
   add("started", text_of(job, "started"));
   add("finished", text_of(job, "finished"));
   for (const Json& sheet : sheets) {
+    const Json& plan = part_of(sheet, "plan");
     const auto number = [&](const char* key) {
-      const auto found = sheet.find(key);
-      return found != sheet.end() && found->is_number() ? found->get<double>() : 0.0;
+      const auto found = plan.find(key);
+      return found != plan.end() && found->is_number() ? found->get<double>() : 0.0;
     };
     lines.push_back(
         fmt::format("sheet {:<4} {:<12} {:.0f} paths, {:.0f} mm cut, {:.0f} mm of folds, about {}",
-                    whole_of(sheet, "number"), text_of(sheet, "state"), number("paths"),
+                    whole_of(sheet, "sheet"), text_of(sheet, "state"), number("paths"),
                     number("cut_mm"), number("fold_mm"), clock_text(number("seconds"))));
   }
   for (const std::string& wait : waiting_for(job)) lines.push_back("-> " + wait);

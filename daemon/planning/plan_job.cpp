@@ -107,15 +107,28 @@ JobOptions job_options(const PlannedSheet& sheet, const Machine& machine) {
   return job;
 }
 
+// Marks tie a drawing to artwork on one page.
+Error split_and_printed(const Plan& plan) {
+  const Box box = bounds(plan.whole);
+  const PlannedSheet& sheet = plan.sheets.front();
+  return {ErrorKind::Infeasible, "",
+          fmt::format("is {:.1f} x {:.1f} mm, too large for one sheet of {:.1f} x {:.1f} mm, and a "
+                      "printed drawing is not split; scale it down, use a larger --mat, or leave "
+                      "--marks out",
+                      box.width(), box.height(), sheet.area_mm[0], sheet.area_mm[1])};
+}
+
 /// The program of each sheet of a plan.
 Result<void> encode_sheets(const PlanWords& words, PlanJob& job) {
   const Machine& machine = job.plan.machine;
-  for (const PlannedSheet& sheet : job.plan.sheets) {
+  if (words.marks.wanted && job.plan.layout) return tl::unexpected(split_and_printed(job.plan));
+  for (PlannedSheet& sheet : job.plan.sheets) {
     JobOptions sent = job_options(sheet, machine);
     const auto marks = read_mark_words(words.marks, machine, sheet.area_mm);
     if (!marks) return tl::unexpected(marks.error());
     sent.marks = *marks;
     if (*marks) job.marks.push_back(**marks);
+    sheet.registration = *marks;
     auto program = encode(sheet.sent_path(), machine, job.plan.material, sent);
     if (!program) return tl::unexpected(program.error());
     if (!program->dots.empty())

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -48,10 +49,12 @@ int run(int argc, char** argv) {
 }  // namespace popcut::daemon
 
 int main(int argc, char** argv) {
+  ::umask(077);  // jobs and designs are nobody else's
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a write past the file size limit fails like a full disk
   try {
-    if (argc == 2 && std::strcmp(argv[1], "--worker") == 0) return popcut::daemon::run_worker();
+    if (argc == 2 && std::strcmp(argv[1], "--worker") == 0)
+      return popcut::planning::run_worker(0, 1);
     return popcut::daemon::run(argc, argv);
   } catch (const std::exception& fault) {
     std::fprintf(stderr, "popcutd: internal fault: %s\n", fault.what());

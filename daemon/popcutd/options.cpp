@@ -51,8 +51,9 @@ Result<void> check_machines(const Config& config) {
   if (!tables) return tl::unexpected(tables.error());
   for (const DeviceConfig& device : config.devices) {
     const bool simulated = device.id.rfind("sim:", 0) == 0;
+    const bool by_id = simulated && device.machine.empty();
     for (const std::string& name :
-         {device.machine, device.treat_as, simulated ? device.id.substr(4) : std::string()}) {
+         {device.machine, device.treat_as, by_id ? device.id.substr(4) : std::string()}) {
       if (name.empty()) continue;
       if (const auto machine = find_machine(name, tables->texts); !machine)
         return tl::unexpected(within("device " + device.id, tables->with_file(machine.error())));

@@ -15,10 +15,12 @@
 #include <spdlog/spdlog.h>
 
 #include "daemon/cli/user_tables.hpp"
+#include "daemon/devices/make_cutters.hpp"
 #include "daemon/http/server.hpp"
-#include "daemon/planning/program_file.hpp"
+#include "daemon/planning/make_planner.hpp"
 #include "daemon/popcutd/greeting.hpp"
 #include "daemon/popcutd/log.hpp"
+#include "daemon/popcutd/sheet_program.hpp"
 #include "daemon/service/job_service.hpp"
 
 namespace popcut::daemon {
@@ -156,11 +158,10 @@ std::optional<Trouble> Daemon::open_devices() {
   limits.wall_s = config_.planner.wall_s;
   limits.memory_bytes = config_.planner.memory_bytes;
   limits.output_bytes = config_.planner.output_bytes;
-  planner_ = make_planner(limits);
+  planner_ = make_planner(limits, "/proc/self/exe");
   CuttersOptions options;
   options.tables = tables_;
-  for (const DeviceConfig& device : config_.devices)
-    if (device.enabled) options.devices.push_back(cutter_of(device));
+  options.devices = config_.devices;
   auto cutters = make_cutters(std::move(options));
   if (!cutters) return Trouble{exit_code(cutters.error().kind), message(cutters.error())};
   cutters_ = std::move(*cutters);
@@ -174,9 +175,7 @@ std::optional<Trouble> Daemon::open_service() {
   options.sheets_per_job = config_.sheets_per_job;
   options.plans_at_once = config_.planner.processes;
   options.tables = tables_;
-  options.read_program = [](const std::string& folder, int sheet) {
-    return read_program(folder, sheet);
-  };
+  options.read_program = stored_program;
   options.log = [log = log_](const std::string& line) { log->info(line); };
   auto service = make_service(*store_, *thread_, *planner_, *cutters_, std::move(options));
   if (!service) return Trouble{exit_code(service.error().kind), message(service.error())};

@@ -132,7 +132,8 @@ Answer<void> CutDesk::start(const Principal& who, JobRow& row, const ActionWish&
         JobBook::conflict(row, "what was armed is not what would be cut; disarm and arm again"));
   if (const auto fine = parts_.devices.usable(row.device); !fine)
     return tl::unexpected(fine.error());
-  if (const auto device = parts_.devices.find(row.device); device->state != "idle")
+  if (const auto device = parts_.devices.find(row.device);
+      device->state != "idle" && device->state != "attention")
     return tl::unexpected(JobBook::conflict(
         row, fmt::format("{} is {}{}{}; start when it is idle", row.device, device->state,
                          device->reasons.empty() ? "" : ": ", fmt::join(device->reasons, ", "))));

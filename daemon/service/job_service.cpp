@@ -498,6 +498,12 @@ Result<std::unique_ptr<JobService>> make_service(Store& store, ServiceThread& th
                                                  ServiceOptions options) {
   Result<std::unique_ptr<JobService>> made =
       fail(ErrorKind::Internal, "", "the service's thread has ended");
+  // A database that passed its checks may still hold what makes no sense.
+  const auto give_up = [&](bool damaged, const std::string& why) {
+    store.give_up();
+    made = damaged ? fail(ErrorKind::Malformed, "", store.set_aside_as("is damaged: " + why))
+                   : fail(ErrorKind::Unwritable, store.folder().at("popcut.db"), why);
+  };
   thread.run(ServiceThread::Lane::Asking, [&] {
     try {
       auto service =
@@ -505,9 +511,9 @@ Result<std::unique_ptr<JobService>> make_service(Store& store, ServiceThread& th
       if (const Answer<void> begun = service->begin(); begun)
         made = std::move(service);
       else
-        made = fail(ErrorKind::Unwritable, store.folder().path(), begun.error().detail);
+        give_up(begun.error().kind == ProblemKind::Internal, begun.error().detail);
     } catch (const StoreFault& fault) {
-      made = fail(ErrorKind::Unwritable, store.folder().path(), fault.what());
+      give_up(fault.kind() != FaultKind::Full && fault.kind() != FaultKind::Io, fault.what());
     }
   });
   return made;

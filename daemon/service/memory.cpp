@@ -38,6 +38,7 @@ void Memory::follow_up() {
   // What follows may change something again, with events and follow-ups of its own.
   const std::vector<Event> events = std::exchange(events_, {});
   const std::vector<std::function<void()>> after = std::exchange(after_, {});
+  if (!events.empty()) store_.bear_witness(events.back().seq);
   for (const Event& event : events) tell(event);
   for (const auto& work : after) work();
 }

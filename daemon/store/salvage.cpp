@@ -158,6 +158,7 @@ tl::expected<Salvage, OpenTrouble> salvage(const std::string& path) {
   // its log missing, and refuse to start: never an old log with a new database.
   remove_tree(original);
   remove_tree(original + "-wal");
+  remove_tree((*folder)->at("witness"));
   Result<void> done = keep_file(fresh, original);
   if (done) done = write_file((*folder)->at("database-state"), "clean\n");
   if (!done) return trouble(OpenTrouble::Kind::Io, message(done.error()));

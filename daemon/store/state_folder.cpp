@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/store/state_folder.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -79,6 +81,21 @@ std::string beside(const std::string& path) {
   return (place.parent_path() / (".new-" + place.filename().string())).string();
 }
 
+/// Who holds the lock, as `sign_lock` wrote it.
+std::string text_of_lock(int lock) {
+  std::array<char, 16> room{};
+  const ssize_t got = pread(lock, room.data(), room.size(), 0);
+  std::string text(room.data(), static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+  text = text.substr(0, text.find_first_not_of("0123456789"));
+  return text;
+}
+
+/// For whom comes next; that it may fail (a full disk) matters to nobody.
+void sign_lock(int lock) {
+  const std::string text = std::to_string(getpid()) + "\n";
+  if (ftruncate(lock, 0) != 0 || pwrite(lock, text.data(), text.size(), 0) < 0) return;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<StateFolder>> StateFolder::open(const std::string& path) {
@@ -97,12 +114,16 @@ Result<std::unique_ptr<StateFolder>> StateFolder::open(const std::string& path) 
   if (lock < 0) return trouble(lock_path, "cannot be made");
   if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
     const bool held = errno == EWOULDBLOCK;
+    const std::string holder = text_of_lock(lock);
     close(lock);
     if (!held) return trouble(lock_path, "cannot be locked");
-    return fail(ErrorKind::Refused, path,
-                "another popcutd keeps its state here; stop it first, or name another folder with "
-                "--state");
+    return fail(
+        ErrorKind::Refused, path,
+        fmt::format("another popcutd{} keeps its state here; stop it first, or name another "
+                    "folder with --state",
+                    holder.empty() ? "" : " (process " + holder + ")"));
   }
+  sign_lock(lock);
   clear_unfinished(path);
   std::unique_ptr<StateFolder> folder(new StateFolder(path, lock));
   folder->reserved_ = fs::exists(folder->at("reserve"), error);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -18,6 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kClean = "clean\n";
 constexpr std::string_view kInUse = "in use\n";
+constexpr std::size_t kWitnessDigits = 18;
 
 tl::unexpected<OpenTrouble> trouble(OpenTrouble::Kind kind, std::string detail) {
   return tl::unexpected<OpenTrouble>(OpenTrouble{kind, std::move(detail)});
@@ -60,19 +62,6 @@ std::string header_damage(const std::string& path) {
   return id == static_cast<unsigned>(kApplicationId) ? "" : "is no database of popcutd";
 }
 
-tl::unexpected<OpenTrouble> damaged(const std::string& path, const StateFolder& folder,
-                                    const std::string& what) {
-  const Result<std::string> copy = set_aside(path, folder.at("backups"));
-  return trouble(OpenTrouble::Kind::Corrupt,
-                 fmt::format("{}: the database {}; {}, and nothing of it was changed: 'popcut db "
-                             "salvage' brings over what can be read, or put a copy from {} in its "
-                             "place",
-                             path, what,
-                             copy ? "a copy was set aside as " + *copy
-                                  : "no copy could be set aside (" + message(copy.error()) + ")",
-                             folder.at("backups")));
-}
-
 }  // namespace
 
 void build_schema(Database& database, const std::vector<Migration>& steps, int version) {
@@ -94,6 +83,10 @@ tl::expected<std::unique_ptr<Store>, OpenTrouble> Store::open(StoreOptions optio
   const StoreOptions& wish = store->options_;
   const std::string path = store->folder_->at("popcut.db");
   const std::string mark = read_whole(store->folder_->at("database-state"), 100).value_or("");
+  const auto damaged = [&](const std::string& what) {
+    store->failed_ = true;
+    return trouble(OpenTrouble::Kind::Corrupt, store->set_aside_as(what));
+  };
   try {
     std::error_code ignored;
     if (!fs::exists(path, ignored)) {
@@ -101,39 +94,77 @@ tl::expected<std::unique_ptr<Store>, OpenTrouble> Store::open(StoreOptions optio
         return trouble(OpenTrouble::Kind::Corrupt,
                        path + ": the database is gone, but it was here before; put a copy from " +
                            store->folder_->at("backups") +
-                           " in its place, or remove the file database-state beside it to start "
-                           "with an empty queue");
+                           " in its place, or remove the files database-state and witness beside "
+                           "it to start with an empty queue");
       make_database(path, wish);
     }
-    if (std::string what = header_damage(path); !what.empty())
-      return damaged(path, *store->folder_, what);
+    if (std::string what = header_damage(path); !what.empty()) return damaged(what);
     if (mark == kInUse)
       if (std::string what = log_damage(path + "-wal"); !what.empty())
-        return damaged(path, *store->folder_, "was not closed and its log " + what);
+        return damaged("was not closed and its log " + what);
     store->database_ = std::make_unique<Database>(
         Database::Options{.path = path, .vfs = wish.vfs, .create = false});
     const int version = version_of(*store->database_);
     const int newest = wish.steps.back().version;
-    if (version > newest)
+    if (version > newest) {
+      store->failed_ = true;
       return trouble(OpenTrouble::Kind::TooNew,
                      fmt::format("{}: was written by a later popcutd (schema {}, this one knows up "
                                  "to {}); install that one, or put back the copy that it made",
                                  path, version, newest));
-    {
-      Rows verdict = store->database_->rows("PRAGMA quick_check(1)");
-      if (!verdict.next() || verdict.text(0) != "ok")
-        return damaged(path, *store->folder_, "is damaged: " + verdict.text(0));
     }
-    if (version < 1) return damaged(path, *store->folder_, "has no version");
+    {
+      // After a kill there is time for the longer check, which reads the indexes against the rows.
+      Rows verdict = store->database_->rows(mark == kInUse ? "PRAGMA integrity_check(1)"
+                                                           : "PRAGMA quick_check(1)");
+      if (!verdict.next() || verdict.text(0) != "ok")
+        return damaged("is damaged: " + verdict.text(0));
+    }
+    if (version < 1) return damaged("has no version");
+    const std::int64_t known = store->database_->number("SELECT max(seq) FROM event");
+    if (known < store->witnessed())
+      return damaged(fmt::format(
+          "has lost changes: it ends with event {}, but event {} was made (if you put this older "
+          "copy in its place, remove the file {} too)",
+          known, store->witnessed(), store->folder_->at("witness")));
     if (version < newest) store->migrate();
     store->folder_->take_reserve(wish.reserve_bytes);
     return store;
   } catch (const StoreFault& fault) {
-    store->failed_ = true;
     if (fault.kind() == FaultKind::Corrupt || fault.kind() == FaultKind::Constraint)
-      return damaged(path, *store->folder_, fmt::format("is damaged: {}", fault.what()));
+      return damaged(fmt::format("is damaged: {}", fault.what()));
+    store->failed_ = true;
     return trouble(OpenTrouble::Kind::Io, fmt::format("{}: {}", path, fault.what()));
   }
+}
+
+std::string Store::set_aside_as(const std::string& what) {
+  const std::string path = folder_->at("popcut.db");
+  const Result<std::string> copy = set_aside(path, folder_->at("backups"));
+  return fmt::format(
+      "{}: the database {}; {}, and nothing of it was changed: 'popcut db salvage' brings over "
+      "what "
+      "can be read, or put a copy from {} in its place",
+      path, what,
+      copy ? "a copy was set aside as " + *copy
+           : "no copy could be set aside (" + message(copy.error()) + ")",
+      folder_->at("backups"));
+}
+
+std::int64_t Store::witnessed() const {
+  const std::string text = read_whole(folder_->at("witness"), 100).value_or("");
+  const bool whole = text.size() == kWitnessDigits + 1 && text.back() == '\n' &&
+                     text.find_first_not_of("0123456789") == kWitnessDigits;
+  return whole ? std::stoll(text) : 0;
+}
+
+void Store::bear_witness(std::int64_t event) {
+  if (witness_ < 0)
+    witness_ =
+        ::open(folder_->at("witness").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  const std::string text = fmt::format("{:0{}}\n", event, kWitnessDigits);
+  // Best effort: without it less damage is noticed, and nothing else is lost.
+  if (witness_ >= 0) (void)!pwrite(witness_, text.data(), text.size(), 0);
 }
 
 void Store::migrate() {
@@ -155,6 +186,7 @@ void Store::mark_in_use() {
 }
 
 Store::~Store() {
+  if (witness_ >= 0) close(witness_);
   if (!database_ || failed_) return;
   try {
     database_->checkpoint(true);

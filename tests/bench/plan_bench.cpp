@@ -3,9 +3,11 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <random>
 #include <string>
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 #include "core/formats/svg_reader.hpp"
@@ -17,6 +19,7 @@
 #include "core/plan/sheet_svg.hpp"
 #include "protocol/encode.hpp"
 #include "tests/support/corpus.hpp"
+#include "tests/support/process.hpp"
 
 using namespace popcut;
 
@@ -51,6 +54,26 @@ std::string random_strokes(int n) {
   return svg + "</g></svg>\n";
 }
 
+// Closed strokes of `corners` corners in rows, none on another.
+void write_rings(const std::string& file, int n, int corners) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> size(0.15, 0.4);
+  std::ofstream svg(file);
+  svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"300mm\" height=\"300mm\" "
+         "viewBox=\"0 0 300 300\"><g fill=\"none\" stroke=\"black\">\n";
+  const int side = static_cast<int>(std::ceil(std::sqrt(n)));
+  for (int k = 0; k < n; ++k) {
+    const double x = 5 + 290 * (k % side + 0.5) / side, y = 5 + 290 * (k / side + 0.5) / side;
+    const double r = size(random);
+    svg << "<path d=\"M";
+    for (int c = 0; c < corners; ++c)
+      svg << fmt::format("{:.3f},{:.3f} ", x + r * std::cos(6.283185307 * c / corners),
+                         y + r * std::sin(6.283185307 * c / corners));
+    svg << "z\"/>\n";
+  }
+  svg << "</g></svg>\n";
+}
+
 void plan_text(const char* name, const std::string& text) {
   std::printf("%s\n", name);
   Stages stages;
@@ -79,6 +102,46 @@ void plan_text(const char* name, const std::string& text) {
 }
 
 }  // namespace
+
+// The first case: what a program takes counts from what this process has had.
+TEST_CASE("from a drawing's file to a program", "[.][bench][plan]") {
+  using popcut::testing::run_program;
+  struct File {
+    std::string name;
+    double strokes, vpype_s;    // of vpype 1.16a: read, linemerge, linesort, write; 0: not known
+    double most_s, most_bytes;  // a stroke; 0: only told
+  };
+  const File files[] = {{"rand_10k", 10'000, 2.0, 0.3, 0},    {"kiri_10k", 9'800, 1.9, 0.3, 0},
+                        {"rand_100k", 100'000, 21.0, 2, 400}, {"kiri_100k", 99'458, 19.7, 2, 400},
+                        {"rectangles", 100'000, 0, 0, 0},     {"dodecagons", 100'000, 0, 0, 0}};
+  const popcut::testing::TempFolder folder;
+  write_rings(folder / "rectangles.svg", 100'000, 4);
+  write_rings(folder / "dodecagons.svg", 100'000, 12);
+  const bool corpus = !test::corpus().empty();
+  if (!corpus) WARN("skipped: the files of the generator of drawings, which is not here");
+  const long bare = run_program({POPCUT_PROGRAM, "--version"}, folder.path()).peak_kb;
+  std::string table = fmt::format(
+      "popcut plan FILE --machine cameo3, load {}; memory beyond that of --version, {} KB\n{:<12}"
+      "{:>8}{:>9}{:>9}{:>11}{:>11}{:>9}\n",
+      test::load(), bare, "file", "strokes", "wall s", "cpu s", "peak KB", "B/stroke", "vpype s");
+  for (const File& file : files) {
+    CAPTURE(file.name);
+    const bool own = file.vpype_s == 0;
+    if (!own && !corpus) continue;
+    const auto drawing = (own ? folder.path() : test::corpus_folder()) / (file.name + ".svg");
+    const auto ran = run_program({POPCUT_PROGRAM, "plan", drawing.string(), "-o", folder / "out",
+                                  "--machine", "cameo3", "-q"},
+                                 folder.path());
+    CHECK(ran.exit == 0);
+    const double each = 1024.0 * static_cast<double>(ran.peak_kb - bare) / file.strokes;
+    table += fmt::format("{:<12}{:>8}{:>9.2f}{:>9.2f}{:>11}{:>11.0f}{:>9}\n", file.name,
+                         file.strokes, ran.wall_s, ran.cpu_s, ran.peak_kb, each,
+                         own ? std::string() : fmt::format("{:.1f}", file.vpype_s));
+    if (file.most_s > 0) CHECK(ran.cpu_s < file.most_s);
+    if (file.most_bytes > 0) CHECK(each < file.most_bytes);
+  }
+  WARN(table);
+}
 
 TEST_CASE("planning by stages", "[.][bench][plan]") {
   plan_text("10 000 random strokes", random_strokes(10'000));

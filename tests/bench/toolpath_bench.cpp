@@ -45,7 +45,8 @@ bool made_corpus() {
 
 // All strokes of a file as cuts, as they are drawn.
 LineWork strokes_of(const std::string& name) {
-  auto work = linework_from_svg(test::text_of(test::corpus_folder() / (name + ".svg")), SvgProfile::Plain);
+  auto work =
+      linework_from_svg(test::text_of(test::corpus_folder() / (name + ".svg")), SvgProfile::Plain);
   REQUIRE(work);
   for (DrawnLine& line : work->lines) line.operation = Operation::Cut;
   return std::move(*work);
@@ -89,13 +90,6 @@ Timed median_best(const LineWork& work, OrderOptions options, double most_s) {
   return std::move(runs[1]);
 }
 
-std::string load() {
-  std::ifstream file("/proc/loadavg");
-  std::string one;
-  file >> one;
-  return one;
-}
-
 LineWork random_strokes(std::uint32_t n) {
   std::mt19937_64 random(n);
   const auto chance = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
@@ -117,8 +111,8 @@ TEST_CASE("order only beside the peers", "[.][bench][toolpath]") {
   std::string table = fmt::format(
       "raw strokes, fixed seams, mm, free start and end; load {}\n{:<16}{:>8}{:>10}{:>8}{:>8}{:>9}"
       "{:>9}{:>8}{:>10}{:>9}{:>9}\n",
-      load(), "file", "strokes", "before", "vpype", "quick", "wall s", "cpu s", "best", "wall s",
-      "near-opt", "excess");
+      test::load(), "file", "strokes", "before", "vpype", "quick", "wall s", "cpu s", "best",
+      "wall s", "near-opt", "excess");
   for (const Reference& reference : kReferences) {
     CAPTURE(reference.name);
     const LineWork work = strokes_of(reference.name);
@@ -144,7 +138,7 @@ TEST_CASE("a hundred thousand strokes", "[.][bench][toolpath]") {
   WARN(fmt::format(
       "rand_100k, load {}: quick {:.0f} mm in {:.2f} s ({:.2f} s of CPU), best {:.0f} mm in {:.2f} "
       "s ({:.2f} s of CPU)",
-      load(), quick.mm, quick.wall_s, quick.cpu_s, best.mm, best.wall_s, best.cpu_s));
+      test::load(), quick.mm, quick.wall_s, quick.cpu_s, best.mm, best.wall_s, best.cpu_s));
   CHECK(quick.cpu_s < 0.8);
   CHECK(quick.mm < 51000);
   CHECK(best.mm < 45000);
@@ -155,7 +149,7 @@ TEST_CASE("free seams and inner before outer", "[.][bench][toolpath]") {
   std::string table = fmt::format(
       "any seam, inner before outer, mm, free start and end; load {}\n{:<16}{:>8}{:>8}{:>9}{:>9}"
       "{:>8}{:>9}{:>11}\n",
-      load(), "file", "strokes", "quick", "wall s", "cpu s", "best", "wall s", "violations");
+      test::load(), "file", "strokes", "quick", "wall s", "cpu s", "best", "wall s", "violations");
   const std::pair<const char*, double> files[] = {
       {"nested_2k", 8000}, {"stencil_text", 5500}, {"popup_card", 1e9}};
   for (const auto& [name, most_mm] : files) {
@@ -178,7 +172,7 @@ TEST_CASE("free seams and inner before outer", "[.][bench][toolpath]") {
 }
 
 TEST_CASE("planning time grows as n log n", "[.][bench][toolpath]") {
-  std::string table = fmt::format("quick on random strokes; load {}\n", load());
+  std::string table = fmt::format("quick on random strokes; load {}\n", test::load());
   double least = 1e9, most = 0.0;
   for (const std::uint32_t n : {10'000u, 100'000u, 1'000'000u}) {
     const LineWork work = random_strokes(n);

@@ -67,6 +67,17 @@ TEST_CASE("a design larger than the mat is cut sheet by sheet as it was planned"
                                         "cameo3", "--expect", name + ".svg"});
     CAPTURE(simulated.err);
     CHECK(simulated.exit == 0);
+    // By the pattern and the plan, which were not made from each other.
+    const std::string number = std::to_string(k + 1);
+    const Ran by_plan =
+        bench.popcut({"simulate", name + ".gpgl", "-o", "simulated", "--expect", kSphere, "--plan",
+                      "sheets/plan.json", "--sheet", number, "-q"});
+    CAPTURE(by_plan.err);
+    CHECK(by_plan.exit == 0);
+    const Ran other =
+        bench.popcut({"simulate", name + ".gpgl", "-o", "simulated", "--expect", kSphere, "--plan",
+                      "sheets/plan.json", "--sheet", std::to_string((k + 1) % sheets + 1), "-q"});
+    CHECK(other.exit == 6);
   }
   CHECK(tabs == whole["layout"]["tabs"].get<std::size_t>());
   CHECK(text_of_file(bench.temp / "sheets/assembly.svg").find("Glue in this order") !=
@@ -81,6 +92,45 @@ TEST_CASE("a design larger than the mat is cut sheet by sheet as it was planned"
   for (std::size_t k = 0; k < sheets; ++k)
     CHECK(done.err.find("sheet " + std::to_string(k + 1) + " of " + std::to_string(sheets)) !=
           std::string::npos);
+  // What the knife did on each sheet is what the plan and the pattern say.
+  for (std::size_t k = 0; k < sheets; ++k) {
+    const std::string name = "cut/sheet-" + two_digits(k + 1);
+    const Ran held =
+        bench.popcut({"simulate", name + ".gpgl", "-o", "simulated", "--expect", kSphere, "--plan",
+                      "cut/plan.json", "--sheet", std::to_string(k + 1), "-q"});
+    CAPTURE(held.err);
+    CHECK(held.exit == 0);
+    const json sent = json::parse(text_of_file(bench.temp / "simulated/trace.json"));
+    const json knife = json::parse(text_of_file(bench.temp / (name + ".trace.json")));
+    CHECK(knife["strokes"] == sent["strokes"]);
+  }
+}
+
+TEST_CASE("a split plan that was tampered with is told and a missing tab is found",
+          "[cli][e2e][layout]") {
+  const Bench bench;
+  REQUIRE(bench
+              .popcut({"plan", kSphere, "--machine", "cameo3", "--mat", "110x110", "-o", "sheets",
+                       "-q"})
+              .exit == 0);
+  const json plan = json::parse(text_of_file(bench.temp / "sheets/plan.json"));
+  const auto with = [&](const char* pointer, const json& value, int exit, const std::string& part) {
+    json other = plan;
+    other[json::json_pointer(pointer)] = value;
+    write_file(bench.temp / "other.json", other.dump());
+    const Ran ran = bench.popcut({"simulate", "sheets/sheet-01.gpgl", "-o", "simulated", "--expect",
+                                  kSphere, "--plan", "other.json", "-q"});
+    CAPTURE(pointer, ran.err);
+    CHECK(ran.exit == exit);
+    CHECK(ran.err.find(part) != std::string::npos);
+  };
+  with("/sheets/0/pieces/0/share", json::array(), 3, "/sheets/0/pieces/0/share");
+  with("/sheets/0/pieces/0/transform/1/1", "one", 3, "/sheets/0/pieces/0/transform/1/1");
+  with("/sheets/0/seams/0/piece", -4, 3, "/sheets/0/seams/0/piece");
+  with("/sheets/0/seams", 7, 3, "/sheets/0/seams");
+  with("/sheets/0/tabs/0/points", json::array({json::array({1, "x"})}), 3, "/sheets/0/tabs/0");
+  with("/sheets/0/tabs", json::array(), 6, "where nothing is to be drawn");  // they were cut
+  with("/sheets/0/seams/0/glued", json::array(), 6, "where nothing is to be drawn");
 }
 
 TEST_CASE("what cannot be split is refused with one line", "[cli][e2e][layout]") {
@@ -95,6 +145,10 @@ TEST_CASE("what cannot be split is refused with one line", "[cli][e2e][layout]")
   bench.refused(with({"--mat", "110x110", "--labels", "ink"}), 2, "one of auto, pen, cut, none");
   bench.refused(with({"--mat", "110x110", "--no-split", "--seam-x", "60"}), 2, "contradicts");
   bench.refused(with({"--mat", "110x110", "--seam-x", "nan"}), 2, "--seam-x");
+  bench.refused(with({"--mat", "110x110", "--seam-y", "-5"}), 3, "is not on the drawing");
+  bench.refused(with({"--mat", "110x110", "--seam-x", "300"}), 3, "from 0 to 125.0 mm");
+  bench.refused(with({"--mat", "110x110", "--seam-y", "10,10.5"}), 4, "beside those asked for");
+  bench.refused(with({"--mat", "110x110", "--at", "100,100"}), 4, "at most 10.0 x 10.0 mm");
   // A seam of the user's own is refused where a fold or a narrow panel lies, with the nearest
   // place.
   bench.refused(with({"--mat", "110x110", "--seam-y", "85"}), 4, "the nearest that does not is");

@@ -1,12 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The built popcut with its real libusb, at a terminal, with an emulated cutter plugged in.
-#include <fcntl.h>
-#include <poll.h>
-#include <pty.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <array>
 #include <chrono>
 #include <thread>
 
@@ -15,6 +8,7 @@
 
 #include "core/formats/svg_reader.hpp"
 #include "device/expect.hpp"
+#include "tests/support/at_terminal.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/sim_bench.hpp"
 #include "tests/support/usb_cutter.hpp"
@@ -39,81 +33,6 @@ constexpr const char* kQuickPaper = R"j({"popcut": 1, "materials": [{"name": "qu
   "like": "paper-220", "blade_offset_mm": 0,
   "cut": {"tool": 1, "force_gf": 70, "speed_mm_s": 10000, "passes": 1},
   "fold": {"tool": 1, "force_gf": 70, "speed_mm_s": 10000, "passes": 1}}]})j";
-
-/// popcut at a terminal of its own; standard output goes to a file.
-class AtTerminal {
- public:
-  AtTerminal(const std::vector<std::string>& words, const TempFolder& folder) : folder_(folder) {
-    int slave = -1;
-    REQUIRE(::openpty(&master_, &slave, nullptr, nullptr, nullptr) == 0);
-    std::vector<std::string> all{POPCUT_PROGRAM};
-    all.insert(all.end(), words.begin(), words.end());
-    std::vector<char*> arguments;
-    for (std::string& word : all) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    const std::string config = (folder / "config").string();
-    const std::string out = (folder / "out").string();
-    child_ = ::fork();
-    REQUIRE(child_ >= 0);
-    if (child_ == 0) {
-      ::setsid();
-      const int file = ::open(out.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0644);
-      ::dup2(slave, STDIN_FILENO);
-      ::dup2(slave, STDERR_FILENO);
-      ::dup2(file, STDOUT_FILENO);
-      ::setenv("XDG_CONFIG_HOME", config.c_str(), 1);
-      if (::chdir(folder.path().c_str()) != 0) ::_exit(126);
-      ::execv(arguments[0], arguments.data());
-      ::_exit(127);
-    }
-    ::close(slave);
-  }
-  AtTerminal(const AtTerminal&) = delete;
-  AtTerminal& operator=(const AtTerminal&) = delete;
-  ~AtTerminal() {
-    if (child_ > 0) {
-      ::kill(child_, SIGKILL);
-      ::waitpid(child_, nullptr, 0);
-    }
-    ::close(master_);
-  }
-
-  /// Reads the terminal until `words` were shown; false if popcut ended without them.
-  bool shows(const std::string& words) {
-    const auto until = std::chrono::steady_clock::now() + 60s;
-    while (shown.find(words) == std::string::npos && std::chrono::steady_clock::now() < until)
-      if (!read_some()) return shown.find(words) != std::string::npos;
-    return shown.find(words) != std::string::npos;
-  }
-  void type(std::string_view words) {
-    REQUIRE(::write(master_, words.data(), words.size()) == static_cast<ssize_t>(words.size()));
-  }
-  /// The exit code, once it has ended.
-  int ended() {
-    while (read_some()) {
-    }
-    int status = 0;
-    ::waitpid(child_, &status, 0);
-    child_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  }
-  [[nodiscard]] std::string out() const { return text_of_file(folder_ / "out"); }
-  std::string shown;
-
- private:
-  bool read_some() {
-    pollfd terminal{master_, POLLIN, 0};
-    if (::poll(&terminal, 1, 60'000) <= 0) return false;
-    std::array<char, 4096> room{};
-    const ssize_t count = ::read(master_, room.data(), room.size());
-    if (count <= 0) return false;
-    shown.append(room.data(), static_cast<std::size_t>(count));
-    return true;
-  }
-  const TempFolder& folder_;
-  int master_{-1};
-  pid_t child_{-1};
-};
 
 /// A folder with the quick tables, a bus, and a cutter on it.
 struct Desk {
@@ -146,7 +65,7 @@ struct Desk {
     std::string out, shown;
   };
   Said run(const std::vector<std::string>& words) {
-    AtTerminal popcut(words, folder);
+    AtTerminal popcut(POPCUT_PROGRAM, words, folder);
     const int exit = popcut.ended();
     return {exit, popcut.out(), popcut.shown};
   }
@@ -162,7 +81,7 @@ bool says(const std::string& text, const std::string& words) {
 TEST_CASE("a person says yes and the whole sheet is cut over USB as it was planned",
           "[cli][usb][e2e]") {
   Desk desk;
-  AtTerminal popcut(desk.cut_words(), desk.folder);
+  AtTerminal popcut(POPCUT_PROGRAM, desk.cut_words(), desk.folder);
   const bool asked = popcut.shows("Start cutting? [y/N]");
   INFO(popcut.shown);
   REQUIRE(asked);
@@ -189,7 +108,7 @@ TEST_CASE("a person says yes and the whole sheet is cut over USB as it was plann
 
 TEST_CASE("whoever does not say yes sends nothing", "[cli][usb][e2e]") {
   Desk desk;
-  AtTerminal popcut(desk.cut_words(), desk.folder);
+  AtTerminal popcut(POPCUT_PROGRAM, desk.cut_words(), desk.folder);
   REQUIRE(popcut.shows("Start cutting? [y/N]"));
   popcut.type("no\n");
   CHECK(popcut.ended() == 5);
@@ -207,7 +126,7 @@ TEST_CASE("whoever does not say yes sends nothing", "[cli][usb][e2e]") {
 TEST_CASE("a cable pulled in the middle of a sheet is told with what is cut and what is in doubt",
           "[cli][usb][e2e]") {
   Desk desk({{3000, UsbFault::Kind::Unplug}});
-  AtTerminal popcut(desk.cut_words(), desk.folder);
+  AtTerminal popcut(POPCUT_PROGRAM, desk.cut_words(), desk.folder);
   REQUIRE(popcut.shows("Start cutting? [y/N]"));
   popcut.type("y\n");
   const int exit = popcut.ended();
@@ -301,7 +220,7 @@ TEST_CASE("doctor and cut name what a model that is not known is nearest to",
   // With the name of a known one it is cut on.
   std::vector<std::string> words = desk.cut_words();
   words[5] = "--treat-as";
-  AtTerminal popcut(words, desk.folder);
+  AtTerminal popcut(POPCUT_PROGRAM, words, desk.folder);
   REQUIRE(popcut.shows("Start cutting? [y/N]"));
   popcut.type("y\n");
   CHECK(popcut.ended() == 0);
@@ -309,7 +228,7 @@ TEST_CASE("doctor and cut name what a model that is not known is nearest to",
 
 TEST_CASE("doctor names the program that has the cutter", "[cli][usb][doctor][e2e]") {
   Desk desk;
-  AtTerminal other(desk.cut_words(), desk.folder);
+  AtTerminal other(POPCUT_PROGRAM, desk.cut_words(), desk.folder);
   REQUIRE(other.shows("Start cutting? [y/N]"));
   UsbfsDevice& device = desk.device;
   other.type("y\n");

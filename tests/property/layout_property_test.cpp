@@ -9,6 +9,7 @@
 
 #include "core/formats/linework_graph.hpp"
 #include "core/layout/layout.hpp"
+#include "core/layout/piece_lines.hpp"
 #include "core/plan/clean.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/random_pattern.hpp"
@@ -272,6 +273,62 @@ TEST_CASE("Pieces that are joined over their tabs have the freedoms of the whole
     ++judged;
   }
   CHECK(judged >= 8);
+}
+
+TEST_CASE("What a plan says of a piece gives its lines again", "[layout]") {
+  std::mt19937 random(77);
+  int split = 0;
+  for (int round = 0; round < 25; ++round) {
+    CAPTURE(round);
+    const LineWork drawing = clean(random_linework(random, 2.5));
+    const Box box = bounds(drawing);
+    LayoutOptions options;
+    options.area_mm = {std::max(60.0, 0.6 * box.width()), std::max(60.0, 0.7 * box.height())};
+    const auto layout = lay_out(drawing, options);
+    if (!layout || layout->pieces.size() < 2) continue;
+    ++split;
+    const LineIndex lines(drawing, 10.0);
+    for (std::uint32_t i = 0; i < layout->pieces.size(); ++i) {
+      CAPTURE(i);
+      const SheetPiece& piece = layout->pieces[i];
+      PlannedPiece planned{piece.transform, piece.share, {}, {}};
+      const auto to_sheet = [&](const SeamRun& run, double from, double to) {
+        const AxisLine line{run.vertical, run.at};
+        return std::array{piece.transform(line.point(from, 0)), piece.transform(line.point(to, 0))};
+      };
+      for (const SeamRun& run : layout->runs) {
+        if (run.lower != i && run.upper != i) continue;
+        PlannedPiece::Seam seam{to_sheet(run, run.from, run.to), {}};
+        for (const SeamStretch& s : run.uncut) seam.glued.push_back(to_sheet(run, s.from, s.to));
+        planned.seams.push_back(std::move(seam));
+      }
+      for (const Tab& tab : layout->tabs)
+        if (tab.on == i)
+          planned.tabs.push_back({piece.transform(tab.corners[0]), piece.transform(tab.corners[1]),
+                                  piece.transform(tab.corners[2]),
+                                  piece.transform(tab.corners[3])});
+      LineWork really;
+      std::vector<PagePoint> points;
+      for (std::uint32_t l = 0; l < piece.first_mark; ++l) {
+        points.clear();
+        for (const PagePoint& p : piece.work.points_of(piece.work.lines[l]))
+          points.push_back(piece.transform(p));
+        really.append(piece.work.lines[l].operation, points);
+      }
+      const std::vector<Bit> said = bits_of(lines_of_piece(drawing, lines, planned));
+      const std::vector<Bit> made = bits_of(really);
+      for (const auto& [ones, others] : {std::pair{&said, &made}, std::pair{&made, &said}})
+        for (const Bit& bit : *ones) {
+          const double l = distance(bit.a, bit.b);
+          if (l < 1e-4) continue;
+          const auto [once, all] = covered(bit, *others, is_fold(bit.operation));
+          CAPTURE(bit.a.x, bit.a.y, bit.b.x, bit.b.y);
+          CHECK(once == Approx(l).margin(1e-4));
+          CHECK(all == Approx(l).margin(1e-4));
+        }
+    }
+  }
+  CHECK(split >= 10);
 }
 
 TEST_CASE("Pieces with tabs glue together to the drawing they were split from", "[layout]") {

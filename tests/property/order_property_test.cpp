@@ -201,6 +201,27 @@ TEST_CASE("a search that is ended early says so and still gives a valid order",
   }
 }
 
+TEST_CASE("the best order is never dearer than the quick one however soon it is ended",
+          "[core][plan][order]") {
+  std::mt19937 random(42);
+  for (int most : {0, 1, 3, 10, 1'000'000}) {
+    CAPTURE(most);
+    const LineWork work = random_drawing(random, most == 0 ? 2500 : 300);
+    OrderOptions options;
+    options.effort = 0.1;
+    const Ordered quick = order(work, options);
+    int asked = 0;
+    options.method = OrderMethod::Best;
+    options.keep_going = [&](double) { return ++asked <= most; };
+    const Ordered best = order(work, options);
+    CHECK(best.cost <= quick.cost + 1e-9);
+    CHECK(best.cost == Approx(travel_cost(work, best.visits, options)));
+    CHECK(best.finished == (most == 1'000'000));
+    check_permutation(work, best.visits);
+    CHECK(outer_before_inner_by_hand(work, best.visits) == 0);
+  }
+}
+
 TEST_CASE("without a mat the sheet only goes forward from band to band", "[core][plan][order]") {
   std::mt19937 random(43);
   const LineWork work = random_drawing(random, 200);

@@ -46,6 +46,14 @@ inline std::vector<std::filesystem::path> corpus() {
   return files;
 }
 
+/// How busy the machine was in the last minute: with each measured time.
+inline std::string load() {
+  std::ifstream file("/proc/loadavg");
+  std::string one;
+  file >> one;
+  return one;
+}
+
 inline std::string text_of(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;

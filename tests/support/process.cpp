@@ -2,6 +2,7 @@
 #include "tests/support/process.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -50,6 +51,7 @@ Ran run_program(const std::vector<std::string>& arguments, const fs::path& folde
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
+  const auto begun = std::chrono::steady_clock::now();
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("cannot fork");
   if (child == 0) {
@@ -65,9 +67,19 @@ Ran run_program(const std::vector<std::string>& arguments, const fs::path& folde
     ::_exit(127);
   }
   int status = 0;
-  ::waitpid(child, &status, 0);
+  rusage used{};
+  ::wait4(child, &status, 0, &used);
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begun;
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
   const int exit = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-  return {exit, text_of_file(out), text_of_file(err)};
+  return {exit,
+          text_of_file(out),
+          text_of_file(err),
+          wall.count(),
+          seconds(used.ru_utime) + seconds(used.ru_stime),
+          used.ru_maxrss};
 }
 
 std::string text_of_file(const fs::path& path) {

@@ -27,6 +27,8 @@ class TempFolder {
 struct Ran {
   int exit{-1};  ///< exit code, or 128 + the signal that ended it
   std::string out, err;
+  double wall_s{}, cpu_s{};
+  long peak_kb{};  ///< resident memory; not less than this process ever had
 };
 
 /// Limits for a program that is run to see it fail.

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/devices/cutter.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "device/doctor.hpp"
+#include "protocol/replies.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+using std::chrono::steady_clock;
+
+DeviceRecord record_of(const CutterLine& line, bool enabled) {
+  DeviceRecord record;
+  record.id = line.device.text;
+  record.model = line.machine.name;
+  record.title = line.machine.title;
+  record.enabled = enabled;
+  record.simulated = line.simulated();
+  record.width_mm = line.machine.width_mm;
+  record.length_mm = line.machine.length_mm;
+  for (const Mat& mat : line.machine.mats) {
+    record.width_mm = std::max(record.width_mm, mat.width_mm);
+    record.length_mm = std::max(record.length_mm, mat.length_mm);
+  }
+  return record;
+}
+
+}  // namespace
+
+Cutter::Cutter(CutterLine line, bool enabled, const SessionOptions& session,
+               std::function<void()> changed)
+    : line_(std::move(line)),
+      options_(session),
+      changed_(std::move(changed)),
+      record_(record_of(line_, enabled)) {
+  refresh();
+  thread_ = std::thread([this] { serve(); });
+}
+
+Cutter::~Cutter() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  cancel_ = true;
+  wake_.notify_all();
+  thread_.join();
+}
+
+DeviceRecord Cutter::record() const {
+  const std::lock_guard lock(mutex_);
+  return record_;
+}
+
+bool Cutter::busy() const {
+  const std::lock_guard lock(mutex_);
+  return cutting_ || next_;
+}
+
+bool Cutter::refresh() {
+  std::string state = "idle";
+  std::vector<std::string> reasons;
+  if (cutting_ || next_) {
+    state = "busy";
+  } else if (!there_) {
+    state = "absent";
+  } else if (!hindrance_.empty()) {
+    state = "offline";
+    reasons = {hindrance_};
+  } else if (trouble_ != Trouble::None) {
+    state = trouble_ == Trouble::Fault ? "fault" : "attention";
+    reasons = {trouble_text_};
+  }
+  if (record_.state == state && record_.reasons == reasons) return false;
+  record_.state = std::move(state);
+  record_.reasons = std::move(reasons);
+  ++record_.rev;
+  return true;
+}
+
+void Cutter::tell() const {
+  if (changed_) changed_();
+}
+
+void Cutter::set_presence(bool there, const std::string& hindrance) {
+  {
+    const std::lock_guard lock(mutex_);
+    // Plugged in anew it is another machine: what was wrong with it is not known any more.
+    if (!there_ && there) trouble_ = Trouble::None;
+    there_ = there;
+    hindrance_ = hindrance;
+    if (!refresh()) return;
+  }
+  tell();
+}
+
+Result<void> Cutter::cut(CutOrder order, std::shared_ptr<CutJournal> journal) {
+  {
+    const std::lock_guard lock(mutex_);
+    const std::string& id = record_.id;
+    if (stopping_) return fail(ErrorKind::Refused, id, "popcutd is stopping; start it again later");
+    if (cutting_ || next_)
+      return fail(ErrorKind::Refused, id, "is cutting; wait until that has ended");
+    if (!there_) return fail(ErrorKind::DeviceGone, id, "is not plugged in, or switched off");
+    if (!hindrance_.empty()) return fail(ErrorKind::Refused, id, hindrance_);
+    if (trouble_ == Trouble::Fault)
+      return fail(ErrorKind::Refused, id, trouble_text_ + "; see to it, then reset the device");
+    cancel_ = false;
+    pause_ = false;
+    trouble_ = Trouble::None;
+    next_ = Work{std::move(order), std::move(journal)};
+    refresh();
+  }
+  wake_.notify_all();
+  tell();
+  return {};
+}
+
+Result<void> Cutter::reset() {
+  std::unique_lock lock(mutex_);
+  if (cutting_ || next_)
+    return fail(ErrorKind::Refused, record_.id, "is cutting; cancel that first");
+  if (!there_) return fail(ErrorKind::DeviceGone, record_.id, "is not plugged in, or switched off");
+  const std::uint64_t before = resets_done_;
+  reset_wanted_ = true;
+  wake_.notify_all();
+  constexpr auto kMost = std::chrono::seconds(20);
+  const bool done = wake_.wait_for(lock, kMost, [&] { return resets_done_ > before || stopping_; });
+  if (!done) return fail(ErrorKind::Timeout, record_.id, "does not answer; switch it off and on");
+  if (trouble_ != Trouble::None) return fail(ErrorKind::Refused, record_.id, trouble_text_);
+  return {};
+}
+
+void Cutter::serve() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    touch();
+    if (next_) {
+      Work work = std::move(*next_);
+      next_.reset();
+      cutting_ = true;
+      lock.unlock();
+      carry_out(std::move(work));
+      lock.lock();
+      continue;
+    }
+    if (std::exchange(reset_wanted_, false)) {
+      lock.unlock();
+      ask_state();
+      lock.lock();
+      ++resets_done_;
+      wake_.notify_all();
+      continue;
+    }
+    if (stopping_) return;
+    wake_.wait_for(lock, std::chrono::seconds(1));
+  }
+}
+
+SessionEnd Cutter::session(const Work& work) {
+  SessionEnd end;
+  auto open = OpenLine::open(line_, work.order.attempt, work.order.area_mm, [this] { touch(); });
+  if (!open) {
+    end.error = open.error();
+    end.fates.assign(work.order.program.strokes.size(), StrokeFate::NotSent);
+    return end;
+  }
+  CutJournal& journal = *work.journal;
+  SessionOptions options = options_;
+  options.cancel = &cancel_;
+  options.pause = &pause_;
+  options.first_stroke =
+      static_cast<std::size_t>(std::max<std::int64_t>(0, work.order.first_stroke));
+  options.progress = [&](const SessionProgress& progress) {
+    touch();
+    journal.progress(progress);
+  };
+  options.intend = [&](std::int64_t last) { return journal.intend(last); };
+  options.settle = [&](std::int64_t certain, std::int64_t taken, std::uint64_t bytes) {
+    return journal.settle(certain, taken, bytes);
+  };
+  end = run_session(open->transport(), line_.machine, work.order.program, options);
+  open->keep_trace(line_, work.order.attempt);
+  return end;
+}
+
+void Cutter::carry_out(Work work) {
+  const SessionEnd end = session(work);
+  {
+    const std::lock_guard lock(mutex_);
+    note_end(end);
+    cutting_ = false;
+    refresh();
+  }
+  work.journal->ended(end);
+  tell();
+}
+
+/// What a session's end says of the machine; a journal's error says nothing of it.
+void Cutter::note_end(const SessionEnd& end) {
+  if (const Result<Identity> identity = parse_identity(end.identity); identity)
+    record_.firmware = identity->firmware;
+  if (!end.error) ++record_.sheets_done;
+  trouble_ = Trouble::None;
+  if (!end.error || end.cancelled) return;
+  trouble_text_ = end.error->detail;
+  if (end.error->kind == ErrorKind::DeviceGone || end.error->kind == ErrorKind::Timeout)
+    trouble_ = Trouble::Fault;
+  else if (end.error->kind == ErrorKind::Refused)
+    trouble_ = Trouble::Attention;
+}
+
+/// Opens the machine anew, drops what it says unasked, and asks how it is. Nothing that could be
+/// cut is sent.
+void Cutter::ask_state() {
+  Trouble trouble = Trouble::None;
+  std::string text;
+  if (!line_.simulated()) {
+    auto open = OpenLine::open(line_, "", {}, [this] { touch(); });
+    if (!open) {
+      trouble = Trouble::Fault;
+      text = open.error().detail;
+    } else if (line_.machine.language == "gpgl" && open->transport().answers()) {
+      const auto answers = ask_machine(open->transport());
+      if (!answers || !answers->status) {
+        trouble = Trouble::Fault;
+        text = answers ? "the machine takes no data; switch it off and on" : answers.error().detail;
+      }
+    }
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    trouble_ = trouble;
+    trouble_text_ = text;
+    refresh();
+  }
+  tell();
+}
+
+}  // namespace popcut::daemon

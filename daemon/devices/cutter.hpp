@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/result.hpp"
+#include "daemon/devices/cutter_line.hpp"
+#include "daemon/devices/cutters.hpp"
+#include "daemon/service/model.hpp"
+#include "device/session.hpp"
+
+namespace popcut::daemon {
+
+/// One cutter with its thread. Members may be called from any thread; none but `reset` waits.
+class Cutter {
+ public:
+  Cutter(CutterLine line, bool enabled, const SessionOptions& session,
+         std::function<void()> changed);
+  ~Cutter();  ///< ends a cut at the end of its stroke, and waits for that
+  Cutter(const Cutter&) = delete;
+  Cutter& operator=(const Cutter&) = delete;
+
+  [[nodiscard]] DeviceRecord record() const;
+  [[nodiscard]] const Machine& machine() const { return line_.machine; }
+  [[nodiscard]] const DeviceId& device() const { return line_.device; }
+
+  [[nodiscard]] Result<void> cut(CutOrder order, std::shared_ptr<CutJournal> journal);
+  void pause(bool wanted) { pause_ = wanted; }
+  void cancel() { cancel_ = true; }
+  [[nodiscard]] Result<void> reset();
+  [[nodiscard]] bool busy() const;
+  /// When its thread last turned.
+  [[nodiscard]] std::chrono::steady_clock::time_point beat() const { return beat_.load(); }
+
+  /// Whether it is plugged in, and if it cannot be used now, why.
+  void set_presence(bool there, const std::string& hindrance);
+
+ private:
+  enum class Trouble : std::uint8_t { None, Attention, Fault };
+  struct Work {
+    CutOrder order;
+    std::shared_ptr<CutJournal> journal;
+  };
+  void serve();
+  void carry_out(Work work);
+  [[nodiscard]] SessionEnd session(const Work& work);
+  void note_end(const SessionEnd& end);
+  void ask_state();
+  void touch() { beat_ = std::chrono::steady_clock::now(); }
+  void tell() const;
+  /// Under the lock: the record as it now is; true if it is another than before.
+  bool refresh();
+
+  CutterLine line_;  ///< of the thread, but for what never changes
+  const SessionOptions options_;
+  const std::function<void()> changed_;
+  std::atomic<bool> cancel_{false}, pause_{false};
+  std::atomic<std::chrono::steady_clock::time_point> beat_{std::chrono::steady_clock::now()};
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  DeviceRecord record_;
+  std::optional<Work> next_;
+  bool cutting_{false}, stopping_{false}, there_{true};
+  bool reset_wanted_{false};
+  std::uint64_t resets_done_{0};
+  Trouble trouble_{Trouble::None};
+  std::string trouble_text_, hindrance_;
+  std::thread thread_;
+};
+
+}  // namespace popcut::daemon

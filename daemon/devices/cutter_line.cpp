@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/devices/cutter_line.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "device/serial_transport.hpp"
+#include "device/trace.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+Result<std::vector<SimFault>> read_faults(const std::string& path) {
+  constexpr std::streamoff kMostBytes = 1 << 24;
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const std::streamoff size = file ? static_cast<std::streamoff>(file.tellg()) : -1;
+  if (size < 0 || size > kMostBytes)
+    return fail(
+        ErrorKind::Malformed, path,
+        fmt::format("cannot be read, or is larger than {} bytes; name a fault script", kMostBytes));
+  file.seekg(0);
+  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  auto faults = parse_faults(text);
+  if (!faults) return tl::unexpected(within(path, faults.error()));
+  return faults;
+}
+
+/// Every byte that a simulated cutter took, a line a write, so that it outlives this process.
+class ReceivedLog {
+ public:
+  static std::shared_ptr<int> open(const std::string& folder) {
+    const int file =
+        ::open((folder + "/received.log").c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+    if (file < 0) return nullptr;
+    return {new int(file), [](int* own) {
+              ::close(*own);
+              delete own;
+            }};
+  }
+  static void put(int file, std::string line) {
+    line += '\n';
+    if (::write(file, line.data(), line.size()) < 0) { /* a trace is a help, never in the way */
+    }
+  }
+};
+
+std::string hex(std::span<const std::byte> bytes) {
+  constexpr std::string_view kDigits{"0123456789abcdef"};
+  std::string text;
+  text.reserve(2 * bytes.size());
+  for (const std::byte byte : bytes) {
+    text += kDigits[std::to_integer<std::size_t>(byte) >> 4];
+    text += kDigits[std::to_integer<std::size_t>(byte) & 15];
+  }
+  return text;
+}
+
+/// A name without anything that leads elsewhere.
+std::string file_name(std::string text) {
+  for (char& c : text)
+    if (!((c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'))) c = '_';
+  return text;
+}
+
+}  // namespace
+
+Result<CutterLine> configured_line(const DeviceConfig& config,
+                                   const std::vector<std::string>& tables) {
+  auto device = parse_device_id(config.id);
+  if (!device) return tl::unexpected(device.error());
+  if (device->kind == DeviceKind::File)
+    return fail(ErrorKind::Usage, config.id,
+                "is no cutter; popcutd drives sim:, usb:, serial:, lp:");
+  const std::string& given = config.treat_as.empty() ? config.machine : config.treat_as;
+  const std::string name =
+      given.empty() && device->kind == DeviceKind::Simulated ? device->name : given;
+  if (name.empty())
+    return fail(ErrorKind::Usage, config.id,
+                "does not tell what it is; name its machine, as in machine = \"hpgl-generic\"");
+  auto machine = find_machine(name, tables);
+  if (!machine) return tl::unexpected(within(config.id, machine.error()));
+  if (!config.treat_as.empty()) machine->identity.clear();  // it says another name
+  CutterLine line{std::move(*device), std::move(*machine), config.time_scale, {}, config.trace, {}};
+  if (!config.faults.empty()) {
+    auto faults = read_faults(config.faults);
+    if (!faults) return tl::unexpected(within(config.id, faults.error()));
+    line.faults = std::move(*faults);
+  }
+  if (!line.simulated()) return line;
+  if (const auto lawful = SimCutter::make(line.machine); !lawful)
+    return tl::unexpected(within(config.id, lawful.error()));
+  if (!line.trace_folder.empty() && ::mkdir(line.trace_folder.c_str(), 0700) != 0 &&
+      errno != EEXIST)
+    return fail(ErrorKind::Unwritable, line.trace_folder,
+                fmt::format("cannot be made: {}; name a folder for traces", std::strerror(errno)));
+  return line;
+}
+
+Result<OpenLine> OpenLine::open(CutterLine& line, const std::string& attempt,
+                                std::array<double, 2> area_mm, const std::function<void()>& beat) {
+  OpenLine open;
+  const auto keep = [&](auto opened) -> Result<OpenLine> {
+    if (!opened) return tl::unexpected(opened.error());
+    open.transport_ = std::move(*opened);
+    open.beating_ = std::make_unique<BeatingTransport>(*open.transport_, beat);
+    return std::move(open);
+  };
+  switch (line.device.kind) {
+    case DeviceKind::Usb:
+      if (!line.bus) return fail(ErrorKind::DeviceGone, line.device.text, "there is no USB here");
+      return keep(line.bus->connect(line.device.name));
+    case DeviceKind::Serial:
+      return keep(PortTransport::open_serial(line.device.name, line.device.serial));
+    case DeviceKind::Printer:
+      return keep(PortTransport::open_printer(line.device.name));
+    default:
+      break;
+  }
+  SimOptions around;
+  around.page_width_mm = area_mm[0];
+  around.page_length_mm = area_mm[1];
+  auto sim = SimCutter::make(line.machine, around);
+  if (!sim) return tl::unexpected(sim.error());
+  std::function<void(std::span<const std::byte>)> received;
+  if (!line.trace_folder.empty()) open.log_ = ReceivedLog::open(line.trace_folder);
+  if (open.log_) {
+    ReceivedLog::put(*open.log_, "open " + file_name(attempt));
+    received = [file = *open.log_](std::span<const std::byte> bytes) {
+      ReceivedLog::put(file, hex(bytes));
+    };
+  }
+  SimTransport cable(std::move(*sim), std::exchange(line.faults, {}));
+  return keep(Result<std::unique_ptr<Transport>>(std::make_unique<PacedTransport>(
+      std::move(cable), line.time_scale, beat, std::move(received))));
+}
+
+OpenLine::~OpenLine() = default;
+
+void OpenLine::keep_trace(const CutterLine& line, const std::string& attempt) const {
+  const auto* sim = dynamic_cast<const PacedTransport*>(transport_.get());
+  if (sim == nullptr || line.trace_folder.empty()) return;
+  const std::string path = line.trace_folder + "/" + file_name(attempt) + ".json";
+  std::ofstream(path, std::ios::binary) << trace_json(sim->cutter().trace());
+}
+
+}  // namespace popcut::daemon

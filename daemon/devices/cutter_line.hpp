@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/plan/machine.hpp"
+#include "core/result.hpp"
+#include "daemon/config/config.hpp"
+#include "daemon/devices/paced_transport.hpp"
+#include "device/device_id.hpp"
+#include "device/sim_faults.hpp"
+#include "device/trace.hpp"
+#include "device/usb_bus.hpp"
+
+namespace popcut::daemon {
+
+/// How a cutter is reached: its machine, and a way to open it for one sheet.
+struct CutterLine {
+  DeviceId device;
+  Machine machine;
+  double time_scale{0};            ///< simulated
+  std::vector<SimFault> faults{};  ///< simulated; of the next sheet only
+  std::string trace_folder{};      ///< simulated; empty: none is kept
+  std::shared_ptr<UsbBus> bus{};   ///< of a USB device
+  [[nodiscard]] bool simulated() const { return device.kind == DeviceKind::Simulated; }
+};
+
+/// The line of a configured device that is simulated or a port.
+///
+/// @retval Usage, OutOfRange, Malformed  its id, machine or fault script is not lawful
+[[nodiscard]] Result<CutterLine> configured_line(const DeviceConfig& config,
+                                                 const std::vector<std::string>& tables);
+
+/// An open line.
+class OpenLine {
+ public:
+  /// @param attempt  of the sheet, for the trace
+  /// @retval DeviceGone, Refused  as the transports say
+  [[nodiscard]] static Result<OpenLine> open(CutterLine& line, const std::string& attempt,
+                                             std::array<double, 2> area_mm,
+                                             const std::function<void()>& beat);
+  OpenLine(OpenLine&&) = default;
+  OpenLine& operator=(OpenLine&&) = default;
+  OpenLine(const OpenLine&) = delete;
+  OpenLine& operator=(const OpenLine&) = delete;
+  ~OpenLine();
+
+  [[nodiscard]] Transport& transport() { return *beating_; }
+  /// Keeps what a simulated cutter did, where the configuration wants it.
+  void keep_trace(const CutterLine& line, const std::string& attempt) const;
+
+ private:
+  OpenLine() = default;
+  std::shared_ptr<int> log_;  ///< received.log
+  std::unique_ptr<Transport> transport_;
+  std::unique_ptr<BeatingTransport> beating_;
+};
+
+}  // namespace popcut::daemon

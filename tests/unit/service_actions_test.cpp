@@ -1,0 +1,477 @@
+// SPDX-License-Identifier: MIT
+#include <catch2/catch.hpp>
+
+#include "tests/support/service_bench.hpp"
+
+using namespace popcut;
+using namespace popcut::daemon;
+using popcut::test::ServiceBench;
+
+namespace {
+
+Job shown(ServiceBench& bench, const Job& job) { return bench.job(job.id); }
+
+Ledger ledger(ServiceBench& bench, const std::string& job, int sheet = 1) {
+  return bench.on([&](JobService& service) { return service.ledger(job, sheet).value(); });
+}
+
+// Interrupted with strokes 0..1 certain and 2 in doubt, of 5.
+Job broken(ServiceBench& bench, ErrorKind kind = ErrorKind::DeviceGone,
+           const std::string& words = "unplugged") {
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  REQUIRE(bench.cutters.intend(bench.device, 2));
+  bench.cutters.finish(bench.device, {.error = Error{kind, "", words}, .certain = 1, .doubt = 2});
+  return bench.job(ready.id);
+}
+
+}  // namespace
+
+TEST_CASE("arming names the sheet the blank the device and the plan", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  const auto arm = [&](ActionWish wish) {
+    wish.action = JobAction::Arm;
+    return bench.on([&](JobService& service) {
+      return service.act(bench.tutor, ready.id, service.job(ready.id)->rev, wish);
+    });
+  };
+  CHECK(arm({}).error().errors.at(0).pointer == "/sheet");
+  const Problem other_sheet = arm({.sheet = 2}).error();
+  CHECK(other_sheet.kind == ProblemKind::StateConflict);
+  CHECK(other_sheet.state == "ready");
+  CHECK_FALSE(other_sheet.allowed_actions.empty());
+  CHECK(arm({.sheet = 1, .blank = 2}).error().kind == ProblemKind::StateConflict);
+  CHECK(arm({.sheet = 1, .device = "sim:none"}).error().kind == ProblemKind::Validation);
+  CHECK(arm({.sheet = 1, .plan_sha256 = std::string(64, '0')}).error().kind ==
+        ProblemKind::StateConflict);
+  const std::string sha256 =
+      bench.on([&](JobService& service) { return service.plan(ready.plan)->sha256; });
+  CHECK(arm({.sheet = 1, .blank = 1, .device = bench.device, .plan_sha256 = sha256}));
+  CHECK(shown(bench, ready).state == JobState::Armed);
+}
+
+TEST_CASE("an arm lives ten minutes by the clock that nobody sets", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  REQUIRE(bench.act(ready.id, JobAction::Arm));
+  bench.skew_ms = 366LL * 86'400'000;  // the wall's clock jumps a year ahead
+  bench.on([](JobService& service) { service.tick(); });
+  CHECK(shown(bench, ready).state == JobState::Armed);
+  bench.monotonic_skew_ms = 601'000;
+  // Even before anyone looked, START comes too late.
+  CHECK(bench.act(ready.id, JobAction::Start).error().kind == ProblemKind::StateConflict);
+  bench.on([](JobService& service) { service.tick(); });
+  CHECK(shown(bench, ready).state == JobState::Ready);
+  CHECK(shown(bench, ready).reason == "arm_expired");
+  CHECK(bench.cutters.cuts() == 0);
+}
+
+TEST_CASE("an arm is used once", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  CHECK(bench.act(ready.id, JobAction::Start).error().kind == ProblemKind::StateConflict);
+  CHECK(bench.act(ready.id, JobAction::Arm).error().kind == ProblemKind::StateConflict);
+  CHECK(bench.cutters.cuts() == 1);
+}
+
+TEST_CASE("a restart takes back what was armed and keeps what was ready", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  REQUIRE(bench.act(ready.id, JobAction::Arm));
+  bench.crash();
+  REQUIRE(bench.start() == "");
+  const Job again = shown(bench, ready);
+  CHECK(again.state == JobState::Ready);
+  CHECK(bench.act(ready.id, JobAction::Start).error().kind == ProblemKind::StateConflict);
+  CHECK(bench.cutters.cuts() == 0);
+  const auto events =
+      bench.on([&](JobService& service) { return service.events(0, 1000, ready.id).value(); });
+  CHECK(events.back().data.find(R"("recovered":{"from":"armed","to":"ready"})") !=
+        std::string::npos);
+}
+
+TEST_CASE("unplugging takes back what was armed and asks for the device", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  REQUIRE(bench.on([&](JobService& service) {
+    return service.patch_job(bench.tutor, ready.id, ready.rev, {.device = bench.device});
+  }));
+  REQUIRE(bench.act(ready.id, JobAction::Arm));
+  bench.cutters.unplug(bench.device);
+  const Job after = bench.wait_for(ready.id, JobState::Ready);
+  CHECK(after.reason == "device_gone");
+  CHECK(after.attention->kind == "device_absent");
+  CHECK(bench.act(ready.id, JobAction::Arm).error().kind == ProblemKind::DeviceAbsent);
+  bench.cutters.plug(bench.device);
+  REQUIRE(bench.wait([&] {
+    return bench.on([&](JobService& s) { return s.device(bench.device)->state == "idle"; });
+  }));
+  CHECK(shown(bench, ready).state == JobState::Ready);  // replugging arms nothing
+  CHECK(shown(bench, ready).attention->kind == "load_sheet");
+  CHECK(bench.act(ready.id, JobAction::Arm));
+}
+
+TEST_CASE("a cutter that refuses the sheet leaves the blank to be started again",
+          "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  bench.cutters.refuses = true;
+  REQUIRE(bench.act(ready.id, JobAction::Arm));
+  REQUIRE(bench.act(ready.id, JobAction::Start));
+  const Job after = shown(bench, ready);
+  CHECK(after.state == JobState::Ready);
+  CHECK(after.blank == 1);
+  bench.cutters.refuses = false;
+  bench.started(ready.id);
+  CHECK(bench.cutters.cuts() == 1);
+  bench.cutters.complete(bench.device);
+  CHECK(shown(bench, ready).sheet == 2);
+}
+
+TEST_CASE("a pause is told when the tool is up and resume goes on", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  const Job pausing = bench.act(ready.id, JobAction::Pause).value();
+  CHECK(pausing.state == JobState::Cutting);
+  CHECK(pausing.reason == "pausing");
+  CHECK(bench.cutters.pauses() == 1);
+  bench.cutters.progress(bench.device, {.phase = SessionPhase::Held});
+  CHECK(bench.wait_for(ready.id, JobState::Paused).state == JobState::Paused);
+  CHECK(bench.act(ready.id, JobAction::Resume)->state == JobState::Cutting);
+  CHECK(bench.cutters.resumes() == 1);
+  // Held without having been asked is nothing that leads on.
+  bench.cutters.progress(bench.device, {.phase = SessionPhase::Held});
+  bench.on([](JobService&) {});
+  CHECK(shown(bench, ready).state == JobState::Cutting);
+  bench.cutters.complete(bench.device);
+  CHECK(shown(bench, ready).sheet == 2);
+}
+
+TEST_CASE("a pause can be taken back before the stroke has ended", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  REQUIRE(bench.act(ready.id, JobAction::Pause));
+  CHECK(bench.act(ready.id, JobAction::Resume)->reason.empty());
+  CHECK(bench.act(ready.id, JobAction::Resume).error().kind == ProblemKind::StateConflict);
+}
+
+TEST_CASE("a pause on the panel is shown and ends with the panel", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  bench.cutters.progress(bench.device, {.phase = SessionPhase::Paused});
+  REQUIRE(bench.wait([&] { return shown(bench, ready).reason == "panel_pause"; }));
+  CHECK(shown(bench, ready).state == JobState::Cutting);
+  CHECK(shown(bench, ready).attention.has_value());
+  bench.cutters.progress(bench.device, {.phase = SessionPhase::Cutting});
+  REQUIRE(bench.wait([&] { return shown(bench, ready).reason.empty(); }));
+  CHECK_FALSE(shown(bench, ready).attention.has_value());
+}
+
+TEST_CASE("cancelling waits for the knife", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  const Job asked =
+      bench.act(ready.id, {.action = JobAction::Cancel, .reason = "wrong paper"}).value();
+  CHECK(asked.state == JobState::Cutting);
+  CHECK(bench.cutters.cancels() == 1);
+  CHECK(bench.act(ready.id, JobAction::Pause).error().kind == ProblemKind::StateConflict);
+  bench.cutters.finish(bench.device, {.cancelled = true, .certain = 1});
+  const Job over = shown(bench, ready);
+  CHECK(over.state == JobState::Cancelled);
+  CHECK(over.reason == "wrong paper");
+  CHECK(ledger(bench, ready.id).attempts.at(0).end_kind == "cancelled");
+  for (const JobAction action : {JobAction::Arm, JobAction::Cancel, JobAction::RetrySheet})
+    CHECK(bench.act(ready.id, action).error().kind == ProblemKind::StateConflict);
+}
+
+TEST_CASE("cancelling after the last stroke of the last sheet comes too late",
+          "[daemon][service]") {
+  ServiceBench bench;
+  bench.planner.sheets = 1;
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  REQUIRE(bench.act(ready.id, JobAction::Cancel));
+  bench.cutters.complete(bench.device);
+  CHECK(shown(bench, ready).state == JobState::Done);
+  bench.planner.sheets = 2;
+  const Job second = bench.ready_job("{\"another\":1}");
+  bench.started(second.id);
+  REQUIRE(bench.act(second.id, JobAction::Cancel));
+  bench.cutters.complete(bench.device);
+  CHECK(shown(bench, second).state == JobState::Cancelled);
+}
+
+TEST_CASE("jobs that no knife has are cancelled at once", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  CHECK(bench.act(ready.id, JobAction::Cancel)->state == JobState::Cancelled);
+  const Job armed = bench.ready_job();
+  REQUIRE(bench.act(armed.id, JobAction::Arm));
+  CHECK(bench.act(armed.id, JobAction::Cancel)->state == JobState::Cancelled);
+  const Job interrupted = broken(bench);
+  CHECK(bench.act(interrupted.id, JobAction::Cancel)->state == JobState::Cancelled);
+  const auto slow = bench.add_design("{\"slow\":1}").value();
+  const Job waiting = bench.create(slow.id).value();
+  REQUIRE(bench.wait_for(waiting.id, JobState::Planning).state == JobState::Planning);
+  CHECK(bench.act(waiting.id, JobAction::Cancel)->state == JobState::Cancelled);
+  CHECK(bench.planner.cancelled == 1);
+}
+
+TEST_CASE("what ends a cut early is told by its kind", "[daemon][service]") {
+  struct Row {
+    ErrorKind kind;
+    std::string words, reason, attention;
+  };
+  const Row row = GENERATE(
+      Row{ErrorKind::DeviceGone, "unplugged", "device_gone", "device_absent"},
+      Row{ErrorKind::Timeout, "no byte taken", "stall", "device_fault"},
+      Row{ErrorKind::Refused, "the job was cancelled on the machine's panel", "panel_stop",
+          "in_doubt"},
+      Row{ErrorKind::Refused, "no media is loaded", "media_out", "media_out"},
+      Row{ErrorKind::Refused, "registration marks not found", "marks_not_found", "device_fault"},
+      Row{ErrorKind::Unwritable, "the cut cannot be recorded", "store", "in_doubt"});
+  CAPTURE(row.words);
+  ServiceBench bench;
+  const Job after = broken(bench, row.kind, row.words);
+  CHECK(after.state == JobState::Interrupted);
+  CHECK(after.reason == row.reason);
+  CHECK(after.attention->kind == row.attention);
+  CHECK(after.progress.paths_certain == 2);
+  CHECK(after.progress.paths_sent == 3);
+  const Ledger known = ledger(bench, after.id);
+  CHECK(known.certain_upto == 1);
+  CHECK(known.in_doubt.at(0).first == 2);
+  CHECK(known.in_doubt.at(0).last == 2);
+  CHECK(known.not_sent.at(0).first == 3);
+  CHECK(known.last_status.find(row.words) != std::string::npos);
+}
+
+TEST_CASE("a retry takes a new blank and resuming the same one", "[daemon][service]") {
+  ServiceBench bench;
+  const Job lost = broken(bench);
+  const Job retried = bench.act(lost.id, JobAction::RetrySheet).value();
+  CHECK(retried.state == JobState::Ready);
+  CHECK(retried.blank == 2);
+  CHECK(retried.segment == 1);
+  bench.started(lost.id);
+  REQUIRE(bench.cutters.intend(bench.device, 3));
+  bench.cutters.finish(bench.device,
+                       {.error = Error{ErrorKind::Timeout, "", "stuck"}, .certain = 2, .doubt = 3});
+  ActionWish wish{.action = JobAction::ResumeFrom, .from_path = 3, .registration = "kept"};
+  CHECK(bench.act(lost.id, wish).error().kind == ProblemKind::StateConflict);
+  wish.accept_double_cut = true;
+  const Job resumed = bench.act(lost.id, wish).value();
+  CHECK(resumed.state == JobState::Ready);
+  CHECK(resumed.blank == 2);
+  CHECK(resumed.segment == 2);
+  CHECK(resumed.device == bench.device);
+  bench.started(lost.id);
+  CHECK(bench.cutters.first_stroke(bench.device) == 3);
+  bench.cutters.finish(bench.device, {.certain = 4});
+  CHECK(shown(bench, lost).sheet == 2);
+  const Ledger known = ledger(bench, lost.id);
+  CHECK(known.certain_upto == 4);
+  CHECK(known.attempts.size() == 3);
+  CHECK(known.attempts.at(2).operator_name == bench.tutor.name);
+}
+
+TEST_CASE("a sheet stays registered only while its cutter was never away", "[daemon][service]") {
+  ServiceBench bench;
+  const Job lost = broken(bench);
+  bench.cutters.unplug(bench.device);
+  REQUIRE(bench.wait([&] {
+    return bench.on([&](JobService& s) { return s.device(bench.device)->state == "absent"; });
+  }));
+  bench.cutters.plug(bench.device);
+  REQUIRE(bench.wait([&] {
+    return bench.on([&](JobService& s) { return s.device(bench.device)->state == "idle"; });
+  }));
+  CHECK(shown(bench, lost).state == JobState::Interrupted);
+  ActionWish wish{.action = JobAction::ResumeFrom,
+                  .from_path = 2,
+                  .registration = "kept",
+                  .accept_double_cut = true};
+  CHECK(bench.act(lost.id, wish).error().detail.find("register") != std::string::npos);
+  wish.registration = "somehow";
+  CHECK(bench.act(lost.id, wish).error().kind == ProblemKind::Validation);
+  wish.registration = "re-registered";
+  CHECK(bench.act(lost.id, wish).value().segment == 2);
+}
+
+TEST_CASE("a machine that answers nothing needs a person to say done", "[daemon][service]") {
+  ServiceBench bench;
+  bench.planner.sheets = 1;
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  REQUIRE(bench.cutters.intend(bench.device, 4));
+  bench.cutters.finish(bench.device, {.confirmed = false, .certain = -1, .doubt = 4});
+  const Job unsure = shown(bench, ready);
+  CHECK(unsure.state == JobState::Interrupted);
+  CHECK(unsure.attention->kind == "confirm_result");
+  const Job bad = bench.act(ready.id, {.action = JobAction::ConfirmResult, .good = false}).value();
+  CHECK(bad.state == JobState::Interrupted);
+  const Job good = bench.act(ready.id, {.action = JobAction::ConfirmResult, .good = true}).value();
+  CHECK(good.state == JobState::Done);
+  const auto usage = bench.on([](JobService& s) { return s.usage({}, {}, "device"); });
+  CHECK(usage.at(0).sheets == 1);
+}
+
+TEST_CASE("a sheet with paths that were never sent cannot be confirmed", "[daemon][service]") {
+  ServiceBench bench;
+  const Job lost = broken(bench);
+  CHECK(bench.act(lost.id, {.action = JobAction::ConfirmResult, .good = true}).error().kind ==
+        ProblemKind::StateConflict);
+  CHECK(bench.act(lost.id, JobAction::SkipSheet)->sheet == 2);
+  CHECK(bench.act(lost.id, JobAction::SkipSheet)->state == JobState::Done);
+  CHECK(shown(bench, lost).outcome == "done with skipped sheets");
+}
+
+TEST_CASE("without the word of the device nothing is done", "[daemon][service]") {
+  ServiceBench bench;
+  bench.planner.sheets = 1;
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  // It claims to be through, but one stroke was never sent.
+  bench.cutters.finish(bench.device, {.confirmed = true, .certain = 3, .doubt = 3});
+  CHECK(shown(bench, ready).state == JobState::Interrupted);
+}
+
+TEST_CASE("dots which are never sent do not keep a sheet from being done", "[daemon][service]") {
+  ServiceBench bench;
+  bench.planner.sheets = 1;
+  bench.options.read_program = [](const std::string& folder, int sheet) {
+    auto program = popcut::test::read_fake_program(folder, sheet);
+    if (program) program->dots = {0, 3};
+    return program;
+  };
+  bench.stop();
+  REQUIRE(bench.start() == "");
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  std::vector<StrokeFate> fates;
+  bench.cutters.finish(bench.device, {.certain = 4});
+  CHECK(shown(bench, ready).state == JobState::Done);
+}
+
+TEST_CASE("a crash while cutting leaves the paths on their way in doubt", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  REQUIRE(bench.cutters.intend(bench.device, 0));
+  bench.cutters.settle(bench.device, 0, 0);
+  REQUIRE(bench.cutters.intend(bench.device, 2));
+  bench.crash();
+  REQUIRE(bench.start() == "");
+  const Job after = shown(bench, ready);
+  CHECK(after.state == JobState::Interrupted);
+  CHECK(after.reason == "crash");
+  CHECK(after.attention->kind == "in_doubt");
+  const Ledger known = ledger(bench, ready.id);
+  CHECK(known.certain_upto == 0);
+  CHECK(known.in_doubt.at(0).first == 1);
+  CHECK(known.in_doubt.at(0).last == 2);
+  CHECK(known.not_sent.at(0).first == 3);
+  CHECK(known.attempts.at(0).end_kind == "crash");
+  CHECK(bench.cutters.cuts() == 1);
+  // The cutter may have been switched off meanwhile.
+  CHECK_FALSE(bench.act(ready.id, {.action = JobAction::ResumeFrom,
+                                   .from_path = 1,
+                                   .registration = "kept",
+                                   .accept_double_cut = true}));
+}
+
+TEST_CASE("a crash while paused interrupts too", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  REQUIRE(bench.act(ready.id, JobAction::Pause));
+  bench.cutters.progress(bench.device, {.phase = SessionPhase::Held});
+  REQUIRE(bench.wait_for(ready.id, JobState::Paused).state == JobState::Paused);
+  bench.crash();
+  REQUIRE(bench.start() == "");
+  CHECK(shown(bench, ready).state == JobState::Interrupted);
+}
+
+TEST_CASE("stopping popcutd interrupts its cuts at the ends of their strokes",
+          "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  REQUIRE(bench.cutters.intend(bench.device, 1));
+  bench.on([](JobService& service) { service.stopping(); });
+  bench.cutters.finish(bench.device, {.cancelled = true, .certain = 1});
+  CHECK(shown(bench, ready).state == JobState::Interrupted);
+  CHECK(shown(bench, ready).reason == "shutdown");
+  const Job other = bench.act(ready.id, JobAction::RetrySheet).value();
+  REQUIRE(bench.act(other.id, JobAction::Arm));
+  CHECK(bench.act(other.id, JobAction::Start).error().kind == ProblemKind::Unavailable);
+}
+
+TEST_CASE("a program that is not the one that was planned is not cut", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  const std::string file = bench.folder() + "/plans/" + ready.plan + "/sheet-1.gpgl";
+  const std::string bytes = read_whole(file, 10'000).value();
+  std::string changed = bytes;
+  changed[20] = 'x';
+  popcut::test::write_text(file, changed);
+  REQUIRE(bench.act(ready.id, JobAction::Arm));
+  CHECK(bench.act(ready.id, JobAction::Start).error().kind == ProblemKind::StateConflict);
+  remove_tree(file);
+  CHECK(bench.act(ready.id, JobAction::Start).error().kind == ProblemKind::StateConflict);
+  CHECK(bench.cutters.cuts() == 0);
+  popcut::test::write_text(file, bytes);
+  CHECK(bench.act(ready.id, JobAction::Start));
+}
+
+TEST_CASE("roles decide who may do what to whose job", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  const auto as = [&](const Principal& who, JobAction action) {
+    return bench.on([&](JobService& service) {
+      return service.act(who, ready.id, service.job(ready.id)->rev, {.action = action, .sheet = 1});
+    });
+  };
+  CHECK(as(bench.student, JobAction::Arm).error().kind == ProblemKind::Forbidden);
+  CHECK(as(bench.viewer, JobAction::Cancel).error().kind == ProblemKind::Forbidden);
+  CHECK(as(bench.other_student, JobAction::Cancel).error().kind == ProblemKind::Forbidden);
+  CHECK(as(bench.tutor, JobAction::Arm));
+  CHECK(as(bench.student, JobAction::Cancel));
+}
+
+TEST_CASE("who acts on what has changed meanwhile is told so", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  REQUIRE(bench.act(ready.id, JobAction::Arm));
+  const Problem stale = bench
+                            .on([&](JobService& service) {
+                              return service.act(bench.tutor, ready.id, ready.rev,
+                                                 {.action = JobAction::Arm, .sheet = 1});
+                            })
+                            .error();
+  CHECK(stale.kind == ProblemKind::Stale);
+  CHECK(stale.rev == ready.rev + 1);
+  CHECK(stale.state == "armed");
+}
+
+TEST_CASE("actions leave an audit trail with the person's name", "[daemon][service]") {
+  ServiceBench bench;
+  const Job lost = broken(bench);
+  REQUIRE(bench.act(lost.id, {.action = JobAction::ResumeFrom,
+                              .from_path = 2,
+                              .registration = "kept",
+                              .accept_double_cut = true}));
+  const std::string detail = bench.on([&](JobService&) {
+    Rows rows = bench.store().database().rows(
+        "SELECT principal, detail FROM audit WHERE action='resume-from'");
+    return rows.next() ? rows.text(0) + " " + rows.text(1) : std::string();
+  });
+  CHECK(detail.find("uid:4 ") == 0);
+  CHECK(detail.find("double cut accepted") != std::string::npos);
+}
