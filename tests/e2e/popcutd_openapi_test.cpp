@@ -118,7 +118,7 @@ json job_in(Caller& caller, const std::string& job, const std::string& state) {
 }  // namespace
 
 TEST_CASE("the real daemon answers as its own description says", "[daemon][popcutd][openapi]") {
-  DaemonProcess daemon(POPCUTD_PROGRAM, 0, "[limits]\nrate_per_s = 10000\nrate_burst = 10000\n");
+  DaemonProcess daemon(POPCUTD_PROGRAM);
   const bool serves = daemon.start();
   INFO(daemon.log());
   REQUIRE(serves);
