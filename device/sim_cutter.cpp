@@ -219,7 +219,19 @@ void SimCutter::forget_done_commands() {
   next_ = 0;
 }
 
+/// An empty machine that has nothing to do answers what it is asked, as a recorded Portrait did.
+void SimCutter::answer_without_media() {
+  if (media_ || paused_ || cancelled_until_ || !actions_.empty() || next_point_ != 0) return;
+  while (has_commands() && incoming_.commands[next_].verb == Verb::Query) {
+    const Command command = incoming_.commands[next_++];
+    apply(command);
+    executed_ = std::max(executed_, command.end);
+    forget_done_commands();
+  }
+}
+
 void SimCutter::start_next() {
+  if (held() && !current_) answer_without_media();
   if (current_ || held()) return;
   lower();
   if (actions_.empty()) {

@@ -163,6 +163,7 @@ class SimCutter {
   void send_reply(std::string bytes);
   // The clock.
   [[nodiscard]] bool held() const { return paused_ || !media_ || cancelled_until_.has_value(); }
+  void answer_without_media();
   void start_next();
   void complete();
   void record_move(PagePoint to);

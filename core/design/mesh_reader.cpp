@@ -263,7 +263,12 @@ Result<TriangleMesh> import(const std::string& name, std::string_view bytes, con
 }  // namespace
 
 Result<TriangleMesh> read_mesh(const std::string& name, std::string_view bytes) {
-  const std::string kind = extension(name);
+  std::string kind = extension(name);
+  // A name without an ending, as assets have, says nothing. An OBJ is text with vertices in it.
+  if (kind.empty()) {
+    const bool stl = bytes.substr(0, 5) == "solid" || bytes.find('\0') != std::string_view::npos;
+    kind = stl ? "stl" : "obj";
+  }
   if (kind == "obj") {
     const auto plain = plain_obj(name, bytes);
     if (!plain) return tl::unexpected(plain.error());

@@ -13,7 +13,7 @@ namespace popcut {
 /// triangles, all parts of the file together. Nothing beside `bytes` is opened: an OBJ's materials
 /// are left out. Counts are checked against the bytes that are there before memory is taken.
 ///
-/// @param name  file name, for its extension and for errors
+/// @param name  file name, for its extension (without one the bytes tell) and for errors
 /// @retval Malformed   neither STL nor OBJ, broken, cut off, without faces
 /// @retval OutOfRange  more than `kMaxTriangles`, or a coordinate that is not a finite number
 [[nodiscard]] Result<TriangleMesh> read_mesh(const std::string& name, std::string_view bytes);

@@ -21,8 +21,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-constexpr auto kLook = std::chrono::seconds(2);     // at ports, which tell nothing by themselves
-constexpr auto kNoBeat = std::chrono::seconds(12);  // then a cutter's thread counts as stuck
+constexpr auto kLook = std::chrono::seconds(2);  // at ports, which tell nothing by themselves
 
 class CutterSet final : public Cutters {
  public:
@@ -129,8 +128,9 @@ class CutterSet final : public Cutters {
   bool alive() const override {
     const std::lock_guard lock(mutex_);
     const auto now = steady_clock::now();
+    const auto stuck = std::chrono::duration<double>(options_.stuck_s);
     return std::all_of(cutters_.begin(), cutters_.end(),
-                       [&](const auto& cutter) { return now - cutter->beat() < kNoBeat; });
+                       [&](const auto& cutter) { return now - cutter->beat() < stuck; });
   }
 
  private:

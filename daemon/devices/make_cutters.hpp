@@ -20,6 +20,7 @@ struct CuttersOptions {
   std::vector<std::string> tables{};  ///< users' tables of machines, as texts
   bool usb{true};                     ///< cutters on the bus, as they come and go
   SessionOptions session{};           ///< its limits and times; hooks are not used
+  double stuck_s{12};                 ///< a thread that has not turned for so long is not alive
 };
 
 /// The cutters of this machine. A `faults` script strikes in the first cut after the start. `trace`

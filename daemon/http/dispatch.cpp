@@ -176,23 +176,26 @@ bool wants_stream(const Request& request) {
 
 void dispatch(const Request& request, const Route& route, Service& service, const Shop& shop,
               const Reply& reply) {
-  Reply answer = reply;
-  if (const auto seen = request.header("if-none-match"); seen && is_read(request))
-    answer = Reply([reply, list = std::string(*seen)](Response response) {
-      reply(unless_seen(std::move(response), list));
-    });
   try {
+    Reply answer = reply;
+    if (const auto seen = request.header("if-none-match"); seen && is_read(request))
+      answer = Reply([reply, list = std::string(*seen)](Response response) {
+        reply(unless_seen(std::move(response), list));
+      });
     if (const auto fault = check_request(request, route))
       return answer(problem_response(*fault, request));
     route.handler(request, service, shop, answer);
   } catch (const std::bad_alloc&) {
-    answer(problem_response(
+    reply(problem_response(
         Problem{ProblemKind::Unavailable, "there is not enough memory for this now"}, request));
-  } catch (const std::exception&) {
-    answer(problem_response(Problem{ProblemKind::Internal,
-                                    "something is wrong in popcutd; its log "
-                                    "has more under the request's id"},
-                            request));
+  } catch (const std::exception& e) {
+    if (shop.log_fault)
+      shop.log_fault(fmt::format("http {} {} {}: {}", request.id, name_of(request.method),
+                                 for_log(request.path()), for_log(e.what())));
+    reply(problem_response(Problem{ProblemKind::Internal,
+                                   "something is wrong in popcutd; its log "
+                                   "has more under the request's id"},
+                           request));
   }
 }
 

@@ -59,7 +59,10 @@ void EventRing::push(EventFramePtr frame) {
     return;
   }
   ++dropped_;
-  if (frame->is_progress) return;
+  if (!frame->is_progress) give_up();
+}
+
+void EventRing::give_up() {
   dropped_ += frames_.size();
   frames_.clear();
   bytes_ = 0;

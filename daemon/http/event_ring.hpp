@@ -34,6 +34,8 @@ class EventRing {
       : most_events_(most_events), most_bytes_(most_bytes) {}
 
   void push(EventFramePtr frame);
+  /// Overflows: clears the ring for good.
+  void give_up();
   /// The oldest; nullptr if there is none.
   [[nodiscard]] EventFramePtr pop();
   [[nodiscard]] bool is_empty() const { return frames_.empty(); }

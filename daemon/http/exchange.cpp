@@ -141,7 +141,7 @@ asio::awaitable<bool> respond(Hub& hub, ClientPtr client, Exchange& exchange, Re
   hub.metrics.count(exchange.route == nullptr ? "none" : exchange.route->path, response.status);
   const double ms =
       std::chrono::duration<double, std::milli>(Clock::now() - exchange.begun).count();
-  hub.log_request(*client, request, response, ms);
+  hub.log_request(request, response, ms);
   co_return fine && !close;
 }
 
@@ -238,7 +238,8 @@ std::optional<Problem> look_at_principal(Hub& hub, const Client& client, Exchang
     hub.metrics.reject("origin");
     return wrong;
   }
-  const std::string key = route.access.is_open() ? "open" : request.principal.name;
+  const std::string key =
+      route.access.is_open() ? fmt::format("open {}", route.path) : request.principal.name;
   RateLimit& limit = route.is_urgent ? hub.urgent_rate : hub.rate;
   if (const auto wait = limit.take(key, hub.now_s())) {
     Problem problem{ProblemKind::Rate,
@@ -421,6 +422,22 @@ asio::awaitable<bool> next_head(Hub& hub, ClientPtr client) {
   co_return true;
 }
 
+asio::awaitable<void> serve_all(Hub& hub, ClientPtr client) {
+  while (!client->closed && !hub.stopping) {
+    const bool has_head = co_await next_head(hub, client);
+    if (!has_head) co_return;
+    Exchange exchange;
+    exchange.request.id = new_request_id();
+    const AtEnd give_back([&hub, &exchange] {
+      if (exchange.spool) --hub.uploads;
+    });
+    const bool goes_on = co_await serve_one(hub, client, exchange);
+    if (!goes_on) co_return;
+    ++client->served;
+    client->reader.next();
+  }
+}
+
 }  // namespace
 
 asio::awaitable<bool> send_all(Hub& hub, ClientPtr client, std::string_view bytes) {
@@ -446,19 +463,15 @@ asio::awaitable<bool> send_all(Hub& hub, ClientPtr client, std::string_view byte
 }
 
 asio::awaitable<void> serve(Hub& hub, ClientPtr client) {
-  while (!client->closed && !hub.stopping) {
-    const bool has_head = co_await next_head(hub, client);
-    if (!has_head) break;
-    Exchange exchange;
-    exchange.request.id = new_request_id();
-    const bool goes_on = co_await serve_one(hub, client, exchange);
-    if (exchange.spool) --hub.uploads;
-    if (!goes_on) break;
-    ++client->served;
-    client->reader.next();
+  const AtEnd leave([&hub, client] {
+    client->close();
+    hub.remove(client);
+  });
+  try {
+    co_await serve_all(hub, client);
+  } catch (const std::exception& e) {
+    hub.log_fault(e.what());
   }
-  client->close();
-  hub.remove(client);
 }
 
 }  // namespace popcut::daemon::http

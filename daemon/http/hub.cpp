@@ -73,6 +73,10 @@ Hub::Hub(HttpOptions what)
   Sha256 hash;
   hash.add(openapi_json());
   shop.openapi_sha256 = hash.hex();
+  if (options.log)
+    shop.log_fault = [log = options.log](const std::string& line) {
+      log->log(spdlog::level::err, "{}", line);
+    };
   shop.metrics = [this] { return metrics.text(options.build, static_cast<int>(clients.size())); };
 }
 
@@ -94,7 +98,9 @@ bool Hub::make_room(const Peer& peer, bool& reserved) {
                                    [](const ClientPtr& client) { return !client->reserved; });
   if (usual < limits().connections && !is_greedy(peer)) return true;
   ClientPtr quietest;
+  const bool own_only = is_greedy(peer);
   for (const ClientPtr& client : clients) {
+    if (own_only && !(client->peer.is_local && client->peer.uid == peer.uid)) continue;
     const bool is_quiet = !client->reserved && !client->closed &&
                           client->state == Client::State::Idle &&
                           (client->served > 0 || age_s(*client) > kQuiet_s);
@@ -125,7 +131,20 @@ void Hub::remove(const ClientPtr& client) {
   if (stopping && clients.empty() && on_empty) on_empty();
 }
 
+void Hub::log_fault(std::string_view what) const {
+  if (options.log) options.log->log(spdlog::level::err, "http: {}", for_log(what));
+}
+
+void Hub::end_missed() {
+  if (!link->missed.exchange(false)) return;
+  for (const std::shared_ptr<Stream>& stream : streams) {
+    stream->ring.give_up();
+    stream->wake.cancel();
+  }
+}
+
 void Hub::publish(const EventFramePtr& frame) {
+  end_missed();
   for (const std::shared_ptr<Stream>& stream : streams) {
     const std::uint64_t before = stream->ring.dropped();
     stream->ring.push(frame);
@@ -134,8 +153,7 @@ void Hub::publish(const EventFramePtr& frame) {
   }
 }
 
-void Hub::log_request(const Client& client, const Request& request, const Response& response,
-                      double ms) const {
+void Hub::log_request(const Request& request, const Response& response, double ms) const {
   if (!options.log) return;
   const bool is_quiet =
       response.status < 400 && (request.method == Method::Get || request.method == Method::Head);
@@ -147,7 +165,6 @@ void Hub::log_request(const Client& client, const Request& request, const Respon
   options.log->log(level, "http {} {} {} {} {} {:.1f} ms", request.id,
                    request.principal.name.empty() ? "-" : for_log(request.principal.name),
                    name_of(request.method), for_log(request.path()), response.status, ms);
-  static_cast<void>(client);
 }
 
 asio::awaitable<bool> Hub::wait_for(ClientPtr client, std::function<bool(Done)> start,
@@ -178,8 +195,17 @@ asio::awaitable<bool> Hub::wait_for(ClientPtr client, std::function<bool(Done)> 
 asio::awaitable<bool> Hub::ask(ClientPtr client, std::function<void(Service&, Done)> work,
                                double patience_s) {
   std::function<bool(Done)> start = [this, work = std::move(work)](Done done) {
-    return options.on_service(
-        [work, done = std::move(done), service = options.service] { work(*service, done); });
+    return options.on_service([work, done = std::move(done), service = options.service] {
+      // Nothing that goes wrong here may end the service's thread.
+      try {
+        work(*service, done);
+      } catch (const std::exception&) {
+        try {
+          done({});
+        } catch (const std::exception&) {  // the client's patience ends it
+        }
+      }
+    });
   };
   co_return co_await wait_for(client, std::move(start), patience_s);
 }

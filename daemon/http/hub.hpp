@@ -32,6 +32,8 @@ class Link {
   explicit Link(asio::io_context& io) : io_(&io) {}
   void post(std::function<void()> work);
   void cut();
+  std::atomic<int> listeners{0};    ///< streams that are or are about to be served
+  std::atomic<bool> missed{false};  ///< an event could not be passed on: streams begin anew
 
  private:
   std::mutex mutex_;
@@ -96,7 +98,6 @@ struct Hub {
   FailedLogins logins;
   std::vector<ClientPtr> clients;
   std::vector<std::shared_ptr<Stream>> streams;
-  std::atomic<int> listeners{0};  ///< streams that are or are about to be served
   int uploads{0};
   bool stopping{false};
   std::function<void()> on_empty{};  ///< called when the last client has gone while it stops
@@ -110,8 +111,10 @@ struct Hub {
   [[nodiscard]] bool is_greedy(const Peer& peer) const;
   void remove(const ClientPtr& client);
   void publish(const EventFramePtr& frame);
-  void log_request(const Client& client, const Request& request, const Response& response,
-                   double ms) const;
+  /// Ends all streams by overflow if an event was missed.
+  void end_missed();
+  void log_fault(std::string_view what) const;
+  void log_request(const Request& request, const Response& response, double ms) const;
   /// To be called once, on any thread, when something is done: the coroutine that waits for it
   /// wakes, and `arrive` has run on the thread of HTTP before.
   using Done = std::function<void(std::function<void()> arrive)>;
@@ -132,6 +135,18 @@ asio::awaitable<void> serve(Hub& hub, ClientPtr client);
 asio::awaitable<bool> send_all(Hub& hub, ClientPtr client, std::string_view bytes);
 /// Streams events until the client goes, or is too slow.
 asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& request);
+
+/// Calls something when it goes: what a coroutine has taken is given back however it ends.
+class AtEnd {
+ public:
+  explicit AtEnd(std::function<void()> what) : what_(std::move(what)) {}
+  ~AtEnd() { what_(); }
+  AtEnd(const AtEnd&) = delete;
+  AtEnd& operator=(const AtEnd&) = delete;
+
+ private:
+  std::function<void()> what_;
+};
 
 /// 26 characters that sort by time, unlike any other.
 [[nodiscard]] std::string new_request_id();

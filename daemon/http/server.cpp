@@ -124,6 +124,7 @@ struct HttpServer::Impl {
 
   Result<void> listen();
   Result<void> accept_on_all();
+  void run();
   void turn();
   void begin_stop(double grace_s);
   void cut_off();
@@ -159,6 +160,19 @@ Result<void> HttpServer::Impl::accept_on_all() {
     asio::co_spawn(hub.io, accept_all(hub, acceptors.back(), listener), asio::detached);
   }
   return {};
+}
+
+// Runs until nothing is left to do. What is thrown (there is no memory, for example) ends what
+// threw it and nothing else.
+void HttpServer::Impl::run() {
+  while (true) {
+    try {
+      hub.io.run();
+      return;
+    } catch (const std::exception& e) {
+      hub.log_fault(e.what());
+    }
+  }
 }
 
 // Shows that the thread turns; the second half of the watchdog's question.
@@ -202,11 +216,16 @@ Result<void> HttpServer::start() {
       [&hub = impl.hub, link = impl.hub.link, service = impl.hub.options.service] {
         // The hub is looked at on its own thread only; the service may call as long as it lives.
         service->listen([&hub, link](const Event& event) {
-          link->post([&hub, frame = http::frame_of(event)] { hub.publish(frame); });
+          if (link->listeners == 0) return;
+          try {
+            link->post([&hub, frame = http::frame_of(event)] { hub.publish(frame); });
+          } catch (const std::exception&) {
+            link->missed = true;  // whoever tells of an event is never held up by those who hear
+          }
         });
       });
   impl.turn();
-  impl.thread = std::thread([&impl] { impl.hub.io.run(); });
+  impl.thread = std::thread([&impl] { impl.run(); });
   impl.started = true;
   return {};
 }

@@ -127,9 +127,35 @@ std::string take_piece(EventRing& ring, std::int64_t seen) {
   return piece;
 }
 
+// A token that was deleted, or has run out, ends its streams too.
+asio::awaitable<bool> is_still_known(Hub& hub, ClientPtr client) {
+  if (client->peer.is_local) co_return true;
+  const Answer<std::string> bearer = bearer_of(client->reader.head());
+  if (!bearer) co_return false;
+  auto known = std::make_shared<bool>(false);
+  std::function<void(Service&, Hub::Done)> work = [token = *bearer, known](Service& service,
+                                                                           const Hub::Done& done) {
+    bool found = false;
+    try {
+      found = service.authenticate(token).has_value();
+    } catch (const std::exception&) {  // then not
+    }
+    done([known, found] { *known = found; });
+  };
+  const bool answered = co_await hub.ask(client, std::move(work), kCatchUp_s);
+  co_return answered&&* known;
+}
+
 asio::awaitable<void> stream_on(Hub& hub, ClientPtr client, std::int64_t seen) {
   Stream& stream = *client->stream;
+  double checked_s = hub.now_s();
   while (!client->closed) {
+    if (hub.now_s() - checked_s >= hub.limits().heartbeat_s) {
+      const bool known = co_await is_still_known(hub, client);
+      if (!known) co_return;
+      checked_s = hub.now_s();
+      hub.end_missed();
+    }
     std::string piece = take_piece(stream.ring, seen);
     if (piece.empty() && stream.ring.has_overflowed()) {
       const std::string last = frame_text("overflow", "{}");
@@ -165,7 +191,7 @@ asio::awaitable<void> stream_all(Hub& hub, ClientPtr client, std::optional<std::
 }  // namespace
 
 asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& request) {
-  if (hub.listeners.load() >= hub.limits().streams) {
+  if (hub.link->listeners.load() >= hub.limits().streams) {
     Problem full{ProblemKind::Unavailable,
                  fmt::format("there are {} streams of events already", hub.limits().streams)};
     full.retry_after_s = 5;
@@ -178,7 +204,11 @@ asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& r
     hub.metrics.count("/v1/events", response.status);
     co_return;
   }
-  hub.metrics.set_streams(++hub.listeners);
+  hub.metrics.set_streams(++hub.link->listeners);
+  const AtEnd leave([&hub, client] {
+    std::erase(hub.streams, client->stream);
+    hub.metrics.set_streams(--hub.link->listeners);
+  });
   client->stream = std::make_shared<Stream>(hub.io, hub.limits());
   // Little lies between us and a client that does not read.
   ::setsockopt(client->socket.native_handle(), SOL_SOCKET, SO_SNDBUF, &kSendBuffer,
@@ -192,8 +222,6 @@ asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& r
     watch(client);
     co_await stream_all(hub, client, wanted_seq(request));
   }
-  std::erase(hub.streams, client->stream);
-  hub.metrics.set_streams(--hub.listeners);
 }
 
 }  // namespace popcut::daemon::http

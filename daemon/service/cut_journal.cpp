@@ -24,9 +24,13 @@ class CutDesk::Journal final : public CutJournal {
 
   Result<void> intend(std::int64_t last_stroke) override {
     Result<void> done = tl::unexpected(given_up("popcutd is ending"));
-    thread_.run(ServiceThread::Lane::Cutting, [&] {
-      if (const auto here = alive_.lock()) done = desk_.intended(*cut_, last_stroke);
-    });
+    try {
+      thread_.run(ServiceThread::Lane::Cutting, [&] {
+        if (const auto here = alive_.lock()) done = desk_.intended(*cut_, last_stroke);
+      });
+    } catch (const std::exception& fault) {
+      done = tl::unexpected(given_up(fault.what()));
+    }
     return done;
   }
 
@@ -62,9 +66,16 @@ class CutDesk::Journal final : public CutJournal {
   }
 
   void ended(const SessionEnd& end) override {
-    thread_.run(ServiceThread::Lane::Cutting, [&] {
-      if (const auto here = alive_.lock()) desk_.ended(cut_, end);
-    });
+    try {
+      thread_.run(ServiceThread::Lane::Cutting, [&] {
+        if (const auto here = alive_.lock()) desk_.ended(cut_, end);
+      });
+    } catch (const std::exception&) {
+      // Tried again by the tick.
+      thread_.post(ServiceThread::Lane::Asking, [desk = &desk_, cut = cut_, alive = alive_, end] {
+        if (const auto here = alive.lock()) desk->late_.push_back({cut, end});
+      });
+    }
   }
 
  private:
@@ -132,7 +143,8 @@ Answer<void> CutDesk::start(const Principal& who, JobRow& row, const ActionWish&
         JobBook::conflict(row, "what was armed is not what would be cut; disarm and arm again"));
   if (const auto fine = parts_.devices.usable(row.device); !fine)
     return tl::unexpected(fine.error());
-  if (const auto device = parts_.devices.find(row.device); device->state != "idle")
+  if (const auto device = parts_.devices.find(row.device);
+      device->state != "idle" && device->state != "attention")
     return tl::unexpected(JobBook::conflict(
         row, fmt::format("{} is {}{}{}; start when it is idle", row.device, device->state,
                          device->reasons.empty() ? "" : ": ", fmt::join(device->reasons, ", "))));

@@ -65,6 +65,7 @@ class LiveService final : public JobService {
     memory_.on_degraded = [this] { desk_.stop_cuts(); };
   }
   ~LiveService() override {
+    cutters_.on_change({});
     if (errand_.joinable()) errand_.join();
   }
 
@@ -477,6 +478,7 @@ void LiveService::tick() {
   desk_.tick();
   look_at_devices();
   if (memory_.degraded()) return;
+  if (!memory_.full()) jobs_.catch_up();
   plans_.pump();
   tokens_.tidy();
   try {
@@ -498,6 +500,12 @@ Result<std::unique_ptr<JobService>> make_service(Store& store, ServiceThread& th
                                                  ServiceOptions options) {
   Result<std::unique_ptr<JobService>> made =
       fail(ErrorKind::Internal, "", "the service's thread has ended");
+  // A database that passed its checks may still hold what makes no sense.
+  const auto give_up = [&](bool damaged, const std::string& why) {
+    store.give_up();
+    made = damaged ? fail(ErrorKind::Malformed, "", store.set_aside_as("is damaged: " + why))
+                   : fail(ErrorKind::Unwritable, store.folder().at("popcut.db"), why);
+  };
   thread.run(ServiceThread::Lane::Asking, [&] {
     try {
       auto service =
@@ -505,9 +513,9 @@ Result<std::unique_ptr<JobService>> make_service(Store& store, ServiceThread& th
       if (const Answer<void> begun = service->begin(); begun)
         made = std::move(service);
       else
-        made = fail(ErrorKind::Unwritable, store.folder().path(), begun.error().detail);
+        give_up(begun.error().kind == ProblemKind::Internal, begun.error().detail);
     } catch (const StoreFault& fault) {
-      made = fail(ErrorKind::Unwritable, store.folder().path(), fault.what());
+      give_up(fault.kind() != FaultKind::Full && fault.kind() != FaultKind::Io, fault.what());
     }
   });
   return made;

@@ -57,8 +57,10 @@ class JobService : public Service {
 /// planning goes on. Never starts or resumes a cut.
 ///
 /// The parts must outlive the service; it is destroyed after `thread` was stopped, or on it.
+/// Planner and cutters go before `thread`, since they may still post to it.
 ///
 /// @retval Unwritable  the store could not be read or written
+/// @retval Malformed   the database is damaged, and a copy was set aside: popcutd exits 78
 [[nodiscard]] Result<std::unique_ptr<JobService>> make_service(Store& store, ServiceThread& thread,
                                                                Planner& planner, Cutters& cutters,
                                                                ServiceOptions options);

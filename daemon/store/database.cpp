@@ -157,13 +157,15 @@ Database::Database(const Options& options) : kept_(std::make_unique<Kept>()) {
     // The log is moved into the file by `checkpoint`, where a failing fsync is seen, and kept for
     // the next opening to find.
     sqlite3_db_config(db_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+    // One connection, so no shared memory: the log's index is in the heap. And none can join, which
+    // SQLite before 3.51.3 needs (its WAL-reset bug takes two writers). This comes before anything
+    // is read.
+    if (options.exclusive_wal) script("PRAGMA locking_mode=EXCLUSIVE;");
     script(
         "PRAGMA trusted_schema=OFF; PRAGMA cell_size_check=ON; PRAGMA mmap_size=0;"
         "PRAGMA temp_store=MEMORY; PRAGMA foreign_keys=ON; PRAGMA cache_size=-4000;");
     if (!options.exclusive_wal) return;
-    // One connection, so no shared memory: the log's index is in the heap. And none can join, which
-    // SQLite before 3.51.3 needs (its WAL-reset bug takes two writers).
-    script("PRAGMA locking_mode=EXCLUSIVE; PRAGMA synchronous=FULL;");
+    script("PRAGMA synchronous=FULL;");
     Rows mode = rows("PRAGMA journal_mode=WAL");
     if (!mode.next() || mode.text(0) != "wal")
       throw StoreFault(FaultKind::Io, options.path + ": the write-ahead log cannot be used here");

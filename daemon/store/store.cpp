@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -16,8 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kClean = "clean\n";
+constexpr std::string_view kClean = "clean ";  // and the digest of the database
 constexpr std::string_view kInUse = "in use\n";
+constexpr std::size_t kWitnessDigits = 18;
 
 tl::unexpected<OpenTrouble> trouble(OpenTrouble::Kind kind, std::string detail) {
   return tl::unexpected<OpenTrouble>(OpenTrouble{kind, std::move(detail)});
@@ -43,6 +45,10 @@ void make_database(const std::string& path, const StoreOptions& options) {
     throw StoreFault(FaultKind::Io, message(kept.error()));
 }
 
+std::string clean_mark(const std::string& path) {
+  return fmt::format("{}{}\n", kClean, sha256_of_file(path).value_or("unreadable"));
+}
+
 // What is wrong with the file before SQLite is let near it; empty: nothing.
 std::string header_damage(const std::string& path) {
   std::array<unsigned char, 100> header{};
@@ -58,19 +64,6 @@ std::string header_damage(const std::string& path) {
                       static_cast<unsigned>(header[69]) << 16 |
                       static_cast<unsigned>(header[70]) << 8 | static_cast<unsigned>(header[71]);
   return id == static_cast<unsigned>(kApplicationId) ? "" : "is no database of popcutd";
-}
-
-tl::unexpected<OpenTrouble> damaged(const std::string& path, const StateFolder& folder,
-                                    const std::string& what) {
-  const Result<std::string> copy = set_aside(path, folder.at("backups"));
-  return trouble(OpenTrouble::Kind::Corrupt,
-                 fmt::format("{}: the database {}; {}, and nothing of it was changed: 'popcut db "
-                             "salvage' brings over what can be read, or put a copy from {} in its "
-                             "place",
-                             path, what,
-                             copy ? "a copy was set aside as " + *copy
-                                  : "no copy could be set aside (" + message(copy.error()) + ")",
-                             folder.at("backups")));
 }
 
 }  // namespace
@@ -94,6 +87,10 @@ tl::expected<std::unique_ptr<Store>, OpenTrouble> Store::open(StoreOptions optio
   const StoreOptions& wish = store->options_;
   const std::string path = store->folder_->at("popcut.db");
   const std::string mark = read_whole(store->folder_->at("database-state"), 100).value_or("");
+  const auto damaged = [&](const std::string& what) {
+    store->failed_ = true;
+    return trouble(OpenTrouble::Kind::Corrupt, store->set_aside_as(what));
+  };
   try {
     std::error_code ignored;
     if (!fs::exists(path, ignored)) {
@@ -101,39 +98,83 @@ tl::expected<std::unique_ptr<Store>, OpenTrouble> Store::open(StoreOptions optio
         return trouble(OpenTrouble::Kind::Corrupt,
                        path + ": the database is gone, but it was here before; put a copy from " +
                            store->folder_->at("backups") +
-                           " in its place, or remove the file database-state beside it to start "
-                           "with an empty queue");
+                           " in its place, or remove the files database-state and witness beside "
+                           "it to start with an empty queue");
       make_database(path, wish);
     }
-    if (std::string what = header_damage(path); !what.empty())
-      return damaged(path, *store->folder_, what);
+    if (std::string what = header_damage(path); !what.empty()) return damaged(what);
+    const bool was_closed = mark.starts_with(kClean);
+    const bool unchanged = was_closed && mark == clean_mark(path);
+    // A log beside it: a run that ended before it had marked the database as in use.
+    const bool as_left = unchanged && !fs::exists(path + "-wal", ignored);
+    if (was_closed && !unchanged)
+      return damaged(
+          "is not as popcutd left it (if you put another copy in its place, remove the "
+          "files database-state and witness beside it too)");
     if (mark == kInUse)
       if (std::string what = log_damage(path + "-wal"); !what.empty())
-        return damaged(path, *store->folder_, "was not closed and its log " + what);
+        return damaged("was not closed and its log " + what);
     store->database_ = std::make_unique<Database>(
         Database::Options{.path = path, .vfs = wish.vfs, .create = false});
     const int version = version_of(*store->database_);
     const int newest = wish.steps.back().version;
-    if (version > newest)
+    if (version > newest) {
+      store->failed_ = true;
       return trouble(OpenTrouble::Kind::TooNew,
                      fmt::format("{}: was written by a later popcutd (schema {}, this one knows up "
                                  "to {}); install that one, or put back the copy that it made",
                                  path, version, newest));
-    {
-      Rows verdict = store->database_->rows("PRAGMA quick_check(1)");
-      if (!verdict.next() || verdict.text(0) != "ok")
-        return damaged(path, *store->folder_, "is damaged: " + verdict.text(0));
     }
-    if (version < 1) return damaged(path, *store->folder_, "has no version");
+    if (!as_left) {
+      Rows verdict = store->database_->rows("PRAGMA integrity_check(1)");
+      if (!verdict.next() || verdict.text(0) != "ok")
+        return damaged("is damaged: " + verdict.text(0));
+    }
+    if (version < 1) return damaged("has no version");
+    const std::int64_t known = store->database_->number("SELECT max(seq) FROM event");
+    if (known < store->witnessed())
+      return damaged(fmt::format(
+          "has lost changes: it ends with event {}, but event {} was made (if you put this older "
+          "copy in its place, remove the file {} too)",
+          known, store->witnessed(), store->folder_->at("witness")));
     if (version < newest) store->migrate();
     store->folder_->take_reserve(wish.reserve_bytes);
     return store;
   } catch (const StoreFault& fault) {
-    store->failed_ = true;
     if (fault.kind() == FaultKind::Corrupt || fault.kind() == FaultKind::Constraint)
-      return damaged(path, *store->folder_, fmt::format("is damaged: {}", fault.what()));
+      return damaged(fmt::format("is damaged: {}", fault.what()));
+    store->failed_ = true;
     return trouble(OpenTrouble::Kind::Io, fmt::format("{}: {}", path, fault.what()));
   }
+}
+
+std::string Store::set_aside_as(const std::string& what) {
+  const std::string path = folder_->at("popcut.db");
+  const Result<std::string> copy = set_aside(path, folder_->at("backups"));
+  return fmt::format(
+      "{}: the database {}; {}, and nothing of it was changed: 'popcut db salvage' brings over "
+      "what "
+      "can be read, or put a copy from {} in its place",
+      path, what,
+      copy ? "a copy was set aside as " + *copy
+           : "no copy could be set aside (" + message(copy.error()) + ")",
+      folder_->at("backups"));
+}
+
+std::int64_t Store::witnessed() const {
+  const std::string text = read_whole(folder_->at("witness"), 100).value_or("");
+  const bool whole = text.size() == kWitnessDigits + 1 && text.back() == '\n' &&
+                     text.find_first_not_of("0123456789") == kWitnessDigits;
+  return whole ? std::stoll(text) : 0;
+}
+
+void Store::bear_witness(std::int64_t event) {
+  if (witness_ < 0)
+    witness_ =
+        ::open(folder_->at("witness").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  const std::string text = fmt::format("{:0{}}\n", event, kWitnessDigits);
+  // Best effort: without it less damage is noticed, and nothing else is lost.
+  if (witness_ >= 0) (void)!pwrite(witness_, text.data(), text.size(), 0);
 }
 
 void Store::migrate() {
@@ -155,11 +196,14 @@ void Store::mark_in_use() {
 }
 
 Store::~Store() {
+  if (witness_ >= 0) close(witness_);
   if (!database_ || failed_) return;
   try {
+    const std::string path = folder_->at("popcut.db");
     database_->checkpoint(true);
-    // Only now may the log be missing.
-    (void)write_file(folder_->at("database-state"), kClean);
+    database_.reset();
+    // Only now may the log be missing, and each byte of the database is known.
+    if (write_file(folder_->at("database-state"), clean_mark(path))) remove_tree(path + "-wal");
   } catch (const StoreFault&) {
     // The log stays and is read at the next opening.
   }

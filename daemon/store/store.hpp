@@ -52,17 +52,26 @@ class Store {
   [[nodiscard]] const StoreOptions& options() const { return options_; }
   /// Says that an unclean end may leave a log that must not be missing. After the first commit.
   void mark_in_use();
-  /// The disk failed: nothing is written any more, not at the end either.
+  /// Notes beside the database that this event is committed. Not synced: after a kill it is there,
+  /// after a power cut it may be older. A database that knows fewer events has lost some.
+  void bear_witness(std::int64_t event);
+  /// The disk failed, or the database is damaged: nothing is written any more, not at the end
+  /// either.
   void give_up() { failed_ = true; }
+  /// Copies the database aside for a person to look at, and gives the words for it: what is wrong,
+  /// where the copy is, and what to do.
+  [[nodiscard]] std::string set_aside_as(const std::string& what);
 
  private:
   Store(StoreOptions options, std::unique_ptr<StateFolder> folder)
       : options_(std::move(options)), folder_(std::move(folder)) {}
+  [[nodiscard]] std::int64_t witnessed() const;
   void migrate();
   StoreOptions options_;
   std::unique_ptr<StateFolder> folder_;
   std::unique_ptr<Database> database_;
   bool failed_{false};
+  int witness_{-1};
 };
 
 /// What salvage brought over.

@@ -192,3 +192,12 @@ TEST_CASE("events can be asked for as a list", "[daemon][http][events]") {
   CHECK(server.fetch("GET", "/v1/events?after=x", "viewer").status == 422);
   CHECK(server.fetch("GET", "/v1/events?limit=0", "viewer").status == 422);
 }
+
+TEST_CASE("a token that is deleted ends its streams", "[daemon][http][events]") {
+  LiveServer server([](HttpOptions& options) { options.limits.heartbeat_s = 0.05; });
+  RawConnection connection = server.connect();
+  open_stream(server, connection);
+  CHECK(connection.receive_until(":\n\n:\n\n").find("snapshot") != std::string::npos);
+  CHECK(server.fetch("DELETE", "/v1/tokens/viewer").status == 204);
+  CHECK(connection.closes());
+}

@@ -1,11 +1,23 @@
 // SPDX-License-Identifier: MIT
 // The server as a client sees it: connections, uploads, keys, roles, limits of time and number.
+#include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
 
 #include <fmt/format.h>
+#include <spdlog/logger.h>
+#include <spdlog/sinks/ostream_sink.h>
 #include <catch2/catch.hpp>
 
 #include "daemon/http/digest.hpp"
@@ -133,7 +145,7 @@ TEST_CASE("an upload lies in the incoming folder until the service has it and no
     CHECK(fake.last_upload.path.find("onerror") == std::string::npos);
   });
   CHECK(server.fetch("POST", "/v1/designs", "submitter", kSvg, body).status == 200);
-  CHECK(server.spools() == 0);
+  CHECK(comes_true([&] { return server.spools() == 0; }));
 }
 
 TEST_CASE("an upload that fails in any way leaves nothing behind", "[daemon][http][upload]") {
@@ -183,12 +195,46 @@ TEST_CASE("an upload that fails in any way leaves nothing behind", "[daemon][htt
 }
 
 TEST_CASE("a disk that is full answers 507 and reads go on", "[daemon][http][upload]") {
-  LiveServer server([](HttpOptions& options) {
-    options.incoming_folder = "/dev/full/none";  // no file can be made there
-  });
-  const WireResponse response = server.fetch("POST", "/v1/designs", "submitter", kSvg, "<svg/>");
-  CHECK(response.status == 503);
+  LiveServer server;
+  // No file of this process may become longer than 64 KiB: a write beyond it fails.
+  rlimit before{};
+  REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
+  const auto old = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{65'536, before.rlim_max};
+  REQUIRE(::setrlimit(RLIMIT_FSIZE, &small) == 0);
+  const WireResponse full =
+      server.fetch("POST", "/v1/designs", "submitter", kSvg, std::string(200'000, 'x'));
+  const WireResponse list = server.fetch("GET", "/v1/jobs");
+  const WireResponse fits = server.fetch("POST", "/v1/designs", "submitter", kSvg, "<svg/>");
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old);
+  CHECK(full.status == 507);
+  CHECK(full.problem() == "disk-full");
+  CHECK(list.status == 200);
+  CHECK(fits.status == 201);
+  CHECK(comes_true([&] { return server.spools() == 0; }));
+}
+
+TEST_CASE("an incoming folder that cannot be written is told and nothing else stops",
+          "[daemon][http][upload]") {
+  const LiveServer server([](HttpOptions& options) { options.incoming_folder = "/dev/null/none"; });
+  CHECK(server.fetch("POST", "/v1/designs", "submitter", kSvg, "<svg/>").status == 503);
   CHECK(server.fetch("GET", "/v1/jobs").status == 200);
+}
+
+TEST_CASE("what an earlier run left among the uploads is removed and nothing else",
+          "[daemon][http][upload]") {
+  std::filesystem::path folder;
+  const LiveServer server([&](HttpOptions& options) {
+    folder = options.incoming_folder;
+    for (const char* name : {"01J.upload", "02J.upload", "notes.txt"})
+      std::ofstream(folder / name) << "x";
+    std::filesystem::create_symlink("/etc/hostname", folder / "link.upload");
+  });
+  CHECK(std::filesystem::exists(folder / "notes.txt"));
+  CHECK_FALSE(std::filesystem::exists(folder / "01J.upload"));
+  CHECK_FALSE(std::filesystem::exists(folder / "02J.upload"));
+  CHECK(std::filesystem::is_symlink(folder / "link.upload"));
 }
 
 TEST_CASE("what users upload goes out as bytes to be saved", "[daemon][http][upload]") {
@@ -455,4 +501,146 @@ TEST_CASE("the server stops while clients are busy and starts again", "[daemon][
     CHECK(stream.closes());
     CHECK(half.closes());
   }
+}
+
+TEST_CASE("two hundred half-sent heads take no more than their places", "[daemon][http][slow]") {
+  LiveServer server([](HttpOptions& options) {
+    options.limits = HttpLimits{};
+    options.limits.rate_per_s = options.limits.rate_burst = 1e6;
+  });
+  const std::string id = new_job(server, JobState::Cutting);
+  std::vector<RawConnection> slow;
+  for (int i = 0; i < 200; ++i) {
+    slow.push_back(server.connect());
+    slow.back().send("GET /v1/jobs HTTP/1.1\r\nX-A: ");
+  }
+  const auto begun = std::chrono::steady_clock::now();
+  for (int i = 0; i < 20; ++i)
+    CHECK(server.fetch("GET", "/v1/jobs/" + id, "operator").status == 200);
+  CHECK(server.fetch("POST", "/v1/jobs/" + id + "/actions/pause", "operator", acting("*")).status ==
+        200);
+  // Long before the first of them is thrown out for being slow.
+  CHECK(std::chrono::steady_clock::now() - begun < std::chrono::seconds(8));
+  int open = 0;
+  for (const RawConnection& one : slow) {
+    char byte = 0;
+    const ssize_t got = ::recv(one.socket(), &byte, 1, MSG_DONTWAIT | MSG_PEEK);
+    if (got < 0 && errno == EAGAIN) ++open;
+  }
+  CHECK(open <= 68);
+}
+
+TEST_CASE("one user of the unix socket cannot take all places", "[daemon][http][unix]") {
+  LiveServer server([](HttpOptions& options) { options.limits.connections = 8; });
+  std::vector<RawConnection> greedy;
+  for (int i = 0; i < 20; ++i) {
+    greedy.emplace_back(server.socket_path());
+    greedy.back().send("GET /v1/jobs HTTP/1.1\r\nX-A: ");
+  }
+  CHECK(server.fetch("GET", "/v1/devices").status == 200);
+  CHECK(server.fetch("GET", "/v1/devices").status == 200);
+}
+
+TEST_CASE("a log has no secrets and no control characters", "[daemon][http][log]") {
+  std::ostringstream text;
+  {
+    LiveServer server([&](HttpOptions& options) {
+      auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(text);
+      options.log = std::make_shared<spdlog::logger>("http", sink);
+      options.log->set_level(spdlog::level::debug);
+    });
+    CHECK(server.fetch("GET", "/v1/jobs?owner=someone", "viewer").status == 200);
+    CHECK(server.fetch("GET", "/v1/jobs", "", "Authorization: Bearer pc_guess_SECRET\r\n").status ==
+          401);
+    CHECK(server.fetch("GET", "/v1/jobs/%1B%5B31m", "viewer").status == 400);
+    CHECK(server
+              .fetch("POST", "/v1/session", "", "Content-Type: application/json\r\n",
+                     R"({"one_shot":"SECRET-word"})")
+              .status == 401);
+    const WireResponse token =
+        server.fetch("POST", "/v1/tokens", "admin", "Content-Type: application/json\r\n",
+                     R"({"name":"a","role":"viewer"})");
+    CHECK(token.body.find(std::string(43, 'x')) != std::string::npos);
+    server.ask([](FakeService& fake) { fake.throws = true; });
+    const WireResponse failed = server.fetch("GET", "/v1/jobs", "viewer");
+    CHECK(failed.status == 500);
+    CHECK(comes_true([&] { return server.fetch("GET", "/v1/nothing").status == 404; }));
+    server.server().stop(0.1);
+    CHECK(text.str().find(failed.headers.at("x-request-id") + " GET /v1/jobs: the fake was told") !=
+          std::string::npos);
+  }
+  const std::string log = text.str();
+  CHECK(log.find("token:viewer GET /v1/jobs 200") != std::string::npos);
+  for (const std::string& secret :
+       {std::string("SECRET"), std::string("0123456789"), std::string(43, 'x'),
+        std::string("someone"), std::string("\x1B")})
+    CHECK(log.find(secret) == std::string::npos);
+}
+
+TEST_CASE("sockets that were inherited are served and IPv6 too", "[daemon][http][listen]") {
+  const int inherited = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  REQUIRE(::listen(inherited, 8) == 0);  // binds to all addresses: refused
+  FakeService fake;
+  WorkThread thread;
+  const auto options = [&] {
+    HttpOptions out;
+    out.service = &fake;
+    out.on_service = [&](std::function<void()> work) { return thread.post(std::move(work)); };
+    return out;
+  };
+  {
+    HttpOptions all = options();
+    all.inherited = {inherited};
+    HttpServer server(all);
+    CHECK(server.start().error().kind == popcut::ErrorKind::Usage);
+  }
+  HttpOptions six = options();
+  six.listen = {{"[::1]:0", true}, {"127.0.0.1:0", false}};
+  const std::string path =
+      (std::filesystem::temp_directory_path() / fmt::format("popcut-{}.sock", ::getpid())).string();
+  // Made by someone else, as systemd would, and handed over.
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof(address.sun_path) - 1);
+  const int local = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  REQUIRE(::bind(local, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0);
+  REQUIRE(::listen(local, 8) == 0);
+  six.inherited = {local};
+  {
+    HttpServer server(six);
+    REQUIRE(server.start());
+    RawConnection connection(path);
+    connection.send("GET /v1/meta HTTP/1.1\r\nHost: a\r\n\r\n");
+    CHECK(connection.receive().status == 200);
+    for (const std::string& name : server.endpoints()) {
+      if (!name.starts_with("[::1]:")) continue;
+      RawConnection other(static_cast<std::uint16_t>(std::stoi(name.substr(6))), true);
+      other.send(fmt::format("GET /healthz HTTP/1.1\r\nHost: {}\r\n\r\n", name));
+      CHECK(other.receive().status == 200);
+    }
+  }
+  // What was not made here is not removed here.
+  CHECK(std::filesystem::exists(path));
+  std::filesystem::remove(path);
+}
+
+TEST_CASE("a second server on the same socket is refused and a stale one is taken over",
+          "[daemon][http][listen]") {
+  LiveServer server;
+  FakeService fake;
+  HttpOptions options;
+  options.listen = {{"unix:" + server.socket_path()}};
+  options.service = &fake;
+  options.on_service = [](const std::function<void()>&) { return false; };
+  {
+    HttpServer second(options);
+    const auto started = second.start();
+    REQUIRE_FALSE(started);
+    CHECK(started.error().kind == popcut::ErrorKind::Refused);
+    CHECK(started.error().detail.find("another popcutd runs already") != std::string::npos);
+  }
+  // It is still there, and still the first one's.
+  RawConnection connection(server.socket_path());
+  connection.send("GET /v1/meta HTTP/1.1\r\nHost: a\r\n\r\n");
+  CHECK(connection.receive().status == 200);
 }

@@ -82,6 +82,7 @@ class FakeCutters final : public daemon::Cutters {
     const std::string device = order.device;
     auto run = std::make_shared<Run>();
     run->strokes = static_cast<std::int64_t>(order.program.strokes.size());
+    run->next = order.first_stroke;
     run->order = std::move(order);
     run->journal = std::move(journal);
     running_[device] = run;

@@ -106,6 +106,20 @@ TEST_CASE("another query waits until what was sent before it is done", "[device]
   CHECK(replies(sim) == "  6000,     0,    10\x03");
 }
 
+TEST_CASE("an empty machine says what it is but answers nothing out of turn", "[device][sim]") {
+  SimOptions empty;
+  empty.media = false;
+  SimCutter sim = cutter(machine("cameo3"), empty);
+  sim.accept(bytes("FG\x03U\x03"));
+  CHECK_THAT(replies(sim), Catch::StartsWith("CAMEO 3 V1.60    \x03"));
+  sim.accept(
+      bytes("M100,100\x03"
+            "FA\x03"));
+  CHECK(replies(sim).empty());  // what came before it waits for a sheet
+  sim.load_media();
+  CHECK(replies(sim) == "    0,    0\x03");
+}
+
 TEST_CASE("without media nothing moves until a sheet is loaded", "[device][sim]") {
   SimOptions empty;
   empty.media = false;

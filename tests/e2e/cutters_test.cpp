@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: MIT
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <thread>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "daemon/devices/make_cutters.hpp"
+#include "device/sim_pty.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/sim_bench.hpp"
+
+using namespace popcut;
+using namespace popcut::testing;
+using daemon::Cutters;
+using daemon::DeviceConfig;
+using std::chrono::steady_clock;
+
+namespace {
+
+/// A journal that keeps what it is told, and may be made to fail, to block, or to ask for things.
+class Journal final : public daemon::CutJournal {
+ public:
+  Result<void> intend(std::int64_t last) override {
+    if (blocked) {
+      waiting = true;
+      while (blocked) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    if (last >= fails_from) return fail(ErrorKind::Unwritable, "", "the disk is full");
+    intended = last;
+    return {};
+  }
+  Result<void> settle(std::int64_t sure, std::int64_t got, std::uint64_t) override {
+    certain = sure;
+    taken = got;
+    return {};
+  }
+  void progress(const SessionProgress& p) override {
+    strokes_done = p.strokes_done;
+    held = p.phase == SessionPhase::Held;
+  }
+  void ended(const SessionEnd& last) override {
+    end = last;
+    ++ends;
+  }
+
+  std::atomic<std::int64_t> intended{-1}, certain{-1}, taken{-1}, fails_from{1 << 30};
+  std::atomic<std::uint64_t> strokes_done{};
+  std::atomic<bool> held{false}, blocked{false}, waiting{false};
+  std::atomic<int> ends{0};
+  SessionEnd end;
+};
+
+bool comes_true(const std::function<bool()>& condition) {
+  const auto until = steady_clock::now() + std::chrono::seconds(60);
+  while (!condition()) {
+    if (steady_clock::now() > until) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+std::size_t count(const SessionEnd& end, StrokeFate fate) {
+  return static_cast<std::size_t>(std::count(end.fates.begin(), end.fates.end(), fate));
+}
+
+struct Bench {
+  TempFolder temp;
+  std::unique_ptr<Cutters> cutters;
+  std::atomic<int> changes{0};
+  EncodedProgram program;
+  std::size_t strokes{};  ///< that are sent
+
+  explicit Bench(std::vector<DeviceConfig> devices, const char* model = "cameo3") {
+    std::mt19937 random(5);
+    const Material paper = value(find_material("paper-220"));
+    const Toolpath path = random_toolpath(random, 80, 190, paper);
+    JobOptions job;
+    job.page_length_mm = 300;
+    program = value(encode(path, machine(model), paper, job));
+    strokes = program.strokes.size() - program.dots.size();
+    daemon::CuttersOptions options;
+    options.devices = std::move(devices);
+    options.usb = false;
+    options.stuck_s = 0.7;
+    options.session.stuck_s = 5;
+    auto made = daemon::make_cutters(std::move(options));
+    INFO((made ? std::string() : message(made.error())));
+    REQUIRE(made);
+    cutters = std::move(*made);
+    cutters->on_change([this] { ++changes; });
+  }
+  ~Bench() { cutters.reset(); }  // before what it tells goes
+  Bench(const Bench&) = delete;
+  Bench& operator=(const Bench&) = delete;
+
+  Result<void> cut(const std::string& device, const std::shared_ptr<Journal>& journal,
+                   std::int64_t first = 0) const {
+    return cutters->cut({"A1", device, program, {304.8, 300}, first}, journal);
+  }
+  [[nodiscard]] daemon::DeviceRecord record(std::size_t k = 0) const {
+    return cutters->list().at(k);
+  }
+  /// Cuts and waits for the end.
+  [[nodiscard]] SessionEnd cut_all(const std::string& device) const {
+    const auto journal = std::make_shared<Journal>();
+    const auto taken = cut(device, journal);
+    INFO((taken ? std::string() : message(taken.error())));
+    REQUIRE(taken);
+    REQUIRE(comes_true([&] { return journal->ends == 1; }));
+    return journal->end;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("without a configuration there is one simulated cutter and it cuts",
+          "[daemon][cutters]") {
+  Bench bench({});
+  REQUIRE(bench.cutters->list().size() == 1);
+  const auto record = bench.record();
+  CHECK(record.id == "sim:cameo3");
+  CHECK(record.model == "cameo3");
+  CHECK(record.state == "idle");
+  CHECK(record.simulated);
+  CHECK(record.enabled);
+  CHECK(record.width_mm >= 304.8);
+  CHECK(value(bench.cutters->machine("sim:cameo3")).name == "cameo3");
+  CHECK(bench.cutters->machine("sim:cameo4").error().kind == ErrorKind::DeviceGone);
+  CHECK(bench.cut("sim:nowhere", std::make_shared<Journal>()).error().kind ==
+        ErrorKind::DeviceGone);
+}
+
+TEST_CASE("on a virtual clock a cut is over at once and all of it is certain",
+          "[daemon][cutters]") {
+  TempFolder temp;
+  Bench bench({{.id = "sim:left",
+                .machine = "cameo3",
+                .time_scale = 0,
+                .trace = (temp / "trace").string()}});
+  const auto journal = std::make_shared<Journal>();
+  REQUIRE(bench.cut("sim:left", journal));
+  REQUIRE(comes_true([&] { return journal->ends == 1; }));
+  CHECK_FALSE(journal->end.error);
+  CHECK(journal->end.confirmed);
+  CHECK(count(journal->end, StrokeFate::Certain) == bench.strokes);
+  CHECK(journal->intended + 1 == static_cast<std::int64_t>(bench.program.strokes.size()));
+  CHECK(journal->certain == journal->intended);
+  CHECK(bench.record().state == "idle");
+  CHECK(bench.record().sheets_done == 1);
+  CHECK_FALSE(bench.record().firmware.empty());
+  CHECK(comes_true([&] { return bench.changes >= 2; }));  // busy, and idle again
+  // What the cutter got and did is kept.
+  const auto trace = nlohmann::json::parse(text_of_file(temp / "trace/A1.json"));
+  CHECK(trace["lifts"] == bench.strokes);
+  const std::string received = text_of_file(temp / "trace/received.log");
+  CHECK(received.rfind("open A1\n", 0) == 0);
+  CHECK(received.size() > 2 * bench.program.bytes.size());
+  // From a stroke on.
+  const auto rest = std::make_shared<Journal>();
+  REQUIRE(bench.cut("sim:left", rest, 60));
+  REQUIRE(comes_true([&] { return rest->ends == 1; }));
+  CHECK_FALSE(rest->end.error);
+  CHECK(count(rest->end, StrokeFate::NotSent) >= 60);
+  CHECK(rest->end.fates.size() == bench.program.strokes.size());
+}
+
+TEST_CASE("a paced cutter takes its time and pauses goes on and stops when it is told",
+          "[daemon][cutters]") {
+  Bench bench({{.id = "sim:cameo3", .time_scale = 0}, {.id = "sim:portrait", .time_scale = 150}});
+  const double virtual_s = bench.cut_all("sim:cameo3").seconds;
+  Bench slow({{.id = "sim:cameo3", .time_scale = 150}});
+  const auto begun = steady_clock::now();
+  const auto journal = std::make_shared<Journal>();
+  REQUIRE(slow.cut("sim:cameo3", journal));
+  CHECK(slow.record().state == "busy");
+  CHECK(slow.cut("sim:cameo3", std::make_shared<Journal>()).error().kind == ErrorKind::Refused);
+  CHECK(slow.cutters->reset("sim:cameo3").error().kind == ErrorKind::Refused);
+  REQUIRE(comes_true([&] { return journal->strokes_done >= 5; }));
+  slow.cutters->pause("sim:cameo3");
+  REQUIRE(comes_true([&] { return journal->held.load(); }));
+  REQUIRE(comes_true([&] { return journal->certain == journal->taken; }));
+  const auto at_rest = journal->taken.load();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));  // half a minute of the machine
+  CHECK(journal->taken == at_rest);
+  CHECK(slow.cutters->alive());
+  CHECK(slow.record().state == "busy");
+  slow.cutters->resume("sim:cameo3");
+  REQUIRE(comes_true([&] { return journal->ends == 1; }));
+  const double took = std::chrono::duration<double>(steady_clock::now() - begun).count();
+  CHECK_FALSE(journal->end.error);
+  CHECK(count(journal->end, StrokeFate::Certain) == slow.strokes);
+  CHECK(took > 0.8 * virtual_s / 150);
+  CHECK(journal->end.seconds > virtual_s);
+  // Cancelled: at the end of a stroke, parked, the rest not sent.
+  const auto second = std::make_shared<Journal>();
+  REQUIRE(slow.cut("sim:cameo3", second));
+  REQUIRE(comes_true([&] { return second->strokes_done >= 5; }));
+  slow.cutters->cancel("sim:cameo3");
+  REQUIRE(comes_true([&] { return second->ends == 1; }));
+  CHECK(second->end.cancelled);
+  CHECK_FALSE(second->end.error);
+  CHECK(count(second->end, StrokeFate::InDoubt) == 0);
+  CHECK(count(second->end, StrokeFate::NotSent) > 20);
+  CHECK(slow.record().state == "idle");
+}
+
+TEST_CASE("each cutter has its own thread and stop all ends every cut", "[daemon][cutters]") {
+  Bench bench({{.id = "sim:a", .machine = "cameo3", .time_scale = 20},
+               {.id = "sim:b", .machine = "cameo3", .time_scale = 20}});
+  const auto a = std::make_shared<Journal>(), b = std::make_shared<Journal>();
+  REQUIRE(bench.cut("sim:a", a));
+  REQUIRE(bench.cut("sim:b", b));
+  REQUIRE(comes_true([&] { return a->strokes_done >= 3 && b->strokes_done >= 3; }));
+  bench.cutters->stop_all(30);
+  CHECK(a->ends == 1);
+  CHECK(b->ends == 1);
+  CHECK(a->end.cancelled);
+  CHECK(b->end.cancelled);
+  CHECK(bench.cut("sim:a", a).error().kind == ErrorKind::Refused);
+  // Without time to wait it does not wait.
+  Bench other({{.id = "sim:a", .machine = "cameo3", .time_scale = 1}});
+  const auto c = std::make_shared<Journal>();
+  REQUIRE(other.cut("sim:a", c));
+  const auto begun = steady_clock::now();
+  other.cutters->stop_all(0.05);
+  CHECK(std::chrono::duration<double>(steady_clock::now() - begun).count() < 2);
+}
+
+TEST_CASE("a cutter that goes while it cuts ends its stroke first", "[daemon][cutters]") {
+  const auto journal = std::make_shared<Journal>();
+  {
+    Bench bench({{.id = "sim:cameo3", .time_scale = 50}});
+    REQUIRE(bench.cut("sim:cameo3", journal));
+    REQUIRE(comes_true([&] { return journal->strokes_done >= 3; }));
+  }
+  CHECK(journal->ends == 1);
+  CHECK(journal->end.cancelled);
+  CHECK(count(journal->end, StrokeFate::InDoubt) == 0);
+}
+
+TEST_CASE("after a fault a cutter waits for a reset and nothing starts by itself",
+          "[daemon][cutters]") {
+  TempFolder temp;
+  const auto script = [&](const std::string& kind, const std::string& more) {
+    write_file(temp / "faults.json", R"j({"popcut": 1, "faults": [{"at_byte": 600, "kind": ")j" +
+                                         kind + "\"" + more + "}]}");
+    return DeviceConfig{
+        .id = "sim:cameo3", .time_scale = 0, .faults = (temp / "faults.json").string()};
+  };
+  const struct {
+    const char *kind, *more, *state;
+    ErrorKind error;
+  } cases[] = {{"unplug", "", "fault", ErrorKind::DeviceGone},
+               {"nak", R"(, "seconds": 4000)", "fault", ErrorKind::Timeout},
+               {"media out", "", "attention", ErrorKind::Refused},
+               {"cancel", R"(, "seconds": 1)", "attention", ErrorKind::Refused}};
+  for (const auto& wrong : cases) {
+    CAPTURE(wrong.kind);
+    Bench bench({script(wrong.kind, wrong.more)});
+    const SessionEnd end = bench.cut_all("sim:cameo3");
+    REQUIRE(end.error);
+    CHECK(end.error->kind == wrong.error);
+    CHECK(bench.record().state == wrong.state);
+    REQUIRE(bench.record().reasons.size() == 1);
+    CHECK(bench.record().reasons[0] == end.error->detail);
+    CHECK(bench.cutters->alive());
+    if (wrong.state == std::string("fault")) {
+      const auto refused = bench.cut("sim:cameo3", std::make_shared<Journal>());
+      CHECK(refused.error().kind == ErrorKind::Refused);
+      CHECK(refused.error().detail.find("reset") != std::string::npos);
+      REQUIRE(bench.cutters->reset("sim:cameo3"));
+      CHECK(bench.record().state == "idle");
+    }
+    // The script is of the first cut only.
+    CHECK_FALSE(bench.cut_all("sim:cameo3").error);
+    CHECK(bench.record().state == "idle");
+    CHECK(bench.record().reasons.empty());
+  }
+}
+
+TEST_CASE("a journal that fails ends the cut and says nothing against the cutter",
+          "[daemon][cutters]") {
+  Bench bench({{.id = "sim:cameo3", .time_scale = 0}});
+  const auto journal = std::make_shared<Journal>();
+  journal->fails_from = 30;
+  REQUIRE(bench.cut("sim:cameo3", journal));
+  REQUIRE(comes_true([&] { return journal->ends == 1; }));
+  REQUIRE(journal->end.error);
+  CHECK(journal->end.error->kind == ErrorKind::Unwritable);
+  CHECK(count(journal->end, StrokeFate::InDoubt) == 0);
+  CHECK(count(journal->end, StrokeFate::NotSent) >= 50);
+  CHECK(bench.record().state == "idle");
+  CHECK_FALSE(bench.cut_all("sim:cameo3").error);
+}
+
+TEST_CASE("a cutter whose journal never returns is not alive", "[daemon][cutters]") {
+  Bench bench({{.id = "sim:cameo3", .time_scale = 0}});
+  const auto journal = std::make_shared<Journal>();
+  journal->blocked = true;
+  REQUIRE(bench.cut("sim:cameo3", journal));
+  REQUIRE(comes_true([&] { return journal->waiting.load(); }));
+  CHECK(comes_true([&] { return !bench.cutters->alive(); }));
+  journal->blocked = false;
+  REQUIRE(comes_true([&] { return journal->ends == 1; }));
+  CHECK(comes_true([&] { return bench.cutters->alive(); }));
+}
+
+TEST_CASE("a port in the configuration is absent until it is there and then it cuts",
+          "[daemon][cutters]") {
+  TempFolder temp;
+  const std::string port = (temp / "port").string();
+  Bench bench({{.id = "serial:" + port, .machine = "cameo3"}});
+  CHECK(bench.record().state == "absent");
+  CHECK(bench.cut("serial:" + port, std::make_shared<Journal>()).error().kind ==
+        ErrorKind::DeviceGone);
+  CHECK(bench.cutters->reset("serial:" + port).error().kind == ErrorKind::DeviceGone);
+  write_file(port, "");
+  CHECK(comes_true([&] { return bench.record().state == "idle"; }));
+  // It is no serial port, which only shows when it is opened.
+  const SessionEnd end = bench.cut_all("serial:" + port);
+  REQUIRE(end.error);
+  CHECK(count(end, StrokeFate::NotSent) == bench.program.strokes.size());
+  std::filesystem::remove(port);
+  CHECK(comes_true([&] { return bench.record().state == "absent"; }));
+  CHECK(bench.changes >= 4);
+}
+
+TEST_CASE("a configuration that cannot be is refused with the device it is about",
+          "[daemon][cutters]") {
+  const auto refused = [](std::vector<DeviceConfig> devices, const std::string& part) {
+    daemon::CuttersOptions options;
+    options.devices = std::move(devices);
+    options.usb = false;
+    const auto made = daemon::make_cutters(std::move(options));
+    REQUIRE_FALSE(made);
+    INFO(message(made.error()));
+    CHECK(message(made.error()).find(part) != std::string::npos);
+  };
+  refused({{.id = "sim:cameo33"}}, "cameo3");
+  refused({{.id = "left"}}, "left");
+  refused({{.id = "file:out.gpgl"}}, "no cutter");
+  refused({{.id = "serial:/dev/ttyUSB0"}}, "name its machine");
+  refused({{.id = "sim:cameo3"}, {.id = "sim:cameo3"}}, "twice");
+  refused({{.id = "sim:cameo3", .faults = "/nowhere/faults.json"}}, "/nowhere/faults.json");
+  refused({{.id = "sim:cameo3", .trace = "/proc/none/trace"}}, "/proc/none/trace");
+}

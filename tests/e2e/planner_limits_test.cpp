@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: MIT
+#include <atomic>
+#include <chrono>
+#include <string>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "daemon/devices/make_cutters.hpp"
+#include "daemon/planning/program_file.hpp"
+#include "tests/support/planner_bench.hpp"
+
+using namespace popcut;
+using namespace popcut::testing;
+using nlohmann::json;
+using Kind = PlanningTask::Kind;
+using std::chrono::steady_clock;
+
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
+
+struct Bench {
+  TempFolder temp;
+  Outcomes outcomes;
+  std::unique_ptr<daemon::Planner> planner;
+  int count{};
+
+  Bench(const PlanningLimits& limits, const char* program) {
+    planner = daemon::make_planner(limits, program);
+  }
+  [[nodiscard]] PlanningTask task(const std::string& design, Kind kind = Kind::Plan) {
+    PlanningTask task;
+    task.kind = kind;
+    task.design_path = (temp / ("design-" + std::to_string(++count))).string();
+    write_file(task.design_path, design);
+    return task;
+  }
+  std::uint64_t start(const std::string& name, PlanningTask task) {
+    return planner->start(std::move(task), outcomes.slot(name));
+  }
+  Result<PlanningOutcome> run(const std::string& design, Kind kind = Kind::Plan) {
+    const std::string name = "run " + std::to_string(++count);
+    start(name, task(design, kind));
+    return outcomes.wait(name);
+  }
+};
+
+double seconds_since(steady_clock::time_point begun) {
+  return std::chrono::duration<double>(steady_clock::now() - begun).count();
+}
+
+/// Many units: seconds of work, and some memory.
+std::string heavy_spec(int units, int slices) {
+  return json{{"popcut", 1},
+              {"surface", {{"type", "revolution"}, {"radius", "500 - 0.001*y"}}},
+              {"units_per_slice", units},
+              {"slices", slices},
+              {"widths_mm", 20},
+              {"min_panel_mm", 0.01}}
+      .dump();
+}
+
+/// A drawing whose shortest way takes long to look for.
+std::string scattered_svg(int lines) {
+  std::string svg =
+      "<svg xmlns='http://www.w3.org/2000/svg' width='290mm' height='290mm' "
+      "viewBox='0 0 290 290'><path fill='none' stroke='black' d='";
+  for (int k = 0; k < lines; ++k)
+    svg += "M" + std::to_string(5 + k * 7919 % 280) + "." + std::to_string(k * 31 % 100) + "," +
+           std::to_string(5 + k * 104729 % 280) + "l.5,.5";
+  return svg + "'/></svg>";
+}
+
+}  // namespace
+
+TEST_CASE("a worker has nothing but its pipes and its limits", "[daemon][planner]") {
+  PlanningLimits limits;
+  limits.cpu_s = 77;
+  limits.memory_bytes = std::uint64_t{3} << 30;
+  Bench bench(limits, POPCUT_PROBE);
+  ::setenv("POPCUT_SECRET", "token", 1);
+  const auto outcome = bench.run("surroundings");
+  INFO(why(outcome));
+  REQUIRE(outcome);
+  const std::string text = outcome->files.at(0).bytes;
+  INFO(text);
+  const auto says = [&](const std::string& line) { return text.find(line) != std::string::npos; };
+  CHECK(says("fds: 0 1 2\n"));
+  CHECK(says("environment:\n"));
+  CHECK(says("cpu: 77\n"));
+  CHECK(says("fsize: 0\n"));
+  CHECK(says("core: 0\n"));
+  CHECK(says("nofile: 16\n"));
+  CHECK(says("NoNewPrivs:\t1\n"));
+  CHECK(says("SigBlk:\t0000000000000000\n"));
+  CHECK(says("SigIgn:\t0000000000000000\n"));
+  if (!kSanitized) CHECK(says("as: 3221225472\n"));
+}
+
+TEST_CASE("whatever a worker sends the daemon goes on and says what was wrong",
+          "[daemon][planner]") {
+  PlanningLimits limits;
+  limits.output_bytes = 8u << 20;
+  limits.cpu_s = 1;
+  limits.wall_s = 20;
+  Bench bench(limits, POPCUT_PROBE);
+  const auto descriptors = open_descriptors();
+  const struct {
+    const char* design;
+    ErrorKind kind;
+    const char* part;
+  } cases[] = {
+      {"garbage", ErrorKind::Internal, "only goes the other way"},
+      {"no head", ErrorKind::Internal, "no frame begins"},
+      {"path", ErrorKind::Internal, "no file's name"},
+      {"twice", ErrorKind::Internal, "name of its own"},
+      {"promise", ErrorKind::Infeasible, "more than the 8388608 bytes"},
+      {"flood", ErrorKind::Infeasible, "more than the 8388608 bytes"},
+      {"nonsense", ErrorKind::Internal, ""},
+      {"deep", ErrorKind::Internal, ""},
+      {"dies", ErrorKind::Infeasible, "last words"},
+      {"spins", ErrorKind::Infeasible, "1 s of processor time"},
+      {"silence", ErrorKind::Infeasible, "code 5"},
+  };
+  for (const auto& wrong : cases) {
+    CAPTURE(wrong.design);
+    const auto outcome = bench.run(wrong.design);
+    REQUIRE_FALSE(outcome);
+    INFO(message(outcome.error()));
+    CHECK(outcome.error().kind == wrong.kind);
+    CHECK(outcome.error().detail.find(wrong.part) != std::string::npos);
+    for (const char c : outcome.error().detail) CHECK(static_cast<unsigned char>(c) >= 0x20);
+  }
+  // An answer counts, though its worker has to be killed after it.
+  CHECK(bench.run("lingers"));
+  CHECK(comes_true([] { return children().empty(); }));
+  CHECK(comes_true([&] { return open_descriptors() == descriptors; }));
+}
+
+TEST_CASE("a worker that takes too long is killed and the next one works", "[daemon][planner]") {
+  PlanningLimits limits;
+  limits.wall_s = 0.5;
+  Bench bench(limits, POPCUT_PROBE);
+  const auto begun = steady_clock::now();
+  const auto slow = bench.run("sleeps");
+  REQUIRE_FALSE(slow);
+  CHECK(slow.error().kind == ErrorKind::Infeasible);
+  CHECK(slow.error().detail.find("longer than the 0.5 s") != std::string::npos);
+  CHECK(seconds_since(begun) < 30);
+  CHECK(bench.run("surroundings"));
+}
+
+TEST_CASE("what is cancelled ends within a second running or waiting and leaves nothing",
+          "[daemon][planner]") {
+  Bench bench({}, POPCUT_PROBE);
+  const auto descriptors = open_descriptors();
+  const auto running = bench.start("running", bench.task("sleeps"));
+  const auto waiting = bench.start("waiting", bench.task("surroundings"));
+  bench.start("third", bench.task("surroundings"));
+  REQUIRE(comes_true([] { return children().size() == 1; }));
+  auto begun = steady_clock::now();
+  bench.planner->cancel(waiting);  // though the only process is taken
+  auto outcome = bench.outcomes.wait("waiting");
+  REQUIRE_FALSE(outcome);
+  CHECK(outcome.error().kind == ErrorKind::Refused);
+  CHECK(seconds_since(begun) < 1.0);
+  begun = steady_clock::now();
+  bench.planner->cancel(running);
+  outcome = bench.outcomes.wait("running");
+  REQUIRE_FALSE(outcome);
+  CHECK(outcome.error().kind == ErrorKind::Refused);
+  CHECK(seconds_since(begun) < 1.0);
+  CHECK(bench.outcomes.wait("third"));
+  bench.planner->cancel(running);  // it has ended
+  bench.planner->cancel(12345);    // it never was
+  CHECK(comes_true([] { return children().empty(); }));
+  CHECK(comes_true([&] { return open_descriptors() == descriptors; }));
+}
+
+TEST_CASE("tasks begin in the order in which they came and never more at once than may be",
+          "[daemon][planner]") {
+  PlanningLimits limits;
+  limits.processes = 2;
+  Bench bench(limits, POPCUT_PROBE);
+  std::atomic<std::size_t> most{0};
+  std::atomic<bool> done{false};
+  std::thread watch([&] {
+    while (!done) {
+      most = std::max<std::size_t>(most, children().size());
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  for (int k = 0; k < 20; ++k) bench.start("task " + std::to_string(k), bench.task("surroundings"));
+  for (int k = 0; k < 20; ++k) CHECK(bench.outcomes.wait("task " + std::to_string(k)));
+  done = true;
+  watch.join();
+  CHECK(most <= 2);
+  Bench single({}, POPCUT_PROBE);
+  std::vector<std::string> names;
+  for (int k = 0; k < 10; ++k) {
+    names.push_back("task " + std::to_string(k));
+    single.start(names.back(), single.task("surroundings"));
+  }
+  CHECK(single.outcomes.wait(names.back()));
+  CHECK(single.outcomes.order() == names);
+}
+
+TEST_CASE("a planner that goes kills what runs and answers everybody", "[daemon][planner]") {
+  const auto begun = steady_clock::now();
+  Outcomes answers;
+  {
+    Bench bench({}, POPCUT_PROBE);
+    bench.planner->start(bench.task("sleeps"), answers.slot("running"));
+    bench.planner->start(bench.task("sleeps"), answers.slot("waiting"));
+    REQUIRE(comes_true([] { return !children().empty(); }));
+    bench.planner.reset();
+  }
+  CHECK(seconds_since(begun) < 10);
+  CHECK(answers.wait("running").error().kind == ErrorKind::Refused);
+  CHECK(answers.wait("waiting").error().kind == ErrorKind::Refused);
+  CHECK(children().empty());
+}
+
+TEST_CASE("hostile designs meet a limit and a running cut never notices", "[daemon][planner]") {
+  PlanningLimits limits;
+  limits.cpu_s = kSanitized ? 20 : 4;
+  limits.wall_s = 40;
+  limits.memory_bytes = std::uint64_t{600} << 20;
+  limits.output_bytes = 64u << 20;
+  Bench bench(limits, POPCUT_WORKER);
+  // 1. A cut that takes its time.
+  const auto planned = bench.run(text_of_file(POPCUT_SOURCE_DIR "/examples/sphere.json"));
+  INFO(why(planned));
+  REQUIRE(planned);
+  auto program = planning::read_program(file_of(*planned, "sheet-01.program.json")->bytes,
+                                        file_of(*planned, "sheet-01.gpgl")->bytes);
+  REQUIRE(program);
+  const std::size_t strokes = program->strokes.size();
+  struct Journal final : daemon::CutJournal {
+    Result<void> intend(std::int64_t) override { return {}; }
+    Result<void> settle(std::int64_t, std::int64_t, std::uint64_t) override { return {}; }
+    void progress(const SessionProgress& p) override { strokes_done = p.strokes_done; }
+    void ended(const SessionEnd& last) override {
+      end = last;
+      over = true;
+    }
+    std::atomic<std::uint64_t> strokes_done{0};
+    std::atomic<bool> over{false};
+    SessionEnd end;
+  };
+  const auto journal = std::make_shared<Journal>();
+  daemon::CuttersOptions one;
+  one.devices = {{.id = "sim:cameo3", .time_scale = 60, .trace = (bench.temp / "trace").string()}};
+  one.usb = false;
+  auto cutters = daemon::make_cutters(one);
+  REQUIRE(cutters);
+  REQUIRE((*cutters)->cut({"A", "sim:cameo3", *program, planned->sheets[0].area_mm, 0}, journal));
+  // 2. Meanwhile.
+  std::string deep_svg = "<svg xmlns='http://www.w3.org/2000/svg'>";
+  for (int k = 0; k < 200'000; ++k) deep_svg += "<g>";
+  const std::string deep_json = "{\"a\":" + std::string(500'000, '[');
+  std::string laughs = "<svg xmlns='http://www.w3.org/2000/svg'><path id='a0' d='M0,0h1'/>";
+  for (int k = 1; k < 40; ++k)
+    laughs += fmt::format("<g id='a{0}'><use href='#a{1}'/><use href='#a{1}'/></g>", k, k - 1);
+  laughs += "<use href='#a39'/></svg>";
+  CHECK_FALSE(bench.run(deep_svg, Kind::Check));
+  CHECK_FALSE(bench.run(deep_json, Kind::Check));
+  CHECK_FALSE(bench.run(laughs, Kind::Check));
+  const auto begun = steady_clock::now();
+  const auto large = bench.run(heavy_spec(2000, 1000));
+  REQUIRE_FALSE(large);
+  INFO(message(large.error()));
+  CHECK(large.error().kind == ErrorKind::Infeasible);
+  CHECK(seconds_since(begun) < 60);
+  auto endless = bench.task(scattered_svg(20'000));
+  endless.options = {{"order", "best"}, {"effort", "1000"}};
+  bench.start("endless", endless);
+  const auto best = bench.outcomes.wait("endless");
+  REQUIRE_FALSE(best);
+  INFO(message(best.error()));
+  CHECK(best.error().detail.find("processor time") != std::string::npos);
+  // 3. The cut came through whole.
+  REQUIRE(comes_true([&] { return journal->over.load(); }, 120));
+  INFO((journal->end.error ? message(*journal->end.error) : ""));
+  CHECK_FALSE(journal->end.error);
+  CHECK(journal->end.confirmed);
+  const json trace = json::parse(text_of_file(bench.temp / "trace/A.json"));
+  CHECK(trace["lifts"] == strokes);
+  CHECK(trace["unknown_count"] == 0);
+  CHECK((*cutters)->alive());
+  CHECK(comes_true([] { return children().empty(); }));
+}

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+// Each place where a request takes much memory, failing once: it is answered, or refused with 503.
+// Small pieces are let through: nlohmann 3.11 takes some in the destructor of a value, which ends
+// the program when there is none.
+#include <cstdlib>
+#include <new>
+
+#include <catch2/catch.hpp>
+
+#include "daemon/http/dispatch.hpp"
+#include "daemon/http/target.hpp"
+#include "daemon/http/wire.hpp"
+#include "tests/support/fake_service.hpp"
+
+namespace {
+
+// The number of allocations of this thread until one fails; below zero: none does. Only those of
+// `least_bytes` and more count.
+thread_local long allocations_left = -1;
+thread_local std::size_t least_bytes = 1024;
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  if (size >= least_bytes && allocations_left >= 0 && allocations_left-- == 0)
+    throw std::bad_alloc();
+  void* const memory = std::malloc(size > 0 ? size : 1);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+using namespace popcut::daemon;
+using namespace popcut::daemon::http;
+
+namespace {
+
+// The status of the answer, 0 if there was none; `failed` tells whether memory failed meanwhile.
+int status_when(long fails_at, const Request& request, const Route& route, bool& failed) {
+  FakeService fake;
+  for (int i = 0; i < 60; ++i) fake.add_job(JobState::Ready, "token:admin");
+  const Shop shop;
+  int status = 0, answers = 0;
+  const Reply reply([&](const Response& response) {
+    status = response.status;
+    ++answers;
+  });
+  allocations_left = fails_at;
+  dispatch(request, route, fake, shop, reply);
+  failed = allocations_left < 0;
+  allocations_left = -1;
+  return answers == 1 ? status : 0;
+}
+
+Request request_for(Method method, const std::string& target, const std::string& body) {
+  Request request;
+  request.method = method;
+  request.target = target;
+  request.id = "01JREQUEST";
+  request.headers = {{"idempotency-key", "0123456789abcdef"}, {"if-match", "\"1\""}};
+  request.body = body;
+  request.principal = {"token:admin", Role::Admin};
+  return request;
+}
+
+}  // namespace
+
+TEST_CASE("a request for which there is no memory is refused and answered once",
+          "[daemon][http][memory]") {
+  const std::string job = "/v1/jobs/01JD0000000000000000000001";
+  const std::vector<std::pair<Request, int>> requests{
+      {request_for(Method::Post, "/v1/jobs",
+                   R"({"design":"sha256-aa","note":")" + std::string(1500, 'n') + R"("})"),
+       201},
+      {request_for(Method::Post, job + "/actions/arm", R"({"sheet":1})"), 200},
+      {request_for(Method::Post, job + "/actions/arm", R"({")" + std::string(1900, 's') + R"(":1})"),
+       422},
+      {request_for(Method::Get, job, ""), 200},
+      {request_for(Method::Get, "/v1/jobs", ""), 200},
+  };
+  for (const auto& [made, status] : requests) {
+    CAPTURE(made.target);
+    Request request = made;
+    const Match match = find_route(request.method, read_target(request.target)->segments);
+    request.params = match.params;
+    bool failed = true;
+    long refused = 0;
+    for (long n = 0; failed && n < 100'000; ++n) {
+      const int got = status_when(n, request, *match.route, failed);
+      if (failed && got != 503 && got != status) FAIL("allocation " << n << " gave " << got);
+      refused += got == 503 ? 1 : 0;
+    }
+    CHECK_FALSE(failed);
+    CHECK(refused > 0);
+  }
+}
+
+TEST_CASE("reading a request stands that memory fails", "[daemon][http][memory]") {
+  const std::string bytes =
+      "POST /v1/jobs HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n"
+      "3\r\nabc\r\n0\r\n\r\n";
+  const RequestReader::Sink sink = [](std::string_view) { return std::optional<Problem>{}; };
+  least_bytes = 1;
+  bool failed = true;
+  long n = 0;
+  for (; failed && n < 10'000; ++n) {
+    allocations_left = n;
+    try {
+      RequestReader reader(8192);
+      reader.append(bytes);
+      const bool has_head = reader.read_head().value_or(false);
+      const bool has_body = has_head && reader.read_body(100, sink).value_or(false);
+      failed = allocations_left < 0;
+      allocations_left = -1;
+      CHECK((has_body || failed));
+    } catch (const std::bad_alloc&) {
+      allocations_left = -1;
+    }
+  }
+  least_bytes = 1024;
+  CHECK_FALSE(failed);
+  CHECK(n > 5);
+}
