@@ -183,6 +183,7 @@ TEST_CASE("noise is never a configuration and never ends popcut", "[daemon][conf
     if (!config) CHECK_FALSE(config.error().detail.empty());
   }
   CHECK(lawful < 1000);
+  CHECK(parse_config("# \xC3\xA9\nstate = \"/home/\xC3\xA9\"")->state == "/home/\xC3\xA9");
   CHECK_FALSE(parse_config(std::string(100'000, '[')));
   CHECK_FALSE(parse_config("x = " + std::string(100'000, '[')));
   CHECK_FALSE(parse_config(std::string((1 << 20) + 1, ' ')));
