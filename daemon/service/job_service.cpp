@@ -485,6 +485,7 @@ void LiveService::tick() {
   desk_.tick();
   look_at_devices();
   if (memory_.degraded()) return;
+  if (!memory_.full()) jobs_.catch_up();
   plans_.pump();
   tokens_.tidy();
   try {
