@@ -155,7 +155,7 @@ void JobBook::plan_ended(const std::string& plan) { plan_ended_some(plan); }
 
 void JobBook::plan_ended_some(const std::string& id) {
   bool more = false;
-  (void)parts_.memory.change([&]() -> Answer<void> {
+  const Answer<void> stored = parts_.memory.change([&]() -> Answer<void> {
     const auto plan = parts_.plans.table().find(id);
     if (!plan || plan->state == PlanState::Pending) return {};
     for (const JobState state : {JobState::Planning, JobState::Queued}) {
@@ -165,12 +165,22 @@ void JobBook::plan_ended_some(const std::string& id) {
     }
     return {};
   });
+  // A disk that is full now may have room later: then `catch_up` does it.
+  if (stored)
+    left_over_.erase(id);
+  else
+    left_over_.insert(id);
   // In several goes, so that what a cut writes down waits for none of them long.
   if (more)
     parts_.thread.post(ServiceThread::Lane::Asking,
                        [this, id, alive = std::weak_ptr<void>(parts_.alive)] {
                          if (const auto here = alive.lock()) plan_ended_some(id);
                        });
+}
+
+void JobBook::catch_up() {
+  const std::set<std::string> plans = left_over_;
+  for (const std::string& plan : plans) plan_ended_some(plan);
 }
 
 Answer<JobRow> JobBook::row(const std::string& id) {

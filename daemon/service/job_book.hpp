@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,8 @@ class JobBook {
   /// Tells the jobs of a plan that it is being made, or what came of it; many in several goes.
   void plan_begun(const std::string& plan);
   void plan_ended(const std::string& plan);
+  /// Does again what of it could not be stored.
+  void catch_up();
 
   // For those who change jobs, in a transaction.
   [[nodiscard]] JobTable& table() { return jobs_; }
@@ -88,6 +91,7 @@ class JobBook {
   [[nodiscard]] Answer<void> check(const JobCreate& wish) const;
   void apply_plan(JobRow& row, const PlanRow& plan);
   void plan_ended_some(const std::string& plan);
+  std::set<std::string> left_over_{};  ///< plans whose jobs could not be told
   void put_sheet(const JobRow& row, std::string_view state, std::optional<TimeMs> finished = {});
   [[nodiscard]] std::optional<Attention> attention_of(const JobRow& row) const;
   Parts parts_;

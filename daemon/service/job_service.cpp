@@ -65,6 +65,7 @@ class LiveService final : public JobService {
     memory_.on_degraded = [this] { desk_.stop_cuts(); };
   }
   ~LiveService() override {
+    cutters_.on_change({});
     if (errand_.joinable()) errand_.join();
   }
 
@@ -477,6 +478,7 @@ void LiveService::tick() {
   desk_.tick();
   look_at_devices();
   if (memory_.degraded()) return;
+  if (!memory_.full()) jobs_.catch_up();
   plans_.pump();
   tokens_.tidy();
   try {

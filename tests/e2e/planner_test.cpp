@@ -198,7 +198,7 @@ TEST_CASE("a spec's mesh comes as an asset by its id", "[daemon][planner]") {
   write_file(bench.temp / "asset", stl);
   const json spec{{"popcut", 1},          {"surface", {{"type", "mesh"}, {"file", id}}},
                   {"units_per_slice", 5}, {"slices", 8},
-                  {"widths_mm", 6},      {"fit", "nearest"}};
+                  {"widths_mm", 6},       {"fit", "nearest"}};
   auto task = bench.task(Kind::Check, spec.dump());
   const auto known = bench.run(task);
   INFO(why(known));

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+// Loaded into popcutd by LD_PRELOAD: kills it at a chosen call, or lets the disk be full from one
+// write to another, as `FaultControl` says.
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "tests/support/fault_control.hpp"
+
+using popcut::testing::FaultControl;
+
+namespace {
+
+FaultControl* control() {
+  static FaultControl* const shared = []() -> FaultControl* {
+    const char* const path = std::getenv(popcut::testing::kFaultControl);
+    if (path == nullptr) return nullptr;
+    const long file = ::syscall(SYS_openat, AT_FDCWD, path, O_RDWR | O_CLOEXEC);
+    if (file < 0) return nullptr;
+    void* const page = ::mmap(nullptr, sizeof(FaultControl), PROT_READ | PROT_WRITE, MAP_SHARED,
+                              static_cast<int>(file), 0);
+    ::syscall(SYS_close, file);
+    return page == MAP_FAILED ? nullptr : static_cast<FaultControl*>(page);
+  }();
+  return shared;
+}
+
+/// The function that would have been called without this one.
+template <typename Function>
+Function* real(const char* name) {
+  return reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));
+}
+
+/// One call that leaves something behind, from begin to end.
+class Call {
+ public:
+  Call() : control_(control()) {
+    if (control_ == nullptr) return;
+    number_ = ++control_->calls;
+    if (number_ == control_->kill_at) ::kill(::getpid(), SIGKILL);
+  }
+  ~Call() {
+    const int kept = errno;
+    if (control_ != nullptr && number_ == control_->kill_after) ::kill(::getpid(), SIGKILL);
+    errno = kept;
+  }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  /// Whether the disk has no room for it.
+  [[nodiscard]] bool full() const {
+    if (control_ == nullptr) return false;
+    const std::uint64_t number = ++control_->disk;
+    const std::uint64_t from = control_->full_from, until = control_->full_until;
+    const bool full = from != 0 && number >= from && (until == 0 || number < until);
+    if (full) errno = ENOSPC;
+    return full;
+  }
+
+ private:
+  FaultControl* control_;
+  std::uint64_t number_{};
+};
+
+/// A plain file of popcutd's own: no pipe, no socket, not what it says, not the cutter's log.
+bool is_plain(int file) {
+  if (file <= 2) return false;
+  struct stat status {};
+  if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) return false;
+  char link[64], path[512];
+  std::snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+  const ssize_t length = ::readlink(link, path, sizeof path - 1);
+  if (length <= 0) return true;
+  path[length] = '\0';
+  return std::strstr(path, "/trace/") == nullptr;
+}
+
+}  // namespace
+
+extern "C" {
+
+ssize_t write(int file, const void* bytes, size_t count) {
+  static auto* const next = real<ssize_t(int, const void*, size_t)>("write");
+  const Call call;
+  if (is_plain(file) && call.full()) return -1;
+  return next(file, bytes, count);
+}
+
+ssize_t pwrite(int file, const void* bytes, size_t count, off_t at) {
+  static auto* const next = real<ssize_t(int, const void*, size_t, off_t)>("pwrite");
+  const Call call;
+  if (is_plain(file) && call.full()) return -1;
+  return next(file, bytes, count, at);
+}
+
+ssize_t pwrite64(int file, const void* bytes, size_t count, off64_t at) {
+  static auto* const next = real<ssize_t(int, const void*, size_t, off64_t)>("pwrite64");
+  const Call call;
+  if (is_plain(file) && call.full()) return -1;
+  return next(file, bytes, count, at);
+}
+
+ssize_t writev(int file, const struct iovec* parts, int count) {
+  static auto* const next = real<ssize_t(int, const struct iovec*, int)>("writev");
+  const Call call;
+  if (is_plain(file) && call.full()) return -1;
+  return next(file, parts, count);
+}
+
+int fsync(int file) {
+  static auto* const next = real<int(int)>("fsync");
+  const Call call;
+  return next(file);
+}
+
+int fdatasync(int file) {
+  static auto* const next = real<int(int)>("fdatasync");
+  const Call call;
+  return next(file);
+}
+
+int rename(const char* from, const char* to) {
+  static auto* const next = real<int(const char*, const char*)>("rename");
+  const Call call;
+  if (call.full()) return -1;
+  return next(from, to);
+}
+
+int unlink(const char* path) {
+  static auto* const next = real<int(const char*)>("unlink");
+  const Call call;
+  return next(path);
+}
+
+int mkdir(const char* path, mode_t mode) {
+  static auto* const next = real<int(const char*, mode_t)>("mkdir");
+  const Call call;
+  if (call.full()) return -1;
+  return next(path, mode);
+}
+
+int ftruncate(int file, off_t size) {
+  static auto* const next = real<int(int, off_t)>("ftruncate");
+  const Call call;
+  return next(file, size);
+}
+
+int ftruncate64(int file, off64_t size) {
+  static auto* const next = real<int(int, off64_t)>("ftruncate64");
+  const Call call;
+  return next(file, size);
+}
+
+int posix_fallocate(int file, off_t at, off_t size) {
+  static auto* const next = real<int(int, off_t, off_t)>("posix_fallocate");
+  const Call call;
+  if (call.full()) return ENOSPC;
+  return next(file, at, size);
+}
+
+int posix_fallocate64(int file, off64_t at, off64_t size) {
+  static auto* const next = real<int(int, off64_t, off64_t)>("posix_fallocate64");
+  const Call call;
+  if (call.full()) return ENOSPC;
+  return next(file, at, size);
+}
+
+int ioctl(int file, unsigned long request, ...) {
+  static auto* const next = real<int(int, unsigned long, void*)>("ioctl");
+  std::va_list arguments;
+  va_start(arguments, request);
+  void* const argument = va_arg(arguments, void*);
+  va_end(arguments);
+  const Call call;
+  return next(file, request, argument);
+}
+
+}  // extern "C"
