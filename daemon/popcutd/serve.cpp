@@ -182,7 +182,11 @@ std::optional<Trouble> Daemon::open_service() {
   options.read_program = stored_program;
   options.log = [log = log_](const std::string& line) { log->info(line); };
   auto service = make_service(*store_, *thread_, *planner_, *cutters_, std::move(options));
-  if (!service) return Trouble{exit_code(service.error().kind), message(service.error())};
+  if (!service) {
+    const bool damaged = service.error().kind == ErrorKind::Malformed;
+    return Trouble{damaged ? kNeedsPerson : exit_code(service.error().kind),
+                   message(service.error())};
+  }
   service_ = std::move(*service);
   return std::nullopt;
 }

@@ -226,9 +226,26 @@ TEST_CASE("a planner that goes kills what runs and answers everybody", "[daemon]
   CHECK(children().empty());
 }
 
+TEST_CASE("a design that needs too much memory is told so and the next one is planned",
+          "[daemon][planner]") {
+  if (kSanitized) {
+    WARN("skipped: sanitizers need more room than any limit leaves");
+    return;
+  }
+  PlanningLimits limits;
+  limits.memory_bytes = std::uint64_t{200} << 20;
+  Bench bench(limits, POPCUT_WORKER);
+  const auto large = bench.run(heavy_spec(1000, 500));
+  REQUIRE_FALSE(large);
+  INFO(message(large.error()));
+  CHECK(large.error().kind == ErrorKind::Infeasible);
+  CHECK(large.error().detail.find("more memory") != std::string::npos);
+  CHECK(bench.run(text_of_file(POPCUT_SOURCE_DIR "/examples/sphere.json")));
+}
+
 TEST_CASE("hostile designs meet a limit and a running cut never notices", "[daemon][planner]") {
   PlanningLimits limits;
-  limits.cpu_s = kSanitized ? 20 : 4;
+  limits.cpu_s = kSanitized ? 20 : 2;
   limits.wall_s = 40;
   limits.memory_bytes = std::uint64_t{600} << 20;
   limits.output_bytes = 64u << 20;
@@ -255,7 +272,7 @@ TEST_CASE("hostile designs meet a limit and a running cut never notices", "[daem
   };
   const auto journal = std::make_shared<Journal>();
   daemon::CuttersOptions one;
-  one.devices = {{.id = "sim:cameo3", .time_scale = 60, .trace = (bench.temp / "trace").string()}};
+  one.devices = {{.id = "sim:cameo3", .time_scale = 150, .trace = (bench.temp / "trace").string()}};
   one.usb = false;
   auto cutters = daemon::make_cutters(one);
   REQUIRE(cutters);
