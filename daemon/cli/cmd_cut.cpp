@@ -319,7 +319,9 @@ std::map<std::string, std::string> plan_words(const CLI::App& command) {
     if (option->count() == 0 || option->get_lnames().empty()) continue;
     const std::string& name = option->get_lnames().front();
     if (kOwn.contains(name)) continue;
-    words[name] = option->get_expected_max() == 0 ? "true" : option->results().back();
+    words[name] = option->get_expected_max() == 0
+                      ? "true"
+                      : fmt::format("{}", fmt::join(option->results(), ","));
   }
   return words;
 }

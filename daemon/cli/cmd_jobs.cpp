@@ -154,7 +154,10 @@ Result<void> watch_jobs(Api& api, const Options& options, const Globals& globals
         if (open || has_ended(job)) continue;
         if (auto now = api.get("/v1/jobs/" + id, "job " + id)) job = std::move(*now);
       }
-      for (Json& job : *jobs) seen[client::text_of(job, "id")] = std::move(job);
+      for (Json& job : *jobs) {
+        const std::string id = client::text_of(job, "id");
+        seen[id] = std::move(job);
+      }
     }
     std::vector<Json> all;
     for (const auto& [id, job] : seen) all.push_back(job);

@@ -173,12 +173,15 @@ asio::awaitable<bool> Hub::wait_for(ClientPtr client, std::function<bool(Done)> 
   ticket->timer.expires_after(
       std::chrono::microseconds(static_cast<std::int64_t>(patience_s * 1e6)));
   client->ticket = ticket;
-  Done done = [ticket, out = link](std::function<void()> arrive) {
-    out->post([ticket, arrive = std::move(arrive)] {
-      if (ticket->done) return;
+  // Whoever is asked may keep this longer than there is a server, and a ticket belongs to its
+  // thread.
+  Done done = [waiting = std::weak_ptr<Ticket>(ticket), out = link](std::function<void()> arrive) {
+    out->post([waiting, arrive = std::move(arrive)] {
+      const std::shared_ptr<Ticket> one = waiting.lock();
+      if (!one || one->done) return;
       if (arrive) arrive();
-      ticket->done = true;
-      ticket->timer.cancel();
+      one->done = true;
+      one->timer.cancel();
     });
   };
   const bool started = start(std::move(done));

@@ -215,7 +215,6 @@ constexpr bool is_action(const Route& route) {
 constexpr bool is_sound(const Route& route) {
   const bool changes = route.method != Method::Get;
   if (route.path.empty() || route.path.front() != '/' || route.path.back() == '/') return false;
-  if (route.handler == nullptr) return false;
   if (changes && route.access.is_open() && route.path != "/v1/session") return false;
   if (changes && !route.access.is_open() && route.access.role() < Role::Submitter &&
       !route.path.starts_with("/v1/session"))

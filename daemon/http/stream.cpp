@@ -89,7 +89,7 @@ asio::awaitable<CatchUp> ask_catch_up(Hub& hub, ClientPtr client,
                                       std::optional<std::int64_t> after) {
   auto result = std::make_shared<CatchUp>();
   result->failed = true;
-  const std::shared_ptr<Stream> stream = client->stream;
+  const std::weak_ptr<Stream> stream = client->stream;  // it stays on this thread
   std::function<void(Service&, Hub::Done)> work = [result, after, stream, &hub](
                                                       Service& service, const Hub::Done& done) {
     CatchUp found;
@@ -100,7 +100,8 @@ asio::awaitable<CatchUp> ask_catch_up(Hub& hub, ClientPtr client,
     }
     done([result, stream, found = std::move(found), &hub] {
       *result = found;
-      if (found.is_whole && !found.failed) hub.streams.push_back(stream);
+      const std::shared_ptr<Stream> here = stream.lock();
+      if (here && found.is_whole && !found.failed) hub.streams.push_back(here);
     });
   };
   const bool answered = co_await hub.ask(client, std::move(work), kCatchUp_s);

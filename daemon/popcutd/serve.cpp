@@ -21,6 +21,7 @@
 #include "daemon/popcutd/greeting.hpp"
 #include "daemon/popcutd/log.hpp"
 #include "daemon/popcutd/sheet_program.hpp"
+#include "daemon/popcutd/webhook.hpp"
 #include "daemon/service/job_service.hpp"
 
 namespace popcut::daemon {
@@ -118,6 +119,7 @@ class Daemon {
   [[nodiscard]] std::optional<Trouble> open_state();
   [[nodiscard]] std::optional<Trouble> open_devices();
   [[nodiscard]] std::optional<Trouble> open_service();
+  [[nodiscard]] std::optional<Trouble> open_webhook();
   [[nodiscard]] std::optional<Trouble> open_http(const ServiceManager& manager);
   const Config& config_;
   std::shared_ptr<spdlog::logger> log_;
@@ -127,6 +129,7 @@ class Daemon {
   std::unique_ptr<Planner> planner_{};
   std::unique_ptr<Cutters> cutters_{};
   std::unique_ptr<JobService> service_{};
+  std::unique_ptr<Webhook> webhook_{};
   std::unique_ptr<HttpServer> http_{};
   Pulse pulse_{};
 };
@@ -139,6 +142,7 @@ std::optional<Trouble> Daemon::start(const ServiceManager& manager) {
   if (auto trouble = open_state()) return trouble;
   if (auto trouble = open_devices()) return trouble;
   if (auto trouble = open_service()) return trouble;
+  if (auto trouble = open_webhook()) return trouble;
   return open_http(manager);
 }
 
@@ -178,8 +182,40 @@ std::optional<Trouble> Daemon::open_service() {
   options.read_program = stored_program;
   options.log = [log = log_](const std::string& line) { log->info(line); };
   auto service = make_service(*store_, *thread_, *planner_, *cutters_, std::move(options));
-  if (!service) return Trouble{exit_code(service.error().kind), message(service.error())};
+  if (!service) {
+    const bool damaged = service.error().kind == ErrorKind::Malformed;
+    return Trouble{damaged ? kNeedsPerson : exit_code(service.error().kind),
+                   message(service.error())};
+  }
   service_ = std::move(*service);
+  return std::nullopt;
+}
+
+std::optional<Trouble> Daemon::open_webhook() {
+  if (config_.webhook.url.empty()) return std::nullopt;
+  auto target = webhook_target(config_.webhook);
+  if (!target) return Trouble{kNeedsPerson, message(target.error())};
+  Webhook::Source source;
+  source.events = [this](std::int64_t after, int most) {
+    std::vector<Event> events;
+    thread_->run(ServiceThread::Lane::Asking, [&] {
+      if (auto found = service_->events(after, most, "")) events = std::move(*found);
+    });
+    return events;
+  };
+  source.last_event = [this] {
+    std::int64_t last = 0;
+    thread_->run(ServiceThread::Lane::Asking, [&] { last = service_->last_event(); });
+    return last;
+  };
+  source.log = [log = log_](const std::string& line) { log->warn(line); };
+  webhook_ = std::make_unique<Webhook>(std::move(*target), store_->folder().at("webhook"),
+                                       std::move(source));
+  thread_->run(ServiceThread::Lane::Asking, [this] {
+    service_->listen([this](const Event& event) {
+      if (event.seq > 0 && webhook_) webhook_->wake();
+    });
+  });
   return std::nullopt;
 }
 
@@ -213,6 +249,10 @@ void Daemon::stop() {
   if (service_) thread_->run(ServiceThread::Lane::Cutting, [this] { service_->stopping(); });
   if (cutters_) cutters_->stop_all(kStopSeconds);
   if (http_) http_->stop();
+  std::unique_ptr<Webhook> webhook;
+  if (thread_)  // on whose thread it is woken
+    thread_->run(ServiceThread::Lane::Asking, [&] { webhook = std::move(webhook_); });
+  webhook.reset();
   planner_.reset();
   if (thread_) thread_->stop();
   http_.reset();

@@ -24,9 +24,13 @@ class CutDesk::Journal final : public CutJournal {
 
   Result<void> intend(std::int64_t last_stroke) override {
     Result<void> done = tl::unexpected(given_up("popcutd is ending"));
-    thread_.run(ServiceThread::Lane::Cutting, [&] {
-      if (const auto here = alive_.lock()) done = desk_.intended(*cut_, last_stroke);
-    });
+    try {
+      thread_.run(ServiceThread::Lane::Cutting, [&] {
+        if (const auto here = alive_.lock()) done = desk_.intended(*cut_, last_stroke);
+      });
+    } catch (const std::exception& fault) {
+      done = tl::unexpected(given_up(fault.what()));
+    }
     return done;
   }
 
@@ -62,9 +66,16 @@ class CutDesk::Journal final : public CutJournal {
   }
 
   void ended(const SessionEnd& end) override {
-    thread_.run(ServiceThread::Lane::Cutting, [&] {
-      if (const auto here = alive_.lock()) desk_.ended(cut_, end);
-    });
+    try {
+      thread_.run(ServiceThread::Lane::Cutting, [&] {
+        if (const auto here = alive_.lock()) desk_.ended(cut_, end);
+      });
+    } catch (const std::exception&) {
+      // Tried again by the tick.
+      thread_.post(ServiceThread::Lane::Asking, [desk = &desk_, cut = cut_, alive = alive_, end] {
+        if (const auto here = alive.lock()) desk->late_.push_back({cut, end});
+      });
+    }
   }
 
  private:

@@ -65,6 +65,7 @@ class LiveService final : public JobService {
     memory_.on_degraded = [this] { desk_.stop_cuts(); };
   }
   ~LiveService() override {
+    cutters_.on_change({});
     if (errand_.joinable()) errand_.join();
   }
 
@@ -215,7 +216,14 @@ class LiveService final : public JobService {
 Answer<void> LiveService::begin() {
   const Answer<void> recovered = recover(memory_, jobs_);
   if (!recovered) return recovered;
-  store_.mark_in_use();
+  try {
+    store_.mark_in_use();
+  } catch (const StoreFault&) {
+    // On a full disk popcutd starts too: to show what there is, and to let people make room.
+    if (!store_.folder().free_reserve()) throw;
+    memory_.note_full();
+    store_.mark_in_use();
+  }
   devices_.load();
   const std::weak_ptr<void> alive = alive_;
   cutters_.on_change([this, alive, thread = &thread_] {

@@ -39,8 +39,16 @@ void Memory::follow_up() {
   const std::vector<Event> events = std::exchange(events_, {});
   const std::vector<std::function<void()>> after = std::exchange(after_, {});
   if (!events.empty()) store_.bear_witness(events.back().seq);
-  for (const Event& event : events) tell(event);
-  for (const auto& work : after) work();
+  // It is committed: whoever stumbles over the news must not keep the rest from happening.
+  const auto try_to = [this](const auto& work) {
+    try {
+      work();
+    } catch (const std::exception& fault) {
+      log(fmt::format("after a commit: {}", fault.what()));
+    }
+  };
+  for (const Event& event : events) try_to([&] { tell(event); });
+  for (const auto& work : after) try_to(work);
 }
 
 void Memory::emit(const std::string& kind, const std::string& job, const std::string& members) {

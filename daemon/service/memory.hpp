@@ -50,6 +50,10 @@ class Memory {
         note(fault);
         if (again && fault.kind() == FaultKind::Full && folder().free_reserve()) continue;
         return tl::unexpected(problem_of(fault));
+      } catch (...) {
+        // Out of memory, say: what would have followed must not follow the next commit.
+        forget_after(marks);
+        throw;
       }
     }
   }

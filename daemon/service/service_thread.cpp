@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -54,7 +55,11 @@ struct ServiceThread::State {
       const std::function<void()> work = std::move(lane.front());
       lane.pop_front();
       lock.unlock();
-      work();
+      try {
+        work();
+      } catch (...) {
+        // Nobody waits for it (`run` brings faults to its caller), and the cuts go on.
+      }
       lock.lock();
     }
   }
@@ -84,8 +89,13 @@ bool ServiceThread::run(Lane lane, const std::function<void()>& work) {
   std::mutex mutex;
   std::condition_variable over;
   bool done = false;
+  std::exception_ptr fault;
   const bool queued = post(lane, [&] {
-    work();
+    try {
+      work();
+    } catch (...) {
+      fault = std::current_exception();
+    }
     // Notified under the lock: whoever waits destroys both as soon as it has it.
     const std::lock_guard lock(mutex);
     done = true;
@@ -94,6 +104,7 @@ bool ServiceThread::run(Lane lane, const std::function<void()>& work) {
   if (!queued) return false;
   std::unique_lock lock(mutex);
   over.wait(lock, [&] { return done; });
+  if (fault) std::rethrow_exception(fault);
   return true;
 }
 

@@ -21,7 +21,8 @@ class ServiceThread {
 
   /// Queues `work`; never blocks. False: the thread is ending and will not run it.
   bool post(Lane lane, std::function<void()> work);
-  /// Runs `work` there and waits for it. From the thread itself it runs at once.
+  /// Runs `work` there and waits for it; what it throws is thrown here. From the thread itself it
+  /// runs at once. (What is thrown by posted work is dropped.)
   bool run(Lane lane, const std::function<void()>& work);
   /// How many wait, of both lanes.
   [[nodiscard]] std::size_t waiting() const;

@@ -154,13 +154,13 @@ tl::expected<Salvage, OpenTrouble> salvage(const std::string& path) {
                                                    (*folder)->at("backups") + " in its place");
   }
   remove_tree(fresh + "-wal");
-  // The damaged one lies in backups. Between these steps popcutd would find its database gone, or
-  // its log missing, and refuse to start: never an old log with a new database.
+  // The damaged one lies in backups. Between these steps popcutd would find its database gone and
+  // refuse to start: never an old log with a new database.
   remove_tree(original);
   remove_tree(original + "-wal");
   remove_tree((*folder)->at("witness"));
   Result<void> done = keep_file(fresh, original);
-  if (done) done = write_file((*folder)->at("database-state"), "clean\n");
+  if (done) remove_tree((*folder)->at("database-state"));
   if (!done) return trouble(OpenTrouble::Kind::Io, message(done.error()));
   return report;
 }

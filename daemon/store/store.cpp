@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kClean = "clean\n";
+constexpr std::string_view kClean = "clean ";  // and the digest of the database
 constexpr std::string_view kInUse = "in use\n";
 constexpr std::size_t kWitnessDigits = 18;
 
@@ -43,6 +43,10 @@ void make_database(const std::string& path, const StoreOptions& options) {
   remove_tree(fresh + "-wal");
   if (const Result<void> kept = keep_file(fresh, path); !kept)
     throw StoreFault(FaultKind::Io, message(kept.error()));
+}
+
+std::string clean_mark(const std::string& path) {
+  return fmt::format("{}{}\n", kClean, sha256_of_file(path).value_or("unreadable"));
 }
 
 // What is wrong with the file before SQLite is let near it; empty: nothing.
@@ -99,6 +103,14 @@ tl::expected<std::unique_ptr<Store>, OpenTrouble> Store::open(StoreOptions optio
       make_database(path, wish);
     }
     if (std::string what = header_damage(path); !what.empty()) return damaged(what);
+    const bool was_closed = mark.starts_with(kClean);
+    const bool unchanged = was_closed && mark == clean_mark(path);
+    // A log beside it: a run that ended before it had marked the database as in use.
+    const bool as_left = unchanged && !fs::exists(path + "-wal", ignored);
+    if (was_closed && !unchanged)
+      return damaged(
+          "is not as popcutd left it (if you put another copy in its place, remove the "
+          "files database-state and witness beside it too)");
     if (mark == kInUse)
       if (std::string what = log_damage(path + "-wal"); !what.empty())
         return damaged("was not closed and its log " + what);
@@ -113,10 +125,8 @@ tl::expected<std::unique_ptr<Store>, OpenTrouble> Store::open(StoreOptions optio
                                  "to {}); install that one, or put back the copy that it made",
                                  path, version, newest));
     }
-    {
-      // After a kill there is time for the longer check, which reads the indexes against the rows.
-      Rows verdict = store->database_->rows(mark == kInUse ? "PRAGMA integrity_check(1)"
-                                                           : "PRAGMA quick_check(1)");
+    if (!as_left) {
+      Rows verdict = store->database_->rows("PRAGMA integrity_check(1)");
       if (!verdict.next() || verdict.text(0) != "ok")
         return damaged("is damaged: " + verdict.text(0));
     }
@@ -189,9 +199,11 @@ Store::~Store() {
   if (witness_ >= 0) close(witness_);
   if (!database_ || failed_) return;
   try {
+    const std::string path = folder_->at("popcut.db");
     database_->checkpoint(true);
-    // Only now may the log be missing.
-    (void)write_file(folder_->at("database-state"), kClean);
+    database_.reset();
+    // Only now may the log be missing, and each byte of the database is known.
+    if (write_file(folder_->at("database-state"), clean_mark(path))) remove_tree(path + "-wal");
   } catch (const StoreFault&) {
     // The log stays and is read at the next opening.
   }

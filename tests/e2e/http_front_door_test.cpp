@@ -312,7 +312,7 @@ TEST_CASE("chunks in all their lawful forms make one body", "[daemon][http][door
     for (const char c : chunks) connection.send(std::string_view(&c, 1));
     CHECK(connection.receive().status == 201);
     // The same key: the requests differ in their chunks only, and are one.
-    CHECK(server.fake.made_jobs == 1);
+    server.ask([](FakeService& fake) { CHECK(fake.made_jobs == 1); });
   }
 }
 

@@ -2,6 +2,7 @@
 // openapi.json against the table of routes and against what the server does.
 #include <algorithm>
 #include <atomic>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -233,8 +234,12 @@ TEST_CASE("each documented request succeeds as it is documented", "[daemon][http
     CAPTURE(http::name_of(route.method), route.path);
     // What this one removes, the next needs.
     const bool removes = route.method == http::Method::Delete;
-    const auto jobs = bench.server.fake.job_map;
-    const auto designs = bench.server.fake.design_map;
+    std::map<std::string, Job> jobs;
+    std::map<std::string, Design> designs;
+    bench.server.ask([&](FakeService& fake) {
+      jobs = fake.job_map;
+      designs = fake.design_map;
+    });
     const WireResponse response = bench.ask(route, bench.call(route));
     CHECK(response.status >= 200);
     CHECK(response.status < 300);

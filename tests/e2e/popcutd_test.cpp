@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: MIT
 // popcutd and popcut together, as people use them.
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <future>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -29,7 +34,8 @@ const std::string kUnit = POPCUT_SOURCE_DIR "/examples/unit.json";
 
 /// A daemon and people who talk with it.
 struct Workshop {
-  explicit Workshop(double time_scale = 0) : daemon(POPCUTD_PROGRAM, time_scale) {
+  explicit Workshop(double time_scale = 0, const std::string& more = "")
+      : daemon(POPCUTD_PROGRAM, time_scale, more) {
     ::setenv("POPCUT_URL", daemon.socket().c_str(), 1);
     ::unsetenv("POPCUT_TOKEN");
   }
@@ -72,6 +78,71 @@ struct Workshop {
         newest = entry.path();
     return Json::parse(text_of_file(newest));
   }
+};
+
+/// Takes what a webhook sends: refuses the first, takes all others.
+class Receiver {
+ public:
+  Receiver() : fd_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in at{};
+    at.sin_family = AF_INET;
+    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof at;
+    REQUIRE(::bind(fd_, reinterpret_cast<const sockaddr*>(&at), size) == 0);
+    REQUIRE(::listen(fd_, 8) == 0);
+    REQUIRE(::getsockname(fd_, reinterpret_cast<sockaddr*>(&at), &size) == 0);
+    port_ = ntohs(at.sin_port);
+    thread_ = std::thread([this] { serve(); });
+  }
+  ~Receiver() {
+    end_ = true;
+    thread_.join();
+    ::close(fd_);
+  }
+  Receiver(const Receiver&) = delete;
+  Receiver& operator=(const Receiver&) = delete;
+  [[nodiscard]] std::string host_port() const { return "127.0.0.1:" + std::to_string(port_); }
+  [[nodiscard]] std::vector<std::string> requests() {
+    const std::lock_guard hold(lock_);
+    return requests_;
+  }
+
+ private:
+  void serve() {
+    while (!end_) {
+      pollfd one{fd_, POLLIN, 0};
+      if (::poll(&one, 1, 50) > 0) answer(::accept(fd_, nullptr, nullptr));
+    }
+  }
+  void answer(int peer) {
+    std::string text;
+    std::array<char, 4096> room{};
+    while (!whole(text)) {
+      pollfd one{peer, POLLIN, 0};
+      if (::poll(&one, 1, 5000) <= 0) break;
+      const ssize_t got = ::recv(peer, room.data(), room.size(), 0);
+      if (got <= 0) break;
+      text.append(room.data(), static_cast<std::size_t>(got));
+    }
+    const std::lock_guard hold(lock_);
+    const std::string status = requests_.empty() ? "500 No" : "204 Taken";
+    requests_.push_back(text);
+    const std::string reply =
+        "HTTP/1.1 " + status + "\r\nConnection: close\r\nContent-Length: 0\r\n\r\n";
+    (void)::send(peer, reply.data(), reply.size(), MSG_NOSIGNAL);
+    ::close(peer);
+  }
+  static bool whole(const std::string& text) {
+    const std::size_t end = text.find("\r\n\r\n"), at = text.find("Content-Length: ");
+    return end != std::string::npos && at != std::string::npos &&
+           text.size() >= end + 4 + std::strtoul(text.c_str() + at + 16, nullptr, 10);
+  }
+  int fd_;
+  std::uint16_t port_{};
+  std::atomic<bool> end_{false};
+  std::mutex lock_;
+  std::vector<std::string> requests_;
+  std::thread thread_;
 };
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
@@ -232,6 +303,75 @@ TEST_CASE("a stop while cutting ends with the stroke and the job says so", "[pop
   CHECK(shop.job(id)["state"] == "cancelled");
 }
 
+TEST_CASE("the words of popcut plan and the files of a spec go along with a job",
+          "[popcutd][e2e]") {
+  Workshop shop;
+  shop.open();
+  // A grid that the spec names by its file goes up first.
+  std::string grid;
+  for (int row = 0; row < 12; ++row) {
+    for (int column = 0; column < 12; ++column)
+      grid += (column > 0 ? "," : "") + std::to_string(60.0 - 3.0 * column - 0.1 * row * row);
+    grid += "\n";
+  }
+  write_file(shop.daemon.folder() / "heights.csv", grid);
+  write_file(shop.daemon.folder() / "hill.json",
+             R"({"popcut": 1, "name": "hill", "surface": {"type": "grid", "file": "heights.csv"},
+                 "scale_mm": 1, "units_per_slice": 3, "slices": 4, "widths_mm": 2})");
+  const Ran hill = shop.popcut({"cut", "hill.json"});
+  CAPTURE(hill.err);
+  CHECK(hill.exit == 0);
+  CHECK(hill.err.find("uploading heights.csv") != std::string::npos);
+  REQUIRE(fs::exists(shop.daemon.state() + "/assets"));
+  CHECK(files_below(shop.daemon.state() + "/assets").size() == 1);
+  write_file(shop.daemon.folder() / "lost.json",
+             R"({"popcut": 1, "surface": {"type": "grid", "file": "absent.csv"},
+                 "units_per_slice": 3, "slices": 4, "widths_mm": 2})");
+  const Ran lost = shop.popcut({"cut", "lost.json"});
+  CHECK(lost.exit == 3);
+  CHECK(lost.err.find("lost.json: /surface/file: absent.csv") != std::string::npos);
+
+  const std::string id = first_line(
+      shop.popcut({"cut", kUnit, "-q", "--order", "keep", "--material", "pp-150", "--copies", "3"})
+          .out);
+  REQUIRE(shop.comes_to(id, "ready"));
+  CHECK(shop.job(id)["sheets_total"] == 3);
+  CHECK(shop.job(id)["material"] == "pp-150");
+  const Ran wrong = shop.popcut({"cut", kUnit, "--material", "pp-15"});
+  CHECK(wrong.exit == 3);
+  CHECK(wrong.err.find("/material") != std::string::npos);
+  CHECK(shop.popcut({"cut", POPCUT_SOURCE_DIR "/README.md"}).exit == 3);
+}
+
+TEST_CASE("the view of jobs has all of them and each change", "[popcutd][e2e]") {
+  Workshop shop;
+  shop.open();
+  const std::string one = first_line(shop.popcut({"cut", kUnit, "-q"}).out);
+  const std::string two = first_line(shop.popcut({"cut", kUnit, "-q", "--name", "gift card"}).out);
+  REQUIRE(shop.comes_to(one, "ready"));
+  REQUIRE(shop.comes_to(two, "ready"));
+  CHECK(shop.popcut({"arm"}).exit == 2);  // which of the two?
+  CHECK(shop.popcut({"arm", one.substr(0, 4)}).exit == 2);
+  auto view = std::async(std::launch::async, [&] {
+    return run_program(
+        {"/usr/bin/env", "timeout", "-s", "INT", "3", POPCUT_PROGRAM, "jobs", "--watch"}, "/");
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  REQUIRE(shop.popcut({"cancel", two, "-q"}).exit == 0);
+  const std::string shown = view.get().out;
+  CAPTURE(shown);
+  CHECK(shown.find(one.substr(0, 12) + " unit: ready") != std::string::npos);
+  CHECK(shown.find(two.substr(0, 12) + " gift card: ready") != std::string::npos);
+  CHECK(shown.find(two.substr(0, 12) + " gift card: cancelled") != std::string::npos);
+  CHECK(shop.popcut({"jobs", "--state", "cancelled"}).out.find("gift card") != std::string::npos);
+  CHECK(shop.popcut({"hold", one}).exit == 0);
+  CHECK(shop.popcut({"jobs"}).out.find("held") != std::string::npos);
+  CHECK(shop.popcut({"release", one}).exit == 0);
+  CHECK(shop.popcut({"pause", one}).exit == 5);
+  CHECK(shop.popcut({"events", "--job", one, "--json"}).out.find("\"planning\"") !=
+        std::string::npos);
+}
+
 TEST_CASE("a second popcutd on the same state says who holds it", "[popcutd][e2e]") {
   Workshop shop;
   shop.open();
@@ -242,6 +382,13 @@ TEST_CASE("a second popcutd on the same state says who holds it", "[popcutd][e2e
   CAPTURE(second.err);
   CHECK(second.exit == 5);
   CHECK(second.err.find(std::to_string(shop.daemon.pid())) != std::string::npos);
+  const Ran third = run_program(
+      {POPCUTD_PROGRAM, "--state", (shop.daemon.folder() / "third").string(), "--listen",
+       shop.daemon.url().substr(7), "--socket", (shop.daemon.folder() / "third.sock").string()},
+      "/");
+  CAPTURE(third.err);
+  CHECK(third.exit == 5);
+  CHECK(third.err.find(shop.daemon.url().substr(7)) != std::string::npos);
 }
 
 TEST_CASE("what needs a person ends popcutd with 78", "[popcutd][e2e]") {
@@ -310,6 +457,42 @@ TEST_CASE("the service manager is told of each step and fed while all turns", "[
   CHECK(listen_for("STOPPING=1"));
   CHECK(shop.daemon.wait() == 0);
   ::close(listener);
+}
+
+TEST_CASE("a webhook hears each event in order and again until it has taken it", "[popcutd][e2e]") {
+  Receiver receiver;
+  const TempFolder folder;
+  const std::string secret = (folder / "secret").string();
+  write_file(secret, "0123456789abcdef\n");
+  Workshop shop(0, "[webhook]\nurl = \"http://" + receiver.host_port() + "/hook\"\nallow = [\"" +
+                       receiver.host_port() + "\"]\nsecret_file = \"" + secret + "\"\n");
+  shop.open();
+  const std::string id = first_line(shop.popcut({"cut", kUnit, "-q"}).out);
+  REQUIRE(shop.comes_to(id, "ready"));
+  REQUIRE(shop.popcut({"cancel", id}).exit == 0);
+  const auto begun = std::chrono::steady_clock::now();
+  std::vector<std::string> requests;
+  const auto told = [&](const std::string& word) {
+    requests = receiver.requests();
+    return !requests.empty() && requests.back().find(word) != std::string::npos;
+  };
+  while (!told("cancelled") && std::chrono::steady_clock::now() - begun < std::chrono::seconds(60))
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  REQUIRE(told("cancelled"));
+  REQUIRE(requests.size() > 4);
+  const auto body = [](const std::string& text) { return text.substr(text.find("\r\n\r\n") + 4); };
+  CHECK(body(requests[0]) == body(requests[1]));  // refused, and sent again
+  std::int64_t last = 0;
+  for (std::size_t k = 1; k < requests.size(); ++k) {
+    CHECK(requests[k].rfind("POST /hook HTTP/1.1\r\n", 0) == 0);
+    CHECK(requests[k].find("\r\nPopcut-Signature: sha256=") != std::string::npos);
+    const std::int64_t seq = Json::parse(body(requests[k]))["seq"];
+    CHECK(seq > last);
+    last = seq;
+  }
+  shop.daemon.signal(SIGTERM);
+  CHECK(shop.daemon.wait() == 0);
+  CHECK(text_of_file(fs::path(shop.daemon.state()) / "webhook") == std::to_string(last));
 }
 
 TEST_CASE("sockets of systemd are served and no others", "[popcutd][e2e]") {

@@ -14,7 +14,7 @@ foreach(kind bash zsh fish man)
     execute_process(COMMAND ${path} ${words} OUTPUT_FILE ${file} ERROR_VARIABLE err
       RESULT_VARIABLE result)
     file(READ ${file} text)
-    if(NOT result EQUAL 0 OR NOT err STREQUAL "" OR NOT text MATCHES "help")
+    if(NOT result EQUAL 0 OR NOT err STREQUAL "" OR NOT text MATCHES "${program}")
       message(FATAL_ERROR "${program} ${words}: ${result} ${err}")
     endif()
     if(kind STREQUAL "man")

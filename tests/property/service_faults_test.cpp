@@ -279,6 +279,7 @@ TEST_CASE("after a failed sync or write nothing is written until a restart", "[d
 TEST_CASE("a power cut at any write loses nothing that was promised", "[daemon][faults]") {
   struct Cut {
     FaultVfs::Images images;
+    std::string witness;
     std::vector<std::string> jobs;
     std::vector<FakeCutters::Cut> knife;
     std::set<std::string> done;
@@ -296,7 +297,9 @@ TEST_CASE("a power cut at any write loses nothing that was promised", "[daemon][
       // The bytes of a file that is not synced may be there all the same; take some of each.
       if (kept != 0.0 && random() % 4 != 0) continue;
       const std::lock_guard lock(promises.mutex);
-      cuts.push_back({vfs.power_cut(random, kept), promises.jobs, promises.knife, promises.done});
+      cuts.push_back({vfs.power_cut(random, kept),
+                      read_whole(bench.folder() + "/witness", 100).value_or(""), promises.jobs,
+                      promises.knife, promises.done});
     }
   };
   all_of_it(bench, promises);
@@ -322,6 +325,7 @@ TEST_CASE("a power cut at any write loses nothing that was promised", "[daemon][
       if (name == "popcut.db" || name == "popcut.db-wal")
         popcut::test::write_text(after.folder() + "/" + name, bytes);
     }
+    popcut::test::write_text(after.folder() + "/witness", cuts[i].witness);
     REQUIRE(after.start() == "");
     Promises kept;
     kept.jobs = cuts[i].jobs;

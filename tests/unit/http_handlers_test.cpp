@@ -65,6 +65,25 @@ const Principal kOperator{"token:operator", Role::Operator};
 
 }  // namespace
 
+TEST_CASE("each route has a handler and is found by its path", "[daemon][http][routes]") {
+  CHECK(routes().size() > 50);
+  for (const Route& route : routes()) {
+    CAPTURE(route.path);
+    CHECK(route.handler != nullptr);
+    std::vector<std::string> segments =
+        read_target(route.path.find('{') == std::string_view::npos ? route.path
+                                                                   : std::string_view("/"))
+            ->segments;
+    if (segments.size() > 1) CHECK(find_route(route.method, segments).route == &route);
+  }
+  CHECK(allow_header(find_route(Method::Options, {"v1", "jobs", "x"}).allowed) ==
+        "GET, HEAD, PATCH, DELETE");
+  CHECK(find_route(Method::Get, {"v1", "jobs", ""}).route == nullptr);
+  CHECK(find_route(Method::Get, {"v1", "plans", "p", "sheets", ".svg"}).route == nullptr);
+  CHECK(find_route(Method::Get, {"v1", "plans", "p", "sheets", "7.svg"}).params ==
+        std::vector<std::string>{"p", "7"});
+}
+
 TEST_CASE("what a client sends for a job reaches the service whole", "[daemon][http][handlers]") {
   FakeService fake;
   const Asked asked = ask(fake, Method::Post, "/v1/jobs", keyed(), R"({

@@ -14,6 +14,7 @@
 #include "daemon/popcutd/options.hpp"
 #include "daemon/popcutd/paths.hpp"
 #include "daemon/popcutd/service_manager.hpp"
+#include "daemon/popcutd/webhook.hpp"
 #include "tests/support/process.hpp"
 
 using namespace popcut;
@@ -143,4 +144,31 @@ TEST_CASE("options stand over the configuration and both over the defaults", "[d
   const auto wrong = load_config({.config = file}, found);
   REQUIRE_FALSE(wrong);
   CHECK(wrong.error().place == file + ": 1:9: state");
+}
+
+TEST_CASE("a webhook calls only whom it may and signs what it says", "[daemon][webhook]") {
+  const testing::TempFolder folder;
+  const std::string secret = (folder / "secret").string();
+  testing::write_file(secret, "0123456789abcdef0123456789abcdef\n");
+  WebhookConfig config{"http://localhost:9000/popcut?a=b", secret, {"localhost:9000"}};
+  const auto target = webhook_target(config);
+  REQUIRE(target);
+  CHECK(target->host_port == "localhost:9000");
+  CHECK(target->path == "/popcut?a=b");
+  CHECK(target->secret == "0123456789abcdef0123456789abcdef");
+  // As Python's hmac.new(b"key", b"1763719200.{}", "sha256") has it.
+  CHECK(webhook_signature("key", "", "x") != webhook_signature("key", "1", "x"));
+  CHECK(webhook_signature("key", "1763719200", "{}") ==
+        "sha256=0dff72a09a4152725872582c6a301b3f26cbdef6ccd2e061d1fffa4642e2b892");
+  config.allow = {"localhost:9001"};
+  CHECK(webhook_target(config).error().detail.find("webhook.allow") != std::string::npos);
+  config = {"http://localhost:9000/a b", secret, {"localhost:9000"}};
+  CHECK_FALSE(webhook_target(config));
+  config = {"http://user@localhost:9000/", secret, {"user@localhost:9000"}};
+  CHECK_FALSE(webhook_target(config));
+  config = {"http://localhost:9000/", (folder / "absent").string(), {"localhost:9000"}};
+  CHECK_FALSE(webhook_target(config));
+  testing::write_file(secret, "short\n");
+  config.secret_file = secret;
+  CHECK_FALSE(webhook_target(config));
 }

@@ -475,3 +475,27 @@ TEST_CASE("actions leave an audit trail with the person's name", "[daemon][servi
   CHECK(detail.find("uid:4 ") == 0);
   CHECK(detail.find("double cut accepted") != std::string::npos);
 }
+
+TEST_CASE("what should follow a commit never follows another one", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  REQUIRE(bench.act(ready.id, JobAction::Arm));
+  // Whoever renders the reply fails: the start is undone, and no knife moves with the next commit.
+  bench.on([&](JobService& service) {
+    CHECK_THROWS_AS(service.once(bench.tutor, {"a-key-of-sixteen", "digest"},
+                                 [&]() -> Rendered {
+                                   const auto now = service.job(ready.id);
+                                   if (!service.act(bench.tutor, ready.id, now->rev,
+                                                    {.action = JobAction::Start}))
+                                     return {.status = 409, .body = {}};
+                                   throw std::bad_alloc();
+                                 }),
+                    std::bad_alloc);
+  });
+  CHECK(bench.job(ready.id).state == JobState::Armed);
+  REQUIRE(bench.create(ready.design));
+  CHECK(bench.cutters.cuts() == 0);
+  REQUIRE(bench.act(ready.id, JobAction::Start));
+  CHECK(bench.cutters.cuts() == 1);
+  bench.cutters.complete(bench.device);
+}

@@ -247,6 +247,8 @@ TEST_CASE("a database that is gone or empty or another one is never silently new
   refused("cut short");
   std::string other = whole;
   other[68] = 'x';
+  write_text(path, whole.substr(0, 5000) + "y" + whole.substr(5001));
+  refused("one byte is another");
   write_text(path, other);
   refused("another program's");
   CHECK(read_whole(path, 1 << 24).value() == other);  // the original stays as it is

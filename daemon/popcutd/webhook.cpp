@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/popcutd/webhook.hpp"
+
+#include <openssl/evp.h>
+#include <openssl/hmac.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <condition_variable>
+#include <cstdlib>
+#include <mutex>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "daemon/client/http_client.hpp"
+#include "daemon/http/render.hpp"
+#include "daemon/store/state_folder.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+constexpr double kAnswerSeconds = 5;
+constexpr std::chrono::seconds kLookAnyway{30}, kLongestPause{300};
+constexpr int kAtOnce = 50;
+
+std::string trimmed(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\r' || text.back() == ' '))
+    text.pop_back();
+  return text;
+}
+
+}  // namespace
+
+Result<WebhookTarget> webhook_target(const WebhookConfig& config) {
+  constexpr std::string_view kHttp = "http://";
+  constexpr std::size_t kShortestSecret = 16;
+  if (config.url.rfind(kHttp, 0) != 0)
+    return fail(ErrorKind::OutOfRange, "webhook.url", "must begin with http://");
+  const std::string rest = config.url.substr(kHttp.size());
+  const std::size_t slash = std::min(rest.find('/'), rest.size());
+  WebhookTarget target{rest.substr(0, slash), slash < rest.size() ? rest.substr(slash) : "/", {}};
+  const bool plain = std::all_of(target.path.begin(), target.path.end(),
+                                 [](char c) { return c > ' ' && c < 0x7f && c != '#'; });
+  if (!plain || !client::parse_address("http://" + target.host_port))
+    return fail(
+        ErrorKind::OutOfRange, "webhook.url",
+        fmt::format("\"{}\" is no address; as in http://localhost:9000/popcut", config.url));
+  if (std::find(config.allow.begin(), config.allow.end(), target.host_port) == config.allow.end())
+    return fail(ErrorKind::OutOfRange, "webhook.url",
+                fmt::format("{} may not be called; name it in webhook.allow", target.host_port));
+  auto secret = read_whole(config.secret_file, 4096);
+  if (!secret) return tl::unexpected(within("webhook.secret_file", secret.error()));
+  target.secret = trimmed(std::move(*secret));
+  if (target.secret.size() < kShortestSecret)
+    return fail(
+        ErrorKind::OutOfRange, "webhook.secret_file",
+        fmt::format("{} holds fewer than {} characters", config.secret_file, kShortestSecret));
+  return target;
+}
+
+std::string webhook_signature(std::string_view secret, std::string_view timestamp,
+                              std::string_view body) {
+  std::string text(timestamp);
+  text.push_back('.');
+  text += body;
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int size = 0;
+  HMAC(EVP_sha256(), secret.data(), static_cast<int>(secret.size()),
+       reinterpret_cast<const unsigned char*>(text.data()), text.size(), digest.data(), &size);
+  std::string out = "sha256=";
+  for (unsigned int k = 0; k < size; ++k) out += fmt::format("{:02x}", digest[k]);
+  return out;
+}
+
+struct Webhook::Impl {
+  Impl(WebhookTarget where, std::string file, Source from)
+      : target(std::move(where)),
+        cursor_file(std::move(file)),
+        source(std::move(from)),
+        client({*client::parse_address("http://" + target.host_port)}, "") {
+    client.set_tries(0);
+    const auto kept = read_whole(cursor_file, 64);
+    taken = kept ? std::strtoll(kept->c_str(), nullptr, 10) : source.last_event();
+    thread = std::thread([this] { run(); });
+  }
+
+  void run() {
+    std::chrono::seconds pause{1};
+    while (!ended()) {
+      const std::vector<Event> events = source.events(taken, kAtOnce);
+      bool all = true;
+      for (const Event& event : events) {
+        all = !ended() && send(event);
+        if (!all) break;
+        taken = event.seq;
+        (void)write_file(cursor_file, std::to_string(taken));  // at worst it is told again
+        pause = std::chrono::seconds{1};
+      }
+      if (all && !events.empty()) continue;
+      rest(all ? kLookAnyway : pause, all);
+      if (!all) pause = std::min(pause * 2, kLongestPause);
+    }
+  }
+
+  bool send(const Event& event) {
+    const std::string body = http::event_json(event);
+    const auto now = std::chrono::duration_cast<std::chrono::seconds>(
+        std::chrono::system_clock::now().time_since_epoch());
+    const std::string timestamp = std::to_string(now.count());
+    client::HttpRequest request{"POST", target.path, body, "application/json"};
+    request.seconds = kAnswerSeconds;
+    request.headers = {{"Popcut-Event", std::to_string(event.seq)},
+                       {"Popcut-Timestamp", timestamp},
+                       {"Popcut-Signature", webhook_signature(target.secret, timestamp, body)}};
+    const auto answer = client.ask(std::move(request));
+    const bool taken_by = answer && answer->status >= 200 && answer->status < 300;
+    if (taken_by == well) return taken_by;
+    well = taken_by;
+    source.log(
+        well ? fmt::format("webhook: {} takes events again", target.host_port)
+             : fmt::format("webhook: event {} was not taken ({}); it is sent again", event.seq,
+                           answer ? std::to_string(answer->status) : message(answer.error())));
+    return taken_by;
+  }
+
+  bool ended() {
+    const std::lock_guard hold(lock);
+    return stop;
+  }
+  void rest(std::chrono::seconds longest, bool until_woken) {
+    std::unique_lock hold(lock);
+    changed.wait_for(hold, longest, [&] { return stop || (until_woken && woken); });
+    woken = false;
+  }
+
+  WebhookTarget target;
+  std::string cursor_file;
+  Source source;
+  client::HttpClient client;
+  std::int64_t taken{0};
+  bool well{true};
+  std::mutex lock;
+  std::condition_variable changed;
+  bool stop{false}, woken{false};
+  std::thread thread;
+};
+
+Webhook::Webhook(WebhookTarget target, std::string cursor_file, Source source)
+    : impl_(std::make_unique<Impl>(std::move(target), std::move(cursor_file), std::move(source))) {}
+
+Webhook::~Webhook() {
+  {
+    const std::lock_guard hold(impl_->lock);
+    impl_->stop = true;
+  }
+  impl_->changed.notify_all();
+  impl_->thread.join();
+}
+
+void Webhook::wake() {
+  const std::lock_guard hold(impl_->lock);
+  impl_->woken = true;
+  impl_->changed.notify_all();
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/result.hpp"
+#include "daemon/config/config.hpp"
+#include "daemon/service/model.hpp"
+
+namespace popcut::daemon {
+
+/// A webhook's URL, taken apart and allowed.
+struct WebhookTarget {
+  std::string host_port;  ///< "localhost:9000"
+  std::string path;       ///< "/popcut"
+  std::string secret;
+};
+
+/// Reads the secret, and holds the URL against the list of hosts that may be called.
+///
+/// @retval OutOfRange  the URL is none, its host is not allowed, or the secret is too short
+/// @retval Malformed   the secret's file cannot be read
+[[nodiscard]] Result<WebhookTarget> webhook_target(const WebhookConfig& config);
+
+/// "sha256=" and the HMAC-SHA256 of `timestamp.body` in hexadecimal digits.
+[[nodiscard]] std::string webhook_signature(std::string_view secret, std::string_view timestamp,
+                                            std::string_view body);
+
+/// Tells another program of each stored event, in order and at least once: an event is sent until
+/// it was answered with 2xx, and which was the last is kept in the state folder. Its own thread;
+/// nothing waits for it.
+class Webhook {
+ public:
+  struct Source {
+    /// Stored events after a number, at most so many.
+    std::function<std::vector<Event>(std::int64_t after, int most)> events;
+    std::function<std::int64_t()> last_event;
+    std::function<void(const std::string& line)> log;
+  };
+  /// @param cursor_file  holds the number of the last event that was taken
+  Webhook(WebhookTarget target, std::string cursor_file, Source source);
+  ~Webhook();  ///< what is under way ends within seconds
+  Webhook(const Webhook&) = delete;
+  Webhook& operator=(const Webhook&) = delete;
+
+  /// There is something new. From any thread.
+  void wake();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace popcut::daemon

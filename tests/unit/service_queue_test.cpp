@@ -1,0 +1,585 @@
+// SPDX-License-Identifier: MIT
+#include <filesystem>
+#include <set>
+
+#include <catch2/catch.hpp>
+
+#include "tests/support/service_bench.hpp"
+
+using namespace popcut;
+using namespace popcut::daemon;
+using popcut::test::ServiceBench;
+using popcut::test::write_text;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Answer<Job> create(ServiceBench& bench, const JobCreate& wish) {
+  return bench.on([&](JobService& service) { return service.create_job(bench.student, wish); });
+}
+
+std::vector<std::string> queue(ServiceBench& bench, const std::string& device = "") {
+  std::vector<std::string> ids;
+  for (const Job& job : bench.on([&](JobService& s) { return s.queue(device); }))
+    ids.push_back(job.id);
+  return ids;
+}
+
+Upload upload(ServiceBench& bench, const std::string& bytes) {
+  const std::string path = bench.folder() + "/incoming/asset";
+  write_text(path, bytes);
+  return {path, sha256_hex(bytes), bytes.size()};
+}
+
+}  // namespace
+
+TEST_CASE("the same bytes are one design and the same words one plan", "[daemon][service]") {
+  ServiceBench bench;
+  const auto first = bench.add_design("{\"card\":1}").value();
+  CHECK(first.is_new);
+  CHECK(first.id == "sha256-" + sha256_hex("{\"card\":1}"));
+  const auto again = bench.add_design("{\"card\":1}").value();
+  CHECK_FALSE(again.is_new);
+  CHECK(bench.on([&](JobService& s) { return s.designs({}).items.size(); }) == 1);
+  const Job one = bench.create(first.id).value();
+  const Job two = bench.create(first.id).value();
+  CHECK(one.plan == two.plan);
+  bench.wait_for(two.id, JobState::Ready);
+  // Planned already: ready at once.
+  CHECK(bench.create(first.id)->state == JobState::Ready);
+  JobCreate other{.design = first.id, .plan = {}};
+  other.options["order"] = "best";
+  CHECK(create(bench, other)->plan != one.plan);
+  CHECK(fs::is_empty(bench.folder() + "/incoming"));
+  CHECK(bench.on([&](JobService& s) { return s.plan_file(one.plan, "plan.json").has_value(); }));
+  CHECK_FALSE(bench.on(
+      [&](JobService& s) { return s.plan_file(one.plan, "../../popcut.db").has_value(); }));
+}
+
+TEST_CASE("a design that cannot be read is refused with its place", "[daemon][service]") {
+  ServiceBench bench;
+  const auto refused = bench.add_design("{\"bad\":1}");
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().kind == ProblemKind::Validation);
+  CHECK(refused.error().errors.at(0).pointer == "/surface");
+  CHECK(fs::is_empty(bench.folder() + "/incoming"));
+  CHECK(fs::is_empty(bench.folder() + "/designs"));
+  CHECK_FALSE(bench.add_design("{}", "two\nlines"));
+  CHECK_FALSE(bench.add_design("{}", std::string(121, 'x')));
+}
+
+TEST_CASE("a spec gets the assets that it names and no others", "[daemon][service]") {
+  ServiceBench bench;
+  const Asset asset =
+      bench.on([&](JobService& s) { return s.add_asset(bench.student, upload(bench, "mesh")); })
+          .value();
+  CHECK(asset.is_new);
+  CHECK_FALSE(bench.on(
+      [&](JobService& s) { return s.add_asset(bench.student, upload(bench, "mesh"))->is_new; }));
+  const auto design = bench
+                          .add_design("{\"file\":\"" + asset.id + "\",\"other\":\"sha256-" +
+                                      std::string(64, 'a') + "\"}")
+                          .value();
+  CHECK(design.assets == std::vector<std::string>{asset.id});
+  CHECK(bench.on([&](JobService& s) {
+    return s.add_asset(bench.viewer, upload(bench, "other")).error().kind;
+  }) == ProblemKind::Forbidden);
+}
+
+TEST_CASE("a job that makes no sense is refused with everything that is wrong",
+          "[daemon][service]") {
+  ServiceBench bench;
+  const auto design = bench.add_design("{\"card\":1}").value();
+  JobCreate wish{.design = design.id, .plan = {}};
+  wish.copies = 0;
+  wish.priority = 11;
+  wish.name = "a\x1b[31m";
+  wish.device = "sim:cameo4";
+  const Problem problem = create(bench, wish).error();
+  CHECK(problem.kind == ProblemKind::Validation);
+  std::set<std::string> pointers;
+  for (const RequestFault& fault : problem.errors) pointers.insert(fault.pointer);
+  CHECK(pointers == std::set<std::string>{"/copies", "/priority", "/name", "/device"});
+  CHECK(create(bench, {.design = "sha256-none", .plan = {}}).error().errors.at(0).pointer ==
+        "/design");
+  JobCreate material{.design = design.id, .plan = {}};
+  material.material = "paper-22";
+  CHECK(create(bench, material).error().errors.at(0).pointer == "/material");
+  CHECK(create(bench, {}).error().kind == ProblemKind::Validation);
+  CHECK(bench.on([&](JobService& s) {
+    return s.create_job(bench.viewer, {.design = design.id, .plan = {}}).error().kind;
+  }) == ProblemKind::Forbidden);
+  CHECK(queue(bench).empty());
+}
+
+TEST_CASE("limits on the queue and on sheets are kept", "[daemon][service]") {
+  ServiceBench bench(false);
+  bench.options.queue_jobs = 2;
+  bench.options.sheets_per_job = 5;
+  REQUIRE(bench.start() == "");
+  const Job ready = bench.ready_job();
+  CHECK(bench.create(ready.design, 3).error().errors.at(0).pointer == "/copies");
+  const Job two = bench.create(ready.design, 2).value();
+  CHECK(two.sheets_total == 4);
+  CHECK(bench.create(ready.design).error().kind == ProblemKind::QueueFull);
+  REQUIRE(bench.act(two.id, JobAction::Cancel));
+  CHECK(bench.create(ready.design));
+  // Told only once the plan is known: then the job fails.
+  REQUIRE(bench.act(ready.id, JobAction::Cancel));
+  const auto other = bench.add_design("{\"card\":2}").value();
+  const Job many = bench.create(other.id, 1000).value();
+  const Job failed = bench.wait_for(many.id, JobState::Failed);
+  CHECK(failed.state == JobState::Failed);
+  CHECK(failed.reason.find("2000 sheets") != std::string::npos);
+}
+
+TEST_CASE("copies are further sheets", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job("{\"card\":1}", 3);
+  CHECK(ready.sheets_total == 6);
+  const auto sheets = bench.on([&](JobService& s) { return s.sheets(ready.id).value(); });
+  REQUIRE(sheets.size() == 6);
+  CHECK(sheets[0].state == "ready");
+  CHECK(sheets[1].state == "waiting");
+  CHECK(sheets[4].copy == 3);
+  CHECK(sheets[4].number == 5);
+  CHECK(sheets[4].plan.program_sha256 == sheets[0].plan.program_sha256);
+  bench.started(ready.id);
+  bench.cutters.complete(bench.device);
+  CHECK(bench.on([&](JobService& s) { return s.sheets(ready.id).value()[0].state; }) == "done");
+  CHECK(bench.on([&](JobService& s) { return s.ledger(ready.id, 7).error().kind; }) ==
+        ProblemKind::NotFound);
+}
+
+TEST_CASE("the queue goes by priority and by the order that people give it", "[daemon][service]") {
+  ServiceBench bench;
+  const Job a = bench.ready_job();
+  const Job b = bench.create(a.design).value();
+  const Job c = bench.create(a.design).value();
+  JobCreate urgent{.design = a.design, .plan = {}};
+  urgent.priority = 5;
+  const Job d = create(bench, urgent).value();
+  CHECK(queue(bench) == std::vector{d.id, a.id, b.id, c.id});
+  const auto move = [&](const std::string& id, const std::string& before) {
+    return bench.on([&](JobService& s) { return s.move(bench.tutor, id, before); });
+  };
+  REQUIRE(move(c.id, a.id));
+  CHECK(queue(bench) == std::vector{d.id, c.id, a.id, b.id});
+  // As often as one likes.
+  for (int i = 0; i < 60; ++i) REQUIRE(move(i % 2 == 0 ? b.id : c.id, i % 2 == 0 ? c.id : b.id));
+  CHECK(queue(bench) == std::vector{d.id, c.id, b.id, a.id});
+  REQUIRE(move(c.id, ""));
+  CHECK(queue(bench) == std::vector{d.id, b.id, a.id, c.id});
+  CHECK_FALSE(move(a.id, d.id));
+  CHECK_FALSE(move(a.id, "nobody"));
+  CHECK(bench.on([&](JobService& s) { return s.move(bench.student, a.id, "").error().kind; }) ==
+        ProblemKind::Forbidden);
+  REQUIRE(bench.on([&](JobService& s) {
+    return s.patch_job(bench.student, a.id, s.job(a.id)->rev, {.priority = 9});
+  }));
+  CHECK(queue(bench).front() == a.id);
+}
+
+TEST_CASE("a held job is not armed until it is released", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  const auto hold = [&](bool held) {
+    return bench.on([&](JobService& s) { return s.hold(bench.student, ready.id, held); });
+  };
+  CHECK(hold(true)->held);
+  CHECK(bench.act(ready.id, JobAction::Arm).error().kind == ProblemKind::StateConflict);
+  CHECK_FALSE(hold(false)->held);
+  REQUIRE(bench.act(ready.id, JobAction::Arm));
+  CHECK(hold(true)->state == JobState::Ready);
+  CHECK(bench.on([&](JobService& s) {
+    return s.hold(bench.other_student, ready.id, false).error().kind;
+  }) == ProblemKind::Forbidden);
+}
+
+TEST_CASE("jobs find the devices that fit", "[daemon][service]") {
+  ServiceBench bench({"sim:a", "sim:b"}, false);
+  bench.options.device_materials["sim:b"] = {"pp-150"};
+  REQUIRE(bench.start() == "");
+  const Job ready = bench.ready_job();
+  // Only a is set up for this paper, so it need not be said.
+  CHECK(bench.act(ready.id, JobAction::Arm)->device == "sim:a");
+  CHECK(queue(bench, "sim:b").empty());
+  const Job second = bench.create(ready.design).value();
+  CHECK(bench.act(second.id, JobAction::Arm).error().kind == ProblemKind::StateConflict);
+  CHECK(bench.act(second.id, {.action = JobAction::Arm, .device = "sim:b"}).error().kind ==
+        ProblemKind::StateConflict);
+  bench.planner.area_mm = {400, 200};
+  const Job wide = bench.ready_job("{\"wide\":1}");
+  const Problem none = bench.act(wide.id, JobAction::Arm).error();
+  CHECK(none.kind == ProblemKind::DeviceAbsent);
+}
+
+TEST_CASE("where two devices fit a person says which", "[daemon][service]") {
+  ServiceBench bench({"sim:a", "sim:b"});
+  const Job ready = bench.ready_job();
+  const Job second = bench.create(ready.design).value();
+  CHECK(bench.act(ready.id, JobAction::Arm).error().errors.at(0).pointer == "/device");
+  REQUIRE(bench.act(ready.id, {.action = JobAction::Arm, .device = "sim:b"}));
+  CHECK(bench.act(second.id, JobAction::Arm)->device == "sim:a");
+  REQUIRE(bench.act(ready.id, JobAction::Start));
+  REQUIRE(bench.act(second.id, JobAction::Start));
+  CHECK(bench.cutters.busy().size() == 2);
+  bench.cutters.complete("sim:a");
+  bench.cutters.complete("sim:b");
+}
+
+TEST_CASE("a disabled device gets no sheets", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  REQUIRE(bench.act(ready.id, JobAction::Arm));
+  const auto act = [&](const Principal& who, const std::string& action) {
+    return bench.on([&](JobService& s) {
+      return s.act_on_device(who, bench.device, s.device(bench.device)->rev, action);
+    });
+  };
+  CHECK(act(bench.tutor, "disable").error().kind == ProblemKind::Forbidden);
+  CHECK(act(bench.admin, "disable")->enabled == false);
+  CHECK(bench.job(ready.id).state == JobState::Ready);
+  CHECK(bench.act(ready.id, JobAction::Arm).error().kind == ProblemKind::DeviceAbsent);
+  bench.stop();
+  REQUIRE(bench.start() == "");
+  CHECK_FALSE(bench.on([&](JobService& s) { return s.device(bench.device)->enabled; }));
+  CHECK(act(bench.admin, "enable")->enabled);
+  CHECK(bench.act(ready.id, JobAction::Arm));
+  CHECK(act(bench.admin, "reset").error().kind == ProblemKind::StateConflict);
+  CHECK(act(bench.admin, "melt").error().kind == ProblemKind::NotFound);
+  CHECK(bench.on([&](JobService& s) {
+    return s.act_on_device(bench.admin, bench.device, 0, "enable").error().kind;
+  }) == ProblemKind::Stale);
+}
+
+TEST_CASE("a test cut is a job that a person arms like any other", "[daemon][service]") {
+  ServiceBench bench;
+  REQUIRE(bench.on([&](JobService& s) {
+    return s.act_on_device(bench.tutor, bench.device, s.device(bench.device)->rev, "test-cut");
+  }));
+  const std::string id = queue(bench).at(0);
+  const Job ready = bench.wait_for(id, JobState::Ready);
+  CHECK(ready.name == "test cut");
+  CHECK(ready.device == bench.device);
+  CHECK(bench.planner.last_task().kind == PlanningTask::Kind::TestCut);
+  CHECK(bench.cutters.cuts() == 0);
+  bench.started(id);
+  bench.cutters.complete(bench.device);
+}
+
+TEST_CASE("lists go by pages in the order of ids and by what is asked for", "[daemon][service]") {
+  ServiceBench bench;
+  const Job first = bench.ready_job();
+  std::vector<std::string> ids{first.id};
+  for (int i = 0; i < 24; ++i) ids.push_back(bench.create(first.design)->id);
+  for (const std::size_t i : {3u, 9u, 20u}) REQUIRE(bench.act(ids[i], JobAction::Cancel));
+  std::vector<std::string> seen;
+  std::string cursor;
+  do {
+    const auto page = bench.on([&](JobService& s) { return s.jobs({}, {7, cursor}).value(); });
+    for (const Job& job : page.items) seen.push_back(job.id);
+    cursor = page.next_cursor;
+    // Removing one does not make another be missed.
+    if (seen.size() == 7)
+      REQUIRE(bench.on([&](JobService& s) { return s.delete_job(bench.student, ids[3]); }));
+  } while (!cursor.empty());
+  CHECK(seen == ids);
+  const auto count = [&](const JobFilter& filter) {
+    return bench.on([&](JobService& s) { return s.jobs(filter, {200, ""})->items.size(); });
+  };
+  CHECK(count({.states = {JobState::Cancelled}}) == 2);
+  CHECK(count({.states = {JobState::Ready, JobState::Cancelled}}) == 24);
+  CHECK(count({.owner = "uid:2"}) == 24);
+  CHECK(count({.owner = "uid:9"}) == 0);
+  CHECK(count({.device = "sim:cameo3"}) == 0);
+  CHECK(count({.since = bench.job(ids[24]).created + 60'000}) == 0);
+  CHECK(count({.since = first.created}) == 24);
+  CHECK(bench.on([](JobService& s) {
+    return s.jobs({}, {10, "' OR 1=1"}).error().kind;
+  }) == ProblemKind::Validation);
+}
+
+TEST_CASE("only jobs that have ended are removed and their use stays", "[daemon][service]") {
+  ServiceBench bench;
+  bench.planner.sheets = 1;
+  const Job ready = bench.ready_job();
+  const auto remove = [&](const Principal& who) {
+    return bench.on([&](JobService& s) { return s.delete_job(who, ready.id); });
+  };
+  CHECK(remove(bench.student).error().kind == ProblemKind::StateConflict);
+  CHECK(bench.on([&](JobService& s) {
+    return s.delete_design(bench.student, ready.design).error().kind;
+  }) == ProblemKind::StateConflict);
+  bench.started(ready.id);
+  bench.cutters.complete(bench.device);
+  CHECK(remove(bench.other_student).error().kind == ProblemKind::Forbidden);
+  REQUIRE(remove(bench.student));
+  CHECK(remove(bench.student).error().kind == ProblemKind::NotFound);
+  CHECK(bench.on([](JobService& s) { return s.usage({}, {}, "owner").at(0).sheets; }) == 1);
+  REQUIRE(bench.on([&](JobService& s) { return s.delete_design(bench.student, ready.design); }));
+  CHECK(fs::is_empty(bench.folder() + "/designs"));
+  CHECK(bench.on([&](JobService& s) { return s.usage(1, 2, "device").empty(); }));
+}
+
+TEST_CASE("planning goes on after a crash and plans that were made are kept", "[daemon][service]") {
+  ServiceBench bench;
+  const auto slow = bench.add_design("{\"slow\":1}").value();
+  const Job waiting = bench.create(slow.id).value();
+  REQUIRE(bench.wait_for(waiting.id, JobState::Planning).state == JobState::Planning);
+  bench.crash();
+  bench.planner.release();
+  REQUIRE(bench.start() == "");
+  CHECK(bench.wait_for(waiting.id, JobState::Ready).state == JobState::Ready);
+}
+
+TEST_CASE("a plan that fails fails its jobs and may be wished for again", "[daemon][service]") {
+  ServiceBench bench;
+  bench.planner.sheets = 0;
+  const auto design = bench.add_design("{\"card\":1}").value();
+  const Job job = bench.create(design.id).value();
+  CHECK(bench.wait_for(job.id, JobState::Failed).reason == "nothing of the design is cut");
+  bench.planner.sheets = 1;
+  const Job again = bench.create(design.id).value();
+  CHECK(again.plan != job.plan);
+  CHECK(bench.wait_for(again.id, JobState::Ready).state == JobState::Ready);
+  CHECK(create(bench, {.design = {}, .plan = job.plan}).error().errors.at(0).pointer == "/plan");
+  CHECK(create(bench, {.design = {}, .plan = again.plan})->state == JobState::Ready);
+}
+
+TEST_CASE("a plan can be asked for without a job", "[daemon][service]") {
+  ServiceBench bench;
+  const auto design = bench.add_design("{\"material\":\"pp-150\"}").value();
+  const PlanRecord asked =
+      bench
+          .on([&](JobService& s) {
+            return s.plan_design(
+                bench.student, {.design = design.id, .material = {}, .device = {}, .machine = {}});
+          })
+          .value();
+  CHECK(asked.material == "pp-150");  // the design's own
+  CHECK(asked.machine == "cameo3");
+  const auto plan = [&] {
+    return bench.on([&](JobService& s) { return s.plan(asked.id).value(); });
+  };
+  REQUIRE(bench.wait([&] { return plan().state == PlanState::Planned; }));
+  CHECK(plan().sheets.size() == 2);
+  CHECK(plan().sheets.at(1).seconds_range == std::array<double, 2>{8, 13});
+  CHECK(plan().sha256.size() == 64);
+}
+
+TEST_CASE("tokens open doors until they are taken away", "[daemon][service]") {
+  ServiceBench bench;
+  const NewToken token = bench
+                             .on([&](JobService& s) {
+                               return s.create_token(bench.admin, "lab", Role::Operator, 3600);
+                             })
+                             .value();
+  CHECK(token.text.size() == 73);
+  const auto who = [&](const std::string& text) {
+    return bench.on([&](JobService& s) { return s.authenticate(text); });
+  };
+  REQUIRE(who(token.text));
+  CHECK(who(token.text)->role == Role::Operator);
+  CHECK(who(token.text)->name == "token:" + token.record.id);
+  std::string wrong = token.text;
+  wrong.back() = wrong.back() == 'A' ? 'B' : 'A';
+  CHECK_FALSE(who(wrong));
+  CHECK_FALSE(who(""));
+  CHECK_FALSE(who("pc_' OR 1=1"));
+  // Of the secret only its digest is stored.
+  const std::string secret = token.text.substr(30);
+  bench.on([&](JobService&) { bench.store().database().checkpoint(false); });
+  CHECK(read_whole(bench.folder() + "/popcut.db", 1 << 26)->find(secret) == std::string::npos);
+  bench.skew_ms = 3'601'000;
+  CHECK_FALSE(who(token.text));
+  bench.skew_ms = 0;
+  CHECK(bench.on([&](JobService& s) { return s.tokens().size(); }) == 1);
+  CHECK(bench.on([&](JobService& s) {
+    return s.delete_token(bench.tutor, token.record.id).error().kind;
+  }) == ProblemKind::Forbidden);
+  REQUIRE(bench.on([&](JobService& s) { return s.delete_token(bench.admin, token.record.id); }));
+  CHECK_FALSE(who(token.text));
+  CHECK(bench.on([&](JobService& s) {
+    return s.create_token(bench.tutor, "x", Role::Admin, {}).error().kind;
+  }) == ProblemKind::Forbidden);
+}
+
+TEST_CASE("a page's word opens one session and works for a minute", "[daemon][service]") {
+  ServiceBench bench;
+  const auto word = [&] {
+    return bench.on([&](JobService& s) { return s.create_one_shot(bench.tutor).value(); });
+  };
+  const auto open = [&](const std::string& one) {
+    return bench.on([&](JobService& s) { return s.open_session(one); });
+  };
+  const std::string first = word();
+  const NewToken session = open(first).value();
+  CHECK(open(first).error().kind == ProblemKind::Unauthenticated);
+  const auto who = [&] {
+    return bench.on([&](JobService& s) { return s.authenticate(session.text); });
+  };
+  REQUIRE(who());
+  CHECK(who()->name == bench.tutor.name);
+  CHECK(bench.on([&](JobService& s) { return s.tokens().empty(); }));
+  const std::string late = word();
+  bench.monotonic_skew_ms = 61'000;
+  CHECK_FALSE(open(late));
+  // Each use moves its end on; without use it ends.
+  for (int hour = 1; hour <= 30; hour += 8) {
+    bench.skew_ms = hour * 3'600'000LL;
+    CHECK(who());
+  }
+  bench.skew_ms += 13 * 3'600'000LL;
+  CHECK_FALSE(who());
+}
+
+TEST_CASE("materials can be changed and given back", "[daemon][service]") {
+  ServiceBench bench;
+  const auto put = [&](const std::string& id, std::int64_t rev, const std::string& json) {
+    return bench.on([&](JobService& s) { return s.put_material(bench.admin, id, rev, json); });
+  };
+  const auto count = bench.on([](JobService& s) { return s.materials().size(); });
+  CHECK(count > 2);
+  const MaterialRecord thick =
+      put("our-card", 0, R"j({"like":"paper-220","thickness_mm":0.5})j").value();
+  CHECK(thick.rev == 1);
+  CHECK(thick.json.find("\"thickness_mm\":0.5") != std::string::npos);
+  CHECK(thick.json.find("dash_mm") != std::string::npos);  // what it inherits is filled in
+  CHECK(put("our-card", 0, "{}").error().kind == ProblemKind::Stale);
+  CHECK(put("our-card", 1, R"({"thickness_mm":-1})").error().kind == ProblemKind::Validation);
+  CHECK(put("our-card", 1, R"({"thikness_mm":1})").error().kind == ProblemKind::Validation);
+  CHECK(put("our-card", 1, "[1,").error().kind == ProblemKind::Validation);
+  CHECK(put("../etc", 0, "{}").error().kind == ProblemKind::Validation);
+  CHECK(put("our-card", 1, R"({"like":"paper-220","thickness_mm":0.6})").value().rev == 2);
+  CHECK(bench.on([](JobService& s) { return s.materials().size(); }) == count + 1);
+  CHECK(put("paper-220", 1, R"({"like":"paper-220","thickness_mm":0.3})").value().rev == 2);
+  CHECK(bench.on([&](JobService& s) {
+    return s.delete_material(bench.admin, "paper-160", 1).error().kind;
+  }) == ProblemKind::StateConflict);
+  REQUIRE(bench.on([&](JobService& s) { return s.delete_material(bench.admin, "paper-220", 2); }));
+  CHECK(bench.on([](JobService& s) { return s.material("paper-220")->built_in; }));
+  CHECK(bench.on([](JobService& s) { return s.material("papier").error().kind; }) ==
+        ProblemKind::NotFound);
+}
+
+TEST_CASE("events are numbered without gaps and the old ones go", "[daemon][service]") {
+  ServiceBench bench;
+  std::vector<Event> heard;
+  std::mutex mutex;
+  bench.on([&](JobService& s) {
+    s.listen([&](const Event& event) {
+      const std::lock_guard lock(mutex);
+      heard.push_back(event);
+    });
+  });
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  for (int i = 0; i < 50; ++i)
+    bench.cutters.progress(bench.device,
+                           {.phase = SessionPhase::Cutting, .strokes_done = 1, .strokes = 5});
+  bench.cutters.complete(bench.device);
+  const auto events = bench.on([](JobService& s) { return s.events(0, 1000, "").value(); });
+  std::int64_t before = 0;
+  for (const Event& event : events) {
+    CHECK(event.seq == before + 1);
+    CHECK(event.kind != "progress");
+    before = event.seq;
+  }
+  CHECK(bench.on([](JobService& s) { return s.last_event(); }) == before);
+  {
+    const std::lock_guard lock(mutex);
+    int progress = 0;
+    std::int64_t last = 0;
+    for (const Event& event : heard) {
+      progress += event.kind == "progress" ? 1 : 0;
+      if (event.seq == 0) continue;
+      CHECK(event.seq > last);
+      last = event.seq;
+    }
+    CHECK(progress >= 1);
+    CHECK(progress <= 4);  // fifty were reported
+  }
+  CHECK(bench.on([&](JobService& s) { return s.events(0, 1000, ready.id).value().size(); }) >= 5);
+  CHECK(bench.on([&](JobService& s) { return s.events(before - 2, 1, "").value().at(0).seq; }) ==
+        before - 1);
+  // A month later only the last one is left, for the numbers to go on.
+  bench.skew_ms = 31LL * 86'400'000;
+  bench.on([](JobService& s) { s.tick(); });
+  CHECK(bench.on([](JobService& s) { return s.first_event(); }) == before);
+  REQUIRE(bench.create(ready.design));
+  CHECK(bench.on([](JobService& s) { return s.last_event(); }) > before);
+}
+
+TEST_CASE("ids and numbers go on when the clock was put back a year", "[daemon][service]") {
+  ServiceBench bench;
+  const Job first = bench.ready_job();
+  bench.stop();
+  bench.skew_ms = -366LL * 86'400'000;
+  REQUIRE(bench.start() == "");
+  const Job second = bench.create(first.design).value();
+  CHECK(second.id > first.id);
+  CHECK(bench.on([](JobService& s) { return s.jobs({}, {})->items.size(); }) == 2);
+  bench.started(second.id);
+  bench.cutters.complete(bench.device);
+  CHECK(bench.job(second.id).sheet == 2);
+}
+
+TEST_CASE("an admin backs the database up and checks it while nothing is cut",
+          "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  const std::string copy = bench.on([&](JobService& s) { return s.backup(bench.admin).value(); });
+  {
+    Database database({.path = copy, .create = false, .exclusive_wal = false});
+    CHECK(database.number("SELECT count(*) FROM job") == 1);
+  }
+  CHECK(bench.on([&](JobService& s) { return s.check_integrity(bench.admin).value(); }) == "ok");
+  CHECK(bench.on([&](JobService& s) { return s.backup(bench.tutor).error().kind; }) ==
+        ProblemKind::Forbidden);
+  bench.started(ready.id);
+  CHECK(bench.on([&](JobService& s) { return s.backup(bench.admin).error().kind; }) ==
+        ProblemKind::StateConflict);
+  const std::string metrics = bench.on([](JobService& s) { return s.metrics(); });
+  CHECK(metrics.find("popcut_jobs{state=\"cutting\"} 1\n") != std::string::npos);
+  CHECK(metrics.find("popcut_db_commit_seconds_count") != std::string::npos);
+  bench.cutters.complete(bench.device);
+}
+
+TEST_CASE("too little room on the disk refuses new work in words", "[daemon][service]") {
+  ServiceBench bench(false);
+  bench.options.least_free_bytes = std::uint64_t{1} << 60;
+  REQUIRE(bench.start() == "");
+  CHECK(bench.add_design("{}").error().kind == ProblemKind::DiskFull);
+  CHECK_FALSE(bench.on([](JobService& s) { return s.health().accepts_work; }));
+  CHECK(bench.on([](JobService& s) { return s.health().database; }));
+}
+
+TEST_CASE("what a running cut needs goes before what people ask", "[daemon][service]") {
+  ServiceThread thread;
+  std::vector<int> order;
+  std::mutex gate;
+  gate.lock();
+  thread.post(ServiceThread::Lane::Asking, [&] { const std::lock_guard wait(gate); });
+  for (int i = 0; i < 3; ++i)
+    thread.post(ServiceThread::Lane::Asking, [&, i] { order.push_back(10 + i); });
+  for (int i = 0; i < 3; ++i)
+    thread.post(ServiceThread::Lane::Cutting, [&, i] { order.push_back(i); });
+  gate.unlock();
+  CHECK(thread.run(ServiceThread::Lane::Asking,
+                   [&] { thread.run(ServiceThread::Lane::Asking, [&] { order.push_back(99); }); }));
+  CHECK(order == std::vector{0, 1, 2, 10, 11, 12, 99});
+  int ticks = 0;
+  thread.every(1, [&] { ++ticks; });
+  for (int i = 0; i < 10'000; ++i) {
+    int seen = 0;
+    thread.run(ServiceThread::Lane::Asking, [&] { seen = ticks; });
+    if (seen > 2) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  thread.stop();
+  CHECK(ticks > 2);
+  CHECK_FALSE(thread.post(ServiceThread::Lane::Cutting, [] {}));
+  CHECK_FALSE(thread.run(ServiceThread::Lane::Cutting, [] {}));
+}
