@@ -96,6 +96,19 @@ void sign_lock(int lock) {
   if (ftruncate(lock, 0) != 0 || pwrite(lock, text.data(), text.size(), 0) < 0) return;
 }
 
+/// Takes the lock. A popcutd that was killed a moment ago may leave a child that was about to
+/// become a worker: it has the lock, too, until it comes to run and ends. It is given a second.
+bool take_lock(int file) {
+  constexpr int kTries = 50;
+  constexpr useconds_t kPause = 20'000;
+  for (int k = 0; k < kTries; ++k) {
+    if (flock(file, LOCK_EX | LOCK_NB) == 0) return true;
+    if (errno != EWOULDBLOCK && errno != EINTR) return false;
+    usleep(kPause);
+  }
+  return flock(file, LOCK_EX | LOCK_NB) == 0;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<StateFolder>> StateFolder::open(const std::string& path) {
@@ -112,7 +125,7 @@ Result<std::unique_ptr<StateFolder>> StateFolder::open(const std::string& path) 
   const std::string lock_path = path + "/lock";
   const int lock = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (lock < 0) return trouble(lock_path, "cannot be made");
-  if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
+  if (!take_lock(lock)) {
     const bool held = errno == EWOULDBLOCK;
     const std::string holder = text_of_lock(lock);
     close(lock);
