@@ -97,9 +97,9 @@ struct DesignReport {
   std::vector<MergedPlace> merged;
   std::vector<BridgeReport> bridges;
   std::optional<CurvatureReport> curvature;  ///< where the spec asks for some
-  std::vector<std::string> notes;  ///< plain cuts, halved slices, spread of minima
-  bool fit_nearest{};              ///< "fit": "nearest" was asked for
-  SliceFit fit{};                  ///< of all slices together
+  std::vector<std::string> notes;            ///< plain cuts, halved slices, spread of minima
+  bool fit_nearest{};                        ///< "fit": "nearest" was asked for
+  SliceFit fit{};                            ///< of all slices together
   double seconds{};
 };
 

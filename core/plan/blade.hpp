@@ -15,9 +15,9 @@ namespace popcut {
 /// stays where it is while the axis goes round it on an arc of radius `offset`.
 struct Blade {
   double offset_mm{};
-  double swivel_above_rad{0.26};  ///< corners above this angle are turned on an arc
+  double swivel_above_rad{0.26};   ///< corners above this angle are turned on an arc
   double arc_tolerance_mm{0.005};  ///< between an arc and its chords
-  PagePoint heading{1.0, 0.0};    ///< from tip to axis, a unit vector; what the last stroke left
+  PagePoint heading{1.0, 0.0};     ///< from tip to axis, a unit vector; what the last stroke left
 };
 
 /// The way of the axis whose tip cuts `tip` (two points or more): each straight part is shifted

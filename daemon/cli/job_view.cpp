@@ -58,15 +58,25 @@ std::string path_text(const Json& job) {
   const Json& progress = part_of(job, "progress");
   const std::int64_t total = whole_of(progress, "paths_total");
   if (total == 0) return {};
-  return fmt::format("path {} of {}", whole_of(progress, "paths_certain"), total);
+  // What was sent is at most a window ahead of the knife; what is certain may lag by a whole
+  // buffer.
+  return fmt::format("path {} of {}", whole_of(progress, "paths_sent"), total);
+}
+
+std::string doubt_text(const Json& job) {
+  const Json& progress = part_of(job, "progress");
+  const std::int64_t certain = whole_of(progress, "paths_certain");
+  const std::int64_t sent = whole_of(progress, "paths_sent");
+  if (sent <= certain) return fmt::format("{} paths are cut, none is in doubt", certain);
+  return fmt::format("{} paths are certainly cut, {} more are in doubt", certain, sent - certain);
 }
 
 void interrupted_ways(const Json& job, std::vector<std::string>& lines) {
   const std::string id = short_id(job);
   const std::int64_t sheet = whole_of(job, "sheet");
   const std::string reason = text_of(job, "reason");
-  lines.push_back(fmt::format("sheet {} was interrupted{}{} at {}: look at it, then one of", sheet,
-                              reason.empty() ? "" : " by ", reason, path_text(job)));
+  lines.push_back(fmt::format("sheet {} was interrupted{}{}; {}: look at it, then one of", sheet,
+                              reason.empty() ? "" : " by ", reason, doubt_text(job)));
   if (may(job, "retry-sheet"))
     lines.push_back(
         fmt::format("  popcut retry {} {}          # again, on a new sheet", id, sheet));
@@ -133,7 +143,7 @@ double part_done(const Json& job) {
   const Json& progress = part_of(job, "progress");
   const std::int64_t total = whole_of(progress, "paths_total");
   if (total <= 0 || !(is(job, "cutting") || is(job, "paused"))) return -1;
-  return static_cast<double>(whole_of(progress, "paths_certain")) / static_cast<double>(total);
+  return static_cast<double>(whole_of(progress, "paths_sent")) / static_cast<double>(total);
 }
 
 double seconds_left(const Json& job) {

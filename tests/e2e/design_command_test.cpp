@@ -181,7 +181,8 @@ TEST_CASE("design knows the materials of the user's own table", "[cli][e2e][desi
   json own = known["materials"][0];
   own["name"] = "felt-3mm", own["thickness_mm"] = 3.0;
   fs::create_directories(bench.temp / "config/popcut");
-  write_file(bench.temp / "config/popcut/materials.json", json{{"popcut", 1}, {"materials", {own}}}.dump());
+  write_file(bench.temp / "config/popcut/materials.json",
+             json{{"popcut", 1}, {"materials", {own}}}.dump());
   json spec = json::parse(text_of_file(kExamples + "sphere.json"));
   spec["material"] = "felt-3mm";
   write_file(bench.temp / "felt.json", spec.dump());

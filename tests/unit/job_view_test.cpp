@@ -20,7 +20,7 @@ Json job(const std::string& state) {
           {"sheets_total", 3},
           {"blank", 1},
           {"reason", nullptr},
-          {"progress", {{"paths_certain", 50}, {"paths_total", 200}}},
+          {"progress", {{"paths_certain", 30}, {"paths_sent", 50}, {"paths_total", 200}}},
           {"est", {{"remaining_s", {60.0, 80.0}}}},
           {"actions", Json::array()}};
 }
@@ -46,7 +46,8 @@ TEST_CASE("each thing that waits for a person comes with the command to type", "
   interrupted["actions"] = {"retry-sheet", "resume-from", "confirm-result", "cancel"};
   interrupted["reason"] = "unplug";
   const std::string ways = joined(waiting_for(interrupted));
-  CHECK(ways.find("interrupted by unplug at path 50 of 200") != std::string::npos);
+  CHECK(ways.find("interrupted by unplug; 30 paths are certainly cut, 20 more are in doubt") !=
+        std::string::npos);
   for (const char* way : {"popcut retry 01JDX7KQ4M8Z 2", "--from", "good", "popcut cancel"})
     CHECK(ways.find(way) != std::string::npos);
   CHECK(waiting_for(job("cutting")).empty());
