@@ -299,10 +299,15 @@ class Crash {
   int resumed_{};
 };
 
-/// How many deaths: 50 in the suite, as many as a soak asks for.
+/// How many deaths: 50 in the suite (20 with a sanitizer), as many as a soak asks for.
 int deaths() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  constexpr int kInSuite = 20;
+#else
+  constexpr int kInSuite = 50;
+#endif
   const char* const text = std::getenv("POPCUT_CRASH_POINTS");
-  return text == nullptr ? 50 : std::atoi(text);
+  return text == nullptr ? kInSuite : std::atoi(text);
 }
 std::uint32_t seed() {
   const char* const text = std::getenv("POPCUT_CRASH_SEED");

@@ -28,6 +28,11 @@ void* operator new(std::size_t size) {
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
+// Both forms: the sanitizers' own would not match the deletes below.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  if (size >= least_bytes && allocations_left >= 0 && allocations_left-- == 0) return nullptr;
+  return std::malloc(size > 0 ? size : 1);
+}
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
