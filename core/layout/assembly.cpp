@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/formats/text_sink.hpp"
 #include "core/plan/linework.hpp"
 
 namespace popcut {
@@ -24,21 +25,6 @@ const char* colour(Operation operation) {
     default:
       return "#333333";
   }
-}
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '&')
-      out += "&amp;";
-    else
-      out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return out;
 }
 
 class Drawing {
@@ -61,7 +47,7 @@ class Drawing {
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
         "width=\"{:.3f}mm\" height=\"{:.3f}mm\" viewBox=\"{:.3f} {:.3f} {:.3f} {:.3f}\" "
         "font-family=\"sans-serif\">\n<title>{}: how the pieces come together</title>\n",
-        width, height, box.x0 - text_, box.y0 - text_, width, height, escaped(drawing_.name));
+        width, height, box.x0 - text_, box.y0 - text_, width, height, xml_escaped(drawing_.name));
     out_ += fmt::format(
         "<rect x=\"{:.3f}\" y=\"{:.3f}\" width=\"{:.3f}\" height=\"{:.3f}\" "
         "fill=\"white\"/>\n",
@@ -202,7 +188,7 @@ class Drawing {
     out_ += fmt::format(
         "<text x=\"{:.3f}\" y=\"{:.3f}\" font-size=\"{:.3f}\" text-anchor=\"{}\" "
         "fill=\"#111111\">{}</text>\n",
-        x, y, size, anchor, escaped(words));
+        x, y, size, anchor, xml_escaped(words));
   }
 
   const Layout& layout_;

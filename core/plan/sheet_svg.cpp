@@ -24,8 +24,6 @@ constexpr std::array kLayers{
     Layer{Operation::FoldMountain, "#ff0000", "M"}, Layer{Operation::FoldValley, "#0000ff", "V"},
     Layer{Operation::Cut, "#000000", "C"},          Layer{Operation::Outline, "#000001", "B"}};
 
-std::string escaped(const std::string& text) { return xml_escaped(text); }
-
 using Out = std::back_insert_iterator<std::string>;
 
 void path_data(std::string& svg, std::span<const PagePoint> points) {
@@ -45,7 +43,7 @@ void head(std::string& svg, const std::array<double, 2>& size, const std::string
       "<svg xmlns=\"http://www.w3.org/2000/svg\" "
       "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" version=\"1.1\" "
       "width=\"{0}mm\" height=\"{1}mm\" viewBox=\"0 0 {0} {1}\"{2}>\n<title>{3}</title>\n",
-      size[0], size[1], attributes, escaped(title));
+      size[0], size[1], attributes, xml_escaped(title));
 }
 
 void open_layer(std::string& svg, const Layer& layer) {
@@ -105,8 +103,8 @@ std::string assembly_svg(const Plan& plan) {
         "<rect width=\"{}\" height=\"{}\" stroke=\"#b0b0b0\"/>\n"
         "<text x=\"0\" y=\"-3\" font-family=\"sans-serif\" font-size=\"5\" fill=\"#404040\">"
         "sheet {}: {} on {}, at {:.1f},{:.1f} mm{}</text>\n",
-        x, kBetween, sheet.area_mm[0], sheet.area_mm[1], i + 1, escaped(plan.name),
-        escaped(plan.machine.name), t.x0, t.y0, turned ? ", turned by 90 degrees" : "");
+        x, kBetween, sheet.area_mm[0], sheet.area_mm[1], i + 1, xml_escaped(plan.name),
+        xml_escaped(plan.machine.name), t.x0, t.y0, turned ? ", turned by 90 degrees" : "");
     for (const Layer& layer : kLayers) {
       bool open = false;
       for (const Stroke& stroke : sheet.path.strokes) {

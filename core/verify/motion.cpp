@@ -73,6 +73,16 @@ std::string edge_place(std::uint32_t e) { return fmt::format("/edges_vertices/{}
 
 }  // namespace
 
+RigidMotion further(const RigidMotion& from, const RigidMotion& to, double by) {
+  RigidMotion motion = to;
+  motion.along_u = unit(to.along_u + by * (to.along_u - from.along_u));
+  const Vec3 v = to.along_v + by * (to.along_v - from.along_v);
+  motion.along_v = unit(v - dot(v, motion.along_u) * motion.along_u);
+  motion.normal = cross(motion.along_u, motion.along_v);
+  motion.origin = to.origin + by * (to.origin - from.origin);
+  return motion;
+}
+
 std::string pose_name(const Pose& pose) {
   if (pose.opened) return "the pose " + pose.place;
   const std::string frame = pose.place.empty() ? "the key frame" : "frame " + pose.place;

@@ -24,6 +24,10 @@ struct RigidMotion {
   [[nodiscard]] Vec3 operator()(Vec2 p) const { return origin + p.u * along_u + p.v * along_v; }
 };
 
+/// A guess of the motion `by` steps past `to`, the last step having come from `from`: straight on,
+/// with the axes made orthonormal again. Lengths in mm.
+[[nodiscard]] RigidMotion further(const RigidMotion& from, const RigidMotion& to, double by);
+
 /// The vertices of each panel (with repeats), as offsets and indices, and three of them that are
 /// far apart, by which its motion is measured.
 struct Panels {

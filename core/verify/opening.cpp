@@ -109,16 +109,6 @@ std::vector<Guess> guesses_for(const std::vector<LineWish>& wishes, std::size_t 
   return guesses;
 }
 
-RigidMotion further(const RigidMotion& from, const RigidMotion& to, double by) {
-  RigidMotion motion = to;
-  motion.along_u = unit(to.along_u + by * (to.along_u - from.along_u));
-  const Vec3 v = to.along_v + by * (to.along_v - from.along_v);
-  motion.along_v = unit(v - dot(v, motion.along_u) * motion.along_u);
-  motion.normal = cross(motion.along_u, motion.along_v);
-  motion.origin = to.origin + by * (to.origin - from.origin);
-  return motion;
-}
-
 /// A pose on the way.
 struct Point {
   RigidState state;

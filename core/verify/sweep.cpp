@@ -23,16 +23,6 @@ constexpr double kShortestStep_rad = 1e-4;
 constexpr double kMostWork = 4e6;  ///< unknowns times Gauss-Newton steps of one sheet
 constexpr double kIterationsPerPose = 5.0;
 
-RigidMotion further(const RigidMotion& from, const RigidMotion& to, double by) {
-  RigidMotion motion = to;
-  motion.along_u = unit(to.along_u + by * (to.along_u - from.along_u));
-  const Vec3 v = to.along_v + by * (to.along_v - from.along_v);
-  motion.along_v = unit(v - dot(v, motion.along_u) * motion.along_u);
-  motion.normal = cross(motion.along_u, motion.along_v);
-  motion.origin = to.origin + by * (to.origin - from.origin);
-  return motion;
-}
-
 struct Place {
   RigidState state;
   double driven_rad{};

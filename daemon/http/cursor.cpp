@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "daemon/digest/digest.hpp"
+
 namespace popcut::daemon::http {
 namespace {
 
@@ -15,17 +17,7 @@ constexpr std::size_t kLongest = 300;
 }  // namespace
 
 std::string encode_cursor(std::string_view place) {
-  const std::string plain = kVersion + std::string(place);
-  std::string out;
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (const char c : plain) {
-    bits = bits << 8 | static_cast<unsigned char>(c);
-    for (count += 8; count >= 6; count -= 6) out += kDigits[bits >> (count - 6) & 63u];
-    bits &= (1u << count) - 1;
-  }
-  if (count > 0) out += kDigits[bits << (6 - count) & 63u];
-  return out;
+  return base64url(kVersion + std::string(place));
 }
 
 std::optional<std::string> decode_cursor(std::string_view cursor) {

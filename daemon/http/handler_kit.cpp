@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "daemon/digest/digest.hpp"
 #include "daemon/http/cursor.hpp"
-#include "daemon/http/digest.hpp"
 #include "daemon/http/render.hpp"
 
 namespace popcut::daemon::http {

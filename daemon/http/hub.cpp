@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <spdlog/logger.h>
 
-#include "daemon/http/digest.hpp"
+#include "daemon/digest/digest.hpp"
 #include "daemon/http/openapi.hpp"
 
 namespace popcut::daemon::http {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "daemon/http/digest.hpp"
+#include "daemon/digest/digest.hpp"
 #include "daemon/service/model.hpp"
 #include "daemon/service/problem.hpp"
 

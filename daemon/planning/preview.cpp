@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "core/formats/text_sink.hpp"
+
 namespace popcut::planning {
 namespace {
 
@@ -26,28 +28,10 @@ const char* colour_of(Operation operation) {
   }
 }
 
-/// Characters that mean something in XML, and those that may not stand in it.
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '&')
-      out += "&amp;";
-    else if (static_cast<unsigned char>(c) >= 0x20 && static_cast<unsigned char>(c) < 0x7F)
-      out += c;
-    else
-      out += '?';
-  }
-  return out;
-}
-
 std::string note(const std::string& text, double x, double y, double size) {
   return fmt::format(
       "<text x=\"{:.2f}\" y=\"{:.2f}\" font-family=\"sans-serif\" font-size=\"{:.2f}\">{}</text>\n",
-      x, y, size, escaped(text));
+      x, y, size, xml_escaped(text));
 }
 
 std::string head(double x, double y, double width, double height) {

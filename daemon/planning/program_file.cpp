@@ -3,42 +3,18 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <utility>
-
-#include <openssl/evp.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/json_fields.hpp"
+#include "daemon/digest/digest.hpp"
 
 namespace popcut::planning {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-class Digest {
- public:
-  Digest() : context_(EVP_MD_CTX_new()) {
-    EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr);
-  }
-  void add(std::string_view bytes) { EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()); }
-  std::string hex() {
-    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-    unsigned int size = 0;
-    EVP_DigestFinal_ex(context_.get(), digest.data(), &size);
-    std::string text;
-    for (unsigned int i = 0; i < size; ++i) text += fmt::format("{:02x}", digest[i]);
-    return text;
-  }
-
- private:
-  struct Free {
-    void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
-  };
-  std::unique_ptr<EVP_MD_CTX, Free> context_;
-};
 
 std::vector<std::uint64_t> ends_of(const std::vector<ByteRange>& blocks) {
   std::vector<std::uint64_t> ends;
@@ -122,14 +98,8 @@ Result<void> read_dots(JsonFields& fields, EncodedProgram& program) {
 
 }  // namespace
 
-std::string sha256_of(std::string_view bytes) {
-  Digest digest;
-  digest.add(bytes);
-  return digest.hex();
-}
-
 std::string sha256_of(const std::vector<EncodedProgram>& programs) {
-  Digest digest;
+  daemon::Sha256 digest;
   for (const EncodedProgram& program : programs) digest.add(program.bytes);
   return digest.hex();
 }
@@ -138,7 +108,7 @@ std::string program_index(const EncodedProgram& program) {
   const Json index{{"popcut", 1},
                    {"dialect", program.dialect == Dialect::Hpgl ? "hpgl" : "gpgl"},
                    {"bytes", program.bytes.size()},
-                   {"sha256", sha256_of(program.bytes)},
+                   {"sha256", daemon::sha256_hex(program.bytes)},
                    {"setup", ends_of(program.setup)},
                    {"search", program.geometry.begin},
                    {"strokes", ends_of(program.strokes)},
@@ -162,7 +132,7 @@ Result<EncodedProgram> read_program(std::string_view index, std::string bytes) {
   if (const auto whole = fields.finish(); !whole) return tl::unexpected(whole.error());
   const bool same = size != nullptr && size->is_number_unsigned() &&
                     size->get<std::uint64_t>() == program.bytes.size() &&
-                    sha256 == sha256_of(program.bytes);
+                    sha256 == daemon::sha256_hex(program.bytes);
   if (!same)
     return fail(ErrorKind::CheckFailed, "/sha256",
                 fmt::format("the program's {} bytes are not those that were planned; plan again",

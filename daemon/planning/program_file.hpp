@@ -23,9 +23,8 @@ namespace popcut::planning {
 /// @retval CheckFailed the bytes are not those the index was written for
 [[nodiscard]] Result<EncodedProgram> read_program(std::string_view index, std::string bytes);
 
-/// SHA-256 as 64 hexadecimal digits.
-[[nodiscard]] std::string sha256_of(std::string_view bytes);
-/// SHA-256 over the bytes of all programs one after another, as `cat sheet-*.gpgl | sha256sum`.
+/// SHA-256, as 64 hexadecimal digits, over the bytes of all programs one after another, as `cat
+/// sheet-*.gpgl | sha256sum`.
 [[nodiscard]] std::string sha256_of(const std::vector<EncodedProgram>& programs);
 
 }  // namespace popcut::planning

@@ -13,6 +13,7 @@
 #include "core/plan/plan_json.hpp"
 #include "core/plan/sheet_svg.hpp"
 #include "core/plan/test_shape.hpp"
+#include "daemon/digest/digest.hpp"
 #include "daemon/planning/content_kind.hpp"
 #include "daemon/planning/plan_job.hpp"
 #include "daemon/planning/preview.hpp"
@@ -122,7 +123,7 @@ daemon::SheetPlan figures_of(const PlanJob& job, std::size_t index) {
   figures.seconds = sheet.seconds;
   figures.seconds_range = sheet.seconds_range;
   figures.area_mm = sheet.area_mm;
-  figures.program_sha256 = sha256_of(job.programs[index].bytes);
+  figures.program_sha256 = daemon::sha256_hex(job.programs[index].bytes);
   return figures;
 }
 

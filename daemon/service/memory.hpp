@@ -6,8 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/digest/digest.hpp"
 #include "daemon/service/job_service.hpp"
-#include "daemon/store/digest.hpp"
+#include "daemon/store/ulid.hpp"
 
 namespace popcut::daemon {
 

@@ -6,7 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "daemon/store/digest.hpp"
+#include "daemon/digest/digest.hpp"
+#include "daemon/store/ulid.hpp"
 
 namespace popcut::daemon {
 namespace {

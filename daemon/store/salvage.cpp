@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "daemon/digest/digest.hpp"
 #include "daemon/store/damaged.hpp"
-#include "daemon/store/digest.hpp"
 #include "daemon/store/store.hpp"
 
 namespace popcut::daemon {

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "daemon/digest/digest.hpp"
 #include "daemon/store/damaged.hpp"
-#include "daemon/store/digest.hpp"
 
 namespace popcut::daemon {
 namespace {

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "daemon/http/digest.hpp"
+#include "daemon/digest/digest.hpp"
 #include "daemon/http/routes.hpp"
 #include "tests/support/raw_http.hpp"
 
@@ -116,7 +116,7 @@ TEST_CASE("an upload lies in the incoming folder until the service has it and no
   const WireResponse made =
       server.fetch("POST", "/v1/designs?name=%3Cimg%20onerror%3E.svg", "submitter", kSvg, body);
   CHECK(made.status == 201);
-  http::Sha256 hash;
+  Sha256 hash;
   hash.add(body);
   const std::string id = "sha256-" + hash.hex();
   CHECK(made.headers.at("location") == "/v1/designs/" + id);

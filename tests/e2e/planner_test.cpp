@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
+#include "daemon/digest/digest.hpp"
 #include "daemon/planning/content_kind.hpp"
 #include "daemon/planning/frames.hpp"
 #include "daemon/planning/program_file.hpp"
@@ -159,7 +160,7 @@ TEST_CASE("a plan has the very bytes of popcut plan and all its files the same e
       REQUIRE(program);
       REQUIRE(index);
       CHECK(program->bytes == text_of_file(bench.temp / ("cli/" + name + ".gpgl")));
-      CHECK(sheet.program_sha256 == planning::sha256_of(program->bytes));
+      CHECK(sheet.program_sha256 == daemon::sha256_hex(program->bytes));
       CHECK(sheet.cut_mm > 0);
       CHECK(sheet.seconds_range[0] < sheet.seconds);
       CHECK(sheet.area_mm[0] > 100);
@@ -169,7 +170,7 @@ TEST_CASE("a plan has the very bytes of popcut plan and all its files the same e
       CHECK(file_of(*first, name + ".svg"));
       all += program->bytes;
     }
-    CHECK(first->sha256 == planning::sha256_of(all));
+    CHECK(first->sha256 == daemon::sha256_hex(all));
     for (const char* name : {"plan.json", "assembly.svg", "pattern.svg", "pattern.fold",
                              "deploy.glb", "report.json"}) {
       CAPTURE(name);
@@ -194,7 +195,7 @@ TEST_CASE("a spec's mesh comes as an asset by its id", "[daemon][planner]") {
   const auto mesh = tests::sphere_mesh(70, 40, 60);
   const std::string stl =
       GENERATE_REF(tests::binary_stl(mesh), tests::text_stl(mesh), tests::obj(mesh));
-  const std::string id = "sha256-" + planning::sha256_of(stl);
+  const std::string id = "sha256-" + daemon::sha256_hex(stl);
   write_file(bench.temp / "asset", stl);
   const json spec{{"popcut", 1},          {"surface", {{"type", "mesh"}, {"file", id}}},
                   {"units_per_slice", 5}, {"slices", 8},

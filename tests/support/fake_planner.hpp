@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/digest/digest.hpp"
 #include "daemon/planning/planner.hpp"
-#include "daemon/store/digest.hpp"
 #include "daemon/store/state_folder.hpp"
 
 namespace popcut::test {

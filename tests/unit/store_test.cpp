@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "daemon/store/damaged.hpp"
+#include "daemon/store/ulid.hpp"
 #include "tests/support/service_bench.hpp"
 
 using namespace popcut;

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -12,7 +10,7 @@
 
 namespace popcut::daemon {
 
-/// SHA-256 of bytes that come in pieces.
+/// SHA-256 (FIPS 180-4) of bytes that come in pieces, by libcrypto.
 class Sha256 {
  public:
   Sha256();
@@ -42,23 +40,5 @@ class Sha256 {
 [[nodiscard]] std::string random_bytes(std::size_t count);
 /// RFC 4648 section 5, without padding: 32 bytes are 43 characters.
 [[nodiscard]] std::string base64url(std::string_view bytes);
-
-/// 26 characters that sort by the time of their making (ULID): 48 bits of milliseconds, 80 of
-/// chance. Within a source each is greater than the one before, also when the clock goes back.
-class UlidSource {
- public:
-  /// The next one is greater than `last`, which may be empty.
-  explicit UlidSource(std::string_view last = {});
-  [[nodiscard]] std::string next(std::int64_t now_ms);
-  void raise_above(std::string_view last);
-
- private:
-  std::array<std::uint8_t, 16> last_{};
-};
-
-/// The smallest id that can have been made at `time_ms`.
-[[nodiscard]] std::string first_ulid_of(std::int64_t time_ms);
-/// 26 characters of Crockford's alphabet, the first at most 7.
-[[nodiscard]] bool is_ulid(std::string_view text);
 
 }  // namespace popcut::daemon
