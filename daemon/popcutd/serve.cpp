@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -32,6 +33,8 @@ using Clock = std::chrono::steady_clock;
 constexpr int kNeedsPerson = 78;
 constexpr double kStopSeconds = 30;   // within the unit's TimeoutStopSec
 constexpr double kStuckSeconds = 10;  // a thread that has not turned for so long is stuck
+constexpr double kQuickSeconds =
+    2;  // however soon the watchdog wants to know; threads idle for 1 s
 constexpr double kLookSeconds = 0.5;
 
 /// Why it does not start, or no more runs.
@@ -74,9 +77,9 @@ class Pulse {
     });
     if (!taken) asked_ = false;
   }
-  [[nodiscard]] bool alive() const {
+  [[nodiscard]] bool alive(double stuck_s) const {
     const std::lock_guard hold(lock_);
-    return since(beat_) < kStuckSeconds;
+    return since(beat_) < stuck_s;
   }
   [[nodiscard]] std::string status() const {
     const std::lock_guard hold(lock_);
@@ -111,7 +114,9 @@ class Daemon {
   [[nodiscard]] std::optional<Trouble> start(const ServiceManager& manager);
   void stop();
   void beat() { pulse_.ask(*thread_, *service_); }
-  [[nodiscard]] bool alive() const { return pulse_.alive() && http_->alive() && cutters_->alive(); }
+  [[nodiscard]] bool alive() const {
+    return pulse_.alive(stuck_s_) && http_->alive(stuck_s_) && cutters_->alive();
+  }
   [[nodiscard]] std::string status() const { return pulse_.status(); }
   [[nodiscard]] std::vector<std::string> endpoints() const { return http_->endpoints(); }
 
@@ -132,9 +137,13 @@ class Daemon {
   std::unique_ptr<Webhook> webhook_{};
   std::unique_ptr<HttpServer> http_{};
   Pulse pulse_{};
+  double stuck_s_{kStuckSeconds};
 };
 
 std::optional<Trouble> Daemon::start(const ServiceManager& manager) {
+  // Half of what the watchdog grants, so that it is not fed in vain.
+  if (const auto watchdog = manager.watchdog_s())
+    stuck_s_ = std::clamp(*watchdog / 2, kQuickSeconds, kStuckSeconds);
   auto tables = cli::read_user_tables();
   if (!tables) return Trouble{kNeedsPerson, message(tables.error())};
   tables_ = std::move(tables->texts);
@@ -166,6 +175,7 @@ std::optional<Trouble> Daemon::open_devices() {
   CuttersOptions options;
   options.tables = tables_;
   options.devices = config_.devices;
+  options.stuck_s = stuck_s_;
   auto cutters = make_cutters(std::move(options));
   if (!cutters) return Trouble{exit_code(cutters.error().kind), message(cutters.error())};
   cutters_ = std::move(*cutters);

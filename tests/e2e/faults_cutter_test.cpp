@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: MIT
 // What goes wrong at a cutter and on its cable, through the whole of popcutd.
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
-
-#include <array>
 #include <chrono>
 #include <csignal>
-#include <thread>
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 #include "tests/support/live_shop.hpp"
+#include "tests/support/service_manager_socket.hpp"
 
 using namespace popcut;
 using namespace popcut::testing;
@@ -57,39 +52,6 @@ struct Wrongs {
     }
     return text;
   }
-};
-
-/// A socket like the service manager's.
-class Manager {
- public:
-  Manager() : path_((folder_ / "notify").string()), socket_(::socket(AF_UNIX, SOCK_DGRAM, 0)) {
-    sockaddr_un at{};
-    at.sun_family = AF_UNIX;
-    path_.copy(at.sun_path, path_.size());
-    REQUIRE(::bind(socket_, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0);
-  }
-  ~Manager() { ::close(socket_); }
-  Manager(const Manager&) = delete;
-  Manager& operator=(const Manager&) = delete;
-  [[nodiscard]] std::vector<std::string> environment(double watchdog_s) const {
-    return {"NOTIFY_SOCKET=" + path_, fmt::format("WATCHDOG_USEC={:.0f}", 1e6 * watchdog_s)};
-  }
-  /// How often the watchdog was fed since it was last asked.
-  int feedings() {
-    int count = 0;
-    std::array<char, 512> room{};
-    for (;;) {
-      const ssize_t got = ::recv(socket_, room.data(), room.size(), MSG_DONTWAIT);
-      if (got <= 0) return count;
-      const std::string said(room.data(), static_cast<std::size_t>(got));
-      count += said.find("WATCHDOG=1") != std::string::npos ? 1 : 0;
-    }
-  }
-
- private:
-  TempFolder folder_;
-  std::string path_;
-  int socket_;
 };
 
 bool printable(const std::string& text) {
@@ -181,7 +143,7 @@ TEST_CASE("a cutter that takes nothing shows as busy and is cancelled at once",
   wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
                 {R"("at_path": 16, "kind": "nak", "seconds": 100000)", "", "", ""},
                 {R"("at_path": 3, "kind": "nak", "seconds": 12)", "", "", ""}};
-  Manager manager;
+  ServiceManagerSocket manager;
   LiveShop shop(0, wrongs.config());
   shop.open(manager.environment(1));
   const std::string design = shop.design(LiveShop::lines_svg(kFew));
