@@ -214,7 +214,7 @@ class LiveService final : public JobService {
 };
 
 Answer<void> LiveService::begin() {
-  const Answer<void> recovered = recover(memory_, jobs_);
+  Answer<void> recovered = recover(memory_, jobs_);
   if (!recovered) return recovered;
   try {
     store_.mark_in_use();
@@ -324,7 +324,7 @@ Answer<DeviceRecord> LiveService::act_on_device(const Principal& who, const std:
   if (who.role < (enabling ? Role::Admin : Role::Operator))
     return refuse(ProblemKind::Forbidden, enabling ? "devices are enabled and disabled by an admin"
                                                    : "devices are used by an operator");
-  const Answer<DeviceRecord> before = device(id);
+  Answer<DeviceRecord> before = device(id);
   if (!before) return before;
   if (before->rev != if_match) {
     Problem stale{ProblemKind::Stale, "the device has changed meanwhile; read it again"};
@@ -435,7 +435,7 @@ Answer<std::string> LiveService::backup(const Principal& who) {
   const std::string name = fmt::format("popcut-{:%Y%m%dT%H%M%S}Z-{}.db",
                                        fmt::gmtime(static_cast<std::time_t>(memory_.now() / 1000)),
                                        sha256_hex(random_bytes(8)).substr(0, 6));
-  const auto made = memory_.look(
+  auto made = memory_.look(
       [&]() -> Answer<std::string> { return back_up(memory_.db(), store_.folder(), name); });
   if (!made) return made;
   (void)memory_.change([&]() -> Answer<void> {
