@@ -246,3 +246,48 @@ TEST_CASE("what a cutter says reaches no terminal and no page as more than text"
     CHECK(answer.content_type.find("html") == std::string::npos);
   }
 }
+
+TEST_CASE("a name is text and never a path or an escape sequence", "[popcutd][faults]") {
+  LiveShop shop;
+  shop.open();
+  const std::string svg = LiveShop::lines_svg(3);
+  const std::string design = shop.design(svg);
+  const auto make = [&](const std::string& member, const Json& value) {
+    Json wish{{"design", design}};
+    wish[member] = value;
+    return shop.ask("POST", "/v1/jobs", wish.dump());
+  };
+  for (const char* control : {"a\x1b[31m", "a\nb", "\x7f",
+                              "a\xc2\x9b"
+                              "31m",
+                              "\x01"}) {
+    CAPTURE(Json(control).dump());
+    CHECK(make("name", control).status == 422);
+    CHECK(make("tags", {control}).status == 422);
+    CHECK(shop.ask("POST", "/v1/designs?name=" + client::percent_encoded(control), svg,
+                   "image/svg+xml")
+                  .status /
+              100 ==
+          4);
+  }
+  // What is only odd is kept as it is.
+  for (const char* odd :
+       {"../../../../tmp/popcut-evil", "/etc/passwd", "<img src=x onerror=alert(1)>",
+        "'; DROP TABLE job; --", "%2e%2e%2f", "nul", "a\\b", "$(reboot)"}) {
+    CAPTURE(odd);
+    const client::HttpResponse made = make("name", odd);
+    CHECK(made.status == 201);
+    CHECK(Json::parse(made.body)["name"] == odd);
+    CHECK(shop.ask("POST", "/v1/designs?name=" + client::percent_encoded(odd), svg, "image/svg+xml")
+              .status < 300);
+  }
+  const Json listed = shop.get("/v1/jobs");
+  for (const Json& job : listed["items"]) shop.await_state(job["id"], "ready");
+  // No name of a file has anything of it.
+  for (const std::string& file : files_below(shop.daemon().state())) {
+    CAPTURE(file);
+    for (const char* part : {"evil", "passwd", "img", "DROP", "%", "nul", "reboot", "\\"})
+      CHECK(file.find(part) == std::string::npos);
+  }
+  CHECK_FALSE(std::filesystem::exists("/tmp/popcut-evil"));
+}

@@ -279,3 +279,29 @@ TEST_CASE("a database of a later popcutd is left alone by an earlier one", "[pop
   CHECK(ran.err.find("later popcutd") != std::string::npos);
   CHECK(text_of_file(path) == before);
 }
+
+TEST_CASE("a link among the state folders is refused and nothing behind it is touched",
+          "[popcutd][faults]") {
+  LiveShop shop;
+  TempFolder elsewhere;
+  write_file(elsewhere / "precious", "mine");
+  const std::filesystem::path state = shop.daemon().state();
+  std::filesystem::create_directory(state);
+  for (const char* inside : {"incoming", "plans"}) {
+    CAPTURE(inside);
+    std::filesystem::create_directory_symlink(elsewhere.path(), state / inside);
+    const Ran ran = run_program({POPCUT_DAEMON, "--config", shop.daemon().config()}, "/");
+    CHECK(ran.exit == 7);
+    CHECK(ran.err.find(inside) != std::string::npos);
+    CHECK(ran.err.find("is a link") != std::string::npos);
+    std::filesystem::remove(state / inside);
+  }
+  // Files under the names that it writes are not followed either.
+  std::filesystem::create_symlink(elsewhere / "precious", state / "lock");
+  CHECK_FALSE(shop.daemon().start());
+  std::filesystem::remove(state / "lock");
+  CHECK(text_of_file(elsewhere / "precious") == "mine");
+  CHECK(files_below(elsewhere.path()).size() == 1);
+  shop.open();
+  CHECK(shop.get("/readyz")["ready"] == true);
+}
