@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <chrono>
 #include <new>
 
 #include <fmt/format.h>
@@ -37,14 +38,20 @@ class CutDesk::Journal final : public CutJournal {
       : desk_(desk), thread_(desk.parts_.thread), alive_(desk.parts_.alive), cut_(std::move(cut)) {}
 
   Result<void> intend(std::int64_t last_stroke) override {
+    using Clock = std::chrono::steady_clock;
     Result<void> done = tl::unexpected(given_up("popcutd is ending"));
+    const Clock::time_point begun = Clock::now();
     try {
       thread_.run(ServiceThread::Lane::Cutting, [&] {
-        if (const auto here = alive_.lock()) done = desk_.intended(*cut_, last_stroke);
+        const auto here = alive_.lock();
+        if (!here) return;
+        note_wait();
+        done = desk_.intended(*cut_, last_stroke);
       });
     } catch (const std::exception& fault) {
       done = tl::unexpected(given_up(fault.what()));
     }
+    waited_s_ = std::chrono::duration<double>(Clock::now() - begun).count();
     return done;
   }
 
@@ -82,7 +89,10 @@ class CutDesk::Journal final : public CutJournal {
   void ended(const SessionEnd& end) override {
     try {
       thread_.run(ServiceThread::Lane::Cutting, [&] {
-        if (const auto here = alive_.lock()) desk_.ended(cut_, end);
+        const auto here = alive_.lock();
+        if (!here) return;
+        note_wait();
+        desk_.ended(cut_, end);
       });
     } catch (const std::exception&) {
       // Tried again by the tick.
@@ -93,10 +103,17 @@ class CutDesk::Journal final : public CutJournal {
   }
 
  private:
+  /// On the service's thread: how long the stream was held up the last time.
+  void note_wait() {
+    if (const auto waited = std::exchange(waited_s_, std::nullopt))
+      desk_.parts_.memory.note_stream_wait(*waited);
+  }
+
   CutDesk& desk_;
   ServiceThread& thread_;
   std::weak_ptr<void> alive_;
   std::shared_ptr<Cut> cut_;
+  std::optional<double> waited_s_{};
 };
 
 CutDesk::~CutDesk() = default;

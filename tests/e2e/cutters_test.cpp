@@ -235,11 +235,11 @@ TEST_CASE("each cutter has its own thread and stop all ends every cut", "[daemon
 TEST_CASE("a stroke that is longer than anybody waits is given up with the tool up",
           "[daemon][cutters][faults]") {
   TempFolder temp;
-  // Fifty times as slow as the machine: no stroke ends within this test.
+  // Five times as slow as the machine: what is sent ahead takes ten seconds.
   Bench bench({{.id = "sim:cameo3", .time_scale = 0},
                {.id = "sim:slow",
                 .machine = "cameo3",
-                .time_scale = 0.02,
+                .time_scale = 0.2,
                 .trace = (temp / "trace").string()}});
   const auto journal = std::make_shared<Journal>();
   REQUIRE(bench.cut("sim:slow", journal));
