@@ -38,7 +38,6 @@ void LiveShop::open(const std::vector<std::string>& environment) {
   if (!daemon_.start(environment)) give_up("popcutd does not serve: " + daemon_.log());
   const auto address = client::parse_address("unix:" + daemon_.socket());
   client::HttpClient http({*address}, "");
-  http.set_tries(0);
   api_ = std::make_unique<client::Api>(std::move(http));
 }
 
