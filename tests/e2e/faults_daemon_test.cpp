@@ -289,6 +289,7 @@ TEST_CASE("a link among the state folders is refused and nothing behind it is to
   std::filesystem::create_directory(state);
   for (const char* inside : {"incoming", "plans"}) {
     CAPTURE(inside);
+    std::filesystem::remove(state / inside);
     std::filesystem::create_directory_symlink(elsewhere.path(), state / inside);
     const Ran ran = run_program({POPCUT_DAEMON, "--config", shop.daemon().config()}, "/");
     CHECK(ran.exit == 7);
