@@ -11,6 +11,19 @@ namespace {
 
 constexpr std::int64_t kTellMs = 500;
 
+constexpr double kBusySeconds = 5;  // longer than a cutter with a full buffer takes nothing
+
+/// The kind of what a person should see to while a cut goes on.
+std::string attention_meanwhile(const SessionProgress& progress) {
+  if (progress.phase == SessionPhase::Paused) return "device_fault";
+  return progress.mute_s >= kBusySeconds ? "device_busy" : "";
+}
+std::string text_of_attention(const SessionProgress& progress) {
+  if (progress.phase == SessionPhase::Paused) return "paused on the machine's panel; go on there";
+  if (progress.mute_s < kBusySeconds) return "";
+  return "the machine takes no data; see whether it is jammed or waits for somebody at its panel";
+}
+
 Error given_up(const std::string& why) {
   return {ErrorKind::Unwritable, "", "the cut cannot be recorded, so it ends: " + why};
 }
@@ -259,19 +272,19 @@ void CutDesk::progressed(Cut& cut, const SessionProgress& progress) {
     if (!row) return tl::unexpected(row.error());
     const bool held = progress.phase == SessionPhase::Held && row->asked == "pause" &&
                       row->state == JobState::Cutting;
-    const bool panel = progress.phase == SessionPhase::Paused;
-    if (held || panel != cut.panel_pause) {
+    const std::string shown = attention_meanwhile(progress);
+    if (held || shown != cut.shown) {
       const Answer<void> taken = parts_.memory.change([&]() -> Answer<void> {
         if (held) parts_.jobs.take(*row, step_of(row->state, JobEvent::CutHeld), "");
-        if (panel != cut.panel_pause) {
-          row->reason = panel ? "panel_pause" : "";
-          parts_.jobs.set_attention(*row, panel ? "device_fault" : "",
-                                    panel ? "paused on the machine's panel; go on there" : "");
+        if (shown != cut.shown) {
+          const bool panel = progress.phase == SessionPhase::Paused;
+          row->reason = panel ? "panel_pause" : shown;
+          parts_.jobs.set_attention(*row, shown, text_of_attention(progress));
           parts_.jobs.save(*row);
         }
         return {};
       });
-      if (taken) cut.panel_pause = panel;
+      if (taken) cut.shown = shown;
     }
     rev = row->rev;
     state = name_of(row->state);
