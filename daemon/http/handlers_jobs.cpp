@@ -63,7 +63,9 @@ JobFilter read_filter(const Request& request, std::vector<RequestFault>& faults)
   return filter;
 }
 
-Response job_response(int status, const Job& job) { return revised(status, job.rev, to_json(job)); }
+Response job_response(int status, const Job& job) {
+  return revised(status, job.rev, job_text(job));
+}
 
 Response answer_job(const Request& request, int status, const Answer<Job>& job) {
   return job ? job_response(status, *job) : problem_response(job.error(), request);
@@ -112,7 +114,7 @@ void list_jobs(const Request& request, Service& service, const Shop&, Reply repl
   Answer<Page<Job>> page = service.jobs(filter, wish);
   if (!page) return reply(problem_response(page.error(), request));
   reply(page_response(std::move(page->items), std::move(page->next_cursor),
-                      [](const Job& job) { return dump(to_json(job)); }));
+                      [](const Job& job) { return job_text(job); }));
 }
 
 void get_job(const Request& request, Service& service, const Shop&, Reply reply) {
@@ -184,7 +186,7 @@ void get_queue(const Request& request, Service& service, const Shop&, Reply repl
   std::vector<Job> jobs = service.queue(query_text(request, "device").value_or(""));
   const std::size_t most = static_cast<std::size_t>(limit.value_or(200));
   if (jobs.size() > most) jobs.resize(most);
-  reply(page_response(std::move(jobs), "", [](const Job& job) { return dump(to_json(job)); }));
+  reply(page_response(std::move(jobs), "", [](const Job& job) { return job_text(job); }));
 }
 
 void hold_job(const Request& request, Service& service, const Shop& shop, Reply reply) {

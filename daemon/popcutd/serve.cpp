@@ -19,6 +19,7 @@
 #include "daemon/devices/make_cutters.hpp"
 #include "daemon/http/server.hpp"
 #include "daemon/planning/make_planner.hpp"
+#include "daemon/popcutd/footprint.hpp"
 #include "daemon/popcutd/greeting.hpp"
 #include "daemon/popcutd/log.hpp"
 #include "daemon/popcutd/sheet_program.hpp"
@@ -353,6 +354,7 @@ int serve(const Config& config, const DaemonOptions& options, const ServiceManag
   if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "{}", greeting(config, daemon.endpoints()));
   log->info("serving at {}", fmt::join(daemon.endpoints(), ", "));
   manager.tell("READY=1");
+  give_back_start();
   watch(daemon, config, options, manager, signals, *log);
   log->info("stopping: cuts end with their stroke");
   manager.tell(fmt::format("STOPPING=1\nEXTEND_TIMEOUT_USEC={:.0f}", (kStopSeconds + 10) * 1e6));
