@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -11,6 +12,7 @@
 #include <ctime>
 #include <mutex>
 #include <optional>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -23,6 +25,7 @@
 #include "daemon/popcutd/greeting.hpp"
 #include "daemon/popcutd/log.hpp"
 #include "daemon/popcutd/sheet_program.hpp"
+#include "daemon/popcutd/turn_away.hpp"
 #include "daemon/popcutd/webhook.hpp"
 #include "daemon/service/job_service.hpp"
 
@@ -125,6 +128,7 @@ class Daemon {
   [[nodiscard]] std::optional<Trouble> open_state();
   [[nodiscard]] std::optional<Trouble> open_devices();
   [[nodiscard]] std::optional<Trouble> open_service();
+  void log_changes();
   [[nodiscard]] std::optional<Trouble> open_webhook();
   [[nodiscard]] std::optional<Trouble> open_http(const ServiceManager& manager);
   const Config& config_;
@@ -152,6 +156,7 @@ std::optional<Trouble> Daemon::start(const ServiceManager& manager) {
   if (auto trouble = open_state()) return trouble;
   if (auto trouble = open_devices()) return trouble;
   if (auto trouble = open_service()) return trouble;
+  log_changes();
   if (auto trouble = open_webhook()) return trouble;
   return open_http(manager);
 }
@@ -200,6 +205,15 @@ std::optional<Trouble> Daemon::open_service() {
   }
   service_ = std::move(*service);
   return std::nullopt;
+}
+
+/// What becomes of each job, with its id.
+void Daemon::log_changes() {
+  thread_->run(ServiceThread::Lane::Asking, [this] {
+    service_->listen([log = log_](const Event& event) {
+      if (const std::string line = change_line(event); !line.empty()) log->info(line);
+    });
+  });
 }
 
 std::optional<Trouble> Daemon::open_webhook() {
@@ -315,6 +329,14 @@ void reload(const DaemonOptions& options, const Config& running, const ServiceMa
   manager.tell("READY=1");
 }
 
+/// The program on the disk is another one now: an upgrade waits for a restart.
+bool replaced() {
+  constexpr std::string_view kGone = " (deleted)";
+  std::array<char, 4096> link{};
+  const ssize_t size = readlink("/proc/self/exe", link.data(), link.size());
+  return size > 0 && std::string_view(link.data(), static_cast<std::size_t>(size)).ends_with(kGone);
+}
+
 /// Until somebody ends it.
 void watch(Daemon& daemon, const Config& config, const DaemonOptions& options,
            const ServiceManager& manager, const Signals& signals, spdlog::logger& log) {
@@ -335,8 +357,9 @@ void watch(Daemon& daemon, const Config& config, const DaemonOptions& options,
       manager.tell("WATCHDOG=1");
       fed = Clock::now();
     }
-    if (const std::string status = daemon.status(); status != told && !status.empty())
-      manager.tell_status(told = status);
+    std::string status = daemon.status();
+    if (!status.empty() && replaced()) status += "; a new version waits for a restart";
+    if (status != told && !status.empty()) manager.tell_status(told = status);
   }
 }
 
@@ -349,11 +372,12 @@ int serve(const Config& config, const DaemonOptions& options, const ServiceManag
   if (const auto trouble = daemon.start(manager)) {
     std::fprintf(stderr, "popcutd: %s\n", without_control(trouble->text).c_str());
     manager.tell_status(trouble->text);
+    if (trouble->code == kNeedsPerson) turn_away(manager.sockets(), trouble->text);
     return trouble->code;
   }
   if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "{}", greeting(config, daemon.endpoints()));
   log->info("serving at {}", fmt::join(daemon.endpoints(), ", "));
-  manager.tell("READY=1");
+  manager.tell("READY=1\nSTATUS=serving");
   give_back_start();
   watch(daemon, config, options, manager, signals, *log);
   log->info("stopping: cuts end with their stroke");
