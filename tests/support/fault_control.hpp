@@ -15,6 +15,8 @@ struct FaultControl {
   std::atomic<std::uint64_t> disk;        ///< those that take room on the disk
   std::atomic<std::uint64_t> full_from;   ///< from this one on there is none
   std::atomic<std::uint64_t> full_until;  ///< and again from this one; 0: it stays full
+  std::atomic<std::uint64_t> stall;       ///< not 0: who syncs a file waits until it is
+  std::atomic<std::uint64_t> stalled;     ///< how many wait so
 };
 
 inline constexpr const char* kFaultControl = "POPCUT_FAULT_CONTROL";  ///< path of the mapped file
