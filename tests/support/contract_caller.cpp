@@ -20,6 +20,13 @@ std::string lower(std::string text) {
   return text;
 }
 
+// A part of a path.
+std::string encoded(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += c == '/' ? std::string("%2F") : std::string(1, c);
+  return out;
+}
+
 std::string new_key() {
   static int number = 0;
   return fmt::format("live-contract-{:08}", ++number);
@@ -58,7 +65,7 @@ std::string ContractCaller::request(const ContractCall& call, const std::string&
   std::string target = call.route;
   for (const auto& [name, value] : call.holes)
     if (const std::size_t at = target.find("{" + name + "}"); at != std::string::npos)
-      target.replace(at, name.size() + 2, value);
+      target.replace(at, name.size() + 2, encoded(value));
   std::string type;
   const std::string body = body_of(call, type);
   std::string text =
@@ -93,11 +100,15 @@ WireResponse ContractCaller::ask_tcp(const ContractCall& call, std::uint16_t por
   return response;
 }
 
+void ContractCaller::note(const WireResponse& response) {
+  if (!response.problem().empty()) problems_.insert(response.problem());
+}
+
 void ContractCaller::hold(const ContractCall& call, const WireResponse& response) {
   INFO(call.method << " " << call.route << call.query << " gave " << response.status << ": "
                    << response.body.substr(0, 400));
   produced_.insert({call.method + " " + call.route, response.status});
-  if (!response.problem().empty()) problems_.insert(response.problem());
+  note(response);
   const json& responses = operation(call).at("responses");
   const std::string status = std::to_string(response.status);
   CHECK(responses.contains(status));
@@ -149,6 +160,24 @@ std::set<ContractCaller::Pair> ContractCaller::documented() const {
 void ContractCaller::add(const ContractCaller& other) {
   produced_.insert(other.produced_.begin(), other.produced_.end());
   problems_.insert(other.problems_.begin(), other.problems_.end());
+}
+
+std::vector<ContractCall> all_calls(const ContractCaller& caller) {
+  std::vector<ContractCall> calls;
+  for (const auto& [route, operations] : caller.document().at("paths").items())
+    for (const auto& [method, ignored] : operations.items()) {
+      ContractCall call{.method = method, .route = route, .more = "Accept: application/json\r\n"};
+      for (char& c : call.method) c = static_cast<char>(c - 'a' + 'A');
+      call.holes = {{"id", "01JD0000000000000000000001"}, {"k", "1"}};
+      if (route.starts_with("/v1/devices/")) call.holes["id"] = "sim:nowhere";
+      if (route.starts_with("/v1/materials/")) call.holes["id"] = "nothing";
+      calls.push_back(std::move(call));
+    }
+  return calls;
+}
+
+bool documents(const ContractCaller& caller, const ContractCall& call, int status) {
+  return caller.operation(call).at("responses").contains(std::to_string(status));
 }
 
 }  // namespace popcut::testing

@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -43,6 +44,9 @@ class ContractCaller {
                                     const std::string& more) const;
   void hold(const ContractCall& call, const daemon::WireResponse& response);
 
+  /// Takes note of the problem of an answer that no operation documents.
+  void note(const daemon::WireResponse& response);
+
   /// GET that succeeds.
   nlohmann::json get(const std::string& route,
                      const std::map<std::string, std::string>& holes = {});
@@ -64,5 +68,9 @@ class ContractCaller {
   std::set<Pair> produced_;
   std::set<std::string> problems_;
 };
+
+/// Every documented operation, as a call with the example of its body, about what is not there.
+[[nodiscard]] std::vector<ContractCall> all_calls(const ContractCaller& caller);
+[[nodiscard]] bool documents(const ContractCaller& caller, const ContractCall& call, int status);
 
 }  // namespace popcut::testing

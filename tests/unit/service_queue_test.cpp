@@ -324,8 +324,12 @@ TEST_CASE("a test cut is a job that a person arms like any other", "[daemon][ser
 TEST_CASE("the queue goes by pages in the order in which jobs are offered", "[daemon][service]") {
   ServiceBench bench;
   const Job first = bench.ready_job();
-  for (const int priority : {0, 5, -10, 0, 10, 0, -3, 5})
-    REQUIRE(create(bench, {.design = first.design, .priority = priority}));
+  for (const int priority : {0, 5, -10, 0, 10, 0, -3, 5}) {
+    JobCreate wish;
+    wish.design = first.design;
+    wish.priority = priority;
+    REQUIRE(create(bench, wish));
+  }
   const std::vector<std::string> whole = queue(bench);
   CHECK(whole.size() == 9);
   for (const int limit : {1, 2, 3, 8, 9, 10}) {
