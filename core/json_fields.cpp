@@ -15,15 +15,6 @@ using nlohmann::json;
 
 constexpr std::size_t kMostValues = 2'000'000;
 
-std::string line_and_column(std::string_view text, std::size_t byte) {
-  byte = std::min(byte, text.size());
-  const auto begin = text.begin();
-  const auto lines = std::count(begin, begin + static_cast<std::ptrdiff_t>(byte), '\n');
-  const std::size_t newline = byte == 0 ? std::string_view::npos : text.rfind('\n', byte - 1);
-  const std::size_t column = newline == std::string_view::npos ? byte : byte - newline - 1;
-  return fmt::format("line {}, column {}", lines + 1, std::max<std::size_t>(column, 1));
-}
-
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -41,8 +32,21 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-Result<json> parse_json(std::string_view text, int max_depth) {
-  // The depth is limited before nlohmann sees the text, since copying a deep value recurses.
+std::string line_and_column(std::string_view text, std::size_t byte) {
+  byte = std::min(byte, text.size());
+  const auto begin = text.begin();
+  const auto lines = std::count(begin, begin + static_cast<std::ptrdiff_t>(byte), '\n');
+  const std::size_t newline = byte == 0 ? std::string_view::npos : text.rfind('\n', byte - 1);
+  const std::size_t column = newline == std::string_view::npos ? byte : byte - newline - 1;
+  return fmt::format("line {}, column {}", lines + 1, std::max<std::size_t>(column, 1));
+}
+
+// By brackets and commas outside of strings: needs no memory. The depth is limited before nlohmann
+// sees the text, since copying a deep value recurses.
+Result<void> check_json_limits(std::string_view text, const JsonLimits& limits) {
+  if (text.size() > limits.bytes)
+    return fail(ErrorKind::Malformed, "",
+                fmt::format("{} bytes of JSON; at most {} are read", text.size(), limits.bytes));
   int depth = 0;
   std::size_t values = 0;
   bool in_string = false;
@@ -51,20 +55,27 @@ Result<json> parse_json(std::string_view text, int max_depth) {
     if (in_string) {
       if (c == '\\') ++i;
       if (c == '"') in_string = false;
-    } else if (c == '"') {
-      in_string = true;
-    } else if ((c == '[' || c == '{') && ++depth > max_depth) {
-      return fail(ErrorKind::Malformed, line_and_column(text, i + 1),
-                  fmt::format("the JSON is nested more than {} deep; flatten it", max_depth));
-    } else if (c == ']' || c == '}') {
-      --depth;
+      continue;
     }
-    if (!in_string && (c == ',' || c == '[' || c == '{') && ++values > kMostValues)
+    if (c == '"') in_string = true;
+    if (c == ']' || c == '}') --depth;
+    const bool opens = c == '[' || c == '{';
+    if (opens && ++depth > limits.depth)
+      return fail(ErrorKind::Malformed, line_and_column(text, i + 1),
+                  fmt::format("the JSON is nested more than {} deep; flatten it", limits.depth));
+    if ((opens || c == ',') && ++values > limits.values)
       return fail(
           ErrorKind::Malformed, line_and_column(text, i + 1),
           fmt::format("the JSON has more than {} values; nothing popcut reads so needs that",
-                      kMostValues));
+                      limits.values));
   }
+  return {};
+}
+
+Result<json> parse_json(std::string_view text, int max_depth) {
+  if (const auto sound = check_json_limits(text, {.values = kMostValues, .depth = max_depth});
+      !sound)
+    return tl::unexpected(sound.error());
   std::vector<std::set<std::string>> keys;
   std::string doubled;
   const auto watch = [&](int, json::parse_event_t event, json& value) {

@@ -14,6 +14,21 @@
 
 namespace popcut {
 
+/// What a JSON text may be before any memory is taken for it.
+struct JsonLimits {
+  std::size_t bytes{256u << 20};
+  std::size_t values{8'000'000};  ///< about the number of commas and brackets
+  int depth{64};
+};
+
+/// "line L, column C" of the byte with this number, counted from 1.
+[[nodiscard]] std::string line_and_column(std::string_view text, std::size_t byte);
+
+/// Holds a text against the limits, before it is parsed.
+///
+/// @retval Malformed  too large, too deep or too many values
+[[nodiscard]] Result<void> check_json_limits(std::string_view text, const JsonLimits& limits);
+
 /// Parses JSON text from outside: at most `max_depth` deep, no key twice in one object.
 ///
 /// @retval Malformed  not JSON (place is line and column), too deep, more than two million values,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "device/inquirer.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -58,6 +59,19 @@ Result<std::string> Inquirer::receive(double seconds) {
   }
 }
 
+/// Offers the query for `reply_s`, in pieces of time short enough for who is in a hurry.
+Transport::WriteEnd Inquirer::begin(std::string_view query) {
+  constexpr double kSliceS = 0.25;
+  const std::chrono::nanoseconds until = later(limits_.reply_s);
+  for (;;) {
+    Transport::WriteEnd end =
+        transport_.write(std::as_bytes(std::span(query)), std::min(until, later(kSliceS)));
+    const bool waited_for = end.error && end.error->kind == ErrorKind::Timeout && end.taken == 0;
+    const bool hurry = limits_.hurry != nullptr && limits_.hurry->load(std::memory_order_relaxed);
+    if (!waited_for || hurry || transport_.now() >= until) return end;
+  }
+}
+
 Result<std::optional<std::string>> Inquirer::ask(std::string_view query) {
   const bool owed = !owed_.empty();
   const Result<bool> paid = pay_debt(later(limits_.reply_s));
@@ -66,7 +80,7 @@ Result<std::optional<std::string>> Inquirer::ask(std::string_view query) {
   if (owed) late_reply_possible_ = true;  // nobody waits for the reply to that one
   if (const Result<void> drained = drain(); !drained) return tl::unexpected(drained.error());
   const std::chrono::nanoseconds until = later(limits_.reply_s);
-  const Transport::WriteEnd end = transport_.write(std::as_bytes(std::span(query)), until);
+  const Transport::WriteEnd end = begin(query);
   if (end.error && end.error->kind != ErrorKind::Timeout) return tl::unexpected(*end.error);
   if (end.taken == 0) return std::nullopt;
   owed_ = query.substr(end.taken);

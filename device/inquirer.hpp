@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -24,6 +25,8 @@ class Inquirer {
     double reply_s{1};
     int tries{3};
     double again_s{0.1};  ///< between a doubtful answer and the next query
+    /// While it is set from outside, a machine that takes no query is not waited for.
+    const std::atomic<bool>* hurry{};
   };
   Inquirer(Transport& transport, const Limits& limits) : transport_(transport), limits_(limits) {}
 
@@ -49,6 +52,7 @@ class Inquirer {
 
  private:
   [[nodiscard]] Result<void> drain();
+  [[nodiscard]] Transport::WriteEnd begin(std::string_view query);
   [[nodiscard]] Result<std::string> receive(double seconds);
   [[nodiscard]] std::chrono::nanoseconds later(double seconds) const;
 

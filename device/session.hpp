@@ -42,6 +42,7 @@ struct SessionProgress {
   std::uint64_t strokes_done{};  ///< estimated by the model of the machine's motion
   std::uint64_t strokes{};
   double seconds_left{};  ///< estimated
+  double mute_s{};        ///< since the machine last took a byte, if it takes none now; else 0
 };
 
 struct SessionOptions {
@@ -51,8 +52,12 @@ struct SessionOptions {
   int tries{3};                ///< queries without a sensible answer before the session gives up
   double stuck_s{120};         ///< without a byte being taken or a status that moves on
   double pause_limit_s{3600};  ///< for a pause on the panel
-  /// Set from outside to end the job at the next end of a stroke, with the tool up and parked.
+  /// Set from outside to end the job at the next end of a stroke, with the tool up and parked;
+  /// where the machine takes nothing, at once.
   const std::atomic<bool>* cancel{};
+  /// Set from outside to end the job now, where no end of a stroke can be waited for: the machine
+  /// is sent its trailer, tool up and parked, after the last whole command; the stroke is in doubt.
+  const std::atomic<bool>* give_up{};
   /// While it is set from outside, nothing is sent beyond the next end of a stroke, where the tool
   /// is lifted and waits.
   const std::atomic<bool>* pause{};
@@ -95,6 +100,7 @@ struct SessionEnd {
 ///   for too long, another model than `machine`, or replies that are no status
 /// - Timeout: no reply, or no byte taken, or not ready for too long
 /// - DeviceGone: the transport says so
+/// - Internal: no memory; what the machine has it still cuts
 /// - OutOfRange: the machine or program cannot be modelled (see `SimCutter::make`), or there is no
 ///   stroke `first_stroke`
 /// - what the journal said

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "protocol/append.hpp"
 #include "protocol/decode.hpp"
 #include "protocol/gpgl_variants.hpp"
 
@@ -134,7 +135,7 @@ void GpglReader::take(unsigned char c, Program& into) {
   switch (state_) {
     case State::Between:
       if (c == static_cast<unsigned char>(kEtx))
-        push(Verb::Empty, {}, offset_, offset_ + 1, into);
+        append_command(Verb::Empty, {}, offset_, offset_ + 1, into);
       else if (!is_blank(c) && c != ',')
         begin(c);
       return;
@@ -194,7 +195,7 @@ void GpglReader::take_escape(unsigned char c, Program& into) {
   const std::uint64_t end = offset_ + 1;
   if (state_ == State::Jog) {
     into.args.push_back(c);
-    push(Verb::Other, "JOG", escape_at_, end, into);
+    append_command(Verb::Other, "JOG", escape_at_, end, into);
     into.commands.back().first = static_cast<std::uint32_t>(into.args.size() - 1);
     into.commands.back().count = 1;
     state_ = interrupted;
@@ -207,17 +208,17 @@ void GpglReader::take_escape(unsigned char c, Program& into) {
   state_ = interrupted;
   switch (c) {
     case 0x05:
-      return push(Verb::Query, "ENQ", escape_at_, end, into);
+      return append_command(Verb::Query, "ENQ", escape_at_, end, into);
     case 0x15:
-      return push(Verb::Query, "NAK", escape_at_, end, into);
+      return append_command(Verb::Query, "NAK", escape_at_, end, into);
     case 0x0f:
-      return push(Verb::Query, "SI", escape_at_, end, into);
+      return append_command(Verb::Query, "SI", escape_at_, end, into);
     case 0x0b:
-      return push(Verb::Query, "VT", escape_at_, end, into);
+      return append_command(Verb::Query, "VT", escape_at_, end, into);
     case 0x04:
       if (interrupted != State::Between)
         push_unknown(std::exchange(raw_, {}), begin_, escape_at_, into);
-      push(Verb::Initialise, "EOT", escape_at_, end, into);
+      append_command(Verb::Initialise, "EOT", escape_at_, end, into);
       state_ = State::Between;
       position_ = {};
       return;
@@ -324,44 +325,19 @@ void GpglReader::close(std::uint64_t end, Program& into) {
   const auto first = static_cast<std::uint32_t>(into.args.size());
   into.args.insert(into.args.end(), values.begin() + static_cast<std::ptrdiff_t>(skip),
                    values.end());
-  push(verb, std::move(text), begin_, end, into);
+  append_command(verb, std::move(text), begin_, end, into);
   into.commands.back().first = first;
   into.commands.back().count = static_cast<std::uint32_t>(values.size() - skip);
 }
 
 void GpglReader::push_points(bool relative, std::uint64_t end, Program& into) {
   const std::vector<double>& values = arguments_.values();
-  const auto first = static_cast<std::uint32_t>(into.points.size());
-  for (std::size_t k = 0; k + 1 < values.size(); k += 2) {
-    const MachinePoint from = relative ? position_ : MachinePoint{};
-    position_ = {from.a + values[k], from.b + values[k + 1]};
-    into.points.push_back(position_);
-  }
-  into.commands.push_back(
-      {entry_->verb, first, static_cast<std::uint32_t>(values.size() / 2), begin_, end, 0});
-}
-
-void GpglReader::push(Verb verb, std::string text, std::uint64_t begin, std::uint64_t end,
-                      Program& into) {
-  std::uint32_t index = 0;
-  if (!text.empty()) {
-    // The same few mnemonics come again and again; Unknown texts need no search.
-    constexpr std::size_t kSearched = 64;
-    const std::size_t searched = verb == Verb::Unknown ? 0 : std::min(into.texts.size(), kSearched);
-    const auto known = std::find(into.texts.begin(),
-                                 into.texts.begin() + static_cast<std::ptrdiff_t>(searched), text);
-    index = static_cast<std::uint32_t>(known - into.texts.begin());
-    if (index == searched) {
-      index = static_cast<std::uint32_t>(into.texts.size());
-      into.texts.push_back(std::move(text));
-    }
-  }
-  into.commands.push_back({verb, 0, 0, begin, end, index});
+  append_points(entry_->verb, values, relative, position_, begin_, end, into);
 }
 
 void GpglReader::push_unknown(std::string text, std::uint64_t begin, std::uint64_t end,
                               Program& into) {
-  push(Verb::Unknown, std::move(text), begin, end, into);
+  append_command(Verb::Unknown, std::move(text), begin, end, into);
 }
 
 }  // namespace popcut

@@ -53,7 +53,6 @@ class GpglReader {
   void close(std::uint64_t end, Program& into);
   void close_deltas(std::uint64_t end, Program& into);
   void push_points(bool relative, std::uint64_t end, Program& into);
-  void push(Verb verb, std::string text, std::uint64_t begin, std::uint64_t end, Program& into);
   void push_unknown(std::string text, std::uint64_t begin, std::uint64_t end, Program& into);
 
   State state_{State::Between};

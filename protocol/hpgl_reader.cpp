@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "protocol/append.hpp"
 #include "protocol/gpgl_variants.hpp"
 
 namespace popcut {
@@ -108,12 +109,12 @@ void HpglReader::finish(Program& into) {
   into.dialect = Dialect::Hpgl;
   into.unit_mm = 0.025;
   if (state_ == State::Escape || state_ == State::Control || state_ == State::ControlArg) {
-    push(Verb::Unknown, std::exchange(control_, {}), escape_at_, offset_, into);
+    append_command(Verb::Unknown, std::exchange(control_, {}), escape_at_, offset_, into);
     into.truncated = true;
     state_ = resume_;
   }
   if (state_ == State::Between) return;
-  push(Verb::Unknown, std::exchange(raw_, {}), begin_, offset_, into);
+  append_command(Verb::Unknown, std::exchange(raw_, {}), begin_, offset_, into);
   into.truncated = true;
   state_ = State::Between;
 }
@@ -137,7 +138,7 @@ void HpglReader::take(unsigned char c, Program& into) {
   switch (state_) {
     case State::Between:
       if (c == ';')
-        push(Verb::Empty, {}, offset_, offset_ + 1, into);
+        append_command(Verb::Empty, {}, offset_, offset_ + 1, into);
       else if (!is_blank(c))
         begin(static_cast<char>(c));
       return;
@@ -163,7 +164,7 @@ void HpglReader::take(unsigned char c, Program& into) {
 
 /// As `GpglReader::give_up`.
 void HpglReader::give_up(Program& into) {
-  push(Verb::Unknown, std::exchange(raw_, {}), begin_, offset_, into);
+  append_command(Verb::Unknown, std::exchange(raw_, {}), begin_, offset_, into);
   begin_ = offset_;
   entry_ = nullptr;
   mnemonic_.clear();
@@ -185,7 +186,7 @@ void HpglReader::take_escape(unsigned char c, Program& into) {
   control_ += static_cast<char>(c);
   const auto done = [&](Verb verb) {
     state_ = resume_;
-    push(verb, std::exchange(control_, {}), escape_at_, offset_ + 1, into);
+    append_command(verb, std::exchange(control_, {}), escape_at_, offset_ + 1, into);
   };
   if (state_ == State::Escape) {
     if (c == '.')
@@ -249,7 +250,7 @@ void HpglReader::close(std::uint64_t end, Program& into) {
   const bool known = entry_ != nullptr && entry_->verb != Verb::Unknown;
   const bool odd = known && entry_->form == Points && values.size() % 2 != 0;
   if (raw || arguments_.bad() || odd || (!known && !vendor))
-    return push(Verb::Unknown, std::exchange(raw_, {}), begin_, end, into);
+    return append_command(Verb::Unknown, std::exchange(raw_, {}), begin_, end, into);
   if (known && entry_->form == Points) return push_points(end, into);
   Verb verb = vendor ? Verb::Other : entry_->verb;
   if (values.empty() && (verb == Verb::Speed || verb == Verb::Force || verb == Verb::LineType ||
@@ -260,7 +261,7 @@ void HpglReader::close(std::uint64_t end, Program& into) {
   const auto first = static_cast<std::uint32_t>(into.args.size());
   into.args.insert(into.args.end(), values.begin(), values.end());
   if (verb == Verb::SelectTool && values.empty()) into.args.push_back(0);
-  push(verb, mnemonic_, begin_, end, into);
+  append_command(verb, mnemonic_, begin_, end, into);
   into.commands.back().first = first;
   into.commands.back().count = static_cast<std::uint32_t>(into.args.size()) - first;
 }
@@ -276,34 +277,10 @@ void HpglReader::push_points(std::uint64_t end, Program& into) {
     if (one_letter && word != "U" && word != "D") relative = word == "I" || word == "R";
   } else {
     relative = relative_ = word == "PR";
-    if (values.empty()) return push(verb, mnemonic_, begin_, end, into);
+    if (values.empty()) return append_command(verb, mnemonic_, begin_, end, into);
     verb = down_ ? Verb::Draw : Verb::Move;
   }
-  const auto first = static_cast<std::uint32_t>(into.points.size());
-  for (std::size_t k = 0; k + 1 < values.size(); k += 2) {
-    const MachinePoint from = relative ? position_ : MachinePoint{};
-    position_ = {from.a + values[k], from.b + values[k + 1]};
-    into.points.push_back(position_);
-  }
-  into.commands.push_back(
-      {verb, first, static_cast<std::uint32_t>(values.size() / 2), begin_, end, 0});
-}
-
-void HpglReader::push(Verb verb, std::string text, std::uint64_t begin, std::uint64_t end,
-                      Program& into) {
-  std::uint32_t index = 0;
-  if (!text.empty()) {
-    constexpr std::size_t kSearched = 64;
-    const std::size_t searched = verb == Verb::Unknown ? 0 : std::min(into.texts.size(), kSearched);
-    const auto known = std::find(into.texts.begin(),
-                                 into.texts.begin() + static_cast<std::ptrdiff_t>(searched), text);
-    index = static_cast<std::uint32_t>(known - into.texts.begin());
-    if (index == searched) {
-      index = static_cast<std::uint32_t>(into.texts.size());
-      into.texts.push_back(std::move(text));
-    }
-  }
-  into.commands.push_back({verb, 0, 0, begin, end, index});
+  append_points(verb, values, relative, position_, begin_, end, into);
 }
 
 }  // namespace popcut

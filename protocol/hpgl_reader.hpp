@@ -48,7 +48,6 @@ class HpglReader {
   void take_number(unsigned char c, Program& into);
   void close(std::uint64_t end, Program& into);
   void push_points(std::uint64_t end, Program& into);
-  void push(Verb verb, std::string text, std::uint64_t begin, std::uint64_t end, Program& into);
 
   State state_{State::Between};
   State resume_{State::Between};

@@ -16,6 +16,7 @@
 #include "core/design/multi_state.hpp"
 #include "core/design/pattern_builder.hpp"
 #include "core/design/pattern_counts.hpp"
+#include "core/design/run_layout.hpp"
 #include "core/design/slicing.hpp"
 #include "core/design/splay.hpp"
 #include "core/design/strip_bridge.hpp"
@@ -30,14 +31,6 @@ std::string method_name(LatticeMethod method) {
   constexpr const char* kNames[] = {"branching", "slices", "conformal", "levels"};
   return kNames[static_cast<std::size_t>(method)];
 }
-
-/// A run with what it was aimed at and how it is laid.
-struct Layout {
-  std::vector<LaidSlice> laid;
-  std::vector<Run> runs;
-  std::vector<RunTarget> targets;                ///< one a run
-  std::vector<std::vector<double>> connector_s;  ///< one a run
-};
 
 /// A layout as strips, with its figures.
 struct Laid {
@@ -103,84 +96,6 @@ class Designer {
     return add_v_folds(strips, solved->splay, pattern);
   }
 
-  /// Runs between plain cuts; a slice that stands alone becomes two halves, since one strip
-  /// alone has only every second plane.
-  [[nodiscard]] Layout layout() const {
-    Layout out;
-    for (int j = 0; j < sliced_.slices();) {
-      int end = j + 1;
-      while (end < sliced_.slices() && !cut_after_[static_cast<std::size_t>(end - 1)]) ++end;
-      const int units = sliced_.units[static_cast<std::size_t>(j)];
-      const bool halved = end == j + 1 && units >= 2;
-      Run run{static_cast<int>(out.laid.size()), halved ? 2 : end - j, {}, {}, {}};
-      RunTarget target;
-      target.units = units;
-      target.min_panel_mm = spec_.min_panel_mm;
-      target.max_step_over_mean = spec_.max_step_over_mean;
-      std::vector<double> connector_s;
-      const auto add = [&](int slice, double share) {
-        const auto k = static_cast<std::size_t>(slice);
-        out.laid.push_back({slice, sliced_.s_mm[k], share * sliced_.width_mm[k]});
-        target.slice_curves.push_back(sliced_.curves[k]);
-        const auto begin = static_cast<std::ptrdiff_t>(sliced_.chain_first[k]);
-        const auto stop = static_cast<std::ptrdiff_t>(sliced_.chain_first[k + 1]);
-        target.chain_x.insert(target.chain_x.end(), sliced_.chain_x.begin() + begin,
-                              sliced_.chain_x.begin() + stop);
-        target.chain_z.insert(target.chain_z.end(), sliced_.chain_z.begin() + begin,
-                              sliced_.chain_z.begin() + stop);
-      };
-      if (halved) {
-        add(j, 0.5), add(j, 0.5);
-        target.connector_curves.push_back(sliced_.curves[static_cast<std::size_t>(j)]);
-        connector_s.push_back(sliced_.s_mm[static_cast<std::size_t>(j)]);
-      } else {
-        for (int k = j; k < end; ++k) add(k, 1.0);
-        for (int k = j; units > 1 && k + 1 < end; ++k) {
-          target.connector_curves.push_back(sliced_.between[static_cast<std::size_t>(k)]);
-          connector_s.push_back(sliced_.between_s_mm[static_cast<std::size_t>(k)]);
-        }
-      }
-      out.runs.push_back(std::move(run));
-      out.targets.push_back(std::move(target));
-      out.connector_s.push_back(std::move(connector_s));
-      j = end;
-    }
-    return out;
-  }
-
-  /// Fills the planes of every run by one method.
-  Result<void> fill(Layout& layout, LatticeMethod method) const {
-    for (std::size_t r = 0; r < layout.runs.size(); ++r) {
-      const RunTarget& target = layout.targets[r];
-      Planes& planes = layout.runs[r].planes;
-      if (target.units == 1) {
-        planes = Planes{1, {}};
-        for (const SliceCurve& c : target.slice_curves) {
-          planes.value.push_back(c.h());
-          planes.value.push_back(c.d());
-        }
-        continue;
-      }
-      switch (method) {
-        case LatticeMethod::Branching:
-          planes = lattice_branching(target);
-          break;
-        case LatticeMethod::Slices:
-          planes = lattice_slices(target);
-          break;
-        case LatticeMethod::Levels:
-          planes = lattice_levels(target);
-          break;
-        case LatticeMethod::Conformal: {
-          auto conformal = lattice_conformal(target);
-          if (!conformal) return tl::unexpected(within("/units_per_slice", conformal.error()));
-          planes = std::move(*conformal);
-        }
-      }
-    }
-    return {};
-  }
-
   /// H, D and the margins: as asked for, or large enough for all wall and ground ends.
   Result<CardFrame> frame(const std::vector<Run>& runs) const {
     const Reach reach = reach_of(runs);
@@ -208,7 +123,7 @@ class Designer {
     return out;
   }
 
-  Result<Laid> lay_strips(const Layout& layout) const {
+  Result<Laid> lay_strips(const RunLayout& layout) const {
     Laid out;
     auto framed = frame(layout.runs);
     if (!framed) return tl::unexpected(framed.error());
@@ -225,7 +140,7 @@ class Designer {
   }
 
   /// Bridges between the runs, where they are lawful.
-  void bridge(const Layout& layout, Laid& laid) const {
+  void bridge(const RunLayout& layout, Laid& laid) const {
     std::vector<BridgeAim> aims;
     const Strips& strips = laid.strips.strips;
     std::size_t slices = 0, run = 0;
@@ -241,7 +156,7 @@ class Designer {
   }
 
   /// Measures the strips against the target.
-  void add_figures(const Layout& layout, Laid& laid) const {
+  void add_figures(const RunLayout& layout, Laid& laid) const {
     FigureInput input{laid.strips.strips, {}, {}, {}, 0.0};
     for (const LaidSlice& slice : layout.laid)
       input.slices.push_back({slice.s_mm, &sliced_.curves[static_cast<std::size_t>(slice.slice)]});
@@ -260,7 +175,7 @@ class Designer {
   }
 
   /// Strips with their figures; none where a connector is unlawful.
-  Result<Laid> lay_measured(const Layout& layout) const {
+  Result<Laid> lay_measured(const RunLayout& layout) const {
     auto laid = lay_strips(layout);
     if (laid && laid->strips.unlawful.empty()) add_figures(layout, *laid);
     return laid;
@@ -268,9 +183,9 @@ class Designer {
 
   /// Lays the lattice by `method`. Where the conformal lattice does not come nearer to the target
   /// than the plain one, the plain one is taken; `note` says what was chosen between.
-  Result<std::pair<Layout, Laid>> lay(LatticeMethod& method, std::string& note) const {
-    Layout chosen = layout();
-    if (auto filled = fill(chosen, method); !filled) return tl::unexpected(filled.error());
+  Result<std::pair<RunLayout, Laid>> lay(LatticeMethod& method, std::string& note) const {
+    RunLayout chosen = lay_runs(sliced_, cut_after_, spec_);
+    if (auto filled = fill_planes(chosen, method); !filled) return tl::unexpected(filled.error());
     const bool choose = method == LatticeMethod::Conformal &&
                         std::any_of(chosen.targets.begin(), chosen.targets.end(),
                                     [](const RunTarget& t) { return !t.connector_curves.empty(); });
@@ -284,8 +199,8 @@ class Designer {
           "steps up to {:.2f} of the mean one, so that every inner vertex is on the target",
           result.second.figures.step_over_mean_max);
     }
-    Layout plain = layout();
-    (void)fill(plain, LatticeMethod::Slices);
+    RunLayout plain = lay_runs(sliced_, cut_after_, spec_);
+    (void)fill_planes(plain, LatticeMethod::Slices);
     auto other = lay_measured(plain);
     if (!other || !other->strips.unlawful.empty()) return result;
     const LatticeFigures &mine = result.second.figures, &theirs = other->figures;
@@ -303,12 +218,12 @@ class Designer {
 
   /// The conformal lattice without the default limit of steps, when that makes it exact and its
   /// longest step stays moderate. A limit that the user asked for is kept.
-  std::optional<std::pair<Layout, Laid>> lay_relaxed(const LatticeFigures& limited) const {
+  std::optional<std::pair<RunLayout, Laid>> lay_relaxed(const LatticeFigures& limited) const {
     const double exact_mm = 1e-6 * sliced_.curves.front().h();
     if (spec_.max_step_asked || !spec_.max_step_over_mean || limited.inner_error.max_mm <= exact_mm)
       return std::nullopt;
-    Layout free = layout();
-    (void)fill(free, LatticeMethod::Slices);
+    RunLayout free = lay_runs(sliced_, cut_after_, spec_);
+    (void)fill_planes(free, LatticeMethod::Slices);
     for (std::size_t r = 0; r < free.runs.size(); ++r) {
       if (free.targets[r].units == 1) continue;
       free.targets[r].max_step_over_mean.reset();
@@ -340,7 +255,7 @@ class Designer {
 
   /// Builds the pattern; panels that nothing holds are left out, and it is laid and built again,
   /// until all hold each other or leaving out no longer helps.
-  Result<std::pair<BuiltPattern, Mobility>> tighten(Layout& layout, Laid& laid) const {
+  Result<std::pair<BuiltPattern, Mobility>> tighten(RunLayout& layout, Laid& laid) const {
     constexpr int kMostRounds = 30;
     for (int round = 0;; ++round) {
       auto built = build_pattern(laid.strips.strips, laid.frame.wall_mm, laid.frame.ground_mm,
@@ -355,37 +270,6 @@ class Designer {
       if (!again->strips.unlawful.empty()) return std::pair{std::move(*built), std::move(motion)};
       laid = std::move(*again);
     }
-  }
-
-  /// Marks loose panels of slice strips; where there are none, those of connectors. Whether any was
-  /// marked.
-  static bool mark_loose(Layout& layout, const Strips& strips, const BuiltPattern& built,
-                         const Mobility& motion) {
-    for (const bool connectors : {false, true}) {
-      bool any = false;
-      std::size_t r = 0;
-      int left = -1;  // slice strips so far in this run
-      for (std::size_t s = 0; s < strips.size(); ++s) {
-        const StripKind kind = strips.kind[s];
-        if (kind != StripKind::Slice && kind != StripKind::Connector) continue;
-        if (kind == StripKind::Slice && ++left == layout.runs[r].count) ++r, left = 0;
-        if ((kind == StripKind::Connector) != connectors) continue;
-        Run& run = layout.runs[r];
-        std::vector<std::uint8_t>& marks = connectors ? run.loose_levels : run.loose_planes;
-        marks.resize(run.planes.value.size());
-        for (std::uint32_t p = strips.first_panel[s]; p < strips.first_panel[s + 1]; ++p) {
-          if (strips.level[p] < 0 || !motion.loose[static_cast<std::size_t>(built.panel_face[p])])
-            continue;
-          const std::size_t at =
-              static_cast<std::size_t>(left) * static_cast<std::size_t>(run.planes.units + 1) +
-              static_cast<std::size_t>(strips.level[p]);
-          any = any || !marks[at];
-          marks[at] = 1;
-        }
-      }
-      if (any) return true;
-    }
-    return false;
   }
 
   static std::string cut_between(std::size_t slice) {
@@ -412,7 +296,7 @@ class Designer {
     return any;
   }
 
-  Design finish(const Layout& layout, Laid laid, BuiltPattern built, const Mobility& motion,
+  Design finish(const RunLayout& layout, Laid laid, BuiltPattern built, const Mobility& motion,
                 LatticeMethod method, std::string note) {
     Design out;
     DesignReport& r = out.report;
@@ -468,7 +352,7 @@ class Designer {
   }
 
   /// What the augmented loss reached, on the chains and in the lattice.
-  void add_curvature(const Layout& layout, LatticeMethod method, DesignReport& r) {
+  void add_curvature(const RunLayout& layout, LatticeMethod method, DesignReport& r) {
     std::vector<PlacedPlanes> placed;
     for (std::size_t k = 0; k < layout.runs.size(); ++k) {
       const Run& run = layout.runs[k];
@@ -482,7 +366,7 @@ class Designer {
       notes_.push_back(std::move(note));
   }
 
-  void add_slices(const Layout& layout, const Strips& strips, DesignReport& r) {
+  void add_slices(const RunLayout& layout, const Strips& strips, DesignReport& r) {
     const std::vector<double> v_mm = slice_places(strips, sliced_.s_mm.size());
     for (std::size_t j = 0; j < sliced_.s_mm.size(); ++j)
       r.slices.push_back({sliced_.s_mm[j], v_mm[j], sliced_.width_mm[j], sliced_.figures[j].loss,

@@ -318,21 +318,6 @@ bool Follower::reach(double driven_rad, std::string& why) {
   return true;
 }
 
-Pose pose_of(const FoldFile& file, const Sheet& sheet, const RigidState& state, double psi_rad) {
-  Pose pose;
-  pose.place = fmt::format("opened to psi {:.4f}", psi_rad);
-  pose.psi_rad = psi_rad;
-  pose.opened = true;
-  pose.at.resize(file.flat.size());
-  for (std::size_t i = 0; i < file.flat.size(); ++i)
-    pose.at[i] = {file.flat[i].u, file.flat[i].v, 0.0};
-  for (std::size_t f = 0; f < file.faces(); ++f) {
-    for (const std::uint32_t v : face_of(file, f))
-      pose.at[v] = state[sheet.panel_of_face[f]](file.flat[v]);
-  }
-  return pose;
-}
-
 Opening follow(const FoldFile& file, const Sheet& sheet, const RigidSheet& rigid,
                const std::vector<LineWish>& wishes, std::size_t driver,
                std::span<const double> psi_rad, double slack_mm) {
@@ -347,14 +332,15 @@ Opening follow(const FoldFile& file, const Sheet& sheet, const RigidSheet& rigid
     for (const double psi : psi_rad) {
       if (!follower.reach(kPi - psi, opening.stopped)) break;
       opening.gap_mm = std::max(opening.gap_mm, follower.gap_mm());
-      opening.poses.push_back(pose_of(file, sheet, follower.now().state, psi));
+      opening.poses.push_back(pose_of(file, sheet, follower.now().state, psi, "opened"));
     }
     opening.reached_psi_rad = kPi - follower.now().driven_rad;
     // Even where it stops early, the last pose shows what the sheet does.
     if (!opening.stopped.empty() &&
         (opening.poses.empty() || *opening.poses.back().psi_rad - opening.reached_psi_rad > 0.01)) {
       opening.gap_mm = std::max(opening.gap_mm, follower.gap_mm());
-      opening.poses.push_back(pose_of(file, sheet, follower.now().state, opening.reached_psi_rad));
+      opening.poses.push_back(
+          pose_of(file, sheet, follower.now().state, opening.reached_psi_rad, "opened"));
     }
     opening.reversed = follower.reversed();
     if (follower.unfolded() > 0)

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include <fmt/format.h>
 #include <Eigen/Sparse>
 
 namespace popcut::verify {
@@ -299,6 +300,22 @@ RigidSolver::End RigidSolver::correct(RigidState& state, std::span<const AngleGo
         end.goal_off_rad, std::abs(std::remainder(angle - goal.angle_rad, 2 * std::numbers::pi)));
   }
   return end;
+}
+
+Pose pose_of(const FoldFile& file, const Sheet& sheet, const RigidState& state, double psi_rad,
+             std::string_view how) {
+  Pose pose;
+  pose.place = fmt::format("{} to psi {:.4f}", how, psi_rad);
+  pose.psi_rad = psi_rad;
+  pose.opened = true;
+  pose.at.resize(file.flat.size());
+  for (std::size_t i = 0; i < file.flat.size(); ++i)
+    pose.at[i] = {file.flat[i].u, file.flat[i].v, 0.0};
+  for (std::size_t f = 0; f < file.faces(); ++f) {
+    for (const std::uint32_t v : face_of(file, f))
+      pose.at[v] = state[sheet.panel_of_face[f]](file.flat[v]);
+  }
+  return pose;
 }
 
 }  // namespace popcut::verify

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "core/verify/fold_model.hpp"
@@ -38,6 +39,12 @@ using RigidState = std::vector<RigidMotion>;
 
 /// Largest distance in mm between the two places that panels give an end of a line.
 [[nodiscard]] double largest_gap_mm(const RigidSheet& sheet, const RigidState& state);
+
+/// The vertices where a state puts them, as a pose that popcut made itself.
+///
+/// @param how  the word for it in the pose's place: "opened", "moved"
+[[nodiscard]] Pose pose_of(const FoldFile& file, const Sheet& sheet, const RigidState& state,
+                           double psi_rad, std::string_view how);
 
 /// Asks that a line fold by an angle. Lines that only lean toward theirs have a small weight.
 struct AngleGoal {

@@ -103,21 +103,6 @@ class Walker {
   std::optional<Place> before_;
 };
 
-Pose pose_of(const FoldFile& file, const Sheet& sheet, const Place& place) {
-  Pose pose;
-  pose.psi_rad = kPi - place.driven_rad;
-  pose.place = fmt::format("moved to psi {:.4f}", *pose.psi_rad);
-  pose.opened = true;
-  pose.at.resize(file.flat.size());
-  for (std::size_t i = 0; i < file.flat.size(); ++i)
-    pose.at[i] = {file.flat[i].u, file.flat[i].v, 0.0};
-  for (std::size_t f = 0; f < file.faces(); ++f) {
-    for (const std::uint32_t v : face_of(file, f))
-      pose.at[v] = place.state[sheet.panel_of_face[f]](file.flat[v]);
-  }
-  return pose;
-}
-
 }  // namespace
 
 Sweep sweep_motion(const FoldFile& file, const Sheet& sheet, const PoseMotion& start,
@@ -143,18 +128,21 @@ Sweep sweep_motion(const FoldFile& file, const Sheet& sheet, const PoseMotion& s
   for (double at = begun_rad - step;; at -= step) {
     const bool last = at <= kNearFlat_rad;
     if (begun_rad <= kNearFlat_rad || !walker.reach(last ? kNearFlat_rad : at, ignored)) break;
-    sweep.poses.push_back(pose_of(file, sheet, walker.now()));
+    sweep.poses.push_back(
+        pose_of(file, sheet, walker.now().state, kPi - walker.now().driven_rad, "moved"));
     if (last) break;
   }
   std::reverse(sweep.poses.begin(), sweep.poses.end());
   // 2. From the pose on until the sheet is shut.
   walker.begin(start.panel);
-  sweep.poses.push_back(pose_of(file, sheet, walker.now()));
+  sweep.poses.push_back(
+      pose_of(file, sheet, walker.now().state, kPi - walker.now().driven_rad, "moved"));
   for (double at = begun_rad + step;; at += step) {
     const bool last = at >= kNearShut_rad;
     if (begun_rad >= kNearShut_rad) break;
     if (!walker.reach(last ? kNearShut_rad : at, sweep.stopped)) break;
-    sweep.poses.push_back(pose_of(file, sheet, walker.now()));
+    sweep.poses.push_back(
+        pose_of(file, sheet, walker.now().state, kPi - walker.now().driven_rad, "moved"));
     if (last) break;
   }
   sweep.from_psi_rad = *sweep.poses.front().psi_rad;

@@ -2,6 +2,8 @@
 #include "daemon/devices/cutter.hpp"
 
 #include <algorithm>
+#include <exception>
+#include <new>
 #include <utility>
 
 #include "device/doctor.hpp"
@@ -11,6 +13,20 @@ namespace popcut::daemon {
 namespace {
 
 using std::chrono::steady_clock;
+
+// Without memory a thread that has a cutter waits for some rather than take popcutd down with it.
+template <typename Work>
+void insist(Work work) {
+  constexpr int kTries = 100;
+  for (int tries = 1;; ++tries) {
+    try {
+      return work();
+    } catch (const std::bad_alloc&) {
+      if (tries == kTries) throw;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+}
 
 DeviceRecord record_of(const CutterLine& line, bool enabled) {
   DeviceRecord record;
@@ -85,14 +101,20 @@ void Cutter::tell() const {
   if (changed_) changed_();
 }
 
-void Cutter::set_presence(bool there, const std::string& hindrance) {
+void Cutter::set_presence(bool there, const std::string& hindrance, const std::string& node) {
   {
     const std::lock_guard lock(mutex_);
+    const bool moved = there && !node.empty() && !node_.empty() && node != node_;
+    if (there && !node.empty()) node_ = node;
     // Plugged in anew it is another machine: what was wrong with it is not known any more.
-    if (!there_ && there) trouble_ = Trouble::None;
+    const bool anew = (!there_ && there) || moved;
+    if (anew) {
+      trouble_ = Trouble::None;
+      ++record_.plugs;
+    }
     there_ = there;
     hindrance_ = hindrance;
-    if (!refresh()) return;
+    if (!refresh() && !anew) return;
   }
   tell();
 }
@@ -149,7 +171,7 @@ void Cutter::serve() {
     }
     if (std::exchange(reset_wanted_, false)) {
       lock.unlock();
-      ask_state();
+      insist([&] { ask_state(); });
       lock.lock();
       ++resets_done_;
       wake_.notify_all();
@@ -160,7 +182,7 @@ void Cutter::serve() {
   }
 }
 
-SessionEnd Cutter::session(const Work& work) {
+SessionEnd Cutter::session(const Work& work, std::int64_t& last_intended) {
   SessionEnd end;
   auto open = OpenLine::open(
       line_, work.order.attempt, work.order.area_mm, [this] { touch(); }, &figures_);
@@ -172,32 +194,56 @@ SessionEnd Cutter::session(const Work& work) {
   CutJournal& journal = *work.journal;
   SessionOptions options = options_;
   options.cancel = &cancel_;
+  options.give_up = &give_up_;
   options.pause = &pause_;
   options.first_stroke =
       static_cast<std::size_t>(std::max<std::int64_t>(0, work.order.first_stroke));
   options.progress = [&](const SessionProgress& progress) {
     touch();
-    journal.progress(progress);
+    try {
+      journal.progress(progress);
+    } catch (const std::exception&) {  // no memory to tell how far it is: it goes on all the same
+    }
   };
-  options.intend = [&](std::int64_t last) { return journal.intend(last); };
+  options.intend = [&](std::int64_t last) {
+    last_intended = last;
+    return journal.intend(last);
+  };
   options.settle = [&](std::int64_t certain, std::int64_t taken, std::uint64_t bytes) {
     return journal.settle(certain, taken, bytes);
   };
   end = run_session(open->transport(), line_.machine, work.order.program, options);
-  open->keep_trace(line_, work.order.attempt);
+  try {
+    open->keep_trace(line_, work.order.attempt);
+  } catch (const std::exception&) {  // a trace is a help, never in the way
+  }
   return end;
 }
 
 void Cutter::carry_out(Work work) {
-  const SessionEnd end = session(work);
-  {
+  SessionEnd end;
+  std::vector<StrokeFate> spare;
+  std::int64_t last_intended = -1;
+  try {
+    spare.assign(work.order.program.strokes.size(), StrokeFate::NotSent);
+    end = session(work, last_intended);
+  } catch (const std::exception&) {
+    // It could not say how it ended: what was to be sent is in doubt.
+    for (std::int64_t k = std::max<std::int64_t>(0, work.order.first_stroke); k <= last_intended;
+         ++k)
+      if (const auto at = static_cast<std::size_t>(k); at < spare.size())
+        spare[at] = StrokeFate::InDoubt;
+    end.error = Error{ErrorKind::Internal, "", "out of memory"};  // so short that it needs none
+    end.fates = std::move(spare);
+  }
+  insist([&] {
     const std::lock_guard lock(mutex_);
     note_end(end);
     cutting_ = false;
     refresh();
-  }
-  work.journal->ended(end);
-  tell();
+  });
+  insist([&] { work.journal->ended(end); });
+  insist([&] { tell(); });
 }
 
 /// What a session's end says of the machine; a journal's error says nothing of it.
@@ -205,11 +251,13 @@ void Cutter::note_end(const SessionEnd& end) {
   if (end.error && end.error->kind == ErrorKind::Timeout) figures_.note_error(*end.error, false);
   if (const Result<Identity> identity = parse_identity(end.identity); identity)
     record_.firmware = identity->firmware;
-  if (!end.error) ++record_.sheets_done;
   trouble_ = Trouble::None;
+  if (end.error) trouble_text_ = end.error->detail;
+  if (!end.error) ++record_.sheets_done;
   if (!end.error || end.cancelled) return;
-  trouble_text_ = end.error->detail;
-  if (end.error->kind == ErrorKind::DeviceGone || end.error->kind == ErrorKind::Timeout)
+  if (end.error->kind == ErrorKind::DeviceGone) ++record_.plugs;
+  const bool stalled = end.error->detail.find("stalled") != std::string::npos;
+  if (end.error->kind == ErrorKind::DeviceGone || end.error->kind == ErrorKind::Timeout || stalled)
     trouble_ = Trouble::Fault;
   else if (end.error->kind == ErrorKind::Refused)
     trouble_ = Trouble::Attention;

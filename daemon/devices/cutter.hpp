@@ -36,14 +36,17 @@ class Cutter {
   [[nodiscard]] Result<void> cut(CutOrder order, std::shared_ptr<CutJournal> journal);
   void pause(bool wanted) { pause_ = wanted; }
   void cancel() { cancel_ = true; }
+  /// Ends a cut now, without the end of its stroke.
+  void give_up() { give_up_ = true; }
   [[nodiscard]] Result<void> reset();
   [[nodiscard]] bool busy() const;
   [[nodiscard]] const LineFigures& figures() const { return figures_; }
   /// When its thread last turned.
   [[nodiscard]] std::chrono::steady_clock::time_point beat() const { return beat_.load(); }
 
-  /// Whether it is plugged in, and if it cannot be used now, why.
-  void set_presence(bool there, const std::string& hindrance);
+  /// Whether it is plugged in, and if it cannot be used now, why. `node`: where a device on a bus
+  /// is now; another one means that it was plugged in anew.
+  void set_presence(bool there, const std::string& hindrance, const std::string& node = {});
 
  private:
   enum class Trouble : std::uint8_t { None, Attention, Fault };
@@ -53,7 +56,7 @@ class Cutter {
   };
   void serve();
   void carry_out(Work work);
-  [[nodiscard]] SessionEnd session(const Work& work);
+  [[nodiscard]] SessionEnd session(const Work& work, std::int64_t& last_intended);
   void note_end(const SessionEnd& end);
   void ask_state();
   void touch() { beat_ = std::chrono::steady_clock::now(); }
@@ -65,7 +68,7 @@ class Cutter {
   const SessionOptions options_;
   const std::function<void()> changed_;
   LineFigures figures_;
-  std::atomic<bool> cancel_{false}, pause_{false};
+  std::atomic<bool> cancel_{false}, pause_{false}, give_up_{false};
   std::atomic<std::chrono::steady_clock::time_point> beat_{std::chrono::steady_clock::now()};
 
   mutable std::mutex mutex_;
@@ -76,7 +79,7 @@ class Cutter {
   bool reset_wanted_{false};
   std::uint64_t resets_done_{0};
   Trouble trouble_{Trouble::None};
-  std::string trouble_text_, hindrance_;
+  std::string trouble_text_, hindrance_, node_;
   std::thread thread_;
 };
 

@@ -21,7 +21,8 @@ namespace {
 
 using std::chrono::steady_clock;
 
-constexpr auto kLook = std::chrono::seconds(2);  // at ports, which tell nothing by themselves
+constexpr auto kGiveUp = std::chrono::seconds(3);  // for a trailer, beyond the time for strokes
+constexpr auto kLook = std::chrono::seconds(2);    // at ports, which tell nothing by themselves
 
 class CutterSet final : public Cutters {
  public:
@@ -121,8 +122,14 @@ class CutterSet final : public Cutters {
     const auto busy = [&] {
       return std::any_of(all.begin(), all.end(), [](const Cutter* c) { return c->busy(); });
     };
-    while (busy() && steady_clock::now() < until)
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    const auto wait_until = [&](steady_clock::time_point end) {
+      while (busy() && steady_clock::now() < end)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    };
+    wait_until(until);
+    // Strokes may be longer than anybody waits.
+    for (Cutter* cutter : all) cutter->give_up();
+    wait_until(until + kGiveUp);
   }
 
   std::string metrics() const override {
@@ -229,7 +236,7 @@ class CutterSet final : public Cutters {
       if (device == devices.end())
         cutter->set_presence(false, "");
       else if (!cutter->busy())  // then it is we who have it
-        cutter->set_presence(true, hindrance(*device));
+        cutter->set_presence(true, hindrance(*device), device->node);
     }
     for (const UsbDevice& device : devices)
       if (!find(device.id)) add_plugged(device);
@@ -254,7 +261,8 @@ class CutterSet final : public Cutters {
     CutterLine line{*id, *machine, 0, {}, {}, bus_};
     if (!config.treat_as.empty()) line.machine.identity.clear();
     add(std::move(line), config.enabled);
-    if (const auto added = find(device.id)) (*added)->set_presence(true, hindrance(device));
+    if (const auto added = find(device.id))
+      (*added)->set_presence(true, hindrance(device), device.node);
     tell();
   }
 

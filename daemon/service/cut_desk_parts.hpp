@@ -24,7 +24,8 @@ struct CutDesk::Cut {
   // On the service's thread.
   AttemptMarks marks;
   LiveCut live;
-  bool cancel_asked{false}, panel_pause{false}, over{false};
+  bool cancel_asked{false}, over{false};
+  std::string shown;  ///< kind of the attention that is shown meanwhile
   SessionPhase phase{SessionPhase::Connecting};
   std::int64_t told_ms{-1'000'000};
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <chrono>
 
 #include <fmt/format.h>
 
@@ -9,6 +10,19 @@ namespace popcut::daemon {
 namespace {
 
 constexpr std::int64_t kTellMs = 500;
+
+constexpr double kBusySeconds = 5;  // longer than a cutter with a full buffer takes nothing
+
+/// The kind of what a person should see to while a cut goes on.
+std::string attention_meanwhile(const SessionProgress& progress) {
+  if (progress.phase == SessionPhase::Paused) return "device_fault";
+  return progress.mute_s >= kBusySeconds ? "device_busy" : "";
+}
+std::string text_of_attention(const SessionProgress& progress) {
+  if (progress.phase == SessionPhase::Paused) return "paused on the machine's panel; go on there";
+  if (progress.mute_s < kBusySeconds) return "";
+  return "the machine takes no data; see whether it is jammed or waits for somebody at its panel";
+}
 
 Error given_up(const std::string& why) {
   return {ErrorKind::Unwritable, "", "the cut cannot be recorded, so it ends: " + why};
@@ -23,14 +37,20 @@ class CutDesk::Journal final : public CutJournal {
       : desk_(desk), thread_(desk.parts_.thread), alive_(desk.parts_.alive), cut_(std::move(cut)) {}
 
   Result<void> intend(std::int64_t last_stroke) override {
+    using Clock = std::chrono::steady_clock;
     Result<void> done = tl::unexpected(given_up("popcutd is ending"));
+    const Clock::time_point begun = Clock::now();
     try {
       thread_.run(ServiceThread::Lane::Cutting, [&] {
-        if (const auto here = alive_.lock()) done = desk_.intended(*cut_, last_stroke);
+        const auto here = alive_.lock();
+        if (!here) return;
+        note_wait();
+        done = desk_.intended(*cut_, last_stroke);
       });
     } catch (const std::exception& fault) {
       done = tl::unexpected(given_up(fault.what()));
     }
+    waited_s_ = std::chrono::duration<double>(Clock::now() - begun).count();
     return done;
   }
 
@@ -68,7 +88,10 @@ class CutDesk::Journal final : public CutJournal {
   void ended(const SessionEnd& end) override {
     try {
       thread_.run(ServiceThread::Lane::Cutting, [&] {
-        if (const auto here = alive_.lock()) desk_.ended(cut_, end);
+        const auto here = alive_.lock();
+        if (!here) return;
+        note_wait();
+        desk_.ended(cut_, end);
       });
     } catch (const std::exception&) {
       // Tried again by the tick.
@@ -79,10 +102,17 @@ class CutDesk::Journal final : public CutJournal {
   }
 
  private:
+  /// On the service's thread: how long the stream was held up the last time.
+  void note_wait() {
+    if (const auto waited = std::exchange(waited_s_, std::nullopt))
+      desk_.parts_.memory.note_stream_wait(*waited);
+  }
+
   CutDesk& desk_;
   ServiceThread& thread_;
   std::weak_ptr<void> alive_;
   std::shared_ptr<Cut> cut_;
+  std::optional<double> waited_s_{};
 };
 
 CutDesk::~CutDesk() = default;
@@ -242,19 +272,19 @@ void CutDesk::progressed(Cut& cut, const SessionProgress& progress) {
     if (!row) return tl::unexpected(row.error());
     const bool held = progress.phase == SessionPhase::Held && row->asked == "pause" &&
                       row->state == JobState::Cutting;
-    const bool panel = progress.phase == SessionPhase::Paused;
-    if (held || panel != cut.panel_pause) {
+    const std::string shown = attention_meanwhile(progress);
+    if (held || shown != cut.shown) {
       const Answer<void> taken = parts_.memory.change([&]() -> Answer<void> {
         if (held) parts_.jobs.take(*row, step_of(row->state, JobEvent::CutHeld), "");
-        if (panel != cut.panel_pause) {
-          row->reason = panel ? "panel_pause" : "";
-          parts_.jobs.set_attention(*row, panel ? "device_fault" : "",
-                                    panel ? "paused on the machine's panel; go on there" : "");
+        if (shown != cut.shown) {
+          const bool panel = progress.phase == SessionPhase::Paused;
+          row->reason = panel ? "panel_pause" : shown;
+          parts_.jobs.set_attention(*row, shown, text_of_attention(progress));
           parts_.jobs.save(*row);
         }
         return {};
       });
-      if (taken) cut.panel_pause = panel;
+      if (taken) cut.shown = shown;
     }
     rev = row->rev;
     state = name_of(row->state);

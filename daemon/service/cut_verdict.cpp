@@ -37,7 +37,9 @@ CutVerdict broken(const Error& error) {
     case ErrorKind::Unwritable:
       return {"store", "in_doubt", text};
     case ErrorKind::Refused:
-      if (says(error, "media")) return {"media_out", "media_out", text};
+      if (says(error, "stalled")) return {"stall", "device_fault", text};
+      if (says(error, "media") || says(error, "sheet came out"))
+        return {"media_out", "media_out", text};
       if (says(error, "registration mark")) return {"marks_not_found", "device_fault", text};
       if (says(error, "panel")) return {"panel_stop", "in_doubt", text};
       return {"refused", "device_fault", text};

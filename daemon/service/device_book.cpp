@@ -47,7 +47,10 @@ bool DeviceBook::take_in(Entry& entry, const DeviceRecord& fresh) {
                        record.firmware != fresh.firmware || record.model != fresh.model ||
                        record.title != fresh.title || record.width_mm != fresh.width_mm ||
                        record.length_mm != fresh.length_mm;
-  if (is_away(record.state) && !is_away(fresh.state)) ++entry.sessions;
+  // It may have been away for less time than it takes to look.
+  if ((is_away(record.state) && !is_away(fresh.state)) || record.plugs != fresh.plugs)
+    ++entry.sessions;
+  record.plugs = fresh.plugs;
   record.state = fresh.state;
   record.reasons = fresh.reasons;
   record.firmware = fresh.firmware;

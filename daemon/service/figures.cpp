@@ -11,6 +11,24 @@
 namespace popcut::daemon {
 namespace {
 
+void put_durations(std::string& text, std::string_view name, std::string_view help,
+                   const Memory::Durations& durations) {
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "# TYPE {0} histogram\n# HELP {0} {1}\n", name, help);
+  std::uint64_t below = 0;
+  for (std::size_t i = 0; i < durations.buckets.size(); ++i) {
+    below += durations.buckets.at(i);
+    const std::string bound = i < Memory::Durations::kBounds.size()
+                                  ? fmt::format("{}", Memory::Durations::kBounds.at(i))
+                                  : "+Inf";
+    fmt::format_to(out, "{}_bucket{{le=\"{}\"}} {}\n", name, bound, below);
+  }
+  fmt::format_to(out, "{0}_sum {1:.6f}\n{0}_count {2}\n", name, durations.seconds,
+                 durations.count);
+  fmt::format_to(out, "# TYPE {0}_longest gauge\n{0}_longest {1:.6f}\n", name,
+                 durations.longest_s);
+}
+
 // A label's value: backslash, quote and newline are escaped.
 std::string label(const std::string& text) {
   std::string escaped;
@@ -79,16 +97,10 @@ std::string metrics_text(Memory& memory, JobTable& jobs, const std::vector<Devic
     fmt::format_to(out, "popcut_interrupted_total{{cause=\"{}\"}} {}\n", label(causes.text(0)),
                    causes.integer(1));
   const Memory::Figures& figures = memory.figures();
-  fmt::format_to(out, "# TYPE popcut_db_commit_seconds histogram\n");
-  std::uint64_t below = 0;
-  for (std::size_t i = 0; i < figures.commit_buckets.size(); ++i) {
-    below += figures.commit_buckets[i];
-    const std::string bound =
-        i < Memory::commit_bounds().size() ? fmt::format("{}", Memory::commit_bounds()[i]) : "+Inf";
-    fmt::format_to(out, "popcut_db_commit_seconds_bucket{{le=\"{}\"}} {}\n", bound, below);
-  }
-  fmt::format_to(out, "popcut_db_commit_seconds_sum {:.6f}\npopcut_db_commit_seconds_count {}\n",
-                 figures.commit_seconds, figures.commits);
+  put_durations(text, "popcut_db_commit_seconds", "Commits of the database.", figures.commits);
+  put_durations(text, "popcut_stream_wait_seconds",
+                "What a cutter's stream waits until its next strokes are on record.",
+                figures.stream_waits);
   fmt::format_to(out, "# TYPE popcut_db_free_bytes gauge\npopcut_db_free_bytes {}\n",
                  memory.folder().free_bytes());
   fmt::format_to(out, "# TYPE popcut_db_degraded gauge\npopcut_db_degraded {}\n",

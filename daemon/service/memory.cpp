@@ -15,18 +15,15 @@ Memory::Memory(Store& store, const ServiceOptions& options) : store_(store), opt
     Rows last = db().rows(sql);
     if (last.next()) ulids_.raise_above(last.text(0));
   }
-  db().committed = [this](double seconds) {
-    const auto& bounds = commit_bounds();
-    const auto bucket = std::lower_bound(bounds.begin(), bounds.end(), seconds) - bounds.begin();
-    ++figures_.commit_buckets.at(static_cast<std::size_t>(bucket));
-    ++figures_.commits;
-    figures_.commit_seconds += seconds;
-  };
+  db().committed = [this](double seconds) { figures_.commits.add(seconds); };
 }
 
-const std::vector<double>& Memory::commit_bounds() {
-  static const std::vector<double> bounds{0.001, 0.003, 0.01, 0.03, 0.1, 1};
-  return bounds;
+void Memory::Durations::add(double s) {
+  const auto bucket = std::lower_bound(kBounds.begin(), kBounds.end(), s) - kBounds.begin();
+  ++buckets.at(static_cast<std::size_t>(bucket));
+  ++count;
+  seconds += s;
+  longest_s = std::max(longest_s, s);
 }
 
 void Memory::forget_after(const Marks& marks) {

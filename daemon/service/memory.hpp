@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <utility>
@@ -98,14 +100,21 @@ class Memory {
 
   [[nodiscard]] Problem problem_of(const StoreFault& fault) const;
 
-  struct Figures {
-    std::vector<std::uint64_t> commit_buckets{std::vector<std::uint64_t>(7)};
-    std::uint64_t commits{};
-    double commit_seconds{};
+  /// How long something took each time, in buckets.
+  struct Durations {
+    /// Upper bounds of the buckets, in seconds; one more is without end.
+    static constexpr std::array<double, 6> kBounds{0.001, 0.003, 0.01, 0.03, 0.1, 1};
+    std::array<std::uint64_t, kBounds.size() + 1> buckets{};
+    std::uint64_t count{};
+    double seconds{}, longest_s{};
+    void add(double s);
   };
-  /// Upper bounds of the buckets, in seconds.
-  static const std::vector<double>& commit_bounds();
+  struct Figures {
+    Durations commits;
+    Durations stream_waits;  ///< of a cutter's stream, until what it intends is on the disk
+  };
   [[nodiscard]] const Figures& figures() const { return figures_; }
+  void note_stream_wait(double seconds) { figures_.stream_waits.add(seconds); }
 
  private:
   struct Marks {

@@ -247,6 +247,8 @@ struct DeviceRecord {
   double width_mm{}, length_mm{};
   std::string firmware{};
   std::string job{};
+  /// Grows whenever it was plugged in anew or lost: a sheet keeps its place only while this stays.
+  std::int64_t plugs{};
   std::int64_t sheets_done{};
   double cut_mm{};
   std::string machine{};                 ///< row of the table that it is driven as

@@ -52,23 +52,24 @@ std::string log_damage(const std::string& path) {
   if ((magic & ~1U) != 0x377F0682 || !sum.is(header.data() + 24) || page < 512 || page > 65536)
     return "has a damaged header";
 
+  // Frames lie in the order in which they were written, and the sum of each goes on from the one
+  // before. A run that was killed in a transaction leaves frames that the next ones write over, so
+  // behind the last commit anything may lie. What was written in one go behind a commit proves that
+  // this commit was on the disk: then a frame before it that is not sound was damaged later.
   std::vector<unsigned char> frame(kFrameHeaderBytes + page);
-  bool sound = true;
-  std::uint64_t broken = 0;       // the first frame that is not sound
-  bool committed_behind = false;  // a commit stands at or behind it
+  std::uint64_t broken = 0;       // the first frame that is not sound; 0: all are
+  bool committed_before = false;  // the frame before is a commit, and none before `broken`
   for (std::uint64_t number = 1;; ++number) {
     if (std::fread(frame.data(), 1, frame.size(), file.get()) != frame.size()) break;
     const bool ours = std::equal(header.begin() + 16, header.begin() + 24, frame.begin() + 8);
-    if (sound) {
-      sum.add(frame.data(), 8, big_endian);
-      sum.add(frame.data() + kFrameHeaderBytes, page, big_endian);
-      sound = ours && sum.is(frame.data() + 16);
-      if (!sound) broken = number;
-    }
-    if (sound || !ours) continue;
-    if (committed_behind)
+    sum.add(frame.data(), 8, big_endian);
+    sum.add(frame.data() + kFrameHeaderBytes, page, big_endian);
+    const bool follows = ours && sum.is(frame.data() + 16);
+    if (follows && committed_before)
       return fmt::format("is damaged in frame {}, before changes that were made later", broken);
-    committed_behind = word(frame.data() + 4, true) != 0;
+    if (!follows && broken == 0) broken = number;
+    committed_before = broken != 0 && ours && word(frame.data() + 4, true) != 0;
+    sum = {word(frame.data() + 16, true), word(frame.data() + 20, true)};
   }
   return {};
 }

@@ -293,6 +293,49 @@ TEST_CASE("a log that is missing or damaged in its middle is told", "[daemon][st
   CHECK(tokens(open(scratch).value()->database()) == 5);
 }
 
+TEST_CASE("what runs that were killed leave behind the last commit is no damage",
+          "[daemon][store]") {
+  const ScratchFolder scratch;
+  const std::string log_path = scratch.path() + "/state/popcut.db-wal";
+  constexpr std::size_t kFrameHeader = 24, kFrame = kFrameHeader + 4096;
+  const auto log_after = [&](int rows, char text) {
+    auto store = open(scratch).value();
+    Transaction all(store->database());
+    for (int i = 0; i < rows; ++i)
+      store->database().run("INSERT INTO material(id, rev, json) VALUES(?, 1, ?)",
+                            "row-" + std::to_string(tokens(store->database())),
+                            std::string(1000, text));
+    all.commit();
+    store->mark_in_use();
+    store->give_up();
+    return read_whole(log_path, 1 << 24).value();
+  };
+  const std::string before = log_after(1, 'a');
+  // One run is killed in a long transaction: the frame that commits it is not there.
+  std::string log = log_after(200, 'b');
+  log.resize(log.size() - kFrame);
+  // The next one between the two writes of the frame that commits a short one: its header is there.
+  write_text(log_path, before);
+  const std::string next = log_after(1, 'c');
+  REQUIRE(next.size() > before.size());
+  REQUIRE(next.size() + kFrame < log.size());
+  const std::size_t begun = next.size() - kFrame + kFrameHeader;
+  log.replace(0, begun, next.substr(0, begun));
+  write_text(log_path, log);
+  CHECK(log_damage(log_path).empty());
+  {
+    const auto opened = open(scratch);
+    REQUIRE(opened);
+    CHECK(tokens((*opened)->database()) == 1);
+    (*opened)->give_up();
+  }
+  // And one that commits there: what the others left behind it does not matter.
+  log.replace(0, next.size(), next);
+  write_text(log_path, log);
+  CHECK(log_damage(log_path).empty());
+  CHECK(tokens(open(scratch).value()->database()) == 2);
+}
+
 TEST_CASE("a damaged database is copied aside once and salvage brings over the rest",
           "[daemon][store]") {
   const ScratchFolder scratch;

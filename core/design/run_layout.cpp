@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/run_layout.hpp"
+
+#include <cstddef>
+#include <utility>
+
+#include "core/design/lattice.hpp"
+
+namespace popcut {
+
+RunLayout lay_runs(const Slicing& sliced, const std::vector<std::uint8_t>& cut_after,
+                   const DesignSpec& spec) {
+  RunLayout out;
+  for (int j = 0; j < sliced.slices();) {
+    int end = j + 1;
+    while (end < sliced.slices() && !cut_after[static_cast<std::size_t>(end - 1)]) ++end;
+    const int units = sliced.units[static_cast<std::size_t>(j)];
+    const bool halved = end == j + 1 && units >= 2;
+    Run run{static_cast<int>(out.laid.size()), halved ? 2 : end - j, {}, {}, {}};
+    RunTarget target;
+    target.units = units;
+    target.min_panel_mm = spec.min_panel_mm;
+    target.max_step_over_mean = spec.max_step_over_mean;
+    std::vector<double> connector_s;
+    const auto add = [&](int slice, double share) {
+      const auto k = static_cast<std::size_t>(slice);
+      out.laid.push_back({slice, sliced.s_mm[k], share * sliced.width_mm[k]});
+      target.slice_curves.push_back(sliced.curves[k]);
+      const auto begin = static_cast<std::ptrdiff_t>(sliced.chain_first[k]);
+      const auto stop = static_cast<std::ptrdiff_t>(sliced.chain_first[k + 1]);
+      target.chain_x.insert(target.chain_x.end(), sliced.chain_x.begin() + begin,
+                            sliced.chain_x.begin() + stop);
+      target.chain_z.insert(target.chain_z.end(), sliced.chain_z.begin() + begin,
+                            sliced.chain_z.begin() + stop);
+    };
+    if (halved) {
+      add(j, 0.5), add(j, 0.5);
+      target.connector_curves.push_back(sliced.curves[static_cast<std::size_t>(j)]);
+      connector_s.push_back(sliced.s_mm[static_cast<std::size_t>(j)]);
+    } else {
+      for (int k = j; k < end; ++k) add(k, 1.0);
+      for (int k = j; units > 1 && k + 1 < end; ++k) {
+        target.connector_curves.push_back(sliced.between[static_cast<std::size_t>(k)]);
+        connector_s.push_back(sliced.between_s_mm[static_cast<std::size_t>(k)]);
+      }
+    }
+    out.runs.push_back(std::move(run));
+    out.targets.push_back(std::move(target));
+    out.connector_s.push_back(std::move(connector_s));
+    j = end;
+  }
+  return out;
+}
+
+Result<void> fill_planes(RunLayout& layout, LatticeMethod method) {
+  for (std::size_t r = 0; r < layout.runs.size(); ++r) {
+    const RunTarget& target = layout.targets[r];
+    Planes& planes = layout.runs[r].planes;
+    if (target.units == 1) {
+      planes = Planes{1, {}};
+      for (const SliceCurve& c : target.slice_curves) {
+        planes.value.push_back(c.h());
+        planes.value.push_back(c.d());
+      }
+      continue;
+    }
+    switch (method) {
+      case LatticeMethod::Branching:
+        planes = lattice_branching(target);
+        break;
+      case LatticeMethod::Slices:
+        planes = lattice_slices(target);
+        break;
+      case LatticeMethod::Levels:
+        planes = lattice_levels(target);
+        break;
+      case LatticeMethod::Conformal: {
+        auto conformal = lattice_conformal(target);
+        if (!conformal) return tl::unexpected(within("/units_per_slice", conformal.error()));
+        planes = std::move(*conformal);
+      }
+    }
+  }
+  return {};
+}
+
+bool mark_loose(RunLayout& layout, const Strips& strips, const BuiltPattern& built,
+                const Mobility& motion) {
+  for (const bool connectors : {false, true}) {
+    bool any = false;
+    std::size_t r = 0;
+    int left = -1;  // slice strips so far in this run
+    for (std::size_t s = 0; s < strips.size(); ++s) {
+      const StripKind kind = strips.kind[s];
+      if (kind != StripKind::Slice && kind != StripKind::Connector) continue;
+      if (kind == StripKind::Slice && ++left == layout.runs[r].count) ++r, left = 0;
+      if ((kind == StripKind::Connector) != connectors) continue;
+      Run& run = layout.runs[r];
+      std::vector<std::uint8_t>& marks = connectors ? run.loose_levels : run.loose_planes;
+      marks.resize(run.planes.value.size());
+      for (std::uint32_t p = strips.first_panel[s]; p < strips.first_panel[s + 1]; ++p) {
+        if (strips.level[p] < 0 || !motion.loose[static_cast<std::size_t>(built.panel_face[p])])
+          continue;
+        const std::size_t at =
+            static_cast<std::size_t>(left) * static_cast<std::size_t>(run.planes.units + 1) +
+            static_cast<std::size_t>(strips.level[p]);
+        any = any || !marks[at];
+        marks[at] = 1;
+      }
+    }
+    if (any) return true;
+  }
+  return false;
+}
+
+}  // namespace popcut

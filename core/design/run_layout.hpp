@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/design/lattice.hpp"
+#include "core/design/mobility.hpp"
+#include "core/design/pattern_builder.hpp"
+#include "core/design/slicing.hpp"
+#include "core/design/spec.hpp"
+#include "core/design/strip_builder.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// The slices as runs between plain cuts, with what each run is aimed at.
+struct RunLayout {
+  std::vector<LaidSlice> laid;
+  std::vector<Run> runs;
+  std::vector<RunTarget> targets;                ///< one a run
+  std::vector<std::vector<double>> connector_s;  ///< one a run, mm along the spine
+};
+
+/// Runs between plain cuts, their planes still empty; a slice that stands alone becomes two halves,
+/// since one strip alone has only every second plane.
+///
+/// @param cut_after  one a slice: not 0 where a plain cut follows it
+[[nodiscard]] RunLayout lay_runs(const Slicing& sliced, const std::vector<std::uint8_t>& cut_after,
+                                 const DesignSpec& spec);
+
+/// Fills the planes of every run by one method (design reference, section 3).
+///
+/// @retval Infeasible  the conformal lattice has no lawful planes
+[[nodiscard]] Result<void> fill_planes(RunLayout& layout, LatticeMethod method);
+
+/// Marks loose panels of slice strips, to be left out when the strips are laid again; where there
+/// are none, those of connectors. Whether any was marked.
+[[nodiscard]] bool mark_loose(RunLayout& layout, const Strips& strips, const BuiltPattern& built,
+                              const Mobility& motion);
+
+}  // namespace popcut

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: MIT
+// What goes wrong at a cutter and on its cable, through the whole of popcutd.
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include "tests/support/live_shop.hpp"
+
+using namespace popcut;
+using namespace popcut::testing;
+using Json = nlohmann::json;
+using std::chrono::steady_clock;
+
+namespace {
+
+constexpr int kLines = 40, kFew = 16;
+
+double seconds_since(steady_clock::time_point then) {
+  return std::chrono::duration<double>(steady_clock::now() - then).count();
+}
+
+/// A simulated cutter of which the first sheet meets a fault.
+struct Wrong {
+  std::string fault;   ///< members of a fault, as in a script
+  std::string state;   ///< of the job in the end
+  std::string reason;  ///< of the job
+  std::string device;  ///< its state afterwards
+};
+
+/// Several cutters, a fault each, and a folder for their scripts and traces.
+struct Wrongs {
+  TempFolder folder;
+  std::vector<Wrong> all;
+  double time_scale{0};
+
+  static std::string id(std::size_t k) { return fmt::format("sim:c{}", k); }
+  [[nodiscard]] std::filesystem::path trace(std::size_t k) const {
+    return folder / fmt::format("trace{}", k);
+  }
+  [[nodiscard]] std::string config() const {
+    std::string text;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const std::string script = folder / fmt::format("faults{}.json", k);
+      write_file(script, R"j({"popcut": 1, "faults": [{)j" + all[k].fault + "}]}");
+      text += fmt::format(
+          "[[device]]\nid = \"{}\"\nmachine = \"cameo3\"\ntime_scale = {}\nfaults = \"{}\"\n"
+          "trace = \"{}\"\n",
+          id(k), time_scale, script, trace(k).string());
+    }
+    return text;
+  }
+};
+
+/// A socket like the service manager's.
+class Manager {
+ public:
+  Manager() : path_((folder_ / "notify").string()), socket_(::socket(AF_UNIX, SOCK_DGRAM, 0)) {
+    sockaddr_un at{};
+    at.sun_family = AF_UNIX;
+    path_.copy(at.sun_path, path_.size());
+    REQUIRE(::bind(socket_, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0);
+  }
+  ~Manager() { ::close(socket_); }
+  Manager(const Manager&) = delete;
+  Manager& operator=(const Manager&) = delete;
+  [[nodiscard]] std::vector<std::string> environment(double watchdog_s) const {
+    return {"NOTIFY_SOCKET=" + path_, fmt::format("WATCHDOG_USEC={:.0f}", 1e6 * watchdog_s)};
+  }
+  /// How often the watchdog was fed since it was last asked.
+  int feedings() {
+    int count = 0;
+    std::array<char, 512> room{};
+    for (;;) {
+      const ssize_t got = ::recv(socket_, room.data(), room.size(), MSG_DONTWAIT);
+      if (got <= 0) return count;
+      const std::string said(room.data(), static_cast<std::size_t>(got));
+      count += said.find("WATCHDOG=1") != std::string::npos ? 1 : 0;
+    }
+  }
+
+ private:
+  TempFolder folder_;
+  std::string path_;
+  int socket_;
+};
+
+bool printable(const std::string& text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    if ((c < 0x20 && c != '\n') || c == 0x7f) return false;
+    // U+0080 to U+009F: some terminals take them for escape sequences.
+    if (c == 0xc2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xa0)
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("whatever goes wrong at a cutter its job ends with a true ledger and nothing goes on",
+          "[popcutd][faults]") {
+  Wrongs wrongs;
+  // A cable pulled at bytes of some strokes, and between them.
+  for (int byte = 400; byte < 520; byte += 5)
+    wrongs.all.push_back({fmt::format(R"("at_byte": {}, "kind": "unplug")", byte), "interrupted",
+                          "device_gone", "fault"});
+  const std::size_t pulled = wrongs.all.size();
+  for (const auto& [fault, state, reason, device] : std::vector<Wrong>{
+           {R"("at_path": 6, "kind": "stall")", "interrupted", "stall", "fault"},
+           {R"("at_byte": 450, "kind": "stall")", "interrupted", "stall", "fault"},
+           {R"("at_byte": 451, "kind": "short write")", "done", "", "idle"},
+           {R"("at_byte": 452, "kind": "nak", "seconds": 20)", "done", "", "idle"},
+           {R"("at_byte": 453, "kind": "nak", "seconds": 100000)", "interrupted", "stall", "fault"},
+           {R"("at_byte": 454, "kind": "silence", "seconds": 0.8)", "done", "", "idle"},
+           {R"("at_byte": 455, "kind": "silence", "seconds": 100000)", "interrupted", "stall",
+            "fault"},
+           {R"("at_byte": 456, "kind": "garbage", "text": "\u00ff\u0003\u0003{}%n0\u0003")", "done",
+            "", "idle"},
+           {R"("at_byte": 457, "kind": "garbage", "text": "\u0003")", "done", "", "idle"},
+           {R"("at_path": 5, "kind": "pause", "seconds": 30)", "done", "", "idle"},
+           {R"("at_path": 5, "kind": "cancel", "seconds": 1)", "interrupted", "panel_stop",
+            "attention"},
+           {R"("at_path": 5, "kind": "media out")", "interrupted", "media_out", "attention"},
+           {R"("kind": "wrong name", "text": "PORTRAIT V1.00   ")", "interrupted", "refused",
+            "attention"}})
+    wrongs.all.push_back({fault, state, reason, device});
+  LiveShop shop(0, wrongs.config());
+  shop.open();
+  const std::string design = shop.design(LiveShop::lines_svg(kLines));
+  std::vector<std::string> jobs;
+  std::set<std::string> doubts;
+  for (std::size_t k = 0; k < wrongs.all.size(); ++k) {
+    jobs.push_back(shop.ready_job(design, Wrongs::id(k)));
+    shop.cut(jobs.back());
+  }
+  for (std::size_t k = 0; k < jobs.size(); ++k) {
+    const Wrong& wrong = wrongs.all[k];
+    CAPTURE(wrong.fault);
+    const Json job = shop.await(jobs[k], [](const Json& now) {
+      return now["state"] == "done" || now["state"] == "interrupted";
+    });
+    CHECK(job["state"] == wrong.state);
+    if (wrong.state == "interrupted") {
+      CHECK(job["reason"] == wrong.reason);
+      CHECK_FALSE(job["attention"]["text"].get<std::string>().empty());
+    }
+    CHECK(happens([&] { return shop.device_state(Wrongs::id(k)) == wrong.device; }));
+    const Json ledger = shop.ledger(jobs[k]);
+    INFO(ledger.dump());
+    CHECK(wrong_in(ledger, kLines, lines_cut(wrongs.trace(k), kLines)) == "");
+    CHECK(ledger["attempts"].size() == 1);
+    if (k < pulled) doubts.insert(ledger["in_doubt"].dump());
+    if (wrong.device == "fault") {
+      // Nothing is sent to it until somebody has looked.
+      REQUIRE(shop.act(jobs[k], "retry-sheet", {{"sheet", 1}})["state"] == "ready");
+      CHECK_FALSE(shop.api().act(shop.job(jobs[k]), "arm", {{"sheet", 1}}));
+      shop.reset(Wrongs::id(k));
+      CHECK(happens([&] { return shop.device_state(Wrongs::id(k)) == "idle"; }));
+      CHECK(shop.job(jobs[k])["state"] == "ready");
+    }
+  }
+  CHECK(doubts.size() > 3);  // the cable was pulled in different strokes
+  // After a reset a person cuts the sheet anew, and the whole of it.
+  shop.cut(jobs[0]);
+  shop.await_state(jobs[0], "done");
+  CHECK(lines_cut(wrongs.trace(0), kLines).size() == kLines);
+}
+
+TEST_CASE("a cutter that takes nothing shows as busy and is cancelled at once",
+          "[popcutd][faults]") {
+  Wrongs wrongs;
+  wrongs.time_scale = 5;
+  wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
+                {R"("at_path": 16, "kind": "nak", "seconds": 100000)", "", "", ""},
+                {R"("at_path": 3, "kind": "nak", "seconds": 12)", "", "", ""}};
+  Manager manager;
+  LiveShop shop(0, wrongs.config());
+  shop.open(manager.environment(1));
+  const std::string design = shop.design(LiveShop::lines_svg(kFew));
+  std::vector<std::string> jobs;
+  for (std::size_t k = 0; k < wrongs.all.size(); ++k) {
+    jobs.push_back(shop.ready_job(design, Wrongs::id(k)));
+    shop.cut(jobs[k]);
+  }
+  for (const std::size_t k : {2U, 0U, 1U}) {
+    const Json job =
+        shop.await(jobs[k], [](const Json& now) { return !now["attention"].is_null(); });
+    CHECK(job["state"] == "cutting");
+    CHECK(job["attention"]["kind"] == "device_busy");
+    CHECK(job["attention"]["text"].get<std::string>().find("takes no data") != std::string::npos);
+  }
+  // One goes on by itself, and is said to be no longer busy.
+  shop.await_state(jobs[2], "done");
+  CHECK(shop.job(jobs[2])["attention"].is_null());
+  // All threads turn meanwhile.
+  manager.feedings();
+  CHECK(happens([&] { return manager.feedings() > 0; }, 10));
+  CHECK(shop.get("/readyz")["ready"] == true);
+  for (std::size_t k : {0U, 1U}) {
+    CAPTURE(k);
+    const auto begun = steady_clock::now();
+    shop.act(jobs[k], "cancel");
+    const Json job =
+        shop.await(jobs[k], [](const Json& now) { return now["state"] == "cancelled"; });
+    CHECK(seconds_since(begun) < 1);
+    CHECK(wrong_in(shop.ledger(jobs[k]), kFew, lines_cut(wrongs.trace(k), kFew)) == "");
+  }
+}
+
+TEST_CASE("popcutd ends in time though a cutter takes nothing", "[popcutd][faults]") {
+  Wrongs wrongs;
+  wrongs.time_scale = 20;
+  wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
+                {R"("at_path": 16, "kind": "nak", "seconds": 100000)", "", "", ""},
+                {R"("at_path": 5, "kind": "pause")", "", "", ""}};
+  LiveShop shop(0, wrongs.config());
+  shop.open();
+  const std::string design = shop.design(LiveShop::lines_svg(kFew));
+  std::vector<std::string> jobs;
+  for (std::size_t k = 0; k < wrongs.all.size(); ++k) {
+    jobs.push_back(shop.ready_job(design, Wrongs::id(k)));
+    shop.cut(jobs[k]);
+  }
+  for (const std::string& id : jobs)
+    shop.await(id, [](const Json& now) { return !now["attention"].is_null(); });
+  const auto begun = steady_clock::now();
+  shop.daemon().signal(SIGTERM);
+  CHECK(shop.daemon().wait() == 0);
+  CHECK(seconds_since(begun) < 10);
+  shop.open();
+  for (std::size_t k = 0; k < jobs.size(); ++k) {
+    CAPTURE(k);
+    const Json job = shop.job(jobs[k]);
+    CHECK(job["state"] == "interrupted");
+    CHECK(job["reason"] == "shutdown");
+    CHECK(wrong_in(shop.ledger(jobs[k]), kFew, lines_cut(wrongs.trace(k), kFew)) == "");
+  }
+}
+
+TEST_CASE("what a cutter says reaches no terminal and no page as more than text",
+          "[popcutd][faults]") {
+  // Escape sequences in both forms, a tag, and what ends a JSON text.
+  const std::string evil =
+      R"(\u001b[2J\u001b]0;owned\u0007<img src=x onerror=alert(1)>\"}\u009b31m V1.0)";
+  Wrongs wrongs;
+  wrongs.all = {{R"("kind": "wrong name", "text": ")" + evil + "\"", "", "", ""},
+                {R"("at_byte": 450, "kind": "garbage", "text": ")" + evil + "\"", "", "", ""},
+                {R"("kind": "wrong name", "text": "<b>x</b>\u001b[1m V9")", "", "", ""}};
+  LiveShop shop(0, wrongs.config());
+  shop.open();
+  const std::string design = shop.design(LiveShop::lines_svg(kLines));
+  for (std::size_t k = 0; k < wrongs.all.size(); ++k) {
+    const std::string id = shop.ready_job(design, Wrongs::id(k));
+    shop.cut(id);
+    shop.await(id, [](const Json& now) {
+      return now["state"] == "done" || now["state"] == "interrupted";
+    });
+  }
+  ::setenv("POPCUT_URL", shop.daemon().socket().c_str(), 1);
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"jobs"}, {"jobs", "--json"}, {"devices"}, {"events"}, {"events", "--json"}}) {
+    std::vector<std::string> all{POPCUT_PROGRAM};
+    all.insert(all.end(), words.begin(), words.end());
+    const Ran ran = run_program(all, "/");
+    CAPTURE(words.front(), ran.out);
+    CHECK(printable(ran.out));
+    CHECK(printable(ran.err));
+  }
+  CHECK(printable(shop.daemon().log()));
+  for (const char* target : {"/v1/jobs", "/v1/devices", "/v1/events?after=0"}) {
+    const client::HttpResponse answer = shop.ask("GET", target);
+    CHECK(answer.status == 200);
+    CHECK(printable(answer.body));
+    CHECK(Json::accept(answer.body));
+    // No answer is a page.
+    CHECK(answer.content_type.find("html") == std::string::npos);
+  }
+}
