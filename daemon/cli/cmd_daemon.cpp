@@ -186,10 +186,13 @@ Result<void> list_tokens(const Globals& globals) {
   return {};
 }
 
-Result<void> delete_token(const TokenOptions& options) {
+Result<void> delete_token(const TokenOptions& options, const Globals& globals) {
   auto api = Api::from_environment();
   if (!api) return tl::unexpected(api.error());
-  return api->remove("/v1/tokens/" + client::percent_encoded(options.id), "token " + options.id);
+  auto gone =
+      api->remove("/v1/tokens/" + client::percent_encoded(options.id), "token " + options.id);
+  if (gone && globals.json) fmt::print("{}\n", dumped(Json{{"deleted", options.id}}));
+  return gone;
 }
 
 constexpr const char* kTokenHelp =
@@ -220,7 +223,9 @@ void add_token(CLI::App& app, const Globals& globals, Run& run) {
       ->callback([&globals, &run] { run = [&globals] { return list_tokens(globals); }; });
   CLI::App* const remove = command->add_subcommand("delete", "From now on nobody comes in with it");
   remove->add_option("ID", options->id, "As 'popcut token list' shows it")->required();
-  remove->callback([options, &run] { run = [options] { return delete_token(*options); }; });
+  remove->callback([options, &globals, &run] {
+    run = [options, &globals] { return delete_token(*options, globals); };
+  });
 }
 
 // The page

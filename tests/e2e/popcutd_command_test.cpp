@@ -10,6 +10,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <functional>
+#include <map>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,6 +20,7 @@
 
 #include "tests/support/at_terminal.hpp"
 #include "tests/support/daemon_process.hpp"
+#include "tests/support/raw_http.hpp"
 
 using namespace popcut::testing;
 using Json = nlohmann::json;
@@ -196,6 +198,44 @@ TEST_CASE("a refusal says what to type", "[popcutd][cli]") {
       Json::parse(desk.popcut({"events", "--after", "1", "--limit", "2", "--json"}).out);
   CHECK(some["items"][0]["seq"] == 2);
   CHECK(some["items"].size() == 2);
+}
+
+TEST_CASE("metrics have all their names and tell of nobody", "[popcutd][cli]") {
+  Desk desk;
+  desk.open();
+  const std::string id = desk.queue({kUnit, "--name", "secret name"});
+  REQUIRE(desk.comes_to(id, "ready"));
+  desk.must({"arm"});
+  desk.must({"start", "--wait"});
+  popcut::daemon::RawConnection connection(desk.daemon.socket());
+  connection.send("GET /metrics HTTP/1.1\r\nHost: a\r\n\r\n");
+  const std::string text = connection.receive().body;
+  for (const char* line : {"popcut_jobs{state=\"done\"} 1\n", "popcut_queue_oldest_seconds 0",
+                           "popcut_sheets_total{device=\"sim:cameo3\",outcome=\"done\"} 1\n",
+                           "popcut_cut_mm_total{device=\"sim:cameo3\"} ",
+                           "popcut_usb_errors_total{device=\"sim:cameo3\",kind=\"nodev\"} 0\n",
+                           "popcut_usb_write_seconds_bucket{device=\"sim:cameo3\",le=\"+Inf\"} ",
+                           "popcut_usb_write_seconds_count{device=\"sim:cameo3\"} ",
+                           "popcut_db_commit_seconds_bucket{le=\"+Inf\"} ", "popcut_db_free_bytes ",
+                           "popcut_http_requests_total{route=\"/v1/jobs/{id}\",code=\"200\"} ",
+                           "# TYPE popcut_http_rejected counter\n", "popcut_sse_clients 0\n",
+                           "popcut_sse_dropped_total 0\n", "# TYPE popcut_interrupted counter\n",
+                           "popcut_build_info{version=\""}) {
+    CAPTURE(line, text);
+    CHECK(says(text, line));
+  }
+  CHECK_FALSE(says(text, "popcut_usb_write_seconds_count{device=\"sim:cameo3\"} 0\n"));
+  for (const char* private_part : {"secret name", "uid:", id.c_str()})
+    CHECK(!says(text, private_part));
+  CHECK(text.ends_with("# EOF\n"));
+  // A type stands once, before its samples.
+  std::map<std::string, int> types;
+  for (std::size_t at = 0; (at = text.find("# TYPE ", at)) != std::string::npos; ++at)
+    ++types[text.substr(at, text.find('\n', at) - at)];
+  for (const auto& [type, count] : types) {
+    CAPTURE(type);
+    CHECK(count == 1);
+  }
 }
 
 TEST_CASE("Ctrl-C ends the watching and not the job", "[popcutd][cli]") {

@@ -207,6 +207,20 @@ TEST_CASE("pages go on where they ended and cursors are not made up", "[daemon][
   }
 }
 
+TEST_CASE("a fault tells what stands there and never a secret", "[daemon][http][handlers]") {
+  FakeService fake;
+  const auto got = [&](const std::string& target, const std::string& body) {
+    return ask(fake, Method::Post, target, keyed(), body).body.at("errors").at(0);
+  };
+  CHECK(got("/v1/jobs", R"({"design":"a","copies":0})").at("got") == 0);
+  CHECK(got("/v1/jobs", R"({"design":"a","copies":"x"})").at("got") == "x");
+  CHECK(got("/v1/jobs", R"({"design":"a","on_sheet_done":"go"})").at("got") == "go");
+  CHECK_FALSE(got("/v1/jobs", R"({"design":"a","copies":[1]})").contains("got"));
+  CHECK_FALSE(got("/v1/jobs", R"({"design":"a","copies":")" + std::string(99, 'x') + R"("})")
+                  .contains("got"));
+  CHECK_FALSE(got("/v1/session", R"({"one_shot":7})").contains("got"));
+}
+
 TEST_CASE("a cursor is that of one list", "[daemon][http][handlers]") {
   FakeService fake;
   for (int i = 0; i < 3; ++i) fake.add_job(JobState::Queued, "a");
