@@ -191,7 +191,8 @@ void Cutter::serve() {
 
 SessionEnd Cutter::session(const Work& work, std::int64_t& last_intended) {
   SessionEnd end;
-  auto open = OpenLine::open(line_, work.order.attempt, work.order.area_mm, [this] { touch(); });
+  auto open = OpenLine::open(
+      line_, work.order.attempt, work.order.area_mm, [this] { touch(); }, &figures_);
   if (!open) {
     end.error = open.error();
     end.fates.assign(work.order.program.strokes.size(), StrokeFate::NotSent);
@@ -256,6 +257,7 @@ void Cutter::carry_out(Work work) {
 
 /// What a session's end says of the machine; a journal's error says nothing of it.
 void Cutter::note_end(const SessionEnd& end) {
+  if (end.error && end.error->kind == ErrorKind::Timeout) figures_.note_error(*end.error, false);
   if (const Result<Identity> identity = parse_identity(end.identity); identity)
     record_.firmware = identity->firmware;
   trouble_ = Trouble::None;
@@ -276,7 +278,8 @@ void Cutter::ask_state() {
   Trouble trouble = Trouble::None;
   std::string text;
   if (!line_.simulated()) {
-    auto open = OpenLine::open(line_, "", {}, [this] { touch(); });
+    auto open = OpenLine::open(
+        line_, "", {}, [this] { touch(); }, &figures_);
     if (!open) {
       trouble = Trouble::Fault;
       text = open.error().detail;

@@ -142,7 +142,7 @@ Result<void> HttpServer::Impl::listen() {
     listeners.push_back(std::move(*listener));
   }
   if (listeners.empty())
-    return fail(ErrorKind::Usage, "http.listen", "names no endpoint; name at least one");
+    return fail(ErrorKind::Usage, "listen", "names no address; name at least one, or a socket");
   return {};
 }
 
@@ -247,6 +247,13 @@ void HttpServer::stop(double grace_s) {
   impl.thread.join();  // run() returns when no coroutine is left
   impl.hub.link->cut();
   impl.hub.disk.join();
+}
+
+void HttpServer::retune(HttpTuning tuning) {
+  Impl& impl = *impl_;
+  if (!impl.started) return;
+  asio::post(impl.hub.io,
+             [&impl, tuning = std::move(tuning)]() mutable { impl.hub.retune(std::move(tuning)); });
 }
 
 bool HttpServer::alive(double within_s) const {

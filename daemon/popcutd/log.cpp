@@ -77,6 +77,18 @@ std::string_view job_in(std::string_view message) {
   return {};
 }
 
+std::string change_line(const Event& event) {
+  if (event.seq == 0 || event.kind != "job" || event.job.empty()) return {};
+  const auto data = nlohmann::json::parse(event.data, nullptr, false);
+  if (!data.is_object()) return {};
+  std::string line = fmt::format("job {}: {}", event.job, data.value("state", "changed"));
+  if (data.contains("deleted")) line += ", taken off the list";
+  if (const std::string reason = data.value("reason", ""); !reason.empty()) line += ", " + reason;
+  if (const int sheet = data.value("sheet", 0); sheet > 0)
+    line += fmt::format(", sheet {} of {}", sheet, data.value("sheets_total", sheet));
+  return line;
+}
+
 std::string json_string(std::string_view text) {
   return nlohmann::json(std::string(text))
       .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);

@@ -30,6 +30,16 @@ std::string audit_detail(const ActionWish& wish, const JobRow& row) {
   return detail;
 }
 
+// Why those that are there cannot cut a plan: " (sim:a: it is set up for ...)"; empty: none is.
+std::string why_none(const DeviceBook& devices, const PlanRow& plan) {
+  constexpr std::size_t kMost = 3;
+  std::vector<std::string> reasons;
+  for (const DeviceRecord& device : devices.list())
+    if (reasons.size() < kMost && devices.usable(device.id))
+      reasons.push_back(fmt::format("{}: {}", device.id, devices.misfit(device.id, plan)));
+  return reasons.empty() ? std::string() : fmt::format(" ({})", fmt::join(reasons, "; "));
+}
+
 }  // namespace
 
 Answer<void> CutDesk::check_words(const JobRow& row, const ActionWish& wish) const {
@@ -149,8 +159,8 @@ Answer<std::string> CutDesk::choose_device(const JobRow& row, const ActionWish& 
   std::vector<std::string> fitting = devices.fitting(plan);
   if (fitting.empty())
     return refuse(ProblemKind::DeviceAbsent,
-                  fmt::format("no {} is there that can cut this; plug one in and switch it on",
-                              plan.machine));
+                  fmt::format("no {} is there that can cut this; plug one in and switch it on{}",
+                              plan.machine, why_none(devices, plan)));
   if (fitting.size() > 1)
     std::erase_if(fitting, [&](const std::string& id) {
       return parts_.jobs.table().on_device(id).has_value();

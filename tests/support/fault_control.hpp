@@ -18,6 +18,8 @@ struct FaultControl {
   std::atomic<std::uint64_t> syncs;       ///< of the database and its log
   std::atomic<std::uint64_t> bad_sync;    ///< this one fails with EIO
   std::atomic<std::int64_t> clock_s;      ///< added to the clock on the wall
+  std::atomic<std::uint64_t> stall;       ///< not 0: who syncs a file waits until it is
+  std::atomic<std::uint64_t> stalled;     ///< how many wait so
   std::atomic<std::uint64_t> blocked;     ///< a `Blocked`: who gets there does not come back
 };
 

@@ -60,6 +60,15 @@ class Call {
   Call(const Call&) = delete;
   Call& operator=(const Call&) = delete;
 
+  /// A disk that takes its time.
+  static void wait_for_disk() {
+    FaultControl* const shared = control();
+    if (shared == nullptr || shared->stall == 0) return;
+    ++shared->stalled;
+    while (shared->stall != 0) ::usleep(1000);
+    --shared->stalled;
+  }
+
   /// Whether the disk has no room for it.
   [[nodiscard]] bool full() const {
     if (control_ == nullptr) return false;
@@ -148,6 +157,7 @@ ssize_t writev(int file, const struct iovec* parts, int count) {
 int fsync(int file) {
   static auto* const next = real<int(int)>("fsync");
   const Call call;
+  Call::wait_for_disk();
   if (sync_fails(file)) return -1;
   return next(file);
 }
@@ -155,6 +165,7 @@ int fsync(int file) {
 int fdatasync(int file) {
   static auto* const next = real<int(int)>("fdatasync");
   const Call call;
+  Call::wait_for_disk();
   if (sync_fails(file)) return -1;
   return next(file);
 }
