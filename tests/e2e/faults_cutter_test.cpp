@@ -139,10 +139,10 @@ TEST_CASE("whatever goes wrong at a cutter its job ends with a true ledger and n
 TEST_CASE("a cutter that takes nothing shows as busy and is cancelled at once",
           "[popcutd][faults]") {
   Wrongs wrongs;
-  wrongs.time_scale = 5;
+  wrongs.time_scale = 12;
   wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
                 {R"("at_path": 16, "kind": "nak", "seconds": 100000)", "", "", ""},
-                {R"("at_path": 3, "kind": "nak", "seconds": 12)", "", "", ""}};
+                {R"("at_path": 3, "kind": "nak", "seconds": 30)", "", "", ""}};
   ServiceManagerSocket manager;
   LiveShop shop(0, wrongs.config());
   shop.open(manager.environment(1));

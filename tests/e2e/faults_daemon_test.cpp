@@ -120,13 +120,13 @@ TEST_CASE("a disk that fails once stops the knife at a stroke and nothing is wri
 
 TEST_CASE("a clock that jumps by years moves no arm and no knife and no order",
           "[popcutd][faults]") {
-  constexpr int kLines = 20;
-  FaultyShop faulty(20);
+  constexpr int kLines = 12;
+  FaultyShop faulty(40);
   LiveShop& shop = faulty.shop;
   faulty.open();
   const std::string design = shop.design(LiveShop::lines_svg(kLines));
   std::vector<std::string> jobs;
-  for (const std::int64_t jump : {kYear, -kYear, -30 * kYear, std::int64_t{1}}) {
+  for (const std::int64_t jump : {kYear, -30 * kYear, std::int64_t{1}}) {
     CAPTURE(jump);
     const std::string id = shop.ready_job(design);
     jobs.push_back(id);
@@ -217,7 +217,7 @@ TEST_CASE("one key makes one job though popcutd dies between the commit and the 
 }
 
 TEST_CASE("of 64 clients who start or stop a knife at once one wins", "[popcutd][faults]") {
-  LiveShop shop(5, "connections = 400\n");
+  LiveShop shop(10, "connections = 400\n");
   shop.open();
   const std::string design = shop.design(LiveShop::lines_svg(60));
   int number = 0;
@@ -235,7 +235,7 @@ TEST_CASE("of 64 clients who start or stop a knife at once one wins", "[popcutd]
     for (const QuickClient& client : clients) ++answers[client.answer().substr(9, 3)];
     return answers;
   };
-  for (int round = 0; round < 4; ++round) {
+  for (int round = 0; round < 3; ++round) {
     CAPTURE(round);
     const std::string id = shop.ready_job(design);
     shop.act(id, "arm", {{"sheet", 1}});
