@@ -166,7 +166,8 @@ bool StateFolder::take_reserve(std::uint64_t bytes) {
   if (reserved_) return true;
   const std::string place = at("reserve");
   const std::string fresh = at(".new-reserve");
-  Descriptor file(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
+  Descriptor file(
+      ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!file.good()) return false;
   const bool taken = posix_fallocate(file.get(), 0, static_cast<off_t>(bytes)) == 0 &&
                      file.shut() && rename(fresh.c_str(), place.c_str()) == 0;
