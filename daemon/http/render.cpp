@@ -178,7 +178,16 @@ ordered_json to_json(const SheetPlan& sheet) {
 ordered_json to_json(const PlanRecord& plan) {
   constexpr std::array<std::string_view, 3> kStates{"pending", "planned", "failed"};
   ordered_json sheets = ordered_json::array();
-  for (const SheetPlan& sheet : plan.sheets) sheets.push_back(to_json(sheet));
+  std::int64_t paths = 0;
+  double length_mm = 0;
+  std::array<double, 2> est_s{};
+  for (const SheetPlan& sheet : plan.sheets) {
+    sheets.push_back(to_json(sheet));
+    paths += sheet.paths;
+    length_mm += sheet.cut_mm + sheet.fold_mm;
+    est_s[0] += sheet.seconds_range[0];
+    est_s[1] += sheet.seconds_range[1];
+  }
   return {{"id", plan.id},
           {"design", plan.design},
           {"material", text_or_null(plan.material)},
@@ -186,6 +195,9 @@ ordered_json to_json(const PlanRecord& plan) {
           {"state", kStates[static_cast<std::size_t>(plan.state)]},
           {"sha256", text_or_null(plan.sha256)},
           {"sheets", std::move(sheets)},
+          {"paths", paths},
+          {"length_mm", length_mm},
+          {"est_s", est_s},
           {"warnings", plan.warnings},
           {"error", text_or_null(plan.error)},
           {"created", rfc3339(plan.created)},
@@ -273,20 +285,24 @@ ordered_json to_json(const Ledger& ledger) {
 }
 
 ordered_json to_json(const DeviceRecord& device) {
-  return {{"id", device.id},
-          {"rev", device.rev},
-          {"model", device.model},
-          {"title", device.title},
-          {"state", device.state},
-          {"reasons", device.reasons},
-          {"enabled", device.enabled},
-          {"simulated", device.simulated},
-          {"width_mm", device.width_mm},
-          {"length_mm", device.length_mm},
-          {"firmware", text_or_null(device.firmware)},
-          {"job", text_or_null(device.job)},
-          {"sheets_done", device.sheets_done},
-          {"cut_mm", device.cut_mm}};
+  ordered_json out{{"id", device.id},
+                   {"rev", device.rev},
+                   {"model", device.model},
+                   {"title", device.title},
+                   {"state", device.state},
+                   {"reasons", device.reasons},
+                   {"enabled", device.enabled},
+                   {"simulated", device.simulated},
+                   {"machine", text_or_null(device.machine)},
+                   {"materials", device.materials},
+                   {"width_mm", device.width_mm},
+                   {"length_mm", device.length_mm},
+                   {"firmware", text_or_null(device.firmware)},
+                   {"job", text_or_null(device.job)},
+                   {"sheets_done", device.sheets_done},
+                   {"cut_mm", device.cut_mm}};
+  if (!device.test_job.empty()) out["test_job"] = device.test_job;
+  return out;
 }
 
 ordered_json to_json(const MaterialRecord& material) {

@@ -13,6 +13,7 @@
 #include "daemon/popcutd/options.hpp"
 #include "daemon/popcutd/serve.hpp"
 #include "daemon/popcutd/service_manager.hpp"
+#include "daemon/popcutd/turn_away.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -33,14 +34,21 @@ int run(int argc, char** argv) {
   const auto options = parse_options(argc, argv);
   if (!options) return report(options.error(), exit_code(options.error().kind));
   if (options->exit) return *options->exit;
+  const ServiceManager manager = ServiceManager::from_environment();
   std::string file;
   const auto config = load_config(*options, file);
-  if (!config) return report(config.error(), config_code(config.error()));
+  if (!config) {
+    if (options->check_config) return report(config.error(), config_code(config.error()));
+    manager.tell_status(message(config.error()));
+    turn_away(manager.sockets(), message(config.error()));
+    return report(config.error(), config_code(config.error()));
+  }
   if (options->check_config) {
-    std::printf("%s: ok\n", file.empty() ? "no configuration file; the defaults" : file.c_str());
+    std::printf("%s: ok\nSIGHUP takes of it: %s; all else is taken at the next start\n",
+                file.empty() ? "no configuration file; the defaults" : file.c_str(),
+                std::string(kReloadedKeys).c_str());
     return 0;
   }
-  const ServiceManager manager = ServiceManager::from_environment();
   const auto log = make_log(config->log, std::getenv("JOURNAL_STREAM") != nullptr);
   return serve(*config, *options, manager, log);
 }

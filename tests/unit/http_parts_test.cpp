@@ -120,6 +120,12 @@ TEST_CASE("targets are taken apart and decoded", "[daemon][http][target]") {
   CHECK(target->query[2].second.empty());
   CHECK(read_target("/")->segments == std::vector<std::string>{""});
   CHECK(read_target("/a/")->segments == std::vector<std::string>{"a", ""});
+  // A port's id has slashes, and is no path here.
+  CHECK(read_target("/v1/devices/serial:%2Fdev%2FttyUSB0/actions/enable")->segments ==
+        std::vector<std::string>{"v1", "devices", "serial:/dev/ttyUSB0", "actions", "enable"});
+  for (const char* bad : {"/v1/devices/a%5Cb", "/v1/devices/..", "/v1/devices/a/b%2Fc",
+                          "/v1/devices%2Fa", "/v1/jobs/a%2Fb", "/devices/a%2Fb"})
+    CHECK_FALSE(read_target(bad));
   for (const char* bad :
        {"",           "a",       "/a%",      "/a%4",       "/a%zz",         "/%00",       "/%2f",
         "/%2F",       "/%5c",    "/..",      "/%2e%2e",    "/a/.",          "/%0a",       "/%7f",
