@@ -234,7 +234,11 @@ Result<void> check_words(const Options& options) {
                  "cuts from here and at once; --wait, --copies and --priority are for "
                  "the queue of popcutd");
   if (options.direct) return {};
-  if (options.test) return wrong("--test", "works with --direct");
+  if (options.test && (options.copies != 1 || options.priority != 0 ||
+                       !options.plan_words.empty() || !options.name.empty()))
+    return wrong("--test",
+                 "takes --device, --material and --wait; popcutd plans its shape itself; more "
+                 "with --direct");
   if (options.yes)
     return wrong("--yes",
                  "works with --direct only: a job waits for 'popcut arm' and 'popcut "
@@ -257,10 +261,11 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
                 options.test ? "INPUT and --test both; --test cuts a shape of its own"
                              : "INPUT is missing; name a SPEC or a pattern, or give --test");
   if (const auto lawful = check_words(options); !lawful) return lawful;
-  if (!options.direct)
-    return queue_cut({options.job.input, options.device, options.job.material, options.name,
-                      options.plan_words, options.copies, options.priority, options.wait},
-                     globals);
+  if (!options.direct) {
+    const QueueWish wish{options.job.input,  options.device, options.job.material, options.name,
+                         options.plan_words, options.copies, options.priority,     options.wait};
+    return options.test ? queue_test_cut(wish, globals) : queue_cut(wish, globals);
+  }
   const bool simulated = options.device.empty() || options.device.rfind("sim:", 0) == 0;
   if (options.yes && !simulated)
     return fail(ErrorKind::Usage, "--yes",
@@ -331,6 +336,8 @@ constexpr const char* kHelp =
     "  popcut cut sphere.json --wait                       # a job; tells when a person is needed\n"
     "  popcut arm                                          # the sheet is loaded\n"
     "  popcut start                                        # the knife goes down\n\n"
+    "  popcut cut --test --device usb:51053P               # first a small shape, in the same "
+    "way\n\n"
     "  popcut cut sphere.json --direct                     # asks for each sheet, then cuts it\n"
     "  popcut cut sphere.json --direct --yes -o cut        # simulated: no questions\n"
     "  popcut cut sphere.json --direct --device usb:51053P # the cutter of that serial number\n\n"

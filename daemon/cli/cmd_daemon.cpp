@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <memory>
 #include <optional>
@@ -65,6 +66,37 @@ Result<void> follow_events(Api& api, const EventOptions& options, const Globals&
   return {};
 }
 
+/// Up to `limit` events after a number, or else those that came last, page by page.
+Result<Json> wanted_events(Api& api, const EventOptions& options) {
+  constexpr std::size_t kPage = 200;
+  const auto limit = static_cast<std::size_t>(options.limit);
+  const std::string base =
+      options.job.empty() ? "/v1/events" : "/v1/jobs/" + options.job + "/events";
+  std::int64_t after = options.after.value_or(0);
+  if (!options.after && options.job.empty()) {
+    const auto meta = api.get("/v1/meta", "events");
+    if (!meta) return meta;
+    const Json last = meta->value("last_event", Json(0));
+    if (last.is_number_integer())
+      after = std::max<std::int64_t>(0, last.get<std::int64_t>() - options.limit);
+  }
+  Json all{{"items", Json::array()}};
+  Json& items = all["items"];
+  while (true) {
+    auto page = api.get(fmt::format("{}?after={}&limit={}", base, after, kPage), "events");
+    if (!page) return page;
+    const Json some = page->value("items", Json::array());
+    for (const char* key : {"first_seq", "last_seq"}) all[key] = page->value(key, Json());
+    for (const Json& event : some) {
+      if (options.after && items.size() == limit) return all;
+      items.push_back(event);
+      if (items.size() > limit) items.erase(items.begin());
+    }
+    if (some.size() < kPage || !some.back().contains("seq")) return all;
+    after = some.back()["seq"].get<std::int64_t>();
+  }
+}
+
 Result<void> run_events(EventOptions options, const Globals& globals) {
   auto api = Api::from_environment();
   if (!api) return tl::unexpected(api.error());
@@ -74,23 +106,21 @@ Result<void> run_events(EventOptions options, const Globals& globals) {
     options.job = client::text_of(*job, "id");
   }
   if (options.follow) return follow_events(*api, options, globals);
-  const std::string base =
-      options.job.empty() ? "/v1/events" : "/v1/jobs/" + options.job + "/events";
-  const auto page =
-      api->get(fmt::format("{}?after={}&limit={}", base, options.after.value_or(0), options.limit),
-               "events");
-  if (!page) return tl::unexpected(page.error());
+  const auto events = wanted_events(*api, options);
+  if (!events) return tl::unexpected(events.error());
   if (globals.json) {
-    fmt::print("{}\n", dumped(*page));
+    fmt::print("{}\n", dumped(*events));
     return {};
   }
-  if (page->contains("items"))
-    for (const Json& event : (*page)["items"]) print_event(event, globals);
+  for (const Json& event : events->at("items")) print_event(event, globals);
+  if (events->at("items").empty() && !globals.quiet)
+    fmt::print(stderr, "no events{}\n", options.after ? " after that number" : "");
   return {};
 }
 
 constexpr const char* kEventsHelp =
     "What has happened, event by event.\n\n"
+    "  popcut events                         # the last 200\n"
     "  popcut events --follow                # as they come; Ctrl-C ends it\n"
     "  popcut events --after 1200            # those after number 1200\n"
     "  popcut events --job 01JDX7 --json     # of one job, as JSON";
@@ -121,6 +151,7 @@ Result<void> create_token(const TokenOptions& options, const Globals& globals) {
   if (!api) return tl::unexpected(api.error());
   Json body{{"name", options.name.empty() ? options.role : options.name}, {"role", options.role}};
   if (options.days > 0) body["lifetime_s"] = options.days * 86'400;
+  api->http().set_tries(0);  // asked again it would make a second one
   const auto token = api->post("/v1/tokens", body, "token");
   if (!token) return tl::unexpected(token.error());
   if (globals.json) {
@@ -155,10 +186,13 @@ Result<void> list_tokens(const Globals& globals) {
   return {};
 }
 
-Result<void> delete_token(const TokenOptions& options) {
+Result<void> delete_token(const TokenOptions& options, const Globals& globals) {
   auto api = Api::from_environment();
   if (!api) return tl::unexpected(api.error());
-  return api->remove("/v1/tokens/" + client::percent_encoded(options.id), "token " + options.id);
+  auto gone =
+      api->remove("/v1/tokens/" + client::percent_encoded(options.id), "token " + options.id);
+  if (gone && globals.json) fmt::print("{}\n", dumped(Json{{"deleted", options.id}}));
+  return gone;
 }
 
 constexpr const char* kTokenHelp =
@@ -189,7 +223,9 @@ void add_token(CLI::App& app, const Globals& globals, Run& run) {
       ->callback([&globals, &run] { run = [&globals] { return list_tokens(globals); }; });
   CLI::App* const remove = command->add_subcommand("delete", "From now on nobody comes in with it");
   remove->add_option("ID", options->id, "As 'popcut token list' shows it")->required();
-  remove->callback([options, &run] { run = [options] { return delete_token(*options); }; });
+  remove->callback([options, &globals, &run] {
+    run = [options, &globals] { return delete_token(*options, globals); };
+  });
 }
 
 // The page
@@ -197,6 +233,12 @@ void add_token(CLI::App& app, const Globals& globals, Run& run) {
 Result<void> open_page(bool print_only, const Globals& globals) {
   auto api = Api::from_environment();
   if (!api) return tl::unexpected(api.error());
+  const auto page = api->has_page();
+  if (!page) return tl::unexpected(page.error());
+  if (!*page)
+    return fail(ErrorKind::Refused, "popcutd at " + api->http().address().text(),
+                "has no page yet; 'popcut jobs --watch' shows all jobs and the command to type "
+                "for each");
   const auto answer = api->post("/v1/session/one-shot", Json::object(), "session");
   if (!answer) return tl::unexpected(answer.error());
   const client::Address& address = api->http().address();
@@ -220,7 +262,8 @@ Result<void> open_page(bool print_only, const Globals& globals) {
 }
 
 constexpr const char* kOpenHelp =
-    "Open popcutd's page in the browser, signed in as you.\n\n"
+    "Open popcutd's page in the browser, signed in as you. A popcutd that has no page yet says "
+    "so;\n'popcut jobs --watch' is then the way to see what happens.\n\n"
     "  popcut open\n"
     "  popcut open --print     # only the address; it works once, within a minute";
 

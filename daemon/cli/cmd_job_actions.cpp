@@ -18,7 +18,9 @@ using client::Api;
 using Json = nlohmann::json;
 
 struct Options {
-  std::string job, result, reason, before, registration{"kept"};
+  std::string job, result, reason, before, device, registration{"kept"};
+  std::optional<std::string> name{}, note{}, new_device{};
+  std::optional<int> priority{};
   std::optional<int> sheet{}, blank{};
   std::optional<std::int64_t> from{};
   bool double_cut{false}, skip_in_doubt{false}, wait{false};
@@ -44,8 +46,23 @@ Result<Json> arm(Api& api, const Options& options) {
   return act(api, options, "arm", [&](const Json& job) {
     Json body{{"sheet", sheet_of(options, job)},
               {"blank", options.blank ? Json(*options.blank) : job.value("blank", Json(1))}};
+    if (!options.device.empty()) body["device"] = options.device;
     return body;
   });
+}
+
+Result<Json> change(Api& api, const Options& options) {
+  Json members = Json::object();
+  if (options.priority) members["priority"] = *options.priority;
+  if (options.name) members["name"] = *options.name;
+  if (options.note) members["note"] = *options.note;
+  if (options.new_device) members["device"] = *options.new_device;
+  if (members.empty())
+    return fail(ErrorKind::Usage, "command line",
+                "nothing is to be changed; give --priority, --name, --note or --device");
+  const auto job = api.find_job(options.job);
+  if (!job) return job;
+  return api.patch(*job, members);
 }
 
 Result<Json> start(Api& api, const Options& options) {
@@ -197,6 +214,11 @@ constexpr const char* kHoldHelp =
 constexpr const char* kReleaseHelp =
     "Take back 'popcut hold'.\n\n"
     "  popcut release 01JDX7";
+constexpr const char* kChangeHelp =
+    "Change a job that has not begun: its priority, name, note, or the cutter that it is for.\n\n"
+    "  popcut change 01JDX7 --priority 5\n"
+    "  popcut change 01JDX7 --device usb:51053P\n"
+    "  popcut change 01JDX7 --device ''         # any that fits";
 constexpr const char* kMoveHelp =
     "Put a job before another one of its priority, or at the end.\n\n"
     "  popcut move 01JDX7 --before 01JDX2\n"
@@ -218,6 +240,18 @@ void add_resume(CLI::App& app, const Globals& globals, Run& run) {
                     "Paths in doubt are left as they are, not cut again");
 }
 
+void add_change(CLI::App& app, const Globals& globals, Run& run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = add(app, globals, run, {"change", kChangeHelp, change, true}, options);
+  command->add_option("--priority", options->priority, "Before (above 0) or after other jobs")
+      ->check(CLI::Range(-10, 10))
+      ->option_text("-10..10");
+  command->add_option("--name", options->name, "What the job is called")->option_text("TEXT");
+  command->add_option("--note", options->note, "For whoever cuts it")->option_text("TEXT");
+  command->add_option("--device", options->new_device, "Cut it there; empty: wherever it fits")
+      ->option_text("ID");
+}
+
 }  // namespace
 
 void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
@@ -227,11 +261,16 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
   add_sheet(command, options);
   command->add_option("--blank", options->blank, "Which blank of it, from 1; else the current one")
       ->option_text("N");
+  command
+      ->add_option("--device", options->device,
+                   "In which cutter it lies, where several could cut it; 'popcut devices'")
+      ->option_text("ID");
   options = fresh();
   command = add(app, globals, run, {"start", kStartHelp, start}, options);
   command->add_flag("--wait", options->wait, "Return when the sheet is cut");
   add(app, globals, run, {"pause", kPauseHelp, named(plain, "pause")}, fresh());
   add_resume(app, globals, run);
+  add_change(app, globals, run);
   options = fresh();
   command = add(app, globals, run, {"cancel", kCancelHelp, cancel, true}, options);
   command->add_option("--reason", options->reason, "Why, for the record")->option_text("TEXT");

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -85,11 +86,15 @@ Result<void> show_job(Api& api, const Options& options, const Globals& globals) 
     fmt::print("{}\n", dumped(*job));
     return {};
   }
-  const auto answer = api.get("/v1/jobs/" + client::text_of(*job, "id") + "/sheets", "sheets");
-  std::vector<Json> sheets;
-  if (answer && answer->contains("items"))
-    for (const Json& one : (*answer)["items"]) sheets.push_back(one);
-  for (const std::string& line : job_details(*job, sheets)) fmt::print("{}\n", line);
+  const std::string path = "/v1/jobs/" + client::text_of(*job, "id") + "/sheets";
+  const auto sheets = api.list(path, "sheets");
+  std::optional<Json> ledger;
+  if (client::text_of(*job, "state") == "interrupted")
+    if (auto found = api.get(fmt::format("{}/{}/ledger", path, job->value("sheet", Json(1)).dump()),
+                             "ledger"))
+      ledger = std::move(*found);
+  for (const std::string& line : job_details(*job, sheets ? *sheets : std::vector<Json>{}, ledger))
+    fmt::print("{}\n", line);
   return {};
 }
 
@@ -165,12 +170,13 @@ Result<void> watch_jobs(Api& api, const Options& options, const Globals& globals
       changes.tell(all, globals.json);
       return true;
     }
-    std::vector<std::string> lines = jobs_view(all, style_of_terminal());
-    lines.insert(
-        lines.begin(),
+    const ViewStyle style = style_of_terminal();
+    std::vector<std::string> lines = jobs_view(all, style);
+    const std::string head =
         fmt::format("{}  {}  (Ctrl-C ends this view, not the jobs)", time_now(),
-                    away ? "popcutd does not answer; trying again" : api.http().address().text()));
-    if (all.empty()) lines.emplace_back("no jobs; 'popcut cut FILE' queues one");
+                    away ? "popcutd does not answer; trying again" : api.http().address().text());
+    lines.insert(lines.begin(), fitted(head, style.width));
+    if (all.empty()) lines.push_back(fitted("no jobs; 'popcut cut FILE' queues one", style.width));
     screen.draw(lines);
     return true;
   });

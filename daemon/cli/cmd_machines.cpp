@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
+#include <memory>
+
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/plan/machine.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/daemon_devices.hpp"
 #include "daemon/cli/user_tables.hpp"
 #include "device/ports.hpp"
 #include "device/usb_bus.hpp"
@@ -126,6 +129,21 @@ std::vector<Listed> usb_devices(const std::vector<Machine>& machines) {
   return list;
 }
 
+/// What popcutd has, before what is on this computer; or why it is not shown.
+void say_daemon(const Result<DaemonDevices>& there, const Globals& globals) {
+  if (!there) {
+    const bool absent = there.error().kind == ErrorKind::DeviceGone;
+    if (!absent)
+      fmt::print(stderr, "popcutd's cutters are not shown: {}\n", message(there.error()));
+    else if (globals.verbose > 0)
+      fmt::print(stderr, "no popcutd runs here; these are for --direct\n");
+    return;
+  }
+  fmt::print("popcutd at {}\n", there->address);
+  for (const std::string& line : device_lines(*there)) fmt::print("{}\n", line);
+  fmt::print("\non this computer, for 'popcut cut --direct'\n");
+}
+
 Result<void> list_devices(const Globals& globals) {
   const auto tables = read_user_tables();
   if (!tables) return tl::unexpected(tables.error());
@@ -142,6 +160,8 @@ Result<void> list_devices(const Globals& globals) {
                     machine.title + ", simulated",
                     "free",
                     {{"simulated", true}, {"machine", machine.name}}});
+  const auto there = daemon_devices();
+  if (!globals.json) say_daemon(there, globals);
   Json all = Json::array();
   for (const Listed& device : list) {
     Json one{{"id", device.id}, {"title", device.title}, {"state", device.state}};
@@ -149,15 +169,22 @@ Result<void> list_devices(const Globals& globals) {
     all.push_back(std::move(one));
     if (!globals.json) fmt::print("{:<26} {:<13} {}\n", device.id, device.state, device.title);
   }
-  if (globals.json)
-    fmt::print("{}\n", Json{{"devices", all}}.dump(2, ' ', false, Json::error_handler_t::replace));
+  if (!globals.json) return {};
+  Json daemon = nullptr;
+  if (there) daemon = Json{{"address", there->address}, {"devices", there->devices}};
+  fmt::print("{}\n", Json{{"devices", all}, {"popcutd", std::move(daemon)}}.dump(
+                         2, ' ', false, Json::error_handler_t::replace));
   return {};
 }
 
 constexpr const char* kDevicesHelp =
-    "The devices that can be cut on: what is plugged in, and a simulated one for each machine.\n"
-    "'popcut doctor' says why one is not free.\n\n"
-    "  popcut devices";
+    "The devices that can be cut on: those of popcutd, if one runs, with what they are doing; "
+    "what is\nplugged in; and a simulated one for each machine. 'popcut doctor' says why one is "
+    "not free.\n\n"
+    "  popcut devices\n"
+    "  popcut devices disable usb:51053P   # popcutd offers it no sheet; enable takes it back\n"
+    "  popcut devices reset usb:51053P     # after a fault: opened anew, nothing is cut\n"
+    "  popcut cut --test --device usb:51053P";
 constexpr const char* kMachinesHelp =
     "The machines popcut knows: name, language, largest area, USB id, mats.\n\n"
     "  popcut machines\n\n"
@@ -171,15 +198,34 @@ constexpr const char* kMaterialsHelp =
     "  {\"popcut\": 1, \"materials\": [{\"name\": \"kraft\", \"like\": \"paper-220\", "
     "\"autoblade_depth\": 6}]}";
 
+void add_devices(CLI::App& app, const Globals& globals, Run& run) {
+  CLI::App* const command = app.add_subcommand("devices", kDevicesHelp);
+  command->require_subcommand(0, 1);
+  command->callback([command, &globals, &run] {
+    if (command->get_subcommands().empty()) run = [&globals] { return list_devices(globals); };
+  });
+  struct Action {
+    const char *name, *help;
+  };
+  for (const Action action : {Action{"enable", "popcutd may cut on it again"},
+                              Action{"disable", "popcutd offers it no sheet from now on"},
+                              Action{"reset", "After a fault: open it anew; nothing is cut"}}) {
+    auto id = std::make_shared<std::string>();
+    CLI::App* const one = command->add_subcommand(action.name, action.help);
+    one->add_option("ID", *id, "As 'popcut devices' shows it")->required();
+    one->callback([id, name = std::string(action.name), &globals, &run] {
+      run = [id, name, &globals] { return act_on_device(*id, name, globals); };
+    });
+  }
+}
+
 }  // namespace
 
 void register_machines(CLI::App& app, const Globals& globals, Run& run) {
   app.add_subcommand("machines", kMachinesHelp)->callback([&globals, &run] {
     run = [&globals] { return list_machines(globals); };
   });
-  app.add_subcommand("devices", kDevicesHelp)->callback([&globals, &run] {
-    run = [&globals] { return list_devices(globals); };
-  });
+  add_devices(app, globals, run);
   app.add_subcommand("materials", kMaterialsHelp)->callback([&globals, &run] {
     run = [&globals] { return list_materials(globals); };
   });

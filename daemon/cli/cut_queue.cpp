@@ -106,9 +106,45 @@ Result<nlohmann::json> queue(Api& api, const QueueWish& wish, const Globals& glo
   return api.post("/v1/jobs", body, wish.input);
 }
 
-void say_queued(const nlohmann::json& job, const Globals& globals) {
-  if (globals.quiet) return;
-  fmt::print(stderr, "queued '{}' as job {}\n", job_title(job), client::text_of(job, "id"));
+/// The only device that could cut now.
+Result<std::string> only_device(Api& api) {
+  const auto devices = api.list("/v1/devices", "devices");
+  if (!devices) return tl::unexpected(devices.error());
+  std::vector<std::string> usable;
+  for (const nlohmann::json& device : *devices) {
+    const std::string state = client::text_of(device, "state");
+    const bool enabled = device.value("enabled", nlohmann::json(true)) == true;
+    if (enabled && state != "absent" && state != "offline")
+      usable.push_back(client::text_of(device, "id"));
+  }
+  if (usable.size() == 1) return usable.front();
+  if (usable.empty())
+    return fail(ErrorKind::Refused, "--device",
+                "no cutter is there that could be used; 'popcut devices' says why");
+  return fail(
+      ErrorKind::Usage, "--device",
+      fmt::format("is missing, and there are {}: {}", usable.size(), fmt::join(usable, ", ")));
+}
+
+/// Prints the job, and with `wait` follows it to its end.
+Result<void> see_through(Api& api, const nlohmann::json& job, bool wait, const Globals& globals) {
+  const std::string id = client::text_of(job, "id");
+  const auto print = [&](const nlohmann::json& now) {
+    if (globals.json)
+      fmt::print("{}\n", now.dump(2, ' ', false, Json::error_handler_t::replace));
+    else
+      fmt::print("{}\n", id);
+  };
+  if (!globals.quiet) fmt::print(stderr, "queued '{}' as job {}\n", job_title(job), id);
+  if (!wait) {
+    print(job);
+    if (!globals.quiet) fmt::print(stderr, "'popcut jobs --watch' shows when a person is needed\n");
+    return {};
+  }
+  const auto last = follow_job(api, id, globals, [](const nlohmann::json&) { return false; });
+  if (!last) return tl::unexpected(last.error());
+  print(*last);
+  return verdict(*last);
 }
 
 }  // namespace
@@ -116,25 +152,24 @@ void say_queued(const nlohmann::json& job, const Globals& globals) {
 Result<void> queue_cut(const QueueWish& wish, const Globals& globals) {
   auto api = Api::from_environment();
   if (!api) return tl::unexpected(api.error());
-  auto job = queue(*api, wish, globals);
+  const auto job = queue(*api, wish, globals);
   if (!job) return tl::unexpected(job.error());
-  const std::string id = client::text_of(*job, "id");
-  say_queued(*job, globals);
-  if (!wish.wait) {
-    if (globals.json)
-      fmt::print("{}\n", job->dump(2, ' ', false, Json::error_handler_t::replace));
-    else
-      fmt::print("{}\n", id);
-    if (!globals.quiet) fmt::print(stderr, "'popcut jobs --watch' shows when a person is needed\n");
-    return {};
-  }
-  const auto last = follow_job(*api, id, globals, [](const nlohmann::json&) { return false; });
-  if (!last) return tl::unexpected(last.error());
-  if (globals.json)
-    fmt::print("{}\n", last->dump(2, ' ', false, Json::error_handler_t::replace));
-  else
-    fmt::print("{}\n", id);
-  return verdict(*last);
+  return see_through(*api, *job, wish.wait, globals);
+}
+
+Result<void> queue_test_cut(const QueueWish& wish, const Globals& globals) {
+  auto api = Api::from_environment();
+  if (!api) return tl::unexpected(api.error());
+  const auto device = wish.device.empty() ? only_device(*api) : Result<std::string>(wish.device);
+  if (!device) return tl::unexpected(device.error());
+  nlohmann::json body = nlohmann::json::object();
+  if (!wish.material.empty()) body["material"] = wish.material;
+  const auto answer = api->act_on_device(*device, "test-cut", body);
+  if (!answer) return tl::unexpected(answer.error());
+  const std::string id = client::text_of(*answer, "test_job");
+  const auto job = api->get("/v1/jobs/" + id, "job " + id);
+  if (!job) return tl::unexpected(job.error());
+  return see_through(*api, *job, wish.wait, globals);
 }
 
 }  // namespace popcut::cli

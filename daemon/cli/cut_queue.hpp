@@ -24,4 +24,11 @@ struct QueueWish {
 /// @retval DeviceGone, Refused    popcutd is absent, says no, or the job did not become done
 [[nodiscard]] Result<void> queue_cut(const QueueWish& wish, const Globals& globals);
 
+/// `popcut cut --test` without --direct: the material's small test shape as a job for one device,
+/// which waits for 'popcut arm' and 'popcut start' like any other. Without a device, the only one
+/// that is there.
+///
+/// @retval Usage  there are several
+[[nodiscard]] Result<void> queue_test_cut(const QueueWish& wish, const Globals& globals);
+
 }  // namespace popcut::cli

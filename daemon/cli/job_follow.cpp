@@ -81,6 +81,7 @@ Result<Json> follow_job(client::Api& api, const std::string& id, const Globals& 
   bool away = false;
   while (!end_asked) {
     auto job = api.get("/v1/jobs/" + id, "job " + id);
+    if (!job && end_asked) break;  // Ctrl-C broke off the question
     if (job) {
       heard = Clock::now();
       away = false;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -52,6 +53,11 @@ std::string sheet_text(const Json& job) {
   return total > 0 ? fmt::format("{} sheet{}", total, total == 1 ? "" : "s") : std::string();
 }
 
+bool is_held(const Json& job) {
+  const auto held = job.find("held");
+  return held != job.end() && *held == true;
+}
+
 bool is(const Json& job, const char* state) { return text_of(job, "state") == state; }
 
 std::string path_text(const Json& job) {
@@ -95,14 +101,18 @@ int rank(const Json& job) {
   return has_ended(job) ? 4 : 3;
 }
 
-/// Cut to `width` columns; a character of several bytes is never cut through.
-std::string fitted(std::string text, std::size_t width) {
-  std::size_t columns = 0, at = 0;
-  for (; at < text.size(); ++at) {
-    if ((static_cast<unsigned char>(text[at]) & 0xC0) == 0x80) continue;
-    if (++columns > width) break;
+/// "0..117, 130..140" of a ledger.
+std::string ranges_of(const Json& ledger, const char* key) {
+  constexpr std::size_t kMost = 8;
+  std::string text;
+  const auto found = ledger.find(key);
+  if (found == ledger.end() || !found->is_array()) return text;
+  for (std::size_t i = 0; i < found->size(); ++i) {
+    const Json& range = (*found)[i];
+    if (!range.is_array() || range.size() != 2) continue;
+    if (i == kMost) return text + fmt::format(" and {} more", found->size() - kMost);
+    text += fmt::format("{}{}..{}", text.empty() ? "" : ", ", range[0].dump(), range[1].dump());
   }
-  text.resize(at);
   return text;
 }
 
@@ -120,13 +130,22 @@ std::string view_line(const Json& job) {
   const double part = part_done(job);
   if (part >= 0) line += fmt::format(" {}  {} left", bar(part), clock_text(seconds_left(job)));
   if (!text_of(job, "device").empty()) line += "  on " + text_of(job, "device");
-  const auto held = job.find("held");
-  if (held != job.end() && *held == true) line += "  held";
+  if (is_held(job)) line += "  held";
   if (has_ended(job) && !text_of(job, "reason").empty()) line += "  " + text_of(job, "reason");
   return line;
 }
 
 }  // namespace
+
+std::string fitted(std::string text, std::size_t width) {
+  std::size_t columns = 0, at = 0;
+  for (; at < text.size(); ++at) {
+    if ((static_cast<unsigned char>(text[at]) & 0xC0) == 0x80) continue;
+    if (++columns > width) break;
+  }
+  text.resize(at);
+  return text;
+}
 
 std::string short_id(const Json& job) { return text_of(job, "id").substr(0, kShortId); }
 
@@ -159,6 +178,7 @@ std::string job_summary(const Json& job) {
     if (!more.empty()) line += ", " + more;
   };
   add(text_of(job, "reason"));
+  if (is_held(job)) add("held");
   if (!has_ended(job)) add(sheet_text(job));
   if (part_done(job) >= 0) add(path_text(job));
   if (!has_ended(job) && !text_of(job, "device").empty()) add("on " + text_of(job, "device"));
@@ -187,6 +207,7 @@ std::vector<std::string> waiting_for(const Json& job) {
                                 device.empty() ? "" : " into ", device,
                                 blank > 1 ? fmt::format(", blank {}", blank) : "", id, sheet));
   }
+  if (is_held(job) && !has_ended(job)) lines.push_back(fmt::format("held: popcut release {}", id));
   const bool said =
       kind.empty() || kind == "load_sheet" || kind == "confirm_result" || text.empty();
   if (!said) lines.insert(lines.begin(), text);
@@ -212,7 +233,8 @@ std::vector<std::string> jobs_view(const std::vector<Json>& jobs, const ViewStyl
   return lines;
 }
 
-std::vector<std::string> job_details(const Json& job, const std::vector<Json>& sheets) {
+std::vector<std::string> job_details(const Json& job, const std::vector<Json>& sheets,
+                                     const std::optional<Json>& ledger) {
   std::vector<std::string> lines;
   const auto add = [&](const char* key, const std::string& value) {
     if (!value.empty()) lines.push_back(fmt::format("{:<10} {}", key, value));
@@ -240,6 +262,12 @@ std::vector<std::string> job_details(const Json& job, const std::vector<Json>& s
                     whole_of(sheet, "sheet"), text_of(sheet, "state"), number("paths"),
                     number("cut_mm"), number("fold_mm"), clock_text(number("seconds"))));
   }
+  if (ledger)
+    for (const auto& [key, what] :
+         {std::pair{"certain", "certainly cut"}, std::pair{"in_doubt", "in doubt"},
+          std::pair{"not_sent", "not sent"}})
+      if (const std::string ranges = ranges_of(*ledger, key); !ranges.empty())
+        lines.push_back(fmt::format("paths {:<14} {}", what, ranges));
   for (const std::string& wait : waiting_for(job)) lines.push_back("-> " + wait);
   return lines;
 }

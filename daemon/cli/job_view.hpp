@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,12 +30,15 @@ struct ViewStyle {
   std::size_t width{100};  ///< columns; longer lines are cut off
   bool colour{false};
 };
+/// Cut to `width` columns; a character of several bytes is never cut through.
+[[nodiscard]] std::string fitted(std::string text, std::size_t width);
 /// The live view: a line a job, below it what it waits for. Jobs of a running knife first, then
 /// those that wait for a person, then the queue.
 [[nodiscard]] std::vector<std::string> jobs_view(const std::vector<nlohmann::json>& jobs,
                                                  const ViewStyle& style);
-/// One job in full: `key: value` lines.
-[[nodiscard]] std::vector<std::string> job_details(const nlohmann::json& job,
-                                                   const std::vector<nlohmann::json>& sheets);
+/// One job in full: `key: value` lines; with the ledger of its sheet, what became of its paths.
+[[nodiscard]] std::vector<std::string> job_details(
+    const nlohmann::json& job, const std::vector<nlohmann::json>& sheets,
+    const std::optional<nlohmann::json>& ledger = std::nullopt);
 
 }  // namespace popcut::cli

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/json_fields.hpp"
-#include "daemon/client/problem_line.hpp"
 
 namespace popcut::client {
 namespace {
@@ -16,6 +15,7 @@ using Json = nlohmann::json;
 
 constexpr const char* kOpenStates = "queued,planning,ready,armed,cutting,paused,interrupted";
 constexpr std::size_t kIdLength = 26;
+constexpr auto kReplace = Json::error_handler_t::replace;
 
 std::string upper(std::string text) {
   for (char& c : text)
@@ -92,9 +92,9 @@ Result<Api> Api::from_environment() {
   return Api(HttpClient(std::move(*where), token != nullptr ? token : ""));
 }
 
-Result<Json> Api::read(Result<HttpResponse> response, const std::string& place) {
+Result<Json> Api::read(Result<HttpResponse> response, const std::string& place, Subject subject) {
   if (!response) return tl::unexpected(response.error());
-  if (response->status >= 300) return tl::unexpected(error_from(*response, place));
+  if (response->status >= 300) return tl::unexpected(error_from(*response, place, subject));
   if (response->body.empty()) return Json::object();
   auto json = parse_json(response->body, 64);
   if (json) return json;
@@ -127,7 +127,7 @@ Result<Json> Api::upload(const std::string& target, const std::string& bytes,
   constexpr double kUploadSeconds = 900;  // a design is read before popcutd answers
   HttpRequest request{"POST", target, bytes, media_type};
   request.seconds = kUploadSeconds;
-  return read(http_.ask(std::move(request)), place);
+  return read(http_.ask(std::move(request)), place, Subject::File);
 }
 
 Result<void> Api::remove(const std::string& target, const std::string& place) {
@@ -214,6 +214,35 @@ Result<Json> Api::act(const Json& job, const std::string& action, const Json& bo
     if (!moved_on || !(always || looks_the_same(*now, job))) return done;
     seen = std::move(*now);
   }
+}
+
+Result<Json> Api::act_on_device(const std::string& id, const std::string& action,
+                                const Json& body) {
+  constexpr int kTries = 5;
+  const std::string place = "device " + id, target = "/v1/devices/" + percent_encoded(id);
+  for (int k = 0;; ++k) {
+    const auto device = get(target, place);
+    if (!device) return device;
+    const std::int64_t rev = revision_of(*device);
+    auto done = post(target + "/actions/" + action, body, place, rev);
+    // It may have come, gone or begun to cut in between: what was asked is meant all the same.
+    if (done || k + 1 == kTries || done.error().kind != ErrorKind::Refused) return done;
+    const auto now = get(target, place);
+    if (!now || revision_of(*now) == rev) return done;
+  }
+}
+
+Result<Json> Api::patch(const Json& job, const Json& members) {
+  const std::string id = id_of(job), text = members.dump(-1, ' ', false, kReplace);
+  HttpRequest request{"PATCH", "/v1/jobs/" + id, text, "application/json"};
+  request.headers.emplace_back("If-Match", fmt::format("\"{}\"", revision_of(job)));
+  return read(http_.ask(std::move(request)), "job " + id);
+}
+
+Result<bool> Api::has_page() {
+  auto response = http_.ask({"HEAD", "/"});
+  if (!response) return tl::unexpected(response.error());
+  return response->status == 200;
 }
 
 }  // namespace popcut::client

@@ -9,6 +9,7 @@
 
 #include "core/result.hpp"
 #include "daemon/client/http_client.hpp"
+#include "daemon/client/problem_line.hpp"
 
 namespace popcut::client {
 
@@ -46,17 +47,25 @@ class Api {
   /// @retval Refused  there is none
   /// @retval Usage    there are several
   [[nodiscard]] Result<Json> only_job_for(const std::string& action);
+  /// popcutd's page is at "/"; a popcutd without one has nothing there.
+  [[nodiscard]] Result<bool> has_page();
   /// Jobs that have not ended.
   [[nodiscard]] Result<std::vector<Json>> open_jobs();
 
   /// Does `action` to a job as it was seen in `job`. If only its revision has changed since, and
   /// not what a person sees of it (state, sheet, blank, segment), it is done all the same.
   [[nodiscard]] Result<Json> act(const Json& job, const std::string& action, const Json& body);
+  /// Does `action` to a device ("enable", "disable", "reset", "test-cut") as it is now.
+  [[nodiscard]] Result<Json> act_on_device(const std::string& id, const std::string& action,
+                                           const Json& body);
+  /// Changes members of a job as it was seen in `job`.
+  [[nodiscard]] Result<Json> patch(const Json& job, const Json& members);
 
   [[nodiscard]] HttpClient& http() { return http_; }
 
  private:
-  [[nodiscard]] Result<Json> read(Result<HttpResponse> response, const std::string& place);
+  [[nodiscard]] Result<Json> read(Result<HttpResponse> response, const std::string& place,
+                                  Subject subject = Subject::CommandLine);
   HttpClient http_;
 };
 

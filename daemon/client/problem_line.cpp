@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/json_fields.hpp"
+#include "daemon/client/command_words.hpp"
 
 namespace popcut::client {
 namespace {
@@ -21,25 +22,17 @@ std::string kind_of(const Json& problem) {
   return type.substr(type.rfind('/') + 1);
 }
 
-/// "arm" as it is typed: "popcut arm".
-std::string command_of(const std::string& action) {
-  if (action == "confirm-result") return "confirm";
-  if (action == "retry-sheet") return "retry";
-  if (action == "skip-sheet") return "skip";
-  if (action == "resume-from") return "resume --from";
-  return action;
-}
-
 std::string allowed(const Json& problem) {
   std::string words;
   const auto list = problem.find("allowed_actions");
   if (list == problem.end() || !list->is_array()) return {};
   for (const Json& one : *list)
-    if (one.is_string()) words += (words.empty() ? "" : ", ") + command_of(one.get<std::string>());
+    if (one.is_string()) words += (words.empty() ? "" : ", ") + command_for(one.get<std::string>());
   return words;
 }
 
-Error invalid(const Json& problem, const std::string& place, const std::string& detail) {
+Error invalid(const Json& problem, const std::string& place, const std::string& detail,
+              Subject subject) {
   Error error{ErrorKind::OutOfRange, place, detail};
   const auto list = problem.find("errors");
   if (list == problem.end() || !list->is_array() || list->empty() || !list->front().is_object())
@@ -52,12 +45,18 @@ Error invalid(const Json& problem, const std::string& place, const std::string& 
   if (!text_of(first, "detail").empty()) error.detail = text_of(first, "detail");
   if (code == "unknown_member") error.detail = fmt::format("is not known; {}", error.detail);
   if (list->size() > 1) error.detail += fmt::format(" (and {} more)", list->size() - 1);
+  if (subject == Subject::CommandLine) {
+    error.detail = in_command_words(error.detail);
+    if (const std::string option = option_for(pointer); !option.empty())
+      return {error.kind, option, error.detail};
+  }
   return pointer.empty() ? error : within(place, {error.kind, pointer, error.detail});
 }
 
 Error conflict(const Json& problem, const std::string& place, std::string detail) {
   const std::string state = text_of(problem, "state");
   const std::string words = allowed(problem);
+  detail = in_command_words(detail);
   if (!state.empty() && detail.find(state) == std::string::npos)
     detail += fmt::format("; it is {}", state);
   if (!words.empty()) detail += fmt::format("; now it may be told: {}", words);
@@ -66,7 +65,7 @@ Error conflict(const Json& problem, const std::string& place, std::string detail
 
 }  // namespace
 
-Error error_from(const HttpResponse& response, const std::string& place) {
+Error error_from(const HttpResponse& response, const std::string& place, Subject subject) {
   const auto parsed = parse_json(response.body, 32);
   if (!parsed || !parsed->is_object())
     return {ErrorKind::Refused, place,
@@ -75,17 +74,20 @@ Error error_from(const HttpResponse& response, const std::string& place) {
   const std::string kind = kind_of(problem);
   std::string detail = text_of(problem, "detail");
   if (detail.empty()) detail = text_of(problem, "title");
-  if (response.status == 401)
+  if (response.status == 401) {
+    const bool missing = detail.find("this needs a token") != std::string::npos;
     return {ErrorKind::Refused, place,
-            detail +
-                "; put a token in POPCUT_TOKEN ('popcut token create --role operator' makes "
-                "one, on the computer where popcutd runs)"};
-  if (kind == "validation") return invalid(problem, place, detail);
+            (missing ? "popcutd wants a token" : detail) +
+                "; put one in POPCUT_TOKEN ('popcut token create --role operator' makes one, on "
+                "the computer where popcutd runs)"};
+  }
+  if (kind == "validation") return invalid(problem, place, detail, subject);
   if (kind == "malformed-json") return {ErrorKind::Malformed, place, detail};
   if (kind == "too-large" || kind == "unsupported-media")
     return {ErrorKind::OutOfRange, place, detail};
   if (kind == "state-conflict" || kind == "stale") return conflict(problem, place, detail);
-  return {ErrorKind::Refused, place, detail};
+  return {ErrorKind::Refused, place,
+          subject == Subject::CommandLine ? in_command_words(detail) : detail};
 }
 
 }  // namespace popcut::client

@@ -99,6 +99,7 @@ Result<void> read_device(TomlFields& fields, std::vector<DeviceConfig>& devices)
   fields.text("machine", device.machine);
   fields.text("treat_as", device.treat_as);
   fields.boolean("enabled", device.enabled);
+  fields.texts("materials", device.materials);
   fields.number("time_scale", device.time_scale, 0, 1e6);
   fields.text("faults", device.faults);
   fields.text("trace", device.trace);
@@ -180,7 +181,46 @@ Result<void> read_webhook(TomlFields& fields, WebhookConfig& webhook) {
   return fields.finish();
 }
 
+/// Whether two devices differ in what is taken at the start.
+bool same_device(const DeviceConfig& a, const DeviceConfig& b) {
+  return a.id == b.id && a.machine == b.machine && a.treat_as == b.treat_as &&
+         a.enabled == b.enabled && a.time_scale == b.time_scale && a.faults == b.faults &&
+         a.trace == b.trace;
+}
+
+void add_devices(const std::vector<DeviceConfig>& from, const std::vector<DeviceConfig>& to,
+                 std::vector<std::string>& keys) {
+  for (const DeviceConfig& device : from) {
+    const bool same = std::any_of(to.begin(), to.end(), [&](const DeviceConfig& other) {
+      return same_device(device, other);
+    });
+    const std::string key = "device " + device.id;
+    if (!same && std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+  }
+}
+
 }  // namespace
+
+const std::string_view kReloadedKeys =
+    "log.level, allowed_hosts, allowed_origins, user, limits, webhook, and materials of a device";
+
+std::vector<std::string> restart_keys(const Config& running, const Config& wanted) {
+  std::vector<std::string> keys;
+  const auto add = [&](const char* key, bool same) {
+    if (!same) keys.emplace_back(key);
+  };
+  add("listen", running.listen == wanted.listen);
+  add("allow_remote", running.allow_remote == wanted.allow_remote);
+  add("socket", running.socket == wanted.socket);
+  add("state", running.state == wanted.state);
+  add("log.form", running.log.form == wanted.log.form);
+  const PlannerConfig &a = running.planner, &b = wanted.planner;
+  add("planner", a.processes == b.processes && a.cpu_s == b.cpu_s && a.wall_s == b.wall_s &&
+                     a.memory_bytes == b.memory_bytes && a.output_bytes == b.output_bytes);
+  add_devices(running.devices, wanted.devices, keys);
+  add_devices(wanted.devices, running.devices, keys);
+  return keys;
+}
 
 std::vector<UserRule> default_users() {
   std::vector<UserRule> rules;

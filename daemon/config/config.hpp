@@ -19,6 +19,7 @@ struct DeviceConfig {
   std::string machine{};   ///< of a port, which does not tell what is behind it
   std::string treat_as{};  ///< drive an unknown model as this machine
   bool enabled{true};
+  std::vector<std::string> materials{};  ///< it is set up for; none: any
   double time_scale{20};  ///< simulated: times as fast as the machine; 0: on a virtual clock
   std::string faults{};   ///< simulated: a fault script's file
   std::string trace{};    ///< simulated: folder for what the knife did, a JSON file a sheet
@@ -82,6 +83,13 @@ struct Config {
 /// Who may come over the unix socket where the configuration names nobody: the members of the
 /// groups popcut (operator) and popcut-admin (admin), where there are such groups.
 [[nodiscard]] std::vector<UserRule> default_users();
+
+/// The keys in which two configurations differ and that are taken at the next start only, as
+/// "listen", "device sim:cameo3", "planner"; what a running popcutd takes on SIGHUP is not among
+/// them.
+[[nodiscard]] std::vector<std::string> restart_keys(const Config& running, const Config& wanted);
+/// What a running popcutd takes on SIGHUP, for messages.
+extern const std::string_view kReloadedKeys;
 
 /// "127.0.0.1:8631", "[::1]:0" or "localhost:8631" as host (without brackets) and port.
 struct ListenAddress {

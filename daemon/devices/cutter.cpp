@@ -134,10 +134,17 @@ Result<void> Cutter::cut(CutOrder order, std::shared_ptr<CutJournal> journal) {
     pause_ = false;
     trouble_ = Trouble::None;
     next_ = Work{std::move(order), std::move(journal)};
-    refresh();
   }
   wake_.notify_all();
-  tell();
+  // It is taken, whatever becomes of the news.
+  try {
+    {
+      const std::lock_guard lock(mutex_);
+      refresh();
+    }
+    tell();
+  } catch (const std::bad_alloc&) {
+  }
   return {};
 }
 
@@ -184,7 +191,8 @@ void Cutter::serve() {
 
 SessionEnd Cutter::session(const Work& work, std::int64_t& last_intended) {
   SessionEnd end;
-  auto open = OpenLine::open(line_, work.order.attempt, work.order.area_mm, [this] { touch(); });
+  auto open = OpenLine::open(
+      line_, work.order.attempt, work.order.area_mm, [this] { touch(); }, &figures_);
   if (!open) {
     end.error = open.error();
     end.fates.assign(work.order.program.strokes.size(), StrokeFate::NotSent);
@@ -213,7 +221,9 @@ SessionEnd Cutter::session(const Work& work, std::int64_t& last_intended) {
   };
   end = run_session(open->transport(), line_.machine, work.order.program, options);
   try {
-    open->keep_trace(line_, work.order.attempt);
+    // A simulated cutter without memory does not know what it did.
+    if (!end.error || end.error->kind != ErrorKind::Internal)
+      open->keep_trace(line_, work.order.attempt);
   } catch (const std::exception&) {  // a trace is a help, never in the way
   }
   return end;
@@ -247,6 +257,7 @@ void Cutter::carry_out(Work work) {
 
 /// What a session's end says of the machine; a journal's error says nothing of it.
 void Cutter::note_end(const SessionEnd& end) {
+  if (end.error && end.error->kind == ErrorKind::Timeout) figures_.note_error(*end.error, false);
   if (const Result<Identity> identity = parse_identity(end.identity); identity)
     record_.firmware = identity->firmware;
   trouble_ = Trouble::None;
@@ -267,7 +278,8 @@ void Cutter::ask_state() {
   Trouble trouble = Trouble::None;
   std::string text;
   if (!line_.simulated()) {
-    auto open = OpenLine::open(line_, "", {}, [this] { touch(); });
+    auto open = OpenLine::open(
+        line_, "", {}, [this] { touch(); }, &figures_);
     if (!open) {
       trouble = Trouble::Fault;
       text = open.error().detail;

@@ -40,6 +40,7 @@ class Cutter {
   void give_up() { give_up_ = true; }
   [[nodiscard]] Result<void> reset();
   [[nodiscard]] bool busy() const;
+  [[nodiscard]] const LineFigures& figures() const { return figures_; }
   /// When its thread last turned.
   [[nodiscard]] std::chrono::steady_clock::time_point beat() const { return beat_.load(); }
 
@@ -66,6 +67,7 @@ class Cutter {
   CutterLine line_;  ///< of the thread, but for what never changes
   const SessionOptions options_;
   const std::function<void()> changed_;
+  LineFigures figures_;
   std::atomic<bool> cancel_{false}, pause_{false}, give_up_{false};
   std::atomic<std::chrono::steady_clock::time_point> beat_{std::chrono::steady_clock::now()};
 

@@ -107,12 +107,13 @@ Result<CutterLine> configured_line(const DeviceConfig& config,
 }
 
 Result<OpenLine> OpenLine::open(CutterLine& line, const std::string& attempt,
-                                std::array<double, 2> area_mm, const std::function<void()>& beat) {
+                                std::array<double, 2> area_mm, const std::function<void()>& beat,
+                                LineFigures* figures) {
   OpenLine open;
   const auto keep = [&](auto opened) -> Result<OpenLine> {
     if (!opened) return tl::unexpected(opened.error());
     open.transport_ = std::move(*opened);
-    open.beating_ = std::make_unique<BeatingTransport>(*open.transport_, beat);
+    open.beating_ = std::make_unique<BeatingTransport>(*open.transport_, beat, figures);
     return std::move(open);
   };
   switch (line.device.kind) {

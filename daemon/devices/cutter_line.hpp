@@ -40,10 +40,12 @@ struct CutterLine {
 class OpenLine {
  public:
   /// @param attempt  of the sheet, for the trace
+  /// @param figures  counts what goes over it; outlives it
   /// @retval DeviceGone, Refused  as the transports say
   [[nodiscard]] static Result<OpenLine> open(CutterLine& line, const std::string& attempt,
                                              std::array<double, 2> area_mm,
-                                             const std::function<void()>& beat);
+                                             const std::function<void()>& beat,
+                                             LineFigures* figures = nullptr);
   OpenLine(OpenLine&&) = default;
   OpenLine& operator=(OpenLine&&) = default;
   OpenLine(const OpenLine&) = delete;

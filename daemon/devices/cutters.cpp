@@ -132,6 +132,16 @@ class CutterSet final : public Cutters {
     wait_until(until + kGiveUp);
   }
 
+  std::string metrics() const override {
+    std::vector<std::pair<std::string, LineFigures::Shown>> all;
+    {
+      const std::lock_guard lock(mutex_);
+      for (const auto& cutter : cutters_)
+        all.emplace_back(cutter->device().text, cutter->figures().shown());
+    }
+    return line_metrics(all);
+  }
+
   bool alive() const override {
     const std::lock_guard lock(mutex_);
     const auto now = steady_clock::now();
@@ -175,13 +185,10 @@ class CutterSet final : public Cutters {
     });
   }
 
+  /// Under the lock, so that who takes its listener back knows that no call is under way.
   void tell() {
-    std::function<void()> listener;
-    {
-      const std::lock_guard lock(listener_mutex_);
-      listener = listener_;
-    }
-    if (listener) listener();
+    const std::lock_guard lock(listener_mutex_);
+    if (listener_) listener_();
   }
 
   /// Looks again when the bus says so, and now and then.

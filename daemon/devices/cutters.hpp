@@ -49,7 +49,8 @@ class CutJournal {
 class Cutters {
  public:
   virtual ~Cutters() = default;
-  /// Called from any thread when a device comes, goes or changes.
+  /// Called from any thread when a device comes, goes or changes. No call of the one before is
+  /// under way when this returns.
   virtual void on_change(std::function<void()> changed) = 0;
   [[nodiscard]] virtual std::vector<DeviceRecord> list() const = 0;
   [[nodiscard]] virtual Result<Machine> machine(const std::string& device) const = 0;
@@ -65,6 +66,8 @@ class Cutters {
   /// Ends all cuts at the ends of their strokes and waits for them, at most so long; what then
   /// still cuts is given up in the middle of its stroke.
   virtual void stop_all(double seconds) = 0;
+  /// OpenMetrics lines of what went over the lines to the cutters.
+  [[nodiscard]] virtual std::string metrics() const { return {}; }
   /// True as long as every cutter's thread has turned within the last seconds (for the watchdog).
   [[nodiscard]] virtual bool alive() const = 0;
 };

@@ -73,7 +73,15 @@ void PacedTransport::wait(nanoseconds duration) {
 
 Transport::WriteEnd BeatingTransport::write(std::span<const std::byte> bytes, Deadline until) {
   beat_();
+  const auto begun = std::chrono::steady_clock::now();
   WriteEnd end = inner_.write(bytes, until);
+  if (figures_ != nullptr) {
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
+    figures_->note_write(took.count());
+    // A machine whose buffer is full takes a part in time; that is no error.
+    if (end.error && end.error->kind != ErrorKind::Timeout)
+      figures_->note_error(*end.error, end.taken > 0 || end.in_doubt > 0);
+  }
   beat_();
   return end;
 }
@@ -81,6 +89,9 @@ Transport::WriteEnd BeatingTransport::write(std::span<const std::byte> bytes, De
 Result<std::vector<std::byte>> BeatingTransport::read(Deadline until) {
   beat_();
   auto bytes = inner_.read(until);
+  // That nothing came in time is for the session to judge.
+  if (figures_ != nullptr && !bytes && bytes.error().kind != ErrorKind::Timeout)
+    figures_->note_error(bytes.error(), false);
   beat_();
   return bytes;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/devices/line_figures.hpp"
 #include "device/sim_transport.hpp"
 #include "device/transport.hpp"
 
@@ -42,11 +43,12 @@ class PacedTransport final : public Transport {
   std::chrono::steady_clock::time_point begun_;
 };
 
-/// Any transport, with a sign of life whenever it is used; long waits are cut into short ones.
+/// Any transport, with a sign of life whenever it is used, and figures of it; long waits are cut
+/// into short ones.
 class BeatingTransport final : public Transport {
  public:
-  BeatingTransport(Transport& inner, std::function<void()> beat)
-      : inner_(inner), beat_(std::move(beat)) {}
+  BeatingTransport(Transport& inner, std::function<void()> beat, LineFigures* figures)
+      : inner_(inner), beat_(std::move(beat)), figures_(figures) {}
 
   [[nodiscard]] WriteEnd write(std::span<const std::byte> bytes, Deadline until) override;
   [[nodiscard]] Result<std::vector<std::byte>> read(Deadline until) override;
@@ -58,6 +60,7 @@ class BeatingTransport final : public Transport {
  private:
   Transport& inner_;
   std::function<void()> beat_;
+  LineFigures* figures_;  ///< outlives it; may be null
 };
 
 }  // namespace popcut::daemon

@@ -27,6 +27,8 @@ class Sha256 {
   std::unique_ptr<State> state_;
 };
 
+/// Bytes as hexadecimal digits, small letters.
+[[nodiscard]] std::string hex_of(std::string_view bytes);
 /// SHA-256 of `bytes` as 64 hexadecimal digits.
 [[nodiscard]] std::string sha256_hex(std::string_view bytes);
 /// SHA-256 of a file.

@@ -56,6 +56,7 @@ std::optional<Problem> check_match(const Request& request, const Route& route) {
   const bool has_match = request.header("if-match").has_value();
   switch (route.match) {
     case MatchRule::None:
+    case MatchRule::Allowed:
       return std::nullopt;
     case MatchRule::Required:
       if (has_match) return std::nullopt;

@@ -300,8 +300,11 @@ asio::awaitable<std::optional<Problem>> read_whole_body(Hub& hub, ClientPtr clie
   auto upload = std::make_shared<std::optional<Answer<Upload>>>();
   std::function<void()> finish = [upload, spool = exchange.spool] { *upload = spool->finish(); };
   const bool finished = co_await hub.run_aside(client, std::move(finish));
-  if (!finished || !*upload)
-    co_return Problem{ProblemKind::Unavailable, "the disk takes too long; try again"};
+  if (!finished || !*upload) {
+    Problem late{ProblemKind::Unavailable, "the disk takes too long; try again"};
+    late.retry_after_s = 5;
+    co_return late;
+  }
   if (!**upload) co_return (*upload)->error();
   exchange.request.upload = std::move(***upload);
   co_return std::nullopt;

@@ -38,7 +38,7 @@ std::optional<Problem> check_host(const RequestHead& head, const Peer& peer, con
   if (is_own_host(host, peer.port) || is_listed(names.hosts, host)) return std::nullopt;
   return Problem{ProblemKind::WrongHost,
                  fmt::format("this is popcutd at localhost:{}, and Host names another; if that is "
-                             "a name of it, add it to http.hosts",
+                             "a name of it, add it to allowed_hosts",
                              peer.port)};
 }
 
@@ -70,10 +70,11 @@ Answer<Principal> local_principal(const Peer& peer, const HttpUsers& users, uid_
         found != users.groups.end() && (!role || *role < found->second))
       role = found->second;
   if (!role)
-    return refuse(ProblemKind::Forbidden,
-                  fmt::format("user {} has no role here; an administrator gives one in users.toml, "
-                              "or by one of its groups",
-                              peer.uid));
+    return refuse(
+        ProblemKind::Forbidden,
+        fmt::format("user {} has no role here; an administrator gives one in a [[user]] of "
+                    "popcutd.toml, or by a group (popcut: operator)",
+                    peer.uid));
   principal.role = *role;
   return principal;
 }

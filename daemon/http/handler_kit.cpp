@@ -86,6 +86,14 @@ Response revised(int status, std::int64_t rev, const nlohmann::ordered_json& bod
   return response;
 }
 
+Response revised(int status, std::int64_t rev, std::string text) {
+  Response response;
+  response.status = status;
+  response.body = std::move(text);
+  response.headers.push_back({"ETag", etag_of(rev)});
+  return response;
+}
+
 Response from_rendered(Rendered rendered) {
   Response response;
   response.status = rendered.status;
@@ -158,16 +166,20 @@ std::optional<TimeMs> query_time(const Request& request, std::string_view name,
   return time;
 }
 
-PageWish page_wish(const Request& request, std::vector<RequestFault>& faults) {
+PageWish page_wish(const Request& request, char list, std::vector<RequestFault>& faults,
+                   int usual_limit) {
   PageWish wish;
+  wish.limit = usual_limit;
   if (const auto limit = query_integer(request, "limit", 1, 200, faults))
     wish.limit = static_cast<int>(*limit);
   const std::optional<std::string> cursor = query_text(request, "cursor");
   if (!cursor) return wish;
-  if (std::optional<std::string> place = decode_cursor(*cursor))
-    wish.cursor = std::move(*place);
+  const std::optional<std::string> place = decode_cursor(*cursor);
+  if (place && place->size() > 1 && place->front() == list)
+    wish.cursor = place->substr(1);
   else
-    faults.push_back({"?cursor", "cursor", "must be the next_cursor of the page before"});
+    faults.push_back(
+        {"?cursor", "cursor", "must be the next_cursor of the page before, of the same list"});
   return wish;
 }
 
@@ -198,6 +210,21 @@ Answer<std::int64_t> wanted_rev(const Request& request, std::optional<std::int64
     return refuse(ProblemKind::BadRequest,
                   "If-Match must be the ETag that was seen, with its quotes: \"12\"");
   return *rev;
+}
+
+std::optional<Problem> check_seen(const Request& request, const Job& job) {
+  if (!request.header("if-match")) return std::nullopt;
+  const Answer<std::int64_t> rev = wanted_rev(request, job.rev);
+  if (!rev) return rev.error();
+  if (*rev == job.rev) return std::nullopt;
+  Problem stale{ProblemKind::Stale,
+                fmt::format("the job was changed meanwhile (it is at revision {}, the request was "
+                            "for {}); read it again",
+                            job.rev, *rev)};
+  stale.rev = job.rev;
+  stale.state = name_of(job.state);
+  stale.allowed_actions = job.actions;
+  return stale;
 }
 
 std::optional<int> path_number(const std::string& text) {

@@ -71,9 +71,14 @@ void close_session(const Request& request, Service& service, const Shop&, Reply 
   reply(empty_response());
 }
 
-void list_tokens(const Request&, Service& service, const Shop&, Reply reply) {
-  reply(page_response(service.tokens(), "",
-                      [](const TokenRecord& token) { return dump(to_json(token)); }));
+void list_tokens(const Request& request, Service& service, const Shop&, Reply reply) {
+  constexpr char kList = 't';
+  std::vector<RequestFault> faults;
+  const PageWish wish = page_wish(request, kList, faults, kUsualWhole);
+  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  reply(page_response(
+      page_of(service.tokens(), wish, [](const TokenRecord& token) { return token.id; }), kList,
+      [](const TokenRecord& token) { return dump(to_json(token)); }));
 }
 
 void create_token(const Request& request, Service& service, const Shop& shop, Reply reply) {

@@ -85,11 +85,11 @@ void add_design(const Request& request, Service& service, const Shop&, Reply rep
 }
 
 void list_designs(const Request& request, Service& service, const Shop&, Reply reply) {
+  constexpr char kList = 'd';
   std::vector<RequestFault> faults;
-  const PageWish wish = page_wish(request, faults);
+  const PageWish wish = page_wish(request, kList, faults);
   if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
-  Page<Design> page = service.designs(wish);
-  reply(page_response(std::move(page.items), std::move(page.next_cursor),
+  reply(page_response(service.designs(wish), kList,
                       [](const Design& design) { return dump(to_json(design)); }));
 }
 
@@ -141,6 +141,8 @@ void plan_design(const Request& request, Service& service, const Shop& shop, Rep
   if (!wish) return reply(problem_response(wish.error(), request));
   wish->design = request.params[0];
   answer_once(request, service, reply, [&] {
+    if (const Answer<Design> design = service.design(wish->design); !design)
+      return problem_response(design.error(), request);
     const Answer<PlanRecord> plan = service.plan_design(request.principal, *wish);
     if (!plan) return problem_response(plan.error(), request);
     Response response = json_response(202, to_json(*plan));

@@ -25,9 +25,14 @@ bool is_material_id(const std::string& id) {
 
 }  // namespace
 
-void list_devices(const Request&, Service& service, const Shop&, Reply reply) {
-  reply(page_response(service.devices(), "",
-                      [](const DeviceRecord& device) { return dump(to_json(device)); }));
+void list_devices(const Request& request, Service& service, const Shop&, Reply reply) {
+  constexpr char kList = 'v';
+  std::vector<RequestFault> faults;
+  const PageWish wish = page_wish(request, kList, faults, kUsualWhole);
+  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  reply(page_response(
+      page_of(service.devices(), wish, [](const DeviceRecord& device) { return device.id; }), kList,
+      [](const DeviceRecord& device) { return dump(to_json(device)); }));
 }
 
 void get_device(const Request& request, Service& service, const Shop&, Reply reply) {
@@ -35,20 +40,35 @@ void get_device(const Request& request, Service& service, const Shop&, Reply rep
 }
 
 void act_on_device(const Request& request, Service& service, const Shop& shop, Reply reply) {
+  DeviceWish wish;
+  wish.action = request.path().substr(request.path().rfind('/') + 1);
   const auto body =
-      read_body_as<bool>(request, shop.limits.json_depth, [](Members&) { return true; });
+      read_body_as<std::string>(request, shop.limits.json_depth, [&wish](Members& members) {
+        return wish.action == "test-cut" ? members.text("material", 64).value_or("")
+                                         : std::string();
+      });
   if (!body) return reply(problem_response(body.error(), request));
+  wish.material = *body;
   const Answer<std::int64_t> rev = wanted_rev(request, std::nullopt);
   if (!rev) return reply(problem_response(rev.error(), request));
-  const std::string action(request.path().substr(request.path().rfind('/') + 1));
   answer_once(request, service, reply, [&] {
-    return answer_device(request,
-                         service.act_on_device(request.principal, request.params[0], *rev, action));
+    const Answer<DeviceRecord> device =
+        service.act_on_device(request.principal, request.params[0], *rev, wish);
+    Response response = answer_device(request, device);
+    if (device && !device->test_job.empty())
+      response.headers.push_back({"Location", "/v1/jobs/" + device->test_job});
+    return response;
   });
 }
 
-void list_materials(const Request&, Service& service, const Shop&, Reply reply) {
-  reply(page_response(service.materials(), "",
+void list_materials(const Request& request, Service& service, const Shop&, Reply reply) {
+  constexpr char kList = 'm';
+  std::vector<RequestFault> faults;
+  const PageWish wish = page_wish(request, kList, faults, kUsualWhole);
+  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  reply(page_response(page_of(service.materials(), wish,
+                              [](const MaterialRecord& material) { return material.id; }),
+                      kList,
                       [](const MaterialRecord& material) { return dump(to_json(material)); }));
 }
 

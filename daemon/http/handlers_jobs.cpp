@@ -63,7 +63,9 @@ JobFilter read_filter(const Request& request, std::vector<RequestFault>& faults)
   return filter;
 }
 
-Response job_response(int status, const Job& job) { return revised(status, job.rev, to_json(job)); }
+Response job_response(int status, const Job& job) {
+  return revised(status, job.rev, job_text(job));
+}
 
 Response answer_job(const Request& request, int status, const Answer<Job>& job) {
   return job ? job_response(status, *job) : problem_response(job.error(), request);
@@ -81,11 +83,21 @@ std::string read_job_id(Members& members) {
   return members.text("job", 64).value_or("");
 }
 
+// The job that a body names, held against an If-Match if there is one.
+std::optional<Problem> check_named(const Request& request, Service& service,
+                                   const std::string& id) {
+  if (!request.header("if-match")) return std::nullopt;
+  const Answer<Job> job = service.job(id);
+  return job ? check_seen(request, *job) : job.error();
+}
+
 void set_held(const Request& request, Service& service, const Shop& shop, bool held,
               const Reply& reply) {
   const auto job = read_body_as<std::string>(request, shop.limits.json_depth, read_job_id);
   if (!job) return reply(problem_response(job.error(), request));
   answer_once(request, service, reply, [&] {
+    if (const auto stale = check_named(request, service, *job))
+      return problem_response(*stale, request);
     return answer_job(request, 200, service.hold(request.principal, *job, held));
   });
 }
@@ -105,14 +117,14 @@ void create_job(const Request& request, Service& service, const Shop& shop, Repl
 }
 
 void list_jobs(const Request& request, Service& service, const Shop&, Reply reply) {
+  constexpr char kList = 'j';
   std::vector<RequestFault> faults;
-  const PageWish wish = page_wish(request, faults);
+  const PageWish wish = page_wish(request, kList, faults);
   const JobFilter filter = read_filter(request, faults);
   if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
   Answer<Page<Job>> page = service.jobs(filter, wish);
   if (!page) return reply(problem_response(page.error(), request));
-  reply(page_response(std::move(page->items), std::move(page->next_cursor),
-                      [](const Job& job) { return dump(to_json(job)); }));
+  reply(page_response(std::move(*page), kList, [](const Job& job) { return job_text(job); }));
 }
 
 void get_job(const Request& request, Service& service, const Shop&, Reply reply) {
@@ -141,16 +153,23 @@ void delete_job(const Request& request, Service& service, const Shop&, Reply rep
   if (!job) return reply(problem_response(job.error(), request));
   if (const auto not_theirs = check_owner(request, job->owner))
     return reply(problem_response(*not_theirs, request));
+  if (const auto stale = check_seen(request, *job)) return reply(problem_response(*stale, request));
   const Answer<void> gone = service.delete_job(request.principal, job->id);
   if (!gone) return reply(problem_response(gone.error(), request));
   reply(empty_response());
 }
 
 void job_sheets(const Request& request, Service& service, const Shop&, Reply reply) {
+  constexpr char kList = 's';
+  std::vector<RequestFault> faults;
+  const PageWish wish = page_wish(request, kList, faults, kUsualWhole);
+  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
   Answer<std::vector<SheetRecord>> sheets = service.sheets(request.params[0]);
   if (!sheets) return reply(problem_response(sheets.error(), request));
-  reply(page_response(std::move(*sheets), "",
-                      [](const SheetRecord& sheet) { return dump(to_json(sheet)); }));
+  reply(page_response(
+      page_of(std::move(*sheets), wish,
+              [](const SheetRecord& sheet) { return fmt::format("{:08}", sheet.number); }),
+      kList, [](const SheetRecord& sheet) { return dump(to_json(sheet)); }));
 }
 
 void job_sheet(const Request& request, Service& service, const Shop&, Reply reply) {
@@ -178,13 +197,13 @@ void sheet_ledger(const Request& request, Service& service, const Shop&, Reply r
 }
 
 void get_queue(const Request& request, Service& service, const Shop&, Reply reply) {
+  constexpr char kList = 'q';
   std::vector<RequestFault> faults;
-  const auto limit = query_integer(request, "limit", 1, 1000, faults);
+  const PageWish wish = page_wish(request, kList, faults, kUsualWhole);
   if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
-  std::vector<Job> jobs = service.queue(query_text(request, "device").value_or(""));
-  const std::size_t most = static_cast<std::size_t>(limit.value_or(200));
-  if (jobs.size() > most) jobs.resize(most);
-  reply(page_response(std::move(jobs), "", [](const Job& job) { return dump(to_json(job)); }));
+  Answer<Page<Job>> page = service.queue(query_text(request, "device").value_or(""), wish);
+  if (!page) return reply(problem_response(page.error(), request));
+  reply(page_response(std::move(*page), kList, [](const Job& job) { return job_text(job); }));
 }
 
 void hold_job(const Request& request, Service& service, const Shop& shop, Reply reply) {
@@ -207,6 +226,8 @@ void move_job(const Request& request, Service& service, const Shop& shop, Reply 
   });
   if (!wish) return reply(problem_response(wish.error(), request));
   answer_once(request, service, reply, [&] {
+    if (const auto stale = check_named(request, service, wish->job))
+      return problem_response(*stale, request);
     return answer_job(request, 200, service.move(request.principal, wish->job, wish->before));
   });
 }

@@ -80,8 +80,8 @@ void usage(const Request& request, Service& service, const Shop&, Reply reply) {
   std::vector<UsageRow> rows = service.usage(from, to, by);
   const bool is_csv = request.header("accept").value_or("").find("text/csv") != std::string::npos;
   if (!is_csv)
-    return reply(
-        page_response(std::move(rows), "", [](const UsageRow& row) { return dump(to_json(row)); }));
+    return reply(page_response(Page<UsageRow>{std::move(rows), {}}, 'u',
+                               [](const UsageRow& row) { return dump(to_json(row)); }));
   Response response;
   response.content_type = "text/csv; charset=utf-8";
   response.headers.push_back({"Content-Disposition", "attachment; filename=\"usage.csv\""});

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/http/hub.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <random>
 
@@ -129,6 +131,19 @@ bool Hub::make_room(const Peer& peer, bool& reserved) {
 void Hub::remove(const ClientPtr& client) {
   std::erase(clients, client);
   if (stopping && clients.empty() && on_empty) on_empty();
+}
+
+void Hub::retune(HttpTuning tuning) {
+  names = {tuning.hosts, tuning.origins};
+  options.users = std::move(tuning.users);
+  options.limits = shop.limits = tuning.limits;
+  rate.set(tuning.limits.rate_per_s, tuning.limits.rate_burst);
+  urgent_rate.set(tuning.limits.rate_per_s, tuning.limits.rate_burst);
+  logins.set(tuning.limits.failed_logins_per_minute);
+  for (const ClientPtr& client : std::vector<ClientPtr>(clients))
+    if (client->stream && client->peer.is_local &&
+        !local_principal(client->peer, options.users, ::getuid()))
+      client->close();
 }
 
 void Hub::log_fault(std::string_view what) const {

@@ -110,6 +110,8 @@ struct Hub {
   /// True for a user of the unix socket who has three quarters of all places already.
   [[nodiscard]] bool is_greedy(const Peer& peer) const;
   void remove(const ClientPtr& client);
+  /// See `HttpServer::retune`.
+  void retune(HttpTuning tuning);
   void publish(const EventFramePtr& frame);
   /// Ends all streams by overflow if an event was missed.
   void end_missed();

@@ -156,6 +156,15 @@ void Members::fault(const std::string& name, std::string code, std::string detai
       {fmt::format("{}/{}", pointer_, escaped_pointer(name)), std::move(code), std::move(detail)});
 }
 
+void Members::fault_of(const std::string& name, std::string code, std::string detail) {
+  constexpr std::size_t kMostShown = 64;
+  fault(name, std::move(code), std::move(detail));
+  const json& value = value_.at(name);
+  if (value.is_structured()) return;
+  std::string got = value.dump(-1, ' ', false, json::error_handler_t::replace);
+  if (got.size() <= kMostShown) faults_.back().got = std::move(got);
+}
+
 std::optional<std::string> Members::checked_text(const std::string& name, std::size_t least,
                                                  std::size_t most, bool lines) {
   const json* found = find(name);
@@ -188,7 +197,7 @@ std::optional<std::int64_t> Members::integer(const std::string& name, std::int64
   if (found == nullptr) return std::nullopt;
   const bool is_whole = found->is_number_integer();
   if (!is_whole) {
-    fault(name, "type", "must be a whole number");
+    fault_of(name, "type", "must be a whole number");
     return std::nullopt;
   }
   // Larger than any signed number: certainly out of range.
@@ -197,7 +206,7 @@ std::optional<std::int64_t> Members::integer(const std::string& name, std::int64
                            static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
   const std::int64_t got = is_huge ? 0 : found->get<std::int64_t>();
   if (is_huge || got < low || got > high) {
-    fault(name, "range", fmt::format("must be {}..{}", low, high));
+    fault_of(name, "range", fmt::format("must be {}..{}", low, high));
     return std::nullopt;
   }
   return got;
@@ -207,7 +216,7 @@ std::optional<bool> Members::boolean(const std::string& name) {
   const json* found = find(name);
   if (found == nullptr) return std::nullopt;
   if (!found->is_boolean()) {
-    fault(name, "type", "must be true or false");
+    fault_of(name, "type", "must be true or false");
     return std::nullopt;
   }
   return found->get<bool>();
@@ -218,9 +227,9 @@ std::optional<std::string> Members::word(const std::string& name,
   const std::optional<std::string> got = text(name, 64);
   if (!got || std::find(words.begin(), words.end(), *got) != words.end()) return got;
   const std::string near = nearest_word(*got, words);
-  fault(name, "word",
-        near.empty() ? fmt::format("must be one of {}", fmt::join(words, ", "))
-                     : fmt::format("did you mean {}?", near));
+  fault_of(name, "word",
+           near.empty() ? fmt::format("must be one of {}", fmt::join(words, ", "))
+                        : fmt::format("did you mean {}?", near));
   return std::nullopt;
 }
 

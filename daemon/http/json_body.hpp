@@ -50,6 +50,9 @@ class Members {
 
  private:
   const nlohmann::json* find(const std::string& name);
+  /// A fault of a member that is there, with what stands there if that is short. Never of a text
+  /// that may be a secret.
+  void fault_of(const std::string& name, std::string code, std::string detail);
   std::optional<std::string> checked_text(const std::string& name, std::size_t least,
                                           std::size_t most, bool lines);
   const nlohmann::json& value_;

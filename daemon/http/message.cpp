@@ -116,9 +116,11 @@ Response problem_response(const Problem& problem, std::string_view instance,
   };
   if (!problem.errors.empty()) {
     ordered_json& errors = body["errors"] = ordered_json::array();
-    for (const RequestFault& fault : problem.errors)
+    for (const RequestFault& fault : problem.errors) {
       errors.push_back(
           {{"pointer", fault.pointer}, {"code", fault.code}, {"detail", fault.detail}});
+      if (!fault.got.empty()) errors.back()["got"] = ordered_json::parse(fault.got, nullptr, false);
+    }
   }
   if (problem.rev) body["rev"] = *problem.rev;
   if (!problem.state.empty()) {

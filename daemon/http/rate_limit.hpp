@@ -14,6 +14,8 @@ namespace popcut::daemon::http {
 class RateLimit {
  public:
   RateLimit(double per_s, double burst) : per_s_(per_s), burst_(burst) {}
+  /// Other limits from now on; who has more left than the new burst loses it.
+  void set(double per_s, double burst) { per_s_ = per_s, burst_ = burst; }
   /// Takes one; if there is none, the whole seconds until there is.
   [[nodiscard]] std::optional<int> take(const std::string& key, double now_s);
   [[nodiscard]] std::size_t size() const { return buckets_.size(); }
@@ -32,6 +34,7 @@ class RateLimit {
 class FailedLogins {
  public:
   explicit FailedLogins(int per_minute) : per_minute_(per_minute) {}
+  void set(int per_minute) { per_minute_ = per_minute; }
   /// Notes a failure; seconds to wait if it is one too many.
   [[nodiscard]] std::optional<int> note(const std::string& key, double now_s);
 

@@ -48,7 +48,8 @@ enum class MatchRule : std::uint8_t {
   None,
   Required,  ///< If-Match names the revision that was seen
   OrAny,     ///< or is "*": to stop a knife must not depend on who looked last
-  OrNew      ///< or If-None-Match is "*": it must not be there yet
+  OrNew,     ///< or If-None-Match is "*": it must not be there yet
+  Allowed    ///< held against the revision if it is sent
 };
 enum class Patience : std::uint8_t { Usual, Probe, Design };  ///< how long the answer may take
 

@@ -29,8 +29,6 @@ using http::Socket;
 using Acceptor = boost::asio::basic_socket_acceptor<boost::asio::generic::stream_protocol>;
 namespace asio = boost::asio;
 
-constexpr std::int64_t kAliveFor_ms = 5000;
-
 std::int64_t steady_ms() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
@@ -144,7 +142,7 @@ Result<void> HttpServer::Impl::listen() {
     listeners.push_back(std::move(*listener));
   }
   if (listeners.empty())
-    return fail(ErrorKind::Usage, "http.listen", "names no endpoint; name at least one");
+    return fail(ErrorKind::Usage, "listen", "names no address; name at least one, or a socket");
   return {};
 }
 
@@ -251,6 +249,15 @@ void HttpServer::stop(double grace_s) {
   impl.hub.disk.join();
 }
 
-bool HttpServer::alive() const { return steady_ms() - impl_->turned_ms < kAliveFor_ms; }
+void HttpServer::retune(HttpTuning tuning) {
+  Impl& impl = *impl_;
+  if (!impl.started) return;
+  asio::post(impl.hub.io,
+             [&impl, tuning = std::move(tuning)]() mutable { impl.hub.retune(std::move(tuning)); });
+}
+
+bool HttpServer::alive(double within_s) const {
+  return static_cast<double>(steady_ms() - impl_->turned_ms) < 1000 * within_s;
+}
 
 }  // namespace popcut::daemon

@@ -40,6 +40,13 @@ struct HttpOptions {
   std::shared_ptr<spdlog::logger> log{};  ///< null: no log
 };
 
+/// What of the options may change while it serves.
+struct HttpTuning {
+  std::vector<std::string> hosts{}, origins{};
+  HttpUsers users{};
+  HttpLimits limits{};
+};
+
 /// The HTTP side of popcutd: one thread, all sockets. It asks the service and never waits for it;
 /// a client that is slow, silent or hostile costs a place among the connections and nothing else.
 class HttpServer {
@@ -57,11 +64,14 @@ class HttpServer {
   [[nodiscard]] std::uint16_t port() const;
   /// Where it listens: "127.0.0.1:8631", "unix:/run/popcut.sock".
   [[nodiscard]] std::vector<std::string> endpoints() const;
+  /// Takes other names, users and limits for all requests from now on, those of connections that
+  /// are open too. Streams of users who may nothing any more end.
+  void retune(HttpTuning tuning);
   /// Accepts no more, lets requests end for `grace_s`, then cuts them off. The service's thread
   /// must still run. Idempotent.
   void stop(double grace_s = 2);
-  /// True as long as the thread has turned within the last five seconds (for the watchdog).
-  [[nodiscard]] bool alive() const;
+  /// True as long as the thread has turned within the last seconds (for the watchdog).
+  [[nodiscard]] bool alive(double within_s = 5) const;
 
  private:
   struct Impl;

@@ -47,7 +47,9 @@ Answer<std::vector<std::string>> read_path(std::string_view path) {
     const std::size_t slash = path.find('/');
     Answer<std::string> segment = percent_decoded(path.substr(0, slash));
     if (!segment) return tl::unexpected<Problem>(segment.error());
-    if (segment->find_first_of("/\\") != std::string::npos)
+    // "serial:/dev/ttyUSB0" is the id of a device; no file is ever named by that part.
+    const bool is_device = segments.size() == 2 && segments[0] == "v1" && segments[1] == "devices";
+    if (segment->find_first_of(is_device ? "\\" : "/\\") != std::string::npos)
       return refuse(ProblemKind::BadRequest, "a part of the path holds a slash");
     if (*segment == "." || *segment == "..")
       return refuse(ProblemKind::BadRequest, "the path has '.' or '..' in it; write it out");

@@ -81,6 +81,7 @@ std::string task_json(const WorkerTask& task) {
                  {"design_kind", task.design_kind},
                  {"machine", task.machine_json},
                  {"material", task.material_json},
+                 {"profile", task.profile_json},
                  {"options", task.options}});
 }
 
@@ -93,6 +94,7 @@ Result<WorkerTask> read_task(std::string_view json) {
   task.design_kind = fields.text("design_kind", {});
   task.machine_json = fields.text("machine", {});
   task.material_json = fields.text("material", {});
+  task.profile_json = fields.text("profile", {});
   const nlohmann::json* options = fields.value("options");
   if (options != nullptr && options->is_object())
     for (const auto& [name, value] : options->items()) {

@@ -105,6 +105,8 @@ Result<RowTables> tables_of(const WorkerTask& task) {
   if (!machine) return tl::unexpected(within("machine", machine.error()));
   auto material = add_row(task.material_json, "materials", tables.texts);
   if (!material) return tl::unexpected(within("material", material.error()));
+  auto profile = add_row(task.profile_json, "svg_profiles", tables.texts);
+  if (!profile) return tl::unexpected(within("svg-profile", profile.error()));
   tables.machine = machine->empty() ? kUsualMachine : std::move(*machine);
   tables.material = std::move(*material);
   return tables;

@@ -15,7 +15,7 @@ namespace popcut::planning {
 struct WorkerTask {
   daemon::PlanningTask::Kind kind{};
   std::string design_kind{};  ///< empty: by the content
-  std::string machine_json{}, material_json{};
+  std::string machine_json{}, material_json{}, profile_json{};
   std::map<std::string, std::string> options{};
   std::string design{};
   SurfaceAssets assets{};  ///< by id

@@ -277,6 +277,7 @@ Result<std::deque<Source>> sources_of(const PlanningTask& task) {
   words.kind = task.kind;
   words.design_kind = task.design_kind;
   words.machine_json = task.machine_json;
+  words.profile_json = task.profile_json;
   words.material_json = task.material_json;
   words.options = task.options;
   std::deque<Source> sources;

@@ -49,9 +49,13 @@ class JsonText : public spdlog::custom_flag_formatter {
 std::string without_control(std::string_view text) {
   std::string out;
   out.reserve(text.size());
-  for (const char c : text) {
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
     const auto byte = static_cast<unsigned char>(c);
-    if (c == '\n')
+    const unsigned next = at + 1 < text.size() ? static_cast<unsigned char>(text[at + 1]) : 0;
+    if (byte == 0xc2 && next >= 0x80 && next < 0xa0)  // U+0080 to U+009F: escapes of terminals
+      out += fmt::format("\\u{:04x}", static_cast<unsigned char>(text[++at]));
+    else if (c == '\n')
       out += " | ";
     else if (byte < 0x20 || byte == 0x7f)
       out += fmt::format("\\x{:02x}", byte);

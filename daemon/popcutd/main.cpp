@@ -44,7 +44,9 @@ int run(int argc, char** argv) {
     return report(config.error(), config_code(config.error()));
   }
   if (options->check_config) {
-    std::printf("%s: ok\n", file.empty() ? "no configuration file; the defaults" : file.c_str());
+    std::printf("%s: ok\nSIGHUP takes of it: %s; all else is taken at the next start\n",
+                file.empty() ? "no configuration file; the defaults" : file.c_str(),
+                std::string(kReloadedKeys).c_str());
     return 0;
   }
   const auto log = make_log(config->log, std::getenv("JOURNAL_STREAM") != nullptr);

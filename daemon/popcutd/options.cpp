@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "core/formats/svg_profile.hpp"
 #include "core/plan/machine.hpp"
 #include "daemon/cli/help_pages.hpp"
 #include "daemon/cli/output_folder.hpp"
@@ -46,17 +47,27 @@ Result<std::string> config_text(const DaemonOptions& options, const Paths& paths
   return cli::read_file(found, 1 << 20);
 }
 
-Result<void> check_machines(const Config& config) {
+/// @param file  of the configuration; empty: there is none
+Result<void> check_tables(const Config& config, const std::string& file) {
   const auto tables = cli::read_user_tables();
   if (!tables) return tl::unexpected(tables.error());
+  // Users' own tables whole: what is wrong in one must not be an empty table later.
+  if (const auto all = all_machines(tables->texts); !all)
+    return tl::unexpected(tables->with_file(all.error()));
+  if (const auto all = all_materials(tables->texts); !all)
+    return tl::unexpected(tables->with_file(all.error()));
+  if (const auto all = all_stroke_profiles(tables->texts); !all)
+    return tl::unexpected(tables->with_file(all.error()));
   for (const DeviceConfig& device : config.devices) {
     const bool simulated = device.id.rfind("sim:", 0) == 0;
     const bool by_id = simulated && device.machine.empty();
     for (const std::string& name :
          {device.machine, device.treat_as, by_id ? device.id.substr(4) : std::string()}) {
       if (name.empty()) continue;
-      if (const auto machine = find_machine(name, tables->texts); !machine)
-        return tl::unexpected(within("device " + device.id, tables->with_file(machine.error())));
+      if (const auto machine = find_machine(name, tables->texts); !machine) {
+        Error error = within("device " + device.id, tables->with_file(machine.error()));
+        return tl::unexpected(file.empty() ? error : within(file, std::move(error)));
+      }
     }
   }
   return {};
@@ -136,8 +147,7 @@ Result<Config> load_config(const DaemonOptions& options, std::string& found) {
   if (config->state.empty()) config->state = paths->state;
   if (!options.socket.empty()) config->socket = options.socket;
   if (config->socket.empty() && paths) config->socket = paths->socket;
-  if (auto known = check_machines(*config); !known)
-    return tl::unexpected(found.empty() ? known.error() : within(found, known.error()));
+  if (auto known = check_tables(*config, found); !known) return tl::unexpected(known.error());
   return config;
 }
 

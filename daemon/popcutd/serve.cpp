@@ -3,12 +3,14 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string_view>
@@ -20,6 +22,7 @@
 #include "daemon/devices/make_cutters.hpp"
 #include "daemon/http/server.hpp"
 #include "daemon/planning/make_planner.hpp"
+#include "daemon/popcutd/footprint.hpp"
 #include "daemon/popcutd/greeting.hpp"
 #include "daemon/popcutd/log.hpp"
 #include "daemon/popcutd/sheet_program.hpp"
@@ -35,6 +38,8 @@ using Clock = std::chrono::steady_clock;
 constexpr int kNeedsPerson = 78;
 constexpr double kStopSeconds = 30;   // within the unit's TimeoutStopSec
 constexpr double kStuckSeconds = 10;  // a thread that has not turned for so long is stuck
+constexpr double kQuickSeconds =
+    2;  // however soon the watchdog wants to know; threads idle for 1 s
 constexpr double kLookSeconds = 0.5;
 
 /// Why it does not start, or no more runs.
@@ -77,9 +82,9 @@ class Pulse {
     });
     if (!taken) asked_ = false;
   }
-  [[nodiscard]] bool alive() const {
+  [[nodiscard]] bool alive(double stuck_s) const {
     const std::lock_guard hold(lock_);
-    return since(beat_) < kStuckSeconds;
+    return since(beat_) < stuck_s;
   }
   [[nodiscard]] std::string status() const {
     const std::lock_guard hold(lock_);
@@ -92,6 +97,13 @@ class Pulse {
   Clock::time_point beat_{Clock::now()};
   std::string status_;
 };
+
+std::map<std::string, std::vector<std::string>> materials_of(const Config& config) {
+  std::map<std::string, std::vector<std::string>> materials;
+  for (const DeviceConfig& device : config.devices)
+    if (!device.materials.empty()) materials[device.id] = device.materials;
+  return materials;
+}
 
 HttpUsers users_of(const Config& config) {
   HttpUsers users;
@@ -114,9 +126,15 @@ class Daemon {
   [[nodiscard]] std::optional<Trouble> start(const ServiceManager& manager);
   void stop();
   void beat() { pulse_.ask(*thread_, *service_); }
-  [[nodiscard]] bool alive() const { return pulse_.alive() && http_->alive() && cutters_->alive(); }
+  [[nodiscard]] bool alive() const {
+    return pulse_.alive(stuck_s_) && http_->alive(stuck_s_) && cutters_->alive();
+  }
   [[nodiscard]] std::string status() const { return pulse_.status(); }
   [[nodiscard]] std::vector<std::string> endpoints() const { return http_->endpoints(); }
+  /// Takes of `wanted` what may change while it runs; nothing of it touches a cut.
+  ///
+  /// @retval as `webhook_target`  nothing is taken then
+  [[nodiscard]] Result<void> retune(const Config& wanted);
 
  private:
   [[nodiscard]] std::optional<Trouble> open_state();
@@ -124,8 +142,10 @@ class Daemon {
   [[nodiscard]] std::optional<Trouble> open_service();
   void log_changes();
   [[nodiscard]] std::optional<Trouble> open_webhook();
+  void begin_webhook(WebhookTarget target);
+  void end_webhook();
   [[nodiscard]] std::optional<Trouble> open_http(const ServiceManager& manager);
-  const Config& config_;
+  Config config_;
   std::shared_ptr<spdlog::logger> log_;
   std::vector<std::string> tables_{};
   std::unique_ptr<Store> store_{};
@@ -136,9 +156,13 @@ class Daemon {
   std::unique_ptr<Webhook> webhook_{};
   std::unique_ptr<HttpServer> http_{};
   Pulse pulse_{};
+  double stuck_s_{kStuckSeconds};
 };
 
 std::optional<Trouble> Daemon::start(const ServiceManager& manager) {
+  // Half of what the watchdog grants, so that it is not fed in vain.
+  if (const auto watchdog = manager.watchdog_s())
+    stuck_s_ = std::clamp(*watchdog / 2, kQuickSeconds, kStuckSeconds);
   auto tables = cli::read_user_tables();
   if (!tables) return Trouble{kNeedsPerson, message(tables.error())};
   tables_ = std::move(tables->texts);
@@ -171,6 +195,7 @@ std::optional<Trouble> Daemon::open_devices() {
   CuttersOptions options;
   options.tables = tables_;
   options.devices = config_.devices;
+  options.stuck_s = stuck_s_;
   auto cutters = make_cutters(std::move(options));
   if (!cutters) return Trouble{exit_code(cutters.error().kind), message(cutters.error())};
   cutters_ = std::move(*cutters);
@@ -183,6 +208,7 @@ std::optional<Trouble> Daemon::open_service() {
   options.queue_jobs = config_.queue_jobs;
   options.sheets_per_job = config_.sheets_per_job;
   options.plans_at_once = config_.planner.processes;
+  options.device_materials = materials_of(config_);
   options.tables = tables_;
   options.read_program = stored_program;
   options.log = [log = log_](const std::string& line) { log->info(line); };
@@ -206,9 +232,20 @@ void Daemon::log_changes() {
 }
 
 std::optional<Trouble> Daemon::open_webhook() {
+  // Always, since one may come with SIGHUP.
+  thread_->run(ServiceThread::Lane::Asking, [this] {
+    service_->listen([this](const Event& event) {
+      if (event.seq > 0 && webhook_) webhook_->wake();
+    });
+  });
   if (config_.webhook.url.empty()) return std::nullopt;
   auto target = webhook_target(config_.webhook);
   if (!target) return Trouble{kNeedsPerson, message(target.error())};
+  begin_webhook(std::move(*target));
+  return std::nullopt;
+}
+
+void Daemon::begin_webhook(WebhookTarget target) {
   Webhook::Source source;
   source.events = [this](std::int64_t after, int most) {
     std::vector<Event> events;
@@ -223,14 +260,32 @@ std::optional<Trouble> Daemon::open_webhook() {
     return last;
   };
   source.log = [log = log_](const std::string& line) { log->warn(line); };
-  webhook_ = std::make_unique<Webhook>(std::move(*target), store_->folder().at("webhook"),
-                                       std::move(source));
-  thread_->run(ServiceThread::Lane::Asking, [this] {
-    service_->listen([this](const Event& event) {
-      if (event.seq > 0 && webhook_) webhook_->wake();
-    });
+  auto webhook = std::make_unique<Webhook>(std::move(target), store_->folder().at("webhook"),
+                                           std::move(source));
+  thread_->run(ServiceThread::Lane::Asking, [&] { webhook_ = std::move(webhook); });
+}
+
+void Daemon::end_webhook() {
+  std::unique_ptr<Webhook> webhook;
+  if (thread_)  // on whose thread it is woken
+    thread_->run(ServiceThread::Lane::Asking, [&] { webhook = std::move(webhook_); });
+}
+
+Result<void> Daemon::retune(const Config& wanted) {
+  // The secret may have changed in its file, so a webhook is always begun anew.
+  std::optional<WebhookTarget> target;
+  if (!wanted.webhook.url.empty()) {
+    auto found = webhook_target(wanted.webhook);
+    if (!found) return tl::unexpected(found.error());
+    target = std::move(*found);
+  }
+  http_->retune({wanted.allowed_hosts, wanted.allowed_origins, users_of(wanted), wanted.limits});
+  thread_->run(ServiceThread::Lane::Asking, [&] {
+    service_->retune({wanted.queue_jobs, wanted.sheets_per_job, materials_of(wanted)});
   });
-  return std::nullopt;
+  end_webhook();
+  if (target) begin_webhook(std::move(*target));
+  return {};
 }
 
 std::optional<Trouble> Daemon::open_http(const ServiceManager& manager) {
@@ -263,16 +318,13 @@ void Daemon::stop() {
   if (service_) thread_->run(ServiceThread::Lane::Cutting, [this] { service_->stopping(); });
   if (cutters_) cutters_->stop_all(kStopSeconds);
   if (http_) http_->stop();
-  std::unique_ptr<Webhook> webhook;
-  if (thread_)  // on whose thread it is woken
-    thread_->run(ServiceThread::Lane::Asking, [&] { webhook = std::move(webhook_); });
-  webhook.reset();
+  end_webhook();
   planner_.reset();
   if (thread_) thread_->stop();
   http_.reset();
   service_.reset();
+  cutters_.reset();  // one that is stuck may still want to write down how its cut ended
   thread_.reset();
-  cutters_.reset();
   store_.reset();
 }
 
@@ -297,23 +349,23 @@ class Signals {
   sigset_t set_{};
 };
 
-void reload(const DaemonOptions& options, const Config& running, const ServiceManager& manager,
-            spdlog::logger& log) {
+void reload(Daemon& daemon, const DaemonOptions& options, const Config& running,
+            const ServiceManager& manager, spdlog::logger& log) {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
   manager.tell(
       fmt::format("RELOADING=1\nMONOTONIC_USEC={}", now.tv_sec * 1'000'000 + now.tv_nsec / 1000));
   std::string file;
   const auto config = load_config(options, file);
-  if (!config) {
-    log.error("the configuration was not read again: {}", message(config.error()));
+  const Result<void> taken =
+      config ? daemon.retune(*config) : Result<void>(tl::unexpected(config.error()));
+  if (!taken) {
+    log.error("the configuration was not taken, all stays as it was: {}", message(taken.error()));
   } else {
     set_level(log, config->log.level);
-    log.info(
-        "the configuration was read again: the level of the log is {}; all else is taken at "
-        "the next start",
-        config->log.level);
-    if (config->state != running.state) log.warn("the state folder stays {}", running.state);
+    log.info("the configuration was read again; taken: {}", kReloadedKeys);
+    if (const auto later = restart_keys(running, *config); !later.empty())
+      log.warn("changed, and taken at the next start only: {}", fmt::join(later, ", "));
   }
   manager.tell("READY=1");
 }
@@ -336,7 +388,7 @@ void watch(Daemon& daemon, const Config& config, const DaemonOptions& options,
   bool well = true;
   for (;;) {
     const int signal = signals.wait(step);
-    if (signal == SIGHUP) reload(options, config, manager, log);
+    if (signal == SIGHUP) reload(daemon, options, config, manager, log);
     if (signal == SIGINT || signal == SIGTERM) return;
     daemon.beat();
     const bool alive = daemon.alive();
@@ -367,6 +419,7 @@ int serve(const Config& config, const DaemonOptions& options, const ServiceManag
   if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "{}", greeting(config, daemon.endpoints()));
   log->info("serving at {}", fmt::join(daemon.endpoints(), ", "));
   manager.tell("READY=1\nSTATUS=serving");
+  give_back_start();
   watch(daemon, config, options, manager, signals, *log);
   log->info("stopping: cuts end with their stroke");
   manager.tell(fmt::format("STOPPING=1\nEXTEND_TIMEOUT_USEC={:.0f}", (kStopSeconds + 10) * 1e6));

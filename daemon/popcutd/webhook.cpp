@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "daemon/client/http_client.hpp"
+#include "daemon/digest/digest.hpp"
 #include "daemon/http/render.hpp"
 #include "daemon/store/state_folder.hpp"
 
@@ -69,9 +70,7 @@ std::string webhook_signature(std::string_view secret, std::string_view timestam
   unsigned int size = 0;
   HMAC(EVP_sha256(), secret.data(), static_cast<int>(secret.size()),
        reinterpret_cast<const unsigned char*>(text.data()), text.size(), digest.data(), &size);
-  std::string out = "sha256=";
-  for (unsigned int k = 0; k < size; ++k) out += fmt::format("{:02x}", digest[k]);
-  return out;
+  return "sha256=" + hex_of({reinterpret_cast<const char*>(digest.data()), size});
 }
 
 struct Webhook::Impl {

@@ -30,6 +30,16 @@ std::string audit_detail(const ActionWish& wish, const JobRow& row) {
   return detail;
 }
 
+// Why those that are there cannot cut a plan: " (sim:a: it is set up for ...)"; empty: none is.
+std::string why_none(const DeviceBook& devices, const PlanRow& plan) {
+  constexpr std::size_t kMost = 3;
+  std::vector<std::string> reasons;
+  for (const DeviceRecord& device : devices.list())
+    if (reasons.size() < kMost && devices.usable(device.id))
+      reasons.push_back(fmt::format("{}: {}", device.id, devices.misfit(device.id, plan)));
+  return reasons.empty() ? std::string() : fmt::format(" ({})", fmt::join(reasons, "; "));
+}
+
 }  // namespace
 
 Answer<void> CutDesk::check_words(const JobRow& row, const ActionWish& wish) const {
@@ -52,7 +62,8 @@ Answer<Job> CutDesk::act(const Principal& who, const std::string& id, std::int64
   JobBook& jobs = parts_.jobs;
   const bool to_the_knife = wish.action == JobAction::Pause || wish.action == JobAction::Cancel;
   try {
-    const Answer<Job> done = parts_.memory.change([&]() -> Answer<Job> {
+    // Not const: it is moved out, since a copy of an Answer ends the program without memory.
+    Answer<Job> done = parts_.memory.change([&]() -> Answer<Job> {
       Answer<JobRow> found = jobs.row(id);
       if (!found) return tl::unexpected(found.error());
       JobRow& row = *found;
@@ -148,8 +159,8 @@ Answer<std::string> CutDesk::choose_device(const JobRow& row, const ActionWish& 
   std::vector<std::string> fitting = devices.fitting(plan);
   if (fitting.empty())
     return refuse(ProblemKind::DeviceAbsent,
-                  fmt::format("no {} is there that can cut this; plug one in and switch it on",
-                              plan.machine));
+                  fmt::format("no {} is there that can cut this; plug one in and switch it on{}",
+                              plan.machine, why_none(devices, plan)));
   if (fitting.size() > 1)
     std::erase_if(fitting, [&](const std::string& id) {
       return parts_.jobs.table().on_device(id).has_value();
@@ -319,7 +330,12 @@ void CutDesk::tick() {
   for (const auto& [job, until] : armed_until_)
     if (until <= now) over.push_back(job);
   for (const std::string& job : over) lapse(job, "arm_expired");
-  if (late_.empty() || parts_.memory.degraded()) return;
+  if (parts_.memory.degraded()) return;
+  std::vector<std::shared_ptr<Cut>> refused;
+  for (const auto& [job, cut] : cuts_)
+    if (cut->refusal) refused.push_back(cut);
+  for (const auto& cut : refused) record_refusal(cut);
+  if (late_.empty()) return;
   const std::vector<LateEnd> late = std::exchange(late_, {});
   for (const LateEnd& one : late) ended(one.cut, one.end);
 }

@@ -113,16 +113,25 @@ void DeviceBook::keep(const Entry& entry) {
       record.length_mm, record.enabled, record.state, record.sheets_done, record.cut_mm);
 }
 
+DeviceRecord DeviceBook::shown(const Entry& entry) const {
+  DeviceRecord record = entry.record;
+  record.machine = entry.machine;
+  if (const auto set_up = options_.device_materials.find(record.id);
+      set_up != options_.device_materials.end())
+    record.materials = set_up->second;
+  return record;
+}
+
 std::vector<DeviceRecord> DeviceBook::list() const {
   std::vector<DeviceRecord> all;
-  for (const auto& [id, entry] : entries_) all.push_back(entry.record);
+  for (const auto& [id, entry] : entries_) all.push_back(shown(entry));
   return all;
 }
 
 std::optional<DeviceRecord> DeviceBook::find(const std::string& id) const {
   const auto found = entries_.find(id);
   if (found == entries_.end()) return std::nullopt;
-  return found->second.record;
+  return shown(found->second);
 }
 
 Problem DeviceBook::unknown(const std::string& id, const std::string& pointer) const {

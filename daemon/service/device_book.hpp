@@ -53,6 +53,7 @@ class DeviceBook {
     int sessions{0};
     bool kept{false};  ///< there is a row of it
   };
+  [[nodiscard]] DeviceRecord shown(const Entry& entry) const;
   void keep(const Entry& entry);
   bool take_in(Entry& entry, const DeviceRecord& fresh);
   Memory& memory_;

@@ -72,10 +72,19 @@ std::string metrics_text(Memory& memory, JobTable& jobs, const std::vector<Devic
   fmt::format_to(out,
                  "# TYPE popcut_queue_oldest_seconds gauge\npopcut_queue_oldest_seconds {:.3f}\n",
                  oldest == 0 ? 0.0 : static_cast<double>(memory.now() - oldest) / 1000);
-  fmt::format_to(out, "# TYPE popcut_sheets_done counter\n");
+  fmt::format_to(out,
+                 "# TYPE popcut_sheets counter\n# HELP popcut_sheets Sheets by how they "
+                 "ended.\n");
   for (const DeviceRecord& device : devices)
-    fmt::format_to(out, "popcut_sheets_done_total{{device=\"{}\"}} {}\n", label(device.id),
-                   device.sheets_done);
+    fmt::format_to(out, "popcut_sheets_total{{device=\"{}\",outcome=\"done\"}} {}\n",
+                   label(device.id), device.sheets_done);
+  Rows ends = db.rows(
+      "SELECT device, CASE end_kind WHEN 'cancelled' THEN 'cancelled' ELSE 'interrupted' END AS "
+      "outcome, count(*) FROM attempt WHERE ended IS NOT NULL AND end_kind NOT IN ('done', "
+      "'refused') GROUP BY device, outcome ORDER BY device, outcome");
+  while (ends.next())
+    fmt::format_to(out, "popcut_sheets_total{{device=\"{}\",outcome=\"{}\"}} {}\n",
+                   label(ends.text(0)), ends.text(1), ends.integer(2));
   fmt::format_to(out, "# TYPE popcut_cut_mm counter\n");
   for (const DeviceRecord& device : devices)
     fmt::format_to(out, "popcut_cut_mm_total{{device=\"{}\"}} {:.1f}\n", label(device.id),

@@ -2,7 +2,6 @@
 #include "daemon/service/job_book.hpp"
 
 #include <algorithm>
-#include <map>
 
 #include <fmt/format.h>
 
@@ -10,7 +9,6 @@ namespace popcut::daemon {
 namespace {
 
 constexpr int kAtOnce = 200;  // jobs of one plan that change in one transaction
-constexpr int kQueueShown = 1000;
 constexpr std::int64_t kPositionStep = std::int64_t{1} << 20;
 constexpr std::size_t kMostTags = 20;
 
@@ -73,10 +71,11 @@ Answer<Job> JobBook::create(const Principal& who, const JobCreate& wish) {
   });
 }
 
-Answer<Job> JobBook::create_test(const Principal& who, const std::string& device) {
+Answer<Job> JobBook::create_test(const Principal& who, const std::string& device,
+                                 const std::string& material) {
   return parts_.memory.change([&]() -> Answer<Job> {
     if (const auto room = parts_.memory.accepts_work(); !room) return tl::unexpected(room.error());
-    const Answer<PlanRow> plan = parts_.plans.wish_test(device, "");
+    const Answer<PlanRow> plan = parts_.plans.wish_test(device, material);
     if (!plan) return tl::unexpected(plan.error());
     JobCreate wish;
     wish.device = device;
@@ -405,23 +404,6 @@ Answer<Job> JobBook::move(const Principal& who, const std::string& id, const std
     parts_.memory.emit("queue", id, fmt::format(R"("moved":true,"rev":{})", row->rev));
     return shown(*row);
   });
-}
-
-std::vector<Job> JobBook::queue(const std::string& device) {
-  std::vector<Job> all;
-  std::map<std::string, bool> fits;  // by plan: many jobs share one
-  for (const JobRow& row : jobs_.queue(device, kQueueShown)) {
-    if (!device.empty() && row.device.empty() && row.sheets_total > 0) {
-      const auto [known, is_new] = fits.try_emplace(row.plan, true);
-      if (is_new) {
-        const auto plan = parts_.plans.table().find(row.plan);
-        known->second = !plan || parts_.devices.misfit(device, *plan).empty();
-      }
-      if (!known->second) continue;
-    }
-    all.push_back(shown(row));
-  }
-  return all;
 }
 
 }  // namespace popcut::daemon

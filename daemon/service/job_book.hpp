@@ -38,8 +38,9 @@ class JobBook {
       : parts_(std::move(parts)), jobs_(parts_.memory.db()), attempts_(parts_.memory.db()) {}
 
   [[nodiscard]] Answer<Job> create(const Principal& who, const JobCreate& wish);
-  /// The material's test shape as a job for that device.
-  [[nodiscard]] Answer<Job> create_test(const Principal& who, const std::string& device);
+  /// The material's test shape as a job for that device; an empty material is the usual one.
+  [[nodiscard]] Answer<Job> create_test(const Principal& who, const std::string& device,
+                                        const std::string& material);
   [[nodiscard]] Answer<Page<Job>> list(const JobFilter& filter, const PageWish& wish);
   [[nodiscard]] Answer<Job> find(const std::string& id);
   [[nodiscard]] Answer<std::vector<SheetRecord>> sheets(const std::string& id);
@@ -47,7 +48,7 @@ class JobBook {
   [[nodiscard]] Answer<Job> patch(const Principal& who, const std::string& id,
                                   std::int64_t if_match, const JobPatch& wish);
   [[nodiscard]] Answer<void> remove(const Principal& who, const std::string& id);
-  [[nodiscard]] std::vector<Job> queue(const std::string& device);
+  [[nodiscard]] Answer<Page<Job>> queue(const std::string& device, const PageWish& wish);
   [[nodiscard]] Answer<Job> hold(const Principal& who, const std::string& id, bool held);
   [[nodiscard]] Answer<Job> move(const Principal& who, const std::string& id,
                                  const std::string& before);

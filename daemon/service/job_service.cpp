@@ -3,12 +3,12 @@
 
 #include <chrono>
 #include <cstdlib>
-#include <thread>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include "daemon/service/cut_desk.hpp"
+#include "daemon/service/device_desk.hpp"
 #include "daemon/service/figures.hpp"
 #include "daemon/service/recovery.hpp"
 #include "daemon/service/tokens.hpp"
@@ -58,16 +58,14 @@ class LiveService final : public JobService {
         designs_(memory_, thread, planner, alive_),
         plans_({memory_, thread, planner, designs_, materials_, devices_, options_, alive_}),
         jobs_({memory_, thread, plans_, devices_, options_, alive_}),
-        desk_({memory_, thread, cutters, jobs_, plans_, devices_, options_, alive_}) {
+        desk_({memory_, thread, cutters, jobs_, plans_, devices_, options_, alive_}),
+        device_desk_({memory_, thread, cutters, devices_, jobs_, desk_, alive_}) {
     plans_.begun = [this](const std::string& plan) { jobs_.plan_begun(plan); };
     plans_.ended = [this](const std::string& plan) { jobs_.plan_ended(plan); };
     jobs_.live = [this](const std::string& job) { return desk_.live(job); };
     memory_.on_degraded = [this] { desk_.stop_cuts(); };
   }
-  ~LiveService() override {
-    cutters_.on_change({});
-    if (errand_.joinable()) errand_.join();
-  }
+  ~LiveService() override { cutters_.on_change({}); }
 
   Answer<void> begin();
 
@@ -143,7 +141,9 @@ class LiveService final : public JobService {
   Answer<void> delete_job(const Principal& who, const std::string& id) override {
     return jobs_.remove(who, id);
   }
-  std::vector<Job> queue(const std::string& device) override { return jobs_.queue(device); }
+  Answer<Page<Job>> queue(const std::string& device, const PageWish& wish) override {
+    return jobs_.queue(device, wish);
+  }
   Answer<Job> hold(const Principal& who, const std::string& job, bool held) override {
     return jobs_.hold(who, job, held);
   }
@@ -153,10 +153,12 @@ class LiveService final : public JobService {
   }
 
   // Devices and materials
-  std::vector<DeviceRecord> devices() override;
-  Answer<DeviceRecord> device(const std::string& id) override;
+  std::vector<DeviceRecord> devices() override { return device_desk_.list(); }
+  Answer<DeviceRecord> device(const std::string& id) override { return device_desk_.find(id); }
   Answer<DeviceRecord> act_on_device(const Principal& who, const std::string& id,
-                                     std::int64_t if_match, const std::string& action) override;
+                                     std::int64_t if_match, const DeviceWish& wish) override {
+    return device_desk_.act(who, id, if_match, wish);
+  }
   std::vector<MaterialRecord> materials() override { return materials_.list(); }
   Answer<MaterialRecord> material(const std::string& id) override { return materials_.find(id); }
   Answer<MaterialRecord> put_material(const Principal& who, const std::string& id,
@@ -180,7 +182,9 @@ class LiveService final : public JobService {
     return usage_by(memory_.db(), from, to, by);
   }
   Health health() override;
-  std::string metrics() override { return metrics_text(memory_, jobs_.table(), devices_.list()); }
+  std::string metrics() override {
+    return metrics_text(memory_, jobs_.table(), devices_.list()) + cutters_.metrics();
+  }
   Answer<std::string> backup(const Principal& who) override;
   Answer<std::string> check_integrity(const Principal& who) override;
 
@@ -189,10 +193,13 @@ class LiveService final : public JobService {
     plans_.stop();
   }
   void tick() override;
+  void retune(ServiceTuning tuning) override {
+    options_.queue_jobs = tuning.queue_jobs;
+    options_.sheets_per_job = tuning.sheets_per_job;
+    options_.device_materials = std::move(tuning.device_materials);
+  }
 
  private:
-  void look_at_devices() { desk_.devices_gone(devices_.refresh()); }
-  void reset(const std::string& id);
   void prune();
   [[nodiscard]] Answer<void> idle_admin(const Principal& who) const;
 
@@ -209,12 +216,11 @@ class LiveService final : public JobService {
   PlanningQueue plans_;
   JobBook jobs_;
   CutDesk desk_;
-  std::thread errand_;
-  bool errand_running_{false};
+  DeviceDesk device_desk_;
 };
 
 Answer<void> LiveService::begin() {
-  const Answer<void> recovered = recover(memory_, jobs_);
+  Answer<void> recovered = recover(memory_, jobs_);
   if (!recovered) return recovered;
   try {
     store_.mark_in_use();
@@ -228,10 +234,10 @@ Answer<void> LiveService::begin() {
   const std::weak_ptr<void> alive = alive_;
   cutters_.on_change([this, alive, thread = &thread_] {
     thread->post(ServiceThread::Lane::Asking, [this, alive] {
-      if (const auto here = alive.lock()) look_at_devices();
+      if (const auto here = alive.lock()) device_desk_.look();
     });
   });
-  look_at_devices();
+  device_desk_.look();
   // Plans that were stored just before the last run ended.
   std::vector<std::string> stored;
   {
@@ -302,83 +308,6 @@ Answer<PlanRecord> LiveService::plan_design(const Principal& who, const PlanWish
   });
 }
 
-std::vector<DeviceRecord> LiveService::devices() {
-  std::vector<DeviceRecord> all = devices_.list();
-  for (DeviceRecord& one : all)
-    if (const auto row = jobs_.table().on_device(one.id)) one.job = row->id;
-  return all;
-}
-
-Answer<DeviceRecord> LiveService::device(const std::string& id) {
-  return memory_.look([&]() -> Answer<DeviceRecord> {
-    auto found = devices_.find(id);
-    if (!found) return refuse(ProblemKind::NotFound, devices_.unknown(id, "/device").detail);
-    if (const auto row = jobs_.table().on_device(id)) found->job = row->id;
-    return *found;
-  });
-}
-
-Answer<DeviceRecord> LiveService::act_on_device(const Principal& who, const std::string& id,
-                                                std::int64_t if_match, const std::string& action) {
-  const bool enabling = action == "enable" || action == "disable";
-  if (who.role < (enabling ? Role::Admin : Role::Operator))
-    return refuse(ProblemKind::Forbidden, enabling ? "devices are enabled and disabled by an admin"
-                                                   : "devices are used by an operator");
-  const Answer<DeviceRecord> before = device(id);
-  if (!before) return before;
-  if (before->rev != if_match) {
-    Problem stale{ProblemKind::Stale, "the device has changed meanwhile; read it again"};
-    stale.rev = before->rev;
-    stale.state = before->state;
-    return tl::unexpected(std::move(stale));
-  }
-  const Answer<void> done = memory_.change([&]() -> Answer<void> {
-    if (enabling) {
-      devices_.set_enabled(id, action == "enable");
-    } else if (action == "reset") {
-      if (!before->job.empty() || errand_running_)
-        return refuse(ProblemKind::StateConflict,
-                      before->job.empty() ? "another reset is under way"
-                                          : id + " has a sheet of job " + before->job + " in it");
-      memory_.after_commit([this, id] { reset(id); });
-    } else if (action == "test-cut") {
-      const Answer<Job> job = jobs_.create_test(who, id);
-      if (!job) return tl::unexpected(job.error());
-    } else {
-      return refuse(ProblemKind::NotFound,
-                    "a device has the actions enable, disable, reset and test-cut");
-    }
-    memory_.audit(who.name, action, id, "");
-    return {};
-  });
-  if (!done) return tl::unexpected(done.error());
-  // Disabling takes back what was armed there.
-  if (action == "disable") desk_.devices_gone({id});
-  return device(id);
-}
-
-// Resetting waits for the device, so it has a thread of its own.
-void LiveService::reset(const std::string& id) {
-  if (errand_.joinable()) errand_.join();
-  errand_running_ = true;
-  errand_ = std::thread(
-      [this, id, thread = &thread_, cutters = &cutters_, alive = std::weak_ptr<void>(alive_)] {
-        const Result<void> done = cutters->reset(id);
-        thread->post(ServiceThread::Lane::Asking, [this, id, alive, done] {
-          const auto here = alive.lock();
-          if (!here) return;
-          errand_running_ = false;
-          (void)memory_.change([&]() -> Answer<void> {
-            memory_.emit("notice", "",
-                         fmt::format(R"("device":{},"what":"reset","error":{})", json_text(id),
-                                     done ? "null" : json_text(message(done.error()))));
-            return {};
-          });
-          look_at_devices();
-        });
-      });
-}
-
 Answer<std::vector<Event>> LiveService::events(std::int64_t after, int limit,
                                                const std::string& job) {
   return memory_.look([&]() -> Answer<std::vector<Event>> {
@@ -435,7 +364,7 @@ Answer<std::string> LiveService::backup(const Principal& who) {
   const std::string name = fmt::format("popcut-{:%Y%m%dT%H%M%S}Z-{}.db",
                                        fmt::gmtime(static_cast<std::time_t>(memory_.now() / 1000)),
                                        sha256_hex(random_bytes(8)).substr(0, 6));
-  const auto made = memory_.look(
+  auto made = memory_.look(
       [&]() -> Answer<std::string> { return back_up(memory_.db(), store_.folder(), name); });
   if (!made) return made;
   (void)memory_.change([&]() -> Answer<void> {
@@ -483,7 +412,7 @@ void LiveService::prune() {
 void LiveService::tick() {
   memory_.recover_disk();
   desk_.tick();
-  look_at_devices();
+  device_desk_.look();
   if (memory_.degraded()) return;
   if (!memory_.full()) jobs_.catch_up();
   plans_.pump();

@@ -41,6 +41,13 @@ struct ServiceOptions {
   std::function<std::int64_t()> monotonic_ms{};        ///< empty: CLOCK_MONOTONIC
 };
 
+/// What of the options may change while it runs.
+struct ServiceTuning {
+  std::int64_t queue_jobs{50'000};
+  int sheets_per_job{10'000};
+  std::map<std::string, std::vector<std::string>> device_materials{};
+};
+
 /// The service over a store, and what its owner asks of it beside.
 class JobService : public Service {
  public:
@@ -50,6 +57,8 @@ class JobService : public Service {
   /// What is done from time to time: arms that lapse, old rows, the disk. Once a second is right;
   /// `make_service` sees to it.
   virtual void tick() = 0;
+  /// From now on; what is queued, armed or cutting stays as it is. On the service's thread.
+  virtual void retune(ServiceTuning tuning) = 0;
 };
 
 /// Starts the service on `thread`: first one transaction that tells the truth about what the last

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -115,6 +116,46 @@ Answer<Page<Job>> JobBook::list(const JobFilter& filter, const PageWish& wish) {
     if (more) rows.pop_back();
     for (const JobRow& row : rows) page.items.push_back(shown(row));
     if (more && !rows.empty()) page.next_cursor = rows.back().id;
+    return page;
+  });
+}
+
+Answer<Page<Job>> JobBook::queue(const std::string& device, const PageWish& wish) {
+  constexpr int kMostLooked = 2000;  // rows of one request, fitting or not
+  std::optional<QueuePlace> after;
+  if (!wish.cursor.empty()) {
+    after = queue_place_from(wish.cursor);
+    if (!after)
+      return tl::unexpected(Problem{ProblemKind::Validation,
+                                    "the cursor is not valid",
+                                    {{"?cursor", "format", "must be what the page before gave"}}});
+  }
+  return parts_.memory.look([&]() -> Answer<Page<Job>> {
+    Page<Job> page;
+    std::map<std::string, bool> fits;  // by plan: many jobs share one
+    const auto fitting = [&](const JobRow& row) {
+      if (device.empty() || !row.device.empty() || row.sheets_total == 0) return true;
+      const auto [known, is_new] = fits.try_emplace(row.plan, true);
+      if (is_new) {
+        const auto plan = parts_.plans.table().find(row.plan);
+        known->second = !plan || parts_.devices.misfit(device, *plan).empty();
+      }
+      return known->second;
+    };
+    for (int looked = 0; looked < kMostLooked;) {
+      const std::vector<JobRow> rows = jobs_.queue(device, after, wish.limit + 1);
+      for (const JobRow& row : rows) {
+        if (page.items.size() == static_cast<std::size_t>(wish.limit)) {
+          page.next_cursor = text_of(*after);
+          return page;
+        }
+        after = QueuePlace{row.priority, row.position, row.id};
+        if (fitting(row)) page.items.push_back(shown(row));
+      }
+      if (static_cast<int>(rows.size()) <= wish.limit) return page;
+      looked += static_cast<int>(rows.size());
+    }
+    page.next_cursor = text_of(*after);
     return page;
   });
 }

@@ -74,6 +74,9 @@ const std::map<std::string, std::string>& MaterialBook::built_in() {
   if (!loaded_) {
     materials_ = rows_of("materials", kMaterialsJson, options_.tables);
     machines_ = rows_of("machines", kMachinesJson, options_.tables);
+    if (const auto found = table_rows("svg_profiles", kSvgProfilesJson, options_.tables))
+      for (const TableRow& row : *found)
+        if (row.table >= 0) profiles_[row.name] = row.row.dump();
     loaded_ = true;
   }
   return materials_;
@@ -148,6 +151,12 @@ Answer<void> MaterialBook::remove(const Principal& who, const std::string& id,
     memory_.audit(who.name, "delete-material", id, "");
     return {};
   });
+}
+
+std::string MaterialBook::profile_row(const std::string& name) {
+  built_in();
+  const auto found = profiles_.find(name);
+  return found == profiles_.end() ? std::string() : found->second;
 }
 
 Answer<std::string> MaterialBook::machine_row(const std::string& name) {

@@ -10,8 +10,9 @@
 
 namespace popcut::daemon {
 
-/// The tables of materials and machines: the built-in ones, users' own, and the materials that were
-/// put into the store. Rows are whole: what a row inherits by "like" is filled in.
+/// The tables of materials, machines and SVG profiles: the built-in ones, users' own, and the
+/// materials that were put into the store. Rows are whole: what a row inherits by "like" is filled
+/// in.
 class MaterialBook {
  public:
   MaterialBook(Memory& memory, const ServiceOptions& options)
@@ -25,13 +26,15 @@ class MaterialBook {
                                     std::int64_t if_match);
   /// The row of a machine as JSON.
   [[nodiscard]] Answer<std::string> machine_row(const std::string& name);
+  /// The row of an SVG profile of a user's table as JSON; empty for one that is built in, or none.
+  [[nodiscard]] std::string profile_row(const std::string& name);
 
  private:
   const std::map<std::string, std::string>& built_in();
   [[nodiscard]] std::optional<MaterialRecord> stored(const std::string& id);
   Memory& memory_;
   const ServiceOptions& options_;
-  std::map<std::string, std::string> materials_, machines_;
+  std::map<std::string, std::string> materials_, machines_, profiles_;
   bool loaded_{false};
 };
 

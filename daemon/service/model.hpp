@@ -251,6 +251,15 @@ struct DeviceRecord {
   std::int64_t plugs{};
   std::int64_t sheets_done{};
   double cut_mm{};
+  std::string machine{};                 ///< row of the table that it is driven as
+  std::vector<std::string> materials{};  ///< it is set up for; none: any
+  std::string test_job{};                ///< in the answer to test-cut: the job that was made
+};
+
+/// What a person asks of a device.
+struct DeviceWish {
+  std::string action;      ///< enable, disable, reset, test-cut
+  std::string material{};  ///< of a test cut; empty: the usual one
 };
 
 struct MaterialRecord {

@@ -13,6 +13,8 @@ namespace {
 constexpr const char* kUsualMaterial = "paper-220";
 constexpr const char* kUsualMachine = "cameo3";
 constexpr std::size_t kMostHurried = 1000;
+// Beside a plan's options as they were given: the row that the SVG profile had then.
+constexpr const char* kProfileRow = "svg-profile-row";
 
 std::map<std::string, std::string> words_of(const std::string& json) {
   const nlohmann::json object = nlohmann::json::parse(json, nullptr, false);
@@ -120,13 +122,22 @@ Answer<PlanRow> PlanningQueue::wish(const PlanWish& wish) {
   }
   const Answer<Machine> machine = machine_for(wish.device, wish.machine);
   if (!machine) return tl::unexpected(machine.error());
+  std::map<std::string, std::string> options = wish.options;
+  if (options.contains(kProfileRow))
+    return tl::unexpected(Problem{ProblemKind::Validation,
+                                  "the options are not valid",
+                                  {{fmt::format("/options/{}", kProfileRow), "option",
+                                    "must be left out; name svg-profile"}}});
+  if (const auto named = options.find("svg-profile"); named != options.end())
+    if (std::string own = parts_.materials.profile_row(named->second); !own.empty())
+      options[kProfileRow] = std::move(own);
   return find_or_add({.id = {},
                       .key = {},
                       .kind = "design",
                       .design = design->id,
                       .material = material,
                       .machine = machine->name,
-                      .options = nlohmann::json(wish.options).dump(),
+                      .options = nlohmann::json(options).dump(),
                       .machine_json = machine->json,
                       .material_json = row->json});
 }
@@ -134,7 +145,12 @@ Answer<PlanRow> PlanningQueue::wish(const PlanWish& wish) {
 Answer<PlanRow> PlanningQueue::wish_test(const std::string& device, const std::string& material) {
   const Answer<MaterialRecord> row =
       parts_.materials.find(material.empty() ? kUsualMaterial : material);
-  if (!row) return tl::unexpected(row.error());
+  if (!row) {
+    if (row.error().kind != ProblemKind::NotFound) return tl::unexpected(row.error());
+    return tl::unexpected(Problem{ProblemKind::Validation,
+                                  row.error().detail,
+                                  {{"/material", "unknown", row.error().detail}}});
+  }
   const Answer<Machine> machine = machine_for(device, "");
   if (!machine) return tl::unexpected(machine.error());
   return find_or_add({.id = {},
@@ -218,6 +234,7 @@ bool PlanningQueue::start(const std::string& id) {
   task.machine_json = plan->machine_json;
   task.material_json = plan->material_json;
   task.options = words_of(plan->options);
+  if (auto own = task.options.extract(kProfileRow)) task.profile_json = std::move(own.mapped());
   running_[id] = 0;
   // It may be over before its number is known, but what is posted runs only after this.
   running_[id] = parts_.planner.start(

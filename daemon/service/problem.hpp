@@ -44,6 +44,7 @@ struct RequestFault {
   std::string pointer;  ///< JSON pointer into the body, "?name" of a query, or "line:column"
   std::string code;     ///< "range", "unknown_member", "type", "missing", ...
   std::string detail;   ///< what would be right: "must be 1..1000", "did you mean /material?"
+  std::string got{};    ///< what stands there, as JSON, where it is short; empty: not told
 };
 
 /// Why a request was not done.

@@ -91,8 +91,9 @@ class Service {
   [[nodiscard]] virtual Answer<void> delete_job(const Principal&, const std::string& id) = 0;
 
   // The queue
-  /// Jobs that are not ended, in the order in which each device will be offered them.
-  [[nodiscard]] virtual std::vector<Job> queue(const std::string& device) = 0;
+  /// Jobs that are not ended, in the order in which each device will be offered them. A page may
+  /// have fewer than its limit and yet another after it.
+  [[nodiscard]] virtual Answer<Page<Job>> queue(const std::string& device, const PageWish&) = 0;
   [[nodiscard]] virtual Answer<Job> hold(const Principal&, const std::string& job, bool held) = 0;
   /// Puts `job` before `before` (empty: to the end) among those of its priority.
   [[nodiscard]] virtual Answer<Job> move(const Principal&, const std::string& job,
@@ -101,10 +102,10 @@ class Service {
   // Devices and materials
   [[nodiscard]] virtual std::vector<DeviceRecord> devices() = 0;
   [[nodiscard]] virtual Answer<DeviceRecord> device(const std::string& id) = 0;
-  /// enable, disable, reset, test-cut.
+  /// enable, disable, reset, test-cut. Nothing moves: a test cut is a job that waits for a person.
   [[nodiscard]] virtual Answer<DeviceRecord> act_on_device(const Principal&, const std::string& id,
                                                            std::int64_t if_match,
-                                                           const std::string& action) = 0;
+                                                           const DeviceWish&) = 0;
   [[nodiscard]] virtual std::vector<MaterialRecord> materials() = 0;
   [[nodiscard]] virtual Answer<MaterialRecord> material(const std::string& id) = 0;
   /// `if_match` 0: it must not be there yet (If-None-Match: *).

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 
 #include <fmt/format.h>
 
@@ -33,7 +34,8 @@ constexpr std::string_view kFind =
 constexpr std::string_view kQueue =
     "SELECT " POPCUT_JOB_COLUMNS
     " FROM job WHERE state NOT IN ('done', 'failed', 'cancelled') AND deleted=0 AND "
-    "(?1='' OR device=?1 OR (device='' AND wish IN ('', ?1))) "
+    "(?1='' OR device=?1 OR (device='' AND wish IN ('', ?1))) AND "
+    "priority<=?3 AND (priority<?3 OR (position, id)>(?4, ?5)) "
     "ORDER BY priority DESC, position, id LIMIT ?2";
 constexpr std::string_view kWaiting =
     "SELECT " POPCUT_JOB_COLUMNS " FROM job WHERE plan=? AND state=? LIMIT ?";
@@ -146,8 +148,29 @@ std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& a
   return all;
 }
 
-std::vector<JobRow> JobTable::queue(const std::string& device, int limit) {
-  return rows_of(db_.rows(kQueue, device, limit));
+std::string text_of(const QueuePlace& place) {
+  return fmt::format("{}.{}.{}", place.priority, place.position, place.id);
+}
+
+std::optional<QueuePlace> queue_place_from(const std::string& text) {
+  QueuePlace place;
+  const char* const end = text.data() + text.size();
+  const auto priority = std::from_chars(text.data(), end, place.priority);
+  if (priority.ec != std::errc() || priority.ptr == end || *priority.ptr != '.')
+    return std::nullopt;
+  const auto position = std::from_chars(priority.ptr + 1, end, place.position);
+  if (position.ec != std::errc() || position.ptr == end || *position.ptr != '.')
+    return std::nullopt;
+  place.id.assign(position.ptr + 1, end);
+  if (!is_ulid(place.id) || text_of(place) != text) return std::nullopt;
+  return place;
+}
+
+std::vector<JobRow> JobTable::queue(const std::string& device,
+                                    const std::optional<QueuePlace>& after, int limit) {
+  constexpr int kAboveAll = 1000;
+  const QueuePlace from = after.value_or(QueuePlace{kAboveAll, 0, {}});
+  return rows_of(db_.rows(kQueue, device, limit, from.priority, from.position, from.id));
 }
 
 std::vector<JobRow> JobTable::waiting_for(const std::string& plan, JobState state, int limit) {

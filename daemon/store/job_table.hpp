@@ -38,6 +38,17 @@ struct JobRow {
   TimeMs attention_since{};
 };
 
+/// Where a job stands in the queue, for the next page.
+struct QueuePlace {
+  int priority{};
+  std::int64_t position{};
+  std::string id;
+};
+/// "-3.1048576.01J...": text that `queue_place_from` reads.
+[[nodiscard]] std::string text_of(const QueuePlace& place);
+/// Nothing for a text that `text_of` did not give.
+[[nodiscard]] std::optional<QueuePlace> queue_place_from(const std::string& text);
+
 /// The statements over `job`. All throw StoreFault.
 class JobTable {
  public:
@@ -51,8 +62,9 @@ class JobTable {
   [[nodiscard]] std::vector<JobRow> list(const JobFilter& filter, const std::string& after,
                                          int limit);
   /// Up to `limit` jobs that are not ended, in the order of the queue; of all devices if `device`
-  /// is empty, else of those that are bound to it or to none.
-  [[nodiscard]] std::vector<JobRow> queue(const std::string& device, int limit);
+  /// is empty, else of those that are bound to it or to none; behind `after`, if it is given.
+  [[nodiscard]] std::vector<JobRow> queue(const std::string& device,
+                                          const std::optional<QueuePlace>& after, int limit);
   /// Those whose plan is awaited.
   [[nodiscard]] std::vector<JobRow> waiting_for(const std::string& plan, JobState state, int limit);
   /// The plan of the first job in the queue whose plan nobody makes yet, or empty.

@@ -134,6 +134,7 @@ tl::expected<std::unique_ptr<Store>, OpenTrouble> Store::open(StoreOptions optio
       Rows verdict = store->database_->rows("PRAGMA integrity_check(1)");
       if (!verdict.next() || verdict.text(0) != "ok")
         return damaged("is damaged: " + verdict.text(0));
+      store->database_->forget_pages();
     }
     if (version < 1) return damaged("has no version");
     const std::int64_t known = store->database_->number("SELECT max(seq) FROM event");

@@ -68,9 +68,10 @@ TEST_CASE("ten thousand jobs", "[daemon]") {
   std::printf("a page of 200: p50 %.2f ms, p99 %.2f ms\n", pages[100], pages[198]);
   std::printf("metrics: %.2f ms\n",
               milliseconds([&] { bench.on([](JobService& s) { return s.metrics(); }); }));
-  std::printf("queue: %.2f ms\n", milliseconds([&] {
-                bench.on([&](JobService& s) { return s.queue(bench.device).size(); });
-              }));
+  std::printf(
+      "queue: %.2f ms\n", milliseconds([&] {
+        bench.on([&](JobService& s) { return s.queue(bench.device, {200, ""})->items.size(); });
+      }));
   const Job job = bench.started(first.id);
   const double intents = milliseconds([&] {
     for (int i = 0; i < 1000; ++i) (void)bench.cutters.intend(bench.device, 3);

@@ -104,7 +104,8 @@ struct Bench {
   [[nodiscard]] std::string etag_for(std::string_view path) {
     std::int64_t rev = 1;
     server.ask([&](FakeService& fake) {
-      if (path.starts_with("/v1/jobs")) rev = fake.job_map.at(job).rev;
+      if (path.starts_with("/v1/jobs") || path.starts_with("/v1/queue"))
+        rev = fake.job_map.at(job).rev;
       if (path.starts_with("/v1/devices")) rev = fake.device_map.at("sim:cameo3").rev;
     });
     return fmt::format("\"{}\"", rev);

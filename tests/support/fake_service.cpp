@@ -363,12 +363,20 @@ Answer<void> FakeService::delete_job(const Principal&, const std::string& id) {
   return {};
 }
 
-std::vector<Job> FakeService::queue(const std::string& device) {
+Answer<Page<Job>> FakeService::queue(const std::string& device, const PageWish& wish) {
   note("queue");
-  std::vector<Job> out;
-  for (const auto& [id, job] : job_map)
-    if (!is_terminal(job.state) && (device.empty() || job.device == device)) out.push_back(job);
-  return out;
+  last_page = wish;
+  Page<Job> page;
+  for (const auto& [id, job] : job_map) {
+    if (is_terminal(job.state) || (!device.empty() && job.device != device) || id <= wish.cursor)
+      continue;
+    if (page.items.size() == static_cast<std::size_t>(wish.limit)) {
+      page.next_cursor = page.items.back().id;
+      break;
+    }
+    page.items.push_back(job);
+  }
+  return page;
 }
 
 Answer<Job> FakeService::hold(const Principal&, const std::string& id, bool held) {
@@ -397,7 +405,7 @@ Answer<DeviceRecord> FakeService::device(const std::string& id) {
 }
 
 Answer<DeviceRecord> FakeService::act_on_device(const Principal&, const std::string& id,
-                                                std::int64_t if_match, const std::string& action) {
+                                                std::int64_t if_match, const DeviceWish& wish) {
   if (auto problem = trouble("act_on_device")) return tl::unexpected<Problem>(*problem);
   const auto found = device_map.find(id);
   if (found == device_map.end()) return nothing("there is no such device");
@@ -407,9 +415,12 @@ Answer<DeviceRecord> FakeService::act_on_device(const Principal&, const std::str
     stale.rev = device.rev;
     return tl::unexpected<Problem>(stale);
   }
-  if (action == "enable" || action == "disable") device.enabled = action == "enable";
+  if (wish.action == "enable" || wish.action == "disable") device.enabled = wish.action == "enable";
   ++device.rev;
-  return device;
+  last_device_wish = wish;
+  DeviceRecord answer = device;
+  if (wish.action == "test-cut") answer.test_job = "01JD0000000000000000000777";
+  return answer;
 }
 
 std::vector<MaterialRecord> FakeService::materials() {

@@ -35,6 +35,7 @@ class FakeService : public Service {
   JobPatch last_patch{};
   JobFilter last_filter{};
   PlanWish last_plan{};
+  DeviceWish last_device_wish{};
   PageWish last_page{};
   Upload last_upload{};
   std::string last_upload_text{};
@@ -82,13 +83,13 @@ class FakeService : public Service {
   Answer<Job> act(const Principal&, const std::string& id, std::int64_t if_match,
                   const ActionWish&) override;
   Answer<void> delete_job(const Principal&, const std::string& id) override;
-  std::vector<Job> queue(const std::string& device) override;
+  Answer<Page<Job>> queue(const std::string& device, const PageWish&) override;
   Answer<Job> hold(const Principal&, const std::string& job, bool held) override;
   Answer<Job> move(const Principal&, const std::string& job, const std::string& before) override;
   std::vector<DeviceRecord> devices() override;
   Answer<DeviceRecord> device(const std::string& id) override;
   Answer<DeviceRecord> act_on_device(const Principal&, const std::string& id, std::int64_t if_match,
-                                     const std::string& action) override;
+                                     const DeviceWish&) override;
   std::vector<MaterialRecord> materials() override;
   Answer<MaterialRecord> material(const std::string& id) override;
   Answer<MaterialRecord> put_material(const Principal&, const std::string& id,

@@ -7,6 +7,7 @@
 
 #include "daemon/client/address.hpp"
 #include "daemon/client/api.hpp"
+#include "daemon/client/command_words.hpp"
 #include "daemon/client/problem_line.hpp"
 #include "daemon/client/sse_reader.hpp"
 
@@ -100,7 +101,7 @@ TEST_CASE("a problem of popcutd is one line that says what is right", "[client]"
   CHECK(told(422, R"({"type":"https://popcut.invalid/p/validation","title":"Request is not valid",
       "status":422,"errors":[{"pointer":"/copies","code":"range","detail":"must be 1..1000"},
       {"pointer":"/materiel","code":"unknown_member","detail":"did you mean /material?"}]})") ==
-        "job 01J: /copies: must be 1..1000 (and 1 more)");
+        "--copies: must be 1..1000 (and 1 more)");
   CHECK(told(409, R"({"type":"https://popcut.invalid/p/state-conflict","title":"Not now",
       "detail":"sheet 2 is not the current one","state":"ready",
       "allowed_actions":["arm","confirm-result"]})") ==
@@ -108,11 +109,42 @@ TEST_CASE("a problem of popcutd is one line that says what is right", "[client]"
   CHECK(told(502, "<html>").find("502") != std::string::npos);
   CHECK(told(401, R"({"type":"x/unauthenticated","detail":"who are you"})").find("POPCUT_TOKEN") !=
         std::string::npos);
+  CHECK(told(422, R"({"type":"p/validation","errors":[{"pointer":"/materiel",
+      "code":"unknown_member","detail":"did you mean /material?"}]})") ==
+        "job 01J: /materiel: is not known; did you mean --material?");
   HttpResponse infeasible;
   infeasible.status = 422;
   infeasible.body =
       R"({"type":"p/validation","errors":[{"pointer":"","code":"infeasible","detail":"no"}]})";
   CHECK(exit_code(error_from(infeasible, "a").kind) == 4);
+}
+
+TEST_CASE("a problem speaks of what is typed and not of JSON", "[client]") {
+  CHECK(
+      told(
+          409,
+          R"({"type":"p/state-conflict","state":"interrupted","detail":"register it again and say registration \"re-registered\"",
+      "allowed_actions":["resume-from","retry-sheet"]})")
+          .find("say --registration re-registered; it is interrupted; now it may be told: "
+                "resume --from, retry") != std::string::npos);
+  CHECK(
+      told(
+          409,
+          R"({"type":"p/state-conflict","detail":"say i_accept_double_cut, or take one with retry-sheet"})")
+          .find("say --accept-double-cut, or") != std::string::npos);
+  CHECK(told(403, R"({"type":"p/forbidden","detail":"confirm-result needs the role operator"})") ==
+        "job 01J: confirm needs the role operator");
+  CHECK(option_for("/options/mat") == "--mat");
+  CHECK(option_for("/from_path") == "--from");
+  CHECK(option_for("?limit") == "--limit");
+  CHECK(option_for("/surface/radius").empty());
+  // A pointer into a file is a place in that file.
+  HttpResponse spec;
+  spec.status = 422;
+  spec.body = R"({"type":"p/validation","errors":[{"pointer":"/material","code":"unknown",
+      "detail":"there is no such material"}]})";
+  CHECK(message(error_from(spec, "sphere.json", Subject::File)) ==
+        "sphere.json: /material: there is no such material");
 }
 
 TEST_CASE("a query's value is encoded", "[client]") {

@@ -171,6 +171,51 @@ TEST_CASE("the printed configuration names every key with its default", "[daemon
   CHECK(a.stream_bytes == b.stream_bytes);
 }
 
+TEST_CASE("what a running popcutd takes is told apart from what needs a start",
+          "[daemon][config]") {
+  const auto config = [](const std::string& text) { return parse_config(text).value(); };
+  const Config running = config("[[device]]\nid = \"sim:cameo3\"\n");
+  CHECK(restart_keys(running, running).empty());
+  CHECK(restart_keys(running, config(R"(
+allowed_hosts = ["cutter.lab:8631"]
+[log]
+level = "debug"
+[[device]]
+id = "sim:cameo3"
+materials = ["paper-220"]
+[[user]]
+uid = 7
+role = "viewer"
+[limits]
+rate_per_s = 3
+queue_jobs = 7
+[webhook]
+url = "http://localhost:9/"
+secret_file = "/s"
+allow = ["localhost:9"]
+)"))
+            .empty());
+  CHECK(restart_keys(running, config(R"(
+listen = ["127.0.0.1:1"]
+state = "/var/lib/popcut"
+[log]
+form = "json"
+[[device]]
+id = "sim:cameo3"
+time_scale = 3
+[[device]]
+id = "sim:cameo4"
+[planner]
+processes = 2
+)")) == std::vector<std::string>{"listen", "state", "log.form", "planner", "device sim:cameo3",
+                                 "device sim:cameo4"});
+  CHECK(restart_keys(running, config("")) == std::vector<std::string>{"device sim:cameo3"});
+  CHECK(config("[[device]]\nid = \"sim:cameo3\"\nmaterials = [\"pp-150\"]").devices[0].materials ==
+        std::vector<std::string>{"pp-150"});
+  refused("[[device]]\nid = \"sim:cameo3\"\nmaterials = \"pp-150\"", "3:13: device.materials",
+          "must be a list of texts");
+}
+
 TEST_CASE("noise is never a configuration and never ends popcut", "[daemon][config]") {
   std::mt19937 random(20261121);
   const std::string seed = "listen=[\"127.0.0.1:1\"]\n[[device]]\nid=\"sim:cameo3\"\n[limits]\n";

@@ -207,6 +207,58 @@ TEST_CASE("pages go on where they ended and cursors are not made up", "[daemon][
   }
 }
 
+TEST_CASE("a fault tells what stands there and never a secret", "[daemon][http][handlers]") {
+  FakeService fake;
+  const auto got = [&](const std::string& target, const std::string& body) {
+    return ask(fake, Method::Post, target, keyed(), body).body.at("errors").at(0);
+  };
+  CHECK(got("/v1/jobs", R"({"design":"a","copies":0})").at("got") == 0);
+  CHECK(got("/v1/jobs", R"({"design":"a","copies":"x"})").at("got") == "x");
+  CHECK(got("/v1/jobs", R"({"design":"a","on_sheet_done":"go"})").at("got") == "go");
+  CHECK_FALSE(got("/v1/jobs", R"({"design":"a","copies":[1]})").contains("got"));
+  CHECK_FALSE(got("/v1/jobs", R"({"design":"a","copies":")" + std::string(99, 'x') + R"("})")
+                  .contains("got"));
+  CHECK_FALSE(got("/v1/session", R"({"one_shot":7})").contains("got"));
+}
+
+TEST_CASE("a cursor is that of one list", "[daemon][http][handlers]") {
+  FakeService fake;
+  for (int i = 0; i < 3; ++i) fake.add_job(JobState::Queued, "a");
+  const std::string cursor =
+      ask(fake, Method::Get, "/v1/jobs?limit=1").body.at("next_cursor").get<std::string>();
+  for (const char* list :
+       {"/v1/queue", "/v1/designs", "/v1/devices", "/v1/materials", "/v1/tokens"}) {
+    CAPTURE(list);
+    const Asked asked = ask(fake, Method::Get, fmt::format("{}?cursor={}", list, cursor));
+    CHECK(asked.response.status == 422);
+    CHECK(asked.body.at("errors").at(0).at("pointer") == "?cursor");
+    CHECK(ask(fake, Method::Get, fmt::format("{}?limit=200", list)).response.status == 200);
+  }
+}
+
+TEST_CASE("a hold is held against a revision that was sent", "[daemon][http][handlers]") {
+  FakeService fake;
+  const std::string id = fake.add_job(JobState::Ready, "a").id;
+  const std::string body = R"({"job":")" + id + "\"}";
+  const Asked stale = ask(fake, Method::Post, "/v1/queue/actions/hold", keyed("\"9\""), body);
+  CHECK(stale.response.status == 412);
+  CHECK(stale.body.at("rev") == 1);
+  CHECK(ask(fake, Method::Post, "/v1/queue/actions/hold", keyed("\"1\""), body).response.status ==
+        200);
+}
+
+TEST_CASE("a test cut names its material and its job", "[daemon][http][handlers]") {
+  FakeService fake;
+  const Asked made = ask(fake, Method::Post, "/v1/devices/sim:cameo3/actions/test-cut",
+                         keyed("\"1\""), R"({"material":"pp-150"})");
+  CHECK(made.response.status == 200);
+  CHECK(fake.last_device_wish.material == "pp-150");
+  CHECK(made.body.contains("test_job"));
+  CHECK(ask(fake, Method::Post, "/v1/devices/sim:cameo3/actions/reset", keyed("\"2\""),
+            R"({"material":"pp-150"})")
+            .response.status == 422);
+}
+
 TEST_CASE("lists are asked for by state and owner and time", "[daemon][http][handlers]") {
   FakeService fake;
   const Asked list = ask(

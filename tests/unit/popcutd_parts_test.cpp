@@ -111,6 +111,8 @@ TEST_CASE("what is meant for another process is not taken", "[daemon][systemd]")
 
 TEST_CASE("a log line is one line whatever it holds", "[daemon][log]") {
   CHECK(without_control("a\nb\x1b[31m\x07") == "a | b\\x1b[31m\\x07");
+  CHECK(without_control("\xc2\x9b"
+                        "31m caf\xc3\xa9") == "\\u009b31m caf\xc3\xa9");
   CHECK(json_string("a\"\n\xff") == "\"a\\\"\\n\xEF\xBF\xBD\"");
   CHECK(job_in("job 01JDX7KQ4M8ZB1Q2R3S4T5V6W7: cutting") == "01JDX7KQ4M8ZB1Q2R3S4T5V6W7");
   CHECK(job_in("job name is long and no id").empty());

@@ -19,10 +19,17 @@ Answer<Job> create(ServiceBench& bench, const JobCreate& wish) {
   return bench.on([&](JobService& service) { return service.create_job(bench.student, wish); });
 }
 
-std::vector<std::string> queue(ServiceBench& bench, const std::string& device = "") {
+std::vector<std::string> queue(ServiceBench& bench, const std::string& device = "",
+                               int limit = 200) {
   std::vector<std::string> ids;
-  for (const Job& job : bench.on([&](JobService& s) { return s.queue(device); }))
-    ids.push_back(job.id);
+  PageWish wish{.limit = limit, .cursor = {}};
+  do {
+    const auto page = bench.on([&](JobService& s) { return s.queue(device, wish); });
+    REQUIRE(page);
+    CHECK(page->items.size() <= static_cast<std::size_t>(limit));
+    for (const Job& job : page->items) ids.push_back(job.id);
+    wish.cursor = page->next_cursor;
+  } while (!wish.cursor.empty());
   return ids;
 }
 
@@ -235,7 +242,7 @@ TEST_CASE("a disabled device gets no sheets", "[daemon][service]") {
   REQUIRE(bench.act(ready.id, JobAction::Arm));
   const auto act = [&](const Principal& who, const std::string& action) {
     return bench.on([&](JobService& s) {
-      return s.act_on_device(who, bench.device, s.device(bench.device)->rev, action);
+      return s.act_on_device(who, bench.device, s.device(bench.device)->rev, {.action = action});
     });
   };
   CHECK(act(bench.tutor, "disable").error().kind == ProblemKind::Forbidden);
@@ -250,16 +257,59 @@ TEST_CASE("a disabled device gets no sheets", "[daemon][service]") {
   CHECK(act(bench.admin, "reset").error().kind == ProblemKind::StateConflict);
   CHECK(act(bench.admin, "melt").error().kind == ProblemKind::NotFound);
   CHECK(bench.on([&](JobService& s) {
-    return s.act_on_device(bench.admin, bench.device, 0, "enable").error().kind;
+    return s.act_on_device(bench.admin, bench.device, 0, {.action = "enable"}).error().kind;
   }) == ProblemKind::Stale);
+}
+
+TEST_CASE("what became of a device is in the answer to the one who asked", "[daemon][service]") {
+  ServiceBench bench;
+  // As HTTP asks: within the transaction of the key.
+  const auto answer = bench.on([&](JobService& s) {
+    DeviceRecord told;
+    (void)s.once(bench.admin, {"a-key-of-its-own", "hash"}, [&]() -> Rendered {
+      told = s.act_on_device(bench.admin, bench.device, s.device(bench.device)->rev,
+                             {.action = "disable"})
+                 .value();
+      return {};
+    });
+    return told;
+  });
+  CHECK_FALSE(answer.enabled);
+  CHECK(answer.rev == bench.on([&](JobService& s) { return s.device(bench.device)->rev; }));
+}
+
+TEST_CASE("a device that is set up for some materials takes no others", "[daemon][service]") {
+  ServiceBench bench({"sim:a", "sim:b"}, false);
+  bench.options.device_materials["sim:a"] = {"pp-150"};
+  REQUIRE(bench.start() == "");
+  const Job paper = bench.ready_job();
+  CHECK(bench.on([&](JobService& s) { return s.device("sim:a")->materials; }) ==
+        std::vector<std::string>{"pp-150"});
+  const auto refused = bench.act(paper.id, {.action = JobAction::Arm, .device = "sim:a"});
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().detail.find("set up for pp-150, not for paper-220") != std::string::npos);
+  CHECK(queue(bench, "sim:a").empty());
+  CHECK(queue(bench, "sim:b") == std::vector<std::string>{paper.id});
+  // Another time it is paper's turn, without a restart.
+  bench.on([&](JobService& s) {
+    s.retune({.device_materials = {{"sim:a", {"paper-220"}}, {"sim:b", {"pp-150"}}}});
+    return true;
+  });
+  CHECK(bench.act(paper.id, JobAction::Arm)->device == "sim:a");
 }
 
 TEST_CASE("a test cut is a job that a person arms like any other", "[daemon][service]") {
   ServiceBench bench;
-  REQUIRE(bench.on([&](JobService& s) {
-    return s.act_on_device(bench.tutor, bench.device, s.device(bench.device)->rev, "test-cut");
-  }));
+  const auto test = [&](const std::string& material) {
+    return bench.on([&](JobService& s) {
+      return s.act_on_device(bench.tutor, bench.device, s.device(bench.device)->rev,
+                             {.action = "test-cut", .material = material});
+    });
+  };
+  CHECK(test("papier").error().errors.at(0).pointer == "/material");
+  REQUIRE(test("pp-150"));
   const std::string id = queue(bench).at(0);
+  CHECK(bench.job(id).material == "pp-150");
   const Job ready = bench.wait_for(id, JobState::Ready);
   CHECK(ready.name == "test cut");
   CHECK(ready.device == bench.device);
@@ -267,6 +317,33 @@ TEST_CASE("a test cut is a job that a person arms like any other", "[daemon][ser
   CHECK(bench.cutters.cuts() == 0);
   bench.started(id);
   bench.cutters.complete(bench.device);
+  bench.cutters.unplug(bench.device);
+  CHECK(test("").error().kind == ProblemKind::DeviceAbsent);
+}
+
+TEST_CASE("the queue goes by pages in the order in which jobs are offered", "[daemon][service]") {
+  ServiceBench bench;
+  const Job first = bench.ready_job();
+  for (const int priority : {0, 5, -10, 0, 10, 0, -3, 5}) {
+    JobCreate wish;
+    wish.design = first.design;
+    wish.priority = priority;
+    REQUIRE(create(bench, wish));
+  }
+  const std::vector<std::string> whole = queue(bench);
+  CHECK(whole.size() == 9);
+  for (const int limit : {1, 2, 3, 8, 9, 10}) {
+    CAPTURE(limit);
+    CHECK(queue(bench, "", limit) == whole);
+    CHECK(queue(bench, bench.device, limit) == whole);
+  }
+  for (const char* bad : {"x", "1", "1.2", "1.2.3", "1.2.01JD", ".1.01JD0000000000000000000001",
+                          "+1.2.01JD0000000000000000000001", "99999999999.1.x"}) {
+    CAPTURE(bad);
+    const auto page = bench.on([&](JobService& s) { return s.queue("", {10, bad}); });
+    REQUIRE_FALSE(page);
+    CHECK(page.error().errors.at(0).pointer == "?cursor");
+  }
 }
 
 TEST_CASE("lists go by pages in the order of ids and by what is asked for", "[daemon][service]") {

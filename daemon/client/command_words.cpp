@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/client/command_words.hpp"
+
+#include <array>
+#include <utility>
+
+namespace popcut::client {
+namespace {
+
+using Words = std::pair<std::string_view, std::string_view>;
+
+constexpr std::array<Words, 26> kOptions{{
+    {"/before", "--before"},
+    {"/blank", "--blank"},
+    {"/copies", "--copies"},
+    {"/design", "INPUT"},
+    {"/device", "--device"},
+    {"/from_path", "--from"},
+    {"/good", "RESULT"},
+    {"/i_accept_double_cut", "--accept-double-cut"},
+    {"/job", "JOB"},
+    {"/lifetime_s", "--days"},
+    {"/machine", "--machine"},
+    {"/material", "--material"},
+    {"/name", "--name"},
+    {"/note", "--note"},
+    {"/priority", "--priority"},
+    {"/reason", "--reason"},
+    {"/registration", "--registration"},
+    {"/role", "--role"},
+    {"/sheet", "SHEET"},
+    {"/skip_in_doubt", "--skip-in-doubt"},
+    {"?after", "--after"},
+    {"?by", "--by"},
+    {"?from", "--from"},
+    {"?limit", "--limit"},
+    {"?state", "--state"},
+    {"?to", "--to"},
+}};
+
+constexpr std::array<Words, 4> kCommands{{
+    {"confirm-result", "confirm"},
+    {"resume-from", "resume --from"},
+    {"retry-sheet", "retry"},
+    {"skip-sheet", "skip"},
+}};
+
+// Longer ones before those that they contain.
+constexpr std::array<Words, 9> kPhrases{{
+    {"registration \"re-registered\"", "--registration re-registered"},
+    {"i_accept_double_cut", "--accept-double-cut"},
+    {"skip_in_doubt", "--skip-in-doubt"},
+    {"with retry-sheet", "with 'popcut retry'"},
+    {"the action enable", "'popcut devices enable'"},
+    {"change its device first", "change that first ('popcut change --device')"},
+    {"say in which the sheet lies", "say with --device in which the sheet lies"},
+    {"all that fit are busy; say which one", "all that fit are busy; say with --device which one"},
+    {"from_path", "--from"},
+}};
+
+void replace_all(std::string& text, std::string_view from, std::string_view to) {
+  for (std::size_t at = text.find(from); at != std::string::npos;
+       at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+}
+
+}  // namespace
+
+std::string option_for(std::string_view pointer) {
+  constexpr std::string_view kPlan = "/options/";
+  if (pointer.substr(0, kPlan.size()) == kPlan)
+    return "--" + std::string(pointer.substr(kPlan.size()));
+  for (const auto& [known, option] : kOptions)
+    if (pointer == known) return std::string(option);
+  return {};
+}
+
+std::string command_for(std::string_view action) {
+  for (const auto& [known, command] : kCommands)
+    if (action == known) return std::string(command);
+  return std::string(action);
+}
+
+std::string in_command_words(std::string text) {
+  for (const auto& [from, to] : kPhrases) replace_all(text, from, to);
+  for (const auto& [from, to] : kCommands) replace_all(text, from, to);
+  constexpr std::string_view kMeant = "did you mean ";
+  const std::size_t at = text.find(kMeant);
+  if (at == std::string::npos) return text;
+  const std::size_t begin = at + kMeant.size(), end = text.find('?', begin);
+  if (end == std::string::npos) return text;
+  const std::string option = option_for(std::string_view(text).substr(begin, end - begin));
+  if (!option.empty()) text.replace(begin, end - begin, option);
+  return text;
+}
+
+}  // namespace popcut::client

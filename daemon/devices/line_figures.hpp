@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/result.hpp"
+
+namespace popcut::daemon {
+
+/// What went over the line to one cutter. From any thread.
+class LineFigures {
+ public:
+  /// Upper bounds of the buckets of `write_buckets`, in seconds; the last has none.
+  static constexpr std::array<double, 8> kBounds{0.001, 0.005, 0.02, 0.1, 0.5, 2, 5, 20};
+
+  struct Shown {
+    std::array<std::uint64_t, kBounds.size() + 1> write_buckets{};
+    std::uint64_t writes{};
+    double write_seconds{};
+    std::map<std::string, std::uint64_t> errors{};  ///< by kind
+  };
+
+  void note_write(double seconds);
+  /// Counts an error as nodev, timeout, refused or other; `short_write`: part was taken.
+  void note_error(const Error& error, bool short_write);
+  [[nodiscard]] Shown shown() const;
+
+ private:
+  mutable std::mutex mutex_;
+  Shown figures_;
+};
+
+/// The figures of some devices, by id, as lines of OpenMetrics.
+[[nodiscard]] std::string line_metrics(
+    const std::vector<std::pair<std::string, LineFigures::Shown>>& devices);
+
+}  // namespace popcut::daemon

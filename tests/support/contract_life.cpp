@@ -1,0 +1,500 @@
+// SPDX-License-Identifier: MIT
+#include "tests/support/contract_life.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <thread>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+namespace popcut::testing {
+
+using daemon::RawConnection;
+using daemon::WireResponse;
+using nlohmann::json;
+
+namespace {
+
+std::string quoted(const json& rev) { return fmt::format("\"{}\"", rev.get<std::int64_t>()); }
+
+}  // namespace
+
+ContractLife::ContractLife()
+    : daemon_(POPCUTD_PROGRAM, 0, configuration()), page_((daemon_.folder() / "control").string()) {
+  page_.calm();
+  const bool serves = daemon_.start(page_.environment());
+  INFO(daemon_.log());
+  REQUIRE(serves);
+  caller_.emplace(daemon_.socket());
+  const std::string url = daemon_.url();
+  port_ = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
+  viewer_ = new_token("viewer");
+  admin_ = new_token("admin");
+}
+
+int ContractLife::end() {
+  daemon_.signal(SIGTERM);
+  return daemon_.wait();
+}
+
+std::string ContractLife::configuration() {
+  write_file(files_ / "faults.json",
+             R"({"popcut": 1, "faults": [{"at_path": 2, "kind": "cancel", "seconds": 1}]})");
+  // Into [limits] first; then a slow cutter, one that breaks, and one that is not there. Their
+  // plans fit no other.
+  return fmt::format(
+      "queue_jobs = 30\nfailed_logins_per_minute = 1000\n"
+      "[[device]]\nid = \"sim:cameo4\"\ntime_scale = 2\n"
+      "[[device]]\nid = \"sim:portrait3\"\ntime_scale = 0\nfaults = \"{}\"\n"
+      "[[device]]\nid = \"serial:/dev/popcut-nowhere\"\nmachine = \"hpgl-generic\"\n",
+      (files_ / "faults.json").string());
+}
+
+std::string ContractLife::new_token(const std::string& role) {
+  const WireResponse made = ask({.method = "POST",
+                                 .route = "/v1/tokens",
+                                 .body = json{{"name", role}, {"role", role}}.dump()});
+  REQUIRE(made.status == 201);
+  return json::parse(made.body).at("token");
+}
+
+// The job in that state, within two minutes.
+json ContractLife::job_in(const std::string& id, const std::string& state) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  while (true) {
+    json now = job(id);
+    if (now.at("state") == state || std::chrono::steady_clock::now() > until) {
+      INFO(now.dump());
+      CHECK(now.at("state") == state);
+      return now;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
+std::string ContractLife::new_job(const json& wish) {
+  const WireResponse made = ask({.method = "POST", .route = "/v1/jobs", .body = wish.dump()});
+  REQUIRE(made.status == 201);
+  return json::parse(made.body).at("id");
+}
+
+int ContractLife::act(const std::string& id, const std::string& action, const json& body) {
+  return ask({.method = "POST",
+              .route = "/v1/jobs/{id}/actions/" + action,
+              .holes = {{"id", id}},
+              .match = quoted(job(id).at("rev")),
+              .body = body.dump()})
+      .status;
+}
+
+int ContractLife::queue(const std::string& action, const std::string& id) {
+  return ask({.method = "POST",
+              .route = "/v1/queue/actions/" + action,
+              .match = quoted(job(id).at("rev")),
+              .body = json{{"job", id}}.dump()})
+      .status;
+}
+
+ContractCall ContractLife::on_device(const std::string& device, const std::string& action) {
+  const json now = caller_->get("/v1/devices/{id}", {{"id", device}});
+  return {.method = "POST",
+          .route = "/v1/devices/{id}/actions/" + action,
+          .holes = {{"id", device}},
+          .match = quoted(now.at("rev"))};
+}
+
+// The job that the test cut of a device makes, ready. The device may change meanwhile.
+std::string ContractLife::test_cut(const std::string& device) {
+  WireResponse made;
+  for (int k = 0; k < 100 && made.status != 200; ++k) made = ask(on_device(device, "test-cut"));
+  REQUIRE(made.status == 200);
+  const std::string id = json::parse(made.body).at("test_job");
+  CHECK(made.headers.at("location") == "/v1/jobs/" + id);
+  job_in(id, "ready");
+  return id;
+}
+
+json ContractLife::plan_until(const json& body, const std::string& state) {
+  const WireResponse begun = ask({.method = "POST",
+                                  .route = "/v1/designs/{id}/plan",
+                                  .holes = {{"id", design_}},
+                                  .body = body.dump()});
+  REQUIRE(begun.status == 202);
+  const std::string id = json::parse(begun.body).at("id");
+  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  while (true) {
+    json now = caller_->get("/v1/plans/{id}", {{"id", id}});
+    if (now.at("state") == state || std::chrono::steady_clock::now() > until) {
+      CHECK(now.at("state") == state);
+      return now;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
+void ContractLife::make_design_and_plans() {
+  const std::string sphere = text_of_file(POPCUT_SOURCE_DIR "/examples/sphere.json");
+  const auto upload = [&](const std::string& bytes, int status) {
+    const WireResponse stored =
+        ask({.method = "POST", .route = "/v1/designs", .query = "?name=ball", .body = bytes});
+    CHECK(stored.status == status);
+    return json::parse(stored.body).value("id", "");
+  };
+  design_ = upload(sphere, 201);
+  CHECK(upload(sphere, 200) == design_);
+  upload("{", 422);
+  spare_design_ = upload(sphere + " ", 201);
+  for (const int status : {201, 200})
+    CHECK(ask({.method = "POST", .route = "/v1/assets", .body = "solid a\nendsolid a\n"}).status ==
+          status);
+  plan_ = plan_until({{"material", "paper-220"}}, "planned").at("id");
+  failed_plan_ = plan_until({{"options", {{"mat", "10x10"}}}}, "failed").at("id");
+  CHECK(caller_->get("/v1/plans/{id}", {{"id", plan_}}).at("length_mm") > 0);
+}
+
+// What is refused before anything is done, at each route.
+void ContractLife::knock() {
+  for (const ContractCall& call : all_calls(*caller_)) {
+    CAPTURE(call.method, call.route);
+    const auto refused = [&](int status, ContractCall with) {
+      if (!documents(*caller_, call, status)) return;
+      CAPTURE(status);
+      CHECK(ask(with).status == status);
+    };
+    const auto changed = [&](const std::function<void(ContractCall&)>& change) {
+      ContractCall other = call;
+      change(other);
+      return other;
+    };
+    refused(400, changed([](ContractCall& c) { c.query = "%zz"; }));
+    refused(413, changed([](ContractCall& c) {
+              c.more += "Content-Length: 999999999999\r\n";
+              c.body = "";
+            }));
+    refused(415, changed([](ContractCall& c) {
+              c.more += "Content-Type: text/plain\r\n";
+              c.body = "{ }";
+            }));
+    refused(422, changed([](ContractCall& c) { c.query = "?no-such-name=1"; }));
+    refused(428, changed([](ContractCall& c) { c.matched = false; }));
+    const bool is_session = call.route == "/v1/session";
+    if (call.holes.at("id") != "" && !is_session) refused(404, call);
+    CHECK(caller_->ask_tcp(call, port_, admin_, "evil.example").status == 421);
+    if (call.route == "/healthz" || call.route == "/readyz") continue;
+    if (call.method == "POST" && is_session)
+      CHECK(ask(call).status == 401);
+    else
+      CHECK(caller_->ask_tcp(call, port_, "").status == 401);
+    if (!documents(*caller_, call, 403)) continue;
+    const bool viewer_may = caller_->operation(call).at("x-popcut-role") == "viewer" || is_session;
+    const ContractCall elsewhere =
+        changed([](ContractCall& c) { c.more += "Origin: http://evil.example\r\n"; });
+    CHECK(caller_->ask_tcp(viewer_may ? elsewhere : call, port_, viewer_).status == 403);
+  }
+  // Over the unix socket there is no session to end.
+  CHECK(ask({.method = "DELETE", .route = "/v1/session"}).status == 404);
+  const auto of_jobs = [&](const std::string& body) {
+    return ContractCall{.method = "POST", .route = "/v1/jobs", .body = body};
+  };
+  CHECK(ask(of_jobs("{")).problem() == "malformed-json");
+  ContractCall keyless = of_jobs("{}");
+  keyless.keyed = false;
+  CHECK(ask(keyless).problem() == "idempotency-key-missing");
+  keyless.more = "Idempotency-Key: the-same-key-twice\r\n";
+  keyless.body = json{{"design", "sha256-" + std::string(64, '0')}}.dump();
+  CHECK(ask(keyless).problem() == "validation");
+  CHECK(ask(keyless).headers.at("idempotent-replayed") == "true");
+  keyless.body = json{{"design", design_}}.dump();
+  CHECK(ask(keyless).problem() == "idempotency-key-reused");
+  RawConnection connection(daemon_.socket());
+  connection.send("POST /v1/meta HTTP/1.1\r\nHost: a\r\nContent-Length: 0\r\n\r\n");
+  const WireResponse method = connection.receive();
+  CHECK(method.problem() == "method-not-allowed");
+  caller_->note(method);
+  CHECK(method.headers.at("allow") == "GET, HEAD");
+}
+
+void ContractLife::use_devices_and_materials() {
+  for (const char* action : {"disable", "enable", "reset"}) {
+    const WireResponse done = ask(on_device("sim:portrait3", action));
+    CHECK(done.status == 200);
+    CHECK(json::parse(done.body).at("enabled") == (std::string(action) != "disable"));
+  }
+  CHECK(ask(on_device("serial:/dev/popcut-nowhere", "test-cut")).problem() == "device-absent");
+  for (const char* action : {"disable", "enable", "reset", "test-cut"}) {
+    ContractCall stale = on_device("sim:cameo3", action);
+    stale.match = "\"999999\"";
+    CHECK(ask(stale).problem() == "stale");
+  }
+  const auto material = [&](const std::string& method, const std::string& id,
+                            const std::string& match) {
+    return ContractCall{
+        .method = method, .route = "/v1/materials/{id}", .holes = {{"id", id}}, .match = match};
+  };
+  ContractCall fresh = material("PUT", "mine", "");
+  fresh.more = "If-None-Match: *\r\n";
+  CHECK(ask(fresh).status == 201);
+  CHECK(ask(material("PUT", "mine", "\"1\"")).status == 200);
+  CHECK(ask(material("PUT", "mine", "\"1\"")).status == 412);
+  CHECK(ask(material("DELETE", "mine", "\"1\"")).status == 412);
+  CHECK(ask(material("DELETE", "mine", "\"2\"")).status == 204);
+  CHECK(ask(material("DELETE", "paper-220", "\"1\"")).status == 409);
+}
+
+void ContractLife::see_a_job_through() {
+  done_ = new_job({{"design", design_}, {"name", "ball"}});
+  ready_ = new_job({{"plan", plan_}});
+  job_in(done_, "ready");
+  job_in(ready_, "ready");
+  const auto stale = [&](const std::string& method, const std::string& route,
+                         const std::string& body = "") {
+    ContractCall call{.method = method, .route = route, .holes = {{"id", ready_}}};
+    call.match = "\"999999\"";
+    if (!body.empty()) call.body = body;
+    CAPTURE(method, route);
+    CHECK(ask(call).problem() == "stale");
+  };
+  for (const char* action : {"arm", "disarm", "start", "pause", "resume", "cancel",
+                             "confirm-result", "retry-sheet", "skip-sheet", "resume-from"})
+    stale("POST", fmt::format("/v1/jobs/{{id}}/actions/{}", action));
+  for (const char* action : {"hold", "release", "move"})
+    stale("POST", fmt::format("/v1/queue/actions/{}", action), json{{"job", ready_}}.dump());
+  stale("PATCH", "/v1/jobs/{id}");
+  stale("DELETE", "/v1/jobs/{id}");
+  for (const char* action : {"hold", "release", "move"}) CHECK(queue(action, ready_) == 200);
+  CHECK(ask({.method = "PATCH",
+             .route = "/v1/jobs/{id}",
+             .holes = {{"id", ready_}},
+             .match = quoted(job(ready_).at("rev"))})
+            .status == 200);
+  CHECK(ask({.method = "DELETE",
+             .route = "/v1/jobs/{id}",
+             .holes = {{"id", ready_}},
+             .match = quoted(job(ready_).at("rev"))})
+            .status == 409);
+  CHECK(act(done_, "start") == 409);
+  CHECK(act(done_, "arm", {{"sheet", 2}}) == 409);
+  CHECK(act(done_, "arm", {{"sheet", 1}}) == 200);
+  CHECK(ask(on_device("sim:cameo3", "reset")).status == 409);
+  CHECK(act(done_, "disarm") == 200);
+  CHECK(act(done_, "arm", {{"sheet", 1}}) == 200);
+  CHECK(act(done_, "start", {{"sheet", 1}}) == 200);
+  const json done = job_in(done_, "done");
+  CHECK(done.at("progress").at("paths_certain") == done.at("progress").at("paths_total"));
+  for (const char* action : {"pause", "resume", "cancel", "disarm", "start"})
+    CHECK(act(done_, action) == 409);
+  for (const char* action : {"arm", "retry-sheet", "skip-sheet"})
+    CHECK(act(done_, action, {{"sheet", 1}}) == 409);
+  CHECK(act(done_, "confirm-result", {{"sheet", 1}, {"good", true}}) == 409);
+  CHECK(act(done_, "resume-from", {{"from_path", 0}, {"registration", "kept"}}) == 409);
+  for (const char* action : {"hold", "release", "move"}) CHECK(queue(action, done_) == 409);
+  CHECK(ask({.method = "PATCH",
+             .route = "/v1/jobs/{id}",
+             .holes = {{"id", done_}},
+             .match = quoted(done.at("rev"))})
+            .status == 409);
+  CHECK(ask({.method = "DELETE", .route = "/v1/designs/{id}", .holes = {{"id", design_}}}).status ==
+        409);
+}
+
+void ContractLife::pause_a_cut() {
+  const std::string id = test_cut("sim:cameo4");
+  CHECK(act(id, "arm", {{"sheet", 1}}) == 200);
+  CHECK(act(id, "start", {{"sheet", 1}}) == 200);
+  // A stop must not depend on who looked last.
+  const auto any = [&](const std::string& action) {
+    return ask({.method = "POST",
+                .route = "/v1/jobs/{id}/actions/" + action,
+                .holes = {{"id", id}},
+                .match = "*",
+                .body = "{}"})
+        .status;
+  };
+  CHECK(any("pause") == 200);
+  job_in(id, "paused");
+  for (const char* action : {"backup", "check"})
+    CHECK(ask({.method = "POST", .route = fmt::format("/v1/db/actions/{}", action)}).status == 409);
+  CHECK(act(id, "resume") == 200);
+  CHECK(any("cancel") == 200);
+  job_in(id, "cancelled");
+  for (const char* action : {"backup", "check"})
+    CHECK(ask({.method = "POST", .route = fmt::format("/v1/db/actions/{}", action)}).status == 200);
+}
+
+// The panel cancels a cut; a person judges the sheet, goes on, takes a new one, leaves it out.
+void ContractLife::mend_a_sheet() {
+  const std::string id = test_cut("sim:portrait3");
+  CHECK(act(id, "arm", {{"sheet", 1}}) == 200);
+  CHECK(act(id, "start", {{"sheet", 1}}) == 200);
+  job_in(id, "interrupted");
+  CHECK(act(id, "resume-from", {{"from_path", 0}, {"registration", "kept"}}) == 409);
+  CHECK(act(id, "confirm-result", {{"sheet", 1}, {"good", false}}) == 200);
+  CHECK(act(id, "resume-from",
+            {{"from_path", 0}, {"registration", "re-registered"}, {"i_accept_double_cut", true}}) ==
+        200);
+  CHECK(act(id, "retry-sheet", {{"sheet", 1}}) == 200);
+  CHECK(act(id, "skip-sheet", {{"sheet", 1}}) == 200);
+  CHECK(job_in(id, "done").at("outcome") == "done with skipped sheets");
+}
+
+void ContractLife::read_everything() {
+  for (ContractCall call : all_calls(*caller_)) {
+    if (call.method != "GET") continue;
+    CAPTURE(call.route);
+    for (const auto& [prefix, id] :
+         std::map<std::string, std::string>{{"/v1/jobs/", done_},
+                                            {"/v1/designs/", design_},
+                                            {"/v1/plans/", plan_},
+                                            {"/v1/devices/", "sim:cameo3"},
+                                            {"/v1/materials/", "paper-220"}})
+      if (call.route.starts_with(prefix)) call.holes["id"] = id;
+    const WireResponse found = ask(call);
+    CHECK(found.status == 200);
+    ContractCall head = call;
+    head.method = "HEAD";
+    const std::string bytes = caller_->request(call, "popcut", "");
+    RawConnection connection(daemon_.socket());
+    connection.send("HEAD" + bytes.substr(3));
+    const WireResponse top = connection.receive(60, true);
+    CHECK(top.status == 200);
+    CHECK(top.body.empty());
+    CHECK(top.headers.at("content-type") == found.headers.at("content-type"));
+    if (documents(*caller_, call, 304)) {
+      call.more += "If-None-Match: \"other\", " + found.headers.at("etag") + "\r\n";
+      CHECK(ask(call).status == 304);
+    }
+    if (call.route.starts_with("/v1/plans/{id}/")) {
+      call.holes["id"] = failed_plan_;
+      CHECK(ask(call).status == 409);
+    }
+    if (!caller_->operation(call).dump().ends_with("cursor")) continue;
+  }
+  // Pages of one of each list give all of it, in the same order; what is no cursor of it is none.
+  for (const char* route : {"/v1/jobs", "/v1/designs", "/v1/devices", "/v1/materials", "/v1/tokens",
+                            "/v1/queue", "/v1/jobs/{id}/sheets"}) {
+    CAPTURE(route);
+    const auto page = [&](const std::string& query) {
+      return ask({.method = "GET", .route = route, .holes = {{"id", done_}}, .query = query});
+    };
+    const json whole = json::parse(page("?limit=200").body).at("items");
+    REQUIRE(!whole.empty());
+    json pieces = json::array();
+    for (std::string query = "?limit=1"; !query.empty() && pieces.size() <= whole.size();) {
+      const json part = json::parse(page(query).body);
+      for (const json& one : part.at("items")) pieces.push_back(one);
+      query = part.at("next_cursor").is_null()
+                  ? ""
+                  : "?limit=1&cursor=" + part.at("next_cursor").get<std::string>();
+    }
+    CHECK(pieces == whole);
+    for (const char* query : {"?limit=0", "?limit=201", "?limit=x", "?cursor=x", "?cursor=MXpa"})
+      CHECK(page(query).status == 422);
+  }
+}
+
+void ContractLife::open_sessions() {
+  const WireResponse word = ask({.method = "POST", .route = "/v1/session/one-shot"});
+  REQUIRE(word.status == 201);
+  const ContractCall open{.method = "POST", .route = "/v1/session", .body = word.body};
+  const WireResponse session = caller_->ask_tcp(open, port_, "");
+  REQUIRE(session.status == 201);
+  CHECK(caller_->ask_tcp(open, port_, "").status == 401);  // once
+  const std::string token = json::parse(session.body).at("token");
+  const ContractCall close{.method = "DELETE", .route = "/v1/session"};
+  CHECK(caller_->ask_tcp({.method = "GET", .route = "/v1/meta"}, port_, token).status == 200);
+  CHECK(caller_->ask_tcp(close, port_, token).status == 204);
+  CHECK(caller_->ask_tcp(close, port_, token).status == 401);
+  const json first = caller_->get("/v1/tokens").at("items").at(0);
+  CHECK(ask({.method = "DELETE", .route = "/v1/tokens/{id}", .holes = {{"id", first.at("id")}}})
+            .status == 204);
+}
+
+void ContractLife::fill_the_queue() {
+  const ContractCall more{
+      .method = "POST", .route = "/v1/jobs", .body = json{{"plan", plan_}}.dump()};
+  std::vector<std::string> made;
+  WireResponse last;
+  for (int k = 0; k < 40 && last.status != 503; ++k) {
+    last = ask(more);
+    if (last.status == 201) made.push_back(json::parse(last.body).at("id"));
+  }
+  CHECK(last.problem() == "queue-full");
+  CHECK(last.headers.at("retry-after") == "60");
+  for (const std::string& id : made) {
+    CHECK(act(id, "cancel", {{"reason", "room"}}) == 200);
+    CHECK(ask({.method = "DELETE",
+               .route = "/v1/jobs/{id}",
+               .holes = {{"id", id}},
+               .match = quoted(job(id).at("rev"))})
+              .status == 204);
+  }
+}
+
+// Nothing that must be written is done on a full disk, and nothing is forgotten by it.
+void ContractLife::fill_the_disk() {
+  const json before = job(ready_);
+  const WireResponse word = ask({.method = "POST", .route = "/v1/session/one-shot"});
+  ContractCall fresh{.method = "PUT", .route = "/v1/materials/{id}", .match = ""};
+  fresh.holes = {{"id", "kept"}};
+  fresh.more = "If-None-Match: *\r\n";
+  REQUIRE(ask(fresh).status == 201);
+  const std::string token = caller_->get("/v1/tokens").at("items").back().at("id");
+  const WireResponse session =
+      caller_->ask_tcp({.method = "POST",
+                        .route = "/v1/session",
+                        .body = ask({.method = "POST", .route = "/v1/session/one-shot"}).body},
+                       port_, "");
+  const std::string page_token = json::parse(session.body).at("token");
+  page_->full_from = page_->disk.load() + 1;
+  for (ContractCall call : all_calls(*caller_)) {
+    if (!documents(*caller_, call, 507)) continue;
+    CAPTURE(call.method, call.route);
+    if (call.route.starts_with("/v1/jobs")) call.holes["id"] = ready_;
+    if (call.route.starts_with("/v1/jobs")) call.match = quoted(before.at("rev"));
+    if (call.method == "DELETE" && call.route == "/v1/jobs/{id}") {
+      call.holes["id"] = done_;
+      call.match = "";
+    }
+    if (call.route == "/v1/jobs") call.body = json{{"plan", plan_}}.dump();
+    if (call.route.starts_with("/v1/queue")) {
+      call.body = json{{"job", ready_}}.dump();
+      call.match = "";
+    }
+    if (call.route.starts_with("/v1/designs/{id}"))
+      call.holes["id"] = call.method == "DELETE" ? spare_design_ : design_;
+    if (call.route == "/v1/designs") call.body = "{\"popcut\": 1}";
+    if (call.route.starts_with("/v1/materials")) call.holes["id"] = "kept";
+    if (call.route.starts_with("/v1/tokens/")) call.holes["id"] = token;
+    if (call.route.starts_with("/v1/devices/")) {
+      const ContractCall now =
+          on_device("sim:cameo3", call.route.substr(call.route.rfind('/') + 1));
+      call.holes = now.holes;
+      call.match = now.match;
+    }
+    if (call.route == "/v1/session" && call.method == "POST") call.body = word.body;
+    const bool ends = call.route == "/v1/session" && call.method == "DELETE";
+    const WireResponse full = ends ? caller_->ask_tcp(call, port_, page_token) : ask(call);
+    CHECK(full.problem() == "disk-full");
+  }
+  CHECK(ask({.method = "GET", .route = "/readyz"}).status == 503);
+  CHECK(job(ready_) == before);
+  page_->full_from = 0;
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (ask({.method = "GET", .route = "/readyz"}).status != 200 &&
+         std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  CHECK(act(ready_, "cancel") == 200);
+  // A design whose file is gone is a fault of popcutd's own.
+  std::filesystem::remove(daemon_.state() + "/designs/" + design_);
+  CHECK(ask({.method = "GET", .route = "/v1/designs/{id}/content", .holes = {{"id", design_}}})
+            .status == 500);
+  CHECK(ask({.method = "DELETE", .route = "/v1/designs/{id}", .holes = {{"id", spare_design_}}})
+            .status == 204);
+}
+
+}  // namespace popcut::testing
