@@ -29,6 +29,7 @@ SessionEnd SessionRun::run() {
     journal_.settle(ready_bytes_, good_bytes_, accepted_ + in_doubt_);
     if (!end_.error) end_.error = journal_.failure();
   } catch (const std::bad_alloc&) {
+    lift_without_memory();
     end_.error = Error{ErrorKind::Internal, "", "out of memory"};  // so short that it needs none
   }
   end_.seconds = to_seconds(transport_.now() - begun_);
@@ -37,6 +38,19 @@ SessionEnd SessionRun::run() {
     end_.fates.push_back(
         fate_of(stroke, ready_bytes_, good_bytes_, accepted_ + in_doubt_, machine_.buffer_bytes));
   return std::move(end_);
+}
+
+/// Sends the trailer, tool up and parked, if what was sent ends with a whole command.
+void SessionRun::lift_without_memory() {
+  const std::uint64_t whole =
+      next_command_ == 0 ? program_.geometry.begin : plan_.geometry[next_command_ - 1].end_byte;
+  if (in_doubt_ > 0 || phase_ == SessionPhase::Parking || accepted_ != whole) return;
+  try {
+    std::uint64_t at = program_.trailer.begin;
+    (void)send(program_.trailer, at);
+  } catch (const std::bad_alloc&) {
+    end_.remarks.clear();  // then it stays where it is, and what was sent is in doubt as it was
+  }
 }
 
 void SessionRun::tell(SessionPhase phase) {
@@ -130,7 +144,7 @@ Result<void> SessionRun::lift() {
 
 /// Waits at the end of a stroke, with the tool up, until the host lets the job go on or ends it.
 Result<void> SessionRun::hold() {
-  const Result<void> at_rest = lift().and_then([&] {
+  Result<void> at_rest = lift().and_then([&] {
     tell(SessionPhase::Held);
     return wait_ready(plan_.geometry_s, sent_s_ - model_s());
   });
@@ -164,7 +178,7 @@ Result<void> SessionRun::park() {
 }
 
 Result<void> SessionRun::send_until(std::uint64_t end) {
-  const Result<void> sent = send({accepted_, end}, accepted_);
+  Result<void> sent = send({accepted_, end}, accepted_);
   while (next_command_ < plan_.geometry.size() &&
          plan_.geometry[next_command_].end_byte <= accepted_)
     sent_s_ = plan_.geometry[next_command_++].seconds;
@@ -220,7 +234,7 @@ void SessionRun::note_ready(std::uint64_t bytes) {
 }
 
 Result<void> SessionRun::poll() {
-  const Result<void> looked = look();
+  Result<void> looked = look();
   journal_.settle(ready_bytes_, good_bytes_, accepted_);
   return looked;
 }

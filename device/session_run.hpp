@@ -52,6 +52,7 @@ class SessionRun {
   Result<void> search();
   Result<void> geometry();
   Result<void> park();
+  void lift_without_memory();
 
   // Streaming.
   Result<void> send(std::span<const std::byte> bytes, std::uint64_t& count);

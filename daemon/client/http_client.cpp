@@ -165,6 +165,8 @@ Result<void> HttpClient::connect() {
     // What is there and says no is of more use than what is not there.
     if (!first || (first->kind == ErrorKind::DeviceGone && wire.error().kind == ErrorKind::Refused))
       first = wire.error();
+    else if (first->kind == wire.error().kind && first->kind == ErrorKind::DeviceGone)
+      first->place += ", " + wire.error().place;
   }
   return tl::unexpected(*first);
 }

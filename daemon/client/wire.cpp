@@ -28,7 +28,8 @@ Error not_there(const Address& address, int code) {
             "again"};
   return {ErrorKind::DeviceGone, address.text(),
           fmt::format("popcutd does not answer there ({}); start it with 'popcutd' in another "
-                      "terminal, or 'sudo systemctl start popcutd.socket'",
+                      "terminal; as a service 'sudo systemctl start popcutd.socket', and "
+                      "'systemctl status popcutd' says why it ended",
                       std::strerror(code))};
 }
 

@@ -134,10 +134,17 @@ Result<void> Cutter::cut(CutOrder order, std::shared_ptr<CutJournal> journal) {
     pause_ = false;
     trouble_ = Trouble::None;
     next_ = Work{std::move(order), std::move(journal)};
-    refresh();
   }
   wake_.notify_all();
-  tell();
+  // It is taken, whatever becomes of the news.
+  try {
+    {
+      const std::lock_guard lock(mutex_);
+      refresh();
+    }
+    tell();
+  } catch (const std::bad_alloc&) {
+  }
   return {};
 }
 
@@ -214,7 +221,9 @@ SessionEnd Cutter::session(const Work& work, std::int64_t& last_intended) {
   };
   end = run_session(open->transport(), line_.machine, work.order.program, options);
   try {
-    open->keep_trace(line_, work.order.attempt);
+    // A simulated cutter without memory does not know what it did.
+    if (!end.error || end.error->kind != ErrorKind::Internal)
+      open->keep_trace(line_, work.order.attempt);
   } catch (const std::exception&) {  // a trace is a help, never in the way
   }
   return end;

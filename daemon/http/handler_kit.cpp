@@ -86,6 +86,14 @@ Response revised(int status, std::int64_t rev, const nlohmann::ordered_json& bod
   return response;
 }
 
+Response revised(int status, std::int64_t rev, std::string text) {
+  Response response;
+  response.status = status;
+  response.body = std::move(text);
+  response.headers.push_back({"ETag", etag_of(rev)});
+  return response;
+}
+
 Response from_rendered(Rendered rendered) {
   Response response;
   response.status = rendered.status;

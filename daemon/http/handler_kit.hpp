@@ -22,6 +22,7 @@ inline constexpr int kUsualWhole = 200;
 [[nodiscard]] std::string etag_of(std::int64_t rev);
 /// 200 with an ETag.
 [[nodiscard]] Response revised(int status, std::int64_t rev, const nlohmann::ordered_json& body);
+[[nodiscard]] Response revised(int status, std::int64_t rev, std::string text);
 /// A rendered answer as it is kept with a key.
 [[nodiscard]] Response from_rendered(Rendered rendered);
 [[nodiscard]] Rendered to_rendered(const Response& response);

@@ -91,7 +91,7 @@ void act_on_job(const Request& request, Service& service, JobAction action, cons
     if (!rev) return problem_response(rev.error(), request);
     const Answer<Job> after = service.act(request.principal, before->id, *rev, *wish);
     if (!after) return problem_response(after.error(), request);
-    return revised(200, after->rev, to_json(*after));
+    return revised(200, after->rev, job_text(*after));
   });
 }
 

@@ -63,7 +63,9 @@ JobFilter read_filter(const Request& request, std::vector<RequestFault>& faults)
   return filter;
 }
 
-Response job_response(int status, const Job& job) { return revised(status, job.rev, to_json(job)); }
+Response job_response(int status, const Job& job) {
+  return revised(status, job.rev, job_text(job));
+}
 
 Response answer_job(const Request& request, int status, const Answer<Job>& job) {
   return job ? job_response(status, *job) : problem_response(job.error(), request);
@@ -122,7 +124,7 @@ void list_jobs(const Request& request, Service& service, const Shop&, Reply repl
   if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
   Answer<Page<Job>> page = service.jobs(filter, wish);
   if (!page) return reply(problem_response(page.error(), request));
-  reply(page_response(std::move(*page), kList, [](const Job& job) { return dump(to_json(job)); }));
+  reply(page_response(std::move(*page), kList, [](const Job& job) { return job_text(job); }));
 }
 
 void get_job(const Request& request, Service& service, const Shop&, Reply reply) {
@@ -201,7 +203,7 @@ void get_queue(const Request& request, Service& service, const Shop&, Reply repl
   if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
   Answer<Page<Job>> page = service.queue(query_text(request, "device").value_or(""), wish);
   if (!page) return reply(problem_response(page.error(), request));
-  reply(page_response(std::move(*page), kList, [](const Job& job) { return dump(to_json(job)); }));
+  reply(page_response(std::move(*page), kList, [](const Job& job) { return job_text(job); }));
 }
 
 void hold_job(const Request& request, Service& service, const Shop& shop, Reply reply) {

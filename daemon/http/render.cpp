@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/http/render.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <ctime>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -26,22 +29,108 @@ ordered_json ranges(const std::vector<PathRange>& all) {
   return out;
 }
 
-ordered_json attention_or_null(const std::optional<Attention>& attention) {
-  if (!attention) return nullptr;
-  return {{"kind", attention->kind},
-          {"sheet", attention->sheet},
-          {"total", attention->total},
-          {"text", attention->text},
-          {"since", rfc3339(attention->since)},
-          {"actions", attention->actions}};
+// A JSON object that is written down at once, member by member: lists have thousands of jobs.
+class ObjectText {
+ public:
+  void text(std::string_view name, std::string_view value) {
+    begin(name);
+    quote(value);
+  }
+  void text_or_null(std::string_view name, std::string_view value) {
+    if (value.empty()) return null(name);
+    text(name, value);
+  }
+  void time_or_null(std::string_view name, const std::optional<TimeMs>& time) {
+    text_or_null(name, time ? rfc3339(*time) : std::string());
+  }
+  void texts(std::string_view name, const std::vector<std::string>& values) {
+    begin(name);
+    out_ += '[';
+    for (const std::string& value : values) {
+      if (&value != &values.front()) out_ += ',';
+      quote(value);
+    }
+    out_ += ']';
+  }
+  void number(std::string_view name, std::int64_t value) {
+    begin(name);
+    fmt::format_to(std::back_inserter(out_), "{}", value);
+  }
+  void number(std::string_view name, double value) {
+    begin(name);
+    put(value);
+  }
+  void range(std::string_view name, const std::array<double, 2>& values) {
+    begin(name);
+    out_ += '[';
+    put(values[0]);
+    out_ += ',';
+    put(values[1]);
+    out_ += ']';
+  }
+  void flag(std::string_view name, bool value) {
+    begin(name);
+    out_ += value ? "true" : "false";
+  }
+  void null(std::string_view name) {
+    begin(name);
+    out_ += "null";
+  }
+  void object(std::string_view name, const ObjectText& inner) {
+    begin(name);
+    out_ += inner.whole();
+  }
+  [[nodiscard]] std::string whole() const { return out_ + '}'; }
+
+ private:
+  void begin(std::string_view name) {
+    if (out_.size() > 1) out_ += ',';
+    out_ += '"';
+    out_ += name;
+    out_ += "\":";
+  }
+  void put(double value) {
+    if (std::isfinite(value))
+      fmt::format_to(std::back_inserter(out_), "{}", value);
+    else
+      out_ += "null";
+  }
+  void quote(std::string_view value) {
+    const bool plain = std::all_of(value.begin(), value.end(), [](char c) {
+      return c >= ' ' && c < '\x7F' && c != '"' && c != '\\';
+    });
+    if (!plain) {
+      out_ += dump(ordered_json(value));
+      return;
+    }
+    out_ += '"';
+    out_ += value;
+    out_ += '"';
+  }
+
+  std::string out_{"{"};
+};
+
+ObjectText attention_text(const Attention& attention) {
+  ObjectText out;
+  out.text("kind", attention.kind);
+  out.number("sheet", std::int64_t{attention.sheet});
+  out.number("total", std::int64_t{attention.total});
+  out.text("text", attention.text);
+  out.text("since", rfc3339(attention.since));
+  out.texts("actions", attention.actions);
+  return out;
 }
 
-ordered_json links_of(const Job& job) {
+ObjectText links_text(const Job& job) {
   const std::string self = "/v1/jobs/" + job.id;
-  ordered_json links{{"self", self}, {"sheets", self + "/sheets"}, {"events", self + "/events"}};
-  links["design"] = text_or_null(job.design.empty() ? "" : "/v1/designs/" + job.design);
-  links["plan"] = text_or_null(job.plan.empty() ? "" : "/v1/plans/" + job.plan);
-  return links;
+  ObjectText out;
+  out.text("self", self);
+  out.text("sheets", self + "/sheets");
+  out.text("events", self + "/events");
+  out.text_or_null("design", job.design.empty() ? "" : "/v1/designs/" + job.design);
+  out.text_or_null("plan", job.plan.empty() ? "" : "/v1/plans/" + job.plan);
+  return out;
 }
 
 }  // namespace
@@ -115,43 +204,51 @@ ordered_json to_json(const PlanRecord& plan) {
           {"links", {{"self", "/v1/plans/" + plan.id}, {"design", "/v1/designs/" + plan.design}}}};
 }
 
-ordered_json to_json(const Job& job) {
-  ordered_json out{
-      {"id", job.id},
-      {"rev", job.rev},
-      {"state", name_of(job.state)},
-      {"reason", text_or_null(job.reason)},
-      {"name", text_or_null(job.name)},
-      {"note", text_or_null(job.note)},
-      {"owner", job.owner},
-      {"operator", text_or_null(job.operator_name)},
-      {"device", text_or_null(job.device)},
-      {"design", text_or_null(job.design)},
-      {"plan", text_or_null(job.plan)},
-      {"material", text_or_null(job.material)},
-      {"priority", job.priority},
-      {"copies", job.copies},
-      {"held", job.held},
-      {"sheets_total", job.sheets_total},
-      {"sheet", job.sheet > 0 ? ordered_json(job.sheet) : ordered_json(nullptr)},
-      {"blank", job.blank},
-      {"segment", job.segment},
-      {"progress",
-       {{"paths_certain", job.progress.paths_certain},
-        {"paths_sent", job.progress.paths_sent},
-        {"paths_total", job.progress.paths_total},
-        {"cut_mm", job.progress.cut_mm}}},
-      {"est", {{"remaining_s", job.remaining_s}}},
-      {"created", rfc3339(job.created)},
-      {"started", time_or_null(job.started)},
-      {"finished", time_or_null(job.finished)},
-      {"outcome", text_or_null(job.outcome)},
-      {"tags", job.tags},
-      {"attention", attention_or_null(job.attention)},
-      {"actions", job.actions},
-  };
-  out["links"] = links_of(job);
-  return out;
+std::string job_text(const Job& job) {
+  ObjectText progress;
+  progress.number("paths_certain", job.progress.paths_certain);
+  progress.number("paths_sent", job.progress.paths_sent);
+  progress.number("paths_total", job.progress.paths_total);
+  progress.number("cut_mm", job.progress.cut_mm);
+  ObjectText estimate;
+  estimate.range("remaining_s", job.remaining_s);
+  ObjectText out;
+  out.text("id", job.id);
+  out.number("rev", job.rev);
+  out.text("state", name_of(job.state));
+  out.text_or_null("reason", job.reason);
+  out.text_or_null("name", job.name);
+  out.text_or_null("note", job.note);
+  out.text("owner", job.owner);
+  out.text_or_null("operator", job.operator_name);
+  out.text_or_null("device", job.device);
+  out.text_or_null("design", job.design);
+  out.text_or_null("plan", job.plan);
+  out.text_or_null("material", job.material);
+  out.number("priority", std::int64_t{job.priority});
+  out.number("copies", std::int64_t{job.copies});
+  out.flag("held", job.held);
+  out.number("sheets_total", std::int64_t{job.sheets_total});
+  if (job.sheet > 0)
+    out.number("sheet", std::int64_t{job.sheet});
+  else
+    out.null("sheet");
+  out.number("blank", std::int64_t{job.blank});
+  out.number("segment", std::int64_t{job.segment});
+  out.object("progress", progress);
+  out.object("est", estimate);
+  out.text("created", rfc3339(job.created));
+  out.time_or_null("started", job.started);
+  out.time_or_null("finished", job.finished);
+  out.text_or_null("outcome", job.outcome);
+  out.texts("tags", job.tags);
+  if (job.attention)
+    out.object("attention", attention_text(*job.attention));
+  else
+    out.null("attention");
+  out.texts("actions", job.actions);
+  out.object("links", links_text(job));
+  return out.whole();
 }
 
 ordered_json to_json(const SheetRecord& sheet) {

@@ -18,7 +18,6 @@ namespace popcut::daemon::http {
 [[nodiscard]] nlohmann::ordered_json to_json(const Design& design);
 [[nodiscard]] nlohmann::ordered_json to_json(const SheetPlan& sheet);
 [[nodiscard]] nlohmann::ordered_json to_json(const PlanRecord& plan);
-[[nodiscard]] nlohmann::ordered_json to_json(const Job& job);
 [[nodiscard]] nlohmann::ordered_json to_json(const SheetRecord& sheet);
 [[nodiscard]] nlohmann::ordered_json to_json(const Ledger& ledger);
 [[nodiscard]] nlohmann::ordered_json to_json(const DeviceRecord& device);
@@ -26,6 +25,9 @@ namespace popcut::daemon::http {
 [[nodiscard]] nlohmann::ordered_json to_json(const TokenRecord& token);
 [[nodiscard]] nlohmann::ordered_json to_json(const NewToken& token);
 [[nodiscard]] nlohmann::ordered_json to_json(const UsageRow& row);
+
+/// A job as JSON: as the others above, but written down at once, for long lists.
+[[nodiscard]] std::string job_text(const Job& job);
 
 /// `event.data`, which has "seq" and "kind" and more, with its "time". It is not parsed.
 [[nodiscard]] std::string event_json(const Event& event);

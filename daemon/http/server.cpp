@@ -29,8 +29,6 @@ using http::Socket;
 using Acceptor = boost::asio::basic_socket_acceptor<boost::asio::generic::stream_protocol>;
 namespace asio = boost::asio;
 
-constexpr std::int64_t kAliveFor_ms = 5000;
-
 std::int64_t steady_ms() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
@@ -258,6 +256,8 @@ void HttpServer::retune(HttpTuning tuning) {
              [&impl, tuning = std::move(tuning)]() mutable { impl.hub.retune(std::move(tuning)); });
 }
 
-bool HttpServer::alive() const { return steady_ms() - impl_->turned_ms < kAliveFor_ms; }
+bool HttpServer::alive(double within_s) const {
+  return static_cast<double>(steady_ms() - impl_->turned_ms) < 1000 * within_s;
+}
 
 }  // namespace popcut::daemon

@@ -70,8 +70,8 @@ class HttpServer {
   /// Accepts no more, lets requests end for `grace_s`, then cuts them off. The service's thread
   /// must still run. Idempotent.
   void stop(double grace_s = 2);
-  /// True as long as the thread has turned within the last five seconds (for the watchdog).
-  [[nodiscard]] bool alive() const;
+  /// True as long as the thread has turned within the last seconds (for the watchdog).
+  [[nodiscard]] bool alive(double within_s = 5) const;
 
  private:
   struct Impl;

@@ -44,10 +44,9 @@ std::optional<std::int64_t> wanted_seq(const Request& request) {
 // The state of things at one moment: all devices, and the jobs that are not ended, those that have
 // begun before those that wait.
 std::string snapshot(Service& service, std::int64_t seq) {
-  nlohmann::ordered_json out{{"seq", seq}};
-  nlohmann::ordered_json& devices = out["devices"] = nlohmann::ordered_json::array();
+  nlohmann::ordered_json devices = nlohmann::ordered_json::array();
   for (const DeviceRecord& device : service.devices()) devices.push_back(to_json(device));
-  nlohmann::ordered_json& jobs = out["jobs"] = nlohmann::ordered_json::array();
+  std::vector<std::string> jobs;
   bool more = false;
   const std::vector<JobState> begun{JobState::Cutting, JobState::Paused, JobState::Interrupted,
                                     JobState::Armed, JobState::Ready};
@@ -55,11 +54,11 @@ std::string snapshot(Service& service, std::int64_t seq) {
        {begun, std::vector<JobState>{JobState::Planning, JobState::Queued}}) {
     const Answer<Page<Job>> page = service.jobs({states, {}, {}, {}}, {kPage / 2, {}});
     if (!page) continue;
-    for (const Job& job : page->items) jobs.push_back(to_json(job));
+    for (const Job& job : page->items) jobs.push_back(job_text(job));
     more = more || !page->next_cursor.empty();
   }
-  out["more"] = more;
-  return dump(out);
+  return fmt::format("{{\"seq\":{},\"devices\":{},\"jobs\":[{}],\"more\":{}}}", seq, dump(devices),
+                     fmt::join(jobs, ","), more);
 }
 
 CatchUp catch_up(Service& service, std::optional<std::int64_t> after) {

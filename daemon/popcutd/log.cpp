@@ -49,9 +49,13 @@ class JsonText : public spdlog::custom_flag_formatter {
 std::string without_control(std::string_view text) {
   std::string out;
   out.reserve(text.size());
-  for (const char c : text) {
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
     const auto byte = static_cast<unsigned char>(c);
-    if (c == '\n')
+    const unsigned next = at + 1 < text.size() ? static_cast<unsigned char>(text[at + 1]) : 0;
+    if (byte == 0xc2 && next >= 0x80 && next < 0xa0)  // U+0080 to U+009F: escapes of terminals
+      out += fmt::format("\\u{:04x}", static_cast<unsigned char>(text[++at]));
+    else if (c == '\n')
       out += " | ";
     else if (byte < 0x20 || byte == 0x7f)
       out += fmt::format("\\x{:02x}", byte);
@@ -71,6 +75,18 @@ std::string_view job_in(std::string_view message) {
     if (std::min(end, rest.size()) == kLength) return rest.substr(0, kLength);
   }
   return {};
+}
+
+std::string change_line(const Event& event) {
+  if (event.seq == 0 || event.kind != "job" || event.job.empty()) return {};
+  const auto data = nlohmann::json::parse(event.data, nullptr, false);
+  if (!data.is_object()) return {};
+  std::string line = fmt::format("job {}: {}", event.job, data.value("state", "changed"));
+  if (data.contains("deleted")) line += ", taken off the list";
+  if (const std::string reason = data.value("reason", ""); !reason.empty()) line += ", " + reason;
+  if (const int sheet = data.value("sheet", 0); sheet > 0)
+    line += fmt::format(", sheet {} of {}", sheet, data.value("sheets_total", sheet));
+  return line;
 }
 
 std::string json_string(std::string_view text) {

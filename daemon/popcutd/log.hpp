@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "daemon/config/config.hpp"
+#include "daemon/service/model.hpp"
 
 namespace spdlog {
 class logger;
@@ -24,6 +25,9 @@ void set_level(spdlog::logger& log, const std::string& level);
 [[nodiscard]] std::string without_control(std::string_view text);
 /// The id after "job " in a message, or an empty text.
 [[nodiscard]] std::string_view job_in(std::string_view message);
+/// "job 01JDX7...: interrupted, device_gone, sheet 2 of 3" of a stored change of a job; an empty
+/// text of any other event.
+[[nodiscard]] std::string change_line(const Event& event);
 /// `text` as a JSON string with its quotes; bytes that are no UTF-8 become U+FFFD.
 [[nodiscard]] std::string json_string(std::string_view text);
 

@@ -13,6 +13,7 @@
 #include "daemon/popcutd/options.hpp"
 #include "daemon/popcutd/serve.hpp"
 #include "daemon/popcutd/service_manager.hpp"
+#include "daemon/popcutd/turn_away.hpp"
 #include "daemon/popcutd/webhook.hpp"
 
 namespace popcut::daemon {
@@ -34,9 +35,15 @@ int run(int argc, char** argv) {
   const auto options = parse_options(argc, argv);
   if (!options) return report(options.error(), exit_code(options.error().kind));
   if (options->exit) return *options->exit;
+  const ServiceManager manager = ServiceManager::from_environment();
   std::string file;
   const auto config = load_config(*options, file);
-  if (!config) return report(config.error(), config_code(config.error()));
+  if (!config) {
+    if (options->check_config) return report(config.error(), config_code(config.error()));
+    manager.tell_status(message(config.error()));
+    turn_away(manager.sockets(), message(config.error()));
+    return report(config.error(), config_code(config.error()));
+  }
   if (options->check_config) {
     if (!config->webhook.url.empty())
       if (const auto target = webhook_target(config->webhook); !target)
@@ -46,7 +53,6 @@ int run(int argc, char** argv) {
                 std::string(kReloadedKeys).c_str());
     return 0;
   }
-  const ServiceManager manager = ServiceManager::from_environment();
   const auto log = make_log(config->log, std::getenv("JOURNAL_STREAM") != nullptr);
   return serve(*config, *options, manager, log);
 }

@@ -3,6 +3,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -11,6 +13,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -19,9 +22,11 @@
 #include "daemon/devices/make_cutters.hpp"
 #include "daemon/http/server.hpp"
 #include "daemon/planning/make_planner.hpp"
+#include "daemon/popcutd/footprint.hpp"
 #include "daemon/popcutd/greeting.hpp"
 #include "daemon/popcutd/log.hpp"
 #include "daemon/popcutd/sheet_program.hpp"
+#include "daemon/popcutd/turn_away.hpp"
 #include "daemon/popcutd/webhook.hpp"
 #include "daemon/service/job_service.hpp"
 
@@ -33,6 +38,8 @@ using Clock = std::chrono::steady_clock;
 constexpr int kNeedsPerson = 78;
 constexpr double kStopSeconds = 30;   // within the unit's TimeoutStopSec
 constexpr double kStuckSeconds = 10;  // a thread that has not turned for so long is stuck
+constexpr double kQuickSeconds =
+    2;  // however soon the watchdog wants to know; threads idle for 1 s
 constexpr double kLookSeconds = 0.5;
 
 /// Why it does not start, or no more runs.
@@ -75,9 +82,9 @@ class Pulse {
     });
     if (!taken) asked_ = false;
   }
-  [[nodiscard]] bool alive() const {
+  [[nodiscard]] bool alive(double stuck_s) const {
     const std::lock_guard hold(lock_);
-    return since(beat_) < kStuckSeconds;
+    return since(beat_) < stuck_s;
   }
   [[nodiscard]] std::string status() const {
     const std::lock_guard hold(lock_);
@@ -119,7 +126,9 @@ class Daemon {
   [[nodiscard]] std::optional<Trouble> start(const ServiceManager& manager);
   void stop();
   void beat() { pulse_.ask(*thread_, *service_); }
-  [[nodiscard]] bool alive() const { return pulse_.alive() && http_->alive() && cutters_->alive(); }
+  [[nodiscard]] bool alive() const {
+    return pulse_.alive(stuck_s_) && http_->alive(stuck_s_) && cutters_->alive();
+  }
   [[nodiscard]] std::string status() const { return pulse_.status(); }
   [[nodiscard]] std::vector<std::string> endpoints() const { return http_->endpoints(); }
   /// Takes of `wanted` what may change while it runs; nothing of it touches a cut.
@@ -131,6 +140,7 @@ class Daemon {
   [[nodiscard]] std::optional<Trouble> open_state();
   [[nodiscard]] std::optional<Trouble> open_devices();
   [[nodiscard]] std::optional<Trouble> open_service();
+  void log_changes();
   [[nodiscard]] std::optional<Trouble> open_webhook();
   void begin_webhook(WebhookTarget target);
   void end_webhook();
@@ -146,9 +156,13 @@ class Daemon {
   std::unique_ptr<Webhook> webhook_{};
   std::unique_ptr<HttpServer> http_{};
   Pulse pulse_{};
+  double stuck_s_{kStuckSeconds};
 };
 
 std::optional<Trouble> Daemon::start(const ServiceManager& manager) {
+  // Half of what the watchdog grants, so that it is not fed in vain.
+  if (const auto watchdog = manager.watchdog_s())
+    stuck_s_ = std::clamp(*watchdog / 2, kQuickSeconds, kStuckSeconds);
   auto tables = cli::read_user_tables();
   if (!tables) return Trouble{kNeedsPerson, message(tables.error())};
   tables_ = std::move(tables->texts);
@@ -156,6 +170,7 @@ std::optional<Trouble> Daemon::start(const ServiceManager& manager) {
   if (auto trouble = open_state()) return trouble;
   if (auto trouble = open_devices()) return trouble;
   if (auto trouble = open_service()) return trouble;
+  log_changes();
   if (auto trouble = open_webhook()) return trouble;
   return open_http(manager);
 }
@@ -180,6 +195,7 @@ std::optional<Trouble> Daemon::open_devices() {
   CuttersOptions options;
   options.tables = tables_;
   options.devices = config_.devices;
+  options.stuck_s = stuck_s_;
   auto cutters = make_cutters(std::move(options));
   if (!cutters) return Trouble{exit_code(cutters.error().kind), message(cutters.error())};
   cutters_ = std::move(*cutters);
@@ -204,6 +220,15 @@ std::optional<Trouble> Daemon::open_service() {
   }
   service_ = std::move(*service);
   return std::nullopt;
+}
+
+/// What becomes of each job, with its id.
+void Daemon::log_changes() {
+  thread_->run(ServiceThread::Lane::Asking, [this] {
+    service_->listen([log = log_](const Event& event) {
+      if (const std::string line = change_line(event); !line.empty()) log->info(line);
+    });
+  });
 }
 
 std::optional<Trouble> Daemon::open_webhook() {
@@ -345,6 +370,14 @@ void reload(Daemon& daemon, const DaemonOptions& options, const Config& running,
   manager.tell("READY=1");
 }
 
+/// The program on the disk is another one now: an upgrade waits for a restart.
+bool replaced() {
+  constexpr std::string_view kGone = " (deleted)";
+  std::array<char, 4096> link{};
+  const ssize_t size = readlink("/proc/self/exe", link.data(), link.size());
+  return size > 0 && std::string_view(link.data(), static_cast<std::size_t>(size)).ends_with(kGone);
+}
+
 /// Until somebody ends it.
 void watch(Daemon& daemon, const Config& config, const DaemonOptions& options,
            const ServiceManager& manager, const Signals& signals, spdlog::logger& log) {
@@ -365,8 +398,9 @@ void watch(Daemon& daemon, const Config& config, const DaemonOptions& options,
       manager.tell("WATCHDOG=1");
       fed = Clock::now();
     }
-    if (const std::string status = daemon.status(); status != told && !status.empty())
-      manager.tell_status(told = status);
+    std::string status = daemon.status();
+    if (!status.empty() && replaced()) status += "; a new version waits for a restart";
+    if (status != told && !status.empty()) manager.tell_status(told = status);
   }
 }
 
@@ -379,11 +413,13 @@ int serve(const Config& config, const DaemonOptions& options, const ServiceManag
   if (const auto trouble = daemon.start(manager)) {
     std::fprintf(stderr, "popcutd: %s\n", without_control(trouble->text).c_str());
     manager.tell_status(trouble->text);
+    if (trouble->code == kNeedsPerson) turn_away(manager.sockets(), trouble->text);
     return trouble->code;
   }
   if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "{}", greeting(config, daemon.endpoints()));
   log->info("serving at {}", fmt::join(daemon.endpoints(), ", "));
-  manager.tell("READY=1");
+  manager.tell("READY=1\nSTATUS=serving");
+  give_back_start();
   watch(daemon, config, options, manager, signals, *log);
   log->info("stopping: cuts end with their stroke");
   manager.tell(fmt::format("STOPPING=1\nEXTEND_TIMEOUT_USEC={:.0f}", (kStopSeconds + 10) * 1e6));

@@ -62,7 +62,8 @@ Answer<Job> CutDesk::act(const Principal& who, const std::string& id, std::int64
   JobBook& jobs = parts_.jobs;
   const bool to_the_knife = wish.action == JobAction::Pause || wish.action == JobAction::Cancel;
   try {
-    const Answer<Job> done = parts_.memory.change([&]() -> Answer<Job> {
+    // Not const: it is moved out, since a copy of an Answer ends the program without memory.
+    Answer<Job> done = parts_.memory.change([&]() -> Answer<Job> {
       Answer<JobRow> found = jobs.row(id);
       if (!found) return tl::unexpected(found.error());
       JobRow& row = *found;
@@ -329,7 +330,12 @@ void CutDesk::tick() {
   for (const auto& [job, until] : armed_until_)
     if (until <= now) over.push_back(job);
   for (const std::string& job : over) lapse(job, "arm_expired");
-  if (late_.empty() || parts_.memory.degraded()) return;
+  if (parts_.memory.degraded()) return;
+  std::vector<std::shared_ptr<Cut>> refused;
+  for (const auto& [job, cut] : cuts_)
+    if (cut->refusal) refused.push_back(cut);
+  for (const auto& cut : refused) record_refusal(cut);
+  if (late_.empty()) return;
   const std::vector<LateEnd> late = std::exchange(late_, {});
   for (const LateEnd& one : late) ended(one.cut, one.end);
 }

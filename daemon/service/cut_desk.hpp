@@ -63,6 +63,7 @@ class CutDesk {
 
   void lapse(const std::string& job, const std::string& reason);
   void hand_over(const std::shared_ptr<Cut>& cut);
+  void record_refusal(const std::shared_ptr<Cut>& cut);
 
   // For the journal, on the service's thread.
   [[nodiscard]] Result<void> intended(Cut& cut, std::int64_t last);

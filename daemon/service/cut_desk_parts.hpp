@@ -25,7 +25,8 @@ struct CutDesk::Cut {
   AttemptMarks marks;
   LiveCut live;
   bool cancel_asked{false}, over{false};
-  std::string shown;  ///< kind of the attention that is shown meanwhile
+  std::optional<std::string> refusal;  ///< why the cutter did not take it
+  std::string shown;                   ///< kind of the attention that is shown meanwhile
   SessionPhase phase{SessionPhase::Connecting};
   std::int64_t told_ms{-1'000'000};
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <chrono>
+#include <new>
 
 #include <fmt/format.h>
 
@@ -204,29 +205,45 @@ Answer<void> CutDesk::start(const Principal& who, JobRow& row, const ActionWish&
   }
   attempts.disarm(row.id);
   parts_.jobs.take(row, Step::ToCutting, "");
-  // The knife moves only after all this is on the disk.
-  parts_.memory.after_commit([this, cut = *cut] {
+  // The knife moves only after all this is on the disk; what follows the commit takes no memory
+  // but within `hand_over`.
+  auto mine = std::make_shared<std::map<std::string, std::shared_ptr<Cut>>>();
+  mine->emplace(row.id, *cut);
+  parts_.memory.after_commit([this, cut = *cut, mine] {
     armed_until_.erase(cut->job);
-    cuts_[cut->job] = cut;
+    cuts_.merge(*mine);
     hand_over(cut);
   });
   return {};
 }
 
 void CutDesk::hand_over(const std::shared_ptr<Cut>& cut) {
-  const Result<void> taken =
-      parts_.cutters.cut(std::move(cut->order), std::make_shared<Journal>(*this, cut));
-  cut->order = {};
-  if (taken) return;
-  // Not a byte of it was sent, so the same blank may be started again.
-  cuts_.erase(cut->job);
-  (void)parts_.memory.change([&]() -> Answer<void> {
-    Answer<JobRow> row = parts_.jobs.row(cut->job);
-    if (!row) return tl::unexpected(row.error());
-    parts_.jobs.attempts().never_started(cut->attempt, parts_.memory.now());
-    parts_.jobs.take(*row, step_of(row->state, JobEvent::CutRefused), message(taken.error()));
-    return {};
-  });
+  try {
+    auto journal = std::make_shared<Journal>(*this, cut);
+    const Result<void> taken = parts_.cutters.cut(std::move(cut->order), std::move(journal));
+    cut->order = {};
+    if (taken) return;
+    cut->refusal = message(taken.error());
+  } catch (const std::bad_alloc&) {
+    cut->refusal = "out of memory";  // so short that it needs none
+  }
+  record_refusal(cut);
+}
+
+// Not a byte of it was sent, so the same blank may be started again. What cannot be written now is
+// tried again by the tick.
+void CutDesk::record_refusal(const std::shared_ptr<Cut>& cut) {
+  try {
+    const Answer<void> recorded = parts_.memory.change([&]() -> Answer<void> {
+      Answer<JobRow> row = parts_.jobs.row(cut->job);
+      if (!row) return tl::unexpected(row.error());
+      parts_.jobs.attempts().never_started(cut->attempt, parts_.memory.now());
+      parts_.jobs.take(*row, step_of(row->state, JobEvent::CutRefused), *cut->refusal);
+      return {};
+    });
+    if (recorded) cuts_.erase(cut->job);
+  } catch (const std::bad_alloc&) {  // the tick comes back to it
+  }
 }
 
 Result<void> CutDesk::intended(Cut& cut, std::int64_t last) {

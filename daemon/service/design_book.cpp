@@ -288,7 +288,8 @@ void DesignBook::preview(const std::string& id, std::function<void(Answer<std::s
         else if (const std::string* bytes = file_of(*outcome, kPreview))
           svg = *bytes;
         if (svg) (void)write_file(place, *svg);
-        thread->post(ServiceThread::Lane::Asking, [svg, done] { done(svg); });
+        thread->post(ServiceThread::Lane::Asking,
+                     [svg = std::move(svg), done]() mutable { done(std::move(svg)); });
       });
 }
 

@@ -220,7 +220,7 @@ class LiveService final : public JobService {
 };
 
 Answer<void> LiveService::begin() {
-  const Answer<void> recovered = recover(memory_, jobs_);
+  Answer<void> recovered = recover(memory_, jobs_);
   if (!recovered) return recovered;
   try {
     store_.mark_in_use();
@@ -364,7 +364,7 @@ Answer<std::string> LiveService::backup(const Principal& who) {
   const std::string name = fmt::format("popcut-{:%Y%m%dT%H%M%S}Z-{}.db",
                                        fmt::gmtime(static_cast<std::time_t>(memory_.now() / 1000)),
                                        sha256_hex(random_bytes(8)).substr(0, 6));
-  const auto made = memory_.look(
+  auto made = memory_.look(
       [&]() -> Answer<std::string> { return back_up(memory_.db(), store_.folder(), name); });
   if (!made) return made;
   (void)memory_.change([&]() -> Answer<void> {

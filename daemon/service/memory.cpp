@@ -35,15 +35,18 @@ void Memory::follow_up() {
   // What follows may change something again, with events and follow-ups of its own.
   const std::vector<Event> events = std::exchange(events_, {});
   const std::vector<std::function<void()>> after = std::exchange(after_, {});
-  if (!events.empty()) store_.bear_witness(events.back().seq);
   // It is committed: whoever stumbles over the news must not keep the rest from happening.
   const auto try_to = [this](const auto& work) {
     try {
       work();
     } catch (const std::exception& fault) {
-      log(fmt::format("after a commit: {}", fault.what()));
+      try {
+        log(fmt::format("after a commit: {}", fault.what()));
+      } catch (const std::exception&) {  // not even memory to say so
+      }
     }
   };
+  if (!events.empty()) try_to([&] { store_.bear_witness(events.back().seq); });
   for (const Event& event : events) try_to([&] { tell(event); });
   for (const auto& work : after) try_to(work);
 }

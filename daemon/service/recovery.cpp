@@ -55,6 +55,8 @@ Answer<void> recover(Memory& memory, JobBook& jobs) {
           memory.emit("job", row.id,
                       fmt::format(R"("state":"{}","rev":{},"recovered":{{"from":"{}","to":"{}"}})",
                                   name_of(row.state), row.rev, from, name_of(row.state)));
+          memory.log(fmt::format("job {}: {} after a restart, it was {}", row.id,
+                                 name_of(row.state), from));
         }
       }
     }

@@ -163,7 +163,7 @@ Database::Database(const Options& options) : kept_(std::make_unique<Kept>()) {
     if (options.exclusive_wal) script("PRAGMA locking_mode=EXCLUSIVE;");
     script(
         "PRAGMA trusted_schema=OFF; PRAGMA cell_size_check=ON; PRAGMA mmap_size=0;"
-        "PRAGMA temp_store=MEMORY; PRAGMA foreign_keys=ON; PRAGMA cache_size=-4000;");
+        "PRAGMA temp_store=MEMORY; PRAGMA foreign_keys=ON; PRAGMA cache_size=-2000;");
     if (!options.exclusive_wal) return;
     script("PRAGMA synchronous=FULL;");
     Rows mode = rows("PRAGMA journal_mode=WAL");
@@ -220,6 +220,8 @@ int Database::run_list(std::string_view sql, std::span<const Bound> values) {
 void Database::script(const std::string& sql) {
   check(db_, sqlite3_exec(db_, sql.c_str(), nullptr, nullptr, nullptr), sql);
 }
+
+void Database::forget_pages() { sqlite3_db_release_memory(db_); }
 
 bool Database::in_transaction() const { return sqlite3_get_autocommit(db_) == 0; }
 

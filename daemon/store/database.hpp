@@ -122,6 +122,8 @@ class Database {
   /// Several statements without parameters, not kept.
   void script(const std::string& sql);
 
+  /// Gives back the memory of the pages that were read.
+  void forget_pages();
   [[nodiscard]] bool in_transaction() const;
   /// Pages in the write-ahead log after the last commit.
   [[nodiscard]] int wal_pages() const { return wal_pages_; }

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "daemon/digest/digest.hpp"
@@ -78,6 +79,21 @@ std::vector<Salvage::Table> bring_all(Database& from, Database& to) {
   all.commit();
   to.checkpoint(true);
   return tables;
+}
+
+/// Run by root, what it made goes to whose folder it is: a service has a user of its own.
+void give_to_owner(const std::string& folder) {
+  struct stat top {};
+  if (::geteuid() != 0 || ::stat(folder.c_str(), &top) != 0 || top.st_uid == 0) return;
+  std::error_code error;
+  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end;
+       at.increment(error)) {
+    struct stat one {};
+    if (::lstat(at->path().c_str(), &one) != 0 || one.st_uid != 0) continue;
+    // A second name may be of a file that lies elsewhere.
+    if (S_ISDIR(one.st_mode) || (S_ISREG(one.st_mode) && one.st_nlink == 1))
+      (void)!::lchown(at->path().c_str(), top.st_uid, top.st_gid);
+  }
 }
 
 }  // namespace
@@ -161,6 +177,7 @@ tl::expected<Salvage, OpenTrouble> salvage(const std::string& path) {
   remove_tree((*folder)->at("witness"));
   Result<void> done = keep_file(fresh, original);
   if (done) remove_tree((*folder)->at("database-state"));
+  give_to_owner(path);
   if (!done) return trouble(OpenTrouble::Kind::Io, message(done.error()));
   return report;
 }

@@ -141,7 +141,7 @@ CREATE INDEX event_job ON event(job, seq) WHERE job != '';
 CREATE TABLE idem(
   principal TEXT NOT NULL, key TEXT NOT NULL, request TEXT NOT NULL, status INTEGER NOT NULL,
   body TEXT NOT NULL, etag TEXT NOT NULL, location TEXT NOT NULL, expires INTEGER NOT NULL,
-  PRIMARY KEY(principal, key)) STRICT, WITHOUT ROWID;
+  PRIMARY KEY(principal, key)) STRICT;  -- with row ids: a body in an index takes a page of its own
 CREATE INDEX idem_expires ON idem(expires);
 
 CREATE TABLE audit(

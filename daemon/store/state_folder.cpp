@@ -121,6 +121,11 @@ Result<std::unique_ptr<StateFolder>> StateFolder::open(const std::string& path) 
     const std::string folder = path + "/" + inside;
     if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
       return trouble(folder, "cannot be made");
+    // What is unfinished in them is removed, which must never happen elsewhere.
+    struct stat found {};
+    if (lstat(folder.c_str(), &found) != 0 || !S_ISDIR(found.st_mode))
+      return fail(ErrorKind::Unwritable, folder,
+                  "is a link or a file; make it a folder (mount another disk there, if need be)");
   }
   const std::string lock_path = path + "/lock";
   const int lock = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
@@ -161,7 +166,7 @@ bool StateFolder::take_reserve(std::uint64_t bytes) {
   if (reserved_) return true;
   const std::string place = at("reserve");
   const std::string fresh = at(".new-reserve");
-  Descriptor file(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+  Descriptor file(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!file.good()) return false;
   const bool taken = posix_fallocate(file.get(), 0, static_cast<off_t>(bytes)) == 0 &&
                      file.shut() && rename(fresh.c_str(), place.c_str()) == 0;

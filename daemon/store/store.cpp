@@ -2,6 +2,7 @@
 #include "daemon/store/store.hpp"
 
 #include <array>
+#include <cerrno>
 #include <cstdio>
 #include <filesystem>
 
@@ -102,6 +103,10 @@ tl::expected<std::unique_ptr<Store>, OpenTrouble> Store::open(StoreOptions optio
                            "it to start with an empty queue");
       make_database(path, wish);
     }
+    if (::access(path.c_str(), R_OK | W_OK) != 0 && errno == EACCES)
+      return trouble(OpenTrouble::Kind::NotOurs,
+                     path + ": may not be read and written; it must belong to popcutd, as its " +
+                         "folder does: chown --reference=" + wish.folder + " " + path);
     if (std::string what = header_damage(path); !what.empty()) return damaged(what);
     const bool was_closed = mark.starts_with(kClean);
     const bool unchanged = was_closed && mark == clean_mark(path);
@@ -129,6 +134,7 @@ tl::expected<std::unique_ptr<Store>, OpenTrouble> Store::open(StoreOptions optio
       Rows verdict = store->database_->rows("PRAGMA integrity_check(1)");
       if (!verdict.next() || verdict.text(0) != "ok")
         return damaged("is damaged: " + verdict.text(0));
+      store->database_->forget_pages();
     }
     if (version < 1) return damaged("has no version");
     const std::int64_t known = store->database_->number("SELECT max(seq) FROM event");

@@ -27,6 +27,7 @@ struct OpenTrouble {
     Locked,   ///< another process has it
     Corrupt,  ///< needs a person: `popcut db salvage`; popcutd exits 78
     TooNew,   ///< written by a later popcutd; exits 78
+    NotOurs,  ///< the database belongs to somebody else; exits 78
     Io,       ///< the folder cannot be read or written
   };
   Kind kind{};

@@ -7,14 +7,17 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
 #include <thread>
 
-#include <catch2/catch.hpp>
+#include <unistd.h>
+
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "daemon/client/api.hpp"
@@ -32,10 +35,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kJobs = 10'000;
 constexpr int kSheets = 10;
-constexpr double kTimeScale = 20;  // as popcutd's own simulated cutter
-constexpr int kLines = 420;        // a sheet of half a minute at that speed
-constexpr double kEach_s = 2;      // of load of one kind
-constexpr int kStarts = 9;
+constexpr double kTimeScale = 20;         // as popcutd's own simulated cutter
+constexpr int kRows = 48, kColumns = 18;  // lines of a sheet that takes a minute at that speed
+constexpr double kEach_s = 2;             // of load of one kind
+constexpr int kStarts = 7;
 
 double ms_since(Clock::time_point then) {
   return std::chrono::duration<double, std::milli>(Clock::now() - then).count();
@@ -44,8 +47,9 @@ double ms_since(Clock::time_point then) {
 std::string design_svg() {
   std::string svg =
       "<svg xmlns='http://www.w3.org/2000/svg' width='280mm' height='280mm' viewBox='0 0 280 280'>";
-  for (int k = 0; k < kLines; ++k)
-    svg += fmt::format("<path fill='none' stroke='black' d='M20,{:.2f}h240'/>", 20 + 0.57 * k);
+  for (int k = 0; k < kRows * kColumns; ++k)
+    svg += fmt::format("<path fill='none' stroke='black' d='M{},{}h9'/>", 20 + 13 * (k % kColumns),
+                       20 + 5 * (k / kColumns));
   return svg + "</svg>";
 }
 
@@ -64,6 +68,16 @@ Memory memory_of(pid_t process) {
     if (line.starts_with("Private_")) memory.own += mb();
   }
   return memory;
+}
+
+/// Processor time of a process so far, in ms; the system counts it in steps of 10.
+double processor_ms(pid_t process) {
+  const std::string text = text_of_file("/proc/" + std::to_string(process) + "/stat");
+  const char* at = text.c_str() + text.rfind(')');
+  for (int field = 2; field < 14; ++field) at = std::strchr(at, ' ') + 1;
+  char* end = nullptr;
+  const double user = std::strtod(at, &end);
+  return (user + std::strtod(end, nullptr)) * 1000 / static_cast<double>(::sysconf(_SC_CLK_TCK));
 }
 
 /// What the metrics say of how long the stream was held up.
@@ -107,7 +121,8 @@ class Bench {
       while (!answered && !given_up) {
         try {
           KeptConnection connection(local());
-          answered = connection.ask("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n").status == 200;
+          answered =
+              connection.ask("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n").status == 200;
         } catch (const std::exception&) {
           std::this_thread::sleep_for(std::chrono::microseconds(200));
         }
@@ -172,8 +187,7 @@ class Bench {
     const json ledger = api().get("/v1/jobs/" + cutting_ + "/sheets/1/ledger", "ledger").value();
     const std::string attempt = client::text_of(ledger["attempts"][0], "id");
     CHECK(client::text_of(ledger["attempts"][0], "end_kind") == "done");
-    const json trace =
-        json::parse(text_of_file(daemon_.folder() / ("trace/" + attempt + ".json")));
+    const json trace = json::parse(text_of_file(daemon_.folder() / ("trace/" + attempt + ".json")));
     CutFigures figures;
     figures.seconds = trace["seconds"].get<double>();
     figures.starved_ms = 1000 * trace["starved_s"].get<double>() / kTimeScale;
@@ -222,6 +236,7 @@ class Bench {
   [[nodiscard]] const std::string& cursor(std::size_t k) const {
     return cursors_[k % cursors_.size()];
   }
+  [[nodiscard]] double processor() const { return processor_ms(daemon_.pid()); }
   [[nodiscard]] Memory memory() const { return memory_of(daemon_.pid()); }
   [[nodiscard]] double sheet_s() const { return sheet_s_; }
   [[nodiscard]] std::string file(const char* name) const { return daemon_.folder() / name; }
@@ -239,7 +254,8 @@ class Bench {
     const std::string text = api().get_text("/metrics", "*/*", "metrics").value();
     const auto value = [&](const std::string& name) {
       const std::size_t at = text.find("\n" + name + " ");
-      return at == std::string::npos ? 0 : std::strtod(text.c_str() + at + name.size() + 2, nullptr);
+      return at == std::string::npos ? 0
+                                     : std::strtod(text.c_str() + at + name.size() + 2, nullptr);
     };
     return {1000 * value("popcut_stream_wait_seconds_longest"),
             static_cast<std::int64_t>(value("popcut_stream_wait_seconds_count"))};
@@ -253,11 +269,17 @@ class Bench {
   double sheet_s_{};
 };
 
-void say_load(const char* what, const LoadFigures& figures, double bar_ms = 0) {
+/// `processor_ms`: what popcutd took of a processor meanwhile; less than 0: it is not about it.
+void say_load(const char* what, const LoadFigures& figures, double processor_ms,
+              double bar_ms = 0) {
   const std::string bar = bar_ms > 0 ? fmt::format("p99 < {:g}", bar_ms) : "";
-  std::printf("  %-34s %3d %9.0f %8.2f %8.2f %8.2f   %s\n", what, figures.clients,
+  const std::string each =
+      processor_ms < 0
+          ? "-"
+          : fmt::format("{:.3f}", processor_ms / static_cast<double>(figures.requests));
+  std::printf("  %-34s %3d %9.0f %8.2f %8.2f %8.2f %8s   %s\n", what, figures.clients,
               figures.per_second(), figures.within(0.5), figures.within(0.99),
-              figures.milliseconds.back(), bar.c_str());
+              figures.milliseconds.back(), each.c_str(), bar.c_str());
   CHECK(figures.failures == 0);
 }
 
@@ -272,65 +294,72 @@ double median(std::vector<double> all) {
 }
 
 void measure_starts(Bench& bench, const char* what, int signal) {
-  std::vector<double> took;
+  std::vector<double> took, processor;
   for (int k = 0; k < kStarts; ++k) {
     KeptConnection connection(bench.local());
     for (int made = 0; signal == SIGKILL && made < 20; ++made)  // so that there is a log to read
       REQUIRE(connection.ask(bench.post_job(bench.local())).status == 201);
     bench.end(signal);
     took.push_back(bench.start_ms());
+    processor.push_back(bench.processor());
   }
   say(fmt::format("start {}, median of {}", what, kStarts).c_str(), median(took), "ms", 100);
+  say("  processor time of it, median", median(processor), "ms");
   say("  the longest of them", *std::max_element(took.begin(), took.end()), "ms");
 }
 
 void measure_load(Bench& bench, const BareServer& bare) {
   const Endpoint tcp = bench.tcp(), local = bench.local();
-  std::printf("\n  %-34s %3s %9s %8s %8s %8s\n", "while a cut streams", "cl.", "a second", "p50 ms",
-              "p99 ms", "longest");
+  std::printf("\n  %-34s %3s %9s %8s %8s %8s %8s\n", "while a cut streams", "cl.", "a second",
+              "p50 ms", "p99 ms", "longest", "CPU ms");
+  const auto under = [&](const char* what, const Endpoint& to, int clients, int status,
+                         const std::function<std::string(int, int)>& request, double bar_ms = 0) {
+    const double before = bench.processor();
+    const LoadFigures figures = load(to, clients, kEach_s, status, request);
+    say_load(what, figures, bench.processor() - before, bar_ms);
+  };
   const auto job = [&](const Endpoint& to) {
     return [&bench, to](int client, int k) {
       return bench.get(to, "/v1/jobs/" + bench.id(static_cast<std::size_t>(client * 997 + k)));
     };
   };
-  for (const int clients : {1, 16})
-    say_load("GET job", load(tcp, clients, kEach_s, 200, job(tcp)));
-  say_load("GET job (unix socket)", load(local, 1, kEach_s, 200, job(local)));
+  for (const int clients : {1, 16}) under("GET job", tcp, clients, 200, job(tcp));
+  under("GET job (unix socket)", local, 1, 200, job(local));
   {
     KeptConnection connection(tcp);
     bench.list_all(connection);
   }
   const auto page = [&](int client, int k) {
-    return bench.get(tcp, "/v1/jobs?limit=200&cursor=" +
-                              bench.cursor(static_cast<std::size_t>(client * 7 + k)));
+    return bench.get(
+        tcp, "/v1/jobs?limit=200&cursor=" + bench.cursor(static_cast<std::size_t>(client * 7 + k)));
   };
   for (const int clients : {1, 8})
-    say_load("GET a page of 200 jobs", load(tcp, clients, kEach_s, 200, page), 20);
+    under("GET a page of 200 jobs", tcp, clients, 200, page, clients == 1 ? 20 : 0);
   {
     LoadFigures lists;
     lists.clients = 1;
     KeptConnection connection(tcp);
+    const double before = bench.processor();
     const Clock::time_point begun = Clock::now();
     while (ms_since(begun) < 1000 * kEach_s)
       lists.milliseconds.push_back(bench.list_all(connection));
     lists.seconds = ms_since(begun) / 1000;
     lists.requests = lists.milliseconds.size();
     std::sort(lists.milliseconds.begin(), lists.milliseconds.end());
-    say_load("list of 10 000 (50 pages of 200)", lists);
+    say_load("list of 10 000 (50 pages of 200)", lists, bench.processor() - before);
   }
   for (const int clients : {1, 16})
-    say_load("POST job", load(tcp, clients, kEach_s, 201,
-                              [&](int, int) { return bench.post_job(tcp); }));
+    under("POST job", tcp, clients, 201, [&](int, int) { return bench.post_job(tcp); });
   const std::string plain = "GET / HTTP/1.1\r\nHost: localhost\r\n\r\n";
   for (const int clients : {1, 16})
     say_load("beside it: bare Boost.Beast, 1.3 kB",
-             load(bare.endpoint(), clients, kEach_s, 200, [&](int, int) { return plain; }));
+             load(bare.endpoint(), clients, kEach_s, 200, [&](int, int) { return plain; }), -1);
   LoadFigures commits;
   commits.clients = 1;
   commits.milliseconds = bare_commits(bench.file("bare.db"), 500, 1000);
   commits.requests = commits.milliseconds.size();
   for (const double ms : commits.milliseconds) commits.seconds += ms / 1000;
-  say_load("beside it: bare SQLite, a commit", commits);
+  say_load("beside it: bare SQLite, a commit", commits, -1);
 }
 
 }  // namespace
@@ -372,7 +401,8 @@ TEST_CASE("popcutd with ten thousand jobs while a knife moves", "[bench]") {
               alone.starved_ms, loaded.starved_ms);
   std::printf("  %-44s %9.2f %9.2f   of %lld, %lld\n", "longest pause of the stream, ms",
               alone.waits.longest_ms, loaded.waits.longest_ms,
-              static_cast<long long>(alone.waits.count), static_cast<long long>(loaded.waits.count));
+              static_cast<long long>(alone.waits.count),
+              static_cast<long long>(loaded.waits.count));
   std::this_thread::sleep_for(std::chrono::seconds(2));
   const Memory after = bench.memory();
   say("\n  resident memory after all that", after.resident, "MB", 150);

@@ -28,7 +28,7 @@ class KeptConnection {
   KeptConnection& operator=(KeptConnection&&) = delete;
 
   struct Answer {
-    int status{};  ///< 0: the connection broke
+    int status{};             ///< 0: the connection broke
     std::string_view body{};  ///< until the next request
   };
   Answer ask(std::string_view request);

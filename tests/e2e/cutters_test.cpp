@@ -12,6 +12,7 @@
 #include "daemon/devices/make_cutters.hpp"
 #include "device/sim_pty.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/received_log.hpp"
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;
@@ -229,6 +230,38 @@ TEST_CASE("each cutter has its own thread and stop all ends every cut", "[daemon
   const auto begun = steady_clock::now();
   other.cutters->stop_all(0.05);
   CHECK(std::chrono::duration<double>(steady_clock::now() - begun).count() < 2);
+}
+
+TEST_CASE("a stroke that is longer than anybody waits is given up with the tool up",
+          "[daemon][cutters][faults]") {
+  TempFolder temp;
+  // Slower than the machine: what is sent ahead takes longer than this test waits. The Portrait has
+  // no blade to set.
+  Bench bench({{.id = "sim:slow",
+                .machine = "portrait",
+                .time_scale = 0.4,
+                .trace = (temp / "trace").string()}},
+              "portrait");
+  const auto journal = std::make_shared<Journal>();
+  REQUIRE(bench.cut("sim:slow", journal));
+  REQUIRE(comes_true([&] { return journal->taken >= 0 || journal->intended >= 0; }));
+  const auto begun = steady_clock::now();
+  bench.cutters->stop_all(0.3);
+  CHECK(std::chrono::duration<double>(steady_clock::now() - begun).count() < 10);
+  REQUIRE(journal->ends == 1);
+  CHECK(journal->end.cancelled);
+  REQUIRE(journal->end.error);
+  INFO(journal->end.error->detail);
+  // What was sent ends with the trailer, which lifts and parks the tool.
+  const auto log = received_log(temp / "trace/received.log");
+  REQUIRE(log.size() == 1);
+  const auto trailer = bench.program.view(bench.program.trailer);
+  REQUIRE(log[0].bytes.size() > trailer.size());
+  CHECK(std::equal(trailer.begin(), trailer.end(),
+                   log[0].bytes.end() - static_cast<std::ptrdiff_t>(trailer.size())));
+  const std::size_t begun_strokes = places_cut(log[0].bytes, machine("portrait")).size();
+  CHECK(begun_strokes <= bench.strokes - count(journal->end, StrokeFate::NotSent));
+  CHECK(count(journal->end, StrokeFate::NotSent) > 20);
 }
 
 TEST_CASE("a cutter that goes while it cuts ends its stroke first", "[daemon][cutters]") {

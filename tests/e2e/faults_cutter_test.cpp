@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: MIT
 // What goes wrong at a cutter and on its cable, through the whole of popcutd.
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
-
-#include <array>
 #include <chrono>
 #include <csignal>
-#include <thread>
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 #include "tests/support/live_shop.hpp"
+#include "tests/support/service_manager_socket.hpp"
 
 using namespace popcut;
 using namespace popcut::testing;
@@ -57,39 +52,6 @@ struct Wrongs {
     }
     return text;
   }
-};
-
-/// A socket like the service manager's.
-class Manager {
- public:
-  Manager() : path_((folder_ / "notify").string()), socket_(::socket(AF_UNIX, SOCK_DGRAM, 0)) {
-    sockaddr_un at{};
-    at.sun_family = AF_UNIX;
-    path_.copy(at.sun_path, path_.size());
-    REQUIRE(::bind(socket_, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0);
-  }
-  ~Manager() { ::close(socket_); }
-  Manager(const Manager&) = delete;
-  Manager& operator=(const Manager&) = delete;
-  [[nodiscard]] std::vector<std::string> environment(double watchdog_s) const {
-    return {"NOTIFY_SOCKET=" + path_, fmt::format("WATCHDOG_USEC={:.0f}", 1e6 * watchdog_s)};
-  }
-  /// How often the watchdog was fed since it was last asked.
-  int feedings() {
-    int count = 0;
-    std::array<char, 512> room{};
-    for (;;) {
-      const ssize_t got = ::recv(socket_, room.data(), room.size(), MSG_DONTWAIT);
-      if (got <= 0) return count;
-      const std::string said(room.data(), static_cast<std::size_t>(got));
-      count += said.find("WATCHDOG=1") != std::string::npos ? 1 : 0;
-    }
-  }
-
- private:
-  TempFolder folder_;
-  std::string path_;
-  int socket_;
 };
 
 bool printable(const std::string& text) {
@@ -181,7 +143,7 @@ TEST_CASE("a cutter that takes nothing shows as busy and is cancelled at once",
   wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
                 {R"("at_path": 16, "kind": "nak", "seconds": 100000)", "", "", ""},
                 {R"("at_path": 3, "kind": "nak", "seconds": 12)", "", "", ""}};
-  Manager manager;
+  ServiceManagerSocket manager;
   LiveShop shop(0, wrongs.config());
   shop.open(manager.environment(1));
   const std::string design = shop.design(LiveShop::lines_svg(kFew));
@@ -283,4 +245,49 @@ TEST_CASE("what a cutter says reaches no terminal and no page as more than text"
     // No answer is a page.
     CHECK(answer.content_type.find("html") == std::string::npos);
   }
+}
+
+TEST_CASE("a name is text and never a path or an escape sequence", "[popcutd][faults]") {
+  LiveShop shop;
+  shop.open();
+  const std::string svg = LiveShop::lines_svg(3);
+  const std::string design = shop.design(svg);
+  const auto make = [&](const std::string& member, const Json& value) {
+    Json wish{{"design", design}};
+    wish[member] = value;
+    return shop.ask("POST", "/v1/jobs", wish.dump());
+  };
+  for (const char* control : {"a\x1b[31m", "a\nb", "\x7f",
+                              "a\xc2\x9b"
+                              "31m",
+                              "\x01"}) {
+    CAPTURE(Json(control).dump());
+    CHECK(make("name", control).status == 422);
+    CHECK(make("tags", {control}).status == 422);
+    CHECK(shop.ask("POST", "/v1/designs?name=" + client::percent_encoded(control), svg,
+                   "image/svg+xml")
+                  .status /
+              100 ==
+          4);
+  }
+  // What is only odd is kept as it is.
+  for (const char* odd :
+       {"../../../../tmp/popcut-evil", "/etc/passwd", "<img src=x onerror=alert(1)>",
+        "'; DROP TABLE job; --", "%2e%2e%2f", "nul", "a\\b", "$(reboot)"}) {
+    CAPTURE(odd);
+    const client::HttpResponse made = make("name", odd);
+    CHECK(made.status == 201);
+    CHECK(Json::parse(made.body)["name"] == odd);
+    CHECK(shop.ask("POST", "/v1/designs?name=" + client::percent_encoded(odd), svg, "image/svg+xml")
+              .status < 300);
+  }
+  const Json listed = shop.get("/v1/jobs");
+  for (const Json& job : listed["items"]) shop.await_state(job["id"], "ready");
+  // No name of a file has anything of it.
+  for (const std::string& file : files_below(shop.daemon().state())) {
+    CAPTURE(file);
+    for (const char* part : {"evil", "passwd", "img", "DROP", "%", "nul", "reboot", "\\"})
+      CHECK(file.find(part) == std::string::npos);
+  }
+  CHECK_FALSE(std::filesystem::exists("/tmp/popcut-evil"));
 }

@@ -10,7 +10,7 @@ file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
 # The program that runs is the one just built, else verify misses it.
 file(READ ${UNITS}/popcutd.service unit)
-string(REGEX REPLACE "ExecStart=[^\n]*" "ExecStart=${POPCUTD}" unit "${unit}")
+string(REGEX REPLACE "=[^\n=]*/popcutd" "=${POPCUTD}" unit "${unit}")
 file(WRITE ${FOLDER}/popcutd.service "${unit}")
 file(COPY ${SOCKET} DESTINATION ${FOLDER})
 execute_process(COMMAND ${ANALYZE} verify --man=no ${FOLDER}/popcutd.service ${FOLDER}/popcutd.socket

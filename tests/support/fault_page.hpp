@@ -29,9 +29,10 @@ class FaultPage {
   FaultPage& operator=(const FaultPage&) = delete;
   FaultControl* operator->() { return shared_; }
   void calm() {
-    for (auto* one :
-         {&shared_->kill_at, &shared_->kill_after, &shared_->full_from, &shared_->full_until})
+    for (auto* one : {&shared_->kill_at, &shared_->kill_after, &shared_->full_from,
+                      &shared_->full_until, &shared_->bad_sync, &shared_->blocked})
       *one = 0;
+    shared_->clock_s = 0;
   }
   [[nodiscard]] std::vector<std::string> environment() const {
     return {"LD_PRELOAD=" POPCUT_FAULT_SHIM, std::string(kFaultControl) + "=" + path_,

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Loaded into popcutd by LD_PRELOAD: kills it at a chosen call, or lets the disk be full from one
-// write to another, as `FaultControl` says.
+// Loaded into popcutd by LD_PRELOAD: kills it at a chosen call, lets the disk be full or fail, sets
+// the clock, or keeps a thread, as `FaultControl` says.
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <sys/epoll.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -15,6 +16,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 
 #include "tests/support/fault_control.hpp"
 
@@ -82,17 +84,40 @@ class Call {
   std::uint64_t number_{};
 };
 
+/// Whether the path of an open file has `part` in it.
+bool has_in_path(int file, const char* part) {
+  char link[64], path[512];
+  std::snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+  const ssize_t length = ::readlink(link, path, sizeof path - 1);
+  if (length <= 0) return false;
+  path[length] = '\0';
+  return std::strstr(path, part) != nullptr;
+}
+
+bool is_trace(int file) { return has_in_path(file, "/trace/"); }
+
 /// A plain file of popcutd's own: no pipe, no socket, not what it says, not the cutter's log.
 bool is_plain(int file) {
   if (file <= 2) return false;
   struct stat status {};
-  if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) return false;
-  char link[64], path[512];
-  std::snprintf(link, sizeof link, "/proc/self/fd/%d", file);
-  const ssize_t length = ::readlink(link, path, sizeof path - 1);
-  if (length <= 0) return true;
-  path[length] = '\0';
-  return std::strstr(path, "/trace/") == nullptr;
+  return ::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && !is_trace(file);
+}
+
+/// Stays here as long as the control says so.
+void stand_at(popcut::testing::Blocked where) {
+  const int kept = errno;
+  while (control() != nullptr && control()->blocked == where) ::usleep(1000);
+  errno = kept;
+}
+
+/// Whether this sync fails, as a disk does that lost what it was given.
+bool sync_fails(int file) {
+  FaultControl* const shared = control();
+  if (shared == nullptr || !has_in_path(file, "/popcut.db")) return false;
+  stand_at(popcut::testing::kSyncs);
+  if (++shared->syncs != shared->bad_sync) return false;
+  errno = EIO;
+  return true;
 }
 
 }  // namespace
@@ -101,6 +126,8 @@ extern "C" {
 
 ssize_t write(int file, const void* bytes, size_t count) {
   static auto* const next = real<ssize_t(int, const void*, size_t)>("write");
+  if (control() != nullptr && control()->blocked == popcut::testing::kTraces && is_trace(file))
+    stand_at(popcut::testing::kTraces);
   const Call call;
   if (is_plain(file) && call.full()) return -1;
   return next(file, bytes, count);
@@ -131,6 +158,7 @@ int fsync(int file) {
   static auto* const next = real<int(int)>("fsync");
   const Call call;
   Call::wait_for_disk();
+  if (sync_fails(file)) return -1;
   return next(file);
 }
 
@@ -138,6 +166,7 @@ int fdatasync(int file) {
   static auto* const next = real<int(int)>("fdatasync");
   const Call call;
   Call::wait_for_disk();
+  if (sync_fails(file)) return -1;
   return next(file);
 }
 
@@ -195,6 +224,20 @@ int ioctl(int file, unsigned long request, ...) {
   va_end(arguments);
   const Call call;
   return next(file, request, argument);
+}
+
+int clock_gettime(clockid_t clock, struct timespec* time) {
+  static auto* const next = real<int(clockid_t, struct timespec*)>("clock_gettime");
+  const int done = next(clock, time);
+  if (done == 0 && clock == CLOCK_REALTIME && control() != nullptr)
+    time->tv_sec += control()->clock_s;
+  return done;
+}
+
+int epoll_wait(int queue, struct epoll_event* events, int most, int timeout) {
+  static auto* const next = real<int(int, struct epoll_event*, int, int)>("epoll_wait");
+  stand_at(popcut::testing::kPolls);
+  return next(queue, events, most, timeout);
 }
 
 }  // extern "C"

@@ -38,7 +38,6 @@ void LiveShop::open(const std::vector<std::string>& environment) {
   if (!daemon_.start(environment)) give_up("popcutd does not serve: " + daemon_.log());
   const auto address = client::parse_address("unix:" + daemon_.socket());
   client::HttpClient http({*address}, "");
-  http.set_tries(0);
   api_ = std::make_unique<client::Api>(std::move(http));
 }
 
@@ -148,12 +147,11 @@ std::string wrong_in(const nlohmann::json& ledger, int lines, const std::set<int
   return {};
 }
 
-std::set<int> lines_cut(const std::filesystem::path& trace_folder, int lines) {
-  const auto machine = find_machine("cameo3");
-  const std::vector<Received> log = received_log(trace_folder / "received.log");
-  if (log.empty()) return {};
+namespace {
+
+std::set<int> lines_at(const std::vector<std::string>& places, int lines) {
   std::set<int> cut;
-  for (const std::string& place : places_cut(log.back().bytes, *machine)) {
+  for (const std::string& place : places) {
     int line = 0;
     while (line < lines && place != fmt::format("{} {}", 100 * left_mm(line), 100 * top_mm(line)))
       ++line;
@@ -161,6 +159,17 @@ std::set<int> lines_cut(const std::filesystem::path& trace_folder, int lines) {
     if (!cut.insert(line).second) give_up(fmt::format("line {} was cut twice", line));
   }
   return cut;
+}
+
+}  // namespace
+
+std::set<int> lines_of(const Trace& trace, int lines) { return lines_at(places_of(trace), lines); }
+
+std::set<int> lines_cut(const std::filesystem::path& trace_folder, int lines) {
+  const auto machine = find_machine("cameo3");
+  const std::vector<Received> log = received_log(trace_folder / "received.log");
+  if (log.empty()) return {};
+  return lines_at(places_cut(log.back().bytes, *machine), lines);
 }
 
 std::size_t open_files(pid_t process) {

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/client/api.hpp"
+#include "device/trace.hpp"
 #include "tests/support/daemon_process.hpp"
 
 namespace popcut::testing {
@@ -73,6 +74,9 @@ class LiveShop {
 /// Which of the lines of `lines_svg` the simulated cutter of this trace folder cut in its last
 /// attempt; what came twice, or was no line, throws.
 [[nodiscard]] std::set<int> lines_cut(const std::filesystem::path& trace_folder, int lines);
+
+/// The same of what a cutter did.
+[[nodiscard]] std::set<int> lines_of(const Trace& trace, int lines);
 
 /// The open descriptors of a process, but for those that come and go by themselves.
 [[nodiscard]] std::size_t open_files(pid_t process);

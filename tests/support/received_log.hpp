@@ -42,8 +42,17 @@ inline std::vector<Received> received_log(const std::filesystem::path& path) {
   return all;
 }
 
-/// Where the knife comes down when a cutter is given these bytes and is left alone with them, a
-/// stroke each, as "x y" in hundredths of a millimetre.
+/// Where the knife came down, a stroke each, as "x y" in hundredths of a millimetre.
+inline std::vector<std::string> places_of(const Trace& trace) {
+  std::vector<std::string> places;
+  for (const TraceStroke& stroke : trace.strokes) {
+    const PagePoint p = trace.points_of(stroke).front();
+    places.push_back(fmt::format("{:.0f} {:.0f}", 100 * p.x, 100 * p.y));
+  }
+  return places;
+}
+
+/// Where the knife comes down when a cutter is given these bytes and is left alone with them.
 inline std::vector<std::string> places_cut(const std::vector<std::byte>& bytes,
                                            const Machine& machine) {
   SimOptions around;
@@ -53,13 +62,7 @@ inline std::vector<std::string> places_cut(const std::vector<std::byte>& bytes,
   cutter->accept(bytes);
   cutter->finish();
   cutter->run_dry();
-  std::vector<std::string> places;
-  const Trace& trace = cutter->trace();
-  for (const TraceStroke& stroke : trace.strokes) {
-    const PagePoint p = trace.points_of(stroke).front();
-    places.push_back(fmt::format("{:.0f} {:.0f}", 100 * p.x, 100 * p.y));
-  }
-  return places;
+  return places_of(cutter->trace());
 }
 
 /// Strokes `first .. last` of the ranges of a ledger.

@@ -34,6 +34,7 @@ class ScriptedTransport final : public Transport {
     if (end.error && end.error->kind == ErrorKind::Timeout) now_ = std::max(now_, until);
     for (const std::byte byte : bytes.first(end.taken)) received += static_cast<char>(byte);
     write_sizes.push_back(end.taken);
+    if (end.taken == 0) return end;
     const std::string_view all = received;
     if (all.substr(std::max<std::size_t>(all.size(), 2) - 2) == "\x1b\x05") {
       if (const auto reply = on_enquiry()) pending += *reply;

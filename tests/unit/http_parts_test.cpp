@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The parts of the HTTP side that need no socket.
+#include <limits>
+
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
@@ -10,6 +12,7 @@
 #include "daemon/http/json_body.hpp"
 #include "daemon/http/message.hpp"
 #include "daemon/http/rate_limit.hpp"
+#include "daemon/http/render.hpp"
 #include "daemon/http/target.hpp"
 #include "daemon/http/wire.hpp"
 
@@ -346,6 +349,28 @@ TEST_CASE("answers and log lines have no control characters", "[daemon][http][me
   CHECK(head.find("\r\nSet-Cookie") == std::string::npos);
   CHECK(head.find("Content-Length: 5\r\n") != std::string::npos);
   CHECK(for_log("a\n\x1B[31m\x7F\xC2\x9B\xC3\xA4") == "a\\x0a\\x1b[31m\\x7f\\x9b\xC3\xA4");
+}
+
+TEST_CASE("a job is written as JSON whatever its texts and numbers hold",
+          "[daemon][http][render]") {
+  Job job;
+  job.id = "01ARZ3NDEKTSV4RRFFQ69G5FAV";
+  job.name = "a \"card\"\\ <b>\n\x01 \xC3\xA9 \xFF";
+  job.tags = {"", "two, three", "\"}"};
+  job.remaining_s = {0.1, std::numeric_limits<double>::infinity()};
+  job.progress.cut_mm = 1e21;
+  job.attention = Attention{.kind = "load_sheet", .sheet = 1, .total = 2, .text = "load \"1\""};
+  const nlohmann::json read = nlohmann::json::parse(job_text(job));
+  CHECK(read["name"] == "a \"card\"\\ <b>\n\x01 \xC3\xA9 \xEF\xBF\xBD");
+  CHECK(read["tags"] == nlohmann::json(job.tags));
+  CHECK(read["est"]["remaining_s"] == nlohmann::json({0.1, nullptr}));
+  CHECK(read["progress"]["cut_mm"] == 1e21);
+  CHECK(read["attention"]["text"] == "load \"1\"");
+  CHECK(read["attention"]["actions"] == nlohmann::json::array());
+  CHECK(read["sheet"].is_null());
+  CHECK(read["links"]["plan"].is_null());
+  CHECK(read["held"] == false);
+  CHECK(read["copies"] == 1);
 }
 
 TEST_CASE("a reply is given once and never forgotten", "[daemon][http][message]") {

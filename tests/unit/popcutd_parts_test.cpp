@@ -14,6 +14,7 @@
 #include "daemon/popcutd/options.hpp"
 #include "daemon/popcutd/paths.hpp"
 #include "daemon/popcutd/service_manager.hpp"
+#include "daemon/popcutd/turn_away.hpp"
 #include "daemon/popcutd/webhook.hpp"
 #include "tests/support/process.hpp"
 
@@ -110,10 +111,56 @@ TEST_CASE("what is meant for another process is not taken", "[daemon][systemd]")
 
 TEST_CASE("a log line is one line whatever it holds", "[daemon][log]") {
   CHECK(without_control("a\nb\x1b[31m\x07") == "a | b\\x1b[31m\\x07");
+  CHECK(without_control("\xc2\x9b"
+                        "31m caf\xc3\xa9") == "\\u009b31m caf\xc3\xa9");
   CHECK(json_string("a\"\n\xff") == "\"a\\\"\\n\xEF\xBF\xBD\"");
   CHECK(job_in("job 01JDX7KQ4M8ZB1Q2R3S4T5V6W7: cutting") == "01JDX7KQ4M8ZB1Q2R3S4T5V6W7");
   CHECK(job_in("job name is long and no id").empty());
   CHECK(job_in("job 01JDX7KQ4M8ZB1Q2R3S4T5V6W7X").empty());
+}
+
+TEST_CASE("a change of a job is logged with its id and reason", "[daemon][log]") {
+  Event event{7, "job", 0, "01JDX7KQ4M8ZB1Q2R3S4T5V6W7",
+              R"({"seq":7,"state":"interrupted","rev":4,"reason":"device_gone","sheet":2,)"
+              R"("sheets_total":3})"};
+  CHECK(change_line(event) ==
+        "job 01JDX7KQ4M8ZB1Q2R3S4T5V6W7: interrupted, device_gone, sheet 2 of 3");
+  CHECK(job_in(change_line(event)) == event.job);
+  event.data = "no json";
+  CHECK(change_line(event).empty());
+  event = {0, "progress", 0, event.job, R"({"state":"cutting"})"};
+  CHECK(change_line(event).empty());
+}
+
+TEST_CASE("who waits at a socket is told why popcutd does not start", "[daemon][systemd]") {
+  const testing::TempFolder folder;
+  const int listening = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un at{};
+  at.sun_family = AF_UNIX;
+  (folder / "s").string().copy(at.sun_path, sizeof at.sun_path - 1);
+  const auto* const address = reinterpret_cast<const sockaddr*>(&at);
+  REQUIRE(::bind(listening, address, sizeof at) == 0);
+  REQUIRE(::listen(listening, 8) == 0);
+  std::array<int, 3> callers{};
+  for (int& caller : callers) {
+    caller = ::socket(AF_UNIX, SOCK_STREAM, 0);
+    REQUIRE(::connect(caller, address, sizeof at) == 0);
+  }
+  const std::string request = "GET /v1/jobs HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  REQUIRE(::send(callers[0], request.data(), request.size(), 0) > 0);
+  ::shutdown(callers[1], SHUT_RDWR);  // went away
+  turn_away({listening}, "popcut.db: is \"damaged\"");
+  for (const int caller : {callers[0], callers[2]}) {
+    std::string answer(4096, ' ');
+    const ssize_t size = ::recv(caller, answer.data(), answer.size(), 0);
+    REQUIRE(size > 0);
+    answer.resize(static_cast<std::size_t>(size));
+    CHECK(answer.find("HTTP/1.1 503 ") == 0);
+    CHECK(answer.find(R"(popcutd does not start: popcut.db: is \"damaged\")") != std::string::npos);
+  }
+  for (const int caller : callers) ::close(caller);
+  CHECK(::accept4(listening, nullptr, nullptr, SOCK_NONBLOCK) < 0);
+  ::close(listening);
 }
 
 TEST_CASE("options stand over the configuration and both over the defaults", "[daemon][config]") {

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+// The built popcutd with its real libusb, and cutters that misbehave behind an emulated bus.
+#include <chrono>
+#include <thread>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include "tests/support/live_shop.hpp"
+#include "tests/support/sim_bench.hpp"
+#include "tests/support/usb_cutter.hpp"
+#include "tests/support/usbfs_device.hpp"
+
+using namespace popcut;
+using namespace popcut::testing;
+using namespace std::chrono_literals;
+using Json = nlohmann::json;
+using Kind = UsbFault::Kind;
+
+namespace {
+
+constexpr int kLines = 60;
+
+// A Cameo 3 and a paper a hundred times as fast as real ones.
+constexpr const char* kQuickMachine = R"j({"popcut": 1, "machines": [{"name": "quick",
+  "title": "A quick Cameo 3", "like": "cameo3",
+  "speed_mm_s": {"min_step": 1, "max_step": 10, "per_step": 1000},
+  "motion": {"accel_mm_s2": 1000000, "travel_mm_s": 9000, "corner_mm": 0.05, "drop_s": 0.001,
+             "lift_s": 0.001, "setup_s": 0.01, "trailer_s": 0.003, "autoblade_reset_s": 0.069,
+             "autoblade_tap_s": 0.0045, "spread": 0.15}}]})j";
+constexpr const char* kQuickPaper = R"j({"popcut": 1, "materials": [{"name": "quick-paper",
+  "like": "paper-220", "blade_offset_mm": 0,
+  "cut": {"tool": 1, "force_gf": 70, "speed_mm_s": 10000, "passes": 1},
+  "fold": {"tool": 1, "force_gf": 70, "speed_mm_s": 10000, "passes": 1}}]})j";
+
+SimCutter quick_cutter() {
+  return value(SimCutter::make(value(find_machine("quick", {kQuickMachine}))));
+}
+
+/// The bus, and popcutd at it. Cutters are plugged in by the test.
+struct Bench {
+  UsbTestbed testbed;
+  TempFolder folder;
+  LiveShop shop;
+  std::string design;
+
+  Bench() : shop(0, devices()) {
+    std::filesystem::create_directories(folder / "popcut");
+    write_file(folder / "popcut/machines.json", kQuickMachine);
+    write_file(folder / "popcut/materials.json", kQuickPaper);
+    shop.open({"XDG_CONFIG_HOME=" + folder.path().string()});
+    design = shop.design(LiveShop::lines_svg(kLines));
+  }
+  static std::string devices() {
+    std::string text;
+    for (const char* id : {"usb:51053P", "usb:1-1", "usb:1-2"})
+      text += fmt::format("[[device]]\nid = \"{}\"\nmachine = \"quick\"\n", id);
+    return text;
+  }
+  std::string ready(const std::string& device) {
+    return shop.ready_job(design, device, {{"material", "quick-paper"}});
+  }
+  bool comes_to(const std::string& device, const std::string& state) {
+    return happens([&] { return shop.device_state(device) == state; }, 20);
+  }
+  /// What the ledger says that is not so, once the cutter has done what it had.
+  std::string wrong(const std::string& job, UsbCutter& cutter) {
+    cutter.stop();
+    cutter.cutter().load_media();
+    cutter.cutter().run_dry();
+    return wrong_in(shop.ledger(job), kLines, lines_of(cutter.cutter().trace(), kLines));
+  }
+};
+
+const Json kKept{{"from_path", 0}, {"registration", "kept"}, {"i_accept_double_cut", true}};
+
+}  // namespace
+
+TEST_CASE("whatever fails on the bus its job ends with a true ledger and no plug starts anything",
+          "[popcutd][usb][faults]") {
+  struct Wrong {
+    Kind kind;
+    const char *state, *reason, *device;
+    bool place_lost{false};
+  };
+  const auto wrong =
+      GENERATE(Wrong{Kind::Unplug, "interrupted", "device_gone", "absent", true},
+               Wrong{Kind::UnplugLate, "interrupted", "device_gone", "absent", true},
+               Wrong{Kind::BusError, "interrupted", "device_gone", "fault", true},
+               Wrong{Kind::Stall, "interrupted", "stall", "fault"},
+               Wrong{Kind::MediaOut, "interrupted", "media_out", "attention"},
+               Wrong{Kind::Cancel, "interrupted", "panel_stop", "attention"},
+               Wrong{Kind::StallIn, "done", "", "idle"}, Wrong{Kind::Garbage, "done", "", "idle"});
+  CAPTURE(static_cast<int>(wrong.kind));
+  Bench bench;
+  UsbfsDevice device(bench.testbed);
+  UsbCutter cutter(device, quick_cutter(), {{700, wrong.kind, 0.3, "\x1b[31m\x03<b>"}});
+  device.plug();
+  REQUIRE(bench.comes_to("usb:51053P", "idle"));
+  const std::string id = bench.ready("usb:51053P");
+  bench.shop.cut(id);
+  const Json job = bench.shop.await(
+      id, [](const Json& now) { return now["state"] == "done" || now["state"] == "interrupted"; });
+  INFO(job.dump());
+  CHECK(job["state"] == wrong.state);
+  if (job["state"] == "interrupted") CHECK(job["reason"] == wrong.reason);
+  CHECK(bench.comes_to("usb:51053P", wrong.device));
+  CHECK(device.counts().clear_halts == (wrong.kind == Kind::Stall || wrong.kind == Kind::StallIn));
+  // Plugged in again it is there, and that is all.
+  const std::uint64_t before = cutter.accepted_bytes();
+  if (wrong.device == std::string("absent")) {
+    device.plug_again();
+    CHECK(bench.comes_to("usb:51053P", "idle"));
+  }
+  std::this_thread::sleep_for(100ms);
+  CHECK(cutter.accepted_bytes() == before);
+  CHECK(bench.shop.job(id)["state"] == wrong.state);
+  CHECK(bench.shop.ledger(id)["attempts"].size() == 1);
+  if (job["state"] == "interrupted")
+    CHECK(bench.shop.refused(id, "resume-from", kKept) == wrong.place_lost);
+  CHECK(bench.wrong(id, cutter) == "");
+}
+
+TEST_CASE("a cutter on the bus that takes nothing is cancelled within a second",
+          "[popcutd][usb][faults]") {
+  Bench bench;
+  UsbfsDevice device(bench.testbed);
+  UsbCutter cutter(device, quick_cutter(), {{900, Kind::Nak, 1e6}});
+  device.plug();
+  REQUIRE(bench.comes_to("usb:51053P", "idle"));
+  const std::string id = bench.ready("usb:51053P");
+  bench.shop.cut(id);
+  REQUIRE(happens([&] { return cutter.accepted_bytes() >= 900; }));
+  const auto begun = std::chrono::steady_clock::now();
+  bench.shop.act(id, "cancel");
+  bench.shop.await_state(id, "cancelled");
+  CHECK(std::chrono::steady_clock::now() - begun < 1s);
+  CHECK(cutter.accepted_bytes() == 900);
+  CHECK(bench.wrong(id, cutter) == "");
+}
+
+TEST_CASE("a job stays with its cutter when two that look alike are swapped",
+          "[popcutd][usb][faults]") {
+  Bench bench;
+  UsbfsDevice left(bench.testbed, {.port = 1, .address = 2}),
+      right(bench.testbed, {.port = 2, .address = 3});
+  UsbCutter left_cutter(left, quick_cutter(), {{700, Kind::Unplug}}),
+      right_cutter(right, quick_cutter());
+  left.plug();
+  right.plug();
+  // One serial for two: they are named by their ports.
+  REQUIRE(bench.comes_to("usb:1-1", "idle"));
+  REQUIRE(bench.comes_to("usb:1-2", "idle"));
+  CHECK(bench.shop.device_state("usb:51053P") != "idle");
+  const std::string id = bench.ready("usb:1-1");
+  bench.shop.cut(id);
+  bench.shop.await_state(id, "interrupted");
+  right.unplug();
+  // They come back crosswise, as other devices do: under other addresses.
+  UsbfsDevice swapped(bench.testbed, {.port = 1, .address = 4}),
+      other(bench.testbed, {.port = 2, .address = 5});
+  UsbCutter swapped_cutter(swapped, quick_cutter()), other_cutter(other, quick_cutter());
+  swapped.plug();
+  other.plug();
+  REQUIRE(bench.comes_to("usb:1-1", "idle"));
+  REQUIRE(bench.comes_to("usb:1-2", "idle"));
+  CHECK(bench.shop.job(id)["state"] == "interrupted");
+  CHECK(bench.shop.refused(id, "resume-from", kKept));
+  CHECK(right_cutter.accepted_bytes() == 0);
+  CHECK(swapped_cutter.accepted_bytes() == 0);
+  CHECK(other_cutter.accepted_bytes() == 0);
+  CHECK(bench.wrong(id, left_cutter) == "");
+}
+
+TEST_CASE("a plug that comes and goes a hundred times a second starts nothing and leaks nothing",
+          "[popcutd][usb][faults]") {
+  Bench bench;
+  UsbfsDevice device(bench.testbed);
+  UsbCutter cutter(device, quick_cutter());
+  device.plug();
+  REQUIRE(bench.comes_to("usb:51053P", "idle"));
+  const std::string id = bench.ready("usb:51053P");
+  bench.shop.act(id, "arm", {{"sheet", 1}});
+  const std::size_t files = open_files(bench.shop.daemon().pid());
+  for (int round = 0; round < 60; ++round) {
+    device.unplug();
+    std::this_thread::sleep_for(5ms);
+    device.plug();
+    std::this_thread::sleep_for(5ms);
+  }
+  CHECK(bench.comes_to("usb:51053P", "idle"));
+  CHECK(bench.shop.get("/readyz")["ready"] == true);
+  // What was armed for the cutter that went is not.
+  CHECK(bench.shop.job(id)["state"] == "ready");
+  CHECK(cutter.accepted_bytes() == 0);
+  // But for one or two that are there by chance.
+  CHECK(happens([&] { return open_files(bench.shop.daemon().pid()) <= files + 2; }, 20));
+  bench.shop.cut(id);
+  bench.shop.await_state(id, "done");
+  CHECK(bench.wrong(id, cutter) == "");
+}
+
+TEST_CASE("a cutter that was away for a moment only is not taken for one that stayed",
+          "[popcutd][usb][faults]") {
+  Bench bench;
+  UsbfsDevice device(bench.testbed);
+  UsbCutter cutter(device, quick_cutter(), {{700, Kind::MediaOut}});
+  device.plug();
+  REQUIRE(bench.comes_to("usb:51053P", "idle"));
+  const std::string id = bench.ready("usb:51053P");
+  bench.shop.cut(id);
+  bench.shop.await_state(id, "interrupted");
+  // Another address at once, as after a power cycle faster than anybody looks.
+  UsbfsDevice again(bench.testbed, {.address = 7});
+  UsbCutter fresh(again, quick_cutter());
+  device.unplug();
+  again.plug();
+  CHECK(happens([&] { return bench.shop.device_state("usb:51053P") == "idle"; }, 20));
+  CHECK(bench.shop.refused(id, "resume-from", kKept));
+  CHECK(fresh.accepted_bytes() == 0);
+  CHECK(bench.wrong(id, cutter) == "");
+}
