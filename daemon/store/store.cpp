@@ -220,6 +220,12 @@ std::string back_up(Database& database, const StateFolder& folder, const std::st
   const std::string fresh = folder.at("backups/.new-" + name);
   remove_tree(fresh);
   database.run("VACUUM INTO ?", fresh);
+  {
+    // In the mode in which popcutd keeps it, so that it can be put in the database's place.
+    Database copy({.path = fresh, .create = false});
+    copy.checkpoint(true);
+  }
+  remove_tree(fresh + "-wal");
   if (const Result<void> kept = keep_file(fresh, path); !kept)
     throw StoreFault(FaultKind::Io, message(kept.error()));
   return path;

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <filesystem>
 #include <set>
 
@@ -374,6 +377,46 @@ TEST_CASE("a damaged database is copied aside once and salvage brings over the r
       CHECK(table.whole);
     }
   CHECK(salvage(state).error().kind == OpenTrouble::Kind::Locked);
+}
+
+TEST_CASE("a copy that was made in operation can be put in the place of the database",
+          "[daemon][store]") {
+  const ScratchFolder scratch;
+  const fs::path state = scratch.path() + "/state";
+  std::string copy;
+  {
+    auto store = open(scratch).value();
+    add_token(store->database(), "kept");
+    copy = back_up(store->database(), store->folder(), "popcut-1.db");
+    add_token(store->database(), "later");
+  }
+  CHECK_FALSE(fs::exists(copy + "-wal"));
+  fs::copy_file(copy, state / "popcut.db", fs::copy_options::overwrite_existing);
+  for (const char* name : {"popcut.db-wal", "database-state", "witness"}) fs::remove(state / name);
+  const auto opened = open(scratch);
+  REQUIRE(opened);
+  CHECK(tokens((*opened)->database()) == 1);
+}
+
+TEST_CASE("what root salvages belongs to whose folder it is", "[daemon][store]") {
+  if (::geteuid() != 0) {
+    WARN("skipped: only root can give files away");
+    return;
+  }
+  constexpr uid_t kOwner = 61'000;
+  const ScratchFolder scratch;
+  const std::string state = scratch.path() + "/state";
+  add_token(open(scratch).value()->database(), "kept");
+  for (const auto& entry : fs::recursive_directory_iterator(state))
+    REQUIRE(::lchown(entry.path().c_str(), kOwner, kOwner) == 0);
+  REQUIRE(::chown(state.c_str(), kOwner, kOwner) == 0);
+  REQUIRE(salvage(state));
+  for (const auto& entry : fs::recursive_directory_iterator(state)) {
+    struct stat found {};
+    REQUIRE(::lstat(entry.path().c_str(), &found) == 0);
+    CAPTURE(entry.path().string());
+    CHECK(found.st_uid == kOwner);
+  }
 }
 
 TEST_CASE("salvage of what is no database changes nothing", "[daemon][store]") {

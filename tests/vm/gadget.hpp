@@ -87,10 +87,19 @@ class Gadget {
     const std::lock_guard lock(mutex_);
     return look(cutter_);
   }
+  /// A sheet laid in: the cutter as new, its clock at zero.
   void fresh(SimCutter cutter) {
     const std::lock_guard lock(mutex_);
     cutter_ = std::move(cutter);
+    base_ = {};
     begun_ = Clock::now();
+  }
+  /// From now on its clock runs so many times as fast as the machine's.
+  void run_at(double speedup) {
+    const std::lock_guard lock(mutex_);
+    base_ = time();
+    begun_ = Clock::now();
+    speedup_ = speedup;
   }
 
  private:
@@ -98,7 +107,7 @@ class Gadget {
   static constexpr std::chrono::milliseconds kMoment{1};
 
   [[nodiscard]] SimCutter::Time time() const {
-    return std::chrono::duration_cast<SimCutter::Time>((Clock::now() - begun_) * speedup_);
+    return base_ + std::chrono::duration_cast<SimCutter::Time>((Clock::now() - begun_) * speedup_);
   }
 
   void serve_control() {
@@ -153,6 +162,7 @@ class Gadget {
   int control_{-1}, out_{-1}, in_{-1};
   std::mutex mutex_;
   SimCutter cutter_;
+  SimCutter::Time base_{};
   Clock::time_point begun_{Clock::now()};
   std::atomic<std::uint64_t> taken_{0}, deaf_after_{~std::uint64_t{0}};
   std::thread events_, data_, clock_;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Runs inside the virtual machine of `./run test-vm service`: the simulated cutter as a USB device
 // that outlives popcutd, and tells in a file what was asked of its knife.
-// usage: gadget_cutter FOLDER SPEEDUP   (SIGUSR1: a fresh sheet)
+// usage: gadget_cutter FOLDER SPEEDUP   (SIGUSR1: a fresh sheet; SIGUSR2: this one a hundred times as
+// fast as the machine)
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -52,16 +53,23 @@ void tell(const std::string& folder, const SimCutter& sim) {
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
-  sigset_t fresh;
-  sigemptyset(&fresh);
-  sigaddset(&fresh, SIGUSR1);
-  pthread_sigmask(SIG_BLOCK, &fresh, nullptr);
+  const double speedup = std::strtod(argv[2], nullptr);
+  sigset_t asked;
+  sigemptyset(&asked);
+  sigaddset(&asked, SIGUSR1);
+  sigaddset(&asked, SIGUSR2);
+  pthread_sigmask(SIG_BLOCK, &asked, nullptr);
   const auto cutter = [] { return *SimCutter::make(*find_machine("cameo3")); };
-  Gadget gadget(cutter(), std::strtod(argv[2], nullptr));
+  Gadget gadget(cutter(), speedup);
   if (!gadget.lawful()) return 1;
   constexpr timespec kStep{0, 200'000'000};
   for (;;) {
-    if (sigtimedwait(&fresh, nullptr, &kStep) == SIGUSR1) gadget.fresh(cutter());
+    const int signal = sigtimedwait(&asked, nullptr, &kStep);
+    if (signal == SIGUSR1) {
+      gadget.run_at(speedup);
+      gadget.fresh(cutter());
+    }
+    if (signal == SIGUSR2) gadget.run_at(100);
     gadget.with_cutter([&](const SimCutter& sim) { tell(argv[1], sim); });
   }
 }
