@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "core/shown_text.hpp"
+
 namespace popcut::cli {
 namespace {
 
@@ -17,11 +19,8 @@ constexpr std::size_t kMostJobsShown = 200;
 
 std::string text_of(const Json& object, const char* key) {
   const auto found = object.find(key);
-  std::string text =
-      found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  return text;
+  const bool is_text = found != object.end() && found->is_string();
+  return is_text ? shown_text(found->get<std::string>()) : std::string();
 }
 
 std::int64_t whole_of(const Json& object, const char* key) {

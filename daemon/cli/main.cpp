@@ -15,6 +15,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/shown_text.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/help_pages.hpp"
 
@@ -57,11 +58,7 @@ class ShortHelp : public CLI::Formatter {
 
 int report(const Error& error) {
   std::cout.flush();
-  std::string line = message(error);
-  for (char& c : line) {
-    if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = ' ';
-  }
-  std::fprintf(stderr, "popcut: %s\n", line.c_str());
+  std::fprintf(stderr, "popcut: %s\n", shown_text(message(error)).c_str());
   return exit_code(error.kind);
 }
 

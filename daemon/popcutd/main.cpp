@@ -14,6 +14,7 @@
 #include "daemon/popcutd/serve.hpp"
 #include "daemon/popcutd/service_manager.hpp"
 #include "daemon/popcutd/turn_away.hpp"
+#include "daemon/popcutd/webhook.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -44,6 +45,9 @@ int run(int argc, char** argv) {
     return report(config.error(), config_code(config.error()));
   }
   if (options->check_config) {
+    if (!config->webhook.url.empty())
+      if (const auto target = webhook_target(config->webhook); !target)
+        return report(file.empty() ? target.error() : within(file, target.error()), kNeedsPerson);
     std::printf("%s: ok\nSIGHUP takes of it: %s; all else is taken at the next start\n",
                 file.empty() ? "no configuration file; the defaults" : file.c_str(),
                 std::string(kReloadedKeys).c_str());

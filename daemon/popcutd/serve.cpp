@@ -363,9 +363,9 @@ void reload(Daemon& daemon, const DaemonOptions& options, const Config& running,
     log.error("the configuration was not taken, all stays as it was: {}", message(taken.error()));
   } else {
     set_level(log, config->log.level);
-    log.info("the configuration was read again; taken: {}", kReloadedKeys);
     if (const auto later = restart_keys(running, *config); !later.empty())
       log.warn("changed, and taken at the next start only: {}", fmt::join(later, ", "));
+    log.info("the configuration was read again; taken: {}", kReloadedKeys);
   }
   manager.tell("READY=1");
 }

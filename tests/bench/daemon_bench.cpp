@@ -382,6 +382,7 @@ TEST_CASE("popcutd with ten thousand jobs while a knife moves", "[bench]") {
   std::this_thread::sleep_for(std::chrono::seconds(3));
   const Memory idle = bench.memory();
   say("resident memory, idle", idle.resident, "MB", 20);
+  CHECK(idle.resident < 20);
   say("  shared pages by share (PSS)", idle.proportional, "MB");
   say("  its own alone", idle.own, "MB");
 

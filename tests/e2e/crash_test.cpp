@@ -317,6 +317,24 @@ std::uint32_t seed() {
 
 }  // namespace
 
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST_CASE("popcutd at rest has less than 20 MB of memory", "[daemon][memory]") {
+  DaemonProcess daemon(POPCUT_DAEMON);
+  REQUIRE(daemon.start());
+  // A moment after it serves it gives back what only its start needed.
+  double resident_mb = 1e9;
+  const auto begun = steady_clock::now();
+  while (resident_mb >= 20 && seconds_since(begun) < 30) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    const std::string status = text_of_file("/proc/" + std::to_string(daemon.pid()) + "/status");
+    const std::size_t at = status.find("VmRSS:");
+    REQUIRE(at != std::string::npos);
+    resident_mb = std::strtod(status.c_str() + at + 6, nullptr) / 1024;
+  }
+  CHECK(resident_mb < 20);
+}
+#endif
+
 TEST_CASE("killed at any time popcutd loses no job and no stroke is cut twice", "[daemon][crash]") {
   Crash crash(seed(), 40);
   CAPTURE(seed());

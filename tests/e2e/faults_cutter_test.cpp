@@ -236,6 +236,15 @@ TEST_CASE("what a cutter says reaches no terminal and no page as more than text"
     CHECK(printable(ran.out));
     CHECK(printable(ran.err));
   }
+  // Nor do names in a file that somebody sent.
+  write_file(shop.daemon().folder() / "evil.json",
+             R"j({"popcut": 1, "units_per_slice": 4, "slices": 4, "\u001b[2J\u009b2J": 1})j");
+  const Ran ran = run_program({POPCUT_PROGRAM, "design", "evil.json", "-o", "out"},
+                              shop.daemon().folder().path());
+  CAPTURE(ran.err);
+  CHECK(ran.exit == 3);
+  CHECK(ran.err.find("2J") != std::string::npos);
+  CHECK(printable(ran.err));
   CHECK(printable(shop.daemon().log()));
   for (const char* target : {"/v1/jobs", "/v1/devices", "/v1/events?after=0"}) {
     const client::HttpResponse answer = shop.ask("GET", target);

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <csignal>
 #include <future>
+#include <map>
 #include <random>
 #include <thread>
 
@@ -204,7 +205,8 @@ TEST_CASE("one key makes one job though popcutd dies between the commit and the 
       const std::string answer = client.answer();
       CHECK(answer.rfind("HTTP/1.1 201", 0) == 0);
       const std::size_t at = answer.find("Location: ");
-      places.insert(at == std::string::npos ? answer : answer.substr(at, answer.find("\r\n", at) - at));
+      places.insert(at == std::string::npos ? answer
+                                            : answer.substr(at, answer.find("\r\n", at) - at));
     }
     CHECK(places.size() == 1);
     if (round == 0) calls = faulty.page->calls - before;
@@ -212,6 +214,44 @@ TEST_CASE("one key makes one job though popcutd dies between the commit and the 
   }
   CHECK(died_after_commit > 0);
   CHECK(died_before > 0);
+}
+
+TEST_CASE("of 64 clients who start or stop a knife at once one wins", "[popcutd][faults]") {
+  LiveShop shop(5, "connections = 400\n");
+  shop.open();
+  const std::string design = shop.design(LiveShop::lines_svg(60));
+  int number = 0;
+  const auto press = [&](const std::string& id, const std::vector<std::string>& actions) {
+    const std::int64_t rev = shop.job(id)["rev"];
+    std::vector<QuickClient> clients;
+    for (int k = 0; k < 64; ++k)
+      clients.emplace_back(
+          shop.daemon().socket(),
+          fmt::format("POST /v1/jobs/{}/actions/{} HTTP/1.1\r\nHost: popcut\r\nIf-Match: \"{}\"\r\n"
+                      "Content-Type: application/json\r\nIdempotency-Key: key-of-client-{:06}\r\n"
+                      "Connection: close\r\nContent-Length: 2\r\n\r\n{{}}",
+                      id, actions[static_cast<std::size_t>(k) % actions.size()], rev, ++number));
+    std::map<std::string, int> answers;
+    for (const QuickClient& client : clients) ++answers[client.answer().substr(9, 3)];
+    return answers;
+  };
+  for (int round = 0; round < 4; ++round) {
+    CAPTURE(round);
+    const std::string id = shop.ready_job(design);
+    shop.act(id, "arm", {{"sheet", 1}});
+    auto started = press(id, {"start"});
+    CHECK(started["200"] == 1);
+    CHECK(started["409"] + started["412"] == 63);
+    auto stopped = press(id, {"pause", "cancel"});
+    CHECK(stopped["200"] == 1);
+    CHECK(stopped["409"] + stopped["412"] == 63);
+    shop.await(id, [](const Json& job) {
+      return job["state"] == "paused" || job["state"] == "cancelled";
+    });
+    CHECK(shop.ledger(id)["attempts"].size() == 1);
+    if (shop.job(id)["state"] == "paused") shop.act(id, "cancel");
+    shop.await_state(id, "cancelled");
+  }
 }
 
 TEST_CASE("no thread of popcutd stands still without the watchdog going hungry",

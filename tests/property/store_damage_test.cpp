@@ -65,7 +65,7 @@ std::size_t read_all(ServiceBench& bench) {
       }
       (void)service.events(0, 1000, "");
       (void)service.usage({}, {}, "owner");
-      (void)service.queue("");
+      (void)service.queue("", {});
       (void)service.tokens();
       (void)service.materials();
       (void)service.devices();

@@ -38,6 +38,10 @@ DaemonProcess::~DaemonProcess() {
 bool DaemonProcess::start(const std::vector<std::string>& environment) {
   const std::string log_file = folder_ / "log", file = config();
   ::unlink(log_file.c_str());
+  if (pid_ > 0) {  // one that should have ended is not left behind
+    ::kill(pid_, SIGKILL);
+    ::waitpid(pid_, nullptr, 0);
+  }
   pid_ = ::fork();
   if (pid_ == 0) {
     const int null = ::open("/dev/null", O_RDONLY);

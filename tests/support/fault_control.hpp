@@ -10,8 +10,8 @@ namespace popcut::testing {
 /// program's calls; the test says at which count something happens. 0: never.
 struct FaultControl {
   std::atomic<std::uint64_t> calls;    ///< that leave something behind: write, fsync, rename, ioctl
-  std::atomic<std::uint64_t> kill_at;  ///< it dies before this one
-  std::atomic<std::uint64_t> kill_after;  ///< it dies after this one
+  std::atomic<std::uint64_t> kill_at;  ///< it dies before this one, or the next
+  std::atomic<std::uint64_t> kill_after;  ///< it dies after this one, or the next
   std::atomic<std::uint64_t> disk;        ///< those that take room on the disk
   std::atomic<std::uint64_t> full_from;   ///< from this one on there is none
   std::atomic<std::uint64_t> full_until;  ///< and again from this one; 0: it stays full

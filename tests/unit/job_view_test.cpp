@@ -72,7 +72,9 @@ TEST_CASE("the live view has running knives first and shows how far they are", "
 
 TEST_CASE("the view stands whatever it is given", "[cli][jobs]") {
   Json odd = job("ready");
-  odd["name"] = "\x1b[31mred\x07";
+  odd["name"] =
+      "\x1b[31mred\x07\xc2\x9b"
+      "2J";
   odd["sheet"] = "two";
   odd["progress"] = 7;
   odd["est"] = {{"remaining_s", "soon"}};
@@ -81,6 +83,7 @@ TEST_CASE("the view stands whatever it is given", "[cli][jobs]") {
   const std::string text = joined(jobs_view({odd, Json::object(), Json(3)}, {}));
   CHECK(text.find('\x1b') == std::string::npos);
   CHECK(text.find('\x07') == std::string::npos);
+  CHECK(text.find("\xc2\x9b") == std::string::npos);
   CHECK_FALSE(job_details(odd, {Json::object()}).empty());
   Json wide = job("cutting");
   wide["name"] = "\xC3\xA9\xC3\xA9\xC3\xA9";

@@ -182,7 +182,13 @@ TEST_CASE("an admin backs the database up and checks it while nothing is cut",
   const std::string metrics = bench.on([](JobService& s) { return s.metrics(); });
   CHECK(metrics.find("popcut_jobs{state=\"cutting\"} 1\n") != std::string::npos);
   CHECK(metrics.find("popcut_db_commit_seconds_count") != std::string::npos);
+  // Each wait is counted with the next one, or at the end.
+  CHECK(metrics.find("popcut_stream_wait_seconds_count 0\n") != std::string::npos);
+  REQUIRE(bench.cutters.intend(bench.device, 0));
   bench.cutters.complete(bench.device);
+  const std::string later = bench.on([](JobService& s) { return s.metrics(); });
+  CHECK(later.find("popcut_stream_wait_seconds_count 0\n") == std::string::npos);
+  CHECK(later.find("popcut_stream_wait_seconds_longest 0.000000\n") == std::string::npos);
 }
 
 TEST_CASE("too little room on the disk refuses new work in words", "[daemon][service]") {
