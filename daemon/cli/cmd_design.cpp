@@ -26,6 +26,7 @@
 #include "core/plan/linework.hpp"
 #include "core/plan/machine.hpp"
 #include "core/plan/micro_cut.hpp"
+#include "core/shown_text.hpp"
 #include "daemon/cli/angles.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/deploy_files.hpp"
@@ -202,7 +203,7 @@ void say_figures(const DesignReport& report) {
   const auto count = [](auto n, const char* what) {
     return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
   };
-  fmt::print(stderr, "{}: {}, {} lattice, {} of freedom\n", report.name,
+  fmt::print(stderr, "{}: {}, {} lattice, {} of freedom\n", shown_text(report.name),
              count(report.slices.size(), "slice"), report.lattice,
              count(report.degrees_of_freedom, "degree"));
   fmt::print(stderr, "  sheet    {:.1f} x {:.1f} mm (along the strips x along the spine)\n",
@@ -216,8 +217,10 @@ void say_figures(const DesignReport& report) {
 
 void say_remarks(const DesignReport& report, bool all) {
   constexpr std::size_t kFirst = 3;
-  if (!report.lattice_note.empty()) fmt::print(stderr, "  note     {}\n", report.lattice_note);
-  for (const std::string& note : report.notes) fmt::print(stderr, "  note     {}\n", note);
+  if (!report.lattice_note.empty())
+    fmt::print(stderr, "  note     {}\n", shown_text(report.lattice_note));
+  for (const std::string& note : report.notes)
+    fmt::print(stderr, "  note     {}\n", shown_text(note));
   for (std::size_t i = 0; i < report.merged.size() && (all || i < kFirst); ++i) {
     const MergedPlace& place = report.merged[i];
     fmt::print(stderr, "  merged   {} {}, level {}: {}\n", place.where, place.slice, place.level,

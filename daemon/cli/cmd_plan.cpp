@@ -8,6 +8,7 @@
 #include "core/plan/plan_json.hpp"
 #include "core/plan/plan_svg.hpp"
 #include "core/plan/sheet_svg.hpp"
+#include "core/shown_text.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/plan_job.hpp"
@@ -23,7 +24,9 @@ struct Options {
 
 void say(const PlanJob& job, const std::string& folder) {
   const Plan& plan = job.plan;
-  fmt::print(stderr, "{}: {} on {}\n", plan.name, plan.material.title, plan.machine.title);
+  fmt::print(
+      stderr, "{}\n",
+      shown_text(fmt::format("{}: {} on {}", plan.name, plan.material.title, plan.machine.title)));
   for (std::size_t i = 0; i < plan.sheets.size(); ++i) {
     const PlannedSheet& sheet = plan.sheets[i];
     const auto minutes = [](double seconds) { return seconds / 60; };
@@ -37,7 +40,8 @@ void say(const PlanJob& job, const std::string& folder) {
         minutes(sheet.seconds_range[0]), minutes(sheet.seconds_range[1]));
     fmt::print(stderr, "           {}/{}\n", folder, job.program_file(i));
   }
-  for (const std::string& warning : plan.warnings) fmt::print(stderr, "  warning  {}\n", warning);
+  for (const std::string& warning : plan.warnings)
+    fmt::print(stderr, "  warning  {}\n", shown_text(warning));
 }
 
 Result<void> run_plan(const Options& options, const Globals& globals) {
@@ -51,7 +55,7 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
   for (std::size_t i = 0; i < job->plan.sheets.size(); ++i) {
-    const std::string title = fmt::format("{}: sheet {}", job->plan.name, i + 1);
+    const std::string title = shown_text(fmt::format("{}: sheet {}", job->plan.name, i + 1));
     if (auto done =
             folder->add(PlanJob::sheet_file(i, "svg"), sheet_svg(job->plan.sheets[i], title));
         !done)

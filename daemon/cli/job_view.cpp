@@ -90,7 +90,7 @@ void interrupted_ways(const Json& job, std::vector<std::string>& lines) {
   if (may(job, "confirm-result"))
     lines.push_back(
         fmt::format("  popcut confirm {} {} good   # it is whole after all", id, sheet));
-  lines.push_back(fmt::format("  popcut cancel {}", id));
+  if (may(job, "cancel")) lines.push_back(fmt::format("  popcut cancel {}", id));
 }
 
 int rank(const Json& job) {
@@ -196,7 +196,8 @@ std::vector<std::string> waiting_for(const Json& job) {
   } else if (is(job, "armed")) {
     lines.push_back(fmt::format("armed: popcut start {}   (within 10 minutes)", id));
   } else if (is(job, "paused")) {
-    lines.push_back(fmt::format("paused, tool up: popcut resume {}", id));
+    // One whose cancel is under way is not to be resumed.
+    if (may(job, "resume")) lines.push_back(fmt::format("paused, tool up: popcut resume {}", id));
   } else if (kind == "confirm_result") {
     lines.push_back(
         fmt::format("look at sheet {}: popcut confirm {} {} good   (or bad)", sheet, id, sheet));

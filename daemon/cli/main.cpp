@@ -74,7 +74,9 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& refused) {
   }
   std::string what = refused.what();
   if (const auto end = what.find('\n'); end != std::string::npos) what.resize(end);
-  if (!what.empty()) what[0] = static_cast<char>(std::tolower(what[0]));
+  // The first word of a sentence, not a name in capitals.
+  const bool is_word = what.size() > 1 && (what[1] == ' ' || (what[1] >= 'a' && what[1] <= 'z'));
+  if (is_word) what[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(what[0])));
   const std::string help = chosen.empty() ? "popcut" : "popcut " + chosen.front()->get_name();
   return {ErrorKind::Usage, "command line", what + "; '" + help + " --help' lists what is right"};
 }

@@ -1,12 +1,23 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/client/address.hpp"
 
+#include <algorithm>
 #include <charconv>
 
 #include <fmt/format.h>
 
 namespace popcut::client {
 namespace {
+
+/// A name or numbers, or what stands between the brackets of an IPv6 address.
+bool is_host(std::string_view host, bool six) {
+  const auto fits = [&](char c) {
+    const bool alike = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                       c == '.' || c == '-' || c == '_';
+    return alike || (six && (c == ':' || c == '%'));
+  };
+  return std::all_of(host.begin(), host.end(), fits);
+}
 
 Result<Address> parse_http(std::string_view text, std::string_view rest) {
   const auto wrong = [&](const char* why) {
@@ -23,15 +34,19 @@ Result<Address> parse_http(std::string_view text, std::string_view rest) {
   const bool has_port =
       colon != std::string_view::npos && (bracket == std::string_view::npos || colon > bracket);
   std::string_view host = rest.substr(0, has_port ? colon : rest.size());
-  if (has_port) {
+  if (has_port && !(bracket == std::string_view::npos && rest.front() == '[')) {
     const std::string_view port = rest.substr(colon + 1);
     const auto [end, bad] = std::from_chars(port.data(), port.data() + port.size(), address.port);
     if (bad != std::errc() || end != port.data() + port.size() || address.port == 0)
       return wrong("has no lawful port");
   }
-  if (host.size() > 2 && host.front() == '[' && host.back() == ']')
-    host = host.substr(1, host.size() - 2);
+  const bool six = host.size() > 2 && host.front() == '[' && host.back() == ']';
+  if (six) host = host.substr(1, host.size() - 2);
   if (host.empty()) return wrong("has no host");
+  if (!is_host(host, six))
+    return wrong(host.find_first_of("[]:") != std::string_view::npos
+                     ? "has no lawful host: an IPv6 address stands between [ and ]"
+                     : "has no lawful host: it has letters, digits, dots and dashes");
   address.host = host;
   return address;
 }
@@ -62,6 +77,18 @@ Result<Address> parse_address(std::string_view text) {
                           text.substr(0, 8) == "https://"
                               ? " (popcut speaks no TLS: go through ssh, or a proxy on this side)"
                               : ""));
+}
+
+Result<std::string> bearer_token(const Environment& environment) {
+  const char* const token = environment("POPCUT_TOKEN");
+  if (token == nullptr) return std::string();
+  std::string text = token;
+  const bool lawful =
+      std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < '\x7f'; });
+  if (lawful) return text;
+  return fail(ErrorKind::Usage, "POPCUT_TOKEN",
+              "holds a character that no token has; give it as 'popcut token create' printed it, "
+              "with no blank or line end");
 }
 
 std::string user_state_folder(const Environment& environment) {

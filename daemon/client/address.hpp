@@ -36,6 +36,11 @@ using Environment = std::function<const char*(const char*)>;
 /// user's state folder, and in /run.
 [[nodiscard]] Result<std::vector<Address>> addresses(const Environment& environment);
 
+/// POPCUT_TOKEN, empty where there is none.
+///
+/// @retval Usage  it holds what cannot stand in a header
+[[nodiscard]] Result<std::string> bearer_token(const Environment& environment);
+
 /// $XDG_STATE_HOME/popcut, else ~/.local/state/popcut; empty where there is neither.
 [[nodiscard]] std::string user_state_folder(const Environment& environment);
 

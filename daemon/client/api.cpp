@@ -86,10 +86,12 @@ std::string percent_encoded(std::string_view text) {
 }
 
 Result<Api> Api::from_environment() {
-  auto where = addresses([](const char* name) -> const char* { return std::getenv(name); });
+  const Environment environment = [](const char* name) -> const char* { return std::getenv(name); };
+  auto where = addresses(environment);
   if (!where) return tl::unexpected(where.error());
-  const char* const token = std::getenv("POPCUT_TOKEN");
-  return Api(HttpClient(std::move(*where), token != nullptr ? token : ""));
+  auto token = bearer_token(environment);
+  if (!token) return tl::unexpected(token.error());
+  return Api(HttpClient(std::move(*where), std::move(*token)));
 }
 
 Result<Json> Api::read(Result<HttpResponse> response, const std::string& place, Subject subject) {

@@ -73,13 +73,21 @@ int connect_unix(const std::string& path, double seconds) {
   return connect_to(AF_UNIX, reinterpret_cast<const sockaddr*>(&to), sizeof to, seconds);
 }
 
-int connect_tcp(const Address& address, double seconds) {
+/// A descriptor, or an errno below 0.
+///
+/// @retval DeviceGone  nobody knows the host's name
+Result<int> connect_tcp(const Address& address, double seconds) {
   addrinfo wish{};
   wish.ai_socktype = SOCK_STREAM;
   wish.ai_flags = AI_NUMERICSERV;
   addrinfo* list = nullptr;
-  if (::getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &wish, &list) != 0)
-    return -EHOSTUNREACH;
+  const int found =
+      ::getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &wish, &list);
+  if (found == EAI_SYSTEM) return -errno;
+  if (found != 0)
+    return fail(ErrorKind::DeviceGone, address.text(),
+                fmt::format("the host {} is not known ({}); look at POPCUT_URL", address.host,
+                            ::gai_strerror(found)));
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> kept(list, ::freeaddrinfo);
   int last = -EHOSTUNREACH;
   for (const addrinfo* one = list; one != nullptr; one = one->ai_next) {
@@ -112,10 +120,11 @@ void Wire::close() {
 }
 
 Result<Wire> Wire::connect(const Address& address, double seconds) {
-  const int fd =
-      address.path.empty() ? connect_tcp(address, seconds) : connect_unix(address.path, seconds);
-  if (fd < 0) return tl::unexpected(not_there(address, -fd));
-  return Wire(fd);
+  const auto fd = address.path.empty() ? connect_tcp(address, seconds)
+                                       : Result<int>(connect_unix(address.path, seconds));
+  if (!fd) return tl::unexpected(fd.error());
+  if (*fd < 0) return tl::unexpected(not_there(address, -*fd));
+  return Wire(*fd);
 }
 
 void Wire::deadline_in(double seconds) {

@@ -275,6 +275,14 @@ Result<Config> parse_config(std::string_view text) {
       fields.refuse("listen", lawful.error().kind, lawful.error().detail);
   fields.text("socket", config.socket);
   fields.text("state", config.state);
+  for (const auto& [key, value] : {std::pair{"socket", &config.socket}, {"state", &config.state}})
+    if (fields.has(key) && value->empty())
+      fields.refuse(key, ErrorKind::OutOfRange, "is empty; name a path, or leave it out");
+  if (config.socket.size() > kLongestSocket)
+    fields.refuse("socket", ErrorKind::OutOfRange,
+                  fmt::format("has {} characters, and a socket's path has {} at most; name a "
+                              "shorter one",
+                              config.socket.size(), kLongestSocket));
   fields.texts("allowed_hosts", config.allowed_hosts);
   fields.texts("allowed_origins", config.allowed_origins);
   fields.table("log", [&](TomlFields& log) { return read_log(log, config.log); });

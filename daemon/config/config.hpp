@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -72,6 +73,9 @@ struct Config {
   std::vector<UserRule> users{};
   WebhookConfig webhook{};
 };
+
+/// The most bytes that the path of a unix socket may have (sun_path).
+constexpr std::size_t kLongestSocket = 107;
 
 /// Reads a configuration in TOML. Strict: what is not known, of another type or out of its range is
 /// an error at its line and column. Users and groups are looked up on this machine.

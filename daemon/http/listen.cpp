@@ -97,6 +97,12 @@ void remove_stale(Address& address, const std::string& path) {
   ::close(probe);
 }
 
+/// Something that is no socket has the name already.
+bool is_other_file(const std::string& path) {
+  struct stat found {};
+  return ::lstat(path.c_str(), &found) == 0 && !S_ISSOCK(found.st_mode);
+}
+
 }  // namespace
 
 Listener::Listener(Listener&& other) noexcept
@@ -131,6 +137,10 @@ Result<Listener> Listener::open(const std::string& endpoint, bool allow_remote) 
   if (listener.socket_ < 0) return refused(errno);
   const int on = 1;
   if (is_unix) {
+    if (is_other_file(path))
+      return fail(ErrorKind::Refused, endpoint,
+                  "is there already and is no socket, but a file or folder, which is left alone; "
+                  "name another path");
     remove_stale(*address, path);
     // Linux takes the mode of the file from here: it is never open to others, not for a moment.
     ::fchmod(listener.socket_, S_IRUSR | S_IWUSR);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/popcutd/log.hpp"
+#include "core/shown_text.hpp"
 
 #include <fmt/format.h>
 #include <spdlog/pattern_formatter.h>
@@ -53,7 +54,12 @@ std::string without_control(std::string_view text) {
     const char c = text[at];
     const auto byte = static_cast<unsigned char>(c);
     const unsigned next = at + 1 < text.size() ? static_cast<unsigned char>(text[at + 1]) : 0;
-    if (byte == 0xc2 && next >= 0x80 && next < 0xa0)  // U+0080 to U+009F: escapes of terminals
+    if (is_bidi_control(text.substr(at))) {
+      const auto last = static_cast<unsigned char>(text[at + 2]);
+      out += fmt::format("\\u{:04x}", 0x2000U | (next & 0x3fU) << 6U | (last & 0x3fU));
+      at += 2;
+    } else if (byte == 0xc2 && next >= 0x80 &&
+               next < 0xa0)  // U+0080 to U+009F: escapes of terminals
       out += fmt::format("\\u{:04x}", static_cast<unsigned char>(text[++at]));
     else if (c == '\n')
       out += " | ";

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
@@ -12,6 +13,7 @@
 
 #include "core/formats/svg_profile.hpp"
 #include "core/plan/machine.hpp"
+#include "daemon/cli/fault_file.hpp"
 #include "daemon/cli/help_pages.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/user_tables.hpp"
@@ -47,30 +49,108 @@ Result<std::string> config_text(const DaemonOptions& options, const Paths& paths
   return cli::read_file(found, 1 << 20);
 }
 
-/// @param file  of the configuration; empty: there is none
-Result<void> check_tables(const Config& config, const std::string& file) {
-  const auto tables = cli::read_user_tables();
-  if (!tables) return tl::unexpected(tables.error());
-  // Users' own tables whole: what is wrong in one must not be an empty table later.
-  if (const auto all = all_machines(tables->texts); !all)
-    return tl::unexpected(tables->with_file(all.error()));
-  if (const auto all = all_materials(tables->texts); !all)
-    return tl::unexpected(tables->with_file(all.error()));
-  if (const auto all = all_stroke_profiles(tables->texts); !all)
-    return tl::unexpected(tables->with_file(all.error()));
-  for (const DeviceConfig& device : config.devices) {
-    const bool simulated = device.id.rfind("sim:", 0) == 0;
-    const bool by_id = simulated && device.machine.empty();
-    for (const std::string& name :
-         {device.machine, device.treat_as, by_id ? device.id.substr(4) : std::string()}) {
-      if (name.empty()) continue;
-      if (const auto machine = find_machine(name, tables->texts); !machine) {
-        Error error = within("device " + device.id, tables->with_file(machine.error()));
-        return tl::unexpected(file.empty() ? error : within(file, std::move(error)));
-      }
-    }
+/// Users' own tables whole: what is wrong in one must not be an empty table later.
+Result<void> check_tables(const cli::UserTables& tables) {
+  if (const auto all = all_machines(tables.texts); !all)
+    return tl::unexpected(tables.with_file(all.error()));
+  if (const auto all = all_materials(tables.texts); !all)
+    return tl::unexpected(tables.with_file(all.error()));
+  if (const auto all = all_stroke_profiles(tables.texts); !all)
+    return tl::unexpected(tables.with_file(all.error()));
+  return {};
+}
+
+/// What a device of the configuration names must be there. The place begins with the key.
+Result<void> check_device(const DeviceConfig& device, const std::vector<std::string>& tables) {
+  const bool simulated = device.id.rfind("sim:", 0) == 0;
+  const bool by_id = simulated && device.machine.empty();
+  const std::pair<const char*, std::string> machines[] = {
+      {"machine", device.machine},
+      {"treat_as", device.treat_as},
+      {"id", by_id ? device.id.substr(4) : std::string()}};
+  for (const auto& [key, name] : machines)
+    if (!name.empty())
+      if (const auto machine = find_machine(name, tables); !machine)
+        return tl::unexpected(within(key, machine.error()));
+  for (const std::string& name : device.materials)
+    if (const auto material = find_material(name, tables); !material)
+      return tl::unexpected(within("materials", material.error()));
+  if (!device.faults.empty())
+    if (const auto faults = cli::read_faults(device.faults); !faults)
+      return tl::unexpected(within("faults", faults.error()));
+  return {};
+}
+
+/// Attaches the cutters of --sim.
+///
+/// @retval Usage  one is no machine, or there already
+Result<void> add_simulated(const DaemonOptions& options, const std::vector<std::string>& tables,
+                           Config& config) {
+  for (const std::string& name : options.simulated) {
+    if (const auto machine = find_machine(name, tables); !machine)
+      return fail(ErrorKind::Usage, "--sim", machine.error().detail);
+    DeviceConfig device;
+    device.id = "sim:" + name;
+    const bool twice =
+        std::any_of(config.devices.begin(), config.devices.end(),
+                    [&](const DeviceConfig& other) { return other.id == device.id; });
+    if (twice)
+      return fail(ErrorKind::Usage, "--sim",
+                  fmt::format("{} is there already; leave this one out", device.id));
+    config.devices.push_back(std::move(device));
   }
   return {};
+}
+
+/// An empty value would be the default in silence.
+///
+/// @retval Usage  an option is there and names nothing
+Result<void> check_given(const CLI::App& app, const DaemonOptions& options) {
+  const auto empty = [](const char* option, const char* right) {
+    return fail(ErrorKind::Usage, option,
+                fmt::format("is empty; as in {} {}, or leave it out", option, right));
+  };
+  if (app.count("--config") > 0 && options.config.empty())
+    return empty("--config", "/etc/popcut/popcutd.toml");
+  if (app.count("--state") > 0 && options.state.empty()) return empty("--state", "/var/lib/popcut");
+  if (app.count("--socket") > 0 && options.socket.empty())
+    return empty("--socket", "/run/popcut.sock");
+  for (const std::string& name : options.simulated)
+    if (name.empty()) return empty("--sim", "cameo3");
+  if (options.socket.size() > kLongestSocket)
+    return fail(ErrorKind::Usage, "--socket",
+                fmt::format("has {} characters, and a socket's path has {} at most; name a "
+                            "shorter one",
+                            options.socket.size(), kLongestSocket));
+  return {};
+}
+
+/// A file in the place of the state folder is told before anything is opened.
+bool is_no_folder(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored);
+}
+constexpr const char* kNoFolder = "is a file; name a folder, which is made if it is not there";
+
+/// The options stand over the configuration in `found`.
+///
+/// @retval Usage       an option is wrong
+/// @retval OutOfRange  the configuration
+Result<void> take_options(const DaemonOptions& options, const std::string& found, Config& config) {
+  if (!options.listen.empty()) {
+    config.listen = options.listen;
+    config.listen_given = true;
+  }
+  for (const std::string& address : options.listen)
+    if (const auto lawful = parse_listen(address, config.allow_remote); !lawful)
+      return fail(ErrorKind::Usage, "--listen", lawful.error().detail);
+  if (!options.socket.empty()) config.socket = options.socket;
+  if (!options.state.empty()) config.state = options.state;
+  if (!is_no_folder(config.state)) return {};
+  if (!options.state.empty())
+    return fail(ErrorKind::Usage, "--state", fmt::format("{} {}", options.state, kNoFolder));
+  return tl::unexpected(within(
+      found, {ErrorKind::OutOfRange, "state", fmt::format("{} {}", config.state, kNoFolder)}));
 }
 
 }  // namespace
@@ -105,6 +185,7 @@ Result<DaemonOptions> parse_options(int argc, const char* const* argv) {
     std::cout.flush();
     options.exit = 0;
   }
+  if (const auto given = check_given(app, options); !given) return tl::unexpected(given.error());
   if (!page.empty()) {
     const auto text = cli::help_page(app, page, 8);
     if (!text) return tl::unexpected(text.error());
@@ -126,28 +207,24 @@ Result<Config> load_config(const DaemonOptions& options, std::string& found) {
   if (!text) return tl::unexpected(text.error());
   auto config = parse_config(*text);
   if (!config) return tl::unexpected(within(found, config.error()));
-  if (!options.listen.empty()) {
-    config->listen = options.listen;
-    config->listen_given = true;
-  }
-  for (const std::string& address : config->listen)
-    if (const auto lawful = parse_listen(address, config->allow_remote); !lawful)
-      return tl::unexpected(within("--listen", lawful.error()));
-  for (const std::string& name : options.simulated) {
-    DeviceConfig device;
-    device.id = "sim:" + name;
-    config->devices.push_back(std::move(device));
-  }
+  if (const auto taken = take_options(options, found, *config); !taken)
+    return tl::unexpected(taken.error());
+  const auto tables = cli::read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  if (const auto sound = check_tables(*tables); !sound) return tl::unexpected(sound.error());
+  for (const DeviceConfig& device : config->devices)
+    if (const auto right = check_device(device, tables->texts); !right)
+      return tl::unexpected(
+          within(found, within("device " + device.id, tables->with_file(right.error()))));
+  if (const auto added = add_simulated(options, tables->texts, *config); !added)
+    return tl::unexpected(added.error());
   if (config->devices.empty()) {
     DeviceConfig device;
     device.id = "sim:cameo3";
     config->devices.push_back(std::move(device));
   }
-  if (!options.state.empty()) config->state = options.state;
   if (config->state.empty()) config->state = paths->state;
-  if (!options.socket.empty()) config->socket = options.socket;
   if (config->socket.empty() && paths) config->socket = paths->socket;
-  if (auto known = check_tables(*config, found); !known) return tl::unexpected(known.error());
   return config;
 }
 

@@ -27,6 +27,7 @@ struct DaemonOptions {
 ///
 /// @param found  the file that was read, empty if none
 /// @retval Malformed, OutOfRange  the file; the place begins with its name
+/// @retval Usage                  an option, which is the place
 [[nodiscard]] Result<Config> load_config(const DaemonOptions& options, std::string& found);
 
 }  // namespace popcut::daemon

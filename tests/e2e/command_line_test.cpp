@@ -52,6 +52,13 @@ TEST_CASE("a wrong command line is one line and exit code 2", "[cli][e2e]") {
   }
 }
 
+TEST_CASE("a name in capitals stays one in a usage error", "[cli][e2e]") {
+  const Ran ran = run({"confirm", "X", "1", "maybe"});
+  CHECK(ran.exit == 2);
+  check_one_line(ran);
+  CHECK(ran.err.find("RESULT") != std::string::npos);
+}
+
 TEST_CASE("a full standard output is told", "[cli][e2e]") {
   const Ran ran =
       run_program({"/bin/sh", "-c", "exec \"$0\" --help > /dev/full", POPCUT_PROGRAM}, "/");

@@ -224,6 +224,21 @@ TEST_CASE("names that XML cannot hold still make well-formed drawings", "[cli][e
   }
 }
 
+TEST_CASE("the name of a spec cannot speak to the terminal", "[cli][e2e][design]") {
+  const Bench bench;
+  json spec = json::parse(text_of_file(kExamples + "unit.json"));
+  spec["name"] = "a\x1b[31mb\x07\xe2\x80\xae";
+  write_file(bench.temp / "name.json", spec.dump());
+  for (const char* command : {"design", "plan"}) {
+    const Ran ran =
+        run_program({POPCUT_PROGRAM, command, "name.json", "-o", command}, bench.temp.path());
+    CHECK(ran.exit == 0);
+    CHECK(ran.err.rfind("a [31mb", 0) == 0);
+    for (const char* raw : {"\x1b", "\x07", "\xe2\x80\xae"})
+      CHECK(ran.err.find(raw) == std::string::npos);
+  }
+}
+
 TEST_CASE("an output that cannot be written is exit code 7 and nothing changes",
           "[cli][e2e][design]") {
   const Bench bench;

@@ -419,6 +419,19 @@ TEST_CASE("what needs a person ends popcutd with 78", "[popcutd][e2e]") {
   CHECK(run_program({POPCUTD_PROGRAM, "--config", shop.daemon.config(), "--check-config"}, "/")
             .exit == 0);
   CHECK(run_program({POPCUTD_PROGRAM, "--frobnicate"}, "/").exit == 2);
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--sim", "nope"}, {"--listen", "x"}, {"--state", wrong}}) {
+    const Ran line =
+        run_program({POPCUTD_PROGRAM, "--config", shop.daemon.config(), words[0], words[1]}, "/");
+    CHECK(line.exit == 2);
+    CHECK(line.err.rfind("popcutd: " + words[0] + ": ", 0) == 0);
+  }
+  const std::string other = (shop.daemon.folder() / "other").string();
+  const Ran taken = run_program(
+      {POPCUTD_PROGRAM, "--state", other, "--listen", "127.0.0.1:0", "--socket", wrong}, "/");
+  CHECK(taken.exit == 5);
+  CHECK(taken.err.find("is no socket") != std::string::npos);
+  CHECK(text_of_file(wrong) == "[limits]\njson_dept = 3\n");
   CHECK(run_program({POPCUTD_PROGRAM, "--print-config"}, "/").out.find("#json_depth = 32") !=
         std::string::npos);
 }

@@ -52,7 +52,9 @@ TEST_CASE("popcutd is looked for where the environment says", "[client]") {
 
 TEST_CASE("an address that is none is told with one that is", "[client]") {
   for (const char* wrong : {"", "popcut.sock", "https://x", "http://", "http://a:0",
-                            "http://a:99999", "http://a:8631/v1", "http://user@a", "ftp://x"}) {
+                            "http://a:99999", "http://a:8631/v1", "http://user@a", "ftp://x",
+                            "http://[::1", "http://[::1:80", "http://::1", "http://a]", "http://[]",
+                            "http://a\x1b[31m", "http://a\r\nX: y", "http://a\x7f"}) {
     CAPTURE(wrong);
     const auto address = parse_address(wrong);
     REQUIRE_FALSE(address);
@@ -63,6 +65,9 @@ TEST_CASE("an address that is none is told with one that is", "[client]") {
   CHECK(parse_address("/" + std::string(106, 'x')));
   CHECK(parse_address("unix:/a")->path == "/a");
   CHECK(parse_address("http://cutter")->port == 8631);
+  CHECK(parse_address("http://[::1]")->host == "::1");
+  CHECK(parse_address("http://[fe80::1%eth0]:9")->host == "fe80::1%eth0");
+  CHECK(message(parse_address("http://[::1").error()).find("between [ and ]") != std::string::npos);
 }
 
 TEST_CASE("an event stream is read whole in whatever pieces it comes", "[client]") {
@@ -149,6 +154,26 @@ TEST_CASE("a problem speaks of what is typed and not of JSON", "[client]") {
 
 TEST_CASE("a query's value is encoded", "[client]") {
   CHECK(percent_encoded("a b&c=\xC3\xA9") == "a%20b%26c%3D%C3%A9");
+}
+
+TEST_CASE("a token that no header can hold is refused before it is sent", "[client]") {
+  CHECK(bearer_token(environment({}))->empty());
+  CHECK(bearer_token(environment({{"POPCUT_TOKEN", "pc_1_2"}})) == "pc_1_2");
+  for (const char* wrong : {"pc_\n", "pc_ 1", "pc_\x1b", "pc_\xC3\xA9"}) {
+    const auto token = bearer_token(environment({{"POPCUT_TOKEN", wrong}}));
+    REQUIRE_FALSE(token);
+    CHECK(exit_code(token.error().kind) == 2);
+    CHECK(message(token.error()).rfind("POPCUT_TOKEN: holds a character", 0) == 0);
+  }
+}
+
+TEST_CASE("a host that nobody knows is told so", "[client]") {
+  Api api(HttpClient({Address{{}, "cutter.invalid", 8631}}, ""));
+  api.http().set_tries(0);
+  const auto jobs = api.open_jobs();
+  REQUIRE_FALSE(jobs);
+  CHECK(jobs.error().kind == ErrorKind::DeviceGone);
+  CHECK(jobs.error().detail.rfind("the host cutter.invalid is not known", 0) == 0);
 }
 
 TEST_CASE("an absent popcutd is told with how to start it", "[client]") {

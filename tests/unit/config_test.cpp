@@ -119,6 +119,9 @@ TEST_CASE("what is wrong in a configuration is told with line and column and wha
   refused("[webhook]\nurl = \"http://x\"", "1:1: webhook.secret_file", "is missing");
   refused("[log]\nform = \"xml\"", "2:8: log.form", "one of text, json");
   refused("state = \"a\\u0007b\"", "1:9: state", "control character");
+  refused("state = \"\"", "1:9: state", "is empty; name a path");
+  refused("socket = \"\"", "1:10: socket", "is empty; name a path");
+  refused("socket = \"/" + std::string(107, 'x') + "\"", "1:10: socket", "has 107 at most");
   refused("listen = [", "1:11", "is not TOML");
   refused("listen = []\nlisten = []", "2:10", "is not TOML");
 }

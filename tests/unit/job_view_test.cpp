@@ -41,7 +41,10 @@ TEST_CASE("each thing that waits for a person comes with the command to type", "
   ready["blank"] = 2;
   CHECK(joined(waiting_for(ready)).find("blank 2") != std::string::npos);
   CHECK(joined(waiting_for(job("armed"))).find("popcut start 01JDX7KQ4M8Z") != std::string::npos);
-  CHECK(joined(waiting_for(job("paused"))).find("popcut resume") != std::string::npos);
+  CHECK(waiting_for(job("paused")).empty());  // its cancel is under way
+  Json paused = job("paused");
+  paused["actions"] = {"resume", "cancel"};
+  CHECK(joined(waiting_for(paused)).find("popcut resume") != std::string::npos);
   Json interrupted = job("interrupted");
   interrupted["actions"] = {"retry-sheet", "resume-from", "confirm-result", "cancel"};
   interrupted["reason"] = "unplug";
@@ -50,6 +53,8 @@ TEST_CASE("each thing that waits for a person comes with the command to type", "
         std::string::npos);
   for (const char* way : {"popcut retry 01JDX7KQ4M8Z 2", "--from", "good", "popcut cancel"})
     CHECK(ways.find(way) != std::string::npos);
+  interrupted["actions"] = {"retry-sheet", "cancel"};
+  CHECK(joined(waiting_for(interrupted)).find("good") == std::string::npos);
   CHECK(waiting_for(job("cutting")).empty());
   CHECK(waiting_for(job("queued")).empty());
   Json absent = job("ready");
@@ -74,7 +79,7 @@ TEST_CASE("the view stands whatever it is given", "[cli][jobs]") {
   Json odd = job("ready");
   odd["name"] =
       "\x1b[31mred\x07\xc2\x9b"
-      "2J";
+      "2J\xe2\x80\xaegnp\xe2\x81\xa6";
   odd["sheet"] = "two";
   odd["progress"] = 7;
   odd["est"] = {{"remaining_s", "soon"}};
@@ -84,6 +89,8 @@ TEST_CASE("the view stands whatever it is given", "[cli][jobs]") {
   CHECK(text.find('\x1b') == std::string::npos);
   CHECK(text.find('\x07') == std::string::npos);
   CHECK(text.find("\xc2\x9b") == std::string::npos);
+  CHECK(text.find("\xe2\x80\xae") == std::string::npos);
+  CHECK(text.find("\xe2\x81\xa6") == std::string::npos);
   CHECK_FALSE(job_details(odd, {Json::object()}).empty());
   Json wide = job("cutting");
   wide["name"] = "\xC3\xA9\xC3\xA9\xC3\xA9";

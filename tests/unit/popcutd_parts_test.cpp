@@ -113,6 +113,9 @@ TEST_CASE("a log line is one line whatever it holds", "[daemon][log]") {
   CHECK(without_control("a\nb\x1b[31m\x07") == "a | b\\x1b[31m\\x07");
   CHECK(without_control("\xc2\x9b"
                         "31m caf\xc3\xa9") == "\\u009b31m caf\xc3\xa9");
+  CHECK(without_control("a\xe2\x80\xae"
+                        "b\xe2\x81\xa6\xe2\x80\x99\xe2\x80") ==
+        "a\\u202eb\\u2066\xe2\x80\x99\xe2\x80");
   CHECK(json_string("a\"\n\xff") == "\"a\\\"\\n\xEF\xBF\xBD\"");
   CHECK(job_in("job 01JDX7KQ4M8ZB1Q2R3S4T5V6W7: cutting") == "01JDX7KQ4M8ZB1Q2R3S4T5V6W7");
   CHECK(job_in("job name is long and no id").empty());
@@ -184,13 +187,59 @@ TEST_CASE("options stand over the configuration and both over the defaults", "[d
   const auto unknown = load_config(options, found);
   REQUIRE_FALSE(unknown);
   CHECK(message(unknown.error()).find("did you mean cameo3?") != std::string::npos);
+  CHECK(unknown.error().place == "--sim");
+  CHECK(unknown.error().kind == ErrorKind::Usage);
+  options.simulated = {"cameo"};
+  CHECK(message(load_config(options, found).error()).find("is there already") != std::string::npos);
   options.simulated.clear();
   options.listen = {"0.0.0.0:1"};
-  CHECK_FALSE(load_config(options, found));
+  CHECK(message(load_config(options, found).error()).rfind("--listen: ", 0) == 0);
+  options.listen.clear();
+  options.state = file;
+  CHECK(message(load_config(options, found).error()).rfind("--state: " + file + " is a file", 0) ==
+        0);
   testing::write_file(file, "state = 7\n");
   const auto wrong = load_config({.config = file}, found);
   REQUIRE_FALSE(wrong);
   CHECK(wrong.error().place == file + ": 1:9: state");
+}
+
+TEST_CASE("what a device of the configuration names must be there", "[daemon][config]") {
+  const testing::TempFolder folder;
+  const std::string file = (folder / "popcutd.toml").string();
+  const auto told = [&](const std::string& line) {
+    testing::write_file(file, "state = \"/a\"\n[[device]]\nid = \"sim:cameo3\"\n" + line);
+    std::string found;
+    const auto config = load_config({.config = file}, found);
+    if (!config) CHECK(config.error().kind != ErrorKind::Usage);
+    return config ? std::string() : message(config.error());
+  };
+  const std::string device = file + ": device sim:cameo3: ";
+  CHECK(told("materials = [\"paper-220\"]\n").empty());
+  CHECK(told("materials = [\"paper-221\"]\n").rfind(device + "materials: ", 0) == 0);
+  CHECK(told("treat_as = \"cameo33\"\n").rfind(device + "treat_as: ", 0) == 0);
+  const std::string script = (folder / "faults.json").string();
+  const std::string faults = "faults = \"" + script + "\"\n";
+  CHECK(told(faults).rfind(device + "faults: " + script + ": cannot be read", 0) == 0);
+  testing::write_file(script, "no JSON");
+  CHECK(told(faults).rfind(device + "faults: " + script + ": ", 0) == 0);
+  testing::write_file(script, R"({"popcut": 1, "faults": []})");
+  CHECK(told(faults).empty());
+}
+
+TEST_CASE("an option that names nothing is refused", "[daemon][config]") {
+  const std::string longest(108, 's');
+  for (const auto& [option, value] : {std::pair{"--state", ""},
+                                      {"--socket", ""},
+                                      {"--config", ""},
+                                      {"--sim", ""},
+                                      {"--socket", longest.c_str()}}) {
+    const char* const words[] = {"popcutd", option, value};
+    const auto options = parse_options(3, words);
+    REQUIRE_FALSE(options);
+    CHECK(options.error().kind == ErrorKind::Usage);
+    CHECK(options.error().place == option);
+  }
 }
 
 TEST_CASE("a webhook calls only whom it may and signs what it says", "[daemon][webhook]") {
