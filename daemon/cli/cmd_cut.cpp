@@ -18,6 +18,7 @@
 #include "core/plan/plan_json.hpp"
 #include "core/plan/sheet_svg.hpp"
 #include "core/plan/test_shape.hpp"
+#include "core/shown_text.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/cut_device.hpp"
 #include "daemon/cli/cut_queue.hpp"
@@ -296,7 +297,7 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
   }
   if (!globals.quiet)
     for (const std::string& warning : job->plan.warnings)
-      fmt::print(stderr, "warning: {}\n", warning);
+      fmt::print(stderr, "warning: {}\n", shown_text(warning));
   nlohmann::ordered_json sheets = nlohmann::ordered_json::array();
   // What happened is kept, whatever happened.
   const Result<void> cut = cut_all(options, globals, *job, *target, folder, sheets);

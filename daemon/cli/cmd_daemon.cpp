@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "core/shown_text.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/job_follow.hpp"
 #include "daemon/client/api.hpp"
@@ -180,7 +181,7 @@ Result<void> list_tokens(const Globals& globals) {
     for (const Json& one : (*tokens)["items"])
       fmt::print(
           "{}  {:<10} {:<24} made {}{}\n", client::text_of(one, "id"), client::text_of(one, "role"),
-          client::text_of(one, "name"), client::text_of(one, "created"),
+          shown_text(client::text_of(one, "name")), client::text_of(one, "created"),
           client::text_of(one, "expires").empty() ? ""
                                                   : ", ends " + client::text_of(one, "expires"));
   return {};

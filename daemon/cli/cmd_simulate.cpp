@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/shown_text.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/expectation.hpp"
 #include "daemon/cli/fault_file.hpp"
@@ -74,7 +75,7 @@ void say(const Trace& trace, const Options& options) {
     fmt::print(stderr, "  warning  {:.1f} mm lie outside the window and were not cut\n",
                trace.clipped_mm);
   for (std::size_t i = 0; i < trace.unknown.size() && i < 3; ++i)
-    fmt::print(stderr, "  warning  not understood: {}\n", trace.unknown[i]);
+    fmt::print(stderr, "  warning  not understood: {}\n", shown_text(trace.unknown[i]));
   if (trace.unknown_count > 3)
     fmt::print(stderr, "  warning  {} commands in all are not understood; trace.json lists them\n",
                trace.unknown_count);
