@@ -52,6 +52,9 @@ Result<void> check_json_limits(std::string_view text, const JsonLimits& limits) 
   bool in_string = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
+    if (c == '\0')  // which the parser would take for the end
+      return fail(ErrorKind::Malformed, line_and_column(text, i + 1),
+                  "a zero byte, which JSON has none of; is it another kind of file?");
     if (in_string) {
       if (c == '\\') ++i;
       if (c == '"') in_string = false;

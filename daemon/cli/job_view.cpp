@@ -203,9 +203,12 @@ std::vector<std::string> waiting_for(const Json& job) {
         fmt::format("look at sheet {}: popcut confirm {} {} good   (or bad)", sheet, id, sheet));
   } else if (is(job, "ready") && may(job, "arm")) {
     const std::int64_t blank = whole_of(job, "blank");
-    lines.push_back(fmt::format("load sheet {} of {}{}{}{}: popcut arm {} {}", sheet, total,
-                                device.empty() ? "" : " into ", device,
-                                blank > 1 ? fmt::format(", blank {}", blank) : "", id, sheet));
+    if (whole_of(job, "segment") > 1 && kind == "load_sheet")
+      lines.push_back(fmt::format("{}: popcut arm {} {}", text, id, sheet));
+    else
+      lines.push_back(fmt::format("load sheet {} of {}{}{}{}: popcut arm {} {}", sheet, total,
+                                  device.empty() ? "" : " into ", device,
+                                  blank > 1 ? fmt::format(", blank {}", blank) : "", id, sheet));
   }
   if (is_held(job) && !has_ended(job)) lines.push_back(fmt::format("held: popcut release {}", id));
   const bool said =

@@ -125,7 +125,12 @@ bool is_option_name(std::string_view name) {
 
 Answer<json> parse_body(std::string_view text, int max_depth) {
   Builder builder(max_depth);
-  const bool whole = json::sax_parse(text, &builder);
+  const std::size_t zero = text.find('\0');  // which the parser would take for the end
+  if (zero != std::string_view::npos) {
+    builder.fault = "there is a zero byte, which JSON has none of";
+    builder.fault_at = zero + 1;
+  }
+  const bool whole = zero == std::string_view::npos && json::sax_parse(text, &builder);
   if (whole && builder.fault.empty()) return std::move(builder.root);
   Problem problem{ProblemKind::MalformedJson,
                   builder.fault.empty() ? "this is not JSON" : builder.fault};

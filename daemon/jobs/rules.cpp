@@ -53,6 +53,7 @@ Step step_of(JobState state, JobAction action) {
       return state == JobState::Ready || state == JobState::Interrupted ? Step::NextSheet
                                                                         : Step::Refused;
     case ResumeFrom:
+      if (state == JobState::Ready) return Step::Stays;
       return state == JobState::Interrupted ? Step::ToReady : Step::Refused;
   }
   return Step::Refused;
@@ -132,6 +133,9 @@ Step step_of(const JobFacts& facts, JobAction action) {
       // While it cuts there is something to resume only if a pause is on its way.
       if (facts.cancelling) return Step::Refused;
       return facts.state == JobState::Cutting && !facts.pausing ? Step::Refused : step;
+    case JobAction::ResumeFrom:
+      // Of a sheet that nothing was cut of there is nothing to resume.
+      return facts.state == JobState::Ready && !facts.begun ? Step::Refused : step;
     default:
       return step;
   }

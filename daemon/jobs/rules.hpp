@@ -63,6 +63,7 @@ struct JobFacts {
   bool pausing{false};        ///< `pause` was asked for, the stroke goes on
   bool cancelling{false};     ///< `cancel` was asked for, the stroke goes on
   bool awaits_result{false};  ///< interrupted only because nobody can tell but a person
+  bool begun{false};          ///< ready to go on with a sheet that is cut in part
 };
 
 /// Whether `action` is lawful, the facts considered.

@@ -195,19 +195,24 @@ Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add) {
 
 // 4. Checks.
 
-constexpr long kMostPreviewUnits = 200'000;
+/// Units of which a preview is drawn while somebody waits for the upload: a second of work or so.
+long most_preview_units(const DesignSpec& spec) {
+  if (spec.curvature) return 150;
+  return spec.lattice == LatticeMethod::Conformal ? 2'500 : 100'000;
+}
 
 /// A spec's preview is the pattern it gives. That there is none is no fault of the spec's form.
 Result<std::string> spec_preview(const DesignSpec& spec, WorkerTask& task,
                                  std::vector<std::string>& warnings) {
-  long units = 0;
+  long units = 0, most = most_preview_units(spec);
   const auto count = [&](const DesignSpec& one) {
     for (const RegionSpec& region : one.regions)
       units += static_cast<long>(region.slices) * region.units_per_slice;
+    most = std::min(most, most_preview_units(one));
   };
   count(spec);
   for (const DesignSpec& patch : spec.patches) count(patch);
-  if (units > kMostPreviewUnits)
+  if (units > most)
     return no_preview_svg(fmt::format("a design of {} units is drawn when it is planned", units));
   for (const auto& [place, name] : files_of(spec))
     if (!task.assets.contains(name))

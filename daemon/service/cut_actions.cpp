@@ -183,6 +183,7 @@ Answer<void> CutDesk::arm(const Principal& who, JobRow& row, const ActionWish& w
         JobBook::conflict(row, "the plan is " + plan->sha256 + ", not the one that was named"));
   const Answer<std::string> device = choose_device(row, wish, *plan);
   if (!device) return tl::unexpected(device.error());
+  if (const auto known = check_place(row, *device); !known) return tl::unexpected(known.error());
   if (const auto other = parts_.jobs.table().on_device(*device))
     return tl::unexpected(
         JobBook::conflict(row, fmt::format("{} has a sheet of job {} in it ({})", *device,
@@ -203,6 +204,18 @@ Answer<void> CutDesk::arm(const Principal& who, JobRow& row, const ActionWish& w
   return {};
 }
 
+// What is known of a sheet's place ends with the session of its device, and with popcutd.
+Answer<void> CutDesk::check_place(const JobRow& row, const std::string& device) const {
+  if (row.segment == 1) return {};
+  const auto placed = placed_.find(row.id);
+  if (placed != placed_.end() && placed->second == parts_.devices.session_of(device)) return {};
+  return tl::unexpected(JobBook::conflict(
+      row, fmt::format("{} or popcutd was started anew since, so the sheet's place is no longer "
+                       "known; register it again and say registration \"re-registered\" with "
+                       "resume-from, from path {}, or take a new blank with retry-sheet",
+                       device, row.first_stroke)));
+}
+
 Answer<void> CutDesk::pause(JobRow& row) {
   parts_.memory.after_commit([this, device = row.device] { parts_.cutters.pause(device); });
   if (row.state == JobState::Paused || row.asked == "pause") return {};
@@ -216,6 +229,9 @@ Answer<void> CutDesk::resume(JobRow& row) {
   if (stopping_) return refuse(ProblemKind::Unavailable, "popcutd is being stopped");
   if (!cuts_.contains(row.id))
     return tl::unexpected(JobBook::conflict(row, "its cut has ended already"));
+  if (const auto device = parts_.devices.find(row.device); !device || !device->enabled)
+    return tl::unexpected(JobBook::conflict(
+        row, row.device + " is disabled; an admin enables it with the action enable"));
   if (row.state == JobState::Paused) {
     parts_.jobs.take(row, Step::ToCutting, "");
   } else {
@@ -278,6 +294,7 @@ Answer<void> CutDesk::retry(JobRow& row) {
   row.first_stroke = 0;
   row.paths_certain = row.paths_sent = 0;
   parts_.jobs.take(row, Step::ToReady, "retry");
+  placed_.erase(row.id);
   return {};
 }
 
@@ -303,11 +320,13 @@ Answer<void> CutDesk::resume_from(JobRow& row, const ActionWish& wish) {
        .accept_double_cut = wish.accept_double_cut,
        .skip_in_doubt = wish.skip_in_doubt},
       {.strokes = last->strokes,
-       .same_device_session = last->device_session == parts_.devices.session_of(last->device)});
+       .same_device_session = last->end_kind != "media_out" &&
+                              last->device_session == parts_.devices.session_of(last->device)});
   if (!may) return tl::unexpected(JobBook::conflict(row, may.error()));
-  ++row.segment;
+  row.segment = last->segment + 1;
   row.first_stroke = *wish.from_path;
   row.wish = last->device;
+  placed_[row.id] = parts_.devices.session_of(last->device);
   parts_.jobs.take(row, Step::ToReady, "resume");
   return {};
 }

@@ -57,6 +57,7 @@ class CutDesk {
   [[nodiscard]] Answer<void> confirm(JobRow& row, const ActionWish& wish);
   [[nodiscard]] Answer<void> retry(JobRow& row);
   [[nodiscard]] Answer<void> resume_from(JobRow& row, const ActionWish& wish);
+  [[nodiscard]] Answer<void> check_place(const JobRow& row, const std::string& device) const;
   [[nodiscard]] Answer<void> check_words(const JobRow& row, const ActionWish& wish) const;
   /// What must reach the knife although nothing can be written.
   void act_unrecorded(const Principal& who, const std::string& id, JobAction action);
@@ -81,6 +82,8 @@ class CutDesk {
   };
   std::vector<LateEnd> late_;                        ///< ends that could not be written yet
   std::map<std::string, std::int64_t> armed_until_;  ///< by job; monotonic
+  /// By job that goes on with a sheet: the session of its device in which the sheet was in place.
+  std::map<std::string, std::string> placed_;
   bool stopping_{false};
 };
 

@@ -174,6 +174,10 @@ Answer<void> CutDesk::start(const Principal& who, JobRow& row, const ActionWish&
         JobBook::conflict(row, "what was armed is not what would be cut; disarm and arm again"));
   if (const auto fine = parts_.devices.usable(row.device); !fine)
     return tl::unexpected(fine.error());
+  if (const std::string why = parts_.devices.misfit(row.device, *plan); !why.empty())
+    return tl::unexpected(
+        JobBook::conflict(row, fmt::format("{} cannot cut this any more: {}", row.device, why)));
+  if (const auto known = check_place(row, row.device); !known) return tl::unexpected(known.error());
   if (const auto device = parts_.devices.find(row.device);
       device->state != "idle" && device->state != "attention")
     return tl::unexpected(JobBook::conflict(
@@ -211,6 +215,7 @@ Answer<void> CutDesk::start(const Principal& who, JobRow& row, const ActionWish&
   mine->emplace(row.id, *cut);
   parts_.memory.after_commit([this, cut = *cut, mine] {
     armed_until_.erase(cut->job);
+    placed_.erase(cut->job);
     cuts_.merge(*mine);
     hand_over(cut);
   });

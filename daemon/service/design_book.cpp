@@ -258,8 +258,10 @@ PlanningTask DesignBook::task_for(const Design& design, PlanningTask::Kind kind)
   task.design_path = memory_.folder().at("designs/" + design.id);
   task.design_kind = design.kind;
   (void)row(design.id, &task.media_type);
+  // One that is not there yet is told by the planner, with its place in the spec.
   for (const std::string& asset : design.assets)
-    task.asset_paths[asset] = memory_.folder().at("assets/" + asset);
+    if (std::string place = memory_.folder().at("assets/" + asset); exists(place))
+      task.asset_paths[asset] = std::move(place);
   return task;
 }
 

@@ -23,10 +23,8 @@ void put_durations(std::string& text, std::string_view name, std::string_view he
                                   : "+Inf";
     fmt::format_to(out, "{}_bucket{{le=\"{}\"}} {}\n", name, bound, below);
   }
-  fmt::format_to(out, "{0}_sum {1:.6f}\n{0}_count {2}\n", name, durations.seconds,
-                 durations.count);
-  fmt::format_to(out, "# TYPE {0}_longest gauge\n{0}_longest {1:.6f}\n", name,
-                 durations.longest_s);
+  fmt::format_to(out, "{0}_sum {1:.6f}\n{0}_count {2}\n", name, durations.seconds, durations.count);
+  fmt::format_to(out, "# TYPE {0}_longest gauge\n{0}_longest {1:.6f}\n", name, durations.longest_s);
 }
 
 // A label's value: backslash, quote and newline are escaped.

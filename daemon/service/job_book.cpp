@@ -211,7 +211,10 @@ void JobBook::take(JobRow& row, Step step, const std::string& reason) {
   switch (row.state) {
     case JobState::Ready:
       set_attention(row, "load_sheet",
-                    fmt::format("load sheet {} of {}", row.sheet, row.sheets_total));
+                    row.segment > 1
+                        ? fmt::format("leave sheet {} of {} where it lies: it goes on from path {}",
+                                      row.sheet, row.sheets_total, row.first_stroke)
+                        : fmt::format("load sheet {} of {}", row.sheet, row.sheets_total));
       row.device.clear();
       put_sheet(row, "ready");
       break;

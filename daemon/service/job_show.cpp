@@ -13,7 +13,8 @@ JobFacts JobBook::facts_of(const JobRow& row) {
           .held = row.held,
           .pausing = row.asked == "pause",
           .cancelling = row.asked == "cancel",
-          .awaits_result = row.attention == "confirm_result"};
+          .awaits_result = row.attention == "confirm_result",
+          .begun = row.segment > 1};
 }
 
 std::optional<Attention> JobBook::attention_of(const JobRow& row) const {

@@ -97,6 +97,22 @@ TEST_CASE("a check tells what a file is by its content and draws it anew", "[dae
   }
 }
 
+TEST_CASE("a design that takes long is drawn when it is planned and not while it is checked",
+          "[daemon][planner]") {
+  Bench bench;
+  const std::string surface =
+      R"j({"popcut": 1, "widths_mm": 1,
+           "surface": {"type": "revolution", "radius": "sqrt(400^2 - (y - 150)^2)"}, )j";
+  for (const char* more :
+       {R"j("slices": 300, "units_per_slice": 40})j",
+        R"j("slices": 40, "units_per_slice": 10, "curvature": {"K_area": 0.0002}})j"}) {
+    const auto outcome = bench.run(bench.task(Kind::Check, surface + more));
+    INFO(why(outcome));
+    REQUIRE(outcome);
+    CHECK(outcome->files.at(0).bytes.find("drawn when it is planned") != std::string::npos);
+  }
+}
+
 TEST_CASE("what is wrong with a design is told with its place in it", "[daemon][planner]") {
   Bench bench;
   const auto check = [&](const std::string& text) { return bench.task(Kind::Check, text); };

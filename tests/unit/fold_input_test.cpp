@@ -97,6 +97,10 @@ TEST_CASE("JSON nested a million deep gets one clear error from every reader",
     CHECK(message(parse_json_data(text).error()).find("more than 64 deep") != std::string::npos);
     CHECK_FALSE(linework_from_fold(text));
   }
+  for (const auto& text : {std::string("{}\0", 3), std::string("[1\0]", 4)}) {
+    CHECK(message(parse_json(text).error()).find("a zero byte") != std::string::npos);
+    CHECK(message(parse_json_data(text).error()).find("a zero byte") != std::string::npos);
+  }
   CHECK(message(parse_json("[" + std::string(3'000'000, ',') + "]").error()).find("more than") !=
         std::string::npos);
 }

@@ -170,7 +170,9 @@ TEST_CASE("JSON is refused for depth and doubled members and what is no number",
                                  std::string("[\"\xED\xA0\x80\"]"),
                                  std::string("[\"a\nb\"]"),
                                  std::string("[\"\\ud800\"]"),
-                                 std::string("\0[]", 3)}) {
+                                 std::string("\0[]", 3),
+                                 std::string("[]\0[", 4),
+                                 std::string("{\"a\":1}\0garbage", 15)}) {
     CAPTURE(bad.substr(0, 40));
     const auto read = parse_body(bad, 32);
     REQUIRE_FALSE(read);

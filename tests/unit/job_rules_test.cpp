@@ -27,7 +27,7 @@ TEST_CASE("every action does in every state what the manual says", "[daemon][job
   // . refused, = stays, R ready, A armed, C cutting, N next sheet, X cancelled.
   const std::map<JobState, std::string> table{
       {JobState::Queued, ".....X...."},      {JobState::Planning, ".....X...."},
-      {JobState::Ready, "A....X.=N."},       {JobState::Armed, ".RC..X...."},
+      {JobState::Ready, "A....X.=N="},       {JobState::Armed, ".RC..X...."},
       {JobState::Cutting, "...===...."},     {JobState::Paused, "...=C=...."},
       {JobState::Interrupted, ".....XNRNR"}, {JobState::Done, ".........."},
       {JobState::Failed, ".........."},      {JobState::Cancelled, ".........."}};
@@ -87,6 +87,8 @@ TEST_CASE("a finished sheet leads to the next one and after the last to done", "
 TEST_CASE("what is lawful depends on hold and on what was asked before", "[daemon][jobs]") {
   CHECK(step_of({.state = JobState::Ready, .held = true}, JobAction::Arm) == Step::Refused);
   CHECK(step_of({.state = JobState::Ready}, JobAction::Arm) == Step::ToArmed);
+  CHECK(step_of({.state = JobState::Ready}, JobAction::ResumeFrom) == Step::Refused);
+  CHECK(step_of({.state = JobState::Ready, .begun = true}, JobAction::ResumeFrom) == Step::Stays);
   CHECK(step_of({.state = JobState::Cutting}, JobAction::Resume) == Step::Refused);
   CHECK(step_of({.state = JobState::Cutting, .pausing = true}, JobAction::Resume) == Step::Stays);
   CHECK(step_of({.state = JobState::Paused, .cancelling = true}, JobAction::Resume) ==

@@ -252,58 +252,6 @@ TEST_CASE("what ends a cut early is told by its kind", "[daemon][service]") {
   CHECK(known.last_status.find(row.words) != std::string::npos);
 }
 
-TEST_CASE("a retry takes a new blank and resuming the same one", "[daemon][service]") {
-  ServiceBench bench;
-  const Job lost = broken(bench);
-  const Job retried = bench.act(lost.id, JobAction::RetrySheet).value();
-  CHECK(retried.state == JobState::Ready);
-  CHECK(retried.blank == 2);
-  CHECK(retried.segment == 1);
-  bench.started(lost.id);
-  REQUIRE(bench.cutters.intend(bench.device, 3));
-  bench.cutters.finish(bench.device,
-                       {.error = Error{ErrorKind::Timeout, "", "stuck"}, .certain = 2, .doubt = 3});
-  ActionWish wish{.action = JobAction::ResumeFrom, .from_path = 3, .registration = "kept"};
-  CHECK(bench.act(lost.id, wish).error().kind == ProblemKind::StateConflict);
-  wish.accept_double_cut = true;
-  const Job resumed = bench.act(lost.id, wish).value();
-  CHECK(resumed.state == JobState::Ready);
-  CHECK(resumed.blank == 2);
-  CHECK(resumed.segment == 2);
-  CHECK(resumed.device == bench.device);
-  bench.started(lost.id);
-  CHECK(bench.cutters.first_stroke(bench.device) == 3);
-  bench.cutters.finish(bench.device, {.certain = 4});
-  CHECK(shown(bench, lost).sheet == 2);
-  const Ledger known = ledger(bench, lost.id);
-  CHECK(known.certain_upto == 4);
-  CHECK(known.attempts.size() == 3);
-  CHECK(known.attempts.at(2).operator_name == bench.tutor.name);
-}
-
-TEST_CASE("a sheet stays registered only while its cutter was never away", "[daemon][service]") {
-  ServiceBench bench;
-  const Job lost = broken(bench);
-  bench.cutters.unplug(bench.device);
-  REQUIRE(bench.wait([&] {
-    return bench.on([&](JobService& s) { return s.device(bench.device)->state == "absent"; });
-  }));
-  bench.cutters.plug(bench.device);
-  REQUIRE(bench.wait([&] {
-    return bench.on([&](JobService& s) { return s.device(bench.device)->state == "idle"; });
-  }));
-  CHECK(shown(bench, lost).state == JobState::Interrupted);
-  ActionWish wish{.action = JobAction::ResumeFrom,
-                  .from_path = 2,
-                  .registration = "kept",
-                  .accept_double_cut = true};
-  CHECK(bench.act(lost.id, wish).error().detail.find("register") != std::string::npos);
-  wish.registration = "somehow";
-  CHECK(bench.act(lost.id, wish).error().kind == ProblemKind::Validation);
-  wish.registration = "re-registered";
-  CHECK(bench.act(lost.id, wish).value().segment == 2);
-}
-
 TEST_CASE("a machine that answers nothing needs a person to say done", "[daemon][service]") {
   ServiceBench bench;
   bench.planner.sheets = 1;

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+// Going on with a sheet that is cut in part.
+#include <catch2/catch.hpp>
+
+#include "tests/support/service_bench.hpp"
+
+using namespace popcut;
+using namespace popcut::daemon;
+using popcut::test::ServiceBench;
+
+namespace {
+
+Job shown(ServiceBench& bench, const Job& job) { return bench.job(job.id); }
+
+Ledger ledger(ServiceBench& bench, const std::string& job, int sheet = 1) {
+  return bench.on([&](JobService& service) { return service.ledger(job, sheet).value(); });
+}
+
+// Interrupted with strokes 0..1 certain and 2 in doubt, of 5.
+Job broken(ServiceBench& bench, ErrorKind kind = ErrorKind::DeviceGone,
+           const std::string& words = "unplugged") {
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  REQUIRE(bench.cutters.intend(bench.device, 2));
+  bench.cutters.finish(bench.device, {.error = Error{kind, "", words}, .certain = 1, .doubt = 2});
+  return bench.job(ready.id);
+}
+
+ActionWish from_path_2(const char* registration) {
+  return {.action = JobAction::ResumeFrom,
+          .from_path = 2,
+          .registration = registration,
+          .accept_double_cut = true};
+}
+
+void replug(ServiceBench& bench) {
+  const auto is = [&](const char* state) {
+    return bench.wait([&] {
+      return bench.on([&](JobService& s) { return s.device(bench.device)->state == state; });
+    });
+  };
+  bench.cutters.unplug(bench.device);
+  REQUIRE(is("absent"));
+  bench.cutters.plug(bench.device);
+  REQUIRE(is("idle"));
+}
+
+}  // namespace
+
+TEST_CASE("a retry takes a new blank and resuming the same one", "[daemon][service]") {
+  ServiceBench bench;
+  const Job lost = broken(bench);
+  const Job retried = bench.act(lost.id, JobAction::RetrySheet).value();
+  CHECK(retried.state == JobState::Ready);
+  CHECK(retried.blank == 2);
+  CHECK(retried.segment == 1);
+  bench.started(lost.id);
+  REQUIRE(bench.cutters.intend(bench.device, 3));
+  bench.cutters.finish(bench.device,
+                       {.error = Error{ErrorKind::Timeout, "", "stuck"}, .certain = 2, .doubt = 3});
+  ActionWish wish{.action = JobAction::ResumeFrom, .from_path = 3, .registration = "kept"};
+  CHECK(bench.act(lost.id, wish).error().kind == ProblemKind::StateConflict);
+  wish.accept_double_cut = true;
+  const Job resumed = bench.act(lost.id, wish).value();
+  CHECK(resumed.state == JobState::Ready);
+  CHECK(resumed.blank == 2);
+  CHECK(resumed.segment == 2);
+  CHECK(resumed.device == bench.device);
+  bench.started(lost.id);
+  CHECK(bench.cutters.first_stroke(bench.device) == 3);
+  bench.cutters.finish(bench.device, {.certain = 4});
+  CHECK(shown(bench, lost).sheet == 2);
+  const Ledger known = ledger(bench, lost.id);
+  CHECK(known.certain_upto == 4);
+  CHECK(known.attempts.size() == 3);
+  CHECK(known.attempts.at(2).operator_name == bench.tutor.name);
+}
+
+TEST_CASE("a sheet stays registered only while its cutter was never away", "[daemon][service]") {
+  ServiceBench bench;
+  const Job lost = broken(bench);
+  bench.cutters.unplug(bench.device);
+  REQUIRE(bench.wait([&] {
+    return bench.on([&](JobService& s) { return s.device(bench.device)->state == "absent"; });
+  }));
+  bench.cutters.plug(bench.device);
+  REQUIRE(bench.wait([&] {
+    return bench.on([&](JobService& s) { return s.device(bench.device)->state == "idle"; });
+  }));
+  CHECK(shown(bench, lost).state == JobState::Interrupted);
+  ActionWish wish{.action = JobAction::ResumeFrom,
+                  .from_path = 2,
+                  .registration = "kept",
+                  .accept_double_cut = true};
+  CHECK(bench.act(lost.id, wish).error().detail.find("register") != std::string::npos);
+  wish.registration = "somehow";
+  CHECK(bench.act(lost.id, wish).error().kind == ProblemKind::Validation);
+  wish.registration = "re-registered";
+  CHECK(bench.act(lost.id, wish).value().segment == 2);
+}
+
+TEST_CASE("a sheet that goes on is not to be loaded anew", "[daemon][service]") {
+  ServiceBench bench;
+  const Job lost = broken(bench);
+  CHECK(lost.attention->text.find("load") == std::string::npos);
+  const Job ready = bench.act(lost.id, from_path_2("kept")).value();
+  CHECK(ready.attention->kind == "load_sheet");
+  CHECK(ready.attention->text == "leave sheet 1 of 2 where it lies: it goes on from path 2");
+  CHECK(bench.act(lost.id, JobAction::RetrySheet)->attention->text == "load sheet 1 of 2");
+}
+
+TEST_CASE("where a sheet lies is not known any more after a replug or a restart",
+          "[daemon][service]") {
+  const bool restart = GENERATE(false, true);
+  const char* const registration = GENERATE("kept", "re-registered");
+  CAPTURE(restart, registration);
+  ServiceBench bench;
+  const Job lost = broken(bench);
+  REQUIRE(bench.act(lost.id, from_path_2(registration)));
+  const bool armed = GENERATE(false, true);
+  if (armed) REQUIRE(bench.act(lost.id, JobAction::Arm));
+  if (restart) {
+    bench.crash();
+    REQUIRE(bench.start().empty());
+  } else {
+    replug(bench);
+  }
+  REQUIRE(bench.wait_for(lost.id, JobState::Ready).state == JobState::Ready);
+  const auto refused = bench.act(lost.id, JobAction::Arm);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().kind == ProblemKind::StateConflict);
+  CHECK(refused.error().detail.find("register it again") != std::string::npos);
+  CHECK(bench.act(lost.id, from_path_2("kept")).error().kind == ProblemKind::StateConflict);
+  CHECK(bench.act(lost.id, from_path_2("re-registered"))->segment == 2);
+  const int before = bench.cutters.cuts();
+  bench.started(lost.id);
+  CHECK(bench.cutters.cuts() == before + 1);
+  CHECK(bench.cutters.first_stroke(bench.device) == 2);
+}
+
+TEST_CASE("another path can be chosen as long as the sheet was not started again",
+          "[daemon][service]") {
+  ServiceBench bench;
+  const Job lost = broken(bench);
+  CHECK(bench.act(bench.ready_job("{\"fresh\":1}").id, from_path_2("kept")).error().kind ==
+        ProblemKind::StateConflict);
+  ActionWish wish = from_path_2("kept");
+  wish.from_path = 3;
+  wish.skip_in_doubt = true;
+  REQUIRE(bench.act(lost.id, wish));
+  const Job ready = bench.act(lost.id, from_path_2("kept")).value();
+  CHECK(ready.state == JobState::Ready);
+  CHECK(ready.segment == 2);
+  bench.started(lost.id);
+  CHECK(bench.cutters.first_stroke(bench.device) == 2);
+}
+
+TEST_CASE("a sheet that came out of the machine is registered again", "[daemon][service]") {
+  ServiceBench bench;
+  const Job lost = broken(bench, ErrorKind::Refused, "the sheet came out of the machine");
+  CHECK(lost.reason == "media_out");
+  CHECK(bench.act(lost.id, from_path_2("kept")).error().kind == ProblemKind::StateConflict);
+  CHECK(bench.act(lost.id, from_path_2("re-registered")));
+}
+
+TEST_CASE("a cutter set up for something else since is not started", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  REQUIRE(bench.act(ready.id, JobAction::Arm));
+  bench.on([&](JobService& service) {
+    service.retune({.device_materials = {{bench.device, {"vinyl"}}}});
+  });
+  const auto refused = bench.act(ready.id, JobAction::Start);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().detail.find("set up for vinyl") != std::string::npos);
+  CHECK(bench.cutters.cuts() == 0);
+}
+
+TEST_CASE("what is paused on a disabled cutter waits until it is enabled", "[daemon][service]") {
+  ServiceBench bench;
+  const Job ready = bench.ready_job();
+  bench.started(ready.id);
+  REQUIRE(bench.act(ready.id, JobAction::Pause));
+  bench.cutters.progress(bench.device, {.phase = SessionPhase::Held});
+  REQUIRE(bench.wait_for(ready.id, JobState::Paused).state == JobState::Paused);
+  const auto turn = [&](const char* action) {
+    return bench.on([&](JobService& s) {
+      const auto rev = s.device(bench.device)->rev;
+      return s.act_on_device(bench.admin, bench.device, rev, {.action = action}).has_value();
+    });
+  };
+  REQUIRE(turn("disable"));
+  CHECK(bench.act(ready.id, JobAction::Resume).error().detail.find("disabled") !=
+        std::string::npos);
+  CHECK(bench.cutters.resumes() == 0);
+  REQUIRE(turn("enable"));
+  CHECK(bench.act(ready.id, JobAction::Resume));
+  bench.cutters.complete(bench.device);
+}
