@@ -278,6 +278,8 @@ TEST_CASE("the live view keeps to a small terminal and ends by Ctrl-C", "[popcut
   CHECK(typed);
   CHECK(WIFEXITED(status));
   CHECK(WEXITSTATUS(status) == 0);
+  // The terminal itself shows the key, wherever the view is just then.
+  if (const std::size_t key = text.find("^C"); key != std::string::npos) text.erase(key, 2);
   // No line is wider than the terminal, so none breaks and the view stays in its place.
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find("\r\n", at), text.size());
