@@ -88,7 +88,7 @@ TEST_CASE("whatever fails on the bus its job ends with a true ledger and no plug
                Wrong{Kind::UnplugLate, "interrupted", "device_gone", "absent", true},
                Wrong{Kind::BusError, "interrupted", "device_gone", "fault", true},
                Wrong{Kind::Stall, "interrupted", "stall", "fault"},
-               Wrong{Kind::MediaOut, "interrupted", "media_out", "attention"},
+               Wrong{Kind::MediaOut, "interrupted", "media_out", "attention", true},
                Wrong{Kind::Cancel, "interrupted", "panel_stop", "attention"},
                Wrong{Kind::StallIn, "done", "", "idle"}, Wrong{Kind::Garbage, "done", "", "idle"});
   CAPTURE(static_cast<int>(wrong.kind));
