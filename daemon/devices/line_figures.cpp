@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "daemon/devices/metric_label.hpp"
+
 namespace popcut::daemon {
 namespace {
 
@@ -13,16 +15,6 @@ const char* kind_of(const Error& error, bool short_write) {
   // libusb tells a stalled endpoint as a pipe error.
   if (error.detail.find("ipe error") != std::string::npos) return "stall";
   return short_write ? "short" : "other";
-}
-
-// A label's value: backslash, quote and newline are escaped.
-std::string label(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '\\' || c == '"') escaped += '\\';
-    escaped += c == '\n' ? ' ' : c;
-  }
-  return escaped;
 }
 
 }  // namespace
@@ -54,12 +46,13 @@ std::string line_metrics(const std::vector<std::pair<std::string, LineFigures::S
   for (const auto& [device, shown] : devices)
     for (const char* kind : {"timeout", "stall", "short", "nodev", "overflow", "other"}) {
       const auto found = shown.errors.find(kind);
-      out += fmt::format("popcut_usb_errors_total{{device=\"{}\",kind=\"{}\"}} {}\n", label(device),
-                         kind, found == shown.errors.end() ? 0 : found->second);
+      out +=
+          fmt::format("popcut_usb_errors_total{{device=\"{}\",kind=\"{}\"}} {}\n",
+                      metric_label(device), kind, found == shown.errors.end() ? 0 : found->second);
     }
   out += "# TYPE popcut_usb_write_seconds histogram\n";
   for (const auto& [device, shown] : devices) {
-    const std::string name = label(device);
+    const std::string name = metric_label(device);
     std::uint64_t below = 0;
     for (std::size_t i = 0; i < shown.write_buckets.size(); ++i) {
       below += shown.write_buckets[i];

@@ -27,7 +27,8 @@ class LineFigures {
   };
 
   void note_write(double seconds);
-  /// Counts an error as nodev, timeout, refused or other; `short_write`: part was taken.
+  /// Counts an error as nodev, timeout, overflow, stall, short or other; `short_write`: a part of
+  /// what was offered was taken.
   void note_error(const Error& error, bool short_write);
   [[nodiscard]] Shown shown() const;
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "daemon/devices/metric_label.hpp"
 #include "daemon/jobs/rules.hpp"
 
 namespace popcut::daemon {
@@ -25,16 +26,6 @@ void put_durations(std::string& text, std::string_view name, std::string_view he
   }
   fmt::format_to(out, "{0}_sum {1:.6f}\n{0}_count {2}\n", name, durations.seconds, durations.count);
   fmt::format_to(out, "# TYPE {0}_longest gauge\n{0}_longest {1:.6f}\n", name, durations.longest_s);
-}
-
-// A label's value: backslash, quote and newline are escaped.
-std::string label(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '\\' || c == '"') escaped += '\\';
-    escaped += c == '\n' ? ' ' : c;
-  }
-  return escaped;
 }
 
 }  // namespace
@@ -75,25 +66,25 @@ std::string metrics_text(Memory& memory, JobTable& jobs, const std::vector<Devic
                  "ended.\n");
   for (const DeviceRecord& device : devices)
     fmt::format_to(out, "popcut_sheets_total{{device=\"{}\",outcome=\"done\"}} {}\n",
-                   label(device.id), device.sheets_done);
+                   metric_label(device.id), device.sheets_done);
   Rows ends = db.rows(
       "SELECT device, CASE end_kind WHEN 'cancelled' THEN 'cancelled' ELSE 'interrupted' END AS "
       "outcome, count(*) FROM attempt WHERE ended IS NOT NULL AND end_kind NOT IN ('done', "
       "'refused') GROUP BY device, outcome ORDER BY device, outcome");
   while (ends.next())
     fmt::format_to(out, "popcut_sheets_total{{device=\"{}\",outcome=\"{}\"}} {}\n",
-                   label(ends.text(0)), ends.text(1), ends.integer(2));
+                   metric_label(ends.text(0)), ends.text(1), ends.integer(2));
   fmt::format_to(out, "# TYPE popcut_cut_mm counter\n");
   for (const DeviceRecord& device : devices)
-    fmt::format_to(out, "popcut_cut_mm_total{{device=\"{}\"}} {:.1f}\n", label(device.id),
+    fmt::format_to(out, "popcut_cut_mm_total{{device=\"{}\"}} {:.1f}\n", metric_label(device.id),
                    device.cut_mm);
   fmt::format_to(out, "# TYPE popcut_interrupted counter\n");
   Rows causes = db.rows(
       "SELECT end_kind, count(*) FROM attempt WHERE ended IS NOT NULL AND end_kind NOT IN ('done', "
       "'cancelled', 'refused') GROUP BY end_kind ORDER BY end_kind");
   while (causes.next())
-    fmt::format_to(out, "popcut_interrupted_total{{cause=\"{}\"}} {}\n", label(causes.text(0)),
-                   causes.integer(1));
+    fmt::format_to(out, "popcut_interrupted_total{{cause=\"{}\"}} {}\n",
+                   metric_label(causes.text(0)), causes.integer(1));
   const Memory::Figures& figures = memory.figures();
   put_durations(text, "popcut_db_commit_seconds", "Commits of the database.", figures.commits);
   put_durations(text, "popcut_stream_wait_seconds",

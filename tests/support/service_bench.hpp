@@ -207,4 +207,21 @@ class ServiceBench {
   std::unique_ptr<daemon::JobService> service_;
 };
 
+/// The job as it is now.
+inline daemon::Job shown(ServiceBench& bench, const daemon::Job& job) { return bench.job(job.id); }
+
+inline daemon::Ledger ledger(ServiceBench& bench, const std::string& job, int sheet = 1) {
+  return bench.on([&](daemon::JobService& service) { return service.ledger(job, sheet).value(); });
+}
+
+/// Interrupted with strokes 0..1 certain and 2 in doubt, of 5.
+inline daemon::Job broken(ServiceBench& bench, ErrorKind kind = ErrorKind::DeviceGone,
+                          const std::string& words = "unplugged") {
+  const daemon::Job ready = bench.ready_job();
+  bench.started(ready.id);
+  if (!bench.cutters.intend(bench.device, 2)) throw std::runtime_error("nothing is being cut");
+  bench.cutters.finish(bench.device, {.error = Error{kind, "", words}, .certain = 1, .doubt = 2});
+  return bench.job(ready.id);
+}
+
 }  // namespace popcut::test

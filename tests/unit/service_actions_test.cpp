@@ -5,27 +5,10 @@
 
 using namespace popcut;
 using namespace popcut::daemon;
+using popcut::test::broken;
+using popcut::test::ledger;
 using popcut::test::ServiceBench;
-
-namespace {
-
-Job shown(ServiceBench& bench, const Job& job) { return bench.job(job.id); }
-
-Ledger ledger(ServiceBench& bench, const std::string& job, int sheet = 1) {
-  return bench.on([&](JobService& service) { return service.ledger(job, sheet).value(); });
-}
-
-// Interrupted with strokes 0..1 certain and 2 in doubt, of 5.
-Job broken(ServiceBench& bench, ErrorKind kind = ErrorKind::DeviceGone,
-           const std::string& words = "unplugged") {
-  const Job ready = bench.ready_job();
-  bench.started(ready.id);
-  REQUIRE(bench.cutters.intend(bench.device, 2));
-  bench.cutters.finish(bench.device, {.error = Error{kind, "", words}, .certain = 1, .doubt = 2});
-  return bench.job(ready.id);
-}
-
-}  // namespace
+using popcut::test::shown;
 
 TEST_CASE("arming names the sheet the blank the device and the plan", "[daemon][service]") {
   ServiceBench bench;
