@@ -21,7 +21,8 @@ class ProcessPlanner final : public Planner {
   ProcessPlanner(const PlanningLimits& limits, std::string program)
       : limits_(limits), program_(std::move(program)) {
     for (int k = 0; k < std::max(1, limits_.processes); ++k)
-      threads_.emplace_back([this] { supervise(); });
+      threads_.emplace_back([this] { supervise(false); });
+    threads_.emplace_back([this] { supervise(true); });
     threads_.emplace_back([this] { tell_called_off(); });
   }
 
@@ -29,8 +30,10 @@ class ProcessPlanner final : public Planner {
     {
       const std::lock_guard lock(mutex_);
       stopping_ = true;
-      for (Task& task : waiting_) called_off_.push_back(std::move(task));
-      waiting_.clear();
+      for (std::deque<Task>* queue : {&checks_, &plans_}) {
+        for (Task& task : *queue) called_off_.push_back(std::move(task));
+        queue->clear();
+      }
       for (const auto& [id, call_off] : running_) call_off->call();
     }
     changed_.notify_all();
@@ -44,7 +47,11 @@ class ProcessPlanner final : public Planner {
     {
       const std::lock_guard lock(mutex_);
       id = ++last_id_;
-      (stopping_ ? called_off_ : waiting_).push_back({id, std::move(task), std::move(done)});
+      const bool is_check = task.kind == PlanningTask::Kind::Check;
+      (stopping_  ? called_off_
+       : is_check ? checks_
+                  : plans_)
+          .push_back({id, std::move(task), std::move(done)});
     }
     changed_.notify_all();
     return id;
@@ -53,12 +60,14 @@ class ProcessPlanner final : public Planner {
   void cancel(std::uint64_t id) override {
     const std::lock_guard lock(mutex_);
     if (const auto found = running_.find(id); found != running_.end()) return found->second->call();
-    const auto waits = std::find_if(waiting_.begin(), waiting_.end(),
-                                    [&](const Task& task) { return task.id == id; });
-    if (waits == waiting_.end()) return;
-    called_off_.push_back(std::move(*waits));
-    waiting_.erase(waits);
-    changed_.notify_all();
+    for (std::deque<Task>* queue : {&checks_, &plans_}) {
+      const auto waits = std::find_if(queue->begin(), queue->end(),
+                                      [&](const Task& task) { return task.id == id; });
+      if (waits == queue->end()) continue;
+      called_off_.push_back(std::move(*waits));
+      queue->erase(waits);
+      return changed_.notify_all();
+    }
   }
 
  private:
@@ -68,14 +77,19 @@ class ProcessPlanner final : public Planner {
     Done done;
   };
 
-  /// Works off what waits, one after another.
-  void supervise() {
+  /// Works off what waits, one after another: checks alone, or plans and, where none waits, checks.
+  void supervise(bool only_checks) {
     std::unique_lock lock(mutex_);
     for (;;) {
-      changed_.wait(lock, [&] { return stopping_ || !waiting_.empty(); });
-      if (waiting_.empty()) return;
-      Task task = std::move(waiting_.front());
-      waiting_.pop_front();
+      const auto next = [&]() -> std::deque<Task>* {
+        if (!only_checks && !plans_.empty()) return &plans_;
+        return checks_.empty() ? nullptr : &checks_;
+      };
+      changed_.wait(lock, [&] { return stopping_ || next() != nullptr; });
+      std::deque<Task>* const queue = next();
+      if (queue == nullptr) return;
+      Task task = std::move(queue->front());
+      queue->pop_front();
       CallOff call_off;
       running_[task.id] = &call_off;
       lock.unlock();
@@ -109,7 +123,7 @@ class ProcessPlanner final : public Planner {
   const std::string program_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Task> waiting_, called_off_;
+  std::deque<Task> checks_, plans_, called_off_;
   std::map<std::uint64_t, CallOff*> running_;
   std::uint64_t last_id_{};
   bool stopping_{false};

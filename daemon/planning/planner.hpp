@@ -45,7 +45,7 @@ struct PlanningOutcome {
 };
 
 struct PlanningLimits {
-  int processes{1};  ///< at once
+  int processes{1};  ///< at once; one more does nothing but checks, so that no plan holds them up
   double cpu_s{600};
   double wall_s{1200};
   std::uint64_t memory_bytes{std::uint64_t{2} << 30};
@@ -53,7 +53,8 @@ struct PlanningLimits {
 };
 
 /// Runs designs in processes of their own (`popcutd --worker`, pipes only), a bounded number at
-/// once, so that a hostile one disturbs nothing. `done` is called once for each task, on a thread
+/// once, so that a hostile one disturbs nothing. Checks, for which somebody waits, go beside the
+/// plans. `done` is called once for each task, on a thread
 /// of the planner's; with Refused if it was cancelled, and with Infeasible saying which limit was
 /// hit, or that the worker died.
 class Planner {

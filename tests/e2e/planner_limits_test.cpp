@@ -210,6 +210,27 @@ TEST_CASE("tasks begin in the order in which they came and never more at once th
   CHECK(single.outcomes.order() == names);
 }
 
+TEST_CASE("an upload is checked while a long plan is made and others wait", "[daemon][planner]") {
+  Bench bench({}, POPCUT_PROBE);
+  const auto running = bench.start("running", bench.task("sleeps"));
+  const auto waiting = bench.start("waiting", bench.task("sleeps"));
+  REQUIRE(comes_true([] { return children().size() == 1; }));
+  for (int k = 0; k < 3; ++k) CHECK(bench.run("surroundings", Kind::Check));
+  CHECK(bench.outcomes.order().size() == 3);  // neither plan has ended
+  // One that hangs holds no plan up, and takes a place of its own only.
+  const auto hangs = bench.start("hangs", bench.task("sleeps", Kind::Check));
+  const auto behind = bench.start("behind", bench.task("surroundings", Kind::Check));
+  REQUIRE(comes_true([] { return children().size() == 2; }));
+  bench.planner->cancel(running);
+  bench.planner->cancel(waiting);
+  CHECK(bench.outcomes.wait("running").error().kind == ErrorKind::Refused);
+  CHECK(bench.run("surroundings"));
+  CHECK(bench.outcomes.wait("behind"));  // where no plan waits there is more room for checks
+  bench.planner->cancel(hangs);
+  bench.planner->cancel(behind);
+  CHECK(bench.outcomes.wait("hangs").error().kind == ErrorKind::Refused);
+}
+
 TEST_CASE("a planner that goes kills what runs and answers everybody", "[daemon][planner]") {
   const auto begun = steady_clock::now();
   Outcomes answers;
