@@ -16,6 +16,7 @@
 #include "core/formats/dxf_entity.hpp"
 #include "core/formats/dxf_shapes.hpp"
 #include "core/formats/dxf_tables.hpp"
+#include "core/formats/too_much.hpp"
 
 namespace popcut {
 namespace {
@@ -386,10 +387,9 @@ DxfOptions DxfOptions::raised(unsigned factor) const {
 
 Result<LineWork> linework_from_dxf(std::string_view text, const DxfOptions& options) {
   if (text.size() > options.most_bytes)
-    return fail(
-        ErrorKind::OutOfRange, "",
-        fmt::format("{} bytes of DXF; at most {} are read unless POPCUT_RAISE_LIMITS is set",
-                    text.size(), options.most_bytes));
+    return fail(ErrorKind::OutOfRange, "",
+                fmt::format("{} bytes of DXF; at most {} are read; {}", text.size(),
+                            options.most_bytes, kSimplify));
   if (text.substr(0, 18) == "AutoCAD Binary DXF")
     return fail(ErrorKind::Malformed, "line 1",
                 "is a binary DXF; save it as ASCII DXF, R12 or 2000 for instance");

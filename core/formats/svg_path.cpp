@@ -9,6 +9,7 @@
 
 #include "core/formats/svg_scan.hpp"
 #include "core/formats/svg_units.hpp"
+#include "core/formats/too_much.hpp"
 
 namespace popcut {
 namespace {
@@ -32,11 +33,8 @@ class PathReader {
       }
       if (!draw(command)) return wrong("this cannot be read as path data");
       if (lines_.points.size() > most_points_)
-        return fail(
-            ErrorKind::OutOfRange, "",
-            fmt::format(
-                "this path has more than {} points; simplify it, or set POPCUT_RAISE_LIMITS",
-                most_points_));
+        return fail(ErrorKind::OutOfRange, "",
+                    fmt::format("this path has more than {} points; {}", most_points_, kSimplify));
       // Further pairs after a move are lines.
       if (command == 'M') command = 'L';
       if (command == 'm') command = 'l';

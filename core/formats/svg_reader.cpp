@@ -17,6 +17,7 @@
 #include "core/formats/svg_style.hpp"
 #include "core/formats/svg_transform.hpp"
 #include "core/formats/svg_viewport.hpp"
+#include "core/formats/too_much.hpp"
 
 namespace popcut {
 namespace {
@@ -99,10 +100,10 @@ class SvgReader {
       return {};
     }
     steps_ = 0;
-    return wrong(node,
-                 "the drawing takes too much work here; repeat less by <use>, or set "
-                 "POPCUT_RAISE_LIMITS",
-                 ErrorKind::OutOfRange);
+    return wrong(
+        node,
+        fmt::format("the drawing takes too much work here; repeat less by <use>, {}", kSimplify),
+        ErrorKind::OutOfRange);
   }
 
   // User units of the root to mm on the page.

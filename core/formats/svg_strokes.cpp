@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/formats/too_much.hpp"
 #include "core/plan/clip_line.hpp"
 
 namespace popcut {
@@ -24,9 +25,7 @@ Result<std::size_t> SvgStrokes::add(const SvgLines& lines, const SvgTransform& t
     const auto line = lines[i];
     if (work_.points.size() + line.size() > most_points_)
       return fail(ErrorKind::OutOfRange, "",
-                  fmt::format("the drawing has more than {} points; simplify it, or set "
-                              "POPCUT_RAISE_LIMITS",
-                              most_points_));
+                  fmt::format("the drawing has more than {} points; {}", most_points_, kSimplify));
     const std::size_t first = work_.points.size();
     for (const PagePoint& p : line) {
       const PagePoint q = to_page(p);

@@ -10,6 +10,7 @@
 
 #include "core/formats/dxf_reader.hpp"
 #include "core/formats/fold_reader.hpp"
+#include "core/formats/too_much.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/spec_assets.hpp"
 
@@ -72,6 +73,9 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how) {
   const planning::SpecSources beside{
       [&](const DesignSpec& spec) { return load_assets(spec, file); }};
   auto input = planning::drawing_from_text(std::move(*text), *kind, how, *factor, beside);
+  if (!input && input.error().detail.ends_with(kSimplify) && *factor < 100)
+    input.error().detail +=
+        fmt::format(", or set POPCUT_RAISE_LIMITS={}", std::min(100u, 4 * *factor));
   if (!input) return tl::unexpected(within(file, input.error()));
   if (input->drawing.name.empty())
     input->drawing.name = std::filesystem::path(file).stem().string();

@@ -90,7 +90,8 @@ Result<daemon::PlanningOutcome> guarded(Pipes& pipes) {
   };
   const auto too_large = [] {
     return fail(ErrorKind::Infeasible, "",
-                "needs more memory than a design may take; make it smaller or simpler");
+                "needs more memory than a design may take; make it smaller or simpler, or have "
+                "planner.memory_mib raised in popcutd.toml");
   };
   try {
     Result<WorkerTask> task = pipes.read();

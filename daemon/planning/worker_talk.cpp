@@ -158,9 +158,11 @@ class Talk {
       const auto left =
           std::chrono::duration_cast<std::chrono::milliseconds>(until_ - steady_clock::now());
       if (left.count() <= 0)
-        return tl::unexpected(infeasible(fmt::format(
-            "took longer than the {:g} s that a design may take; make it smaller or simpler",
-            limits_.wall_s)));
+        return tl::unexpected(
+            infeasible(fmt::format("took longer than the {:g} s that a design may take; make it "
+                                   "smaller or simpler, or have "
+                                   "planner.wall_s raised in popcutd.toml",
+                                   limits_.wall_s)));
       const auto most = std::min<std::int64_t>(left.count() + 1, 1000);
       if (::poll(waits.data(), waits.size(), static_cast<int>(most)) < 0 && errno != EINTR)
         return fail(ErrorKind::Internal, "worker", std::strerror(errno));
@@ -214,7 +216,7 @@ class Talk {
     if (fed.error().kind == ErrorKind::OutOfRange)
       return tl::unexpected(infeasible(fmt::format(
           "gives more than the {} bytes of files that a design may give; make it smaller or "
-          "simpler",
+          "simpler, or have planner.output_mib raised in popcutd.toml",
           limits_.output_bytes)));
     return fail(ErrorKind::Internal, "worker", message(fed.error()));
   }
@@ -247,7 +249,7 @@ class Talk {
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
       return infeasible(fmt::format(
           "took more than the {:g} s of processor time that a design may take; make it smaller or "
-          "simpler",
+          "simpler, or have planner.cpu_s raised in popcutd.toml",
           limits_.cpu_s));
     if (WIFSIGNALED(status))
       return infeasible(fmt::format("made the planner die of signal {}{}; please report the design",
