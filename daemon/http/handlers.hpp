@@ -35,6 +35,7 @@ void design_preview(const Request&, Service&, const Shop&, Reply);
 void delete_design(const Request&, Service&, const Shop&, Reply);
 void plan_design(const Request&, Service&, const Shop&, Reply);
 void get_plan(const Request&, Service&, const Shop&, Reply);
+void delete_plan(const Request&, Service&, const Shop&, Reply);
 /// The last part of the path is the file's name.
 void plan_file(const Request&, Service&, const Shop&, Reply);
 void sheet_svg(const Request&, Service&, const Shop&, Reply);

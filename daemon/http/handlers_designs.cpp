@@ -157,6 +157,12 @@ void get_plan(const Request& request, Service& service, const Shop&, Reply reply
   reply(json_response(200, to_json(*plan)));
 }
 
+void delete_plan(const Request& request, Service& service, const Shop&, Reply reply) {
+  const Answer<void> gone = service.delete_plan(request.principal, request.params[0]);
+  if (!gone) return reply(problem_response(gone.error(), request));
+  reply(empty_response());
+}
+
 void plan_file(const Request& request, Service& service, const Shop&, Reply reply) {
   const std::string name(request.path().substr(request.path().rfind('/') + 1));
   answer_file(request, reply, service.plan_file(request.params[0], name), name);

@@ -104,10 +104,17 @@ class LiveService final : public JobService {
     return designs_.content(id);
   }
   Answer<void> delete_design(const Principal& who, const std::string& id) override {
-    return designs_.remove(who, id);
+    return memory_.change([&]() -> Answer<void> {
+      Answer<void> removed = designs_.remove(who, id);
+      if (removed) plans_.remove_all_of(id);
+      return removed;
+    });
   }
   Answer<PlanRecord> plan_design(const Principal& who, const PlanWish& wish) override;
   Answer<PlanRecord> plan(const std::string& id) override { return plans_.record(id); }
+  Answer<void> delete_plan(const Principal& who, const std::string& id) override {
+    return plans_.remove(who, id);
+  }
   Answer<std::string> plan_file(const std::string& id, const std::string& name) override {
     return plans_.file(id, name);
   }

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "daemon/planning/task_words.hpp"
+
 namespace popcut::daemon {
 namespace {
 
@@ -128,6 +130,8 @@ Answer<PlanRow> PlanningQueue::wish(const PlanWish& wish) {
                                   "the options are not valid",
                                   {{fmt::format("/options/{}", kProfileRow), "option",
                                     "must be left out; name svg-profile"}}});
+  if (const auto words = planning::words_of_options(options); !words)
+    return tl::unexpected(problem_from(words.error()));
   if (const auto named = options.find("svg-profile"); named != options.end())
     if (std::string own = parts_.materials.profile_row(named->second); !own.empty())
       options[kProfileRow] = std::move(own);
@@ -173,6 +177,17 @@ Answer<PlanRow> PlanningQueue::find_or_add(PlanRow row) {
   }
   row.key = key.hex();
   if (auto before = plans_.find_key(row.key)) return *before;
+  const std::int64_t waiting =
+      memory.db().number("SELECT count(*) FROM plan WHERE state='pending'");
+  if (waiting >= parts_.options.queue_jobs)
+    return tl::unexpected(
+        Problem{ProblemKind::QueueFull,
+                fmt::format("{} plans wait to be made; try again when there are fewer", waiting),
+                {},
+                {},
+                {},
+                {},
+                60});
   row.id = memory.new_id();
   row.created = memory.now();
   plans_.insert(row);
@@ -252,6 +267,10 @@ bool PlanningQueue::start(const std::string& id) {
 
 void PlanningQueue::over(const std::string& id, Result<PlanningOutcome> outcome) {
   running_.erase(id);
+  if (is_removed(id)) {
+    remove_tree(folder_of(id));
+    return pump();
+  }
   if (!outcome && outcome.error().kind == ErrorKind::Unwritable) {
     // It stays pending and is made again once there is room.
     parts_.memory.note_full();
@@ -309,6 +328,63 @@ void PlanningQueue::abandon(const std::string& plan) {
     if (!awaited(plan)) parts_.planner.cancel(found->second);
   } catch (const StoreFault& fault) {
     parts_.memory.note(fault);
+  }
+}
+
+Answer<void> PlanningQueue::remove(const Principal& who, const std::string& id) {
+  Memory& memory = parts_.memory;
+  return memory.change([&]() -> Answer<void> {
+    const auto plan = plans_.find(id);
+    if (!plan) return refuse(ProblemKind::NotFound, fmt::format("there is no plan {:?}", id));
+    const Answer<Design> design = parts_.designs.find(plan->design);
+    if (who.role < Role::Operator && (!design || design->owner != who.name))
+      return refuse(ProblemKind::Forbidden,
+                    "plans of the designs of others are removed by an operator");
+    Rows used =
+        memory.db().rows("SELECT id, deleted FROM job WHERE plan=? ORDER BY deleted LIMIT 1", id);
+    if (used.next())
+      return refuse(ProblemKind::StateConflict,
+                    used.integer(1) != 0
+                        ? std::string("a job was cut from this plan, which is kept with its record")
+                        : fmt::format("job {} is of this plan, which is kept as long as that is; "
+                                      "cancel the job if it shall not be planned",
+                                      used.text(0)));
+    memory.audit(who.name, "delete-plan", id, plan->design);
+    memory.emit("notice", "", fmt::format(R"("plan":"{}","state":"removed")", id));
+    forget(id);
+    return {};
+  });
+}
+
+void PlanningQueue::remove_all_of(const std::string& design) {
+  std::vector<std::string> ids;
+  Rows rows = parts_.memory.db().rows(
+      "SELECT id FROM plan WHERE design=? AND id NOT IN (SELECT plan FROM job WHERE job.plan = "
+      "plan.id)",
+      design);
+  while (rows.next()) ids.push_back(rows.text(0));
+  for (const std::string& id : ids) forget(id);
+}
+
+void PlanningQueue::forget(const std::string& id) {
+  parts_.memory.db().run("DELETE FROM plan WHERE id=?", id);
+  parts_.memory.after_commit([this, id] {
+    asked_.erase(id);
+    std::erase(hurried_, id);
+    // What a planner still makes of it goes when that is over.
+    if (const auto found = running_.find(id); found != running_.end())
+      parts_.planner.cancel(found->second);
+    else
+      remove_tree(folder_of(id));
+  });
+}
+
+bool PlanningQueue::is_removed(const std::string& id) {
+  try {
+    return !plans_.find(id);
+  } catch (const StoreFault& fault) {
+    parts_.memory.note(fault);
+    return false;
   }
 }
 

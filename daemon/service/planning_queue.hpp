@@ -43,6 +43,14 @@ class PlanningQueue {
   void pump();
   /// Nobody waits for it any more, unless it was asked for by itself.
   void abandon(const std::string& plan);
+  /// Takes a plan back: one that waits or is being made is ended, one that was made goes with its
+  /// files.
+  ///
+  /// @retval StateConflict  a job is of this plan
+  /// @retval Forbidden      it is of someone else's design
+  [[nodiscard]] Answer<void> remove(const Principal& who, const std::string& id);
+  /// So with all plans of a design that no job is of, in the transaction that removes it.
+  void remove_all_of(const std::string& design);
   void stop() { stopped_ = true; }
 
   [[nodiscard]] Answer<PlanRecord> record(const std::string& id);
@@ -64,6 +72,8 @@ class PlanningQueue {
   void over(const std::string& id, Result<PlanningOutcome> outcome);
   [[nodiscard]] bool awaited(const std::string& plan);
   void fail_plan(const std::string& id, const std::string& why);
+  void forget(const std::string& id);
+  [[nodiscard]] bool is_removed(const std::string& id);
 
   Parts parts_;
   PlanTable plans_;

@@ -70,6 +70,8 @@ class Service {
   [[nodiscard]] virtual Answer<void> delete_design(const Principal&, const std::string& id) = 0;
   [[nodiscard]] virtual Answer<PlanRecord> plan_design(const Principal&, const PlanWish&) = 0;
   [[nodiscard]] virtual Answer<PlanRecord> plan(const std::string& id) = 0;
+  /// Ends a plan that waits or is being made, removes one that was made; none that a job is of.
+  [[nodiscard]] virtual Answer<void> delete_plan(const Principal&, const std::string& id) = 0;
   /// A file of a plan: "plan.json", "sheet-01.svg", "sheet-01.gpgl", "pattern.svg", "deploy.glb",
   /// "report.json", "preview.svg", "assembly.svg".
   [[nodiscard]] virtual Answer<std::string> plan_file(const std::string& id,

@@ -298,8 +298,9 @@ void ContractLife::see_a_job_through() {
              .holes = {{"id", done_}},
              .match = quoted(done.at("rev"))})
             .status == 409);
-  CHECK(ask({.method = "DELETE", .route = "/v1/designs/{id}", .holes = {{"id", design_}}}).status ==
-        409);
+  for (const auto& [route, id] :
+       {std::pair{"/v1/designs/{id}", design_}, {"/v1/plans/{id}", plan_}})
+    CHECK(ask({.method = "DELETE", .route = route, .holes = {{"id", id}}}).status == 409);
 }
 
 void ContractLife::pause_a_cut() {
@@ -467,6 +468,7 @@ void ContractLife::fill_the_disk() {
     }
     if (call.route.starts_with("/v1/designs/{id}"))
       call.holes["id"] = call.method == "DELETE" ? spare_design_ : design_;
+    if (call.route == "/v1/plans/{id}") call.holes["id"] = failed_plan_;
     if (call.route == "/v1/designs") call.body = "{\"popcut\": 1}";
     if (call.route.starts_with("/v1/materials")) call.holes["id"] = "kept";
     if (call.route.starts_with("/v1/tokens/")) call.holes["id"] = token;
@@ -494,6 +496,8 @@ void ContractLife::fill_the_disk() {
   CHECK(ask({.method = "GET", .route = "/v1/designs/{id}/content", .holes = {{"id", design_}}})
             .status == 500);
   CHECK(ask({.method = "DELETE", .route = "/v1/designs/{id}", .holes = {{"id", spare_design_}}})
+            .status == 204);
+  CHECK(ask({.method = "DELETE", .route = "/v1/plans/{id}", .holes = {{"id", failed_plan_}}})
             .status == 204);
 }
 

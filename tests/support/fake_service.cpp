@@ -230,6 +230,12 @@ Answer<PlanRecord> FakeService::plan_design(const Principal&, const PlanWish& wi
   return plan_map[plan.id] = plan;
 }
 
+Answer<void> FakeService::delete_plan(const Principal&, const std::string& id) {
+  if (auto problem = trouble("delete_plan")) return tl::unexpected<Problem>(*problem);
+  if (plan_map.erase(id) == 0) return nothing("there is no such plan");
+  return {};
+}
+
 Answer<PlanRecord> FakeService::plan(const std::string& id) {
   if (auto problem = trouble("plan")) return tl::unexpected<Problem>(*problem);
   return find(plan_map, id, "plan");

@@ -70,6 +70,7 @@ class FakeService : public Service {
   Answer<void> delete_design(const Principal&, const std::string& id) override;
   Answer<PlanRecord> plan_design(const Principal&, const PlanWish&) override;
   Answer<PlanRecord> plan(const std::string& id) override;
+  Answer<void> delete_plan(const Principal&, const std::string& id) override;
   Answer<std::string> plan_file(const std::string& id, const std::string& name) override;
   void design_preview(const std::string& id,
                       std::function<void(Answer<std::string>)> done) override;

@@ -424,24 +424,3 @@ TEST_CASE("a plan that fails fails its jobs and may be wished for again", "[daem
   CHECK(create(bench, {.design = {}, .plan = job.plan}).error().errors.at(0).pointer == "/plan");
   CHECK(create(bench, {.design = {}, .plan = again.plan})->state == JobState::Ready);
 }
-
-TEST_CASE("a plan can be asked for without a job", "[daemon][service]") {
-  ServiceBench bench;
-  const auto design = bench.add_design("{\"material\":\"pp-150\"}").value();
-  const PlanRecord asked =
-      bench
-          .on([&](JobService& s) {
-            return s.plan_design(
-                bench.student, {.design = design.id, .material = {}, .device = {}, .machine = {}});
-          })
-          .value();
-  CHECK(asked.material == "pp-150");  // the design's own
-  CHECK(asked.machine == "cameo3");
-  const auto plan = [&] {
-    return bench.on([&](JobService& s) { return s.plan(asked.id).value(); });
-  };
-  REQUIRE(bench.wait([&] { return plan().state == PlanState::Planned; }));
-  CHECK(plan().sheets.size() == 2);
-  CHECK(plan().sheets.at(1).seconds_range == std::array<double, 2>{8, 13});
-  CHECK(plan().sha256.size() == 64);
-}
