@@ -20,6 +20,10 @@ constexpr std::uint64_t kWriteBack = 4u << 20;
 Problem disk_problem(int error) {
   if (error == ENOSPC || error == EDQUOT || error == EFBIG)
     return Problem{ProblemKind::DiskFull, "the disk of popcutd is full; free some of it"};
+  if (error == ENOENT)
+    return Problem{ProblemKind::Unavailable,
+                   "the folder of popcutd's state is not where it was any more; move it back, or "
+                   "restart popcutd with --state where it is now"};
   return Problem{ProblemKind::Unavailable, fmt::format("the upload cannot be written ({})",
                                                        std::generic_category().message(error))};
 }

@@ -154,8 +154,7 @@ Answer<Design> DesignBook::store(const Principal& who, const Upload& upload,
     if (!exists(upload.path) && exists(place)) {
       // The transaction is tried a second time.
     } else if (const Result<void> kept = keep_file(upload.path, place); !kept) {
-      memory_.note_full();
-      return tl::unexpected(problem_from(kept.error()));
+      return tl::unexpected(memory_.unkept(kept.error()));
     }
     // It can be drawn again at any time, so it may be lost.
     if (const std::string* preview = file_of(outcome, kPreview))
@@ -187,8 +186,7 @@ Answer<Asset> DesignBook::add_asset(const Principal& who, const Upload& upload) 
     if (!exists(upload.path) && exists(place)) {
       // The transaction is tried a second time.
     } else if (const Result<void> kept = keep_file(upload.path, place); !kept) {
-      memory_.note_full();
-      return tl::unexpected(problem_from(kept.error()));
+      return tl::unexpected(memory_.unkept(kept.error()));
     }
     const Asset asset{.id = id, .bytes = upload.bytes, .created = memory_.now()};
     memory_.db().run("INSERT INTO asset(id, bytes, created) VALUES(?, ?, ?)", id, asset.bytes,
@@ -239,10 +237,6 @@ Answer<void> DesignBook::remove(const Principal& who, const std::string& id) {
       return refuse(ProblemKind::StateConflict,
                     fmt::format("job {} needs this design; end or cancel it first", used.text(0)));
     memory_.db().run("DELETE FROM design WHERE id=?", id);
-    memory_.db().run(
-        "DELETE FROM plan WHERE design=? AND state != 'pending' AND id NOT IN (SELECT plan FROM "
-        "job WHERE job.plan = plan.id)",
-        id);
     memory_.audit(who.name, "delete-design", id, design->name);
     memory_.after_commit([this, id] {
       remove_tree(memory_.folder().at("designs/" + id));

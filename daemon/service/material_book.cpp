@@ -59,10 +59,15 @@ Answer<std::string> checked_row(const std::string& id, const std::string& json,
   table["materials"] = nlohmann::json::array({row});
   std::vector<std::string> texts = tables;
   texts.push_back(table.dump());
-  if (const auto found = find_material(id, texts); !found)
-    return tl::unexpected(problem_from(found.error()));
+  // Who sent a row has seen no table: what is wrong is told by its place in the row.
+  const std::string in_table = fmt::format("table {}: /materials/0", texts.size());
+  const auto in_row = [&](Error error) {
+    if (error.place.starts_with(in_table)) error.place.erase(0, in_table.size());
+    return tl::unexpected(problem_from(error));
+  };
+  if (const auto found = find_material(id, texts); !found) return in_row(found.error());
   const auto rows = table_rows("materials", kMaterialsJson, texts);
-  if (!rows) return tl::unexpected(problem_from(rows.error()));
+  if (!rows) return in_row(rows.error());
   for (const TableRow& one : *rows)
     if (one.name == id) row = one.row;
   return row.dump();

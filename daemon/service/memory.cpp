@@ -78,8 +78,21 @@ void Memory::log(const std::string& line) const {
 }
 
 void Memory::note_full() {
-  if (!full_) log("the disk is full: new work is refused until there is room");
+  if (!full_)
+    log(folder().is_in_place() ? "the disk is full: new work is refused until there is room"
+                               : moved_away() + ": new work is refused until it is there again");
   full_ = true;
+}
+
+Problem Memory::unkept(const Error& error) {
+  note_full();
+  const Answer<void> room = accepts_work();
+  return !room && room.error().kind == ProblemKind::Unavailable ? room.error()
+                                                                : problem_from(error);
+}
+
+std::string Memory::moved_away() const {
+  return fmt::format("the folder of popcutd's state is not at {} any more", store_.folder().path());
 }
 
 void Memory::note(const StoreFault& fault) {
@@ -116,6 +129,9 @@ Problem Memory::problem_of(const StoreFault& fault) const {
 
 Answer<void> Memory::accepts_work() const {
   if (degraded_) return tl::unexpected(degraded_problem());
+  if (!store_.folder().is_in_place())
+    return refuse(ProblemKind::Unavailable,
+                  moved_away() + "; move it back, or restart popcutd with --state where it is now");
   const std::uint64_t free = store_.folder().free_bytes();
   if (full_ || free < options_.least_free_bytes)
     return refuse(ProblemKind::DiskFull,
@@ -125,7 +141,7 @@ Answer<void> Memory::accepts_work() const {
 }
 
 void Memory::recover_disk() {
-  if (degraded_ || (!full_ && folder().has_reserve())) return;
+  if (degraded_ || (!full_ && folder().has_reserve()) || !folder().is_in_place()) return;
   const std::uint64_t reserve = store_.options().reserve_bytes;
   if (folder().free_bytes() < options_.least_free_bytes + reserve) return;
   if (!folder().take_reserve(reserve)) return;

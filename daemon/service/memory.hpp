@@ -89,6 +89,8 @@ class Memory {
   /// Takes note of what went wrong: a full disk, or one that fails.
   void note(const StoreFault& fault);
   void note_full();
+  /// Takes note that a file could not be kept, and says why.
+  [[nodiscard]] Problem unkept(const Error& error);
   /// Once a failing write was seen nothing is written any more, until popcutd starts anew.
   [[nodiscard]] bool degraded() const { return degraded_; }
   [[nodiscard]] bool full() const { return full_; }
@@ -124,6 +126,7 @@ class Memory {
   void forget_after(const Marks& marks);
   void follow_up();
   [[nodiscard]] Problem degraded_problem() const;
+  [[nodiscard]] std::string moved_away() const;
 
   Store& store_;
   const ServiceOptions& options_;

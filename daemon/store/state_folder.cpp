@@ -156,9 +156,16 @@ std::string StateFolder::at(std::string_view inside) const {
   return fmt::format("{}/{}", path_, inside);
 }
 
+bool StateFolder::is_in_place() const {
+  struct stat held {};
+  struct stat found {};
+  return fstat(lock_, &held) == 0 && stat(at("lock").c_str(), &found) == 0 &&
+         held.st_dev == found.st_dev && held.st_ino == found.st_ino;
+}
+
 std::uint64_t StateFolder::free_bytes() const {
   struct statvfs disk {};
-  if (statvfs(path_.c_str(), &disk) != 0) return 0;
+  if (fstatvfs(lock_, &disk) != 0) return 0;
   return std::uint64_t{disk.f_bavail} * disk.f_frsize;
 }
 

@@ -33,6 +33,8 @@ class StateFolder {
   /// Path of something inside: "plans/01J...".
   [[nodiscard]] std::string at(std::string_view inside) const;
 
+  /// Whether the folder is still where it was opened; not if it was renamed or another lies there.
+  [[nodiscard]] bool is_in_place() const;
   /// Bytes that an unprivileged process can still write there.
   [[nodiscard]] std::uint64_t free_bytes() const;
   /// Takes `bytes` of the disk for later; false if there is no room.

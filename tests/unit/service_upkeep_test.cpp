@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <filesystem>
+
 #include <catch2/catch.hpp>
 
 #include "tests/support/service_bench.hpp"
@@ -6,6 +8,7 @@
 using namespace popcut;
 using namespace popcut::daemon;
 using popcut::test::ServiceBench;
+using popcut::test::write_text;
 
 TEST_CASE("tokens open doors until they are taken away", "[daemon][service]") {
   ServiceBench bench;
@@ -88,6 +91,9 @@ TEST_CASE("materials can be changed and given back", "[daemon][service]") {
   CHECK(put("our-card", 0, "{}").error().kind == ProblemKind::Stale);
   CHECK(put("our-card", 1, R"({"thickness_mm":-1})").error().kind == ProblemKind::Validation);
   CHECK(put("our-card", 1, R"({"thikness_mm":1})").error().kind == ProblemKind::Validation);
+  const auto thin = put("our-card", 1, R"j({"like":"paper-220","dashes":{"gap_mm":-1}})j").error();
+  CHECK(thin.errors.at(0).pointer == "/dashes/dash_mm");
+  CHECK(thin.detail.find("table") == std::string::npos);
   CHECK(put("our-card", 1, "[1,").error().kind == ProblemKind::Validation);
   CHECK(put("../etc", 0, "{}").error().kind == ProblemKind::Validation);
   CHECK(put("our-card", 1, R"({"like":"paper-220","thickness_mm":0.6})").value().rev == 2);
@@ -198,6 +204,32 @@ TEST_CASE("too little room on the disk refuses new work in words", "[daemon][ser
   CHECK(bench.add_design("{}").error().kind == ProblemKind::DiskFull);
   CHECK_FALSE(bench.on([](JobService& s) { return s.health().accepts_work; }));
   CHECK(bench.on([](JobService& s) { return s.health().database; }));
+}
+
+TEST_CASE("a state folder that was moved away is told as that and not as a full disk",
+          "[daemon][service]") {
+  ServiceBench bench;
+  const auto design = bench.add_design("{\"card\":1}").value();
+  const std::string away = bench.folder() + "-away";
+  std::filesystem::rename(bench.folder(), away);
+  const auto refused = bench.on([&](JobService& s) {
+    return s.create_job(bench.student, {.design = design.id, .plan = {}});
+  });
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().kind == ProblemKind::Unavailable);
+  CHECK(refused.error().detail.find(bench.folder()) != std::string::npos);
+  const auto health = bench.on([](JobService& s) { return s.health(); });
+  CHECK_FALSE(health.accepts_work);
+  CHECK(health.disk_free_mb > 0);
+  CHECK(health.remark.find("move it back") != std::string::npos);
+  // Another folder in its place is not the one that is held.
+  std::filesystem::create_directory(bench.folder());
+  write_text(bench.folder() + "/lock", "");
+  CHECK_FALSE(bench.on([](JobService& s) { return s.health().accepts_work; }));
+  std::filesystem::remove_all(bench.folder());
+  std::filesystem::rename(away, bench.folder());
+  const Job job = bench.create(design.id).value();
+  CHECK(bench.wait_for(job.id, JobState::Ready).state == JobState::Ready);
 }
 
 TEST_CASE("what a running cut needs goes before what people ask", "[daemon][service]") {
