@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <new>
 
 #include <fmt/format.h>
 
 #include "core/json_fields.hpp"
+#include "daemon/http/handler_kit.hpp"
 #include "daemon/http/json_body.hpp"
 
 namespace popcut::daemon::http {
@@ -128,6 +130,16 @@ std::optional<Problem> check_request(const Request& request, const Route& route)
   if (auto fault = check_query(request, route)) return fault;
   if (auto fault = check_match(request, route)) return fault;
   return check_key(request, route);
+}
+
+std::optional<Problem> check_stream(const Request& request, const Route& route) {
+  if (auto wrong = check_request(request, route)) return wrong;
+  std::vector<RequestFault> faults;
+  constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
+  static_cast<void>(query_integer(request, "after", 0, kMost, faults));
+  static_cast<void>(query_integer(request, "limit", 1, 200, faults));
+  if (faults.empty()) return std::nullopt;
+  return validation(std::move(faults));
 }
 
 std::optional<Problem> check_body(const Route& route, std::string_view media_type, bool has_body) {

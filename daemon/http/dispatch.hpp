@@ -12,6 +12,9 @@ namespace popcut::daemon::http {
 /// not have, If-Match or Idempotency-Key that are missing or of no lawful form.
 [[nodiscard]] std::optional<Problem> check_request(const Request& request, const Route& route);
 
+/// The same of a request for a stream, which no handler sees.
+[[nodiscard]] std::optional<Problem> check_stream(const Request& request, const Route& route);
+
 /// Nothing if a body of `media_type` may come to `route`; `length` is what is known of it.
 [[nodiscard]] std::optional<Problem> check_body(const Route& route, std::string_view media_type,
                                                 bool has_body);

@@ -377,14 +377,20 @@ asio::awaitable<bool> serve_one(Hub& hub, ClientPtr client, Exchange& exchange) 
     if (has_rest && !client->closed) co_await linger(client);
     co_return fine;
   }
-  if (exchange.route->is_stream && request.method == Method::Get && wants_stream(request)) {
+  const bool is_stream =
+      exchange.route->is_stream && request.method == Method::Get && wants_stream(request);
+  if (is_stream) problem = check_stream(request, *exchange.route);
+  if (problem)
+    co_return co_await respond(hub, client, exchange, problem_response(*problem, request), close);
+  if (is_stream) {
     co_await stream_events(hub, client, request);
     co_return false;
   }
   Response response = co_await ask_handler(hub, client, exchange);
   if (client->closed) co_return false;
-  if (response.status >= 400 && exchange.route->access.is_open() &&
-      request.method == Method::Post) {
+  // A word that is not known may be a guess; a body that cannot be read is none.
+  if (response.status == status_of(ProblemKind::Unauthenticated) &&
+      exchange.route->access.is_open()) {
     Problem failed{ProblemKind::Unauthenticated, ""};
     failed = failed_login(hub, *client, std::move(failed));
     if (failed.kind == ProblemKind::Rate) response = problem_response(failed, request);

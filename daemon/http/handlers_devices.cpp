@@ -82,12 +82,12 @@ void put_material(const Request& request, Service& service, const Shop& shop, Re
   const Answer<nlohmann::json> row = parse_body(request.body, shop.limits.json_depth);
   if (!row) return reply(problem_response(row.error(), request));
   if (!row->is_object())
-    return reply(problem_response(validation({{"", "type", "must be a material, an object {...}"}}),
+    return reply(problem_response(validation({{"", "type", "must be an object {...}: a material"}}),
                                   request));
   const std::string& id = request.params[0];
   if (!is_material_id(id))
     return reply(problem_response(
-        validation({{"", "id", "the id of a material has the characters a-z, 0-9, '-', '_', '.'"}}),
+        validation({{"/name", "format", "must be 1 to 64 characters of a-z, 0-9, '-', '_', '.'"}}),
         request));
   std::int64_t rev = 0;  // it must be new
   if (request.header("if-match")) {

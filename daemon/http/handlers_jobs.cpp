@@ -136,7 +136,8 @@ void patch_job(const Request& request, Service& service, const Shop& shop, Reply
   if (!patch) return reply(problem_response(patch.error(), request));
   if (!patch->priority && !patch->name && !patch->note && !patch->device)
     return reply(problem_response(
-        validation({{"", "empty", "name what changes: priority, name, note or device"}}), request));
+        validation({{"", "empty", "must name what changes: priority, name, note or device"}}),
+        request));
   const Answer<std::int64_t> rev = wanted_rev(request, std::nullopt);
   if (!rev) return reply(problem_response(rev.error(), request));
   answer_once(request, service, reply, [&] {

@@ -144,7 +144,9 @@ Answer<json> parse_body(std::string_view text, int max_depth) {
 
 Members::Members(const json& value, std::vector<RequestFault>& faults, std::string pointer)
     : value_(value), faults_(faults), pointer_(std::move(pointer)) {
-  if (!value_.is_object()) faults_.push_back({pointer_, "type", "must be an object {...}"});
+  if (!value_.is_object())
+    faults_.push_back(
+        {pointer_, "type", fmt::format("must be an object {{...}}, not {}", json_type(value_))});
 }
 
 bool Members::has(const std::string& name) const {
@@ -163,8 +165,9 @@ void Members::fault(const std::string& name, std::string code, std::string detai
 
 void Members::fault_of(const std::string& name, std::string code, std::string detail) {
   constexpr std::size_t kMostShown = 64;
-  fault(name, std::move(code), std::move(detail));
   const json& value = value_.at(name);
+  if (value.is_structured()) detail += ", not " + json_type(value);
+  fault(name, std::move(code), std::move(detail));
   if (value.is_structured()) return;
   std::string got = value.dump(-1, ' ', false, json::error_handler_t::replace);
   if (got.size() <= kMostShown) faults_.back().got = std::move(got);
@@ -175,7 +178,7 @@ std::optional<std::string> Members::checked_text(const std::string& name, std::s
   const json* found = find(name);
   if (found == nullptr) return std::nullopt;
   if (!found->is_string()) {
-    fault(name, "type", "must be a text");
+    fault(name, "type", "must be a text, not " + json_type(*found));
     return std::nullopt;
   }
   std::string text = found->get<std::string>();
@@ -244,7 +247,9 @@ std::vector<std::string> Members::texts(const std::string& name, std::size_t mos
   std::vector<std::string> out;
   if (found == nullptr) return out;
   if (!found->is_array() || found->size() > most_items) {
-    fault(name, "type", fmt::format("must be a list of at most {} texts", most_items));
+    fault(name, found->is_array() ? "length" : "type",
+          fmt::format("must be a list of at most {} texts{}", most_items,
+                      found->is_array() ? "" : ", not " + json_type(*found)));
     return out;
   }
   for (const json& item : *found) {
@@ -263,7 +268,9 @@ std::map<std::string, std::string> Members::options(const std::string& name) {
   std::map<std::string, std::string> out;
   if (found == nullptr) return out;
   if (!found->is_object() || found->size() > kMostOptions) {
-    fault(name, "type", fmt::format("must be an object of at most {} options", kMostOptions));
+    fault(name, found->is_object() ? "length" : "type",
+          fmt::format("must be an object of at most {} options{}", kMostOptions,
+                      found->is_object() ? "" : ", not " + json_type(*found)));
     return out;
   }
   for (const auto& [key, value] : found->items()) {
@@ -290,7 +297,7 @@ void Members::finish() {
     const std::string near = nearest_word(name, known_);
     fault(name, "unknown_member",
           near.empty()
-              ? (known_.empty() ? std::string("nothing stands here")
+              ? (known_.empty() ? std::string("is not known; this body has no members")
                                 : fmt::format("must be one of {}", fmt::join(known_, ", ")))
               : fmt::format("did you mean {}/{}?", pointer_, near));
     if (faults_.size() >= 32) return;
@@ -300,8 +307,9 @@ void Members::finish() {
 Problem validation(std::vector<RequestFault> faults) {
   Problem problem{ProblemKind::Validation, {}};
   if (!faults.empty())
-    problem.detail = fmt::format("{} {}{}", faults.front().pointer, faults.front().detail,
-                                 faults.size() > 1 ? ", and more" : "");
+    problem.detail =
+        fmt::format("{} {}{}", faults.front().pointer.empty() ? "the body" : faults.front().pointer,
+                    faults.front().detail, faults.size() > 1 ? ", and more" : "");
   problem.errors = std::move(faults);
   return problem;
 }

@@ -73,6 +73,7 @@ Answer<Value> read_body_as(const Request& request, int max_depth, Read read) {
   if (!json) return tl::unexpected<Problem>(json.error());
   std::vector<RequestFault> faults;
   Members members(*json, faults);
+  if (!faults.empty()) return tl::unexpected<Problem>(validation(std::move(faults)));
   Value value = read(members);
   members.finish();
   if (!faults.empty()) return tl::unexpected<Problem>(validation(std::move(faults)));

@@ -87,6 +87,18 @@ TEST_CASE("a stream that was away too long begins anew", "[daemon][http][events]
   CHECK(connection.receive_until("\n\n").starts_with("id: 50\n"));
 }
 
+TEST_CASE("a stream is not begun where its query says what there is not",
+          "[daemon][http][events]") {
+  LiveServer server;
+  for (const char* query : {"?after=abc", "?after=-1", "?aftr=3", "?limit=0"}) {
+    CAPTURE(query);
+    CHECK(server
+              .fetch("GET", std::string("/v1/events") + query, "viewer",
+                     "Accept: text/event-stream\r\n")
+              .problem() == "validation");
+  }
+}
+
 TEST_CASE("no event is lost or doubled while clients come and go", "[daemon][http][events]") {
   LiveServer server([](HttpOptions& options) {
     options.limits.stream_events = 1'000'000;

@@ -210,6 +210,36 @@ TEST_CASE("all that is wrong with a body is told at once", "[daemon][http][json]
   CHECK(at("/job") == "missing: must be the id of a job");
 }
 
+TEST_CASE("a list where an object is wanted is told as that and as nothing else",
+          "[daemon][http][json]") {
+  const auto problem_of = [](const std::string& body) {
+    Request request;
+    request.body = body;
+    const auto read = read_body_as<int>(request, 32, [](Members& members) {
+      members.require("job", "must be the id of a job");
+      (void)members.text("job", 64);
+      (void)members.integer("copies", 1, 9);
+      (void)members.options("options");
+      (void)members.texts("tags", 2, 9);
+      return 0;
+    });
+    return read ? Problem{} : read.error();
+  };
+  const Problem list = problem_of("[]");
+  CHECK(list.detail == "the body must be an object {...}, not a list");
+  REQUIRE(list.errors.size() == 1);
+  CHECK(list.errors.at(0).pointer.empty());
+  CHECK(problem_of("null").detail == "the body must be an object {...}, not null");
+  CHECK(problem_of(R"({"job":{}})").detail == "/job must be a text, not an object");
+  CHECK(problem_of(R"({"job":"a","copies":[]})").detail ==
+        "/copies must be a whole number, not a list");
+  CHECK(problem_of(R"({"job":"a","options":[]})").detail ==
+        "/options must be an object of at most 32 options, not a list");
+  CHECK(problem_of(R"({"job":"a","tags":{}})").detail ==
+        "/tags must be a list of at most 2 texts, not an object");
+  CHECK(problem_of(R"({"job":"a","tags":["a","b","c"]})").errors.at(0).code == "length");
+}
+
 TEST_CASE("numbers are whole and in range or a fault", "[daemon][http][json]") {
   for (const char* bad : {"1.5", "1e3", "\"1\"", "true", "null", "[]", "-1", "11",
                           "18446744073709551615", "-9223372036854775808"}) {
