@@ -315,6 +315,11 @@ int deaths() {
   const char* const text = std::getenv("POPCUT_CRASH_POINTS");
   return text == nullptr ? kInSuite : std::atoi(text);
 }
+/// A long run says how far it is.
+void tell(const char* what, int point) {
+  if (deaths() > 50 && point > 0 && point % 100 == 0)
+    std::fprintf(stderr, "%s: %d of %d deaths\n", what, point, deaths());
+}
 std::uint32_t seed() {
   const char* const text = std::getenv("POPCUT_CRASH_SEED");
   return text == nullptr ? 1U : static_cast<std::uint32_t>(std::atoi(text));
@@ -346,6 +351,7 @@ TEST_CASE("killed at any time popcutd loses no job and no stroke is cut twice", 
   REQUIRE(crash.start());
   for (int point = 0; point < deaths(); ++point) {
     CAPTURE(point);
+    tell("killed by time", point);
     const double after_s = std::uniform_real_distribution<double>(0.0, 1.2)(crash.random());
     std::thread killer([&] {
       std::this_thread::sleep_for(std::chrono::duration<double>(after_s));
@@ -372,6 +378,7 @@ TEST_CASE("killed at any write popcutd loses no job and no stroke is cut twice",
   REQUIRE(crash.start());
   for (int point = 0; point < deaths(); ++point) {
     CAPTURE(point);
+    tell("killed by calls", point);
     FaultControl& control = crash.control();
     auto& kill = point % 2 ? control.kill_at : control.kill_after;
     constexpr std::array<std::uint64_t, 3> kWithin{100, 600, 2500};
