@@ -110,6 +110,11 @@ Result<Json> in_queue(Api& api, const Options& options, const char* action) {
   if (!options.before.empty()) {
     const auto before = api.find_job(options.before);
     if (!before) return tl::unexpected(before.error());
+    if (client::text_of(*before, "id") == client::text_of(*job, "id"))
+      return fail(ErrorKind::Usage, "--before",
+                  fmt::format("{} is the job that is to be moved; name another one, or leave "
+                              "--before out to put it last",
+                              options.before));
     body["before"] = client::text_of(*before, "id");
   }
   return api.post(fmt::format("/v1/queue/actions/{}", action), body,
@@ -126,7 +131,24 @@ Result<Json> wait_for_sheet(Api& api, const Json& job, const Globals& globals) {
 
 using Work = std::function<Result<Json>(Api&, const Options&)>;
 
-Result<void> run_action(const Options& options, const Globals& globals, const Work& work) {
+/// What has become of the job, in a line.
+using Told = std::function<std::string(const Json&, const Options&)>;
+
+std::string told_state(const Json& job, const Options&) { return job_summary(job); }
+
+std::string told_cancel(const Json& job, const Options&) {
+  return has_ended(job) ? job_summary(job)
+                        : "is being cancelled; the cut ends with its stroke, tool up";
+}
+
+std::string told_move(const Json& job, const Options& options) {
+  return options.before.empty()
+             ? "comes last of those of its priority; " + job_summary(job)
+             : fmt::format("comes before {}; {}", options.before, job_summary(job));
+}
+
+Result<void> run_action(const Options& options, const Globals& globals, const Work& work,
+                        const Told& told) {
   auto api = Api::from_environment();
   if (!api) return tl::unexpected(api.error());
   auto job = work(*api, options);
@@ -134,8 +156,9 @@ Result<void> run_action(const Options& options, const Globals& globals, const Wo
   if (!job) return tl::unexpected(job.error());
   if (globals.json) fmt::print("{}\n", job->dump(2, ' ', false, Json::error_handler_t::replace));
   if (!globals.quiet && !options.wait) {
-    fmt::print(stderr, "{}: {}\n", job_title(*job), job_summary(*job));
-    for (const std::string& line : waiting_for(*job)) fmt::print(stderr, "  -> {}\n", line);
+    fmt::print(stderr, "{}: {}\n", job_title(*job), told(*job, options));
+    for (const std::string& line : waiting_lines(waiting_for(*job), 2))
+      fmt::print(stderr, "{}\n", line);
   }
   if (options.wait && client::text_of(*job, "state") == "interrupted") return verdict(*job);
   return {};
@@ -148,6 +171,7 @@ struct Words {
   const char* help;
   Work work;
   bool job_needed{false};
+  Told told{told_state};
 };
 
 CLI::App* add(CLI::App& app, const Globals& globals, Run& run, const Words& words,
@@ -159,8 +183,10 @@ CLI::App* add(CLI::App& app, const Globals& globals, Run& run, const Words& word
                                     : "An id, or the beginning of one; without it, the one job of "
                                       "which this is lawful now")
       ->required(words.job_needed);
-  command->callback([options, &globals, &run, work = words.work] {
-    run = [options, &globals, work] { return run_action(*options, globals, work); };
+  command->callback([options, &globals, &run, words] {
+    run = [options, &globals, words] {
+      return run_action(*options, globals, words.work, words.told);
+    };
   });
   return command;
 }
@@ -272,7 +298,7 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
   add_resume(app, globals, run);
   add_change(app, globals, run);
   options = fresh();
-  command = add(app, globals, run, {"cancel", kCancelHelp, cancel, true}, options);
+  command = add(app, globals, run, {"cancel", kCancelHelp, cancel, true, told_cancel}, options);
   command->add_option("--reason", options->reason, "Why, for the record")->option_text("TEXT");
   add(app, globals, run, {"disarm", kDisarmHelp, named(plain, "disarm")}, fresh());
   options = fresh();
@@ -293,7 +319,8 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
   add(app, globals, run, {"hold", kHoldHelp, named(in_queue, "hold"), true}, fresh());
   add(app, globals, run, {"release", kReleaseHelp, named(in_queue, "release"), true}, fresh());
   options = fresh();
-  command = add(app, globals, run, {"move", kMoveHelp, named(in_queue, "move"), true}, options);
+  command = add(app, globals, run, {"move", kMoveHelp, named(in_queue, "move"), true, told_move},
+                options);
   command->add_option("--before", options->before, "The job that comes after it")
       ->option_text("JOB");
 }
