@@ -24,6 +24,7 @@
 #include "daemon/cli/cut_queue.hpp"
 #include "daemon/cli/expectation.hpp"
 #include "daemon/cli/fault_file.hpp"
+#include "daemon/cli/option_value.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/pause_key.hpp"
 #include "daemon/cli/plan_job.hpp"
@@ -375,14 +376,13 @@ void register_cut(CLI::App& app, const Globals& globals, Run& run) {
   command->add_flag("--yes", options->yes, "Ask nothing; with simulated devices only");
   command->add_option("-o,--output", options->folder, "Keep programs, drawings and traces there")
       ->option_text("DIR");
-  command
-      ->add_option("--copies", options->copies,
-                   "How many of it popcutd is to cut, each on its own "
-                   "blanks")
-      ->check(CLI::Range(1, 1000))
+  whole_number(command->add_option("--copies", options->copies,
+                                   "How many of it popcutd is to cut, each on its own blanks"),
+               1, 1000)
       ->option_text("N [1]");
-  command->add_option("--priority", options->priority, "Before (above 0) or after other jobs")
-      ->check(CLI::Range(-10, 10))
+  whole_number(
+      command->add_option("--priority", options->priority, "Before (above 0) or after other jobs"),
+      -10, 10)
       ->option_text("-10..10 [0]");
   command->add_option("--name", options->name, "What the job is called; else the input's name")
       ->option_text("TEXT");

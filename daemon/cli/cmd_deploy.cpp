@@ -130,7 +130,7 @@ Result<void> run_deploy(Options options, const Globals& globals) {
   if (!material) {
     const Error error = tables->with_file(material.error());
     if (!error.place.empty()) return tl::unexpected(error);
-    return fail(ErrorKind::Usage, "command line", error.detail);
+    return fail(ErrorKind::Usage, "--material", error.detail);
   }
   const auto thickness = thickness_of(options.motion, material->thickness_mm);
   if (!thickness) return tl::unexpected(thickness.error());

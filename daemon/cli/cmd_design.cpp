@@ -31,6 +31,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/deploy_files.hpp"
 #include "daemon/cli/examples.hpp"
+#include "daemon/cli/option_value.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/spec_assets.hpp"
 #include "daemon/cli/user_tables.hpp"
@@ -290,7 +291,8 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   const auto formats = parse_formats(options.formats);
   if (!formats) return tl::unexpected(formats.error());
   const auto fold_frames = parse_opening_angles(options.fold_frames);
-  if (!fold_frames) return tl::unexpected(fold_frames.error());
+  if (!fold_frames)
+    return fail(fold_frames.error().kind, "--fold-frames", fold_frames.error().detail);
   auto angles = angles_of(options.motion);
   if (!angles) return tl::unexpected(angles.error());
   const auto text = read_file(options.spec, kSpecLimitBytes);
@@ -408,20 +410,17 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
       ->add_option("--fold-frames", options->fold_frames,
                    "Poses in pattern.fold, rad or 90deg; pi is flat, pi/2 the designed shape")
       ->option_text("LIST [pi,pi/2,1.1]");
-  command
-      ->add_option(
-          "--fold-cuts", options->fold_cuts,
-          "Cuts in pattern.fold: split (two borders B each) or C (one edge each; flat only)")
-      ->option_text("split|C [split]")
-      ->check(CLI::IsMember({"split", "C"}));
+  one_word(command->add_option(
+               "--fold-cuts", options->fold_cuts,
+               "Cuts in pattern.fold: split (two borders B each) or C (one edge each; flat only)"),
+           {"split", "C"}, "split");
   add_motion_options(*command, options->motion);
   command->add_flag("--schema", options->schema, "Print the JSON Schema of a SPEC");
-  command
-      ->add_option("--place", options->place,
-                   "Print SPEC with a placement for its mesh or grid (whole: all of it in the\n"
-                   "corner, or quarter: its middle on the spine) and design nothing")
-      ->option_text("whole|quarter")
-      ->check(CLI::IsMember({"whole", "quarter"}));
+  one_word(
+      command->add_option("--place", options->place,
+                          "Print SPEC with a placement for its mesh or grid (whole: all of it in\n"
+                          "the corner, or quarter: its middle on the spine) and design nothing"),
+      {"whole", "quarter"});
   command->add_option("--example", options->example, "Print a shipped SPEC")->option_text("NAME");
   command->add_flag("--list", options->list, "List the shipped SPECs, the name first");
   command->callback([options, &globals, &run] {

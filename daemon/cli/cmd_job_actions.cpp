@@ -9,6 +9,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/job_follow.hpp"
 #include "daemon/cli/job_view.hpp"
+#include "daemon/cli/option_value.hpp"
 #include "daemon/client/api.hpp"
 
 namespace popcut::cli {
@@ -16,6 +17,10 @@ namespace {
 
 using client::Api;
 using Json = nlohmann::json;
+
+// As popcutd takes them.
+constexpr std::int64_t kMostSheet = 10'000, kMostBlank = 1'000'000;
+constexpr std::int64_t kMostPath = std::int64_t{1} << 40;
 
 struct Options {
   std::string job, result, reason, before, device, registration{"kept"};
@@ -192,7 +197,9 @@ CLI::App* add(CLI::App& app, const Globals& globals, Run& run, const Words& word
 }
 
 void add_sheet(CLI::App* command, const std::shared_ptr<Options>& options) {
-  command->add_option("SHEET", options->sheet, "Which sheet, from 1; else the current one");
+  whole_number(
+      command->add_option("SHEET", options->sheet, "Which sheet, from 1; else the current one"), 1,
+      kMostSheet);
 }
 
 Work named(Result<Json> (*work)(Api&, const Options&, const char*), const char* action) {
@@ -253,13 +260,14 @@ constexpr const char* kMoveHelp =
 void add_resume(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = add(app, globals, run, {"resume", kResumeHelp, resume}, options);
-  command->add_option("--from", options->from, "First path to cut again; 'popcut jobs JOB' counts")
+  whole_number(command->add_option("--from", options->from,
+                                   "First path to cut again; 'popcut jobs JOB' counts"),
+               0, kMostPath)
       ->option_text("PATH");
-  command
-      ->add_option("--registration", options->registration,
-                   "kept: the blank has not been moved; re-registered: it was laid in anew")
-      ->check(CLI::IsMember({"kept", "re-registered"}))
-      ->option_text("kept|re-registered [kept]");
+  one_word(
+      command->add_option("--registration", options->registration,
+                          "kept: the blank has not been moved; re-registered: it was laid in anew"),
+      {"kept", "re-registered"}, "kept");
   command->add_flag("--accept-double-cut", options->double_cut,
                     "Paths that are certainly cut may be cut a second time");
   command->add_flag("--skip-in-doubt", options->skip_in_doubt,
@@ -269,8 +277,9 @@ void add_resume(CLI::App& app, const Globals& globals, Run& run) {
 void add_change(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = add(app, globals, run, {"change", kChangeHelp, change, true}, options);
-  command->add_option("--priority", options->priority, "Before (above 0) or after other jobs")
-      ->check(CLI::Range(-10, 10))
+  whole_number(
+      command->add_option("--priority", options->priority, "Before (above 0) or after other jobs"),
+      -10, 10)
       ->option_text("-10..10");
   command->add_option("--name", options->name, "What the job is called")->option_text("TEXT");
   command->add_option("--note", options->note, "For whoever cuts it")->option_text("TEXT");
@@ -285,7 +294,9 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
   auto options = fresh();
   CLI::App* command = add(app, globals, run, {"arm", kArmHelp, arm}, options);
   add_sheet(command, options);
-  command->add_option("--blank", options->blank, "Which blank of it, from 1; else the current one")
+  whole_number(command->add_option("--blank", options->blank,
+                                   "Which blank of it, from 1; else the current one"),
+               1, kMostBlank)
       ->option_text("N");
   command
       ->add_option("--device", options->device,
@@ -307,11 +318,10 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
             options);
   options = fresh();
   command = add(app, globals, run, {"confirm", kConfirmHelp, confirm, true}, options);
-  command->add_option("SHEET", options->sheet, "Which sheet, from 1")->required();
-  command->add_option("RESULT", options->result, "good or bad")
-      ->required()
-      ->check(CLI::IsMember({"good", "bad"}))
-      ->option_text("good|bad");
+  whole_number(command->add_option("SHEET", options->sheet, "Which sheet, from 1"), 1, kMostSheet)
+      ->required();
+  one_word(command->add_option("RESULT", options->result, "good or bad"), {"good", "bad"})
+      ->required();
   options = fresh();
   add_sheet(
       add(app, globals, run, {"skip", kSkipHelp, named(with_sheet, "skip-sheet"), true}, options),

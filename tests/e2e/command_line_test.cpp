@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -59,9 +60,71 @@ TEST_CASE("a name in capitals stays one in a usage error", "[cli][e2e]") {
   CHECK(ran.err.find("RESULT") != std::string::npos);
 }
 
+TEST_CASE("a wrong value is told with its option and what would be right", "[cli][e2e]") {
+  using Words = std::vector<std::string>;
+  const std::vector<std::pair<Words, std::string>> wrong{
+      {{"cut", "x", "--copies", "0"}, "--copies: is \"0\"; give a whole number from 1 to 1000"},
+      {{"cut", "x", "--priority", "1.5"},
+       "--priority: is \"1.5\"; give a whole number from -10 to 10"},
+      {{"arm", "01J", "0"}, "SHEET: is \"0\"; give a whole number from 1 to 10000"},
+      {{"arm", "01J", "1", "--blank", "-1"}, "--blank: is \"-1\"; give a whole number from 1"},
+      {{"resume", "01J", "--from", "x"}, "--from: is \"x\"; give a whole number from 0 to"},
+      {{"events", "--after", "-1"}, "--after: is \"-1\"; give a whole number from 0 to"},
+      {{"token", "create", "--role", "operater"},
+       "--role: is \"operater\"; did you mean operator?"},
+      {{"confirm", "01J", "1", "maybe"}, "RESULT: is \"maybe\"; one of good, bad"},
+      {{"design", "x", "-o", "y", "--frames", "0"},
+       "--frames: is \"0\"; give a whole number from 1 to 10000"},
+      {{"design", "x", "-o", "y", "--from-psi", "4"},
+       "--from-psi: is \"4\"; give an angle from 0 (shut) to pi (flat)"},
+      {{"design", "x", "-o", "y", "--fold-frames", "9"}, "--fold-frames: "},
+      {{"plan", "x", "-o", "y", "--seed", "-1"}, "--seed: is \"-1\"; give a whole number from 0"},
+      {{"plan", "x", "-o", "y", "--effort", "nan"},
+       "--effort: is \"nan\"; give a number from 0.01 to 1000"},
+      {{"plan", "x", "-o", "y", "--curve-tolerance", "0"},
+       "--curve-tolerance: is \"0\"; give a number from 0.001 to 1 (mm)"},
+      {{"plan", "x", "-o", "y", "--seam-x", "a"}, "--seam-x: is \"a\"; give a number"},
+      {{"verify", "x", "--dof", "-1"}, "--dof: is \"-1\"; give a whole number from 0"},
+      {{"simulate", "x", "-o", "y", "--sheet", "0"}, "--sheet: is \"0\"; give a whole number"},
+      {{"simulate", "--pty", "--speedup", "0"}, "--speedup: is \"0\"; give a number from"},
+      {{"curvature", "solve", "--K", "x"}, "--K: is \"x\"; give a number"}};
+  for (const auto& [arguments, words] : wrong) {
+    CAPTURE(arguments);
+    const Ran ran = run(arguments);
+    CHECK(ran.exit == 2);
+    check_one_line(ran);
+    CHECK(ran.err.rfind("popcut: " + words, 0) == 0);
+  }
+}
+
+TEST_CASE("a mistyped word brings the one that was meant", "[cli][e2e]") {
+  using Words = std::vector<std::string>;
+  const std::vector<std::pair<Words, std::string>> wrong{
+      {{"cutt", "x"}, "'cutt' is not a command; did you mean cut?"},
+      {{"frobnicate"}, "'frobnicate' is not a command; one of design, deploy,"},
+      {{"design", "--fames", "3", "x"}, "'--fames' is not an option; did you mean --frames?"},
+      {{"jobs", "--jsn"}, "'--jsn' is not an option; did you mean --json?"},
+      {{"jobs", "a", "b"}, "'b' is one word too many; 'popcut jobs --help'"},
+      {{"db", "bakup"}, "'bakup' is not a command; did you mean backup?"},
+      {{"db"}, "'popcut db' needs to know what to do; one of backup, check, salvage"},
+      {{"token"}, "'popcut token' needs to know what to do; one of create, list, delete"}};
+  for (const auto& [arguments, words] : wrong) {
+    CAPTURE(arguments);
+    const Ran ran = run(arguments);
+    CHECK(ran.exit == 2);
+    check_one_line(ran);
+    CHECK(ran.err.rfind("popcut: command line: " + words, 0) == 0);
+    CHECK(ran.err.find("help-page") == std::string::npos);  // for packages only
+  }
+}
+
 TEST_CASE("a full standard output is told", "[cli][e2e]") {
-  const Ran ran =
-      run_program({"/bin/sh", "-c", "exec \"$0\" --help > /dev/full", POPCUT_PROGRAM}, "/");
-  CHECK(ran.exit == 7);
-  check_one_line(ran);
+  for (const char* words : {"--help", "machines", "design --schema", "design --example sphere"}) {
+    CAPTURE(words);
+    const Ran ran = run_program(
+        {"/bin/sh", "-c", "exec \"$0\" " + std::string(words) + " > /dev/full", POPCUT_PROGRAM},
+        "/");
+    CHECK(ran.exit == 7);
+    check_one_line(ran);
+  }
 }
