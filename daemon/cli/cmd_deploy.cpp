@@ -71,7 +71,7 @@ Result<Source> read_source(const Options& options, SegmentConvention convention)
 Result<SegmentConvention> parse_convention(const std::string& word) {
   if (word == "popcut") return SegmentConvention::Popcut;
   if (word == "paper") return SegmentConvention::Paper;
-  return fail(ErrorKind::Usage, "command line",
+  return fail(ErrorKind::Usage, "--convention",
               fmt::format("'{}' is no convention; give popcut or paper", word));
 }
 

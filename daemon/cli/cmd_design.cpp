@@ -188,9 +188,8 @@ Result<std::vector<Format>> parse_formats(std::string_view text) {
     if (found == kFormats.end()) {
       std::string known;
       for (const Format& format : kFormats) known += fmt::format(" {}", format.name);
-      return fail(
-          ErrorKind::Usage, "command line",
-          fmt::format("'{}' is not a format of --formats; the formats are:{}", name, known));
+      return fail(ErrorKind::Usage, "--formats",
+                  fmt::format("'{}' is not a format; the formats are:{}", name, known));
     }
     const auto same = [&](const Format& f) { return f.name == name; };
     if (std::none_of(chosen.begin(), chosen.end(), same)) chosen.push_back(*found);
@@ -271,7 +270,7 @@ Result<void> print_example(const std::string& name) {
     }
     known += fmt::format(" {}", example.name);
   }
-  return fail(ErrorKind::Usage, "command line",
+  return fail(ErrorKind::Usage, "--example",
               fmt::format("'{}' is not an example; the examples are:{}", name, known));
 }
 

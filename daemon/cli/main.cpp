@@ -122,15 +122,18 @@ Error wrong_value(const CLI::App& app, const std::string& what) {
       return {ErrorKind::Usage, what.substr(kConvert.size(), is - kConvert.size()),
               "is \"" + what.substr(is + 3) + "\"; give a number"};
   }
+  const std::string help = "; '" + path_of(chosen_of(app)) + " --help' lists what is right";
   const std::size_t colon = what.find(": ");
+  if (colon != std::string::npos &&
+      what.ends_with(" missing"))  // "--output: 1 required TEXT missing"
+    return {ErrorKind::Usage, what.substr(0, colon), "stands without its value" + help};
   if (colon != std::string::npos && what.find(' ') == colon + 1)
     return {ErrorKind::Usage, what.substr(0, colon), what.substr(colon + 2)};
   std::string text = what;
   // The first word of a sentence, not a name in capitals.
   const bool is_word = text.size() > 1 && (text[1] == ' ' || (text[1] >= 'a' && text[1] <= 'z'));
   if (is_word) text[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(text[0])));
-  return {ErrorKind::Usage, "command line",
-          text + "; '" + path_of(chosen_of(app)) + " --help' lists what is right"};
+  return {ErrorKind::Usage, "command line", text + help};
 }
 
 /// The one line for a command line that CLI11 refused.

@@ -338,7 +338,7 @@ TEST_CASE("the words of popcut plan and the files of a spec go along with a job"
   CHECK(shop.job(id)["sheets_total"] == 3);
   CHECK(shop.job(id)["material"] == "pp-150");
   const Ran wrong = shop.popcut({"cut", kUnit, "--material", "pp-15"});
-  CHECK(wrong.exit == 3);
+  CHECK(wrong.exit == 2);
   CHECK(wrong.err.find("--material") != std::string::npos);
   CHECK(shop.popcut({"cut", POPCUT_SOURCE_DIR "/README.md"}).exit == 3);
 }
