@@ -212,7 +212,7 @@ void add_devices(CLI::App& app, const Globals& globals, Run& run) {
                               Action{"reset", "After a fault: open it anew; nothing is cut"}}) {
     auto id = std::make_shared<std::string>();
     CLI::App* const one = command->add_subcommand(action.name, action.help);
-    one->add_option("ID", *id, "As 'popcut devices' shows it")->required();
+    one->add_option("DEVICE", *id, "As 'popcut devices' shows it")->required();
     one->callback([id, name = std::string(action.name), &globals, &run] {
       run = [id, name, &globals] { return act_on_device(*id, name, globals); };
     });
