@@ -343,13 +343,12 @@ constexpr const char* kHelp =
     "  popcut cut sphere.json --direct                     # asks for each sheet, then cuts it\n"
     "  popcut cut sphere.json --direct --yes -o cut        # simulated: no questions\n"
     "  popcut cut sphere.json --direct --device usb:51053P # the cutter of that serial number\n\n"
-    "--direct plans as 'popcut plan' does, then sends each sheet to the cutter and waits until it "
-    "is\n"
-    "done.\n"
+    "--direct plans as 'popcut plan' does, then sends each sheet to the cutter and waits for it.\n"
     "Ctrl-C stops at the end of the stroke, with the tool up and parked; the key p holds there "
     "and\n"
-    "goes on. With -o DIR it keeps for each sheet\n"
-    "the program, its drawing, and what the simulated knife did (sheet-NN.cut.svg, .trace.json).\n"
+    "goes on. With -o DIR it keeps for each sheet the program, its drawing, and what the "
+    "simulated\n"
+    "knife did (sheet-NN.cut.svg, .trace.json).\n"
     "Devices: sim:NAME, usb:ID, serial:/dev/ttyUSB0[,baud=9600][,flow=none|rtscts|xonxoff],\n"
     "lp:/dev/usb/lp0, file:NAME (writes the program, cuts nothing).";
 

@@ -196,6 +196,9 @@ Result<void> delete_token(const TokenOptions& options, const Globals& globals) {
   if (!api) return tl::unexpected(api.error());
   auto gone =
       api->remove("/v1/tokens/" + client::percent_encoded(options.id), "token " + options.id);
+  if (!gone && gone.error().detail.find("there is no token") != std::string::npos)
+    return fail(gone.error().kind, gone.error().place,
+                "there is none of that ID; 'popcut token list' shows them");
   if (gone && globals.json) fmt::print("{}\n", dumped(Json{{"deleted", options.id}}));
   return gone;
 }
@@ -265,8 +268,9 @@ Result<void> open_page(bool print_only, const Globals& globals) {
 }
 
 constexpr const char* kOpenHelp =
-    "Open popcutd's page in the browser, signed in as you. A popcutd that has no page yet says "
-    "so;\n'popcut jobs --watch' is then the way to see what happens.\n\n"
+    "Open popcutd's page in the browser, signed in as you.\n\n"
+    "A popcutd that has no page yet says so; 'popcut jobs --watch' is then the way to see what\n"
+    "happens.\n\n"
     "  popcut open\n"
     "  popcut open --print     # only the address; it works once, within a minute";
 

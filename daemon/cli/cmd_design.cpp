@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/design/patches.hpp"
@@ -248,7 +249,8 @@ std::string about(const SurfaceSpec& surface) {
   return "file " + asset_of(surface);
 }
 
-Result<void> list_examples() {
+Result<void> list_examples(const Globals& globals) {
+  auto list = nlohmann::ordered_json::array();
   for (const Example& example : examples()) {
     const auto spec = parse_design_spec(example.json);
     if (!spec) return tl::unexpected(within(std::string(example.name), spec.error()));
@@ -256,8 +258,13 @@ Result<void> list_examples() {
     std::vector<std::string> sizes;
     for (const RegionSpec& region : spec->regions)
       sizes.push_back(fmt::format("{} x {}", region.slices, region.units_per_slice));
-    fmt::print("{:<10} {}, {} units\n", example.name, target, fmt::join(sizes, " + "));
+    const std::string what = fmt::format("{}, {} units", target, fmt::join(sizes, " + "));
+    if (globals.json)
+      list.push_back({{"name", example.name}, {"what", what}});
+    else
+      fmt::print("{:<10} {}\n", example.name, what);
   }
+  if (globals.json) fmt::print("{}\n", nlohmann::ordered_json{{"examples", list}}.dump(2));
   return {};
 }
 
@@ -369,7 +376,7 @@ Result<void> run_design(Options options, const Globals& globals) {
     fmt::print("{}", design_spec_schema());
     return {};
   }
-  if (options.list) return list_examples();
+  if (options.list) return list_examples(globals);
   if (!options.example.empty()) return print_example(options.example);
   if (options.spec.empty()) {
     return fail(ErrorKind::Usage, "command line",

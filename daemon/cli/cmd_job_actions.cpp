@@ -248,7 +248,7 @@ constexpr const char* kReleaseHelp =
     "Take back 'popcut hold'.\n\n"
     "  popcut release 01JDX7";
 constexpr const char* kChangeHelp =
-    "Change a job that has not begun: its priority, name, note, or the cutter that it is for.\n\n"
+    "Change a job that has not begun: its priority, name, note or cutter.\n\n"
     "  popcut change 01JDX7 --priority 5\n"
     "  popcut change 01JDX7 --device usb:51053P\n"
     "  popcut change 01JDX7 --device ''         # any that fits";

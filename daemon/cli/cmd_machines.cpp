@@ -178,9 +178,9 @@ Result<void> list_devices(const Globals& globals) {
 }
 
 constexpr const char* kDevicesHelp =
-    "The devices that can be cut on: those of popcutd, if one runs, with what they are doing; "
-    "what is\nplugged in; and a simulated one for each machine. 'popcut doctor' says why one is "
-    "not free.\n\n"
+    "The devices that can be cut on, and what they are doing.\n\n"
+    "Those of popcutd, if one runs; what is plugged in; and a simulated one for each machine.\n"
+    "'popcut doctor' says why one is not free.\n\n"
     "  popcut devices\n"
     "  popcut devices disable usb:51053P   # popcutd offers it no sheet; enable takes it back\n"
     "  popcut devices reset usb:51053P     # after a fault: opened anew, nothing is cut\n"

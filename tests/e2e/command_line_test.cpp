@@ -36,6 +36,35 @@ TEST_CASE("the help starts with what popcut is for and the usual example", "[cli
   CHECK(ran.out.find("popcut design sphere.json -o sphere") < ran.out.find("Options:"));
 }
 
+TEST_CASE("every help keeps to a hundred columns and sums up in one sentence", "[cli][e2e]") {
+  const auto lines_of = [](const std::string& text) {
+    std::vector<std::string> lines;
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t end = std::min(text.find('\n', at), text.size());
+      lines.push_back(text.substr(at, end - at));
+      at = end + 1;
+    }
+    return lines;
+  };
+  const auto all = lines_of(run({"--help"}).out);
+  auto line = std::find(all.begin(), all.end(), "Subcommands:");
+  REQUIRE(line != all.end());
+  int commands = 0;
+  for (++line; line != all.end() && !line->empty(); ++line, ++commands) {
+    CAPTURE(*line);
+    CHECK(line->size() <= 100);
+    CHECK(line->back() == '.');
+    const std::string name = line->substr(2, line->find(' ', 2) - 2);
+    const Ran help = run({name, "--help"});
+    CHECK(help.exit == 0);
+    for (const std::string& one : lines_of(help.out)) {
+      CAPTURE(one);
+      CHECK(one.size() <= 100);
+    }
+  }
+  CHECK(commands > 25);
+}
+
 TEST_CASE("the version is one line", "[cli][e2e]") {
   const Ran ran = run({"--version"});
   CHECK(ran.exit == 0);

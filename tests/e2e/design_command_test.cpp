@@ -141,6 +141,16 @@ TEST_CASE("fold frames are the poses that were asked for", "[cli][e2e][design]")
   CHECK(fold["file_frames"][1]["frame_popcut:psi_rad"] == 0.25);
 }
 
+TEST_CASE("the list of examples is JSON where that is asked for", "[cli][e2e][design]") {
+  const Bench bench;
+  const Ran ran = bench.design({"--list", "--json"});
+  CHECK(ran.exit == 0);
+  const json list = json::parse(ran.out)["examples"];
+  CHECK(list.size() == 9);
+  CHECK(list[3]["name"] == "sphere");
+  CHECK_FALSE(list[3]["what"].get<std::string>().empty());
+}
+
 TEST_CASE("a wrong design command is exit code 2", "[cli][e2e][design]") {
   const Bench bench;
   const std::string spec = kExamples + "unit.json";
