@@ -84,7 +84,7 @@ void interrupted_ways(const Json& job, std::vector<std::string>& lines) {
   lines.push_back(fmt::format("sheet {} was interrupted{}{}; {}: look at it, then one of", sheet,
                               reason.empty() ? "" : " by ", reason, doubt_text(job)));
   const auto add = [&](const char* action, const std::string& command, const char* what) {
-    if (may(job, action)) lines.push_back(fmt::format("  {:<39}{}", command, what));
+    if (may(job, action)) lines.push_back(fmt::format("  {:<41}{}", command, what));
   };
   add("retry-sheet", fmt::format("popcut retry {} {}", id, sheet), "# again, on a new sheet");
   add("resume-from", fmt::format("popcut resume {} --from PATH", id), "# go on, on the same sheet");
@@ -155,6 +155,12 @@ std::string sheet_state(const Json& job, const Json& sheet) {
   if (!has_ended(job) || state == "done" || state == "skipped" || state == "bad") return state;
   const bool begun = state == "cutting" || state == "paused" || state == "interrupted";
   return begun ? "broken off" : "not cut";
+}
+
+std::string without_comment(std::string wait) {
+  wait.resize(std::min(wait.find(" # "), wait.size()));
+  wait.resize(wait.find_last_not_of(' ') + 1);
+  return wait;
 }
 
 }  // namespace
@@ -247,9 +253,11 @@ std::vector<std::string> jobs_view(const std::vector<Json>& jobs, const ViewStyl
   for (std::size_t k = 0; k < std::min(order.size(), kMostJobsShown); ++k) {
     for (std::string& line : view_line(*order[k], style.width)) lines.push_back(std::move(line));
     const bool narrow = style.width < 60;
-    for (const std::string& wait : waiting_lines(waiting_for(*order[k]), narrow ? 0 : 4))
+    for (std::string& wait : waiting_lines(waiting_for(*order[k]), narrow ? 0 : 4)) {
+      if (narrow) wait = without_comment(std::move(wait));
       for (const std::string& line : wrapped(wait, style.width, narrow ? 2 : 7))
         lines.push_back(style.colour ? "\x1b[1m" + line + "\x1b[0m" : line);
+    }
   }
   if (order.size() > kMostJobsShown)
     lines.push_back(fmt::format("and {} more", order.size() - kMostJobsShown));

@@ -50,7 +50,9 @@ std::string progress_line(std::string_view what, double done, double seconds_lef
   if (need + kLeastCells > width) {
     if (need <= width + kFrame) return words;
     if (time.size() + kFrame > width) return fitted(time, width);
-    return fitted(std::string(what), width - time.size() - 2) + ", " + time;
+    std::string begin = fitted(std::string(what), width - time.size() - 2);
+    begin.resize(begin.find_last_not_of(" ,") + 1);
+    return begin + (begin.empty() ? "" : ", ") + time;
   }
   const std::size_t cells = std::min(kMostCells, width - need);
   const auto filled = static_cast<std::size_t>(part * static_cast<double>(cells));

@@ -115,10 +115,12 @@ std::vector<std::string> wrapped(const std::string& line, std::size_t width, std
   std::vector<std::string> lines{""};
   for (const std::string_view part : parts_of(line, width - indent)) {
     std::string next = lines.back() + std::string(part);
-    if (columns_of(next) > width && lines.back().find_first_not_of(' ') != std::string::npos) {
+    if (columns_of(next) > width) {
       const std::size_t word = std::min(part.find_first_not_of(' '), part.size());
-      next = std::string(indent, ' ') + std::string(part.substr(word));
-      lines.emplace_back();
+      const bool is_first = lines.back().find_first_not_of(' ') == std::string::npos;
+      next = std::string(is_first ? std::min(word, indent) : indent, ' ') +
+             std::string(part.substr(word));
+      if (!is_first) lines.emplace_back();
     }
     for (; columns_of(next) > width; lines.emplace_back()) {  // a word longer than a line
       const std::size_t fits = std::max<std::size_t>(bytes_within(next, width), 1);

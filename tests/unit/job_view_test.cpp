@@ -201,6 +201,8 @@ TEST_CASE("a progress line keeps to the width of the terminal", "[cli]") {
     const std::string line = progress_line(what, 0.5, 229, width);
     CHECK(columns_of(line) <= width);
     if (width >= 10) CHECK(line.find("3:49 left") != std::string::npos);
+    CHECK(line.find(", ,") == std::string::npos);
+    CHECK(line.find(",,") == std::string::npos);
     if (width >= 80) CHECK(line.find(what) != std::string::npos);
   }
 }
