@@ -75,6 +75,10 @@ Result<void> serve_pty(const PtyOptions& options, const Globals& globals) {
   if (!cable) return tl::unexpected(cable.error());
   auto pty = SimPty::open(std::move(*cable), options.speedup);
   if (!pty) return tl::unexpected(pty.error());
+  // Before anybody is told how to end it.
+  end_asked = false;
+  auto* const interrupt = std::signal(SIGINT, ask_to_end);
+  auto* const terminate = std::signal(SIGTERM, ask_to_end);
   fmt::print("{}\n", pty->path());
   std::fflush(stdout);
   if (!globals.quiet)
@@ -82,9 +86,6 @@ Result<void> serve_pty(const PtyOptions& options, const Globals& globals) {
                "a simulated {} is at {}; p pauses and resumes, c cancels, m takes the sheet "
                "out and in (then Enter), Ctrl-C ends\n",
                pty->cable().cutter().trace().machine, pty->path());
-  end_asked = false;
-  auto* const interrupt = std::signal(SIGINT, ask_to_end);
-  auto* const terminate = std::signal(SIGTERM, ask_to_end);
   bool input = true;
   while (!end_asked && pty->serve(std::chrono::milliseconds(50)))
     press(pty->cable().cutter(), input);
