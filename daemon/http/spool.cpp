@@ -22,7 +22,7 @@ Problem disk_problem(int error) {
     return Problem{ProblemKind::DiskFull, "the disk of popcutd is full; free some of it"};
   if (error == ENOENT)
     return Problem{ProblemKind::Unavailable,
-                   "the folder of popcutd's state is not where it was any more; move it back, or "
+                   "the folder of popcutd's state is no longer where it was; move it back, or "
                    "restart popcutd with --state where it is now"};
   return Problem{ProblemKind::Unavailable, fmt::format("the upload cannot be written ({})",
                                                        std::generic_category().message(error))};
