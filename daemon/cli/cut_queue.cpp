@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/cli/cut_queue.hpp"
 
+#include <cstdio>
 #include <filesystem>
 #include <utility>
 
@@ -141,6 +142,7 @@ Result<void> see_through(Api& api, const nlohmann::json& job, bool wait, const G
     if (!globals.quiet) fmt::print(stderr, "'popcut jobs --watch' shows when a person is needed\n");
     return {};
   }
+  std::fflush(stderr);
   const auto last = follow_job(api, id, globals, [](const nlohmann::json&) { return false; });
   if (!last) return tl::unexpected(last.error());
   print(*last);

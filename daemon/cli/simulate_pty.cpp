@@ -65,6 +65,7 @@ void press(SimCutter& cutter, bool& input) {
         continue;
     }
     fmt::print(stderr, "{}\n", name_of(cutter.status()));
+    std::fflush(stderr);
   }
 }
 
@@ -82,6 +83,7 @@ Result<void> serve_pty(const PtyOptions& options, const Globals& globals) {
                "a simulated {} is at {}; p pauses and resumes, c cancels, m takes the sheet "
                "out and in (then Enter), Ctrl-C ends\n",
                pty->cable().cutter().trace().machine, pty->path());
+  std::fflush(stderr);
   end_asked = false;
   auto* const interrupt = std::signal(SIGINT, ask_to_end);
   auto* const terminate = std::signal(SIGTERM, ask_to_end);
