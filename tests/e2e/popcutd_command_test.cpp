@@ -266,6 +266,14 @@ TEST_CASE("metrics have all their names and tell of nobody", "[popcutd][cli]") {
   }
 }
 
+TEST_CASE("a file whose name is no UTF-8 is queued under a name that is", "[popcutd][cli]") {
+  Desk desk;
+  desk.open();
+  const std::string odd = (desk.daemon.folder() / "un\xFFit\x01.json").string();
+  write_file(odd, text_of_file(kUnit));
+  CHECK(desk.job(desk.queue({odd}))["name"] == "un\xEF\xBF\xBDit ");
+}
+
 TEST_CASE("what waits for a person is told at once where nobody sits at a terminal",
           "[popcutd][cli]") {
   Desk desk;
