@@ -221,6 +221,7 @@ Result<void> cut_all(const Options& options, const Globals& globals, const PlanJ
     if (folder)
       if (auto kept = keep(*folder, job, sheet, *cut); !kept) return kept;
     if (!globals.quiet) say(job, sheet, *cut, target);
+    std::fflush(stderr);  // the next sheet may take long
     if (!judged) return judged;
   }
   return {};

@@ -57,6 +57,8 @@ Result<Json> arm(Api& api, const Options& options) {
 }
 
 Result<Json> change(Api& api, const Options& options) {
+  if (options.job.empty())
+    return fail(ErrorKind::Usage, "JOB", "is empty; 'popcut jobs' lists the ids");
   Json members = Json::object();
   if (options.priority) members["priority"] = *options.priority;
   if (options.name) members["name"] = *options.name;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/cli/cut_queue.hpp"
 
+#include <cstdio>
 #include <filesystem>
 #include <utility>
 
@@ -9,6 +10,7 @@
 
 #include "core/design/spec.hpp"
 #include "core/json_fields.hpp"
+#include "core/shown_text.hpp"
 #include "daemon/cli/job_follow.hpp"
 #include "daemon/cli/job_view.hpp"
 #include "daemon/cli/output_folder.hpp"
@@ -89,11 +91,17 @@ Result<Upload> read_input(Api& api, const std::string& file, const Globals& glob
               "is neither a spec (.json) nor a drawing (.fold, .svg, .dxf) that popcut reads");
 }
 
+/// The file's name as a job's: bytes that are no UTF-8, and controls, are replaced.
+std::string name_of_file(const std::string& file) {
+  const nlohmann::json stem = std::filesystem::path(file).stem().string();
+  const std::string text = stem.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return shown_text(nlohmann::json::parse(text).get<std::string>());
+}
+
 Result<nlohmann::json> queue(Api& api, const QueueWish& wish, const Globals& globals) {
   auto upload = read_input(api, wish.input, globals);
   if (!upload) return tl::unexpected(upload.error());
-  const std::string name =
-      wish.name.empty() ? std::filesystem::path(wish.input).stem().string() : wish.name;
+  const std::string name = wish.name.empty() ? name_of_file(wish.input) : wish.name;
   const auto design = api.upload("/v1/designs?name=" + client::percent_encoded(name), upload->bytes,
                                  upload->media_type, wish.input);
   if (!design) return tl::unexpected(design.error());
@@ -141,6 +149,7 @@ Result<void> see_through(Api& api, const nlohmann::json& job, bool wait, const G
     if (!globals.quiet) fmt::print(stderr, "'popcut jobs --watch' shows when a person is needed\n");
     return {};
   }
+  std::fflush(stderr);
   const auto last = follow_job(api, id, globals, [](const nlohmann::json&) { return false; });
   if (!last) return tl::unexpected(last.error());
   print(*last);

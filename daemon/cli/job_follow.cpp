@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <thread>
 #include <vector>
 
@@ -54,6 +55,7 @@ class Teller {
       bar_.clear();
       fmt::print(stderr, "{}: {}\n", job_title(job), job_summary(job));
       for (const std::string& line : waiting_lines(waits, 2)) fmt::print(stderr, "{}\n", line);
+      std::fflush(stderr);  // off a terminal too somebody waits for it
     }
     told_ = key;
     const double part = part_done(job);
@@ -92,6 +94,7 @@ Result<Json> follow_job(client::Api& api, const std::string& id, const Globals& 
     } else if (!away && !globals.quiet) {
       away = true;
       fmt::print(stderr, "popcutd does not answer; waiting for it\n");
+      std::fflush(stderr);
     }
     wait_for_change(events);
   }

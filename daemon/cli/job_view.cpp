@@ -77,6 +77,13 @@ std::string doubt_text(const Json& job) {
   return fmt::format("{} paths are certainly cut, {} more are in doubt", certain, sent - certain);
 }
 
+/// Whether the sheet can be whole. The figures are the job's: of one sheet they tell.
+bool may_be_whole(const Json& job) {
+  const Json& progress = part_of(job, "progress");
+  return whole_of(job, "sheets_total") != 1 ||
+         whole_of(progress, "paths_sent") >= whole_of(progress, "paths_total");
+}
+
 void interrupted_ways(const Json& job, std::vector<std::string>& lines) {
   const std::string id = short_id(job);
   const std::int64_t sheet = whole_of(job, "sheet");
@@ -88,8 +95,9 @@ void interrupted_ways(const Json& job, std::vector<std::string>& lines) {
   };
   add("retry-sheet", fmt::format("popcut retry {} {}", id, sheet), "# again, on a new sheet");
   add("resume-from", fmt::format("popcut resume {} --from PATH", id), "# go on, on the same sheet");
-  add("confirm-result", fmt::format("popcut confirm {} {} good", id, sheet),
-      "# it is whole after all");
+  if (may_be_whole(job))
+    add("confirm-result", fmt::format("popcut confirm {} {} good", id, sheet),
+        "# it is whole after all");
   add("cancel", fmt::format("popcut cancel {}", id), "# end the job");
 }
 
@@ -157,6 +165,16 @@ std::string sheet_state(const Json& job, const Json& sheet) {
   return begun ? "broken off" : "not cut";
 }
 
+/// A sheet of which the ledger has paths that were not sent cannot be confirmed as whole.
+Json as_sent(const Json& job, const std::optional<Json>& ledger) {
+  Json same = job;
+  const auto actions = same.find("actions");
+  if (ledger && !ranges_of(*ledger, "not_sent").empty() && actions != same.end() &&
+      actions->is_array())
+    actions->erase(std::remove(actions->begin(), actions->end(), "confirm-result"), actions->end());
+  return same;
+}
+
 std::string without_comment(std::string wait) {
   wait.resize(std::min(wait.find(" # "), wait.size()));
   wait.resize(wait.find_last_not_of(' ') + 1);
@@ -195,7 +213,11 @@ std::string job_summary(const Json& job) {
   const auto add = [&](const std::string& more) {
     if (!more.empty()) line += ", " + more;
   };
-  add(text_of(job, "reason"));
+  const std::string reason = text_of(job, "reason");
+  if (reason.rfind(line + " ", 0) == 0)
+    line = reason;  // "cancelled by anna"
+  else
+    add(reason);
   if (is_held(job)) add("held");
   if (!has_ended(job)) add(sheet_text(job));
   if (part_done(job) >= 0) add(path_text(job));
@@ -301,7 +323,8 @@ std::vector<std::string> job_details(const Json& job, const std::vector<Json>& s
           std::pair{"not_sent", "not sent"}})
       if (const std::string ranges = ranges_of(*ledger, key); !ranges.empty())
         lines.push_back(fmt::format("paths {:<14} {}", what, ranges));
-  for (std::string& wait : waiting_lines(waiting_for(job), 0)) lines.push_back(std::move(wait));
+  for (std::string& wait : waiting_lines(waiting_for(as_sent(job, ledger)), 0))
+    lines.push_back(std::move(wait));
   return lines;
 }
 

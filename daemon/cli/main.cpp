@@ -19,6 +19,7 @@
 #include "core/shown_text.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/help_pages.hpp"
+#include "daemon/cli/option_value.hpp"
 #include "daemon/cli/terminal_text.hpp"
 #include "daemon/cli/usage_error.hpp"
 
@@ -118,6 +119,7 @@ int run(int argc, char** argv) {
   app.footer(kFooter);
   for (const Register add : kCommands) add(app, globals, work);
   add_help_pages(app, work);
+  refuse_empty(app, "change");  // there an empty text takes away what was said before
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& refused) {

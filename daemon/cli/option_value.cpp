@@ -33,6 +33,17 @@ CLI::Option* demand(CLI::Option* option, std::function<bool(const std::string&)>
 
 }  // namespace
 
+void refuse_empty(CLI::App& command, const std::string& but) {
+  const auto check = [](std::string& text) {
+    return text.empty() ? std::string("is empty; give a value, or leave it out") : std::string();
+  };
+  for (CLI::Option* option : command.get_options({}))
+    if (option->get_expected_min() > 0 && option->get_items_expected_max() > 0)
+      option->check(CLI::Validator(check, ""));
+  for (CLI::App* below : command.get_subcommands({}))
+    if (below->get_name() != but) refuse_empty(*below, but);
+}
+
 CLI::Option* whole_number(CLI::Option* option, std::int64_t least, std::int64_t most) {
   return demand(
       option, [=](const std::string& text) { return is_within(text, least, most); },

@@ -6,8 +6,9 @@
 #include <vector>
 
 namespace CLI {
+class App;
 class Option;
-}
+}  // namespace CLI
 
 namespace popcut::cli {
 
@@ -23,5 +24,9 @@ CLI::Option* real_number(CLI::Option* option, double least, double most, const c
 /// One of `words`; the help shows them as "a|b|c", with `usual` in brackets if there is one.
 CLI::Option* one_word(CLI::Option* option, const std::vector<std::string>& words,
                       const std::string& usual = "");
+/// Every text and file name of `command` and of the commands below it must have something in it: an
+/// empty word is mostly a variable of a script that was not set, and must not arm another job.
+/// Those that may stand without a value are left as they are, and so is the command `but`.
+void refuse_empty(CLI::App& command, const std::string& but);
 
 }  // namespace popcut::cli

@@ -65,6 +65,7 @@ void press(SimCutter& cutter, bool& input) {
         continue;
     }
     fmt::print(stderr, "{}\n", name_of(cutter.status()));
+    std::fflush(stderr);
   }
 }
 
@@ -86,6 +87,7 @@ Result<void> serve_pty(const PtyOptions& options, const Globals& globals) {
                "a simulated {} is at {}; p pauses and resumes, c cancels, m takes the sheet "
                "out and in (then Enter), Ctrl-C ends\n",
                pty->cable().cutter().trace().machine, pty->path());
+  std::fflush(stderr);
   bool input = true;
   while (!end_asked && pty->serve(std::chrono::milliseconds(50)))
     press(pty->cable().cutter(), input);

@@ -9,7 +9,7 @@ namespace {
 
 using Words = std::pair<std::string_view, std::string_view>;
 
-constexpr std::array<Words, 26> kOptions{{
+constexpr std::array<Words, 27> kOptions{{
     {"/before", "--before"},
     {"/blank", "--blank"},
     {"/copies", "--copies"},
@@ -34,6 +34,7 @@ constexpr std::array<Words, 26> kOptions{{
     {"?by", "--by"},
     {"?from", "--from"},
     {"?limit", "--limit"},
+    {"?name", "--name"},
     {"?state", "--state"},
     {"?to", "--to"},
 }};

@@ -82,7 +82,7 @@ Error invalid(const Json& problem, const std::string& place, const std::string& 
   if (!text_of(first, "detail").empty()) error.detail = text_of(first, "detail");
   if (code == "unknown_member") error.detail = fmt::format("is not known; {}", error.detail);
   if (list->size() > 1) error.detail += fmt::format(" (and {} more)", list->size() - 1);
-  if (subject == Subject::CommandLine) {
+  if (subject == Subject::CommandLine || pointer.rfind('?', 0) == 0) {
     error.detail = in_command_words(error.detail);
     if (const std::string option = option_for(pointer); !option.empty())
       return of_option(error, option, given(first, pointer, sent));

@@ -116,6 +116,15 @@ TEST_CASE("a wrong value is told with its option and what would be right", "[cli
       {{"verify", "x", "--dof", "-1"}, "--dof: is \"-1\"; give a whole number from 0"},
       {{"simulate", "x", "-o", "y", "--sheet", "0"}, "--sheet: is \"0\"; give a whole number"},
       {{"simulate", "--pty", "--speedup", "0"}, "--speedup: is \"0\"; give a number from"},
+      {{"arm", ""}, "JOB: is empty; give a value, or leave it out"},
+      {{"arm", "01J", "1", "--device", ""}, "--device: is empty"},
+      {{"move", "01J", "--before", ""}, "--before: is empty"},
+      {{"jobs", ""}, "JOB: is empty"},
+      {{"cut", "x", "--material", ""}, "--material: is empty"},
+      {{"token", "create", "--role", "admin", "--name", ""}, "--name: is empty"},
+      {{"usage", "--from", ""}, "--from: is empty"},
+      {{"plan", "x", "-o", ""}, "--output: is empty"},
+      {{"change", "", "--name", "x"}, "JOB: is empty"},
       {{"curvature", "solve", "--K", "x"}, "--K: is \"x\"; give a number"}};
   for (const auto& [arguments, words] : wrong) {
     CAPTURE(arguments);

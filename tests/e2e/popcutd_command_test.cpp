@@ -270,6 +270,31 @@ TEST_CASE("metrics have all their names and tell of nobody", "[popcutd][cli]") {
   }
 }
 
+TEST_CASE("a file whose name is no UTF-8 is queued under a name that is", "[popcutd][cli]") {
+  Desk desk;
+  desk.open();
+  const std::string odd = (desk.daemon.folder() / "un\xFFit\x01.json").string();
+  write_file(odd, text_of_file(kUnit));
+  CHECK(desk.job(desk.queue({odd}))["name"] == "un\xEF\xBF\xBDit ");
+}
+
+TEST_CASE("what waits for a person is told at once where nobody sits at a terminal",
+          "[popcutd][cli]") {
+  Desk desk;
+  desk.open();
+  const std::string popcut = POPCUT_PROGRAM;
+  const std::string script = "'" + popcut + "' cut '" + kUnit +
+                             "' --wait 2>told.txt & job=$!\n"
+                             "for k in $(seq 600); do grep -q 'popcut arm' told.txt && break; "
+                             "sleep 0.1; done\n"
+                             "cp told.txt early.txt\n'" +
+                             popcut + "' cancel -q 0\nwait $job\n";
+  const Ran ran = run_program({"/bin/sh", "-c", script}, desk.daemon.folder().path());
+  CHECK(ran.exit == 5);
+  CHECK(says(text_of_file(desk.daemon.folder() / "early.txt"), "-> load sheet 1 of 1: popcut arm"));
+  CHECK(says(text_of_file(desk.daemon.folder() / "told.txt"), "is cancelled by "));
+}
+
 TEST_CASE("Ctrl-C ends the watching and not the job", "[popcutd][cli]") {
   Desk desk;
   desk.open();

@@ -151,6 +151,10 @@ TEST_CASE("a wrong value of an option is a wrong command line that repeats it", 
                         Subject::CommandLine, {{"design", "x"}})
                       .kind) == 3);
   CHECK(exit_code(error(sheet, Subject::File, {{"sheet", 12}}).kind) == 3);
+  // The name of an upload is an option, whatever is in the file.
+  const Error name = error(R"({"pointer":"?name","detail":"must be short"})", Subject::File, {});
+  CHECK(message(name) == "--name: must be short");
+  CHECK(exit_code(name.kind) == 2);
   // Whatever a server sends.
   for (const char* pointer : {"/", "//", "/sheet/x", "/sheet~", "?", "/options/", "/sheet/"})
     CHECK_FALSE(

@@ -155,6 +155,29 @@ TEST_CASE("the ways out of an interruption stand one below the other", "[cli][jo
   }
 }
 
+TEST_CASE("a sheet that was not sent whole is not offered as whole", "[cli][jobs]") {
+  Json interrupted = job("interrupted");
+  interrupted["actions"] = {"retry-sheet", "confirm-result", "cancel"};
+  const Json unsent{{"certain", {{0, 29}}}, {"not_sent", {{30, 199}}}};
+  CHECK(joined(job_details(interrupted, {}, unsent)).find(" good") == std::string::npos);
+  CHECK(joined(job_details(interrupted, {}, Json{{"certain", {{0, 199}}}})).find(" good") !=
+        std::string::npos);
+  // Of several sheets the figures of the job do not tell; of one they do.
+  CHECK(joined(waiting_for(interrupted)).find(" good") != std::string::npos);
+  interrupted["sheets_total"] = interrupted["sheet"] = 1;
+  CHECK(joined(waiting_for(interrupted)).find(" good") == std::string::npos);
+  interrupted["progress"]["paths_sent"] = 200;
+  CHECK(joined(waiting_for(interrupted)).find(" good") != std::string::npos);
+}
+
+TEST_CASE("a reason that says the state stands for it", "[cli][jobs]") {
+  Json ended = job("cancelled");
+  ended["reason"] = "cancelled by uid:0";
+  CHECK(job_summary(ended) == "cancelled by uid:0");
+  ended["reason"] = "wrong colour";
+  CHECK(job_summary(ended) == "cancelled, wrong colour");
+}
+
 TEST_CASE("of a cancelled job no sheet is shown as being cut", "[cli][jobs]") {
   const std::vector<Json> sheets{{{"sheet", 1}, {"state", "done"}},
                                  {{"sheet", 2}, {"state", "cutting"}},
