@@ -35,7 +35,8 @@ struct Options {
   std::optional<double> H;
 };
 
-Result<double> parse_phi(const std::string& text) {
+Result<double> parse_phi(std::string text) {
+  if (text.empty()) text = "pi/4";
   const auto phi = parse_angle(text);
   if (!phi) return fail(ErrorKind::Usage, "--phi", phi.error().detail);
   if (*phi >= 0 && *phi <= std::numbers::pi / 2) return phi;
@@ -252,7 +253,8 @@ constexpr const char* kSolveHelp =
 
 CLI::Option* add_phi(CLI::App* command, Options& options) {
   return command->add_option("--phi", options.phi, "Direction of the middle unit, rad or 45deg")
-      ->option_text("ANGLE [pi/4]");
+      ->option_text("ANGLE [pi/4]")
+      ->expected(0, 1);  // 'popcut curvature assembly --phi --r ...' takes the usual one
 }
 
 }  // namespace

@@ -24,6 +24,7 @@
 #include "daemon/cli/cut_queue.hpp"
 #include "daemon/cli/expectation.hpp"
 #include "daemon/cli/fault_file.hpp"
+#include "daemon/cli/option_value.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/pause_key.hpp"
 #include "daemon/cli/plan_job.hpp"
@@ -342,13 +343,12 @@ constexpr const char* kHelp =
     "  popcut cut sphere.json --direct                     # asks for each sheet, then cuts it\n"
     "  popcut cut sphere.json --direct --yes -o cut        # simulated: no questions\n"
     "  popcut cut sphere.json --direct --device usb:51053P # the cutter of that serial number\n\n"
-    "--direct plans as 'popcut plan' does, then sends each sheet to the cutter and waits until it "
-    "is\n"
-    "done.\n"
+    "--direct plans as 'popcut plan' does, then sends each sheet to the cutter and waits for it.\n"
     "Ctrl-C stops at the end of the stroke, with the tool up and parked; the key p holds there "
     "and\n"
-    "goes on. With -o DIR it keeps for each sheet\n"
-    "the program, its drawing, and what the simulated knife did (sheet-NN.cut.svg, .trace.json).\n"
+    "goes on. With -o DIR it keeps for each sheet the program, its drawing, and what the "
+    "simulated\n"
+    "knife did (sheet-NN.cut.svg, .trace.json).\n"
     "Devices: sim:NAME, usb:ID, serial:/dev/ttyUSB0[,baud=9600][,flow=none|rtscts|xonxoff],\n"
     "lp:/dev/usb/lp0, file:NAME (writes the program, cuts nothing).";
 
@@ -375,14 +375,13 @@ void register_cut(CLI::App& app, const Globals& globals, Run& run) {
   command->add_flag("--yes", options->yes, "Ask nothing; with simulated devices only");
   command->add_option("-o,--output", options->folder, "Keep programs, drawings and traces there")
       ->option_text("DIR");
-  command
-      ->add_option("--copies", options->copies,
-                   "How many of it popcutd is to cut, each on its own "
-                   "blanks")
-      ->check(CLI::Range(1, 1000))
+  whole_number(command->add_option("--copies", options->copies,
+                                   "How many of it popcutd is to cut, each on its own blanks"),
+               1, 1000)
       ->option_text("N [1]");
-  command->add_option("--priority", options->priority, "Before (above 0) or after other jobs")
-      ->check(CLI::Range(-10, 10))
+  whole_number(
+      command->add_option("--priority", options->priority, "Before (above 0) or after other jobs"),
+      -10, 10)
       ->option_text("-10..10 [0]");
   command->add_option("--name", options->name, "What the job is called; else the input's name")
       ->option_text("TEXT");

@@ -12,6 +12,7 @@
 #include "core/shown_text.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/job_follow.hpp"
+#include "daemon/cli/option_value.hpp"
 #include "daemon/client/api.hpp"
 #include "daemon/store/store.hpp"
 
@@ -26,6 +27,8 @@ std::string dumped(const Json& json, int indent = 2) {
 }
 
 // Events
+
+constexpr std::int64_t kMostNumber = std::int64_t{1} << 40;  // as popcutd takes it
 
 struct EventOptions {
   std::string job;
@@ -129,10 +132,11 @@ constexpr const char* kEventsHelp =
 void add_events(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<EventOptions>();
   CLI::App* const command = app.add_subcommand("events", kEventsHelp);
-  command->add_option("--after", options->after, "Those with higher numbers")->option_text("SEQ");
+  whole_number(command->add_option("--after", options->after, "Those with higher numbers"), 0,
+               kMostNumber)
+      ->option_text("SEQ");
   command->add_option("--job", options->job, "Those of one job only")->option_text("JOB");
-  command->add_option("--limit", options->limit, "How many at most")
-      ->check(CLI::Range(1, 1000))
+  whole_number(command->add_option("--limit", options->limit, "How many at most"), 1, 1000)
       ->option_text("N [200]");
   command->add_flag("--follow", options->follow, "Stay, and print what happens");
   command->callback([options, &globals, &run] {
@@ -192,6 +196,9 @@ Result<void> delete_token(const TokenOptions& options, const Globals& globals) {
   if (!api) return tl::unexpected(api.error());
   auto gone =
       api->remove("/v1/tokens/" + client::percent_encoded(options.id), "token " + options.id);
+  if (!gone && gone.error().detail.find("there is no token") != std::string::npos)
+    return fail(gone.error().kind, gone.error().place,
+                "there is none of that ID; 'popcut token list' shows them");
   if (gone && globals.json) fmt::print("{}\n", dumped(Json{{"deleted", options.id}}));
   return gone;
 }
@@ -209,13 +216,11 @@ void add_token(CLI::App& app, const Globals& globals, Run& run) {
   command->require_subcommand(1);
   CLI::App* const create =
       command->add_subcommand("create", "Make a token; it is printed once, on standard output");
-  create->add_option("--role", options->role, "What it may do")
-      ->required()
-      ->check(CLI::IsMember({"viewer", "submitter", "operator", "admin"}))
-      ->option_text("viewer|submitter|operator|admin");
+  one_word(create->add_option("--role", options->role, "What it may do"),
+           {"viewer", "submitter", "operator", "admin"})
+      ->required();
   create->add_option("--name", options->name, "For whom it is")->option_text("TEXT");
-  create->add_option("--days", options->days, "How long it is good")
-      ->check(CLI::Range(1, 36'500))
+  whole_number(create->add_option("--days", options->days, "How long it is good"), 1, 36'500)
       ->option_text("N [until deleted]");
   create->callback([options, &globals, &run] {
     run = [options, &globals] { return create_token(*options, globals); };
@@ -263,8 +268,9 @@ Result<void> open_page(bool print_only, const Globals& globals) {
 }
 
 constexpr const char* kOpenHelp =
-    "Open popcutd's page in the browser, signed in as you. A popcutd that has no page yet says "
-    "so;\n'popcut jobs --watch' is then the way to see what happens.\n\n"
+    "Open popcutd's page in the browser, signed in as you.\n\n"
+    "A popcutd that has no page yet says so; 'popcut jobs --watch' is then the way to see what\n"
+    "happens.\n\n"
     "  popcut open\n"
     "  popcut open --print     # only the address; it works once, within a minute";
 
@@ -299,9 +305,8 @@ constexpr const char* kUsageHelp =
 void add_usage(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<UsageOptions>();
   CLI::App* const command = app.add_subcommand("usage", kUsageHelp);
-  command->add_option("--by", options->by, "A row for each of these")
-      ->check(CLI::IsMember({"owner", "device", "material"}))
-      ->option_text("owner|device|material [owner]");
+  one_word(command->add_option("--by", options->by, "A row for each of these"),
+           {"owner", "device", "material"}, "owner");
   command->add_option("--from", options->from, "From this time on")->option_text("TIME");
   command->add_option("--to", options->to, "Before this time")->option_text("TIME");
   command->callback([options, &globals, &run] {

@@ -71,7 +71,7 @@ Result<Source> read_source(const Options& options, SegmentConvention convention)
 Result<SegmentConvention> parse_convention(const std::string& word) {
   if (word == "popcut") return SegmentConvention::Popcut;
   if (word == "paper") return SegmentConvention::Paper;
-  return fail(ErrorKind::Usage, "command line",
+  return fail(ErrorKind::Usage, "--convention",
               fmt::format("'{}' is no convention; give popcut or paper", word));
 }
 
@@ -130,7 +130,7 @@ Result<void> run_deploy(Options options, const Globals& globals) {
   if (!material) {
     const Error error = tables->with_file(material.error());
     if (!error.place.empty()) return tl::unexpected(error);
-    return fail(ErrorKind::Usage, "command line", error.detail);
+    return fail(ErrorKind::Usage, "--material", error.detail);
   }
   const auto thickness = thickness_of(options.motion, material->thickness_mm);
   if (!thickness) return tl::unexpected(thickness.error());

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/design/patches.hpp"
@@ -31,6 +32,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/deploy_files.hpp"
 #include "daemon/cli/examples.hpp"
+#include "daemon/cli/option_value.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/spec_assets.hpp"
 #include "daemon/cli/user_tables.hpp"
@@ -187,9 +189,8 @@ Result<std::vector<Format>> parse_formats(std::string_view text) {
     if (found == kFormats.end()) {
       std::string known;
       for (const Format& format : kFormats) known += fmt::format(" {}", format.name);
-      return fail(
-          ErrorKind::Usage, "command line",
-          fmt::format("'{}' is not a format of --formats; the formats are:{}", name, known));
+      return fail(ErrorKind::Usage, "--formats",
+                  fmt::format("'{}' is not a format; the formats are:{}", name, known));
     }
     const auto same = [&](const Format& f) { return f.name == name; };
     if (std::none_of(chosen.begin(), chosen.end(), same)) chosen.push_back(*found);
@@ -248,7 +249,8 @@ std::string about(const SurfaceSpec& surface) {
   return "file " + asset_of(surface);
 }
 
-Result<void> list_examples() {
+Result<void> list_examples(const Globals& globals) {
+  auto list = nlohmann::ordered_json::array();
   for (const Example& example : examples()) {
     const auto spec = parse_design_spec(example.json);
     if (!spec) return tl::unexpected(within(std::string(example.name), spec.error()));
@@ -256,8 +258,13 @@ Result<void> list_examples() {
     std::vector<std::string> sizes;
     for (const RegionSpec& region : spec->regions)
       sizes.push_back(fmt::format("{} x {}", region.slices, region.units_per_slice));
-    fmt::print("{:<10} {}, {} units\n", example.name, target, fmt::join(sizes, " + "));
+    const std::string what = fmt::format("{}, {} units", target, fmt::join(sizes, " + "));
+    if (globals.json)
+      list.push_back({{"name", example.name}, {"what", what}});
+    else
+      fmt::print("{:<10} {}\n", example.name, what);
   }
+  if (globals.json) fmt::print("{}\n", nlohmann::ordered_json{{"examples", list}}.dump(2));
   return {};
 }
 
@@ -270,7 +277,7 @@ Result<void> print_example(const std::string& name) {
     }
     known += fmt::format(" {}", example.name);
   }
-  return fail(ErrorKind::Usage, "command line",
+  return fail(ErrorKind::Usage, "--example",
               fmt::format("'{}' is not an example; the examples are:{}", name, known));
 }
 
@@ -290,7 +297,8 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   const auto formats = parse_formats(options.formats);
   if (!formats) return tl::unexpected(formats.error());
   const auto fold_frames = parse_opening_angles(options.fold_frames);
-  if (!fold_frames) return tl::unexpected(fold_frames.error());
+  if (!fold_frames)
+    return fail(fold_frames.error().kind, "--fold-frames", fold_frames.error().detail);
   auto angles = angles_of(options.motion);
   if (!angles) return tl::unexpected(angles.error());
   const auto text = read_file(options.spec, kSpecLimitBytes);
@@ -368,7 +376,7 @@ Result<void> run_design(Options options, const Globals& globals) {
     fmt::print("{}", design_spec_schema());
     return {};
   }
-  if (options.list) return list_examples();
+  if (options.list) return list_examples(globals);
   if (!options.example.empty()) return print_example(options.example);
   if (options.spec.empty()) {
     return fail(ErrorKind::Usage, "command line",
@@ -408,20 +416,17 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
       ->add_option("--fold-frames", options->fold_frames,
                    "Poses in pattern.fold, rad or 90deg; pi is flat, pi/2 the designed shape")
       ->option_text("LIST [pi,pi/2,1.1]");
-  command
-      ->add_option(
-          "--fold-cuts", options->fold_cuts,
-          "Cuts in pattern.fold: split (two borders B each) or C (one edge each; flat only)")
-      ->option_text("split|C [split]")
-      ->check(CLI::IsMember({"split", "C"}));
+  one_word(command->add_option(
+               "--fold-cuts", options->fold_cuts,
+               "Cuts in pattern.fold: split (two borders B each) or C (one edge each; flat only)"),
+           {"split", "C"}, "split");
   add_motion_options(*command, options->motion);
   command->add_flag("--schema", options->schema, "Print the JSON Schema of a SPEC");
-  command
-      ->add_option("--place", options->place,
-                   "Print SPEC with a placement for its mesh or grid (whole: all of it in the\n"
-                   "corner, or quarter: its middle on the spine) and design nothing")
-      ->option_text("whole|quarter")
-      ->check(CLI::IsMember({"whole", "quarter"}));
+  one_word(
+      command->add_option("--place", options->place,
+                          "Print SPEC with a placement for its mesh or grid (whole: all of it in\n"
+                          "the corner, or quarter: its middle on the spine) and design nothing"),
+      {"whole", "quarter"});
   command->add_option("--example", options->example, "Print a shipped SPEC")->option_text("NAME");
   command->add_flag("--list", options->list, "List the shipped SPECs, the name first");
   command->callback([options, &globals, &run] {

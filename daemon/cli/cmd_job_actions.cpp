@@ -9,6 +9,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/job_follow.hpp"
 #include "daemon/cli/job_view.hpp"
+#include "daemon/cli/option_value.hpp"
 #include "daemon/client/api.hpp"
 
 namespace popcut::cli {
@@ -16,6 +17,10 @@ namespace {
 
 using client::Api;
 using Json = nlohmann::json;
+
+// As popcutd takes them.
+constexpr std::int64_t kMostSheet = 10'000, kMostBlank = 1'000'000;
+constexpr std::int64_t kMostPath = std::int64_t{1} << 40;
 
 struct Options {
   std::string job, result, reason, before, device, registration{"kept"};
@@ -110,6 +115,11 @@ Result<Json> in_queue(Api& api, const Options& options, const char* action) {
   if (!options.before.empty()) {
     const auto before = api.find_job(options.before);
     if (!before) return tl::unexpected(before.error());
+    if (client::text_of(*before, "id") == client::text_of(*job, "id"))
+      return fail(ErrorKind::Usage, "--before",
+                  fmt::format("{} is the job that is to be moved; name another one, or leave "
+                              "--before out to put it last",
+                              options.before));
     body["before"] = client::text_of(*before, "id");
   }
   return api.post(fmt::format("/v1/queue/actions/{}", action), body,
@@ -126,7 +136,24 @@ Result<Json> wait_for_sheet(Api& api, const Json& job, const Globals& globals) {
 
 using Work = std::function<Result<Json>(Api&, const Options&)>;
 
-Result<void> run_action(const Options& options, const Globals& globals, const Work& work) {
+/// What has become of the job, in a line.
+using Told = std::function<std::string(const Json&, const Options&)>;
+
+std::string told_state(const Json& job, const Options&) { return job_summary(job); }
+
+std::string told_cancel(const Json& job, const Options&) {
+  return has_ended(job) ? job_summary(job)
+                        : "is being cancelled; the cut ends with its stroke, tool up";
+}
+
+std::string told_move(const Json& job, const Options& options) {
+  return options.before.empty()
+             ? "comes last of those of its priority; " + job_summary(job)
+             : fmt::format("comes before {}; {}", options.before, job_summary(job));
+}
+
+Result<void> run_action(const Options& options, const Globals& globals, const Work& work,
+                        const Told& told) {
   auto api = Api::from_environment();
   if (!api) return tl::unexpected(api.error());
   auto job = work(*api, options);
@@ -134,8 +161,9 @@ Result<void> run_action(const Options& options, const Globals& globals, const Wo
   if (!job) return tl::unexpected(job.error());
   if (globals.json) fmt::print("{}\n", job->dump(2, ' ', false, Json::error_handler_t::replace));
   if (!globals.quiet && !options.wait) {
-    fmt::print(stderr, "{}: {}\n", job_title(*job), job_summary(*job));
-    for (const std::string& line : waiting_for(*job)) fmt::print(stderr, "  -> {}\n", line);
+    fmt::print(stderr, "{}: {}\n", job_title(*job), told(*job, options));
+    for (const std::string& line : waiting_lines(waiting_for(*job), 2))
+      fmt::print(stderr, "{}\n", line);
   }
   if (options.wait && client::text_of(*job, "state") == "interrupted") return verdict(*job);
   return {};
@@ -148,6 +176,7 @@ struct Words {
   const char* help;
   Work work;
   bool job_needed{false};
+  Told told{told_state};
 };
 
 CLI::App* add(CLI::App& app, const Globals& globals, Run& run, const Words& words,
@@ -159,14 +188,18 @@ CLI::App* add(CLI::App& app, const Globals& globals, Run& run, const Words& word
                                     : "An id, or the beginning of one; without it, the one job of "
                                       "which this is lawful now")
       ->required(words.job_needed);
-  command->callback([options, &globals, &run, work = words.work] {
-    run = [options, &globals, work] { return run_action(*options, globals, work); };
+  command->callback([options, &globals, &run, words] {
+    run = [options, &globals, words] {
+      return run_action(*options, globals, words.work, words.told);
+    };
   });
   return command;
 }
 
 void add_sheet(CLI::App* command, const std::shared_ptr<Options>& options) {
-  command->add_option("SHEET", options->sheet, "Which sheet, from 1; else the current one");
+  whole_number(
+      command->add_option("SHEET", options->sheet, "Which sheet, from 1; else the current one"), 1,
+      kMostSheet);
 }
 
 Work named(Result<Json> (*work)(Api&, const Options&, const char*), const char* action) {
@@ -215,7 +248,7 @@ constexpr const char* kReleaseHelp =
     "Take back 'popcut hold'.\n\n"
     "  popcut release 01JDX7";
 constexpr const char* kChangeHelp =
-    "Change a job that has not begun: its priority, name, note, or the cutter that it is for.\n\n"
+    "Change a job that has not begun: its priority, name, note or cutter.\n\n"
     "  popcut change 01JDX7 --priority 5\n"
     "  popcut change 01JDX7 --device usb:51053P\n"
     "  popcut change 01JDX7 --device ''         # any that fits";
@@ -227,13 +260,14 @@ constexpr const char* kMoveHelp =
 void add_resume(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = add(app, globals, run, {"resume", kResumeHelp, resume}, options);
-  command->add_option("--from", options->from, "First path to cut again; 'popcut jobs JOB' counts")
+  whole_number(command->add_option("--from", options->from,
+                                   "First path to cut again; 'popcut jobs JOB' counts"),
+               0, kMostPath)
       ->option_text("PATH");
-  command
-      ->add_option("--registration", options->registration,
-                   "kept: the blank has not been moved; re-registered: it was laid in anew")
-      ->check(CLI::IsMember({"kept", "re-registered"}))
-      ->option_text("kept|re-registered [kept]");
+  one_word(
+      command->add_option("--registration", options->registration,
+                          "kept: the blank has not been moved; re-registered: it was laid in anew"),
+      {"kept", "re-registered"}, "kept");
   command->add_flag("--accept-double-cut", options->double_cut,
                     "Paths that are certainly cut may be cut a second time");
   command->add_flag("--skip-in-doubt", options->skip_in_doubt,
@@ -243,8 +277,9 @@ void add_resume(CLI::App& app, const Globals& globals, Run& run) {
 void add_change(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = add(app, globals, run, {"change", kChangeHelp, change, true}, options);
-  command->add_option("--priority", options->priority, "Before (above 0) or after other jobs")
-      ->check(CLI::Range(-10, 10))
+  whole_number(
+      command->add_option("--priority", options->priority, "Before (above 0) or after other jobs"),
+      -10, 10)
       ->option_text("-10..10");
   command->add_option("--name", options->name, "What the job is called")->option_text("TEXT");
   command->add_option("--note", options->note, "For whoever cuts it")->option_text("TEXT");
@@ -259,7 +294,9 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
   auto options = fresh();
   CLI::App* command = add(app, globals, run, {"arm", kArmHelp, arm}, options);
   add_sheet(command, options);
-  command->add_option("--blank", options->blank, "Which blank of it, from 1; else the current one")
+  whole_number(command->add_option("--blank", options->blank,
+                                   "Which blank of it, from 1; else the current one"),
+               1, kMostBlank)
       ->option_text("N");
   command
       ->add_option("--device", options->device,
@@ -272,7 +309,7 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
   add_resume(app, globals, run);
   add_change(app, globals, run);
   options = fresh();
-  command = add(app, globals, run, {"cancel", kCancelHelp, cancel, true}, options);
+  command = add(app, globals, run, {"cancel", kCancelHelp, cancel, true, told_cancel}, options);
   command->add_option("--reason", options->reason, "Why, for the record")->option_text("TEXT");
   add(app, globals, run, {"disarm", kDisarmHelp, named(plain, "disarm")}, fresh());
   options = fresh();
@@ -281,11 +318,10 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
             options);
   options = fresh();
   command = add(app, globals, run, {"confirm", kConfirmHelp, confirm, true}, options);
-  command->add_option("SHEET", options->sheet, "Which sheet, from 1")->required();
-  command->add_option("RESULT", options->result, "good or bad")
-      ->required()
-      ->check(CLI::IsMember({"good", "bad"}))
-      ->option_text("good|bad");
+  whole_number(command->add_option("SHEET", options->sheet, "Which sheet, from 1"), 1, kMostSheet)
+      ->required();
+  one_word(command->add_option("RESULT", options->result, "good or bad"), {"good", "bad"})
+      ->required();
   options = fresh();
   add_sheet(
       add(app, globals, run, {"skip", kSkipHelp, named(with_sheet, "skip-sheet"), true}, options),
@@ -293,7 +329,8 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
   add(app, globals, run, {"hold", kHoldHelp, named(in_queue, "hold"), true}, fresh());
   add(app, globals, run, {"release", kReleaseHelp, named(in_queue, "release"), true}, fresh());
   options = fresh();
-  command = add(app, globals, run, {"move", kMoveHelp, named(in_queue, "move"), true}, options);
+  command = add(app, globals, run, {"move", kMoveHelp, named(in_queue, "move"), true, told_move},
+                options);
   command->add_option("--before", options->before, "The job that comes after it")
       ->option_text("JOB");
 }

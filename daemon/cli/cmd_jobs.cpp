@@ -2,6 +2,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <map>
@@ -15,6 +16,8 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/job_follow.hpp"
 #include "daemon/cli/job_view.hpp"
+#include "daemon/cli/person_name.hpp"
+#include "daemon/cli/terminal_text.hpp"
 #include "daemon/client/api.hpp"
 
 namespace popcut::cli {
@@ -42,12 +45,7 @@ bool on_terminal() { return isatty(STDOUT_FILENO) == 1; }
 
 ViewStyle style_of_terminal() {
   ViewStyle style;
-  winsize size{};
-  if (!on_terminal()) {
-    style.width = 1000;
-  } else if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20) {
-    style.width = size.ws_col;
-  }
+  style.width = on_terminal() ? terminal_columns(STDOUT_FILENO, 80) : 1000;
   const char* const plain = std::getenv("NO_COLOR");
   style.colour = on_terminal() && (plain == nullptr || *plain == '\0');
   return style;
@@ -63,15 +61,32 @@ std::string time_now() {
   return fmt::format("{:%H:%M:%S}", fmt::localtime(now));
 }
 
+/// Puts those that wait for a cutter in the order of the queue; all others keep theirs, behind.
+void order_as_queue(Api& api, std::vector<Json>& jobs) {
+  constexpr std::size_t kMost = 200;  // as many as the view shows
+  if (jobs.size() < 2) return;
+  const auto queue = api.list("/v1/queue", "queue", kMost);
+  if (!queue) return;  // the view without it is better than none
+  std::map<std::string, std::size_t> places;
+  for (const Json& job : *queue) places.emplace(client::text_of(job, "id"), places.size());
+  const auto place_of = [&](const Json& job) {
+    const auto found = places.find(client::text_of(job, "id"));
+    return found == places.end() ? places.size() : found->second;
+  };
+  std::stable_sort(jobs.begin(), jobs.end(),
+                   [&](const Json& a, const Json& b) { return place_of(a) < place_of(b); });
+}
+
 // The list
 
 Result<void> list_jobs(Api& api, const Options& options, const Globals& globals) {
-  const auto jobs = wanted_jobs(api, options);
+  auto jobs = wanted_jobs(api, options);
   if (!jobs) return tl::unexpected(jobs.error());
   if (globals.json) {
     fmt::print("{}\n", dumped(Json{{"jobs", *jobs}}));
     return {};
   }
+  order_as_queue(api, *jobs);
   for (const std::string& line : jobs_view(*jobs, style_of_terminal())) fmt::print("{}\n", line);
   if (jobs->empty() && !globals.quiet)
     fmt::print(stderr, "no jobs{}; 'popcut cut FILE' queues one\n",
@@ -93,6 +108,10 @@ Result<void> show_job(Api& api, const Options& options, const Globals& globals) 
     if (auto found = api.get(fmt::format("{}/{}/ledger", path, job->value("sheet", Json(1)).dump()),
                              "ledger"))
       ledger = std::move(*found);
+  if (!api.http().address().path.empty())  // a socket is of this computer
+    for (const char* key : {"owner", "operator"})
+      if (const std::string name = client::text_of(*job, key); !name.empty())
+        (*job)[key] = person_name(name);
   for (const std::string& line : job_details(*job, sheets ? *sheets : std::vector<Json>{}, ledger))
     fmt::print("{}\n", line);
   return {};
@@ -107,7 +126,13 @@ class Screen {
     std::string frame = lines_ > 0 ? fmt::format("\x1b[{}A\r", lines_) : "";
     const auto rows = static_cast<std::size_t>(rows_of_terminal() - 1);
     const std::size_t shown = std::min(lines.size(), rows);
-    for (std::size_t k = 0; k < shown; ++k) frame += lines[k] + "\x1b[K\n";
+    const bool all = shown == lines.size();
+    for (std::size_t k = 0; k + (all ? 0 : 1) < shown; ++k) frame += lines[k] + "\x1b[K\n";
+    if (!all)
+      frame +=
+          fitted(fmt::format("... {} more lines; 'popcut jobs' has all", lines.size() - shown + 1),
+                 terminal_columns(STDOUT_FILENO, 80)) +
+          "\x1b[K\n";
     frame += "\x1b[J";
     fmt::print("{}", frame);
     std::fflush(stdout);
@@ -170,6 +195,7 @@ Result<void> watch_jobs(Api& api, const Options& options, const Globals& globals
       changes.tell(all, globals.json);
       return true;
     }
+    order_as_queue(api, all);
     const ViewStyle style = style_of_terminal();
     std::vector<std::string> lines = jobs_view(all, style);
     const std::string head =

@@ -178,9 +178,9 @@ Result<void> list_devices(const Globals& globals) {
 }
 
 constexpr const char* kDevicesHelp =
-    "The devices that can be cut on: those of popcutd, if one runs, with what they are doing; "
-    "what is\nplugged in; and a simulated one for each machine. 'popcut doctor' says why one is "
-    "not free.\n\n"
+    "The devices that can be cut on, and what they are doing.\n\n"
+    "Those of popcutd, if one runs; what is plugged in; and a simulated one for each machine.\n"
+    "'popcut doctor' says why one is not free.\n\n"
     "  popcut devices\n"
     "  popcut devices disable usb:51053P   # popcutd offers it no sheet; enable takes it back\n"
     "  popcut devices reset usb:51053P     # after a fault: opened anew, nothing is cut\n"
@@ -212,7 +212,7 @@ void add_devices(CLI::App& app, const Globals& globals, Run& run) {
                               Action{"reset", "After a fault: open it anew; nothing is cut"}}) {
     auto id = std::make_shared<std::string>();
     CLI::App* const one = command->add_subcommand(action.name, action.help);
-    one->add_option("ID", *id, "As 'popcut devices' shows it")->required();
+    one->add_option("DEVICE", *id, "As 'popcut devices' shows it")->required();
     one->callback([id, name = std::string(action.name), &globals, &run] {
       run = [id, name, &globals] { return act_on_device(*id, name, globals); };
     });

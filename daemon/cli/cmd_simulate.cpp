@@ -13,6 +13,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/expectation.hpp"
 #include "daemon/cli/fault_file.hpp"
+#include "daemon/cli/option_value.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/simulate_pty.hpp"
 #include "daemon/cli/user_tables.hpp"
@@ -173,7 +174,9 @@ void register_simulate(CLI::App& app, const Globals& globals, Run& run) {
        "FILE");
   command->add_flag("--pty", options->pty,
                     "Be a cutter at a pseudo terminal for other programs, until Ctrl-C");
-  command->add_option("--speedup", options->speedup, "With --pty: times as fast as a real one")
+  real_number(
+      command->add_option("--speedup", options->speedup, "With --pty: times as fast as a real one"),
+      1e-3, 1e6)
       ->option_text("N [1]");
   text("-o,--output", options->folder, "The folder for the files; made if absent", "DIR");
   text("--machine", options->machine, "The cutter; 'popcut machines' lists them",
@@ -181,7 +184,8 @@ void register_simulate(CLI::App& app, const Globals& globals, Run& run) {
   text("--expect", options->expect,
        "What was to be cut: a sheet-NN.svg, or a pattern (.fold, .svg, .json) with --plan", "FILE");
   text("--plan", options->plan, "The plan.json that says where the pattern lies", "FILE");
-  command->add_option("--sheet", options->sheet, "Which sheet of the plan, from 1")
+  whole_number(command->add_option("--sheet", options->sheet, "Which sheet of the plan, from 1"), 1,
+               10'000)
       ->option_text("N [1]");
   command->callback([options, &globals, &run] {
     run = [options, &globals] { return run_simulate(*options, globals); };

@@ -14,6 +14,7 @@
 #include "core/formats/svg_reader.hpp"
 #include "core/verify/verify.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/option_value.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/user_tables.hpp"
 
@@ -119,9 +120,9 @@ void register_verify(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("verify", kHelp);
   command->add_option("PATTERN", options->pattern, "A FOLD file or an SVG drawing")->required();
-  command
-      ->add_option("--dof", options->degrees_of_freedom,
-                   "Demand this many degrees of freedom; without it only 0 fails")
+  whole_number(command->add_option("--dof", options->degrees_of_freedom,
+                                   "Demand this many degrees of freedom; without it only 0 fails"),
+               0, 1'000'000)
       ->option_text("N");
   command
       ->add_option("--target", options->target, "Measure the fold vertices against a design spec")

@@ -13,6 +13,7 @@
 #include "core/deploy/pose_table.hpp"
 #include "core/deploy/poster.hpp"
 #include "daemon/cli/angles.hpp"
+#include "daemon/cli/option_value.hpp"
 #include "daemon/planning/design_files.hpp"
 
 namespace popcut::cli {
@@ -41,10 +42,20 @@ std::vector<double> drawn_angles(const std::vector<double>& psi_rad, std::size_t
   return angles;
 }
 
+Result<double> opening_angle(const char* option, const std::string& text) {
+  const auto angle = parse_angle(text);
+  if (!angle) return fail(ErrorKind::Usage, option, angle.error().detail);
+  if (*angle >= 0 && *angle <= std::numbers::pi) return *angle;
+  return fail(ErrorKind::Usage, option,
+              fmt::format("is \"{}\"; give an angle from 0 (shut) to pi (flat)", text));
+}
+
 }  // namespace
 
 void add_motion_options(CLI::App& command, MotionOptions& options) {
-  command.add_option("--frames", options.frames, "How many poses the meshes have, 1 to 10000")
+  whole_number(
+      command.add_option("--frames", options.frames, "How many poses the meshes have, 1 to 10000"),
+      1, 10'000)
       ->option_text("N [60]");
   options.from_option = command
                             .add_option("--from-psi", options.from_psi,
@@ -61,9 +72,9 @@ void add_motion_options(CLI::App& command, MotionOptions& options) {
 }
 
 Result<std::vector<double>> angles_of(const MotionOptions& options) {
-  const auto from = parse_angle(options.from_psi);
+  const auto from = opening_angle("--from-psi", options.from_psi);
   if (!from) return tl::unexpected(from.error());
-  const auto to = parse_angle(options.to_psi);
+  const auto to = opening_angle("--to-psi", options.to_psi);
   if (!to) return tl::unexpected(to.error());
   return opening_angles(*from, *to, options.frames);
 }
@@ -81,8 +92,8 @@ Result<double> thickness_of(const MotionOptions& options, double of_material_mm)
   constexpr double kLeastMm = 1e-3, kMostMm = 100;
   const auto mm = number(options.thickness);
   if (mm && *mm >= kLeastMm && *mm <= kMostMm) return *mm;
-  return fail(ErrorKind::Usage, "command line",
-              fmt::format("--thickness {} is no thickness; give {} to {} mm, or nothing for the "
+  return fail(ErrorKind::Usage, "--thickness",
+              fmt::format("is \"{}\"; give a number from {} to {} (mm), or nothing for the "
                           "material's",
                           options.thickness, kLeastMm, kMostMm));
 }

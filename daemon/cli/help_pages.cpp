@@ -51,6 +51,23 @@ std::string bash_value(const OptionWords& option) {
   }
 }
 
+/// Which argument is under way: words that are neither options nor their values are counted.
+std::string bash_positionals(const CommandWords& command) {
+  std::string out, valued;
+  for (const OptionWords& option : command.options)
+    if (option.kind != WordKind::None)
+      valued += (valued.empty() ? "" : "|") + fmt::format("{}", fmt::join(option.names, "|"));
+  out +=
+      "  local k n=0\n  for ((k = depth; k < cword; k++)); do\n"
+      "    [[ ${words[k]} == -* ]] && continue\n";
+  if (!valued.empty())
+    out += fmt::format("    [[ ${{words[k-1]}} == @({}) ]] && continue\n", valued);
+  out += "    n=$((n+1))\n  done\n  case $n in\n";
+  for (std::size_t k = 0; k < command.positionals.size(); ++k)
+    out += fmt::format("    {}) {} ;;\n", k, bash_value(command.positionals[k]));
+  return out + "    *) COMPREPLY=() ;;\n  esac\n";
+}
+
 void bash_command(const CommandWords& command, std::string& out) {
   for (const CommandWords& one : command.commands) bash_command(one, out);
   std::string flags;
@@ -76,7 +93,7 @@ void bash_command(const CommandWords& command, std::string& out) {
     out += fmt::format("  COMPREPLY=($(compgen -W {} -- \"$cur\"))\n",
                        shell_quoted(names_of(command.commands)));
   else if (!command.positionals.empty())
-    out += fmt::format("  {}\n", bash_value(command.positionals.front()));
+    out += bash_positionals(command);
   else
     out += "  COMPREPLY=()\n";
   out += "}\n";
@@ -86,8 +103,27 @@ std::string bash_page(const CommandWords& program) {
   std::string out = fmt::format("# bash completion for {}; made from its help.\n", program.path);
   bash_command(program, out);
   out += fmt::format(
-      "{0}_start() {{\n  local cur=${{COMP_WORDS[COMP_CWORD]}} prev=${{COMP_WORDS[COMP_CWORD-1]}}\n"
-      "  local words=(\"${{COMP_WORDS[@]}}\") cword=$COMP_CWORD depth=1\n  {0}\n}}\n"
+      "{0}_start() {{\n"
+      "  # bash divides words at ':' and '='; here sim:cameo3 is one, and the common options "
+      "none.\n"
+      "  local words=() word glue= k\n"
+      "  for ((k = 0; k <= COMP_CWORD; k++)); do\n"
+      "    word=${{COMP_WORDS[k]}}\n"
+      "    if ((k < COMP_CWORD)); then\n"
+      "      case $word in -q|-v|--quiet|--verbose|--json|=) continue ;; esac\n"
+      "    fi\n"
+      "    [[ $word == = ]] && word=\n"
+      "    if [[ ${{#words[@]}} -gt 1 && ( $glue || $word == :* ) ]]; then\n"
+      "      words[${{#words[@]}}-1]+=$word\n"
+      "    else\n      words+=(\"$word\")\n    fi\n"
+      "    [[ $word == *: ]] && glue=1 || glue=\n"
+      "  done\n"
+      "  local cword=$((${{#words[@]}}-1)) depth=1\n"
+      "  local cur=${{words[cword]}} prev=${{words[cword-1]}}\n"
+      "  {0}\n"
+      "  if [[ $cur == *:* && $COMP_WORDBREAKS == *:* ]]; then\n"
+      "    COMPREPLY=(\"${{COMPREPLY[@]#\"${{cur%\"${{cur##*:}}\"}}\"}}\")\n"
+      "  fi\n}}\n"
       "complete -F {0}_start {1}\n",
       function_of(program.path), program.path);
   return out;
@@ -159,7 +195,7 @@ std::string zsh_action(const OptionWords& option) {
     case WordKind::Words:
       return "(" + joined(option.words) + ")";
     case WordKind::Command:
-      return "{_values word ${(f)\"$(" + option.words.front() + ")\"}}";
+      return "{compadd -- ${(f)\"$(" + option.words.front() + ")\"}}";
     default:
       return " ";
   }

@@ -8,6 +8,10 @@
 namespace popcut::cli {
 namespace {
 
+// Lines of devices alone begin with a word and a colon.
+constexpr const char* kDevices =
+    "popcut devices 2>/dev/null | grep '^[a-z]*:' | cut -d' ' -f1 | sort -u";
+
 /// What prints the words for a value of this name.
 const std::map<std::string, std::string>& printers() {
   static const std::map<std::string, std::string> kPrinters{
@@ -15,8 +19,9 @@ const std::map<std::string, std::string>& printers() {
       {"--treat-as", "popcut machines 2>/dev/null | cut -d' ' -f1"},
       {"--sim", "popcut machines 2>/dev/null | cut -d' ' -f1"},
       {"--material", "popcut materials 2>/dev/null | cut -d' ' -f1"},
-      {"--device", "popcut devices 2>/dev/null | cut -d' ' -f1"},
-      {"DEVICE", "popcut devices 2>/dev/null | cut -d' ' -f1"},
+      {"--device", kDevices},
+      {"DEVICE", kDevices},
+      {"--example", "popcut design --list | cut -d' ' -f1"},
       {"JOB", "popcut jobs -q 2>/dev/null | grep -v '^ ' | cut -d' ' -f1"},
       {"--job", "popcut jobs -q 2>/dev/null | grep -v '^ ' | cut -d' ' -f1"},
       {"--before", "popcut jobs -q 2>/dev/null | grep -v '^ ' | cut -d' ' -f1"}};

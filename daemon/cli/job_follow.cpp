@@ -53,7 +53,7 @@ class Teller {
     if (key != told_ && !globals_.quiet) {
       bar_.clear();
       fmt::print(stderr, "{}: {}\n", job_title(job), job_summary(job));
-      for (const std::string& line : waits) fmt::print(stderr, "  -> {}\n", line);
+      for (const std::string& line : waiting_lines(waits, 2)) fmt::print(stderr, "{}\n", line);
     }
     told_ = key;
     const double part = part_done(job);

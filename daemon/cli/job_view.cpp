@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/shown_text.hpp"
+#include "daemon/cli/terminal_text.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -82,15 +83,14 @@ void interrupted_ways(const Json& job, std::vector<std::string>& lines) {
   const std::string reason = text_of(job, "reason");
   lines.push_back(fmt::format("sheet {} was interrupted{}{}; {}: look at it, then one of", sheet,
                               reason.empty() ? "" : " by ", reason, doubt_text(job)));
-  if (may(job, "retry-sheet"))
-    lines.push_back(
-        fmt::format("  popcut retry {} {}          # again, on a new sheet", id, sheet));
-  if (may(job, "resume-from"))
-    lines.push_back(fmt::format("  popcut resume {} --from PATH  # go on, on the same sheet", id));
-  if (may(job, "confirm-result"))
-    lines.push_back(
-        fmt::format("  popcut confirm {} {} good   # it is whole after all", id, sheet));
-  if (may(job, "cancel")) lines.push_back(fmt::format("  popcut cancel {}", id));
+  const auto add = [&](const char* action, const std::string& command, const char* what) {
+    if (may(job, action)) lines.push_back(fmt::format("  {:<41}{}", command, what));
+  };
+  add("retry-sheet", fmt::format("popcut retry {} {}", id, sheet), "# again, on a new sheet");
+  add("resume-from", fmt::format("popcut resume {} --from PATH", id), "# go on, on the same sheet");
+  add("confirm-result", fmt::format("popcut confirm {} {} good", id, sheet),
+      "# it is whole after all");
+  add("cancel", fmt::format("popcut cancel {}", id), "# end the job");
 }
 
 int rank(const Json& job) {
@@ -118,33 +118,52 @@ std::string ranges_of(const Json& ledger, const char* key) {
 std::string bar(double part) {
   constexpr int kCells = 16;
   const int full = static_cast<int>(std::clamp(part, 0.0, 1.0) * kCells);
-  return fmt::format("[{}{}] {:3.0f} %", std::string(static_cast<std::size_t>(full), '#'),
-                     std::string(static_cast<std::size_t>(kCells - full), '.'), 100 * part);
+  return fmt::format("[{}{}]", std::string(static_cast<std::size_t>(full), '#'),
+                     std::string(static_cast<std::size_t>(kCells - full), '.'));
 }
 
-std::string view_line(const Json& job) {
-  std::string line =
-      fmt::format("{:<{}}  {:<20} {:<12} {:<14}", short_id(job), kShortId,
-                  fitted(text_of(job, "name"), 20), text_of(job, "state"), sheet_text(job));
+/// The columns of a job's line, widest first: with a bar, without it, and close together.
+std::vector<std::string> view_line(const Json& job, std::size_t width) {
+  constexpr std::size_t kNarrow = 72;
   const double part = part_done(job);
-  if (part >= 0) line += fmt::format(" {}  {} left", bar(part), clock_text(seconds_left(job)));
-  if (!text_of(job, "device").empty()) line += "  on " + text_of(job, "device");
-  if (is_held(job)) line += "  held";
-  if (has_ended(job) && !text_of(job, "reason").empty()) line += "  " + text_of(job, "reason");
-  return line;
+  std::string far, rest;
+  if (part >= 0) far = fmt::format("{:3.0f} %  {} left", 100 * part, clock_text(seconds_left(job)));
+  if (!text_of(job, "device").empty()) rest += "  on " + text_of(job, "device");
+  if (const std::int64_t priority = whole_of(job, "priority"); priority != 0 && !has_ended(job))
+    rest += fmt::format("  priority {}", priority);
+  if (is_held(job)) rest += "  held";
+  if (has_ended(job) && !text_of(job, "reason").empty()) rest += "  " + text_of(job, "reason");
+  const std::string name = text_of(job, "name"), state = text_of(job, "state");
+  if (width < kNarrow) {
+    std::string close = short_id(job);
+    for (const std::string& word : {fitted(name, 20), state, sheet_text(job), far})
+      if (!word.empty()) close += "  " + word;
+    return wrapped(close + rest, width, 2);
+  }
+  const std::string begin =
+      fmt::format("{}  {} {} {}", padded(short_id(job), kShortId), padded(name, 20),
+                  padded(state, 12), padded(sheet_text(job), 14));
+  std::string line = begin + (part >= 0 ? fmt::format(" {} {}", bar(part), far) : "") + rest;
+  if (columns_of(line) > width) line = begin + (part >= 0 ? " " + far : "") + rest;
+  line.resize(line.find_last_not_of(' ') + 1);
+  return wrapped(line, width, kShortId + 2);
+}
+
+/// Of a job that has ended no sheet is still waiting or being cut.
+std::string sheet_state(const Json& job, const Json& sheet) {
+  const std::string state = text_of(sheet, "state");
+  if (!has_ended(job) || state == "done" || state == "skipped" || state == "bad") return state;
+  const bool begun = state == "cutting" || state == "paused" || state == "interrupted";
+  return begun ? "broken off" : "not cut";
+}
+
+std::string without_comment(std::string wait) {
+  wait.resize(std::min(wait.find(" # "), wait.size()));
+  wait.resize(wait.find_last_not_of(' ') + 1);
+  return wait;
 }
 
 }  // namespace
-
-std::string fitted(std::string text, std::size_t width) {
-  std::size_t columns = 0, at = 0;
-  for (; at < text.size(); ++at) {
-    if ((static_cast<unsigned char>(text[at]) & 0xC0) == 0x80) continue;
-    if (++columns > width) break;
-  }
-  text.resize(at);
-  return text;
-}
 
 std::string short_id(const Json& job) { return text_of(job, "id").substr(0, kShortId); }
 
@@ -217,6 +236,13 @@ std::vector<std::string> waiting_for(const Json& job) {
   return lines;
 }
 
+std::vector<std::string> waiting_lines(const std::vector<std::string>& waits, std::size_t indent) {
+  std::vector<std::string> lines;
+  for (const std::string& wait : waits)
+    lines.push_back(std::string(indent, ' ') + (wait.front() == ' ' ? "   " : "-> ") + wait);
+  return lines;
+}
+
 std::vector<std::string> jobs_view(const std::vector<Json>& jobs, const ViewStyle& style) {
   std::vector<const Json*> order;
   for (const Json& job : jobs)
@@ -225,10 +251,12 @@ std::vector<std::string> jobs_view(const std::vector<Json>& jobs, const ViewStyl
                    [](const Json* a, const Json* b) { return rank(*a) < rank(*b); });
   std::vector<std::string> lines;
   for (std::size_t k = 0; k < std::min(order.size(), kMostJobsShown); ++k) {
-    lines.push_back(fitted(view_line(*order[k]), style.width));
-    for (const std::string& wait : waiting_for(*order[k])) {
-      const std::string line = fitted("    -> " + wait, style.width);
-      lines.push_back(style.colour ? "\x1b[1m" + line + "\x1b[0m" : line);
+    for (std::string& line : view_line(*order[k], style.width)) lines.push_back(std::move(line));
+    const bool narrow = style.width < 60;
+    for (std::string& wait : waiting_lines(waiting_for(*order[k]), narrow ? 0 : 4)) {
+      if (narrow) wait = without_comment(std::move(wait));
+      for (const std::string& line : wrapped(wait, style.width, narrow ? 2 : 7))
+        lines.push_back(style.colour ? "\x1b[1m" + line + "\x1b[0m" : line);
     }
   }
   if (order.size() > kMostJobsShown)
@@ -246,6 +274,8 @@ std::vector<std::string> job_details(const Json& job, const std::vector<Json>& s
   add("name", text_of(job, "name"));
   add("state", job_summary(job));
   add("material", text_of(job, "material"));
+  if (const std::int64_t priority = whole_of(job, "priority"); priority != 0)
+    add("priority", fmt::format("{}", priority));
   add("note", text_of(job, "note"));
   add("design", text_of(job, "design"));
   add("plan", text_of(job, "plan"));
@@ -262,7 +292,7 @@ std::vector<std::string> job_details(const Json& job, const std::vector<Json>& s
     };
     lines.push_back(
         fmt::format("sheet {:<4} {:<12} {:.0f} paths, {:.0f} mm cut, {:.0f} mm of folds, about {}",
-                    whole_of(sheet, "sheet"), text_of(sheet, "state"), number("paths"),
+                    whole_of(sheet, "sheet"), sheet_state(job, sheet), number("paths"),
                     number("cut_mm"), number("fold_mm"), clock_text(number("seconds"))));
   }
   if (ledger)
@@ -271,7 +301,7 @@ std::vector<std::string> job_details(const Json& job, const std::vector<Json>& s
           std::pair{"not_sent", "not sent"}})
       if (const std::string ranges = ranges_of(*ledger, key); !ranges.empty())
         lines.push_back(fmt::format("paths {:<14} {}", what, ranges));
-  for (const std::string& wait : waiting_for(job)) lines.push_back("-> " + wait);
+  for (std::string& wait : waiting_lines(waiting_for(job), 0)) lines.push_back(std::move(wait));
   return lines;
 }
 

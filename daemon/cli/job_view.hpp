@@ -22,18 +22,19 @@ namespace popcut::cli {
 [[nodiscard]] std::string job_summary(const nlohmann::json& job);
 /// What waits for a person, each line with the command to type; none if nothing does.
 [[nodiscard]] std::vector<std::string> waiting_for(const nlohmann::json& job);
+/// What `waiting_for` says with an arrow before each thing, and the ways to choose from below it.
+[[nodiscard]] std::vector<std::string> waiting_lines(const std::vector<std::string>& waits,
+                                                     std::size_t indent);
 /// 0 to 1, of the current sheet; below 0 where nothing is being cut.
 [[nodiscard]] double part_done(const nlohmann::json& job);
 [[nodiscard]] bool has_ended(const nlohmann::json& job);
 
 struct ViewStyle {
-  std::size_t width{100};  ///< columns; longer lines are cut off
+  std::size_t width{120};  ///< columns; longer lines go on in the next one
   bool colour{false};
 };
-/// Cut to `width` columns; a character of several bytes is never cut through.
-[[nodiscard]] std::string fitted(std::string text, std::size_t width);
 /// The live view: a line a job, below it what it waits for. Jobs of a running knife first, then
-/// those that wait for a person, then the queue.
+/// those that wait for a person, then the queue; among themselves in the order that is given.
 [[nodiscard]] std::vector<std::string> jobs_view(const std::vector<nlohmann::json>& jobs,
                                                  const ViewStyle& style);
 /// One job in full: `key: value` lines; with the ledger of its sheet, what became of its paths.

@@ -4,7 +4,7 @@
 #include <malloc.h>
 #endif
 
-#include <cctype>
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -12,12 +12,15 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 
 #include "core/shown_text.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/help_pages.hpp"
+#include "daemon/cli/terminal_text.hpp"
+#include "daemon/cli/usage_error.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -46,8 +49,20 @@ constexpr const char* kFooter =
     "did\n"
     "not hold; 7 output not written.";
 
-/// The commands one line each; each explains itself.
+/// The commands one line each; each explains itself. What options mean keeps to the terminal.
 class ShortHelp : public CLI::Formatter {
+  std::string make_usage(const CLI::App* app, std::string name) const override {
+    return "\n" + CLI::Formatter::make_usage(app, name);
+  }
+  std::string make_option_desc(const CLI::Option* option) const override {
+    constexpr std::size_t kMost = 100, kLeast = 60;
+    const std::size_t width = std::clamp(terminal_columns(STDOUT_FILENO, kMost), kLeast, kMost);
+    std::string what = option->get_description(), text;
+    std::replace(what.begin(), what.end(), '\n', ' ');
+    for (const std::string& line : wrapped(what, width - get_column_width(), 0))
+      text += (text.empty() ? "" : "\n") + line;
+    return text;
+  }
   std::string make_subcommand(const CLI::App* command) const override {
     const std::string what = command->get_description();
     const std::string line = "  " + command->get_name();
@@ -60,25 +75,6 @@ int report(const Error& error) {
   std::cout.flush();
   std::fprintf(stderr, "popcut: %s\n", shown_text(message(error)).c_str());
   return exit_code(error.kind);
-}
-
-/// The one line for a command line that CLI11 refused.
-Error usage_error(const CLI::App& app, const CLI::ParseError& refused) {
-  const auto chosen = app.get_subcommands();
-  const auto unknown = app.remaining();
-  if (chosen.empty() && !unknown.empty() && unknown.front().rfind('-', 0) != 0) {
-    std::string known;
-    for (const CLI::App* command : app.get_subcommands({})) known += " " + command->get_name();
-    return {ErrorKind::Usage, "command line",
-            "'" + unknown.front() + "' is not a command; the commands are:" + known};
-  }
-  std::string what = refused.what();
-  if (const auto end = what.find('\n'); end != std::string::npos) what.resize(end);
-  // The first word of a sentence, not a name in capitals.
-  const bool is_word = what.size() > 1 && (what[1] == ' ' || (what[1] >= 'a' && what[1] <= 'z'));
-  if (is_word) what[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(what[0])));
-  const std::string help = chosen.empty() ? "popcut" : "popcut " + chosen.front()->get_name();
-  return {ErrorKind::Usage, "command line", what + "; '" + help + " --help' lists what is right"};
 }
 
 /// 'popcut help-page bash|zsh|fish|man', for the build and for packages.
@@ -97,12 +93,15 @@ void add_help_pages(CLI::App& app, Run& run) {
   });
 }
 
+int unwritable() {
+  return report({ErrorKind::Unwritable, "standard output",
+                 "cannot be written; free some space or send it elsewhere"});
+}
+
 /// Nothing that went to standard output may be lost in silence (a full disk behind a `>`).
 int finish() {
   std::cout.flush();
-  if (std::cout && std::fflush(stdout) == 0) return 0;
-  return report({ErrorKind::Unwritable, "standard output",
-                 "cannot be written; free some space or send it elsewhere"});
+  return std::cout && std::fflush(stdout) == 0 ? 0 : unwritable();
 }
 
 int run(int argc, char** argv) {
@@ -144,6 +143,9 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a write past the file size limit fails like a full disk
   try {
     return popcut::cli::run(argc, argv);
+  } catch (const std::system_error& fault) {
+    if (std::ferror(stdout) != 0) return popcut::cli::unwritable();
+    std::fprintf(stderr, "popcut: internal fault: %s\n", fault.what());
   } catch (const std::exception& fault) {
     std::fprintf(stderr, "popcut: internal fault: %s\n", fault.what());
   } catch (...) {

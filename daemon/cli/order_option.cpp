@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <optional>
 
 #include <CLI/CLI.hpp>
 
+#include "daemon/cli/option_value.hpp"
 #include "daemon/cli/progress_bar.hpp"
 
 namespace popcut::cli {
@@ -44,12 +46,14 @@ void add_order_options(CLI::App& command, OrderWords& words) {
                   "Order of the strokes: quick, best (looks longer for a short way), or keep (as "
                   "drawn)")
       ->option_text("WORD [quick]");
-  command
-      .add_option("--effort", words.effort,
-                  "How long best looks: a factor of its moves, ended after a minute a unit")
+  real_number(
+      command.add_option("--effort", words.effort,
+                         "How long best looks: a factor of its moves, ended after a minute a unit"),
+      0.01, 1000)
       ->option_text("N [1]");
-  command
-      .add_option("--seed", words.seed, "Of the moves that best tries; the same, the same order")
+  whole_number(command.add_option("--seed", words.seed,
+                                  "Of the moves that best tries; the same, the same order"),
+               0, std::numeric_limits<std::int64_t>::max())
       ->option_text("N [1]");
   command.add_flag(
       "--mat-free", words.mat_free,

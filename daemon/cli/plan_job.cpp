@@ -6,6 +6,7 @@
 #include "daemon/cli/drawing_input.hpp"
 #include "daemon/cli/knife_option.hpp"
 #include "daemon/cli/mark_option.hpp"
+#include "daemon/cli/option_value.hpp"
 #include "daemon/cli/order_option.hpp"
 #include "daemon/cli/split_option.hpp"
 #include "daemon/cli/user_tables.hpp"
@@ -49,13 +50,14 @@ void add_plan_options(CLI::App& command, PlanJobOptions& options) {
   add_knife_options(command, options.knife);
   add_split_options(command, options.split);
   add_mark_options(command, options.marks);
-  command
-      .add_option("--curve-tolerance", options.curve_tolerance_mm,
-                  "How far a curve of a drawing may be from the lines that are cut, in mm")
+  real_number(
+      command.add_option("--curve-tolerance", options.curve_tolerance_mm,
+                         "How far a curve of a drawing may be from the lines that are cut, in mm"),
+      0.001, 1, "mm")
       ->option_text("MM [0.02]");
-  command
-      .add_option("--svg-dpi", options.svg_dpi,
-                  "Units (px) of an SVG to the inch; 72 for old Illustrator files")
+  real_number(command.add_option("--svg-dpi", options.svg_dpi,
+                                 "Units (px) of an SVG to the inch; 72 for old Illustrator files"),
+              1, 10'000)
       ->option_text("N [96]");
   command.add_flag("--clip", options.clip,
                    "Cut off what lies outside of the area instead of refusing");

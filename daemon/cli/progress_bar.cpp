@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "daemon/cli/terminal_text.hpp"
+
 namespace popcut::cli {
 
 using std::chrono::steady_clock;
@@ -29,18 +31,33 @@ void ProgressBar::show(std::string_view what, double done, double seconds_left) 
   if (!wanted_ || too_early || (drawn_ && now - last_ < std::chrono::milliseconds(100))) return;
   drawn_ = true;
   last_ = now;
-  fmt::print(stderr, "\r{}\x1b[K", progress_line(what, done, seconds_left));
+  // One column is left free: a full line would break on some terminals.
+  const std::size_t width = terminal_columns(STDERR_FILENO, 80) - 1;
+  fmt::print(stderr, "\r{}\x1b[K", progress_line(what, done, seconds_left, width));
   std::fflush(stderr);
 }
 
-std::string progress_line(std::string_view what, double done, double seconds_left) {
-  constexpr int kWidth = 24;
+std::string progress_line(std::string_view what, double done, double seconds_left,
+                          std::size_t width) {
+  constexpr std::size_t kMostCells = 24, kLeastCells = 6, kFrame = 3;
   const double part = std::isfinite(done) ? std::clamp(done, 0.0, 1.0) : 0.0;
-  const auto filled = static_cast<std::size_t>(part * kWidth);
   const double left = std::isfinite(seconds_left) ? std::clamp(seconds_left, 0.0, 359999.0) : 0.0;
   const auto whole = static_cast<long>(std::ceil(left));
-  return fmt::format("[{}{}] {}, {}:{:02} left", std::string(filled, '#'),
-                     std::string(kWidth - filled, '.'), what, whole / 60, whole % 60);
+  const std::string time = fmt::format("{}:{:02} left", whole / 60, whole % 60);
+  const std::string words = fmt::format("{}, {}", what, time);
+  // Where there is little room the bar gives way first, then the words, and the time last.
+  const std::size_t need = columns_of(words) + kFrame;
+  if (need + kLeastCells > width) {
+    if (need <= width + kFrame) return words;
+    if (time.size() + kFrame > width) return fitted(time, width);
+    std::string begin = fitted(std::string(what), width - time.size() - 2);
+    begin.resize(begin.find_last_not_of(" ,") + 1);
+    return begin + (begin.empty() ? "" : ", ") + time;
+  }
+  const std::size_t cells = std::min(kMostCells, width - need);
+  const auto filled = static_cast<std::size_t>(part * static_cast<double>(cells));
+  return fmt::format("[{}{}] {}", std::string(filled, '#'), std::string(cells - filled, '.'),
+                     words);
 }
 
 }  // namespace popcut::cli

@@ -28,7 +28,9 @@ class ProgressBar {
   std::chrono::steady_clock::time_point begun_, last_;
 };
 
-/// "[#####.....] cutting, stroke 12 of 480, 1:20 left", without the line's end.
-[[nodiscard]] std::string progress_line(std::string_view what, double done, double seconds_left);
+/// "[#####.....] cutting, stroke 12 of 480, 1:20 left" in at most `width` columns, without the
+/// line's end: what does not fit is left out, the time last.
+[[nodiscard]] std::string progress_line(std::string_view what, double done, double seconds_left,
+                                        std::size_t width = 1000);
 
 }  // namespace popcut::cli

@@ -94,9 +94,10 @@ Result<Api> Api::from_environment() {
   return Api(HttpClient(std::move(*where), std::move(*token)));
 }
 
-Result<Json> Api::read(Result<HttpResponse> response, const std::string& place, Subject subject) {
+Result<Json> Api::read(Result<HttpResponse> response, const std::string& place, Subject subject,
+                       const Json* sent) {
   if (!response) return tl::unexpected(response.error());
-  if (response->status >= 300) return tl::unexpected(error_from(*response, place, subject));
+  if (response->status >= 300) return tl::unexpected(error_from(*response, place, subject, sent));
   if (response->body.empty()) return Json::object();
   auto json = parse_json(response->body, 64);
   if (json) return json;
@@ -121,7 +122,7 @@ Result<Json> Api::post(const std::string& target, const Json& body, const std::s
   const std::string text = body.dump(-1, ' ', false, Json::error_handler_t::replace);
   HttpRequest request{"POST", target, text, "application/json"};
   if (rev >= 0) request.headers.emplace_back("If-Match", fmt::format("\"{}\"", rev));
-  return read(http_.ask(std::move(request)), place);
+  return read(http_.ask(std::move(request)), place, Subject::CommandLine, &body);
 }
 
 Result<Json> Api::upload(const std::string& target, const std::string& bytes,
@@ -238,7 +239,7 @@ Result<Json> Api::patch(const Json& job, const Json& members) {
   const std::string id = id_of(job), text = members.dump(-1, ' ', false, kReplace);
   HttpRequest request{"PATCH", "/v1/jobs/" + id, text, "application/json"};
   request.headers.emplace_back("If-Match", fmt::format("\"{}\"", revision_of(job)));
-  return read(http_.ask(std::move(request)), "job " + id);
+  return read(http_.ask(std::move(request)), "job " + id, Subject::CommandLine, &members);
 }
 
 Result<bool> Api::has_page() {

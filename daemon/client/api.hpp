@@ -65,7 +65,8 @@ class Api {
 
  private:
   [[nodiscard]] Result<Json> read(Result<HttpResponse> response, const std::string& place,
-                                  Subject subject = Subject::CommandLine);
+                                  Subject subject = Subject::CommandLine,
+                                  const Json* sent = nullptr);
   HttpClient http_;
 };
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/client/problem_line.hpp"
 
+#include <algorithm>
+#include <string_view>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -31,8 +34,42 @@ std::string allowed(const Json& problem) {
   return words;
 }
 
+/// The member at a pointer without escapes.
+const Json* member_of(const Json& value, std::string_view pointer) {
+  const Json* at = &value;
+  while (!pointer.empty()) {
+    const std::size_t end = std::min(pointer.find('/', 1), pointer.size());
+    const auto found =
+        at->is_object() ? at->find(std::string(pointer.substr(1, end - 1))) : at->end();
+    if (found == at->end()) return nullptr;
+    at = &*found;
+    pointer.remove_prefix(end);
+  }
+  return at;
+}
+
+/// What was given at `pointer`: as popcutd repeats it, else as it was sent; "" if neither has it.
+std::string given(const Json& fault, const std::string& pointer, const Json* sent) {
+  constexpr std::size_t kMostShown = 60;
+  Json value = fault.value("got", Json());
+  if (value.is_null() && sent != nullptr && pointer.rfind('/', 0) == 0)
+    if (const Json* const member = member_of(*sent, pointer)) value = *member;
+  const std::string text =
+      value.is_null() ? "" : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return text.size() <= kMostShown ? text : "";
+}
+
+/// A value that was wrong on the command line. What an input holds, or what cannot be made of it,
+/// stays what it is.
+Error of_option(const Error& error, const std::string& option, const std::string& value) {
+  const bool is_wrong_value = option != "INPUT" && error.kind != ErrorKind::Infeasible;
+  const bool told = value.empty() || error.detail.find(value) != std::string::npos;
+  return {is_wrong_value ? ErrorKind::Usage : error.kind, option,
+          told ? error.detail : fmt::format("is {}; {}", value, error.detail)};
+}
+
 Error invalid(const Json& problem, const std::string& place, const std::string& detail,
-              Subject subject) {
+              Subject subject, const Json* sent) {
   Error error{ErrorKind::OutOfRange, place, detail};
   const auto list = problem.find("errors");
   if (list == problem.end() || !list->is_array() || list->empty() || !list->front().is_object())
@@ -48,7 +85,7 @@ Error invalid(const Json& problem, const std::string& place, const std::string& 
   if (subject == Subject::CommandLine) {
     error.detail = in_command_words(error.detail);
     if (const std::string option = option_for(pointer); !option.empty())
-      return {error.kind, option, error.detail};
+      return of_option(error, option, given(first, pointer, sent));
   }
   return pointer.empty() ? error : within(place, {error.kind, pointer, error.detail});
 }
@@ -65,7 +102,8 @@ Error conflict(const Json& problem, const std::string& place, std::string detail
 
 }  // namespace
 
-Error error_from(const HttpResponse& response, const std::string& place, Subject subject) {
+Error error_from(const HttpResponse& response, const std::string& place, Subject subject,
+                 const Json* sent) {
   const auto parsed = parse_json(response.body, 32);
   if (!parsed || !parsed->is_object())
     return {ErrorKind::Refused, place,
@@ -81,7 +119,7 @@ Error error_from(const HttpResponse& response, const std::string& place, Subject
                 "; put one in POPCUT_TOKEN ('popcut token create --role operator' makes one, on "
                 "the computer where popcutd runs)"};
   }
-  if (kind == "validation") return invalid(problem, place, detail, subject);
+  if (kind == "validation") return invalid(problem, place, detail, subject, sent);
   if (kind == "malformed-json") return {ErrorKind::Malformed, place, detail};
   if (kind == "too-large" || kind == "unsupported-media")
     return {ErrorKind::OutOfRange, place, detail};

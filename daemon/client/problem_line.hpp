@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "core/result.hpp"
 #include "daemon/client/http_client.hpp"
 
@@ -16,7 +18,9 @@ enum class Subject { CommandLine, File };
 /// line is named as it is typed there; a pointer into a file stays one.
 ///
 /// @param place  what the request was about ("sphere.json", "job 01J..."); stands before a pointer
+/// @param sent   the body that was sent, to say which value was wrong
 [[nodiscard]] Error error_from(const HttpResponse& response, const std::string& place,
-                               Subject subject = Subject::CommandLine);
+                               Subject subject = Subject::CommandLine,
+                               const nlohmann::json* sent = nullptr);
 
 }  // namespace popcut::client

@@ -383,7 +383,9 @@ Answer<Job> JobBook::move(const Principal& who, const std::string& id, const std
     Database& db = parts_.memory.db();
     if (before.empty()) {
       row->position = jobs_.last_position() + kPositionStep;
-    } else if (before != id) {
+    } else {
+      if (before == id)
+        return tl::unexpected(wrong("/before", "value", "must be another job than the one moved"));
       const Answer<JobRow> next = this->row(before);
       if (!next) return tl::unexpected(wrong("/before", "unknown", "must be the id of a job"));
       if (next->priority != row->priority || is_terminal(next->state))

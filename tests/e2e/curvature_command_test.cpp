@@ -114,6 +114,8 @@ TEST_CASE("curvature solve names the assembly or what is nearest", "[cli][e2e][c
   const Ran saddle = popcut_in(folder, {"curvature", "solve", "--K", "-1"});
   CHECK(saddle.exit == 0);
   CHECK(saddle.out.find("r = 2.692505") != std::string::npos);
+  const Ran usual = popcut_in(folder, {"curvature", "solve", "--phi", "--K", "-1"});
+  CHECK(usual.out == saddle.out);  // --phi alone is pi/4
   CHECK(saddle.out.find("lambda >= 1.970045 or lambda <= 0.029955") != std::string::npos);
   const Ran both = popcut_in(folder, {"curvature", "solve", "--K", "-1", "--H", "0", "--json"});
   CHECK(json::parse(both.out)["lambda"].get<double>() == Approx(1.970045).margin(1e-6));

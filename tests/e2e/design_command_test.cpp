@@ -67,7 +67,7 @@ TEST_CASE("every shipped example becomes a pattern with one freedom", "[cli][e2e
 TEST_CASE("an example is printed as it is shipped", "[cli][e2e][design]") {
   const Bench bench;
   CHECK(bench.design({"--example", "sphere"}).out == text_of_file(kExamples + "sphere.json"));
-  check_refused(bench.design({"--example", "teapot"}), 2, "command line: 'teapot'");
+  check_refused(bench.design({"--example", "teapot"}), 2, "--example: 'teapot'");
 }
 
 TEST_CASE("the schema is a JSON document", "[cli][e2e][design]") {
@@ -141,14 +141,24 @@ TEST_CASE("fold frames are the poses that were asked for", "[cli][e2e][design]")
   CHECK(fold["file_frames"][1]["frame_popcut:psi_rad"] == 0.25);
 }
 
+TEST_CASE("the list of examples is JSON where that is asked for", "[cli][e2e][design]") {
+  const Bench bench;
+  const Ran ran = bench.design({"--list", "--json"});
+  CHECK(ran.exit == 0);
+  const json list = json::parse(ran.out)["examples"];
+  CHECK(list.size() >= 9);
+  CHECK(list[3]["name"] == "sphere");
+  CHECK_FALSE(list[3]["what"].get<std::string>().empty());
+}
+
 TEST_CASE("a wrong design command is exit code 2", "[cli][e2e][design]") {
   const Bench bench;
   const std::string spec = kExamples + "unit.json";
   check_refused(bench.design({}), 2, "command line: SPEC.json is missing");
   check_refused(bench.design({spec}), 2, "command line: -o DIR is missing");
-  check_refused(bench.design({spec, "-o"}), 2, "command line: ");
-  check_refused(bench.design({spec, "-o", "x", "--formats", "fold,dwg"}), 2, "command line: 'dwg'");
-  check_refused(bench.design({spec, "-o", "x", "--fold-frames", "4"}), 2, "command line: '4'");
+  check_refused(bench.design({spec, "-o"}), 2, "--output: stands without its value");
+  check_refused(bench.design({spec, "-o", "x", "--formats", "fold,dwg"}), 2, "--formats: 'dwg'");
+  check_refused(bench.design({spec, "-o", "x", "--fold-frames", "4"}), 2, "--fold-frames: '4'");
   check_refused(bench.design({spec, "-o", "x", "--wat"}), 2, "command line: ");
   check_refused(bench.design({spec, "more", "-o", "x"}), 2, "command line: ");
   CHECK(files_below(bench.temp.path()).empty());

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <csignal>
@@ -143,7 +144,7 @@ TEST_CASE("a test cut goes through popcutd with a person at each step", "[popcut
   Desk desk;
   desk.open();
   CHECK(desk.popcut({"cut", "--test", "--copies", "2"}).exit == 2);
-  CHECK(desk.popcut({"cut", "--test", "--material", "papier"}).exit == 3);
+  CHECK(desk.popcut({"cut", "--test", "--material", "papier"}).exit == 2);
   const std::string id = desk.queue({"--test", "--material", "pp-150"});
   REQUIRE(desk.comes_to(id, "ready"));
   CHECK(desk.job(id)["material"] == "pp-150");
@@ -159,8 +160,8 @@ TEST_CASE("a refusal says what to type", "[popcutd][cli]") {
   Desk desk;
   desk.open();
   const Ran mat = desk.popcut({"cut", kUnit, "--device", "sim:cameo33"});
-  CHECK(mat.exit == 3);
-  CHECK(says(mat.err, "popcut: --device: did you mean sim:cameo3"));
+  CHECK(mat.exit == 2);
+  CHECK(says(mat.err, "popcut: --device: is \"sim:cameo33\"; did you mean sim:cameo3"));
   const std::string first = desk.queue(), second = desk.queue();
   REQUIRE(desk.comes_to(first, "ready"));
   REQUIRE(desk.comes_to(second, "ready"));
@@ -198,6 +199,34 @@ TEST_CASE("a refusal says what to type", "[popcutd][cli]") {
       Json::parse(desk.popcut({"events", "--after", "1", "--limit", "2", "--json"}).out);
   CHECK(some["items"][0]["seq"] == 2);
   CHECK(some["items"].size() == 2);
+}
+
+TEST_CASE("jobs are listed in the order of the queue", "[popcutd][cli]") {
+  Desk desk;
+  desk.open();
+  std::vector<std::string> ids;
+  for (int k = 0; k < 3; ++k) {
+    ids.push_back(desk.queue());
+    REQUIRE(desk.comes_to(ids.back(), "ready"));
+  }
+  const auto listed = [&] {
+    const std::string text = desk.popcut({"jobs"}).out;
+    std::vector<std::string> order = ids;
+    std::sort(order.begin(), order.end(), [&](const std::string& a, const std::string& b) {
+      return text.find(a.substr(0, 12)) < text.find(b.substr(0, 12));
+    });
+    return order;
+  };
+  CHECK(listed() == ids);
+  const Ran moved = desk.must({"move", ids[2], "--before", ids[0]});
+  CHECK(says(moved.err, "comes before " + ids[0]));
+  CHECK(listed() == std::vector{ids[2], ids[0], ids[1]});
+  CHECK(says(desk.must({"move", ids[2]}).err, "comes last of those of its priority"));
+  CHECK(listed() == ids);
+  const Ran itself = desk.popcut({"move", ids[1], "--before", ids[1]});
+  CHECK(itself.exit == 2);
+  CHECK(says(itself.err, "popcut: --before: " + ids[1] + " is the job that is to be moved"));
+  CHECK(listed() == ids);
 }
 
 TEST_CASE("metrics have all their names and tell of nobody", "[popcutd][cli]") {

@@ -46,8 +46,17 @@ ask popcut tok
 ask popcut token c
 ask popcut token create --role op
 ask popcut cut sphere.json --wai
+ask popcut --json -q tok
+ask popcut confirm 01J 1 go
+ask popcut arm --blank 2 01J 1 x
+ask popcut design --example sph
+ask popcut cut --device sim : portrait4
+ask popcut cut --device = sim : portrait4
+ask popcut cut --device popcut
 ")
-execute_process(COMMAND bash ${FOLDER}/ask.sh OUTPUT_VARIABLE said ERROR_VARIABLE err)
-if(NOT said STREQUAL "token\ncreate\noperator\n--wait\n")
+get_filename_component(programs ${POPCUT} DIRECTORY)
+execute_process(COMMAND ${CMAKE_COMMAND} -E env "PATH=${programs}:$ENV{PATH}"
+                        "POPCUT_URL=unix:${FOLDER}/nobody.sock" bash ${FOLDER}/ask.sh OUTPUT_VARIABLE said ERROR_VARIABLE err)
+if(NOT said STREQUAL "token\ncreate\noperator\n--wait\ntoken\ngood\n\nsphere\nportrait4\nportrait4\n\n")
   message(FATAL_ERROR "bash completes: ${said}${err}")
 endif()

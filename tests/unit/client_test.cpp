@@ -124,6 +124,41 @@ TEST_CASE("a problem of popcutd is one line that says what is right", "[client]"
   CHECK(exit_code(error_from(infeasible, "a").kind) == 4);
 }
 
+TEST_CASE("a wrong value of an option is a wrong command line that repeats it", "[client]") {
+  const auto error = [](const char* fault, Subject subject, const nlohmann::json& sent) {
+    HttpResponse response;
+    response.status = 422;
+    response.body = std::string(R"({"type":"p/validation","errors":[)") + fault + "]}";
+    return error_from(response, "job 01J", subject, &sent);
+  };
+  const char* const sheet = R"({"pointer":"/sheet","code":"range","detail":"must be 1..9"})";
+  const Error wrong = error(sheet, Subject::CommandLine, {{"sheet", 12}});
+  CHECK(message(wrong) == "SHEET: is 12; must be 1..9");
+  CHECK(exit_code(wrong.kind) == 2);
+  // As popcutd repeats it, where it does; told once.
+  CHECK(message(error(R"({"pointer":"?state","detail":"must be states","got":"foo"})",
+                      Subject::CommandLine, nullptr)) == "--state: is \"foo\"; must be states");
+  CHECK(message(error(R"({"pointer":"/material","detail":"there is no material \"foo\""})",
+                      Subject::CommandLine, {{"material", "foo"}})) ==
+        "--material: there is no material \"foo\"");
+  CHECK(message(error(R"({"pointer":"/options/snap","detail":"no length"})", Subject::CommandLine,
+                      {{"options", {{"snap", "x"}}}})) == "--snap: is \"x\"; no length");
+  // What cannot be made, and what a file holds, is no wrong command line.
+  CHECK(exit_code(error(R"({"pointer":"/options/mat","code":"infeasible","detail":"too small"})",
+                        Subject::CommandLine, {{"options", {{"mat", "1x1"}}}})
+                      .kind) == 4);
+  CHECK(exit_code(error(R"({"pointer":"/design","code":"unknown","detail":"no"})",
+                        Subject::CommandLine, {{"design", "x"}})
+                      .kind) == 3);
+  CHECK(exit_code(error(sheet, Subject::File, {{"sheet", 12}}).kind) == 3);
+  // Whatever a server sends.
+  for (const char* pointer : {"/", "//", "/sheet/x", "/sheet~", "?", "/options/", "/sheet/"})
+    CHECK_FALSE(
+        message(error((R"({"detail":"no","pointer":")" + std::string(pointer) + "\"}").c_str(),
+                      Subject::CommandLine, {{"sheet", {1, 2}}}))
+            .empty());
+}
+
 TEST_CASE("a problem speaks of what is typed and not of JSON", "[client]") {
   CHECK(
       told(

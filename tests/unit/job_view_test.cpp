@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: MIT
+#include <pwd.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <string>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
 #include "daemon/cli/job_view.hpp"
+#include "daemon/cli/person_name.hpp"
+#include "daemon/cli/progress_bar.hpp"
+#include "daemon/cli/terminal_text.hpp"
 
 using namespace popcut::cli;
 using Json = nlohmann::json;
@@ -95,4 +102,117 @@ TEST_CASE("the view stands whatever it is given", "[cli][jobs]") {
   Json wide = job("cutting");
   wide["name"] = "\xC3\xA9\xC3\xA9\xC3\xA9";
   for (const std::string& line : jobs_view({wide}, {15, false})) CHECK(line.size() <= 18);
+}
+
+TEST_CASE("a sheet that goes on says to leave it where it is", "[cli][jobs]") {
+  Json again = job("ready");
+  again["actions"] = {"arm"};
+  again["segment"] = 2;
+  again["attention"] = {{"kind", "load_sheet"}, {"text", "leave sheet 2 of 3 where it is"}};
+  CHECK(joined(waiting_for(again)) ==
+        "leave sheet 2 of 3 where it is: popcut arm 01JDX7KQ4M8Z 2\n");
+  again["segment"] = 1;
+  CHECK(joined(waiting_for(again)).find("load sheet 2 of 3 into sim:cameo3") == 0);
+}
+
+TEST_CASE("no command to type is cut off where the terminal is narrow", "[cli][jobs]") {
+  Json interrupted = job("interrupted"), ready = job("ready"), cutting = job("cutting");
+  interrupted["actions"] = {"retry-sheet", "resume-from", "confirm-result", "cancel"};
+  ready["actions"] = {"arm"};
+  cutting["name"] = "\xE5\x90\x8D\xE5\x89\x8D\xE5\x90\x8D\xE5\x89\x8D";  // two columns each
+  for (const std::size_t width : {30u, 40u, 60u, 80u, 120u}) {
+    CAPTURE(width);
+    const auto lines = jobs_view({interrupted, ready, cutting}, {width, false});
+    std::string text;
+    for (const std::string& line : lines) {
+      CAPTURE(line);
+      CHECK(columns_of(line) <= width);
+      CHECK(line.find_last_not_of(' ') + 1 == line.size());
+      text += line.substr(line.find_first_not_of(' ')) + " ";
+    }
+    for (const char* part : {"popcut arm 01JDX7KQ4M8Z 2", "popcut retry 01JDX7KQ4M8Z 2",
+                             "popcut resume 01JDX7KQ4M8Z --from PATH", "25 %", "1:20 left"})
+      CHECK(text.find(part) != std::string::npos);
+    if (width >= 40) {
+      const auto whole = [](const std::string& line) {
+        return line.find("popcut arm 01JDX7KQ4M8Z 2") != std::string::npos;
+      };
+      CHECK(std::any_of(lines.begin(), lines.end(), whole));  // in one line, to be copied
+    }
+  }
+}
+
+TEST_CASE("the ways out of an interruption stand one below the other", "[cli][jobs]") {
+  Json interrupted = job("interrupted");
+  interrupted["actions"] = {"retry-sheet", "resume-from", "confirm-result", "cancel"};
+  const auto lines = waiting_lines(waiting_for(interrupted), 2);
+  REQUIRE(lines.size() == 5);
+  CHECK(lines[0].rfind("  -> sheet 2", 0) == 0);
+  for (std::size_t k = 1; k < lines.size(); ++k) {
+    CAPTURE(lines[k]);
+    CHECK(lines[k].rfind("       popcut ", 0) == 0);
+    CHECK(lines[k].find('#') == lines[1].find('#'));
+  }
+}
+
+TEST_CASE("of a cancelled job no sheet is shown as being cut", "[cli][jobs]") {
+  const std::vector<Json> sheets{{{"sheet", 1}, {"state", "done"}},
+                                 {{"sheet", 2}, {"state", "cutting"}},
+                                 {{"sheet", 3}, {"state", "waiting"}}};
+  const std::string ended = joined(job_details(job("cancelled"), sheets));
+  CHECK(ended.find("sheet 1    done") != std::string::npos);
+  CHECK(ended.find("sheet 2    broken off") != std::string::npos);
+  CHECK(ended.find("sheet 3    not cut") != std::string::npos);
+  const std::string going = joined(job_details(job("cutting"), sheets));
+  CHECK(going.find("sheet 2    cutting") != std::string::npos);
+  CHECK(going.find("sheet 3    waiting") != std::string::npos);
+}
+
+TEST_CASE("a priority is shown where a job has one", "[cli][jobs]") {
+  Json urgent = job("queued");
+  CHECK(joined(jobs_view({urgent}, {})).find("priority") == std::string::npos);
+  urgent["priority"] = 7;
+  CHECK(joined(jobs_view({urgent}, {})).find("priority 7") != std::string::npos);
+  CHECK(joined(job_details(urgent, {})).find("priority   7") != std::string::npos);
+}
+
+TEST_CASE("the columns of a line are those that a terminal shows", "[cli]") {
+  CHECK(columns_of("abc") == 3);
+  CHECK(columns_of("\xC3\xA9") == 1);
+  CHECK(columns_of("e\xCC\x81") == 1);         // a mark on the letter before
+  CHECK(columns_of("\xE5\x90\x8D") == 2);      // CJK
+  CHECK(columns_of("\xF0\x9F\x98\x80") == 2);  // emoji
+  CHECK(columns_of("\xFF\xC3") == 2);          // no UTF-8
+  CHECK(fitted("a\xE5\x90\x8D", 2) == "a");
+  CHECK(padded("\xE5\x90\x8D", 4) == "\xE5\x90\x8D  ");
+  CHECK(padded("abcdef", 4) == "abcd");
+  CHECK(wrapped("short", 10, 2) == std::vector<std::string>{"short"});
+  CHECK(wrapped("one two three", 7, 2) == std::vector<std::string>{"one two", "  three"});
+  CHECK(wrapped("abcdefghij", 4, 1) == std::vector<std::string>{"abcd", " efg", " hij"});
+  for (std::size_t width = 0; width < 6; ++width)
+    CHECK_FALSE(wrapped("\xE5\x90\x8D\xE5\x90\x8D x", width, 2).empty());
+}
+
+TEST_CASE("a progress line keeps to the width of the terminal", "[cli]") {
+  const std::string what = "cutting, sheet 1 of 1, path 11 of 378, on sim:cameo3";
+  CHECK(progress_line("planning", 0.5, 61) == "[############............] planning, 1:01 left");
+  for (std::size_t width = 4; width < 120; ++width) {
+    CAPTURE(width);
+    const std::string line = progress_line(what, 0.5, 229, width);
+    CHECK(columns_of(line) <= width);
+    if (width >= 10) CHECK(line.find("3:49 left") != std::string::npos);
+    CHECK(line.find(", ,") == std::string::npos);
+    CHECK(line.find(",,") == std::string::npos);
+    if (width >= 80) CHECK(line.find(what) != std::string::npos);
+  }
+}
+
+TEST_CASE("a person is named where this computer knows them", "[cli][jobs]") {
+  CHECK(person_name("token:workshop") == "token:workshop");
+  CHECK(person_name("uid:") == "uid:");
+  CHECK(person_name("uid:1x") == "uid:1x");
+  CHECK(person_name("uid:99999999999999") == "uid:99999999999999");
+  const passwd* const me = ::getpwuid(::getuid());
+  const std::string id = "uid:" + std::to_string(::getuid());
+  CHECK(person_name(id) == (me == nullptr ? id : std::string(me->pw_name) + " (" + id + ")"));
 }

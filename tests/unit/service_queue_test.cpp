@@ -179,6 +179,7 @@ TEST_CASE("the queue goes by priority and by the order that people give it", "[d
   REQUIRE(move(c.id, ""));
   CHECK(queue(bench) == std::vector{d.id, b.id, a.id, c.id});
   CHECK_FALSE(move(a.id, d.id));
+  CHECK(move(a.id, a.id).error().errors.front().pointer == "/before");
   CHECK_FALSE(move(a.id, "nobody"));
   CHECK(bench.on([&](JobService& s) { return s.move(bench.student, a.id, "").error().kind; }) ==
         ProblemKind::Forbidden);

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class Option;
+}
+
+namespace popcut::cli {
+
+/// What an option's value must be, checked while the command line is read: anything else is a wrong
+/// command line (exit 2) whose message has the option, the value and what would be right.
+/// A value that is lawful in itself and does not fit an input is told later, as a fault of the two
+/// (exit 3 or 4). Each returns the option.
+
+/// A whole number from `least` to `most`.
+CLI::Option* whole_number(CLI::Option* option, std::int64_t least, std::int64_t most);
+/// A number from `least` to `most` in `unit` ("mm"; "" for a mere number).
+CLI::Option* real_number(CLI::Option* option, double least, double most, const char* unit = "");
+/// One of `words`; the help shows them as "a|b|c", with `usual` in brackets if there is one.
+CLI::Option* one_word(CLI::Option* option, const std::vector<std::string>& words,
+                      const std::string& usual = "");
+
+}  // namespace popcut::cli

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+// The jobs of the service that holds everything in memory, their queue and their devices.
+#include <fmt/format.h>
+
+#include "tests/support/fake_lookup.hpp"
+#include "tests/support/fake_service.hpp"
+
+namespace popcut::daemon {
+
+using namespace fake;
+
+Answer<Job> FakeService::create_job(const Principal& who, const JobCreate& wish) {
+  if (auto problem = trouble("create_job")) return tl::unexpected<Problem>(*problem);
+  last_create = wish;
+  ++made_jobs;
+  Job& job = add_job(JobState::Queued, who.name);
+  job.name = wish.name;
+  job.copies = wish.copies;
+  job.priority = wish.priority;
+  job.tags = wish.tags;
+  return changed(job);
+}
+
+Answer<Page<Job>> FakeService::jobs(const JobFilter& filter, const PageWish& wish) {
+  if (auto problem = trouble("jobs")) return tl::unexpected<Problem>(*problem);
+  last_filter = filter;
+  last_page = wish;
+  Page<Job> page;
+  for (const auto& [id, job] : job_map) {
+    bool is_wanted = filter.states.empty();
+    for (const JobState state : filter.states) is_wanted = is_wanted || state == job.state;
+    if (id <= wish.cursor || !is_wanted) continue;
+    if (static_cast<int>(page.items.size()) == wish.limit) {
+      page.next_cursor = page.items.back().id;
+      break;
+    }
+    page.items.push_back(job);
+  }
+  return page;
+}
+
+Answer<Job> FakeService::job(const std::string& id) {
+  if (auto problem = trouble("job")) return tl::unexpected<Problem>(*problem);
+  return find(job_map, id, "job");
+}
+
+Answer<std::vector<SheetRecord>> FakeService::sheets(const std::string& id) {
+  if (auto problem = trouble("sheets")) return tl::unexpected<Problem>(*problem);
+  const Answer<Job> found = find(job_map, id, "job");
+  if (!found) return tl::unexpected<Problem>(found.error());
+  std::vector<SheetRecord> out;
+  for (int k = 1; k <= found->sheets_total; ++k) {
+    SheetRecord sheet;
+    sheet.number = k;
+    sheet.state = k == 1 ? "ready" : "waiting";
+    sheet.plan.number = k;
+    sheet.plan.paths = 10;
+    sheet.plan.cut_mm = 100;
+    out.push_back(sheet);
+  }
+  return out;
+}
+
+Answer<Ledger> FakeService::ledger(const std::string& id, int sheet) {
+  if (auto problem = trouble("ledger")) return tl::unexpected<Problem>(*problem);
+  const Answer<Job> found = find(job_map, id, "job");
+  if (!found) return tl::unexpected<Problem>(found.error());
+  if (sheet > found->sheets_total) return nothing("the job has no such sheet");
+  Ledger ledger;
+  ledger.sheet = sheet;
+  ledger.certain_upto = 4;
+  ledger.certain = {{0, 4}};
+  ledger.in_doubt = {{5, 6}};
+  ledger.not_sent = {{7, 9}};
+  ledger.attempts.push_back({.id = id_of(1), .started = kNow, .operator_name = "uid:0"});
+  return ledger;
+}
+
+Answer<Job> FakeService::patch_job(const Principal&, const std::string& id, std::int64_t if_match,
+                                   const JobPatch& patch) {
+  if (auto problem = trouble("patch_job")) return tl::unexpected<Problem>(*problem);
+  last_patch = patch;
+  Job& job = job_map.at(id);
+  if (job.rev != if_match) {
+    Problem stale{ProblemKind::Stale, "it was changed meanwhile"};
+    stale.rev = job.rev;
+    return tl::unexpected<Problem>(stale);
+  }
+  if (patch.priority) job.priority = *patch.priority;
+  if (patch.name) job.name = *patch.name;
+  return changed(job);
+}
+
+Answer<Job> FakeService::act(const Principal& who, const std::string& id, std::int64_t if_match,
+                             const ActionWish& wish) {
+  if (auto problem = trouble("act")) return tl::unexpected<Problem>(*problem);
+  last_action = wish;
+  Job& job = job_map.at(id);
+  if (job.rev != if_match) {
+    Problem stale{ProblemKind::Stale, "it was changed meanwhile"};
+    stale.rev = job.rev;
+    stale.state = std::string(name_of(job.state));
+    stale.allowed_actions = job.actions;
+    return tl::unexpected<Problem>(stale);
+  }
+  if (is_terminal(job.state)) {
+    Problem conflict{ProblemKind::StateConflict, "the job has ended"};
+    conflict.state = std::string(name_of(job.state));
+    return tl::unexpected<Problem>(conflict);
+  }
+  static const std::map<JobAction, JobState> kLeadsTo{
+      {JobAction::Arm, JobState::Armed},      {JobAction::Disarm, JobState::Ready},
+      {JobAction::Start, JobState::Cutting},  {JobAction::Pause, JobState::Paused},
+      {JobAction::Resume, JobState::Cutting}, {JobAction::Cancel, JobState::Cancelled},
+  };
+  if (const auto next = kLeadsTo.find(wish.action); next != kLeadsTo.end())
+    job.state = next->second;
+  job.operator_name = who.name;
+  return changed(job);
+}
+
+Answer<void> FakeService::delete_job(const Principal&, const std::string& id) {
+  if (auto problem = trouble("delete_job")) return tl::unexpected<Problem>(*problem);
+  job_map.erase(id);
+  return {};
+}
+
+Answer<Page<Job>> FakeService::queue(const std::string& device, const PageWish& wish) {
+  note("queue");
+  last_page = wish;
+  Page<Job> page;
+  for (const auto& [id, job] : job_map) {
+    if (is_terminal(job.state) || (!device.empty() && job.device != device) || id <= wish.cursor)
+      continue;
+    if (page.items.size() == static_cast<std::size_t>(wish.limit)) {
+      page.next_cursor = page.items.back().id;
+      break;
+    }
+    page.items.push_back(job);
+  }
+  return page;
+}
+
+Answer<Job> FakeService::hold(const Principal&, const std::string& id, bool held) {
+  if (auto problem = trouble("hold")) return tl::unexpected<Problem>(*problem);
+  const auto found = job_map.find(id);
+  if (found == job_map.end()) return nothing("there is no such job");
+  found->second.held = held;
+  return changed(found->second);
+}
+
+Answer<Job> FakeService::move(const Principal&, const std::string& id, const std::string&) {
+  if (auto problem = trouble("move")) return tl::unexpected<Problem>(*problem);
+  return find(job_map, id, "job");
+}
+
+std::vector<DeviceRecord> FakeService::devices() {
+  note("devices");
+  std::vector<DeviceRecord> out;
+  for (const auto& [id, device] : device_map) out.push_back(device);
+  return out;
+}
+
+Answer<DeviceRecord> FakeService::device(const std::string& id) {
+  if (auto problem = trouble("device")) return tl::unexpected<Problem>(*problem);
+  return find(device_map, id, "device");
+}
+
+Answer<DeviceRecord> FakeService::act_on_device(const Principal&, const std::string& id,
+                                                std::int64_t if_match, const DeviceWish& wish) {
+  if (auto problem = trouble("act_on_device")) return tl::unexpected<Problem>(*problem);
+  const auto found = device_map.find(id);
+  if (found == device_map.end()) return nothing("there is no such device");
+  DeviceRecord& device = found->second;
+  if (device.rev != if_match) {
+    Problem stale{ProblemKind::Stale, "it was changed meanwhile"};
+    stale.rev = device.rev;
+    return tl::unexpected<Problem>(stale);
+  }
+  if (wish.action == "enable" || wish.action == "disable") device.enabled = wish.action == "enable";
+  ++device.rev;
+  last_device_wish = wish;
+  DeviceRecord answer = device;
+  if (wish.action == "test-cut") answer.test_job = "01JD0000000000000000000777";
+  return answer;
+}
+
+}  // namespace popcut::daemon
