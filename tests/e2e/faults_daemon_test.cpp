@@ -186,11 +186,16 @@ TEST_CASE("one key makes one job though popcutd dies between the commit and the 
         faulty.page->kill_after = before + 1 + random() % calls;
       std::vector<QuickClient> clients;
       for (int k = 0; k < 100; ++k) clients.emplace_back(socket, request);
-      // Should it have made fewer calls this time, others keep it busy.
+      // Should it have made fewer calls this time, others have it write.
       std::atomic<bool> dead{false};
       std::thread others([&] {
         while (!dead) {
-          const QuickClient one(socket, "GET /healthz HTTP/1.1\r\nHost: popcut\r\n\r\n");
+          const QuickClient one(
+              socket,
+              "POST /v1/tokens HTTP/1.1\r\nHost: popcut\r\nContent-Type: application/json\r\n"
+              "Connection: close\r\nContent-Length: "
+              "32\r\n\r\n{\"name\":\"other\",\"role\":\"viewer\"}");
+          (void)one.answer();
           std::this_thread::sleep_for(std::chrono::milliseconds(5));
         }
       });

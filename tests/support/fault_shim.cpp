@@ -87,6 +87,12 @@ class Call {
   std::uint64_t number_{};
 };
 
+/// Not a pipe, a socket or what wakes a thread: those are as many as somebody asks how it goes.
+bool is_file(int file) {
+  struct stat status {};
+  return file > 2 && ::fstat(file, &status) == 0 && S_ISREG(status.st_mode);
+}
+
 /// Whether the path of an open file has `part` in it.
 bool has_in_path(int file, const char* part) {
   char link[64], path[512];
@@ -99,12 +105,8 @@ bool has_in_path(int file, const char* part) {
 
 bool is_trace(int file) { return has_in_path(file, "/trace/"); }
 
-/// A plain file of popcutd's own: no pipe, no socket, not what it says, not the cutter's log.
-bool is_plain(int file) {
-  if (file <= 2) return false;
-  struct stat status {};
-  return ::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && !is_trace(file);
-}
+/// A file of popcutd's own: not what it says, not the cutter's log.
+bool is_plain(int file) { return is_file(file) && !is_trace(file); }
 
 /// Stays here as long as the control says so.
 void stand_at(popcut::testing::Blocked where) {
@@ -139,6 +141,7 @@ ssize_t write(int file, const void* bytes, size_t count) {
   static auto* const next = real<ssize_t(int, const void*, size_t)>("write");
   if (control() != nullptr && control()->blocked == popcut::testing::kTraces && is_trace(file))
     stand_at(popcut::testing::kTraces);
+  if (!is_file(file)) return next(file, bytes, count);
   const Call call;
   if (is_plain(file) && call.full()) return -1;
   return next(file, bytes, count);
@@ -160,6 +163,7 @@ ssize_t pwrite64(int file, const void* bytes, size_t count, off64_t at) {
 
 ssize_t writev(int file, const struct iovec* parts, int count) {
   static auto* const next = real<ssize_t(int, const struct iovec*, int)>("writev");
+  if (!is_file(file)) return next(file, parts, count);
   const Call call;
   if (is_plain(file) && call.full()) return -1;
   return next(file, parts, count);
