@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -14,6 +15,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kMostValues = 2'000'000;
+constexpr std::size_t kLongestToken = 64;
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -30,7 +32,63 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+// Where the parser is, and the first key that stands twice in its object.
+class DoubledKey {
+ public:
+  bool operator()(json::parse_event_t event, const json& value) {
+    switch (event) {
+      case json::parse_event_t::object_start:
+      case json::parse_event_t::array_start:
+        levels_.push_back({.is_list = event == json::parse_event_t::array_start});
+        break;
+      case json::parse_event_t::object_end:
+      case json::parse_event_t::array_end:
+        levels_.pop_back();
+        [[fallthrough]];
+      case json::parse_event_t::value:
+        if (!levels_.empty()) ++levels_.back().index;
+        break;
+      case json::parse_event_t::key:
+        meet(value.get_ref<const std::string&>());
+    }
+    return true;
+  }
+  /// Its JSON pointer; empty if there is none.
+  [[nodiscard]] const std::string& pointer() const { return pointer_; }
+
+ private:
+  struct Level {
+    bool is_list{false};
+    std::size_t index{0};
+    std::set<std::string> keys{};
+    std::set<std::string>::const_iterator key{};
+  };
+  void meet(const std::string& key) {
+    Level& level = levels_.back();
+    bool fresh = false;
+    std::tie(level.key, fresh) = level.keys.insert(key);
+    if (fresh || !pointer_.empty()) return;
+    for (const Level& one : levels_)
+      pointer_ += "/" + (one.is_list ? std::to_string(one.index) : json_pointer_token(*one.key));
+  }
+  std::vector<Level> levels_;
+  std::string pointer_;
+};
+
 }  // namespace
+
+std::string json_pointer_token(std::string_view key) {
+  std::string token;
+  for (const char c : key.substr(0, kLongestToken)) {
+    if (c == '~')
+      token += "~0";
+    else if (c == '/')
+      token += "~1";
+    else
+      token += c;
+  }
+  return token;
+}
 
 std::string line_and_column(std::string_view text, std::size_t byte) {
   byte = std::min(byte, text.size());
@@ -79,21 +137,14 @@ Result<json> parse_json(std::string_view text, int max_depth) {
   if (const auto sound = check_json_limits(text, {.values = kMostValues, .depth = max_depth});
       !sound)
     return tl::unexpected(sound.error());
-  std::vector<std::set<std::string>> keys;
-  std::string doubled;
+  DoubledKey doubled;
   const auto watch = [&](int, json::parse_event_t event, json& value) {
-    if (event == json::parse_event_t::object_start) keys.emplace_back();
-    if (event == json::parse_event_t::object_end) keys.pop_back();
-    if (event == json::parse_event_t::key && doubled.empty() &&
-        !keys.back().insert(value.get<std::string>()).second)
-      doubled = value.get<std::string>();
-    return true;
+    return doubled(event, value);
   };
   try {
     json value = json::parse(text, watch);
-    if (!doubled.empty())
-      return fail(ErrorKind::Malformed, "",
-                  fmt::format("the key \"{}\" stands twice in one object; keep one", doubled));
+    if (!doubled.pointer().empty())
+      return fail(ErrorKind::Malformed, doubled.pointer(), "stands twice in one object; keep one");
     return value;
   } catch (const json::parse_error& e) {
     const bool cut_off = e.byte > text.size();

@@ -24,6 +24,9 @@ struct JsonLimits {
 /// "line L, column C" of the byte with this number, counted from 1.
 [[nodiscard]] std::string line_and_column(std::string_view text, std::size_t byte);
 
+/// A key as a part of a JSON pointer (RFC 6901): "/" and "~" escaped, at most 64 bytes of it.
+[[nodiscard]] std::string json_pointer_token(std::string_view key);
+
 /// Holds a text against the limits, before it is parsed.
 ///
 /// @retval Malformed  too large, too deep or too many values
@@ -32,7 +35,7 @@ struct JsonLimits {
 /// Parses JSON text from outside: at most `max_depth` deep, no key twice in one object.
 ///
 /// @retval Malformed  not JSON (place is line and column), too deep, more than two million values,
-///                    or a doubled key
+///                    or a doubled key (place is its JSON pointer)
 [[nodiscard]] Result<nlohmann::json> parse_json(std::string_view text, int max_depth = 64);
 
 /// The candidate nearest to `word` when it is near enough to be what was meant, else empty.
@@ -58,7 +61,9 @@ class JsonFields {
                    const std::vector<std::string>& words);
   /// Any value, or nullptr.
   const nlohmann::json* value(const std::string& key);
-  [[nodiscard]] std::string pointer(const std::string& key) const { return pointer_ + "/" + key; }
+  [[nodiscard]] std::string pointer(const std::string& key) const {
+    return pointer_ + "/" + json_pointer_token(key);
+  }
   /// Keeps `error` unless there is one already.
   void add_error(ErrorKind kind, const std::string& place, std::string detail);
   [[nodiscard]] Result<void> finish() const;

@@ -22,11 +22,23 @@ enum class ErrorKind {
   Unwritable,   ///< the output could not be written
 };
 
+/// What happened at a device, where the kind alone does not say it. Programs go by this, never by
+/// the words of `Error::detail`, in which a machine's own answer may stand.
+enum class ErrorReason {
+  None,
+  Stalled,    ///< the device halted the line
+  Overflow,   ///< the device sent more than was asked for
+  NoMedia,    ///< there is no sheet in it, or none any more
+  NoMarks,    ///< the registration marks were not found
+  PanelStop,  ///< somebody stopped it at its panel
+};
+
 /// One clear error: `place: what is wrong; what would be right`.
 struct Error {
   ErrorKind kind{};
   std::string place;   ///< JSON pointer, line and column, or path index; may be empty
   std::string detail;  ///< one sentence, values with units; then "; " and what would be right
+  ErrorReason reason{ErrorReason::None};
 };
 
 template <typename T>
@@ -34,8 +46,9 @@ using Result = tl::expected<T, Error>;
 
 /// Shorthand for returning an error from a function that yields a `Result`.
 [[nodiscard]] inline tl::unexpected<Error> fail(ErrorKind kind, std::string place,
-                                                std::string detail) {
-  return tl::unexpected<Error>(Error{kind, std::move(place), std::move(detail)});
+                                                std::string detail,
+                                                ErrorReason reason = ErrorReason::None) {
+  return tl::unexpected<Error>(Error{kind, std::move(place), std::move(detail), reason});
 }
 
 /// The process exit code of `kind` as the manual lists them: 1..7.

@@ -273,9 +273,10 @@ Result<void> SessionRun::look() {
 
 Result<void> SessionRun::stopped(DeviceStatus status) const {
   if (status == DeviceStatus::NoMedia)
-    return tl::unexpected(
-        refused("the sheet came out of the machine; what it had not cut is lost"));
-  return tl::unexpected(refused("the job was cancelled on the machine's panel"));
+    return tl::unexpected(refused("the sheet came out of the machine; what it had not cut is lost",
+                                  ErrorReason::NoMedia));
+  return tl::unexpected(
+      refused("the job was cancelled on the machine's panel", ErrorReason::PanelStop));
 }
 
 Result<void> SessionRun::sit_out_pause() {
@@ -310,7 +311,8 @@ Result<void> SessionRun::sit_out_pause() {
     if (to_seconds(transport_.now() - since) > options_.pause_limit_s)
       return tl::unexpected(
           refused(fmt::format("the machine was paused on its panel for {:g} s; the job is given up",
-                              options_.pause_limit_s)));
+                              options_.pause_limit_s),
+                  ErrorReason::PanelStop));
   }
 }
 

@@ -18,11 +18,13 @@ Result<void> SessionRun::connect() {
                             "with another program?",
                             options_.reply_s * options_.tries));
   if (*status == DeviceStatus::NoMedia)
-    return tl::unexpected(refused("no media in the machine; load a sheet, then start again"));
+    return tl::unexpected(
+        refused("no media in the machine; load a sheet, then start again", ErrorReason::NoMedia));
   if (*status == DeviceStatus::Cancelled)
     return tl::unexpected(refused(
         "the last job was cancelled on the panel; wait until the machine is ready, then start "
-        "again"));
+        "again",
+        ErrorReason::PanelStop));
   status_ = **status;
   if (const Result<void> ready = wait_ready(0); !ready) return ready;
   return check_identity();
@@ -90,7 +92,8 @@ Result<void> SessionRun::search() {
   if (!found || *found != 0)
     return tl::unexpected(
         refused("the registration marks were not found, and nothing was cut; see that the sheet is "
-                "printed at 100 %, lies as the plan says, and has its square at the upper left"));
+                "printed at 100 %, lies as the plan says, and has its square at the upper left",
+                ErrorReason::NoMarks));
   return wait_ready(plan_.setup_s);
 }
 

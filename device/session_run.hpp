@@ -23,7 +23,9 @@ inline std::chrono::nanoseconds to_time(double seconds) {
 inline double to_seconds(std::chrono::nanoseconds time) {
   return std::chrono::duration<double>(time).count();
 }
-inline Error refused(std::string detail) { return {ErrorKind::Refused, "", std::move(detail)}; }
+inline Error refused(std::string detail, ErrorReason reason = ErrorReason::None) {
+  return {ErrorKind::Refused, "", std::move(detail), reason};
+}
 
 /// One session while it runs: `run_session` makes it, nobody else.
 class SessionRun {

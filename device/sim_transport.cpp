@@ -23,7 +23,8 @@ Error stalled() {
   return {
       ErrorKind::Refused, "",
       "the cutter stalled while it was sent data; switch it off and on, look at the sheet, then "
-      "start again"};
+      "start again",
+      ErrorReason::Stalled};
 }
 
 Error too_late(const char* what) { return {ErrorKind::Timeout, "", what}; }

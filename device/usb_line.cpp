@@ -26,8 +26,9 @@ constexpr milliseconds kComeBack{2000};
 // Between a failed transfer and the hub's word that the device is gone lie some 100 ms.
 constexpr milliseconds kGoneSoon{500};
 
-Error of(ErrorKind kind, const UsbDevice& device, std::string detail) {
-  return {kind, device.id, std::move(detail)};
+Error of(ErrorKind kind, const UsbDevice& device, std::string detail,
+         ErrorReason reason = ErrorReason::None) {
+  return {kind, device.id, std::move(detail), reason};
 }
 
 std::chrono::steady_clock::time_point at(Deadline until) {
@@ -193,7 +194,8 @@ Transport::WriteEnd UsbLine::judge(std::size_t length) {
       return {taken,
               of(ErrorKind::Refused, device_,
                  "the cutter stalled while it was sent data; switch it off and on, look at the "
-                 "sheet, then start again"),
+                 "sheet, then start again",
+                 ErrorReason::Stalled),
               std::min<std::size_t>(rest, device_.interface.max_packet_bytes)};
     case LIBUSB_TRANSFER_NO_DEVICE:
       return fail_for_good(taken, rest, gone());
@@ -261,6 +263,10 @@ void UsbLine::take_in(const libusb_transfer& transfer) {
       inward_ = Inward::Stalled;
       ++in_faults_;
       break;
+    case LIBUSB_TRANSFER_OVERFLOW:
+      inward_ = Inward::Overflowed;
+      ++in_faults_;
+      break;
     case LIBUSB_TRANSFER_NO_DEVICE:
       gone_ = true;
       break;
@@ -294,6 +300,11 @@ void UsbLine::in_done(libusb_transfer* transfer) {
   line.changed_.notify_all();
 }
 
+ErrorReason UsbLine::reason_of(Inward state) {
+  if (state == Inward::Stalled) return ErrorReason::Stalled;
+  return state == Inward::Overflowed ? ErrorReason::Overflow : ErrorReason::None;
+}
+
 /// After a stall or a failed transfer inward: nothing was asked of the device by it, so that trying
 /// again is harmless.
 Result<void> UsbLine::mend_inward(std::unique_lock<std::mutex>& lock, Deadline until) {
@@ -302,7 +313,8 @@ Result<void> UsbLine::mend_inward(std::unique_lock<std::mutex>& lock, Deadline u
   if (in_faults_ > kMostFaults)
     return tl::unexpected(of(ErrorKind::Refused, device_,
                              "the cutter's replies do not come through; check cable and hub, "
-                             "switch the cutter off and on"));
+                             "switch the cutter off and on",
+                             reason_of(state)));
   const auto next_try = std::min(Clock::now() + kBetweenFaults, at(until));
   changed_.wait_until(lock, next_try, [&] { return gone_; });
   inward_ = Inward::Fine;

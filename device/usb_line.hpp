@@ -52,7 +52,7 @@ class UsbLine {
 
  private:
   using Clock = std::chrono::steady_clock;
-  enum class Inward : std::uint8_t { Fine, Stalled, Failed };
+  enum class Inward : std::uint8_t { Fine, Stalled, Overflowed, Failed };
 
   UsbLine(std::shared_ptr<UsbBus::Shared> bus, libusb_device_handle* handle,
           const UsbDevice& device);
@@ -62,6 +62,7 @@ class UsbLine {
   static void in_done(libusb_transfer* transfer);
   void take_in(const libusb_transfer& transfer);
   void listen();
+  [[nodiscard]] static ErrorReason reason_of(Inward state);
   [[nodiscard]] Result<void> mend_inward(std::unique_lock<std::mutex>& lock, Deadline until);
   /// Waits for the end of the transfer under way, calling it back at the deadline.
   [[nodiscard]] bool come_back(Deadline until);

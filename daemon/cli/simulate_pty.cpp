@@ -76,6 +76,10 @@ Result<void> serve_pty(const PtyOptions& options, const Globals& globals) {
   if (!cable) return tl::unexpected(cable.error());
   auto pty = SimPty::open(std::move(*cable), options.speedup);
   if (!pty) return tl::unexpected(pty.error());
+  // Before anybody is told how to end it.
+  end_asked = false;
+  auto* const interrupt = std::signal(SIGINT, ask_to_end);
+  auto* const terminate = std::signal(SIGTERM, ask_to_end);
   fmt::print("{}\n", pty->path());
   std::fflush(stdout);
   if (!globals.quiet)
@@ -84,9 +88,6 @@ Result<void> serve_pty(const PtyOptions& options, const Globals& globals) {
                "out and in (then Enter), Ctrl-C ends\n",
                pty->cable().cutter().trace().machine, pty->path());
   std::fflush(stderr);
-  end_asked = false;
-  auto* const interrupt = std::signal(SIGINT, ask_to_end);
-  auto* const terminate = std::signal(SIGTERM, ask_to_end);
   bool input = true;
   while (!end_asked && pty->serve(std::chrono::milliseconds(50)))
     press(pty->cable().cutter(), input);

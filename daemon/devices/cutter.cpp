@@ -76,6 +76,11 @@ bool Cutter::busy() const {
   return cutting_ || next_;
 }
 
+bool Cutter::at_rest() const {
+  const std::lock_guard lock(mutex_);
+  return !cutting_ && !next_ && !telling_;
+}
+
 bool Cutter::refresh() {
   std::string state = "idle";
   std::vector<std::string> reasons;
@@ -249,9 +254,14 @@ void Cutter::carry_out(Work work) {
     const std::lock_guard lock(mutex_);
     note_end(end);
     cutting_ = false;
+    telling_ = true;
     refresh();
   });
   insist([&] { work.journal->ended(end); });
+  {
+    const std::lock_guard lock(mutex_);
+    telling_ = false;
+  }
   insist([&] { tell(); });
 }
 
@@ -265,8 +275,9 @@ void Cutter::note_end(const SessionEnd& end) {
   if (!end.error) ++record_.sheets_done;
   if (!end.error || end.cancelled) return;
   if (end.error->kind == ErrorKind::DeviceGone) ++record_.plugs;
-  const bool stalled = end.error->detail.find("stalled") != std::string::npos;
-  if (end.error->kind == ErrorKind::DeviceGone || end.error->kind == ErrorKind::Timeout || stalled)
+  const bool broken =
+      end.error->reason == ErrorReason::Stalled || end.error->reason == ErrorReason::Overflow;
+  if (end.error->kind == ErrorKind::DeviceGone || end.error->kind == ErrorKind::Timeout || broken)
     trouble_ = Trouble::Fault;
   else if (end.error->kind == ErrorKind::Refused)
     trouble_ = Trouble::Attention;

@@ -40,6 +40,8 @@ class Cutter {
   void give_up() { give_up_ = true; }
   [[nodiscard]] Result<void> reset();
   [[nodiscard]] bool busy() const;
+  /// Nothing is cut, and the journal of the last cut knows how it ended.
+  [[nodiscard]] bool at_rest() const;
   [[nodiscard]] const LineFigures& figures() const { return figures_; }
   /// When its thread last turned.
   [[nodiscard]] std::chrono::steady_clock::time_point beat() const { return beat_.load(); }
@@ -75,7 +77,7 @@ class Cutter {
   std::condition_variable wake_;
   DeviceRecord record_;
   std::optional<Work> next_;
-  bool cutting_{false}, stopping_{false}, there_{true};
+  bool cutting_{false}, telling_{false}, stopping_{false}, there_{true};
   bool reset_wanted_{false};
   std::uint64_t resets_done_{0};
   Trouble trouble_{Trouble::None};

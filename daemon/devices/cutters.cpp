@@ -120,7 +120,7 @@ class CutterSet final : public Cutters {
     const auto until = steady_clock::now() + std::chrono::duration_cast<steady_clock::duration>(
                                                  std::chrono::duration<double>(seconds));
     const auto busy = [&] {
-      return std::any_of(all.begin(), all.end(), [](const Cutter* c) { return c->busy(); });
+      return !std::all_of(all.begin(), all.end(), [](const Cutter* c) { return c->at_rest(); });
     };
     const auto wait_until = [&](steady_clock::time_point end) {
       while (busy() && steady_clock::now() < end)

@@ -63,8 +63,8 @@ class Cutters {
   virtual void cancel(const std::string& device) = 0;
   /// After a fault: drain, clear, open anew. Never sends a program.
   [[nodiscard]] virtual Result<void> reset(const std::string& device) = 0;
-  /// Ends all cuts at the ends of their strokes and waits for them, at most so long; what then
-  /// still cuts is given up in the middle of its stroke.
+  /// Ends all cuts at the ends of their strokes and waits for them, and for their journals, at most
+  /// so long; what then still cuts is given up in the middle of its stroke.
   virtual void stop_all(double seconds) = 0;
   /// OpenMetrics lines of what went over the lines to the cutters.
   [[nodiscard]] virtual std::string metrics() const { return {}; }

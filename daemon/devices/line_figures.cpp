@@ -11,9 +11,8 @@ namespace {
 const char* kind_of(const Error& error, bool short_write) {
   if (error.kind == ErrorKind::DeviceGone) return "nodev";
   if (error.kind == ErrorKind::Timeout) return "timeout";
-  if (error.detail.find("overflow") != std::string::npos) return "overflow";
-  // libusb tells a stalled endpoint as a pipe error.
-  if (error.detail.find("ipe error") != std::string::npos) return "stall";
+  if (error.reason == ErrorReason::Overflow) return "overflow";
+  if (error.reason == ErrorReason::Stalled) return "stall";
   return short_write ? "short" : "other";
 }
 

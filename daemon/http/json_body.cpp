@@ -92,19 +92,6 @@ std::size_t code_points(std::string_view text) {
   }));
 }
 
-std::string escaped_pointer(std::string_view name) {
-  std::string out;
-  for (const char c : name.substr(0, 64)) {
-    if (c == '~')
-      out += "~0";
-    else if (c == '/')
-      out += "~1";
-    else
-      out += c;
-  }
-  return out;
-}
-
 std::optional<std::string> option_text(const json& value) {
   if (value.is_boolean()) return value.get<bool>() ? "true" : "false";
   if (value.is_number_integer()) return fmt::format("{}", value.get<std::int64_t>());
@@ -157,8 +144,8 @@ const json* Members::find(const std::string& name) {
 }
 
 void Members::fault(const std::string& name, std::string code, std::string detail) {
-  faults_.push_back(
-      {fmt::format("{}/{}", pointer_, escaped_pointer(name)), std::move(code), std::move(detail)});
+  faults_.push_back({fmt::format("{}/{}", pointer_, json_pointer_token(name)), std::move(code),
+                     std::move(detail)});
 }
 
 void Members::fault_of(const std::string& name, std::string code, std::string detail) {
@@ -272,7 +259,7 @@ std::map<std::string, std::string> Members::options(const std::string& name) {
       out.emplace(key, *text);
       continue;
     }
-    faults_.push_back({fmt::format("{}/{}/{}", pointer_, name, escaped_pointer(key)), "option",
+    faults_.push_back({fmt::format("{}/{}/{}", pointer_, name, json_pointer_token(key)), "option",
                        "must be an option of 'popcut plan' without its dashes, and a text, number "
                        "or boolean"});
   }

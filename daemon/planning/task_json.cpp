@@ -153,7 +153,8 @@ Error read_error(std::string_view json) {
       fields.integer("kind", {}, 0, static_cast<int>(ErrorKind::Unwritable)));
   error.place = fields.text("place", {});
   error.detail = fields.text("detail", {});
-  if (!fields.finish()) return {ErrorKind::Internal, "worker", "its error cannot be read"};
+  if (!fields.finish() || error.detail.empty())
+    return {ErrorKind::Internal, "worker", "its error cannot be read"};
   return error;
 }
 

@@ -61,7 +61,9 @@ void set_limits(const PlanningLimits& limits) {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   limit(RLIMIT_AS, limits.memory_bytes, limits.memory_bytes);
 #endif
+#if !defined(__SANITIZE_THREAD__)  // whose runtime makes itself a file, and then gives it up
   limit(RLIMIT_FSIZE, 0, 0);
+#endif
   limit(RLIMIT_CORE, 0, 0);
   constexpr rlim_t kForTheLoader = 16;  // the worker itself gives up even these
   limit(RLIMIT_NOFILE, kForTheLoader, kForTheLoader);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <array>
-#include <string_view>
 
 #include <fmt/format.h>
 
@@ -22,11 +21,23 @@ PathFate path_fate(StrokeFate fate) {
   return PathFate::InDoubt;
 }
 
-bool says(const Error& error, std::string_view word) {
-  return error.detail.find(word) != std::string::npos;
+CutVerdict refused(ErrorReason reason, const std::string& text) {
+  switch (reason) {
+    case ErrorReason::Stalled:
+    case ErrorReason::Overflow:
+      return {"stall", "device_fault", text};
+    case ErrorReason::NoMedia:
+      return {"media_out", "media_out", text};
+    case ErrorReason::NoMarks:
+      return {"marks_not_found", "device_fault", text};
+    case ErrorReason::PanelStop:
+      return {"panel_stop", "in_doubt", text};
+    case ErrorReason::None:
+      break;
+  }
+  return {"refused", "device_fault", text};
 }
 
-// The session tells people what happened; the words that it uses tell the cases apart.
 CutVerdict broken(const Error& error) {
   const std::string text = message(error);
   switch (error.kind) {
@@ -37,12 +48,7 @@ CutVerdict broken(const Error& error) {
     case ErrorKind::Unwritable:
       return {"store", "in_doubt", text};
     case ErrorKind::Refused:
-      if (says(error, "stalled")) return {"stall", "device_fault", text};
-      if (says(error, "media") || says(error, "sheet came out"))
-        return {"media_out", "media_out", text};
-      if (says(error, "registration mark")) return {"marks_not_found", "device_fault", text};
-      if (says(error, "panel")) return {"panel_stop", "in_doubt", text};
-      return {"refused", "device_fault", text};
+      return refused(error.reason, text);
     default:
       return {"error", "device_fault", text};
   }

@@ -27,9 +27,11 @@ namespace {
 class Journal final : public daemon::CutJournal {
  public:
   Result<void> intend(std::int64_t last) override {
-    if (blocked) {
+    const auto stands = [&] { return blocked || last >= stands_from; };
+    if (stands()) {
       waiting = true;
-      while (blocked) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      while (stands()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      waiting = false;
     }
     if (last >= fails_from) return fail(ErrorKind::Unwritable, "", "the disk is full");
     intended = last;
@@ -45,11 +47,14 @@ class Journal final : public daemon::CutJournal {
     held = p.phase == SessionPhase::Held;
   }
   void ended(const SessionEnd& last) override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(slow_end_ms));
     end = last;
     ++ends;
   }
 
   std::atomic<std::int64_t> intended{-1}, certain{-1}, taken{-1}, fails_from{1 << 30};
+  std::atomic<std::int64_t> stands_from{1 << 30};  ///< who intends this stroke waits meanwhile
+  std::atomic<int> slow_end_ms{0};
   std::atomic<std::uint64_t> strokes_done{};
   std::atomic<bool> held{false}, blocked{false}, waiting{false};
   std::atomic<int> ends{0};
@@ -177,18 +182,20 @@ TEST_CASE("a paced cutter takes its time and pauses goes on and stops when it is
   Bench slow({{.id = "sim:cameo3", .time_scale = 150}});
   const auto begun = steady_clock::now();
   const auto journal = std::make_shared<Journal>();
+  journal->stands_from = 10;  // until it is told to pause
   REQUIRE(slow.cut("sim:cameo3", journal));
+  REQUIRE(comes_true([&] { return journal->waiting.load(); }));
   CHECK(slow.record().state == "busy");
   CHECK(slow.cut("sim:cameo3", std::make_shared<Journal>()).error().kind == ErrorKind::Refused);
   CHECK(slow.cutters->reset("sim:cameo3").error().kind == ErrorKind::Refused);
-  REQUIRE(comes_true([&] { return journal->strokes_done >= 5; }));
   slow.cutters->pause("sim:cameo3");
+  journal->stands_from = 1 << 30;
   REQUIRE(comes_true([&] { return journal->held.load(); }));
   REQUIRE(comes_true([&] { return journal->certain == journal->taken; }));
   const auto at_rest = journal->taken.load();
   std::this_thread::sleep_for(std::chrono::milliseconds(200));  // half a minute of the machine
   CHECK(journal->taken == at_rest);
-  CHECK(slow.cutters->alive());
+  CHECK(comes_true([&] { return slow.cutters->alive(); }));
   CHECK(slow.record().state == "busy");
   slow.cutters->resume("sim:cameo3");
   REQUIRE(comes_true([&] { return journal->ends == 1; }));
@@ -199,9 +206,11 @@ TEST_CASE("a paced cutter takes its time and pauses goes on and stops when it is
   CHECK(journal->end.seconds > virtual_s);
   // Cancelled: at the end of a stroke, parked, the rest not sent.
   const auto second = std::make_shared<Journal>();
+  second->stands_from = 10;
   REQUIRE(slow.cut("sim:cameo3", second));
-  REQUIRE(comes_true([&] { return second->strokes_done >= 5; }));
+  REQUIRE(comes_true([&] { return second->waiting.load(); }));
   slow.cutters->cancel("sim:cameo3");
+  second->stands_from = 1 << 30;
   REQUIRE(comes_true([&] { return second->ends == 1; }));
   CHECK(second->end.cancelled);
   CHECK_FALSE(second->end.error);
@@ -214,10 +223,11 @@ TEST_CASE("each cutter has its own thread and stop all ends every cut", "[daemon
   Bench bench({{.id = "sim:a", .machine = "cameo3", .time_scale = 20},
                {.id = "sim:b", .machine = "cameo3", .time_scale = 20}});
   const auto a = std::make_shared<Journal>(), b = std::make_shared<Journal>();
+  b->slow_end_ms = 300;  // to be written down is a part of the end
   REQUIRE(bench.cut("sim:a", a));
   REQUIRE(bench.cut("sim:b", b));
   REQUIRE(comes_true([&] { return a->strokes_done >= 3 && b->strokes_done >= 3; }));
-  bench.cutters->stop_all(30);
+  bench.cutters->stop_all(60);
   CHECK(a->ends == 1);
   CHECK(b->ends == 1);
   CHECK(a->end.cancelled);
@@ -229,7 +239,7 @@ TEST_CASE("each cutter has its own thread and stop all ends every cut", "[daemon
   REQUIRE(other.cut("sim:a", c));
   const auto begun = steady_clock::now();
   other.cutters->stop_all(0.05);
-  CHECK(std::chrono::duration<double>(steady_clock::now() - begun).count() < 2);
+  CHECK(std::chrono::duration<double>(steady_clock::now() - begun).count() < 30);
 }
 
 TEST_CASE("a stroke that is longer than anybody waits is given up with the tool up",
@@ -247,7 +257,7 @@ TEST_CASE("a stroke that is longer than anybody waits is given up with the tool 
   REQUIRE(comes_true([&] { return journal->taken >= 0 || journal->intended >= 0; }));
   const auto begun = steady_clock::now();
   bench.cutters->stop_all(0.3);
-  CHECK(std::chrono::duration<double>(steady_clock::now() - begun).count() < 10);
+  CHECK(std::chrono::duration<double>(steady_clock::now() - begun).count() < 30);
   REQUIRE(journal->ends == 1);
   CHECK(journal->end.cancelled);
   REQUIRE(journal->end.error);
@@ -267,7 +277,7 @@ TEST_CASE("a stroke that is longer than anybody waits is given up with the tool 
 TEST_CASE("a cutter that goes while it cuts ends its stroke first", "[daemon][cutters]") {
   const auto journal = std::make_shared<Journal>();
   {
-    Bench bench({{.id = "sim:cameo3", .time_scale = 50}});
+    Bench bench({{.id = "sim:cameo3", .time_scale = 20}});
     REQUIRE(bench.cut("sim:cameo3", journal));
     REQUIRE(comes_true([&] { return journal->strokes_done >= 3; }));
   }
@@ -288,16 +298,26 @@ TEST_CASE("after a fault a cutter waits for a reset and nothing starts by itself
   const struct {
     const char *kind, *more, *state;
     ErrorKind error;
-  } cases[] = {{"unplug", "", "fault", ErrorKind::DeviceGone},
-               {"nak", R"(, "seconds": 4000)", "fault", ErrorKind::Timeout},
-               {"media out", "", "attention", ErrorKind::Refused},
-               {"cancel", R"(, "seconds": 1)", "attention", ErrorKind::Refused}};
+    ErrorReason reason;
+    const char* counted;  ///< among the errors of its line
+  } cases[] = {
+      {"unplug", "", "fault", ErrorKind::DeviceGone, ErrorReason::None, "nodev"},
+      {"nak", R"(, "seconds": 4000)", "fault", ErrorKind::Timeout, ErrorReason::None, "timeout"},
+      {"stall", "", "fault", ErrorKind::Refused, ErrorReason::Stalled, "stall"},
+      {"media out", "", "attention", ErrorKind::Refused, ErrorReason::NoMedia, nullptr},
+      {"cancel", R"(, "seconds": 1)", "attention", ErrorKind::Refused, ErrorReason::PanelStop,
+       nullptr}};
   for (const auto& wrong : cases) {
     CAPTURE(wrong.kind);
     Bench bench({script(wrong.kind, wrong.more)});
     const SessionEnd end = bench.cut_all("sim:cameo3");
     REQUIRE(end.error);
     CHECK(end.error->kind == wrong.error);
+    CHECK(end.error->reason == wrong.reason);
+    if (wrong.counted != nullptr)
+      CHECK(bench.cutters->metrics().find(
+                fmt::format("popcut_usb_errors_total{{device=\"sim:cameo3\",kind=\"{}\"}} 1\n",
+                            wrong.counted)) != std::string::npos);
     CHECK(bench.record().state == wrong.state);
     REQUIRE(bench.record().reasons.size() == 1);
     CHECK(bench.record().reasons[0] == end.error->detail);
@@ -360,7 +380,7 @@ TEST_CASE("a port in the configuration is absent until it is there and then it c
   CHECK(count(end, StrokeFate::NotSent) == bench.program.strokes.size());
   std::filesystem::remove(port);
   CHECK(comes_true([&] { return bench.record().state == "absent"; }));
-  CHECK(bench.changes >= 4);
+  CHECK(comes_true([&] { return bench.changes >= 4; }));
 }
 
 TEST_CASE("a configuration that cannot be is refused with the device it is about",

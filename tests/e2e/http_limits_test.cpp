@@ -5,6 +5,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <filesystem>
@@ -57,16 +58,20 @@ TEST_CASE("with the default limits the server does what they say", "[daemon][htt
   LiveServer server([](HttpOptions& options) { options.limits = HttpLimits{}; });
   SECTION("a burst of 60 and 20 a second for each principal") {
     RawConnection connection = server.connect();
+    std::string all;
+    for (int i = 0; i < 400; ++i) all += server.request("GET", "/v1/devices", "viewer");
+    const auto begun = std::chrono::steady_clock::now();
+    connection.send(all);
     int fine = 0;
     WireResponse last;
-    for (int i = 0; i < 120; ++i) {
-      connection.send(server.request("GET", "/v1/devices", "viewer"));
+    for (int i = 0; i < 400; ++i) {
       last = connection.receive();
       if (last.status != 200) break;
       ++fine;
     }
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
     CHECK(fine >= 60);
-    CHECK(fine <= 110);
+    CHECK(fine <= 61 + 20 * took.count());
     CHECK(last.status == 429);
     CHECK(last.problem() == "rate");
     CHECK(last.headers.at("retry-after") == "1");
@@ -132,7 +137,7 @@ TEST_CASE("slow and silent clients lose their connection", "[daemon][http][slow]
   SECTION("who sends a head byte by byte") {
     RawConnection connection = server.connect();
     bool is_open = true;
-    for (int i = 0; i < 400 && is_open; ++i) {
+    for (int i = 0; i < 6000 && is_open; ++i) {
       is_open = connection.send(i == 0 ? "GET /healthz HTTP/1.1\r\nX-A: " : "x");
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
@@ -143,7 +148,7 @@ TEST_CASE("slow and silent clients lose their connection", "[daemon][http][slow]
     connection.send(
         server.request("POST", "/v1/designs", "submitter", kSvg + "Content-Length: 5000\r\n"));
     bool is_open = true;
-    for (int i = 0; i < 400 && is_open; ++i) {
+    for (int i = 0; i < 6000 && is_open; ++i) {
       is_open = connection.send("x");
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
@@ -157,11 +162,15 @@ TEST_CASE("slow and silent clients lose their connection", "[daemon][http][slow]
     CHECK(connection.closes());
   }
   SECTION("a body that comes slowly and fast enough is read") {
-    RawConnection connection = server.connect();
-    connection.send(
-        server.request("POST", "/v1/designs", "submitter", kSvg + "Content-Length: 8192\r\n"));
+    LiveServer patient([](HttpOptions& options) {
+      options.limits.body_s = 0.3;
+      options.limits.body_bytes_per_s = 10;
+    });
+    RawConnection connection = patient.connect();
+    const std::string head =
+        patient.request("POST", "/v1/designs", "submitter", kSvg + "Content-Length: 8192\r\n");
     for (int i = 0; i < 8; ++i) {
-      CHECK(connection.send(std::string(1024, 'x')));
+      CHECK(connection.send((i == 0 ? head : "") + std::string(1024, 'x')));
       std::this_thread::sleep_for(std::chrono::milliseconds(60));
     }
     CHECK(connection.receive().status == 201);
@@ -169,16 +178,26 @@ TEST_CASE("slow and silent clients lose their connection", "[daemon][http][slow]
 }
 
 TEST_CASE("when all places are taken a knife can still be stopped", "[daemon][http][slow]") {
-  LiveServer server([](HttpOptions& options) { options.limits.connections = 8; });
+  LiveServer server([](HttpOptions& options) {
+    options.limits.connections = 8;
+    options.limits.header_s = 300;
+  });
   const std::string id = new_job(server, JobState::Cutting);
-  // Half-sent heads hold their places for ten seconds each; there are more of them than places.
+  // Half-sent heads hold their places for long; there are more of them than places.
   std::vector<RawConnection> slow;
   for (int i = 0; i < 30; ++i) {
     slow.push_back(server.connect());
     slow.back().send("GET /v1/jobs HTTP/1.1\r\nX-A: ");
   }
-  const WireResponse other = server.fetch("GET", "/v1/devices");
-  CHECK(other.status == 503);
+  // Until the server has read what a client says, that one is idle and may have to make room.
+  WireResponse other;
+  CHECK(comes_true([&] {
+    other = server.fetch("GET", "/v1/devices");
+    if (other.status == 503) return true;
+    slow.push_back(server.connect());
+    slow.back().send("GET /v1/jobs HTTP/1.1\r\nX-A: ");
+    return false;
+  }));
   CHECK(other.problem() == "unavailable");
   CHECK(other.headers.at("retry-after") == "1");
   const WireResponse job = server.fetch("GET", "/v1/jobs/" + id, "operator");
@@ -275,6 +294,7 @@ TEST_CASE("two hundred half-sent heads take no more than their places", "[daemon
   LiveServer server([](HttpOptions& options) {
     options.limits = HttpLimits{};
     options.limits.rate_per_s = options.limits.rate_burst = 1e6;
+    options.limits.header_s = 300;  // none is thrown out for being slow
   });
   const std::string id = new_job(server, JobState::Cutting);
   std::vector<RawConnection> slow;
@@ -282,20 +302,17 @@ TEST_CASE("two hundred half-sent heads take no more than their places", "[daemon
     slow.push_back(server.connect());
     slow.back().send("GET /v1/jobs HTTP/1.1\r\nX-A: ");
   }
-  const auto begun = std::chrono::steady_clock::now();
   for (int i = 0; i < 20; ++i)
     CHECK(server.fetch("GET", "/v1/jobs/" + id, "operator").status == 200);
   CHECK(server.fetch("POST", "/v1/jobs/" + id + "/actions/pause", "operator", acting("*")).status ==
         200);
-  // Long before the first of them is thrown out for being slow.
-  CHECK(std::chrono::steady_clock::now() - begun < std::chrono::seconds(8));
-  int open = 0;
-  for (const RawConnection& one : slow) {
-    char byte = 0;
-    const ssize_t got = ::recv(one.socket(), &byte, 1, MSG_DONTWAIT | MSG_PEEK);
-    if (got < 0 && errno == EAGAIN) ++open;
-  }
-  CHECK(open <= 68);
+  const auto open = [&] {
+    return std::count_if(slow.begin(), slow.end(), [](const RawConnection& one) {
+      char byte = 0;
+      return ::recv(one.socket(), &byte, 1, MSG_DONTWAIT | MSG_PEEK) < 0 && errno == EAGAIN;
+    });
+  };
+  CHECK(comes_true([&] { return open() <= 68; }));
 }
 
 TEST_CASE("one user of the unix socket cannot take all places", "[daemon][http][unix]") {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // popcutd and popcut together, as people use them: jobs.
+#include <sys/prctl.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -229,17 +231,29 @@ TEST_CASE("the view of jobs has all of them and each change", "[popcutd][e2e]") 
   REQUIRE(shop.comes_to(two, "ready"));
   CHECK(shop.popcut({"arm"}).exit == 2);  // which of the two?
   CHECK(shop.popcut({"arm", one.substr(0, 4)}).exit == 2);
-  auto view = std::async(std::launch::async, [&] {
-    return run_program(
-        {"/usr/bin/env", "timeout", "-s", "INT", "3", POPCUT_PROGRAM, "jobs", "--watch"}, "/");
-  });
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  REQUIRE(shop.popcut({"cancel", two, "-q"}).exit == 0);
-  const std::string shown = view.get().out;
-  CAPTURE(shown);
-  CHECK(shown.find(one.substr(0, 12) + " unit: ready") != std::string::npos);
-  CHECK(shown.find(two.substr(0, 12) + " gift card: ready") != std::string::npos);
-  CHECK(shown.find(two.substr(0, 12) + " gift card: cancelled") != std::string::npos);
+  const std::string file = shop.daemon.folder() / "view";
+  const pid_t view = ::fork();
+  REQUIRE(view >= 0);
+  if (view == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (std::freopen(file.c_str(), "w", stdout) == nullptr) ::_exit(126);
+    ::execl(POPCUT_PROGRAM, POPCUT_PROGRAM, "jobs", "--watch", nullptr);
+    ::_exit(127);
+  }
+  const auto shows = [&](const std::string& words) {
+    const auto begun = std::chrono::steady_clock::now();
+    while (text_of_file(file).find(words) == std::string::npos) {
+      if (std::chrono::steady_clock::now() - begun > std::chrono::seconds(60)) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return true;
+  };
+  CHECK(shows(one.substr(0, 12) + " unit: ready"));
+  CHECK(shows(two.substr(0, 12) + " gift card: ready"));
+  CHECK(shop.popcut({"cancel", two, "-q"}).exit == 0);
+  CHECK(shows(two.substr(0, 12) + " gift card: cancelled"));
+  ::kill(view, SIGINT);
+  CHECK(::waitpid(view, nullptr, 0) == view);
   CHECK(shop.popcut({"jobs", "--state", "cancelled"}).out.find("gift card") != std::string::npos);
   CHECK(shop.popcut({"hold", one}).exit == 0);
   CHECK(shop.popcut({"jobs"}).out.find("held") != std::string::npos);

@@ -216,13 +216,13 @@ TEST_CASE("doctor and cut name what a model that is not known is nearest to",
 }
 
 TEST_CASE("doctor names the program that has the cutter", "[cli][usb][doctor][e2e]") {
-  Desk desk;
+  Desk desk({{900, UsbFault::Kind::Nak, 1e6}});  // it cuts until it is told to go on
   AtTerminal other(POPCUT_PROGRAM, desk.cut_words(), desk.folder);
   REQUIRE(other.shows("Start cutting? [y/N]"));
-  UsbfsDevice& device = desk.device;
   other.type("y\n");
-  for (int i = 0; i < 2000 && !device.driver().empty(); ++i) std::this_thread::sleep_for(1ms);
-  REQUIRE(device.driver().empty());
+  for (int i = 0; i < 60'000 && desk.cutter.accepted_bytes() < 900; ++i)
+    std::this_thread::sleep_for(1ms);
+  REQUIRE(desk.device.driver().empty());
   const auto said = desk.doctor();
   INFO(said.out + said.shown);
   CHECK(said.exit == 5);
@@ -230,6 +230,7 @@ TEST_CASE("doctor names the program that has the cutter", "[cli][usb][doctor][e2
   const auto second = desk.run(desk.cut_words());
   CHECK(second.exit == 5);
   CHECK(says(second.shown, "another program uses the cutter"));
+  desk.cutter.take_again();
   CHECK(other.ended() == 0);
 }
 

@@ -43,6 +43,7 @@ class ContractLife {
           const nlohmann::json& body = nlohmann::json::object());
   int queue(const std::string& action, const std::string& id);
   ContractCall on_device(const std::string& device, const std::string& action);
+  daemon::WireResponse ask_device(const std::string& device, const std::string& action);
   std::string test_cut(const std::string& device);
   std::string new_token(const std::string& role);
   nlohmann::json plan_until(const nlohmann::json& body, const std::string& state);

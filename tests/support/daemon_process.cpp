@@ -65,7 +65,9 @@ bool DaemonProcess::start(const std::vector<std::string>& environment) {
   return false;
 }
 
-void DaemonProcess::signal(int number) const { ::kill(pid_, number); }
+void DaemonProcess::signal(int number) const {
+  if (pid_ > 0) ::kill(pid_, number);  // -1 would be everybody
+}
 
 int DaemonProcess::wait() {
   const auto begun = Clock::now();

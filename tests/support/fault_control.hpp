@@ -17,6 +17,7 @@ struct FaultControl {
   std::atomic<std::uint64_t> full_until;  ///< and again from this one; 0: it stays full
   std::atomic<std::uint64_t> syncs;       ///< of the database and its log
   std::atomic<std::uint64_t> bad_sync;    ///< this one fails with EIO
+  std::atomic<std::uint64_t> last_sync;   ///< it dies after this one, or the next
   std::atomic<std::int64_t> clock_s;      ///< added to the clock on the wall
   std::atomic<std::uint64_t> stall;       ///< not 0: who syncs a file waits until it is
   std::atomic<std::uint64_t> stalled;     ///< how many wait so

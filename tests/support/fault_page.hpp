@@ -29,8 +29,9 @@ class FaultPage {
   FaultPage& operator=(const FaultPage&) = delete;
   FaultControl* operator->() { return shared_; }
   void calm() {
-    for (auto* one : {&shared_->kill_at, &shared_->kill_after, &shared_->full_from,
-                      &shared_->full_until, &shared_->bad_sync, &shared_->blocked})
+    for (auto* one :
+         {&shared_->kill_at, &shared_->kill_after, &shared_->full_from, &shared_->full_until,
+          &shared_->bad_sync, &shared_->last_sync, &shared_->blocked})
       *one = 0;
     shared_->clock_s = 0;
   }

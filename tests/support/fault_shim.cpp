@@ -113,14 +113,22 @@ void stand_at(popcut::testing::Blocked where) {
   errno = kept;
 }
 
-/// Whether this sync fails, as a disk does that lost what it was given.
-bool sync_fails(int file) {
+/// One sync, of any file, and what may become of that of the database.
+template <typename Function>
+int sync_file(int file, Function* next) {
+  const Call call;
+  Call::wait_for_disk();
   FaultControl* const shared = control();
-  if (shared == nullptr || !has_in_path(file, "/popcut.db")) return false;
+  if (shared == nullptr || !has_in_path(file, "/popcut.db")) return next(file);
   stand_at(popcut::testing::kSyncs);
-  if (++shared->syncs != shared->bad_sync) return false;
-  errno = EIO;
-  return true;
+  const std::uint64_t number = ++shared->syncs;
+  if (number == shared->bad_sync) {  // as a disk does that lost what it was given
+    errno = EIO;
+    return -1;
+  }
+  const int done = next(file);
+  if (shared->last_sync != 0 && number >= shared->last_sync) ::kill(::getpid(), SIGKILL);
+  return done;
 }
 
 }  // namespace
@@ -159,18 +167,12 @@ ssize_t writev(int file, const struct iovec* parts, int count) {
 
 int fsync(int file) {
   static auto* const next = real<int(int)>("fsync");
-  const Call call;
-  Call::wait_for_disk();
-  if (sync_fails(file)) return -1;
-  return next(file);
+  return sync_file(file, next);
 }
 
 int fdatasync(int file) {
   static auto* const next = real<int(int)>("fdatasync");
-  const Call call;
-  Call::wait_for_disk();
-  if (sync_fails(file)) return -1;
-  return next(file);
+  return sync_file(file, next);
 }
 
 int rename(const char* from, const char* to) {

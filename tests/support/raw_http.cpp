@@ -265,7 +265,7 @@ WireResponse LiveServer::fetch(std::string_view method, std::string_view target,
                                std::string_view body) const {
   RawConnection connection = connect();
   connection.send(request(method, target, role, more, body));
-  return connection.receive(20, method == "HEAD");
+  return connection.receive(60, method == "HEAD");
 }
 
 std::string acting(std::string_view if_match) {

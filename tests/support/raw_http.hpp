@@ -40,11 +40,11 @@ class RawConnection {
   /// False: the other end has closed.
   bool send(std::string_view bytes);
   /// Reads one response, at most `seconds` long; `is_head`: none has a body.
-  [[nodiscard]] WireResponse receive(double seconds = 20, bool is_head = false);
+  [[nodiscard]] WireResponse receive(double seconds = 60, bool is_head = false);
   /// Reads until `ending` has come; all that came.
-  [[nodiscard]] std::string receive_until(std::string_view ending, double seconds = 20);
+  [[nodiscard]] std::string receive_until(std::string_view ending, double seconds = 60);
   /// True if the other end closes within the time; what comes before is thrown away.
-  [[nodiscard]] bool closes(double seconds = 20);
+  [[nodiscard]] bool closes(double seconds = 60);
   /// Ends the connection with a reset.
   void reset();
   /// A small buffer for what comes, set before anything does.
@@ -112,6 +112,6 @@ class LiveServer {
 [[nodiscard]] std::string acting(std::string_view if_match = "");
 
 /// Waits until `holds`, at most `seconds`.
-[[nodiscard]] bool comes_true(const std::function<bool()>& holds, double seconds = 20);
+[[nodiscard]] bool comes_true(const std::function<bool()>& holds, double seconds = 60);
 
 }  // namespace popcut::daemon

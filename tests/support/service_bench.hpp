@@ -216,11 +216,13 @@ inline daemon::Ledger ledger(ServiceBench& bench, const std::string& job, int sh
 
 /// Interrupted with strokes 0..1 certain and 2 in doubt, of 5.
 inline daemon::Job broken(ServiceBench& bench, ErrorKind kind = ErrorKind::DeviceGone,
-                          const std::string& words = "unplugged") {
+                          const std::string& words = "unplugged",
+                          ErrorReason reason = ErrorReason::None) {
   const daemon::Job ready = bench.ready_job();
   bench.started(ready.id);
   if (!bench.cutters.intend(bench.device, 2)) throw std::runtime_error("nothing is being cut");
-  bench.cutters.finish(bench.device, {.error = Error{kind, "", words}, .certain = 1, .doubt = 2});
+  bench.cutters.finish(bench.device,
+                       {.error = Error{kind, "", words, reason}, .certain = 1, .doubt = 2});
   return bench.job(ready.id);
 }
 

@@ -33,6 +33,11 @@ void UsbCutter::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
+void UsbCutter::take_again() {
+  const std::lock_guard lock(mutex_);
+  nak_until_ = {};
+}
+
 std::uint64_t UsbCutter::accepted_bytes() {
   const std::lock_guard lock(mutex_);
   return cutter_.accepted_bytes();

@@ -47,6 +47,8 @@ class UsbCutter {
 
   /// Ends the thread; the cutter is then the caller's alone.
   void stop();
+  /// Ends a `Nak`: data is taken again.
+  void take_again();
   [[nodiscard]] SimCutter& cutter() { return cutter_; }
   /// A look at the running cutter.
   [[nodiscard]] std::uint64_t accepted_bytes();

@@ -318,7 +318,9 @@ TEST_CASE("what is wrong with a spec is said with its place", "[core][spec]") {
       {R"({"popcut":1,"surface":{"type":"revolution","radius":"60"},"units_per_slice":4,"slices":4,"widths_mm":1e400})",
        ErrorKind::OutOfRange, "line 1, column 102", "1e400 is larger"},
       {"{\"popcut\":1,\n \"surface\":", ErrorKind::Malformed, "line 2", "too early"},
-      {"{\"popcut\":1, \"popcut\":1}", ErrorKind::Malformed, "", "twice"},
+      {"{\"popcut\":1, \"popcut\":1}", ErrorKind::Malformed, "/popcut", "twice"},
+      {R"({"a":[1,[],{"b":{"x/y":{"k":2},"x/y":3}}]})", ErrorKind::Malformed, "/a/2/b/x~1y",
+       "twice"},
       {"[]", ErrorKind::Malformed, "/", "object"},
       {"", ErrorKind::Malformed, "line 1", "too early"},
   }));

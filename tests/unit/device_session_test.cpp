@@ -199,6 +199,7 @@ TEST_CASE("when the sheet comes out the session stops sending", "[device][sessio
   const SessionEnd end = run_session(cable, bench.machine, bench.program);
   CHECK(kind(end) == ErrorKind::Refused);
   CHECK(end.error->detail.find("sheet came out") != std::string::npos);
+  CHECK(end.error->reason == ErrorReason::NoMedia);
   CHECK(count(end, StrokeFate::NotSent) > 0);
 }
 
@@ -221,6 +222,7 @@ TEST_CASE("a pause on the panel is waited out and told", "[device][session]") {
   impatient.pause_limit_s = 100;
   const SessionEnd given_up = run_session(forgotten, bench.machine, bench.program, impatient);
   CHECK(kind(given_up) == ErrorKind::Refused);
+  CHECK(given_up.error->reason == ErrorReason::PanelStop);
   CHECK(given_up.seconds < 200);
 }
 
@@ -231,6 +233,7 @@ TEST_CASE("a cancel on the panel stops the sending within a second", "[device][s
   const SessionEnd end = run_session(cable, bench.machine, bench.program);
   CHECK(kind(end) == ErrorKind::Refused);
   CHECK(end.error->detail.find("cancelled on the machine's panel") != std::string::npos);
+  CHECK(end.error->reason == ErrorReason::PanelStop);
   const std::size_t cut = cable.cutter().trace().strokes.size();
   CHECK(count(end, StrokeFate::Certain) <= cut);
   CHECK(count(end, StrokeFate::NotSent) > 20);
@@ -266,9 +269,11 @@ TEST_CASE("silence nonsense and contradiction each end with their own error", "[
   const SessionEnd silent = run([](int) { return std::nullopt; });
   CHECK(kind(silent) == ErrorKind::Timeout);
   CHECK(count(silent, StrokeFate::NotSent) == 40);
-  const SessionEnd noise = run([](int) { return std::string("hello\x1b\x03"); });
+  const SessionEnd noise =
+      run([](int) { return std::string("hello\x1b panel media stalled\x03"); });
   CHECK(kind(noise) == ErrorKind::Refused);
-  CHECK(noise.error->detail.find("hello\\x1b") != std::string::npos);
+  CHECK(noise.error->detail.find("hello\\x1b panel media stalled") != std::string::npos);
+  CHECK(noise.error->reason == ErrorReason::None);
   const SessionEnd blank = run([](int) { return std::string("  \x03"); });
   CHECK(kind(blank) == ErrorKind::Refused);
   const SessionEnd endless = run([](int) { return std::string(5000, '0'); });

@@ -144,7 +144,7 @@ TEST_CASE("another path can be chosen as long as the sheet was not started again
 
 TEST_CASE("a sheet that came out of the machine is registered again", "[daemon][service]") {
   ServiceBench bench;
-  const Job lost = broken(bench, ErrorKind::Refused, "the sheet came out of the machine");
+  const Job lost = broken(bench, ErrorKind::Refused, "it is gone", ErrorReason::NoMedia);
   CHECK(lost.reason == "media_out");
   CHECK(bench.act(lost.id, from_path_2("kept")).error().kind == ProblemKind::StateConflict);
   CHECK(bench.act(lost.id, from_path_2("re-registered")));

@@ -87,6 +87,7 @@ TEST_CASE("a fault at a path strikes when that path is being cut", "[device][fau
   const SessionEnd end = job.run(cable);
   REQUIRE(end.error);
   CHECK(end.error->detail.find("sheet came out") != std::string::npos);
+  CHECK(end.error->reason == ErrorReason::NoMedia);
   CHECK(cable.cutter().trace().strokes.size() == 12);
 }
 
@@ -98,6 +99,7 @@ TEST_CASE("a stall ends the session and what may have arrived is in doubt", "[de
   REQUIRE(end.error);
   CHECK(end.error->kind == ErrorKind::Refused);
   CHECK(end.error->detail.find("stalled") != std::string::npos);
+  CHECK(end.error->reason == ErrorReason::Stalled);
   cable.cutter().run_dry();
   const std::size_t begun = cable.cutter().trace().strokes.size();
   for (std::size_t k = 0; k < begun; ++k) CHECK(end.fates[k] != StrokeFate::NotSent);
