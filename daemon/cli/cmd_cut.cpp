@@ -350,8 +350,10 @@ constexpr const char* kHelp =
     "goes on. With -o DIR it keeps for each sheet the program, its drawing, and what the "
     "simulated\n"
     "knife did (sheet-NN.cut.svg, .trace.json).\n"
-    "Devices: sim:NAME, usb:ID, serial:/dev/ttyUSB0[,baud=9600][,flow=none|rtscts|xonxoff],\n"
-    "lp:/dev/usb/lp0, file:NAME (writes the program, cuts nothing).";
+    "Devices:\n\n"
+    "  sim:NAME, usb:ID, lp:/dev/usb/lp0\n"
+    "  serial:/dev/ttyUSB0[,baud=9600][,flow=none|rtscts|xonxoff]\n"
+    "  file:NAME                          # writes the program, cuts nothing";
 
 }  // namespace
 
