@@ -112,7 +112,8 @@ Answer<Job> JobBook::add(const Principal& who, const JobCreate& wish, const Plan
     return tl::unexpected(wrong("/copies", "range",
                                 fmt::format("{} copies are {} sheets; a job has at most {}",
                                             wish.copies, sheets, parts_.options.sheets_per_job)));
-  if (plan.state == PlanState::Planned && !wish.device.empty())
+  // A plan that waits to be made has its machine and material, and no area yet.
+  if (!wish.device.empty())
     if (const std::string why = parts_.devices.misfit(wish.device, plan); !why.empty())
       return tl::unexpected(wrong("/device", "value", why));
   jobs_.insert(row);
@@ -236,6 +237,8 @@ void JobBook::take(JobRow& row, Step step, const std::string& reason) {
       set_attention(row, "", "");
       row.finished = parts_.memory.now();
       if (row.outcome.empty()) row.outcome = name_of(row.state);
+      if (before == JobState::Cutting || before == JobState::Paused) put_sheet(row, "interrupted");
+      if (before == JobState::Armed) put_sheet(row, "ready");
       break;
     default:
       break;

@@ -112,6 +112,18 @@ class Crash {
     while (!cut() && seconds_since(begun) < 120) keep_busy(0.1);
   }
 
+  /// Keeps it busy until a sheet is being cut.
+  void until_it_cuts() {
+    const auto begun = steady_clock::now();
+    const auto cuts = [&] {
+      const auto jobs = api_->list("/v1/jobs", "jobs");
+      return jobs && std::any_of(jobs->begin(), jobs->end(), [](const json& job) {
+               return client::text_of(job, "state") == "cutting";
+             });
+    };
+    while (!cuts() && seconds_since(begun) < 120) keep_busy(0.02);
+  }
+
   void kill() {
     daemon_.signal(SIGKILL);
     wait_for_end();
@@ -413,6 +425,8 @@ TEST_CASE("killed at any write popcutd loses no job and no stroke is cut twice",
     FaultControl& control = crash.control();
     auto& kill = point % 2 ? control.kill_at : control.kill_after;
     constexpr std::array<std::uint64_t, 3> kWithin{100, 700, 2500};
+    // Every other pair of deaths falls into a cut.
+    if (point / 2 % 2 == 1) crash.until_it_cuts();
     kill = control.calls + 1 + crash.random()() % kWithin[static_cast<std::size_t>(point % 3)];
     crash.keep_busy(kLong);
     crash.wait_for_end();

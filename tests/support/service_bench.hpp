@@ -210,6 +210,11 @@ class ServiceBench {
 /// The job as it is now.
 inline daemon::Job shown(ServiceBench& bench, const daemon::Job& job) { return bench.job(job.id); }
 
+inline std::string sheet_state(ServiceBench& bench, const std::string& job, std::size_t sheet = 1) {
+  return bench.on(
+      [&](daemon::JobService& service) { return service.sheets(job).value().at(sheet - 1).state; });
+}
+
 inline daemon::Ledger ledger(ServiceBench& bench, const std::string& job, int sheet = 1) {
   return bench.on([&](daemon::JobService& service) { return service.ledger(job, sheet).value(); });
 }

@@ -8,6 +8,7 @@ using namespace popcut::daemon;
 using popcut::test::broken;
 using popcut::test::ledger;
 using popcut::test::ServiceBench;
+using popcut::test::sheet_state;
 using popcut::test::shown;
 
 TEST_CASE("arming names the sheet the blank the device and the plan", "[daemon][service]") {
@@ -169,6 +170,7 @@ TEST_CASE("cancelling waits for the knife", "[daemon][service]") {
   CHECK(over.state == JobState::Cancelled);
   CHECK(over.reason == "wrong paper");
   CHECK(ledger(bench, ready.id).attempts.at(0).end_kind == "cancelled");
+  CHECK(sheet_state(bench, ready.id) == "interrupted");
   for (const JobAction action : {JobAction::Arm, JobAction::Cancel, JobAction::RetrySheet})
     CHECK(bench.act(ready.id, action).error().kind == ProblemKind::StateConflict);
 }
@@ -188,6 +190,7 @@ TEST_CASE("cancelling after the last stroke of the last sheet comes too late",
   REQUIRE(bench.act(second.id, JobAction::Cancel));
   bench.cutters.complete(bench.device);
   CHECK(shown(bench, second).state == JobState::Cancelled);
+  CHECK(sheet_state(bench, second.id) == "done");
 }
 
 TEST_CASE("jobs that no knife has are cancelled at once", "[daemon][service]") {
@@ -197,6 +200,7 @@ TEST_CASE("jobs that no knife has are cancelled at once", "[daemon][service]") {
   const Job armed = bench.ready_job();
   REQUIRE(bench.act(armed.id, JobAction::Arm));
   CHECK(bench.act(armed.id, JobAction::Cancel)->state == JobState::Cancelled);
+  CHECK(sheet_state(bench, armed.id) == "ready");
   const Job interrupted = broken(bench);
   CHECK(bench.act(interrupted.id, JobAction::Cancel)->state == JobState::Cancelled);
   const auto slow = bench.add_design("{\"slow\":1}").value();

@@ -291,6 +291,13 @@ TEST_CASE("a device that is set up for some materials takes no others", "[daemon
   CHECK(refused.error().detail.find("set up for pp-150, not for paper-220") != std::string::npos);
   CHECK(queue(bench, "sim:a").empty());
   CHECK(queue(bench, "sim:b") == std::vector<std::string>{paper.id});
+  // It is told when the job is made, not when its sheet is to be cut; its plan is not made yet.
+  JobCreate wish;
+  wish.design = bench.add_design("{\"slow\":1}").value().id;
+  wish.device = "sim:a";
+  const auto made = bench.on([&](JobService& s) { return s.create_job(bench.student, wish); });
+  REQUIRE_FALSE(made);
+  CHECK(made.error().errors.at(0).pointer == "/device");
   // Another time it is paper's turn, without a restart.
   bench.on([&](JobService& s) {
     s.retune({.device_materials = {{"sim:a", {"paper-220"}}, {"sim:b", {"pp-150"}}}});
