@@ -242,6 +242,10 @@ std::vector<std::string> waiting_for(const Json& job) {
   } else if (kind == "confirm_result") {
     lines.push_back(
         fmt::format("look at sheet {}: popcut confirm {} {} good   (or bad)", sheet, id, sheet));
+  } else if (is(job, "ready") && !may(job, "arm") && may(job, "resume-from")) {
+    lines.push_back(text);
+    lines.push_back(fmt::format("  popcut resume {} --from PATH --registration re-registered", id));
+    lines.push_back(fmt::format("  popcut retry {} {}", id, sheet));
   } else if (is(job, "ready") && may(job, "arm")) {
     const std::int64_t blank = whole_of(job, "blank");
     if (whole_of(job, "segment") > 1 && kind == "load_sheet")

@@ -204,11 +204,14 @@ Answer<void> CutDesk::arm(const Principal& who, JobRow& row, const ActionWish& w
   return {};
 }
 
-// What is known of a sheet's place ends with the session of its device, and with popcutd.
-Answer<void> CutDesk::check_place(const JobRow& row, const std::string& device) const {
-  if (row.segment == 1) return {};
+bool CutDesk::knows_place(const JobRow& row, const std::string& device) const {
+  if (row.segment == 1) return true;
   const auto placed = placed_.find(row.id);
-  if (placed != placed_.end() && placed->second == parts_.devices.session_of(device)) return {};
+  return placed != placed_.end() && placed->second == parts_.devices.session_of(device);
+}
+
+Answer<void> CutDesk::check_place(const JobRow& row, const std::string& device) const {
+  if (knows_place(row, device)) return {};
   return tl::unexpected(JobBook::conflict(
       row, fmt::format("{} or popcutd was started anew since, so the sheet's place is no longer "
                        "known; register it again and say registration \"re-registered\" with "

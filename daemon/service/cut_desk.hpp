@@ -31,6 +31,9 @@ class CutDesk {
                                 const ActionWish& wish);
 
   [[nodiscard]] const LiveCut* live(const std::string& job) const;
+  /// Whether the sheet still lies where it was registered: what is known of its place ends with the
+  /// session of its device, and with popcutd.
+  [[nodiscard]] bool knows_place(const JobRow& row, const std::string& device) const;
   /// Arms that have lived too long, and ends that could not be written yet.
   void tick();
   /// These went away: what was armed for them is ready again.

@@ -86,8 +86,13 @@ class JobBook {
 
   /// What a running cut knows; set by whoever cuts.
   std::function<const LiveCut*(const std::string& job)> live{};
+  /// Whether the sheet that a job is to go on with still lies where it was registered; set
+  /// likewise.
+  std::function<bool(const JobRow&)> knows_place{};
 
  private:
+  [[nodiscard]] bool lost_its_place(const JobRow& row) const;
+  [[nodiscard]] std::vector<std::string> actions_of(const JobRow& row) const;
   [[nodiscard]] Answer<Job> add(const Principal& who, const JobCreate& wish, const PlanRow& plan);
   [[nodiscard]] Answer<void> check(const JobCreate& wish) const;
   void apply_plan(JobRow& row, const PlanRow& plan);

@@ -63,6 +63,7 @@ class LiveService final : public JobService {
     plans_.begun = [this](const std::string& plan) { jobs_.plan_begun(plan); };
     plans_.ended = [this](const std::string& plan) { jobs_.plan_ended(plan); };
     jobs_.live = [this](const std::string& job) { return desk_.live(job); };
+    jobs_.knows_place = [this](const JobRow& row) { return desk_.knows_place(row, row.wish); };
     memory_.on_degraded = [this] { desk_.stop_cuts(); };
   }
   ~LiveService() override { cutters_.on_change({}); }

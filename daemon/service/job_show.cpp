@@ -17,6 +17,17 @@ JobFacts JobBook::facts_of(const JobRow& row) {
           .begun = row.segment > 1};
 }
 
+bool JobBook::lost_its_place(const JobRow& row) const {
+  return row.state == JobState::Ready && row.segment > 1 && knows_place && !knows_place(row);
+}
+
+std::vector<std::string> JobBook::actions_of(const JobRow& row) const {
+  std::vector<std::string> names;
+  for (const JobAction action : lawful_actions(facts_of(row)))
+    if (action != JobAction::Arm || !lost_its_place(row)) names.emplace_back(name_of(action));
+  return names;
+}
+
 std::optional<Attention> JobBook::attention_of(const JobRow& row) const {
   if (row.attention.empty()) return std::nullopt;
   Attention attention{.kind = row.attention,
@@ -32,8 +43,12 @@ std::optional<Attention> JobBook::attention_of(const JobRow& row) const {
                                    row.wish, row.attention_text);
     }
   }
-  for (const JobAction action : lawful_actions(facts_of(row)))
-    attention.actions.emplace_back(name_of(action));
+  if (lost_its_place(row))
+    attention.text = fmt::format(
+        "sheet {} of {} was to go on from path {}, but {} or popcutd was started anew since: "
+        "register the sheet again and resume it as re-registered, or take a new one",
+        row.sheet, row.sheets_total, row.first_stroke, row.wish);
+  attention.actions = actions_of(row);
   return attention;
 }
 
@@ -81,8 +96,7 @@ Job JobBook::shown(const JobRow& row) const {
   job.outcome = row.outcome;
   job.tags = list_from_json(row.tags);
   job.attention = attention_of(row);
-  for (const JobAction action : lawful_actions(facts_of(row)))
-    job.actions.emplace_back(name_of(action));
+  job.actions = actions_of(row);
   return job;
 }
 

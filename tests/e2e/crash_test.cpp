@@ -248,6 +248,8 @@ class Crash {
   bool step(const json& job) {
     const std::string state = client::text_of(job, "state");
     const json sheet{{"sheet", job["sheet"]}};
+    // After a death the sheet of a job that was to go on is registered again, or taken anew.
+    if (state == "ready" && !may(job, "arm")) return mend(job);
     if (state == "ready") return act(job, "arm", sheet);
     if (state == "armed") return act(job, "start", sheet);
     if (state == "paused") return act(job, "resume", json::object());
@@ -255,6 +257,11 @@ class Crash {
     if (state == "cutting" && random_() % 200 == 0) return act(job, "cancel", json::object());
     if (state == "interrupted") return mend(job);
     return true;
+  }
+
+  static bool may(const json& job, const char* action) {
+    const json& actions = job["actions"];
+    return std::find(actions.begin(), actions.end(), action) != actions.end();
   }
 
   bool mend(const json& job) {

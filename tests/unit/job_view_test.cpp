@@ -111,6 +111,12 @@ TEST_CASE("a sheet that goes on says to leave it where it is", "[cli][jobs]") {
   again["attention"] = {{"kind", "load_sheet"}, {"text", "leave sheet 2 of 3 where it is"}};
   CHECK(joined(waiting_for(again)) ==
         "leave sheet 2 of 3 where it is: popcut arm 01JDX7KQ4M8Z 2\n");
+  again["actions"] = {"resume-from", "retry-sheet"};  // its place is not known any more
+  CHECK(joined(waiting_for(again)) ==
+        "leave sheet 2 of 3 where it is\n"
+        "  popcut resume 01JDX7KQ4M8Z --from PATH --registration re-registered\n"
+        "  popcut retry 01JDX7KQ4M8Z 2\n");
+  again["actions"] = {"arm"};
   again["segment"] = 1;
   CHECK(joined(waiting_for(again)).find("load sheet 2 of 3 into sim:cameo3") == 0);
 }

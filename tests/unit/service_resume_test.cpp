@@ -113,6 +113,11 @@ TEST_CASE("where a sheet lies is not known any more after a replug or a restart"
     replug(bench);
   }
   REQUIRE(bench.wait_for(lost.id, JobState::Ready).state == JobState::Ready);
+  const Job told = shown(bench, lost);
+  CHECK(told.attention->text.find("goes on from path") == std::string::npos);
+  CHECK(told.attention->text.find("register the sheet again") != std::string::npos);
+  CHECK(std::find(told.actions.begin(), told.actions.end(), "arm") == told.actions.end());
+  CHECK(told.attention->actions == told.actions);
   const auto refused = bench.act(lost.id, JobAction::Arm);
   REQUIRE_FALSE(refused);
   CHECK(refused.error().kind == ProblemKind::StateConflict);
