@@ -17,8 +17,8 @@ struct Target {
 };
 
 /// Decodes `target`. Nothing that a later reader could take for something else is let through:
-/// no %5C in a segment, and no %2F but in the id of a device (after /v1/devices/), no control characters, no "." and "..", no invalid UTF-8, no
-/// query name twice.
+/// no %5C in a segment, and no %2F but in the id of a device (after /v1/devices/), no control
+/// characters, no "." and "..", no invalid UTF-8, no query name twice.
 ///
 /// @retval BadRequest  says which of these
 [[nodiscard]] Answer<Target> read_target(std::string_view target);

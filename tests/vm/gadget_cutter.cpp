@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Runs inside the virtual machine of `./run test-vm service`: the simulated cutter as a USB device
 // that outlives popcutd, and tells in a file what was asked of its knife.
-// usage: gadget_cutter FOLDER SPEEDUP   (SIGUSR1: a fresh sheet; SIGUSR2: this one a hundred times as
-// fast as the machine)
+// usage: gadget_cutter FOLDER SPEEDUP   (SIGUSR1: a fresh sheet; SIGUSR2: this one a hundred times
+// as fast as the machine)
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
