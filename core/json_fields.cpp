@@ -78,16 +78,7 @@ class DoubledKey {
 }  // namespace
 
 std::string json_pointer_token(std::string_view key) {
-  std::string token;
-  for (const char c : key.substr(0, kLongestToken)) {
-    if (c == '~')
-      token += "~0";
-    else if (c == '/')
-      token += "~1";
-    else
-      token += c;
-  }
-  return token;
+  return (json::json_pointer() / std::string(key.substr(0, kLongestToken))).to_string().substr(1);
 }
 
 std::string line_and_column(std::string_view text, std::size_t byte) {

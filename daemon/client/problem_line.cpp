@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/client/problem_line.hpp"
 
-#include <algorithm>
-#include <string_view>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -34,26 +31,15 @@ std::string allowed(const Json& problem) {
   return words;
 }
 
-/// The member at a pointer without escapes.
-const Json* member_of(const Json& value, std::string_view pointer) {
-  const Json* at = &value;
-  while (!pointer.empty()) {
-    const std::size_t end = std::min(pointer.find('/', 1), pointer.size());
-    const auto found =
-        at->is_object() ? at->find(std::string(pointer.substr(1, end - 1))) : at->end();
-    if (found == at->end()) return nullptr;
-    at = &*found;
-    pointer.remove_prefix(end);
-  }
-  return at;
-}
-
 /// What was given at `pointer`: as popcutd repeats it, else as it was sent; "" if neither has it.
 std::string given(const Json& fault, const std::string& pointer, const Json* sent) {
   constexpr std::size_t kMostShown = 60;
   Json value = fault.value("got", Json());
-  if (value.is_null() && sent != nullptr && pointer.rfind('/', 0) == 0)
-    if (const Json* const member = member_of(*sent, pointer)) value = *member;
+  try {
+    if (value.is_null() && sent != nullptr && pointer.starts_with('/'))
+      value = sent->at(Json::json_pointer(pointer));
+  } catch (const Json::exception&) {  // it was not sent
+  }
   const std::string text =
       value.is_null() ? "" : value.dump(-1, ' ', false, Json::error_handler_t::replace);
   return text.size() <= kMostShown ? text : "";

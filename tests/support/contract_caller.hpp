@@ -69,6 +69,11 @@ class ContractCaller {
   std::set<std::string> problems_;
 };
 
+/// A revision as If-Match has it.
+[[nodiscard]] inline std::string quoted(const nlohmann::json& rev) {
+  return "\"" + std::to_string(rev.get<std::int64_t>()) + "\"";
+}
+
 /// Every documented operation, as a call with the example of its body, about what is not there.
 [[nodiscard]] std::vector<ContractCall> all_calls(const ContractCaller& caller);
 [[nodiscard]] bool documents(const ContractCaller& caller, const ContractCall& call, int status);
