@@ -3,60 +3,26 @@
 
 #include <sys/ioctl.h>
 #include <unistd.h>
+#include <unistr.h>
+#include <uniwidth.h>
 
 #include <algorithm>
-#include <array>
-#include <utility>
+#include <cstdint>
 
 namespace popcut::cli {
 namespace {
 
-using Span = std::pair<char32_t, char32_t>;
-
-// Combining marks, joiners and selectors (Unicode 15, categories Mn and Cf of common scripts).
-constexpr std::array<Span, 8> kNoColumn{{{0x300, 0x36F},
-                                         {0x483, 0x489},
-                                         {0x591, 0x5BD},
-                                         {0x64B, 0x65F},
-                                         {0x200B, 0x200F},
-                                         {0x20D0, 0x20FF},
-                                         {0xFE00, 0xFE0F},
-                                         {0xFE20, 0xFE2F}}};
-// East Asian Width W and F, and emoji (Unicode 15, EastAsianWidth.txt), in whole blocks.
-constexpr std::array<Span, 11> kTwoColumns{{{0x1100, 0x115F},
-                                            {0x2E80, 0x303E},
-                                            {0x3041, 0xA4CF},
-                                            {0xA960, 0xA97F},
-                                            {0xAC00, 0xD7A3},
-                                            {0xF900, 0xFAFF},
-                                            {0xFE30, 0xFE6F},
-                                            {0xFF00, 0xFF60},
-                                            {0xFFE0, 0xFFE6},
-                                            {0x1F300, 0x1FAFF},
-                                            {0x20000, 0x3FFFD}}};
-
-template <std::size_t N>
-bool is_in(const std::array<Span, N>& spans, char32_t c) {
-  return std::any_of(spans.begin(), spans.end(),
-                     [c](const Span& span) { return c >= span.first && c <= span.second; });
-}
-
 struct Letter {
-  std::size_t bytes{1}, columns{1};
+  std::size_t bytes{}, columns{};
 };
 
-/// The first character of `text`; a byte that is no UTF-8 is one column.
+/// The first character of `text`; what is no UTF-8, or controls something, is one column.
 Letter first_letter(std::string_view text) {
-  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
-  const unsigned char lead = byte(0);
-  const std::size_t bytes = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : lead >= 0xC0 ? 2 : 1;
-  if (bytes == 1 || bytes > text.size()) return {};
-  char32_t c = lead & (0xFFu >> (bytes + 1));
-  for (std::size_t k = 1; k < bytes; ++k) {
-    if ((byte(k) & 0xC0u) != 0x80u) return {};
-    c = (c << 6) | (byte(k) & 0x3Fu);
-  }
-  return {bytes, is_in(kNoColumn, c) ? 0u : is_in(kTwoColumns, c) ? 2u : 1u};
+  ucs4_t letter = 0;
+  const int bytes =
+      u8_mbtouc(&letter, reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  const int columns = uc_width(letter, "UTF-8");
+  return {static_cast<std::size_t>(bytes), columns < 0 ? 1 : static_cast<std::size_t>(columns)};
 }
 
 /// How many bytes of `text` fit into `width` columns.
