@@ -160,8 +160,8 @@ std::vector<std::string> view_line(const Json& job, std::size_t width) {
 /// Of a job that has ended no sheet is still waiting or being cut.
 std::string sheet_state(const Json& job, const Json& sheet) {
   const std::string state = text_of(sheet, "state");
-  if (!has_ended(job) || state == "done" || state == "skipped" || state == "bad") return state;
-  const bool begun = state == "cutting" || state == "paused" || state == "interrupted";
+  if (!has_ended(job) || state == "done" || state == "skipped") return state;
+  const bool begun = state == "cutting" || state == "interrupted";
   return begun ? "broken off" : "not cut";
 }
 

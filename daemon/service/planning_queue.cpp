@@ -179,15 +179,12 @@ Answer<PlanRow> PlanningQueue::find_or_add(PlanRow row) {
   if (auto before = plans_.find_key(row.key)) return *before;
   const std::int64_t waiting =
       memory.db().number("SELECT count(*) FROM plan WHERE state='pending'");
-  if (waiting >= parts_.options.queue_jobs)
-    return tl::unexpected(
-        Problem{ProblemKind::QueueFull,
-                fmt::format("{} plans wait to be made; try again when there are fewer", waiting),
-                {},
-                {},
-                {},
-                {},
-                60});
+  if (waiting >= parts_.options.queue_jobs) {
+    Problem full{ProblemKind::QueueFull,
+                 fmt::format("{} plans wait to be made; try again when there are fewer", waiting)};
+    full.retry_after_s = 60;
+    return tl::unexpected(std::move(full));
+  }
   row.id = memory.new_id();
   row.created = memory.now();
   plans_.insert(row);

@@ -9,6 +9,19 @@ namespace popcut::daemon {
 
 using namespace fake;
 
+namespace {
+
+/// 412 with what the job is now.
+Problem stale(const Job& job) {
+  Problem problem{ProblemKind::Stale, "it was changed meanwhile"};
+  problem.rev = job.rev;
+  problem.state = std::string(name_of(job.state));
+  problem.allowed_actions = job.actions;
+  return problem;
+}
+
+}  // namespace
+
 Answer<Job> FakeService::create_job(const Principal& who, const JobCreate& wish) {
   if (auto problem = trouble("create_job")) return tl::unexpected<Problem>(*problem);
   last_create = wish;
@@ -81,11 +94,7 @@ Answer<Job> FakeService::patch_job(const Principal&, const std::string& id, std:
   if (auto problem = trouble("patch_job")) return tl::unexpected<Problem>(*problem);
   last_patch = patch;
   Job& job = job_map.at(id);
-  if (job.rev != if_match) {
-    Problem stale{ProblemKind::Stale, "it was changed meanwhile"};
-    stale.rev = job.rev;
-    return tl::unexpected<Problem>(stale);
-  }
+  if (job.rev != if_match) return tl::unexpected(stale(job));
   if (patch.priority) job.priority = *patch.priority;
   if (patch.name) job.name = *patch.name;
   return changed(job);
@@ -96,13 +105,7 @@ Answer<Job> FakeService::act(const Principal& who, const std::string& id, std::i
   if (auto problem = trouble("act")) return tl::unexpected<Problem>(*problem);
   last_action = wish;
   Job& job = job_map.at(id);
-  if (job.rev != if_match) {
-    Problem stale{ProblemKind::Stale, "it was changed meanwhile"};
-    stale.rev = job.rev;
-    stale.state = std::string(name_of(job.state));
-    stale.allowed_actions = job.actions;
-    return tl::unexpected<Problem>(stale);
-  }
+  if (job.rev != if_match) return tl::unexpected(stale(job));
   if (is_terminal(job.state)) {
     Problem conflict{ProblemKind::StateConflict, "the job has ended"};
     conflict.state = std::string(name_of(job.state));
@@ -173,9 +176,9 @@ Answer<DeviceRecord> FakeService::act_on_device(const Principal&, const std::str
   if (found == device_map.end()) return nothing("there is no such device");
   DeviceRecord& device = found->second;
   if (device.rev != if_match) {
-    Problem stale{ProblemKind::Stale, "it was changed meanwhile"};
-    stale.rev = device.rev;
-    return tl::unexpected<Problem>(stale);
+    Problem changed{ProblemKind::Stale, "it was changed meanwhile"};
+    changed.rev = device.rev;
+    return tl::unexpected<Problem>(changed);
   }
   if (wish.action == "enable" || wish.action == "disable") device.enabled = wish.action == "enable";
   ++device.rev;
