@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/http/hub.hpp"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -20,6 +21,13 @@ constexpr double kQuiet_s = 1;
 
 double age_s(const Client& client) {
   return std::chrono::duration<double>(Clock::now() - client.since).count();
+}
+
+// The kernel gives the lowest that is free, so what is left is known from the last one given.
+bool is_among_last(int descriptor) {
+  rlimit now{};
+  return ::getrlimit(RLIMIT_NOFILE, &now) == 0 && now.rlim_cur != RLIM_INFINITY &&
+         static_cast<rlim_t>(descriptor) + kDescriptorsLeft >= now.rlim_cur;
 }
 
 }  // namespace
@@ -94,11 +102,11 @@ bool Hub::is_greedy(const Peer& peer) const {
   return held >= std::max(1, limits().connections * 3 / 4);
 }
 
-bool Hub::make_room(const Peer& peer, bool& reserved) {
+bool Hub::make_room(const Peer& peer, int descriptor, bool& reserved) {
   reserved = false;
   const auto usual = std::count_if(clients.begin(), clients.end(),
                                    [](const ClientPtr& client) { return !client->reserved; });
-  if (usual < limits().connections && !is_greedy(peer)) return true;
+  if (usual < limits().connections && !is_greedy(peer) && !is_among_last(descriptor)) return true;
   ClientPtr quietest;
   const bool own_only = is_greedy(peer);
   for (const ClientPtr& client : clients) {
@@ -231,8 +239,12 @@ asio::awaitable<bool> Hub::ask(ClientPtr client, std::function<void(Service&, Do
 asio::awaitable<bool> Hub::run_aside(ClientPtr client, std::function<void()> work) {
   std::function<bool(Done)> start = [this, work = std::move(work)](Done done) {
     asio::post(disk, [work, done = std::move(done)] {
-      work();
-      done({});
+      // What is thrown would end popcutd; the client's patience ends what is not told.
+      try {
+        work();
+        done({});
+      } catch (const std::exception&) {
+      }
     });
     return true;
   };

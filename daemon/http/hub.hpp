@@ -106,7 +106,9 @@ struct Hub {
   [[nodiscard]] double now_s() const;
   /// A place for a new connection: one that is free, else that of the longest idle one, else a
   /// reserved one. False: there is none.
-  [[nodiscard]] bool make_room(const Peer& peer, bool& reserved);
+  ///
+  /// @param descriptor  of its socket; the last `kDescriptorsLeft` are no places
+  [[nodiscard]] bool make_room(const Peer& peer, int descriptor, bool& reserved);
   /// True for a user of the unix socket who has three quarters of all places already.
   [[nodiscard]] bool is_greedy(const Peer& peer) const;
   void remove(const ClientPtr& client);

@@ -6,6 +6,9 @@
 
 namespace popcut::daemon {
 
+/// File descriptors that clients leave to cuts, plans and the database, whatever `connections` says.
+inline constexpr int kDescriptorsLeft = 40;
+
 /// What one client may take of the daemon. Every member is a line `limits.NAME` of the
 /// configuration; a test holds the defaults against the documentation.
 struct HttpLimits {

@@ -83,7 +83,8 @@ Peer peer_of(int socket, const http::Listener& listener) {
 void welcome(Hub& hub, Socket socket, const http::Listener& listener) {
   bool reserved = false;
   Peer peer = peer_of(socket.native_handle(), listener);
-  if (hub.stopping || !hub.make_room(peer, reserved)) return;  // the socket closes here
+  // Without a place the socket closes here.
+  if (hub.stopping || !hub.make_room(peer, socket.native_handle(), reserved)) return;
   auto client = std::make_shared<Client>(hub.io, std::move(socket), std::move(peer), hub.limits());
   client->reserved = reserved;
   hub.clients.push_back(client);
@@ -98,7 +99,11 @@ asio::awaitable<void> accept_all(Hub& hub, Acceptor& acceptor, const http::Liste
     co_await acceptor.async_accept(socket, asio::redirect_error(asio::use_awaitable, ec));
     if (hub.stopping || ec == asio::error::operation_aborted) co_return;
     if (!ec) {
-      welcome(hub, std::move(socket), listener);
+      try {
+        welcome(hub, std::move(socket), listener);
+      } catch (const std::exception& fault) {  // of this client; the next ones are welcome
+        hub.log_fault(fault.what());
+      }
       continue;
     }
     // Out of descriptors, for example: what is there goes on, new ones wait a little.

@@ -22,6 +22,7 @@
 #include "daemon/devices/make_cutters.hpp"
 #include "daemon/http/server.hpp"
 #include "daemon/planning/make_planner.hpp"
+#include "daemon/popcutd/descriptors.hpp"
 #include "daemon/popcutd/footprint.hpp"
 #include "daemon/popcutd/greeting.hpp"
 #include "daemon/popcutd/log.hpp"
@@ -409,6 +410,7 @@ void watch(Daemon& daemon, const Config& config, const DaemonOptions& options,
 int serve(const Config& config, const DaemonOptions& options, const ServiceManager& manager,
           std::shared_ptr<spdlog::logger> log) {
   const Signals signals;
+  if (const std::string few = allow_descriptors(config.limits); !few.empty()) log->warn("{}", few);
   Daemon daemon(config, log);
   if (const auto trouble = daemon.start(manager)) {
     std::fprintf(stderr, "popcutd: %s\n", without_control(trouble->text).c_str());

@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <poll.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -159,6 +160,30 @@ TEST_CASE("what needs a person ends popcutd with 78", "[popcutd][e2e]") {
   CHECK(text_of_file(wrong) == "[limits]\njson_dept = 3\n");
   CHECK(run_program({POPCUTD_PROGRAM, "--print-config"}, "/").out.find("#json_depth = 32") !=
         std::string::npos);
+}
+
+TEST_CASE("fewer descriptors than connections need are raised or told", "[popcutd][e2e]") {
+  rlimit before{};
+  REQUIRE(::getrlimit(RLIMIT_NOFILE, &before) == 0);
+  const auto started_with = [&](rlim_t soft, rlim_t hard) {
+    DaemonProcess daemon(POPCUTD_PROGRAM);
+    const rlimit few{soft, hard};
+    REQUIRE(::setrlimit(RLIMIT_NOFILE, &few) == 0);
+    const bool serves = daemon.start();
+    rlimit now{};
+    const bool seen = ::prlimit(daemon.pid(), RLIMIT_NOFILE, nullptr, &now) == 0;
+    ::setrlimit(RLIMIT_NOFILE, &before);  // a hard limit stays as low unless root runs this
+    REQUIRE((serves && seen));
+    return std::pair(now.rlim_cur, daemon.log());
+  };
+  const auto [raised, quiet] = started_with(90, before.rlim_max);
+  CHECK(raised == 64 + 4 + 40 + 24);
+  CHECK(quiet.find("files open") == std::string::npos);
+  const auto [low, told] = started_with(90, 100);
+  CHECK(low == 100);
+  INFO(told);
+  CHECK(told.find("100 files open, so about 36 clients at once and not limits.connections = 64; "
+                  "raise it to 132") != std::string::npos);
 }
 
 TEST_CASE("the service manager is told of each step and fed while all turns", "[popcutd][e2e]") {

@@ -7,7 +7,9 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <thread>
 
 namespace popcut::testing {
@@ -29,6 +31,8 @@ DaemonProcess::DaemonProcess(std::string program, double time_scale, const std::
 }
 
 DaemonProcess::~DaemonProcess() {
+  if (std::uncaught_exceptions() > 0)  // a test has failed: what popcutd said goes with it
+    std::fprintf(stderr, "popcutd's log:\n%s\n", log().c_str());
   if (pid_ > 0) {
     ::kill(pid_, SIGKILL);
     ::waitpid(pid_, nullptr, 0);
