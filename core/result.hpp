@@ -22,8 +22,8 @@ enum class ErrorKind {
   Unwritable,   ///< the output could not be written
 };
 
-/// What happened at a device, where the kind alone does not say it. Programs go by this, never by
-/// the words of `Error::detail`, in which a machine's own answer may stand.
+/// What happened, where the kind alone does not say it. Programs go by this, never by the words of
+/// `Error::detail`, in which a machine's own answer may stand.
 enum class ErrorReason {
   None,
   Stalled,    ///< the device halted the line
@@ -31,6 +31,8 @@ enum class ErrorReason {
   NoMedia,    ///< there is no sheet in it, or none any more
   NoMarks,    ///< the registration marks were not found
   PanelStop,  ///< somebody stopped it at its panel
+  TooMuch,    ///< an input is larger than a limit that can be raised
+  NotThere,   ///< popcutd has nothing of that name
 };
 
 /// One clear error: `place: what is wrong; what would be right`.

@@ -387,9 +387,8 @@ DxfOptions DxfOptions::raised(unsigned factor) const {
 
 Result<LineWork> linework_from_dxf(std::string_view text, const DxfOptions& options) {
   if (text.size() > options.most_bytes)
-    return fail(ErrorKind::OutOfRange, "",
-                fmt::format("{} bytes of DXF; at most {} are read; {}", text.size(),
-                            options.most_bytes, kSimplify));
+    return tl::unexpected(too_much(
+        fmt::format("{} bytes of DXF; at most {} are read", text.size(), options.most_bytes)));
   if (text.substr(0, 18) == "AutoCAD Binary DXF")
     return fail(ErrorKind::Malformed, "line 1",
                 "is a binary DXF; save it as ASCII DXF, R12 or 2000 for instance");

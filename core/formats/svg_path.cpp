@@ -33,8 +33,8 @@ class PathReader {
       }
       if (!draw(command)) return wrong("this cannot be read as path data");
       if (lines_.points.size() > most_points_)
-        return fail(ErrorKind::OutOfRange, "",
-                    fmt::format("this path has more than {} points; {}", most_points_, kSimplify));
+        return tl::unexpected(
+            too_much(fmt::format("this path has more than {} points", most_points_)));
       // Further pairs after a move are lines.
       if (command == 'M') command = 'L';
       if (command == 'm') command = 'l';

@@ -86,7 +86,7 @@ class SvgReader {
     std::string place = svg_place(text_, node.offset_debug() - 1);
     const std::string_view id = node.attribute("id").value();
     if (!id.empty()) place += fmt::format(", id \"{}\"", id.substr(0, 60));
-    return fail(error.kind, std::move(place), error.detail);
+    return fail(error.kind, std::move(place), error.detail, error.reason);
   }
   [[nodiscard]] tl::unexpected<Error> wrong(const pugi::xml_node& node, std::string detail,
                                             ErrorKind kind = ErrorKind::Malformed) const {
@@ -100,10 +100,7 @@ class SvgReader {
       return {};
     }
     steps_ = 0;
-    return wrong(
-        node,
-        fmt::format("the drawing takes too much work here; repeat less by <use>, {}", kSimplify),
-        ErrorKind::OutOfRange);
+    return wrong(node, too_much("the drawing takes too much work here; repeat less by <use>"));
   }
 
   // User units of the root to mm on the page.

@@ -22,7 +22,8 @@ Result<void> read_svg_sheets(const SvgText& text, const pugi::xml_node& root, Cs
     std::string sheet;
     for (const pugi::xml_node& part : node.children()) sheet += part.value();
     if (auto done = sheets.add(sheet); !done)
-      all = fail(done.error().kind, svg_place(text, node.offset_debug() - 1), done.error().detail);
+      all = fail(done.error().kind, svg_place(text, node.offset_debug() - 1), done.error().detail,
+                 done.error().reason);
   });
   const auto first = [&] { return fmt::format("\"{}\"", sheets.first_unknown()); };
   const auto none = [] { return std::string(); };

@@ -24,8 +24,8 @@ Result<std::size_t> SvgStrokes::add(const SvgLines& lines, const SvgTransform& t
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const auto line = lines[i];
     if (work_.points.size() + line.size() > most_points_)
-      return fail(ErrorKind::OutOfRange, "",
-                  fmt::format("the drawing has more than {} points; {}", most_points_, kSimplify));
+      return tl::unexpected(
+          too_much(fmt::format("the drawing has more than {} points", most_points_)));
     const std::size_t first = work_.points.size();
     for (const PagePoint& p : line) {
       const PagePoint q = to_page(p);

@@ -293,9 +293,8 @@ SvgLimits SvgLimits::raised(unsigned factor) const {
 
 Result<SvgText> prepare_svg_text(std::string text, const SvgLimits& limits) {
   if (text.size() > limits.bytes)
-    return fail(ErrorKind::OutOfRange, "",
-                fmt::format("{} bytes of SVG; at most {} are read; {}", text.size(), limits.bytes,
-                            kSimplify));
+    return tl::unexpected(
+        too_much(fmt::format("{} bytes of SVG; at most {} are read", text.size(), limits.bytes)));
   SvgText svg;
   svg.text = std::move(text);
   if (auto done = to_utf8(svg.text); !done) return tl::unexpected(done.error());
@@ -308,9 +307,9 @@ Result<SvgText> prepare_svg_text(std::string text, const SvgLimits& limits) {
       static_cast<std::size_t>(std::count(svg.text.begin(), svg.text.end(), '\n'));
   const std::size_t need = tree_bytes(svg.text) + 4 * newlines;
   if (need > limits.tree_bytes)
-    return fail(ErrorKind::OutOfRange, "",
-                fmt::format("its elements would take {} MB; at most {} are taken; {}", need >> 20,
-                            limits.tree_bytes >> 20, kSimplify));
+    return tl::unexpected(
+        too_much(fmt::format("its elements would take {} MB; at most {} are taken", need >> 20,
+                             limits.tree_bytes >> 20)));
   svg.lines.reserve(newlines);
   for (std::size_t at = svg.text.find('\n'); at < svg.text.size(); at = svg.text.find('\n', at + 1))
     svg.lines.push_back(static_cast<std::uint32_t>(at + 1));

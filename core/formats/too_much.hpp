@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <string_view>
+#include <string>
+#include <utility>
+
+#include "core/result.hpp"
 
 namespace popcut {
 
-/// How each error ends that is about a limit of the readers of drawings: what helps always. Who
-/// knows a way to raise the limits adds it.
-inline constexpr std::string_view kSimplify = "simplify the drawing";
+/// The error of a drawing that is over a limit of its reader, with what helps always. Who knows a
+/// way to raise the limits adds it (`ErrorReason::TooMuch`).
+///
+/// @param what  "the drawing has more than 5 points"
+[[nodiscard]] inline Error too_much(std::string what) {
+  return {ErrorKind::OutOfRange, "", std::move(what) + "; simplify the drawing",
+          ErrorReason::TooMuch};
+}
 
 }  // namespace popcut

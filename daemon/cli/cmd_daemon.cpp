@@ -196,7 +196,7 @@ Result<void> delete_token(const TokenOptions& options, const Globals& globals) {
   if (!api) return tl::unexpected(api.error());
   auto gone =
       api->remove("/v1/tokens/" + client::percent_encoded(options.id), "token " + options.id);
-  if (!gone && gone.error().detail.find("there is no token") != std::string::npos)
+  if (!gone && gone.error().reason == ErrorReason::NotThere)
     return fail(gone.error().kind, gone.error().place,
                 "there is none of that ID; 'popcut token list' shows them");
   if (gone && globals.json) fmt::print("{}\n", dumped(Json{{"deleted", options.id}}));

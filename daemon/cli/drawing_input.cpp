@@ -10,7 +10,6 @@
 
 #include "core/formats/dxf_reader.hpp"
 #include "core/formats/fold_reader.hpp"
-#include "core/formats/too_much.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/spec_assets.hpp"
 
@@ -61,7 +60,7 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   const std::size_t most = most_bytes(ending, how, *factor);
   auto text = read_file(file, most);
-  if (!text && text.error().detail.find("is larger than") == 0)
+  if (!text && text.error().reason == ErrorReason::TooMuch)
     return fail(ErrorKind::OutOfRange, file,
                 fmt::format("is larger than {} bytes; simplify it, or set POPCUT_RAISE_LIMITS={}",
                             most, std::min(100u, 4 * *factor)));
@@ -73,7 +72,7 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how) {
   const planning::SpecSources beside{
       [&](const DesignSpec& spec) { return load_assets(spec, file); }};
   auto input = planning::drawing_from_text(std::move(*text), *kind, how, *factor, beside);
-  if (!input && input.error().detail.ends_with(kSimplify) && *factor < 100)
+  if (!input && input.error().reason == ErrorReason::TooMuch && *factor < 100)
     input.error().detail +=
         fmt::format(", or set POPCUT_RAISE_LIMITS={}", std::min(100u, 4 * *factor));
   if (!input) return tl::unexpected(within(file, input.error()));

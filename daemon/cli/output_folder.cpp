@@ -121,11 +121,14 @@ Result<std::string> read_file(const fs::path& path, std::uintmax_t limit_bytes) 
   struct stat status {};
   if (::fstat(file, &status) != 0) return malformed("cannot be read: " + reason(errno));
   if (S_ISDIR(status.st_mode)) return malformed("is a folder; give a file");
-  const std::string too_large =
-      "is larger than " + std::to_string(limit_bytes) + " bytes; give a smaller file";
+  const auto too_large = [&] {
+    return fail(ErrorKind::Malformed, path.string(),
+                "is larger than " + std::to_string(limit_bytes) + " bytes; give a smaller file",
+                ErrorReason::TooMuch);
+  };
   std::string content;
   if (S_ISREG(status.st_mode)) {
-    if (static_cast<std::uintmax_t>(status.st_size) > limit_bytes) return malformed(too_large);
+    if (static_cast<std::uintmax_t>(status.st_size) > limit_bytes) return too_large();
     content.reserve(static_cast<std::size_t>(status.st_size));
   }
   std::vector<char> block(1u << 16);
@@ -134,7 +137,7 @@ Result<std::string> read_file(const fs::path& path, std::uintmax_t limit_bytes) 
     if (got == 0) return content;
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return malformed("cannot be read: " + reason(errno));
-    if (content.size() + static_cast<std::size_t>(got) > limit_bytes) return malformed(too_large);
+    if (content.size() + static_cast<std::size_t>(got) > limit_bytes) return too_large();
     content.append(block.data(), static_cast<std::size_t>(got));
   }
 }

@@ -111,7 +111,8 @@ Error error_from(const HttpResponse& response, const std::string& place, Subject
     return {ErrorKind::OutOfRange, place, detail};
   if (kind == "state-conflict" || kind == "stale") return conflict(problem, place, detail);
   return {ErrorKind::Refused, place,
-          subject == Subject::CommandLine ? in_command_words(detail) : detail};
+          subject == Subject::CommandLine ? in_command_words(detail) : detail,
+          kind == "not-found" ? ErrorReason::NotThere : ErrorReason::None};
 }
 
 }  // namespace popcut::client

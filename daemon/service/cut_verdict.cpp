@@ -33,6 +33,8 @@ CutVerdict refused(ErrorReason reason, const std::string& text) {
     case ErrorReason::PanelStop:
       return {"panel_stop", "in_doubt", text};
     case ErrorReason::None:
+    case ErrorReason::TooMuch:
+    case ErrorReason::NotThere:
       break;
   }
   return {"refused", "device_fault", text};

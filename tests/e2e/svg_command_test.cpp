@@ -73,6 +73,14 @@ TEST_CASE("how finely curves are cut and how large a unit is can be asked for", 
 TEST_CASE("a drawing over a limit is refused before it is read and the limits can be raised",
           "[cli][e2e][svg]") {
   const TempFolder temp;
+  // 2^40 paths by two uses of two uses of ...
+  std::string bomb = "<svg xmlns='http://www.w3.org/2000/svg'><g id='g0'><path d='M0 0h1'/></g>";
+  for (int i = 1; i <= 40; ++i) {
+    const std::string use = "<use href='#g" + std::to_string(i - 1) + "'/>";
+    bomb += "<g id='g" + std::to_string(i) + "'>" + use + use + "</g>";
+  }
+  write_file(temp / "bomb.svg", bomb + "</svg>");
+  check_refused(plan(temp, "A=", {"bomb.svg"}), 3, "or set POPCUT_RAISE_LIMITS=4");
   write_file(temp / "huge.svg", "");
   std::filesystem::resize_file(temp / "huge.svg", 300'000'000);  // no disk is taken
   check_refused(plan(temp, "A=", {"huge.svg"}), 3, "huge.svg: is larger than 100000000 bytes");
