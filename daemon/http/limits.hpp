@@ -6,7 +6,7 @@
 
 namespace popcut::daemon {
 
-/// File descriptors that clients leave to cuts, plans and the database, whatever `connections` says.
+/// File descriptors that clients leave to cuts, plans and the database, whatever `connections`.
 inline constexpr int kDescriptorsLeft = 40;
 
 /// What one client may take of the daemon. Every member is a line `limits.NAME` of the
