@@ -2,6 +2,7 @@
 // Each place where a request takes much memory, failing once: it is answered, or refused with 503.
 // Small pieces are let through: nlohmann 3.11 takes some in the destructor of a value, which ends
 // the program when there is none.
+#include <atomic>
 #include <cstdlib>
 #include <new>
 
@@ -10,7 +11,7 @@
 #include "daemon/http/dispatch.hpp"
 #include "daemon/http/target.hpp"
 #include "daemon/http/wire.hpp"
-#include "tests/support/fake_service.hpp"
+#include "tests/support/raw_http.hpp"
 
 namespace {
 
@@ -19,18 +20,29 @@ namespace {
 thread_local long allocations_left = -1;
 thread_local std::size_t least_bytes = 1024;
 
+// The same for one allocation of any thread that is as large as a connection.
+constexpr std::size_t kConnectionBytes = 16'384;
+std::atomic<int> connections_to_fail{0};
+
+bool is_to_fail(std::size_t size) {
+  if (size >= kConnectionBytes && connections_to_fail > 0) {
+    --connections_to_fail;
+    return true;
+  }
+  return size >= least_bytes && allocations_left >= 0 && allocations_left-- == 0;
+}
+
 }  // namespace
 
 void* operator new(std::size_t size) {
-  if (size >= least_bytes && allocations_left >= 0 && allocations_left-- == 0)
-    throw std::bad_alloc();
+  if (is_to_fail(size)) throw std::bad_alloc();
   void* const memory = std::malloc(size > 0 ? size : 1);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
 // Both forms: the sanitizers' own would not match the deletes below.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  if (size >= least_bytes && allocations_left >= 0 && allocations_left-- == 0) return nullptr;
+  if (is_to_fail(size)) return nullptr;
   return std::malloc(size > 0 ? size : 1);
 }
 void operator delete(void* memory) noexcept { std::free(memory); }
@@ -127,4 +139,14 @@ TEST_CASE("reading a request stands that memory fails", "[daemon][http][memory]"
   least_bytes = 1024;
   CHECK_FALSE(failed);
   CHECK(n > 5);
+}
+
+TEST_CASE("a client for whom there is no memory is turned away and the next one is served",
+          "[daemon][http][memory]") {
+  LiveServer server;
+  connections_to_fail = 1;
+  RawConnection unlucky(server.port());
+  CHECK(unlucky.closes());
+  CHECK(connections_to_fail == 0);
+  CHECK(server.fetch("GET", "/healthz").status == 200);
 }
