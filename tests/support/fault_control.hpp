@@ -9,8 +9,7 @@ namespace popcut::testing {
 /// What a test and the shim in the program under test share (a mapped file). The shim counts the
 /// program's calls; the test says at which count something happens. 0: never.
 struct FaultControl {
-  std::atomic<std::uint64_t>
-      calls;  ///< that leave something behind: in files write, fsync; rename, ioctl
+  std::atomic<std::uint64_t> calls;       ///< writes and syncs of files, renames, ioctls
   std::atomic<std::uint64_t> kill_at;     ///< it dies before this one, or the next
   std::atomic<std::uint64_t> kill_after;  ///< it dies after this one, or the next
   std::atomic<std::uint64_t> disk;        ///< those that take room on the disk
