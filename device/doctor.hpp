@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/plan/machine.hpp"
+#include "core/machines/machine.hpp"
 #include "core/result.hpp"
 #include "device/usb_device.hpp"
 #include "protocol/replies.hpp"

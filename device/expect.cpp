@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "core/plan/blade.hpp"
-#include "core/plan/clean.hpp"
-#include "core/plan/segment_grid.hpp"
+#include "core/plan/knife/blade.hpp"
+#include "core/drawing/clean.hpp"
+#include "core/geometry/segment_grid.hpp"
 #include "device/fold_chains.hpp"
 #include "device/fold_check.hpp"
 #include "device/run_along.hpp"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/plan/linework.hpp"
-#include "core/plan/machine.hpp"
+#include "core/drawing/linework.hpp"
+#include "core/machines/machine.hpp"
 #include "core/result.hpp"
 #include "device/trace.hpp"
 

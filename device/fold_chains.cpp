@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/plan/linework.hpp"
+#include "core/drawing/linework.hpp"
 
 namespace popcut {
 namespace {

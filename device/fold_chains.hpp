@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/plan/overlap.hpp"
+#include "core/geometry/overlap.hpp"
 
 namespace popcut {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/plan/motion.hpp"
+#include "core/machines/motion.hpp"
 
 namespace popcut {
 

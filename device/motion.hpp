@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "core/plan/machine.hpp"
+#include "core/machines/machine.hpp"
 
 namespace popcut {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/plan/overlap.hpp"
+#include "core/geometry/overlap.hpp"
 #include "device/fold_check.hpp"
 
 namespace popcut {

@@ -14,7 +14,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/plan/machine.hpp"
+#include "core/machines/machine.hpp"
 #include "core/result.hpp"
 #include "device/motion.hpp"
 #include "device/trace.hpp"

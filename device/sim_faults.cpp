@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "core/json_fields.hpp"
+#include "core/text/json_fields.hpp"
 
 namespace popcut {
 namespace {

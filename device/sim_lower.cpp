@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/plan/motion.hpp"
+#include "core/machines/motion.hpp"
 #include "device/sim_cutter.hpp"
 
 namespace popcut {

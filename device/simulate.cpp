@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "core/plan/linework.hpp"
+#include "core/drawing/linework.hpp"
 #include "device/sim_transport.hpp"
 
 namespace popcut {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/plan/machine.hpp"
+#include "core/machines/machine.hpp"
 #include "core/result.hpp"
 #include "device/sim_cutter.hpp"
 #include "device/sim_faults.hpp"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "core/plan/machine.hpp"
+#include "core/machines/machine.hpp"
 #include "core/result.hpp"
 #include "device/session.hpp"
 #include "protocol/encode.hpp"

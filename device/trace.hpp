@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/toolpath.hpp"
+#include "core/drawing/toolpath.hpp"
 
 namespace popcut {
 

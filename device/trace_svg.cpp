@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "core/formats/text_sink.hpp"
+#include "core/text/text_sink.hpp"
 #include "device/trace.hpp"
 #include "device/window.hpp"
 

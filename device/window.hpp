@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "core/plan/linework.hpp"
+#include "core/drawing/linework.hpp"
 
 namespace popcut {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/plan/machine.hpp"
+#include "core/machines/machine.hpp"
 #include "core/result.hpp"
-#include "core/toolpath.hpp"
+#include "core/drawing/toolpath.hpp"
 #include "protocol/page_map.hpp"
 #include "protocol/program.hpp"
 

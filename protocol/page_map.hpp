@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/plan/machine.hpp"
-#include "core/toolpath.hpp"
+#include "core/machines/machine.hpp"
+#include "core/drawing/toolpath.hpp"
 #include "protocol/program.hpp"
 
 namespace popcut {

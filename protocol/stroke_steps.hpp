@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/plan/machine.hpp"
+#include "core/machines/machine.hpp"
 #include "core/result.hpp"
-#include "core/toolpath.hpp"
+#include "core/drawing/toolpath.hpp"
 #include "protocol/encode.hpp"
 #include "protocol/page_map.hpp"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/curvature/fold_vertices.hpp"
-#include "core/formats/fold_reader.hpp"
+#include "core/formats/fold/fold_reader.hpp"
 
 namespace popcut {
 

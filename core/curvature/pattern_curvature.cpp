@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/formats/text_sink.hpp"
+#include "core/text/text_sink.hpp"
 
 namespace popcut {
 namespace {

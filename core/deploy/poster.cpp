@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "core/deploy/sheet_mesh.hpp"
-#include "core/formats/deployed_svg.hpp"
-#include "core/formats/text_sink.hpp"
+#include "core/formats/write/deployed_svg.hpp"
+#include "core/text/text_sink.hpp"
 
 namespace popcut {
 namespace {

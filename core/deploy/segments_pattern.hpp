@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/formats/segments_reader.hpp"
+#include "core/formats/csv/segments_reader.hpp"
 #include "core/pattern/pattern.hpp"
 
 namespace popcut {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/deploy/rigid.hpp"
-#include "core/design/strips.hpp"
+#include "core/design/strips/strips.hpp"
 #include "core/pattern/pattern.hpp"
 #include "core/result.hpp"
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "core/design/strips.hpp"
+#include "core/design/strips/strips.hpp"
 
 namespace popcut {
 

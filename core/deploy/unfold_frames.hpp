@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/formats/fold_reader.hpp"
+#include "core/formats/fold/fold_reader.hpp"
 #include "core/pattern/pattern.hpp"
 #include "core/result.hpp"
 

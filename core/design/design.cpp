@@ -8,19 +8,19 @@
 
 #include <fmt/format.h>
 
-#include "core/design/augmented_slices.hpp"
-#include "core/design/figures.hpp"
-#include "core/design/fit_report.hpp"
-#include "core/design/lattice.hpp"
-#include "core/design/mobility.hpp"
-#include "core/design/multi_state.hpp"
-#include "core/design/pattern_builder.hpp"
-#include "core/design/pattern_counts.hpp"
+#include "core/design/chain/augmented_slices.hpp"
+#include "core/design/strips/figures.hpp"
+#include "core/design/chain/fit_report.hpp"
+#include "core/design/lattice/lattice.hpp"
+#include "core/design/strips/mobility.hpp"
+#include "core/design/strips/multi_state.hpp"
+#include "core/design/strips/pattern_builder.hpp"
+#include "core/design/strips/pattern_counts.hpp"
 #include "core/design/run_layout.hpp"
-#include "core/design/slicing.hpp"
-#include "core/design/splay.hpp"
-#include "core/design/strip_bridge.hpp"
-#include "core/design/strip_builder.hpp"
+#include "core/design/chain/slicing.hpp"
+#include "core/design/strips/splay.hpp"
+#include "core/design/strips/strip_bridge.hpp"
+#include "core/design/strips/strip_builder.hpp"
 
 namespace popcut {
 namespace {

@@ -6,14 +6,14 @@
 
 #include <fmt/format.h>
 
-#include "core/design/mobility.hpp"
-#include "core/design/multi_state.hpp"
+#include "core/design/strips/mobility.hpp"
+#include "core/design/strips/multi_state.hpp"
 #include "core/design/patches_report.hpp"
-#include "core/design/pattern_builder.hpp"
-#include "core/design/pattern_join.hpp"
-#include "core/design/splay.hpp"
-#include "core/design/strip_bridge.hpp"
-#include "core/design/strip_builder.hpp"
+#include "core/design/strips/pattern_builder.hpp"
+#include "core/design/strips/pattern_join.hpp"
+#include "core/design/strips/splay.hpp"
+#include "core/design/strips/strip_bridge.hpp"
+#include "core/design/strips/strip_builder.hpp"
 
 namespace popcut {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "core/design/pattern_counts.hpp"
+#include "core/design/strips/pattern_counts.hpp"
 
 namespace popcut {
 namespace {

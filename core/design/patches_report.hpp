@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/design/design.hpp"
-#include "core/design/pattern_join.hpp"
-#include "core/design/report.hpp"
+#include "core/design/strips/pattern_join.hpp"
+#include "core/design/spec/report.hpp"
 
 namespace popcut {
 

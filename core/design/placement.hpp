@@ -1,36 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <string>
+#include <string_view>
 
-#include "core/design/spec.hpp"
-#include "core/design/surface_spec.hpp"
-#include "core/design/triangle_mesh.hpp"
+#include "core/design/spec/spec.hpp"
+#include "core/design/target/surface_spec.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
-
-/// No turn, and no shift but along the spine: the slices of an upright surface stay its own.
-[[nodiscard]] bool stays_upright(const TargetPlacement& placement);
-
-/// A placement as a map: points of the surface (its own units) to the corner (mm) and back.
-class PlacementMap {
- public:
-  explicit PlacementMap(const TargetPlacement& placement);
-  [[nodiscard]] std::array<double, 3> to_corner(const std::array<double, 3>& q) const;
-  [[nodiscard]] std::array<double, 3> to_surface(const std::array<double, 3>& p) const;
-
- private:
-  std::array<std::array<double, 3>, 3> turn_;  ///< rows; exact for multiples of 90 degrees
-  double scale_;
-  std::array<double, 3> shift_;
-};
-
-/// The mesh in the corner, mm.
-///
-/// @retval OutOfRange  a coordinate is farther than a kilometre from the corner
-[[nodiscard]] Result<TriangleMesh> placed(TriangleMesh mesh, const TargetPlacement& placement);
 
 /// Which part of a surface stands in the corner.
 enum class Stand {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "core/design/lattice.hpp"
+#include "core/design/lattice/lattice.hpp"
 
 namespace popcut {
 

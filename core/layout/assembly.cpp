@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "core/formats/text_sink.hpp"
-#include "core/plan/linework.hpp"
+#include "core/text/text_sink.hpp"
+#include "core/drawing/linework.hpp"
 
 namespace popcut {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/pattern/pattern.hpp"
-#include "core/plan/linework.hpp"
+#include "core/drawing/linework.hpp"
 
 namespace popcut {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/layout/tabs.hpp"
-#include "core/plan/linework.hpp"
-#include "core/plan/sheet.hpp"
+#include "core/drawing/linework.hpp"
+#include "core/layout/sheet.hpp"
 #include "core/result.hpp"
 
 namespace popcut {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/layout/tabs.hpp"
-#include "core/plan/linework.hpp"
-#include "core/plan/segment_grid.hpp"
+#include "core/drawing/linework.hpp"
+#include "core/geometry/segment_grid.hpp"
 
 namespace popcut {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/layout/line_index.hpp"
-#include "core/plan/sheet.hpp"
+#include "core/layout/sheet.hpp"
 
 namespace popcut {
 

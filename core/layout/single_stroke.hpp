@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/toolpath.hpp"
+#include "core/drawing/toolpath.hpp"
 
 namespace popcut {
 

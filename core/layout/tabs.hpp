@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/plan/tab_shape.hpp"
+#include "core/machines/tab_shape.hpp"
 #include "core/result.hpp"
-#include "core/toolpath.hpp"
+#include "core/drawing/toolpath.hpp"
 
 namespace popcut {
 

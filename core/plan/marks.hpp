@@ -4,9 +4,9 @@
 #include <array>
 #include <string>
 
-#include "core/plan/linework.hpp"
+#include "core/drawing/linework.hpp"
 #include "core/result.hpp"
-#include "core/toolpath.hpp"
+#include "core/drawing/toolpath.hpp"
 
 namespace popcut {
 

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "core/layout/marks.hpp"
-#include "core/plan/clean.hpp"
-#include "core/plan/micro_cut.hpp"
-#include "core/plan/motion.hpp"
+#include "core/drawing/clean.hpp"
+#include "core/plan/knife/micro_cut.hpp"
+#include "core/machines/motion.hpp"
 
 namespace popcut {
 namespace {

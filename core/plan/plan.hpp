@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "core/layout/layout.hpp"
-#include "core/plan/clean.hpp"
-#include "core/plan/linework.hpp"
-#include "core/plan/machine.hpp"
+#include "core/drawing/clean.hpp"
+#include "core/drawing/linework.hpp"
+#include "core/machines/machine.hpp"
 #include "core/plan/marks.hpp"
-#include "core/plan/order.hpp"
-#include "core/plan/sheet.hpp"
-#include "core/plan/strokes.hpp"
+#include "core/plan/order/order.hpp"
+#include "core/layout/sheet.hpp"
+#include "core/plan/knife/strokes.hpp"
 
 namespace popcut {
 

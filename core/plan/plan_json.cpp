@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/formats/text_sink.hpp"
+#include "core/text/text_sink.hpp"
 
 namespace popcut {
 namespace {

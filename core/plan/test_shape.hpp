@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/plan/linework.hpp"
+#include "core/drawing/linework.hpp"
 
 namespace popcut {
 

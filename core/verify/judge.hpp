@@ -6,12 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/verify/fold_model.hpp"
-#include "core/verify/mobility.hpp"
-#include "core/verify/motion.hpp"
-#include "core/verify/opening.hpp"
-#include "core/verify/sheet.hpp"
-#include "core/verify/tiling.hpp"
+#include "core/verify/sheet/fold_model.hpp"
+#include "core/verify/motion/mobility.hpp"
+#include "core/verify/motion/motion.hpp"
+#include "core/verify/motion/opening.hpp"
+#include "core/verify/sheet/sheet.hpp"
+#include "core/verify/sheet/tiling.hpp"
 #include "core/verify/verify.hpp"
 
 namespace popcut::verify {

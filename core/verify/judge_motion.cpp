@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "core/verify/crossing.hpp"
+#include "core/verify/motion/crossing.hpp"
 #include "core/verify/judge.hpp"
-#include "core/verify/sweep.hpp"
+#include "core/verify/motion/sweep.hpp"
 
 namespace popcut::verify {
 namespace {

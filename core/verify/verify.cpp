@@ -10,12 +10,12 @@
 
 #include <fmt/format.h>
 
-#include "core/verify/fold_model.hpp"
+#include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/judge.hpp"
-#include "core/verify/opening.hpp"
-#include "core/verify/parting.hpp"
-#include "core/verify/planar.hpp"
-#include "core/verify/target.hpp"
+#include "core/verify/motion/opening.hpp"
+#include "core/verify/sheet/parting.hpp"
+#include "core/verify/sheet/planar.hpp"
+#include "core/verify/target/target.hpp"
 
 namespace popcut {
 namespace {

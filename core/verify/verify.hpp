@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "core/result.hpp"
-#include "core/verify/check.hpp"
+#include "core/verify/sheet/check.hpp"
+#include "core/verify/target/target_distance.hpp"
 
 namespace popcut {
 
@@ -18,13 +19,6 @@ struct VerifyOptions {
   /// A drawing without faces lies on a page, x = v, y = u: places are told as x and y.
   bool page{false};
   std::string target_file{};  ///< bytes of the file that the spec names (`target_file_of`)
-};
-
-/// Distances of fold vertices from the target surface, in mm.
-struct TargetDistance {
-  std::size_t vertices{};
-  double rms_mm{};
-  double max_mm{};
 };
 
 /// How a pattern without an opened pose was opened.

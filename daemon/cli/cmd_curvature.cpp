@@ -13,8 +13,8 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/curvature/assembly.hpp"
-#include "core/curvature/paper_figures.hpp"
+#include "core/figures/assembly.hpp"
+#include "core/figures/paper_figures.hpp"
 #include "core/curvature/pattern_curvature.hpp"
 #include "daemon/cli/angles.hpp"
 #include "daemon/cli/command.hpp"

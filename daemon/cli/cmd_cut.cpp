@@ -14,11 +14,11 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/formats/svg_reader.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 #include "core/plan/plan_json.hpp"
 #include "core/plan/sheet_svg.hpp"
 #include "core/plan/test_shape.hpp"
-#include "core/shown_text.hpp"
+#include "core/text/shown_text.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/cut_device.hpp"
 #include "daemon/cli/cut_queue.hpp"

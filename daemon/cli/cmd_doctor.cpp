@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/plan/machine.hpp"
+#include "core/machines/machine.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/udev_rule.hpp"
 #include "daemon/cli/user_tables.hpp"

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "core/curvature/paper_figures.hpp"
+#include "core/figures/paper_figures.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/output_folder.hpp"
 

@@ -8,7 +8,7 @@
 #include "core/plan/plan_json.hpp"
 #include "core/plan/plan_svg.hpp"
 #include "core/plan/sheet_svg.hpp"
-#include "core/shown_text.hpp"
+#include "core/text/shown_text.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/plan_job.hpp"

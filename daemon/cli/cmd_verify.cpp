@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "core/formats/linework_graph.hpp"
-#include "core/formats/svg_reader.hpp"
+#include "core/formats/fold/linework_graph.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 #include "core/verify/verify.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/option_value.hpp"

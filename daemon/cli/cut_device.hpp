@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/plan/machine.hpp"
+#include "core/machines/machine.hpp"
 #include "core/result.hpp"
 #include "device/device_id.hpp"
 #include "device/sim_faults.hpp"

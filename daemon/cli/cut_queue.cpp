@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/design/spec.hpp"
-#include "core/json_fields.hpp"
-#include "core/shown_text.hpp"
+#include "core/design/spec/spec.hpp"
+#include "core/text/json_fields.hpp"
+#include "core/text/shown_text.hpp"
 #include "daemon/cli/job_follow.hpp"
 #include "daemon/cli/job_view.hpp"
 #include "daemon/cli/output_folder.hpp"

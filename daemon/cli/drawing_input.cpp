@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "core/formats/dxf_reader.hpp"
-#include "core/formats/fold_reader.hpp"
+#include "core/formats/dxf/dxf_reader.hpp"
+#include "core/formats/fold/fold_reader.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/spec_assets.hpp"
 

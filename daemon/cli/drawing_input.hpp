@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/formats/svg_reader.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 #include "core/result.hpp"
 #include "daemon/planning/plan_input.hpp"
 

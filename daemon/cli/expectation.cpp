@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
-#include "core/formats/json_data.hpp"
-#include "core/plan/clean.hpp"
-#include "core/plan/overcut.hpp"
+#include "core/text/json_data.hpp"
+#include "core/drawing/clean.hpp"
+#include "core/plan/knife/overcut.hpp"
 #include "daemon/cli/drawing_input.hpp"
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/split_facts.hpp"

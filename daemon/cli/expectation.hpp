@@ -6,8 +6,8 @@
 #include <string>
 
 #include "core/layout/piece_lines.hpp"
-#include "core/plan/sheet.hpp"
-#include "core/plan/strokes.hpp"
+#include "core/layout/sheet.hpp"
+#include "core/plan/knife/strokes.hpp"
 #include "core/result.hpp"
 #include "daemon/cli/user_tables.hpp"
 #include "device/expect.hpp"

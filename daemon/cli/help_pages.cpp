@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "core/plan/near_names.hpp"
+#include "core/text/near_names.hpp"
 #include "daemon/cli/help_words.hpp"
 
 namespace popcut::cli {

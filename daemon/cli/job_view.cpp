@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "core/shown_text.hpp"
+#include "core/text/shown_text.hpp"
 #include "daemon/cli/terminal_text.hpp"
 
 namespace popcut::cli {

@@ -16,7 +16,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "core/shown_text.hpp"
+#include "core/text/shown_text.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/help_pages.hpp"
 #include "daemon/cli/option_value.hpp"

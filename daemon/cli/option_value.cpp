@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "core/plan/near_names.hpp"
+#include "core/text/near_names.hpp"
 
 namespace popcut::cli {
 namespace {

@@ -17,7 +17,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/json_fields.hpp"
+#include "core/text/json_fields.hpp"
 
 namespace popcut::cli {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "core/formats/cricut_svg.hpp"
-#include "core/formats/profile_svg.hpp"
+#include "core/formats/write/cricut_svg.hpp"
+#include "core/formats/write/profile_svg.hpp"
 
 namespace popcut::cli {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/design/spec.hpp"
+#include "core/design/spec/spec.hpp"
 #include "core/result.hpp"
 
 namespace popcut::cli {

@@ -10,7 +10,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "core/plan/near_names.hpp"
+#include "core/text/near_names.hpp"
 
 namespace popcut::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/json_fields.hpp"
+#include "core/text/json_fields.hpp"
 #include "daemon/client/command_words.hpp"
 
 namespace popcut::client {

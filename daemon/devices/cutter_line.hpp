@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/plan/machine.hpp"
+#include "core/machines/machine.hpp"
 #include "core/result.hpp"
 #include "daemon/config/config.hpp"
 #include "daemon/devices/paced_transport.hpp"

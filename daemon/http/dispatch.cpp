@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "core/json_fields.hpp"
+#include "core/text/json_fields.hpp"
 #include "daemon/http/handler_kit.hpp"
 #include "daemon/http/json_body.hpp"
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "core/json_fields.hpp"
+#include "core/text/json_fields.hpp"
 #include "daemon/http/target.hpp"
 
 namespace popcut::daemon::http {

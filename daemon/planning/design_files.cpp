@@ -10,9 +10,9 @@
 #include "core/deploy/glb.hpp"
 #include "core/deploy/pose_table.hpp"
 #include "core/deploy/shut_stack.hpp"
-#include "core/formats/fold_writer.hpp"
-#include "core/formats/report_json.hpp"
-#include "core/formats/svg_pattern.hpp"
+#include "core/formats/fold/fold_writer.hpp"
+#include "core/formats/write/report_json.hpp"
+#include "core/formats/write/svg_pattern.hpp"
 
 namespace popcut::planning {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/design/patches.hpp"
 #include "core/pattern/pattern.hpp"
-#include "core/plan/machine.hpp"
+#include "core/machines/machine.hpp"
 #include "core/result.hpp"
 
 namespace popcut::planning {

@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "core/formats/dxf_reader.hpp"
-#include "core/formats/fold_reader.hpp"
+#include "core/formats/dxf/dxf_reader.hpp"
+#include "core/formats/fold/fold_reader.hpp"
 #include "core/layout/joined_parts.hpp"
 
 namespace popcut::planning {

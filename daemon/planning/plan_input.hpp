@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/design/patches.hpp"
-#include "core/formats/svg_reader.hpp"
-#include "core/plan/linework.hpp"
+#include "core/formats/svg/svg_reader.hpp"
+#include "core/drawing/linework.hpp"
 #include "core/result.hpp"
 
 namespace popcut::planning {

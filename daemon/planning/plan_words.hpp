@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "core/plan/machine.hpp"
+#include "core/machines/machine.hpp"
 #include "core/plan/marks.hpp"
-#include "core/plan/order.hpp"
+#include "core/plan/order/order.hpp"
 #include "core/plan/plan.hpp"
 #include "core/result.hpp"
 #include "protocol/encode.hpp"

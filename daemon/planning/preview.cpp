@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "core/formats/text_sink.hpp"
+#include "core/text/text_sink.hpp"
 
 namespace popcut::planning {
 namespace {

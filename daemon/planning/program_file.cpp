@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/json_fields.hpp"
+#include "core/text/json_fields.hpp"
 #include "daemon/digest/digest.hpp"
 
 namespace popcut::planning {

@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "core/design/surface_spec.hpp"
+#include "core/design/target/surface_spec.hpp"
 #include "core/result.hpp"
 #include "daemon/planning/design_files.hpp"
 #include "daemon/planning/planner.hpp"

@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "core/formats/svg_profile.hpp"
-#include "core/plan/machine.hpp"
+#include "core/formats/svg/svg_profile.hpp"
+#include "core/machines/machine.hpp"
 #include "daemon/cli/fault_file.hpp"
 #include "daemon/cli/help_pages.hpp"
 #include "daemon/cli/output_folder.hpp"

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "core/plan/near_names.hpp"
+#include "core/text/near_names.hpp"
 
 namespace popcut::daemon {
 namespace {

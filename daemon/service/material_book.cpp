@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/json_fields.hpp"
-#include "core/plan/machine.hpp"
-#include "core/plan/near_names.hpp"
-#include "core/plan/table.hpp"
-#include "core/plan/tables.hpp"
+#include "core/text/json_fields.hpp"
+#include "core/machines/machine.hpp"
+#include "core/text/near_names.hpp"
+#include "core/machines/table.hpp"
+#include "core/machines/tables.hpp"
 
 namespace popcut::daemon {
 namespace {

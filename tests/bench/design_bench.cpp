@@ -11,10 +11,10 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/design/chain.hpp"
+#include "core/design/chain/chain.hpp"
 #include "core/design/design.hpp"
-#include "core/design/lattice.hpp"
-#include "core/formats/fold_writer.hpp"
+#include "core/design/lattice/lattice.hpp"
+#include "core/formats/fold/fold_writer.hpp"
 
 using namespace popcut;
 

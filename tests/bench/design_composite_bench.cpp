@@ -10,8 +10,8 @@
 #include <catch2/catch.hpp>
 
 #include "core/design/design.hpp"
-#include "core/design/multi_state.hpp"
-#include "core/formats/fold_writer.hpp"
+#include "core/design/strips/multi_state.hpp"
+#include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
 
 using namespace popcut;

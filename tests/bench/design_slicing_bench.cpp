@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/design/mesh_reader.hpp"
-#include "core/design/mesh_slicer.hpp"
-#include "core/design/surface_kinds.hpp"
+#include "core/design/target/mesh_reader.hpp"
+#include "core/design/target/mesh_slicer.hpp"
+#include "core/design/target/surface_kinds.hpp"
 #include "tests/support/meshes.hpp"
 
 using namespace popcut;

@@ -3,9 +3,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/formats/deployed_svg.hpp"
-#include "core/formats/fold_writer.hpp"
-#include "core/formats/svg_pattern.hpp"
+#include "core/formats/write/deployed_svg.hpp"
+#include "core/formats/fold/fold_writer.hpp"
+#include "core/formats/write/svg_pattern.hpp"
 #include "tests/support/box_card.hpp"
 
 using namespace popcut;

@@ -8,7 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/layout/layout.hpp"
-#include "core/plan/clean.hpp"
+#include "core/drawing/clean.hpp"
 #include "tests/support/random_pattern.hpp"
 
 using namespace popcut;

@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/formats/svg_reader.hpp"
-#include "core/plan/clean.hpp"
-#include "core/plan/micro_cut.hpp"
+#include "core/formats/svg/svg_reader.hpp"
+#include "core/drawing/clean.hpp"
+#include "core/plan/knife/micro_cut.hpp"
 #include "core/plan/plan.hpp"
 #include "core/plan/plan_json.hpp"
 #include "core/plan/plan_svg.hpp"

@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/formats/svg_reader.hpp"
-#include "core/plan/machine.hpp"
-#include "core/plan/order.hpp"
+#include "core/formats/svg/svg_reader.hpp"
+#include "core/machines/machine.hpp"
+#include "core/plan/order/order.hpp"
 #include "tests/support/corpus.hpp"
 #include "tests/support/order_checks.hpp"
 

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/verify/opening.hpp"
-#include "core/verify/rigid.hpp"
+#include "core/verify/motion/opening.hpp"
+#include "core/verify/motion/rigid.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/fold_draft.hpp"
 

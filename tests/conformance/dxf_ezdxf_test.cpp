@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/formats/dxf_reader.hpp"
+#include "core/formats/dxf/dxf_reader.hpp"
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/process.hpp"
 

@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/formats/fold_reader.hpp"
-#include "core/formats/planar_graph.hpp"
-#include "core/formats/svg_reader.hpp"
+#include "core/formats/fold/fold_reader.hpp"
+#include "core/drawing/planar_graph.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 #include "tests/support/linework_checks.hpp"
 
 using namespace popcut;

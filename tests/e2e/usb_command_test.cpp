@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/formats/svg_reader.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 #include "device/expect.hpp"
 #include "tests/support/at_terminal.hpp"
 #include "tests/support/process.hpp"

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "core/design/spec.hpp"
+#include "core/design/spec/spec.hpp"
 
 using namespace popcut;
 

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "core/design/mesh_reader.hpp"
-#include "core/design/surface_grid.hpp"
+#include "core/design/target/mesh_reader.hpp"
+#include "core/design/target/surface_grid.hpp"
 
 using namespace popcut;
 

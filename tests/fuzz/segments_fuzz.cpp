@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "core/formats/segments_reader.hpp"
+#include "core/formats/csv/segments_reader.hpp"
 
 using namespace popcut;
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "core/formats/svg_reader.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 
 namespace {
 

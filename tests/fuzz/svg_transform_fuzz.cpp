@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "core/formats/svg_transform.hpp"
+#include "core/formats/svg/syntax/svg_transform.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);

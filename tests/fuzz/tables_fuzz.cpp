@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "core/plan/machine.hpp"
+#include "core/machines/machine.hpp"
 #include "device/sim_faults.hpp"
 
 using namespace popcut;

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "core/verify/fold_model.hpp"
+#include "core/verify/sheet/fold_model.hpp"
 
 using namespace popcut;
 

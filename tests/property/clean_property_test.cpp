@@ -6,7 +6,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/plan/clean.hpp"
+#include "core/drawing/clean.hpp"
 #include "core/plan/plan.hpp"
 #include "tests/support/euler_count.hpp"
 #include "tests/support/linework_checks.hpp"

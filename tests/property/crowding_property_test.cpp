@@ -4,9 +4,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/plan/clean.hpp"
-#include "core/plan/crowding.hpp"
-#include "core/plan/overlap.hpp"
+#include "core/drawing/clean.hpp"
+#include "core/drawing/crowding.hpp"
+#include "core/geometry/overlap.hpp"
 
 using namespace popcut;
 

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
-#include "core/curvature/assembly.hpp"
+#include "core/figures/assembly.hpp"
 #include "core/curvature/star.hpp"
 #include "core/curvature/vertex_curvature.hpp"
 

@@ -16,7 +16,7 @@
 #include "core/deploy/triangulate.hpp"
 #include "core/deploy/unfold_frames.hpp"
 #include "core/design/design.hpp"
-#include "core/formats/fold_writer.hpp"
+#include "core/formats/fold/fold_writer.hpp"
 #include "tests/support/glb_scene.hpp"
 
 using namespace popcut;

@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/design/design.hpp"
-#include "core/formats/fold_writer.hpp"
+#include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/random_lattice.hpp"
 

@@ -4,8 +4,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/plan/machine.hpp"
-#include "core/plan/order.hpp"
+#include "core/machines/machine.hpp"
+#include "core/plan/order/order.hpp"
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/order_checks.hpp"
 

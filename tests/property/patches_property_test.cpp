@@ -10,7 +10,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/design/patches.hpp"
-#include "core/formats/fold_writer.hpp"
+#include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
 
 using namespace popcut;

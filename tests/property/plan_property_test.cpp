@@ -6,11 +6,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/formats/fold_reader.hpp"
-#include "core/formats/svg_reader.hpp"
+#include "core/formats/fold/fold_reader.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 #include "core/pattern/pattern.hpp"
-#include "core/plan/clean.hpp"
-#include "core/plan/micro_cut.hpp"
+#include "core/drawing/clean.hpp"
+#include "core/plan/knife/micro_cut.hpp"
 #include "core/plan/plan.hpp"
 #include "tests/support/linework_checks.hpp"
 

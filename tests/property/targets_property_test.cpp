@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/design/mesh_slicer.hpp"
-#include "core/design/monotone_fit.hpp"
-#include "core/design/surface.hpp"
+#include "core/design/target/mesh_slicer.hpp"
+#include "core/design/target/monotone_fit.hpp"
+#include "core/design/target/surface.hpp"
 #include "tests/support/meshes.hpp"
 
 using namespace popcut;

@@ -13,10 +13,10 @@
 #include <catch2/catch.hpp>
 
 #include "core/design/design.hpp"
-#include "core/formats/fold_writer.hpp"
-#include "core/verify/mobility.hpp"
-#include "core/verify/motion.hpp"
-#include "core/verify/opening.hpp"
+#include "core/formats/fold/fold_writer.hpp"
+#include "core/verify/motion/mobility.hpp"
+#include "core/verify/motion/motion.hpp"
+#include "core/verify/motion/opening.hpp"
 
 using namespace popcut;
 

@@ -5,8 +5,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/verify/sheet.hpp"
-#include "core/verify/triangulate.hpp"
+#include "core/verify/sheet/sheet.hpp"
+#include "core/verify/sheet/triangulate.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/fold_draft.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/design/strips.hpp"
+#include "core/design/strips/strips.hpp"
 #include "core/pattern/pattern.hpp"
 
 namespace popcut::testing {

@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/plan/linework.hpp"
+#include "core/drawing/linework.hpp"
 
 namespace popcut::test {
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "core/plan/linework.hpp"
+#include "core/drawing/linework.hpp"
 #include "device/session.hpp"
 #include "device/trace.hpp"
 #include "protocol/encode.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/plan/linework.hpp"
+#include "core/drawing/linework.hpp"
 
 namespace popcut::test {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/plan/order.hpp"
+#include "core/plan/order/order.hpp"
 
 namespace popcut::test {
 

@@ -4,7 +4,7 @@
 #include <random>
 #include <string>
 
-#include "core/plan/linework.hpp"
+#include "core/drawing/linework.hpp"
 
 namespace popcut::test {
 

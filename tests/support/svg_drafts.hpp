@@ -7,8 +7,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/formats/svg_profile.hpp"
-#include "core/formats/svg_reader.hpp"
+#include "core/formats/svg/svg_profile.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 
 namespace popcut::test {
 

@@ -5,8 +5,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/curvature/augmented_chain.hpp"
-#include "core/design/chain.hpp"
+#include "core/design/chain/augmented_chain.hpp"
+#include "core/design/chain/chain.hpp"
 
 using namespace popcut;
 

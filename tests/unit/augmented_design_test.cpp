@@ -9,11 +9,11 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/design/chain.hpp"
+#include "core/design/chain/chain.hpp"
 #include "core/design/design.hpp"
-#include "core/design/expression.hpp"
-#include "core/formats/fold_writer.hpp"
-#include "core/formats/report_json.hpp"
+#include "core/design/target/expression.hpp"
+#include "core/formats/fold/fold_writer.hpp"
+#include "core/formats/write/report_json.hpp"
 #include "core/verify/verify.hpp"
 
 using namespace popcut;

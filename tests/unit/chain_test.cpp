@@ -8,8 +8,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/design/chain.hpp"
-#include "core/design/surface.hpp"
+#include "core/design/chain/chain.hpp"
+#include "core/design/target/surface.hpp"
 
 using namespace popcut;
 

@@ -6,9 +6,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/curvature/assembly.hpp"
-#include "core/curvature/slice_figures.hpp"
-#include "core/curvature/splay_patch.hpp"
+#include "core/figures/assembly.hpp"
+#include "core/figures/slice_figures.hpp"
+#include "core/figures/splay_patch.hpp"
 #include "core/curvature/vertex_curvature.hpp"
 
 using namespace popcut;

@@ -8,11 +8,11 @@
 #include <catch2/catch.hpp>
 #include <pugixml.hpp>
 
-#include "core/formats/cricut_svg.hpp"
-#include "core/formats/dxf_writer.hpp"
-#include "core/formats/svg_reader.hpp"
-#include "core/plan/linework.hpp"
-#include "core/plan/micro_cut.hpp"
+#include "core/formats/write/cricut_svg.hpp"
+#include "core/formats/write/dxf_writer.hpp"
+#include "core/formats/svg/svg_reader.hpp"
+#include "core/drawing/linework.hpp"
+#include "core/plan/knife/micro_cut.hpp"
 #include "tests/support/box_card.hpp"
 
 using namespace popcut;

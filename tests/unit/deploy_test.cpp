@@ -21,9 +21,9 @@
 #include "core/deploy/stl.hpp"
 #include "core/deploy/triangulate.hpp"
 #include "core/deploy/unfold_frames.hpp"
-#include "core/formats/fold_writer.hpp"
-#include "core/formats/segments_csv.hpp"
-#include "core/formats/segments_reader.hpp"
+#include "core/formats/fold/fold_writer.hpp"
+#include "core/formats/write/segments_csv.hpp"
+#include "core/formats/csv/segments_reader.hpp"
 #include "tests/support/box_card.hpp"
 #include "tests/support/glb_scene.hpp"
 

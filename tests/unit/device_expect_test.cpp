@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/formats/svg_reader.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 #include "core/plan/plan.hpp"
 #include "core/plan/sheet_svg.hpp"
 #include "device/expect.hpp"

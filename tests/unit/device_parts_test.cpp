@@ -4,7 +4,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/plan/motion.hpp"
+#include "core/machines/motion.hpp"
 #include "device/fold_chains.hpp"
 #include "device/fold_check.hpp"
 #include "device/motion.hpp"

@@ -10,11 +10,11 @@
 #include <catch2/catch.hpp>
 #include <pugixml.hpp>
 
-#include "core/formats/deployed_svg.hpp"
-#include "core/formats/pdf_pattern.hpp"
-#include "core/formats/svg_pattern.hpp"
-#include "core/formats/svg_reader.hpp"
-#include "core/plan/linework.hpp"
+#include "core/formats/write/deployed_svg.hpp"
+#include "core/formats/write/pdf_pattern.hpp"
+#include "core/formats/write/svg_pattern.hpp"
+#include "core/formats/svg/svg_reader.hpp"
+#include "core/drawing/linework.hpp"
 #include "tests/support/box_card.hpp"
 
 using namespace popcut;

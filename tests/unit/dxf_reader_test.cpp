@@ -3,11 +3,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/formats/dxf_reader.hpp"
-#include "core/formats/dxf_tables.hpp"
-#include "core/formats/dxf_writer.hpp"
-#include "core/formats/fold_reader.hpp"
-#include "core/formats/fold_writer.hpp"
+#include "core/formats/dxf/dxf_reader.hpp"
+#include "core/formats/dxf/dxf_tables.hpp"
+#include "core/formats/write/dxf_writer.hpp"
+#include "core/formats/fold/fold_reader.hpp"
+#include "core/formats/fold/fold_writer.hpp"
 #include "tests/support/box_card.hpp"
 #include "tests/support/linework_checks.hpp"
 

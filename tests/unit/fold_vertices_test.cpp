@@ -12,7 +12,7 @@
 #include "core/curvature/fold_lines.hpp"
 #include "core/curvature/pattern_curvature.hpp"
 #include "core/design/design.hpp"
-#include "core/formats/fold_writer.hpp"
+#include "core/formats/fold/fold_writer.hpp"
 #include "tests/support/fold_draft.hpp"
 
 using namespace popcut;

@@ -8,8 +8,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/formats/fold_reader.hpp"
-#include "core/formats/fold_writer.hpp"
+#include "core/formats/fold/fold_reader.hpp"
+#include "core/formats/fold/fold_writer.hpp"
 #include "tests/support/box_card.hpp"
 #include "tests/support/linework_checks.hpp"
 

@@ -6,9 +6,9 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/plan/blade.hpp"
-#include "core/plan/motion.hpp"
-#include "core/plan/overcut.hpp"
+#include "core/plan/knife/blade.hpp"
+#include "core/machines/motion.hpp"
+#include "core/plan/knife/overcut.hpp"
 #include "core/plan/plan.hpp"
 #include "core/plan/plan_json.hpp"
 #include "core/plan/plan_svg.hpp"

@@ -5,14 +5,14 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/plan/machine.hpp"
-#include "core/plan/motion.hpp"
-#include "core/plan/nesting.hpp"
-#include "core/plan/order.hpp"
-#include "core/plan/point_tree.hpp"
-#include "core/plan/tour_array.hpp"
-#include "core/plan/tour_blocks.hpp"
-#include "core/plan/tour_improve.hpp"
+#include "core/machines/machine.hpp"
+#include "core/machines/motion.hpp"
+#include "core/drawing/nesting.hpp"
+#include "core/plan/order/order.hpp"
+#include "core/geometry/point_tree.hpp"
+#include "core/plan/order/tour_array.hpp"
+#include "core/plan/order/tour_blocks.hpp"
+#include "core/plan/order/tour_improve.hpp"
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/order_checks.hpp"
 

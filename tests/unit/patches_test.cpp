@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/design/mobility.hpp"
+#include "core/design/strips/mobility.hpp"
 #include "core/design/patches.hpp"
-#include "core/design/pattern_builder.hpp"
-#include "core/design/same_place.hpp"
+#include "core/design/strips/pattern_builder.hpp"
+#include "core/design/strips/same_place.hpp"
 
 using namespace popcut;
 

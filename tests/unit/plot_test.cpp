@@ -5,9 +5,9 @@
 #include <catch2/catch.hpp>
 #include <pugixml.hpp>
 
-#include "core/curvature/assembly.hpp"
-#include "core/curvature/paper_figures.hpp"
-#include "core/curvature/plot.hpp"
+#include "core/figures/assembly.hpp"
+#include "core/figures/paper_figures.hpp"
+#include "core/figures/plot.hpp"
 
 using namespace popcut;
 

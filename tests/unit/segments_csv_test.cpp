@@ -8,8 +8,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/formats/report_json.hpp"
-#include "core/formats/segments_csv.hpp"
+#include "core/formats/write/report_json.hpp"
+#include "core/formats/write/segments_csv.hpp"
 #include "tests/support/box_card.hpp"
 
 using namespace popcut;

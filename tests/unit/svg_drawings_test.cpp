@@ -8,8 +8,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/formats/svg_dash.hpp"
-#include "core/plan/micro_cut.hpp"
+#include "core/formats/svg/svg_dash.hpp"
+#include "core/plan/knife/micro_cut.hpp"
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/svg_drafts.hpp"
 

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/design/mesh_reader.hpp"
-#include "core/design/surface_grid.hpp"
+#include "core/design/target/mesh_reader.hpp"
+#include "core/design/target/surface_grid.hpp"
 #include "tests/support/meshes.hpp"
 
 using namespace popcut;

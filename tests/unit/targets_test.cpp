@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/design/chain.hpp"
+#include "core/design/chain/chain.hpp"
 #include "core/design/design.hpp"
 #include "core/design/placement.hpp"
-#include "core/design/surface.hpp"
-#include "core/formats/report_json.hpp"
+#include "core/design/target/surface.hpp"
+#include "core/formats/write/report_json.hpp"
 #include "tests/support/meshes.hpp"
 
 using namespace popcut;

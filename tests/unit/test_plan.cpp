@@ -2,12 +2,12 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/formats/fold_reader.hpp"
-#include "core/formats/svg_reader.hpp"
+#include "core/formats/fold/fold_reader.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 #include "core/pattern/pattern.hpp"
-#include "core/plan/clean.hpp"
-#include "core/plan/micro_cut.hpp"
-#include "core/plan/motion.hpp"
+#include "core/drawing/clean.hpp"
+#include "core/plan/knife/micro_cut.hpp"
+#include "core/machines/motion.hpp"
 #include "core/plan/plan.hpp"
 #include "core/plan/plan_json.hpp"
 #include "core/plan/sheet_svg.hpp"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <catch2/catch.hpp>
 
-#include "core/formats/fold_reader.hpp"
-#include "core/formats/svg_path.hpp"
-#include "core/formats/svg_reader.hpp"
-#include "core/formats/svg_transform.hpp"
+#include "core/formats/fold/fold_reader.hpp"
+#include "core/formats/svg/syntax/svg_path.hpp"
+#include "core/formats/svg/svg_reader.hpp"
+#include "core/formats/svg/syntax/svg_transform.hpp"
 #include "tests/support/linework_checks.hpp"
 
 using namespace popcut;

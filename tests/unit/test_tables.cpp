@@ -4,7 +4,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/plan/machine.hpp"
+#include "core/machines/machine.hpp"
 
 using namespace popcut;
 

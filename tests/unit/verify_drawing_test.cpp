@@ -9,9 +9,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/formats/linework_graph.hpp"
-#include "core/formats/svg_reader.hpp"
-#include "core/verify/planar.hpp"
+#include "core/formats/fold/linework_graph.hpp"
+#include "core/formats/svg/svg_reader.hpp"
+#include "core/verify/sheet/planar.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/fold_draft.hpp"
 #include "tests/support/verify_drafts.hpp"

@@ -7,9 +7,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/verify/motion.hpp"
-#include "core/verify/opening.hpp"
-#include "core/verify/sweep.hpp"
+#include "core/verify/motion/motion.hpp"
+#include "core/verify/motion/opening.hpp"
+#include "core/verify/motion/sweep.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/fold_draft.hpp"
 #include "tests/support/verify_drafts.hpp"

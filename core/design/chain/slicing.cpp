@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/chain/slicing.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "core/design/chain/adaptive_widths.hpp"
+#include "core/design/chain/augmented_slices.hpp"
+#include "core/design/target/surface.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr double kMostSpan = 1e5;     ///< 100 m: no sheet is larger
+constexpr double kLeastWidth = 1e-3;  ///< a micrometre: no knife is finer
+
+/// Widths that a sheet can have: none too thin to be told apart, none too wide in all.
+Result<void> check_widths(const std::vector<double>& widths_mm,
+                          const std::vector<RegionSpec>& regions) {
+  double sum = 0.0;
+  std::size_t r = 0, end = static_cast<std::size_t>(regions.front().slices);
+  const std::string field = regions.size() == 1 ? "/widths_mm" : "/regions";
+  for (std::size_t j = 0; j < widths_mm.size(); ++j) {
+    while (j >= end && r + 1 < regions.size()) end += static_cast<std::size_t>(regions[++r].slices);
+    sum += widths_mm[j];
+    if (widths_mm[j] < kLeastWidth)
+      return fail(ErrorKind::OutOfRange,
+                  regions.size() == 1 ? field : fmt::format("/regions/{}", r),
+                  fmt::format("slice {} is {:g} mm wide; at least {:g} mm is needed", j,
+                              widths_mm[j], kLeastWidth));
+  }
+  if (sum > kMostSpan)
+    return fail(ErrorKind::OutOfRange, field,
+                fmt::format("the slices are {:g} mm wide in all; at most {:g} mm is designed", sum,
+                            kMostSpan));
+  return {};
+}
+
+/// A region's stretch of the target. Its own surface is told places from the region's start, the
+/// common one from slice 0.
+struct Stretch {
+  const Surface* surface{};
+  double origin_mm{};
+  int first{}, count{}, units{};
+};
+
+Result<void> cut_slice(const Stretch& stretch, double s, double min_panel_mm, int j, Slicing& out) {
+  auto cut = stretch.surface->cut(s - stretch.origin_mm);
+  if (!cut) return tl::unexpected(cut.error());
+  out.fits.push_back(cut->fit);
+  SliceCurve* const curve = &cut->curve;
+  if (curve->h() < 2.0 * min_panel_mm || curve->d() < 2.0 * min_panel_mm)
+    return fail(ErrorKind::Infeasible, fmt::format("/surface at slice {} (s = {:.6g} mm)", j, s),
+                fmt::format("the target spans only {:.4g} x {:.4g} mm there, no room for panels of "
+                            "min_panel_mm = {:g}; use a larger scale_mm or fewer slices",
+                            curve->d(), curve->h(), min_panel_mm));
+  if (!(curve->h() <= kMostSpan) || !(curve->d() <= kMostSpan))
+    return fail(
+        ErrorKind::OutOfRange, fmt::format("/surface at slice {} (s = {:.6g} mm)", j, s),
+        fmt::format("the target spans {:.4g} x {:.4g} mm there; at most {:g} mm is designed, "
+                    "use a smaller scale_mm",
+                    curve->d(), curve->h(), kMostSpan));
+  out.curves.push_back(std::move(*curve));
+  return {};
+}
+
+Result<void> solve_chains(const DesignSpec& spec, Slicing& out) {
+  out.chain_first.push_back(0);
+  for (const int units : out.units)
+    out.chain_first.push_back(out.chain_first.back() + static_cast<std::size_t>(units) + 1);
+  out.chain_x.resize(out.chain_first.back());
+  out.chain_z.resize(out.chain_first.back());
+  ChainSolver solver;
+  SlsqpBudget budget;
+  for (std::size_t j = 0; j < out.curves.size(); ++j) {
+    const std::size_t first = out.chain_first[j], points = out.chain_first[j + 1] - first;
+    const std::span x(out.chain_x.data() + first, points), z(out.chain_z.data() + first, points);
+    auto figures = spec.solver == SolverMethod::Slsqp
+                       ? solve_chain_slsqp(out.curves[j], out.units[j], x, z, budget)
+                       : solver.solve(out.curves[j], out.units[j], x, z);
+    if (!figures) {
+      Error error = within(fmt::format("slice {}", j), figures.error());
+      if (error.kind == ErrorKind::Timeout)  // no device is late here: the spec asks for too much
+        error = {ErrorKind::OutOfRange, fmt::format("/solver at slice {}", j), error.detail};
+      return tl::unexpected(std::move(error));
+    }
+    out.figures.push_back(*figures);
+  }
+  if (spec.curvature) return augment_chains(*spec.curvature, out);
+  return {};
+}
+
+/// The target where a patch ends and its neighbour begins.
+void add_edges(const Stretch& first, const Stretch& last, Slicing& out) {
+  const auto add = [&](const Stretch& stretch, double s, const SliceCurve& own) {
+    auto curve = stretch.surface->slice(s - stretch.origin_mm);
+    out.edges.push_back(curve ? std::move(*curve) : own);
+  };
+  add(first, out.s_mm.front() - 0.5 * out.width_mm.front(), out.curves.front());
+  add(last, out.s_mm.back() + 0.5 * out.width_mm.back(), out.curves.back());
+}
+
+}  // namespace
+
+Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets) {
+  std::optional<Surface> common;
+  if (spec.surface) {
+    auto made = Surface::make(*spec.surface, spec.placement, spec.fit, assets);
+    if (!made) return tl::unexpected(made.error());
+    common = std::move(*made);
+  }
+  Slicing out;
+  out.width_mm = spec.widths_mm;
+  std::vector<RegionSpec> regions = spec.regions;
+  if (spec.adaptive) {  // then there is one region, on the common surface
+    auto chosen = choose_widths(*common, *spec.adaptive, regions.front().slices, spec.min_panel_mm);
+    if (!chosen) return tl::unexpected(chosen.error());
+    out.width_mm = std::move(chosen->widths_mm);
+    out.uniform_slices = chosen->uniform_slices;
+    regions.front().slices = static_cast<int>(out.width_mm.size());
+  }
+  if (auto lawful = check_widths(out.width_mm, regions); !lawful)
+    return tl::unexpected(lawful.error());
+  std::vector<Surface> own;
+  own.reserve(regions.size());
+  std::vector<Stretch> stretches;
+  double s = 0.0;
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    const RegionSpec& region = regions[r];
+    Stretch stretch{common ? &*common : nullptr, 0.0, out.slices(), region.slices,
+                    region.units_per_slice};
+    double length = 0.0;
+    for (int k = 0; k < region.slices; ++k) {
+      const std::size_t j = out.s_mm.size();
+      if (j > 0) s += 0.5 * (out.width_mm[j - 1] + out.width_mm[j]);
+      if (k == 0) stretch.origin_mm = s - 0.5 * out.width_mm[j];
+      length += out.width_mm[j];
+      out.s_mm.push_back(s);
+      out.units.push_back(region.units_per_slice);
+    }
+    if (region.radius) {
+      auto made = Surface::make(RevolutionSpec{*region.radius, length / spec.placement.scale_mm},
+                                spec.placement, spec.fit);
+      if (!made) return tl::unexpected(within(fmt::format("/regions/{}", r), made.error()));
+      own.push_back(std::move(*made));
+      stretch.surface = &own.back();
+    } else {
+      stretch.origin_mm = 0.0;
+    }
+    stretches.push_back(stretch);
+  }
+  for (std::size_t r = 0; r < stretches.size(); ++r) {
+    const Stretch& here = stretches[r];
+    for (int j = here.first; j < here.first + here.count; ++j) {
+      const auto k = static_cast<std::size_t>(j);
+      if (auto cut = cut_slice(here, out.s_mm[k], spec.min_panel_mm, j, out); !cut)
+        return tl::unexpected(cut.error());
+      const bool last_here = j + 1 == here.first + here.count;
+      if (last_here && r + 1 == stretches.size()) break;
+      const double between = out.s_mm[k] + (3.0 * out.width_mm[k] + out.width_mm[k + 1]) / 8.0;
+      // A connector across a border belongs to the region that it lies in.
+      const bool beyond =
+          last_here && stretches[r + 1].origin_mm > 0.0 && between > stretches[r + 1].origin_mm;
+      const Stretch& owner = beyond ? stretches[r + 1] : here;
+      const bool cut_here = last_here && stretches[r + 1].units != here.units;
+      out.cut_after.push_back(cut_here);
+      out.between_s_mm.push_back(between);
+      auto curve = owner.surface->slice(between - owner.origin_mm);
+      if (!curve && cut_here) curve = out.curves.back();  // then a bridge aims at the slice
+      if (!curve) return tl::unexpected(curve.error());
+      out.between.push_back(std::move(*curve));
+    }
+  }
+  out.cut_after.push_back(0);
+  if (spec.is_patch) add_edges(stretches.front(), stretches.back(), out);
+  if (auto solved = solve_chains(spec, out); !solved) return tl::unexpected(solved.error());
+  return out;
+}
+
+}  // namespace popcut

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/design/target/slice_fit.hpp"
+
+namespace popcut {
+
+/// Root mean square and largest value of an error, mm.
+struct ErrorFigures {
+  double rms_mm{};
+  double max_mm{};
+  std::size_t count{};  ///< of what was measured
+};
+
+/// One slice of the report: where it lies and how its chain came out.
+struct SliceReport {
+  double s_mm{};  ///< place along the target
+  double v_mm{};  ///< centre line of its strip on the sheet
+  double width_mm{};
+  double loss{};  ///< L_j of section 3, mm^2
+  int iterations{};
+  int minima{1};    ///< that the chain has, as far as several starts found them
+  double spread{};  ///< the largest of their losses over the smallest, less 1
+  SliceFit fit{};
+};
+
+/// A place where the lattice does not follow the target level by level, and why.
+struct MergedPlace {
+  int slice{};  ///< slice, or the left slice of a connector
+  int level{};
+  std::string where;   ///< "slice" or "connector"
+  std::string reason;  ///< one sentence with values in mm
+};
+
+/// A connector between slices whose levels do not pair (`add_bridges`).
+struct BridgeReport {
+  int slice{};         ///< the left one
+  double off_mm{};     ///< largest distance of its fold vertices and ends from the target
+  int left_planes{};   ///< planes that it shares with the left slice
+  int right_planes{};  ///< and with the right one
+};
+
+/// Root mean square and largest distance from what was asked, in the measure's own unit.
+struct MissFigures {
+  double rms{};
+  double max{};
+};
+
+/// What was asked of one measure of curvature, and what came of it. A miss is the distance from the
+/// target, over all vertices; of a fundamental form its Frobenius norm.
+struct CurvatureFigures {
+  std::string name;  ///< "K_area", "H", "first", "second"
+  std::string unit;
+  bool asked{};
+  double least{}, largest{};     ///< reached at the chains' vertices (of K_area and H)
+  MissFigures plain_miss, miss;  ///< of the plain chains and of the augmented ones
+  std::size_t lattice_vertices{};
+  double lattice_least{}, lattice_largest{};  ///< at the lattice's own fold vertices
+  MissFigures lattice_miss;
+};
+
+/// What the augmented loss did (`"curvature"` of the spec).
+struct CurvatureReport {
+  std::size_t vertices{};         ///< inner ones that have a target
+  int slices_left_out{};          ///< in runs that are too small
+  double start_mm2{}, end_mm2{};  ///< the augmented loss of the plain chains and of the result
+  int evaluations{};
+  bool out_of_time{};
+  std::vector<CurvatureFigures> figures;
+  std::vector<std::ptrdiff_t> first_target;  ///< one a slice: of its first target, -1 for none
+};
+
+/// What a design is, in figures (`report.json`).
+struct DesignReport {
+  std::string name;
+  std::vector<int> units_per_slice;  ///< one, or one a region
+  std::vector<SliceReport> slices;
+  std::string lattice;        ///< the method that was used
+  std::string lattice_asked;  ///< the method that was asked for
+  std::string lattice_note;   ///< why they differ, else empty
+  std::size_t faces{}, panels{}, folds{}, cuts{};
+  double cut_length_mm{};      ///< of the slits, each once
+  double outline_length_mm{};  ///< of the sheet's border
+  double fold_length_mm{};
+  int degrees_of_freedom{};
+  int pieces{};
+  double sheet_u_mm{}, sheet_v_mm{};
+  ErrorFigures inner_error, end_error;
+  double step_over_mean_min{}, step_over_mean_max{};
+  double gap_mm{};
+  std::vector<MergedPlace> merged;
+  std::vector<BridgeReport> bridges;
+  std::optional<CurvatureReport> curvature;  ///< where the spec asks for some
+  std::vector<std::string> notes;            ///< plain cuts, halved slices, spread of minima
+  bool fit_nearest{};                        ///< "fit": "nearest" was asked for
+  SliceFit fit{};                            ///< of all slices together
+  double seconds{};
+};
+
+}  // namespace popcut

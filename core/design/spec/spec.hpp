@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/design/spec/augmented_spec.hpp"
+#include "core/design/target/surface_spec.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// A stretch of slices with units of its own, and perhaps a radius of its own: an expression of y
+/// from 0 at the region's start to L at its end.
+struct RegionSpec {
+  int units_per_slice{};
+  int slices{};
+  std::optional<std::string> radius{};
+};
+
+/// Widths chosen from the target's curvature (`"widths_mm": {"max_error_mm": ...}`).
+struct AdaptiveWidths {
+  double max_error_mm{};
+  std::optional<double> length_mm{};  ///< of the whole; none: as far as `slices` reach
+};
+
+/// What the surface through the fold vertices shall do at one opening angle: have an angle defect,
+/// or a sign of it that is at least `margin_rad` away from zero.
+struct CurvatureTarget {
+  double psi_rad{};
+  std::optional<double> K_rad{};
+  int sign{0};  ///< +1 or -1 where K_rad is absent
+  double margin_rad{0.05};
+};
+
+/// V-folds on the connectors' valley creases (design reference, section 7).
+struct SplaySpec {
+  std::optional<double> uniform{};         ///< one alpha for all creases
+  std::vector<std::vector<double>> alpha;  ///< else inner levels x connectors, 0 for no V-fold
+  std::vector<CurvatureTarget> targets;    ///< else solved for the middle vertex
+  std::optional<double> length_mm{};       ///< w; none: as long as the connector allows
+  double ligament_mm{0.5};                 ///< paper left beside V-folds
+};
+
+enum class LatticeMethod { Branching, Slices, Conformal, Levels };
+enum class SolverMethod { Newton, Slsqp };
+
+/// Wall, ground and margins around the lattice; absent measures are chosen by the design.
+struct CardSpec {
+  std::optional<double> wall_mm;    ///< H, default the largest wall end + 15
+  std::optional<double> ground_mm;  ///< D, default the largest ground end + 15
+  double margin_mm{15.0};
+};
+
+/// How neighbouring patches are joined along their common edge.
+enum class PatchJoin {
+  Auto,   ///< one sheet where wall and ground agree, else a seam
+  Sheet,  ///< one sheet, or an error
+  Seam    ///< patterns of their own that are glued
+};
+
+/// What a user asks for, checked for type and range but not yet for feasibility.
+struct DesignSpec {
+  std::string name{"pattern"};
+  std::optional<SurfaceSpec> surface;  ///< none where each region has a radius of its own
+  TargetPlacement placement;
+  FitMode fit{FitMode::Exact};
+  std::vector<RegionSpec> regions;  ///< one where the spec has none: the whole
+  std::vector<double> widths_mm;    ///< one a slice; empty with `adaptive`
+  std::optional<AdaptiveWidths> adaptive;
+  LatticeMethod lattice{LatticeMethod::Conformal};
+  SolverMethod solver{SolverMethod::Newton};
+  std::optional<SplaySpec> splay;
+  std::optional<AugmentedSpec> curvature;
+  std::optional<CardSpec> card{CardSpec{}};  ///< none: `"card": false`
+  double min_panel_mm{0.5};
+  /// Largest step of a conformal lattice over the mean one; none: no limit. Where the user did not
+  /// ask for it, up to `kRelaxedStep` is taken when that puts every vertex on the target.
+  std::optional<double> max_step_over_mean{3.0};
+  bool max_step_asked{false};
+  std::string material{"paper-220"};
+
+  /// Designs that are joined one after another along the spine, in place of all above but `name`
+  /// and `material`; none: this is one design.
+  std::vector<DesignSpec> patches;
+  std::vector<PatchJoin> joins;   ///< one between neighbouring patches
+  double join_tolerance_mm{1.0};  ///< largest distance of the edges' profiles
+  bool is_patch{false};           ///< one of `patches`: its edges are wanted too
+};
+
+inline constexpr double kRelaxedStep = 5.0;
+inline constexpr int kMaxUnitsPerSlice = 2000;
+inline constexpr int kMaxSlices = 20000;
+inline constexpr long kMaxUnits = 2'000'000;  ///< units per slice times slices
+
+/// Reads a design spec from JSON text. Unknown fields, wrong types and values out of range are
+/// errors with a JSON pointer as place; text that is not JSON one with line and column.
+///
+/// @retval Malformed   not JSON, an unknown field, a wrong type
+/// @retval OutOfRange  a value that is not lawful (negative width, N = 0, 10^9 slices)
+[[nodiscard]] Result<DesignSpec> parse_design_spec(std::string_view json_text);
+
+/// The JSON Schema (draft 2020-12) of a design spec, as `popcut design --schema` prints it.
+[[nodiscard]] std::string design_spec_schema();
+
+}  // namespace popcut

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "core/design/spec/report.hpp"
+#include "core/design/strips/strip_builder.hpp"
+
+namespace popcut {
+
+/// A place along the target and its curve there.
+struct TargetStation {
+  double s_mm{};
+  const SliceCurve* curve{};
+};
+
+/// What the figures of a lattice are measured against.
+struct FigureInput {
+  const Strips& strips;
+  std::vector<TargetStation> slices;      ///< one a slice or box strip, in the order of the strips
+  std::vector<TargetStation> connectors;  ///< one a connector strip
+  std::vector<bool>
+      left_parity;  ///< one a connector: whether its left slice is an odd one of its run
+  double mean_step_mm{};
+};
+
+struct LatticeFigures {
+  ErrorFigures inner_error;  ///< connector vertices between wall and ground, from their own curve
+  ErrorFigures end_error;    ///< wall and ground ends, from h and d of the slice that sets them
+  double step_over_mean_min{}, step_over_mean_max{};
+  double gap_mm{};  ///< largest distance of a target point from the nearest fold vertex
+};
+
+/// Measures a lattice as it is laid, after merging (design reference, section 4: "exact is not yet
+/// good"). Fold vertices are the middles of the connectors' valley folds with their wall and ground
+/// ends; a lattice without connectors has those of its slices.
+[[nodiscard]] LatticeFigures measure(const FigureInput& input);
+
+}  // namespace popcut

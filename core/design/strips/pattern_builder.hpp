@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "core/design/strips/strips.hpp"
+#include "core/pattern/pattern.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// A fold of the section plane: the faces on its wall side and on its ground side, and where it is.
+struct Hinge {
+  std::int32_t from_face{};
+  std::int32_t to_face{};
+  double x{}, z{};
+};
+
+/// A pattern and what the figures need to know of how its faces came about.
+struct BuiltPattern {
+  Pattern pattern;
+  std::vector<std::int32_t> panel_face;  ///< rigid face of each panel of the strips
+  std::vector<std::uint8_t> upright;     ///< one a face: 1 parallel to the wall, 0 to the ground
+  std::vector<Hinge> hinges;             ///< one a fold line
+};
+
+/// Turns strips into faces, folds and cuts (design reference, section 4): panels of neighbouring
+/// strips in the same plane are joined where they overlap, and cut along the rest of their edge.
+/// O(panels).
+///
+/// @param min_panel_mm  overlaps that are shorter are cut too (`is_joint`)
+///
+/// @retval Internal  the strips do not make simple faces (a fault of the strips' builder)
+[[nodiscard]] Result<BuiltPattern> build_pattern(const Strips& strips, double wall_mm,
+                                                 double ground_mm, bool card,
+                                                 double min_panel_mm = 0.0);
+
+}  // namespace popcut

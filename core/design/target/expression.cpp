@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/target/expression.hpp"
+
+#include <array>
+#include <limits>
+#include <numbers>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <muParser.h>
+
+namespace popcut {
+
+struct Expression::Parser {
+  mu::Parser mu;
+  std::array<double, 4> values{};
+};
+
+namespace {
+
+/// Where the text has a single "=": muParser would take it as an assignment to a variable.
+std::size_t assignment_in(const std::string& text) {
+  for (std::size_t k = text.find('='); k != std::string::npos; k = text.find('=', k + 1)) {
+    const bool of_pair = k > 0 && std::string_view("=!<>").find(text[k - 1]) != std::string::npos;
+    if (of_pair) continue;
+    if (k + 1 >= text.size() || text[k + 1] != '=') return k;
+    ++k;
+  }
+  return std::string::npos;
+}
+
+}  // namespace
+
+Expression::Expression(std::unique_ptr<Parser> parser) : parser_(std::move(parser)) {}
+Expression::Expression(Expression&&) noexcept = default;
+Expression& Expression::operator=(Expression&&) noexcept = default;
+Expression::~Expression() = default;
+
+Result<Expression> Expression::parse(const std::string& text,
+                                     const std::vector<std::string>& variables) {
+  if (const std::size_t at = assignment_in(text); at != std::string::npos)
+    return fail(ErrorKind::Malformed, "",
+                fmt::format("the expression assigns at column {} (\"=\"); a formula of {} without "
+                            "assignments is needed (== compares)",
+                            at + 1, fmt::join(variables, ", ")));
+  auto parser = std::make_unique<Parser>();
+  std::string names;
+  try {
+    for (std::size_t i = 0; i < variables.size(); ++i) {
+      parser->mu.DefineVar(variables[i], &parser->values.at(i));
+      names += (i == 0 ? "" : ", ") + variables[i];
+    }
+    parser->mu.DefineConst("pi", std::numbers::pi);
+    parser->mu.DefineConst("e", std::numbers::e);
+    parser->mu.SetExpr(text);
+    int results = 0;
+    parser->mu.Eval(results);
+    if (results != 1)
+      return fail(
+          ErrorKind::Malformed, "",
+          fmt::format("the expression has {} values; one formula of {} is needed", results, names));
+  } catch (const mu::Parser::exception_type& e) {
+    return fail(
+        ErrorKind::Malformed, "",
+        fmt::format("the expression does not parse at column {} (near \"{}\"); a formula of {} is "
+                    "needed, such as sqrt(36 - y^2)",
+                    e.GetPos() + 1, std::string(e.GetToken()).substr(0, 40), names));
+  }
+  return Expression(std::move(parser));
+}
+
+double Expression::operator()(double a, double b, double c) const {
+  parser_->values[0] = a;
+  parser_->values[1] = b;
+  parser_->values[2] = c;
+  try {
+    return parser_->mu.Eval();
+  } catch (const mu::Parser::exception_type&) {  // some functions report a domain error this way
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+}  // namespace popcut

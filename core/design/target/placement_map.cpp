@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/target/placement_map.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+namespace popcut {
+namespace {
+
+constexpr double kFarthest_mm = 1e6;
+
+using Vec = std::array<double, 3>;
+
+/// Cosine and sine of an angle in degrees, exact at multiples of 90.
+std::array<double, 2> cos_sin(double degrees) {
+  const double quarter = degrees / 90.0;
+  if (quarter == std::floor(quarter)) {
+    const int turns = static_cast<int>(std::fmod(std::fmod(quarter, 4.0) + 4.0, 4.0));
+    constexpr std::array<std::array<double, 2>, 4> exact{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+    return exact[static_cast<std::size_t>(turns)];
+  }
+  const double angle = degrees * std::numbers::pi / 180.0;
+  return {std::cos(angle), std::sin(angle)};
+}
+
+Turn product(const Turn& a, const Turn& b) {
+  Turn out{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      for (std::size_t k = 0; k < 3; ++k) out[i][j] += a[i][k] * b[k][j];
+  return out;
+}
+
+}  // namespace
+
+Turn turn_of(const Vec& degrees) {
+  const auto [cx, sx] = cos_sin(degrees[0]);
+  const auto [cy, sy] = cos_sin(degrees[1]);
+  const auto [cz, sz] = cos_sin(degrees[2]);
+  const Turn x{{{1, 0, 0}, {0, cx, -sx}, {0, sx, cx}}};
+  const Turn y{{{cy, 0, sy}, {0, 1, 0}, {-sy, 0, cy}}};
+  const Turn z{{{cz, -sz, 0}, {sz, cz, 0}, {0, 0, 1}}};
+  return product(z, product(y, x));
+}
+
+bool stays_upright(const TargetPlacement& placement) {
+  return placement.rotate_deg == Vec{} && placement.translate_mm[0] == 0.0 &&
+         placement.translate_mm[2] == 0.0;
+}
+
+PlacementMap::PlacementMap(const TargetPlacement& placement)
+    : turn_(turn_of(placement.rotate_deg)),
+      scale_(placement.scale_mm),
+      shift_(placement.translate_mm) {}
+
+Vec PlacementMap::to_corner(const Vec& q) const {
+  Vec p{};
+  for (std::size_t i = 0; i < 3; ++i)
+    p[i] = scale_ * (turn_[i][0] * q[0] + turn_[i][1] * q[1] + turn_[i][2] * q[2]) + shift_[i];
+  return p;
+}
+
+Vec PlacementMap::to_surface(const Vec& p) const {
+  Vec q{};
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t i = 0; i < 3; ++i) q[k] += turn_[i][k] * (p[i] - shift_[i]) / scale_;
+  return q;
+}
+
+Result<TriangleMesh> placed(TriangleMesh mesh, const TargetPlacement& placement) {
+  const PlacementMap map(placement);
+  for (std::size_t k = 0; k + 2 < mesh.corners.size(); k += 3) {
+    const Vec p = map.to_corner({static_cast<double>(mesh.corners[k]),
+                                 static_cast<double>(mesh.corners[k + 1]),
+                                 static_cast<double>(mesh.corners[k + 2])});
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!(std::abs(p[i]) <= kFarthest_mm))
+        return fail(
+            ErrorKind::OutOfRange, "/scale_mm",
+            fmt::format("triangle {} would reach {:.3g} mm from the corner; at most {:g} mm "
+                        "is needed: use a smaller scale_mm",
+                        k / 9, std::abs(p[i]), kFarthest_mm));
+      mesh.corners[k + i] = static_cast<float>(p[i]);
+    }
+  }
+  return mesh;
+}
+
+}  // namespace popcut

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+
+#include "core/design/target/surface_spec.hpp"
+#include "core/design/target/triangle_mesh.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// A rotation as a matrix of rows.
+using Turn = std::array<std::array<double, 3>, 3>;
+
+/// R_z R_y R_x for angles about x, y and z in degrees; exact for multiples of 90 degrees.
+[[nodiscard]] Turn turn_of(const std::array<double, 3>& degrees);
+
+/// No turn, and no shift but along the spine: the slices of an upright surface stay its own.
+[[nodiscard]] bool stays_upright(const TargetPlacement& placement);
+
+/// A placement as a map: points of the surface (its own units) to the corner (mm) and back.
+class PlacementMap {
+ public:
+  explicit PlacementMap(const TargetPlacement& placement);
+  [[nodiscard]] std::array<double, 3> to_corner(const std::array<double, 3>& q) const;
+  [[nodiscard]] std::array<double, 3> to_surface(const std::array<double, 3>& p) const;
+
+ private:
+  std::array<std::array<double, 3>, 3> turn_;  ///< rows; exact for multiples of 90 degrees
+  double scale_;
+  std::array<double, 3> shift_;
+};
+
+/// The mesh in the corner, mm.
+///
+/// @retval OutOfRange  a coordinate is farther than a kilometre from the corner
+[[nodiscard]] Result<TriangleMesh> placed(TriangleMesh mesh, const TargetPlacement& placement);
+
+}  // namespace popcut

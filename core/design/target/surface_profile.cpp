@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <boost/math/tools/minima.hpp>
+#include <boost/math/tools/toms748_solve.hpp>
+
+#include "core/design/target/expression.hpp"
+#include "core/design/target/surface_kinds.hpp"
+
+namespace popcut {
+namespace {
+
+std::string at_s(double s_mm) { return fmt::format("/surface/z at s = {:.6g} mm", s_mm); }
+
+constexpr double kMostDepth = 100.0;  ///< a profile deeper than this many heights never lands
+
+/// One plane of a profile: z(x) in mm at a fixed s, and how it reaches the ground.
+class ProfileSlice {
+ public:
+  ProfileSlice(const Expression& z, double scale_mm, double s_mm, double y)
+      : z_(z), scale_mm_(scale_mm), s_mm_(s_mm), y_(y) {}
+
+  [[nodiscard]] double operator()(double x_mm) const {
+    return scale_mm_ * z_(x_mm / scale_mm_, y_);
+  }
+
+  Result<SliceCurve> curve() const {
+    const double h = (*this)(0.0);
+    if (!std::isfinite(h) || h <= 0.0)
+      return fail(
+          ErrorKind::OutOfRange, at_s(s_mm_),
+          fmt::format("z(0, y) is {:.6g} mm at y = {:.6g}; the profile must start above the "
+                      "ground at the wall",
+                      h, y_));
+    const Result<double> d = ground_end(h);
+    if (!d) return tl::unexpected(d.error());
+    if (auto falls = check_falls(h, *d); !falls) return tl::unexpected(falls.error());
+    const auto height = [&, d = *d](double x) {
+      const double value = x >= d ? 0.0 : (*this)(x);
+      return std::isfinite(value) ? value : 0.0;  // only at the rim of the formula's domain
+    };
+    return SliceCurve::sampled(h, *d, [&, d = *d](double t) {
+      const auto ahead = [&](double x) { return x / d - height(x) / h - t; };
+      if (ahead(0.0) >= 0.0) return 0.0;
+      if (ahead(d) <= 0.0) return d;
+      std::uintmax_t most = 200;
+      const auto bracket = boost::math::tools::toms748_solve(
+          ahead, 0.0, d, boost::math::tools::eps_tolerance<double>(52), most);
+      return 0.5 * (bracket.first + bracket.second);
+    });
+  }
+
+ private:
+  /// Where the profile meets the ground: the end of the first stretch on which z > 0 and falls.
+  [[nodiscard]] Result<double> ground_end(double h) const {
+    double inside = 0.0, outside = 0.0, before = 0.0;
+    for (double x = h / 256.0; x < kMostDepth * h; x = 1.01 * x + h / 256.0) {
+      const double here = (*this)(x);
+      if (here > (*this)(inside)) {
+        if (const std::optional<double> touch = lowest(before, x, h)) return *touch;
+      }
+      if (!(here > 0.0)) {
+        outside = x;
+        break;
+      }
+      before = inside;
+      inside = x;
+    }
+    if (outside == 0.0)
+      return fail(
+          ErrorKind::Infeasible, at_s(s_mm_),
+          fmt::format("the profile stays above the ground up to x = {:.6g} mm; it must fall to "
+                      "z = 0",
+                      kMostDepth * h));
+    for (int k = 0; k < 200 && inside < outside; ++k) {
+      const double middle = 0.5 * (inside + outside);
+      if (middle <= inside || middle >= outside) break;
+      ((*this)(middle) > 0.0 ? inside : outside) = middle;
+    }
+    const double left = (*this)(inside);
+    // A root like (1 - x^8)^(1/8) is still high one rounding before its end, but it does fall
+    // there.
+    const bool falls_at_rim = left < 0.5 * (*this)(inside * (1.0 - 1e-6));
+    if (inside <= 0.0 || (left > 1e-6 * h && !falls_at_rim))
+      return fail(
+          ErrorKind::Infeasible, at_s(s_mm_),
+          fmt::format("the profile breaks off at x = {:.6g} mm, {:.6g} mm above the ground; it "
+                      "must fall to z = 0",
+                      inside, left));
+    return inside;
+  }
+
+  /// Where the profile touches the ground without going through it, as a concave arc does.
+  [[nodiscard]] std::optional<double> lowest(double from, double to, double h) const {
+    const auto [x, z] = boost::math::tools::brent_find_minima(*this, from, to, 52);
+    if (!(z < 1e-9 * h)) return std::nullopt;
+    // A minimum's place is known to half the digits only; the root of a five-point slope to all.
+    const double step = 1e-3 * h;
+    const auto slope = [&](double p) {
+      return 8.0 * ((*this)(p + step) - (*this)(p - step)) -
+             ((*this)(p + 2.0 * step) - (*this)(p - 2.0 * step));
+    };
+    const double near = 1e-5 * h;
+    if (!(slope(x - near) < 0.0) || !(slope(x + near) > 0.0)) return x;
+    std::uintmax_t most = 100;
+    const auto bracket = boost::math::tools::toms748_solve(
+        slope, x - near, x + near, boost::math::tools::eps_tolerance<double>(50), most);
+    return 0.5 * (bracket.first + bracket.second);
+  }
+
+  [[nodiscard]] Result<void> check_falls(double h, double d) const {
+    constexpr int kSamples = 512;
+    double last = h;
+    for (int k = 1; k < kSamples; ++k) {
+      const double x = d * k / kSamples;
+      const double here = (*this)(x);
+      if (!std::isfinite(here))
+        return fail(
+            ErrorKind::OutOfRange, at_s(s_mm_),
+            fmt::format("z is not a number at x = {:.6g} mm; it must be finite from the wall to "
+                        "the ground",
+                        x));
+      if (here > last + 1e-9 * h)
+        return fail(
+            ErrorKind::Infeasible, at_s(s_mm_),
+            fmt::format(
+                "the profile rises near x = {:.6g} mm (from {:.6g} to {:.6g} mm); it "
+                "must fall all the way from the wall to the ground, or \"fit\": \"nearest\" "
+                "takes the nearest that does",
+                x, last, here));
+      last = here;
+    }
+    return {};
+  }
+
+  const Expression& z_;
+  double scale_mm_, s_mm_, y_;
+};
+
+}  // namespace
+
+Result<Surface> surface_profile(const ProfileSpec& spec, const TargetPlacement& placement,
+                                FitMode fit) {
+  auto z = Expression::parse(spec.z, {"x", "y"});
+  if (!z) return tl::unexpected(within("/surface/z", z.error()));
+  auto shared = std::make_shared<Expression>(std::move(*z));
+  const auto below = [shared](double x, double y, double height) {
+    return height - (*shared)(x, y);
+  };
+  Surface solid = surface_of_solid(below, placement, fit, "profile");
+  if (!stays_upright(placement)) return solid;
+  return Surface([shared, placement, fit, solid](double s_mm) -> Result<SurfaceSlice> {
+    const double y = (s_mm - placement.translate_mm[1]) / placement.scale_mm;
+    auto curve = ProfileSlice(*shared, placement.scale_mm, s_mm, y).curve();
+    if (curve) return SurfaceSlice{std::move(*curve), {}};
+    if (fit == FitMode::Exact || curve.error().kind != ErrorKind::Infeasible)
+      return tl::unexpected(curve.error());
+    return solid.cut(s_mm);
+  });
+}
+
+}  // namespace popcut

@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: MIT
+#include "core/drawing/clean.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "core/drawing/collinear.hpp"
+#include "core/drawing/crowding.hpp"
+#include "core/drawing/euler.hpp"
+#include "core/geometry/node_index.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr double kSame = 0.001;  // mm; vertices of different lines this near are one
+constexpr std::uint32_t kNone = NodeIndex::kNone;
+
+/// The straight parts of the drawn lines, in the order of the drawing.
+struct DrawnSegments {
+  struct Kind {
+    Operation operation{};
+    bool joins_next{false};  ///< the next segment goes on from its end
+    bool loops{false};       ///< the last of a closed line: the first one goes on from its end
+  };
+  std::vector<NodeEdge> edges;
+  std::vector<Kind> kinds;
+};
+
+// The vertices of a drawing as nodes: those within lines first, then the ends, which go to a node
+// that is near.
+class Snapping {
+ public:
+  Snapping(const LineWork& work, double snap)
+      : snap_(std::clamp(snap, kSame, kMostSnap)),
+        nodes_(snap_, work.points.size()),
+        node_of_(work.points.size(), kNone) {
+    for (const DrawnLine& line : work.lines) set_within(work, line);
+    for (const DrawnLine& line : work.lines) set_ends(work, line);
+  }
+  [[nodiscard]] std::uint32_t node(std::size_t point) const { return node_of_[point]; }
+  [[nodiscard]] NodeIndex& nodes() { return nodes_; }
+  [[nodiscard]] const NodeIndex& nodes() const { return nodes_; }
+  [[nodiscard]] double reach() const { return snap_; }
+  /// The nodes of the points are not asked for any more.
+  void forget_points() { node_of_ = std::vector<std::uint32_t>(); }
+
+ private:
+  std::uint32_t same(const PagePoint& p) {
+    const std::uint32_t found = nodes_.find(p, kSame);
+    return found != kNone ? found : nodes_.add(p);
+  }
+
+  void set_within(const LineWork& work, const DrawnLine& line) {
+    const auto points = work.points_of(line);
+    const bool ring = closed(points);
+    for (std::size_t k = ring ? 0 : 1; k + 1 < points.size(); ++k)
+      node_of_[line.first + k] = same(points[k]);
+    if (ring) node_of_[line.first + points.size() - 1] = node_of_[line.first];
+  }
+
+  // An end goes to the nearest node, but not back along its own line.
+  void set_ends(const LineWork& work, const DrawnLine& line) {
+    const std::size_t first = line.first, last = first + line.count - 1;
+    if (node_of_[first] != kNone) return;  // closed
+    for (const std::size_t end : {first, last}) {
+      const PagePoint& p = work.points[end];
+      list_just_before(work, end, end == first ? last : first);
+      const std::uint32_t found = nodes_.find(p, snap_, [&](std::uint32_t n) {
+        return std::find(just_before_.begin(), just_before_.end(), n) == just_before_.end() ||
+               distance(nodes_.point(n), p) <= kSame;
+      });
+      node_of_[end] = found != kNone ? found : nodes_.add(p);
+    }
+  }
+
+  // Nodes that the line from `end` to `other` passes within twice the snap from its end.
+  void list_just_before(const LineWork& work, std::size_t end, std::size_t other) {
+    just_before_.clear();
+    double way = 0.0;
+    for (std::size_t k = end; k != other;) {
+      const std::size_t next = other > end ? k + 1 : k - 1;
+      way += distance(work.points[k], work.points[next]);
+      if (way > 2 * snap_) return;
+      just_before_.push_back(node_of_[next]);
+      k = next;
+    }
+  }
+
+  double snap_;
+  NodeIndex nodes_;
+  std::vector<std::uint32_t> node_of_;
+  std::vector<std::uint32_t> just_before_;
+};
+
+int strength(Operation operation) {
+  switch (operation) {
+    case Operation::Outline:
+      return 5;
+    case Operation::Cut:
+      return 4;
+    case Operation::FoldMountain:
+      return 3;
+    case Operation::FoldValley:
+      return 2;
+    case Operation::Score:
+      return 1;
+    case Operation::Draw:
+      break;
+  }
+  return 0;
+}
+
+DrawnSegments segments_of(const LineWork& work, const Snapping& snapping) {
+  DrawnSegments out;
+  const std::size_t most = work.points.size() - std::min(work.points.size(), work.lines.size());
+  out.edges.reserve(most);
+  out.kinds.reserve(most);
+  for (const DrawnLine& line : work.lines) {
+    const std::size_t first = out.edges.size();
+    for (std::uint32_t i = 1; i < line.count; ++i) {
+      const std::uint32_t a = snapping.node(line.first + i - 1), b = snapping.node(line.first + i);
+      if (a == b) continue;
+      out.edges.push_back({a, b});
+      out.kinds.push_back({line.operation, true, false});
+    }
+    if (out.edges.size() == first) continue;
+    out.kinds.back().joins_next = false;
+    out.kinds.back().loops = out.edges.back().b == out.edges[first].a;
+  }
+  return out;
+}
+
+// What is left of each segment once the stronger and the longer ones have taken their places. Those
+// that share no part with another one stay whole and are not looked at.
+class Taker {
+ public:
+  Taker(const DrawnSegments& segments, Snapping& snapping)
+      : edges_(segments.edges),
+        kinds_(segments.kinds),
+        snapping_(snapping),
+        first_(segments.edges.size(), kWhole) {
+    const auto crowded = crowded_edges(edges_, snapping.nodes().points(), kOverlapTolerance);
+    for (std::uint32_t s = 0; s < crowded.size(); ++s)
+      if (crowded[s] != 0) order_.push_back(s);
+  }
+
+  void run() {
+    if (order_.empty()) return;
+    std::vector<Segment> plain;
+    plain.reserve(order_.size());
+    for (const std::uint32_t s : order_) plain.push_back(segment_of(s));
+    index_.emplace(plain, kOverlapTolerance);
+    plain = std::vector<Segment>();
+    left_.reserve(order_.size());
+    sort_strongest_first();
+    for (const std::uint32_t s : order_) take(s);
+  }
+
+  [[nodiscard]] std::size_t contradictions() const { return contradictions_; }
+
+  /// The pieces, in the order of the drawing.
+  [[nodiscard]] std::vector<Piece> pieces() const {
+    std::vector<Piece> pieces;
+    pieces.reserve(edges_.size() + left_.size());
+    std::int32_t before = -1;      // piece that ends where segment s begins
+    std::int32_t line_first = -1;  // piece that the line begins with
+    bool begins = true;
+    for (std::uint32_t s = 0; s < edges_.size(); ++s) {
+      std::int32_t first = -1, last = -1;  // pieces at its ends
+      const auto add = [&](const NodeEdge& part) {
+        const auto id = static_cast<std::int32_t>(pieces.size());
+        if (part.a == edges_[s].a) first = id;
+        if (part.b == edges_[s].b) last = id;
+        pieces.push_back({part.a, part.b, kinds_[s].operation, -1});
+      };
+      if (first_[s] == kWhole) add(edges_[s]);
+      for (std::int32_t l = first_[s]; l >= 0; l = left_[static_cast<std::size_t>(l)].next)
+        add(left_[static_cast<std::size_t>(l)].edge);
+      if (first >= 0 && before >= 0) pieces[static_cast<std::size_t>(before)].next = first;
+      if (begins) line_first = first;
+      if (kinds_[s].loops && last >= 0) pieces[static_cast<std::size_t>(last)].next = line_first;
+      before = kinds_[s].joins_next ? last : -1;
+      begins = !kinds_[s].joins_next;
+    }
+    return pieces;
+  }
+
+ private:
+  static constexpr std::int32_t kNothing = -1, kWhole = -2;  ///< in `first_`
+
+  /// A part of a segment between two nodes.
+  struct Left {
+    NodeEdge edge;
+    std::int32_t next{-1};  ///< the next part of the same segment
+  };
+
+  [[nodiscard]] Segment segment_of(std::uint32_t s) const {
+    return {snapping_.nodes().point(edges_[s].a), snapping_.nodes().point(edges_[s].b)};
+  }
+
+  void sort_strongest_first() {
+    struct Key {
+      int strength;
+      float mm;
+      std::uint32_t segment;
+    };
+    std::vector<Key> keys;
+    keys.reserve(order_.size());
+    for (const std::uint32_t s : order_) {
+      const Segment segment = segment_of(s);
+      keys.push_back(
+          {strength(kinds_[s].operation), static_cast<float>(distance(segment.a, segment.b)), s});
+    }
+    std::sort(keys.begin(), keys.end(), [](const Key& p, const Key& q) {
+      if (p.strength != q.strength) return p.strength > q.strength;
+      return p.mm != q.mm ? p.mm > q.mm : p.segment < q.segment;
+    });
+    for (std::size_t i = 0; i < keys.size(); ++i) order_[i] = keys[i].segment;
+  }
+
+  void take(std::uint32_t s) {
+    first_[s] = kNothing;
+    const Segment segment = segment_of(s);
+    const double l = distance(segment.a, segment.b);
+    index_->covered(segment, s, covered_);
+    double t = 0.0;
+    last_ = -1;
+    for (const auto& part : covered_) {
+      if (!gives_way(s, part.by)) continue;
+      if (part.from > t) keep(s, segment, l, t, part.from);
+      t = std::max(t, part.to);
+    }
+    keep(s, segment, l, t, l);
+  }
+
+  bool gives_way(std::uint32_t s, std::uint32_t to) {
+    const Operation mine = kinds_[s].operation;
+    const Operation other = kinds_[to].operation;
+    if ((mine == Operation::Draw) != (other == Operation::Draw)) return false;
+    if (is_fold(mine) && is_fold(other) && mine != other) ++contradictions_;
+    return true;
+  }
+
+  void keep(std::uint32_t s, const Segment& segment, double l, double from, double to) {
+    const bool whole = from <= 0.0 && to >= l;
+    if (to <= from || (!whole && to - from < 2 * kOverlapTolerance)) return;
+    const PagePoint p = at(segment, l, from), q = at(segment, l, to);
+    const std::uint32_t a = from <= 0.0 ? edges_[s].a : node_near(p);
+    const std::uint32_t b = to >= l ? edges_[s].b : node_near(q);
+    if (a == b) return;
+    const auto index = static_cast<std::int32_t>(left_.size());
+    (last_ < 0 ? first_[s] : left_[static_cast<std::size_t>(last_)].next) = index;
+    last_ = index;
+    left_.push_back({{a, b}, -1});
+    index_->insert({p, q}, s);  // as drawn: its direction tells what lies along it
+  }
+
+  static PagePoint at(const Segment& segment, double l, double t) {
+    if (t <= 0.0) return segment.a;
+    if (t >= l) return segment.b;
+    const double f = t / l;
+    return {segment.a.x + f * (segment.b.x - segment.a.x),
+            segment.a.y + f * (segment.b.y - segment.a.y)};
+  }
+
+  // Where a part ends because a line takes the place from there on, a node of that line is near.
+  std::uint32_t node_near(const PagePoint& p) {
+    const double reach = std::min(snapping_.reach(), 2 * kOverlapTolerance);
+    const std::uint32_t found = snapping_.nodes().find(p, reach);
+    return found != kNone ? found : snapping_.nodes().add(p);
+  }
+
+  const std::vector<NodeEdge>& edges_;
+  const std::vector<DrawnSegments::Kind>& kinds_;
+  Snapping& snapping_;
+  std::vector<std::uint32_t> order_;  ///< crowded segments
+  std::optional<CollinearIndex> index_;
+  std::vector<CollinearIndex::Covered> covered_;
+  std::vector<std::int32_t> first_;  ///< of a segment: its first part in `left_`
+  std::vector<Left> left_;
+  std::int32_t last_{-1};
+  std::size_t contradictions_{};
+};
+
+LineWork without_lines(const LineWork& work) {
+  LineWork out;
+  out.name = work.name;
+  out.warnings = work.warnings;
+  out.has_page = work.has_page;
+  out.dashed = work.dashed;
+  return out;
+}
+
+}  // namespace
+
+LineWork with_ends_snapped(const LineWork& work, double snap_mm) {
+  const Snapping snapping(work, snap_mm);
+  LineWork out = work;
+  for (std::size_t i = 0; i < out.points.size(); ++i)
+    if (const std::uint32_t node = snapping.node(i); node != kNone)
+      out.points[i] = snapping.nodes().point(node);
+  return out;
+}
+
+LineWork clean(LineWork&& work, const CleanOptions& options) {
+  LineWork out = without_lines(work);
+  std::vector<Piece> pieces;
+  std::vector<PagePoint> nodes;
+  std::size_t contradictions = 0;
+  {
+    Snapping snapping(work, options.snap_mm);
+    const DrawnSegments segments = segments_of(work, snapping);
+    work = {};
+    snapping.forget_points();
+    Taker taker(segments, snapping);
+    taker.run();
+    pieces = taker.pieces();
+    contradictions = taker.contradictions();
+    nodes = std::move(snapping.nodes()).take_points();
+  }
+  join(pieces, nodes, out);
+  if (contradictions > 0)
+    out.warnings.push_back(fmt::format(
+        "{} places are both mountain and valley; they are folded as mountain", contradictions));
+  return out;
+}
+
+LineWork clean(const LineWork& work, const CleanOptions& options) {
+  LineWork copy = work;
+  return clean(std::move(copy), options);
+}
+
+}  // namespace popcut

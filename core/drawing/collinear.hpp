@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/geometry/line_bins.hpp"
+#include "core/geometry/overlap.hpp"
+
+namespace popcut {
+
+/// Finds which parts of a segment lie on others, for segments of any lengths, filled as one goes.
+///
+/// Short ones are found by place (`OverlapIndex`). Long ones would fill its cells: they are found
+/// by the line that they lie on (`LineBins`).
+class CollinearIndex {
+ public:
+  using Covered = OverlapIndex::Covered;
+
+  /// `all`: every segment that may come, for the sizes of cells.
+  CollinearIndex(std::span<const Segment> all, double tolerance);
+
+  void insert(const Segment& segment, std::uint32_t id);
+  /// All parts of `segment` on inserted segments, sorted by `from`; id `not_this` is passed over.
+  void covered(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out);
+
+ private:
+  struct Sizes {
+    double short_cell{1.0}, long_cell{1.0}, usual_long{kLongSegment};
+    std::size_t shorts{}, longs{};
+    PagePoint middle;
+    double reach{1.0};  ///< half the drawing's diagonal
+  };
+  static Sizes sizes_of(std::span<const Segment> all);
+  [[nodiscard]] std::size_t slot(std::uint64_t bin) const { return bin & (head_.size() - 1); }
+  void covered_by_long(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out);
+
+  Sizes sizes_;
+  double tolerance_;
+  LineBins bins_;
+  OverlapIndex shorts_;
+  OverlapIndex longs_by_place_;
+  bool any_short_;
+  struct Entry {
+    LongLine line;
+    std::uint64_t bin{};
+    std::uint32_t segment{};  ///< index into segments_
+    std::int32_t next{};      ///< entry of the same slot
+  };
+  std::vector<std::int32_t> head_;  ///< of long segments, by line
+  std::vector<Entry> lines_;
+  std::vector<Segment> segments_;
+  std::vector<std::uint32_t> ids_;
+};
+
+}  // namespace popcut

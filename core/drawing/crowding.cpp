@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: MIT
+#include "core/drawing/crowding.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "core/geometry/line_bins.hpp"
+#include "core/drawing/linework.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr std::uint32_t kDirections = 8;  // over half a turn
+
+// Bin of the direction, 14 to 30 degrees wide: neighbours hold what may lie along it, for edges of
+// 0.1 mm or more. Of shorter ones some are missed: they are no longer than a knife is wide.
+std::uint32_t direction_of(const Segment& s) {
+  double dx = s.b.x - s.a.x, dy = s.b.y - s.a.y;
+  if (dy < 0.0) {
+    dx = -dx;
+    dy = -dy;
+  }
+  const double sum = std::abs(dx) + dy;
+  if (!(sum > 0.0)) return 0;
+  const double turn = dx >= 0.0 ? dy / sum : 2.0 - dy / sum;  // 0 to 2 over half a turn
+  return std::min(static_cast<std::uint32_t>(turn * (kDirections / 2)), kDirections - 1);
+}
+
+// Whether a part of `s` may lie on `t` or the other way round: `overlap` without its finer points.
+bool may_share(const Segment& s, const Segment& t, double tolerance) {
+  const double sx = s.b.x - s.a.x, sy = s.b.y - s.a.y, square = sx * sx + sy * sy;
+  const auto along = [&](const PagePoint& p) { return (p.x - s.a.x) * sx + (p.y - s.a.y) * sy; };
+  const auto aside = [&](const PagePoint& p) { return (p.y - s.a.y) * sx - (p.x - s.a.x) * sy; };
+  double t0 = along(t.a), t1 = along(t.b);
+  if (std::max(t0, t1) <= 0.0 || std::min(t0, t1) >= square) return false;
+  double h0 = aside(t.a), h1 = aside(t.b);
+  const double l = std::sqrt(square);
+  // What lies within the tolerance of `t` may lie a little farther from `s` where both are short,
+  // for then they may be turned by twice the tolerance a length.
+  const double shorter = std::min(l, distance(t.a, t.b));
+  const double near = tolerance * (1.0 + std::min(1.0, 4.0 * tolerance / shorter)) * l;
+  if (std::min(h0, h1) > near || std::max(h0, h1) < -near) return false;
+  if (t0 > t1) {
+    std::swap(t0, t1);
+    std::swap(h0, h1);
+  }
+  const double from = std::max(t0, 0.0), to = std::min(t1, square);
+  const double least = std::min(tolerance, 0.5 * shorter);
+  if (to - from < 0.4 * least * l || !(t1 > t0)) return false;
+  const double slope = (h1 - h0) / (t1 - t0);
+  return std::abs(h0 + slope * (from - t0)) <= near && std::abs(h0 + slope * (to - t0)) <= near;
+}
+
+// The edges of a drawing, and what of them has been found crowded.
+struct Edges {
+  std::span<const NodeEdge> edges;
+  std::span<const PagePoint> nodes;
+  double tolerance;
+  std::vector<std::uint8_t> crowded;
+
+  [[nodiscard]] Segment at(std::uint32_t e) const { return {nodes[edges[e].a], nodes[edges[e].b]}; }
+  // Marks both; true if they may share a part.
+  bool meet(std::uint32_t e, const Segment& s, std::uint32_t other) {
+    if (other == e || !may_share(s, at(other), tolerance)) return false;
+    crowded[e] = crowded[other] = 1;
+    return true;
+  }
+};
+
+// Items in slots, laid out once: counted first, then filled.
+template <typename Item>
+class Slots {
+ public:
+  explicit Slots(std::size_t expected) : first_(std::bit_ceil(expected + 16) + 1, 0) {}
+  [[nodiscard]] std::size_t size() const { return first_.size() - 1; }
+  void count(std::size_t slot) { ++first_[slot + 1]; }
+  void lay_out() {
+    for (std::size_t s = 1; s < first_.size(); ++s) first_[s] += first_[s - 1];
+    items_.resize(first_.back());
+  }
+  /// After `lay_out`; each slot as often as it was counted.
+  void fill(std::size_t slot, const Item& item) { items_[first_[slot]++] = item; }
+  void finish() {
+    for (std::size_t s = first_.size() - 1; s > 0; --s) first_[s] = first_[s - 1];
+    first_[0] = 0;
+  }
+  [[nodiscard]] std::span<const Item> in(std::size_t slot) const {
+    return std::span(items_).subspan(first_[slot], first_[slot + 1] - first_[slot]);
+  }
+
+ private:
+  std::vector<std::uint32_t> first_;
+  std::vector<Item> items_;
+};
+
+// Edges by the cells of the page that they pass, and by direction.
+class ByPlace {
+ public:
+  ByPlace(const Edges& edges, const std::vector<std::uint32_t>& own, double cell_mm)
+      : cell_(cell_mm), slots_(2 * own.size()) {
+    const auto each = [&](auto&& visit) {
+      for (const std::uint32_t e : own) {
+        const Segment s = edges.at(e);
+        const std::uint32_t direction = direction_of(s);
+        each_cell(s, 0.0, [&](std::uint64_t place) {
+          visit(slot(place, direction), e);
+          return true;
+        });
+      }
+    };
+    if (own.empty()) return;
+    each([&](std::size_t at, std::uint32_t) { slots_.count(at); });
+    slots_.lay_out();
+    each([&](std::size_t at, std::uint32_t e) { slots_.fill(at, e); });
+    slots_.finish();
+  }
+
+  // Looks at what lies near edge `e` until it is crowded.
+  void look(Edges& edges, std::uint32_t e) const {
+    const Segment s = edges.at(e);
+    const std::uint32_t direction = direction_of(s);
+    each_cell(s, edges.tolerance, [&](std::uint64_t cell) {
+      for (std::uint32_t turn = kDirections - 1; turn <= kDirections + 1; ++turn)
+        for (const std::uint32_t other : slots_.in(slot(cell, (direction + turn) % kDirections)))
+          if (edges.meet(e, s, other)) return false;
+      return true;
+    });
+  }
+
+ private:
+  // The directions of one cell lie beside each other, turned so that blocks on each other differ.
+  [[nodiscard]] std::size_t slot(std::uint64_t cell, std::uint32_t direction) const {
+    return (cell + ((direction + (cell >> 40)) & (kDirections - 1))) & (slots_.size() - 1);
+  }
+
+  // Walks the columns (or rows) of cells along the longer extent; in each the cells that a corridor
+  // of `reach` about the segment touches.
+  template <typename Visit>
+  void each_cell(const Segment& s, double reach, Visit&& visit) const {
+    const bool flat = std::abs(s.b.x - s.a.x) >= std::abs(s.b.y - s.a.y);
+    double m0 = flat ? s.a.x : s.a.y, n0 = flat ? s.a.y : s.a.x;
+    double m1 = flat ? s.b.x : s.b.y, n1 = flat ? s.b.y : s.b.x;
+    if (m0 > m1) {
+      std::swap(m0, m1);
+      std::swap(n0, n1);
+    }
+    const double slope = m1 > m0 ? (n1 - n0) / (m1 - m0) : 0.0;
+    const std::int64_t last = cell_of(m1 + reach);
+    for (std::int64_t c = cell_of(m0 - reach); c <= last; ++c) {
+      const double from = std::clamp(static_cast<double>(c) * cell_, m0, m1);
+      const double to = std::clamp(static_cast<double>(c + 1) * cell_, m0, m1);
+      const double a = n0 + slope * (from - m0), b = n0 + slope * (to - m0);
+      const std::int64_t top = cell_of(std::max(a, b) + reach);
+      for (std::int64_t d = cell_of(std::min(a, b) - reach); d <= top; ++d)
+        if (!visit(flat ? place_of(c, d) : place_of(d, c))) return;
+    }
+  }
+  [[nodiscard]] std::int64_t cell_of(double value) const {
+    return static_cast<std::int64_t>(std::floor(value / cell_));
+  }
+  // Cells of a block of 8 x 8 lie beside each other: what is drawn nearby is near in memory too.
+  static std::uint64_t place_of(std::int64_t x, std::int64_t y) {
+    const std::uint64_t block = mixed(static_cast<std::uint64_t>(x >> 3) * 0x9E3779B97F4A7C15ULL ^
+                                      static_cast<std::uint64_t>(y >> 3) * 0xC2B2AE3D27D4EB4FULL);
+    const auto within = static_cast<std::uint64_t>((x & 7) | (y & 7) << 3);
+    return (block << 6 | within) * kDirections;
+  }
+
+  double cell_;
+  Slots<std::uint32_t> slots_;
+};
+
+// Long edges by the lines that they lie on.
+class ByLine {
+ public:
+  ByLine(const Edges& edges, const std::vector<std::uint32_t>& own, const LineBins& bins)
+      : bins_(bins), slots_(2 * own.size()) {
+    for (const std::uint32_t e : own)
+      bins_.each_bin(bins_.line_of(edges.at(e)),
+                     [&](std::uint64_t bin) { slots_.count(slot(bin)); });
+    slots_.lay_out();
+    for (const std::uint32_t e : own) {
+      const LongLine line = bins_.line_of(edges.at(e));
+      bins_.each_bin(line, [&](std::uint64_t bin) { slots_.fill(slot(bin), {line, e}); });
+    }
+    slots_.finish();
+  }
+
+  // Looks at what lies near each edge until it is crowded; slot by slot, for what is near then lies
+  // in slots that were just read.
+  void look_at_all(Edges& edges) const {
+    for (std::size_t s = 0; s < slots_.size(); ++s)
+      for (const Item& item : slots_.in(s))
+        if (edges.crowded[item.edge] == 0 && slot(bins_.first_bin(item.line)) == s)
+          look(edges, item);
+  }
+
+ private:
+  struct Item {
+    LongLine line;
+    std::uint32_t edge{};
+  };
+
+  void look(Edges& edges, const Item& item) const {
+    bool found = false;
+    bins_.each_near(item.line, [&](std::uint64_t bin, const LongLine& seen) {
+      for (const Item& other : slots_.in(slot(bin))) {
+        if (found) return;
+        found = other.edge != item.edge && bins_.may_share(seen, other.line) &&
+                edges.meet(item.edge, edges.at(item.edge), other.edge);
+      }
+    });
+  }
+  [[nodiscard]] std::size_t slot(std::uint64_t bin) const { return bin & (slots_.size() - 1); }
+
+  const LineBins& bins_;
+  Slots<Item> slots_;
+};
+
+}  // namespace
+
+std::vector<std::uint8_t> crowded_edges(std::span<const NodeEdge> list,
+                                        std::span<const PagePoint> nodes, double tolerance) {
+  Edges edges{list, nodes, tolerance, std::vector<std::uint8_t>(list.size(), 0)};
+  std::vector<std::uint32_t> shorts, longs;
+  double short_mm = 0.0, long_mm = 0.0;
+  Box box;
+  for (std::uint32_t e = 0; e < list.size(); ++e) {
+    const Segment s = edges.at(e);
+    const double l = distance(s.a, s.b);
+    const bool is_long = l >= kLongSegment;
+    (is_long ? longs : shorts).push_back(e);
+    (is_long ? long_mm : short_mm) += l;
+    box.add(s.a);
+    box.add(s.b);
+  }
+  if (list.empty()) return {};
+  const double n = static_cast<double>(list.size());
+  const auto mean = [](double mm, const std::vector<std::uint32_t>& of) {
+    return of.empty() ? kLongSegment : mm / static_cast<double>(of.size());
+  };
+  {  // Long edges pass through eight cells of short ones on average, or fewer.
+    const ByPlace by_place(
+        edges, shorts,
+        std::max({2.0 * mean(short_mm, shorts), (short_mm + long_mm) / (8.0 * n), 0.1}));
+    if (!shorts.empty())
+      for (std::uint32_t e = 0; e < list.size(); ++e)
+        if (edges.crowded[e] == 0) by_place.look(edges, e);
+  }
+  if (longs.empty()) return std::move(edges.crowded);
+  if (!shorts.empty()) {
+    const ByPlace by_place(edges, longs, std::max(long_mm / (8.0 * n), kLongSegment));
+    for (const std::uint32_t e : shorts)
+      if (edges.crowded[e] == 0) by_place.look(edges, e);
+  }
+  const LineBins bins({(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2},
+                      std::hypot(box.width(), box.height()) / 2 + 1.0, mean(long_mm, longs),
+                      tolerance);
+  ByLine(edges, longs, bins).look_at_all(edges);
+  return std::move(edges.crowded);
+}
+
+}  // namespace popcut

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/drawing/toolpath.hpp"
+
+namespace popcut {
+
+struct Pattern;
+
+/// One line of a drawing: points `first .. first + count` of its `LineWork`. A closed line repeats
+/// its first point at the end.
+struct DrawnLine {
+  Operation operation{};
+  std::uint32_t first{};
+  std::uint32_t count{};
+};
+
+/// A drawing as flat polylines in page mm (x right, y down), folds not yet dashed.
+struct LineWork {
+  std::string name;
+  std::vector<PagePoint> points;
+  std::vector<DrawnLine> lines;
+  std::vector<std::string> warnings;
+  bool has_page{false};  ///< the drawing's place on its page means something (SVG)
+  bool dashed{false};    ///< its folds are dashes already: they are cut as they stand
+
+  [[nodiscard]] std::span<const PagePoint> points_of(const DrawnLine& line) const {
+    return std::span(points).subspan(line.first, line.count);
+  }
+  /// Appends a line; fewer than two points are left out.
+  void append(Operation operation, std::span<const PagePoint> line);
+};
+
+inline constexpr std::size_t kMaxDrawnPoints = 20'000'000;  ///< of one drawing
+inline constexpr double kMaxCoordinate = 100'000.0;         ///< mm; nothing is longer than 100 m
+
+[[nodiscard]] Box bounds(const LineWork& work);
+[[nodiscard]] bool is_fold(Operation operation);
+/// Cut and Outline: what goes through the paper along its whole length.
+[[nodiscard]] bool is_cut(Operation operation);
+
+/// The lines of a pattern on its page: x = v, y = u, a rotation as seen from the pop-up side
+/// (design reference, section 2). Mountain, Valley, Slit and Outline keep what they are.
+[[nodiscard]] LineWork linework_from_pattern(const Pattern& pattern);
+
+/// "draw", "score", "fold-mountain", "fold-valley", "cut", "outline": layers and reports.
+[[nodiscard]] const char* operation_name(Operation operation);
+
+}  // namespace popcut

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/geometry/page_point.hpp"
+
+namespace popcut {
+
+/// What a stroke is for. The order of the enumerators is the order of cutting: nothing may shift
+/// before it is cut, so the sheet's own outline comes last (design reference, section 8).
+enum class Operation : std::uint8_t { Draw, Score, FoldMountain, FoldValley, Cut, Outline };
+
+/// One path with the tool down: points `first .. first + count` of its `Toolpath`.
+struct Stroke {
+  Operation operation{};
+  std::uint32_t first{};
+  std::uint32_t count{};  ///< at least 2; a closed stroke repeats its first point at the end
+  std::uint32_t line{};   ///< the line of the drawing it came from
+  std::uint8_t tool{1};   ///< tool holder, from 1
+  double force_gf{};
+  double speed_mm_s{};
+};
+
+/// Ordered strokes for one sheet. Flat: all points of all strokes in one array.
+struct Toolpath {
+  std::vector<PagePoint> points;
+  std::vector<Stroke> strokes;
+
+  [[nodiscard]] std::span<const PagePoint> points_of(const Stroke& stroke) const {
+    return std::span(points).subspan(stroke.first, stroke.count);
+  }
+};
+
+}  // namespace popcut

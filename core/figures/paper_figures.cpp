@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#include "core/figures/paper_figures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+#include <nlohmann/json.hpp>
+
+#include "core/figures/figures.hpp"
+
+namespace popcut {
+
+bool PaperFigures::all_hold() const {
+  return std::all_of(statements.begin(), statements.end(),
+                     [](const CheckedStatement& s) { return s.holds; });
+}
+
+Result<PaperFigures> paper_figures() {
+  PaperFigures out;
+  for (const auto add :
+       {figures::add_assembly_figures, figures::add_slice_figures, figures::add_splay_figures}) {
+    if (auto done = add(out); !done) return tl::unexpected(done.error());
+  }
+  return out;
+}
+
+std::string figures_json(const PaperFigures& figures) {
+  nlohmann::ordered_json json;
+  json["all_hold"] = figures.all_hold();
+  json["statements"] = nlohmann::ordered_json::array();
+  for (const CheckedStatement& s : figures.statements) {
+    json["statements"].push_back(
+        {{"figure", s.figure}, {"claim", s.claim}, {"value", s.value}, {"holds", s.holds}});
+  }
+  json["files"] = nlohmann::ordered_json::array();
+  for (const FigureFile& file : figures.files) json["files"].push_back(file.name);
+  return json.dump(2) + "\n";
+}
+
+std::string assembly_maps_svg(const AssemblyMaps& maps, double phi_rad) {
+  const std::string at = fmt::format("(r, λ) at φ = {:.6g} π", phi_rad / std::numbers::pi);
+  const std::array<plot::Panel, 2> panels{figures::assembly_panel(maps, true, "K" + at),
+                                          figures::assembly_panel(maps, false, "H" + at)};
+  return plot::figure_svg(panels);
+}
+
+}  // namespace popcut

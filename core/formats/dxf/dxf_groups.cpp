@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "core/formats/dxf/dxf_groups.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace popcut {
+namespace {
+
+constexpr int kComment = 999;
+constexpr int kLeastCode = -5, kMostCode = 1071;  // AutoCAD's DXF reference, group code ranges
+
+std::string_view trimmed(std::string_view text) {
+  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+  while (!text.empty() && blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+template <typename Number>
+bool parse(std::string_view text, Number& value) {
+  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
+  const char* end = text.data() + text.size();
+  const auto [stop, fault] = std::from_chars(text.data(), end, value);
+  return fault == std::errc{} && stop == end;
+}
+
+}  // namespace
+
+std::string dxf_line(std::size_t line) { return fmt::format("line {}", line); }
+
+std::string dxf_shown(std::string_view text) {
+  std::string shown;
+  for (const char c : text.substr(0, 40)) shown += c < 0x20 || c > 0x7e ? '?' : c;
+  return shown;
+}
+
+DxfCursor::DxfCursor(std::string_view text) : text_(text) {
+  if (text_.substr(0, 3) == "\xEF\xBB\xBF") text_.remove_prefix(3);
+  if (text_.find('\n') == std::string_view::npos) newline_ = '\r';
+}
+
+bool DxfCursor::line(std::string_view& out) {
+  if (at_ >= text_.size()) return false;
+  const std::size_t end = std::min(text_.find(newline_, at_), text_.size());
+  out = trimmed(text_.substr(at_, end - at_));
+  at_ = end + 1;
+  ++line_;
+  return true;
+}
+
+bool DxfCursor::refuse(std::size_t line, std::string detail, ErrorKind kind) {
+  if (!error_) error_ = Error{kind, dxf_line(line), std::move(detail)};
+  return false;
+}
+
+bool DxfCursor::next() {
+  if (error_) return false;
+  do {
+    std::string_view code;
+    if (!line(code)) return false;
+    if (!parse(code, group_.code) || group_.code < kLeastCode || group_.code > kMostCode) {
+      if (code.empty() && text_.find_first_not_of(" \t\r\n\x1a", at_) == std::string_view::npos)
+        return false;  // blank lines after the last group
+      return refuse(line_,
+                    fmt::format("\"{}\" is no group code; a whole number of 0 to {} is needed "
+                                "here, is a line missing above?",
+                                dxf_shown(code), kMostCode));
+    }
+    if (!line(group_.value)) return refuse(line_, "the file ends after a group code; is it whole?");
+  } while (group_.code == kComment);
+  group_.line = line_;
+  return true;
+}
+
+bool DxfCursor::real(double& value) {
+  if (parse(group_.value, value) && std::isfinite(value)) return true;
+  return refuse(group_.line,
+                fmt::format("\"{}\" is no number (group code {}); a finite number with a "
+                            "decimal point is needed",
+                            dxf_shown(group_.value), group_.code));
+}
+
+bool DxfCursor::integer(int& value) {
+  if (parse(group_.value, value)) return true;
+  double wide = 0.0;  // some programs write 1.0, or a flag word of 64 bits
+  if (parse(group_.value, wide) && std::abs(wide) < 1e18) {
+    value = std::abs(wide) < 2e9 ? static_cast<int>(wide) : 0;
+    return true;
+  }
+  return refuse(group_.line, fmt::format("\"{}\" is no whole number (group code {})",
+                                         dxf_shown(group_.value), group_.code));
+}
+
+}  // namespace popcut

@@ -1,0 +1,402 @@
+// SPDX-License-Identifier: MIT
+#include "core/formats/dxf/dxf_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/formats/dxf/dxf_dashes.hpp"
+#include "core/formats/dxf/dxf_entity.hpp"
+#include "core/formats/dxf/dxf_shapes.hpp"
+#include "core/formats/dxf/dxf_tables.hpp"
+#include "core/text/too_much.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr double kMostDashes = 1e6;  // of one line
+constexpr int kMostInArray = 32767;  // rows or columns of an INSERT
+constexpr std::size_t kMostNamed = 8;
+constexpr std::size_t kLinesOfInsert = 20;  // what one is counted as, besides those it reads
+
+/// What an entity of a block takes from its insert, and where it lies.
+struct Place {
+  DxfFrame frame;
+  std::string_view layer{"0"};
+  std::string linetype{"CONTINUOUS"};
+  int colour{7};
+  int rgb{-1};
+};
+
+/// A layer, what became of it, and its line type.
+struct LayerUse {
+  DxfLayer layer;
+  std::size_t left_out{};
+};
+
+enum class Kind { Drawn, Insert, Silent, Unread };
+
+Kind kind_of(std::string_view type) {
+  for (const std::string_view drawn :
+       {"LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"})
+    if (type == drawn) return Kind::Drawn;
+  if (type == "INSERT") return Kind::Insert;
+  for (const std::string_view silent : {"POINT", "SEQEND", "VERTEX", "VIEWPORT", "ENDBLK"})
+    if (type == silent) return Kind::Silent;
+  return Kind::Unread;
+}
+
+bool sounds_dashed(std::string_view linetype) {
+  for (const std::string_view word :
+       {"DASH", "HIDDEN", "DOT", "CENTER", "PHANTOM", "DIVIDE", "FOLD", "PERF"})
+    if (linetype.find(word) != std::string_view::npos) return true;
+  return false;
+}
+
+std::optional<Operation> by_colour(int index, int rgb, DxfColours colours) {
+  const bool exact = rgb >= 0;
+  if (exact ? rgb == 0xff0000 : index == 1) return Operation::FoldMountain;
+  if (exact ? rgb == 0x0000ff : index == 5) return Operation::FoldValley;
+  if (colours == DxfColours::Lightburn) return Operation::Cut;
+  if (exact ? rgb == 0 || rgb == 0xffffff : index == 7) return Operation::Outline;
+  if (exact ? rgb == 0x00ff00 : index == 3) return Operation::Cut;
+  return std::nullopt;
+}
+
+class DxfReader {
+ public:
+  DxfReader(DxfTables tables, const DxfOptions& options)
+      : tables_(std::move(tables)), options_(options), lines_left_(options.most_lines) {
+    for (auto& [key, layer] : tables_.layers) layers_.emplace(key, LayerUse{std::move(layer), 0});
+    for (const auto& [key, linetype] : tables_.linetypes)
+      dashes_.emplace(key, dxf_dashes(linetype.elements));
+  }
+
+  Result<LineWork> read() {
+    work_.warnings = std::move(tables_.warnings);
+    Place place;
+    const double mm = tables_.unit_mm;
+    place.frame = {{mm, 0, 0}, {0, mm, 0}, {0, 0, mm}, {}};
+    for (const DxfCursor& section : tables_.entities) {
+      DxfCursor cursor = section;
+      cursor.next();
+      if (!entities(cursor, place, 0)) return tl::unexpected(*error_);
+    }
+    tell();
+    return std::move(work_);
+  }
+
+ private:
+  bool stop(std::size_t line, std::string detail, ErrorKind kind = ErrorKind::Malformed) {
+    if (!error_) error_ = Error{kind, dxf_line(line), std::move(detail)};
+    return false;
+  }
+
+  /// Draws from the group that `cursor` stands on to the end of the section or block.
+  bool entities(DxfCursor& cursor, const Place& place, std::size_t depth) {
+    DxfEntity entity;
+    bool more = true;
+    while (more && cursor.group().code != 0) more = cursor.next();
+    while (more && !cursor.group().is(0, "ENDSEC") && !cursor.group().is(0, "ENDBLK")) {
+      const std::size_t from = cursor.group().line;
+      const Kind kind = kind_of(cursor.group().value);
+      more = read_dxf_entity(cursor, kind == Kind::Drawn || kind == Kind::Insert, entity);
+      if (more && entity.type == "POLYLINE") more = corners(cursor, entity);
+      if (cursor.error()) break;
+      if (depth > 0 && !pay(cursor.group().line - from, from)) return false;
+      if (!one(entity, kind, place, depth)) return false;
+    }
+    if (cursor.error() && !error_) error_ = *cursor.error();
+    return !error_;
+  }
+
+  bool pay(std::size_t lines, std::size_t line) {
+    if (lines > lines_left_)
+      return stop(line, "the inserts repeat too much; explode the blocks or draw fewer",
+                  ErrorKind::OutOfRange);
+    lines_left_ -= lines;
+    return true;
+  }
+
+  /// The VERTEX entities of a POLYLINE; the cursor ends after its SEQEND.
+  bool corners(DxfCursor& cursor, DxfEntity& polyline) {
+    DxfEntity vertex;
+    const bool splined = (polyline.flag[0] & 4) != 0;
+    while (cursor.group().is(0, "VERTEX")) {
+      if (!read_dxf_entity(cursor, true, vertex)) return false;
+      const bool frame = splined && (vertex.flag[0] & 16) != 0;  // of the spline, not on it
+      if (!frame) polyline.vertices.push_back({vertex.p10, vertex.real_or(42, 0.0)});
+      if (polyline.vertices.size() > kMostInDxfEntity)
+        return cursor.refuse(polyline.line, "the POLYLINE has too many vertices; split it",
+                             ErrorKind::OutOfRange);
+    }
+    return !cursor.group().is(0, "SEQEND") || read_dxf_entity(cursor, false, vertex);
+  }
+
+  bool one(const DxfEntity& entity, Kind kind, const Place& place, std::size_t depth) {
+    if (kind == Kind::Silent) return true;
+    if (entity.paper && depth == 0) {
+      ++paper_;
+      return true;
+    }
+    if (entity.hidden) {
+      ++hidden_;
+      return true;
+    }
+    const std::string_view layer = entity.layer == "0" ? place.layer : entity.layer;
+    LayerUse& use = layer_use(layer);
+    if (layers_.size() > kMostDxfNames)
+      return stop(entity.line, fmt::format("more than {} layers", kMostDxfNames),
+                  ErrorKind::OutOfRange);
+    const bool shut = use.layer.frozen || (kind != Kind::Insert && use.layer.off);
+    if (shut || (kind != Kind::Insert && use.layer.unplotted) ||
+        use.layer.meaning == DxfMeaning::Ignore) {
+      ++use.left_out;
+      return true;
+    }
+    if (kind == Kind::Unread) {
+      if (unread_.size() < 100) ++unread_[dxf_shown(entity.type)];
+      return true;
+    }
+    Place own{place.frame, layer, linetype_of(entity, use, place), entity.colour, entity.rgb};
+    if (entity.colour == 0) own.colour = place.colour, own.rgb = place.rgb;
+    if (entity.colour == 256 && entity.rgb < 0) own.colour = use.layer.colour;
+    return kind == Kind::Insert ? insert(entity, own, depth) : draw(entity, own, use);
+  }
+
+  LayerUse& layer_use(std::string_view name) {
+    if (last_ != nullptr && last_name_ == name) return *last_;
+    const auto [found, is_new] = layers_.try_emplace(dxf_key(name.substr(0, 1024)));
+    if (is_new) {
+      found->second.layer.name = dxf_name(name);
+      found->second.layer.meaning = dxf_meaning(name);
+    }
+    last_name_ = name;
+    last_ = &found->second;
+    return *last_;
+  }
+
+  static std::string linetype_of(const DxfEntity& entity, const LayerUse& use, const Place& place) {
+    std::string own = dxf_key(entity.linetype.substr(0, 1024));
+    if (own == "BYBLOCK") return place.linetype;
+    return own == "BYLAYER" ? use.layer.linetype : own;
+  }
+
+  bool insert(const DxfEntity& entity, const Place& own, std::size_t depth) {
+    const auto found = tables_.blocks.find(dxf_key(entity.block.substr(0, 1024)));
+    if (found == tables_.blocks.end() || found->second.external) {
+      if (missing_.size() < 100) ++missing_[dxf_name(entity.block)];
+      return true;
+    }
+    const DxfBlock& block = found->second;
+    if (std::find(path_.begin(), path_.end(), &block) != path_.end())
+      return stop(entity.line, fmt::format("the block \"{}\" inserts itself; remove this INSERT",
+                                           dxf_shown(block.name)));
+    if (depth >= options_.most_deep)
+      return stop(entity.line, fmt::format("inserts lie more than {} deep", options_.most_deep),
+                  ErrorKind::OutOfRange);
+    const int columns = std::max(entity.flag[0], 1), rows = std::max(entity.flag[1], 1);
+    if (columns > kMostInArray || rows > kMostInArray)
+      return stop(entity.line,
+                  fmt::format("the INSERT has {} columns and {} rows; at most {} of each are read",
+                              columns, rows, kMostInArray),
+                  ErrorKind::OutOfRange);
+    path_.push_back(&block);
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column) {
+        Place inner = own;
+        inner.frame = own.frame * insert_frame(entity, block.base, column * entity.real_or(44, 0.0),
+                                               row * entity.real_or(45, 0.0));
+        DxfCursor cursor = block.at;
+        if (!pay(kLinesOfInsert, entity.line) || !cursor.next() ||
+            !entities(cursor, inner, depth + 1)) {
+          if (!error_) stop(entity.line, "the block cannot be read");
+          return false;
+        }
+      }
+    path_.pop_back();
+    return true;
+  }
+
+  bool draw(const DxfEntity& entity, const Place& own, LayerUse& use) {
+    const auto operation = operation_of(own, use);
+    if (!operation) {
+      ++by_colour_;
+      return true;
+    }
+    line_.clear();
+    std::string wrong;
+    const DxfShape shape =
+        outline_of(entity, own.frame, options_.tolerance_mm, options_.most_points, line_, wrong);
+    if (!wrong.empty()) return stop(entity.line, std::move(wrong));
+    if (shape == DxfShape::Mesh) {
+      ++unread_["POLYLINE (mesh)"];
+      return true;
+    }
+    if (shape == DxfShape::Tilted) ++tilted_;
+    for (const PagePoint& p : line_)
+      if (!(std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate))
+        return stop(entity.line,
+                    fmt::format("the {} lies more than 100 m from the origin (one unit is 1 {})",
+                                entity.type, tables_.unit_name),
+                    ErrorKind::OutOfRange);
+    return is_fold(*operation) || *operation == Operation::Score
+               ? append(*operation, line_, entity.line)
+               : dashed(*operation, own.linetype, entity);
+  }
+
+  std::optional<Operation> operation_of(const Place& own, LayerUse& use) {
+    switch (use.layer.meaning) {
+      case DxfMeaning::Draw:
+        return Operation::Draw;
+      case DxfMeaning::Score:
+        return Operation::Score;
+      case DxfMeaning::Fold:
+        ++sideless_;
+        return Operation::FoldValley;
+      case DxfMeaning::FoldMountain:
+        return Operation::FoldMountain;
+      case DxfMeaning::FoldValley:
+        return Operation::FoldValley;
+      case DxfMeaning::Outline:
+        return Operation::Outline;
+      case DxfMeaning::Cut:
+        return Operation::Cut;
+      case DxfMeaning::Unknown:
+      case DxfMeaning::Ignore:
+        break;
+    }
+    if (options_.colours == DxfColours::Ignored) return Operation::Cut;
+    return by_colour(own.colour, own.rgb, options_.colours);
+  }
+
+  /// Appends `line_`, as the dashes of its line type if that has any.
+  bool dashed(Operation operation, const std::string& linetype, const DxfEntity& entity) {
+    const auto found = dashes_.find(linetype);
+    const bool known = found != dashes_.end();
+    if (!known || found->second.dashes.empty()) {
+      const bool unclear = sounds_dashed(linetype);
+      if (!unclear) return append(operation, line_, entity.line);
+      ++unclear_;
+      return append(Operation::FoldValley, line_, entity.line);
+    }
+    const DxfDashes& dashes = found->second;
+    const double scale = entity.linetype_scale > 0.0 ? entity.linetype_scale : 1.0;
+    const double period = dashes.period * tables_.linetype_scale * scale * tables_.unit_mm;
+    const double all = length(line_);
+    const double periods = dxf_periods(all, period);
+    if (!(periods * static_cast<double>(dashes.dashes.size()) <= kMostDashes))
+      return stop(
+          entity.line,
+          fmt::format("the dashes of line type {} are too fine for this line", dxf_shown(linetype)),
+          ErrorKind::OutOfRange);
+    if (!(all > 0.0)) return true;
+    ++dashed_;
+    return each_dash(
+        std::span<const PagePoint>(line_), dashes, periods,
+        [&](std::span<const PagePoint> dash) { return append(operation, dash, entity.line); });
+  }
+
+  bool append(Operation operation, std::span<const PagePoint> line, std::size_t at) {
+    if (work_.points.size() + line.size() > options_.most_points)
+      return stop(at, fmt::format("the drawing has more than {} points", options_.most_points),
+                  ErrorKind::OutOfRange);
+    work_.append(operation, line);
+    return true;
+  }
+
+  void tell() {
+    const auto say = [&](std::size_t count, const char* what) {
+      if (count > 0) work_.warnings.push_back(fmt::format("{} {}", count, what));
+    };
+    for (const auto& [type, count] : unread_)
+      work_.warnings.push_back(
+          fmt::format("{} {} cannot be read and {} left out; explode or redraw {} as lines", count,
+                      type, count == 1 ? "is" : "are", count == 1 ? "it" : "them"));
+    for (const auto& [name, count] : missing_)
+      work_.warnings.push_back(
+          fmt::format("{} insert{} of the block \"{}\", which is not in the file, {} left out",
+                      count, count == 1 ? "" : "s", name, count == 1 ? "is" : "are"));
+    tell_layers();
+    say(paper_, "entities on a paper layout are left out; only the model space is cut");
+    say(hidden_, "invisible entities are left out");
+    say(tilted_, "entities are tilted in space and are cut as seen from above");
+    say(by_colour_, "lines are left out, since their colour is for nothing that is cut or folded");
+    say(sideless_,
+        "folds are on layers that do not say mountain or valley; they are taken as valleys");
+    say(dashed_, "lines are of a dashed line type and are cut as those dashes");
+    say(unclear_,
+        "lines are of a dashed line type whose dashes the file does not give; they are "
+        "folded (valley)");
+  }
+
+  void tell_layers() {
+    std::vector<const LayerUse*> left_out;
+    for (const auto& [key, use] : layers_)
+      if (use.left_out > 0) left_out.push_back(&use);
+    std::sort(left_out.begin(), left_out.end(),
+              [](const LayerUse* a, const LayerUse* b) { return a->layer.name < b->layer.name; });
+    for (std::size_t i = 0; i < std::min(left_out.size(), kMostNamed); ++i) {
+      const DxfLayer& layer = left_out[i]->layer;
+      const char* why = layer.frozen ? "is frozen"
+                        : layer.off  ? "is off"
+                        : layer.meaning == DxfMeaning::Ignore
+                            ? "says by its name that it is not cut"
+                            : "is not plotted";
+      work_.warnings.push_back(fmt::format("the layer \"{}\" {}; {} of its entities {} left out",
+                                           layer.name, why, left_out[i]->left_out,
+                                           left_out[i]->left_out == 1 ? "is" : "are"));
+    }
+    if (left_out.size() > kMostNamed)
+      work_.warnings.push_back(
+          fmt::format("{} more layers are left out", left_out.size() - kMostNamed));
+  }
+
+  DxfTables tables_;
+  DxfOptions options_;
+  LineWork work_;
+  std::unordered_map<std::string, LayerUse> layers_;
+  std::unordered_map<std::string, DxfDashes> dashes_;
+  std::string_view last_name_;
+  LayerUse* last_{nullptr};
+  std::vector<const DxfBlock*> path_;
+  std::vector<PagePoint> line_;
+  std::map<std::string, std::size_t> unread_, missing_;
+  std::size_t paper_{}, hidden_{}, tilted_{}, by_colour_{}, sideless_{}, dashed_{}, unclear_{};
+  std::size_t lines_left_;
+  std::optional<Error> error_;
+};
+
+}  // namespace
+
+DxfOptions DxfOptions::raised(unsigned factor) const {
+  constexpr std::size_t kMost = 0x7fffffff;
+  DxfOptions more = *this;
+  more.most_bytes = std::min(kMost, most_bytes * factor);
+  more.most_points = std::min(kMost, most_points * factor);
+  more.most_lines *= factor;
+  return more;
+}
+
+Result<LineWork> linework_from_dxf(std::string_view text, const DxfOptions& options) {
+  if (text.size() > options.most_bytes)
+    return tl::unexpected(too_much(
+        fmt::format("{} bytes of DXF; at most {} are read", text.size(), options.most_bytes)));
+  if (text.substr(0, 18) == "AutoCAD Binary DXF")
+    return fail(ErrorKind::Malformed, "line 1",
+                "is a binary DXF; save it as ASCII DXF, R12 or 2000 for instance");
+  if (text.size() > 6 && text.substr(0, 4) == "AC10" && text[6] == '\0')
+    return fail(ErrorKind::Malformed, "line 1", "is a DWG; save it as ASCII DXF");
+  auto tables = read_dxf_tables(text);
+  if (!tables) return tl::unexpected(tables.error());
+  return DxfReader(std::move(*tables), options).read();
+}
+
+}  // namespace popcut

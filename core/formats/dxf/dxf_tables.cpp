@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: MIT
+#include "core/formats/dxf/dxf_tables.hpp"
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace popcut {
+namespace {
+
+constexpr std::size_t kMostElements = 64;  // of one line type
+
+struct Unit {
+  const char* name;
+  double mm;
+};
+
+// $INSUNITS, by number (DXF reference, header variables); 0 is no unit.
+constexpr std::array<Unit, 25> kUnits{{{"", 0.0},
+                                       {"inch", 25.4},
+                                       {"foot", 304.8},
+                                       {"mile", 1609344.0},
+                                       {"mm", 1.0},
+                                       {"cm", 10.0},
+                                       {"m", 1000.0},
+                                       {"km", 1e6},
+                                       {"microinch", 25.4e-6},
+                                       {"mil", 25.4e-3},
+                                       {"yard", 914.4},
+                                       {"angstrom", 1e-7},
+                                       {"nm", 1e-6},
+                                       {"um", 1e-3},
+                                       {"dm", 100.0},
+                                       {"dam", 1e4},
+                                       {"hm", 1e5},
+                                       {"Gm", 1e12},
+                                       {"astronomical unit", 1.495978707e14},
+                                       {"light year", 9.4607304725808e18},
+                                       {"parsec", 3.0856775814914e19},
+                                       {"US survey foot", 1200000.0 / 3937},
+                                       {"US survey inch", 100000.0 / 3937},
+                                       {"US survey yard", 3600000.0 / 3937},
+                                       {"US survey mile", 6336000000.0 / 3937}}};
+
+// Bytes 0x80 to 0x9f of Windows-1252; the others are those of Unicode.
+constexpr std::array<std::uint16_t, 32> kWindows{
+    0x20ac, '?',    0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021, 0x02c6, 0x2030, 0x0160,
+    0x2039, 0x0152, '?',    0x017d, '?',    '?',    0x2018, 0x2019, 0x201c, 0x201d, 0x2022,
+    0x2013, 0x2014, 0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, '?',    0x017e, 0x0178};
+
+unsigned byte_of(char c) { return static_cast<unsigned char>(c); }
+
+/// How many bytes the lawful UTF-8 character at `i` has; 0 if there is none.
+std::size_t utf8_length(std::string_view text, std::size_t i) {
+  const unsigned lead = byte_of(text[i]);
+  const std::size_t n = lead < 0x80                    ? 1
+                        : lead >= 0xc2 && lead <= 0xdf ? 2
+                        : (lead & 0xf0U) == 0xe0       ? 3
+                        : lead >= 0xf0 && lead <= 0xf4 ? 4
+                                                       : 0;
+  if (n == 0 || i + n > text.size()) return 0;
+  for (std::size_t k = 1; k < n; ++k)
+    if ((byte_of(text[i + k]) & 0xc0U) != 0x80) return 0;
+  if (n == 3 && ((lead == 0xe0 && byte_of(text[i + 1]) < 0xa0) ||
+                 (lead == 0xed && byte_of(text[i + 1]) > 0x9f)))
+    return 0;
+  if (n == 4 && ((lead == 0xf0 && byte_of(text[i + 1]) < 0x90) ||
+                 (lead == 0xf4 && byte_of(text[i + 1]) > 0x8f)))
+    return 0;
+  return n;
+}
+
+void put_utf8(unsigned code, std::string& out) {
+  if (code < 0x80) {
+    out += static_cast<char>(code);
+  } else if (code < 0x800) {
+    out += static_cast<char>(0xc0 | (code >> 6));
+    out += static_cast<char>(0x80 | (code & 0x3f));
+  } else {
+    out += static_cast<char>(0xe0 | (code >> 12));
+    out += static_cast<char>(0x80 | ((code >> 6) & 0x3f));
+    out += static_cast<char>(0x80 | (code & 0x3f));
+  }
+}
+
+class TableReader {
+ public:
+  explicit TableReader(std::string_view text) : cursor_(text) {}
+
+  Result<DxfTables> read() {
+    bool sections = false, ended = false;
+    while (cursor_.next()) {
+      const DxfGroup& group = cursor_.group();
+      if (group.is(0, "EOF")) {
+        ended = true;
+        break;
+      }
+      if (!group.is(0, "SECTION")) {
+        if (!sections || group.code == 0)
+          return wrong(
+              fmt::format("\"{}\" stands outside of a section; 0 SECTION is needed here, is "
+                          "this a DXF file?",
+                          dxf_shown(group.value)));
+        continue;
+      }
+      sections = true;
+      if (!section()) return fault();
+    }
+    if (cursor_.error()) return tl::unexpected(*cursor_.error());
+    if (!sections)
+      return fail(ErrorKind::Malformed, dxf_line(1),
+                  "this is no DXF: there is no section in it; 0 SECTION is needed");
+    if (tables_.entities.empty())
+      return fail(ErrorKind::Malformed, dxf_line(cursor_.group().line),
+                  "there is no section ENTITIES; is the file whole?");
+    if (!ended)
+      tables_.warnings.emplace_back("the file does not end in EOF; its sections are whole, though");
+    settle_unit();
+    return std::move(tables_);
+  }
+
+ private:
+  tl::unexpected<Error> wrong(std::string detail, ErrorKind kind = ErrorKind::Malformed) const {
+    return fail(kind, dxf_line(cursor_.group().line), std::move(detail));
+  }
+
+  bool stop(std::string detail, ErrorKind kind = ErrorKind::Malformed) {
+    if (!error_) error_ = Error{kind, dxf_line(cursor_.group().line), std::move(detail)};
+    return false;
+  }
+
+  tl::unexpected<Error> fault() const {
+    return tl::unexpected<Error>(cursor_.error() ? *cursor_.error() : *error_);
+  }
+
+  bool section() {
+    if (!cursor_.next() || cursor_.group().code != 2)
+      return stop("a section needs its name (group code 2) first");
+    const std::string name(dxf_key(cursor_.group().value));
+    if (name == "ENTITIES") tables_.entities.push_back(cursor_);
+    bool ended = false;
+    more_ = cursor_.next();
+    while (more_ && !ended) {
+      const DxfGroup& group = cursor_.group();
+      if (group.is(0, "SECTION") || group.is(0, "EOF")) break;
+      ended = group.is(0, "ENDSEC");
+      const bool named = group.is(0, "LAYER") || group.is(0, "LTYPE");
+      if (name == "TABLES" && named) {
+        if (!record(group.value == "LAYER")) return false;
+        continue;  // at the group 0 after it
+      }
+      if (name == "HEADER" && group.code == 9 && !variable()) return false;
+      if (name == "BLOCKS" && group.is(0, "BLOCK") && !block()) return false;
+      more_ = ended || cursor_.next();
+    }
+    if (cursor_.error()) return false;
+    return ended || stop(fmt::format("the section {} does not end (0 ENDSEC); is the file whole?",
+                                     dxf_shown(name)));
+  }
+
+  bool variable() {
+    const std::string_view name = cursor_.group().value;
+    const bool integer = name == "$INSUNITS" || name == "$MEASUREMENT";
+    if (!integer && name != "$LTSCALE") return true;
+    if (!cursor_.next()) return true;  // the section has no end then, which its caller says
+    if (name == "$INSUNITS") return cursor_.integer(insunits_.emplace());
+    if (name == "$MEASUREMENT") return cursor_.integer(measurement_.emplace());
+    double scale = 1.0;
+    if (!cursor_.real(scale)) return false;
+    if (scale > 1e-9 && scale < 1e9) tables_.linetype_scale = scale;
+    return true;
+  }
+
+  /// Reads the LAYER or LTYPE that begins here; the cursor ends at the group 0 after it.
+  bool record(bool is_layer) {
+    std::string key;
+    DxfLayer one;
+    DxfLinetype dashes;
+    while ((more_ = cursor_.next()) && cursor_.group().code != 0) {
+      const DxfGroup& group = cursor_.group();
+      int number = 0;
+      double real = 0.0;
+      if (group.code == 2) {
+        key = dxf_key(group.value.substr(0, 1024));
+        one.name = dxf_name(group.value);
+        one.meaning = dxf_meaning(group.value);
+      } else if (is_layer && group.code == 6) {
+        one.linetype = dxf_key(group.value.substr(0, 1024));
+      } else if (is_layer && (group.code == 70 || group.code == 62 || group.code == 290)) {
+        if (!cursor_.integer(number)) return false;
+        if (group.code == 70) one.frozen = (number & 1) != 0;
+        if (group.code == 62)
+          one.off = number < 0, one.colour = number < -256 ? 7 : std::abs(number);
+        if (group.code == 290) one.unplotted = number == 0;
+      } else if (!is_layer && group.code == 49) {
+        if (!cursor_.real(real)) return false;
+        if (dashes.elements.size() < kMostElements) dashes.elements.push_back(real);
+      }
+    }
+    if (is_layer)
+      tables_.layers.try_emplace(std::move(key), std::move(one));
+    else
+      tables_.linetypes.try_emplace(std::move(key), std::move(dashes));
+    if (tables_.layers.size() > kMostDxfNames || tables_.linetypes.size() > kMostDxfNames)
+      return stop(fmt::format("more than {} layers or line types", kMostDxfNames),
+                  ErrorKind::OutOfRange);
+    return !cursor_.error();
+  }
+
+  /// Goes to the ENDBLK of the block that begins here.
+  bool block() {
+    std::string key;
+    DxfBlock one{{}, {}, cursor_, false};
+    while (cursor_.next() && cursor_.group().code != 0) {
+      int flags = 0;
+      switch (cursor_.group().code) {
+        case 2:
+          key = dxf_key(cursor_.group().value.substr(0, 1024));
+          one.name = dxf_name(cursor_.group().value);
+          break;
+        case 10:
+        case 20:
+        case 30: {
+          double& value = cursor_.group().code == 10   ? one.base.x
+                          : cursor_.group().code == 20 ? one.base.y
+                                                       : one.base.z;
+          if (!cursor_.real(value)) return false;
+          break;
+        }
+        case 70:
+          if (!cursor_.integer(flags)) return false;
+          one.external = (flags & 4) != 0;
+          break;
+        default:
+          break;
+      }
+    }
+    // The cursor of the block begins anew at its head, whose groups the reader of entities skips.
+    while (!cursor_.group().is(0, "ENDBLK")) {
+      if (cursor_.group().is(0, "ENDSEC") || cursor_.group().is(0, "BLOCK"))
+        return stop(fmt::format("the block \"{}\" does not end (0 ENDBLK)", dxf_shown(key)));
+      if (!cursor_.next())
+        return cursor_.error() ? false
+                               : stop("a block does not end (0 ENDBLK); is the file whole?");
+    }
+    tables_.blocks.try_emplace(std::move(key), std::move(one));
+    return tables_.blocks.size() <= kMostDxfNames ||
+           stop(fmt::format("more than {} blocks", kMostDxfNames), ErrorKind::OutOfRange);
+  }
+
+  void settle_unit() {
+    const int code = insunits_.value_or(0);
+    if (code >= 1 && code < static_cast<int>(kUnits.size())) {
+      const Unit& unit = kUnits.at(static_cast<std::size_t>(code));
+      tables_.unit_mm = unit.mm;
+      tables_.unit_name = unit.name;
+      return;
+    }
+    const bool inch = measurement_ == 0;
+    if (inch) tables_.unit_mm = 25.4, tables_.unit_name = "inch";
+    tables_.warnings.push_back(
+        fmt::format("no unit of length is given ($INSUNITS); one unit is taken as 1 {}{}",
+                    tables_.unit_name, inch ? " ($MEASUREMENT is English)" : ""));
+  }
+
+  DxfCursor cursor_;
+  DxfTables tables_;
+  bool more_{false};  ///< `cursor_` stands on a group
+  std::optional<int> insunits_, measurement_;
+  std::optional<Error> error_;
+};
+
+}  // namespace
+
+std::string dxf_name(std::string_view name) {
+  std::string shown;
+  name = name.substr(0, 60);
+  for (std::size_t i = 0; i < name.size();) {
+    const std::size_t n = utf8_length(name, i);
+    const unsigned c = byte_of(name[i]);
+    if (n > 1) {
+      shown += name.substr(i, n);
+    } else if (c >= 0x80) {
+      put_utf8(c < 0xa0 ? kWindows.at(c - 0x80) : c, shown);
+    } else {
+      shown += c < 0x20 || c == 0x7f ? '?' : name[i];
+    }
+    i += n > 1 ? n : 1;
+  }
+  return shown;
+}
+
+Result<DxfTables> read_dxf_tables(std::string_view text) { return TableReader(text).read(); }
+
+}  // namespace popcut

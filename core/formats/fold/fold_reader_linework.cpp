@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/formats/fold/fold_reader.hpp"
+#include "core/drawing/clean.hpp"
+#include "core/drawing/euler.hpp"
+#include "core/drawing/nesting.hpp"
+#include "core/geometry/overlap.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr std::size_t kMostOverlaps = 20'000'000;  // pairs of border edges on one line
+
+bool flat(const FoldFrame& frame) {
+  if (frame.vertices.empty() || frame.edges.empty()) return false;
+  double low = 1e300, high = -1e300, size = 0.0;
+  for (const auto& p : frame.vertices) {
+    low = std::min(low, p[2]);
+    high = std::max(high, p[2]);
+    size = std::max({size, std::abs(p[0]), std::abs(p[1])});
+  }
+  return high - low <= 1e-6 * std::max(size, 1.0);
+}
+
+/// The parts of 0..length that no interval of `taken` (sorted by its start) covers.
+std::vector<std::pair<double, double>> free_parts(const std::vector<OverlapIndex::Covered>& taken,
+                                                  double length) {
+  std::vector<std::pair<double, double>> parts;
+  double t = 0.0;
+  for (const auto& part : taken) {
+    if (part.from > t + kOverlapTolerance) parts.emplace_back(t, part.from);
+    t = std::max(t, part.to);
+  }
+  if (length > t + kOverlapTolerance || t == 0.0) parts.emplace_back(t, length);
+  return parts;
+}
+
+/// Of border edges between the same points two are kept, the sides of a slit, if there are two.
+void keep_pairs(std::vector<Segment>& borders) {
+  for (Segment& s : borders)
+    if (s.b < s.a) std::swap(s.a, s.b);
+  std::sort(borders.begin(), borders.end(),
+            [](const Segment& p, const Segment& q) { return p.a != q.a ? p.a < q.a : p.b < q.b; });
+  const auto same = [](const Segment& p, const Segment& q) { return p.a == q.a && p.b == q.b; };
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < borders.size(); ++i)
+    if (kept < 2 || !same(borders[i], borders[kept - 1]) || !same(borders[i], borders[kept - 2]))
+      borders[kept++] = borders[i];
+  borders.resize(kept);
+}
+
+// Splits each border edge where another one lies on it: there a slit, which the first of the two
+// draws, elsewhere the sheet's edge.
+bool add_borders(std::vector<Segment> borders, LineWork& work) {
+  keep_pairs(borders);
+  OverlapIndex index(OverlapIndex::cell_for(borders), kOverlapTolerance, borders.size());
+  for (std::uint32_t i = 0; i < borders.size(); ++i) index.insert(borders[i], i);
+  std::vector<OverlapIndex::Covered> covered, slit;
+  std::vector<Segment> edge;
+  std::size_t overlaps = 0;
+  for (std::uint32_t i = 0; i < borders.size(); ++i) {
+    const Segment& s = borders[i];
+    const double l = distance(s.a, s.b);
+    if (!(l > 0.0)) continue;
+    const auto at = [&](double t) {
+      if (t <= 0.0) return s.a;
+      if (t >= l) return s.b;
+      return PagePoint{s.a.x + t / l * (s.b.x - s.a.x), s.a.y + t / l * (s.b.y - s.a.y)};
+    };
+    index.covered(s, i, covered);
+    overlaps += covered.size();
+    if (overlaps > kMostOverlaps) return false;
+    for (const auto& [from, to] : free_parts(covered, l)) edge.push_back({at(from), at(to)});
+    // What is free of all, and of those before: what remains is the slit's first side.
+    slit.clear();
+    double t = 0.0;
+    for (const auto& part : covered) {
+      if (part.from > t + kOverlapTolerance) slit.push_back({t, part.from, i});
+      t = std::max(t, part.to);
+    }
+    if (l > t + kOverlapTolerance) slit.push_back({t, l, i});
+    for (const auto& part : covered)
+      if (part.by < i) slit.push_back(part);
+    std::sort(slit.begin(), slit.end(),
+              [](const auto& p, const auto& q) { return p.from < q.from; });
+    if (covered.empty()) continue;
+    for (const auto& [from, to] : free_parts(slit, l))
+      work.append(Operation::Cut, std::array{at(from), at(to)});
+  }
+  LineWork loops;
+  join_loops(edge, 2 * kOverlapTolerance, loops);
+  const std::vector<std::uint32_t> depth =
+      nesting_depth(loops, std::vector<std::uint8_t>(loops.lines.size(), 1));
+  for (std::size_t i = 0; i < loops.lines.size(); ++i)
+    work.append(depth[i] % 2 == 0 ? Operation::Outline : Operation::Cut,
+                loops.points_of(loops.lines[i]));
+  return true;
+}
+
+struct Surprises {
+  std::size_t flat{}, joined{}, unassigned{}, by_angle{};
+  void tell(std::vector<std::string>& warnings) const {
+    const auto say = [&](std::size_t count, const char* what) {
+      if (count > 0) warnings.push_back(fmt::format("{} {}", count, what));
+    };
+    say(flat, "flat creases (F) are not cut");
+    say(joined, "joins (J) are not cut");
+    say(unassigned, "edges have no assignment (U) and no fold angle; they are not cut");
+    say(by_angle, "unassigned edges are folds by the sign of their angle");
+  }
+};
+
+// Clockwise faces mean that the drawing is seen from its back.
+bool seen_from_back(const FoldFrame& frame) {
+  double area = 0.0;
+  for (const auto& face : frame.faces)
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const auto& p = frame.vertices[face[i]];
+      const auto& q = frame.vertices[face[(i + 1) % face.size()]];
+      area += p[0] * q[1] - p[1] * q[0];
+    }
+  return area < 0.0;
+}
+
+}  // namespace
+
+double fold_unit_mm(const std::string& unit) {
+  constexpr std::array<std::pair<std::string_view, double>, 8> kUnits{{{"mm", 1.0},
+                                                                       {"cm", 10.0},
+                                                                       {"m", 1000.0},
+                                                                       {"in", 25.4},
+                                                                       {"pt", 25.4 / 72},
+                                                                       {"um", 1e-3},
+                                                                       {"nm", 1e-6},
+                                                                       {"unit", 1.0}}};
+  for (const auto& [name, mm] : kUnits)
+    if (unit == name) return mm;
+  return unit.empty() ? 1.0 : 0.0;
+}
+
+const FoldFrame* flat_frame(const FoldFile& file) {
+  for (const bool folded : {false, true})
+    for (const FoldFrame& frame : file.frames)
+      if (frame.folded_form == folded && flat(frame)) return &frame;
+  return nullptr;
+}
+
+Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& limits) {
+  const auto file = read_fold(text, limits);
+  if (!file) return tl::unexpected(file.error());
+  const FoldFrame* frame = flat_frame(*file);
+  if (frame == nullptr)
+    return fail(ErrorKind::Malformed, "/vertices_coords",
+                "no frame with edges lies flat; the flat crease pattern is needed");
+  const double mm = fold_unit_mm(frame->unit);
+  if (mm == 0.0)
+    return fail(
+        ErrorKind::Malformed, "/frame_unit",
+        fmt::format("is {}; one of mm, cm, m, in, pt, um, nm, unit", frame->unit.substr(0, 20)));
+  LineWork work;
+  work.name = frame->title;
+  if (frame->unit.empty() || frame->unit == "unit")
+    work.warnings.emplace_back(
+        "no unit of length is given (frame_unit); one unit is taken as 1 mm");
+  if (seen_from_back(*frame))
+    work.warnings.emplace_back(
+        "faces wind clockwise: the drawing shows its back, where mountain is valley");
+  std::vector<Segment> borders;
+  Surprises surprises;
+  for (std::size_t e = 0; e < frame->edges.size(); ++e) {
+    const auto point = [&](std::uint32_t v) {
+      return PagePoint{mm * frame->vertices[v][1], mm * frame->vertices[v][0]};
+    };
+    const Segment s{point(frame->edges[e][0]), point(frame->edges[e][1])};
+    for (const PagePoint& p : {s.a, s.b})
+      if (std::abs(p.x) > kMaxCoordinate || std::abs(p.y) > kMaxCoordinate)
+        return fail(ErrorKind::OutOfRange, fmt::format("/edges_vertices/{}", e),
+                    "an end lies more than 100 m from the origin");
+    const double angle = frame->fold_angles_deg[e];
+    const std::array ends{s.a, s.b};
+    switch (frame->assignments[e]) {
+      case 'M':
+        work.append(Operation::FoldMountain, ends);
+        break;
+      case 'V':
+        work.append(Operation::FoldValley, ends);
+        break;
+      case 'C':
+        work.append(Operation::Cut, ends);
+        break;
+      case 'B':
+        borders.push_back(s);
+        break;
+      case 'F':
+        ++surprises.flat;
+        break;
+      case 'J':
+        ++surprises.joined;
+        break;
+      default:
+        if (angle != 0.0)
+          work.append(angle > 0 ? Operation::FoldValley : Operation::FoldMountain, ends);
+        ++(angle != 0.0 ? surprises.by_angle : surprises.unassigned);
+    }
+  }
+  if (!add_borders(std::move(borders), work))
+    return fail(ErrorKind::OutOfRange, "/edges_vertices",
+                "border edges lie upon each other too often; each side of a cut is drawn once");
+  surprises.tell(work.warnings);
+  return work;
+}
+
+}  // namespace popcut

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: MIT
+#include "core/formats/svg/svg_profile.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/formats/svg/syntax/svg_colour.hpp"
+#include "core/formats/svg/syntax/svg_units.hpp"
+#include "core/text/json_fields.hpp"
+#include "core/text/near_names.hpp"
+#include "core/machines/table.hpp"
+#include "core/machines/tables.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr std::size_t kMostRules = 1000;
+
+const std::vector<std::string>& use_words() {
+  static const std::vector<std::string> words{"draw", "score",   "fold-mountain", "fold-valley",
+                                              "cut",  "outline", "ignore"};
+  return words;
+}
+
+StrokeUse use_at(std::size_t index) {
+  if (index + 1 == use_words().size()) return std::nullopt;
+  return static_cast<Operation>(index);
+}
+
+StrokeUse read_use(JsonFields& fields, const std::string& key) {
+  return use_at(fields.word(key, use_words().size() - 1, use_words()));
+}
+
+std::uint32_t read_colour(JsonFields& fields, const nlohmann::json& value,
+                          const std::string& place) {
+  const auto paint =
+      value.is_string() ? parse_svg_paint(value.get_ref<const std::string&>()) : std::nullopt;
+  if (paint && paint->kind == SvgPaint::Kind::Colour) return paint->rgb;
+  fields.add_error(ErrorKind::Malformed, place, "is no colour; one as #ff0000 or red is needed");
+  return 0;
+}
+
+StrokeRule read_rule(JsonFields& fields) {
+  StrokeRule rule;
+  if (fields.has("colour"))
+    if (const nlohmann::json* colour = fields.value("colour")) {
+      if (colour->is_array())
+        for (std::size_t i = 0; i < colour->size(); ++i)
+          rule.colours.push_back(
+              read_colour(fields, (*colour)[i], fmt::format("{}/{}", fields.pointer("colour"), i)));
+      else
+        rule.colours.push_back(read_colour(fields, *colour, fields.pointer("colour")));
+    }
+  const std::vector<std::string> lines{"solid", "dashed", "dash-dot", "any"};
+  const std::size_t line = fields.word("line", 3, lines);
+  if (line < 3) rule.line = static_cast<LineStyle>(line);
+  rule.css_class = fields.text("class", "");
+  if (!fields.has("use"))
+    fields.add_error(ErrorKind::Malformed, fields.pointer("use"),
+                     "is missing; cut, outline, score, fold-mountain, fold-valley, draw or ignore");
+  rule.use = read_use(fields, "use");
+  return rule;
+}
+
+void read_rules(JsonFields& fields, StrokeProfile& profile) {
+  if (!fields.has("rules")) return;
+  const nlohmann::json* list = fields.value("rules");
+  if (list == nullptr || !list->is_array() || list->size() > kMostRules)
+    return fields.add_error(ErrorKind::Malformed, fields.pointer("rules"),
+                            fmt::format("a list of at most {} rules is needed", kMostRules));
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    const nlohmann::json& row = (*list)[i];
+    const std::string place = fmt::format("{}/{}", fields.pointer("rules"), i);
+    if (!row.is_object())
+      return fields.add_error(ErrorKind::Malformed, place, "an object is needed");
+    JsonFields inner(row, place);
+    profile.rules.push_back(read_rule(inner));
+    if (const auto whole = inner.finish(); !whole)
+      fields.add_error(whole.error().kind, whole.error().place, whole.error().detail);
+  }
+}
+
+void read_labels(JsonFields& fields, StrokeProfile& profile) {
+  if (!fields.has("labels")) return;
+  const nlohmann::json* labels = fields.value("labels");
+  if (labels == nullptr || !labels->is_object())
+    return fields.add_error(ErrorKind::Malformed, fields.pointer("labels"),
+                            "an object of label and use is needed, as {\"kiss cut\": \"score\"}");
+  JsonFields inner(*labels, fields.pointer("labels"));
+  for (const auto& label : labels->items())
+    profile.labels[plain_label(label.key())] = read_use(inner, label.key());
+  if (const auto whole = inner.finish(); !whole)
+    fields.add_error(whole.error().kind, whole.error().place, whole.error().detail);
+}
+
+Result<StrokeProfile> read_profile(const TableRow& row) {
+  StrokeProfile profile;
+  JsonFields fields(row.row, row.pointer);
+  profile.name = fields.text("name", {});
+  profile.title = fields.text("title", "");
+  fields.value("source");
+  profile.names = fields.boolean("names", true);
+  profile.nearest = fields.word("colours", 0, {"same", "nearest"}) == 1;
+  read_labels(fields, profile);
+  read_rules(fields, profile);
+  profile.otherwise = use_at(fields.word("otherwise", 4, use_words()));
+  profile.fills = read_use(fields, "fills");
+  if (const auto whole = fields.finish(); !whole)
+    return tl::unexpected(in_table(row, whole.error()));
+  return profile;
+}
+
+int distance_squared(std::uint32_t a, std::uint32_t b) {
+  int sum = 0;
+  for (const unsigned shift : {0u, 8u, 16u}) {
+    const int d = static_cast<int>(a >> shift & 255) - static_cast<int>(b >> shift & 255);
+    sum += d * d;
+  }
+  return sum;
+}
+
+std::uint32_t nearest_colour(const StrokeProfile& profile, std::uint32_t rgb) {
+  std::uint32_t best = rgb;
+  int least = 1 << 30;
+  for (const StrokeRule& rule : profile.rules)
+    for (const std::uint32_t colour : rule.colours)
+      if (const int d = distance_squared(colour, rgb); d < least) {
+        least = d;
+        best = colour;
+      }
+  return best;
+}
+
+bool has_class(std::string_view classes, std::string_view name) {
+  while (!classes.empty()) {
+    const std::size_t end = std::min(classes.find_first_of(" \t\r\n\f"), classes.size());
+    if (classes.substr(0, end) == name) return true;
+    classes.remove_prefix(std::min(end + 1, classes.size()));
+  }
+  return false;
+}
+
+}  // namespace
+
+Result<std::vector<StrokeProfile>> all_stroke_profiles(
+    const std::vector<std::string>& user_tables) {
+  const auto rows = table_rows("svg_profiles", kSvgProfilesJson, user_tables);
+  if (!rows) return tl::unexpected(rows.error());
+  std::vector<StrokeProfile> profiles;
+  for (const TableRow& row : *rows) {
+    auto profile = read_profile(row);
+    if (!profile) return tl::unexpected(profile.error());
+    profiles.push_back(std::move(*profile));
+  }
+  return profiles;
+}
+
+Result<StrokeProfile> find_stroke_profile(std::string_view name,
+                                          const std::vector<std::string>& user_tables) {
+  auto profiles = all_stroke_profiles(user_tables);
+  if (!profiles) return tl::unexpected(profiles.error());
+  std::vector<std::string> names;
+  for (StrokeProfile& profile : *profiles) {
+    if (profile.name == name) return std::move(profile);
+    names.push_back(profile.name);
+  }
+  return fail(
+      ErrorKind::Usage, "--svg-profile",
+      fmt::format("no profile is called {}; {}", name.substr(0, 80), suggestion(name, names)));
+}
+
+std::string plain_label(std::string_view label) {
+  std::string out(trimmed(label));
+  for (char& c : out) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    if (c == ' ' || c == '_' || c == '\t') c = '-';
+  }
+  return out;
+}
+
+std::optional<StrokeUse> use_of_label(const StrokeProfile& profile, std::string_view label) {
+  if (!profile.names || label.size() > 200) return std::nullopt;
+  const auto found = profile.labels.find(plain_label(label));
+  if (found == profile.labels.end()) return std::nullopt;
+  return found->second;
+}
+
+std::optional<StrokeUse> use_of_assignment(std::string_view word) {
+  if (word.size() > 40) return std::nullopt;
+  const std::string plain = plain_label(word);
+  constexpr std::array<std::pair<std::string_view, std::size_t>, 14> kWords{{{"m", 2},
+                                                                             {"mountain", 2},
+                                                                             {"v", 3},
+                                                                             {"valley", 3},
+                                                                             {"c", 4},
+                                                                             {"slit", 4},
+                                                                             {"b", 5},
+                                                                             {"border", 5},
+                                                                             {"boundary", 5},
+                                                                             {"mark", 0},
+                                                                             {"label", 0},
+                                                                             {"f", 6},
+                                                                             {"u", 6},
+                                                                             {"j", 6}}};
+  for (const auto& [name, use] : kWords)
+    if (plain == name) return use_at(use);
+  for (std::size_t i = 0; i < use_words().size(); ++i)
+    if (plain == use_words()[i]) return use_at(i);
+  return std::nullopt;
+}
+
+std::optional<StrokeUse> use_of_stroke(const StrokeProfile& profile, std::uint32_t rgb,
+                                       LineStyle line, std::string_view classes) {
+  if (profile.rules.empty()) return std::nullopt;
+  if (profile.nearest) rgb = nearest_colour(profile, rgb);
+  for (const StrokeRule& rule : profile.rules) {
+    const bool same_line = !rule.line || *rule.line == line ||
+                           (*rule.line == LineStyle::Dashed && line == LineStyle::DashDot);
+    if (same_line && (rule.css_class.empty() || has_class(classes, rule.css_class)) &&
+        (rule.colours.empty() ||
+         std::find(rule.colours.begin(), rule.colours.end(), rgb) != rule.colours.end()))
+      return rule.use;
+  }
+  return std::nullopt;
+}
+
+}  // namespace popcut

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include "core/formats/svg/svg_purpose.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace popcut {
+namespace {
+
+constexpr std::size_t kToldColours = 8;
+
+LineStyle line_style(const SvgDashes& dashes) {
+  const auto& d = dashes.lengths;
+  if (d.empty()) return LineStyle::Solid;
+  return d.size() >= 4 && d[0] != d[2] ? LineStyle::DashDot : LineStyle::Dashed;
+}
+
+}  // namespace
+
+std::optional<SvgPurpose> SvgPurposes::of(const SvgElement& e, const SvgStyle& style,
+                                          const SvgDashes& dashes) {
+  const auto here = [&] { return svg_where(text_, e.node); };
+  const auto shows = [&](const SvgPaint& paint, bool clear) {
+    return paint.kind != SvgPaint::Kind::None && !clear && !style.transparent;
+  };
+  const bool stroked = shows(style.stroke, style.stroke_clear);
+  const bool filled = shows(style.fill, style.fill_clear) && e.name != "line";
+  if (!stroked && !filled) {
+    notes_.add(SvgNote::Invisible, here);
+    return std::nullopt;
+  }
+  if (style.has_assignment || style.has_layer) {
+    has_names_ = true;
+    return SvgPurpose{style.has_assignment ? style.assignment : style.layer, !stroked};
+  }
+  if (!stroked) {
+    const bool white = style.fill.kind == SvgPaint::Kind::Colour && style.fill.rgb == 0xFFFFFF;
+    if (profile_.fills && !white) return SvgPurpose{profile_.fills, true};
+    notes_.add(profile_.fills ? SvgNote::FillBackground : SvgNote::FillIgnored, here);
+    return std::nullopt;
+  }
+  const std::uint32_t rgb =
+      style.stroke.kind == SvgPaint::Kind::Current ? style.colour : style.stroke.rgb;
+  if (style.stroke.kind == SvgPaint::Kind::Server) notes_.add(SvgNote::PaintServer, here);
+  if (const auto ruled = use_of_stroke(profile_, rgb, line_style(dashes), e.classes))
+    return SvgPurpose{*ruled, false};
+  if (colours_.size() < kToldColours &&
+      std::find(colours_.begin(), colours_.end(), rgb) == colours_.end())
+    colours_.push_back(rgb);
+  return SvgPurpose{profile_.otherwise, false};
+}
+
+std::string SvgPurposes::colour_warning() const {
+  if (!profile_.names || !profile_.rules.empty() || has_names_ || colours_.size() < 2) return {};
+  std::string list;
+  for (const std::uint32_t rgb : colours_) list += (list.empty() ? "" : ", ") + colour_text(rgb);
+  return fmt::format(
+      "strokes have {} colours ({}), and none has a name: all are cut; if the colours have a "
+      "meaning, take --svg-profile origami-sim, lightburn or one of your own",
+      colours_.size() == kToldColours ? "many" : std::to_string(colours_.size()), list);
+}
+
+}  // namespace popcut

@@ -1,0 +1,495 @@
+// SPDX-License-Identifier: MIT
+#include "core/formats/svg/svg_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <unordered_map>
+#include <utility>
+
+#include <fmt/format.h>
+#include <pugixml.hpp>
+
+#include "core/formats/svg/svg_purpose.hpp"
+#include "core/formats/svg/svg_shape.hpp"
+#include "core/formats/svg/svg_sheets.hpp"
+#include "core/formats/svg/svg_strokes.hpp"
+#include "core/formats/svg/svg_style.hpp"
+#include "core/formats/svg/syntax/svg_transform.hpp"
+#include "core/formats/svg/svg_viewport.hpp"
+#include "core/text/too_much.hpp"
+
+namespace popcut {
+namespace {
+
+bool is_one_of(std::string_view name, std::initializer_list<std::string_view> names) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// Elements that draw nothing where they stand.
+bool is_definition(std::string_view name) {
+  return is_one_of(name, {"defs", "title", "desc", "metadata", "symbol", "clipPath", "mask",
+                          "marker", "pattern", "linearGradient", "radialGradient", "meshgradient",
+                          "filter", "style", "view", "hatch", "cursor", "color-profile"});
+}
+
+// Where an element is drawn.
+struct Place {
+  SvgTransform to_page;
+  SvgFrame frame;
+  const SvgClip* clip{};
+  int depth{};
+};
+
+class SvgReader {
+ public:
+  SvgReader(const SvgText& text, const SvgReadOptions& options)
+      : text_(text),
+        options_(options),
+        user_mm_(25.4 / options.dpi),
+        steps_(options.limits.steps),
+        styles_(text, options.profile, user_mm_, notes_, steps_),
+        purposes_(text, options.profile, notes_),
+        strokes_(work_, options.limits.points) {}
+
+  Result<LineWork> read(const pugi::xml_node& root, bool has_sheets) {
+    const std::string_view name = root.name();
+    prefix_ = name.substr(0, name.size() - std::min<std::size_t>(name.size(), 4));
+    work_.has_page = true;
+    work_.name =
+        root.child_value(prefix_.empty() ? "title" : fmt::format("{}:title", prefix_).c_str());
+    work_.dashed = std::string_view(root.attribute("data-popcut").value()) == "dashes";
+    if (text_.has_foreign_sheet) notes_.add(SvgNote::ForeignSheet, [] { return std::string(); });
+    if (has_sheets)
+      if (auto done = read_svg_sheets(text_, root, styles_.sheets(), notes_); !done)
+        return tl::unexpected(done.error());
+    Place place;
+    if (auto done = read_page(root, place); !done) return tl::unexpected(done.error());
+    SvgStyle style;
+    const auto element = styles_.read(root, prefix_, SvgStyle{}, style);
+    if (!element) return tl::unexpected(element.error());
+    if (style.display_none)
+      notes_.add(SvgNote::Hidden, [&] { return where(root); });
+    else if (auto done = children(root, place, style); !done)
+      return tl::unexpected(done.error());
+    settle_fills();
+    tell();
+    return std::move(work_);
+  }
+
+ private:
+  [[nodiscard]] std::string where(const pugi::xml_node& node) const {
+    return svg_where(text_, node);
+  }
+
+  [[nodiscard]] tl::unexpected<Error> wrong(const pugi::xml_node& node, const Error& error) const {
+    std::string place = svg_place(text_, node.offset_debug() - 1);
+    const std::string_view id = node.attribute("id").value();
+    if (!id.empty()) place += fmt::format(", id \"{}\"", id.substr(0, 60));
+    return fail(error.kind, std::move(place), error.detail, error.reason);
+  }
+  [[nodiscard]] tl::unexpected<Error> wrong(const pugi::xml_node& node, std::string detail,
+                                            ErrorKind kind = ErrorKind::Malformed) const {
+    return wrong(node, Error{kind, "", std::move(detail)});
+  }
+
+  // Takes work off the budget. Where it is used up, something repeats far too often.
+  Result<void> spend(const pugi::xml_node& node, std::size_t steps) {
+    if (steps < steps_) {
+      steps_ -= steps;
+      return {};
+    }
+    steps_ = 0;
+    return wrong(node, too_much("the drawing takes too much work here; repeat less by <use>"));
+  }
+
+  // User units of the root to mm on the page.
+  Result<void> read_page(const pugi::xml_node& root, Place& place) {
+    bool has_unit = false;
+    const auto size = [&](const char* name) -> std::optional<double> {
+      const auto length = parse_svg_length(root.attribute(name).value());
+      if (!length || length->unit == SvgLength::Unit::Percent) return std::nullopt;
+      has_unit = has_unit || length->unit == SvgLength::Unit::Mm;
+      return user_units(*length, {user_mm_, 0.0, 16.0}) * user_mm_;
+    };
+    const auto width = size("width"), height = size("height");
+    if (!has_unit)
+      work_.warnings.push_back(fmt::format(
+          "no unit of length is given; {:g} user units are taken as one inch", options_.dpi));
+    if ((width && !(*width > 0.0)) || (height && !(*height > 0.0)))
+      return wrong(root, "width and height must be positive");
+    place.to_page = {user_mm_, 0, 0, user_mm_, 0, 0};
+    place.frame = {width.value_or(100.0) / user_mm_, height.value_or(100.0) / user_mm_};
+    page_mm_ = {width.value_or(0.0), height.value_or(0.0)};
+    if (!root.attribute("viewBox")) return {};
+    const auto box = parse_svg_view_box(root.attribute("viewBox").value());
+    if (!box) return wrong(root, "viewBox: four numbers are needed");
+    const auto& v = *box;
+    if (!(v[2] > 0.0 && v[3] > 0.0))
+      return wrong(root, "viewBox: its width and height must be positive");
+    const double unit = width ? *width / v[2] : height ? *height / v[3] : user_mm_;
+    page_mm_ = {width.value_or(unit * v[2]), height.value_or(unit * v[3])};
+    place.to_page = fit_svg_view_box(v, page_mm_[0], page_mm_[1],
+                                     root.attribute("preserveAspectRatio").value());
+    place.frame = {v[2], v[3]};
+    return {};
+  }
+
+  Result<void> children(const pugi::xml_node& parent, const Place& place, const SvgStyle& style) {
+    if (place.depth > options_.limits.depth)
+      return wrong(
+          parent,
+          fmt::format("groups or <use> more than {} deep; ungroup some", options_.limits.depth),
+          ErrorKind::OutOfRange);
+    for (const pugi::xml_node& node : parent.children()) {
+      if (node.type() != pugi::node_element) continue;
+      if (auto done = element(node, place, style); !done) return done;
+    }
+    return {};
+  }
+
+  Result<void> element(const pugi::xml_node& node, const Place& outer, const SvgStyle& inherited) {
+    if (auto done = spend(node, 16); !done) return done;
+    SvgStyle style;
+    const auto read = styles_.read(node, prefix_, inherited, style);
+    if (!read) return wrong(node, read.error());
+    const SvgElement& e = *read;
+    if (e.name.empty() || is_definition(e.name)) return {};
+    if (style.display_none) {
+      notes_.add(SvgNote::Hidden, [&] { return where(node); });
+      return {};
+    }
+    const bool is_shape = is_svg_shape(e.name);
+    if (!is_shape && !is_one_of(e.name, {"g", "a", "switch", "svg", "use"})) {
+      if (!style.hidden) notes_.add_element(e.name, [&] { return where(node); });
+      return {};
+    }
+    note_effects(node, style);
+    Place place = outer;
+    place.depth += is_shape ? 0 : 1;
+    if (e.has_transform) {
+      const auto own = parse_svg_transform(e.transform);
+      if (!own)
+        return wrong(node, fmt::format("the transform \"{}\" cannot be read; matrix, translate, "
+                                       "scale, rotate, skewX, skewY with numbers are",
+                                       e.transform.substr(0, 60)));
+      place.to_page = outer.to_page * *own;
+    }
+    if (is_shape) return shape(e, place, style);
+    if (e.name == "use") return use(e, place, style);
+    if (e.name == "svg") return framed(node, node, place, style, false);
+    if (e.name == "switch") return chosen(node, place, style);
+    return children(node, place, style);
+  }
+
+  void note_effects(const pugi::xml_node& node, const SvgStyle& style) {
+    const auto here = [&] { return where(node); };
+    if (style.clipped) notes_.add(SvgNote::Clipped, here);
+    if (style.masked) notes_.add(SvgNote::Masked, here);
+    if (style.filtered) notes_.add(SvgNote::Filtered, here);
+  }
+
+  // The first child of a <switch> that needs nothing that popcut has not.
+  Result<void> chosen(const pugi::xml_node& parent, const Place& place, const SvgStyle& style) {
+    for (const pugi::xml_node& node : parent.children()) {
+      if (node.type() != pugi::node_element) continue;
+      const std::string_view language = node.attribute("systemLanguage").value();
+      if (node.attribute("requiredExtensions") &&
+          *node.attribute("requiredExtensions").value() != 0)
+        continue;
+      if (!language.empty() && language.find("en") == std::string_view::npos) continue;
+      return element(node, place, style);
+    }
+    return {};
+  }
+
+  // The content of an <svg> or <symbol>; `sized` has its width and height.
+  Result<void> framed(const pugi::xml_node& node, const pugi::xml_node& sized, Place place,
+                      const SvgStyle& style, bool at_origin) {
+    std::array<double, 4> v{};  // x, y, width, height
+    constexpr std::array<const char*, 4> kNames{"x", "y", "width", "height"};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double whole = i % 2 == 0 ? place.frame.width : place.frame.height;
+      if (i < 2 && at_origin) continue;
+      const pugi::xml_node& from = i < 2 || sized.attribute(kNames[i]) ? sized : node;
+      const auto value =
+          svg_attribute(from, kNames[i], i < 2 ? 0.0 : whole, {user_mm_, whole, style.font});
+      if (!value) return wrong(from, value.error());
+      v[i] = *value;
+    }
+    const auto here = [&] { return where(node); };
+    if (!(v[2] > 0.0 && v[3] > 0.0)) {
+      notes_.add(SvgNote::Empty, here);
+      return {};
+    }
+    place.to_page = place.to_page * SvgTransform{1, 0, 0, 1, v[0], v[1]};
+    place.frame = {v[2], v[3]};
+    Box box{0, 0, v[2], v[3]};
+    const SvgTransform frame_to_page = place.to_page;
+    if (const auto attribute = node.attribute("viewBox")) {
+      const auto view = parse_svg_view_box(attribute.value());
+      if (!view || (*view)[2] < 0.0 || (*view)[3] < 0.0)
+        return wrong(node,
+                     "viewBox: four numbers are needed, a width and height that are positive");
+      if ((*view)[2] == 0.0 || (*view)[3] == 0.0) {
+        notes_.add(SvgNote::Empty, here);
+        return {};
+      }
+      place.to_page =
+          place.to_page *
+          fit_svg_view_box(*view, v[2], v[3], node.attribute("preserveAspectRatio").value());
+      place.frame = {(*view)[2], (*view)[3]};
+    }
+    SvgClip clip;
+    const auto back = frame_to_page.inverse();
+    if (back && !style.overflows) {
+      clip = {frame_to_page, *back, box, place.clip};
+      place.clip = &clip;
+    }
+    return children(node, place, style);
+  }
+
+  const pugi::xml_node* find_id(std::string_view id, const pugi::xml_node& any) {
+    if (ids_.empty())
+      each_svg_element(any.root(), [&](const pugi::xml_node& node) {
+        if (const auto attribute = node.attribute("id")) ids_.try_emplace(attribute.value(), node);
+      });
+    const auto found = ids_.find(id);
+    return found == ids_.end() ? nullptr : &found->second;
+  }
+
+  Result<void> use(const SvgElement& e, Place place, const SvgStyle& style) {
+    const auto here = [&] { return where(e.node); };
+    const std::string_view href = trimmed(e.href);
+    if (!href.empty() && href[0] != '#') {
+      notes_.add(SvgNote::ForeignUse, here);
+      return {};
+    }
+    const pugi::xml_node* target = href.empty() ? nullptr : find_id(href.substr(1), e.node);
+    if (target == nullptr) {
+      notes_.add(SvgNote::MissingUse, here);
+      return {};
+    }
+    if (std::find(used_.begin(), used_.end(), *target) != used_.end())
+      return wrong(e.node,
+                   fmt::format("<use> of {} uses itself; break the circle", href.substr(0, 60)));
+    if (place.depth > options_.limits.depth)
+      return wrong(e.node,
+                   fmt::format("<use> more than {} deep; ungroup some", options_.limits.depth),
+                   ErrorKind::OutOfRange);
+    std::array<double, 2> at{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double whole = i == 0 ? place.frame.width : place.frame.height;
+      const auto value =
+          svg_attribute(e.node, i == 0 ? "x" : "y", 0.0, {user_mm_, whole, style.font});
+      if (!value) return wrong(e.node, value.error());
+      at[i] = *value;
+    }
+    place.to_page = place.to_page * SvgTransform{1, 0, 0, 1, at[0], at[1]};
+    used_.push_back(*target);
+    auto done = used(*target, e.node, place, style);
+    used_.pop_back();
+    return done;
+  }
+
+  Result<void> used(const pugi::xml_node& target, const pugi::xml_node& use_node,
+                    const Place& place, const SvgStyle& inherited) {
+    std::string_view name = target.name();
+    if (!prefix_.empty() && name.substr(0, prefix_.size() + 1) == fmt::format("{}:", prefix_))
+      name.remove_prefix(prefix_.size() + 1);
+    if (name != "symbol" && name != "svg") return element(target, place, inherited);
+    if (auto done = spend(target, 16); !done) return done;
+    SvgStyle style;
+    const auto read = styles_.read(target, prefix_, inherited, style);
+    if (!read) return wrong(target, read.error());
+    if (style.display_none && name == "svg") return {};
+    return framed(target, use_node, place, style, true);
+  }
+
+  Result<void> shape(const SvgElement& e, const Place& place, const SvgStyle& style) {
+    const auto here = [&] { return where(e.node); };
+    if (style.hidden) {
+      notes_.add(SvgNote::Hidden, here);
+      return {};
+    }
+    SvgDashes dashes;
+    if (style.dashes != 0)
+      dashes = svg_dashes(styles_.dashes(style.dashes), style.dash_offset,
+                          {user_mm_, frame_diagonal(place.frame), style.font});
+    const auto purpose = purposes_.of(e, style, dashes);
+    if (!purpose) return {};
+    if (!purpose->use) {
+      notes_.add(SvgNote::LeftOut, here);
+      return {};
+    }
+    const double scale = place.to_page.largest_scale();
+    if (!std::isfinite(scale))
+      return wrong(e.node, "the transform is too large; numbers below 1e100 are needed",
+                   ErrorKind::OutOfRange);
+    if (!place.to_page.inverse()) {
+      notes_.add(SvgNote::Squashed, here);
+      return {};
+    }
+    if (style.marked && !is_one_of(e.name, {"rect", "circle", "ellipse"}))
+      notes_.add(SvgNote::Marked, here);
+    lines_.clear();
+    const std::string_view points = e.node.attribute("points").value();
+    if (auto done = spend(e.node, e.d.size() + points.size()); !done) return done;
+    const SvgOutlining how{
+        place.frame,  user_mm_, style.font, options_.tolerance_mm / scale, options_.limits.points,
+        purpose->fill};
+    if (auto done = outline_of(e.node, e.name, e.d, how, lines_); !done)
+      return wrong(e.node, done.error());
+    if (auto done = spend(e.node, lines_.points.size()); !done) return done;
+    return purpose->fill ? add_fill(e, place, style, *purpose->use)
+                         : add_stroke(e, place, style, *purpose->use, std::move(dashes));
+  }
+
+  Result<void> add(const SvgElement& e, const Place& place, const SvgLines& lines,
+                   const SvgTransform& to_page, Operation operation) {
+    const std::size_t first = work_.lines.size();
+    const auto added = strokes_.add(lines, to_page, operation);
+    if (!added) return wrong(e.node, added.error());
+    const auto here = [&] { return where(e.node); };
+    if (*added == 0) notes_.add(SvgNote::Empty, here);
+    if (place.clip != nullptr && *added > 0)
+      if (const std::size_t count = strokes_.clip(*place.clip, first); count > 0)
+        notes_.add(SvgNote::OutOfFrame, here, count);
+    return {};
+  }
+
+  Result<void> add_stroke(const SvgElement& e, const Place& place, const SvgStyle& style,
+                          Operation operation, SvgDashes dashes) {
+    const bool whole = is_fold(operation) || operation == Operation::Score;
+    if (dashes.lengths.empty() || whole || lines_.size() == 0)
+      return add(e, place, lines_, place.to_page, operation);
+    const auto here = [&] { return where(e.node); };
+    SvgTransform to_page = place.to_page;
+    if (style.non_scaling) {
+      // The pen stays on the page: dashes are user units of the page.
+      lines_ = moved(lines_, to_page);
+      to_page = {};
+      for (double& length : dashes.lengths) length *= user_mm_;
+      dashes.offset *= user_mm_;
+    }
+    dashed_.clear();
+    if (auto done = strokes_.dash(lines_, dashes, steps_, dashed_); !done)
+      return wrong(e.node, done.error());
+    const bool dots =
+        std::all_of(dashes.lengths.begin(), dashes.lengths.end(),
+                    [i = 0](double length) mutable { return i++ % 2 == 1 || length == 0.0; });
+    notes_.add(dots ? SvgNote::Dots : SvgNote::Dashed, here);
+    if (dashed_.size() == 0) return {};
+    return add(e, place, dashed_, to_page, operation);
+  }
+
+  // The outline of a fill; whether it is kept is known at the end, when it has no name.
+  Result<void> add_fill(const SvgElement& e, const Place& place, const SvgStyle& style,
+                        Operation operation) {
+    const bool named = style.has_assignment || style.has_layer;
+    remove_thin_lines(lines_);
+    if (lines_.size() == 0) {
+      notes_.add(SvgNote::Invisible, [&] { return where(e.node); });
+      return {};
+    }
+    if (!named) {
+      Box box;
+      for (const PagePoint& p : lines_.points) box.add(place.to_page(p));
+      const double margin = 0.001 * (page_mm_[0] + page_mm_[1]);
+      if (page_mm_[0] > 0.0 && page_mm_[1] > 0.0 && box.x0 <= margin && box.y0 <= margin &&
+          box.x1 >= page_mm_[0] - margin && box.y1 >= page_mm_[1] - margin) {
+        notes_.add(SvgNote::FillBackground, [&] { return where(e.node); });
+        return {};
+      }
+    }
+    const std::size_t first = work_.lines.size();
+    if (auto done = add(e, place, lines_, place.to_page, operation); !done) return done;
+    if (named || work_.lines.size() == first) return {};
+    if (fills_.empty()) first_fill_ = where(e.node);
+    ++filled_shapes_;
+    for (std::size_t i = first; i < work_.lines.size(); ++i) fills_.push_back(i);
+    return {};
+  }
+
+  void settle_fills() {
+    if (fills_.empty()) return;
+    const auto first = [&] { return first_fill_; };
+    notes_.add(purposes_.has_names() ? SvgNote::FillUnnamed : SvgNote::FillCut, first,
+               filled_shapes_);
+    if (purposes_.has_names()) remove_lines(work_, fills_);
+  }
+
+  void tell() {
+    for (std::string& sentence : notes_.sentences()) work_.warnings.push_back(std::move(sentence));
+    if (std::string warning = purposes_.colour_warning(); !warning.empty())
+      work_.warnings.push_back(std::move(warning));
+  }
+
+  const SvgText& text_;
+  const SvgReadOptions& options_;
+  double user_mm_;
+  std::size_t steps_;
+  LineWork work_;
+  SvgNotes notes_;
+  SvgStyleReader styles_;
+  SvgPurposes purposes_;
+  SvgStrokes strokes_;
+  std::string prefix_;
+  std::array<double, 2> page_mm_{};
+  std::unordered_map<std::string_view, pugi::xml_node> ids_;
+  std::vector<pugi::xml_node> used_;
+  SvgLines lines_, dashed_;
+  std::vector<std::size_t> fills_;
+  std::size_t filled_shapes_{};
+  std::string first_fill_;
+};
+
+bool is_svg(std::string_view name) {
+  return name == "svg" || (name.size() > 4 && name.substr(name.size() - 4) == ":svg");
+}
+
+}  // namespace
+
+const char* svg_profile_name(SvgProfile profile) {
+  switch (profile) {
+    case SvgProfile::Popcut:
+      break;
+    case SvgProfile::OrigamiSim:
+      return "origami-sim";
+    case SvgProfile::Lightburn:
+      return "lightburn";
+    case SvgProfile::Cricut:
+      return "cricut";
+    case SvgProfile::Plain:
+      return "plain";
+  }
+  return "popcut";
+}
+
+Result<LineWork> linework_from_svg(std::string text, const SvgReadOptions& options) {
+  auto ready = prepare_svg_text(std::move(text), options.limits);
+  if (!ready) return tl::unexpected(ready.error());
+  const bool has_sheets = ready->text.find("<style") != std::string::npos ||
+                          ready->text.find(":style") != std::string::npos;
+  pugi::xml_document document;
+  const pugi::xml_parse_result parsed = document.load_buffer_inplace(
+      ready->text.data(), ready->text.size(), pugi::parse_cdata | pugi::parse_escapes);
+  if (!parsed)
+    return fail(ErrorKind::Malformed, svg_place(*ready, parsed.offset),
+                fmt::format("not XML: {}; is the file whole?", parsed.description()));
+  for (const pugi::xml_node& root : document.children())
+    if (root.type() == pugi::node_element && is_svg(root.name()))
+      return SvgReader(*ready, options).read(root, has_sheets);
+  return fail(ErrorKind::Malformed, "line 1, column 1",
+              "no <svg> at the top; is this an SVG file?");
+}
+
+Result<LineWork> linework_from_svg(std::string_view text, SvgProfile profile) {
+  SvgReadOptions options;
+  auto found = find_stroke_profile(svg_profile_name(profile));
+  if (!found) return tl::unexpected(found.error());
+  options.profile = std::move(*found);
+  return linework_from_svg(std::string(text), options);
+}
+
+}  // namespace popcut

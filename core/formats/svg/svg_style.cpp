@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: MIT
+#include "core/formats/svg/svg_style.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/formats/svg/svg_dash.hpp"
+
+namespace popcut {
+
+enum class SvgStyleReader::Property : std::uint8_t {
+  None,
+  Stroke,
+  Fill,
+  Colour,
+  Display,
+  Visibility,
+  Dashes,
+  DashOffset,
+  StrokeOpacity,
+  FillOpacity,
+  Opacity,
+  FontSize,
+  ClipPath,
+  Mask,
+  Filter,
+  Marker,
+  Overflow,
+  VectorEffect,
+  Geometry,  ///< what popcut reads from attributes only
+};
+
+namespace {
+
+// Zero, as a number or in per cent.
+std::optional<bool> is_zero(std::string_view value) {
+  const auto length = parse_svg_length(value);
+  if (!length ||
+      (length->unit != SvgLength::Unit::User && length->unit != SvgLength::Unit::Percent))
+    return std::nullopt;
+  return length->value <= 0.0;
+}
+
+}  // namespace
+
+std::string svg_where(const SvgText& text, const pugi::xml_node& node) {
+  std::string where = fmt::format("line {}", svg_line(text, node.offset_debug()));
+  const std::string_view id = node.attribute("id").value();
+  if (!id.empty()) where += fmt::format(" (id \"{}\")", id.substr(0, 60));
+  return where;
+}
+
+SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
+  using P = Property;
+  const auto one_of = [&](std::initializer_list<std::pair<std::string_view, P>> names) {
+    for (const auto& [known, property] : names)
+      if (name == known) return property;
+    return P::None;
+  };
+  if (name.empty()) return P::None;
+  switch (name[0]) {
+    case 's':
+      return one_of({{"stroke", P::Stroke},
+                     {"stroke-dasharray", P::Dashes},
+                     {"stroke-dashoffset", P::DashOffset},
+                     {"stroke-opacity", P::StrokeOpacity}});
+    case 'f':
+      return one_of({{"fill", P::Fill},
+                     {"fill-opacity", P::FillOpacity},
+                     {"font-size", P::FontSize},
+                     {"filter", P::Filter}});
+    case 'c':
+      return one_of({{"color", P::Colour},
+                     {"clip-path", P::ClipPath},
+                     {"cx", P::Geometry},
+                     {"cy", P::Geometry}});
+    case 'd':
+      return one_of({{"display", P::Display}, {"d", P::Geometry}});
+    case 'v':
+      return one_of({{"visibility", P::Visibility}, {"vector-effect", P::VectorEffect}});
+    case 'o':
+      return one_of({{"opacity", P::Opacity}, {"overflow", P::Overflow}});
+    case 'm':
+      return one_of({{"mask", P::Mask},
+                     {"marker", P::Marker},
+                     {"marker-start", P::Marker},
+                     {"marker-mid", P::Marker},
+                     {"marker-end", P::Marker}});
+    default:
+      return one_of({{"transform", P::Geometry},
+                     {"transform-origin", P::Geometry},
+                     {"x", P::Geometry},
+                     {"y", P::Geometry},
+                     {"r", P::Geometry},
+                     {"rx", P::Geometry},
+                     {"ry", P::Geometry},
+                     {"width", P::Geometry},
+                     {"height", P::Geometry}});
+  }
+}
+
+bool SvgStyleReader::set_paint(SvgPaint& paint, std::string_view value) {
+  const auto parsed = parse_svg_paint(value);
+  if (parsed) paint = *parsed;
+  return parsed.has_value();
+}
+
+bool SvgStyleReader::set_dashes(SvgStyle& style, std::string_view value) {
+  if (value == "none") {
+    style.dashes = 0;
+    return true;
+  }
+  auto known = known_dashes_.find(std::string(value));
+  if (known == known_dashes_.end()) {
+    auto list = parse_svg_dashes(value);
+    if (!list) {
+      too_many_dashes_ = true;
+      return true;
+    }
+    const bool solid = list->empty();
+    const auto index = solid ? 0u : static_cast<std::uint32_t>(dash_lists_.size());
+    if (!solid) dash_lists_.push_back(std::move(*list));
+    known = known_dashes_.emplace(value, index).first;
+  }
+  // A list that cannot be read is passed over, and what is inherited stays.
+  if (known->second == 0) return same_word(value, "none");
+  style.dashes = known->second;
+  return true;
+}
+
+bool SvgStyleReader::set_font(double& font, std::string_view value, double inherited) const {
+  const auto length = parse_svg_length(value);
+  if (!length) return true;  // large, smaller ...: only em and ex are measured by it
+  font = user_units(*length, {user_mm_, inherited, inherited});
+  return true;
+}
+
+void SvgStyleReader::apply(Property property, std::string_view value, const SvgStyle& inherited,
+                           const SvgElement& element, SvgStyle& style, bool is_attribute) {
+  using P = Property;
+  value = trimmed(value);
+  static const SvgStyle kInitial;
+  const bool initial = value == "initial";
+  if (initial || value == "inherit" || value == "unset" || value == "revert") {
+    const SvgStyle& from = initial ? kInitial : inherited;
+    if (property == P::Stroke) style.stroke = from.stroke;
+    if (property == P::Fill) style.fill = from.fill;
+    if (property == P::Colour) style.colour = from.colour;
+    if (property == P::Visibility) style.hidden = from.hidden;
+    if (property == P::Dashes) style.dashes = from.dashes;
+    if (property == P::DashOffset) style.dash_offset = from.dash_offset;
+    if (property == P::Display) style.display_none = value == "inherit" && from.display_none;
+    if (property == P::StrokeOpacity) style.stroke_clear = from.stroke_clear;
+    if (property == P::FillOpacity) style.fill_clear = from.fill_clear;
+    if (property == P::FontSize) style.font = from.font;
+    return;
+  }
+  bool understood = true;
+  const auto zero = [&](bool& clear) {
+    const auto is = is_zero(value);
+    understood = is.has_value();
+    if (is) clear = *is;
+  };
+  switch (property) {
+    case P::None:
+      return;
+    case P::Stroke:
+      understood = set_paint(style.stroke, value);
+      break;
+    case P::Fill:
+      understood = set_paint(style.fill, value);
+      break;
+    case P::Colour: {
+      SvgPaint paint{SvgPaint::Kind::Current, 0};
+      understood = set_paint(paint, value);
+      if (paint.kind == SvgPaint::Kind::Colour) style.colour = paint.rgb;
+      break;
+    }
+    case P::Display:
+      style.display_none = same_word(value, "none");
+      break;
+    case P::Visibility:
+      style.hidden = same_word(value, "hidden") || same_word(value, "collapse");
+      break;
+    case P::Dashes:
+      understood = set_dashes(style, value);
+      break;
+    case P::DashOffset: {
+      const auto length = parse_svg_length(value);
+      understood = length.has_value();
+      if (length) style.dash_offset = *length;
+      break;
+    }
+    case P::StrokeOpacity:
+      zero(style.stroke_clear);
+      break;
+    case P::FillOpacity:
+      zero(style.fill_clear);
+      break;
+    case P::Opacity: {
+      bool clear = false;
+      zero(clear);
+      style.transparent = inherited.transparent || clear;
+      break;
+    }
+    case P::FontSize:
+      understood = set_font(style.font, value, inherited.font);
+      break;
+    case P::ClipPath:
+      style.clipped = value != "none";
+      break;
+    case P::Mask:
+      style.masked = value != "none";
+      break;
+    case P::Filter:
+      style.filtered = value != "none";
+      break;
+    case P::Marker:
+      style.marked = value != "none";
+      break;
+    case P::Overflow:
+      style.overflows = value == "visible" || value == "auto";
+      break;
+    case P::VectorEffect:
+      style.non_scaling = value == "non-scaling-stroke";
+      break;
+    case P::Geometry:
+      if (!is_attribute && element.name != "svg" && value != "none" && value != "auto")
+        notes_.add(SvgNote::SheetGeometry, [&] { return svg_where(text_, element.node); });
+      break;
+  }
+  if (!understood)
+    notes_.add(SvgNote::Value, [&] {
+      return fmt::format("{}: \"{}\"", svg_where(text_, element.node), value.substr(0, 60));
+    });
+}
+
+bool SvgStyleReader::apply_all(std::string_view declarations, bool important,
+                               const SvgStyle& inherited, const SvgElement& element,
+                               SvgStyle& style) {
+  steps_ -= std::min(steps_, declarations.size());
+  bool other_kind = false;
+  CssDeclaration one;
+  while (next_declaration(declarations, one)) {
+    if (one.important == important)
+      apply(property_of(one.name), one.value, inherited, element, style, false);
+    else
+      other_kind = true;
+  }
+  return other_kind;
+}
+
+void SvgStyleReader::read_attributes(const SvgStyle& inherited, SvgElement& element,
+                                     SvgStyle& style) {
+  for (const pugi::xml_attribute& attribute : element.node.attributes()) {
+    const std::string_view name = attribute.name(), value = attribute.value();
+    if (steps_ > 0) --steps_;
+    if (name == "d") {
+      element.d = value;
+    } else if (name == "style") {
+      element.style = value;
+    } else if (name == "id") {
+      element.id = value;
+    } else if (name == "class") {
+      element.classes = value;
+    } else if (name == "transform") {
+      element.transform = value;
+      element.has_transform = true;
+    } else if (name == "data-assignment") {
+      element.assignment = value;
+    } else if (name == "href") {
+      element.href = value;
+    } else if (const std::size_t colon = name.find(':'); colon != std::string_view::npos) {
+      const std::string_view local = name.substr(colon + 1);
+      if (local == "label") element.label = value;
+      if (local == "groupmode") element.is_layer = value == "layer";
+      if (local == "href" && element.href.empty()) element.href = value;
+    } else if (const Property property = property_of(name); property != Property::None) {
+      apply(property, value, inherited, element, style, true);
+    }
+  }
+}
+
+void SvgStyleReader::apply_sheets(const SvgStyle& inherited, const SvgElement& element,
+                                  SvgStyle& style, std::string_view own) {
+  found_.clear();
+  if (!sheets_.empty() &&
+      !sheets_.find(element.node, element.name, element.id, element.classes, steps_, found_))
+    return;
+  bool important = false;
+  for (const CssRule* rule : found_)
+    important |= apply_all(rule->declarations, false, inherited, element, style);
+  const bool own_important = apply_all(own, false, inherited, element, style);
+  if (important)
+    for (const CssRule* rule : found_)
+      apply_all(rule->declarations, true, inherited, element, style);
+  if (own_important) apply_all(own, true, inherited, element, style);
+}
+
+void SvgStyleReader::read_names(SvgElement& element, SvgStyle& style) {
+  if (!profile_.names) return;
+  if (!element.assignment.empty()) {
+    const auto use = use_of_assignment(element.assignment);
+    if (use) {
+      style.assignment = *use;
+      style.has_assignment = true;
+    } else {
+      notes_.add(SvgNote::Assignment, [&] {
+        return fmt::format("{}: \"{}\"", svg_where(text_, element.node),
+                           element.assignment.substr(0, 40));
+      });
+    }
+  }
+  if (element.is_layer)
+    if (const auto use = use_of_label(profile_, element.label)) {
+      style.layer = *use;
+      style.has_layer = true;
+    }
+}
+
+Result<SvgElement> SvgStyleReader::read(const pugi::xml_node& node, std::string_view prefix,
+                                        const SvgStyle& inherited, SvgStyle& style) {
+  SvgElement element;
+  element.node = node;
+  element.name = node.name();
+  if (const std::size_t colon = element.name.find(':'); colon != std::string_view::npos) {
+    if (element.name.substr(0, colon) != prefix) return SvgElement{};
+    element.name.remove_prefix(colon + 1);
+  }
+  style = inherited;
+  style.display_none = style.clipped = style.masked = style.filtered = style.overflows = false;
+  read_attributes(inherited, element, style);
+  if (!sheets_.empty() || !element.style.empty()) {
+    if (element.style.find("/*") != std::string_view::npos) {
+      const std::string plain = without_css_comments(element.style);
+      apply_sheets(inherited, element, style, plain);
+    } else {
+      apply_sheets(inherited, element, style, element.style);
+    }
+  }
+  read_names(element, style);
+  if (too_many_dashes_)
+    return fail(
+        ErrorKind::OutOfRange, svg_where(text_, node),
+        fmt::format("stroke-dasharray has more than {} numbers; write fewer", kMaxDashNumbers));
+  return element;
+}
+
+}  // namespace popcut

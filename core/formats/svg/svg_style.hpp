@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include <pugixml.hpp>
+
+#include "core/formats/svg/syntax/svg_colour.hpp"
+#include "core/formats/svg/syntax/svg_css.hpp"
+#include "core/formats/svg/syntax/svg_notes.hpp"
+#include "core/formats/svg/svg_profile.hpp"
+#include "core/formats/svg/syntax/svg_text.hpp"
+#include "core/formats/svg/syntax/svg_units.hpp"
+
+namespace popcut {
+
+/// An element with those of its attributes that are asked for most.
+struct SvgElement {
+  pugi::xml_node node;
+  std::string_view name;  ///< without the prefix of SVG; empty: of another namespace
+  std::string_view id, classes, style, transform, d, href, assignment, label;
+  bool has_transform{false};
+  bool is_layer{false};  ///< an Inkscape layer
+};
+
+/// What an element inherits and sets of its looks and its meaning.
+struct SvgStyle {
+  SvgPaint stroke;
+  SvgPaint fill{SvgPaint::Kind::Colour, 0};
+  std::uint32_t colour{};  ///< what currentColor is
+  std::uint32_t dashes{};  ///< for `SvgStyleReader::dashes`; 0: solid
+  SvgLength dash_offset;
+  double font{16.0};  ///< user units
+  bool hidden{false}, transparent{false}, stroke_clear{false}, fill_clear{false};
+  bool marked{false}, non_scaling{false};
+  bool has_assignment{false}, has_layer{false};
+  StrokeUse assignment;  ///< `data-assignment` of it or of the nearest ancestor that has one
+  StrokeUse layer;       ///< of the nearest layer whose label the profile knows
+
+  // Not inherited.
+  bool display_none{false}, clipped{false}, masked{false}, filtered{false}, overflows{false};
+};
+
+/// "line 7 (id "a")" of a node.
+[[nodiscard]] std::string svg_where(const SvgText& text, const pugi::xml_node& node);
+
+/// Reads elements and works their styles out: attributes, style sheets by specificity, `style`, and
+/// what of these is !important.
+class SvgStyleReader {
+ public:
+  /// `user_mm` is a user unit; work is taken off `steps`.
+  SvgStyleReader(const SvgText& text, const StrokeProfile& profile, double user_mm, SvgNotes& notes,
+                 std::size_t& steps)
+      : text_(text), profile_(profile), user_mm_(user_mm), notes_(notes), steps_(steps) {}
+
+  /// The element `node`, and in `style` its style, whose parent has `inherited`. What takes more
+  /// than the steps that are left is not done; they are zero then.
+  ///
+  /// @retval OutOfRange  a stroke-dasharray of too many numbers
+  [[nodiscard]] Result<SvgElement> read(const pugi::xml_node& node, std::string_view prefix,
+                                        const SvgStyle& inherited, SvgStyle& style);
+
+  [[nodiscard]] CssSheets& sheets() { return sheets_; }
+  [[nodiscard]] std::span<const SvgLength> dashes(std::uint32_t index) const {
+    return dash_lists_[index];
+  }
+
+ private:
+  enum class Property : std::uint8_t;
+  static Property property_of(std::string_view name);
+  void read_attributes(const SvgStyle& inherited, SvgElement& element, SvgStyle& style);
+  void apply_sheets(const SvgStyle& inherited, const SvgElement& element, SvgStyle& style,
+                    std::string_view own);
+  bool apply_all(std::string_view declarations, bool important, const SvgStyle& inherited,
+                 const SvgElement& element, SvgStyle& style);
+  void apply(Property property, std::string_view value, const SvgStyle& inherited,
+             const SvgElement& element, SvgStyle& style, bool is_attribute);
+  bool set_paint(SvgPaint& paint, std::string_view value);
+  bool set_dashes(SvgStyle& style, std::string_view value);
+  bool set_font(double& font, std::string_view value, double inherited) const;
+  void read_names(SvgElement& element, SvgStyle& style);
+
+  const SvgText& text_;
+  const StrokeProfile& profile_;
+  double user_mm_;
+  SvgNotes& notes_;
+  std::size_t& steps_;
+  CssSheets sheets_;
+  std::vector<const CssRule*> found_;
+  std::vector<std::vector<SvgLength>> dash_lists_{{}};
+  std::unordered_map<std::string, std::uint32_t> known_dashes_;
+  bool too_many_dashes_{false};
+};
+
+}  // namespace popcut

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/result.hpp"
+#include "core/drawing/toolpath.hpp"
+
+namespace popcut {
+
+/// Polylines in user units, one after the other. A closed one repeats its first point.
+struct SvgLines {
+  std::vector<PagePoint> points;
+  std::vector<std::uint32_t> ends;  ///< of each line, past its last point
+
+  [[nodiscard]] std::size_t size() const { return ends.size(); }
+  [[nodiscard]] std::span<const PagePoint> operator[](std::size_t i) const {
+    const std::size_t from = i == 0 ? 0 : ends[i - 1];
+    return std::span(points).subspan(from, ends[i] - from);
+  }
+  void clear() {
+    points.clear();
+    ends.clear();
+  }
+};
+
+/// Draws with SVG's pen: curves become chords that stay within `tolerance` of them.
+///
+/// A curve of second derivative at most m is within tolerance of n chords for n = sqrt(m / (8
+/// tolerance)); m is 2 d for a quadratic and 6 d for a cubic Bezier with second differences at most
+/// d. An arc of radius r takes chords of the angle 2 acos(1 - tolerance / r).
+class SvgPen {
+ public:
+  /// Draws into `lines` after what is there; `closes` also closes what is left open, as a fill
+  /// does.
+  SvgPen(double tolerance, SvgLines& lines, bool closes = false)
+      : tolerance_(tolerance), lines_(lines), closes_(closes) {}
+
+  void move(const PagePoint& to);
+  void line(const PagePoint& to);
+  void quadratic(const PagePoint& control, const PagePoint& to);
+  void cubic(const PagePoint& control0, const PagePoint& control1, const PagePoint& to);
+  void arc(double rx, double ry, double turn_deg, bool large, bool sweep, const PagePoint& to);
+  void close();
+  /// Ends the last line. Nothing is in `lines` for certain before.
+  void finish();
+
+  [[nodiscard]] const PagePoint& at() const { return at_; }
+
+ private:
+  void add(const PagePoint& to);
+  double tolerance_;
+  SvgLines& lines_;
+  PagePoint at_, start_;
+  bool closes_;
+  bool down_{false};
+};
+
+/// Follows path data (all commands, absolute and relative, repeated and run together) and adds its
+/// lines to `lines`; `closes` as for `SvgPen`.
+///
+/// @retval Malformed   it is not path data; the detail says at which character
+/// @retval OutOfRange  `lines` has more than `most_points` points
+[[nodiscard]] Result<void> read_svg_path(std::string_view data, double tolerance,
+                                         std::size_t most_points, SvgLines& lines,
+                                         bool closes = false);
+
+/// The lines of path data, see `read_svg_path`.
+[[nodiscard]] Result<SvgLines> parse_svg_path(std::string_view data, double tolerance,
+                                              std::size_t most_points);
+
+}  // namespace popcut

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include "core/formats/write/dxf_writer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "core/text/text_sink.hpp"
+
+namespace popcut {
+namespace {
+
+struct Layer {
+  std::string_view name;
+  int colour;  // AutoCAD's index
+};
+
+constexpr std::array<Layer, 4> kLayers{{{"CUT", 7}, {"FOLD_M", 1}, {"FOLD_V", 5}, {"MARK", 8}}};
+
+// In the order of cutting: nothing may shift before it is cut.
+constexpr std::array<EdgeRole, 4> kOrder{EdgeRole::Mountain, EdgeRole::Valley, EdgeRole::Slit,
+                                         EdgeRole::Outline};
+
+std::string_view layer_of(EdgeRole role) {
+  if (role == EdgeRole::Mountain) return "FOLD_M";
+  return role == EdgeRole::Valley ? "FOLD_V" : "CUT";
+}
+
+/// Groups of a code on one line and its value on the next.
+class Groups {
+ public:
+  explicit Groups(std::ostream& out) : text_(out) {}
+
+  void put(int code, std::string_view value) { text_(code, "\n", value, "\n"); }
+  void put(int code, int value) { text_(code, "\n", value, "\n"); }
+  void put_point(int code, double x, double y) {
+    for (const double value : {x, y, 0.0}) {
+      text_(code, "\n");
+      text_.put_rounded(value);
+      text_.put("\n");
+      code += 10;
+    }
+  }
+
+ private:
+  TextSink text_;
+};
+
+void put_header(Groups& groups, const Pattern& pattern) {
+  double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  bool first = true;
+  const auto reach = [&](double x, double y) {
+    x0 = first ? x : std::min(x0, x);
+    x1 = first ? x : std::max(x1, x);
+    y0 = first ? y : std::min(y0, y);
+    y1 = first ? y : std::max(y1, y);
+    first = false;
+  };
+  for (const SheetLine& line : pattern.lines) {
+    reach(line.v0, -line.u0);
+    reach(line.v1, -line.u1);
+  }
+  groups.put(0, "SECTION");
+  groups.put(2, "HEADER");
+  groups.put(9, "$ACADVER");
+  groups.put(1, "AC1009");
+  groups.put(9, "$INSUNITS");
+  groups.put(70, 4);
+  groups.put(9, "$MEASUREMENT");
+  groups.put(70, 1);
+  groups.put(9, "$EXTMIN");
+  groups.put_point(10, x0, y0);
+  groups.put(9, "$EXTMAX");
+  groups.put_point(10, x1, y1);
+  groups.put(0, "ENDSEC");
+}
+
+void put_tables(Groups& groups) {
+  groups.put(0, "SECTION");
+  groups.put(2, "TABLES");
+  groups.put(0, "TABLE");
+  groups.put(2, "LTYPE");
+  groups.put(70, 1);
+  groups.put(0, "LTYPE");
+  groups.put(2, "CONTINUOUS");
+  groups.put(70, 0);
+  groups.put(3, "Solid line");
+  groups.put(72, 65);
+  groups.put(73, 0);
+  groups.put(40, "0.0");
+  groups.put(0, "ENDTAB");
+  groups.put(0, "TABLE");
+  groups.put(2, "LAYER");
+  groups.put(70, static_cast<int>(kLayers.size()));
+  for (const Layer& layer : kLayers) {
+    groups.put(0, "LAYER");
+    groups.put(2, layer.name);
+    groups.put(70, 0);
+    groups.put(62, layer.colour);
+    groups.put(6, "CONTINUOUS");
+  }
+  groups.put(0, "ENDTAB");
+  groups.put(0, "ENDSEC");
+}
+
+}  // namespace
+
+void write_pattern_dxf(const Pattern& pattern, std::ostream& out) {
+  Groups groups(out);
+  put_header(groups, pattern);
+  put_tables(groups);
+  groups.put(0, "SECTION");
+  groups.put(2, "ENTITIES");
+  for (const EdgeRole role : kOrder) {
+    for (const SheetLine& line : pattern.lines) {
+      if (line.role != role) continue;
+      groups.put(0, "LINE");
+      groups.put(8, layer_of(role));
+      groups.put_point(10, line.v0, -line.u0);
+      groups.put_point(11, line.v1, -line.u1);
+    }
+  }
+  groups.put(0, "ENDSEC");
+  groups.put(0, "EOF");
+}
+
+}  // namespace popcut

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+#include "core/formats/write/report_json.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace popcut {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json figures(const ErrorFigures& error) { return {{"rms", error.rms_mm}, {"max", error.max_mm}}; }
+
+Json fit(const SliceFit& fit) {
+  return {{"unreachable_share", unreachable_share(fit)},
+          {"rms_mm", fit.rms_mm},
+          {"max_mm", fit.max_mm}};
+}
+
+Json slices(const DesignReport& report) {
+  Json list = Json::array();
+  for (const SliceReport& slice : report.slices) {
+    list.push_back({{"s_mm", slice.s_mm},
+                    {"v_mm", slice.v_mm},
+                    {"width_mm", slice.width_mm},
+                    {"loss", slice.loss},
+                    {"iterations", slice.iterations},
+                    {"minima", slice.minima},
+                    {"spread", slice.spread},
+                    {"fit", fit(slice.fit)}});
+  }
+  return list;
+}
+
+Json merged(const DesignReport& report) {
+  Json list = Json::array();
+  for (const MergedPlace& place : report.merged) {
+    list.push_back({{"where", place.where},
+                    {"slice", place.slice},
+                    {"level", place.level},
+                    {"reason", place.reason}});
+  }
+  return list;
+}
+
+Json curvature(const CurvatureReport& report) {
+  const auto miss = [](const MissFigures& m) { return Json{{"rms", m.rms}, {"max", m.max}}; };
+  Json json{{"vertices", report.vertices},
+            {"loss_mm2", {{"plain", report.start_mm2}, {"augmented", report.end_mm2}}},
+            {"evaluations", report.evaluations},
+            {"out_of_time", report.out_of_time}};
+  for (const CurvatureFigures& f : report.figures) {
+    Json& to = json[f.name];
+    to["unit"] = f.unit;
+    const bool form = f.name == "first" || f.name == "second";
+    if (!form) to["reached"] = {{"least", f.least}, {"largest", f.largest}};
+    if (f.asked) to["miss"] = miss(f.miss), to["plain_miss"] = miss(f.plain_miss);
+    if (f.lattice_vertices == 0) continue;
+    to["lattice"] = {{"vertices", f.lattice_vertices},
+                     {"least", f.lattice_least},
+                     {"largest", f.lattice_largest}};
+    if (f.asked) to["lattice"]["miss"] = miss(f.lattice_miss);
+  }
+  return json;
+}
+
+Json report_object(const DesignReport& report) {
+  Json json;
+  json["name"] = report.name;
+  json["units_per_slice"] = report.units_per_slice.size() == 1
+                                ? Json(report.units_per_slice.front())
+                                : Json(report.units_per_slice);
+  json["lattice"] = report.lattice;
+  json["lattice_asked"] = report.lattice_asked;
+  if (!report.lattice_note.empty()) json["lattice_note"] = report.lattice_note;
+  json["faces"] = report.faces;
+  json["panels"] = report.panels;
+  json["folds"] = report.folds;
+  json["cuts"] = report.cuts;
+  json["cut_length_mm"] = report.cut_length_mm;
+  json["outline_length_mm"] = report.outline_length_mm;
+  json["fold_length_mm"] = report.fold_length_mm;
+  json["degrees_of_freedom"] = report.degrees_of_freedom;
+  json["pieces"] = report.pieces;
+  json["sheet_mm"] = {report.sheet_u_mm, report.sheet_v_mm};
+  json["inner_error_mm"] = figures(report.inner_error);
+  json["end_error_mm"] = figures(report.end_error);
+  json["step_over_mean"] = {{"min", report.step_over_mean_min}, {"max", report.step_over_mean_max}};
+  json["gap_mm"] = report.gap_mm;
+  json["fit"] = fit(report.fit);
+  json["fit"]["mode"] = report.fit_nearest ? "nearest" : "exact";
+  if (report.curvature) json["curvature"] = curvature(*report.curvature);
+  json["seconds"] = report.seconds;
+  json["merged"] = merged(report);
+  for (const BridgeReport& bridge : report.bridges)
+    json["bridges"].push_back({{"slice", bridge.slice},
+                               {"off_mm", bridge.off_mm},
+                               {"left_planes", bridge.left_planes},
+                               {"right_planes", bridge.right_planes}});
+  json["notes"] = report.notes;
+  json["slices"] = slices(report);
+  return json;
+}
+
+Json patches(const PatchAssembly& assembly) {
+  Json list = Json::array();
+  for (const PatchReport& patch : assembly.patches)
+    list.push_back({{"name", patch.name},
+                    {"part", patch.part + 1},
+                    {"first_slice", patch.first_slice},
+                    {"slices", patch.slices},
+                    {"v_mm", {patch.v_begin_mm, patch.v_end_mm}}});
+  return list;
+}
+
+Json joins(const PatchAssembly& assembly) {
+  Json list = Json::array();
+  for (const JoinReport& join : assembly.joins)
+    list.push_back({{"patches", {join.left, join.left + 1}},
+                    {"join", join.is_seam ? "seam" : "sheet"},
+                    {"reason", join.reason},
+                    {"misfit_mm", join.misfit_mm},
+                    {"misfit_at_mm", {join.misfit_at.x, join.misfit_at.z}},
+                    {"v_mm", join.v_mm}});
+  return list;
+}
+
+/// Each seam with its line on both of its parts.
+Json seams(const PatchAssembly& assembly) {
+  Json list = Json::array();
+  for (std::size_t p = 0; p < assembly.parts.size(); ++p)
+    for (const Seam& seam : assembly.parts[p].pattern.seams) {
+      if (static_cast<std::size_t>(seam.other) < p) continue;
+      const auto line = [](std::size_t part, const Seam& s) {
+        return Json{{"part", part + 1}, {"v_mm", s.v_mm}, {"u_mm", {s.u0_mm, s.u1_mm}}};
+      };
+      const auto other = static_cast<std::size_t>(seam.other);
+      Json lines = Json::array({line(p, seam)});
+      for (const Seam& twin : assembly.parts[other].pattern.seams)
+        if (twin.id == seam.id) lines.push_back(line(other, twin));
+      list.push_back({{"id", seam.id}, {"length_mm", seam.u1_mm - seam.u0_mm}, {"lines", lines}});
+    }
+  return list;
+}
+
+Json parts(const PatchAssembly& assembly) {
+  Json list = Json::array();
+  for (std::size_t p = 0; p < assembly.parts.size(); ++p) {
+    const Pattern& pattern = assembly.parts[p].pattern;
+    Json part{{"folder", part_folder(p)}, {"place_mm", {pattern.place.u_mm, pattern.place.v_mm}}};
+    part.update(report_object(assembly.parts[p].report));
+    list.push_back(std::move(part));
+  }
+  return list;
+}
+
+std::string text_of(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+std::string part_folder(std::size_t part) { return fmt::format("part-{:02}", part + 1); }
+
+std::string report_json(const DesignReport& report) { return text_of(report_object(report)); }
+
+std::string report_json(const PatchAssembly& assembly) {
+  const DesignReport& first = assembly.parts.front().report;
+  if (assembly.patches.empty()) return report_json(first);
+  Json json;
+  if (assembly.parts.size() == 1) {
+    json = report_object(first);
+  } else {
+    json["name"] = assembly.name;
+    json["sheet_mm"] = {assembly.u_mm, assembly.v_mm};
+    json["parts"] = parts(assembly);
+  }
+  json["patches"] = patches(assembly);
+  json["joins"] = joins(assembly);
+  json["seams"] = seams(assembly);
+  return text_of(json);
+}
+
+}  // namespace popcut

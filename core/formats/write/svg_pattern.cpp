@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#include "core/formats/write/svg_pattern.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "core/text/text_sink.hpp"
+
+namespace popcut {
+namespace {
+
+struct Layer {
+  EdgeRole role;
+  std::string_view label;
+  std::string_view colour;
+  std::string_view dashes;  // to look at
+  std::string_view assignment;
+  std::string_view fold_angle;
+};
+
+// In the order of cutting: nothing may shift before it is cut.
+constexpr std::array<Layer, 4> kLayers{{
+    {EdgeRole::Mountain, "fold-mountain", "#ff0000", "3 1 0.5 1", "M", "-90"},
+    {EdgeRole::Valley, "fold-valley", "#0000ff", "2 1", "V", "90"},
+    {EdgeRole::Slit, "cut", "#000000", "", "C", "0"},
+    {EdgeRole::Outline, "outline", "#000000", "", "B", "0"},
+}};
+
+/// The part of the page that is drawn: the sheet from its corner, or, without a card, what the
+/// lines cover.
+struct Page {
+  double x{}, y{}, width{}, height{};
+};
+
+Page page_of(const Pattern& pattern) {
+  if (pattern.card || pattern.lines.empty()) {
+    return {0, 0, pattern.width_mm, pattern.wall_mm + pattern.ground_mm};
+  }
+  const SheetLine& first = pattern.lines.front();
+  double v0 = first.v0, v1 = first.v0, u0 = first.u0, u1 = first.u0;
+  for (const SheetLine& line : pattern.lines) {
+    v0 = std::min({v0, line.v0, line.v1});
+    v1 = std::max({v1, line.v0, line.v1});
+    u0 = std::min({u0, line.u0, line.u1});
+    u1 = std::max({u1, line.u0, line.u1});
+  }
+  return {v0, u0, v1 - v0, u1 - u0};
+}
+
+void put_head(TextSink& text, const Pattern& pattern, std::string_view attribute) {
+  const Page page = page_of(pattern);
+  text.put(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
+      "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" version=\"1.1\"");
+  text(attribute, " width=\"");
+  text.put_rounded(page.width);
+  text.put("mm\" height=\"");
+  text.put_rounded(page.height);
+  text.put("mm\" viewBox=\"");
+  text.put_rounded(page.x);
+  text.put(" ");
+  text.put_rounded(page.y);
+  text.put(" ");
+  text.put_rounded(page.width);
+  text.put(" ");
+  text.put_rounded(page.height);
+  text("\">\n<title>", xml_escaped(pattern.name), "</title>\n");
+}
+
+void put_line(TextSink& text, const SheetLine& line, const Layer& layer) {
+  text.put("<path d=\"M");
+  text.put_rounded(line.v0);
+  text.put(",");
+  text.put_rounded(line.u0);
+  text.put("L");
+  text.put_rounded(line.v1);
+  text.put(",");
+  text.put_rounded(line.u1);
+  text("\" stroke=\"", layer.colour, "\" data-assignment=\"", layer.assignment,
+       "\" data-foldAngle=\"", layer.fold_angle, "\"/>\n");
+}
+
+void put_layer(TextSink& text, const Layer& layer, bool dashed,
+               std::initializer_list<std::span<const SheetLine>> sources) {
+  text("<g inkscape:groupmode=\"layer\" inkscape:label=\"", layer.label, "\" id=\"", layer.label,
+       "\" fill=\"none\" stroke=\"", layer.colour, "\" stroke-width=\"0.25\"");
+  if (dashed && !layer.dashes.empty()) text(" stroke-dasharray=\"", layer.dashes, "\"");
+  text.put(">\n");
+  for (const std::span<const SheetLine> lines : sources) {
+    for (const SheetLine& line : lines) {
+      if (line.role == layer.role) put_line(text, line, layer);
+    }
+  }
+  text.put("</g>\n");
+}
+
+}  // namespace
+
+void write_pattern_svg(const Pattern& pattern, std::ostream& out) {
+  TextSink text(out);
+  put_head(text, pattern, "");
+  for (const Layer& layer : kLayers) put_layer(text, layer, true, {pattern.lines});
+  text.put("</svg>\n");
+}
+
+void write_cut_svg(const Pattern& pattern, std::span<const SheetLine> micro_cuts,
+                   std::ostream& out) {
+  TextSink text(out);
+  put_head(text, pattern, " data-popcut=\"dashes\"");
+  for (const Layer& layer : kLayers) {
+    const bool fold = layer.role == EdgeRole::Mountain || layer.role == EdgeRole::Valley;
+    put_layer(text, layer, false, {fold ? micro_cuts : std::span<const SheetLine>(pattern.lines)});
+  }
+  text.put("</svg>\n");
+}
+
+}  // namespace popcut

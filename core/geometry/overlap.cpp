@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+#include "core/geometry/overlap.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "core/geometry/page_point.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr int kDirections = 15;      // bins of 12 degrees over a half turn
+constexpr double kParallel = 0.001;  // slope between lines that share a part of both,
+constexpr double kAside = 0.004;     // and mm by which an end may have been moved aside
+
+int direction_of(const Segment& s) {
+  double angle = std::atan2(s.b.y - s.a.y, s.b.x - s.a.x);
+  if (angle < 0.0) angle += std::numbers::pi;
+  return static_cast<int>(angle * kDirections / std::numbers::pi) % kDirections;
+}
+
+}  // namespace
+
+bool overlap(const Segment& s, double l, const Segment& other, double tolerance, double& from,
+             double& to) {
+  const double dx = (s.b.x - s.a.x) / l;
+  const double dy = (s.b.y - s.a.y) / l;
+  const auto along = [&](const PagePoint& p) { return (p.x - s.a.x) * dx + (p.y - s.a.y) * dy; };
+  const auto aside = [&](const PagePoint& p) { return (p.y - s.a.y) * dx - (p.x - s.a.x) * dy; };
+  double t0 = along(other.a), t1 = along(other.b);
+  double h0 = aside(other.a), h1 = aside(other.b);
+  if (t0 > t1) {
+    std::swap(t0, t1);
+    std::swap(h0, h1);
+  }
+  from = std::max(t0, 0.0);
+  to = std::min(t1, l);
+  if (to - from < std::min(tolerance, 0.5 * l)) return false;
+  const double slope = (h1 - h0) / (t1 - t0);
+  // Lines that cross at a small angle share no more than a point of their length.
+  const bool whole = (from <= 0.0 && to >= l) || (from <= t0 && to >= t1);
+  const double other_l = distance(other.a, other.b);
+  if (!whole && std::abs(slope) > kParallel + kAside / std::min(l, other_l)) return false;
+  return std::abs(h0 + slope * (from - t0)) <= tolerance &&
+         std::abs(h0 + slope * (to - t0)) <= tolerance;
+}
+
+OverlapIndex::OverlapIndex(double cell, double tolerance, std::size_t expected)
+    : cell_(cell), tolerance_(tolerance), head_(std::bit_ceil(4 * expected + 16), -1) {
+  segments_.reserve(expected);
+  ids_.reserve(expected);
+}
+
+double OverlapIndex::cell_for(std::span<const Segment> segments) {
+  if (segments.empty()) return 1.0;
+  std::vector<double> lengths;
+  lengths.reserve(segments.size());
+  double total = 0.0;
+  for (const Segment& s : segments) {
+    lengths.push_back(distance(s.a, s.b));
+    total += lengths.back();
+  }
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return std::max({2.0 * *middle, total / (8.0 * static_cast<double>(segments.size())), 0.1});
+}
+
+std::size_t OverlapIndex::slot(std::int64_t cx, std::int64_t cy, int direction) const {
+  std::uint64_t h = static_cast<std::uint64_t>(cx) * 0x9E3779B97F4A7C15ULL;
+  h ^= (static_cast<std::uint64_t>(cy) + static_cast<std::uint64_t>(direction) * 0x51ED27ULL) *
+       0xC2B2AE3D27D4EB4FULL;
+  h ^= h >> 29;
+  h *= 0xBF58476D1CE4E5B9ULL;
+  return (h ^ (h >> 32)) & (head_.size() - 1);
+}
+
+// Walks the columns (or rows) of cells along the segment's longer extent; in each, the cells that a
+// corridor of `reach` about the segment touches.
+template <typename Visit>
+void OverlapIndex::visit_cells(const Segment& s, double reach, Visit&& visit) const {
+  const bool flat = std::abs(s.b.x - s.a.x) >= std::abs(s.b.y - s.a.y);
+  const auto major = [&](const PagePoint& p) { return flat ? p.x : p.y; };
+  const auto minor = [&](const PagePoint& p) { return flat ? p.y : p.x; };
+  const bool forward = major(s.a) <= major(s.b);
+  const PagePoint& lo = forward ? s.a : s.b;
+  const PagePoint& hi = forward ? s.b : s.a;
+  const double span = major(hi) - major(lo);
+  const double slope = span > 0.0 ? (minor(hi) - minor(lo)) / span : 0.0;
+  const auto cell_at = [&](double value) {
+    return static_cast<std::int64_t>(std::floor(value / cell_));
+  };
+  const std::int64_t first = cell_at(major(lo) - reach);
+  const std::int64_t last = cell_at(major(hi) + reach);
+  for (std::int64_t c = first; c <= last; ++c) {
+    const double m0 = std::clamp(static_cast<double>(c) * cell_, major(lo), major(hi));
+    const double m1 = std::clamp(static_cast<double>(c + 1) * cell_, major(lo), major(hi));
+    const double n0 = minor(lo) + slope * (m0 - major(lo));
+    const double n1 = minor(lo) + slope * (m1 - major(lo));
+    const std::int64_t to = cell_at(std::max(n0, n1) + reach);
+    for (std::int64_t d = cell_at(std::min(n0, n1) - reach); d <= to; ++d)
+      flat ? visit(c, d) : visit(d, c);
+  }
+}
+
+void OverlapIndex::insert(const Segment& segment, std::uint32_t id) {
+  const auto index = static_cast<std::uint32_t>(segments_.size());
+  segments_.push_back(segment);
+  ids_.push_back(id);
+  seen_.push_back(0);
+  const int direction = direction_of(segment);
+  visit_cells(segment, 0.0, [&](std::int64_t cx, std::int64_t cy) {
+    std::int32_t& head = head_[slot(cx, cy, direction)];
+    entries_.emplace_back(index, head);
+    head = static_cast<std::int32_t>(entries_.size() - 1);
+  });
+}
+
+void OverlapIndex::covered(const Segment& segment, std::uint32_t not_this,
+                           std::vector<Covered>& out) {
+  out.clear();
+  find(segment, not_this, out);
+  std::sort(out.begin(), out.end(), [](const Covered& a, const Covered& b) {
+    return a.from != b.from ? a.from < b.from : a.by < b.by;
+  });
+}
+
+void OverlapIndex::find(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out) {
+  const double l = distance(segment.a, segment.b);
+  if (!(l > 0.0) || segments_.empty()) return;
+  ++query_;
+  const int direction = direction_of(segment);
+  visit_cells(segment, tolerance_, [&](std::int64_t cx, std::int64_t cy) {
+    for (int turn = kDirections - 1; turn <= kDirections + 1; ++turn) {
+      for (std::int32_t e = head_[slot(cx, cy, (direction + turn) % kDirections)]; e >= 0;
+           e = entries_[static_cast<std::size_t>(e)].second) {
+        const std::uint32_t index = entries_[static_cast<std::size_t>(e)].first;
+        if (seen_[index] == query_ || ids_[index] == not_this) continue;
+        seen_[index] = query_;
+        Covered part{0.0, 0.0, ids_[index]};
+        if (overlap(segment, l, segments_[index], tolerance_, part.from, part.to))
+          out.push_back(part);
+      }
+    }
+  });
+}
+
+}  // namespace popcut

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/page_point.hpp"
+
+namespace popcut {
+
+/// A straight piece of a drawing.
+struct Segment {
+  PagePoint a;
+  PagePoint b;
+};
+
+/// The part of `s` (of length `l`) that lies on `other` to `tolerance`, mm along it; false if none.
+[[nodiscard]] bool overlap(const Segment& s, double l, const Segment& other, double tolerance,
+                           double& from, double& to);
+
+/// Finds which parts of a segment lie on others: a hash of grid cells and directions, filled as one
+/// goes. Two segments overlap where one's projection falls on the other and both ends of that part
+/// lie within `tolerance` of it; so lines that cross never do.
+class OverlapIndex {
+ public:
+  /// `cell` is the size of a grid cell in mm: see `cell_for`.
+  OverlapIndex(double cell, double tolerance, std::size_t expected);
+
+  /// A cell size at which `segments` take O(n) cells in all.
+  [[nodiscard]] static double cell_for(std::span<const Segment> segments);
+
+  void insert(const Segment& segment, std::uint32_t id);
+
+  struct Covered {
+    double from{}, to{};  ///< mm along the asking segment
+    std::uint32_t by{};   ///< id of the segment that covers it
+  };
+  /// All parts of `segment` on inserted segments, sorted by `from`; id `not_this` is passed over.
+  void covered(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out);
+  /// The same, appended and not sorted.
+  void find(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out);
+
+ private:
+  template <typename Visit>
+  void visit_cells(const Segment& segment, double reach, Visit&& visit) const;
+  [[nodiscard]] std::size_t slot(std::int64_t cx, std::int64_t cy, int direction) const;
+
+  double cell_;
+  double tolerance_;
+  std::vector<std::int32_t> head_;
+  std::vector<std::pair<std::uint32_t, std::int32_t>>
+      entries_;  ///< index into segments_, next entry
+  std::vector<Segment> segments_;
+  std::vector<std::uint32_t> ids_;
+  std::vector<std::uint32_t> seen_;  ///< query number that looked at the segment last
+  std::uint32_t query_{};
+};
+
+}  // namespace popcut

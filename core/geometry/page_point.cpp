@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#include "core/geometry/page_point.hpp"
+
+#include <algorithm>
+
+namespace popcut {
+
+void Box::add(const PagePoint& p) {
+  x0 = std::min(x0, p.x);
+  y0 = std::min(y0, p.y);
+  x1 = std::max(x1, p.x);
+  y1 = std::max(y1, p.y);
+}
+
+double length(std::span<const PagePoint> line) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i < line.size(); ++i) sum += distance(line[i - 1], line[i]);
+  return sum;
+}
+
+bool closed(std::span<const PagePoint> line) {
+  return line.size() > 2 && line.front() == line.back();
+}
+
+}  // namespace popcut

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "core/text/json_fields.hpp"
+#include "core/machines/machine.hpp"
+#include "core/text/near_names.hpp"
+#include "core/text/read_object.hpp"
+#include "core/machines/table.hpp"
+#include "core/machines/tables.hpp"
+
+namespace popcut {
+namespace {
+
+DashShape read_dashes(JsonFields& fields) {
+  DashShape dashes;
+  dashes.dash_mm = fields.number("dash_mm", {}, 0.05, 100.0);
+  dashes.gap_mm = fields.number("gap_mm", {}, 0.05, 100.0);
+  dashes.clearance_mm = fields.number("clearance_mm", {}, 0.0, 100.0);
+  dashes.min_dash_mm = fields.number("min_dash_mm", {}, 0.01, dashes.dash_mm);
+  return dashes;
+}
+
+ToolSettings read_tool(JsonFields& fields, ToolTip usual) {
+  ToolSettings tool;
+  tool.tool = fields.integer("tool", {}, 1, 8);
+  tool.force_gf = fields.number("force_gf", {}, 0.0, 10'000.0);
+  tool.speed_mm_s = fields.number("speed_mm_s", {}, 0.1, 10'000.0);
+  tool.passes = fields.integer("passes", {}, 1, 20);
+  tool.force_step_gf = fields.number("force_step_gf", 0.0, -10'000.0, 10'000.0);
+  tool.tip = static_cast<ToolTip>(
+      fields.word("tip", static_cast<std::size_t>(usual), {"blade", "pen", "stylus"}));
+  return tool;
+}
+
+std::optional<ToolSettings> read_optional_tool(JsonFields& fields, const char* name,
+                                               ToolTip usual) {
+  const nlohmann::json* given = fields.value(name);
+  if (given == nullptr || given->is_null()) return std::nullopt;
+  ToolSettings tool;
+  read_object(fields, name, tool, [&](JsonFields& inner) { return read_tool(inner, usual); });
+  return tool;
+}
+
+void read_folds(JsonFields& fields, Material& material) {
+  material.folds = static_cast<FoldMode>(fields.word("folds", 0, {"perforate", "score", "light"}));
+  const bool missing = (material.folds == FoldMode::Score && !material.score) ||
+                       (material.folds == FoldMode::Light && !material.light);
+  if (missing)
+    fields.add_error(ErrorKind::Malformed, fields.pointer("folds"),
+                     fmt::format("is {0}, which needs the settings \"{0}\" of this material",
+                                 fold_mode_name(material.folds)));
+}
+
+TabShape read_tabs(JsonFields& fields) {
+  constexpr double kDegree = 0.017453292519943295;
+  TabShape tabs;
+  tabs.depth_mm = fields.number("depth_mm", tabs.depth_mm, 0.5, 200.0);
+  tabs.min_depth_mm =
+      fields.number("min_depth_mm", std::min(tabs.min_depth_mm, tabs.depth_mm), 0.2, tabs.depth_mm);
+  tabs.side_rad = kDegree * fields.number("side_deg", tabs.side_rad / kDegree, 20.0, 89.9);
+  tabs.pitch_mm = fields.number("pitch_mm", tabs.pitch_mm, 5.0, 10'000.0);
+  tabs.clearance_mm = fields.number("clearance_mm", tabs.clearance_mm, 0.0, tabs.pitch_mm / 4);
+  tabs.min_root_mm = fields.number("min_root_mm", tabs.min_root_mm, 0.2, tabs.pitch_mm / 4);
+  return tabs;
+}
+
+Result<Material> read_material(const TableRow& row) {
+  Material material;
+  JsonFields fields(row.row, row.pointer);
+  material.name = fields.text("name", {});
+  material.title = fields.text("title", {});
+  fields.value("source");
+  material.thickness_mm = fields.number("thickness_mm", {}, 0.001, 20.0);
+  read_object(fields, "dashes", material.dashes, read_dashes);
+  const auto read_blade = [](JsonFields& inner) { return read_tool(inner, ToolTip::Blade); };
+  read_object(fields, "cut", material.cut, read_blade);
+  read_object(fields, "fold", material.fold, read_blade);
+  read_object(fields, "draw", material.draw,
+              [](JsonFields& inner) { return read_tool(inner, ToolTip::Pen); });
+  material.score = read_optional_tool(fields, "score", ToolTip::Stylus);
+  material.light = read_optional_tool(fields, "light", ToolTip::Blade);
+  read_folds(fields, material);
+  material.overcut_mm = fields.number("overcut_mm", 0.5, 0.0, 10.0);
+  material.swivel_above_deg = fields.number("swivel_above_deg", 15.0, 1.0, 90.0);
+  material.blade_offset_mm = fields.number("blade_offset_mm", {}, 0.0, 5.0);
+  material.autoblade_depth = fields.integer("autoblade_depth", {}, 0, 10);
+  if (const nlohmann::json* tabs = fields.value("tabs"); tabs != nullptr)
+    read_object(fields, "tabs", material.tabs, read_tabs);
+  if (const auto whole = fields.finish(); !whole)
+    return tl::unexpected(in_table(row, whole.error()));
+  return material;
+}
+
+}  // namespace
+
+double host_blade_offset_mm(const Machine& machine, const Material& material) {
+  if (machine.firmware_blade_offset) return 0.0;
+  return machine.blade_offset_mm > 0.0 ? machine.blade_offset_mm : material.blade_offset_mm;
+}
+
+const char* fold_mode_name(FoldMode mode) {
+  constexpr std::array kNames{"perforate", "score", "light"};
+  return kNames[static_cast<std::size_t>(mode)];
+}
+
+Result<std::vector<Material>> all_materials(const std::vector<std::string>& user_tables) {
+  const auto rows = table_rows("materials", kMaterialsJson, user_tables);
+  if (!rows) return tl::unexpected(rows.error());
+  std::vector<Material> materials;
+  for (const TableRow& row : *rows) {
+    auto material = read_material(row);
+    if (!material) return tl::unexpected(material.error());
+    materials.push_back(std::move(*material));
+  }
+  return materials;
+}
+
+Result<Material> find_material(std::string_view name, const std::vector<std::string>& user_tables) {
+  auto materials = all_materials(user_tables);
+  if (!materials) return tl::unexpected(materials.error());
+  std::vector<std::string> names;
+  for (Material& material : *materials) {
+    if (material.name == name) return std::move(material);
+    names.push_back(material.name);
+  }
+  return fail(
+      ErrorKind::OutOfRange, "",
+      fmt::format("no material is called {}; {}", name.substr(0, 80), suggestion(name, names)));
+}
+
+}  // namespace popcut

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+#include "core/plan/knife/strokes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/plan/knife/blade.hpp"
+#include "core/plan/knife/overcut.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr std::array kKinds{"draw", "score", "fold", "cut"};
+
+std::size_t kind_of(Operation operation) {
+  if (operation == Operation::Draw) return 0;
+  if (operation == Operation::Score) return 1;
+  return is_fold(operation) ? 2 : 3;
+}
+
+double overcut_of(const Toolpath& path, const Stroke& stroke, const KnifeWork& knife) {
+  const auto points = path.points_of(stroke);
+  if (!(knife.overcut_mm > 0.0) || !knife.blade(stroke.tool) ||
+      !takes_overcut(stroke.operation, points))
+    return 0.0;
+  return overcut_for(round_mm(points, knife.rounds), knife.overcut_mm);
+}
+
+Blade blade_of(const KnifeWork& knife) {
+  return {.offset_mm = knife.blade_offset_mm, .swivel_above_rad = knife.swivel_above_rad};
+}
+
+}  // namespace
+
+StrokeSettings::StrokeSettings(const Machine& machine, const Material& material, FoldMode folds,
+                               std::vector<std::string>& warnings)
+    : machine_(machine),
+      warnings_(warnings),
+      tools_{material.draw, material.score.value_or(material.draw), material.fold, material.cut} {
+  if (folds == FoldMode::Score && material.score) tools_[2] = *material.score;
+  if (folds == FoldMode::Light && material.light) tools_[2] = *material.light;
+}
+
+const ToolSettings& StrokeSettings::of(Operation operation) {
+  const std::size_t kind = kind_of(operation);
+  if (!checked_[kind]) fit(tools_[kind], kKinds[kind]);
+  checked_[kind] = true;
+  return tools_[kind];
+}
+
+double StrokeSettings::force_gf(const ToolSettings& tool, int pass) const {
+  const double wanted = tool.force_gf + pass * tool.force_step_gf;
+  const SteppedScale& scale = machine_.force_gf;
+  if (scale.per_step <= 0.0) return std::max(0.0, wanted);
+  return std::clamp(wanted, scale.min_step * scale.per_step, scale.max_step * scale.per_step);
+}
+
+void StrokeSettings::fit(ToolSettings& tool, const char* kind) {
+  if (tool.tool > machine_.tool_holders) {
+    warnings_.push_back(fmt::format("{} asks for tool {}, {} has {}; tool 1 is used", kind,
+                                    tool.tool, machine_.name, machine_.tool_holders));
+    tool.tool = 1;
+  }
+  fit_scale(tool.force_gf, machine_.force_gf, kind, "force", "gf");
+  fit_scale(tool.speed_mm_s, machine_.speed_mm_s, kind, "speed", "mm/s");
+}
+
+void StrokeSettings::fit_scale(double& value, const SteppedScale& scale, const char* kind,
+                               const char* what, const char* unit) {
+  if (scale.per_step <= 0.0) return;
+  const double low = scale.min_step * scale.per_step, high = scale.max_step * scale.per_step;
+  const double fitted = std::clamp(value, low, high);
+  if (fitted != value)
+    warnings_.push_back(fmt::format("{} {} of {:g} {} is beyond {}; {:g} {} is used", kind, what,
+                                    value, unit, machine_.name, fitted, unit));
+  value = fitted;
+}
+
+void turn_round(LineWork& work, CutDirection direction) {
+  if (direction == CutDirection::Any) return;
+  for (const DrawnLine& line : work.lines) {
+    const auto points = work.points_of(line);
+    if (!takes_overcut(line.operation, points)) continue;
+    double area = 0.0;  // positive where it goes clockwise on a page whose y points down
+    for (std::size_t i = 1; i < points.size(); ++i)
+      area += (points[i - 1].x - points[0].x) * (points[i].y - points[0].y) -
+              (points[i].x - points[0].x) * (points[i - 1].y - points[0].y);
+    if ((area > 0.0) != (direction == CutDirection::Clockwise))
+      std::reverse(work.points.begin() + line.first, work.points.begin() + line.first + line.count);
+  }
+}
+
+DrawnStrokes make_strokes(const Dashed& dashed, const std::vector<Visit>& visits,
+                          StrokeSettings& settings) {
+  DrawnStrokes out;
+  Toolpath& path = out.path;
+  path.strokes.reserve(visits.size());
+  path.points.reserve(dashed.work.points.size());
+  std::vector<PagePoint> points;
+  for (const Visit& visit : visits) {
+    const Operation operation = dashed.work.lines[visit.line].operation;
+    const ToolSettings& tool = settings.of(operation);
+    if (tool.tip == ToolTip::Blade)
+      out.blade_tools = static_cast<std::uint16_t>(out.blade_tools | 1u << tool.tool);
+    points_of_visit(dashed.work, visit, points);
+    const bool round = closed(points);
+    const bool in_one = round && tool.force_step_gf == 0.0;
+    if (in_one) {
+      const std::vector<PagePoint> once(points.begin() + 1, points.end());
+      for (int pass = 1; pass < tool.passes; ++pass)
+        points.insert(points.end(), once.begin(), once.end());
+    }
+    for (int pass = 0; pass < (in_one ? 1 : tool.passes); ++pass) {
+      path.strokes.push_back({operation, static_cast<std::uint32_t>(path.points.size()),
+                              static_cast<std::uint32_t>(points.size()), dashed.line[visit.line],
+                              static_cast<std::uint8_t>(tool.tool), settings.force_gf(tool, pass),
+                              tool.speed_mm_s});
+      path.points.insert(path.points.end(), points.begin(), points.end());
+      if (!round) std::reverse(points.begin(), points.end());
+    }
+  }
+  return out;
+}
+
+std::optional<Toolpath> sent_strokes(const Toolpath& drawn, const KnifeWork& knife) {
+  const bool offset = knife.blade_offset_mm > 0.0 && knife.blade_tools != 0;
+  const bool overcut =
+      std::any_of(drawn.strokes.begin(), drawn.strokes.end(),
+                  [&](const Stroke& stroke) { return overcut_of(drawn, stroke, knife) > 0.0; });
+  if (!offset && !overcut) return std::nullopt;
+  Toolpath sent;
+  sent.strokes.reserve(drawn.strokes.size());
+  sent.points.reserve(drawn.points.size() * (offset ? 4 : 1));
+  Blade blade = blade_of(knife);
+  std::vector<PagePoint> line;
+  for (const Stroke& stroke : drawn.strokes) {
+    const auto points = drawn.points_of(stroke);
+    Stroke copy = stroke;
+    copy.first = static_cast<std::uint32_t>(sent.points.size());
+    line.clear();
+    if (const double mm = overcut_of(drawn, stroke, knife); mm > 0.0)
+      append_with_overcut(points, mm, line);
+    else
+      line.assign(points.begin(), points.end());
+    if (offset && knife.blade(stroke.tool))
+      append_axis_path(line, blade, sent.points);
+    else
+      sent.points.insert(sent.points.end(), line.begin(), line.end());
+    copy.count = static_cast<std::uint32_t>(sent.points.size()) - copy.first;
+    sent.strokes.push_back(copy);
+  }
+  return sent;
+}
+
+KnifeMarks knife_marks(const Toolpath& drawn, const KnifeWork& knife) {
+  KnifeMarks marks;
+  const auto end_mark = [&](std::vector<KnifeMarks::Mark>& list, std::uint32_t stroke,
+                            std::size_t first) {
+    list.push_back({stroke, static_cast<std::uint32_t>(first),
+                    static_cast<std::uint32_t>(marks.points.size() - first)});
+  };
+  Blade blade = blade_of(knife);
+  std::vector<PagePoint> line, axis;
+  for (std::uint32_t i = 0; i < drawn.strokes.size(); ++i) {
+    const Stroke& stroke = drawn.strokes[i];
+    const auto points = drawn.points_of(stroke);
+    const double mm = overcut_of(drawn, stroke, knife);
+    line.clear();
+    if (mm > 0.0) {
+      std::size_t first = marks.points.size();
+      append_tail(points, mm, marks.points);
+      end_mark(marks.overcuts, i, first);
+      first = marks.points.size();
+      append_head(points, mm, marks.points);
+      end_mark(marks.overcuts, i, first);
+      append_with_overcut(points, mm, line);
+    } else {
+      line.assign(points.begin(), points.end());
+    }
+    if (!(knife.blade_offset_mm > 0.0) || !knife.blade(stroke.tool)) continue;
+    axis.clear();
+    const std::size_t entry = append_axis_path(line, blade, axis);
+    if (entry <= 1) continue;
+    const std::size_t first = marks.points.size();
+    marks.points.insert(marks.points.end(), axis.begin(),
+                        axis.begin() + static_cast<std::ptrdiff_t>(entry));
+    end_mark(marks.lead_ins, i, first);
+  }
+  return marks;
+}
+
+}  // namespace popcut

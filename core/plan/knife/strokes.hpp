@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/machines/machine.hpp"
+#include "core/plan/knife/micro_cut.hpp"
+#include "core/plan/order/order.hpp"
+
+namespace popcut {
+
+/// Which way round closed cuts and outlines go, as seen on the sheet.
+enum class CutDirection : std::uint8_t { Any, Clockwise, CounterClockwise };
+
+/// What a plan may change of the material's own habits with the knife.
+struct KnifeOptions {
+  std::optional<FoldMode> folds{};
+  std::optional<double> overcut_mm{};
+  CutDirection direction{CutDirection::Any};
+};
+
+/// Tool, force and speed of each kind of stroke, within what the machine can; it warns once a kind.
+class StrokeSettings {
+ public:
+  /// @param warnings  outlives this
+  StrokeSettings(const Machine& machine, const Material& material, FoldMode folds,
+                 std::vector<std::string>& warnings);
+  const ToolSettings& of(Operation operation);
+  /// The force of a further pass (from 0), within what the machine can.
+  [[nodiscard]] double force_gf(const ToolSettings& tool, int pass) const;
+
+ private:
+  void fit(ToolSettings& tool, const char* kind);
+  void fit_scale(double& value, const SteppedScale& scale, const char* kind, const char* what,
+                 const char* unit);
+
+  const Machine& machine_;
+  std::vector<std::string>& warnings_;
+  std::array<ToolSettings, 4> tools_;  ///< draw, score, fold, cut
+  std::array<bool, 4> checked_{};
+};
+
+/// The same drawing, its closed cuts and outlines all one way round.
+void turn_round(LineWork& work, CutDirection direction);
+
+/// Strokes in the order of `visits`, as they are drawn. Further passes go round a closed line
+/// without lifting, and back along an open one; where each pass has a force of its own every pass
+/// is a stroke.
+struct DrawnStrokes {
+  Toolpath path;
+  std::uint16_t blade_tools{};  ///< bit n: tool holder n holds a blade
+};
+[[nodiscard]] DrawnStrokes make_strokes(const Dashed& dashed, const std::vector<Visit>& visits,
+                                        StrokeSettings& settings);
+
+/// What the knife adds to strokes: see `overcut.hpp` and `blade.hpp`.
+struct KnifeWork {
+  double overcut_mm{};
+  int rounds{1};             ///< that a closed cut goes round in one stroke
+  double blade_offset_mm{};  ///< that popcut compensates; 0 where the firmware does
+  double swivel_above_rad{};
+  std::uint16_t blade_tools{};
+
+  [[nodiscard]] bool blade(int tool) const { return (blade_tools >> tool & 1) != 0; }
+};
+
+/// The strokes as they are sent, one for one; none where they are sent as they are drawn.
+[[nodiscard]] std::optional<Toolpath> sent_strokes(const Toolpath& drawn, const KnifeWork& knife);
+
+/// What is cut or passed beside the drawing: overcuts as the tip cuts them, entry rotations as the
+/// axis goes.
+struct KnifeMarks {
+  struct Mark {
+    std::uint32_t stroke{}, first{}, count{};  ///< points `first .. first + count`
+  };
+  std::vector<PagePoint> points;
+  std::vector<Mark> overcuts, lead_ins;
+
+  [[nodiscard]] std::span<const PagePoint> points_of(const Mark& mark) const {
+    return std::span(points).subspan(mark.first, mark.count);
+  }
+};
+[[nodiscard]] KnifeMarks knife_marks(const Toolpath& drawn, const KnifeWork& knife);
+
+}  // namespace popcut

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/plan/order/travel_cost.hpp"
+#include "core/drawing/toolpath.hpp"
+
+namespace popcut {
+
+/// Strokes as a tour sees them. Stop 0 is home, where the way begins and ends; every other stop has
+/// two ends, node 2 s and node 2 s + 1. A stop with doors is a closed stroke: both of its nodes are
+/// at the door that is its seam at present.
+struct TourStops {
+  std::vector<PagePoint> node;
+  std::vector<std::uint32_t> first_door;  ///< by stop, and one more: into `doors`; may be empty
+  std::vector<PagePoint> doors;
+  std::vector<std::uint32_t> seam;  ///< by stop: into `doors`; may be empty
+  /// By stop, and one more: into `later`, the stops that must come after it; may be empty.
+  std::vector<std::uint32_t> first_later;
+  std::vector<std::uint32_t> later;
+  std::vector<std::uint32_t> first_earlier;  ///< the same the other way round
+  std::vector<std::uint32_t> earlier;
+  bool free_start{false}, free_end{false};  ///< the way begins, ends anywhere: home costs nothing
+  TravelCost cost;
+
+  [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(node.size() / 2); }
+  [[nodiscard]] bool has_doors(std::uint32_t stop) const {
+    return !first_door.empty() && first_door[stop + 1] > first_door[stop];
+  }
+  [[nodiscard]] std::span<const std::uint32_t> later_than(std::uint32_t stop) const {
+    return std::span(later).subspan(first_later[stop], first_later[stop + 1] - first_later[stop]);
+  }
+  [[nodiscard]] std::span<const std::uint32_t> earlier_than(std::uint32_t stop) const {
+    return std::span(earlier).subspan(first_earlier[stop],
+                                      first_earlier[stop + 1] - first_earlier[stop]);
+  }
+  /// Node 1 is where home is left, node 0 where it is reached.
+  [[nodiscard]] bool is_free(std::uint32_t n) const {
+    return n < 2 && (n == 1 ? free_start : free_end);
+  }
+  [[nodiscard]] double between(std::uint32_t n, const PagePoint& p) const {
+    if (is_free(n)) return 0.0;
+    const double dx = node[n].x - p.x, dy = node[n].y - p.y;
+    return cost(std::sqrt(dx * dx + dy * dy));
+  }
+  [[nodiscard]] double between(std::uint32_t n, std::uint32_t m) const {
+    return is_free(m) ? 0.0 : between(n, node[m]);
+  }
+  void choose_seam(std::uint32_t stop, std::uint32_t door) {
+    seam[stop] = door;
+    node[2 * stop] = node[2 * stop + 1] = doors[door];
+  }
+};
+
+/// An order of all stops, home first, and whether each is entered at its second end.
+struct TourOrder {
+  std::vector<std::uint32_t> sequence;
+  std::vector<std::uint8_t> flipped;  ///< by stop
+};
+
+/// What `order` costs, home to home.
+[[nodiscard]] double tour_cost(const TourStops& stops, const TourOrder& order);
+
+/// Whether each stop comes after those that must be earlier.
+[[nodiscard]] bool keeps_precedence(const TourStops& stops, const TourOrder& order);
+
+/// Nodes near to each node, nearest first: `near(n)`; ended early by `kNone`.
+struct NearNodes {
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+  std::uint32_t each{0};
+  std::vector<std::uint32_t> nodes;
+  std::vector<float> mm;  ///< their distances, from door to door
+  [[nodiscard]] std::span<const std::uint32_t> near(std::uint32_t n) const {
+    return std::span(nodes).subspan(std::size_t{n} * each, each);
+  }
+};
+
+/// The `each` (at most 12) nodes nearest to each node, not of the same stop. O(n log n).
+[[nodiscard]] NearNodes near_nodes(const TourStops& stops, std::uint32_t each);
+
+/// A tour from the shortest links: always the shortest that joins two loose ends of different
+/// pieces, among near nodes first, then among the ends of what is left. O(n log n).
+[[nodiscard]] TourOrder greedy_tour(const TourStops& stops, const NearNodes& near);
+
+/// The order changed so that each stop that comes too early waits until all that must be earlier
+/// than it are done, and comes at once then. O(n).
+[[nodiscard]] TourOrder with_precedence(const TourStops& stops, const TourOrder& order);
+
+}  // namespace popcut

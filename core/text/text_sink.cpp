@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "core/text/text_sink.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace popcut {
+
+char* write_rounded(char* to, double number) {
+  constexpr double kLargest = 1e9;  // beyond it six decimals mean nothing
+  if (!(std::abs(number) < kLargest)) return std::to_chars(to, to + kLongestNumber, number).ptr;
+  const long long millionths = std::llround(number * 1e6);
+  if (millionths < 0) *to++ = '-';
+  const auto size = static_cast<unsigned long long>(millionths < 0 ? -millionths : millionths);
+  to = std::to_chars(to, to + kLongestNumber, size / 1'000'000).ptr;
+  unsigned rest = static_cast<unsigned>(size % 1'000'000);
+  if (rest == 0) return to;
+  *to++ = '.';
+  for (unsigned place = 100'000; rest > 0; place /= 10) {
+    *to++ = static_cast<char>('0' + rest / place);
+    rest %= place;
+  }
+  return to;
+}
+
+void append_rounded(std::string& text, double number) {
+  char digits[kLongestNumber];
+  text.append(digits, write_rounded(digits, number));
+}
+
+void TextSink::put_rounded(double number) {
+  if (block_.size() - used_ < kLongestNumber) flush();
+  char* const first = block_.data() + used_;
+  used_ += static_cast<std::size_t>(write_rounded(first, number) - first);
+}
+
+namespace {
+
+/// Bytes of the character that `text` begins with where XML 1.0 can hold it: UTF-8 as Unicode
+/// defines it (no surrogates, nothing longer than need be), without U+FFFE and U+FFFF. Else 0.
+std::size_t xml_character(std::string_view text) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+  const unsigned char lead = byte(0);
+  const std::size_t length = lead < 0x80   ? 1
+                             : lead < 0xc2 ? 0
+                             : lead < 0xe0 ? 2
+                             : lead < 0xf0 ? 3
+                             : lead < 0xf5 ? 4
+                                           : 0;
+  if (length == 0 || text.size() < length) return 0;
+  std::uint32_t code = length == 1 ? lead : lead & (0x7fU >> length);
+  for (std::size_t k = 1; k < length; ++k) {
+    if ((byte(k) & 0xc0) != 0x80) return 0;
+    code = code << 6 | (byte(k) & 0x3fU);
+  }
+  constexpr std::array<std::uint32_t, 5> kLeast{0, 0, 0x80, 0x800, 0x10000};
+  const bool surrogate = code >= 0xd800 && code < 0xe000;
+  if (code < kLeast[length] || code > 0x10ffff || surrogate || code == 0xfffe || code == 0xffff)
+    return 0;
+  return length;
+}
+
+}  // namespace
+
+std::string xml_escaped(std::string_view text) {
+  std::string escaped;
+  escaped.reserve(text.size());
+  for (std::size_t length = 1; !text.empty(); text.remove_prefix(length)) {
+    const char c = text.front();
+    length = xml_character(text);
+    if (length != 1) {
+      escaped += length == 0 ? std::string_view("\xEF\xBF\xBD") : text.substr(0, length);
+      length = std::max<std::size_t>(length, 1);
+      continue;
+    }
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      case '\'':
+        escaped += "&apos;";
+        break;
+      default:
+        escaped += (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) ? ' ' : c;
+    }
+  }
+  return escaped;
+}
+
+std::string json_quoted(std::string_view text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace popcut

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/verify/sheet/cell_grid.hpp"
+#include "core/verify/motion/crossing.hpp"
+
+namespace popcut::verify {
+namespace {
+
+constexpr std::size_t kEnough = 1000;
+
+struct Box {
+  Vec3 low, high;
+};
+
+struct Interval {
+  double from{}, to{};
+};
+
+bool apart(const Box& a, const Box& b, double slack) {
+  return a.low.x > b.high.x + slack || b.low.x > a.high.x + slack || a.low.y > b.high.y + slack ||
+         b.low.y > a.high.y + slack || a.low.z > b.high.z + slack || b.low.z > a.high.z + slack;
+}
+
+/// Where a line cuts a polygon, when corners within `slack` of the line count as lying on the side
+/// `lean` of it. `off` is each corner's distance from the line, `along` its place along it.
+std::vector<Interval> cut_leaning(const std::vector<double>& off, const std::vector<double>& along,
+                                  double slack, bool lean) {
+  const auto side = [&](std::size_t k) { return std::abs(off[k]) <= slack ? lean : off[k] > 0.0; };
+  std::vector<double> at;
+  for (std::size_t k = 0; k < off.size(); ++k) {
+    const std::size_t l = k + 1 == off.size() ? 0 : k + 1;
+    if (side(k) != side(l))
+      at.push_back(along[k] + off[k] / (off[k] - off[l]) * (along[l] - along[k]));
+  }
+  std::sort(at.begin(), at.end());
+  std::vector<Interval> intervals;
+  for (std::size_t i = 0; i + 1 < at.size(); i += 2) intervals.push_back({at[i], at[i + 1]});
+  return intervals;
+}
+
+std::vector<Interval> common(const std::vector<Interval>& a, const std::vector<Interval>& b) {
+  std::vector<Interval> result;
+  for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+    const Interval both{std::max(a[i].from, b[j].from), std::min(a[i].to, b[j].to)};
+    if (both.from < both.to) result.push_back(both);
+    a[i].to < b[j].to ? ++i : ++j;
+  }
+  return result;
+}
+
+/// One pose's faces as planar polygons in space.
+class FacesInSpace {
+ public:
+  FacesInSpace(const FoldFile& file, const Sheet& sheet, const Pose& pose, const PoseMotion& motion,
+               double slack)
+      : file_(file), sheet_(sheet), pose_(pose), motion_(motion), slack_(slack) {
+    boxes_.reserve(file.faces());
+    for (std::size_t f = 0; f < file.faces(); ++f) {
+      Box box{pose.at[face_of(file, f)[0]], pose.at[face_of(file, f)[0]]};
+      for (const std::uint32_t v : face_of(file, f)) {
+        const Vec3 p = pose.at[v];
+        box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
+        box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y),
+                    std::max(box.high.z, p.z)};
+      }
+      boxes_.push_back(box);
+    }
+  }
+
+  [[nodiscard]] const Box& box(std::size_t f) const { return boxes_[f]; }
+  [[nodiscard]] const RigidMotion& motion(std::uint32_t f) const {
+    return motion_.panel[sheet_.panel_of_face[f]];
+  }
+
+  enum class Relation { Apart, Cross, SamePlane };
+
+  /// How face `g` lies to face `f`. `where` is a point of the crossing.
+  Relation relation(std::uint32_t f, std::uint32_t g, Vec3& where) const {
+    if (apart(boxes_[f], boxes_[g], slack_)) return Relation::Apart;
+    std::vector<double> g_off;
+    std::vector<double> f_off;
+    const Straddle of_g = distances(g, f, g_off);
+    if (of_g == Straddle::Lies) return Relation::SamePlane;
+    if (of_g == Straddle::Beside || distances(f, g, f_off) != Straddle::Through)
+      return Relation::Apart;
+    const Vec3 line = unit(cross(motion(f).normal, motion(g).normal));
+    if (norm(line) < 0.5) return Relation::Apart;
+    const auto inside = common(interior(f, f_off, line), interior(g, g_off, line));
+    for (const Interval& part : inside) {
+      if (part.to - part.from <= 4.0 * slack_) continue;
+      where = point_on_line(f, g, line, 0.5 * (part.from + part.to));
+      return Relation::Cross;
+    }
+    return Relation::Apart;
+  }
+
+ private:
+  enum class Straddle { Beside, Through, Lies };
+
+  /// Distances of the corners of face `g` from the plane of face `f`.
+  Straddle distances(std::uint32_t g, std::uint32_t f, std::vector<double>& off) const {
+    const RigidMotion& plane = motion(f);
+    double low = 0.0;
+    double high = 0.0;
+    for (const std::uint32_t v : face_of(file_, g)) {
+      const double d = dot(plane.normal, pose_.at[v] - plane.origin);
+      off.push_back(d);
+      low = std::min(low, d);
+      high = std::max(high, d);
+    }
+    if (low >= -slack_ && high <= slack_) return Straddle::Lies;
+    return low >= -slack_ || high <= slack_ ? Straddle::Beside : Straddle::Through;
+  }
+
+  /// The stretches of the line that lie strictly inside face `f`: those that stay in it wherever
+  /// the line is nudged to.
+  std::vector<Interval> interior(std::uint32_t f, const std::vector<double>& off, Vec3 line) const {
+    std::vector<double> along;
+    for (const std::uint32_t v : face_of(file_, f)) along.push_back(dot(line, pose_.at[v]));
+    return common(cut_leaning(off, along, slack_, true), cut_leaning(off, along, slack_, false));
+  }
+
+  Vec3 point_on_line(std::uint32_t f, std::uint32_t g, Vec3 line, double t) const {
+    const Vec3 n = motion(f).normal;
+    const Vec3 m = motion(g).normal;
+    const double a = dot(n, motion(f).origin);
+    const double b = dot(m, motion(g).origin);
+    const double c = dot(n, m);
+    const double s = 1.0 / (1.0 - c * c);
+    return s * (a - b * c) * n + s * (b - a * c) * m + t * line;
+  }
+
+  const FoldFile& file_;
+  const Sheet& sheet_;
+  const Pose& pose_;
+  const PoseMotion& motion_;
+  double slack_;
+  std::vector<Box> boxes_;
+};
+
+/// Area that two faces in one plane share, seen in the plane of `f`.
+double shared_area(const Triangles& triangles, const Pose& pose, const RigidMotion& plane,
+                   std::uint32_t f, std::uint32_t g, double& reach) {
+  const auto corners = [&](std::uint32_t t) {
+    std::array<Vec2, 3> shape{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 p = pose.at[triangles.corners[t][k]] - plane.origin;
+      shape[k] = {dot(p, plane.along_u), dot(p, plane.along_v)};
+    }
+    if (cross(shape[1] - shape[0], shape[2] - shape[0]) < 0.0) std::swap(shape[1], shape[2]);
+    return shape;
+  };
+  double shared = 0.0;
+  for (std::uint32_t s = triangles.first[f]; s < triangles.first[f + 1]; ++s) {
+    const auto a = corners(s);
+    for (std::uint32_t t = triangles.first[g]; t < triangles.first[g + 1]; ++t) {
+      const auto b = corners(t);
+      shared += common_area(a, b);
+      reach = std::max(reach, std::min(norm(a[1] - a[0]) + norm(a[2] - a[0]),
+                                       norm(b[1] - b[0]) + norm(b[2] - b[0])));
+    }
+  }
+  return shared;
+}
+
+}  // namespace
+
+void check_faces_apart(const FoldFile& file, const Sheet& sheet, const Triangles& triangles,
+                       const Pose& pose, const PoseMotion& motion, double slack_mm,
+                       VerifyCheck& check) {
+  const FacesInSpace space(file, sheet, pose, motion, slack_mm);
+  Box all = space.box(0);
+  for (std::size_t f = 1; f < file.faces(); ++f) {
+    const Box& b = space.box(f);
+    all.low = {std::min(all.low.x, b.low.x), std::min(all.low.y, b.low.y),
+               std::min(all.low.z, b.low.z)};
+    all.high = {std::max(all.high.x, b.high.x), std::max(all.high.y, b.high.y),
+                std::max(all.high.z, b.high.z)};
+  }
+  // Faces are sorted into cells seen along the direction in which the structure is thinnest.
+  const Vec3 size = all.high - all.low;
+  const int thin = size.x <= size.y && size.x <= size.z ? 0 : size.y <= size.z ? 1 : 2;
+  const auto seen = [&](Vec3 p) {
+    return thin == 0 ? Vec2{p.y, p.z} : thin == 1 ? Vec2{p.x, p.z} : Vec2{p.x, p.y};
+  };
+  const auto corners = [&](std::size_t f) {
+    const Vec2 a = seen(space.box(f).low);
+    const Vec2 c = seen(space.box(f).high);
+    return std::array<Vec2, 4>{a, Vec2{c.u, a.v}, c, Vec2{a.u, c.v}};
+  };
+  std::set<std::pair<std::uint32_t, std::uint32_t>> reported;
+  const CellGrid grid(file.faces(), slack_mm, corners);
+  const bool complete =
+      grid.each_pair(4 * pair_budget(file.faces()), [&](std::uint32_t f, std::uint32_t g) {
+        if (sheet.panel_of_face[f] == sheet.panel_of_face[g] || reported.size() > kEnough) return;
+        Vec3 where;
+        const auto relation = space.relation(f, g, where);
+        if (relation == FacesInSpace::Relation::Cross && reported.emplace(f, g).second) {
+          check.fail(fmt::format("/faces_vertices/{}", g),
+                     fmt::format("faces {} and {} cross near ({:.6g}, {:.6g}, {:.6g}) in {}", f, g,
+                                 where.x, where.y, where.z, pose_name(pose)));
+        }
+        if (relation != FacesInSpace::Relation::SamePlane || motion.shut) return;
+        double reach = 0.0;
+        const double shared = shared_area(triangles, pose, space.motion(f), f, g, reach);
+        if (shared <= 4.0 * slack_mm * (reach + slack_mm) || !reported.emplace(f, g).second) return;
+        check.fail(fmt::format("/faces_vertices/{}", g),
+                   fmt::format("faces {} and {} lie on each other over {:.6g} mm2 in {}", f, g,
+                               shared, pose_name(pose)));
+      });
+  if (!complete) check.not_judged("too many faces lie in one place to be compared");
+}
+
+}  // namespace popcut::verify

@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: MIT
+#include "core/verify/motion/rigid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include <fmt/format.h>
+#include <Eigen/Sparse>
+
+namespace popcut::verify {
+namespace {
+
+using Sparse = Eigen::SparseMatrix<double>;
+using Vector = Eigen::VectorXd;
+
+constexpr int kRowsOfLine = 6;
+constexpr double kLargestTurn_rad = 0.5;  ///< of a panel in one step
+
+Vec3 turned(const RigidMotion& motion, Vec2 way) {
+  return way.u * motion.along_u + way.v * motion.along_v;
+}
+
+Vec2 middle_of(const HingeLine& line) { return 0.5 * (line.from + line.to); }
+
+Vec2 direction_of(const HingeLine& line) {
+  const Vec2 way = line.to - line.from;
+  return (1.0 / norm(way)) * way;
+}
+
+/// `v` turned about `axis` (its length is the angle in radians).
+Vec3 rotated(Vec3 v, Vec3 axis) {
+  const double angle = norm(axis);
+  if (angle < 1e-300) return v;
+  const Vec3 k = (1.0 / angle) * axis;
+  return std::cos(angle) * v + std::sin(angle) * cross(k, v) +
+         (1.0 - std::cos(angle)) * dot(k, v) * k;
+}
+
+/// The same motion with exactly orthonormal directions.
+void straighten(RigidMotion& motion) {
+  motion.along_u = unit(motion.along_u);
+  motion.along_v = unit(motion.along_v - dot(motion.along_v, motion.along_u) * motion.along_u);
+  motion.normal = cross(motion.along_u, motion.along_v);
+}
+
+/// Turns a motion about its own image of `middle`, then moves it.
+void apply(RigidMotion& motion, Vec2 middle, Vec3 turn, Vec3 move) {
+  const Vec3 at = motion(middle) + move;
+  motion.along_u = rotated(motion.along_u, turn);
+  motion.along_v = rotated(motion.along_v, turn);
+  straighten(motion);
+  motion.origin = at - turned(motion, middle);
+}
+
+double fold_angle_rad(const HingeLine& line, const RigidState& state) {
+  const RigidMotion& left = state[line.left];
+  const RigidMotion& right = state[line.right];
+  const Vec3 axis = turned(left, direction_of(line));
+  return std::atan2(dot(cross(right.normal, left.normal), axis), dot(left.normal, right.normal));
+}
+
+double gap_mm(const HingeLine& line, const RigidState& state) {
+  return std::max(norm(state[line.left](line.from) - state[line.right](line.from)),
+                  norm(state[line.left](line.to) - state[line.right](line.to)));
+}
+
+}  // namespace
+
+RigidSheet rigid_sheet(const FoldFile& file, const Sheet& sheet, std::uint32_t held) {
+  RigidSheet result;
+  result.lines = hinge_lines(file, sheet);
+  result.frames = panel_frames(result.lines, sheet.panels);
+  const std::size_t panels = sheet.panels;
+  std::vector<std::uint32_t> first(panels + 1, 0);
+  for (const HingeLine& line : result.lines) ++first[line.left + 1], ++first[line.right + 1];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<std::uint32_t> beside(2 * result.lines.size());
+  std::vector<std::uint32_t> fill(first.begin(), first.end() - 1);
+  for (std::uint32_t k = 0; k < result.lines.size(); ++k) {
+    beside[fill[result.lines[k].left]++] = k;
+    beside[fill[result.lines[k].right]++] = k;
+  }
+  // Breadth first, so that panels hang on the held one by few lines.
+  result.held.assign(panels, 0);
+  result.hangs_on.assign(panels, -1);
+  std::vector<std::uint8_t> seen(panels, 0);
+  for (std::uint32_t root = 0; root <= panels; ++root) {
+    const std::uint32_t from = root == 0 ? held : root - 1;
+    if (panels == 0 || seen[from] != 0) continue;
+    result.held[from] = seen[from] = 1;
+    std::size_t at = result.order.size();
+    result.order.push_back(from);
+    for (; at < result.order.size(); ++at) {
+      const std::uint32_t p = result.order[at];
+      for (std::uint32_t i = first[p]; i < first[p + 1]; ++i) {
+        const HingeLine& line = result.lines[beside[i]];
+        const std::uint32_t q = line.left == p ? line.right : line.left;
+        if (seen[q] != 0) continue;
+        seen[q] = 1;
+        result.hangs_on[q] = static_cast<std::int32_t>(beside[i]);
+        result.order.push_back(q);
+      }
+    }
+  }
+  for (const HingeLine& line : result.lines) {
+    for (const Vec2 p : {line.from, line.to})
+      result.reach_mm = std::max(result.reach_mm, norm(p - result.lines.front().from));
+  }
+  return result;
+}
+
+RigidState state_from_tree(const RigidSheet& sheet, std::span<const double> angle_rad,
+                           const RigidMotion& held) {
+  RigidState state(sheet.frames.size());
+  for (const std::uint32_t p : sheet.order) {
+    if (sheet.hangs_on[p] < 0) {
+      state[p] = held;
+      continue;
+    }
+    const auto k = static_cast<std::size_t>(sheet.hangs_on[p]);
+    const HingeLine& line = sheet.lines[k];
+    const bool is_left = line.left == p;
+    const RigidMotion& base = state[is_left ? line.right : line.left];
+    // The left panel turns by + angle about the line against the right one.
+    const Vec3 axis = (is_left ? angle_rad[k] : -angle_rad[k]) * turned(base, direction_of(line));
+    const Vec2 pivot = middle_of(line);
+    RigidMotion motion = base;
+    apply(motion, pivot, axis, {});
+    state[p] = motion;
+  }
+  return state;
+}
+
+std::vector<double> fold_angles_rad(const RigidSheet& sheet, const RigidState& state) {
+  std::vector<double> angles;
+  angles.reserve(sheet.lines.size());
+  for (const HingeLine& line : sheet.lines) angles.push_back(fold_angle_rad(line, state));
+  return angles;
+}
+
+double largest_gap_mm(const RigidSheet& sheet, const RigidState& state) {
+  double largest = 0.0;
+  for (const HingeLine& line : sheet.lines) largest = std::max(largest, gap_mm(line, state));
+  return largest;
+}
+
+struct RigidSolver::Parts {
+  const RigidSheet& sheet;
+  std::vector<int> column;  ///< one a panel, -1 for held ones
+  int columns{};
+  std::size_t iterations{};
+  bool ordered{false};
+  Eigen::SimplicialLLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> factor;
+  std::vector<Eigen::Triplet<double>> entries;
+
+  explicit Parts(const RigidSheet& s) : sheet(s) {
+    for (const std::uint8_t is_held : s.held) {
+      column.push_back(is_held != 0 ? -1 : columns);
+      columns += is_held != 0 ? 0 : 6;
+    }
+  }
+
+  [[nodiscard]] double lever(const HingeLine& line) const {
+    return std::min(sheet.frames[line.left].size_mm, sheet.frames[line.right].size_mm);
+  }
+  Vector residual(const RigidState& state, std::span<const AngleGoal> goals) const;
+  Sparse jacobian(const RigidState& state, std::span<const AngleGoal> goals);
+  bool step(RigidState& state, std::span<const AngleGoal> goals, const Vector& off, double shift);
+};
+
+Vector RigidSolver::Parts::residual(const RigidState& state,
+                                    std::span<const AngleGoal> goals) const {
+  const auto lines = static_cast<Eigen::Index>(sheet.lines.size());
+  Vector off(kRowsOfLine * lines + static_cast<Eigen::Index>(goals.size()));
+  Eigen::Index row = 0;
+  for (const HingeLine& line : sheet.lines) {
+    const RigidMotion& left = state[line.left];
+    const RigidMotion& right = state[line.right];
+    const Vec3 apart = left(middle_of(line)) - right(middle_of(line));
+    const Vec2 way = direction_of(line);
+    const Vec3 askew = lever(line) * (turned(left, way) - turned(right, way));
+    for (const double value : {apart.x, apart.y, apart.z, askew.x, askew.y, askew.z})
+      off[row++] = value;
+  }
+  for (const AngleGoal& goal : goals) {
+    const HingeLine& line = sheet.lines[goal.line];
+    off[row++] = goal.weight * lever(line) *
+                 std::remainder(fold_angle_rad(line, state) - goal.angle_rad, 2 * std::numbers::pi);
+  }
+  return off;
+}
+
+Sparse RigidSolver::Parts::jacobian(const RigidState& state, std::span<const AngleGoal> goals) {
+  entries.clear();
+  int row = 0;
+  // The columns of a panel: its angular velocity times its size, then its middle's velocity.
+  const auto put_cross = [&](int r, int c, double scale, Vec3 v) {  // scale * (w x v)
+    entries.emplace_back(r, c + 1, scale * v.z), entries.emplace_back(r, c + 2, -scale * v.y);
+    entries.emplace_back(r + 1, c, -scale * v.z), entries.emplace_back(r + 1, c + 2, scale * v.x);
+    entries.emplace_back(r + 2, c, scale * v.y), entries.emplace_back(r + 2, c + 1, -scale * v.x);
+  };
+  for (const HingeLine& line : sheet.lines) {
+    for (const auto& [p, sign] : {std::pair(line.left, 1.0), std::pair(line.right, -1.0)}) {
+      if (column[p] < 0) continue;
+      const double size = sheet.frames[p].size_mm;
+      put_cross(row, column[p], sign / size,
+                turned(state[p], middle_of(line) - sheet.frames[p].middle));
+      for (int k = 0; k < 3; ++k) entries.emplace_back(row + k, column[p] + 3 + k, sign);
+      put_cross(row + 3, column[p], sign * lever(line) / size,
+                turned(state[p], direction_of(line)));
+    }
+    row += kRowsOfLine;
+  }
+  for (const AngleGoal& goal : goals) {
+    const HingeLine& line = sheet.lines[goal.line];
+    for (const auto& [p, sign] : {std::pair(line.left, 1.0), std::pair(line.right, -1.0)}) {
+      if (column[p] < 0) continue;
+      const double scale = sign * goal.weight * lever(line) / sheet.frames[p].size_mm;
+      const Vec3 axis = scale * turned(state[line.left], direction_of(line));
+      entries.emplace_back(row, column[p], axis.x);
+      entries.emplace_back(row, column[p] + 1, axis.y);
+      entries.emplace_back(row, column[p] + 2, axis.z);
+    }
+    ++row;
+  }
+  Sparse result(row, columns);
+  result.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
+bool RigidSolver::Parts::step(RigidState& state, std::span<const AngleGoal> goals,
+                              const Vector& off, double shift) {
+  const Sparse j = jacobian(state, goals);
+  Sparse normal = j.transpose() * j;
+  Sparse identity(columns, columns);
+  identity.setIdentity();
+  normal += shift * identity;
+  if (!ordered) factor.analyzePattern(normal);
+  ordered = true;
+  factor.factorize(normal);
+  if (factor.info() != Eigen::Success) return false;
+  Vector move = factor.solve(-(j.transpose() * off));
+  if (!move.allFinite()) return false;
+  const auto part = [&](int c) { return Vec3{move[c], move[c + 1], move[c + 2]}; };
+  double largest_turn = 0.0;
+  for (std::size_t p = 0; p < state.size(); ++p) {
+    if (column[p] >= 0)
+      largest_turn = std::max(largest_turn, norm(part(column[p])) / sheet.frames[p].size_mm);
+  }
+  if (largest_turn > kLargestTurn_rad) move *= kLargestTurn_rad / largest_turn;
+  for (std::size_t p = 0; p < state.size(); ++p) {
+    if (column[p] < 0) continue;
+    const PanelFrame& frame = sheet.frames[p];
+    apply(state[p], frame.middle, (1.0 / frame.size_mm) * part(column[p]), part(column[p] + 3));
+  }
+  ++iterations;
+  return true;
+}
+
+RigidSolver::RigidSolver(const RigidSheet& sheet) : parts_(std::make_unique<Parts>(sheet)) {}
+RigidSolver::~RigidSolver() = default;
+RigidSolver::RigidSolver(RigidSolver&&) noexcept = default;
+RigidSolver& RigidSolver::operator=(RigidSolver&&) noexcept = default;
+
+std::size_t RigidSolver::iterations() const { return parts_->iterations; }
+std::size_t RigidSolver::unknowns() const { return static_cast<std::size_t>(parts_->columns); }
+
+RigidSolver::End RigidSolver::correct(RigidState& state, std::span<const AngleGoal> goals,
+                                      std::size_t most, double shift) {
+  End end;
+  // Rounding of coordinates leaves about this much in a row.
+  const double closed = 2e-15 * parts_->sheet.reach_mm;
+  double before = 0.0;
+  std::size_t idle = 0;
+  RigidState best = state;
+  double least = 0.0;
+  for (std::size_t i = 0;; ++i) {
+    const Vector off = parts_->residual(state, goals);
+    const double size = off.norm();
+    if (i == 0 || size < least) {
+      least = size;
+      best = state;
+    }
+    const double largest = off.size() == 0 ? 0.0 : off.lpNorm<Eigen::Infinity>();
+    idle = i > 0 && !(size < 0.5 * before) ? idle + 1 : 0;
+    before = size;
+    end.iterations = i;
+    if (largest <= closed || i == most || idle == 3) break;
+    if (!std::isfinite(size) || parts_->columns == 0) break;
+    if (!parts_->step(state, goals, off, shift)) break;
+  }
+  state = std::move(best);
+  end.gap_mm = largest_gap_mm(parts_->sheet, state);
+  for (const AngleGoal& goal : goals) {
+    if (goal.weight < 1.0) continue;
+    const double angle = fold_angle_rad(parts_->sheet.lines[goal.line], state);
+    end.goal_off_rad = std::max(
+        end.goal_off_rad, std::abs(std::remainder(angle - goal.angle_rad, 2 * std::numbers::pi)));
+  }
+  return end;
+}
+
+Pose pose_of(const FoldFile& file, const Sheet& sheet, const RigidState& state, double psi_rad,
+             std::string_view how) {
+  Pose pose;
+  pose.place = fmt::format("{} to psi {:.4f}", how, psi_rad);
+  pose.psi_rad = psi_rad;
+  pose.opened = true;
+  pose.at.resize(file.flat.size());
+  for (std::size_t i = 0; i < file.flat.size(); ++i)
+    pose.at[i] = {file.flat[i].u, file.flat[i].v, 0.0};
+  for (std::size_t f = 0; f < file.faces(); ++f) {
+    for (const std::uint32_t v : face_of(file, f))
+      pose.at[v] = state[sheet.panel_of_face[f]](file.flat[v]);
+  }
+  return pose;
+}
+
+}  // namespace popcut::verify

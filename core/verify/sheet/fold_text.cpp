@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: MIT
+#include "core/verify/sheet/fold_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace popcut::verify {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kNull = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kMaxClasses = 100;
+constexpr std::size_t kMaxOtherNames = 50;
+constexpr std::size_t kMaxTitle = 1000;
+
+/// What kind of value a member holds.
+enum class Form { Skip, Frames, Rows, Angles, Letters, Classes, Unit, Title, Parent, Psi, Inherit };
+
+Form form_of(const std::string& key, bool top) {
+  if (key == "vertices_coords" || key == "edges_vertices" || key == "faces_vertices") {
+    return Form::Rows;
+  }
+  if (key == "edges_foldAngle" || key == "edges_foldAngles") return Form::Angles;
+  if (key == "edges_assignment") return Form::Letters;
+  if (key == "frame_classes") return Form::Classes;
+  if (key == "frame_unit") return Form::Unit;
+  if (key == "frame_title" || (top && key == "file_title")) return Form::Title;
+  if (key == "frame_parent") return Form::Parent;
+  if (key == "frame_popcut:psi_rad") return Form::Psi;
+  if (key == "frame_inherit") return Form::Inherit;
+  return top && key == "file_frames" ? Form::Frames : Form::Skip;
+}
+
+FoldColumn* column_of(FrameText& frame, const std::string& key) {
+  if (key == "vertices_coords") return &frame.vertices_coords;
+  if (key == "edges_vertices") return &frame.edges_vertices;
+  if (key == "faces_vertices") return &frame.faces_vertices;
+  if (key == "edges_assignment") return &frame.edges_assignment;
+  if (key == "edges_foldAngle" || key == "edges_foldAngles") return &frame.edges_fold_angle;
+  return nullptr;
+}
+
+/// Receives the parser's events and sorts them into columns. `value_depth_` is the depth of the
+/// object that holds the member being read: its value's outer list opens at that depth.
+class FoldSax : public nlohmann::json_sax<Json> {
+ public:
+  FoldSax(std::string_view text, const FoldLimits& limits)
+      : text_(text), most_numbers_(limits.numbers) {
+    frames_.emplace_back();
+  }
+
+  bool null() override {
+    const bool whole = is_column() && level() == 0;  // a member that is null is not there
+    if (whole || form_ == Form::Unit || form_ == Form::Title) return done();
+    return scalar(kNull, "null");
+  }
+  bool boolean(bool value) override {
+    if (form_ == Form::Inherit && level() == 0) {
+      frame().inherit = value;
+      return done();
+    }
+    return form_ == Form::Skip ? scalar(0.0, "") : wrong("a truth value");
+  }
+  bool number_integer(number_integer_t value) override {
+    return scalar(static_cast<double>(value), "a number");
+  }
+  bool number_unsigned(number_unsigned_t value) override {
+    return scalar(static_cast<double>(value), "a number");
+  }
+  bool number_float(number_float_t value, const string_t&) override {
+    return scalar(value, "a number");
+  }
+  bool string(string_t& value) override;
+  bool binary(binary_t&) override { return wrong("binary data"); }
+  bool start_object(std::size_t) override;
+  bool key(string_t& name) override;
+  bool end_object() override;
+  bool start_array(std::size_t) override;
+  bool end_array() override;
+  bool parse_error(std::size_t position, const std::string&,
+                   const nlohmann::detail::exception& why) override;
+
+  Error error;
+  std::vector<FrameText> take() { return std::move(frames_); }
+
+ private:
+  FrameText& frame() { return frames_[owner_]; }
+  [[nodiscard]] int level() const { return depth_ - value_depth_; }
+  [[nodiscard]] bool is_column() const {
+    return form_ == Form::Rows || form_ == Form::Angles || form_ == Form::Letters;
+  }
+  /// Counts a number or a row.
+  bool count() {
+    return ++numbers_ <= most_numbers_ ||
+           stop(ErrorKind::OutOfRange, place(),
+                fmt::format("more than {} numbers in the file; split it", most_numbers_));
+  }
+  bool done() {
+    form_ = Form::Skip;
+    return true;
+  }
+  bool stop(ErrorKind kind, std::string place, std::string detail) {
+    error = Error{kind, std::move(place), std::move(detail)};
+    return false;
+  }
+  [[nodiscard]] std::string place() const;
+  bool wrong(const char* found);
+  bool scalar(double value, const char* found);
+  bool open();
+
+  std::string_view text_;
+  std::size_t most_numbers_;
+  std::vector<FrameText> frames_;
+  std::string key_;
+  FoldColumn* column_{nullptr};
+  Form form_{Form::Skip};
+  std::size_t owner_{0};  ///< the frame that the member being read belongs to
+  int depth_{0};
+  int value_depth_{0};
+  std::size_t numbers_{0};
+  bool in_frames_{false};
+};
+
+std::string FoldSax::place() const {
+  if (depth_ == 0) return "/";
+  std::string pointer = frames_[owner_].place;
+  if (in_frames_ && depth_ == 2) return fmt::format("/file_frames/{}", frames_.size() - 1);
+  pointer += "/" + key_;
+  if (column_ == nullptr || level() == 0) return pointer;
+  if (form_ != Form::Rows) return fmt::format("{}/{}", pointer, column_->number.size());
+  if (level() == 1) return fmt::format("{}/{}", pointer, column_->row_first.size());
+  return fmt::format("{}/{}/{}", pointer, column_->row_first.size() - 1,
+                     column_->number.size() - column_->row_first.back());
+}
+
+bool FoldSax::wrong(const char* found) {
+  const char* right = "an object";
+  switch (form_) {
+    case Form::Skip:
+      return depth_ > 0 || stop(ErrorKind::Malformed, "/", "a FOLD file is an object");
+    case Form::Frames:
+      right = depth_ <= 1 ? "a list of frames" : "a frame (an object)";
+      break;
+    case Form::Rows:
+      right = level() == 0 ? "a list of lists" : level() == 1 ? "a list" : "a number";
+      break;
+    case Form::Angles:
+      right = level() == 0 ? "a list of angles" : "a number of degrees or null";
+      break;
+    case Form::Letters:
+      right = level() == 0 ? "a list of letters" : "one of B M V F U C J";
+      break;
+    case Form::Classes:
+      right = "a list of strings";
+      break;
+    case Form::Unit:
+    case Form::Title:
+      right = "a string";
+      break;
+    case Form::Parent:
+      right = "the number of a frame";
+      break;
+    case Form::Psi:
+      right = "an angle in radians";
+      break;
+    case Form::Inherit:
+      right = "true or false";
+      break;
+  }
+  return stop(ErrorKind::Malformed, place(),
+              fmt::format("{} stands here; it must be {}", found, right));
+}
+
+bool FoldSax::scalar(double value, const char* found) {
+  switch (form_) {
+    case Form::Skip:
+      return depth_ > 0 || wrong(found);
+    case Form::Rows:
+      if (level() != 2 || std::isnan(value)) return wrong(found);
+      column_->number.push_back(value);
+      return count();
+    case Form::Angles:
+      if (level() != 1) return wrong(found);
+      column_->number.push_back(value);
+      return count();
+    case Form::Letters:
+      if (level() != 1 || !std::isnan(value)) return wrong(found);
+      column_->number.push_back(static_cast<double>('U'));
+      return count();
+    case Form::Parent:
+    case Form::Psi:
+      if (level() != 0) return wrong(found);
+      if (!std::isnan(value)) (form_ == Form::Parent ? frame().parent : frame().psi_rad) = value;
+      return done();
+    default:
+      return wrong(found);
+  }
+}
+
+bool FoldSax::string(string_t& value) {
+  if (form_ == Form::Skip) return depth_ > 0 || wrong("a string");
+  if (form_ == Form::Letters && level() == 1 && value.size() == 1) {
+    column_->number.push_back(static_cast<double>(value[0]));
+    return count();
+  }
+  if (form_ == Form::Classes && level() == 1) {
+    if (frame().classes.size() < kMaxClasses) frame().classes.push_back(value);
+    return true;
+  }
+  if (form_ == Form::Unit && level() == 0) {
+    frame().unit = value;
+    return done();
+  }
+  if (form_ == Form::Title && level() == 0) {
+    (key_ == "file_title" ? frame().file_title : frame().title) = value.substr(0, kMaxTitle);
+    return done();
+  }
+  return wrong("a string");
+}
+
+bool FoldSax::open() {
+  if (++depth_ <= kMaxFoldDepth) return true;
+  return stop(ErrorKind::Malformed, "",
+              fmt::format("lists and objects are nested deeper than {}; a FOLD file needs 5",
+                          kMaxFoldDepth));
+}
+
+bool FoldSax::start_object(std::size_t) {
+  if (depth_ == 0) return open();
+  if (form_ == Form::Frames && depth_ == 2) {
+    if (frames_.size() > kMaxFoldFrames) {
+      return stop(ErrorKind::OutOfRange, "/file_frames",
+                  fmt::format("more than {} frames", kMaxFoldFrames));
+    }
+    frames_.emplace_back();
+    frames_.back().place = fmt::format("/file_frames/{}", frames_.size() - 2);
+    form_ = Form::Skip;
+    return open();
+  }
+  return form_ == Form::Skip ? open() : wrong("an object");
+}
+
+bool FoldSax::key(string_t& name) {
+  const bool of_frame = in_frames_ && depth_ == 3;
+  if (depth_ != 1 && !of_frame) return true;
+  key_ = name;
+  value_depth_ = depth_;
+  form_ = form_of(name, depth_ == 1);
+  owner_ = of_frame ? frames_.size() - 1 : 0;
+  FrameText& owner = frames_[owner_];
+  column_ = column_of(owner, name);
+  if (form_ == Form::Skip && owner.other_names.size() < kMaxOtherNames && name.size() < 64 &&
+      name.find(':') == string_t::npos)
+    owner.other_names.push_back(name);
+  if (form_ == Form::Frames) {
+    if (frames_.size() > 1)
+      return stop(ErrorKind::Malformed, "/file_frames", "the member is given twice");
+    in_frames_ = true;
+  }
+  if (column_ != nullptr && column_->present) {
+    return stop(ErrorKind::Malformed, owner.place + "/" + name, "the member is given twice");
+  }
+  return true;
+}
+
+bool FoldSax::end_object() {
+  --depth_;
+  if (in_frames_ && depth_ == 2) form_ = Form::Frames;
+  return true;
+}
+
+bool FoldSax::start_array(std::size_t) {
+  if (depth_ == 0) return wrong("a list");
+  switch (form_) {
+    case Form::Skip:
+      return open();
+    case Form::Frames:
+      return depth_ == 1 ? open() : wrong("a list");
+    case Form::Rows:
+      if (level() == 0) column_->present = true;
+      if (level() == 1) {
+        column_->row_first.push_back(static_cast<std::uint32_t>(column_->number.size()));
+        if (!count()) return false;
+      }
+      return level() < 2 ? open() : wrong("a list");
+    case Form::Angles:
+    case Form::Letters:
+      column_->present = true;
+      [[fallthrough]];
+    case Form::Classes:
+      return level() == 0 ? open() : wrong("a list");
+    default:
+      return wrong("a list");
+  }
+}
+
+bool FoldSax::end_array() {
+  --depth_;
+  if (in_frames_ && depth_ == 1) {
+    in_frames_ = false;
+    form_ = Form::Skip;
+  } else if (form_ != Form::Skip && form_ != Form::Frames && level() == 0) {
+    form_ = Form::Skip;
+  }
+  return true;
+}
+
+bool FoldSax::parse_error(std::size_t position, const std::string&,
+                          const nlohmann::detail::exception& why) {
+  const std::string_view before = text_.substr(0, std::min(position, text_.size()));
+  const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+  const std::size_t newline = before.rfind('\n');
+  const std::size_t column =
+      newline == std::string_view::npos ? before.size() : before.size() - newline - 1;
+  std::string reason = why.what();
+  if (const std::size_t from = reason.find(": "); from != std::string::npos)
+    reason.erase(0, from + 2);
+  if (reason.size() > 160) reason.resize(160);
+  return stop(ErrorKind::Malformed, fmt::format("line {}, column {}", line, column),
+              "the text is not JSON: " + reason);
+}
+
+}  // namespace
+
+Result<std::vector<FrameText>> read_fold_text(std::string_view text, const FoldLimits& limits) {
+  if (text.size() > limits.bytes) {
+    return fail(
+        ErrorKind::OutOfRange, "",
+        fmt::format("the text has {} bytes; at most {} are read", text.size(), limits.bytes));
+  }
+  FoldSax sax(text, limits);
+  if (!Json::sax_parse(text, &sax)) return tl::unexpected<Error>(std::move(sax.error));
+  return sax.take();
+}
+
+}  // namespace popcut::verify

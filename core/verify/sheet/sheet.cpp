@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: MIT
+#include "core/verify/sheet/sheet.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace popcut::verify {
+namespace {
+
+/// Which of the things numbered 0 .. n - 1 hang together.
+class Groups {
+ public:
+  explicit Groups(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0U); }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = root(a);
+    b = root(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+  /// Numbers the groups by their first member and returns how many there are.
+  std::size_t number(std::vector<std::uint32_t>& group_of) {
+    group_of.resize(parent_.size());
+    std::uint32_t groups = 0;
+    for (std::uint32_t i = 0; i < parent_.size(); ++i) {
+      const std::uint32_t r = root(i);
+      group_of[i] = r == i ? groups++ : group_of[r];
+    }
+    return groups;
+  }
+
+ private:
+  std::uint32_t root(std::uint32_t a) {
+    while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
+    return a;
+  }
+  std::vector<std::uint32_t> parent_;
+};
+
+/// Edges by their two ends.
+class EdgeIndex {
+ public:
+  explicit EdgeIndex(const FoldFile& file) {
+    entries_.reserve(file.edges.size());
+    for (std::uint32_t e = 0; e < file.edges.size(); ++e) {
+      entries_.emplace_back(key(file.edges[e][0], file.edges[e][1]), e);
+    }
+    std::sort(entries_.begin(), entries_.end());
+  }
+  /// The first edge between two vertices, -1 for none.
+  [[nodiscard]] std::int32_t find(std::uint32_t a, std::uint32_t b) const {
+    const auto at = std::lower_bound(entries_.begin(), entries_.end(), std::pair(key(a, b), 0U));
+    return at != entries_.end() && at->first == key(a, b) ? static_cast<std::int32_t>(at->second)
+                                                          : -1;
+  }
+  /// Calls `visit(e, f)` for edges `f` that repeat an earlier edge `e`.
+  template <typename Visit>
+  void each_repeat(Visit visit) const {
+    for (std::size_t i = 1; i < entries_.size(); ++i) {
+      if (entries_[i].first == entries_[i - 1].first)
+        visit(entries_[i - 1].second, entries_[i].second);
+    }
+  }
+
+ private:
+  static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
+    return (static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b);
+  }
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> entries_;
+};
+
+std::string edge_place(std::uint32_t e) { return fmt::format("/edges_vertices/{}", e); }
+std::string face_place(std::uint32_t f) { return fmt::format("/faces_vertices/{}", f); }
+
+const char* kind(Assignment a) {
+  switch (a) {
+    case Assignment::Mountain:
+      return "mountain fold";
+    case Assignment::Valley:
+      return "valley fold";
+    case Assignment::Flat:
+    case Assignment::Join:
+      return "flat crease";
+    case Assignment::Border:
+      return "border";
+    case Assignment::Cut:
+      return "cut";
+    case Assignment::Unassigned:
+      break;
+  }
+  return "unassigned edge";
+}
+
+/// The two sides that an edge has, running with it and against it; -1 for none.
+using Sides = std::array<std::int32_t, 2>;
+
+std::vector<Sides> sides_of_edges(const FoldFile& file, const EdgeIndex& index, Sheet& sheet,
+                                  VerifyCheck& check) {
+  std::vector<Sides> sides(file.edges.size(), Sides{-1, -1});
+  const std::size_t count = file.face_vertices.size();
+  sheet.side_face.resize(count);
+  sheet.side_edge.assign(count, -1);
+  sheet.side_twin.assign(count, -1);
+  for (std::uint32_t f = 0; f < file.faces(); ++f) {
+    const std::uint32_t first = file.face_first[f];
+    const std::uint32_t past = file.face_first[f + 1];
+    for (std::uint32_t s = first; s < past; ++s) {
+      sheet.side_face[s] = f;
+      const std::uint32_t a = file.face_vertices[s];
+      const std::uint32_t b = file.face_vertices[s + 1 == past ? first : s + 1];
+      const std::int32_t e = index.find(a, b);
+      sheet.side_edge[s] = e;
+      if (e < 0) {
+        check.fail(face_place(f), fmt::format("its side from vertex {} to {} is no edge", a, b));
+        continue;
+      }
+      const auto edge = static_cast<std::uint32_t>(e);
+      const std::size_t way = file.edges[edge][0] == a ? 0 : 1;
+      if (sides[edge][way] >= 0) {
+        const std::uint32_t other = sheet.side_face[static_cast<std::uint32_t>(sides[edge][way])];
+        check.fail(edge_place(edge), fmt::format("faces {} and {} both lie on the same side of it; "
+                                                 "a face overlaps another or runs the wrong way",
+                                                 other, f));
+        continue;
+      }
+      sides[edge][way] = static_cast<std::int32_t>(s);
+    }
+  }
+  return sides;
+}
+
+void link(const FoldFile& file, const std::vector<Sides>& sides, Sheet& sheet, VerifyCheck& check) {
+  for (std::uint32_t e = 0; e < file.edges.size(); ++e) {
+    const Assignment a = file.assignment[e];
+    const int used = (sides[e][0] >= 0 ? 1 : 0) + (sides[e][1] >= 0 ? 1 : 0);
+    if (used == 0) {
+      check.fail(edge_place(e), fmt::format("the {} bounds no face; it lies outside the sheet or "
+                                            "within a face",
+                                            kind(a)));
+    } else if (used == 1 && holds(a) && (a != Assignment::Unassigned || file.from_popcut)) {
+      const auto s = static_cast<std::uint32_t>(std::max(sides[e][0], sides[e][1]));
+      check.fail(edge_place(e),
+                 fmt::format("the {} has a face on one side only, face {}; a face is "
+                             "missing, or it is a border",
+                             kind(a), sheet.side_face[s]));
+    }
+    if (used == 2 && a == Assignment::Border && !file.drawn) {
+      const auto left = static_cast<std::uint32_t>(sides[e][0]);
+      const auto right = static_cast<std::uint32_t>(sides[e][1]);
+      check.fail(edge_place(e),
+                 fmt::format("the border has faces {} and {} on both sides; a border has one face, "
+                             "a cut between two is C, a fold M or V",
+                             sheet.side_face[left], sheet.side_face[right]));
+    }
+    if (used != 2 || !holds(a)) continue;
+    const auto left = static_cast<std::uint32_t>(sides[e][0]);
+    const auto right = static_cast<std::uint32_t>(sides[e][1]);
+    sheet.side_twin[left] = sides[e][1];
+    sheet.side_twin[right] = sides[e][0];
+    const Hinge hinge{e, file.edges[e][0], file.edges[e][1], sheet.side_face[left],
+                      sheet.side_face[right]};
+    if (hinge.left == hinge.right && joins(a)) continue;  // ties a hole to the rim of its face
+    if (hinge.left == hinge.right) {
+      check.fail(edge_place(e),
+                 fmt::format("the {} has face {} on both sides; a fold must part two "
+                             "faces",
+                             kind(a), hinge.left));
+      continue;
+    }
+    sheet.hinges.push_back(hinge);
+  }
+}
+
+}  // namespace
+
+double area(const FoldFile& file, std::size_t f) {
+  const auto corners = face_of(file, f);
+  const Vec2 origin = file.flat[corners[0]];
+  double twice = 0.0;
+  for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
+    twice += cross(file.flat[corners[k]] - origin, file.flat[corners[k + 1]] - origin);
+  }
+  return 0.5 * twice;
+}
+
+Sheet make_sheet(const FoldFile& file, VerifyCheck& check) {
+  Sheet sheet;
+  const EdgeIndex index(file);
+  index.each_repeat([&](std::uint32_t e, std::uint32_t again) {
+    check.fail(edge_place(again),
+               fmt::format("it joins the same vertices as edge {}; each line of the "
+                           "sheet is one edge",
+                           e));
+  });
+  const std::vector<Sides> sides = sides_of_edges(file, index, sheet, check);
+  link(file, sides, sheet, check);
+  Groups panels(file.faces());
+  Groups pieces(file.faces());
+  for (const Hinge& hinge : sheet.hinges) {
+    pieces.join(hinge.left, hinge.right);
+    if (joins(file.assignment[hinge.edge])) panels.join(hinge.left, hinge.right);
+  }
+  sheet.panels = panels.number(sheet.panel_of_face);
+  sheet.pieces = pieces.number(sheet.piece_of_face);
+  return sheet;
+}
+
+std::vector<double> border_loops(const FoldFile& file, const Sheet& sheet) {
+  std::vector<double> loops;
+  std::vector<std::uint8_t> seen(sheet.side_twin.size(), 0);
+  for (std::uint32_t start = 0; start < seen.size(); ++start) {
+    if (sheet.side_twin[start] >= 0 || seen[start] != 0) continue;
+    const Vec2 origin = file.flat[file.face_vertices[start]];
+    double twice = 0.0;
+    // Along the border, and at each of its vertices across the folds to the next border side.
+    for (std::uint32_t side = start; seen[side] == 0;) {
+      seen[side] = 1;
+      std::uint32_t after = sheet.next(file, side);
+      twice += cross(file.flat[file.face_vertices[side]] - origin,
+                     file.flat[file.face_vertices[after]] - origin);
+      while (sheet.side_twin[after] >= 0) {
+        after = sheet.next(file, static_cast<std::uint32_t>(sheet.side_twin[after]));
+      }
+      side = after;
+    }
+    loops.push_back(0.5 * twice);
+  }
+  return loops;
+}
+
+void trace_faces(FoldFile& file) {
+  // Half-edge 2e runs with edge e, 2e + 1 against it. Around each vertex the ones that leave it are
+  // put in order of angle; after arriving by h, the next one clockwise from its twin keeps the
+  // face on the left.
+  const std::size_t halves = 2 * file.edges.size();
+  const auto from = [&](std::size_t h) { return file.edges[h / 2][h % 2]; };
+  std::vector<std::uint32_t> first(file.flat.size() + 1, 0);
+  for (std::size_t h = 0; h < halves; ++h) ++first[from(h) + 1];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<std::uint32_t> leaving(halves);
+  std::vector<std::uint32_t> fill(first.begin(), first.end() - 1);
+  std::vector<double> angle(halves);
+  for (std::uint32_t h = 0; h < halves; ++h) {
+    leaving[fill[from(h)]++] = h;
+    const Vec2 way = file.flat[from(h ^ 1U)] - file.flat[from(h)];
+    angle[h] = std::atan2(way.v, way.u);
+  }
+  std::vector<std::uint32_t> clockwise(halves);
+  for (std::size_t vertex = 0; vertex < file.flat.size(); ++vertex) {
+    const auto begin = leaving.begin() + first[vertex];
+    const auto end = leaving.begin() + first[vertex + 1];
+    std::sort(begin, end, [&](std::uint32_t a, std::uint32_t b) {
+      return std::pair(angle[a], a) < std::pair(angle[b], b);
+    });
+    for (auto at = begin; at != end; ++at) clockwise[*at] = at == begin ? *(end - 1) : *(at - 1);
+  }
+
+  file.face_first.assign(1, 0);
+  file.face_vertices.clear();
+  std::vector<std::uint8_t> seen(halves, 0);
+  for (std::uint32_t start = 0; start < halves; ++start) {
+    double twice = 0.0;
+    const Vec2 origin = file.flat[from(start)];
+    for (std::uint32_t h = start; seen[h] == 0; h = clockwise[h ^ 1U]) {
+      seen[h] = 1;
+      file.face_vertices.push_back(from(h));
+      twice += cross(file.flat[from(h)] - origin, file.flat[from(h ^ 1U)] - origin);
+    }
+    if (twice > 0.0) {
+      file.face_first.push_back(static_cast<std::uint32_t>(file.face_vertices.size()));
+    } else {
+      file.face_vertices.resize(file.face_first.back());
+    }
+  }
+}
+
+}  // namespace popcut::verify

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+#include "core/verify/target/target.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace popcut::verify {
+namespace {
+
+const Pose* pose_to_measure(const FoldFile& file) {
+  const Pose* best = nullptr;
+  for (const Pose& pose : file.poses) {
+    if (!pose.psi_rad || !(std::sin(*pose.psi_rad) > 0.1)) continue;
+    if (best == nullptr || std::sin(*pose.psi_rad) > std::sin(*best->psi_rad)) best = &pose;
+  }
+  return best;
+}
+
+void add(TargetDistance& to, double distance_mm) {
+  ++to.vertices;
+  to.rms_mm += distance_mm * distance_mm;  // the sum of squares, until it is closed
+  to.max_mm = std::max(to.max_mm, distance_mm);
+}
+
+TargetDistance closed(TargetDistance sum) {
+  if (sum.vertices > 0) {
+    sum.rms_mm = std::sqrt(sum.rms_mm / static_cast<double>(sum.vertices));
+  }
+  return sum;
+}
+
+using Folds = std::vector<std::vector<FoldVertex>>;
+
+/// The valley folds of each strip as (X, Z), each place once. Only those along the spine: V-folds
+/// run across, and cut the crease that they stand on in two.
+Folds valleys_in(const FoldFile& file, const Pose& pose,
+                 const std::vector<TargetStation>& stations) {
+  Folds found(stations.size());
+  double reach = 0.0;
+  for (const Vec2 p : file.flat) reach = std::max({reach, std::abs(p.u), std::abs(p.v)});
+  const double same = 1e-9 * reach;
+  for (std::size_t e = 0; e < file.edges.size(); ++e) {
+    if (file.assignment[e] != Assignment::Valley) continue;
+    const auto [a, b] = file.edges[e];
+    if (std::abs(file.flat[a].u - file.flat[b].u) > same) continue;
+    const double from = std::min(file.flat[a].v, file.flat[b].v) + same;
+    const double to = std::max(file.flat[a].v, file.flat[b].v) - same;
+    auto at = std::lower_bound(stations.begin(), stations.end(), from,
+                               [](const TargetStation& s, double v) { return s.end_mm <= v; });
+    for (; at != stations.end() && at->begin_mm < to; ++at) {
+      found[static_cast<std::size_t>(at - stations.begin())].push_back(
+          unposed(0.5 * (pose.at[a] + pose.at[b]), *pose.psi_rad));
+    }
+  }
+  const double near = 1e-7 * reach;
+  for (std::vector<FoldVertex>& folds : found) {
+    std::sort(folds.begin(), folds.end(), [](const FoldVertex& p, const FoldVertex& q) {
+      return p.x - p.z < q.x - q.z;  // along a falling strip this rises
+    });
+    const auto last = std::unique(folds.begin(), folds.end(), [&](const auto& p, const auto& q) {
+      return std::hypot(p.x - q.x, p.z - q.z) <= near;
+    });
+    folds.erase(last, folds.end());
+  }
+  return found;
+}
+
+/// The outermost fold on the wall and on the ground among those at one station; negative for none.
+CurveEnds outermost(const std::vector<FoldVertex>& folds, double on_card) {
+  CurveEnds ends{-1.0, -1.0};
+  for (const FoldVertex& p : folds) {
+    if (std::abs(p.x) <= on_card && p.z > on_card) ends.wall = std::max(ends.wall, p.z);
+    if (std::abs(p.z) <= on_card && p.x > on_card) ends.ground = std::max(ends.ground, p.x);
+  }
+  return ends;
+}
+
+/// How far a connector's end is from the target's end on the slice that it came from: the one
+/// beside it that ends at the same place.
+double end_error(double end, double left, double right, double left_target, double right_target,
+                 double same) {
+  const double from_left = std::abs(end - left_target);
+  const double from_right = std::abs(end - right_target);
+  const bool at_left = std::abs(end - left) <= same;
+  const bool at_right = std::abs(end - right) <= same;
+  if (at_left != at_right) return at_left ? from_left : from_right;
+  return std::min(from_left, from_right);
+}
+
+/// Collects distances station by station.
+class Measurement {
+ public:
+  Measurement(const TargetSurface& surface, const Pose& pose, VerifyCheck& check)
+      : surface_(surface), check_(check) {
+    double reach = 0.0;
+    for (const Vec3& p : pose.at) reach = std::max({reach, std::abs(p.x), std::abs(p.z)});
+    on_card_ = 1e-9 * reach;
+  }
+
+  void inner_folds(const std::vector<FoldVertex>& folds, double s_mm) {
+    for (const FoldVertex& p : folds) {
+      if (std::abs(p.x) <= on_card_ || std::abs(p.z) <= on_card_) continue;
+      const double off = surface_.distance_mm(s_mm, p.x, p.z);
+      if (!take(off, s_mm)) return;
+      add(inner, off);
+    }
+  }
+
+  /// The ends of a connector against the target's on the two slices beside it.
+  void ends(const std::vector<FoldVertex>& folds,
+            std::array<const std::vector<FoldVertex>*, 2> beside, std::array<double, 2> s_mm) {
+    const CurveEnds here = outermost(folds, on_card_);
+    const CurveEnds left = outermost(*beside[0], on_card_);
+    const CurveEnds right = outermost(*beside[1], on_card_);
+    const CurveEnds a = surface_.ends_mm(s_mm[0]);
+    const CurveEnds b = surface_.ends_mm(s_mm[1]);
+    if (here.wall > 0.0 && a.wall > 0.0 && b.wall > 0.0) {
+      (void)take(end_error(here.wall, left.wall, right.wall, a.wall, b.wall, on_card_), s_mm[0]);
+    }
+    if (here.ground > 0.0 && a.ground > 0.0 && b.ground > 0.0) {
+      (void)take(end_error(here.ground, left.ground, right.ground, a.ground, b.ground, on_card_),
+                 s_mm[0]);
+    }
+  }
+
+  TargetDistance inner, all;  ///< with sums of squares, see `closed`
+
+ private:
+  bool take(double off, double s_mm) {
+    if (!(off >= 0.0) || !std::isfinite(off)) {
+      check_.fail("", fmt::format("the target has no curve at s = {:.6g} mm", s_mm));
+      return false;
+    }
+    add(all, off);
+    return true;
+  }
+
+  const TargetSurface& surface_;
+  VerifyCheck& check_;
+  double on_card_{};
+};
+
+}  // namespace
+
+FoldVertex unposed(Vec3 p, double psi_rad) {
+  const double z = p.z / std::sin(psi_rad);
+  return {p.x - z * std::cos(psi_rad), z};
+}
+
+void measure_target(const FoldFile& file, const Target& target, VerifyReport& report,
+                    VerifyCheck& check) {
+  const Pose* pose = pose_to_measure(file);
+  if (pose == nullptr) {
+    check.fail("/file_frames",
+               "no frame tells its opening angle in frame_popcut:psi_rad; the distance from the "
+               "target needs it");
+    return;
+  }
+  const auto stations = find_stations(file, *pose, target);
+  if (!stations) {
+    check.fail("", stations.error().detail);
+    return;
+  }
+  std::vector<TargetStation> connectors;
+  for (const auto& connector : stations->connectors) connectors.push_back(connector.at);
+  Measurement measured(*target.surface, *pose, check);
+  const Folds on_slices = valleys_in(file, *pose, stations->slices);
+  const Folds on_connectors = valleys_in(file, *pose, connectors);
+  for (std::size_t k = 0; k < connectors.size(); ++k) {
+    const auto& [at, left, right] = stations->connectors[k];
+    measured.inner_folds(on_connectors[k], at.s_mm);
+    measured.ends(on_connectors[k], {&on_slices[left], &on_slices[right]},
+                  {stations->slices[left].s_mm, stations->slices[right].s_mm});
+  }
+  const TargetDistance inner = closed(measured.inner);
+  const TargetDistance all = closed(measured.all);
+  if (all.vertices == 0) {
+    check.fail(
+        "",
+        "no fold of the pattern lies on a slice or connector of the spec; they do not belong "
+        "together");
+  }
+  report.target_inner = inner;
+  report.target_all = all;
+  check.detail = fmt::format(
+      "{} inner fold vertices: rms {:.3g} mm, max {:.3g} mm; {} with the ends: rms {:.3g} mm, "
+      "max {:.3g} mm",
+      inner.vertices, inner.rms_mm, inner.max_mm, all.vertices, all.rms_mm, all.max_mm);
+}
+
+}  // namespace popcut::verify

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include "core/verify/target/target_surface.hpp"
+
+namespace popcut::verify {
+namespace {
+
+/// A straight piece of a section, (x, z) in mm.
+struct Piece {
+  std::array<double, 2> a{}, b{};
+};
+
+double distance(const Piece& piece, double x, double z) {
+  const double ux = piece.b[0] - piece.a[0], uz = piece.b[1] - piece.a[1];
+  const double vx = x - piece.a[0], vz = z - piece.a[1];
+  const double square = ux * ux + uz * uz;
+  const double t = square > 0.0 ? std::clamp((ux * vx + uz * vz) / square, 0.0, 1.0) : 0.0;
+  return std::hypot(vx - t * ux, vz - t * uz);
+}
+
+/// Pieces of one section, in columns of equal width by their x.
+class SectionIndex {
+ public:
+  SectionIndex() = default;
+  explicit SectionIndex(std::vector<Piece> pieces) : pieces_(std::move(pieces)) {
+    if (pieces_.empty()) return;
+    low_ = std::numeric_limits<double>::infinity();
+    double high = -low_, sum = 0.0;
+    for (const Piece& p : pieces_) {
+      low_ = std::min({low_, p.a[0], p.b[0]});
+      high = std::max({high, p.a[0], p.b[0]});
+      sum += std::abs(p.b[0] - p.a[0]);
+    }
+    // As wide as a mean piece, so that a piece is in three columns on average at most.
+    const double count = static_cast<double>(pieces_.size());
+    width_ = std::max({sum / count, (high - low_) / count, 1e-12});
+    const std::size_t columns = 1 + static_cast<std::size_t>((high - low_) / width_);
+    first_.assign(columns + 1, 0);
+    const auto each = [&](const Piece& p, auto&& visit) {
+      const std::size_t to = column(std::max(p.a[0], p.b[0]));
+      for (std::size_t c = column(std::min(p.a[0], p.b[0])); c <= to; ++c) visit(c);
+    };
+    for (const Piece& p : pieces_) each(p, [&](std::size_t c) { ++first_[c + 1]; });
+    for (std::size_t c = 1; c <= columns; ++c) first_[c] += first_[c - 1];
+    item_.resize(first_.back());
+    std::vector<std::size_t> fill(first_.begin(), first_.end() - 1);
+    for (std::size_t k = 0; k < pieces_.size(); ++k)
+      each(pieces_[k], [&](std::size_t c) { item_[fill[c]++] = static_cast<std::uint32_t>(k); });
+  }
+
+  /// Distance of the nearest piece; negative without pieces.
+  [[nodiscard]] double nearest(double x, double z) const {
+    if (pieces_.empty()) return -1.0;
+    const std::size_t at = column(x), columns = first_.size() - 1;
+    double best = std::numeric_limits<double>::infinity();
+    const auto look = [&](std::size_t c) {
+      for (std::size_t k = first_[c]; k < first_[c + 1]; ++k)
+        best = std::min(best, distance(pieces_[item_[k]], x, z));
+    };
+    look(at);
+    for (std::size_t c = at; c-- > 0 && x - edge(c + 1) < best;) look(c);
+    for (std::size_t c = at + 1; c < columns && edge(c) - x < best; ++c) look(c);
+    return best;
+  }
+
+  [[nodiscard]] const std::vector<Piece>& pieces() const { return pieces_; }
+
+ private:
+  [[nodiscard]] double edge(std::size_t c) const { return low_ + width_ * static_cast<double>(c); }
+  [[nodiscard]] std::size_t column(double x) const {
+    const double offset = (x - low_) / width_;
+    return offset <= 0.0 ? 0 : std::min(first_.size() - 2, static_cast<std::size_t>(offset));
+  }
+
+  std::vector<Piece> pieces_;
+  double low_{}, width_{1.0};
+  std::vector<std::size_t> first_;
+  std::vector<std::uint32_t> item_;
+};
+
+/// Keeps of a piece what lies in the corner; false where that is nothing, or lies on wall or
+/// ground.
+bool clip(Piece& piece, double touch_mm) {
+  for (const std::size_t axis : {0u, 1u}) {
+    double& p = piece.a[axis];
+    double& q = piece.b[axis];
+    if (p <= touch_mm && q <= touch_mm) return false;
+    if (p >= 0.0 && q >= 0.0) continue;
+    const double t = p / (p - q);
+    auto& outside = p < 0.0 ? piece.a : piece.b;
+    const std::size_t other = 1 - axis;
+    outside[other] = piece.a[other] + t * (piece.b[other] - piece.a[other]);
+    outside[axis] = 0.0;
+  }
+  return true;
+}
+
+class Mesh : public TargetSurface {
+ public:
+  Mesh(TargetTriangles triangles, const TargetPlacement& placement)
+      : triangles_(std::move(triangles)), frame_(placement) {
+    const std::size_t count = triangles_.size();
+    low_ = std::numeric_limits<double>::infinity(), high_ = -low_;
+    double sum = 0.0;
+    for (std::size_t t = 0; t < count; ++t) {
+      const auto [from, to] = extent(t);
+      low_ = std::min(low_, from), high_ = std::max(high_, to), sum += to - from;
+    }
+    const double n = static_cast<double>(count);
+    slab_ = std::max({sum / n, (high_ - low_) / n, 1e-12});
+    first_.assign(2 + static_cast<std::size_t>((high_ - low_) / slab_), 0);
+    const auto each = [&](std::size_t t, auto&& visit) {
+      const auto [from, to] = extent(t);
+      for (std::size_t c = slab(from); c <= slab(to); ++c) visit(c);
+    };
+    for (std::size_t t = 0; t < count; ++t) each(t, [&](std::size_t c) { ++first_[c + 1]; });
+    for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+    item_.resize(first_.back());
+    std::vector<std::size_t> fill(first_.begin(), first_.end() - 1);
+    for (std::size_t t = 0; t < count; ++t)
+      each(t, [&](std::size_t c) { item_[fill[c]++] = static_cast<std::uint32_t>(t); });
+  }
+
+  [[nodiscard]] double distance_mm(double s_mm, double x_mm, double z_mm) const override {
+    return section(s_mm).nearest(x_mm, z_mm);
+  }
+
+  [[nodiscard]] CurveEnds ends_mm(double s_mm) const override {
+    CurveEnds ends{-1.0, -1.0};
+    const double touch = 1e-6 * (high_ - low_);
+    for (const Piece& piece : section(s_mm).pieces()) {
+      for (const auto& p : {piece.a, piece.b}) {
+        if (p[0] <= touch) ends.wall = std::max(ends.wall, p[1]);
+        if (p[1] <= touch) ends.ground = std::max(ends.ground, p[0]);
+      }
+    }
+    return ends;
+  }
+
+ private:
+  [[nodiscard]] std::array<double, 3> corner(std::size_t triangle, std::size_t k) const {
+    const float* const p = triangles_.corners.data() + 9 * triangle + 3 * k;
+    return frame_.to_corner(
+        {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
+  }
+  [[nodiscard]] std::array<double, 2> extent(std::size_t triangle) const {
+    const double a = corner(triangle, 0)[1], b = corner(triangle, 1)[1], c = corner(triangle, 2)[1];
+    return {std::min({a, b, c}), std::max({a, b, c})};
+  }
+  [[nodiscard]] std::size_t slab(double s) const {
+    const double offset = (s - low_) / slab_;
+    return offset <= 0.0 ? 0 : std::min(first_.size() - 2, static_cast<std::size_t>(offset));
+  }
+
+  /// The section, kept until another is asked for. The surface's own first and last plane are cut
+  /// a billionth of its length inside.
+  [[nodiscard]] const SectionIndex& section(double s_mm) const {
+    if (s_mm == last_s_) return last_;
+    last_s_ = s_mm;
+    const double length = high_ - low_, touch = 1e-6 * length;
+    std::vector<Piece> pieces;
+    if (s_mm >= low_ - touch && s_mm <= high_ + touch) {
+      const double s = std::clamp(s_mm, low_ + 1e-9 * length, high_ - 1e-9 * length);
+      const std::size_t c = slab(s);
+      for (std::size_t k = first_[c]; k < first_[c + 1]; ++k) {
+        Piece piece;
+        if (cut(item_[k], s, piece) && clip(piece, 1e-9 * length)) pieces.push_back(piece);
+      }
+    }
+    last_ = SectionIndex(std::move(pieces));
+    return last_;
+  }
+
+  [[nodiscard]] bool cut(std::size_t triangle, double s, Piece& piece) const {
+    const std::array<std::array<double, 3>, 3> p{corner(triangle, 0), corner(triangle, 1),
+                                                 corner(triangle, 2)};
+    std::size_t found = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto &from = p[k], &to = p[(k + 1) % 3];
+      if ((from[1] < s) == (to[1] < s)) continue;
+      const double t = (s - from[1]) / (to[1] - from[1]);
+      auto& end = found++ == 0 ? piece.a : piece.b;
+      end = {from[0] + t * (to[0] - from[0]), from[2] + t * (to[2] - from[2])};
+    }
+    return found == 2;
+  }
+
+  TargetTriangles triangles_;
+  PlacedFrame frame_;
+  double low_{}, high_{}, slab_{1.0};
+  std::vector<std::size_t> first_;
+  std::vector<std::uint32_t> item_;
+  mutable double last_s_{std::numeric_limits<double>::quiet_NaN()};
+  mutable SectionIndex last_;
+};
+
+}  // namespace
+
+std::unique_ptr<TargetSurface> mesh_target(TargetTriangles triangles,
+                                           const TargetPlacement& placement) {
+  return std::make_unique<Mesh>(std::move(triangles), placement);
+}
+
+}  // namespace popcut::verify

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: MIT
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/verify/target/target.hpp"
+
+namespace popcut {
+namespace verify {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMaxSpecBytes = 1 << 22;
+constexpr int kMaxSpecDepth = 32;
+constexpr double kMostSlices = 1e6, kMostUnits = 1e6;
+constexpr double kDefaultMargin_mm = 15.0;
+
+tl::unexpected<Error> wrong(std::string place, std::string detail) {
+  return fail(ErrorKind::Malformed, std::move(place), std::move(detail));
+}
+
+Result<Json> parse_spec(std::string_view text) {
+  if (text.size() > kMaxSpecBytes)
+    return fail(ErrorKind::OutOfRange, "", "the spec is larger than 4 MiB");
+  bool deep = false;
+  const auto watch = [&](int depth, Json::parse_event_t, Json&) {
+    deep = deep || depth > kMaxSpecDepth;
+    return !deep;
+  };
+  Json spec = Json::parse(text, watch, false);
+  if (deep || spec.is_discarded()) return wrong("", "the spec is not JSON, or nested too deep");
+  if (!spec.is_object()) return wrong("/", "a design spec is an object");
+  return spec;
+}
+
+/// A number from `low` to `high`.
+Result<double> number_at(const Json& spec, const std::string& pointer,
+                         std::optional<double> otherwise, double low = -1e9, double high = 1e9) {
+  const Json::json_pointer at(pointer);
+  if (!spec.contains(at)) {
+    if (otherwise) return *otherwise;
+    return wrong(pointer, "missing; verify needs it to find the slices");
+  }
+  if (!spec.at(at).is_number()) return wrong(pointer, "it must be a number");
+  const double value = spec.at(at).get<double>();
+  if (!(value >= low && value <= high))
+    return fail(ErrorKind::OutOfRange, pointer,
+                fmt::format("it is {:g}; a number from {:g} to {:g} is needed", value, low, high));
+  return value;
+}
+
+Result<TargetPlacement> read_placement(const Json& spec) {
+  TargetPlacement out;
+  const auto scale = number_at(spec, "/scale_mm", 1.0, 1e-9);
+  if (!scale) return tl::unexpected<Error>(scale.error());
+  out.scale_mm = *scale;
+  for (auto [member, list] :
+       {std::pair{"rotate_deg", &out.rotate_deg}, std::pair{"translate_mm", &out.translate_mm}}) {
+    if (!spec.contains(member)) continue;
+    const std::string place = std::string("/") + member;
+    if (!spec[member].is_array() || spec[member].size() != 3)
+      return wrong(place, "it must be a list of three numbers");
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto value = number_at(spec, fmt::format("{}/{}", place, k), std::nullopt);
+      if (!value) return tl::unexpected<Error>(value.error());
+      (*list)[k] = *value;
+    }
+  }
+  return out;
+}
+
+using Surface = std::unique_ptr<TargetSurface>;
+
+Result<TargetFormula> formula_at(const Json& object, const char* member, const std::string& place,
+                                 std::optional<double> length = std::nullopt) {
+  const std::string at = fmt::format("{}/{}", place, member);
+  if (!object.contains(member) || !object[member].is_string())
+    return wrong(at, "it must be an expression");
+  auto formula = read_formula(object[member].get<std::string>(), length);
+  if (!formula) return wrong(at, formula.error().detail);
+  return formula;
+}
+
+Result<Surface> read_surface(const Json& surface, const TargetPlacement& placement,
+                             const std::string& file_bytes) {
+  if (!surface.is_object() || !surface.contains("type") || !surface["type"].is_string())
+    return wrong("/surface", "it must be an object with a type");
+  const std::string type = surface["type"].get<std::string>();
+  if (type == "grid" || type == "mesh") {
+    if (!surface.contains("file") || !surface["file"].is_string())
+      return wrong("/surface/file", "it must be the name of a file");
+    const std::string name = surface["file"].get<std::string>();
+    auto triangles =
+        type == "grid" ? read_target_grid(name, file_bytes) : read_target_mesh(name, file_bytes);
+    if (!triangles) return tl::unexpected<Error>(within("/surface/file", triangles.error()));
+    return mesh_target(std::move(*triangles), placement);
+  }
+  const bool revolution = type == "revolution", profile = type == "profile";
+  if (!revolution && !profile && type != "implicit")
+    return fail(ErrorKind::OutOfRange, "/surface/type",
+                fmt::format("\"{}\" is not known; revolution, profile, implicit, grid, mesh or "
+                            "composite is needed",
+                            type.substr(0, 40)));
+  auto formula = formula_at(surface, revolution ? "radius" : profile ? "z" : "f", "/surface");
+  if (!formula) return tl::unexpected<Error>(formula.error());
+  if (revolution) return revolution_target(std::move(*formula), placement);
+  if (profile) return profile_target(std::move(*formula), placement);
+  return solid_target(std::move(*formula), placement);
+}
+
+/// The three stretches of the paper's composite (S2.F).
+Result<std::array<TargetFormula, 3>> composite_radii(const Json& surface,
+                                                     const std::vector<double>& lengths) {
+  const Json& radii = surface.contains("radii") ? surface["radii"] : Json();
+  if (!radii.is_array() || radii.size() != 3 || !radii[0].is_number() || !radii[1].is_number() ||
+      !radii[2].is_number())
+    return wrong("/surface/radii", "they must be three numbers");
+  if (lengths.size() != 3) return wrong("/regions", "a composite surface needs three");
+  const double r1 = radii[0].get<double>(), r2 = radii[1].get<double>(),
+               r3 = radii[2].get<double>();
+  const double pi = std::numbers::pi;
+  const auto blend = [](double from, double to, double share) {
+    return from + (to - from) * share;
+  };
+  return std::array<TargetFormula, 3>{[=, L = lengths[0]](double, double y, double) {
+                                        return blend(r1, r2, 0.5 * (1.0 - std::cos(pi * y / L)));
+                                      },
+                                      [=, L = lengths[1]](double, double y, double) {
+                                        return blend(r2, r3, 0.5 * (1.0 - std::cos(pi * y / L)));
+                                      },
+                                      [=, L = lengths[2]](double, double y, double) {
+                                        return blend(r3, r2, 0.5 * (1.0 - std::cos(pi * y / L)));
+                                      }};
+}
+
+Result<void> read_widths(const Json& spec, Target& target) {
+  const auto units = number_at(spec, "/units_per_slice", 2.0, 1.0, kMostUnits);
+  if (!units) return tl::unexpected<Error>(units.error());
+  const auto slices = number_at(spec, "/slices", std::nullopt, 1.0, kMostSlices);
+  if (!slices) return tl::unexpected<Error>(slices.error());
+  target.chosen_units = static_cast<int>(*units);
+  if (spec.contains("widths_mm") && spec["widths_mm"].is_object()) return {};
+  const auto count = static_cast<std::size_t>(*slices);
+  const bool list = spec.contains("widths_mm") && spec["widths_mm"].is_array();
+  if (list && spec["widths_mm"].size() != count)
+    return wrong("/widths_mm",
+                 fmt::format("{} widths for {} slices", spec["widths_mm"].size(), count));
+  for (std::size_t j = 0; j < count; ++j) {
+    const auto width =
+        number_at(spec, list ? fmt::format("/widths_mm/{}", j) : "/widths_mm", std::nullopt, 1e-9);
+    if (!width) return tl::unexpected<Error>(width.error());
+    target.slices.push_back({*width, static_cast<int>(*units), false});
+  }
+  return {};
+}
+
+/// The slices of the regions; where each begins and how long it is.
+struct RegionPlaces {
+  std::vector<double> origin_mm, middle_mm, length_mm;
+};
+
+Result<RegionPlaces> read_regions(const Json& regions, Target& target) {
+  RegionPlaces out;
+  if (!regions.is_array() || regions.empty() || regions.size() > 1000)
+    return wrong("/regions", "it must be a list of 1 to 1000 regions");
+  double s = 0.0;
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    const Json& region = regions[r];
+    const auto units = number_at(region, "/units_per_slice", std::nullopt, 1.0, kMostUnits);
+    const auto slices = number_at(region, "/slices", std::nullopt, 1.0, kMostSlices);
+    const bool list =
+        region.is_object() && region.contains("widths_mm") && region["widths_mm"].is_array();
+    const bool other = region.is_object() && region.contains("widths_mm");
+    const std::string place = fmt::format("/regions/{}", r);
+    for (const auto* read : {&units, &slices})
+      if (!*read) return tl::unexpected<Error>(within(place, read->error()));
+    const auto count = static_cast<std::size_t>(*slices);
+    if (list && region["widths_mm"].size() != count)
+      return wrong(place + "/widths_mm",
+                   fmt::format("{} widths for {} slices", region["widths_mm"].size(), count));
+    if (target.slices.size() + count > kMostSlices)
+      return wrong(place, "more than a million slices in all");
+    if (!target.slices.empty())
+      target.slices.back().cut_after = target.slices.back().units != static_cast<int>(*units);
+    double length = 0.0;
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto width = number_at(region,
+                                   list    ? fmt::format("/widths_mm/{}", k)
+                                   : other ? "/widths_mm"
+                                           : "/width_mm",
+                                   std::nullopt, 1e-9);
+      if (!width) return tl::unexpected<Error>(within(place, width.error()));
+      if (!target.slices.empty()) s += 0.5 * (target.slices.back().width_mm + *width);
+      if (k == 0) {
+        out.origin_mm.push_back(s - 0.5 * *width);
+        out.middle_mm.push_back(s);
+      }
+      length += *width;
+      target.slices.push_back({*width, static_cast<int>(*units), false});
+    }
+    out.length_mm.push_back(length);
+  }
+  return out;
+}
+
+/// One surface for all, or the regions' own.
+Result<Surface> read_stretches(const Json& spec, const RegionPlaces& places,
+                               const TargetPlacement& placement, const std::string& file_bytes) {
+  const Json& regions = spec["regions"];
+  const Json& surface = spec.contains("surface") ? spec["surface"] : Json();
+  const bool composite =
+      surface.is_object() && surface.contains("type") && surface["type"] == "composite";
+  std::vector<double> lengths;
+  for (const double length : places.length_mm) lengths.push_back(length / placement.scale_mm);
+  std::array<TargetFormula, 3> radii;
+  std::shared_ptr<const TargetSurface> common;
+  if (composite) {
+    auto made = composite_radii(surface, lengths);
+    if (!made) return tl::unexpected<Error>(made.error());
+    radii = std::move(*made);
+  } else if (!surface.is_null()) {
+    auto made = read_surface(surface, placement, file_bytes);
+    if (!made) return tl::unexpected<Error>(made.error());
+    common = std::move(*made);
+  }
+  std::vector<TargetStretch> stretches;
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    if (!composite && !regions[r].contains("radius")) {
+      if (!common) return wrong(fmt::format("/regions/{}/radius", r), "missing, as is /surface");
+      stretches.push_back({places.middle_mm[r], 0.0, common});
+      continue;
+    }
+    auto radius = composite
+                      ? Result<TargetFormula>(radii[r])
+                      : formula_at(regions[r], "radius", fmt::format("/regions/{}", r), lengths[r]);
+    if (!radius) return tl::unexpected<Error>(radius.error());
+    stretches.push_back({places.origin_mm[r], places.origin_mm[r],
+                         revolution_target(std::move(*radius), placement)});
+  }
+  return stretched_target(std::move(stretches));
+}
+
+}  // namespace
+
+Result<Target> read_target(std::string_view spec_json, const std::string& file_bytes) {
+  const auto spec = parse_spec(spec_json);
+  if (!spec) return tl::unexpected<Error>(spec.error());
+  if (spec->contains("patches"))
+    return fail(ErrorKind::OutOfRange, "/patches",
+                "verify measures one patch at a time; give it the spec of that patch alone");
+  const auto placement = read_placement(*spec);
+  if (!placement) return tl::unexpected<Error>(placement.error());
+  const bool plain =
+      spec->contains("card") && (*spec)["card"].is_boolean() && !(*spec)["card"].get<bool>();
+  const auto margin =
+      plain ? Result<double>(0.0) : number_at(*spec, "/card/margin_mm", kDefaultMargin_mm, 0.0);
+  if (!margin) return tl::unexpected<Error>(margin.error());
+  Target target;
+  target.margin_mm = *margin;
+  Result<Surface> surface;
+  if (spec->contains("regions")) {
+    const auto places = read_regions((*spec)["regions"], target);
+    if (!places) return tl::unexpected<Error>(places.error());
+    surface = read_stretches(*spec, *places, *placement, file_bytes);
+  } else {
+    if (auto read = read_widths(*spec, target); !read) return tl::unexpected<Error>(read.error());
+    surface = read_surface(spec->contains("surface") ? (*spec)["surface"] : Json(), *placement,
+                           file_bytes);
+  }
+  if (!surface) return tl::unexpected<Error>(surface.error());
+  target.surface = std::move(*surface);
+  return target;
+}
+
+}  // namespace verify
+
+std::string target_file_of(std::string_view spec_json) {
+  const auto spec = verify::parse_spec(spec_json);
+  if (!spec || !spec->contains("surface")) return {};
+  const auto& surface = (*spec)["surface"];
+  const auto is_text = [&](const char* member) {
+    return surface.is_object() && surface.contains(member) && surface[member].is_string();
+  };
+  if (!is_text("type") || !is_text("file")) return {};
+  return surface["type"] == "mesh" || surface["type"] == "grid" ? surface["file"].get<std::string>()
+                                                                : std::string();
+}
+
+}  // namespace popcut

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: MIT
+#include "core/verify/target/target_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string_view>
+#include <utility>
+
+#include <muParser.h>
+
+namespace popcut::verify {
+namespace {
+
+/// An expression of x, y, z and perhaps L.
+class Expression {
+ public:
+  Expression(const std::string& text, std::optional<double> length) : length_(length.value_or(0)) {
+    parser_.DefineVar("x", &x_);
+    parser_.DefineVar("y", &y_);
+    parser_.DefineVar("z", &z_);
+    if (length) parser_.DefineVar("L", &length_);
+    parser_.DefineConst("pi", std::numbers::pi);
+    parser_.DefineConst("e", std::numbers::e);
+    parser_.SetExpr(text);
+    (void)parser_.Eval();  // throws on what it cannot read
+  }
+  Expression(const Expression&) = delete;
+  Expression& operator=(const Expression&) = delete;
+
+  [[nodiscard]] double operator()(double x, double y, double z) {
+    x_ = x;
+    y_ = y;
+    z_ = z;
+    try {
+      return parser_.Eval();
+    } catch (const mu::Parser::exception_type&) {  // some functions tell their domain's end so
+      return std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+
+ private:
+  double x_{0.25}, y_{0.25}, z_{0.25}, length_;
+  mu::Parser parser_;
+};
+
+/// y of the surface at a place along the spine, for an upright one.
+double upright_y(const TargetPlacement& placement, double s_mm) {
+  return (s_mm - placement.translate_mm[1]) / placement.scale_mm;
+}
+
+/// Quarter circles about the spine.
+class Revolution : public TargetSurface {
+ public:
+  Revolution(TargetFormula radius, const TargetPlacement& placement)
+      : radius_(std::move(radius)), placement_(placement) {}
+  [[nodiscard]] double distance_mm(double s_mm, double x_mm, double z_mm) const override {
+    const double r_mm = radius_mm(s_mm);
+    return r_mm > 0.0 ? std::abs(std::hypot(x_mm, z_mm) - r_mm) : -1.0;
+  }
+  [[nodiscard]] CurveEnds ends_mm(double s_mm) const override {
+    const double r_mm = radius_mm(s_mm);
+    return {r_mm, r_mm};
+  }
+
+ private:
+  [[nodiscard]] double radius_mm(double s_mm) const {
+    return placement_.scale_mm * radius_(0.0, upright_y(placement_, s_mm), 0.0);
+  }
+
+  TargetFormula radius_;
+  TargetPlacement placement_;
+};
+
+/// A profile z(x, y), for x from 0 to where it comes down to 0.
+class Profile : public TargetSurface {
+ public:
+  Profile(TargetFormula z, const TargetPlacement& placement)
+      : z_(std::move(z)), placement_(placement), scale_(placement.scale_mm) {}
+  [[nodiscard]] double distance_mm(double s_mm, double x_mm, double z_mm) const override {
+    const double y = upright_y(placement_, s_mm);
+    const auto away = [&](double x) {
+      return std::hypot(x - x_mm / scale_, z_(x, y, 0.0) - z_mm / scale_);
+    };
+    const double end = ground_end(y);
+    if (!(end > 0.0)) return -1.0;
+    // Sampled, then narrowed about the nearest sample. Near the ground the curve can be steep, so
+    // samples thicken towards both ends.
+    constexpr int kSamples = 400;
+    const auto at = [&](double t) { return end * 0.5 * (1.0 - std::cos(std::numbers::pi * t)); };
+    int nearest = 0;
+    for (int k = 1; k <= kSamples; ++k) {
+      const double candidate = away(at(static_cast<double>(k) / kSamples));
+      if (candidate < away(at(static_cast<double>(nearest) / kSamples))) nearest = k;
+    }
+    double low = static_cast<double>(std::max(0, nearest - 1)) / kSamples;
+    double high = static_cast<double>(std::min(kSamples, nearest + 1)) / kSamples;
+    for (int step = 0; step < 100; ++step) {
+      const double a = low + (high - low) / 3.0;
+      const double b = high - (high - low) / 3.0;
+      away(at(a)) < away(at(b)) ? high = b : low = a;
+    }
+    const double found = scale_ * away(at(0.5 * (low + high)));
+    return std::isfinite(found) ? found : -1.0;
+  }
+  [[nodiscard]] CurveEnds ends_mm(double s_mm) const override {
+    const double y = upright_y(placement_, s_mm);
+    return {scale_ * z_(0.0, y, 0.0), scale_ * ground_end(y)};
+  }
+
+ private:
+  /// Smallest x > 0 at which the profile is down at 0; negative if it never is.
+  [[nodiscard]] double ground_end(double y) const {
+    const double height = z_(0.0, y, 0.0);
+    if (!(height > 0.0)) return -1.0;
+    double step = height / 256.0;
+    double above = 0.0;
+    double below = step;
+    for (int k = 0; k < 8192 && z_(below, y, 0.0) > 0.0; ++k) {
+      above = below;
+      below += step;
+      if (k % 1024 == 1023) step *= 2.0;
+    }
+    if (z_(below, y, 0.0) > 0.0) return -1.0;
+    for (int k = 0; k < 80; ++k) {
+      const double middle = 0.5 * (above + below);
+      (z_(middle, y, 0.0) > 0.0 ? above : below) = middle;
+    }
+    return above;
+  }
+
+  TargetFormula z_;
+  TargetPlacement placement_;
+  double scale_;
+};
+
+/// One surface after the other along the spine.
+class Stretched : public TargetSurface {
+ public:
+  explicit Stretched(std::vector<TargetStretch> stretches) : stretches_(std::move(stretches)) {}
+  [[nodiscard]] double distance_mm(double s_mm, double x_mm, double z_mm) const override {
+    const TargetStretch& here = at(s_mm);
+    return here.surface->distance_mm(s_mm - here.origin_mm, x_mm, z_mm);
+  }
+  [[nodiscard]] CurveEnds ends_mm(double s_mm) const override {
+    const TargetStretch& here = at(s_mm);
+    return here.surface->ends_mm(s_mm - here.origin_mm);
+  }
+
+ private:
+  [[nodiscard]] const TargetStretch& at(double s_mm) const {
+    const auto after = std::upper_bound(
+        stretches_.begin(), stretches_.end(), s_mm,
+        [](double s, const TargetStretch& stretch) { return s < stretch.begin_mm; });
+    return after == stretches_.begin() ? stretches_.front() : *(after - 1);
+  }
+
+  std::vector<TargetStretch> stretches_;
+};
+
+}  // namespace
+
+bool TargetPlacement::upright() const {
+  return rotate_deg == std::array<double, 3>{} && translate_mm[0] == 0.0 && translate_mm[2] == 0.0;
+}
+
+PlacedFrame::PlacedFrame(const TargetPlacement& placement)
+    : scale_(placement.scale_mm), shift_(placement.translate_mm) {
+  for (std::size_t i = 0; i < 3; ++i) turn_[i][i] = 1.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {  // x first, z last
+    const double turns = std::remainder(placement.rotate_deg[axis], 360.0) / 90.0;
+    const bool right = turns == std::round(turns);
+    const double angle = 0.5 * std::numbers::pi * turns;
+    const double c = right ? std::round(std::cos(angle)) : std::cos(angle);
+    const double s = right ? std::round(std::sin(angle)) : std::sin(angle);
+    const std::size_t a = (axis + 1) % 3, b = (axis + 2) % 3;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double p = turn_[a][k], q = turn_[b][k];
+      turn_[a][k] = c * p - s * q;
+      turn_[b][k] = s * p + c * q;
+    }
+  }
+}
+
+std::array<double, 3> PlacedFrame::to_corner(const std::array<double, 3>& q) const {
+  std::array<double, 3> p = shift_;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t k = 0; k < 3; ++k) p[i] += scale_ * turn_[i][k] * q[k];
+  return p;
+}
+
+std::array<double, 3> PlacedFrame::to_surface(const std::array<double, 3>& p) const {
+  std::array<double, 3> q{};
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t i = 0; i < 3; ++i) q[k] += turn_[i][k] * (p[i] - shift_[i]) / scale_;
+  return q;
+}
+
+namespace {
+
+/// A "=" that is no part of ==, !=, <= or >=: the parser would set a variable by it.
+bool assigns(const std::string& text) {
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    if (text[k] != '=') continue;
+    if (k + 1 < text.size() && text[k + 1] == '=') {
+      ++k;
+    } else if (k == 0 || std::string_view("<>!").find(text[k - 1]) == std::string_view::npos) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+Result<TargetFormula> read_formula(const std::string& expression, std::optional<double> length) {
+  if (assigns(expression))
+    return fail(
+        ErrorKind::Malformed, "",
+        "the expression sets a variable by \"=\"; write a formula without it (== compares)");
+  try {
+    auto shared = std::make_shared<Expression>(expression, length);
+    return [shared](double x, double y, double z) { return (*shared)(x, y, z); };
+  } catch (const mu::Parser::exception_type& why) {
+    return fail(ErrorKind::Malformed, "", "the expression cannot be read: " + why.GetMsg());
+  }
+}
+
+std::unique_ptr<TargetSurface> revolution_target(TargetFormula radius,
+                                                 const TargetPlacement& placement) {
+  if (placement.upright()) return std::make_unique<Revolution>(std::move(radius), placement);
+  return solid_target(
+      [radius = std::move(radius)](double x, double y, double z) {
+        const double r = radius(0.0, y, 0.0);
+        return r > 0.0 ? std::hypot(x, z) - r : 1.0;
+      },
+      placement);
+}
+
+std::unique_ptr<TargetSurface> profile_target(TargetFormula z, const TargetPlacement& placement) {
+  if (placement.upright()) return std::make_unique<Profile>(std::move(z), placement);
+  return solid_target(
+      [z = std::move(z)](double x, double y, double height) { return height - z(x, y, 0.0); },
+      placement);
+}
+
+std::unique_ptr<TargetSurface> stretched_target(std::vector<TargetStretch> stretches) {
+  return std::make_unique<Stretched>(std::move(stretches));
+}
+
+}  // namespace popcut::verify
