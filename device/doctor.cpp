@@ -12,9 +12,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "device/inquirer.hpp"
-#include "device/ports.hpp"
-#include "device/usb_bus.hpp"
+#include "device/session/inquirer.hpp"
+#include "device/port/ports.hpp"
+#include "device/usb/usb_bus.hpp"
 
 namespace popcut {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "core/machines/machine.hpp"
 #include "core/result.hpp"
-#include "device/usb_device.hpp"
+#include "device/usb/usb_device.hpp"
 #include "protocol/replies.hpp"
 
 namespace popcut {

@@ -29,8 +29,8 @@
 #include "daemon/cli/pause_key.hpp"
 #include "daemon/cli/plan_job.hpp"
 #include "daemon/cli/progress_bar.hpp"
-#include "device/expect.hpp"
-#include "device/session.hpp"
+#include "device/compare/expect.hpp"
+#include "device/session/session.hpp"
 
 namespace popcut::cli {
 namespace {

@@ -13,11 +13,11 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/udev_rule.hpp"
 #include "daemon/cli/user_tables.hpp"
-#include "device/device_id.hpp"
+#include "device/port/device_id.hpp"
 #include "device/doctor.hpp"
-#include "device/ports.hpp"
-#include "device/serial_transport.hpp"
-#include "device/usb_bus.hpp"
+#include "device/port/ports.hpp"
+#include "device/port/serial_transport.hpp"
+#include "device/usb/usb_bus.hpp"
 
 namespace popcut::cli {
 namespace {

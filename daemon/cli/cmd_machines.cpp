@@ -9,8 +9,8 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/daemon_devices.hpp"
 #include "daemon/cli/user_tables.hpp"
-#include "device/ports.hpp"
-#include "device/usb_bus.hpp"
+#include "device/port/ports.hpp"
+#include "device/usb/usb_bus.hpp"
 
 namespace popcut::cli {
 namespace {

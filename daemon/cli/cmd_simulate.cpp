@@ -17,7 +17,7 @@
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/simulate_pty.hpp"
 #include "daemon/cli/user_tables.hpp"
-#include "device/simulate.hpp"
+#include "device/sim/simulate.hpp"
 #include "protocol/decode.hpp"
 
 namespace popcut::cli {

@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 
 #include "daemon/cli/user_tables.hpp"
-#include "device/file_transport.hpp"
-#include "device/serial_transport.hpp"
-#include "device/sim_transport.hpp"
-#include "device/usb_bus.hpp"
-#include "device/usb_error.hpp"
+#include "device/port/file_transport.hpp"
+#include "device/port/serial_transport.hpp"
+#include "device/sim/sim_transport.hpp"
+#include "device/usb/usb_bus.hpp"
+#include "device/usb/usb_error.hpp"
 
 namespace popcut::cli {
 namespace {

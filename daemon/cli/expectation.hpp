@@ -10,7 +10,7 @@
 #include "core/plan/knife/strokes.hpp"
 #include "core/result.hpp"
 #include "daemon/cli/user_tables.hpp"
-#include "device/expect.hpp"
+#include "device/compare/expect.hpp"
 
 namespace popcut::cli {
 

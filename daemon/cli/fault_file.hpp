@@ -6,7 +6,7 @@
 
 #include "core/result.hpp"
 #include "daemon/cli/cut_device.hpp"
-#include "device/sim_faults.hpp"
+#include "device/sim/sim_faults.hpp"
 
 namespace popcut::cli {
 

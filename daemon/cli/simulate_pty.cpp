@@ -12,7 +12,7 @@
 #include "daemon/cli/output_folder.hpp"
 #include "daemon/cli/simulate_pty.hpp"
 #include "daemon/cli/user_tables.hpp"
-#include "device/sim_pty.hpp"
+#include "device/sim/sim_pty.hpp"
 
 namespace popcut::cli {
 namespace {

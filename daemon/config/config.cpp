@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "daemon/config/toml_fields.hpp"
-#include "device/device_id.hpp"
+#include "device/port/device_id.hpp"
 
 namespace popcut::daemon {
 namespace {

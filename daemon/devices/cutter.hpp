@@ -16,7 +16,7 @@
 #include "daemon/devices/cutter_line.hpp"
 #include "daemon/devices/cutters.hpp"
 #include "daemon/service/model.hpp"
-#include "device/session.hpp"
+#include "device/session/session.hpp"
 
 namespace popcut::daemon {
 

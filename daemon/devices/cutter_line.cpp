@@ -14,8 +14,8 @@
 
 #include <fmt/format.h>
 
-#include "device/serial_transport.hpp"
-#include "device/trace.hpp"
+#include "device/port/serial_transport.hpp"
+#include "device/sim/trace.hpp"
 
 namespace popcut::daemon {
 namespace {

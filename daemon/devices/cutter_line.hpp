@@ -12,10 +12,10 @@
 #include "core/result.hpp"
 #include "daemon/config/config.hpp"
 #include "daemon/devices/paced_transport.hpp"
-#include "device/device_id.hpp"
-#include "device/sim_faults.hpp"
-#include "device/trace.hpp"
-#include "device/usb_bus.hpp"
+#include "device/port/device_id.hpp"
+#include "device/sim/sim_faults.hpp"
+#include "device/sim/trace.hpp"
+#include "device/usb/usb_bus.hpp"
 
 namespace popcut::daemon {
 

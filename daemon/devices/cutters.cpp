@@ -13,8 +13,8 @@
 
 #include "daemon/devices/cutter.hpp"
 #include "daemon/devices/make_cutters.hpp"
-#include "device/usb_bus.hpp"
-#include "device/usb_error.hpp"
+#include "device/usb/usb_bus.hpp"
+#include "device/usb/usb_error.hpp"
 
 namespace popcut::daemon {
 namespace {

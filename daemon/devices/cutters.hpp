@@ -11,7 +11,7 @@
 #include "core/machines/machine.hpp"
 #include "core/result.hpp"
 #include "daemon/service/model.hpp"
-#include "device/session.hpp"
+#include "device/session/session.hpp"
 #include "protocol/encode.hpp"
 
 namespace popcut::daemon {

@@ -8,7 +8,7 @@
 #include "core/result.hpp"
 #include "daemon/config/config.hpp"
 #include "daemon/devices/cutters.hpp"
-#include "device/session.hpp"
+#include "device/session/session.hpp"
 
 namespace popcut::daemon {
 

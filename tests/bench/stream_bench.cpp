@@ -9,8 +9,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "device/session.hpp"
-#include "device/sim_transport.hpp"
+#include "device/session/session.hpp"
+#include "device/sim/sim_transport.hpp"
 #include "protocol/decode.hpp"
 #include "protocol/encode.hpp"
 

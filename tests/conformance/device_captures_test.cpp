@@ -11,7 +11,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "device/simulate.hpp"
+#include "device/sim/simulate.hpp"
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;

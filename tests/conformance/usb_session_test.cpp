@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "device/session.hpp"
-#include "device/usb_bus.hpp"
+#include "device/session/session.hpp"
+#include "device/usb/usb_bus.hpp"
 #include "tests/support/ledger_checks.hpp"
 #include "tests/support/sim_bench.hpp"
 #include "tests/support/usb_cutter.hpp"

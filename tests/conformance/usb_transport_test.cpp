@@ -11,7 +11,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "device/usb_bus.hpp"
+#include "device/usb/usb_bus.hpp"
 #include "tests/support/sim_bench.hpp"
 #include "tests/support/usbfs_device.hpp"
 

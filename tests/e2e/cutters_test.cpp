@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/devices/make_cutters.hpp"
-#include "device/sim_pty.hpp"
+#include "device/sim/sim_pty.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/received_log.hpp"
 #include "tests/support/sim_bench.hpp"

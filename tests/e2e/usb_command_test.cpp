@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/formats/svg/svg_reader.hpp"
-#include "device/expect.hpp"
+#include "device/compare/expect.hpp"
 #include "tests/support/at_terminal.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/quick_tables.hpp"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "device/simulate.hpp"
+#include "device/sim/simulate.hpp"
 #include "tests/fuzz/program_checks.hpp"
 
 // The simulated cutter behind both languages: it must come to rest and draw nothing twice as long.

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/machines/machine.hpp"
-#include "device/sim_faults.hpp"
+#include "device/sim/sim_faults.hpp"
 
 using namespace popcut;
 

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "device/session.hpp"
-#include "device/simulate.hpp"
+#include "device/session/session.hpp"
+#include "device/sim/simulate.hpp"
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;

@@ -4,7 +4,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "device/session.hpp"
+#include "device/session/session.hpp"
 #include "tests/support/ledger_checks.hpp"
 #include "tests/support/sim_bench.hpp"
 

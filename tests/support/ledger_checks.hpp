@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "core/drawing/linework.hpp"
-#include "device/session.hpp"
-#include "device/trace.hpp"
+#include "device/session/session.hpp"
+#include "device/sim/trace.hpp"
 #include "protocol/encode.hpp"
 
 namespace popcut::testing {

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/client/api.hpp"
-#include "device/trace.hpp"
+#include "device/sim/trace.hpp"
 #include "tests/support/daemon_process.hpp"
 
 namespace popcut::testing {

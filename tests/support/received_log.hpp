@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "device/sim_cutter.hpp"
+#include "device/sim/sim_cutter.hpp"
 #include "tests/support/process.hpp"
 
 namespace popcut::testing {

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "device/sim_transport.hpp"
+#include "device/sim/sim_transport.hpp"
 #include "protocol/encode.hpp"
 
 namespace popcut::testing {

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "device/sim_cutter.hpp"
+#include "device/sim/sim_cutter.hpp"
 #include "tests/support/usbfs_device.hpp"
 
 namespace popcut::testing {

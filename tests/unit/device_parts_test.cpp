@@ -5,11 +5,11 @@
 #include <catch2/catch.hpp>
 
 #include "core/machines/motion.hpp"
-#include "device/fold_chains.hpp"
-#include "device/fold_check.hpp"
-#include "device/motion.hpp"
-#include "device/run_along.hpp"
-#include "device/window.hpp"
+#include "device/compare/fold_chains.hpp"
+#include "device/compare/fold_check.hpp"
+#include "device/sim/motion.hpp"
+#include "device/compare/run_along.hpp"
+#include "device/sim/window.hpp"
 
 using namespace popcut;
 

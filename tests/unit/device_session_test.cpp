@@ -7,8 +7,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "device/schedule.hpp"
-#include "device/session.hpp"
+#include "device/session/schedule.hpp"
+#include "device/session/session.hpp"
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;

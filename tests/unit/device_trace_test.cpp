@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
-#include "device/simulate.hpp"
+#include "device/sim/simulate.hpp"
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;

@@ -3,7 +3,7 @@
 
 #include "core/plan/marks.hpp"
 #include "core/plan/test_shape.hpp"
-#include "device/session.hpp"
+#include "device/session/session.hpp"
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;

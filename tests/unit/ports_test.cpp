@@ -16,11 +16,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "device/device_id.hpp"
-#include "device/file_transport.hpp"
-#include "device/ports.hpp"
-#include "device/serial_transport.hpp"
-#include "device/session.hpp"
+#include "device/port/device_id.hpp"
+#include "device/port/file_transport.hpp"
+#include "device/port/ports.hpp"
+#include "device/port/serial_transport.hpp"
+#include "device/session/session.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/sim_bench.hpp"
 

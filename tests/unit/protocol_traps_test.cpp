@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "device/schedule.hpp"
-#include "device/session.hpp"
-#include "device/simulate.hpp"
+#include "device/session/schedule.hpp"
+#include "device/session/session.hpp"
+#include "device/sim/simulate.hpp"
 #include "protocol/be_delta.hpp"
 #include "protocol/decode.hpp"
 #include "tests/support/sim_bench.hpp"

@@ -5,7 +5,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "device/session.hpp"
+#include "device/session/session.hpp"
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;

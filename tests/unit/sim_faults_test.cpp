@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <catch2/catch.hpp>
 
-#include "device/session.hpp"
-#include "device/sim_faults.hpp"
+#include "device/session/session.hpp"
+#include "device/sim/sim_faults.hpp"
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;

@@ -7,7 +7,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "device/sim_pty.hpp"
+#include "device/sim/sim_pty.hpp"
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "device/sim_cutter.hpp"
+#include "device/sim/sim_cutter.hpp"
 
 namespace popcut::testing {
 

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <thread>
 
-#include "device/session.hpp"
-#include "device/usb_bus.hpp"
+#include "device/session/session.hpp"
+#include "device/usb/usb_bus.hpp"
 #include "tests/support/ledger_checks.hpp"
 #include "tests/vm/gadget.hpp"
 

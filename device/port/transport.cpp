@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: MIT
+#include "device/port/transport.hpp"
+
+namespace popcut {
+
+Transport::~Transport() = default;
+
+}  // namespace popcut

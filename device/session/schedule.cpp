@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "device/session/schedule.hpp"
+
+#include "device/sim/sim_cutter.hpp"
+
+namespace popcut {
+
+using std::chrono::nanoseconds;
+
+namespace {
+
+// What is sent of a stroke has to be followed by all of it. So none is begun that would end later
+// than this part of a window, the rest is for the model's errors; a longer one is when the machine
+// has no more than the least part left, in which any query recorded was answered.
+constexpr double kStrokeWindow = 0.85;
+constexpr double kLeastWindow = 0.25;
+
+void set_stroke_ends(const std::vector<ByteRange>& strokes, std::vector<TimedCommand>& commands) {
+  std::size_t first = 0;
+  for (const ByteRange& stroke : strokes) {
+    std::size_t last = first;
+    while (last < commands.size() && commands[last].end_byte <= stroke.end) ++last;
+    for (std::size_t k = first; k < last; ++k)
+      commands[k].stroke_end_s = commands[last - 1].seconds;
+    first = last;
+  }
+  for (; first < commands.size(); ++first) commands[first].stroke_end_s = commands[first].seconds;
+}
+
+}  // namespace
+
+Result<Schedule> schedule(const EncodedProgram& program, const Machine& machine) {
+  SimOptions options;
+  options.unlimited = true;
+  Result<SimCutter> made = SimCutter::make(machine, options);
+  if (!made) return tl::unexpected(made.error());
+  SimCutter& sim = *made;
+  std::vector<SimCutter::Step> steps;
+  const auto in_seconds = [](nanoseconds time) {
+    return std::chrono::duration<double>(time).count();
+  };
+  const auto run = [&](ByteRange range) {
+    const nanoseconds start = sim.now();
+    sim.accept(program.view(range));
+    sim.run_dry();
+    return in_seconds(sim.now() - start);
+  };
+  Schedule plan;
+  plan.setup_s = run({0, program.geometry.begin});
+  sim.record_steps(&steps);
+  const nanoseconds zero = sim.now();
+  plan.geometry_s = run(program.geometry);
+  sim.record_steps(nullptr);
+  plan.trailer_s = run(program.trailer);
+  // Points inside a command are no place to stop sending: a query may not stand there.
+  for (const SimCutter::Step& step : steps)
+    if (step.whole_command)
+      plan.geometry.push_back({step.end_byte, in_seconds(step.time - zero), 0.0});
+  // What follows the last command, as a newline does, is sent with it.
+  if (plan.geometry.empty() || plan.geometry.back().end_byte < program.geometry.end) {
+    const double seconds = plan.geometry_s;
+    if (!plan.geometry.empty()) plan.geometry.pop_back();
+    if (program.geometry.end > program.geometry.begin)
+      plan.geometry.push_back({program.geometry.end, seconds, 0.0});
+  }
+  set_stroke_ends(program.strokes, plan.geometry);
+  return plan;
+}
+
+std::uint64_t affordable_end(const Schedule& plan, std::size_t next, double sent_s, double now_s,
+                             double window_s, std::size_t most_bytes) {
+  std::uint64_t end = 0;
+  const std::uint64_t begin = next > 0 ? plan.geometry[next - 1].end_byte : 0;
+  double ahead = sent_s - now_s;
+  for (; next < plan.geometry.size() && (end == 0 || end < begin + most_bytes); ++next) {
+    const TimedCommand& command = plan.geometry[next];
+    const bool begun = next > 0 && plan.geometry[next - 1].stroke_end_s == command.stroke_end_s;
+    const double until_s = (begun ? command.seconds : command.stroke_end_s) - now_s;
+    const double most = begun ? 1.0 : kStrokeWindow, least = begun ? 0.5 : kLeastWindow;
+    if (ahead >= least * window_s && until_s > most * window_s) break;
+    ahead = command.seconds - now_s;
+    end = command.end_byte;
+  }
+  return end;
+}
+
+}  // namespace popcut

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "device/session/inquirer.hpp"
+#include "device/session/schedule.hpp"
+#include "device/session/session.hpp"
+#include "device/session/stroke_journal.hpp"
+
+namespace popcut {
+
+inline std::chrono::nanoseconds to_time(double seconds) {
+  return std::chrono::nanoseconds(std::llround(seconds * 1e9));
+}
+inline double to_seconds(std::chrono::nanoseconds time) {
+  return std::chrono::duration<double>(time).count();
+}
+inline Error refused(std::string detail, ErrorReason reason = ErrorReason::None) {
+  return {ErrorKind::Refused, "", std::move(detail), reason};
+}
+
+/// One session while it runs: `run_session` makes it, nobody else.
+class SessionRun {
+ public:
+  SessionRun(Transport& transport, const Machine& machine, const EncodedProgram& program,
+             const SessionOptions& options)
+      : transport_(transport),
+        machine_(machine),
+        program_(program),
+        options_(options),
+        inquirer_(transport, {options.reply_s, options.tries, 0.1, options.cancel}),
+        journal_(program, machine, options),
+        answers_(program.dialect == Dialect::Gpgl && transport.answers()),
+        begun_(transport.now()) {}
+
+  SessionEnd run();
+
+ private:
+  using Time = std::chrono::nanoseconds;
+
+  // The phases.
+  Result<void> phases();
+  Result<void> connect();
+  Result<void> check_identity();
+  Result<void> settings();
+  Result<void> search();
+  Result<void> geometry();
+  Result<void> park();
+  void lift_without_memory();
+
+  // Streaming.
+  Result<void> send(std::span<const std::byte> bytes, std::uint64_t& count);
+  Result<void> send(ByteRange range, std::uint64_t& at) {
+    at = range.begin;
+    return send(program_.view(range), at);
+  }
+  Result<void> send_until(std::uint64_t end);
+  [[nodiscard]] std::uint64_t affordable() const;
+  [[nodiscard]] bool cancel_asked() const {
+    return options_.cancel != nullptr && options_.cancel->load(std::memory_order_relaxed);
+  }
+  [[nodiscard]] bool give_up_asked() const {
+    return options_.give_up != nullptr && options_.give_up->load(std::memory_order_relaxed);
+  }
+  Result<void> give_up();
+
+  // Holding.
+  [[nodiscard]] bool pause_asked() const {
+    return options_.pause != nullptr && options_.pause->load(std::memory_order_relaxed);
+  }
+  Result<void> hold();
+  Result<void> lift();
+
+  // The machine's state.
+  Result<void> poll(), look();
+  void note_ready(std::uint64_t bytes);
+  [[nodiscard]] Result<void> stuck() const;
+  [[nodiscard]] Result<void> stopped(DeviceStatus status) const;
+  Result<void> sit_out_pause();
+  Result<void> wait_ready(double whole_s, double left_s);
+  Result<void> wait_ready(double whole_s) { return wait_ready(whole_s, whole_s); }
+
+  // The model's clock: seconds of the geometry that the machine should have behind it.
+  [[nodiscard]] double model_s() const {
+    return std::min(to_seconds(transport_.now() - model_zero_), sent_s_);
+  }
+  void set_model(double seconds) { model_zero_ = transport_.now() - to_time(seconds); }
+
+  void tell(SessionPhase phase);
+  [[nodiscard]] double mute_s() const {
+    return mute_since_ ? to_seconds(transport_.now() - *mute_since_) : 0;
+  }
+
+  Transport& transport_;
+  const Machine& machine_;
+  const EncodedProgram& program_;
+  const SessionOptions& options_;
+  Inquirer inquirer_;
+  StrokeJournal journal_;
+  bool answers_;
+  Time begun_;
+  Schedule plan_;
+  SessionEnd end_;
+  SessionPhase phase_{SessionPhase::Connecting};
+  std::uint64_t accepted_{}, ready_bytes_{}, good_bytes_{};
+  std::uint64_t in_doubt_{};  ///< after `accepted_`, when the last write failed
+  DeviceStatus status_{DeviceStatus::Unknown};
+  Time model_zero_{};
+  Time next_poll_{};
+  std::optional<Time> mute_since_;  ///< since when it takes no byte
+  std::size_t next_command_{};      ///< first of `plan_.geometry` that is not sent
+  double sent_s_{};                 ///< when the last command sent should end
+  std::size_t strokes_passed_{};
+};
+
+}  // namespace popcut

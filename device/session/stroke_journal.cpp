@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "device/session/stroke_journal.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace popcut {
+namespace {
+
+/// The last of the strokes, from the first on, for which `holds` is true; -1 if there is none.
+template <typename Holds>
+std::int64_t last_of(const EncodedProgram& program, Holds holds) {
+  const auto& strokes = program.strokes;
+  return std::partition_point(strokes.begin(), strokes.end(), holds) - strokes.begin() - 1;
+}
+
+}  // namespace
+
+bool StrokeJournal::intend(std::uint64_t until) {
+  if (failure_) return false;
+  const std::int64_t last =
+      last_of(program_, [&](const ByteRange& stroke) { return stroke.begin < until; });
+  if (last <= intended_) return true;
+  if (options_.intend) {
+    if (const Result<void> written = options_.intend(last); !written) {
+      failure_ = written.error();
+      return false;
+    }
+  }
+  intended_ = last;
+  return true;
+}
+
+void StrokeJournal::settle(std::uint64_t ready_bytes, std::uint64_t good_bytes,
+                           std::uint64_t accepted) {
+  if (failure_ || !options_.settle || accepted <= program_.geometry.begin) return;
+  const std::uint64_t pushed =
+      good_bytes - std::min<std::uint64_t>(good_bytes, machine_.buffer_bytes);
+  const std::uint64_t sure = std::min(accepted, std::max(ready_bytes, pushed));
+  const std::int64_t taken =
+      last_of(program_, [&](const ByteRange& stroke) { return stroke.begin < accepted; });
+  const std::int64_t certain =
+      std::min(taken, last_of(program_, [&](const ByteRange& s) { return s.end <= sure; }));
+  if (certain <= certain_ && taken <= taken_) return;
+  certain_ = std::max(certain, certain_);
+  taken_ = std::max(taken, taken_);
+  const Result<void> written =
+      options_.settle(certain_, taken_, std::min(accepted, program_.geometry.end));
+  if (!written) failure_ = written.error();
+}
+
+std::uint64_t stroke_end_after(const EncodedProgram& program, std::uint64_t byte) {
+  if (byte == program.geometry.begin) return byte;
+  const std::int64_t before =
+      last_of(program, [&](const ByteRange& stroke) { return stroke.end < byte; });
+  const auto at = static_cast<std::size_t>(before + 1);
+  return at == program.strokes.size() ? program.geometry.end
+                                      : std::max(program.strokes[at].end, byte);
+}
+
+std::string lift_at(const EncodedProgram& program, std::uint64_t byte) {
+  for (std::size_t k = program.strokes.size(); k-- > 0;) {
+    const ByteRange& stroke = program.strokes[k];
+    if (stroke.end <= byte && stroke.begin != stroke.end) return lift_after(program, k);
+  }
+  return {};
+}
+
+SessionEnd run_rest(Transport& transport, const Machine& machine, const EncodedProgram& program,
+                    const SessionOptions& options) {
+  const std::size_t first = options.first_stroke;
+  SessionEnd end;
+  end.fates.assign(std::min(first, program.strokes.size()), StrokeFate::NotSent);
+  const Result<EncodedProgram> rest = rest_of(program, first);
+  if (!rest) {
+    end.error = rest.error();
+    return end;
+  }
+  const auto shift = static_cast<std::int64_t>(first);
+  SessionOptions own = options;
+  own.first_stroke = 0;
+  if (options.progress)
+    own.progress = [&](SessionProgress p) {
+      p.strokes_done += first;
+      p.strokes += first;
+      options.progress(p);
+    };
+  if (options.intend) own.intend = [&](std::int64_t last) { return options.intend(last + shift); };
+  if (options.settle)
+    own.settle = [&](std::int64_t certain, std::int64_t taken, std::uint64_t bytes) {
+      return options.settle(certain + shift, taken + shift, bytes);
+    };
+  SessionEnd rest_end = run_session(transport, machine, *rest, own);
+  rest_end.fates.insert(rest_end.fates.begin(), end.fates.begin(), end.fates.end());
+  return rest_end;
+}
+
+}  // namespace popcut

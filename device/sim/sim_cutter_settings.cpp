@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: MIT
+// What the simulated cutter makes of settings and queries.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "device/sim/sim_cutter.hpp"
+
+namespace popcut {
+namespace {
+
+constexpr std::size_t kKeptTexts = 1000;  // unknown commands and remarks shown in full
+constexpr double kPanelSpeedMmS = 100;    // where neither program nor table names a speed: a guess
+constexpr double kClassicOffsetUnits =
+    18;  // 0.9 mm blade: what FQ2 answered unset (Portrait V1.00)
+
+double arg(std::span<const double> args, std::size_t index, double otherwise) {
+  return index < args.size() ? args[index] : otherwise;
+}
+
+std::string_view setting_name(Verb verb, std::string_view mnemonic) {
+  switch (verb) {
+    case Verb::Initialise:
+      return "initialise";
+    case Verb::Speed:
+      return "speed";
+    case Verb::Force:
+      return "force";
+    case Verb::BladeOffset:
+      return "blade_offset";
+    case Verb::CornerLift:
+      return "corner_lift";
+    case Verb::CornerExtend:
+      return "corner_extend";
+    case Verb::SelectTool:
+      return "tool";
+    case Verb::Mat:
+      return "mat";
+    case Verb::Orientation:
+      return "orientation";
+    case Verb::WindowNear:
+      return "window_near";
+    case Verb::WindowFar:
+      return "window_far";
+    case Verb::Autoblade:
+      return "autoblade";
+    case Verb::TrackEnhance:
+      return "track_enhance";
+    case Verb::LineType:
+      return "line_type";
+    case Verb::Home:
+      return "home";
+    case Verb::SetOrigin:
+      return "set_origin";
+    default:
+      return mnemonic;
+  }
+}
+
+/// Bytes as they can be shown: what is not printable ASCII as \xNN, and not more than 64 of them.
+std::string shown(std::string_view bytes) {
+  constexpr std::size_t kMost = 64;
+  std::string text;
+  for (const char c : bytes.substr(0, kMost)) {
+    if (c >= ' ' && c <= '~')
+      text += c;
+    else
+      text += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+  }
+  if (bytes.size() > kMost) text += fmt::format("... ({} bytes)", bytes.size());
+  return text;
+}
+
+/// The reply to FG where none was recorded: the title without its maker, firmware V0.00.
+std::string made_up_identity(const std::string& title) {
+  const std::size_t blank = title.find(' ');
+  std::string name = blank == std::string::npos ? title : title.substr(blank + 1);
+  for (char& c : name)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  return fmt::format("{:<17}", name + " V0.00");
+}
+
+}  // namespace
+
+void SimCutter::reset_settings() {
+  const SteppedScale& speed = machine_.speed_mm_s;
+  ToolState fresh;
+  fresh.speed_mm_s =
+      speed.per_step > 0 ? std::min(10, speed.max_step) * speed.per_step : kPanelSpeedMmS;
+  if (machine_.firmware_blade_offset) fresh.offset_mm = kClassicOffsetUnits * machine_.unit_mm;
+  tools_.fill(fresh);
+  tool_ = 1;
+  mat_ = 0;
+  origin_ = near_ = {};
+  const double page_length = options_.page_length_mm + std::max(machine_.margin_top_mm, 0.0);
+  const double page_width = options_.page_width_mm + std::max(machine_.margin_left_mm, 0.0);
+  far_ = {std::round(page_length / machine_.unit_mm), std::round(page_width / machine_.unit_mm)};
+  window_ = {0, 0, machine_.width_mm, machine_.length_mm};
+  if (map_.y_up)
+    window_ = {0, options_.page_length_mm - machine_.length_mm, machine_.width_mm,
+               options_.page_length_mm};
+  setup_done_ = drawn_ = false;
+}
+
+void SimCutter::apply(const Command& command) {
+  const std::span<const double> args =
+      std::span(incoming_.args).subspan(command.first, command.count);
+  const std::string text =
+      command.text < incoming_.texts.size() ? incoming_.texts[command.text] : std::string();
+  if (command.verb == Verb::Empty) return;
+  if (command.verb == Verb::Unknown) return unknown(text);
+  if (command.verb == Verb::Query) {
+    if (answers()) send_reply(reply_to(text));
+    return;
+  }
+  trace_.settings.push_back(
+      {std::string(setting_name(command.verb, text)), {args.begin(), args.end()}});
+  stroke_open_ = false;  // what is drawn from here on is drawn otherwise
+  if (text == "TB123" || text == "TB124") return search_marks(args);
+  switch (command.verb) {
+    case Verb::Initialise:
+      end_of_job();
+      reset_settings();
+      return;
+    case Verb::Speed:
+    case Verb::Force:
+      return apply_scaled(command, args);
+    case Verb::BladeOffset:
+    case Verb::CornerLift:
+    case Verb::CornerExtend:
+      return apply_corner(command, args);
+    case Verb::WindowNear:
+    case Verb::WindowFar:
+      return apply_window(command, args);
+    case Verb::SelectTool:
+      return apply_tool(args);
+    case Verb::Mat:
+      mat_ = static_cast<int>(arg(args, 0, 0));
+      return;
+    case Verb::Orientation:
+      return end_of_job();
+    case Verb::Home:
+    case Verb::SetOrigin:
+      return apply_home(command.verb);
+    case Verb::Autoblade: {
+      const double depth = arg(args, 0, 0);
+      if (!machine_.autoblade || arg(args, 1, 1) != 1 || !(depth >= 0 && depth <= 10))
+        return remark(
+            fmt::format("autoblade depth {:g} on tool {:g}: not taken", depth, arg(args, 1, 1)));
+      const Motion& m = machine_.motion;
+      return plan_dwell(m.autoblade_reset_s + (10 - depth) * m.autoblade_tap_s, Commit::Nothing);
+    }
+    default:
+      return;
+  }
+}
+
+/// The tool that a setting is for: its own argument, else the one in use.
+SimCutter::ToolState& SimCutter::tool_state(std::span<const double> args, std::size_t index) {
+  const double tool = arg(args, index, tool_);
+  const bool lawful = tool >= 1 && tool < static_cast<double>(tools_.size());
+  return tools_[lawful ? static_cast<std::size_t>(tool) : static_cast<std::size_t>(tool_)];
+}
+
+void SimCutter::apply_scaled(const Command& command, std::span<const double> args) {
+  const bool speed = command.verb == Verb::Speed;
+  const SteppedScale& scale = speed ? machine_.speed_mm_s : machine_.force_gf;
+  const double sent = arg(args, 0, 0);
+  ToolState& state = tool_state(args, 1);
+  if (scale.per_step <= 0) {
+    if (!speed) state.force_steps = sent;
+    if (speed && sent > 0) state.speed_mm_s = sent * 10;  // HPGL VS is in cm/s
+    return;
+  }
+  const double taken =
+      std::clamp(sent, static_cast<double>(scale.min_step), static_cast<double>(scale.max_step));
+  if (taken != sent)
+    remark(fmt::format("{} {:g}: outside {} to {}, taken as {:g}", speed ? "speed" : "force", sent,
+                       scale.min_step, scale.max_step, taken));
+  (speed ? state.speed_mm_s : state.force_steps) = speed ? taken * scale.per_step : taken;
+}
+
+void SimCutter::apply_corner(const Command& command, std::span<const double> args) {
+  const bool with_tool = args.size() >= 3;
+  switch (command.verb) {
+    case Verb::BladeOffset: {
+      // FC n before the Cameo 3; since then FC a,b,tool with offset a x b.
+      ToolState& state = tool_state(args, with_tool ? 2 : args.size());
+      const double factor = with_tool ? args[1] : 1.0;
+      state.offset_mm = std::max(0.0, arg(args, 0, 0) * factor) * machine_.unit_mm;
+      return;
+    }
+    case Verb::CornerLift:
+      tool_state(args, args.size() >= 2 ? 1 : args.size()).corner_lift = arg(args, 0, 0) != 0;
+      return;
+    default: {  // FF start, end, tool in tenths of mm
+      ToolState& state = tool_state(args, with_tool ? 2 : args.size());
+      state.corner_extension_mm = std::clamp(arg(args, 0, 0) + arg(args, 1, 0), 0.0, 100.0) * 0.1;
+      return;
+    }
+  }
+}
+
+void SimCutter::apply_window(const Command& command, std::span<const double> args) {
+  const MachinePoint corner{arg(args, 0, 0), arg(args, 1, 0)};
+  (command.verb == Verb::WindowNear ? near_ : far_) = corner;
+  // Where the page begins left of the machine's zero, drivers send negative coordinates under a
+  // window from 0 on, and they are cut (inkscape-silhouette, Cameo 5).
+  PagePoint near = map_.to_page(near_);
+  near.x += std::min(machine_.margin_left_mm, 0.0);
+  near.y += std::min(machine_.margin_top_mm, 0.0);
+  const PagePoint far = map_.to_page(far_);
+  // What the rollers and the carriage reach bounds every window.
+  window_ = {std::clamp(near.x, 0.0, machine_.width_mm),
+             std::clamp(near.y, 0.0, machine_.length_mm), std::clamp(far.x, 0.0, machine_.width_mm),
+             std::clamp(far.y, 0.0, machine_.length_mm)};
+  if (command.verb == Verb::WindowFar && !setup_done_) {
+    setup_done_ = true;
+    plan_dwell(machine_.motion.setup_s, Commit::Nothing);
+  }
+}
+
+void SimCutter::apply_tool(std::span<const double> args) {
+  const double tool = arg(args, 0, 0);
+  if (tool == 0) return end_of_job();
+  const double most = map_.dialect == Dialect::Gpgl ? machine_.tool_holders : 8;
+  if (!(tool >= 1 && tool <= most)) {
+    remark(fmt::format("tool {:g}: the machine has {:g}, tool {} stays", tool, most, tool_));
+    return;
+  }
+  if (plan_down_) plan_dwell(machine_.motion.lift_s, Commit::ToolUp);
+  tool_ = static_cast<int>(tool);
+}
+
+void SimCutter::apply_home(Verb verb) {
+  if (verb == Verb::SetOrigin) {
+    const MachinePoint here = map_.to_machine(plan_logical_);
+    end_of_job();
+    origin_ = here;
+    return;
+  }
+  if (plan_down_) plan_dwell(machine_.motion.lift_s, Commit::ToolUp);
+  origin_ = {};
+  const PagePoint home = map_.to_page({0, 0});
+  plan_way(ActionKind::Travel, window_.clamped(home), machine_.motion.travel_mm_s);
+  plan_logical_ = home;
+  actions_.back().commit = Commit::Moved;
+  actions_.back().to = home;
+  end_of_job();
+}
+
+/// The trailer parks the tool: once a job, whatever command says so first.
+void SimCutter::end_of_job() {
+  if (plan_down_) plan_dwell(machine_.motion.lift_s, Commit::ToolUp);
+  if (!drawn_) return;
+  plan_dwell(machine_.motion.trailer_s, Commit::Nothing);
+  if (marks_found_) origin_ = {};
+  drawn_ = setup_done_ = marks_found_ = false;
+}
+
+/// Height, width and where the search begins, 10 mm before the marks' corner. One reply when it has
+/// ended: 0 if they are found, from when on their corner is zero. How long a search takes was never
+/// recorded; the sensor passes along both sides of the rectangle.
+void SimCutter::search_marks(std::span<const double> args) {
+  constexpr double kSearchMm = 10;
+  constexpr double kSensorMmS = 40;
+  const double unit = machine_.unit_mm;
+  const double height = std::max(0.0, arg(args, 0, 0)) * unit;
+  const double width = std::max(0.0, arg(args, 1, 0)) * unit;
+  PagePoint corner = map_.to_page({arg(args, 2, 0), arg(args, 3, 0)});
+  corner = {corner.x + kSearchMm, corner.y + kSearchMm};
+  const PagePoint printed = options_.marks_at.value_or(corner);
+  const bool near =
+      std::abs(printed.x - corner.x) <= kSearchMm && std::abs(printed.y - corner.y) <= kSearchMm;
+  const bool on_sheet =
+      options_.unlimited ||
+      (width > 0 && height > 0 && printed.x + width <= options_.page_width_mm + kSearchMm &&
+       printed.y + height <= options_.page_length_mm + kSearchMm);
+  marks_found_ = options_.marks && near && on_sheet;
+  const double seconds = std::min(2 * (width + height) / kSensorMmS, 30.0);
+  plan_dwell(seconds, Commit::Nothing);
+  const auto ends = now_ + std::chrono::nanoseconds(std::llround(seconds * 1e9));
+  if (answers()) replies_.push_back({ends, marks_found_ ? "    0\x03" : "    1\x03"});
+  if (!marks_found_) return;
+  origin_ = {(printed.y + machine_.margin_top_mm) / unit,
+             (printed.x + machine_.margin_left_mm) / unit};
+}
+
+void SimCutter::unknown(std::string_view text) {
+  ++trace_.unknown_count;
+  if (trace_.unknown.size() < kKeptTexts) trace_.unknown.push_back(shown(text));
+}
+
+void SimCutter::remark(std::string text) {
+  if (trace_.remarks.size() < kKeptTexts) trace_.remarks.push_back(std::move(text));
+}
+
+void SimCutter::send_reply(std::string bytes) {
+  if (bytes.empty()) return;
+  constexpr std::size_t kMostWaiting = 65536;  // a host that never reads
+  if (replies_.size() >= kMostWaiting) return;
+  const Time arrives = now_ + std::chrono::nanoseconds(std::llround(options_.reply_s * 1e9));
+  replies_.push_back({arrives, std::move(bytes)});
+}
+
+/// Replies as recorded, with their padding: calibration pairs in columns of 5, limits of 6. What no
+/// recording shows is not answered.
+std::string SimCutter::reply_to(std::string_view query) const {
+  const auto number = [](double value) { return std::llround(value); };
+  const auto limits = [&](MachinePoint p) {
+    return fmt::format("{:>6},{:>6}\x03", number(p.a), number(p.b));
+  };
+  const ToolState& state = tools_[static_cast<std::size_t>(tool_)];
+  const double speed_step =
+      machine_.speed_mm_s.per_step > 0 ? state.speed_mm_s / machine_.speed_mm_s.per_step : 0;
+  if (query == "FG")
+    return (machine_.identity.empty() ? made_up_identity(machine_.title) : machine_.identity) +
+           '\x03';
+  if (query == "FA" || query == "TB71") return "    0,    0\x03";
+  if (query == "TC") return machine_.variant == "classic" ? "" : "    0,    0\x03";
+  if (query == "[") return limits(near_);
+  if (query == "U") return limits(far_);
+  if (query == "FQ0") return fmt::format("{:>5}\x03", number(speed_step));
+  if (query == "FQ2") return fmt::format("{:>5}\x03", number(state.offset_mm / machine_.unit_mm));
+  if (query == "G") {
+    const MachinePoint at = map_.to_machine(position_);
+    return fmt::format("{:>6},{:>6},{:>6}\x03", number(at.a), number(at.b), tool_ * 10);
+  }
+  if (query == "NAK" && machine_.variant == "cameo4") {
+    std::string codes;
+    for (int holder = 0; holder < machine_.tool_holders; ++holder) {
+      const auto at = static_cast<std::size_t>(holder);
+      codes += fmt::format("{}{}", holder == 0 ? "" : ",",
+                           at < options_.tools.size() ? options_.tools[at] : 0);
+    }
+    return codes + '\x03';
+  }
+  return "";
+}
+
+}  // namespace popcut
