@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "daemon/cli/user_tables.hpp"
+#include "daemon/files/user_tables.hpp"
 #include "device/port/file_transport.hpp"
 #include "device/port/serial_transport.hpp"
 #include "device/sim/sim_transport.hpp"

@@ -10,7 +10,7 @@
 
 #include "core/formats/dxf/dxf_reader.hpp"
 #include "core/formats/fold/fold_reader.hpp"
-#include "daemon/cli/output_folder.hpp"
+#include "daemon/files/output_folder.hpp"
 #include "daemon/cli/spec_assets.hpp"
 
 namespace popcut::cli {

@@ -12,7 +12,7 @@
 #include "core/drawing/clean.hpp"
 #include "core/plan/knife/overcut.hpp"
 #include "daemon/cli/drawing_input.hpp"
-#include "daemon/cli/output_folder.hpp"
+#include "daemon/files/output_folder.hpp"
 #include "daemon/cli/split_facts.hpp"
 
 namespace popcut::cli {

@@ -9,7 +9,7 @@
 #include "core/layout/sheet.hpp"
 #include "core/plan/knife/strokes.hpp"
 #include "core/result.hpp"
-#include "daemon/cli/user_tables.hpp"
+#include "daemon/files/user_tables.hpp"
 #include "device/compare/expect.hpp"
 
 namespace popcut::cli {

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "daemon/cli/output_folder.hpp"
+#include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
 

@@ -5,7 +5,7 @@
 
 #include "core/plan/plan.hpp"
 #include "core/result.hpp"
-#include "daemon/cli/output_folder.hpp"
+#include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/design/placement.hpp"
-#include "daemon/cli/output_folder.hpp"
+#include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
 

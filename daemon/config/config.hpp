@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/result.hpp"
-#include "daemon/http/limits.hpp"
-#include "daemon/service/model.hpp"
+#include "daemon/model/limits.hpp"
+#include "daemon/model/model.hpp"
 
 namespace popcut::daemon {
 

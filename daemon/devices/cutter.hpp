@@ -15,7 +15,7 @@
 #include "core/result.hpp"
 #include "daemon/devices/cutter_line.hpp"
 #include "daemon/devices/cutters.hpp"
-#include "daemon/service/model.hpp"
+#include "daemon/model/model.hpp"
 #include "device/session/session.hpp"
 
 namespace popcut::daemon {

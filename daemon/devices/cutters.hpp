@@ -10,7 +10,7 @@
 
 #include "core/machines/machine.hpp"
 #include "core/result.hpp"
-#include "daemon/service/model.hpp"
+#include "daemon/model/model.hpp"
 #include "device/session/session.hpp"
 #include "protocol/encode.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "daemon/http/render.hpp"
+#include "daemon/http/api/render.hpp"
 
 namespace popcut::daemon::http {
 namespace {

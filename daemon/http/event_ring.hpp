@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "daemon/service/model.hpp"
+#include "daemon/model/model.hpp"
 
 namespace popcut::daemon::http {
 

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "daemon/http/message.hpp"
+#include "daemon/http/api/message.hpp"
 
 namespace popcut::daemon {
 

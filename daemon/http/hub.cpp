@@ -11,7 +11,7 @@
 #include <spdlog/logger.h>
 
 #include "daemon/digest/digest.hpp"
-#include "daemon/http/openapi.hpp"
+#include "daemon/http/api/openapi.hpp"
 
 namespace popcut::daemon::http {
 namespace {

@@ -15,7 +15,7 @@
 #include "daemon/http/front_door.hpp"
 #include "daemon/http/http_metrics.hpp"
 #include "daemon/http/rate_limit.hpp"
-#include "daemon/http/routes.hpp"
+#include "daemon/http/api/routes.hpp"
 #include "daemon/http/server.hpp"
 #include "daemon/http/wire.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "core/result.hpp"
 #include "daemon/http/front_door.hpp"
-#include "daemon/http/limits.hpp"
+#include "daemon/model/limits.hpp"
 #include "daemon/service/service.hpp"
 
 namespace spdlog {

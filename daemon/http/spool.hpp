@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "daemon/digest/digest.hpp"
-#include "daemon/service/model.hpp"
-#include "daemon/service/problem.hpp"
+#include "daemon/model/model.hpp"
+#include "daemon/model/problem.hpp"
 
 namespace popcut::daemon::http {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string_view>
 
-#include "daemon/http/message.hpp"
+#include "daemon/http/api/message.hpp"
 
 namespace popcut::daemon::http {
 

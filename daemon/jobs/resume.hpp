@@ -7,7 +7,7 @@
 
 #include <tl/expected.hpp>
 
-#include "daemon/service/model.hpp"
+#include "daemon/model/model.hpp"
 
 namespace popcut::daemon {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "daemon/service/model.hpp"
+#include "daemon/model/model.hpp"
 
 namespace popcut::daemon {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/result.hpp"
-#include "daemon/service/model.hpp"
+#include "daemon/model/model.hpp"
 
 namespace popcut::daemon {
 

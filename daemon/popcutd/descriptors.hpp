@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "daemon/http/limits.hpp"
+#include "daemon/model/limits.hpp"
 
 namespace popcut::daemon {
 

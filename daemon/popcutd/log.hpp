@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "daemon/config/config.hpp"
-#include "daemon/service/model.hpp"
+#include "daemon/model/model.hpp"
 
 namespace spdlog {
 class logger;

@@ -18,7 +18,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "daemon/cli/user_tables.hpp"
+#include "daemon/files/user_tables.hpp"
 #include "daemon/devices/make_cutters.hpp"
 #include "daemon/http/server.hpp"
 #include "daemon/planning/make_planner.hpp"

@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-#include "daemon/http/message.hpp"
+#include "daemon/http/api/message.hpp"
 
 namespace popcut::daemon {
 namespace {

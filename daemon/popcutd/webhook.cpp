@@ -16,7 +16,7 @@
 
 #include "daemon/client/http_client.hpp"
 #include "daemon/digest/digest.hpp"
-#include "daemon/http/render.hpp"
+#include "daemon/http/api/render.hpp"
 #include "daemon/store/state_folder.hpp"
 
 namespace popcut::daemon {

@@ -9,7 +9,7 @@
 
 #include "core/result.hpp"
 #include "daemon/config/config.hpp"
-#include "daemon/service/model.hpp"
+#include "daemon/model/model.hpp"
 
 namespace popcut::daemon {
 

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "daemon/service/model.hpp"
-#include "daemon/service/problem.hpp"
+#include "daemon/model/model.hpp"
+#include "daemon/model/problem.hpp"
 
 namespace popcut::daemon {
 

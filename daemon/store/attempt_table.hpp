@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "daemon/jobs/resume.hpp"
-#include "daemon/service/model.hpp"
+#include "daemon/model/model.hpp"
 #include "daemon/store/database.hpp"
 
 namespace popcut::daemon {

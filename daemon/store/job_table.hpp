@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "daemon/service/model.hpp"
+#include "daemon/model/model.hpp"
 #include "daemon/store/database.hpp"
 
 namespace popcut::daemon {

@@ -9,8 +9,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "daemon/http/openapi.hpp"
-#include "daemon/http/routes.hpp"
+#include "daemon/http/api/openapi.hpp"
+#include "daemon/http/api/routes.hpp"
 #include "tests/support/json_schema.hpp"
 #include "tests/support/raw_http.hpp"
 

@@ -11,7 +11,7 @@
 #include <catch2/catch.hpp>
 
 #include "daemon/digest/digest.hpp"
-#include "daemon/http/routes.hpp"
+#include "daemon/http/api/routes.hpp"
 #include "tests/support/raw_http.hpp"
 
 using namespace popcut::daemon;

@@ -9,8 +9,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "daemon/cli/angles.hpp"
-#include "daemon/cli/output_folder.hpp"
+#include "daemon/cli/options/angles.hpp"
+#include "daemon/files/output_folder.hpp"
 #include "tests/support/process.hpp"
 
 using namespace popcut;

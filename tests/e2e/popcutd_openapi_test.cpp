@@ -7,7 +7,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "daemon/service/problem.hpp"
+#include "daemon/model/problem.hpp"
 #include "tests/support/contract_life.hpp"
 
 using namespace popcut::testing;

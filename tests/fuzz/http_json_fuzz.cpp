@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "daemon/http/json_body.hpp"
+#include "daemon/http/api/json_body.hpp"
 
 using namespace popcut::daemon;
 

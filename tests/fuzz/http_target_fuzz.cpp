@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "daemon/http/routes.hpp"
-#include "daemon/http/target.hpp"
+#include "daemon/http/api/routes.hpp"
+#include "daemon/http/api/target.hpp"
 
 using namespace popcut::daemon;
 

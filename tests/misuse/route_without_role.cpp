@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Must not compile: a route that does not say who may use it.
-#include "daemon/http/handlers.hpp"
+#include "daemon/http/api/handlers.hpp"
 
 namespace popcut::daemon::http {
 

@@ -6,10 +6,10 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "daemon/http/dispatch.hpp"
-#include "daemon/http/handler_kit.hpp"
-#include "daemon/http/render.hpp"
-#include "daemon/http/target.hpp"
+#include "daemon/http/api/dispatch.hpp"
+#include "daemon/http/api/handler_kit.hpp"
+#include "daemon/http/api/render.hpp"
+#include "daemon/http/api/target.hpp"
 #include "tests/support/fake_service.hpp"
 
 using namespace popcut::daemon;

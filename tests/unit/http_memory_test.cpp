@@ -8,8 +8,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "daemon/http/dispatch.hpp"
-#include "daemon/http/target.hpp"
+#include "daemon/http/api/dispatch.hpp"
+#include "daemon/http/api/target.hpp"
 #include "daemon/http/wire.hpp"
 #include "tests/support/raw_http.hpp"
 

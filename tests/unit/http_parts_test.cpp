@@ -5,15 +5,15 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "daemon/http/cursor.hpp"
+#include "daemon/http/api/cursor.hpp"
 #include "daemon/http/event_ring.hpp"
 #include "daemon/http/front_door.hpp"
 #include "daemon/http/head.hpp"
-#include "daemon/http/json_body.hpp"
-#include "daemon/http/message.hpp"
+#include "daemon/http/api/json_body.hpp"
+#include "daemon/http/api/message.hpp"
 #include "daemon/http/rate_limit.hpp"
-#include "daemon/http/render.hpp"
-#include "daemon/http/target.hpp"
+#include "daemon/http/api/render.hpp"
+#include "daemon/http/api/target.hpp"
 #include "daemon/http/wire.hpp"
 
 using namespace popcut::daemon;

@@ -8,7 +8,7 @@
 
 #include "daemon/jobs/resume.hpp"
 #include "daemon/jobs/rules.hpp"
-#include "daemon/service/problem.hpp"
+#include "daemon/model/problem.hpp"
 
 using namespace popcut::daemon;
 

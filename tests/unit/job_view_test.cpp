@@ -8,10 +8,10 @@
 
 #include <catch2/catch.hpp>
 
-#include "daemon/cli/job_view.hpp"
+#include "daemon/cli/view/job_view.hpp"
 #include "daemon/cli/person_name.hpp"
-#include "daemon/cli/progress_bar.hpp"
-#include "daemon/cli/terminal_text.hpp"
+#include "daemon/cli/view/progress_bar.hpp"
+#include "daemon/cli/help/terminal_text.hpp"
 
 using namespace popcut::cli;
 using Json = nlohmann::json;

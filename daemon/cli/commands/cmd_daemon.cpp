@@ -1,0 +1,403 @@
+// SPDX-License-Identifier: MIT
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "core/text/shown_text.hpp"
+#include "daemon/cli/command.hpp"
+#include "daemon/cli/view/job_follow.hpp"
+#include "daemon/cli/options/option_value.hpp"
+#include "daemon/client/api.hpp"
+#include "daemon/store/store.hpp"
+
+namespace popcut::cli {
+namespace {
+
+using client::Api;
+using Json = nlohmann::json;
+
+std::string dumped(const Json& json, int indent = 2) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+// Events
+
+constexpr std::int64_t kMostNumber = std::int64_t{1} << 40;  // as popcutd takes it
+
+struct EventOptions {
+  std::string job;
+  std::optional<std::int64_t> after{};
+  int limit{200};
+  bool follow{false};
+};
+
+void print_event(const Json& event, const Globals& globals) {
+  if (globals.json) return fmt::print("{}\n", dumped(event, -1));
+  Json rest = event;
+  for (const char* key : {"seq", "time", "kind", "job", "state"}) rest.erase(key);
+  fmt::print("{:>8}  {}  {:<8} {:<26} {:<12} {}\n",
+             event.contains("seq") ? event["seq"].dump() : "", client::text_of(event, "time"),
+             client::text_of(event, "kind"), client::text_of(event, "job"),
+             client::text_of(event, "state"), rest.empty() ? "" : dumped(rest, -1));
+}
+
+Result<void> follow_events(Api& api, const EventOptions& options, const Globals& globals) {
+  const ViewEnd guard;
+  if (auto there = api.get("/v1/meta", "events"); !there) return tl::unexpected(there.error());
+  client::EventStream events(api.http(), "/v1/events");
+  while (!ViewEnd::asked()) {
+    const auto got = events.next(0.5);
+    if (!got && got.error().kind != ErrorKind::DeviceGone) return tl::unexpected(got.error());
+    if (!got) {
+      ::usleep(500'000);
+      continue;
+    }
+    for (const client::SseEvent& event : *got) {
+      Json json = Json::parse(event.data, nullptr, false);
+      if (!json.is_object()) json = Json{{"data", event.data}};
+      if (!json.contains("kind")) json["kind"] = event.kind;
+      if (options.job.empty() || json.value("job", Json()) == options.job)
+        print_event(json, globals);
+    }
+    std::fflush(stdout);
+  }
+  return {};
+}
+
+/// Up to `limit` events after a number, or else those that came last, page by page.
+Result<Json> wanted_events(Api& api, const EventOptions& options) {
+  constexpr std::size_t kPage = 200;
+  const auto limit = static_cast<std::size_t>(options.limit);
+  const std::string base =
+      options.job.empty() ? "/v1/events" : "/v1/jobs/" + options.job + "/events";
+  std::int64_t after = options.after.value_or(0);
+  if (!options.after && options.job.empty()) {
+    const auto meta = api.get("/v1/meta", "events");
+    if (!meta) return meta;
+    const Json last = meta->value("last_event", Json(0));
+    if (last.is_number_integer())
+      after = std::max<std::int64_t>(0, last.get<std::int64_t>() - options.limit);
+  }
+  Json all{{"items", Json::array()}};
+  Json& items = all["items"];
+  while (true) {
+    auto page = api.get(fmt::format("{}?after={}&limit={}", base, after, kPage), "events");
+    if (!page) return page;
+    const Json some = page->value("items", Json::array());
+    for (const char* key : {"first_seq", "last_seq"}) all[key] = page->value(key, Json());
+    for (const Json& event : some) {
+      if (options.after && items.size() == limit) return all;
+      items.push_back(event);
+      if (items.size() > limit) items.erase(items.begin());
+    }
+    if (some.size() < kPage || !some.back().contains("seq")) return all;
+    after = some.back()["seq"].get<std::int64_t>();
+  }
+}
+
+Result<void> run_events(EventOptions options, const Globals& globals) {
+  auto api = Api::from_environment();
+  if (!api) return tl::unexpected(api.error());
+  if (!options.job.empty()) {
+    const auto job = api->find_job(options.job);
+    if (!job) return tl::unexpected(job.error());
+    options.job = client::text_of(*job, "id");
+  }
+  if (options.follow) return follow_events(*api, options, globals);
+  const auto events = wanted_events(*api, options);
+  if (!events) return tl::unexpected(events.error());
+  if (globals.json) {
+    fmt::print("{}\n", dumped(*events));
+    return {};
+  }
+  for (const Json& event : events->at("items")) print_event(event, globals);
+  if (events->at("items").empty() && !globals.quiet)
+    fmt::print(stderr, "no events{}\n", options.after ? " after that number" : "");
+  return {};
+}
+
+constexpr const char* kEventsHelp =
+    "What has happened, event by event.\n\n"
+    "  popcut events                         # the last 200\n"
+    "  popcut events --follow                # as they come; Ctrl-C ends it\n"
+    "  popcut events --after 1200            # those after number 1200\n"
+    "  popcut events --job 01JDX7 --json     # of one job, as JSON";
+
+void add_events(CLI::App& app, const Globals& globals, Run& run) {
+  auto options = std::make_shared<EventOptions>();
+  CLI::App* const command = app.add_subcommand("events", kEventsHelp);
+  whole_number(command->add_option("--after", options->after, "Those with higher numbers"), 0,
+               kMostNumber)
+      ->option_text("SEQ");
+  command->add_option("--job", options->job, "Those of one job only")->option_text("JOB");
+  whole_number(command->add_option("--limit", options->limit, "How many at most"), 1, 1000)
+      ->option_text("N [200]");
+  command->add_flag("--follow", options->follow, "Stay, and print what happens");
+  command->callback([options, &globals, &run] {
+    run = [options, &globals] { return run_events(*options, globals); };
+  });
+}
+
+// Tokens
+
+struct TokenOptions {
+  std::string role, name, id;
+  int days{0};
+};
+
+Result<void> create_token(const TokenOptions& options, const Globals& globals) {
+  auto api = Api::from_environment();
+  if (!api) return tl::unexpected(api.error());
+  Json body{{"name", options.name.empty() ? options.role : options.name}, {"role", options.role}};
+  if (options.days > 0) body["lifetime_s"] = options.days * 86'400;
+  api->http().set_tries(0);  // asked again it would make a second one
+  const auto token = api->post("/v1/tokens", body, "token");
+  if (!token) return tl::unexpected(token.error());
+  if (globals.json) {
+    fmt::print("{}\n", dumped(*token));
+    return {};
+  }
+  const std::string text = client::text_of(*token, "token");
+  fmt::print("{}\n", text);
+  if (!globals.quiet)
+    fmt::print(stderr,
+               "it is shown this once; use it as POPCUT_TOKEN, with POPCUT_URL for another "
+               "computer's popcutd\n");
+  return {};
+}
+
+Result<void> list_tokens(const Globals& globals) {
+  auto api = Api::from_environment();
+  if (!api) return tl::unexpected(api.error());
+  const auto tokens = api->get("/v1/tokens", "tokens");
+  if (!tokens) return tl::unexpected(tokens.error());
+  if (globals.json) {
+    fmt::print("{}\n", dumped(*tokens));
+    return {};
+  }
+  if (tokens->contains("items"))
+    for (const Json& one : (*tokens)["items"])
+      fmt::print(
+          "{}  {:<10} {:<24} made {}{}\n", client::text_of(one, "id"), client::text_of(one, "role"),
+          shown_text(client::text_of(one, "name")), client::text_of(one, "created"),
+          client::text_of(one, "expires").empty() ? ""
+                                                  : ", ends " + client::text_of(one, "expires"));
+  return {};
+}
+
+Result<void> delete_token(const TokenOptions& options, const Globals& globals) {
+  auto api = Api::from_environment();
+  if (!api) return tl::unexpected(api.error());
+  auto gone =
+      api->remove("/v1/tokens/" + client::percent_encoded(options.id), "token " + options.id);
+  if (!gone && gone.error().reason == ErrorReason::NotThere)
+    return fail(gone.error().kind, gone.error().place,
+                "there is none of that ID; 'popcut token list' shows them");
+  if (gone && globals.json) fmt::print("{}\n", dumped(Json{{"deleted", options.id}}));
+  return gone;
+}
+
+constexpr const char* kTokenHelp =
+    "Tokens, with which one comes in over TCP; the unix socket needs none.\n\n"
+    "  popcut token create --role operator --name workshop --days 30\n"
+    "  popcut token list\n"
+    "  popcut token delete 01JDX7KQ4M8ZB1Q2R3S4T5V6W7\n\n"
+    "Roles: viewer looks, submitter queues, operator arms and starts, admin does all of it.";
+
+void add_token(CLI::App& app, const Globals& globals, Run& run) {
+  auto options = std::make_shared<TokenOptions>();
+  CLI::App* const command = app.add_subcommand("token", kTokenHelp);
+  command->require_subcommand(1);
+  CLI::App* const create =
+      command->add_subcommand("create", "Make a token; it is printed once, on standard output");
+  one_word(create->add_option("--role", options->role, "What it may do"),
+           {"viewer", "submitter", "operator", "admin"})
+      ->required();
+  create->add_option("--name", options->name, "For whom it is")->option_text("TEXT");
+  whole_number(create->add_option("--days", options->days, "How long it is good"), 1, 36'500)
+      ->option_text("N [until deleted]");
+  create->callback([options, &globals, &run] {
+    run = [options, &globals] { return create_token(*options, globals); };
+  });
+  command->add_subcommand("list", "Those there are, without their secrets")
+      ->callback([&globals, &run] { run = [&globals] { return list_tokens(globals); }; });
+  CLI::App* const remove = command->add_subcommand("delete", "From now on nobody comes in with it");
+  remove->add_option("ID", options->id, "As 'popcut token list' shows it")->required();
+  remove->callback([options, &globals, &run] {
+    run = [options, &globals] { return delete_token(*options, globals); };
+  });
+}
+
+// The page
+
+Result<void> open_page(bool print_only, const Globals& globals) {
+  auto api = Api::from_environment();
+  if (!api) return tl::unexpected(api.error());
+  const auto page = api->has_page();
+  if (!page) return tl::unexpected(page.error());
+  if (!*page)
+    return fail(ErrorKind::Refused, "popcutd at " + api->http().address().text(),
+                "has no page yet; 'popcut jobs --watch' shows all jobs and the command to type "
+                "for each");
+  const auto answer = api->post("/v1/session/one-shot", Json::object(), "session");
+  if (!answer) return tl::unexpected(answer.error());
+  const client::Address& address = api->http().address();
+  const std::string base = address.path.empty() ? "http://" + address.host_header()
+                                                : std::string("http://localhost:8631");
+  const std::string url = base + "/#t=" + client::text_of(*answer, "one_shot");
+  if (globals.json)
+    fmt::print("{}\n", dumped(Json{{"url", url}}));
+  else
+    fmt::print("{}\n", url);
+  std::fflush(stdout);
+  const bool screen =
+      std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
+  if (print_only || !screen || globals.json) {
+    if (!globals.quiet && !globals.json)
+      fmt::print(stderr, "open it in a browser on this computer, within a minute; it works once\n");
+    return {};
+  }
+  ::execlp("xdg-open", "xdg-open", url.c_str(), nullptr);
+  return {};  // no browser to be found: the address is printed
+}
+
+constexpr const char* kOpenHelp =
+    "Open popcutd's page in the browser, signed in as you.\n\n"
+    "A popcutd that has no page yet says so; 'popcut jobs --watch' is then the way to see what\n"
+    "happens.\n\n"
+    "  popcut open\n"
+    "  popcut open --print     # only the address; it works once, within a minute";
+
+// Usage
+
+struct UsageOptions {
+  std::string from, to, by{"owner"};
+};
+
+Result<void> run_usage(const UsageOptions& options, const Globals& globals) {
+  auto api = Api::from_environment();
+  if (!api) return tl::unexpected(api.error());
+  std::string target = "/v1/usage?by=" + options.by;
+  if (!options.from.empty()) target += "&from=" + client::percent_encoded(options.from);
+  if (!options.to.empty()) target += "&to=" + client::percent_encoded(options.to);
+  if (globals.json) {
+    const auto rows = api->get(target, "usage");
+    if (!rows) return tl::unexpected(rows.error());
+    fmt::print("{}\n", dumped(*rows));
+    return {};
+  }
+  const auto csv = api->get_text(target, "text/csv", "usage");
+  if (!csv) return tl::unexpected(csv.error());
+  fmt::print("{}", *csv);
+  return {};
+}
+
+constexpr const char* kUsageHelp =
+    "What was cut, as CSV: seconds of the knife, mm of cut, sheets.\n\n"
+    "  popcut usage --by owner --from 2026-11-01T00:00:00Z > november.csv";
+
+void add_usage(CLI::App& app, const Globals& globals, Run& run) {
+  auto options = std::make_shared<UsageOptions>();
+  CLI::App* const command = app.add_subcommand("usage", kUsageHelp);
+  one_word(command->add_option("--by", options->by, "A row for each of these"),
+           {"owner", "device", "material"}, "owner");
+  command->add_option("--from", options->from, "From this time on")->option_text("TIME");
+  command->add_option("--to", options->to, "Before this time")->option_text("TIME");
+  command->callback([options, &globals, &run] {
+    run = [options, &globals] { return run_usage(*options, globals); };
+  });
+}
+
+// The database
+
+Result<void> database(const char* action, const Globals& globals) {
+  auto api = Api::from_environment();
+  if (!api) return tl::unexpected(api.error());
+  const auto answer =
+      api->post(fmt::format("/v1/db/actions/{}", action), Json::object(), "database");
+  if (!answer) return tl::unexpected(answer.error());
+  if (globals.json) {
+    fmt::print("{}\n", dumped(*answer));
+    return {};
+  }
+  for (const auto& [key, value] : answer->items())
+    fmt::print("{}: {}\n", key, value.is_string() ? value.get<std::string>() : dumped(value, -1));
+  return {};
+}
+
+/// Opens the file itself, under the lock of the state folder: popcutd must not run.
+Result<void> salvage_database(std::string folder, const Globals& globals) {
+  if (folder.empty())
+    folder = client::user_state_folder([](const char* name) { return std::getenv(name); });
+  if (folder.empty())
+    return fail(ErrorKind::Usage, "--state", "is missing; as in --state /var/lib/popcut");
+  const auto saved = daemon::salvage(folder);
+  if (!saved) return fail(ErrorKind::Refused, "", saved.error().detail);
+  Json tables = Json::array();
+  for (const auto& table : saved->tables) {
+    tables.push_back({{"table", table.name},
+                      {"rows", table.rows},
+                      {"refused", table.refused},
+                      {"whole", table.whole}});
+    if (!globals.json && !globals.quiet)
+      fmt::print("{:<14} {:>8} rows{}{}\n", table.name, table.rows,
+                 table.refused > 0 ? fmt::format(", {} against the rules", table.refused) : "",
+                 table.whole ? "" : ", the rest cannot be read");
+  }
+  if (globals.json)
+    fmt::print("{}\n", dumped(Json{{"tables", tables}, {"original", saved->original}}));
+  else if (!globals.quiet)
+    fmt::print(stderr,
+               "the damaged database is in {}; start popcutd and look at 'popcut jobs "
+               "--all'\n",
+               saved->original);
+  return {};
+}
+
+constexpr const char* kDbHelp =
+    "popcutd's database: copy it, check it, save what can be saved.\n\n"
+    "  popcut db backup       # a whole copy in popcutd's folder for backups; prints its path\n"
+    "  popcut db check        # every page and index is read\n"
+    "  popcut db salvage      # popcutd says that it is damaged (exit 78): what can be read goes "
+    "into\n"
+    "                         # a new one, the damaged one is kept; popcutd must not run";
+
+void add_db(CLI::App& app, const Globals& globals, Run& run) {
+  CLI::App* const command = app.add_subcommand("db", kDbHelp);
+  command->require_subcommand(1);
+  command->add_subcommand("backup", "Make a copy while popcutd runs; prints its path")
+      ->callback([&globals, &run] { run = [&globals] { return database("backup", globals); }; });
+  command->add_subcommand("check", "Read all of it, and say whether it is sound")
+      ->callback([&globals, &run] { run = [&globals] { return database("check", globals); }; });
+  auto folder = std::make_shared<std::string>();
+  CLI::App* const salvage =
+      command->add_subcommand("salvage", "Save what can be read of a damaged database");
+  salvage->add_option("--state", *folder, "popcutd's state folder")
+      ->option_text("DIR [~/.local/state/popcut]");
+  salvage->callback([folder, &globals, &run] {
+    run = [folder, &globals] { return salvage_database(*folder, globals); };
+  });
+}
+
+}  // namespace
+
+void register_daemon(CLI::App& app, const Globals& globals, Run& run) {
+  add_events(app, globals, run);
+  add_token(app, globals, run);
+  add_usage(app, globals, run);
+  add_db(app, globals, run);
+  CLI::App* const open = app.add_subcommand("open", kOpenHelp);
+  auto print_only = std::make_shared<bool>(false);
+  open->add_flag("--print", *print_only, "Only print the address");
+  open->callback([print_only, &globals, &run] {
+    run = [print_only, &globals] { return open_page(*print_only, globals); };
+  });
+}
+
+}  // namespace popcut::cli

@@ -1,0 +1,437 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/deploy/sheet_mesh.hpp"
+#include "core/design/patches.hpp"
+#include "core/formats/write/cricut_svg.hpp"
+#include "core/formats/write/deployed_svg.hpp"
+#include "core/formats/write/dxf_writer.hpp"
+#include "core/formats/fold/fold_writer.hpp"
+#include "core/formats/write/pdf_pattern.hpp"
+#include "core/formats/write/report_json.hpp"
+#include "core/formats/write/segments_csv.hpp"
+#include "core/formats/write/svg_pattern.hpp"
+#include "core/drawing/linework.hpp"
+#include "core/machines/machine.hpp"
+#include "core/plan/knife/micro_cut.hpp"
+#include "core/text/shown_text.hpp"
+#include "daemon/cli/options/angles.hpp"
+#include "daemon/cli/command.hpp"
+#include "daemon/cli/commands/deploy_files.hpp"
+#include "daemon/cli/help/examples.hpp"
+#include "daemon/cli/options/option_value.hpp"
+#include "daemon/files/output_folder.hpp"
+#include "daemon/cli/spec_assets.hpp"
+#include "daemon/files/user_tables.hpp"
+#include "daemon/planning/design_files.hpp"
+
+namespace popcut::cli {
+namespace {
+
+struct Options {
+  std::string spec, folder, formats{"fold,svg,cut,dxf,csv,glb,stl,report"},
+      fold_frames{"pi,pi/2,1.1"}, fold_cuts{"split"}, example;
+  MotionOptions motion;
+  bool schema{false}, list{false};
+  std::string place;
+};
+
+// 1. The files of a design: a row a format.
+
+/// What the writers need beside the design.
+struct Job {
+  const Design& made;
+  const PatchAssembly* whole;  ///< none where the design is one part of several
+  const Material& material;
+  FoldOptions fold;
+  std::vector<double> psi_rad;  ///< of the meshes
+  double thickness_mm{};        ///< of the meshes; 0: one surface
+};
+
+using Streamed = std::function<Result<void>(std::ostream&)>;
+
+Result<void> add_fold(const Job& job, OutputFolder& folder) {
+  return folder.add("pattern.fold", Streamed([&](std::ostream& out) {
+                      return write_fold(job.made.pattern, job.fold, out);
+                    }));
+}
+
+Result<void> add_svg(const Job& job, OutputFolder& folder) {
+  return folder.add("pattern.svg", Streamed([&](std::ostream& out) -> Result<void> {
+                      write_pattern_svg(job.made.pattern, out);
+                      return {};
+                    }));
+}
+
+Result<void> add_dxf(const Job& job, OutputFolder& folder) {
+  return folder.add("pattern.dxf", Streamed([&](std::ostream& out) -> Result<void> {
+                      write_pattern_dxf(job.made.pattern, out);
+                      return {};
+                    }));
+}
+
+/// The page with each fold as its dashes.
+LineWork dashed_page(const Job& job) {
+  return micro_cut(linework_from_pattern(job.made.pattern), job.material.dashes).work;
+}
+
+/// The dashes of all folds, back from the page (x = v, y = u) onto the sheet.
+std::vector<SheetLine> micro_cuts(const Job& job) {
+  const LineWork dashed = dashed_page(job);
+  std::vector<SheetLine> dashes;
+  for (const DrawnLine& line : dashed.lines) {
+    if (!is_fold(line.operation)) continue;
+    const EdgeRole role =
+        line.operation == Operation::FoldMountain ? EdgeRole::Mountain : EdgeRole::Valley;
+    const auto points = dashed.points_of(line);
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      dashes.push_back({points[i - 1].y, points[i - 1].x, points[i].y, points[i].x, role});
+    }
+  }
+  return dashes;
+}
+
+Result<void> add_cut(const Job& job, OutputFolder& folder) {
+  return folder.add("cut.svg", Streamed([&](std::ostream& out) -> Result<void> {
+                      write_cut_svg(job.made.pattern, micro_cuts(job), out);
+                      return {};
+                    }));
+}
+
+Result<void> add_cricut(const Job& job, OutputFolder& folder) {
+  return folder.add("cricut.svg", Streamed([&](std::ostream& out) {
+                      return write_cricut_svg(dashed_page(job), CricutMat{}, out);
+                    }));
+}
+
+Result<void> add_csv(const Job& job, OutputFolder& folder) {
+  return folder.add("segments.csv", Streamed([&](std::ostream& out) -> Result<void> {
+                      write_segments_csv(job.made.strips, out);
+                      return {};
+                    }));
+}
+
+Result<void> add_pdf(const Job& job, OutputFolder& folder) {
+  const auto pdf = pattern_pdf(job.made.pattern);
+  if (!pdf) return tl::unexpected(pdf.error());
+  return folder.add("pattern.pdf", *pdf);
+}
+
+Result<void> add_picture(const Job& job, OutputFolder& folder) {
+  return folder.add("deployed.svg", Streamed([&](std::ostream& out) -> Result<void> {
+                      write_deployed_svg(job.made.pattern, std::numbers::pi / 2, View{}, out);
+                      return {};
+                    }));
+}
+
+Result<void> add_stl(const Job& job, OutputFolder& folder) {
+  const Design& made = job.made;
+  const auto mesh = job.thickness_mm > 0 ? solid_mesh(made.pattern, job.thickness_mm)
+                                         : surface_mesh(made.pattern, made.strips);
+  if (!mesh) return tl::unexpected(mesh.error());
+  return add_meshes(made.pattern, *mesh, job.psi_rad, MeshAxes::Upright, "deploy/", folder);
+}
+
+Result<void> add_animation(const Job& job, OutputFolder& folder) {
+  return add_glb(job.made.pattern, job.psi_rad, job.thickness_mm, folder);
+}
+
+Result<void> add_poses(const Job& job, OutputFolder& folder) {
+  return add_poster(job.made.pattern, job.psi_rad, folder);
+}
+
+Result<void> add_report(const Job& job, OutputFolder& folder) {
+  return folder.add("report.json",
+                    job.whole ? report_json(*job.whole) : report_json(job.made.report));
+}
+
+struct Format {
+  std::string_view name;
+  std::string_view file;
+  Result<void> (*add)(const Job&, OutputFolder&);
+};
+
+constexpr std::array kFormats{
+    Format{"fold", "pattern.fold", add_fold},
+    Format{"svg", "pattern.svg", add_svg},
+    Format{"cut", "cut.svg", add_cut},
+    Format{"dxf", "pattern.dxf", add_dxf},
+    Format{"csv", "segments.csv", add_csv},
+    Format{"pdf", "pattern.pdf", add_pdf},
+    Format{"cricut", "cricut.svg", add_cricut},
+    Format{"picture", "deployed.svg", add_picture},
+    Format{"poster", "poster.svg", add_poses},
+    Format{"glb", "deploy.glb", add_animation},
+    Format{"stl", "deploy/psi_NNN.stl", add_stl},
+    Format{"report", "report.json", add_report},
+};
+
+Result<std::vector<Format>> parse_formats(std::string_view text) {
+  std::vector<Format> chosen;
+  while (!text.empty()) {
+    const std::string_view name = text.substr(0, text.find(','));
+    text.remove_prefix(std::min(text.size(), name.size() + 1));
+    const auto* const found = std::find_if(kFormats.begin(), kFormats.end(),
+                                           [&](const Format& f) { return f.name == name; });
+    if (found == kFormats.end()) {
+      std::string known;
+      for (const Format& format : kFormats) known += fmt::format(" {}", format.name);
+      return fail(ErrorKind::Usage, "--formats",
+                  fmt::format("'{}' is not a format; the formats are:{}", name, known));
+    }
+    const auto same = [&](const Format& f) { return f.name == name; };
+    if (std::none_of(chosen.begin(), chosen.end(), same)) chosen.push_back(*found);
+  }
+  return chosen;
+}
+
+// 2. What is said about it.
+
+void say_figures(const DesignReport& report) {
+  const auto count = [](auto n, const char* what) {
+    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+  };
+  fmt::print(stderr, "{}: {}, {} lattice, {} of freedom\n", shown_text(report.name),
+             count(report.slices.size(), "slice"), report.lattice,
+             count(report.degrees_of_freedom, "degree"));
+  fmt::print(stderr, "  sheet    {:.1f} x {:.1f} mm (along the strips x along the spine)\n",
+             report.sheet_u_mm, report.sheet_v_mm);
+  fmt::print(stderr, "  folds    {}, {:.0f} mm; cuts {}, {:.0f} mm; {} rigid faces\n", report.folds,
+             report.fold_length_mm, report.cuts, report.cut_length_mm, report.faces);
+  fmt::print(stderr,
+             "  off the target by {:.3g} mm rms, {:.3g} mm at most; ends {:.3g} mm at most\n",
+             report.inner_error.rms_mm, report.inner_error.max_mm, report.end_error.max_mm);
+}
+
+void say_remarks(const DesignReport& report, bool all) {
+  constexpr std::size_t kFirst = 3;
+  if (!report.lattice_note.empty())
+    fmt::print(stderr, "  note     {}\n", shown_text(report.lattice_note));
+  for (const std::string& note : report.notes)
+    fmt::print(stderr, "  note     {}\n", shown_text(note));
+  for (std::size_t i = 0; i < report.merged.size() && (all || i < kFirst); ++i) {
+    const MergedPlace& place = report.merged[i];
+    fmt::print(stderr, "  merged   {} {}, level {}: {}\n", place.where, place.slice, place.level,
+               place.reason);
+  }
+  if (!all && report.merged.size() > kFirst) {
+    fmt::print(stderr, "  merged   {} more places; report.json lists them, and so does -v\n",
+               report.merged.size() - kFirst);
+  }
+}
+
+void say_joins(const PatchAssembly& made) {
+  for (const JoinReport& join : made.joins)
+    fmt::print(stderr, "  {:<8} {} and {} at v = {:.1f} mm: {}; profiles {:.3g} mm apart\n",
+               join.is_seam ? "seam" : "joined", made.patches[join.left].name,
+               made.patches[join.left + 1].name, join.v_mm, join.reason, join.misfit_mm);
+}
+
+// 3. The work.
+
+std::string about(const SurfaceSpec& surface) {
+  if (const auto* s = std::get_if<RevolutionSpec>(&surface)) return "radius " + s->radius;
+  if (const auto* s = std::get_if<ProfileSpec>(&surface)) return "profile " + s->z;
+  if (const auto* s = std::get_if<ImplicitSpec>(&surface)) return "solid " + s->f;
+  return "file " + asset_of(surface);
+}
+
+Result<void> list_examples(const Globals& globals) {
+  auto list = nlohmann::ordered_json::array();
+  for (const Example& example : examples()) {
+    const auto spec = parse_design_spec(example.json);
+    if (!spec) return tl::unexpected(within(std::string(example.name), spec.error()));
+    const std::string target = spec->surface ? about(*spec->surface) : "regions of their own";
+    std::vector<std::string> sizes;
+    for (const RegionSpec& region : spec->regions)
+      sizes.push_back(fmt::format("{} x {}", region.slices, region.units_per_slice));
+    const std::string what = fmt::format("{}, {} units", target, fmt::join(sizes, " + "));
+    if (globals.json)
+      list.push_back({{"name", example.name}, {"what", what}});
+    else
+      fmt::print("{:<10} {}\n", example.name, what);
+  }
+  if (globals.json) fmt::print("{}\n", nlohmann::ordered_json{{"examples", list}}.dump(2));
+  return {};
+}
+
+Result<void> print_example(const std::string& name) {
+  std::string known;
+  for (const Example& example : examples()) {
+    if (example.name == name) {
+      fmt::print("{}", example.json);
+      return {};
+    }
+    known += fmt::format(" {}", example.name);
+  }
+  return fail(ErrorKind::Usage, "--example",
+              fmt::format("'{}' is not an example; the examples are:{}", name, known));
+}
+
+/// The seconds of an assembly of several parts are those of all together.
+Result<PatchAssembly> timed_design(const DesignSpec& spec, const SurfaceAssets& assets) {
+  const auto start = std::chrono::steady_clock::now();
+  auto made = design_assembly(spec, assets);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  if (made)
+    for (Design& part : made->parts) part.report.seconds = took.count();
+  return made;
+}
+
+constexpr std::uintmax_t kSpecLimitBytes = 64u << 20;
+
+Result<void> design_into(const Options& options, const Globals& globals) {
+  const auto formats = parse_formats(options.formats);
+  if (!formats) return tl::unexpected(formats.error());
+  const auto fold_frames = parse_opening_angles(options.fold_frames);
+  if (!fold_frames)
+    return fail(fold_frames.error().kind, "--fold-frames", fold_frames.error().detail);
+  auto angles = angles_of(options.motion);
+  if (!angles) return tl::unexpected(angles.error());
+  const auto text = read_file(options.spec, kSpecLimitBytes);
+  if (!text) return tl::unexpected(text.error());
+  auto spec = parse_design_spec(*text);
+  if (!spec) return tl::unexpected(within(options.spec, spec.error()));
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto material = find_material(spec->material, tables->texts);
+  if (!material) {
+    const Error error = tables->with_file(material.error());
+    return fail(error.place.empty() ? ErrorKind::OutOfRange : error.kind,
+                error.place.empty() ? options.spec + ": /material" : error.place, error.detail);
+  }
+  const auto thickness = thickness_of(options.motion, material->thickness_mm);
+  if (!thickness) return tl::unexpected(thickness.error());
+  const auto assets = load_assets(*spec, options.spec);
+  if (!assets) return tl::unexpected(within(options.spec, assets.error()));
+  auto folder = OutputFolder::open(options.folder);
+  if (!folder) return tl::unexpected(folder.error());
+  auto made = timed_design(*spec, *assets);
+  if (!made) return tl::unexpected(within(options.spec, made.error()));
+
+  for (Design& part : made->parts) planning::add_thickness_note(*material, part);
+
+  const bool is_one = made->parts.size() == 1;
+  for (std::size_t p = 0; p < made->parts.size(); ++p) {
+    const Job job{
+        made->parts[p], is_one ? &*made : nullptr,
+        *material,      {"popcut " POPCUT_VERSION, *fold_frames, options.fold_cuts == "split"},
+        *angles,        *thickness};
+    folder->enter(is_one ? "" : part_folder(p));
+    for (const Format& format : *formats)
+      if (auto done = format.add(job, *folder); !done) return done;
+  }
+  folder->enter("");
+  if (!is_one)
+    if (auto done = folder->add("report.json", report_json(*made)); !done) return done;
+  if (auto done = folder->commit("popcut design " POPCUT_VERSION); !done) return done;
+  if (globals.json) fmt::print("{}", report_json(*made));
+  if (globals.quiet) return {};
+  for (const Design& part : made->parts) {
+    say_figures(part.report);
+    say_remarks(part.report, globals.verbose > 0);
+  }
+  say_joins(*made);
+  std::string files;
+  for (const Format& format : *formats) files += fmt::format(" {}", format.file);
+  const std::string where = is_one
+                                ? options.folder
+                                : fmt::format("{0}/part-01 to {0}/{1}, report.json in {0}",
+                                              options.folder, part_folder(made->parts.size() - 1));
+  fmt::print(stderr, "  wrote   {} in {} ({:.2f} s)\n", files, where,
+             made->parts.front().report.seconds);
+  return {};
+}
+
+Result<void> place(const Options& options, const Globals& globals) {
+  const auto text = read_file(options.spec, kSpecLimitBytes);
+  if (!text) return tl::unexpected(text.error());
+  const auto spec = parse_design_spec(*text);
+  if (!spec) return tl::unexpected(within(options.spec, spec.error()));
+  const auto assets = load_assets(*spec, options.spec);
+  if (!assets) return tl::unexpected(within(options.spec, assets.error()));
+  if (auto done =
+          print_placed_spec(*spec, *text, *assets, options.place == "quarter", globals.quiet);
+      !done)
+    return tl::unexpected(within(options.spec, done.error()));
+  return {};
+}
+
+Result<void> run_design(Options options, const Globals& globals) {
+  give_back_file(options.motion, options.spec);
+  if (options.schema) {
+    fmt::print("{}", design_spec_schema());
+    return {};
+  }
+  if (options.list) return list_examples(globals);
+  if (!options.example.empty()) return print_example(options.example);
+  if (options.spec.empty()) {
+    return fail(ErrorKind::Usage, "command line",
+                "SPEC.json is missing; 'popcut design --example sphere' prints one to start from");
+  }
+  if (!options.place.empty()) return place(options, globals);
+  if (options.folder.empty()) {
+    return fail(ErrorKind::Usage, "command line",
+                "-o DIR is missing; name the folder for the pattern");
+  }
+  return design_into(options, globals);
+}
+
+constexpr const char* kHelp =
+    "Target surface to pop-up pattern.\n\n"
+    "  popcut design --example sphere > sphere.json\n"
+    "  popcut design sphere.json -o sphere\n\n"
+    "Writes in DIR: pattern.fold (flat sheet and deployed poses), pattern.svg (to look at),\n"
+    "cut.svg (to cut: each dash of a fold a path), pattern.dxf, segments.csv (a row a panel),\n"
+    "deploy.glb (animated), deploy/psi_NNN.stl (a mesh a frame) and report.json.\n"
+    "DIR's other files stay; files of the last run that this one does not write are removed.";
+
+}  // namespace
+
+void register_design(CLI::App& app, const Globals& globals, Run& run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = app.add_subcommand("design", kHelp);
+  command->add_option("SPEC", options->spec, "What to make, a JSON file (see --schema)");
+  command->add_option("-o,--output", options->folder, "The folder for the files; made if absent")
+      ->option_text("DIR");
+  command
+      ->add_option("--formats", options->formats,
+                   "Some of: fold svg cut dxf csv pdf cricut picture poster glb stl report, with "
+                   "commas between")
+      ->option_text("LIST [fold,svg,cut,dxf,csv,glb,stl,report]");
+  command
+      ->add_option("--fold-frames", options->fold_frames,
+                   "Poses in pattern.fold, rad or 90deg; pi is flat, pi/2 the designed shape")
+      ->option_text("LIST [pi,pi/2,1.1]");
+  one_word(command->add_option(
+               "--fold-cuts", options->fold_cuts,
+               "Cuts in pattern.fold: split (two borders B each) or C (one edge each; flat only)"),
+           {"split", "C"}, "split");
+  add_motion_options(*command, options->motion);
+  command->add_flag("--schema", options->schema, "Print the JSON Schema of a SPEC");
+  one_word(
+      command->add_option("--place", options->place,
+                          "Print SPEC with a placement for its mesh or grid (whole: all of it in\n"
+                          "the corner, or quarter: its middle on the spine) and design nothing"),
+      {"whole", "quarter"});
+  command->add_option("--example", options->example, "Print a shipped SPEC")->option_text("NAME");
+  command->add_flag("--list", options->list, "List the shipped SPECs, the name first");
+  command->callback([options, &globals, &run] {
+    run = [options, &globals] { return run_design(*options, globals); };
+  });
+}
+
+}  // namespace popcut::cli

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/machines/machine.hpp"
+#include "daemon/cli/command.hpp"
+#include "daemon/cli/help/udev_rule.hpp"
+#include "daemon/files/user_tables.hpp"
+#include "device/port/device_id.hpp"
+#include "device/doctor.hpp"
+#include "device/port/ports.hpp"
+#include "device/port/serial_transport.hpp"
+#include "device/usb/usb_bus.hpp"
+
+namespace popcut::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Level = Finding::Level;
+
+struct Options {
+  std::string device, treat_as;
+  bool rule{false};
+};
+
+/// What was found of one cutter, or of none.
+struct Report {
+  std::string id, title;
+  std::vector<Finding> findings;
+
+  [[nodiscard]] const Finding* first_problem() const {
+    const auto at = std::find_if(findings.begin(), findings.end(), [](const Finding& finding) {
+      return finding.level == Level::Problem;
+    });
+    return at == findings.end() ? nullptr : &*at;
+  }
+};
+
+Result<std::optional<Machine>> stand_in(const Options& options,
+                                        const std::vector<std::string>& tables) {
+  if (options.treat_as.empty()) return std::nullopt;
+  auto machine = find_machine(options.treat_as, tables);
+  if (!machine) return fail(ErrorKind::Usage, "--treat-as", machine.error().detail);
+  return std::move(*machine);
+}
+
+std::vector<std::string> port_ids() {
+  std::vector<std::string> ids;
+  for (const PortInfo& port : list_ports()) ids.push_back(port.id);
+  return ids;
+}
+
+/// A port: all that can be known is whether it opens.
+Report look_at_port(const DeviceId& id) {
+  Report report{id.text, "a port", {}};
+  const auto port = id.kind == DeviceKind::Serial ? PortTransport::open_serial(id.name, id.serial)
+                                                  : PortTransport::open_printer(id.name);
+  if (port) {
+    report.findings.push_back({Level::Fine, "it can be opened, and nobody else uses it", ""});
+    report.findings.push_back(
+        {Level::Note, "a port does not tell what machine is behind it, nor whether it is on",
+         "see for yourself, and name it: popcut cut --direct --device " + id.text +
+             " --machine hpgl-generic"});
+    return report;
+  }
+  const std::string& detail = port.error().detail;
+  const std::size_t cut = detail.find("; ");
+  report.findings.push_back({Level::Problem, detail.substr(0, cut),
+                             cut == std::string::npos ? "" : detail.substr(cut + 2)});
+  return report;
+}
+
+Result<std::vector<Report>> look_at_usb(const Options& options) {
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto machines = all_machines(tables->texts);
+  if (!machines) return tl::unexpected(tables->with_file(machines.error()));
+  const auto treat_as = stand_in(options, tables->texts);
+  if (!treat_as) return tl::unexpected(treat_as.error());
+  const auto bus = UsbBus::open();
+  if (!bus) return tl::unexpected(bus.error());
+  std::vector<UsbDevice> devices;
+  if (options.device.empty()) {
+    devices = bus->devices();
+  } else {
+    auto one = bus->find(options.device);
+    if (!one) return tl::unexpected(one.error());
+    devices.push_back(std::move(*one));
+  }
+  if (*treat_as && devices.size() != 1)
+    return fail(ErrorKind::Usage, "--treat-as",
+                "belongs to one device; name it, as in popcut doctor usb:ID --treat-as NAME "
+                "('popcut devices' lists them)");
+  const Surroundings surroundings = look_around();
+  std::vector<Report> reports;
+  for (const UsbDevice& device : devices) {
+    const CutterFacts facts = examine(*bus, device, *machines, *treat_as);
+    reports.push_back({device.id, facts.machine ? facts.machine->title : "unknown model",
+                       diagnose(facts, surroundings)});
+  }
+  return reports;
+}
+
+Json to_json(const Report& report) {
+  Json findings = Json::array();
+  for (const Finding& finding : report.findings) {
+    Json one{{"level", name_of(finding.level)}, {"what", finding.what}};
+    if (!finding.remedy.empty()) one["do"] = finding.remedy;
+    findings.push_back(std::move(one));
+  }
+  return {{"id", report.id}, {"title", report.title}, {"findings", findings}};
+}
+
+void print(const Report& report) {
+  fmt::print("{}  {}\n", report.id, report.title);
+  for (const Finding& finding : report.findings) {
+    const bool problem = finding.level == Level::Problem;
+    fmt::print("  {:<8} {}\n", problem ? "PROBLEM" : name_of(finding.level), finding.what);
+    for (std::size_t from = 0; from < finding.remedy.size();) {
+      const std::size_t end = std::min(finding.remedy.find('\n', from), finding.remedy.size());
+      fmt::print("  {:<8} {}\n", from == 0 ? "  do:" : "",
+                 std::string_view(finding.remedy).substr(from, end - from));
+      from = end + 1;
+    }
+  }
+}
+
+/// Good if one cutter has no problem; else the first problem is the error.
+Result<void> verdict(const std::vector<Report>& reports) {
+  for (const Report& report : reports)
+    if (report.first_problem() == nullptr) return {};
+  const Finding& first = *reports.front().first_problem();
+  std::string remedy = first.remedy.empty() ? "see above" : first.remedy;
+  std::replace(remedy.begin(), remedy.end(), '\n', ' ');
+  return fail(
+      ErrorKind::Refused, reports.front().id,
+      fmt::format("{}; {}", first.what,
+                  first.remedy.find('\n') == std::string::npos ? remedy : "see the steps above"));
+}
+
+Result<void> run_doctor(const Options& options, const Globals& globals) {
+  if (options.rule) {
+    fmt::print("{}", udev_rule());
+    return {};
+  }
+  std::vector<Report> reports;
+  std::optional<DeviceId> id;
+  if (!options.device.empty()) {
+    auto parsed = parse_device_id(options.device);
+    if (!parsed) return fail(ErrorKind::Usage, "DEVICE", parsed.error().detail);
+    id = std::move(*parsed);
+  }
+  if (id && (id->kind == DeviceKind::Simulated || id->kind == DeviceKind::File))
+    return fail(ErrorKind::Usage, "DEVICE",
+                fmt::format("{} needs no doctor: only usb:, serial: and lp: devices do", id->text));
+  if (id && id->kind != DeviceKind::Usb) {
+    reports.push_back(look_at_port(*id));
+  } else {
+    auto found = look_at_usb(options);
+    if (!found) return tl::unexpected(found.error());
+    reports = std::move(*found);
+    if (reports.empty()) reports.push_back({"USB", "no cutter", {nothing_found(port_ids())}});
+  }
+  if (globals.json) {
+    Json list = Json::array();
+    for (const Report& report : reports) list.push_back(to_json(report));
+    const Json json{{"usable", verdict(reports).has_value()}, {"devices", list}};
+    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+  } else if (!globals.quiet) {
+    for (const Report& report : reports) print(report);
+  }
+  std::fflush(stdout);
+  return verdict(reports);
+}
+
+constexpr const char* kHelp =
+    "Say why a cutter cannot be used, and what to do.\n\n"
+    "  popcut doctor                              # looks at all that is plugged in\n"
+    "  popcut doctor usb:1-2 --treat-as cameo4    # a model that popcut does not know\n"
+    "  popcut doctor --udev-rule                  # prints the rule that gives permission\n\n"
+    "It asks a known cutter for its status and its name, and sends nothing else. It ends with 0 "
+    "if\n"
+    "a cutter is ready to cut, with 5 if none is.";
+
+}  // namespace
+
+void register_doctor(CLI::App& app, const Globals& globals, Run& run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = app.add_subcommand("doctor", kHelp);
+  command->add_option("DEVICE", options->device, "Only this one; 'popcut devices' lists them");
+  command
+      ->add_option("--treat-as", options->treat_as, "What a model that is not known is nearest to")
+      ->option_text("NAME");
+  command->add_flag("--udev-rule", options->rule, "Print popcut's udev rule, and nothing else");
+  command->callback([options, &globals, &run] {
+    run = [options, &globals] { return run_doctor(*options, globals); };
+  });
+}
+
+}  // namespace popcut::cli

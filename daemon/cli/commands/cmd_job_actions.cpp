@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: MIT
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "daemon/cli/command.hpp"
+#include "daemon/cli/view/job_follow.hpp"
+#include "daemon/cli/view/job_view.hpp"
+#include "daemon/cli/options/option_value.hpp"
+#include "daemon/client/api.hpp"
+
+namespace popcut::cli {
+namespace {
+
+using client::Api;
+using Json = nlohmann::json;
+
+// As popcutd takes them.
+constexpr std::int64_t kMostSheet = 10'000, kMostBlank = 1'000'000;
+constexpr std::int64_t kMostPath = std::int64_t{1} << 40;
+
+struct Options {
+  std::string job, result, reason, before, device, registration{"kept"};
+  std::optional<std::string> name{}, note{}, new_device{};
+  std::optional<int> priority{};
+  std::optional<int> sheet{}, blank{};
+  std::optional<std::int64_t> from{};
+  bool double_cut{false}, skip_in_doubt{false}, wait{false};
+};
+
+Result<Json> job_for(Api& api, const Options& options, const char* action) {
+  return options.job.empty() ? api.only_job_for(action) : api.find_job(options.job);
+}
+
+/// The sheet that was named, or the job's current one.
+Json sheet_of(const Options& options, const Json& job) {
+  return options.sheet ? Json(*options.sheet) : job.value("sheet", Json());
+}
+
+Result<Json> act(Api& api, const Options& options, const char* action,
+                 const std::function<Json(const Json&)>& body) {
+  const auto job = job_for(api, options, action);
+  if (!job) return tl::unexpected(job.error());
+  return api.act(*job, action, body(*job));
+}
+
+Result<Json> arm(Api& api, const Options& options) {
+  return act(api, options, "arm", [&](const Json& job) {
+    Json body{{"sheet", sheet_of(options, job)},
+              {"blank", options.blank ? Json(*options.blank) : job.value("blank", Json(1))}};
+    if (!options.device.empty()) body["device"] = options.device;
+    return body;
+  });
+}
+
+Result<Json> change(Api& api, const Options& options) {
+  if (options.job.empty())
+    return fail(ErrorKind::Usage, "JOB", "is empty; 'popcut jobs' lists the ids");
+  Json members = Json::object();
+  if (options.priority) members["priority"] = *options.priority;
+  if (options.name) members["name"] = *options.name;
+  if (options.note) members["note"] = *options.note;
+  if (options.new_device) members["device"] = *options.new_device;
+  if (members.empty())
+    return fail(ErrorKind::Usage, "command line",
+                "nothing is to be changed; give --priority, --name, --note or --device");
+  const auto job = api.find_job(options.job);
+  if (!job) return job;
+  return api.patch(*job, members);
+}
+
+Result<Json> start(Api& api, const Options& options) {
+  return act(api, options, "start", [](const Json& job) {
+    return Json{{"sheet", job.value("sheet", Json())}};
+  });
+}
+
+Result<Json> plain(Api& api, const Options& options, const char* action) {
+  return act(api, options, action, [](const Json&) { return Json::object(); });
+}
+
+Result<Json> cancel(Api& api, const Options& options) {
+  return act(api, options, "cancel", [&](const Json&) {
+    return options.reason.empty() ? Json::object() : Json{{"reason", options.reason}};
+  });
+}
+
+Result<Json> resume(Api& api, const Options& options) {
+  if (!options.from) return plain(api, options, "resume");
+  return act(api, options, "resume-from", [&](const Json&) {
+    Json body{{"from_path", *options.from}, {"registration", options.registration}};
+    if (options.double_cut) body["i_accept_double_cut"] = true;
+    if (options.skip_in_doubt) body["skip_in_doubt"] = true;
+    return body;
+  });
+}
+
+Result<Json> with_sheet(Api& api, const Options& options, const char* action) {
+  return act(api, options, action, [&](const Json& job) {
+    return Json{{"sheet", sheet_of(options, job)}};
+  });
+}
+
+Result<Json> confirm(Api& api, const Options& options) {
+  return act(api, options, "confirm-result", [&](const Json& job) {
+    return Json{{"sheet", sheet_of(options, job)}, {"good", options.result == "good"}};
+  });
+}
+
+Result<Json> in_queue(Api& api, const Options& options, const char* action) {
+  const auto job = api.find_job(options.job);
+  if (!job) return tl::unexpected(job.error());
+  Json body{{"job", client::text_of(*job, "id")}};
+  if (!options.before.empty()) {
+    const auto before = api.find_job(options.before);
+    if (!before) return tl::unexpected(before.error());
+    if (client::text_of(*before, "id") == client::text_of(*job, "id"))
+      return fail(ErrorKind::Usage, "--before",
+                  fmt::format("{} is the job that is to be moved; name another one, or leave "
+                              "--before out to put it last",
+                              options.before));
+    body["before"] = client::text_of(*before, "id");
+  }
+  return api.post(fmt::format("/v1/queue/actions/{}", action), body,
+                  "job " + client::text_of(*job, "id"), client::revision_of(*job));
+}
+
+/// Waits until the sheet that was started is no longer being cut.
+Result<Json> wait_for_sheet(Api& api, const Json& job, const Globals& globals) {
+  return follow_job(api, client::text_of(job, "id"), globals, [&](const Json& now) {
+    const std::string state = client::text_of(now, "state");
+    return state != "cutting" && state != "paused" && state != "armed";
+  });
+}
+
+using Work = std::function<Result<Json>(Api&, const Options&)>;
+
+/// What has become of the job, in a line.
+using Told = std::function<std::string(const Json&, const Options&)>;
+
+std::string told_state(const Json& job, const Options&) { return job_summary(job); }
+
+std::string told_cancel(const Json& job, const Options&) {
+  return has_ended(job) ? job_summary(job)
+                        : "is being cancelled; the cut ends with its stroke, tool up";
+}
+
+std::string told_move(const Json& job, const Options& options) {
+  return options.before.empty()
+             ? "comes last of those of its priority; " + job_summary(job)
+             : fmt::format("comes before {}; {}", options.before, job_summary(job));
+}
+
+Result<void> run_action(const Options& options, const Globals& globals, const Work& work,
+                        const Told& told) {
+  auto api = Api::from_environment();
+  if (!api) return tl::unexpected(api.error());
+  auto job = work(*api, options);
+  if (job && options.wait) job = wait_for_sheet(*api, *job, globals);
+  if (!job) return tl::unexpected(job.error());
+  if (globals.json) fmt::print("{}\n", job->dump(2, ' ', false, Json::error_handler_t::replace));
+  if (!globals.quiet && !options.wait) {
+    fmt::print(stderr, "{}: {}\n", job_title(*job), told(*job, options));
+    for (const std::string& line : waiting_lines(waiting_for(*job), 2))
+      fmt::print(stderr, "{}\n", line);
+  }
+  if (options.wait && client::text_of(*job, "state") == "interrupted") return verdict(*job);
+  return {};
+}
+
+// The commands
+
+struct Words {
+  const char* name;
+  const char* help;
+  Work work;
+  bool job_needed{false};
+  Told told{told_state};
+};
+
+CLI::App* add(CLI::App& app, const Globals& globals, Run& run, const Words& words,
+              const std::shared_ptr<Options>& options) {
+  CLI::App* const command = app.add_subcommand(words.name, words.help);
+  command
+      ->add_option("JOB", options->job,
+                   words.job_needed ? "An id, or the beginning of one"
+                                    : "An id, or the beginning of one; without it, the one job of "
+                                      "which this is lawful now")
+      ->required(words.job_needed);
+  command->callback([options, &globals, &run, words] {
+    run = [options, &globals, words] {
+      return run_action(*options, globals, words.work, words.told);
+    };
+  });
+  return command;
+}
+
+void add_sheet(CLI::App* command, const std::shared_ptr<Options>& options) {
+  whole_number(
+      command->add_option("SHEET", options->sheet, "Which sheet, from 1; else the current one"), 1,
+      kMostSheet);
+}
+
+Work named(Result<Json> (*work)(Api&, const Options&, const char*), const char* action) {
+  return [work, action](Api& api, const Options& options) { return work(api, options, action); };
+}
+
+constexpr const char* kArmHelp =
+    "Say that the sheet lies in the cutter and may be cut. Nothing moves yet.\n\n"
+    "  popcut arm 01JDX7 2          # sheet 2 is loaded\n"
+    "  popcut start 01JDX7          # cuts it; within 10 minutes\n\n"
+    "What is armed is the stored plan of this sheet for this blank, once. After 10 minutes, and "
+    "when\npopcutd is started anew, it must be armed again.";
+constexpr const char* kStartHelp =
+    "Start the knife on the armed sheet.\n\n"
+    "  popcut start 01JDX7\n"
+    "  popcut start 01JDX7 --wait   # returns when the sheet is cut";
+constexpr const char* kPauseHelp =
+    "Hold a cut at the end of the stroke, with the tool up; 'popcut resume' goes on.\n\n"
+    "  popcut pause 01JDX7";
+constexpr const char* kResumeHelp =
+    "Go on with a paused cut, or with an interrupted sheet.\n\n"
+    "  popcut resume 01JDX7                 # after 'popcut pause'\n"
+    "  popcut resume 01JDX7 --from 118      # interrupted: again from path 118, once armed and "
+    "started\n\n"
+    "A new blank ('popcut retry') is the safer way after an interruption; paper is cheap.";
+constexpr const char* kCancelHelp =
+    "End a job. A cut under way ends with its stroke, tool up.\n\n"
+    "  popcut cancel 01JDX7 --reason 'wrong colour'";
+constexpr const char* kDisarmHelp =
+    "Take back 'popcut arm': the sheet is not to be cut now.\n\n"
+    "  popcut disarm 01JDX7";
+constexpr const char* kRetryHelp =
+    "Cut a sheet again on a new blank. Nothing moves before 'popcut arm'.\n\n"
+    "  popcut retry 01JDX7 2";
+constexpr const char* kConfirmHelp =
+    "Say what became of a sheet that nobody but a person can judge.\n\n"
+    "  popcut confirm 01JDX7 2 good\n"
+    "  popcut confirm 01JDX7 2 bad";
+constexpr const char* kSkipHelp =
+    "Leave a sheet out, and go on with the next.\n\n"
+    "  popcut skip 01JDX7 2";
+constexpr const char* kHoldHelp =
+    "Keep a job from being offered to a cutter; 'popcut release' takes it back.\n\n"
+    "  popcut hold 01JDX7";
+constexpr const char* kReleaseHelp =
+    "Take back 'popcut hold'.\n\n"
+    "  popcut release 01JDX7";
+constexpr const char* kChangeHelp =
+    "Change a job that has not begun: its priority, name, note or cutter.\n\n"
+    "  popcut change 01JDX7 --priority 5\n"
+    "  popcut change 01JDX7 --device usb:51053P\n"
+    "  popcut change 01JDX7 --device ''         # any that fits";
+constexpr const char* kMoveHelp =
+    "Put a job before another one of its priority, or at the end.\n\n"
+    "  popcut move 01JDX7 --before 01JDX2\n"
+    "  popcut move 01JDX7";
+
+void add_resume(CLI::App& app, const Globals& globals, Run& run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = add(app, globals, run, {"resume", kResumeHelp, resume}, options);
+  whole_number(command->add_option("--from", options->from,
+                                   "First path to cut again; 'popcut jobs JOB' counts"),
+               0, kMostPath)
+      ->option_text("PATH");
+  one_word(
+      command->add_option("--registration", options->registration,
+                          "kept: the blank has not been moved; re-registered: it was laid in anew"),
+      {"kept", "re-registered"}, "kept");
+  command->add_flag("--accept-double-cut", options->double_cut,
+                    "Paths that are certainly cut may be cut a second time");
+  command->add_flag("--skip-in-doubt", options->skip_in_doubt,
+                    "Paths in doubt are left as they are, not cut again");
+}
+
+void add_change(CLI::App& app, const Globals& globals, Run& run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = add(app, globals, run, {"change", kChangeHelp, change, true}, options);
+  whole_number(
+      command->add_option("--priority", options->priority, "Before (above 0) or after other jobs"),
+      -10, 10)
+      ->option_text("-10..10");
+  command->add_option("--name", options->name, "What the job is called")->option_text("TEXT");
+  command->add_option("--note", options->note, "For whoever cuts it")->option_text("TEXT");
+  command->add_option("--device", options->new_device, "Cut it there; empty: wherever it fits")
+      ->option_text("ID");
+}
+
+}  // namespace
+
+void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
+  const auto fresh = [] { return std::make_shared<Options>(); };
+  auto options = fresh();
+  CLI::App* command = add(app, globals, run, {"arm", kArmHelp, arm}, options);
+  add_sheet(command, options);
+  whole_number(command->add_option("--blank", options->blank,
+                                   "Which blank of it, from 1; else the current one"),
+               1, kMostBlank)
+      ->option_text("N");
+  command
+      ->add_option("--device", options->device,
+                   "In which cutter it lies, where several could cut it; 'popcut devices'")
+      ->option_text("ID");
+  options = fresh();
+  command = add(app, globals, run, {"start", kStartHelp, start}, options);
+  command->add_flag("--wait", options->wait, "Return when the sheet is cut");
+  add(app, globals, run, {"pause", kPauseHelp, named(plain, "pause")}, fresh());
+  add_resume(app, globals, run);
+  add_change(app, globals, run);
+  options = fresh();
+  command = add(app, globals, run, {"cancel", kCancelHelp, cancel, true, told_cancel}, options);
+  command->add_option("--reason", options->reason, "Why, for the record")->option_text("TEXT");
+  add(app, globals, run, {"disarm", kDisarmHelp, named(plain, "disarm")}, fresh());
+  options = fresh();
+  add_sheet(add(app, globals, run, {"retry", kRetryHelp, named(with_sheet, "retry-sheet"), true},
+                options),
+            options);
+  options = fresh();
+  command = add(app, globals, run, {"confirm", kConfirmHelp, confirm, true}, options);
+  whole_number(command->add_option("SHEET", options->sheet, "Which sheet, from 1"), 1, kMostSheet)
+      ->required();
+  one_word(command->add_option("RESULT", options->result, "good or bad"), {"good", "bad"})
+      ->required();
+  options = fresh();
+  add_sheet(
+      add(app, globals, run, {"skip", kSkipHelp, named(with_sheet, "skip-sheet"), true}, options),
+      options);
+  add(app, globals, run, {"hold", kHoldHelp, named(in_queue, "hold"), true}, fresh());
+  add(app, globals, run, {"release", kReleaseHelp, named(in_queue, "release"), true}, fresh());
+  options = fresh();
+  command = add(app, globals, run, {"move", kMoveHelp, named(in_queue, "move"), true, told_move},
+                options);
+  command->add_option("--before", options->before, "The job that comes after it")
+      ->option_text("JOB");
+}
+
+}  // namespace popcut::cli

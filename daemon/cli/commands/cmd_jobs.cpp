@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "daemon/cli/command.hpp"
+#include "daemon/cli/view/job_follow.hpp"
+#include "daemon/cli/view/job_view.hpp"
+#include "daemon/cli/person_name.hpp"
+#include "daemon/cli/help/terminal_text.hpp"
+#include "daemon/client/api.hpp"
+
+namespace popcut::cli {
+namespace {
+
+using client::Api;
+using Json = nlohmann::json;
+
+struct Options {
+  std::string job, state;
+  bool watch{false}, all{false};
+};
+
+std::string dumped(const Json& json, int indent = 2) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+Result<std::vector<Json>> wanted_jobs(Api& api, const Options& options) {
+  if (!options.state.empty())
+    return api.list("/v1/jobs?state=" + client::percent_encoded(options.state), "--state");
+  return options.all ? api.list("/v1/jobs", "jobs") : api.open_jobs();
+}
+
+bool on_terminal() { return isatty(STDOUT_FILENO) == 1; }
+
+ViewStyle style_of_terminal() {
+  ViewStyle style;
+  style.width = on_terminal() ? terminal_columns(STDOUT_FILENO, 80) : 1000;
+  const char* const plain = std::getenv("NO_COLOR");
+  style.colour = on_terminal() && (plain == nullptr || *plain == '\0');
+  return style;
+}
+
+int rows_of_terminal() {
+  winsize size{};
+  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 4 ? size.ws_row : 24;
+}
+
+std::string time_now() {
+  const std::time_t now = std::time(nullptr);
+  return fmt::format("{:%H:%M:%S}", fmt::localtime(now));
+}
+
+/// Puts those that wait for a cutter in the order of the queue; all others keep theirs, behind.
+void order_as_queue(Api& api, std::vector<Json>& jobs) {
+  constexpr std::size_t kMost = 200;  // as many as the view shows
+  if (jobs.size() < 2) return;
+  const auto queue = api.list("/v1/queue", "queue", kMost);
+  if (!queue) return;  // the view without it is better than none
+  std::map<std::string, std::size_t> places;
+  for (const Json& job : *queue) places.emplace(client::text_of(job, "id"), places.size());
+  const auto place_of = [&](const Json& job) {
+    const auto found = places.find(client::text_of(job, "id"));
+    return found == places.end() ? places.size() : found->second;
+  };
+  std::stable_sort(jobs.begin(), jobs.end(),
+                   [&](const Json& a, const Json& b) { return place_of(a) < place_of(b); });
+}
+
+// The list
+
+Result<void> list_jobs(Api& api, const Options& options, const Globals& globals) {
+  auto jobs = wanted_jobs(api, options);
+  if (!jobs) return tl::unexpected(jobs.error());
+  if (globals.json) {
+    fmt::print("{}\n", dumped(Json{{"jobs", *jobs}}));
+    return {};
+  }
+  order_as_queue(api, *jobs);
+  for (const std::string& line : jobs_view(*jobs, style_of_terminal())) fmt::print("{}\n", line);
+  if (jobs->empty() && !globals.quiet)
+    fmt::print(stderr, "no jobs{}; 'popcut cut FILE' queues one\n",
+               options.all ? "" : " that have not ended (--all shows those too)");
+  return {};
+}
+
+Result<void> show_job(Api& api, const Options& options, const Globals& globals) {
+  auto job = api.find_job(options.job);
+  if (!job) return tl::unexpected(job.error());
+  if (globals.json) {
+    fmt::print("{}\n", dumped(*job));
+    return {};
+  }
+  const std::string path = "/v1/jobs/" + client::text_of(*job, "id") + "/sheets";
+  const auto sheets = api.list(path, "sheets");
+  std::optional<Json> ledger;
+  if (client::text_of(*job, "state") == "interrupted")
+    if (auto found = api.get(fmt::format("{}/{}/ledger", path, job->value("sheet", Json(1)).dump()),
+                             "ledger"))
+      ledger = std::move(*found);
+  if (!api.http().address().path.empty())  // a socket is of this computer
+    for (const char* key : {"owner", "operator"})
+      if (const std::string name = client::text_of(*job, key); !name.empty())
+        (*job)[key] = person_name(name);
+  for (const std::string& line : job_details(*job, sheets ? *sheets : std::vector<Json>{}, ledger))
+    fmt::print("{}\n", line);
+  return {};
+}
+
+// The live view
+
+/// Draws over what it drew before.
+class Screen {
+ public:
+  void draw(const std::vector<std::string>& lines) {
+    std::string frame = lines_ > 0 ? fmt::format("\x1b[{}A\r", lines_) : "";
+    const auto rows = static_cast<std::size_t>(rows_of_terminal() - 1);
+    const std::size_t shown = std::min(lines.size(), rows);
+    const bool all = shown == lines.size();
+    for (std::size_t k = 0; k + (all ? 0 : 1) < shown; ++k) frame += lines[k] + "\x1b[K\n";
+    if (!all)
+      frame +=
+          fitted(fmt::format("... {} more lines; 'popcut jobs' has all", lines.size() - shown + 1),
+                 terminal_columns(STDOUT_FILENO, 80)) +
+          "\x1b[K\n";
+    frame += "\x1b[J";
+    fmt::print("{}", frame);
+    std::fflush(stdout);
+    lines_ = shown;
+  }
+
+ private:
+  std::size_t lines_{0};
+};
+
+/// Where there is no terminal: a line for each change.
+class ChangeList {
+ public:
+  void tell(const std::vector<Json>& jobs, bool json) {
+    for (const Json& job : jobs) {
+      const std::string now = client::text_of(job, "state") + job.value("sheet", Json()).dump() +
+                              job.value("attention", Json()).dump();
+      std::string& before = told_[client::text_of(job, "id")];
+      if (now == before) continue;
+      before = now;
+      if (json) {
+        fmt::print("{}\n", dumped(job, -1));
+        continue;
+      }
+      fmt::print("{} {} {}: {}\n", time_now(), short_id(job), job_title(job), job_summary(job));
+      for (const std::string& wait : waiting_for(job)) fmt::print("  -> {}\n", wait);
+    }
+    std::fflush(stdout);
+  }
+
+ private:
+  std::map<std::string, std::string> told_;
+};
+
+Result<void> watch_jobs(Api& api, const Options& options, const Globals& globals) {
+  Screen screen;
+  ChangeList changes;
+  std::map<std::string, Json> seen;  // ended ones stay in view until the view ends
+  return watch_events(api, [&]() -> Result<bool> {
+    auto jobs = wanted_jobs(api, options);
+    if (!jobs && jobs.error().kind != ErrorKind::DeviceGone) return tl::unexpected(jobs.error());
+    const bool away = !jobs;
+    if (away && seen.empty()) return tl::unexpected(jobs.error());
+    if (jobs) {
+      for (auto& [id, job] : seen) {
+        const bool open = std::any_of(jobs->begin(), jobs->end(), [&id = id](const Json& one) {
+          return client::text_of(one, "id") == id;
+        });
+        if (open || has_ended(job)) continue;
+        if (auto now = api.get("/v1/jobs/" + id, "job " + id)) job = std::move(*now);
+      }
+      for (Json& job : *jobs) {
+        const std::string id = client::text_of(job, "id");
+        seen[id] = std::move(job);
+      }
+    }
+    std::vector<Json> all;
+    for (const auto& [id, job] : seen) all.push_back(job);
+    if (!on_terminal() || globals.json) {
+      changes.tell(all, globals.json);
+      return true;
+    }
+    order_as_queue(api, all);
+    const ViewStyle style = style_of_terminal();
+    std::vector<std::string> lines = jobs_view(all, style);
+    const std::string head =
+        fmt::format("{}  {}  (Ctrl-C ends this view, not the jobs)", time_now(),
+                    away ? "popcutd does not answer; trying again" : api.http().address().text());
+    lines.insert(lines.begin(), fitted(head, style.width));
+    if (all.empty()) lines.push_back(fitted("no jobs; 'popcut cut FILE' queues one", style.width));
+    screen.draw(lines);
+    return true;
+  });
+}
+
+Result<void> run_jobs(const Options& options, const Globals& globals) {
+  auto api = Api::from_environment();
+  if (!api) return tl::unexpected(api.error());
+  if (options.job.empty())
+    return options.watch ? watch_jobs(*api, options, globals) : list_jobs(*api, options, globals);
+  if (!options.watch) return show_job(*api, options, globals);
+  const auto job = api->find_job(options.job);
+  if (!job) return tl::unexpected(job.error());
+  const auto last =
+      follow_job(*api, client::text_of(*job, "id"), globals, [](const Json&) { return false; });
+  if (!last) return tl::unexpected(last.error());
+  if (globals.json) fmt::print("{}\n", dumped(*last));
+  return {};
+}
+
+constexpr const char* kHelp =
+    "The jobs of popcutd, and what waits for a person, with the command to type.\n\n"
+    "  popcut jobs --watch           # a live view of all; Ctrl-C ends it\n"
+    "  popcut jobs                   # once, those that have not ended\n"
+    "  popcut jobs 01JDX7            # one job in full; the beginning of its id is enough\n"
+    "  popcut jobs 01JDX7 --watch    # follows it to its end\n\n"
+    "A job is queued, planning, ready (load the sheet, then 'popcut arm'), armed (then 'popcut "
+    "start'),\ncutting, paused, interrupted, done, failed or cancelled. Off a terminal --watch "
+    "prints a line for\neach change, with --json one document a line.";
+
+}  // namespace
+
+void register_jobs(CLI::App& app, const Globals& globals, Run& run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = app.add_subcommand("jobs", kHelp);
+  command->add_option("JOB", options->job, "An id, or the beginning of one");
+  command->add_flag("--watch", options->watch, "Stay, and show what changes");
+  command->add_flag("--all", options->all, "Those that have ended too");
+  command->add_option("--state", options->state, "Only those in this state, or several with commas")
+      ->option_text("STATE");
+  command->callback([options, &globals, &run] {
+    run = [options, &globals] { return run_jobs(*options, globals); };
+  });
+}
+
+}  // namespace popcut::cli

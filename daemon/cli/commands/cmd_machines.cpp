@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: MIT
+#include <memory>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/machines/machine.hpp"
+#include "daemon/cli/command.hpp"
+#include "daemon/cli/view/daemon_devices.hpp"
+#include "daemon/files/user_tables.hpp"
+#include "device/port/ports.hpp"
+#include "device/usb/usb_bus.hpp"
+
+namespace popcut::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string usb_id(const Machine& machine) {
+  if (machine.usb_vendor == 0) return "-";
+  return fmt::format("{:04x}:{:04x}", machine.usb_vendor, machine.usb_product);
+}
+
+Json machine_json(const Machine& machine) {
+  Json mats = Json::array();
+  for (const Mat& mat : machine.mats)
+    mats.push_back({{"name", mat.name}, {"width_mm", mat.width_mm}, {"length_mm", mat.length_mm}});
+  return {{"name", machine.name},
+          {"title", machine.title},
+          {"language", machine.language},
+          {"variant", machine.variant},
+          {"unit_mm", machine.unit_mm},
+          {"width_mm", machine.width_mm},
+          {"length_mm", machine.length_mm},
+          {"tool_holders", machine.tool_holders},
+          {"autoblade", machine.autoblade},
+          {"usb", usb_id(machine)},
+          {"mats", mats}};
+}
+
+Result<void> list_machines(const Globals& globals) {
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto machines = all_machines(tables->texts);
+  if (!machines) return tl::unexpected(tables->with_file(machines.error()));
+  if (globals.json) {
+    Json list = Json::array();
+    for (const Machine& machine : *machines) list.push_back(machine_json(machine));
+    fmt::print("{}\n", Json{{"machines", list}}.dump(2));
+    return {};
+  }
+  for (const Machine& m : *machines) {
+    std::string mats;
+    for (const Mat& mat : m.mats) mats += " " + mat.name;
+    fmt::print("{:<18} {:<40} {:<5} {:>6.1f} x {:<7.0f} mm  {:<9}{}\n", m.name, m.title, m.language,
+               m.width_mm, m.length_mm, usb_id(m), mats);
+  }
+  return {};
+}
+
+Json material_json(const Material& material) {
+  const auto tool = [](const ToolSettings& t) {
+    return Json{{"tool", t.tool},
+                {"force_gf", t.force_gf},
+                {"speed_mm_s", t.speed_mm_s},
+                {"passes", t.passes}};
+  };
+  const DashShape& d = material.dashes;
+  return {{"name", material.name},
+          {"title", material.title},
+          {"thickness_mm", material.thickness_mm},
+          {"dashes",
+           {{"dash_mm", d.dash_mm},
+            {"gap_mm", d.gap_mm},
+            {"clearance_mm", d.clearance_mm},
+            {"min_dash_mm", d.min_dash_mm}}},
+          {"cut", tool(material.cut)},
+          {"fold", tool(material.fold)},
+          {"draw", tool(material.draw)},
+          {"blade_offset_mm", material.blade_offset_mm},
+          {"autoblade_depth", material.autoblade_depth}};
+}
+
+Result<void> list_materials(const Globals& globals) {
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto materials = all_materials(tables->texts);
+  if (!materials) return tl::unexpected(tables->with_file(materials.error()));
+  if (globals.json) {
+    Json list = Json::array();
+    for (const Material& material : *materials) list.push_back(material_json(material));
+    fmt::print("{}\n", Json{{"materials", list}}.dump(2));
+    return {};
+  }
+  for (const Material& m : *materials)
+    fmt::print("{:<12} {:<32} cut {:>3g} gf, {:>3g} mm/s, {} pass{}; dash {:g} mm, gap {:g} mm\n",
+               m.name, m.title, m.cut.force_gf, m.cut.speed_mm_s, m.cut.passes,
+               m.cut.passes == 1 ? "" : "es", m.dashes.dash_mm, m.dashes.gap_mm);
+  return {};
+}
+
+// What is plugged in.
+
+struct Listed {
+  std::string id, title, state;
+  Json more;  ///< beside these three, for --json
+};
+
+std::vector<Listed> usb_devices(const std::vector<Machine>& machines) {
+  std::vector<Listed> list;
+  const auto bus = UsbBus::open();
+  if (!bus) return list;  // a computer without USB has no USB devices
+  for (const UsbDevice& device : bus->devices()) {
+    const std::vector<const Machine*> fits = recognise(device, machines);
+    const std::string ids = fmt::format("{:04x}:{:04x}", device.vendor_id, device.product_id);
+    const std::string name = device.product.empty() ? ids : device.product + ", " + ids;
+    const std::string title =
+        !fits.empty() ? fits.front()->title
+        : known_vendor(device, machines)
+            ? fmt::format("unknown model ({}); --treat-as NAME drives it as a known one", name)
+            : fmt::format("not known as a cutter ({})", name);
+    const UsbUse use = usb_use(device);
+    Json more{{"simulated", false}, {"usb", ids}, {"port", device.port}, {"serial", device.serial}};
+    if (!fits.empty()) more["machine"] = fits.front()->name;
+    if (!use.driver.empty()) more["driver"] = use.driver;
+    list.push_back({device.id, title, std::string(name_of(use.state)), std::move(more)});
+  }
+  return list;
+}
+
+/// What popcutd has, before what is on this computer; or why it is not shown.
+void say_daemon(const Result<DaemonDevices>& there, const Globals& globals) {
+  if (!there) {
+    const bool absent = there.error().kind == ErrorKind::DeviceGone;
+    if (!absent)
+      fmt::print(stderr, "popcutd's cutters are not shown: {}\n", message(there.error()));
+    else if (globals.verbose > 0)
+      fmt::print(stderr, "no popcutd runs here; these are for --direct\n");
+    return;
+  }
+  fmt::print("popcutd at {}\n", there->address);
+  for (const std::string& line : device_lines(*there)) fmt::print("{}\n", line);
+  fmt::print("\non this computer, for 'popcut cut --direct'\n");
+}
+
+Result<void> list_devices(const Globals& globals) {
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto machines = all_machines(tables->texts);
+  if (!machines) return tl::unexpected(tables->with_file(machines.error()));
+  std::vector<Listed> list = usb_devices(*machines);
+  for (const PortInfo& port : list_ports())
+    list.push_back({port.id,
+                    "a port; --machine NAME says what is behind it",
+                    port.usable ? "free" : "no permission",
+                    {{"simulated", false}}});
+  for (const Machine& machine : *machines)
+    list.push_back({"sim:" + machine.name,
+                    machine.title + ", simulated",
+                    "free",
+                    {{"simulated", true}, {"machine", machine.name}}});
+  const auto there = daemon_devices();
+  if (!globals.json) say_daemon(there, globals);
+  Json all = Json::array();
+  for (const Listed& device : list) {
+    Json one{{"id", device.id}, {"title", device.title}, {"state", device.state}};
+    one.update(device.more);
+    all.push_back(std::move(one));
+    if (!globals.json) fmt::print("{:<26} {:<13} {}\n", device.id, device.state, device.title);
+  }
+  if (!globals.json) return {};
+  Json daemon = nullptr;
+  if (there) daemon = Json{{"address", there->address}, {"devices", there->devices}};
+  fmt::print("{}\n", Json{{"devices", all}, {"popcutd", std::move(daemon)}}.dump(
+                         2, ' ', false, Json::error_handler_t::replace));
+  return {};
+}
+
+constexpr const char* kDevicesHelp =
+    "The devices that can be cut on, and what they are doing.\n\n"
+    "Those of popcutd, if one runs; what is plugged in; and a simulated one for each machine.\n"
+    "'popcut doctor' says why one is not free.\n\n"
+    "  popcut devices\n"
+    "  popcut devices disable usb:51053P   # popcutd offers it no sheet; enable takes it back\n"
+    "  popcut devices reset usb:51053P     # after a fault: opened anew, nothing is cut\n"
+    "  popcut cut --test --device usb:51053P";
+constexpr const char* kMachinesHelp =
+    "The machines popcut knows: name, language, largest area, USB id, mats.\n\n"
+    "  popcut machines\n\n"
+    "Own rows go in ~/.config/popcut/machines.json or /etc/popcut/machines.json:\n"
+    "  {\"popcut\": 1, \"machines\": [{\"name\": \"mine\", \"like\": \"cameo3\", \"length_mm\": "
+    "6000}]}";
+constexpr const char* kMaterialsHelp =
+    "The materials popcut knows: name, force, speed, passes, and the dashes of their folds.\n\n"
+    "  popcut materials\n\n"
+    "Own rows go in ~/.config/popcut/materials.json or /etc/popcut/materials.json:\n"
+    "  {\"popcut\": 1, \"materials\": [{\"name\": \"kraft\", \"like\": \"paper-220\", "
+    "\"autoblade_depth\": 6}]}";
+
+void add_devices(CLI::App& app, const Globals& globals, Run& run) {
+  CLI::App* const command = app.add_subcommand("devices", kDevicesHelp);
+  command->require_subcommand(0, 1);
+  command->callback([command, &globals, &run] {
+    if (command->get_subcommands().empty()) run = [&globals] { return list_devices(globals); };
+  });
+  struct Action {
+    const char *name, *help;
+  };
+  for (const Action action : {Action{"enable", "popcutd may cut on it again"},
+                              Action{"disable", "popcutd offers it no sheet from now on"},
+                              Action{"reset", "After a fault: open it anew; nothing is cut"}}) {
+    auto id = std::make_shared<std::string>();
+    CLI::App* const one = command->add_subcommand(action.name, action.help);
+    one->add_option("DEVICE", *id, "As 'popcut devices' shows it")->required();
+    one->callback([id, name = std::string(action.name), &globals, &run] {
+      run = [id, name, &globals] { return act_on_device(*id, name, globals); };
+    });
+  }
+}
+
+}  // namespace
+
+void register_machines(CLI::App& app, const Globals& globals, Run& run) {
+  app.add_subcommand("machines", kMachinesHelp)->callback([&globals, &run] {
+    run = [&globals] { return list_machines(globals); };
+  });
+  add_devices(app, globals, run);
+  app.add_subcommand("materials", kMaterialsHelp)->callback([&globals, &run] {
+    run = [&globals] { return list_materials(globals); };
+  });
+}
+
+}  // namespace popcut::cli

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "core/plan/plan_json.hpp"
+#include "core/plan/plan_svg.hpp"
+#include "core/plan/sheet_svg.hpp"
+#include "core/text/shown_text.hpp"
+#include "daemon/cli/command.hpp"
+#include "daemon/files/output_folder.hpp"
+#include "daemon/cli/options/plan_job.hpp"
+#include "daemon/cli/profile_sheets.hpp"
+
+namespace popcut::cli {
+namespace {
+
+struct Options {
+  PlanJobOptions job;
+  std::string folder;
+};
+
+void say(const PlanJob& job, const std::string& folder) {
+  const Plan& plan = job.plan;
+  fmt::print(
+      stderr, "{}\n",
+      shown_text(fmt::format("{}: {} on {}", plan.name, plan.material.title, plan.machine.title)));
+  for (std::size_t i = 0; i < plan.sheets.size(); ++i) {
+    const PlannedSheet& sheet = plan.sheets[i];
+    const auto minutes = [](double seconds) { return seconds / 60; };
+    fmt::print(stderr,
+               "  sheet {}  cut {:.0f} mm, folds {:.0f} mm as {:.0f} mm of dashes, {} strokes\n",
+               i + 1, sheet.cut_mm, sheet.fold_line_mm, sheet.fold_mm, sheet.path.strokes.size());
+    fmt::print(
+        stderr,
+        "           travel {:.0f} mm (as drawn {:.0f}), about {:.1f} min ({:.1f} to {:.1f})\n",
+        sheet.travel_mm, sheet.travel_input_mm, minutes(sheet.seconds),
+        minutes(sheet.seconds_range[0]), minutes(sheet.seconds_range[1]));
+    fmt::print(stderr, "           {}/{}\n", folder, job.program_file(i));
+  }
+  for (const std::string& warning : plan.warnings)
+    fmt::print(stderr, "  warning  {}\n", shown_text(warning));
+}
+
+Result<void> run_plan(const Options& options, const Globals& globals) {
+  if (options.folder.empty())
+    return fail(ErrorKind::Usage, "command line",
+                "-o DIR is missing; name the folder for the sheets");
+  PlanJobOptions how = options.job;
+  how.order.progress = !globals.quiet;
+  auto job = make_plan_job(how);
+  if (!job) return tl::unexpected(job.error());
+  auto folder = OutputFolder::open(options.folder);
+  if (!folder) return tl::unexpected(folder.error());
+  for (std::size_t i = 0; i < job->plan.sheets.size(); ++i) {
+    const std::string title = shown_text(fmt::format("{}: sheet {}", job->plan.name, i + 1));
+    if (auto done =
+            folder->add(PlanJob::sheet_file(i, "svg"), sheet_svg(job->plan.sheets[i], title));
+        !done)
+      return done;
+    const std::string picture = fmt::format("plan-{:02}.svg", i + 1);
+    if (auto done = folder->add(picture, plan_svg(job->plan.sheets[i], title)); !done) return done;
+    if (auto done = add_profile_sheet(job->plan.sheets[i], i + 1, options.job.svg_profile, title,
+                                      *folder, job->plan.warnings);
+        !done)
+      return done;
+    if (auto done = folder->add(job->program_file(i), job->programs[i].bytes); !done) return done;
+    if (job->marks.empty()) continue;
+    const std::string marks = marks_svg(job->marks[i], job->plan.sheets[i].area_mm, title);
+    if (auto done = folder->add(PlanJob::sheet_file(i, "marks.svg"), marks); !done) return done;
+  }
+  if (auto done = folder->add("assembly.svg", assembly_svg(job->plan)); !done) return done;
+  const std::string json = plan_json(job->plan);
+  if (auto done = folder->add("plan.json", json); !done) return done;
+  if (auto done = folder->commit("popcut plan " POPCUT_VERSION); !done) return done;
+  if (globals.json) fmt::print("{}", json);
+  if (!globals.quiet) say(*job, options.folder);
+  return {};
+}
+
+constexpr const char* kHelp =
+    "Pattern to cut sheets and the programs that cut them.\n\n"
+    "  popcut plan sphere.json -o sheets --machine cameo3 --material paper-220\n\n"
+    "Writes in DIR: sheet-NN.svg (what will be cut, in mm), sheet-NN.gpgl or .hpgl (the program),\n"
+    "plan-NN.svg (the order as colours, to look at), assembly.svg (where it lies) and plan.json\n"
+    "(lengths, lifts, time, overcuts). --svg-profile cricut, lightburn or origami-sim writes\n"
+    "sheet-NN-PROFILE.svg for that program too.\n"
+    "Folds become dashes, each line is cut once, folds first and the outline last.";
+
+}  // namespace
+
+void register_plan(CLI::App& app, const Globals& globals, Run& run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = app.add_subcommand("plan", kHelp);
+  add_plan_options(*command, options->job);
+  command->add_option("-o,--output", options->folder, "The folder for the files; made if absent")
+      ->option_text("DIR");
+  command->callback([options, &globals, &run] {
+    run = [options, &globals] { return run_plan(*options, globals); };
+  });
+}
+
+}  // namespace popcut::cli

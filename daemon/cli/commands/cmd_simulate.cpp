@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/text/shown_text.hpp"
+#include "daemon/cli/command.hpp"
+#include "daemon/cli/expectation.hpp"
+#include "daemon/cli/fault_file.hpp"
+#include "daemon/cli/options/option_value.hpp"
+#include "daemon/files/output_folder.hpp"
+#include "daemon/cli/commands/simulate_pty.hpp"
+#include "daemon/files/user_tables.hpp"
+#include "device/sim/simulate.hpp"
+#include "protocol/decode.hpp"
+
+namespace popcut::cli {
+namespace {
+
+struct Options {
+  std::string program, folder, machine, expect, plan, faults;
+  bool pty{false};
+  double speedup{1};
+  std::size_t sheet{1};
+};
+
+Result<Machine> choose_machine(const Options& options, const std::optional<PlanFacts>& plan,
+                               std::span<const std::byte> program, const UserTables& tables) {
+  std::string name = options.machine;
+  if (name.empty() && plan) name = plan->machine;
+  if (name.empty()) name = guess_dialect(program) == Dialect::Hpgl ? "hpgl-generic" : "cameo3";
+  auto machine = find_machine(name, tables.texts);
+  if (machine) return machine;
+  if (options.machine.empty() && plan && name.rfind("ideal", 0) == 0) {
+    const bool hpgl = guess_dialect(program) == Dialect::Hpgl;
+    return hpgl ? find_machine("hpgl-generic") : ideal_plotter(plan->area_mm[0], plan->area_mm[1]);
+  }
+  Error error = tables.with_file(machine.error());
+  if (error.place.empty())
+    error = {ErrorKind::Usage, options.machine.empty() ? "--plan" : "--machine", error.detail};
+  return tl::unexpected(error);
+}
+
+/// The sheet: as the plan or the expected drawing has it. A machine whose y points up needs its
+/// length to tell where its upper edge lies: where nobody says, the highest point drawn is it.
+SimOptions sheet_of(const std::optional<PlanFacts>& plan,
+                    const std::optional<Expectation>& expected, const Machine& machine,
+                    std::span<const std::byte> program) {
+  SimOptions sheet;
+  std::optional<std::array<double, 2>> page;
+  if (expected) page = expected->page_mm;
+  if (!page && plan) page = plan->area_mm;
+  if (page) {
+    sheet.page_width_mm = (*page)[0];
+    sheet.page_length_mm = (*page)[1];
+  } else if (machine.y_up) {
+    double highest = 1;
+    if (const auto decoded = decode(Dialect::Hpgl, program))
+      for (const MachinePoint& p : decoded->points) highest = std::max(highest, p.b);
+    sheet.page_length_mm = std::ceil(std::min(highest, 1e9) * machine.unit_mm);
+  }
+  return sheet;
+}
+
+void say(const Trace& trace, const Options& options) {
+  fmt::print(stderr, "{} on {}\n", options.program, trace.machine);
+  fmt::print(stderr, "  cut {:.1f} mm in {} strokes, travel {:.1f} mm, {:.0f} s\n", trace.cut_mm,
+             trace.lifts, trace.travel_mm, trace.seconds);
+  if (trace.clipped_mm > 0)
+    fmt::print(stderr, "  warning  {:.1f} mm lie outside the window and were not cut\n",
+               trace.clipped_mm);
+  for (std::size_t i = 0; i < trace.unknown.size() && i < 3; ++i)
+    fmt::print(stderr, "  warning  not understood: {}\n", shown_text(trace.unknown[i]));
+  if (trace.unknown_count > 3)
+    fmt::print(stderr, "  warning  {} commands in all are not understood; trace.json lists them\n",
+               trace.unknown_count);
+  for (std::size_t i = 0; i < trace.remarks.size() && i < 3; ++i)
+    fmt::print(stderr, "  warning  {}\n", trace.remarks[i]);
+  fmt::print(stderr, "  wrote    cut.svg trace.json in {}\n", options.folder);
+}
+
+Result<void> check(const Trace& trace, const Expectation& expectation, const std::string& file) {
+  if (trace.unknown_count > 0)
+    return fail(ErrorKind::CheckFailed, file,
+                fmt::format("{} commands of the program are not understood, the first is \"{}\"; "
+                            "what a cutter makes of them is not known",
+                            trace.unknown_count, trace.unknown.front()));
+  const auto held = expect(trace, expectation.expected);
+  if (!held) return tl::unexpected(within(file, held.error()));
+  return {};
+}
+
+Result<void> run_simulate(const Options& options, const Globals& globals) {
+  if (options.pty)
+    return serve_pty({options.machine, options.folder, options.faults, options.speedup}, globals);
+  if (options.program.empty())
+    return fail(ErrorKind::Usage, "command line",
+                "PROGRAM is missing; name a GPGL or HPGL program, or give --pty");
+  if (options.folder.empty())
+    return fail(ErrorKind::Usage, "command line",
+                "-o DIR is missing; name the folder for cut.svg and trace.json");
+  constexpr std::uintmax_t kLimitBytes = 1u << 28;
+  const auto text = read_file(options.program, kLimitBytes);
+  if (!text) return tl::unexpected(text.error());
+  const auto program = std::as_bytes(std::span(*text));
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  std::optional<PlanFacts> plan;
+  if (!options.plan.empty()) {
+    auto facts = read_plan_facts(options.plan, options.sheet);
+    if (!facts) return tl::unexpected(facts.error());
+    plan = std::move(*facts);
+  }
+  const auto machine = choose_machine(options, plan, program, *tables);
+  if (!machine) return tl::unexpected(machine.error());
+  std::optional<Expectation> expected;
+  if (!options.expect.empty()) {
+    auto read = read_expectation(options.expect, plan, *tables);
+    if (!read) return tl::unexpected(read.error());
+    expected = std::move(*read);
+  }
+  std::vector<SimFault> faults;
+  if (!options.faults.empty()) {
+    auto read = read_faults(options.faults);
+    if (!read) return tl::unexpected(read.error());
+    faults = std::move(*read);
+  }
+  const SimOptions sheet = sheet_of(plan, expected, *machine, program);
+  const auto trace = faults.empty() ? simulate(program, *machine, sheet)
+                                    : simulate_faults(program, *machine, sheet, std::move(faults));
+  if (!trace) return tl::unexpected(within(options.program, trace.error()));
+
+  auto folder = OutputFolder::open(options.folder);
+  if (!folder) return tl::unexpected(folder.error());
+  if (auto done = folder->add("cut.svg", trace_svg(*trace)); !done) return done;
+  if (auto done = folder->add("trace.json", trace_json(*trace)); !done) return done;
+  if (auto done = folder->commit("popcut simulate " POPCUT_VERSION); !done) return done;
+  const Result<void> held = expected ? check(*trace, *expected, options.expect) : Result<void>{};
+  if (globals.json) {
+    auto json = nlohmann::ordered_json::parse(trace_summary_json(*trace));
+    if (expected) json["as_expected"] = held.has_value();
+    fmt::print("{}\n", json.dump(2));
+  }
+  if (!globals.quiet) say(*trace, options);
+  if (expected && held && !globals.quiet)
+    fmt::print(stderr, "  as expected by {}\n", options.expect);
+  return held;
+}
+
+constexpr const char* kHelp =
+    "Run a program on the simulated cutter.\n\n"
+    "  popcut simulate sheets/sheet-01.gpgl -o simulated --expect sheets/sheet-01.svg\n\n"
+    "Writes in DIR: cut.svg (what the knife did: a colour a force, travel as hairlines, what fell\n"
+    "outside the window in grey) and trace.json (strokes, settings, lengths in mm, seconds).\n"
+    "With --expect it compares: each line cut as often as it should be, folds dashed, nothing\n"
+    "else drawn, each coordinate within half a step of the machine; exit 6 if that does not hold.";
+
+}  // namespace
+
+void register_simulate(CLI::App& app, const Globals& globals, Run& run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = app.add_subcommand("simulate", kHelp);
+  const auto text = [&](const char* name, std::string& value, const char* help, const char* shown) {
+    command->add_option(name, value, help)->option_text(shown);
+  };
+  command->add_option("PROGRAM", options->program, "A GPGL or HPGL program; none with --pty");
+  text("--faults", options->faults, "What goes wrong on the way; docs/simulator.md has the form",
+       "FILE");
+  command->add_flag("--pty", options->pty,
+                    "Be a cutter at a pseudo terminal for other programs, until Ctrl-C");
+  real_number(
+      command->add_option("--speedup", options->speedup, "With --pty: times as fast as a real one"),
+      1e-3, 1e6)
+      ->option_text("N [1]");
+  text("-o,--output", options->folder, "The folder for the files; made if absent", "DIR");
+  text("--machine", options->machine, "The cutter; 'popcut machines' lists them",
+       "NAME [the plan's, else cameo3 or hpgl-generic]");
+  text("--expect", options->expect,
+       "What was to be cut: a sheet-NN.svg, or a pattern (.fold, .svg, .json) with --plan", "FILE");
+  text("--plan", options->plan, "The plan.json that says where the pattern lies", "FILE");
+  whole_number(command->add_option("--sheet", options->sheet, "Which sheet of the plan, from 1"), 1,
+               10'000)
+      ->option_text("N [1]");
+  command->callback([options, &globals, &run] {
+    run = [options, &globals] { return run_simulate(*options, globals); };
+  });
+}
+
+}  // namespace popcut::cli

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/cli/commands/cut_queue.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/design/spec/spec.hpp"
+#include "core/text/json_fields.hpp"
+#include "core/text/shown_text.hpp"
+#include "daemon/cli/view/job_follow.hpp"
+#include "daemon/cli/view/job_view.hpp"
+#include "daemon/files/output_folder.hpp"
+#include "daemon/client/api.hpp"
+
+namespace popcut::cli {
+namespace {
+
+using client::Api;
+using Json = nlohmann::ordered_json;
+
+constexpr std::uintmax_t kMostDesignBytes = std::uintmax_t{1} << 30;
+
+struct Upload {
+  std::string bytes, media_type;
+};
+
+bool is_asset(const Json& object) {
+  const auto type = object.find("type"), file = object.find("file");
+  return type != object.end() && file != object.end() && file->is_string() &&
+         (*type == "mesh" || *type == "grid");
+}
+
+/// Puts the id of the uploaded file in place of each name, relative to the spec's folder.
+Result<void> upload_assets(Api& api, Json& value, const std::string& pointer,
+                           const std::string& spec_file, const Globals& globals, bool& changed) {
+  if (value.is_object() && is_asset(value)) {
+    const auto name = value["file"].get<std::string>();
+    const auto path = std::filesystem::path(spec_file).parent_path() / name;
+    const auto bytes = read_file(path);
+    if (!bytes) return tl::unexpected(within(spec_file, within(pointer + "/file", bytes.error())));
+    if (!globals.quiet)
+      fmt::print(stderr, "uploading {} ({} bytes)\n", path.string(), bytes->size());
+    const auto asset = api.upload("/v1/assets", *bytes, "application/octet-stream", path.string());
+    if (!asset) return tl::unexpected(asset.error());
+    value["file"] = client::text_of(*asset, "id");
+    changed = true;
+    return {};
+  }
+  if (!value.is_structured()) return {};
+  for (auto it = value.begin(); it != value.end(); ++it) {
+    const std::string below = value.is_object()
+                                  ? pointer + "/" + it.key()
+                                  : fmt::format("{}/{}", pointer, std::distance(value.begin(), it));
+    if (auto done = upload_assets(api, *it, below, spec_file, globals, changed); !done) return done;
+  }
+  return {};
+}
+
+Result<Upload> from_json(Api& api, std::string text, const std::string& file,
+                         const Globals& globals) {
+  // A pattern is checked by popcutd; a spec is small, and what is wrong with it is told at once.
+  if (text.find("\"vertices_coords\"") != std::string::npos)
+    return Upload{std::move(text), "application/json"};
+  if (const auto spec = parse_design_spec(text); !spec)
+    return tl::unexpected(within(file, spec.error()));
+  Json json = Json::parse(text);
+  bool changed = false;
+  if (auto done = upload_assets(api, json, "", file, globals, changed); !done)
+    return tl::unexpected(done.error());
+  return Upload{changed ? json.dump() : std::move(text), "application/json"};
+}
+
+Result<Upload> read_input(Api& api, const std::string& file, const Globals& globals) {
+  auto text = read_file(file, kMostDesignBytes);
+  if (!text) return tl::unexpected(text.error());
+  std::string ending = std::filesystem::path(file).extension().string();
+  for (char& c : ending)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  if (ending == ".dxf") return Upload{std::move(*text), "application/dxf"};
+  if (ending == ".svg") return Upload{std::move(*text), "image/svg+xml"};
+  const std::size_t first = text->find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  if (first != std::string::npos && (*text)[first] == '<')
+    return Upload{std::move(*text), "image/svg+xml"};
+  if (first != std::string::npos && (*text)[first] == '{')
+    return from_json(api, std::move(*text), file, globals);
+  return fail(ErrorKind::Malformed, file,
+              "is neither a spec (.json) nor a drawing (.fold, .svg, .dxf) that popcut reads");
+}
+
+/// The file's name as a job's: bytes that are no UTF-8, and controls, are replaced.
+std::string name_of_file(const std::string& file) {
+  const nlohmann::json stem = std::filesystem::path(file).stem().string();
+  const std::string text = stem.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return shown_text(nlohmann::json::parse(text).get<std::string>());
+}
+
+Result<nlohmann::json> queue(Api& api, const QueueWish& wish, const Globals& globals) {
+  auto upload = read_input(api, wish.input, globals);
+  if (!upload) return tl::unexpected(upload.error());
+  const std::string name = wish.name.empty() ? name_of_file(wish.input) : wish.name;
+  const auto design = api.upload("/v1/designs?name=" + client::percent_encoded(name), upload->bytes,
+                                 upload->media_type, wish.input);
+  if (!design) return tl::unexpected(design.error());
+  nlohmann::json body{{"design", client::text_of(*design, "id")}, {"name", name}};
+  if (wish.copies != 1) body["copies"] = wish.copies;
+  if (wish.priority != 0) body["priority"] = wish.priority;
+  if (!wish.material.empty()) body["material"] = wish.material;
+  if (!wish.device.empty()) body["device"] = wish.device;
+  if (!wish.options.empty()) body["options"] = wish.options;
+  return api.post("/v1/jobs", body, wish.input);
+}
+
+/// The only device that could cut now.
+Result<std::string> only_device(Api& api) {
+  const auto devices = api.list("/v1/devices", "devices");
+  if (!devices) return tl::unexpected(devices.error());
+  std::vector<std::string> usable;
+  for (const nlohmann::json& device : *devices) {
+    const std::string state = client::text_of(device, "state");
+    const bool enabled = device.value("enabled", nlohmann::json(true)) == true;
+    if (enabled && state != "absent" && state != "offline")
+      usable.push_back(client::text_of(device, "id"));
+  }
+  if (usable.size() == 1) return usable.front();
+  if (usable.empty())
+    return fail(ErrorKind::Refused, "--device",
+                "no cutter is there that could be used; 'popcut devices' says why");
+  return fail(
+      ErrorKind::Usage, "--device",
+      fmt::format("is missing, and there are {}: {}", usable.size(), fmt::join(usable, ", ")));
+}
+
+/// Prints the job, and with `wait` follows it to its end.
+Result<void> see_through(Api& api, const nlohmann::json& job, bool wait, const Globals& globals) {
+  const std::string id = client::text_of(job, "id");
+  const auto print = [&](const nlohmann::json& now) {
+    if (globals.json)
+      fmt::print("{}\n", now.dump(2, ' ', false, Json::error_handler_t::replace));
+    else
+      fmt::print("{}\n", id);
+  };
+  if (!globals.quiet) fmt::print(stderr, "queued '{}' as job {}\n", job_title(job), id);
+  if (!wait) {
+    print(job);
+    if (!globals.quiet) fmt::print(stderr, "'popcut jobs --watch' shows when a person is needed\n");
+    return {};
+  }
+  std::fflush(stderr);
+  const auto last = follow_job(api, id, globals, [](const nlohmann::json&) { return false; });
+  if (!last) return tl::unexpected(last.error());
+  print(*last);
+  return verdict(*last);
+}
+
+}  // namespace
+
+Result<void> queue_cut(const QueueWish& wish, const Globals& globals) {
+  auto api = Api::from_environment();
+  if (!api) return tl::unexpected(api.error());
+  const auto job = queue(*api, wish, globals);
+  if (!job) return tl::unexpected(job.error());
+  return see_through(*api, *job, wish.wait, globals);
+}
+
+Result<void> queue_test_cut(const QueueWish& wish, const Globals& globals) {
+  auto api = Api::from_environment();
+  if (!api) return tl::unexpected(api.error());
+  const auto device = wish.device.empty() ? only_device(*api) : Result<std::string>(wish.device);
+  if (!device) return tl::unexpected(device.error());
+  nlohmann::json body = nlohmann::json::object();
+  if (!wish.material.empty()) body["material"] = wish.material;
+  const auto answer = api->act_on_device(*device, "test-cut", body);
+  if (!answer) return tl::unexpected(answer.error());
+  const std::string id = client::text_of(*answer, "test_job");
+  const auto job = api->get("/v1/jobs/" + id, "job " + id);
+  if (!job) return tl::unexpected(job.error());
+  return see_through(*api, *job, wish.wait, globals);
+}
+
+}  // namespace popcut::cli

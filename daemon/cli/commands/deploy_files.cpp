@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/cli/commands/deploy_files.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <numbers>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "core/deploy/pose_table.hpp"
+#include "core/deploy/poster.hpp"
+#include "daemon/cli/options/angles.hpp"
+#include "daemon/cli/options/option_value.hpp"
+#include "daemon/planning/design_files.hpp"
+
+namespace popcut::cli {
+namespace {
+
+using Streamed = std::function<Result<void>(std::ostream&)>;
+
+std::optional<double> number(const std::string& text) {
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || stop != end) return std::nullopt;
+  return value;
+}
+
+/// `count` angles on the same way; shut ones are moved to where a picture can be drawn.
+std::vector<double> drawn_angles(const std::vector<double>& psi_rad, std::size_t count) {
+  constexpr double kLeastRad = 3 * std::numbers::pi / 180;
+  const double from = psi_rad.front(), to = psi_rad.back();
+  if (from == to) return {std::max(from, kLeastRad)};
+  std::vector<double> angles;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double part = static_cast<double>(i) / static_cast<double>(count - 1);
+    angles.push_back(std::max(kLeastRad, i + 1 == count ? to : from + part * (to - from)));
+  }
+  return angles;
+}
+
+Result<double> opening_angle(const char* option, const std::string& text) {
+  const auto angle = parse_angle(text);
+  if (!angle) return fail(ErrorKind::Usage, option, angle.error().detail);
+  if (*angle >= 0 && *angle <= std::numbers::pi) return *angle;
+  return fail(ErrorKind::Usage, option,
+              fmt::format("is \"{}\"; give an angle from 0 (shut) to pi (flat)", text));
+}
+
+}  // namespace
+
+void add_motion_options(CLI::App& command, MotionOptions& options) {
+  whole_number(
+      command.add_option("--frames", options.frames, "How many poses the meshes have, 1 to 10000"),
+      1, 10'000)
+      ->option_text("N [60]");
+  options.from_option = command
+                            .add_option("--from-psi", options.from_psi,
+                                        "Opening angle of the first frame, rad or 90deg")
+                            ->option_text("ANGLE [pi]");
+  command.add_option("--to-psi", options.to_psi, "Opening angle of the last frame; 0 is shut")
+      ->option_text("ANGLE [pi/2]");
+  options.thickness_option =
+      command
+          .add_option("--thickness", options.thickness,
+                      "Closed solids as thick as the material, or MM, not one surface")
+          ->option_text("[MM]")
+          ->expected(0, 1);
+}
+
+Result<std::vector<double>> angles_of(const MotionOptions& options) {
+  const auto from = opening_angle("--from-psi", options.from_psi);
+  if (!from) return tl::unexpected(from.error());
+  const auto to = opening_angle("--to-psi", options.to_psi);
+  if (!to) return tl::unexpected(to.error());
+  return opening_angles(*from, *to, options.frames);
+}
+
+bool from_is_given(const MotionOptions& options) { return options.from_option->count() > 0; }
+
+void give_back_file(MotionOptions& options, std::string& file) {
+  if (file.empty() && !options.thickness.empty() && !number(options.thickness))
+    file = std::exchange(options.thickness, {});
+}
+
+Result<double> thickness_of(const MotionOptions& options, double of_material_mm) {
+  if (options.thickness_option->count() == 0) return 0;
+  if (options.thickness.empty()) return of_material_mm;
+  constexpr double kLeastMm = 1e-3, kMostMm = 100;
+  const auto mm = number(options.thickness);
+  if (mm && *mm >= kLeastMm && *mm <= kMostMm) return *mm;
+  return fail(ErrorKind::Usage, "--thickness",
+              fmt::format("is \"{}\"; give a number from {} to {} (mm), or nothing for the "
+                          "material's",
+                          options.thickness, kLeastMm, kMostMm));
+}
+
+Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,
+                        const std::vector<double>& psi_rad, MeshAxes axes,
+                        const std::string& prefix, OutputFolder& folder) {
+  // A table holds some poses at a time, since thousands of poses of thousands of faces are a lot.
+  const std::size_t at_once = planning::poses_at_once(pattern, 64);
+  for (std::size_t first = 0; first < psi_rad.size(); first += at_once) {
+    const auto angles =
+        std::span(psi_rad).subspan(first, std::min(at_once, psi_rad.size() - first));
+    const auto table = pose_table(pattern, angles);
+    if (!table) return tl::unexpected(table.error());
+    for (std::size_t k = 0; k < angles.size(); ++k) {
+      const std::string title = fmt::format("psi {:.6f} rad, {}", angles[k], pattern.name);
+      auto done = folder.add(fmt::format("{}psi_{:03}.stl", prefix, first + k + 1),
+                             Streamed([&](std::ostream& out) -> Result<void> {
+                               write_stl(mesh, *table, k, axes, title, out);
+                               return {};
+                             }));
+      if (!done) return done;
+    }
+  }
+  return {};
+}
+
+Result<void> add_glb(const Pattern& pattern, const std::vector<double>& psi_rad,
+                     double thickness_mm, OutputFolder& folder) {
+  const auto bytes = planning::animation_glb(pattern, psi_rad, thickness_mm);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return folder.add("deploy.glb", *bytes);
+}
+
+Result<void> add_poster(const Pattern& pattern, const std::vector<double>& psi_rad,
+                        OutputFolder& folder) {
+  constexpr std::size_t kPoses = 6;
+  return folder.add("poster.svg", Streamed([&](std::ostream& out) {
+                      return write_poster_svg(pattern, drawn_angles(psi_rad, kPoses), {}, out);
+                    }));
+}
+
+Result<void> add_film(const Pattern& pattern, const std::vector<double>& psi_rad,
+                      OutputFolder& folder) {
+  constexpr std::size_t kPoses = 24;
+  constexpr double kSeconds = 5;
+  return folder.add("film.svg", Streamed([&](std::ostream& out) {
+                      return write_film_svg(pattern, drawn_angles(psi_rad, kPoses), kSeconds,
+                                            {.cell_px = 800}, out);
+                    }));
+}
+
+}  // namespace popcut::cli

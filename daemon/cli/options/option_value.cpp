@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/cli/options/option_value.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <functional>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "core/text/near_names.hpp"
+
+namespace popcut::cli {
+namespace {
+
+template <typename T>
+bool is_within(const std::string& text, T least, T most) {
+  T value{};
+  const char* const begin = text.data() + (text.rfind('+', 0) == 0 ? 1 : 0);
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(begin, end, value);
+  return read.ec == std::errc() && read.ptr == end && value >= least && value <= most;
+}
+
+CLI::Option* demand(CLI::Option* option, std::function<bool(const std::string&)> fits,
+                    const std::string& right) {
+  const auto check = [fits = std::move(fits), right](std::string& text) {
+    return fits(text) ? std::string() : fmt::format("is \"{}\"; {}", text, right);
+  };
+  return option->check(CLI::Validator(check, ""));
+}
+
+}  // namespace
+
+void refuse_empty(CLI::App& command, const std::string& but) {
+  const auto check = [](std::string& text) {
+    return text.empty() ? std::string("is empty; give a value, or leave it out") : std::string();
+  };
+  for (CLI::Option* option : command.get_options({}))
+    if (option->get_expected_min() > 0 && option->get_items_expected_max() > 0)
+      option->check(CLI::Validator(check, ""));
+  for (CLI::App* below : command.get_subcommands({}))
+    if (below->get_name() != but) refuse_empty(*below, but);
+}
+
+CLI::Option* whole_number(CLI::Option* option, std::int64_t least, std::int64_t most) {
+  return demand(
+      option, [=](const std::string& text) { return is_within(text, least, most); },
+      fmt::format("give a whole number from {} to {}", least, most));
+}
+
+CLI::Option* real_number(CLI::Option* option, double least, double most, const char* unit) {
+  const std::string of = *unit == '\0' ? "" : fmt::format(" ({})", unit);
+  return demand(
+      option, [=](const std::string& text) { return is_within(text, least, most); },
+      fmt::format("give a number from {:g} to {:g}{}", least, most, of));
+}
+
+CLI::Option* one_word(CLI::Option* option, const std::vector<std::string>& words,
+                      const std::string& usual) {
+  option->option_text(
+      fmt::format("{}{}", fmt::join(words, "|"), usual.empty() ? "" : " [" + usual + "]"));
+  const auto check = [words](std::string& text) {
+    const bool known = std::find(words.begin(), words.end(), text) != words.end();
+    return known ? std::string() : fmt::format("is \"{}\"; {}", text, suggestion(text, words));
+  };
+  return option->check(CLI::Validator(check, ""));
+}
+
+}  // namespace popcut::cli

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/http/api/dispatch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "core/text/json_fields.hpp"
+#include "daemon/http/api/handler_kit.hpp"
+#include "daemon/http/api/json_body.hpp"
+
+namespace popcut::daemon::http {
+namespace {
+
+constexpr std::array<std::string_view, 4> kDesignTypes{"application/json", "application/dxf",
+                                                       "image/svg+xml", "image/vnd.dxf"};
+constexpr std::array<std::string_view, 9> kAssetTypes{"application/octet-stream",
+                                                      "application/json",
+                                                      "application/dxf",
+                                                      "image/svg+xml",
+                                                      "image/vnd.dxf",
+                                                      "model/obj",
+                                                      "model/stl",
+                                                      "text/csv",
+                                                      "model/x.stl-binary"};
+
+std::vector<std::string> words_of(std::string_view text) {
+  std::vector<std::string> out;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(' '), text.size());
+    out.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return out;
+}
+
+std::optional<Problem> check_query(const Request& request, const Route& route) {
+  if (request.query.empty()) return std::nullopt;
+  const std::vector<std::string> known = words_of(route.query);
+  std::vector<RequestFault> faults;
+  for (const auto& [name, value] : request.query) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) {
+      if (value.empty()) faults.push_back({"?" + name, "empty", "must have a value"});
+      continue;
+    }
+    const std::string near = nearest_word(name, known);
+    faults.push_back({"?" + name.substr(0, 64), "unknown_member",
+                      near.empty() ? "is not known here" : fmt::format("did you mean {}?", near)});
+  }
+  if (faults.empty()) return std::nullopt;
+  return validation(std::move(faults));
+}
+
+std::optional<Problem> check_match(const Request& request, const Route& route) {
+  const bool has_match = request.header("if-match").has_value();
+  switch (route.match) {
+    case MatchRule::None:
+    case MatchRule::Allowed:
+      return std::nullopt;
+    case MatchRule::Required:
+      if (has_match) return std::nullopt;
+      return Problem{ProblemKind::PreconditionRequired, "send If-Match with the ETag that you saw"};
+    case MatchRule::OrAny:
+      if (has_match) return std::nullopt;
+      return Problem{ProblemKind::PreconditionRequired,
+                     "send If-Match with the ETag that you saw, or 'If-Match: *'"};
+    case MatchRule::OrNew:
+      const bool is_new = request.header("if-none-match") == "*";
+      if (has_match != is_new) return std::nullopt;
+      return Problem{
+          ProblemKind::PreconditionRequired,
+          "send If-Match with the ETag that you saw, or 'If-None-Match: *' for what is new"};
+  }
+  return std::nullopt;
+}
+
+std::optional<Problem> check_key(const Request& request, const Route& route) {
+  const auto key = request.header("idempotency-key");
+  if (!key) {
+    if (route.key != KeyRule::Required) return std::nullopt;
+    return Problem{ProblemKind::IdempotencyKeyMissing,
+                   "send Idempotency-Key: a word of your own for this request, 16 to 128 "
+                   "characters, the same when you send it again"};
+  }
+  const bool has_form =
+      key->size() >= 16 && key->size() <= 128 &&
+      std::all_of(key->begin(), key->end(), [](char c) { return c > ' ' && c < '\x7F'; });
+  if (has_form) return std::nullopt;
+  return Problem{ProblemKind::IdempotencyKeyMissing,
+                 "Idempotency-Key must be 16 to 128 visible ASCII characters"};
+}
+
+bool has_etag(std::string_view list, std::string_view etag) {
+  if (list == "*") return true;
+  while (!list.empty()) {
+    const std::size_t end = std::min(list.find(','), list.size());
+    std::string_view one = list.substr(0, end);
+    while (!one.empty() && (one.front() == ' ' || one.front() == '\t')) one.remove_prefix(1);
+    while (!one.empty() && (one.back() == ' ' || one.back() == '\t')) one.remove_suffix(1);
+    if (one.starts_with("W/")) one.remove_prefix(2);
+    if (one == etag) return true;
+    list.remove_prefix(std::min(end + 1, list.size()));
+  }
+  return false;
+}
+
+Response unless_seen(Response response, const std::string& seen) {
+  if (response.status != 200) return response;
+  for (const Header& header : response.headers) {
+    if (header.name != "ETag" || !has_etag(seen, header.value)) continue;
+    Response same;
+    same.status = 304;
+    same.content_type.clear();
+    same.headers.push_back(header);
+    return same;
+  }
+  return response;
+}
+
+bool is_read(const Request& request) {
+  return request.method == Method::Get || request.method == Method::Head;
+}
+
+}  // namespace
+
+std::optional<Problem> check_request(const Request& request, const Route& route) {
+  if (auto fault = check_query(request, route)) return fault;
+  if (auto fault = check_match(request, route)) return fault;
+  return check_key(request, route);
+}
+
+std::optional<Problem> check_stream(const Request& request, const Route& route) {
+  if (auto wrong = check_request(request, route)) return wrong;
+  std::vector<RequestFault> faults;
+  constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
+  static_cast<void>(query_integer(request, "after", 0, kMost, faults));
+  static_cast<void>(query_integer(request, "limit", 1, 200, faults));
+  if (faults.empty()) return std::nullopt;
+  return validation(std::move(faults));
+}
+
+std::optional<Problem> check_body(const Route& route, std::string_view media_type, bool has_body) {
+  if (route.body == BodyRule::None) {
+    if (!has_body) return std::nullopt;
+    return Problem{ProblemKind::BadRequest, "this request takes no body"};
+  }
+  if (route.body == BodyRule::Json) {
+    if (!has_body || media_type == "application/json") return std::nullopt;
+    return Problem{ProblemKind::UnsupportedMedia,
+                   "send the body as Content-Type: application/json"};
+  }
+  const auto among = [&](const auto& list) {
+    return std::find(list.begin(), list.end(), media_type) != list.end();
+  };
+  if (route.body == BodyRule::Design && !among(kDesignTypes))
+    return Problem{ProblemKind::UnsupportedMedia,
+                   fmt::format("a design is one of {}; the bytes as they are, no form",
+                               fmt::join(kDesignTypes, ", "))};
+  if (route.body == BodyRule::Asset && !among(kAssetTypes))
+    return Problem{ProblemKind::UnsupportedMedia,
+                   fmt::format("an asset is one of {}; the bytes as they are, no form",
+                               fmt::join(kAssetTypes, ", "))};
+  return std::nullopt;
+}
+
+std::uint64_t most_bytes(const Route& route, const HttpLimits& limits) {
+  switch (route.body) {
+    case BodyRule::None:
+      return 0;
+    case BodyRule::Json:
+      return limits.json_bytes;
+    case BodyRule::Design:
+      return limits.design_bytes;
+    case BodyRule::Asset:
+      return limits.asset_bytes;
+  }
+  return 0;
+}
+
+bool wants_stream(const Request& request) {
+  const std::string_view accept = request.header("accept").value_or("*/*");
+  if (accept.find("text/event-stream") != std::string_view::npos) return true;
+  return request.query.empty() && accept.find("*/*") != std::string_view::npos &&
+         accept.find("json") == std::string_view::npos;
+}
+
+void dispatch(const Request& request, const Route& route, Service& service, const Shop& shop,
+              const Reply& reply) {
+  try {
+    Reply answer = reply;
+    if (const auto seen = request.header("if-none-match"); seen && is_read(request))
+      answer = Reply([reply, list = std::string(*seen)](Response response) {
+        reply(unless_seen(std::move(response), list));
+      });
+    if (const auto fault = check_request(request, route))
+      return answer(problem_response(*fault, request));
+    route.handler(request, service, shop, answer);
+  } catch (const std::bad_alloc&) {
+    reply(problem_response(
+        Problem{ProblemKind::Unavailable, "there is not enough memory for this now"}, request));
+  } catch (const std::exception& e) {
+    if (shop.log_fault)
+      shop.log_fault(fmt::format("http {} {} {}: {}", request.id, name_of(request.method),
+                                 for_log(request.path()), for_log(e.what())));
+    reply(problem_response(Problem{ProblemKind::Internal,
+                                   "something is wrong in popcutd; its log "
+                                   "has more under the request's id"},
+                           request));
+  }
+}
+
+}  // namespace popcut::daemon::http

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/http/api/handler_kit.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "daemon/digest/digest.hpp"
+#include "daemon/http/api/cursor.hpp"
+#include "daemon/http/api/render.hpp"
+
+namespace popcut::daemon::http {
+namespace {
+
+template <typename Number>
+std::optional<Number> number_from(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+// Digits only, as many as `text` is long.
+std::optional<int> digits(std::string_view text) {
+  if (text.empty() ||
+      !std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; }))
+    return std::nullopt;
+  return number_from<int>(text);
+}
+
+// "Z", "+01:00" or "-05:30" in minutes.
+std::optional<int> zone_minutes(std::string_view zone) {
+  if (zone == "Z" || zone == "z") return 0;
+  if (zone.size() != 6 || (zone[0] != '+' && zone[0] != '-') || zone[3] != ':') return std::nullopt;
+  const auto hours = digits(zone.substr(1, 2)), minutes = digits(zone.substr(4, 2));
+  if (!hours || !minutes || *hours > 23 || *minutes > 59) return std::nullopt;
+  return (*hours * 60 + *minutes) * (zone[0] == '-' ? -1 : 1);
+}
+
+// What follows the "T": the milliseconds of the day, in UTC.
+std::optional<TimeMs> time_of_day(std::string_view text) {
+  if (text.size() < 9 || text[2] != ':' || text[5] != ':') return std::nullopt;
+  const auto hours = digits(text.substr(0, 2)), minutes = digits(text.substr(3, 2)),
+             seconds = digits(text.substr(6, 2));
+  if (!hours || !minutes || !seconds || *hours > 23 || *minutes > 59 || *seconds > 60)
+    return std::nullopt;
+  text.remove_prefix(8);
+  TimeMs ms = 0;
+  if (text.front() == '.') {
+    const std::size_t end = text.find_first_not_of("0123456789", 1);
+    if (end == std::string_view::npos || end == 1 || end > 10) return std::nullopt;
+    const std::string fraction =
+        fmt::format("{:0<3}", text.substr(1, std::min<std::size_t>(end - 1, 3)));
+    ms = digits(fraction).value_or(0);
+    text.remove_prefix(end);
+  }
+  const auto zone = zone_minutes(text);
+  if (!zone) return std::nullopt;
+  return ((TimeMs{*hours} * 60 + *minutes - *zone) * 60 + *seconds) * 1000 + ms;
+}
+
+}  // namespace
+
+Response json_response(int status, const nlohmann::ordered_json& body) {
+  Response response;
+  response.status = status;
+  response.body = dump(body);
+  return response;
+}
+
+Response empty_response() {
+  Response response;
+  response.status = 204;
+  response.content_type.clear();
+  return response;
+}
+
+std::string etag_of(std::int64_t rev) { return fmt::format("\"{}\"", rev); }
+
+Response revised(int status, std::int64_t rev, const nlohmann::ordered_json& body) {
+  Response response = json_response(status, body);
+  response.headers.push_back({"ETag", etag_of(rev)});
+  return response;
+}
+
+Response revised(int status, std::int64_t rev, std::string text) {
+  Response response;
+  response.status = status;
+  response.body = std::move(text);
+  response.headers.push_back({"ETag", etag_of(rev)});
+  return response;
+}
+
+Response from_rendered(Rendered rendered) {
+  Response response;
+  response.status = rendered.status;
+  response.body = std::move(rendered.body);
+  if (rendered.status >= 400) response.content_type = "application/problem+json";
+  if (rendered.status == 204) response.content_type.clear();
+  if (!rendered.etag.empty()) response.headers.push_back({"ETag", rendered.etag});
+  if (!rendered.location.empty()) response.headers.push_back({"Location", rendered.location});
+  if (rendered.replayed) response.headers.push_back({"Idempotent-Replayed", "true"});
+  return response;
+}
+
+Rendered to_rendered(const Response& response) {
+  Rendered rendered{response.status, response.body};
+  for (const Header& header : response.headers) {
+    if (header.name == "ETag") rendered.etag = header.value;
+    if (header.name == "Location") rendered.location = header.value;
+  }
+  return rendered;
+}
+
+void answer_once(const Request& request, Service& service, const Reply& reply,
+                 const std::function<Response()>& effect) {
+  const std::string key(request.header("idempotency-key").value_or(""));
+  if (key.empty()) return reply(effect());
+  Sha256 hash;
+  for (const std::string_view part :
+       {name_of(request.method), std::string_view(request.target), std::string_view(request.body),
+        std::string_view(request.principal.name)}) {
+    hash.add(part);
+    hash.add(std::string_view("\0", 1));
+  }
+  // What goes beyond a kept answer (Retry-After) is told only to who made it.
+  std::optional<Response> fresh;
+  Answer<Rendered> kept =
+      service.once(request.principal, {key, hash.hex()}, [&effect, &fresh]() -> Rendered {
+        fresh = effect();
+        return to_rendered(*fresh);
+      });
+  if (!kept) return reply(problem_response(kept.error(), request));
+  if (fresh && !kept->replayed) return reply(std::move(*fresh));
+  reply(from_rendered(std::move(*kept)));
+}
+
+std::optional<std::string> query_text(const Request& request, std::string_view name) {
+  for (const auto& [known, value] : request.query)
+    if (known == name) return value;
+  return std::nullopt;
+}
+
+std::optional<std::int64_t> query_integer(const Request& request, std::string_view name,
+                                          std::int64_t low, std::int64_t high,
+                                          std::vector<RequestFault>& faults) {
+  const std::optional<std::string> text = query_text(request, name);
+  if (!text) return std::nullopt;
+  const std::optional<std::int64_t> value = number_from<std::int64_t>(*text);
+  if (value && *value >= low && *value <= high) return value;
+  faults.push_back({fmt::format("?{}", name), "range", fmt::format("must be {}..{}", low, high)});
+  return std::nullopt;
+}
+
+std::optional<TimeMs> query_time(const Request& request, std::string_view name,
+                                 std::vector<RequestFault>& faults) {
+  const std::optional<std::string> text = query_text(request, name);
+  if (!text) return std::nullopt;
+  const std::optional<TimeMs> time = time_from(*text);
+  if (!time)
+    faults.push_back({fmt::format("?{}", name), "time",
+                      "must be a day like 2026-11-21 or a time like 2026-11-21T10:00:00Z"});
+  return time;
+}
+
+PageWish page_wish(const Request& request, char list, std::vector<RequestFault>& faults,
+                   int usual_limit) {
+  PageWish wish;
+  wish.limit = usual_limit;
+  if (const auto limit = query_integer(request, "limit", 1, 200, faults))
+    wish.limit = static_cast<int>(*limit);
+  const std::optional<std::string> cursor = query_text(request, "cursor");
+  if (!cursor) return wish;
+  const std::optional<std::string> place = decode_cursor(*cursor);
+  if (place && place->size() > 1 && place->front() == list)
+    wish.cursor = place->substr(1);
+  else
+    faults.push_back(
+        {"?cursor", "cursor", "must be the next_cursor of the page before, of the same list"});
+  return wish;
+}
+
+std::optional<TimeMs> time_from(std::string_view text) {
+  if (text.size() < 10 || text[4] != '-' || text[7] != '-') return std::nullopt;
+  const auto year = digits(text.substr(0, 4)), month = digits(text.substr(5, 2)),
+             day = digits(text.substr(8, 2));
+  if (!year || !month || !day) return std::nullopt;
+  namespace chr = std::chrono;
+  const chr::year_month_day date{chr::year(*year), chr::month(static_cast<unsigned>(*month)),
+                                 chr::day(static_cast<unsigned>(*day))};
+  if (!date.ok()) return std::nullopt;
+  const TimeMs midnight = TimeMs{chr::sys_days(date).time_since_epoch().count()} * 24 * 3600 * 1000;
+  if (text.size() == 10) return midnight;
+  if (text[10] != 'T' && text[10] != 't') return std::nullopt;
+  const std::optional<TimeMs> rest = time_of_day(text.substr(11));
+  if (!rest) return std::nullopt;
+  return midnight + *rest;
+}
+
+Answer<std::int64_t> wanted_rev(const Request& request, std::optional<std::int64_t> current) {
+  const std::string_view value = request.header("if-match").value_or("");
+  if (value == "*" && current) return *current;
+  const bool is_quoted = value.size() >= 3 && value.front() == '"' && value.back() == '"';
+  const std::optional<std::int64_t> rev =
+      is_quoted ? number_from<std::int64_t>(value.substr(1, value.size() - 2)) : std::nullopt;
+  if (!rev || *rev < 0)
+    return refuse(ProblemKind::BadRequest,
+                  "If-Match must be the ETag that was seen, with its quotes: \"12\"");
+  return *rev;
+}
+
+std::optional<Problem> check_seen(const Request& request, const Job& job) {
+  if (!request.header("if-match")) return std::nullopt;
+  const Answer<std::int64_t> rev = wanted_rev(request, job.rev);
+  if (!rev) return rev.error();
+  if (*rev == job.rev) return std::nullopt;
+  Problem stale{ProblemKind::Stale,
+                fmt::format("the job was changed meanwhile (it is at revision {}, the request was "
+                            "for {}); read it again",
+                            job.rev, *rev)};
+  stale.rev = job.rev;
+  stale.state = name_of(job.state);
+  stale.allowed_actions = job.actions;
+  return stale;
+}
+
+std::optional<int> path_number(const std::string& text) {
+  if (text.empty() || text.size() > 6 || text[0] == '0') return std::nullopt;
+  return digits(text);
+}
+
+std::optional<Problem> check_owner(const Request& request, const std::string& owner) {
+  if (request.principal.role >= Role::Operator || request.principal.name == owner)
+    return std::nullopt;
+  return Problem{ProblemKind::Forbidden, fmt::format("it belongs to {}; an operator may do this",
+                                                     owner.empty() ? "someone else" : owner)};
+}
+
+std::string page_text(const std::vector<std::string>& items, const std::string& next_cursor) {
+  std::string out = "{\"items\":[";
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (i > 0) out += ',';
+    out += items[i];
+  }
+  out += "],\"next_cursor\":";
+  out += next_cursor.empty() ? "null" : '"' + encode_cursor(next_cursor) + '"';
+  out += '}';
+  return out;
+}
+
+}  // namespace popcut::daemon::http

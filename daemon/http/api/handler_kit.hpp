@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "daemon/http/api/routes.hpp"
+
+namespace popcut::daemon::http {
+
+// What handlers share: answers, revisions, pages, words of the query.
+
+/// `limit` of lists that are mostly wanted whole, where the query names none.
+inline constexpr int kUsualWhole = 200;
+
+[[nodiscard]] Response json_response(int status, const nlohmann::ordered_json& body);
+[[nodiscard]] Response empty_response();  ///< 204
+[[nodiscard]] std::string etag_of(std::int64_t rev);
+/// 200 with an ETag.
+[[nodiscard]] Response revised(int status, std::int64_t rev, const nlohmann::ordered_json& body);
+[[nodiscard]] Response revised(int status, std::int64_t rev, std::string text);
+/// A rendered answer as it is kept with a key.
+[[nodiscard]] Response from_rendered(Rendered rendered);
+[[nodiscard]] Rendered to_rendered(const Response& response);
+
+/// Answers with `effect`, which runs once for each Idempotency-Key.
+void answer_once(const Request& request, Service& service, const Reply& reply,
+                 const std::function<Response()>& effect);
+
+/// The value of a query name, or nothing.
+[[nodiscard]] std::optional<std::string> query_text(const Request& request, std::string_view name);
+/// A whole number of the query. A fault is added if it is not one of `low..high`.
+[[nodiscard]] std::optional<std::int64_t> query_integer(const Request& request,
+                                                        std::string_view name, std::int64_t low,
+                                                        std::int64_t high,
+                                                        std::vector<RequestFault>& faults);
+[[nodiscard]] std::optional<TimeMs> query_time(const Request& request, std::string_view name,
+                                               std::vector<RequestFault>& faults);
+/// The page that `limit` and `cursor` of the query ask for. A cursor is that of one kind of list:
+/// the one of another list is a fault.
+[[nodiscard]] PageWish page_wish(const Request& request, char list,
+                                 std::vector<RequestFault>& faults, int usual_limit = 50);
+
+/// "2026-11-21" or "2026-11-21T10:12:00[.123](Z|+01:00)" as time; nothing if it is neither.
+[[nodiscard]] std::optional<TimeMs> time_from(std::string_view text);
+
+/// The revision that If-Match names: `"12"`. "*" gives `current` where the route lets it.
+[[nodiscard]] Answer<std::int64_t> wanted_rev(const Request& request,
+                                              std::optional<std::int64_t> current);
+
+/// The number in a path: 1, 2, ... without sign or leading zero; nothing otherwise.
+[[nodiscard]] std::optional<int> path_number(const std::string& text);
+
+/// What is wrong with an If-Match that was sent and need not be: it is not the job's revision.
+[[nodiscard]] std::optional<Problem> check_seen(const Request& request, const Job& job);
+
+/// Submitters may touch only what is theirs.
+[[nodiscard]] std::optional<Problem> check_owner(const Request& request, const std::string& owner);
+
+/// The page of a list that is here whole, in the order of `key_of`, a text.
+template <typename T, typename KeyOf>
+Page<T> page_of(std::vector<T> all, const PageWish& wish, KeyOf key_of) {
+  Page<T> page;
+  for (T& one : all) {
+    if (!wish.cursor.empty() && key_of(one) <= wish.cursor) continue;
+    if (page.items.size() == static_cast<std::size_t>(wish.limit)) {
+      page.next_cursor = key_of(page.items.back());
+      break;
+    }
+    page.items.push_back(std::move(one));
+  }
+  return page;
+}
+
+/// The text of a page of items that are rendered already.
+[[nodiscard]] std::string page_text(const std::vector<std::string>& items,
+                                    const std::string& next_cursor);
+
+/// A page of the list `list` (see `page_wish`); rendered late, on the thread of HTTP.
+template <typename T, typename Render>
+Response page_response(Page<T> page, char list, Render render) {
+  Response response;
+  std::string next = page.next_cursor.empty() ? std::string() : list + page.next_cursor;
+  response.make_body = [items = std::move(page.items), next = std::move(next), render] {
+    std::vector<std::string> texts;
+    texts.reserve(items.size());
+    for (const T& item : items) texts.push_back(render(item));
+    return page_text(texts, next);
+  };
+  return response;
+}
+
+}  // namespace popcut::daemon::http

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "daemon/http/api/handler_kit.hpp"
+#include "daemon/http/api/handlers.hpp"
+#include "daemon/http/api/json_body.hpp"
+#include "daemon/http/api/render.hpp"
+#include "daemon/http/api/target.hpp"
+
+namespace popcut::daemon::http::handle {
+namespace {
+
+constexpr std::size_t kLongestName = 120;
+constexpr std::string_view kDrawingPolicy =
+    "default-src 'none'; style-src 'unsafe-inline'; sandbox; frame-ancestors 'none'";
+
+// What was uploaded, or drawn from it: never run, never shown in place of a page.
+Response drawing(std::string content_type) {
+  Response response;
+  response.content_type = std::move(content_type);
+  response.headers.push_back({"Content-Security-Policy", std::string(kDrawingPolicy)});
+  return response;
+}
+
+std::string type_of(std::string_view file) {
+  if (file.ends_with(".svg")) return "image/svg+xml";
+  if (file.ends_with(".json")) return "application/json";
+  if (file.ends_with(".glb")) return "model/gltf-binary";
+  return "application/octet-stream";
+}
+
+void answer_file(const Request& request, const Reply& reply, const Answer<std::string>& path,
+                 const std::string& name) {
+  if (!path) return reply(problem_response(path.error(), request));
+  Response response = drawing(type_of(name));
+  response.headers.push_back(
+      {"Content-Disposition", fmt::format("attachment; filename=\"{}\"", name)});
+  response.file = *path;
+  reply(std::move(response));
+}
+
+// "{k}" of a path as the two digits of a file's name.
+std::optional<std::string> sheet_name(const Request& request, const Reply& reply) {
+  const std::optional<int> number = path_number(request.params[1]);
+  if (number) return fmt::format("sheet-{:02}", *number);
+  reply(problem_response(Problem{ProblemKind::NotFound, "sheets count from 1"}, request));
+  return std::nullopt;
+}
+
+PlanWish read_plan_wish(Members& members) {
+  PlanWish wish;
+  wish.material = members.text("material", 64).value_or("");
+  wish.device = members.text("device", 64).value_or("");
+  wish.machine = members.text("machine", 64).value_or("");
+  wish.options = members.options("options");
+  return wish;
+}
+
+}  // namespace
+
+void add_asset(const Request& request, Service& service, const Shop&, Reply reply) {
+  const Answer<Asset> asset =
+      service.add_asset(request.principal, request.upload.value_or(Upload{}));
+  if (!asset) return reply(problem_response(asset.error(), request));
+  reply(json_response(asset->is_new ? 201 : 200, to_json(*asset)));
+}
+
+void add_design(const Request& request, Service& service, const Shop&, Reply reply) {
+  const std::string name = query_text(request, "name").value_or("");
+  if (name.size() > kLongestName * 4 || has_controls(name))
+    return reply(problem_response(
+        validation({{"?name", "length",
+                     fmt::format("must have at most {} characters, and no control characters",
+                                 kLongestName)}}),
+        request));
+  service.add_design(
+      request.principal, request.upload.value_or(Upload{}), request.media_type, name,
+      [reply, target = request.target, id = request.id](const Answer<Design>& design) {
+        if (!design) return reply(problem_response(design.error(), target, id));
+        Response response = json_response(design->is_new ? 201 : 200, to_json(*design));
+        response.headers.push_back({"Location", "/v1/designs/" + design->id});
+        reply(std::move(response));
+      });
+}
+
+void list_designs(const Request& request, Service& service, const Shop&, Reply reply) {
+  constexpr char kList = 'd';
+  std::vector<RequestFault> faults;
+  const PageWish wish = page_wish(request, kList, faults);
+  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  reply(page_response(service.designs(wish), kList,
+                      [](const Design& design) { return dump(to_json(design)); }));
+}
+
+void get_design(const Request& request, Service& service, const Shop&, Reply reply) {
+  const Answer<Design> design = service.design(request.params[0]);
+  if (!design) return reply(problem_response(design.error(), request));
+  Response response = json_response(200, to_json(*design));
+  response.headers.push_back({"ETag", fmt::format("\"{}\"", design->id)});
+  reply(std::move(response));
+}
+
+void design_content(const Request& request, Service& service, const Shop&, Reply reply) {
+  const Answer<Design> design = service.design(request.params[0]);
+  if (!design) return reply(problem_response(design.error(), request));
+  // Whatever it is, it goes out as bytes to be saved: what users upload is never shown.
+  const std::string ending = design->kind == "svg" || design->kind == "dxf" ? design->kind : "json";
+  const Answer<std::string> path = service.design_content(design->id);
+  if (!path) return reply(problem_response(path.error(), request));
+  Response response = drawing("application/octet-stream");
+  response.headers.push_back(
+      {"Content-Disposition", fmt::format("attachment; filename=\"design.{}\"", ending)});
+  response.headers.push_back({"ETag", fmt::format("\"{}\"", design->id)});
+  response.file = *path;
+  reply(std::move(response));
+}
+
+void design_preview(const Request& request, Service& service, const Shop&, Reply reply) {
+  service.design_preview(request.params[0], [reply, target = request.target,
+                                             id = request.id](Answer<std::string> svg) {
+    if (!svg) return reply(problem_response(svg.error(), target, id));
+    Response response = drawing("image/svg+xml");
+    response.body = std::move(*svg);
+    reply(std::move(response));
+  });
+}
+
+void delete_design(const Request& request, Service& service, const Shop&, Reply reply) {
+  const Answer<Design> design = service.design(request.params[0]);
+  if (!design) return reply(problem_response(design.error(), request));
+  if (const auto not_theirs = check_owner(request, design->owner))
+    return reply(problem_response(*not_theirs, request));
+  const Answer<void> gone = service.delete_design(request.principal, design->id);
+  if (!gone) return reply(problem_response(gone.error(), request));
+  reply(empty_response());
+}
+
+void plan_design(const Request& request, Service& service, const Shop& shop, Reply reply) {
+  auto wish = read_body_as<PlanWish>(request, shop.limits.json_depth, read_plan_wish);
+  if (!wish) return reply(problem_response(wish.error(), request));
+  wish->design = request.params[0];
+  answer_once(request, service, reply, [&] {
+    if (const Answer<Design> design = service.design(wish->design); !design)
+      return problem_response(design.error(), request);
+    const Answer<PlanRecord> plan = service.plan_design(request.principal, *wish);
+    if (!plan) return problem_response(plan.error(), request);
+    Response response = json_response(202, to_json(*plan));
+    response.headers.push_back({"Location", "/v1/plans/" + plan->id});
+    return response;
+  });
+}
+
+void get_plan(const Request& request, Service& service, const Shop&, Reply reply) {
+  const Answer<PlanRecord> plan = service.plan(request.params[0]);
+  if (!plan) return reply(problem_response(plan.error(), request));
+  reply(json_response(200, to_json(*plan)));
+}
+
+void delete_plan(const Request& request, Service& service, const Shop&, Reply reply) {
+  const Answer<void> gone = service.delete_plan(request.principal, request.params[0]);
+  if (!gone) return reply(problem_response(gone.error(), request));
+  reply(empty_response());
+}
+
+void plan_file(const Request& request, Service& service, const Shop&, Reply reply) {
+  const std::string name(request.path().substr(request.path().rfind('/') + 1));
+  answer_file(request, reply, service.plan_file(request.params[0], name), name);
+}
+
+void sheet_svg(const Request& request, Service& service, const Shop&, Reply reply) {
+  const std::optional<std::string> sheet = sheet_name(request, reply);
+  if (!sheet) return;
+  const std::string name = *sheet + ".svg";
+  answer_file(request, reply, service.plan_file(request.params[0], name), name);
+}
+
+void sheet_program(const Request& request, Service& service, const Shop&, Reply reply) {
+  const std::optional<std::string> sheet = sheet_name(request, reply);
+  if (!sheet) return;
+  std::string name = *sheet + ".gpgl";
+  Answer<std::string> path = service.plan_file(request.params[0], name);
+  if (!path && path.error().kind == ProblemKind::NotFound) {
+    // A plan holds the one or the other.
+    const std::string other = *sheet + ".hpgl";
+    if (Answer<std::string> hpgl = service.plan_file(request.params[0], other)) {
+      path = std::move(hpgl);
+      name = other;
+    }
+  }
+  answer_file(request, reply, path, name);
+}
+
+}  // namespace popcut::daemon::http::handle

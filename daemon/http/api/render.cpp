@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/http/api/render.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <ctime>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace popcut::daemon::http {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json text_or_null(const std::string& text) {
+  return text.empty() ? ordered_json(nullptr) : ordered_json(text);
+}
+
+ordered_json time_or_null(const std::optional<TimeMs>& time) {
+  return time ? ordered_json(rfc3339(*time)) : ordered_json(nullptr);
+}
+
+ordered_json ranges(const std::vector<PathRange>& all) {
+  ordered_json out = ordered_json::array();
+  for (const PathRange& range : all) out.push_back({range.first, range.last});
+  return out;
+}
+
+// A JSON object that is written down at once, member by member: lists have thousands of jobs.
+class ObjectText {
+ public:
+  void text(std::string_view name, std::string_view value) {
+    begin(name);
+    quote(value);
+  }
+  void text_or_null(std::string_view name, std::string_view value) {
+    if (value.empty()) return null(name);
+    text(name, value);
+  }
+  void time_or_null(std::string_view name, const std::optional<TimeMs>& time) {
+    text_or_null(name, time ? rfc3339(*time) : std::string());
+  }
+  void texts(std::string_view name, const std::vector<std::string>& values) {
+    begin(name);
+    out_ += '[';
+    for (const std::string& value : values) {
+      if (&value != &values.front()) out_ += ',';
+      quote(value);
+    }
+    out_ += ']';
+  }
+  void number(std::string_view name, std::int64_t value) {
+    begin(name);
+    fmt::format_to(std::back_inserter(out_), "{}", value);
+  }
+  void number(std::string_view name, double value) {
+    begin(name);
+    put(value);
+  }
+  void range(std::string_view name, const std::array<double, 2>& values) {
+    begin(name);
+    out_ += '[';
+    put(values[0]);
+    out_ += ',';
+    put(values[1]);
+    out_ += ']';
+  }
+  void flag(std::string_view name, bool value) {
+    begin(name);
+    out_ += value ? "true" : "false";
+  }
+  void null(std::string_view name) {
+    begin(name);
+    out_ += "null";
+  }
+  void object(std::string_view name, const ObjectText& inner) {
+    begin(name);
+    out_ += inner.whole();
+  }
+  [[nodiscard]] std::string whole() const { return out_ + '}'; }
+
+ private:
+  void begin(std::string_view name) {
+    if (out_.size() > 1) out_ += ',';
+    out_ += '"';
+    out_ += name;
+    out_ += "\":";
+  }
+  void put(double value) {
+    if (std::isfinite(value))
+      fmt::format_to(std::back_inserter(out_), "{}", value);
+    else
+      out_ += "null";
+  }
+  void quote(std::string_view value) {
+    const bool plain = std::all_of(value.begin(), value.end(), [](char c) {
+      return c >= ' ' && c < '\x7F' && c != '"' && c != '\\';
+    });
+    if (!plain) {
+      out_ += dump(ordered_json(value));
+      return;
+    }
+    out_ += '"';
+    out_ += value;
+    out_ += '"';
+  }
+
+  std::string out_{"{"};
+};
+
+ObjectText attention_text(const Attention& attention) {
+  ObjectText out;
+  out.text("kind", attention.kind);
+  out.number("sheet", std::int64_t{attention.sheet});
+  out.number("total", std::int64_t{attention.total});
+  out.text("text", attention.text);
+  out.text("since", rfc3339(attention.since));
+  out.texts("actions", attention.actions);
+  return out;
+}
+
+ObjectText links_text(const Job& job) {
+  const std::string self = "/v1/jobs/" + job.id;
+  ObjectText out;
+  out.text("self", self);
+  out.text("sheets", self + "/sheets");
+  out.text("events", self + "/events");
+  out.text_or_null("design", job.design.empty() ? "" : "/v1/designs/" + job.design);
+  out.text_or_null("plan", job.plan.empty() ? "" : "/v1/plans/" + job.plan);
+  return out;
+}
+
+}  // namespace
+
+std::string rfc3339(TimeMs time) {
+  std::int64_t ms = time % 1000;
+  std::int64_t seconds = time / 1000;
+  if (ms < 0) ms += 1000, --seconds;
+  const std::time_t clock = seconds;
+  std::tm utc{};
+  if (gmtime_r(&clock, &utc) == nullptr) return "1970-01-01T00:00:00.000Z";
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", utc.tm_year + 1900,
+                     utc.tm_mon + 1, utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec, ms);
+}
+
+ordered_json to_json(const Asset& asset) {
+  return {{"id", asset.id}, {"bytes", asset.bytes}, {"created", rfc3339(asset.created)}};
+}
+
+ordered_json to_json(const Design& design) {
+  const std::string self = "/v1/designs/" + design.id;
+  return {{"id", design.id},
+          {"name", design.name},
+          {"kind", design.kind},
+          {"owner", text_or_null(design.owner)},
+          {"bytes", design.bytes},
+          {"created", rfc3339(design.created)},
+          {"assets", design.assets},
+          {"links",
+           {{"self", self}, {"content", self + "/content"}, {"preview", self + "/preview.svg"}}}};
+}
+
+ordered_json to_json(const SheetPlan& sheet) {
+  return {{"sheet", sheet.number},
+          {"paths", sheet.paths},
+          {"cut_mm", sheet.cut_mm},
+          {"fold_mm", sheet.fold_mm},
+          {"travel_mm", sheet.travel_mm},
+          {"seconds", sheet.seconds},
+          {"seconds_range", sheet.seconds_range},
+          {"area_mm", sheet.area_mm},
+          {"program_sha256", sheet.program_sha256}};
+}
+
+ordered_json to_json(const PlanRecord& plan) {
+  constexpr std::array<std::string_view, 3> kStates{"pending", "planned", "failed"};
+  ordered_json sheets = ordered_json::array();
+  std::int64_t paths = 0;
+  double length_mm = 0;
+  std::array<double, 2> est_s{};
+  for (const SheetPlan& sheet : plan.sheets) {
+    sheets.push_back(to_json(sheet));
+    paths += sheet.paths;
+    length_mm += sheet.cut_mm + sheet.fold_mm;
+    est_s[0] += sheet.seconds_range[0];
+    est_s[1] += sheet.seconds_range[1];
+  }
+  return {{"id", plan.id},
+          {"design", plan.design},
+          {"material", text_or_null(plan.material)},
+          {"machine", text_or_null(plan.machine)},
+          {"state", kStates[static_cast<std::size_t>(plan.state)]},
+          {"sha256", text_or_null(plan.sha256)},
+          {"sheets", std::move(sheets)},
+          {"paths", paths},
+          {"length_mm", length_mm},
+          {"est_s", est_s},
+          {"warnings", plan.warnings},
+          {"error", text_or_null(plan.error)},
+          {"created", rfc3339(plan.created)},
+          {"links", {{"self", "/v1/plans/" + plan.id}, {"design", "/v1/designs/" + plan.design}}}};
+}
+
+std::string job_text(const Job& job) {
+  ObjectText progress;
+  progress.number("paths_certain", job.progress.paths_certain);
+  progress.number("paths_sent", job.progress.paths_sent);
+  progress.number("paths_total", job.progress.paths_total);
+  progress.number("cut_mm", job.progress.cut_mm);
+  ObjectText estimate;
+  estimate.range("remaining_s", job.remaining_s);
+  ObjectText out;
+  out.text("id", job.id);
+  out.number("rev", job.rev);
+  out.text("state", name_of(job.state));
+  out.text_or_null("reason", job.reason);
+  out.text_or_null("name", job.name);
+  out.text_or_null("note", job.note);
+  out.text("owner", job.owner);
+  out.text_or_null("operator", job.operator_name);
+  out.text_or_null("device", job.device);
+  out.text_or_null("design", job.design);
+  out.text_or_null("plan", job.plan);
+  out.text_or_null("material", job.material);
+  out.number("priority", std::int64_t{job.priority});
+  out.number("copies", std::int64_t{job.copies});
+  out.flag("held", job.held);
+  out.number("sheets_total", std::int64_t{job.sheets_total});
+  if (job.sheet > 0)
+    out.number("sheet", std::int64_t{job.sheet});
+  else
+    out.null("sheet");
+  out.number("blank", std::int64_t{job.blank});
+  out.number("segment", std::int64_t{job.segment});
+  out.object("progress", progress);
+  out.object("est", estimate);
+  out.text("created", rfc3339(job.created));
+  out.time_or_null("started", job.started);
+  out.time_or_null("finished", job.finished);
+  out.text_or_null("outcome", job.outcome);
+  out.texts("tags", job.tags);
+  if (job.attention)
+    out.object("attention", attention_text(*job.attention));
+  else
+    out.null("attention");
+  out.texts("actions", job.actions);
+  out.object("links", links_text(job));
+  return out.whole();
+}
+
+ordered_json to_json(const SheetRecord& sheet) {
+  return {{"sheet", sheet.number},
+          {"copy", sheet.copy},
+          {"blank", sheet.blank},
+          {"segment", sheet.segment},
+          {"state", sheet.state},
+          {"plan", to_json(sheet.plan)},
+          {"started", time_or_null(sheet.started)},
+          {"finished", time_or_null(sheet.finished)}};
+}
+
+ordered_json to_json(const Ledger& ledger) {
+  ordered_json attempts = ordered_json::array();
+  for (const Attempt& attempt : ledger.attempts)
+    attempts.push_back({{"id", attempt.id},
+                        {"blank", attempt.blank},
+                        {"segment", attempt.segment},
+                        {"started", rfc3339(attempt.started)},
+                        {"ended", time_or_null(attempt.ended)},
+                        {"end_kind", text_or_null(attempt.end_kind)},
+                        {"operator", text_or_null(attempt.operator_name)},
+                        {"bytes_taken", attempt.bytes_taken}});
+  return {{"sheet", ledger.sheet},
+          {"blank", ledger.blank},
+          {"segment", ledger.segment},
+          {"certain_upto", ledger.certain_upto},
+          {"certain", ranges(ledger.certain)},
+          {"in_doubt", ranges(ledger.in_doubt)},
+          {"not_sent", ranges(ledger.not_sent)},
+          {"last_status", text_or_null(ledger.last_status)},
+          {"attempts", std::move(attempts)}};
+}
+
+ordered_json to_json(const DeviceRecord& device) {
+  ordered_json out{{"id", device.id},
+                   {"rev", device.rev},
+                   {"model", device.model},
+                   {"title", device.title},
+                   {"state", device.state},
+                   {"reasons", device.reasons},
+                   {"enabled", device.enabled},
+                   {"simulated", device.simulated},
+                   {"machine", text_or_null(device.machine)},
+                   {"materials", device.materials},
+                   {"width_mm", device.width_mm},
+                   {"length_mm", device.length_mm},
+                   {"firmware", text_or_null(device.firmware)},
+                   {"job", text_or_null(device.job)},
+                   {"sheets_done", device.sheets_done},
+                   {"cut_mm", device.cut_mm}};
+  if (!device.test_job.empty()) out["test_job"] = device.test_job;
+  return out;
+}
+
+ordered_json to_json(const MaterialRecord& material) {
+  ordered_json row = ordered_json::parse(material.json, nullptr, false);
+  return {{"id", material.id},
+          {"rev", material.rev},
+          {"built_in", material.built_in},
+          {"material", row.is_discarded() ? ordered_json(nullptr) : std::move(row)}};
+}
+
+ordered_json to_json(const TokenRecord& token) {
+  return {{"id", token.id},
+          {"name", token.name},
+          {"role", name_of(token.role)},
+          {"created", rfc3339(token.created)},
+          {"expires", time_or_null(token.expires)}};
+}
+
+ordered_json to_json(const NewToken& token) {
+  ordered_json out = to_json(token.record);
+  out["token"] = token.text;
+  return out;
+}
+
+ordered_json to_json(const UsageRow& row) {
+  return {
+      {"key", row.key}, {"seconds", row.seconds}, {"cut_mm", row.cut_mm}, {"sheets", row.sheets}};
+}
+
+std::string event_json(const Event& event) {
+  const std::string time = fmt::format("\"time\":\"{}\"}}", rfc3339(event.time));
+  // "{...}" of the service: its last bracket makes place for the time.
+  if (event.data.size() > 2 && event.data.back() == '}')
+    return fmt::format("{},{}", std::string_view(event.data).substr(0, event.data.size() - 1),
+                       time);
+  const ordered_json head{{"seq", event.seq}, {"kind", event.kind}};
+  std::string out = dump(head);
+  out.back() = ',';
+  return out + time;
+}
+
+std::string usage_csv(const std::vector<UsageRow>& rows, const std::string& by) {
+  std::string out = fmt::format("{},seconds,cut_mm,sheets\r\n", by);
+  for (const UsageRow& row : rows) {
+    std::string key;
+    // A cell that starts so is a formula to spreadsheets.
+    if (!row.key.empty() && std::string_view("=+-@\t\r").find(row.key[0]) != std::string_view::npos)
+      key += '\'';
+    for (const char c : row.key) key += c == '"' ? std::string("\"\"") : std::string(1, c);
+    out += fmt::format("\"{}\",{:.3f},{:.3f},{}\r\n", key, row.seconds, row.cut_mm, row.sheets);
+  }
+  return out;
+}
+
+std::string dump(const ordered_json& value) {
+  return value.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+}  // namespace popcut::daemon::http

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/model/limits.hpp"
+#include "daemon/http/api/message.hpp"
+#include "daemon/service/service.hpp"
+
+namespace popcut::daemon::http {
+
+/// What a handler may know beside the request and the service.
+struct Shop {
+  HttpLimits limits{};
+  std::string build{};                                  ///< version of the program
+  std::string openapi_sha256{};                         ///< of /v1/openapi.json
+  std::function<void(const std::string&)> log_fault{};  ///< from any thread; may be empty
+  std::function<std::string()> metrics{};               ///< those of HTTP; called on its thread
+};
+
+/// Answers one request. Runs on the service's thread; the reply may come later.
+using Handler = void (*)(const Request&, Service&, const Shop&, Reply);
+
+/// Who may use a route. There is no default: a route that does not say it does not compile.
+class Access {
+ public:
+  constexpr explicit Access(Role least) : role_(least), open_(false) {}
+  /// For everyone, without authentication. Only what tells and does nothing.
+  static constexpr Access everyone() { return Access(); }
+  [[nodiscard]] constexpr bool is_open() const { return open_; }
+  [[nodiscard]] constexpr Role role() const { return role_; }
+  [[nodiscard]] constexpr bool allows(Role role) const { return open_ || role >= role_; }
+
+ private:
+  constexpr Access() : role_(Role::Viewer), open_(true) {}
+  Role role_;
+  bool open_;
+};
+
+enum class BodyRule : std::uint8_t { None, Json, Design, Asset };
+enum class KeyRule : std::uint8_t { None, Allowed, Required };  ///< Idempotency-Key
+enum class MatchRule : std::uint8_t {
+  None,
+  Required,  ///< If-Match names the revision that was seen
+  OrAny,     ///< or is "*": to stop a knife must not depend on who looked last
+  OrNew,     ///< or If-None-Match is "*": it must not be there yet
+  Allowed    ///< held against the revision if it is sent
+};
+enum class Patience : std::uint8_t { Usual, Probe, Design };  ///< how long the answer may take
+
+struct Route {
+  Method method;
+  std::string_view path;  ///< "/v1/jobs/{id}/sheets/{k}"; {..} stands for one part of it
+  Access access;
+  Handler handler;
+  BodyRule body{BodyRule::None};
+  KeyRule key{KeyRule::None};
+  MatchRule match{MatchRule::None};
+  std::string_view query{};  ///< the names that a query may have, with a space between
+  /// Stops a knife, or is what one must ask before: served when all places are taken.
+  bool is_urgent{false};
+  Patience patience{Patience::Usual};
+  /// May become a stream of events (see `wants_stream`).
+  bool is_stream{false};
+};
+
+/// All there is. Each is documented in openapi.json; a test holds the two together.
+[[nodiscard]] std::span<const Route> routes();
+
+struct Match {
+  const Route* route{nullptr};      ///< nullptr: nothing for this method and path
+  std::vector<std::string> params;  ///< what stood for {..}
+  std::vector<Method> allowed;      ///< the methods of that path; empty: no such path
+};
+/// HEAD is served by the route of GET.
+[[nodiscard]] Match find_route(Method method, const std::vector<std::string>& segments);
+
+/// "GET, HEAD, POST" for the header Allow.
+[[nodiscard]] std::string allow_header(const std::vector<Method>& allowed);
+
+}  // namespace popcut::daemon::http

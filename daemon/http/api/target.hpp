@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "daemon/model/problem.hpp"
+
+namespace popcut::daemon::http {
+
+/// A target "/a/b?x=1&y" taken apart, everything decoded.
+struct Target {
+  std::vector<std::string> segments;  ///< "a", "b"; "/" is one empty segment
+  std::vector<std::pair<std::string, std::string>> query;
+};
+
+/// Decodes `target`. Nothing that a later reader could take for something else is let through:
+/// no %5C in a segment, and no %2F but in the id of a device (after /v1/devices/), no control
+/// characters, no "." and "..", no invalid UTF-8, no query name twice.
+///
+/// @retval BadRequest  says which of these
+[[nodiscard]] Answer<Target> read_target(std::string_view target);
+
+/// `text` percent-decoded ("+" stays a plus), or a problem if a percent sign is not followed by two
+/// hexadecimal digits, or the result is not UTF-8 without control characters.
+[[nodiscard]] Answer<std::string> percent_decoded(std::string_view text);
+
+/// True if `text` is well-formed UTF-8: no overlong forms, no surrogates, up to U+10FFFF.
+[[nodiscard]] bool is_utf8(std::string_view text);
+
+/// True if UTF-8 `text` has a control character: C0, DEL, C1, or what changes the direction of
+/// text. Tabs and line feeds pass if `lines` is set.
+[[nodiscard]] bool has_controls(std::string_view text, bool lines = false);
+
+}  // namespace popcut::daemon::http

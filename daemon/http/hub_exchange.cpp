@@ -1,0 +1,486 @@
+// SPDX-License-Identifier: MIT
+// One connection: reads requests, lets the front door look at them, asks the service, answers.
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+
+#include <fmt/format.h>
+
+#include "daemon/http/api/dispatch.hpp"
+#include "daemon/http/hub.hpp"
+#include "daemon/http/spool.hpp"
+#include "daemon/http/api/target.hpp"
+
+namespace popcut::daemon::http {
+namespace {
+
+using boost::system::error_code;
+
+constexpr double kAuthenticate_s = 10;
+constexpr std::size_t kFilePiece = 64 << 10;
+constexpr std::size_t kMostLinger = 1 << 20;
+constexpr double kLinger_s = 2;
+
+// What is known of a request while it goes through the front door.
+struct Exchange {
+  Request request{};
+  const Route* route{nullptr};
+  // Shared with whoever writes it or reads it: the file goes with the last of them.
+  std::shared_ptr<Spool> spool{};
+  Clock::time_point begun{Clock::now()};
+};
+
+std::string_view reject_word(const Problem& problem) {
+  switch (problem.kind) {
+    case ProblemKind::WrongHost:
+      return "host";
+    case ProblemKind::Unauthenticated:
+    case ProblemKind::Forbidden:
+      return "auth";
+    case ProblemKind::Rate:
+      return "rate";
+    case ProblemKind::TooLarge:
+      return "size";
+    case ProblemKind::BadRequest:
+      return "head";
+    default:
+      return {};
+  }
+}
+
+// Closes a descriptor at the end of a block.
+class File {
+ public:
+  explicit File(const std::string& path)
+      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)) {}
+  ~File() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  // The size, if it is a regular file.
+  [[nodiscard]] std::optional<std::uint64_t> size() const {
+    struct stat found {};
+    if (descriptor_ < 0 || ::fstat(descriptor_, &found) != 0 || !S_ISREG(found.st_mode))
+      return std::nullopt;
+    return static_cast<std::uint64_t>(found.st_size);
+  }
+  [[nodiscard]] std::string read(std::size_t most) const {
+    std::string piece(most, '\0');
+    const ssize_t got = ::read(descriptor_, piece.data(), piece.size());
+    piece.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+    return piece;
+  }
+
+ private:
+  int descriptor_;
+};
+
+// Reads until the head is whole. False: the client is gone, or too slow.
+asio::awaitable<bool> receive(ClientPtr client) {
+  error_code ec;
+  const std::size_t got = co_await client->socket.async_read_some(
+      asio::buffer(client->buffer), asio::redirect_error(asio::use_awaitable, ec));
+  if (ec || got == 0 || client->closed) co_return false;
+  client->reader.append({client->buffer.data(), got});
+  co_return true;
+}
+
+// Reads and throws away what a client still sends that was refused, so that it can read why.
+asio::awaitable<void> linger(ClientPtr client) {
+  error_code ec;
+  client->socket.shutdown(asio::socket_base::shutdown_send, ec);
+  client->expect_within(client, kLinger_s);
+  std::size_t seen = 0;
+  while (!client->closed && seen < kMostLinger) {
+    const std::size_t got = co_await client->socket.async_read_some(
+        asio::buffer(client->buffer), asio::redirect_error(asio::use_awaitable, ec));
+    if (ec || got == 0) break;
+    seen += got;
+  }
+}
+
+asio::awaitable<bool> send_file(Hub& hub, ClientPtr client, const File& file, std::uint64_t size) {
+  std::uint64_t sent = 0;
+  while (sent < size) {
+    const std::string piece = file.read(std::min<std::uint64_t>(kFilePiece, size - sent));
+    if (piece.empty()) co_return false;  // it shrank: the length that was told cannot be kept
+    const bool fine = co_await send_all(hub, client, piece);
+    if (!fine) co_return false;
+    sent += piece.size();
+  }
+  co_return true;
+}
+
+// Sends a response. False: the connection cannot go on.
+asio::awaitable<bool> respond(Hub& hub, ClientPtr client, Exchange& exchange, Response response,
+                              bool close) {
+  Request& request = exchange.request;
+  std::optional<File> file;
+  std::optional<std::uint64_t> file_size;
+  if (!response.file.empty()) {
+    file.emplace(response.file);
+    file_size = file->size();
+    if (!file_size)
+      response = problem_response(
+          Problem{ProblemKind::Internal, "the file is not where it was stored"}, request);
+  }
+  if (response.make_body) response.body = response.make_body();
+  const bool has_body = response.status != 204 && response.status != 304;
+  std::optional<std::uint64_t> length;
+  if (has_body) length = file_size ? *file_size : response.body.size();
+  std::string text = response_head(response, request.id, length, close);
+  const bool is_head = request.method == Method::Head;
+  if (has_body && !is_head && !file_size) text += response.body;
+  client->enter(Client::State::Busy);
+  bool fine = co_await send_all(hub, client, text);
+  if (fine && file_size && !is_head) fine = co_await send_file(hub, client, *file, *file_size);
+  hub.metrics.count(exchange.route == nullptr ? "none" : exchange.route->path, response.status);
+  const double ms =
+      std::chrono::duration<double, std::milli>(Clock::now() - exchange.begun).count();
+  hub.log_request(request, response, ms);
+  co_return fine && !close;
+}
+
+// Host, path, method, length: what needs neither the body nor the service.
+std::optional<Problem> look_at_head(Hub& hub, const Client& client, Exchange& exchange,
+                                    Response& refusal) {
+  const RequestHead& head = client.reader.head();
+  Request& request = exchange.request;
+  request.method = head.method;
+  request.target = head.target;
+  request.headers = head.headers;
+  if (auto wrong = check_host(head, client.peer, hub.names)) return wrong;
+  Answer<Target> target = read_target(head.target);
+  if (!target) return target.error();
+  Match match = find_route(head.method, target->segments);
+  if (match.allowed.empty())
+    return Problem{ProblemKind::NotFound,
+                   request.path().size() > 1 && request.path().back() == '/'
+                       ? "no such path; without the slash at its end there may be one"
+                       : "no such path; /v1/openapi.json lists them all"};
+  if (match.route == nullptr) {
+    refusal.headers.push_back({"Allow", allow_header(match.allowed)});
+    return Problem{ProblemKind::MethodNotAllowed,
+                   fmt::format("{} is not for this path; {} are", name_of(head.method),
+                               allow_header(match.allowed))};
+  }
+  exchange.route = match.route;
+  request.params = std::move(match.params);
+  request.query = std::move(target->query);
+  if (client.reserved && !match.route->is_urgent) {
+    Problem full{ProblemKind::Unavailable, "all connections are taken; try again"};
+    full.retry_after_s = 1;
+    return full;
+  }
+  const std::uint64_t most = most_bytes(*match.route, hub.limits());
+  if (match.route->body != BodyRule::None && head.content_length.value_or(0) > most)
+    return Problem{ProblemKind::TooLarge, fmt::format("the body may have at most {} bytes", most)};
+  return std::nullopt;
+}
+
+// What becomes of a failure to log in: a refusal, and after too many of them a longer one.
+Problem failed_login(Hub& hub, const Client& client, Problem problem) {
+  const std::string key =
+      client.peer.is_local ? fmt::format("uid:{}", client.peer.uid) : client.peer.address;
+  if (const auto wait = hub.logins.note(key, hub.now_s())) {
+    problem = Problem{ProblemKind::Rate, "too many failed logins"};
+    problem.retry_after_s = *wait;
+  }
+  return problem;
+}
+
+asio::awaitable<Answer<Principal>> authenticate(Hub& hub, ClientPtr client) {
+  const RequestHead& head = client->reader.head();
+  if (client->peer.is_local) {
+    if (head.header("authorization")) {
+      co_return refuse(ProblemKind::Unauthenticated,
+                       "over the unix socket the user is who asks; send no Authorization");
+    }
+    co_return local_principal(client->peer, hub.options.users, ::getuid());
+  }
+  const Answer<std::string> bearer = bearer_of(head);
+  if (!bearer) {
+    // A request without any token is no try to guess one.
+    if (!head.header("authorization")) co_return tl::unexpected<Problem>(bearer.error());
+    co_return tl::unexpected<Problem>(failed_login(hub, *client, bearer.error()));
+  }
+  auto found = std::make_shared<std::optional<Principal>>();
+  std::function<void(Service&, Hub::Done)> work = [token = *bearer, found](Service& service,
+                                                                           const Hub::Done& done) {
+    std::optional<Principal> who;
+    try {
+      who = service.authenticate(token);
+    } catch (const std::exception&) {  // no one, then
+    }
+    done([found, who = std::move(who)] { *found = who; });
+  };
+  const bool answered = co_await hub.ask(client, std::move(work), kAuthenticate_s);
+  if (!answered) co_return refuse(ProblemKind::Unavailable, "popcutd does not answer now");
+  if (*found) co_return **found;
+  co_return tl::unexpected<Problem>(failed_login(
+      hub, *client,
+      Problem{ProblemKind::Unauthenticated, "the token is not known; it may have been deleted"}));
+}
+
+// Role, origin, rate, form of the body.
+std::optional<Problem> look_at_principal(Hub& hub, const Client& client, Exchange& exchange) {
+  const Request& request = exchange.request;
+  const Route& route = *exchange.route;
+  if (!route.access.is_open() && !route.access.allows(request.principal.role))
+    return Problem{ProblemKind::Forbidden,
+                   fmt::format("this needs the role {}; {} has {}", name_of(route.access.role()),
+                               request.principal.name, name_of(request.principal.role))};
+  if (auto wrong = check_origin(client.reader.head(), client.peer, hub.names)) {
+    hub.metrics.reject("origin");
+    return wrong;
+  }
+  const std::string key =
+      route.access.is_open() ? fmt::format("open {}", route.path) : request.principal.name;
+  RateLimit& limit = route.is_urgent ? hub.urgent_rate : hub.rate;
+  if (const auto wait = limit.take(key, hub.now_s())) {
+    Problem problem{ProblemKind::Rate,
+                    fmt::format("more than {:g} requests a second", hub.limits().rate_per_s)};
+    problem.retry_after_s = *wait;
+    return problem;
+  }
+  const RequestHead& head = client.reader.head();
+  if (auto wrong = check_media(head, exchange.request.media_type)) return wrong;
+  const bool has_body = head.is_chunked || head.content_length.value_or(0) > 0;
+  if (auto wrong = check_body(route, exchange.request.media_type, has_body)) return wrong;
+  if (const auto expect = head.header("expect"); expect && *expect != "100-continue")
+    return Problem{ProblemKind::BadRequest, "the only Expect that is met is 100-continue"};
+  const bool is_upload = route.body == BodyRule::Design || route.body == BodyRule::Asset;
+  if (!is_upload) return std::nullopt;
+  if (hub.uploads >= hub.limits().uploads) {
+    Problem busy{ProblemKind::Unavailable, "too many uploads at once; try again"};
+    busy.retry_after_s = 1;
+    return busy;
+  }
+  Answer<Spool> spool = Spool::create(hub.options.incoming_folder, request.id);
+  if (!spool) return spool.error();
+  exchange.spool = std::make_shared<Spool>(std::move(*spool));
+  ++hub.uploads;
+  return std::nullopt;
+}
+
+asio::awaitable<std::optional<Problem>> read_whole_body(Hub& hub, ClientPtr client,
+                                                        Exchange& exchange) {
+  const std::uint64_t most = most_bytes(*exchange.route, hub.limits());
+  std::uint64_t got = 0;
+  const RequestReader::Sink sink = [&](std::string_view piece) -> std::optional<Problem> {
+    got += piece.size();
+    if (exchange.spool) return exchange.spool->add(piece);
+    exchange.request.body += piece;
+    return std::nullopt;
+  };
+  if (!client->reader.is_done() && client->reader.head().header("expect")) {
+    const bool fine = co_await send_all(hub, client, "HTTP/1.1 100 Continue\r\n\r\n");
+    if (!fine) co_return Problem{ProblemKind::BadRequest, ""};
+  }
+  const Clock::time_point begun = Clock::now();
+  while (true) {
+    const Answer<bool> whole = client->reader.read_body(most, sink);
+    if (!whole) co_return whole.error();
+    if (*whole) break;
+    const double spent = std::chrono::duration<double>(Clock::now() - begun).count();
+    const double left =
+        hub.limits().body_s + static_cast<double>(got) / hub.limits().body_bytes_per_s - spent;
+    client->expect_within(client, std::max(left, 0.0));
+    const bool more = co_await receive(client);
+    if (!more) co_return Problem{ProblemKind::BadRequest, "the body ended too early"};
+  }
+  client->relax();
+  if (!exchange.spool) co_return std::nullopt;
+  if (got == 0)
+    co_return Problem{ProblemKind::Validation, "the body is empty; send the file itself"};
+  auto upload = std::make_shared<std::optional<Answer<Upload>>>();
+  std::function<void()> finish = [upload, spool = exchange.spool] { *upload = spool->finish(); };
+  const bool finished = co_await hub.run_aside(client, std::move(finish));
+  if (!finished || !*upload) {
+    Problem late{ProblemKind::Unavailable, "the disk takes too long; try again"};
+    late.retry_after_s = 5;
+    co_return late;
+  }
+  if (!**upload) co_return (*upload)->error();
+  exchange.request.upload = std::move(***upload);
+  co_return std::nullopt;
+}
+
+double patience_of(const Route& route, const HttpLimits& limits) {
+  switch (route.patience) {
+    case Patience::Probe:
+      return 1;
+    case Patience::Design:
+      return limits.design_answer_s;
+    case Patience::Usual:
+      break;
+  }
+  return limits.answer_s;
+}
+
+asio::awaitable<Response> ask_handler(Hub& hub, ClientPtr client, Exchange& exchange) {
+  auto answer = std::make_shared<std::optional<Response>>();
+  // Shared with the service, since a client that goes does not take its request back.
+  auto request = std::make_shared<Request>(exchange.request);
+  const Route* const route = exchange.route;
+  const auto shop = std::make_shared<Shop>(hub.shop);
+  const std::shared_ptr<Spool> spool = exchange.spool;  // until the service has answered
+  std::function<void(Service&, Hub::Done)> work = [=](Service& service, const Hub::Done& done) {
+    const Reply reply([answer, done, spool](Response response) {
+      done([answer, response = std::move(response)]() mutable { *answer = std::move(response); });
+    });
+    dispatch(*request, *route, service, *shop, reply);
+  };
+  const bool answered =
+      co_await hub.ask(client, std::move(work), patience_of(*route, hub.limits()));
+  if (answered && *answer) co_return std::move(**answer);
+  Problem late{ProblemKind::Unavailable,
+               "popcutd has no answer yet; ask again, with the same Idempotency-Key"};
+  late.retry_after_s = 5;
+  co_return problem_response(late, *request);
+}
+
+// The word under which a response that refuses is counted, beside those of the front door.
+void count_refusal(Hub& hub, const Response& response) {
+  if (response.status == 400 && response.body.find("nested more than") != std::string::npos)
+    hub.metrics.reject("depth");
+}
+
+// Reads one request, whose head is here, and answers it. False: the connection ends.
+asio::awaitable<bool> serve_one(Hub& hub, ClientPtr client, Exchange& exchange) {
+  Request& request = exchange.request;
+  const RequestHead& head = client->reader.head();
+  Response refusal;
+  std::optional<Problem> problem = look_at_head(hub, *client, exchange, refusal);
+  if (!problem && !exchange.route->access.is_open()) {
+    Answer<Principal> principal = co_await authenticate(hub, client);
+    if (principal)
+      request.principal = std::move(*principal);
+    else
+      problem = std::move(principal.error());
+  }
+  if (!problem) problem = look_at_principal(hub, *client, exchange);
+  if (!problem) problem = co_await read_whole_body(hub, client, exchange);
+  if (client->closed) co_return false;
+  // Whatever of the body is unread would be taken for the next request.
+  const bool has_rest = !client->reader.is_done();
+  const bool close = has_rest || head.asks_close || hub.stopping || client->reserved;
+  if (problem) {
+    if (const auto word = reject_word(*problem); !word.empty()) hub.metrics.reject(word);
+    Response response = problem_response(*problem, request);
+    for (Header& header : refusal.headers) response.headers.push_back(std::move(header));
+    const bool fine = co_await respond(hub, client, exchange, std::move(response), close);
+    if (has_rest && !client->closed) co_await linger(client);
+    co_return fine;
+  }
+  const bool is_stream =
+      exchange.route->is_stream && request.method == Method::Get && wants_stream(request);
+  if (is_stream) problem = check_stream(request, *exchange.route);
+  if (problem)
+    co_return co_await respond(hub, client, exchange, problem_response(*problem, request), close);
+  if (is_stream) {
+    co_await stream_events(hub, client, request);
+    co_return false;
+  }
+  Response response = co_await ask_handler(hub, client, exchange);
+  if (client->closed) co_return false;
+  // A word that is not known may be a guess; a body that cannot be read is none.
+  if (response.status == status_of(ProblemKind::Unauthenticated) &&
+      exchange.route->access.is_open()) {
+    Problem failed{ProblemKind::Unauthenticated, ""};
+    failed = failed_login(hub, *client, std::move(failed));
+    if (failed.kind == ProblemKind::Rate) response = problem_response(failed, request);
+  }
+  count_refusal(hub, response);
+  co_return co_await respond(hub, client, exchange, std::move(response), close);
+}
+
+// Waits for a head. False: the connection ends, whether or not something was answered.
+asio::awaitable<bool> next_head(Hub& hub, ClientPtr client) {
+  client->enter(client->reader.has_begun() ? Client::State::Head : Client::State::Idle);
+  const bool may_idle = client->served > 0 && !client->reader.has_begun();
+  client->expect_within(client, may_idle ? hub.limits().idle_s : hub.limits().header_s);
+  while (true) {
+    const Answer<bool> whole = client->reader.read_head();
+    if (!whole) {
+      Exchange exchange;
+      exchange.request.id = new_request_id();
+      exchange.request.method = Method::Other;
+      if (const auto word = reject_word(whole.error()); !word.empty()) hub.metrics.reject(word);
+      Response response = problem_response(whole.error(), exchange.request);
+      const bool fine = co_await respond(hub, client, exchange, std::move(response), true);
+      static_cast<void>(fine);
+      if (!client->closed) co_await linger(client);
+      co_return false;
+    }
+    if (*whole) break;
+    const bool had_begun = client->reader.has_begun();
+    const bool more = co_await receive(client);
+    if (!more) co_return false;
+    if (!had_begun) {
+      client->enter(Client::State::Head);
+      client->expect_within(client, hub.limits().header_s);
+    }
+  }
+  client->relax();
+  client->enter(Client::State::Busy);
+  co_return true;
+}
+
+asio::awaitable<void> serve_all(Hub& hub, ClientPtr client) {
+  while (!client->closed && !hub.stopping) {
+    const bool has_head = co_await next_head(hub, client);
+    if (!has_head) co_return;
+    Exchange exchange;
+    exchange.request.id = new_request_id();
+    const AtEnd give_back([&hub, &exchange] {
+      if (exchange.spool) --hub.uploads;
+    });
+    const bool goes_on = co_await serve_one(hub, client, exchange);
+    if (!goes_on) co_return;
+    ++client->served;
+    client->reader.next();
+  }
+}
+
+}  // namespace
+
+asio::awaitable<bool> send_all(Hub& hub, ClientPtr client, std::string_view bytes) {
+  const Clock::time_point begun = Clock::now();
+  std::size_t sent = 0;
+  while (sent < bytes.size() && !client->closed) {
+    const double spent = std::chrono::duration<double>(Clock::now() - begun).count();
+    const double left =
+        hub.limits().body_s + static_cast<double>(sent) / hub.limits().body_bytes_per_s - spent;
+    client->expect_within(client, std::max(left, 0.0));
+    error_code ec;
+    const std::size_t now = co_await client->socket.async_write_some(
+        asio::buffer(bytes.data() + sent, bytes.size() - sent),
+        asio::redirect_error(asio::use_awaitable, ec));
+    if (ec) {
+      client->close();
+      co_return false;
+    }
+    sent += now;
+  }
+  client->relax();
+  co_return !client->closed;
+}
+
+asio::awaitable<void> serve(Hub& hub, ClientPtr client) {
+  const AtEnd leave([&hub, client] {
+    client->close();
+    hub.remove(client);
+  });
+  try {
+    co_await serve_all(hub, client);
+  } catch (const std::exception& e) {
+    hub.log_fault(e.what());
+  }
+}
+
+}  // namespace popcut::daemon::http

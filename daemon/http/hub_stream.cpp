@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+// Server-sent events: what a client missed, then what happens.
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "daemon/http/hub.hpp"
+#include "daemon/http/api/render.hpp"
+
+namespace popcut::daemon::http {
+namespace {
+
+using boost::system::error_code;
+
+constexpr int kPage = 200;
+constexpr std::size_t kPiece = 16 << 10;
+constexpr int kSendBuffer = 64 << 10;
+constexpr double kCatchUp_s = 30;
+
+// What a client gets before it hears of what happens now.
+struct CatchUp {
+  std::string text;
+  std::int64_t seq{};  ///< all up to here are in it
+  bool is_whole{false};
+  bool failed{false};
+};
+
+std::optional<std::int64_t> wanted_seq(const Request& request) {
+  std::string_view text = request.header("last-event-id").value_or("");
+  std::string after;
+  for (const auto& [name, value] : request.query)
+    if (name == "after" && text.empty()) text = after = value;
+  std::int64_t seq = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seq);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size() || seq < 0)
+    return std::nullopt;
+  return seq;
+}
+
+// The state of things at one moment: all devices, and the jobs that are not ended, those that have
+// begun before those that wait.
+std::string snapshot(Service& service, std::int64_t seq) {
+  nlohmann::ordered_json devices = nlohmann::ordered_json::array();
+  for (const DeviceRecord& device : service.devices()) devices.push_back(to_json(device));
+  std::vector<std::string> jobs;
+  bool more = false;
+  const std::vector<JobState> begun{JobState::Cutting, JobState::Paused, JobState::Interrupted,
+                                    JobState::Armed, JobState::Ready};
+  for (const std::vector<JobState>& states :
+       {begun, std::vector<JobState>{JobState::Planning, JobState::Queued}}) {
+    const Answer<Page<Job>> page = service.jobs({states, {}, {}, {}}, {kPage / 2, {}});
+    if (!page) continue;
+    for (const Job& job : page->items) jobs.push_back(job_text(job));
+    more = more || !page->next_cursor.empty();
+  }
+  return fmt::format("{{\"seq\":{},\"devices\":{},\"jobs\":[{}],\"more\":{}}}", seq, dump(devices),
+                     fmt::join(jobs, ","), more);
+}
+
+CatchUp catch_up(Service& service, std::optional<std::int64_t> after) {
+  CatchUp out;
+  const std::int64_t last = service.last_event();
+  const bool is_known = after && *after <= last && *after + 1 >= service.first_event();
+  if (!is_known) {
+    out.seq = last;
+    out.is_whole = true;
+    // The id comes with the snapshot, so that who is cut off after it resumes from there.
+    out.text = frame_text("reset", fmt::format("{{\"seq\":{}}}", last)) +
+               fmt::format("id: {}\n", last) + frame_text("snapshot", snapshot(service, last));
+    return out;
+  }
+  const Answer<std::vector<Event>> events = service.events(*after, kPage, "");
+  out.failed = !events;
+  if (!events) return out;
+  out.seq = events->empty() ? *after : events->back().seq;
+  out.is_whole = events->size() < kPage;
+  for (const Event& event : *events) out.text += frame_of(event)->text;
+  return out;
+}
+
+// Takes the stream in among those that hear of events, at the very moment when what it missed
+// arrives: events are posted in the order of their commits, so none falls between.
+asio::awaitable<CatchUp> ask_catch_up(Hub& hub, ClientPtr client,
+                                      std::optional<std::int64_t> after) {
+  auto result = std::make_shared<CatchUp>();
+  result->failed = true;
+  const std::weak_ptr<Stream> stream = client->stream;  // it stays on this thread
+  std::function<void(Service&, Hub::Done)> work = [result, after, stream, &hub](
+                                                      Service& service, const Hub::Done& done) {
+    CatchUp found;
+    try {
+      found = catch_up(service, after);
+    } catch (const std::exception&) {
+      found.failed = true;
+    }
+    done([result, stream, found = std::move(found), &hub] {
+      *result = found;
+      const std::shared_ptr<Stream> here = stream.lock();
+      if (here && found.is_whole && !found.failed) hub.streams.push_back(here);
+    });
+  };
+  const bool answered = co_await hub.ask(client, std::move(work), kCatchUp_s);
+  if (!answered) result->failed = true;
+  co_return *result;
+}
+
+// A client that goes is noticed by reading: there is nothing else to be read from it.
+void watch(const ClientPtr& client) {
+  client->socket.async_read_some(asio::buffer(client->buffer),
+                                 [client](const error_code& ec, std::size_t got) {
+                                   if (ec || got == 0) return client->close();
+                                   if (!client->closed) watch(client);
+                                 });
+}
+
+std::string take_piece(EventRing& ring, std::int64_t seen) {
+  std::string piece;
+  while (piece.size() < kPiece) {
+    const EventFramePtr frame = ring.pop();
+    if (!frame) break;
+    if (frame->seq == 0 || frame->seq > seen) piece += frame->text;
+  }
+  return piece;
+}
+
+// A token that was deleted, or has run out, ends its streams too.
+asio::awaitable<bool> is_still_known(Hub& hub, ClientPtr client) {
+  if (client->peer.is_local) co_return true;
+  const Answer<std::string> bearer = bearer_of(client->reader.head());
+  if (!bearer) co_return false;
+  auto known = std::make_shared<bool>(false);
+  std::function<void(Service&, Hub::Done)> work = [token = *bearer, known](Service& service,
+                                                                           const Hub::Done& done) {
+    bool found = false;
+    try {
+      found = service.authenticate(token).has_value();
+    } catch (const std::exception&) {  // then not
+    }
+    done([known, found] { *known = found; });
+  };
+  const bool answered = co_await hub.ask(client, std::move(work), kCatchUp_s);
+  co_return answered&&* known;
+}
+
+asio::awaitable<void> stream_on(Hub& hub, ClientPtr client, std::int64_t seen) {
+  Stream& stream = *client->stream;
+  double checked_s = hub.now_s();
+  while (!client->closed) {
+    if (hub.now_s() - checked_s >= hub.limits().heartbeat_s) {
+      const bool known = co_await is_still_known(hub, client);
+      if (!known) co_return;
+      checked_s = hub.now_s();
+      hub.end_missed();
+    }
+    std::string piece = take_piece(stream.ring, seen);
+    if (piece.empty() && stream.ring.has_overflowed()) {
+      const std::string last = frame_text("overflow", "{}");
+      const bool told = co_await send_all(hub, client, last);
+      static_cast<void>(told);
+      co_return;
+    }
+    if (piece.empty()) {
+      error_code ec;
+      stream.wake.expires_after(
+          std::chrono::microseconds(static_cast<std::int64_t>(hub.limits().heartbeat_s * 1e6)));
+      co_await stream.wake.async_wait(asio::redirect_error(asio::use_awaitable, ec));
+      if (ec || client->closed) continue;  // woken by an event, or the end
+      piece = ":\n\n";
+    }
+    const bool fine = co_await send_all(hub, client, piece);
+    if (!fine) co_return;
+  }
+}
+
+asio::awaitable<void> stream_all(Hub& hub, ClientPtr client, std::optional<std::int64_t> after) {
+  while (!client->closed) {
+    const CatchUp part = co_await ask_catch_up(hub, client, after);
+    if (part.failed) co_return;
+    const bool fine = co_await send_all(hub, client, part.text);
+    if (!fine) co_return;
+    after = part.seq;
+    if (part.is_whole) break;
+  }
+  if (!client->closed) co_await stream_on(hub, client, after.value_or(0));
+}
+
+}  // namespace
+
+asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& request) {
+  if (hub.link->listeners.load() >= hub.limits().streams) {
+    Problem full{ProblemKind::Unavailable,
+                 fmt::format("there are {} streams of events already", hub.limits().streams)};
+    full.retry_after_s = 5;
+    const Response response = problem_response(full, request);
+    const std::string text =
+        response_head(response, request.id, response.body.size(), true) + response.body;
+    const bool told = co_await send_all(hub, client, text);
+    static_cast<void>(told);
+    hub.metrics.reject("full");
+    hub.metrics.count("/v1/events", response.status);
+    co_return;
+  }
+  hub.metrics.set_streams(++hub.link->listeners);
+  const AtEnd leave([&hub, client] {
+    std::erase(hub.streams, client->stream);
+    hub.metrics.set_streams(--hub.link->listeners);
+  });
+  client->stream = std::make_shared<Stream>(hub.io, hub.limits());
+  // Little lies between us and a client that does not read.
+  ::setsockopt(client->socket.native_handle(), SOL_SOCKET, SO_SNDBUF, &kSendBuffer,
+               sizeof(kSendBuffer));
+  Response head;
+  head.content_type = "text/event-stream";
+  const std::string text = response_head(head, request.id, std::nullopt, true);
+  hub.metrics.count("/v1/events", 200);
+  const bool fine = co_await send_all(hub, client, text);
+  if (fine) {
+    watch(client);
+    co_await stream_all(hub, client, wanted_seq(request));
+  }
+}
+
+}  // namespace popcut::daemon::http
