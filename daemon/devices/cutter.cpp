@@ -91,9 +91,9 @@ bool Cutter::refresh() {
   } else if (!hindrance_.empty()) {
     state = "offline";
     reasons = {hindrance_};
-  } else if (trouble_ != Trouble::None) {
-    state = trouble_ == Trouble::Fault ? "fault" : "attention";
-    reasons = {trouble_text_};
+  } else if (condition_ != Condition::None) {
+    state = condition_ == Condition::Fault ? "fault" : "attention";
+    reasons = {condition_text_};
   }
   if (record_.state == state && record_.reasons == reasons) return false;
   record_.state = std::move(state);
@@ -114,7 +114,7 @@ void Cutter::set_presence(bool there, const std::string& hindrance, const std::s
     // Plugged in anew it is another machine: what was wrong with it is not known any more.
     const bool anew = (!there_ && there) || moved;
     if (anew) {
-      trouble_ = Trouble::None;
+      condition_ = Condition::None;
       ++record_.plugs;
     }
     there_ = there;
@@ -133,11 +133,11 @@ Result<void> Cutter::cut(CutOrder order, std::shared_ptr<CutJournal> journal) {
       return fail(ErrorKind::Refused, id, "is cutting; wait until that has ended");
     if (!there_) return fail(ErrorKind::DeviceGone, id, "is not plugged in, or switched off");
     if (!hindrance_.empty()) return fail(ErrorKind::Refused, id, hindrance_);
-    if (trouble_ == Trouble::Fault)
-      return fail(ErrorKind::Refused, id, trouble_text_ + "; see to it, then reset the device");
+    if (condition_ == Condition::Fault)
+      return fail(ErrorKind::Refused, id, condition_text_ + "; see to it, then reset the device");
     cancel_ = false;
     pause_ = false;
-    trouble_ = Trouble::None;
+    condition_ = Condition::None;
     next_ = Work{std::move(order), std::move(journal)};
   }
   wake_.notify_all();
@@ -164,7 +164,7 @@ Result<void> Cutter::reset() {
   constexpr auto kMost = std::chrono::seconds(20);
   const bool done = wake_.wait_for(lock, kMost, [&] { return resets_done_ > before || stopping_; });
   if (!done) return fail(ErrorKind::Timeout, record_.id, "does not answer; switch it off and on");
-  if (trouble_ != Trouble::None) return fail(ErrorKind::Refused, record_.id, trouble_text_);
+  if (condition_ != Condition::None) return fail(ErrorKind::Refused, record_.id, condition_text_);
   return {};
 }
 
@@ -270,42 +270,42 @@ void Cutter::note_end(const SessionEnd& end) {
   if (end.error && end.error->kind == ErrorKind::Timeout) figures_.note_error(*end.error, false);
   if (const Result<Identity> identity = parse_identity(end.identity); identity)
     record_.firmware = identity->firmware;
-  trouble_ = Trouble::None;
-  if (end.error) trouble_text_ = end.error->detail;
+  condition_ = Condition::None;
+  if (end.error) condition_text_ = end.error->detail;
   if (!end.error) ++record_.sheets_done;
   if (!end.error || end.cancelled) return;
   if (end.error->kind == ErrorKind::DeviceGone) ++record_.plugs;
   const bool broken =
       end.error->reason == ErrorReason::Stalled || end.error->reason == ErrorReason::Overflow;
   if (end.error->kind == ErrorKind::DeviceGone || end.error->kind == ErrorKind::Timeout || broken)
-    trouble_ = Trouble::Fault;
+    condition_ = Condition::Fault;
   else if (end.error->kind == ErrorKind::Refused)
-    trouble_ = Trouble::Attention;
+    condition_ = Condition::Attention;
 }
 
 /// Opens the machine anew, drops what it says unasked, and asks how it is. Nothing that could be
 /// cut is sent.
 void Cutter::ask_state() {
-  Trouble trouble = Trouble::None;
+  Condition condition = Condition::None;
   std::string text;
   if (!line_.simulated()) {
     auto open = OpenLine::open(
         line_, "", {}, [this] { touch(); }, &figures_);
     if (!open) {
-      trouble = Trouble::Fault;
+      condition = Condition::Fault;
       text = open.error().detail;
     } else if (line_.machine.language == "gpgl" && open->transport().answers()) {
       const auto answers = ask_machine(open->transport());
       if (!answers || !answers->status) {
-        trouble = Trouble::Fault;
+        condition = Condition::Fault;
         text = answers ? "the machine takes no data; switch it off and on" : answers.error().detail;
       }
     }
   }
   {
     const std::lock_guard lock(mutex_);
-    trouble_ = trouble;
-    trouble_text_ = text;
+    condition_ = condition;
+    condition_text_ = text;
     refresh();
   }
   tell();

@@ -51,7 +51,7 @@ class Cutter {
   void set_presence(bool there, const std::string& hindrance, const std::string& node = {});
 
  private:
-  enum class Trouble : std::uint8_t { None, Attention, Fault };
+  enum class Condition : std::uint8_t { None, Attention, Fault };
   struct Work {
     CutOrder order;
     std::shared_ptr<CutJournal> journal;
@@ -80,8 +80,8 @@ class Cutter {
   bool cutting_{false}, telling_{false}, stopping_{false}, there_{true};
   bool reset_wanted_{false};
   std::uint64_t resets_done_{0};
-  Trouble trouble_{Trouble::None};
-  std::string trouble_text_, hindrance_, node_;
+  Condition condition_{Condition::None};
+  std::string condition_text_, hindrance_, node_;
   std::thread thread_;
 };
 

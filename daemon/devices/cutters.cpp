@@ -169,7 +169,7 @@ class CutterSet final : public Cutters {
   Result<void> add_configured(const DeviceConfig& config) {
     if (find(config.id)) return fail(ErrorKind::Usage, config.id, "is there twice; leave one out");
     if (config.id.rfind("usb:", 0) == 0) {
-      usb_wishes_[config.id] = config;
+      usb_settings_[config.id] = config;
       return {};
     }
     auto line = configured_line(config, options_.tables);
@@ -248,8 +248,8 @@ class CutterSet final : public Cutters {
   }
 
   void add_plugged(const UsbDevice& device) {
-    const auto wish = usb_wishes_.find(device.id);
-    const DeviceConfig config = wish == usb_wishes_.end() ? DeviceConfig{} : wish->second;
+    const auto settings = usb_settings_.find(device.id);
+    const DeviceConfig config = settings == usb_settings_.end() ? DeviceConfig{} : settings->second;
     const std::string& named = config.treat_as.empty() ? config.machine : config.treat_as;
     const auto fits = recognise(device, machines_);
     const Machine* machine = fits.empty() ? nullptr : fits.front();
@@ -268,7 +268,7 @@ class CutterSet final : public Cutters {
 
   CuttersOptions options_;
   std::vector<Machine> machines_;
-  std::map<std::string, DeviceConfig> usb_wishes_;
+  std::map<std::string, DeviceConfig> usb_settings_;
   std::shared_ptr<UsbBus> bus_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;

@@ -78,16 +78,18 @@ Hub::Hub(HttpOptions what)
       rate(options.limits.rate_per_s, options.limits.rate_burst),
       urgent_rate(options.limits.rate_per_s, options.limits.rate_burst),
       logins(options.limits.failed_logins_per_minute) {
-  shop.limits = options.limits;
-  shop.build = options.build;
+  context.limits = options.limits;
+  context.build = options.build;
   Sha256 hash;
   hash.add(openapi_json());
-  shop.openapi_sha256 = hash.hex();
+  context.openapi_sha256 = hash.hex();
   if (options.log)
-    shop.log_fault = [log = options.log](const std::string& line) {
+    context.log_fault = [log = options.log](const std::string& line) {
       log->log(spdlog::level::err, "{}", line);
     };
-  shop.metrics = [this] { return metrics.text(options.build, static_cast<int>(clients.size())); };
+  context.metrics = [this] {
+    return metrics.text(options.build, static_cast<int>(clients.size()));
+  };
 }
 
 double Hub::now_s() const {
@@ -144,7 +146,7 @@ void Hub::remove(const ClientPtr& client) {
 void Hub::retune(HttpTuning tuning) {
   names = {tuning.hosts, tuning.origins};
   options.users = std::move(tuning.users);
-  options.limits = shop.limits = tuning.limits;
+  options.limits = context.limits = tuning.limits;
   rate.set(tuning.limits.rate_per_s, tuning.limits.rate_burst);
   urgent_rate.set(tuning.limits.rate_per_s, tuning.limits.rate_burst);
   logins.set(tuning.limits.failed_logins_per_minute);

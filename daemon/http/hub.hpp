@@ -11,11 +11,11 @@
 
 #include "daemon/asio.hpp"
 
+#include "daemon/http/api/routes.hpp"
 #include "daemon/http/event_ring.hpp"
 #include "daemon/http/front_door.hpp"
 #include "daemon/http/http_metrics.hpp"
 #include "daemon/http/rate_limit.hpp"
-#include "daemon/http/api/routes.hpp"
 #include "daemon/http/server.hpp"
 #include "daemon/http/wire.hpp"
 
@@ -91,7 +91,7 @@ struct Hub {
   asio::thread_pool disk{1};
   std::shared_ptr<Link> link;
   HttpOptions options;
-  Shop shop;
+  HandlerContext context;
   Names names;
   HttpMetrics metrics;
   RateLimit rate, urgent_rate;

@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 
 #include "daemon/http/api/dispatch.hpp"
+#include "daemon/http/api/target.hpp"
 #include "daemon/http/hub.hpp"
 #include "daemon/http/spool.hpp"
-#include "daemon/http/api/target.hpp"
 
 namespace popcut::daemon::http {
 namespace {
@@ -213,7 +213,7 @@ asio::awaitable<Answer<Principal>> authenticate(Hub& hub, ClientPtr client) {
                                                                            const Hub::Done& done) {
     std::optional<Principal> who;
     try {
-      who = service.authenticate(token);
+      who = service.access.authenticate(token);
     } catch (const std::exception&) {  // no one, then
     }
     done([found, who = std::move(who)] { *found = who; });
@@ -327,13 +327,13 @@ asio::awaitable<Response> ask_handler(Hub& hub, ClientPtr client, Exchange& exch
   // Shared with the service, since a client that goes does not take its request back.
   auto request = std::make_shared<Request>(exchange.request);
   const Route* const route = exchange.route;
-  const auto shop = std::make_shared<Shop>(hub.shop);
+  const auto context = std::make_shared<HandlerContext>(hub.context);
   const std::shared_ptr<Spool> spool = exchange.spool;  // until the service has answered
   std::function<void(Service&, Hub::Done)> work = [=](Service& service, const Hub::Done& done) {
     const Reply reply([answer, done, spool](Response response) {
       done([answer, response = std::move(response)]() mutable { *answer = std::move(response); });
     });
-    dispatch(*request, *route, service, *shop, reply);
+    dispatch(*request, *route, service, *context, reply);
   };
   const bool answered =
       co_await hub.ask(client, std::move(work), patience_of(*route, hub.limits()));

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "daemon/http/hub.hpp"
 #include "daemon/http/api/render.hpp"
+#include "daemon/http/hub.hpp"
 
 namespace popcut::daemon::http {
 namespace {
@@ -45,14 +45,14 @@ std::optional<std::int64_t> wanted_seq(const Request& request) {
 // begun before those that wait.
 std::string snapshot(Service& service, std::int64_t seq) {
   nlohmann::ordered_json devices = nlohmann::ordered_json::array();
-  for (const DeviceRecord& device : service.devices()) devices.push_back(to_json(device));
+  for (const DeviceRecord& device : service.devices.list()) devices.push_back(to_json(device));
   std::vector<std::string> jobs;
   bool more = false;
   const std::vector<JobState> begun{JobState::Cutting, JobState::Paused, JobState::Interrupted,
                                     JobState::Armed, JobState::Ready};
   for (const std::vector<JobState>& states :
        {begun, std::vector<JobState>{JobState::Planning, JobState::Queued}}) {
-    const Answer<Page<Job>> page = service.jobs({states, {}, {}, {}}, {kPage / 2, {}});
+    const Answer<Page<Job>> page = service.jobs.list({states, {}, {}, {}}, {kPage / 2, {}});
     if (!page) continue;
     for (const Job& job : page->items) jobs.push_back(job_text(job));
     more = more || !page->next_cursor.empty();
@@ -63,8 +63,8 @@ std::string snapshot(Service& service, std::int64_t seq) {
 
 CatchUp catch_up(Service& service, std::optional<std::int64_t> after) {
   CatchUp out;
-  const std::int64_t last = service.last_event();
-  const bool is_known = after && *after <= last && *after + 1 >= service.first_event();
+  const std::int64_t last = service.operations.last_event();
+  const bool is_known = after && *after <= last && *after + 1 >= service.operations.first_event();
   if (!is_known) {
     out.seq = last;
     out.is_whole = true;
@@ -73,7 +73,7 @@ CatchUp catch_up(Service& service, std::optional<std::int64_t> after) {
                fmt::format("id: {}\n", last) + frame_text("snapshot", snapshot(service, last));
     return out;
   }
-  const Answer<std::vector<Event>> events = service.events(*after, kPage, "");
+  const Answer<std::vector<Event>> events = service.operations.events(*after, kPage, "");
   out.failed = !events;
   if (!events) return out;
   out.seq = events->empty() ? *after : events->back().seq;
@@ -137,7 +137,7 @@ asio::awaitable<bool> is_still_known(Hub& hub, ClientPtr client) {
                                                                            const Hub::Done& done) {
     bool found = false;
     try {
-      found = service.authenticate(token).has_value();
+      found = service.access.authenticate(token).has_value();
     } catch (const std::exception&) {  // then not
     }
     done([known, found] { *known = found; });

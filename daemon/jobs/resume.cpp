@@ -60,13 +60,13 @@ void fill_ledger(Ledger& ledger, const std::vector<FateRun>& runs) {
   }
 }
 
-tl::expected<void, std::string> may_resume(const std::vector<FateRun>& runs, const ResumeWish& wish,
-                                           const ResumeFacts& facts) {
+tl::expected<void, std::string> may_resume(const std::vector<FateRun>& runs,
+                                           const ResumeRequest& request, const ResumeFacts& facts) {
   const auto no = [](std::string why) { return tl::unexpected<std::string>(std::move(why)); };
-  const std::int64_t from = wish.from_path;
+  const std::int64_t from = request.from_path;
   if (from < 0 || from >= facts.strokes)
     return no(fmt::format("path {} is not on this sheet; 0..{} are", from, facts.strokes - 1));
-  if (!wish.re_registered && !facts.same_device_session)
+  if (!request.re_registered && !facts.same_device_session)
     return no(
         "the cutter was away or was started anew since, so the sheet's place is no longer known; "
         "register it again and say registration \"re-registered\"");
@@ -76,13 +76,13 @@ tl::expected<void, std::string> may_resume(const std::vector<FateRun>& runs, con
     const std::string where = fmt::format("paths {}..{}", run.paths.first, run.paths.last);
     if (run.fate == PathFate::InDoubt && reaches && before)
       return no(where + " are in doubt; resume from the first of them, or from behind the last");
-    if (run.fate == PathFate::InDoubt && before && !wish.skip_in_doubt)
+    if (run.fate == PathFate::InDoubt && before && !request.skip_in_doubt)
       return no(where + " are in doubt and would be left so; say skip_in_doubt, or resume from " +
                 std::to_string(run.paths.first));
     if (run.fate == PathFate::NotSent && before)
       return no(fmt::format("{} were not cut and would be left out; resume from {} or before",
                             where, run.paths.first));
-    if (run.fate != PathFate::NotSent && reaches && !wish.accept_double_cut)
+    if (run.fate != PathFate::NotSent && reaches && !request.accept_double_cut)
       return no(
           fmt::format("{} {} and would be cut twice; say i_accept_double_cut, or take a new "
                       "blank with retry-sheet",

@@ -30,7 +30,7 @@ struct FateRun {
 void fill_ledger(Ledger& ledger, const std::vector<FateRun>& runs);
 
 /// What a person said with `resume-from`, and what the store knows.
-struct ResumeWish {
+struct ResumeRequest {
   std::int64_t from_path{};
   bool re_registered{false};
   bool accept_double_cut{false};
@@ -47,7 +47,7 @@ struct ResumeFacts {
 /// that these may be cut twice. Those before it must all be cut, unless they are in doubt and the
 /// person leaves them so.
 [[nodiscard]] tl::expected<void, std::string> may_resume(const std::vector<FateRun>& runs,
-                                                         const ResumeWish& wish,
+                                                         const ResumeRequest& request,
                                                          const ResumeFacts& facts);
 
 }  // namespace popcut::daemon

@@ -141,7 +141,7 @@ Step step_of(const JobFacts& facts, JobAction action) {
   }
 }
 
-std::vector<JobAction> lawful_actions(const JobFacts& facts) {
+std::vector<JobAction> allowed_actions(const JobFacts& facts) {
   std::vector<JobAction> lawful;
   for (const JobAction action : all_actions())
     if (step_of(facts, action) != Step::Refused) lawful.push_back(action);

@@ -69,7 +69,7 @@ struct JobFacts {
 /// Whether `action` is lawful, the facts considered.
 [[nodiscard]] Step step_of(const JobFacts& facts, JobAction action);
 /// The lawful ones, in the order of the enumeration.
-[[nodiscard]] std::vector<JobAction> lawful_actions(const JobFacts& facts);
+[[nodiscard]] std::vector<JobAction> allowed_actions(const JobFacts& facts);
 
 /// What a role may ask of a job: its own, or anyone's.
 [[nodiscard]] Role role_for(JobAction action, bool own_job);

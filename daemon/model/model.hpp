@@ -59,7 +59,7 @@ enum class JobAction : std::uint8_t {
 [[nodiscard]] std::optional<JobAction> job_action_from(std::string_view name);
 
 /// Part of a list, in the order of ids; `cursor` is what the page before gave, or empty.
-struct PageWish {
+struct PageRequest {
   int limit{50};
   std::string cursor{};
 };
@@ -97,7 +97,7 @@ struct Design {
 };
 
 /// How a design becomes sheets: the words of `popcut plan`, checked by the planner.
-struct PlanWish {
+struct PlanRequest {
   std::string design;
   std::string material;  ///< empty: the design's own, else paper-220
   std::string device;    ///< empty: any; the machine is the device's
@@ -187,7 +187,7 @@ struct JobFilter {
 };
 
 /// The words of an action. Which are needed depends on the action; others must be absent.
-struct ActionWish {
+struct ActionRequest {
   JobAction action{};
   std::optional<int> sheet{}, blank{};
   std::string device{}, plan_sha256{};
@@ -257,7 +257,7 @@ struct DeviceRecord {
 };
 
 /// What a person asks of a device.
-struct DeviceWish {
+struct DeviceRequest {
   std::string action;      ///< enable, disable, reset, test-cut
   std::string material{};  ///< of a test cut; empty: the usual one
 };

@@ -27,7 +27,7 @@ struct PlanningTask {
   std::map<std::string, std::string> asset_paths{};  ///< by id
   std::string machine_json, material_json;           ///< rows of the tables
   std::string profile_json{};                        ///< row of svg_profiles; empty: a built-in one
-  std::map<std::string, std::string> options{};      ///< as in `PlanWish`
+  std::map<std::string, std::string> options{};      ///< as in `PlanRequest`
 };
 
 struct PlanningFile {

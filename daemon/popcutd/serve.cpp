@@ -18,8 +18,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "daemon/files/user_tables.hpp"
 #include "daemon/devices/make_cutters.hpp"
+#include "daemon/files/user_tables.hpp"
 #include "daemon/http/server.hpp"
 #include "daemon/planning/make_planner.hpp"
 #include "daemon/popcutd/descriptors.hpp"
@@ -29,7 +29,7 @@
 #include "daemon/popcutd/sheet_program.hpp"
 #include "daemon/popcutd/turn_away.hpp"
 #include "daemon/popcutd/webhook.hpp"
-#include "daemon/service/job_service.hpp"
+#include "daemon/service/live/live_service.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -44,7 +44,7 @@ constexpr double kQuickSeconds =
 constexpr double kLookSeconds = 0.5;
 
 /// Why it does not start, or no more runs.
-struct Trouble {
+struct StartFailure {
   int code{};
   std::string text;
 };
@@ -53,12 +53,12 @@ double since(Clock::time_point then) {
   return std::chrono::duration<double>(Clock::now() - then).count();
 }
 
-int code_of(const OpenTrouble& trouble) {
-  switch (trouble.kind) {
-    case OpenTrouble::Kind::Locked:
-      return exit_code(ErrorKind::Refused);
-    case OpenTrouble::Kind::Io:
-      return exit_code(ErrorKind::Unwritable);
+int code_of(const Error& error) {
+  switch (error.kind) {
+    case ErrorKind::Refused:
+    case ErrorKind::Unwritable:
+    case ErrorKind::Internal:
+      return exit_code(error.kind);
     default:
       return kNeedsPerson;
   }
@@ -72,7 +72,7 @@ class Pulse {
     if (asked_.exchange(true)) return;
     const bool taken = thread.post(ServiceThread::Lane::Asking, [this, &service] {
       std::string status;
-      for (const DeviceRecord& device : service.devices())
+      for (const DeviceRecord& device : service.devices.list())
         if (device.state == "busy")
           status +=
               fmt::format("{}{} cuts job {}", status.empty() ? "" : "; ", device.id, device.job);
@@ -124,7 +124,7 @@ class Daemon {
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
 
-  [[nodiscard]] std::optional<Trouble> start(const ServiceManager& manager);
+  [[nodiscard]] std::optional<StartFailure> start(const ServiceManager& manager);
   void stop();
   void beat() { pulse_.ask(*thread_, *service_); }
   [[nodiscard]] bool alive() const {
@@ -138,14 +138,14 @@ class Daemon {
   [[nodiscard]] Result<void> retune(const Config& wanted);
 
  private:
-  [[nodiscard]] std::optional<Trouble> open_state();
-  [[nodiscard]] std::optional<Trouble> open_devices();
-  [[nodiscard]] std::optional<Trouble> open_service();
+  [[nodiscard]] std::optional<StartFailure> open_state();
+  [[nodiscard]] std::optional<StartFailure> open_devices();
+  [[nodiscard]] std::optional<StartFailure> open_service();
   void log_changes();
-  [[nodiscard]] std::optional<Trouble> open_webhook();
+  [[nodiscard]] std::optional<StartFailure> open_webhook();
   void begin_webhook(WebhookTarget target);
   void end_webhook();
-  [[nodiscard]] std::optional<Trouble> open_http(const ServiceManager& manager);
+  [[nodiscard]] std::optional<StartFailure> open_http(const ServiceManager& manager);
   Config config_;
   std::shared_ptr<spdlog::logger> log_;
   std::vector<std::string> tables_{};
@@ -153,39 +153,39 @@ class Daemon {
   std::unique_ptr<ServiceThread> thread_{};
   std::unique_ptr<Planner> planner_{};
   std::unique_ptr<Cutters> cutters_{};
-  std::unique_ptr<JobService> service_{};
+  std::unique_ptr<LiveService> service_{};
   std::unique_ptr<Webhook> webhook_{};
   std::unique_ptr<HttpServer> http_{};
   Pulse pulse_{};
   double stuck_s_{kStuckSeconds};
 };
 
-std::optional<Trouble> Daemon::start(const ServiceManager& manager) {
+std::optional<StartFailure> Daemon::start(const ServiceManager& manager) {
   // Half of what the watchdog grants, so that it is not fed in vain.
   if (const auto watchdog = manager.watchdog_s())
     stuck_s_ = std::clamp(*watchdog / 2, kQuickSeconds, kStuckSeconds);
   auto tables = cli::read_user_tables();
-  if (!tables) return Trouble{kNeedsPerson, message(tables.error())};
+  if (!tables) return StartFailure{kNeedsPerson, message(tables.error())};
   tables_ = std::move(tables->texts);
   manager.tell("EXTEND_TIMEOUT_USEC=120000000\nSTATUS=opening the database");
-  if (auto trouble = open_state()) return trouble;
-  if (auto trouble = open_devices()) return trouble;
-  if (auto trouble = open_service()) return trouble;
+  if (auto failure = open_state()) return failure;
+  if (auto failure = open_devices()) return failure;
+  if (auto failure = open_service()) return failure;
   log_changes();
-  if (auto trouble = open_webhook()) return trouble;
+  if (auto failure = open_webhook()) return failure;
   return open_http(manager);
 }
 
-std::optional<Trouble> Daemon::open_state() {
+std::optional<StartFailure> Daemon::open_state() {
   StoreOptions options;
   options.folder = config_.state;
   auto store = Store::open(std::move(options));
-  if (!store) return Trouble{code_of(store.error()), store.error().detail};
+  if (!store) return StartFailure{code_of(store.error()), message(store.error())};
   store_ = std::move(*store);
   return std::nullopt;
 }
 
-std::optional<Trouble> Daemon::open_devices() {
+std::optional<StartFailure> Daemon::open_devices() {
   PlanningLimits limits;
   limits.processes = config_.planner.processes;
   limits.cpu_s = config_.planner.cpu_s;
@@ -198,12 +198,12 @@ std::optional<Trouble> Daemon::open_devices() {
   options.devices = config_.devices;
   options.stuck_s = stuck_s_;
   auto cutters = make_cutters(std::move(options));
-  if (!cutters) return Trouble{exit_code(cutters.error().kind), message(cutters.error())};
+  if (!cutters) return StartFailure{exit_code(cutters.error().kind), message(cutters.error())};
   cutters_ = std::move(*cutters);
   return std::nullopt;
 }
 
-std::optional<Trouble> Daemon::open_service() {
+std::optional<StartFailure> Daemon::open_service() {
   thread_ = std::make_unique<ServiceThread>();
   ServiceOptions options;
   options.queue_jobs = config_.queue_jobs;
@@ -214,11 +214,7 @@ std::optional<Trouble> Daemon::open_service() {
   options.read_program = stored_program;
   options.log = [log = log_](const std::string& line) { log->info(line); };
   auto service = make_service(*store_, *thread_, *planner_, *cutters_, std::move(options));
-  if (!service) {
-    const bool damaged = service.error().kind == ErrorKind::Malformed;
-    return Trouble{damaged ? kNeedsPerson : exit_code(service.error().kind),
-                   message(service.error())};
-  }
+  if (!service) return StartFailure{code_of(service.error()), message(service.error())};
   service_ = std::move(*service);
   return std::nullopt;
 }
@@ -226,22 +222,22 @@ std::optional<Trouble> Daemon::open_service() {
 /// What becomes of each job, with its id.
 void Daemon::log_changes() {
   thread_->run(ServiceThread::Lane::Asking, [this] {
-    service_->listen([log = log_](const Event& event) {
+    service_->operations.listen([log = log_](const Event& event) {
       if (const std::string line = change_line(event); !line.empty()) log->info(line);
     });
   });
 }
 
-std::optional<Trouble> Daemon::open_webhook() {
+std::optional<StartFailure> Daemon::open_webhook() {
   // Always, since one may come with SIGHUP.
   thread_->run(ServiceThread::Lane::Asking, [this] {
-    service_->listen([this](const Event& event) {
+    service_->operations.listen([this](const Event& event) {
       if (event.seq > 0 && webhook_) webhook_->wake();
     });
   });
   if (config_.webhook.url.empty()) return std::nullopt;
   auto target = webhook_target(config_.webhook);
-  if (!target) return Trouble{kNeedsPerson, message(target.error())};
+  if (!target) return StartFailure{kNeedsPerson, message(target.error())};
   begin_webhook(std::move(*target));
   return std::nullopt;
 }
@@ -251,13 +247,13 @@ void Daemon::begin_webhook(WebhookTarget target) {
   source.events = [this](std::int64_t after, int most) {
     std::vector<Event> events;
     thread_->run(ServiceThread::Lane::Asking, [&] {
-      if (auto found = service_->events(after, most, "")) events = std::move(*found);
+      if (auto found = service_->operations.events(after, most, "")) events = std::move(*found);
     });
     return events;
   };
   source.last_event = [this] {
     std::int64_t last = 0;
-    thread_->run(ServiceThread::Lane::Asking, [&] { last = service_->last_event(); });
+    thread_->run(ServiceThread::Lane::Asking, [&] { last = service_->operations.last_event(); });
     return last;
   };
   source.log = [log = log_](const std::string& line) { log->warn(line); };
@@ -289,7 +285,7 @@ Result<void> Daemon::retune(const Config& wanted) {
   return {};
 }
 
-std::optional<Trouble> Daemon::open_http(const ServiceManager& manager) {
+std::optional<StartFailure> Daemon::open_http(const ServiceManager& manager) {
   HttpOptions options;
   options.inherited = manager.sockets();
   if (options.inherited.empty()) {
@@ -311,7 +307,7 @@ std::optional<Trouble> Daemon::open_http(const ServiceManager& manager) {
   options.log = log_;
   http_ = std::make_unique<HttpServer>(std::move(options));
   if (auto started = http_->start(); !started)
-    return Trouble{exit_code(ErrorKind::Refused), message(started.error())};
+    return StartFailure{exit_code(ErrorKind::Refused), message(started.error())};
   return std::nullopt;
 }
 
@@ -412,11 +408,11 @@ int serve(const Config& config, const DaemonOptions& options, const ServiceManag
   const Signals signals;
   if (const std::string few = allow_descriptors(config.limits); !few.empty()) log->warn("{}", few);
   Daemon daemon(config, log);
-  if (const auto trouble = daemon.start(manager)) {
-    std::fprintf(stderr, "popcutd: %s\n", without_control(trouble->text).c_str());
-    manager.tell_status(trouble->text);
-    if (trouble->code == kNeedsPerson) turn_away(manager.sockets(), trouble->text);
-    return trouble->code;
+  if (const auto failure = daemon.start(manager)) {
+    std::fprintf(stderr, "popcutd: %s\n", without_control(failure->text).c_str());
+    manager.tell_status(failure->text);
+    if (failure->code == kNeedsPerson) turn_away(manager.sockets(), failure->text);
+    return failure->code;
   }
   if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "{}", greeting(config, daemon.endpoints()));
   log->info("serving at {}", fmt::join(daemon.endpoints(), ", "));

@@ -32,7 +32,7 @@ std::optional<Principal> Tokens::authenticate(std::string_view bearer) {
   std::optional<TimeMs> expires;
   std::optional<Role> role;
   try {
-    Rows rows = memory_.db().rows(
+    Rows rows = store_.db().rows(
         "SELECT secret_sha256, role, principal, expires, kind FROM token WHERE id=?", parts->id);
     if (rows.next()) {
       secret = rows.text(0);
@@ -42,17 +42,17 @@ std::optional<Principal> Tokens::authenticate(std::string_view bearer) {
       kind = rows.text(4);
     }
   } catch (const StoreFault& fault) {
-    memory_.note(fault);
+    store_.note(fault);
     return std::nullopt;
   }
   if (!equal_in_constant_time(secret, sha256_hex(parts->secret)) || !role) return std::nullopt;
-  const TimeMs now = memory_.now();
+  const TimeMs now = store_.now();
   if (expires && *expires <= now) return std::nullopt;
   if (kind == "session" && *expires < now + options_.session_ms - kExtendMs) {
     // If it cannot be written the session ends earlier, no more.
-    (void)memory_.change([&]() -> Answer<void> {
-      memory_.db().run("UPDATE token SET expires=? WHERE id=?", now + options_.session_ms,
-                       parts->id);
+    (void)store_.change([&]() -> Answer<void> {
+      store_.db().run("UPDATE token SET expires=? WHERE id=?", now + options_.session_ms,
+                      parts->id);
       return {};
     });
   }
@@ -62,13 +62,13 @@ std::optional<Principal> Tokens::authenticate(std::string_view bearer) {
 NewToken Tokens::store(const char* kind, const std::string& name, Role role,
                        const std::string& principal, std::optional<TimeMs> expires) {
   NewToken token;
-  token.record = {.id = memory_.new_id(),
+  token.record = {.id = store_.new_id(),
                   .name = name,
                   .role = role,
-                  .created = memory_.now(),
+                  .created = store_.now(),
                   .expires = expires};
   const std::string secret = base64url(random_bytes(32));
-  memory_.db().run(
+  store_.db().run(
       "INSERT INTO token(id, kind, name, role, principal, secret_sha256, created, expires) "
       "VALUES(?, ?, ?, ?, ?, ?, ?, ?)",
       token.record.id, kind, name, name_of(role),
@@ -78,8 +78,8 @@ NewToken Tokens::store(const char* kind, const std::string& name, Role role,
   return token;
 }
 
-Answer<NewToken> Tokens::create(const Principal& who, const std::string& name, Role role,
-                                std::optional<int> lifetime_s) {
+Answer<NewToken> Tokens::create_token(const Principal& who, const std::string& name, Role role,
+                                      std::optional<int> lifetime_s) {
   if (who.role < Role::Admin) return refuse(ProblemKind::Forbidden, "tokens are made by an admin");
   if (name.empty() || name.size() > 120)
     return tl::unexpected(Problem{ProblemKind::Validation,
@@ -90,19 +90,19 @@ Answer<NewToken> Tokens::create(const Principal& who, const std::string& name, R
         Problem{ProblemKind::Validation,
                 "the lifetime is not valid",
                 {{"/lifetime_s", "range", fmt::format("must be 1..{}", kLongestLifetimeS)}}});
-  return memory_.change([&]() -> Answer<NewToken> {
+  return store_.change([&]() -> Answer<NewToken> {
     std::optional<TimeMs> expires;
-    if (lifetime_s) expires = memory_.now() + std::int64_t{*lifetime_s} * 1000;
+    if (lifetime_s) expires = store_.now() + std::int64_t{*lifetime_s} * 1000;
     NewToken token = store("token", name, role, "", expires);
-    memory_.audit(who.name, "create-token", token.record.id,
-                  fmt::format("{} {}", name_of(role), name));
+    store_.audit(who.name, "create-token", token.record.id,
+                 fmt::format("{} {}", name_of(role), name));
     return token;
   });
 }
 
-std::vector<TokenRecord> Tokens::list() {
+std::vector<TokenRecord> Tokens::tokens() {
   std::vector<TokenRecord> all;
-  Rows rows = memory_.db().rows(
+  Rows rows = store_.db().rows(
       "SELECT id, name, role, created, expires FROM token WHERE kind='token' ORDER BY id");
   while (rows.next())
     all.push_back({.id = rows.text(0),
@@ -113,14 +113,14 @@ std::vector<TokenRecord> Tokens::list() {
   return all;
 }
 
-Answer<void> Tokens::remove(const Principal& who, const std::string& id) {
-  return memory_.change([&]() -> Answer<void> {
-    Rows rows = memory_.db().rows("SELECT principal FROM token WHERE id=?", id);
+Answer<void> Tokens::delete_token(const Principal& who, const std::string& id) {
+  return store_.change([&]() -> Answer<void> {
+    Rows rows = store_.db().rows("SELECT principal FROM token WHERE id=?", id);
     if (!rows.next()) return refuse(ProblemKind::NotFound, "there is no token " + id);
     if (who.role < Role::Admin && rows.text(0) != who.name)
       return refuse(ProblemKind::Forbidden, "the tokens of others are taken away by an admin");
-    memory_.db().run("DELETE FROM token WHERE id=?", id);
-    memory_.audit(who.name, "delete-token", id, "");
+    store_.db().run("DELETE FROM token WHERE id=?", id);
+    store_.audit(who.name, "delete-token", id, "");
     return {};
   });
 }
@@ -131,28 +131,28 @@ Answer<std::string> Tokens::create_one_shot(const Principal& who) {
     return tl::unexpected(
         Problem{ProblemKind::Rate, "too many pages are being opened", {}, {}, {}, {}, 60});
   const std::string word = base64url(random_bytes(32));
-  one_shots_[sha256_hex(word)] = {who, memory_.monotonic() + kOneShotMs};
+  one_shots_[sha256_hex(word)] = {who, store_.monotonic() + kOneShotMs};
   return word;
 }
 
 Answer<NewToken> Tokens::open_session(const std::string& one_shot) {
   const auto found = one_shots_.find(sha256_hex(one_shot));
-  if (found == one_shots_.end() || found->second.until_ms <= memory_.monotonic())
+  if (found == one_shots_.end() || found->second.until_ms <= store_.monotonic())
     return refuse(ProblemKind::Unauthenticated,
                   "this address was used already, or is older than a minute; ask for a new one "
                   "with 'popcut open'");
   const Principal who = found->second.principal;
   one_shots_.erase(found);
-  return memory_.change([&]() -> Answer<NewToken> {
+  return store_.change([&]() -> Answer<NewToken> {
     NewToken token =
-        store("session", "page", who.role, who.name, memory_.now() + options_.session_ms);
-    memory_.audit(who.name, "open-session", token.record.id, "");
+        store("session", "page", who.role, who.name, store_.now() + options_.session_ms);
+    store_.audit(who.name, "open-session", token.record.id, "");
     return token;
   });
 }
 
 void Tokens::tidy() {
-  const std::int64_t now = memory_.monotonic();
+  const std::int64_t now = store_.monotonic();
   std::erase_if(one_shots_, [&](const auto& one) { return one.second.until_ms <= now; });
 }
 

@@ -7,22 +7,23 @@
 #include <string_view>
 #include <vector>
 
-#include "daemon/service/memory.hpp"
+#include "daemon/service/access.hpp"
+#include "daemon/service/service_store.hpp"
 
 namespace popcut::daemon {
 
 /// Who may ask: tokens, and the sessions of pages. Of a secret only its digest is stored.
-class Tokens {
+class Tokens : public Access {
  public:
-  Tokens(Memory& memory, const ServiceOptions& options) : memory_(memory), options_(options) {}
+  Tokens(ServiceStore& store, const ServiceOptions& options) : store_(store), options_(options) {}
 
-  [[nodiscard]] std::optional<Principal> authenticate(std::string_view bearer);
-  [[nodiscard]] Answer<NewToken> create(const Principal& who, const std::string& name, Role role,
-                                        std::optional<int> lifetime_s);
-  [[nodiscard]] std::vector<TokenRecord> list();
-  [[nodiscard]] Answer<void> remove(const Principal& who, const std::string& id);
-  [[nodiscard]] Answer<std::string> create_one_shot(const Principal& who);
-  [[nodiscard]] Answer<NewToken> open_session(const std::string& one_shot);
+  std::optional<Principal> authenticate(std::string_view bearer) override;
+  Answer<NewToken> create_token(const Principal& who, const std::string& name, Role role,
+                                std::optional<int> lifetime_s) override;
+  std::vector<TokenRecord> tokens() override;
+  Answer<void> delete_token(const Principal& who, const std::string& id) override;
+  Answer<std::string> create_one_shot(const Principal& who) override;
+  Answer<NewToken> open_session(const std::string& one_shot) override;
   /// Forgets what has expired.
   void tidy();
 
@@ -33,7 +34,7 @@ class Tokens {
   };
   NewToken store(const char* kind, const std::string& name, Role role, const std::string& principal,
                  std::optional<TimeMs> expires);
-  Memory& memory_;
+  ServiceStore& store_;
   const ServiceOptions& options_;
   std::map<std::string, OneShot> one_shots_;  ///< by the digest of the word
 };

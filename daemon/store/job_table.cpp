@@ -58,8 +58,8 @@ JobRow row_of(const Rows& rows) {
   row.rev = whole();
   row.state = state_of(text());
   for (std::string* field :
-       {&row.reason, &row.asked, &row.name, &row.note, &row.owner, &row.operator_name, &row.wish,
-        &row.device, &row.design, &row.plan, &row.material})
+       {&row.reason, &row.asked, &row.name, &row.note, &row.owner, &row.operator_name,
+        &row.requested_device, &row.device, &row.design, &row.plan, &row.material})
     *field = text();
   row.priority = small();
   row.position = whole();
@@ -94,19 +94,19 @@ std::optional<JobRow> first_of(Rows rows) {
 
 void JobTable::insert(const JobRow& row) {
   db_.run(kInsert, row.id, row.rev, name_of(row.state), row.reason, row.asked, row.name, row.note,
-          row.owner, row.operator_name, row.wish, row.device, row.design, row.plan, row.material,
-          row.priority, row.position, row.copies, row.held, row.sheets_total, row.sheet, row.blank,
-          row.segment, row.first_stroke, row.paths_certain, row.paths_sent, row.paths_total,
-          row.done_paths, row.done_mm, row.low_s, row.high_s, row.created, row.started,
-          row.finished, row.outcome, row.tags, row.attention, row.attention_text,
+          row.owner, row.operator_name, row.requested_device, row.device, row.design, row.plan,
+          row.material, row.priority, row.position, row.copies, row.held, row.sheets_total,
+          row.sheet, row.blank, row.segment, row.first_stroke, row.paths_certain, row.paths_sent,
+          row.paths_total, row.done_paths, row.done_mm, row.low_s, row.high_s, row.created,
+          row.started, row.finished, row.outcome, row.tags, row.attention, row.attention_text,
           row.attention_since);
 }
 
 void JobTable::update(JobRow& row) {
   const int changed =
       db_.run(kUpdate, row.rev + 1, name_of(row.state), row.reason, row.asked, row.name, row.note,
-              row.operator_name, row.wish, row.device, row.priority, row.position, row.held,
-              row.sheets_total, row.sheet, row.blank, row.segment, row.first_stroke,
+              row.operator_name, row.requested_device, row.device, row.priority, row.position,
+              row.held, row.sheets_total, row.sheet, row.blank, row.segment, row.first_stroke,
               row.paths_certain, row.paths_sent, row.paths_total, row.done_paths, row.done_mm,
               row.low_s, row.high_s, row.started, row.finished, row.outcome, row.attention,
               row.attention_text, row.attention_since, row.id, row.rev);

@@ -19,7 +19,7 @@ struct JobRow {
   JobState state{};
   std::string reason{}, asked{};  ///< asked: "", "pause", "cancel"
   std::string name{}, note{}, owner{}, operator_name{};
-  std::string wish{}, device{};  ///< asked for; that the sheet lies in
+  std::string requested_device{}, device{};  ///< asked for; that the sheet lies in
   std::string design{}, plan{}, material{};
   int priority{};
   std::int64_t position{};

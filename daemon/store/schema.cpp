@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/store/schema.hpp"
 
+#include <string>
+
+#include <fmt/format.h>
+
 namespace popcut::daemon {
 namespace {
 
@@ -184,6 +188,15 @@ const std::vector<std::string_view>& table_names() {
       "asset", "design", "plan", "plan_sheet", "job",   "sheet",    "arm",    "attempt",
       "chunk", "event",  "idem", "audit",      "token", "material", "device", "usage"};
   return names;
+}
+
+void build_schema(Database& database, const std::vector<Migration>& steps, int version) {
+  Transaction all(database);
+  for (const Migration& step : steps)
+    if (step.version <= version) database.script(std::string(step.sql));
+  database.script(
+      fmt::format("PRAGMA application_id={}; PRAGMA user_version={};", kApplicationId, version));
+  all.commit();
 }
 
 }  // namespace popcut::daemon

@@ -4,6 +4,8 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/store/database.hpp"
+
 namespace popcut::daemon {
 
 /// "popc": tells a database of ours from any other.
@@ -20,5 +22,8 @@ struct Migration {
 
 /// The tables, for salvage: those that others refer to come first.
 [[nodiscard]] const std::vector<std::string_view>& table_names();
+
+/// Makes the tables of `version` in an empty database.
+void build_schema(Database& database, const std::vector<Migration>& steps, int version);
 
 }  // namespace popcut::daemon

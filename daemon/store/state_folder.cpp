@@ -36,7 +36,7 @@ class Descriptor {
   int fd_;
 };
 
-tl::unexpected<Error> trouble(const std::string& path, const char* doing) {
+tl::unexpected<Error> system_error(const std::string& path, const char* doing) {
   const char* const advice =
       errno == ENOSPC || errno == EDQUOT ? "; the disk is full, make room" : "";
   return fail(ErrorKind::Unwritable, path,
@@ -55,15 +55,15 @@ bool write_all(int fd, std::string_view bytes) {
 
 Result<void> write_synced(const std::string& path, std::string_view bytes) {
   Descriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!file.good()) return trouble(path, "cannot be made");
-  if (!write_all(file.get(), bytes)) return trouble(path, "cannot be written");
-  if (fsync(file.get()) != 0) return trouble(path, "cannot be synced");
-  if (!file.shut()) return trouble(path, "cannot be closed");
+  if (!file.good()) return system_error(path, "cannot be made");
+  if (!write_all(file.get(), bytes)) return system_error(path, "cannot be written");
+  if (fsync(file.get()) != 0) return system_error(path, "cannot be synced");
+  if (!file.shut()) return system_error(path, "cannot be closed");
   return {};
 }
 
 Result<void> rename_synced(const std::string& from, const std::string& to) {
-  if (rename(from.c_str(), to.c_str()) != 0) return trouble(to, "cannot take its name");
+  if (rename(from.c_str(), to.c_str()) != 0) return system_error(to, "cannot take its name");
   return sync_folder(fs::path(to).parent_path().string());
 }
 
@@ -115,12 +115,13 @@ Result<std::unique_ptr<StateFolder>> StateFolder::open(const std::string& path) 
   std::error_code error;
   if (!fs::exists(path, error)) {
     fs::create_directories(fs::path(path).parent_path(), error);
-    if (mkdir(path.c_str(), 0700) != 0 && errno != EEXIST) return trouble(path, "cannot be made");
+    if (mkdir(path.c_str(), 0700) != 0 && errno != EEXIST)
+      return system_error(path, "cannot be made");
   }
   for (const char* inside : {"designs", "assets", "plans", "previews", "incoming", "backups"}) {
     const std::string folder = path + "/" + inside;
     if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
-      return trouble(folder, "cannot be made");
+      return system_error(folder, "cannot be made");
     // What is unfinished in them is removed, which must never happen elsewhere.
     struct stat found {};
     if (lstat(folder.c_str(), &found) != 0 || !S_ISDIR(found.st_mode))
@@ -129,12 +130,12 @@ Result<std::unique_ptr<StateFolder>> StateFolder::open(const std::string& path) 
   }
   const std::string lock_path = path + "/lock";
   const int lock = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (lock < 0) return trouble(lock_path, "cannot be made");
+  if (lock < 0) return system_error(lock_path, "cannot be made");
   if (!take_lock(lock)) {
     const bool held = errno == EWOULDBLOCK;
     const std::string holder = text_of_lock(lock);
     close(lock);
-    if (!held) return trouble(lock_path, "cannot be locked");
+    if (!held) return system_error(lock_path, "cannot be locked");
     return fail(
         ErrorKind::Refused, path,
         fmt::format("another popcutd{} keeps its state here; stop it first, or name another "
@@ -191,8 +192,8 @@ bool StateFolder::free_reserve() {
 
 Result<void> keep_file(const std::string& from, const std::string& to) {
   Descriptor file(open(from.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  if (!file.good()) return trouble(from, "cannot be opened");
-  if (fsync(file.get()) != 0) return trouble(from, "cannot be synced");
+  if (!file.good()) return system_error(from, "cannot be opened");
+  if (fsync(file.get()) != 0) return system_error(from, "cannot be synced");
   return rename_synced(from, to);
 }
 
@@ -208,7 +209,7 @@ Result<void> write_folder(const std::string& path,
                           const std::vector<std::pair<std::string, std::string_view>>& files) {
   const std::string fresh = beside(path);
   remove_tree(fresh);
-  if (mkdir(fresh.c_str(), 0700) != 0) return trouble(fresh, "cannot be made");
+  if (mkdir(fresh.c_str(), 0700) != 0) return system_error(fresh, "cannot be made");
   Result<void> done{};
   for (const auto& [name, bytes] : files) {
     if (!is_plain_name(name))
@@ -252,8 +253,8 @@ void remove_tree(const std::string& path) {
 
 Result<void> sync_folder(const std::string& path) {
   const Descriptor folder(open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!folder.good()) return trouble(path, "cannot be opened");
-  if (fsync(folder.get()) != 0) return trouble(path, "cannot be synced");
+  if (!folder.good()) return system_error(path, "cannot be opened");
+  if (fsync(folder.get()) != 0) return system_error(path, "cannot be synced");
   return {};
 }
 

@@ -11,7 +11,8 @@
 #include <unistd.h>
 
 #include "daemon/digest/digest.hpp"
-#include "daemon/store/damaged.hpp"
+#include "daemon/store/salvage.hpp"
+#include "daemon/store/wal_check.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -21,10 +22,6 @@ namespace fs = std::filesystem;
 constexpr std::string_view kClean = "clean ";  // and the digest of the database
 constexpr std::string_view kInUse = "in use\n";
 constexpr std::size_t kWitnessDigits = 18;
-
-tl::unexpected<OpenTrouble> trouble(OpenTrouble::Kind kind, std::string detail) {
-  return tl::unexpected<OpenTrouble>(OpenTrouble{kind, std::move(detail)});
-}
 
 int version_of(Database& database) {
   return static_cast<int>(database.number("PRAGMA user_version"));
@@ -69,44 +66,32 @@ std::string header_damage(const std::string& path) {
 
 }  // namespace
 
-void build_schema(Database& database, const std::vector<Migration>& steps, int version) {
-  Transaction all(database);
-  for (const Migration& step : steps)
-    if (step.version <= version) database.script(std::string(step.sql));
-  database.script(
-      fmt::format("PRAGMA application_id={}; PRAGMA user_version={};", kApplicationId, version));
-  all.commit();
-}
-
-tl::expected<std::unique_ptr<Store>, OpenTrouble> Store::open(StoreOptions options) {
+Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
   auto folder = StateFolder::open(options.folder);
-  if (!folder)
-    return trouble(folder.error().kind == ErrorKind::Refused ? OpenTrouble::Kind::Locked
-                                                             : OpenTrouble::Kind::Io,
-                   message(folder.error()));
+  if (!folder) return tl::unexpected(folder.error());
   std::unique_ptr<Store> store(new Store(std::move(options), std::move(*folder)));
-  const StoreOptions& wish = store->options_;
+  const StoreOptions& settings = store->options_;
   const std::string path = store->folder_->at("popcut.db");
   const std::string mark = read_whole(store->folder_->at("database-state"), 100).value_or("");
   const auto damaged = [&](const std::string& what) {
     store->failed_ = true;
-    return trouble(OpenTrouble::Kind::Corrupt, store->set_aside_as(what));
+    return fail(ErrorKind::Malformed, "", store->set_aside_as(what));
   };
   try {
     std::error_code ignored;
     if (!fs::exists(path, ignored)) {
       if (!mark.empty() || fs::exists(path + "-wal", ignored))
-        return trouble(OpenTrouble::Kind::Corrupt,
-                       path + ": the database is gone, but it was here before; put a copy from " +
-                           store->folder_->at("backups") +
-                           " in its place, or remove the files database-state and witness beside "
-                           "it to start with an empty queue");
-      make_database(path, wish);
+        return fail(ErrorKind::Malformed, "",
+                    path + ": the database is gone, but it was here before; put a copy from " +
+                        store->folder_->at("backups") +
+                        " in its place, or remove the files database-state and witness beside "
+                        "it to start with an empty queue");
+      make_database(path, settings);
     }
     if (::access(path.c_str(), R_OK | W_OK) != 0 && errno == EACCES)
-      return trouble(OpenTrouble::Kind::NotOurs,
-                     path + ": may not be read and written; it must belong to popcutd, as its " +
-                         "folder does: chown --reference=" + wish.folder + " " + path);
+      return fail(ErrorKind::CheckFailed, "",
+                  path + ": may not be read and written; it must belong to popcutd, as its " +
+                      "folder does: chown --reference=" + settings.folder + " " + path);
     if (std::string what = header_damage(path); !what.empty()) return damaged(what);
     const bool was_closed = mark.starts_with(kClean);
     const bool unchanged = was_closed && mark == clean_mark(path);
@@ -120,15 +105,15 @@ tl::expected<std::unique_ptr<Store>, OpenTrouble> Store::open(StoreOptions optio
       if (std::string what = log_damage(path + "-wal"); !what.empty())
         return damaged("was not closed and its log " + what);
     store->database_ = std::make_unique<Database>(
-        Database::Options{.path = path, .vfs = wish.vfs, .create = false});
+        Database::Options{.path = path, .vfs = settings.vfs, .create = false});
     const int version = version_of(*store->database_);
-    const int newest = wish.steps.back().version;
+    const int newest = settings.steps.back().version;
     if (version > newest) {
       store->failed_ = true;
-      return trouble(OpenTrouble::Kind::TooNew,
-                     fmt::format("{}: was written by a later popcutd (schema {}, this one knows up "
-                                 "to {}); install that one, or put back the copy that it made",
-                                 path, version, newest));
+      return fail(ErrorKind::OutOfRange, "",
+                  fmt::format("{}: was written by a later popcutd (schema {}, this one knows up "
+                              "to {}); install that one, or put back the copy that it made",
+                              path, version, newest));
     }
     if (!as_left) {
       Rows verdict = store->database_->rows("PRAGMA integrity_check(1)");
@@ -144,13 +129,13 @@ tl::expected<std::unique_ptr<Store>, OpenTrouble> Store::open(StoreOptions optio
           "copy in its place, remove the file {} too)",
           known, store->witnessed(), store->folder_->at("witness")));
     if (version < newest) store->migrate();
-    store->folder_->take_reserve(wish.reserve_bytes);
+    store->folder_->take_reserve(settings.reserve_bytes);
     return store;
   } catch (const StoreFault& fault) {
     if (fault.kind() == FaultKind::Corrupt || fault.kind() == FaultKind::Constraint)
       return damaged(fmt::format("is damaged: {}", fault.what()));
     store->failed_ = true;
-    return trouble(OpenTrouble::Kind::Io, fmt::format("{}: {}", path, fault.what()));
+    return fail(ErrorKind::Unwritable, "", fmt::format("{}: {}", path, fault.what()));
   }
 }
 

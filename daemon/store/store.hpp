@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <tl/expected.hpp>
-
+#include "core/result.hpp"
 #include "daemon/store/database.hpp"
 #include "daemon/store/schema.hpp"
 #include "daemon/store/state_folder.hpp"
@@ -21,19 +20,6 @@ struct StoreOptions {
   std::vector<Migration> steps{migrations()};
 };
 
-/// Why the store was not opened.
-struct OpenTrouble {
-  enum class Kind : std::uint8_t {
-    Locked,   ///< another process has it
-    Corrupt,  ///< needs a person: `popcut db salvage`; popcutd exits 78
-    TooNew,   ///< written by a later popcutd; exits 78
-    NotOurs,  ///< the database belongs to somebody else; exits 78
-    Io,       ///< the folder cannot be read or written
-  };
-  Kind kind{};
-  std::string detail;  ///< what, where, and what a person can do
-};
-
 /// popcutd's memory: STATE/popcut.db and the files beside it, held by this process alone.
 class Store {
  public:
@@ -42,7 +28,13 @@ class Store {
   ///
   /// A damaged database is never used, nor changed: a copy is set aside in STATE/backups, and the
   /// original stays where it is.
-  [[nodiscard]] static tl::expected<std::unique_ptr<Store>, OpenTrouble> open(StoreOptions options);
+  ///
+  /// @retval Refused      another process has the folder
+  /// @retval Unwritable   the folder cannot be read or written
+  /// @retval Malformed    the database is damaged: `popcut db salvage`
+  /// @retval OutOfRange   a later popcutd wrote it
+  /// @retval CheckFailed  the database belongs to another user
+  [[nodiscard]] static Result<std::unique_ptr<Store>> open(StoreOptions options);
   /// Moves the log into the database, unless the disk failed.
   ~Store();
   Store(const Store&) = delete;
@@ -75,32 +67,10 @@ class Store {
   int witness_{-1};
 };
 
-/// What salvage brought over.
-struct Salvage {
-  struct Table {
-    std::string name;
-    std::int64_t rows{};     ///< brought over
-    std::int64_t refused{};  ///< read, but against the rules of the schema
-    bool whole{true};        ///< false: reading stopped at damage
-  };
-  std::vector<Table> tables;
-  std::string original;  ///< where the damaged file lies now
-};
-
-/// Reads what can be read of STATE/popcut.db into a new database, which takes its place. The
-/// damaged one is kept in STATE/backups. Takes the lock: popcutd must not run.
-[[nodiscard]] tl::expected<Salvage, OpenTrouble> salvage(const std::string& folder);
-
 /// Copies the database by VACUUM INTO to STATE/backups/NAME.
 ///
 /// @throws StoreFault  if it cannot be read, or there is no room
 [[nodiscard]] std::string back_up(Database& database, const StateFolder& folder,
                                   const std::string& name);
-
-/// What is wrong with a write-ahead log whose last process did not end it: nothing, or a text.
-///
-/// A log may end in the middle of its last transaction, which was never reported as done. But what
-/// stands before another commit was synced before that was written, so it must be whole.
-[[nodiscard]] std::string log_damage(const std::string& path);
 
 }  // namespace popcut::daemon

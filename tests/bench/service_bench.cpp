@@ -59,19 +59,21 @@ TEST_CASE("ten thousand jobs", "[daemon]") {
   std::string cursor;
   for (int i = 0; i < 200; ++i)
     pages.push_back(milliseconds([&] {
-      const auto page = bench.on([&](JobService& s) {
-        return s.jobs({.states = {JobState::Ready, JobState::Queued}}, {200, cursor}).value();
+      const auto page = bench.on([&](LiveService& s) {
+        return s.jobs.list({.states = {JobState::Ready, JobState::Queued}}, {200, cursor}).value();
       });
       cursor = page.next_cursor;
     }));
   std::sort(pages.begin(), pages.end());
   std::printf("a page of 200: p50 %.2f ms, p99 %.2f ms\n", pages[100], pages[198]);
-  std::printf("metrics: %.2f ms\n",
-              milliseconds([&] { bench.on([](JobService& s) { return s.metrics(); }); }));
-  std::printf(
-      "queue: %.2f ms\n", milliseconds([&] {
-        bench.on([&](JobService& s) { return s.queue(bench.device, {200, ""})->items.size(); });
-      }));
+  std::printf("metrics: %.2f ms\n", milliseconds([&] {
+                bench.on([](LiveService& s) { return s.operations.metrics(); });
+              }));
+  std::printf("queue: %.2f ms\n", milliseconds([&] {
+                bench.on([&](LiveService& s) {
+                  return s.jobs.queue(bench.device, {200, ""})->items.size();
+                });
+              }));
   const Job job = bench.started(first.id);
   const double intents = milliseconds([&] {
     for (int i = 0; i < 1000; ++i) (void)bench.cutters.intend(bench.device, 3);

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "tests/support/live_shop.hpp"
+#include "tests/support/running_daemon.hpp"
 #include "tests/support/service_manager_socket.hpp"
 
 using namespace popcut;
@@ -95,19 +95,19 @@ TEST_CASE("whatever goes wrong at a cutter its job ends with a true ledger and n
            {R"("kind": "wrong name", "text": "PORTRAIT V1.00   ")", "interrupted", "refused",
             "attention"}})
     wrongs.all.push_back({fault, state, reason, device});
-  LiveShop shop(0, wrongs.config());
-  shop.open();
-  const std::string design = shop.design(LiveShop::lines_svg(kLines));
+  RunningDaemon popcutd(0, wrongs.config());
+  popcutd.open();
+  const std::string design = popcutd.design(RunningDaemon::lines_svg(kLines));
   std::vector<std::string> jobs;
   std::set<std::string> doubts;
   for (std::size_t k = 0; k < wrongs.all.size(); ++k) {
-    jobs.push_back(shop.ready_job(design, Wrongs::id(k)));
-    shop.cut(jobs.back());
+    jobs.push_back(popcutd.ready_job(design, Wrongs::id(k)));
+    popcutd.cut(jobs.back());
   }
   for (std::size_t k = 0; k < jobs.size(); ++k) {
     const Wrong& wrong = wrongs.all[k];
     CAPTURE(wrong.fault);
-    const Json job = shop.await(jobs[k], [](const Json& now) {
+    const Json job = popcutd.await(jobs[k], [](const Json& now) {
       return now["state"] == "done" || now["state"] == "interrupted";
     });
     CHECK(job["state"] == wrong.state);
@@ -115,25 +115,25 @@ TEST_CASE("whatever goes wrong at a cutter its job ends with a true ledger and n
       CHECK(job["reason"] == wrong.reason);
       CHECK_FALSE(job["attention"]["text"].get<std::string>().empty());
     }
-    CHECK(happens([&] { return shop.device_state(Wrongs::id(k)) == wrong.device; }));
-    const Json ledger = shop.ledger(jobs[k]);
+    CHECK(happens([&] { return popcutd.device_state(Wrongs::id(k)) == wrong.device; }));
+    const Json ledger = popcutd.ledger(jobs[k]);
     INFO(ledger.dump());
     CHECK(wrong_in(ledger, kLines, lines_cut(wrongs.trace(k), kLines)) == "");
     CHECK(ledger["attempts"].size() == 1);
     if (k < pulled) doubts.insert(ledger["in_doubt"].dump());
     if (wrong.device == "fault") {
       // Nothing is sent to it until somebody has looked.
-      REQUIRE(shop.act(jobs[k], "retry-sheet", {{"sheet", 1}})["state"] == "ready");
-      CHECK_FALSE(shop.api().act(shop.job(jobs[k]), "arm", {{"sheet", 1}}));
-      shop.reset(Wrongs::id(k));
-      CHECK(happens([&] { return shop.device_state(Wrongs::id(k)) == "idle"; }));
-      CHECK(shop.job(jobs[k])["state"] == "ready");
+      REQUIRE(popcutd.act(jobs[k], "retry-sheet", {{"sheet", 1}})["state"] == "ready");
+      CHECK_FALSE(popcutd.api().act(popcutd.job(jobs[k]), "arm", {{"sheet", 1}}));
+      popcutd.reset(Wrongs::id(k));
+      CHECK(happens([&] { return popcutd.device_state(Wrongs::id(k)) == "idle"; }));
+      CHECK(popcutd.job(jobs[k])["state"] == "ready");
     }
   }
   CHECK(doubts.size() > 3);  // the cable was pulled in different strokes
   // After a reset a person cuts the sheet anew, and the whole of it.
-  shop.cut(jobs[0]);
-  shop.await_state(jobs[0], "done");
+  popcutd.cut(jobs[0]);
+  popcutd.await_state(jobs[0], "done");
   CHECK(lines_cut(wrongs.trace(0), kLines).size() == kLines);
 }
 
@@ -145,41 +145,41 @@ TEST_CASE("a cutter that takes nothing shows as busy and is cancelled at once",
                 {R"("at_path": 16, "kind": "nak", "seconds": 100000)", "", "", ""},
                 {R"("at_path": 3, "kind": "nak", "seconds": 30)", "", "", ""}};
   ServiceManagerSocket manager;
-  LiveShop shop(0, wrongs.config());
-  shop.open(manager.environment(4));
-  const std::string design = shop.design(LiveShop::lines_svg(kFew));
+  RunningDaemon popcutd(0, wrongs.config());
+  popcutd.open(manager.environment(4));
+  const std::string design = popcutd.design(RunningDaemon::lines_svg(kFew));
   std::vector<std::string> jobs;
   for (std::size_t k = 0; k < wrongs.all.size(); ++k) {
-    jobs.push_back(shop.ready_job(design, Wrongs::id(k)));
-    shop.cut(jobs[k]);
+    jobs.push_back(popcutd.ready_job(design, Wrongs::id(k)));
+    popcutd.cut(jobs[k]);
   }
   for (const std::size_t k : {0U, 1U}) {
     const Json job =
-        shop.await(jobs[k], [](const Json& now) { return !now["attention"].is_null(); });
+        popcutd.await(jobs[k], [](const Json& now) { return !now["attention"].is_null(); });
     CHECK(job["state"] == "cutting");
     CHECK(job["attention"]["kind"] == "device_busy");
     CHECK(job["attention"]["text"].get<std::string>().find("takes no data") != std::string::npos);
   }
   // One goes on by itself, and is said to be no longer busy.
-  shop.await_state(jobs[2], "done");
-  CHECK(shop.job(jobs[2])["attention"].is_null());
-  const Json events = shop.get("/v1/events?after=0&limit=200");
+  popcutd.await_state(jobs[2], "done");
+  CHECK(popcutd.job(jobs[2])["attention"].is_null());
+  const Json events = popcutd.get("/v1/events?after=0&limit=200");
   CHECK(std::any_of(events["items"].begin(), events["items"].end(), [&](const Json& event) {
     return event.value("job", "") == jobs[2] && event.value("reason", "") == "device_busy";
   }));
   // All threads turn meanwhile.
   manager.feedings();
   CHECK(happens([&] { return manager.feedings() > 0; }));
-  CHECK(happens([&] { return shop.ask("GET", "/readyz").status == 200; }));
+  CHECK(happens([&] { return popcutd.ask("GET", "/readyz").status == 200; }));
   double quickest_s = 60;
   for (std::size_t k : {0U, 1U}) {
     CAPTURE(k);
     const auto begun = steady_clock::now();
-    shop.act(jobs[k], "cancel");
+    popcutd.act(jobs[k], "cancel");
     const Json job =
-        shop.await(jobs[k], [](const Json& now) { return now["state"] == "cancelled"; });
+        popcutd.await(jobs[k], [](const Json& now) { return now["state"] == "cancelled"; });
     quickest_s = std::min(quickest_s, seconds_since(begun));
-    CHECK(wrong_in(shop.ledger(jobs[k]), kFew, lines_cut(wrongs.trace(k), kFew)) == "");
+    CHECK(wrong_in(popcutd.ledger(jobs[k]), kFew, lines_cut(wrongs.trace(k), kFew)) == "");
   }
   CHECK(quickest_s < 1);  // the other may have met a machine that was busy otherwise
 }
@@ -190,27 +190,27 @@ TEST_CASE("popcutd ends in time though a cutter takes nothing", "[popcutd][fault
   wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
                 {R"("at_path": 16, "kind": "nak", "seconds": 100000)", "", "", ""},
                 {R"("at_path": 5, "kind": "pause")", "", "", ""}};
-  LiveShop shop(0, wrongs.config());
-  shop.open();
-  const std::string design = shop.design(LiveShop::lines_svg(kFew));
+  RunningDaemon popcutd(0, wrongs.config());
+  popcutd.open();
+  const std::string design = popcutd.design(RunningDaemon::lines_svg(kFew));
   std::vector<std::string> jobs;
   for (std::size_t k = 0; k < wrongs.all.size(); ++k) {
-    jobs.push_back(shop.ready_job(design, Wrongs::id(k)));
-    shop.cut(jobs[k]);
+    jobs.push_back(popcutd.ready_job(design, Wrongs::id(k)));
+    popcutd.cut(jobs[k]);
   }
   for (const std::string& id : jobs)
-    shop.await(id, [](const Json& now) { return !now["attention"].is_null(); });
+    popcutd.await(id, [](const Json& now) { return !now["attention"].is_null(); });
   const auto begun = steady_clock::now();
-  shop.daemon().signal(SIGTERM);
-  CHECK(shop.daemon().wait() == 0);
+  popcutd.daemon().signal(SIGTERM);
+  CHECK(popcutd.daemon().wait() == 0);
   CHECK(seconds_since(begun) < 30);  // of the 45 that a service manager grants
-  shop.open();
+  popcutd.open();
   for (std::size_t k = 0; k < jobs.size(); ++k) {
     CAPTURE(k);
-    const Json job = shop.job(jobs[k]);
+    const Json job = popcutd.job(jobs[k]);
     CHECK(job["state"] == "interrupted");
     CHECK(job["reason"] == "shutdown");
-    CHECK(wrong_in(shop.ledger(jobs[k]), kFew, lines_cut(wrongs.trace(k), kFew)) == "");
+    CHECK(wrong_in(popcutd.ledger(jobs[k]), kFew, lines_cut(wrongs.trace(k), kFew)) == "");
   }
 }
 
@@ -223,17 +223,17 @@ TEST_CASE("what a cutter says reaches no terminal and no page as more than text"
   wrongs.all = {{R"("kind": "wrong name", "text": ")" + evil + "\"", "", "", ""},
                 {R"("at_byte": 450, "kind": "garbage", "text": ")" + evil + "\"", "", "", ""},
                 {R"("kind": "wrong name", "text": "<b>x</b>\u001b[1m V9")", "", "", ""}};
-  LiveShop shop(0, wrongs.config());
-  shop.open();
-  const std::string design = shop.design(LiveShop::lines_svg(kLines));
+  RunningDaemon popcutd(0, wrongs.config());
+  popcutd.open();
+  const std::string design = popcutd.design(RunningDaemon::lines_svg(kLines));
   for (std::size_t k = 0; k < wrongs.all.size(); ++k) {
-    const std::string id = shop.ready_job(design, Wrongs::id(k));
-    shop.cut(id);
-    shop.await(id, [](const Json& now) {
+    const std::string id = popcutd.ready_job(design, Wrongs::id(k));
+    popcutd.cut(id);
+    popcutd.await(id, [](const Json& now) {
       return now["state"] == "done" || now["state"] == "interrupted";
     });
   }
-  ::setenv("POPCUT_URL", shop.daemon().socket().c_str(), 1);
+  ::setenv("POPCUT_URL", popcutd.daemon().socket().c_str(), 1);
   for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
            {"jobs"}, {"jobs", "--json"}, {"devices"}, {"events"}, {"events", "--json"}}) {
     std::vector<std::string> all{POPCUT_PROGRAM};
@@ -244,17 +244,17 @@ TEST_CASE("what a cutter says reaches no terminal and no page as more than text"
     CHECK(printable(ran.err));
   }
   // Nor do names in a file that somebody sent.
-  write_file(shop.daemon().folder() / "evil.json",
+  write_file(popcutd.daemon().folder() / "evil.json",
              R"j({"popcut": 1, "units_per_slice": 4, "slices": 4, "\u001b[2J\u009b2J": 1})j");
   const Ran ran = run_program({POPCUT_PROGRAM, "design", "evil.json", "-o", "out"},
-                              shop.daemon().folder().path());
+                              popcutd.daemon().folder().path());
   CAPTURE(ran.err);
   CHECK(ran.exit == 3);
   CHECK(ran.err.find("2J") != std::string::npos);
   CHECK(printable(ran.err));
-  CHECK(printable(shop.daemon().log()));
+  CHECK(printable(popcutd.daemon().log()));
   for (const char* target : {"/v1/jobs", "/v1/devices", "/v1/events?after=0"}) {
-    const client::HttpResponse answer = shop.ask("GET", target);
+    const client::HttpResponse answer = popcutd.ask("GET", target);
     CHECK(answer.status == 200);
     CHECK(printable(answer.body));
     CHECK(Json::accept(answer.body));
@@ -264,14 +264,14 @@ TEST_CASE("what a cutter says reaches no terminal and no page as more than text"
 }
 
 TEST_CASE("a name is text and never a path or an escape sequence", "[popcutd][faults]") {
-  LiveShop shop;
-  shop.open();
-  const std::string svg = LiveShop::lines_svg(3);
-  const std::string design = shop.design(svg);
+  RunningDaemon popcutd;
+  popcutd.open();
+  const std::string svg = RunningDaemon::lines_svg(3);
+  const std::string design = popcutd.design(svg);
   const auto make = [&](const std::string& member, const Json& value) {
-    Json wish{{"design", design}};
-    wish[member] = value;
-    return shop.ask("POST", "/v1/jobs", wish.dump());
+    Json request{{"design", design}};
+    request[member] = value;
+    return popcutd.ask("POST", "/v1/jobs", request.dump());
   };
   for (const char* control : {"a\x1b[31m", "a\nb", "\x7f",
                               "a\xc2\x9b"
@@ -280,8 +280,8 @@ TEST_CASE("a name is text and never a path or an escape sequence", "[popcutd][fa
     CAPTURE(Json(control).dump());
     CHECK(make("name", control).status == 422);
     CHECK(make("tags", {control}).status == 422);
-    CHECK(shop.ask("POST", "/v1/designs?name=" + client::percent_encoded(control), svg,
-                   "image/svg+xml")
+    CHECK(popcutd.ask("POST", "/v1/designs?name=" + client::percent_encoded(control), svg,
+                      "image/svg+xml")
                   .status /
               100 ==
           4);
@@ -294,13 +294,14 @@ TEST_CASE("a name is text and never a path or an escape sequence", "[popcutd][fa
     const client::HttpResponse made = make("name", odd);
     CHECK(made.status == 201);
     CHECK(Json::parse(made.body)["name"] == odd);
-    CHECK(shop.ask("POST", "/v1/designs?name=" + client::percent_encoded(odd), svg, "image/svg+xml")
+    CHECK(popcutd
+              .ask("POST", "/v1/designs?name=" + client::percent_encoded(odd), svg, "image/svg+xml")
               .status < 300);
   }
-  const Json listed = shop.get("/v1/jobs");
-  for (const Json& job : listed["items"]) shop.await_state(job["id"], "ready");
+  const Json listed = popcutd.get("/v1/jobs");
+  for (const Json& job : listed["items"]) popcutd.await_state(job["id"], "ready");
   // No name of a file has anything of it.
-  for (const std::string& file : files_below(shop.daemon().state())) {
+  for (const std::string& file : files_below(popcutd.daemon().state())) {
     CAPTURE(file);
     for (const char* part : {"evil", "passwd", "img", "DROP", "%", "nul", "reboot", "\\"})
       CHECK(file.find(part) == std::string::npos);

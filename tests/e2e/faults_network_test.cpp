@@ -14,8 +14,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "tests/support/live_shop.hpp"
 #include "tests/support/raw_http.hpp"
+#include "tests/support/running_daemon.hpp"
 
 using namespace popcut;
 using namespace popcut::testing;
@@ -132,8 +132,8 @@ class TightDescriptors {
   rlimit before_{};
 };
 
-std::uint16_t port_of(LiveShop& shop) {
-  const std::string url = shop.daemon().url();
+std::uint16_t port_of(RunningDaemon& popcutd) {
+  const std::string url = popcutd.daemon().url();
   return static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
 }
 
@@ -158,67 +158,67 @@ bool is_served(std::uint16_t port) {
 
 TEST_CASE("whatever clients do a cut goes on and can be held and leaves nothing behind",
           "[popcutd][faults]") {
-  LiveShop shop(8);
-  shop.open();
-  const auto port = port_of(shop);
+  RunningDaemon popcutd(8);
+  popcutd.open();
+  const auto port = port_of(popcutd);
   const Json token =
-      Json::parse(shop.ask("POST", "/v1/tokens", R"({"name":"crowd","role":"submitter"})").body);
+      Json::parse(popcutd.ask("POST", "/v1/tokens", R"({"name":"crowd","role":"submitter"})").body);
   const std::string head = fmt::format("Host: 127.0.0.1:{}\r\nAuthorization: Bearer {}\r\n", port,
                                        token["token"].get<std::string>());
-  const std::string id = shop.ready_job(shop.design(LiveShop::lines_svg(kLines)));
-  const std::filesystem::path incoming = shop.daemon().state() + "/incoming";
-  const std::size_t files = open_files(shop.daemon().pid());
-  shop.cut(id);
+  const std::string id = popcutd.ready_job(popcutd.design(RunningDaemon::lines_svg(kLines)));
+  const std::filesystem::path incoming = popcutd.daemon().state() + "/incoming";
+  const std::size_t files = open_files(popcutd.daemon().pid());
+  popcutd.cut(id);
   {
     Crowd crowd(port, head);
     REQUIRE(happens([&] { return crowd.rounds > 50; }));
     const auto sent = [](const Json& job) { return job["progress"]["paths_sent"].get<int>(); };
-    const int before = sent(shop.job(id));
-    shop.await(id, [&](const Json& job) { return sent(job) > before + 10; });
+    const int before = sent(popcutd.job(id));
+    popcutd.await(id, [&](const Json& job) { return sent(job) > before + 10; });
     // Places are taken, but not that of who stops a knife.
     const auto begun = std::chrono::steady_clock::now();
-    shop.act(id, "pause");
-    shop.await_state(id, "paused");
+    popcutd.act(id, "pause");
+    popcutd.await_state(id, "paused");
     // A stroke and the window of motion are half a second here; the crowd may cost some more, but
     // it is not waited for.
     CHECK(std::chrono::steady_clock::now() - begun < std::chrono::seconds(20));
   }
-  CHECK(happens([&] { return shop.ask("GET", "/v1/devices").status == 200; }));
-  shop.act(id, "resume");
-  shop.await_state(id, "done");
-  CHECK(lines_cut(shop.daemon().folder() / "trace", kLines).size() == kLines);
-  CHECK(shop.ledger(id)["in_doubt"].empty());
+  CHECK(happens([&] { return popcutd.ask("GET", "/v1/devices").status == 200; }));
+  popcutd.act(id, "resume");
+  popcutd.await_state(id, "done");
+  CHECK(lines_cut(popcutd.daemon().folder() / "trace", kLines).size() == kLines);
+  CHECK(popcutd.ledger(id)["in_doubt"].empty());
   // Their places, their files and their descriptors are free again.
   CHECK(happens([&] { return files_in(incoming) == 0; }));
-  CHECK(happens([&] { return open_files(shop.daemon().pid()) <= files; }));
-  CHECK(shop.get("/readyz")["ready"] == true);
+  CHECK(happens([&] { return open_files(popcutd.daemon().pid()) <= files; }));
+  CHECK(popcutd.get("/readyz")["ready"] == true);
 }
 
 TEST_CASE("a client that is stopped in the middle of an answer holds up nobody",
           "[popcutd][faults]") {
-  LiveShop shop(20);
-  shop.open();
-  const std::string id = shop.ready_job(shop.design(LiveShop::lines_svg(30)));
+  RunningDaemon popcutd(20);
+  popcutd.open();
+  const std::string id = popcutd.ready_job(popcutd.design(RunningDaemon::lines_svg(30)));
   // A real one, with a stream and its process stopped.
   const pid_t client = ::fork();
   REQUIRE(client >= 0);
   if (client == 0) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    ::setenv("POPCUT_URL", shop.daemon().socket().c_str(), 1);
+    ::setenv("POPCUT_URL", popcutd.daemon().socket().c_str(), 1);
     ::execl(POPCUT_PROGRAM, POPCUT_PROGRAM, "events", "--follow", nullptr);
     ::_exit(127);
   }
   REQUIRE(happens([&] {
-    return shop.ask("GET", "/metrics").body.find("popcut_sse_clients 1\n") != std::string::npos;
+    return popcutd.ask("GET", "/metrics").body.find("popcut_sse_clients 1\n") != std::string::npos;
   }));
   ::kill(client, SIGSTOP);
-  shop.cut(id);
-  shop.await_state(id, "done");
-  CHECK(lines_cut(shop.daemon().folder() / "trace", 30).size() == 30);
+  popcutd.cut(id);
+  popcutd.await_state(id, "done");
+  CHECK(lines_cut(popcutd.daemon().folder() / "trace", 30).size() == 30);
   ::kill(client, SIGKILL);
   ::waitpid(client, nullptr, 0);
   CHECK(happens([&] {
-    return shop.ask("GET", "/metrics").body.find("popcut_sse_clients 0\n") != std::string::npos;
+    return popcutd.ask("GET", "/metrics").body.find("popcut_sse_clients 0\n") != std::string::npos;
   }));
 }
 
@@ -226,27 +226,27 @@ TEST_CASE("however many come the descriptors of a cut and of who stops it are le
           "[popcutd][faults]") {
   constexpr int kLeft = 40;  // docs/api.md
   constexpr int kMany = 90;  // nine seconds, of which the crowd takes one
-  LiveShop shop(8);
-  shop.open();
-  const std::string id = shop.ready_job(shop.design(LiveShop::lines_svg(kMany)));
-  const auto port = port_of(shop);
-  const pid_t pid = shop.daemon().pid();
+  RunningDaemon popcutd(8);
+  popcutd.open();
+  const std::string id = popcutd.ready_job(popcutd.design(RunningDaemon::lines_svg(kMany)));
+  const auto port = port_of(popcutd);
+  const pid_t pid = popcutd.daemon().pid();
   {
     const TightDescriptors tight(pid, kLeft + 4);
-    shop.cut(id);
+    popcutd.cut(id);
     const std::size_t before = open_files(pid);
     {
       const auto crowd = half_heads(port, 60);
-      shop.act(id, "pause");
-      shop.await_state(id, "paused");
+      popcutd.act(id, "pause");
+      popcutd.await_state(id, "paused");
       CHECK(open_files(pid) < before + 20);
     }
     // They are gone, and with them what was refused meanwhile.
-    CHECK(happens([&] { return shop.ask("GET", "/v1/devices").status == 200; }));
-    shop.act(id, "resume");
-    shop.await_state(id, "done");
+    CHECK(happens([&] { return popcutd.ask("GET", "/v1/devices").status == 200; }));
+    popcutd.act(id, "resume");
+    popcutd.await_state(id, "done");
   }
-  CHECK(lines_cut(shop.daemon().folder() / "trace", kMany).size() == kMany);
+  CHECK(lines_cut(popcutd.daemon().folder() / "trace", kMany).size() == kMany);
   CHECK(is_served(port));
 }
 
@@ -254,19 +254,19 @@ TEST_CASE("however many come the descriptors of a cut and of who stops it are le
 #ifndef __SANITIZE_ADDRESS__
 TEST_CASE("what comes after all descriptors are taken waits and is served again",
           "[popcutd][faults]") {
-  LiveShop shop(20, "header_s = 2\n");
-  shop.open();
-  const std::string id = shop.ready_job(shop.design(LiveShop::lines_svg(30)));
-  const auto port = port_of(shop);
+  RunningDaemon popcutd(20, "header_s = 2\n");
+  popcutd.open();
+  const std::string id = popcutd.ready_job(popcutd.design(RunningDaemon::lines_svg(30)));
+  const auto port = port_of(popcutd);
   {
     // None is left for anybody; the cut's trace may be lost, its ledger may not.
-    const TightDescriptors tight(shop.daemon().pid(), 2);
-    shop.cut(id);
+    const TightDescriptors tight(popcutd.daemon().pid(), 2);
+    popcutd.cut(id);
     const auto crowd = half_heads(port, 40);
-    shop.await_state(id, "done");
+    popcutd.await_state(id, "done");
   }
   CHECK(is_served(port));
-  const Json ledger = shop.ledger(id);
+  const Json ledger = popcutd.ledger(id);
   CHECK(ledger.value("certain_upto", -1) == 29);
   CHECK(ledger.value("not_sent", Json::array({1})).empty());
 }

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "tests/support/live_shop.hpp"
 #include "tests/support/quick_tables.hpp"
+#include "tests/support/running_daemon.hpp"
 #include "tests/support/sim_bench.hpp"
 #include "tests/support/usb_cutter.hpp"
 #include "tests/support/usbfs_device.hpp"
@@ -30,15 +30,15 @@ SimCutter quick_cutter() {
 struct Bench {
   UsbTestbed testbed;
   TempFolder folder;
-  LiveShop shop;
+  RunningDaemon popcutd;
   std::string design;
 
-  Bench() : shop(0, devices()) {
+  Bench() : popcutd(0, devices()) {
     std::filesystem::create_directories(folder / "popcut");
     write_file(folder / "popcut/machines.json", kQuickMachine);
     write_file(folder / "popcut/materials.json", kQuickPaper);
-    shop.open({"XDG_CONFIG_HOME=" + folder.path().string()});
-    design = shop.design(LiveShop::lines_svg(kLines));
+    popcutd.open({"XDG_CONFIG_HOME=" + folder.path().string()});
+    design = popcutd.design(RunningDaemon::lines_svg(kLines));
   }
   static std::string devices() {
     std::string text;
@@ -47,17 +47,17 @@ struct Bench {
     return text;
   }
   std::string ready(const std::string& device) {
-    return shop.ready_job(design, device, {{"material", "quick-paper"}});
+    return popcutd.ready_job(design, device, {{"material", "quick-paper"}});
   }
   bool comes_to(const std::string& device, const std::string& state) {
-    return happens([&] { return shop.device_state(device) == state; });
+    return happens([&] { return popcutd.device_state(device) == state; });
   }
   /// What the ledger says that is not so, once the cutter has done what it had.
   std::string wrong(const std::string& job, UsbCutter& cutter) {
     cutter.stop();
     cutter.cutter().load_media();
     cutter.cutter().run_dry();
-    return wrong_in(shop.ledger(job), kLines, lines_of(cutter.cutter().trace(), kLines));
+    return wrong_in(popcutd.ledger(job), kLines, lines_of(cutter.cutter().trace(), kLines));
   }
 };
 
@@ -87,8 +87,8 @@ TEST_CASE("whatever fails on the bus its job ends with a true ledger and no plug
   device.plug();
   REQUIRE(bench.comes_to("usb:51053P", "idle"));
   const std::string id = bench.ready("usb:51053P");
-  bench.shop.cut(id);
-  const Json job = bench.shop.await(
+  bench.popcutd.cut(id);
+  const Json job = bench.popcutd.await(
       id, [](const Json& now) { return now["state"] == "done" || now["state"] == "interrupted"; });
   INFO(job.dump());
   CHECK(job["state"] == wrong.state);
@@ -103,10 +103,10 @@ TEST_CASE("whatever fails on the bus its job ends with a true ledger and no plug
   }
   std::this_thread::sleep_for(100ms);
   CHECK(cutter.accepted_bytes() == before);
-  CHECK(bench.shop.job(id)["state"] == wrong.state);
-  CHECK(bench.shop.ledger(id)["attempts"].size() == 1);
+  CHECK(bench.popcutd.job(id)["state"] == wrong.state);
+  CHECK(bench.popcutd.ledger(id)["attempts"].size() == 1);
   if (job["state"] == "interrupted")
-    CHECK(bench.shop.refused(id, "resume-from", kKept) == wrong.place_lost);
+    CHECK(bench.popcutd.refused(id, "resume-from", kKept) == wrong.place_lost);
   CHECK(bench.wrong(id, cutter) == "");
 }
 
@@ -121,11 +121,11 @@ TEST_CASE("a cutter on the bus that takes nothing is cancelled within a second",
     device.plug();
     REQUIRE(bench.comes_to("usb:51053P", "idle"));
     const std::string id = bench.ready("usb:51053P");
-    bench.shop.cut(id);
+    bench.popcutd.cut(id);
     REQUIRE(happens([&] { return cutter.accepted_bytes() >= 900; }));
     const auto begun = std::chrono::steady_clock::now();
-    bench.shop.act(id, "cancel");
-    bench.shop.await_state(id, "cancelled");
+    bench.popcutd.act(id, "cancel");
+    bench.popcutd.await_state(id, "cancelled");
     quickest = std::min(quickest, std::chrono::steady_clock::now() - begun);
     CHECK(cutter.accepted_bytes() == 900);
     CHECK(bench.wrong(id, cutter) == "");
@@ -145,10 +145,10 @@ TEST_CASE("a job stays with its cutter when two that look alike are swapped",
   // One serial for two: they are named by their ports.
   REQUIRE(bench.comes_to("usb:1-1", "idle"));
   REQUIRE(bench.comes_to("usb:1-2", "idle"));
-  CHECK(bench.shop.device_state("usb:51053P") != "idle");
+  CHECK(bench.popcutd.device_state("usb:51053P") != "idle");
   const std::string id = bench.ready("usb:1-1");
-  bench.shop.cut(id);
-  bench.shop.await_state(id, "interrupted");
+  bench.popcutd.cut(id);
+  bench.popcutd.await_state(id, "interrupted");
   right.unplug();
   // They come back crosswise, as other devices do: under other addresses.
   UsbfsDevice swapped(bench.testbed, {.port = 1, .address = 4}),
@@ -158,8 +158,8 @@ TEST_CASE("a job stays with its cutter when two that look alike are swapped",
   other.plug();
   REQUIRE(bench.comes_to("usb:1-1", "idle"));
   REQUIRE(bench.comes_to("usb:1-2", "idle"));
-  CHECK(bench.shop.job(id)["state"] == "interrupted");
-  CHECK(bench.shop.refused(id, "resume-from", kKept));
+  CHECK(bench.popcutd.job(id)["state"] == "interrupted");
+  CHECK(bench.popcutd.refused(id, "resume-from", kKept));
   CHECK(right_cutter.accepted_bytes() == 0);
   CHECK(swapped_cutter.accepted_bytes() == 0);
   CHECK(other_cutter.accepted_bytes() == 0);
@@ -174,8 +174,8 @@ TEST_CASE("a plug that comes and goes a hundred times a second starts nothing an
   device.plug();
   REQUIRE(bench.comes_to("usb:51053P", "idle"));
   const std::string id = bench.ready("usb:51053P");
-  bench.shop.act(id, "arm", {{"sheet", 1}});
-  const std::size_t files = open_files(bench.shop.daemon().pid());
+  bench.popcutd.act(id, "arm", {{"sheet", 1}});
+  const std::size_t files = open_files(bench.popcutd.daemon().pid());
   for (int round = 0; round < 60; ++round) {
     device.unplug();
     std::this_thread::sleep_for(5ms);
@@ -183,14 +183,14 @@ TEST_CASE("a plug that comes and goes a hundred times a second starts nothing an
     std::this_thread::sleep_for(5ms);
   }
   CHECK(bench.comes_to("usb:51053P", "idle"));
-  CHECK(bench.shop.get("/readyz")["ready"] == true);
+  CHECK(bench.popcutd.get("/readyz")["ready"] == true);
   // What was armed for the cutter that went is not.
-  CHECK(bench.shop.job(id)["state"] == "ready");
+  CHECK(bench.popcutd.job(id)["state"] == "ready");
   CHECK(cutter.accepted_bytes() == 0);
   // But for one or two that are there by chance.
-  CHECK(happens([&] { return open_files(bench.shop.daemon().pid()) <= files + 2; }));
-  bench.shop.cut(id);
-  bench.shop.await_state(id, "done");
+  CHECK(happens([&] { return open_files(bench.popcutd.daemon().pid()) <= files + 2; }));
+  bench.popcutd.cut(id);
+  bench.popcutd.await_state(id, "done");
   CHECK(bench.wrong(id, cutter) == "");
 }
 
@@ -202,15 +202,15 @@ TEST_CASE("a cutter that was away for a moment only is not taken for one that st
   device.plug();
   REQUIRE(bench.comes_to("usb:51053P", "idle"));
   const std::string id = bench.ready("usb:51053P");
-  bench.shop.cut(id);
-  bench.shop.await_state(id, "interrupted");
+  bench.popcutd.cut(id);
+  bench.popcutd.await_state(id, "interrupted");
   // Another address at once, as after a power cycle faster than anybody looks.
   UsbfsDevice again(bench.testbed, {.address = 7});
   UsbCutter fresh(again, quick_cutter());
   device.unplug();
   again.plug();
   CHECK(bench.comes_to("usb:51053P", "idle"));
-  CHECK(bench.shop.refused(id, "resume-from", kKept));
+  CHECK(bench.popcutd.refused(id, "resume-from", kKept));
   CHECK(fresh.accepted_bytes() == 0);
   CHECK(bench.wrong(id, cutter) == "");
 }

@@ -117,7 +117,7 @@ TEST_CASE("no event is lost or doubled while clients come and go", "[daemon][htt
     std::int64_t after = 0;
     server.ask([&](FakeService& fake) {
       // Sometimes nothing was missed, sometimes several pages.
-      after = std::max<std::int64_t>(fake.last_event() - round * 40, 0);
+      after = std::max<std::int64_t>(fake.operations.last_event() - round * 40, 0);
     });
     open_stream(server, connection, fmt::format("Last-Event-ID: {}\r\n", after));
     for (std::int64_t seq = after + 1; seq < after + 1000 && wrong.empty(); ++seq) {

@@ -133,7 +133,8 @@ struct Bench {
       json example = schema_of(route).at("example");
       if (example.contains("job")) example["job"] = job;
       if (example.contains("one_shot"))
-        server.ask([&](FakeService& fake) { example["one_shot"] = *fake.create_one_shot({}); });
+        server.ask(
+            [&](FakeService& fake) { example["one_shot"] = *fake.access.create_one_shot({}); });
       out.body = example.dump();
     }
     if (route.is_stream) out.more += "Accept: application/json\r\n";

@@ -21,7 +21,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/workshop.hpp"
+#include "tests/support/daemon_with_cli.hpp"
 
 using namespace popcut::testing;
 using Json = nlohmann::json;
@@ -99,60 +99,61 @@ class Receiver {
 }  // namespace
 
 TEST_CASE("a second popcutd on the same state says who holds it", "[popcutd][e2e]") {
-  Workshop shop;
-  shop.open();
+  DaemonWithCli lab;
+  lab.open();
   const Ran second =
-      run_program({POPCUTD_PROGRAM, "--state", shop.daemon.state(), "--listen", "127.0.0.1:0",
-                   "--socket", (shop.daemon.folder() / "other.sock").string()},
+      run_program({POPCUTD_PROGRAM, "--state", lab.daemon.state(), "--listen", "127.0.0.1:0",
+                   "--socket", (lab.daemon.folder() / "other.sock").string()},
                   "/");
   CAPTURE(second.err);
   CHECK(second.exit == 5);
-  CHECK(second.err.find(std::to_string(shop.daemon.pid())) != std::string::npos);
+  CHECK(second.err.find(std::to_string(lab.daemon.pid())) != std::string::npos);
   const Ran third = run_program(
-      {POPCUTD_PROGRAM, "--state", (shop.daemon.folder() / "third").string(), "--listen",
-       shop.daemon.url().substr(7), "--socket", (shop.daemon.folder() / "third.sock").string()},
+      {POPCUTD_PROGRAM, "--state", (lab.daemon.folder() / "third").string(), "--listen",
+       lab.daemon.url().substr(7), "--socket", (lab.daemon.folder() / "third.sock").string()},
       "/");
   CAPTURE(third.err);
   CHECK(third.exit == 5);
-  CHECK(third.err.find(shop.daemon.url().substr(7)) != std::string::npos);
+  CHECK(third.err.find(lab.daemon.url().substr(7)) != std::string::npos);
 }
 
 TEST_CASE("what needs a person ends popcutd with 78", "[popcutd][e2e]") {
-  Workshop shop;
-  shop.open();
-  shop.daemon.signal(SIGTERM);
-  REQUIRE(shop.daemon.wait() == 0);
-  const std::string database = shop.daemon.state() + "/popcut.db";
+  DaemonWithCli lab;
+  lab.open();
+  lab.daemon.signal(SIGTERM);
+  REQUIRE(lab.daemon.wait() == 0);
+  const std::string database = lab.daemon.state() + "/popcut.db";
   std::string bytes = text_of_file(database);
   for (std::size_t at = bytes.size() - 4096; at < bytes.size(); at += 4) bytes[at] = '\x55';
   write_file(database, bytes);
-  const Ran damaged = run_program({POPCUTD_PROGRAM, "--config", shop.daemon.config()}, "/");
+  const Ran damaged = run_program({POPCUTD_PROGRAM, "--config", lab.daemon.config()}, "/");
   CAPTURE(damaged.err);
   CHECK(damaged.exit == 78);
   CHECK(damaged.err.find("salvage") != std::string::npos);
-  const Ran salvage = shop.popcut({"db", "salvage", "--state", shop.daemon.state()});
+  const Ran salvage = lab.popcut({"db", "salvage", "--state", lab.daemon.state()});
   CAPTURE(salvage.err);
   CHECK(salvage.exit == 0);
-  shop.open();
+  lab.open();
 
-  const std::string wrong = (shop.daemon.folder() / "wrong.toml").string();
+  const std::string wrong = (lab.daemon.folder() / "wrong.toml").string();
   write_file(wrong, "[limits]\njson_dept = 3\n");
   const Ran config = run_program({POPCUTD_PROGRAM, "--config", wrong, "--check-config"}, "/");
   CHECK(config.exit == 78);
   CHECK(config.err == "popcutd: " + wrong +
                           ": 2:1: limits.json_dept: is not a key that popcutd knows; did you mean "
                           "json_depth?\n");
-  CHECK(run_program({POPCUTD_PROGRAM, "--config", shop.daemon.config(), "--check-config"}, "/")
-            .exit == 0);
+  CHECK(
+      run_program({POPCUTD_PROGRAM, "--config", lab.daemon.config(), "--check-config"}, "/").exit ==
+      0);
   CHECK(run_program({POPCUTD_PROGRAM, "--frobnicate"}, "/").exit == 2);
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"--sim", "nope"}, {"--listen", "x"}, {"--state", wrong}}) {
     const Ran line =
-        run_program({POPCUTD_PROGRAM, "--config", shop.daemon.config(), words[0], words[1]}, "/");
+        run_program({POPCUTD_PROGRAM, "--config", lab.daemon.config(), words[0], words[1]}, "/");
     CHECK(line.exit == 2);
     CHECK(line.err.rfind("popcutd: " + words[0] + ": ", 0) == 0);
   }
-  const std::string other = (shop.daemon.folder() / "other").string();
+  const std::string other = (lab.daemon.folder() / "other").string();
   const Ran taken = run_program(
       {POPCUTD_PROGRAM, "--state", other, "--listen", "127.0.0.1:0", "--socket", wrong}, "/");
   CHECK(taken.exit == 5);
@@ -187,15 +188,15 @@ TEST_CASE("fewer descriptors than connections need are raised or told", "[popcut
 }
 
 TEST_CASE("the service manager is told of each step and fed while all turns", "[popcutd][e2e]") {
-  Workshop shop;
-  const std::string path = (shop.daemon.folder() / "notify").string();
+  DaemonWithCli lab;
+  const std::string path = (lab.daemon.folder() / "notify").string();
   const int listener = ::socket(AF_UNIX, SOCK_DGRAM, 0);
   sockaddr_un at{};
   at.sun_family = AF_UNIX;
   path.copy(at.sun_path, path.size());
   REQUIRE(::bind(listener, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0);
-  const bool serves = shop.daemon.start({"NOTIFY_SOCKET=" + path, "WATCHDOG_USEC=1000000"});
-  INFO(shop.daemon.log());
+  const bool serves = lab.daemon.start({"NOTIFY_SOCKET=" + path, "WATCHDOG_USEC=1000000"});
+  INFO(lab.daemon.log());
   REQUIRE(serves);
   std::string heard;
   const auto listen_for = [&](const std::string& word) {
@@ -212,13 +213,13 @@ TEST_CASE("the service manager is told of each step and fed while all turns", "[
   CHECK(listen_for("READY=1"));
   CHECK(listen_for("WATCHDOG=1"));
   CHECK(listen_for("STATUS=waiting for jobs"));
-  shop.daemon.signal(SIGHUP);
+  lab.daemon.signal(SIGHUP);
   CHECK(listen_for("RELOADING=1"));
   heard.clear();
   CHECK(listen_for("READY=1"));
-  shop.daemon.signal(SIGTERM);
+  lab.daemon.signal(SIGTERM);
   CHECK(listen_for("STOPPING=1"));
-  CHECK(shop.daemon.wait() == 0);
+  CHECK(lab.daemon.wait() == 0);
   ::close(listener);
 }
 
@@ -227,12 +228,13 @@ TEST_CASE("a webhook hears each event in order and again until it has taken it",
   const TempFolder folder;
   const std::string secret = (folder / "secret").string();
   write_file(secret, "0123456789abcdef\n");
-  Workshop shop(0, "[webhook]\nurl = \"http://" + receiver.host_port() + "/hook\"\nallow = [\"" +
-                       receiver.host_port() + "\"]\nsecret_file = \"" + secret + "\"\n");
-  shop.open();
-  const std::string id = first_line(shop.popcut({"cut", kUnit, "-q"}).out);
-  REQUIRE(shop.comes_to(id, "ready"));
-  REQUIRE(shop.popcut({"cancel", id}).exit == 0);
+  DaemonWithCli lab(0, "[webhook]\nurl = \"http://" + receiver.host_port() +
+                           "/hook\"\nallow = [\"" + receiver.host_port() + "\"]\nsecret_file = \"" +
+                           secret + "\"\n");
+  lab.open();
+  const std::string id = first_line(lab.popcut({"cut", kUnit, "-q"}).out);
+  REQUIRE(lab.comes_to(id, "ready"));
+  REQUIRE(lab.popcut({"cancel", id}).exit == 0);
   const auto begun = std::chrono::steady_clock::now();
   std::vector<std::string> requests;
   const auto told = [&](const std::string& word) {
@@ -254,12 +256,12 @@ TEST_CASE("a webhook hears each event in order and again until it has taken it",
     last = seq;
   }
   // It was heard; that popcutd has our answer too shows in what it notes.
-  const fs::path cursor = fs::path(shop.daemon.state()) / "webhook";
+  const fs::path cursor = fs::path(lab.daemon.state()) / "webhook";
   while (text_of_file(cursor) != std::to_string(last) &&
          std::chrono::steady_clock::now() - begun < std::chrono::seconds(120))
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  shop.daemon.signal(SIGTERM);
-  CHECK(shop.daemon.wait() == 0);
+  lab.daemon.signal(SIGTERM);
+  CHECK(lab.daemon.wait() == 0);
   CHECK(text_of_file(cursor) == std::to_string(last));
 }
 
@@ -268,10 +270,10 @@ TEST_CASE("sockets of systemd are served and no others", "[popcutd][e2e]") {
     WARN("skipped: there is no systemd-socket-activate here");
     return;
   }
-  Workshop shop;
-  const std::string socket = (shop.daemon.folder() / "activated.sock").string();
+  DaemonWithCli lab;
+  const std::string socket = (lab.daemon.folder() / "activated.sock").string();
   const std::string script = "systemd-socket-activate -l '" + socket +
-                             "' " POPCUTD_PROGRAM " --config '" + shop.daemon.config() +
+                             "' " POPCUTD_PROGRAM " --config '" + lab.daemon.config() +
                              "' 2>activated.log & daemon=$!\n"
                              "for k in $(seq 600); do POPCUT_URL='" +
                              socket +
@@ -279,8 +281,8 @@ TEST_CASE("sockets of systemd are served and no others", "[popcutd][e2e]") {
                              " jobs -q; result=$?\n"
                              "[ $result = 0 ] && break; sleep 0.1; done\n"
                              "kill $daemon; wait $daemon\nexit $result\n";
-  const Ran ran = run_program({"/bin/bash", "-c", script}, shop.daemon.folder().path());
-  INFO(ran.err << text_of_file(shop.daemon.folder() / "activated.log"));
+  const Ran ran = run_program({"/bin/bash", "-c", script}, lab.daemon.folder().path());
+  INFO(ran.err << text_of_file(lab.daemon.folder() / "activated.log"));
   CHECK(ran.exit == 0);
-  CHECK_FALSE(fs::exists(shop.daemon.socket()));
+  CHECK_FALSE(fs::exists(lab.daemon.socket()));
 }

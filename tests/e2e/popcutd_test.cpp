@@ -15,7 +15,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/workshop.hpp"
+#include "tests/support/daemon_with_cli.hpp"
 
 using namespace popcut::testing;
 using Json = nlohmann::json;
@@ -27,16 +27,16 @@ const std::string kSphere = POPCUT_SOURCE_DIR "/examples/sphere.json";
 const std::string kUnit = POPCUT_SOURCE_DIR "/examples/unit.json";
 
 /// The stored program of sheet 1 does what the knife did, and what its drawing says.
-void check_trace(const Workshop& shop, const std::string& job) {
-  const std::string plan = shop.job(job)["plan"];
-  const fs::path folder = fs::path(shop.daemon.state()) / "plans" / plan;
+void check_trace(const DaemonWithCli& lab, const std::string& job) {
+  const std::string plan = lab.job(job)["plan"];
+  const fs::path folder = fs::path(lab.daemon.state()) / "plans" / plan;
   const Ran ran =
-      shop.popcut({"simulate", (folder / "sheet-01.gpgl").string(), "-o", "sim", "--machine",
-                   "cameo3", "--expect", (folder / "sheet-01.svg").string()});
+      lab.popcut({"simulate", (folder / "sheet-01.gpgl").string(), "-o", "sim", "--machine",
+                  "cameo3", "--expect", (folder / "sheet-01.svg").string()});
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
-  const Json planned = Json::parse(text_of_file(shop.daemon.folder() / "sim/trace.json"));
-  const Json done = shop.trace();
+  const Json planned = Json::parse(text_of_file(lab.daemon.folder() / "sim/trace.json"));
+  const Json done = lab.trace();
   CHECK(done["strokes"] == planned["strokes"]);
   CHECK(done["lifts"] == planned["lifts"]);
   CHECK(done["strokes"].size() > 100);
@@ -45,21 +45,21 @@ void check_trace(const Workshop& shop, const std::string& job) {
 }  // namespace
 
 TEST_CASE("a job goes from a spec to a cut sheet by the commands of the manual", "[popcutd][e2e]") {
-  Workshop shop;
-  shop.open();
+  DaemonWithCli lab;
+  lab.open();
   auto waiting = std::async(std::launch::async, [&] {
-    return shop.popcut({"cut", kSphere, "--wait"});
+    return lab.popcut({"cut", kSphere, "--wait"});
   });
   const auto begun = std::chrono::steady_clock::now();
   std::string list;
   while (list.find("-> load sheet 1 of 1: popcut arm") == std::string::npos &&
          std::chrono::steady_clock::now() - begun < std::chrono::seconds(60))
-    list = shop.popcut({"jobs"}).out;
-  const Ran arm = shop.popcut({"arm"});
+    list = lab.popcut({"jobs"}).out;
+  const Ran arm = lab.popcut({"arm"});
   INFO(arm.err);
   REQUIRE(arm.exit == 0);
   CHECK(arm.err.find("popcut start") != std::string::npos);
-  const Ran start = shop.popcut({"start"});
+  const Ran start = lab.popcut({"start"});
   INFO(start.err);
   REQUIRE(start.exit == 0);
   const Ran cut = waiting.get();
@@ -67,19 +67,19 @@ TEST_CASE("a job goes from a spec to a cut sheet by the commands of the manual",
   CHECK(cut.exit == 0);
   CHECK(cut.err.find("sphere: done") != std::string::npos);
   const std::string id = first_line(cut.out);
-  CHECK(shop.job(id)["state"] == "done");
-  check_trace(shop, id);
-  const Ran shown = shop.popcut({"jobs", id.substr(0, 20)});
+  CHECK(lab.job(id)["state"] == "done");
+  check_trace(lab, id);
+  const Ran shown = lab.popcut({"jobs", id.substr(0, 20)});
   CHECK(shown.out.find("sheet 1    done         378 paths") != std::string::npos);
-  CHECK(shop.popcut({"usage"}).out.find(",1\r\n") != std::string::npos);
-  CHECK(shop.popcut({"db", "check"}).out == "result: ok\n");
-  shop.daemon.signal(SIGTERM);
-  CHECK(shop.daemon.wait() == 0);
+  CHECK(lab.popcut({"usage"}).out.find(",1\r\n") != std::string::npos);
+  CHECK(lab.popcut({"db", "check"}).out == "result: ok\n");
+  lab.daemon.signal(SIGTERM);
+  CHECK(lab.daemon.wait() == 0);
 }
 
 TEST_CASE("the same is done with curl alone and a token over TCP", "[popcutd][e2e]") {
-  Workshop shop;
-  shop.open();
+  DaemonWithCli lab;
+  lab.open();
   if (run_program({"/usr/bin/env", "curl", "--version"}, "/").exit != 0) {
     WARN("skipped: there is no curl here");
     return;
@@ -92,9 +92,9 @@ TEST_CASE("the same is done with curl alone and a token over TCP", "[popcutd][e2
     return Json::parse(ran.out);
   };
   const std::string json = "Content-Type: application/json";
-  const Json token = curl({"--unix-socket", shop.daemon.socket(), "http://localhost/v1/tokens",
-                           "-H", json, "-d", R"({"name": "curl", "role": "operator"})"});
-  const std::string url = shop.daemon.url();
+  const Json token = curl({"--unix-socket", lab.daemon.socket(), "http://localhost/v1/tokens", "-H",
+                           json, "-d", R"({"name": "curl", "role": "operator"})"});
+  const std::string url = lab.daemon.url();
   const std::string bearer = "Authorization: Bearer " + token["token"].get<std::string>();
   const Json api = curl({url + "/v1/openapi.json", "-H", bearer});
   CHECK(api["paths"].contains("/v1/jobs/{id}/actions/start"));
@@ -121,7 +121,7 @@ TEST_CASE("the same is done with curl alone and a token over TCP", "[popcutd][e2
     job = curl({at, "-H", bearer});
   }
   CHECK(job["state"] == "done");
-  check_trace(shop, job["id"]);
+  check_trace(lab, job["id"]);
 }
 
 TEST_CASE("popcutd with nothing configured cuts for popcut with nothing configured",
@@ -160,32 +160,32 @@ TEST_CASE("popcutd with nothing configured cuts for popcut with nothing configur
 }
 
 TEST_CASE("a stop while cutting ends with the stroke and the job says so", "[popcutd][e2e]") {
-  Workshop shop(10);
-  shop.open();
-  const std::string id = first_line(shop.popcut({"cut", kSphere, "-q"}).out);
-  REQUIRE(shop.until_done({"arm", id, "1"}).exit == 0);
-  REQUIRE(shop.popcut({"start", id}).exit == 0);
-  REQUIRE(shop.comes_to(id, "cutting"));
+  DaemonWithCli lab(10);
+  lab.open();
+  const std::string id = first_line(lab.popcut({"cut", kSphere, "-q"}).out);
+  REQUIRE(lab.until_done({"arm", id, "1"}).exit == 0);
+  REQUIRE(lab.popcut({"start", id}).exit == 0);
+  REQUIRE(lab.comes_to(id, "cutting"));
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));
-  shop.daemon.signal(SIGTERM);
-  CHECK(shop.daemon.wait() == 0);
-  shop.open();
-  const Json job = shop.job(id);
+  lab.daemon.signal(SIGTERM);
+  CHECK(lab.daemon.wait() == 0);
+  lab.open();
+  const Json job = lab.job(id);
   CHECK(job["state"] == "interrupted");
   CHECK(job["reason"] == "shutdown");
-  const Ran list = shop.popcut({"jobs"});
+  const Ran list = lab.popcut({"jobs"});
   CHECK(list.out.find("popcut retry " + id.substr(0, 12) + " 1") != std::string::npos);
-  CHECK(shop.popcut({"start", id}).exit == 5);
-  REQUIRE(shop.popcut({"retry", id, "1"}).exit == 0);
-  CHECK(shop.job(id)["blank"] == 2);
-  CHECK(shop.popcut({"cancel", id, "--reason", "enough"}).exit == 0);
-  CHECK(shop.job(id)["state"] == "cancelled");
+  CHECK(lab.popcut({"start", id}).exit == 5);
+  REQUIRE(lab.popcut({"retry", id, "1"}).exit == 0);
+  CHECK(lab.job(id)["blank"] == 2);
+  CHECK(lab.popcut({"cancel", id, "--reason", "enough"}).exit == 0);
+  CHECK(lab.job(id)["state"] == "cancelled");
 }
 
 TEST_CASE("the words of popcut plan and the files of a spec go along with a job",
           "[popcutd][e2e]") {
-  Workshop shop;
-  shop.open();
+  DaemonWithCli lab;
+  lab.open();
   // A grid that the spec names by its file goes up first.
   std::string grid;
   for (int row = 0; row < 12; ++row) {
@@ -193,45 +193,45 @@ TEST_CASE("the words of popcut plan and the files of a spec go along with a job"
       grid += (column > 0 ? "," : "") + std::to_string(60.0 - 3.0 * column - 0.1 * row * row);
     grid += "\n";
   }
-  write_file(shop.daemon.folder() / "heights.csv", grid);
-  write_file(shop.daemon.folder() / "hill.json",
+  write_file(lab.daemon.folder() / "heights.csv", grid);
+  write_file(lab.daemon.folder() / "hill.json",
              R"({"popcut": 1, "name": "hill", "surface": {"type": "grid", "file": "heights.csv"},
                  "scale_mm": 1, "units_per_slice": 3, "slices": 4, "widths_mm": 2})");
-  const Ran hill = shop.popcut({"cut", "hill.json"});
+  const Ran hill = lab.popcut({"cut", "hill.json"});
   CAPTURE(hill.err);
   CHECK(hill.exit == 0);
   CHECK(hill.err.find("uploading heights.csv") != std::string::npos);
-  REQUIRE(fs::exists(shop.daemon.state() + "/assets"));
-  CHECK(files_below(shop.daemon.state() + "/assets").size() == 1);
-  write_file(shop.daemon.folder() / "lost.json",
+  REQUIRE(fs::exists(lab.daemon.state() + "/assets"));
+  CHECK(files_below(lab.daemon.state() + "/assets").size() == 1);
+  write_file(lab.daemon.folder() / "lost.json",
              R"({"popcut": 1, "surface": {"type": "grid", "file": "absent.csv"},
                  "units_per_slice": 3, "slices": 4, "widths_mm": 2})");
-  const Ran lost = shop.popcut({"cut", "lost.json"});
+  const Ran lost = lab.popcut({"cut", "lost.json"});
   CHECK(lost.exit == 3);
   CHECK(lost.err.find("lost.json: /surface/file: absent.csv") != std::string::npos);
 
   const std::string id = first_line(
-      shop.popcut({"cut", kUnit, "-q", "--order", "keep", "--material", "pp-150", "--copies", "3"})
+      lab.popcut({"cut", kUnit, "-q", "--order", "keep", "--material", "pp-150", "--copies", "3"})
           .out);
-  REQUIRE(shop.comes_to(id, "ready"));
-  CHECK(shop.job(id)["sheets_total"] == 3);
-  CHECK(shop.job(id)["material"] == "pp-150");
-  const Ran wrong = shop.popcut({"cut", kUnit, "--material", "pp-15"});
+  REQUIRE(lab.comes_to(id, "ready"));
+  CHECK(lab.job(id)["sheets_total"] == 3);
+  CHECK(lab.job(id)["material"] == "pp-150");
+  const Ran wrong = lab.popcut({"cut", kUnit, "--material", "pp-15"});
   CHECK(wrong.exit == 2);
   CHECK(wrong.err.find("--material") != std::string::npos);
-  CHECK(shop.popcut({"cut", POPCUT_SOURCE_DIR "/README.md"}).exit == 3);
+  CHECK(lab.popcut({"cut", POPCUT_SOURCE_DIR "/README.md"}).exit == 3);
 }
 
 TEST_CASE("the view of jobs has all of them and each change", "[popcutd][e2e]") {
-  Workshop shop;
-  shop.open();
-  const std::string one = first_line(shop.popcut({"cut", kUnit, "-q"}).out);
-  const std::string two = first_line(shop.popcut({"cut", kUnit, "-q", "--name", "gift card"}).out);
-  REQUIRE(shop.comes_to(one, "ready"));
-  REQUIRE(shop.comes_to(two, "ready"));
-  CHECK(shop.popcut({"arm"}).exit == 2);  // which of the two?
-  CHECK(shop.popcut({"arm", one.substr(0, 4)}).exit == 2);
-  const std::string file = shop.daemon.folder() / "view";
+  DaemonWithCli lab;
+  lab.open();
+  const std::string one = first_line(lab.popcut({"cut", kUnit, "-q"}).out);
+  const std::string two = first_line(lab.popcut({"cut", kUnit, "-q", "--name", "gift card"}).out);
+  REQUIRE(lab.comes_to(one, "ready"));
+  REQUIRE(lab.comes_to(two, "ready"));
+  CHECK(lab.popcut({"arm"}).exit == 2);  // which of the two?
+  CHECK(lab.popcut({"arm", one.substr(0, 4)}).exit == 2);
+  const std::string file = lab.daemon.folder() / "view";
   const pid_t view = ::fork();
   REQUIRE(view >= 0);
   if (view == 0) {
@@ -250,15 +250,15 @@ TEST_CASE("the view of jobs has all of them and each change", "[popcutd][e2e]") 
   };
   CHECK(shows(one.substr(0, 12) + " unit: ready"));
   CHECK(shows(two.substr(0, 12) + " gift card: ready"));
-  CHECK(shop.popcut({"cancel", two, "-q"}).exit == 0);
+  CHECK(lab.popcut({"cancel", two, "-q"}).exit == 0);
   CHECK(shows(two.substr(0, 12) + " gift card: cancelled"));
   ::kill(view, SIGINT);
   CHECK(::waitpid(view, nullptr, 0) == view);
-  CHECK(shop.popcut({"jobs", "--state", "cancelled"}).out.find("gift card") != std::string::npos);
-  CHECK(shop.popcut({"hold", one}).exit == 0);
-  CHECK(shop.popcut({"jobs"}).out.find("held") != std::string::npos);
-  CHECK(shop.popcut({"release", one}).exit == 0);
-  CHECK(shop.popcut({"pause", one}).exit == 5);
-  CHECK(shop.popcut({"events", "--job", one, "--json"}).out.find("\"planning\"") !=
+  CHECK(lab.popcut({"jobs", "--state", "cancelled"}).out.find("gift card") != std::string::npos);
+  CHECK(lab.popcut({"hold", one}).exit == 0);
+  CHECK(lab.popcut({"jobs"}).out.find("held") != std::string::npos);
+  CHECK(lab.popcut({"release", one}).exit == 0);
+  CHECK(lab.popcut({"pause", one}).exit == 5);
+  CHECK(lab.popcut({"events", "--job", one, "--json"}).out.find("\"planning\"") !=
         std::string::npos);
 }

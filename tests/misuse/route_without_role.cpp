@@ -7,7 +7,7 @@ namespace popcut::daemon::http {
 #ifdef POPCUT_WITH_ROLE
 constexpr Route kRoute{.method = Method::Get,
                        .path = "/v1/open",
-                       .access = Access(Role::Viewer),
+                       .access = RouteAccess(Role::Viewer),
                        .handler = handle::list_jobs};
 #else
 constexpr Route kRoute{.method = Method::Get, .path = "/v1/open", .handler = handle::list_jobs};

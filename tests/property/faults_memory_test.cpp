@@ -66,7 +66,7 @@ bool disarm_faults() {
 /// Runs `ask` on the service's thread with the n-th allocation failing; true if one did.
 template <typename Ask>
 bool ask_without_memory(ServiceBench& bench, long n, const Ask& ask, std::size_t least = 1) {
-  return bench.on([&](JobService& service) {
+  return bench.on([&](LiveService& service) {
     arm_faults(n, 1, least);
     try {
       ask(service);
@@ -112,12 +112,12 @@ TEST_CASE("no allocation that fails in the service loses a job or leaves a knife
       REQUIRE(bench.wait_for(id, JobState::Ready).state == JobState::Ready);
       for (const JobAction action : step.before) REQUIRE(bench.act(id, action));
       const Job job = bench.job(id);
-      failed = ask_without_memory(bench, n, [&](JobService& service) {
-        ActionWish wish{.action = step.action};
-        wish.sheet = 1;
-        (void)service.act(bench.tutor, id, job.rev, wish);
+      failed = ask_without_memory(bench, n, [&](LiveService& service) {
+        ActionRequest request{.action = step.action};
+        request.sheet = 1;
+        (void)service.cutting.act(bench.tutor, id, job.rev, request);
       });
-      bench.on([](JobService& service) { service.tick(); });
+      bench.on([](LiveService& service) { service.tick(); });
       check_service(bench, id);
       // Asked again it is done, or it was done before.
       if (const Job now = bench.job(id); now.rev == job.rev) CHECK(bench.act(id, step.action));
@@ -130,7 +130,8 @@ TEST_CASE("no allocation that fails in the service loses a job or leaves a knife
     }
     CHECK_FALSE(failed);
     CHECK(n > 10);
-    CHECK(bench.on([&](JobService& s) { return s.check_integrity(bench.admin); }).value() == "ok");
+    CHECK(bench.on([&](LiveService& s) { return s.operations.check_integrity(bench.admin); })
+              .value() == "ok");
   }
   // Making a job, twice with the same key: one job, or none and then one.
   ServiceBench bench;
@@ -139,19 +140,21 @@ TEST_CASE("no allocation that fails in the service loses a job or leaves a knife
   std::size_t jobs = 0;
   for (long n = 0; failed && n < 5000; ++n) {
     CAPTURE(n);
-    const auto make = [&](JobService& service) {
-      JobCreate wish;
-      wish.design = design.id;
-      (void)service.once(bench.student, {"a-key-of-sixteen-" + std::to_string(n), "digest"}, [&] {
-        const auto job = service.create_job(bench.student, wish);
-        return Rendered{.status = job ? 201 : 503, .body = job ? job->id : ""};
-      });
+    const auto make = [&](LiveService& service) {
+      JobCreate request;
+      request.design = design.id;
+      (void)service.operations.once(
+          bench.student, {"a-key-of-sixteen-" + std::to_string(n), "digest"}, [&] {
+            const auto job = service.jobs.create(bench.student, request);
+            return Rendered{.status = job ? 201 : 503, .body = job ? job->id : ""};
+          });
     };
     // Small pieces are let through: nlohmann 3.11 takes some where nothing may be thrown.
     failed = ask_without_memory(bench, n, make, 100);
     bench.on(make);
     ++jobs;
-    CHECK(bench.on([](JobService& s) { return s.jobs({}, {.limit = 200})->items.size(); }) == jobs);
+    CHECK(bench.on([](LiveService& s) { return s.jobs.list({}, {.limit = 200})->items.size(); }) ==
+          jobs);
   }
   CHECK_FALSE(failed);
 }

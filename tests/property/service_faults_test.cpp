@@ -57,7 +57,7 @@ struct Run {
   // With a fault the plan may never come; without one it does, sooner or later.
   bool begin(bool fault = true) {
     for (int i = 0; bench.job(id).state != JobState::Ready; ++i) {
-      if (i > 200) bench.on([](JobService& service) { service.tick(); });
+      if (i > 200) bench.on([](LiveService& service) { service.tick(); });
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       if (i > (fault ? 300 : 60'000)) return false;
     }
@@ -102,21 +102,23 @@ void prepare(ServiceBench& bench) {
 
 // What no fault may ever do.
 void check_promises(ServiceBench& bench, const Promises& promises) {
-  REQUIRE(bench.on([&](JobService& s) { return s.check_integrity(bench.admin); }).value() == "ok");
+  REQUIRE(
+      bench.on([&](LiveService& s) { return s.operations.check_integrity(bench.admin); }).value() ==
+      "ok");
   for (const std::string& id : promises.jobs)
-    REQUIRE(bench.on([&](JobService& s) { return s.job(id).has_value(); }));
+    REQUIRE(bench.on([&](LiveService& s) { return s.jobs.find(id).has_value(); }));
   for (const std::string& id : promises.done) CHECK(bench.job(id).state == JobState::Done);
   // Each stroke at the knife once for each attempt, and known to be at least in doubt.
   std::set<std::pair<std::string, std::int64_t>> seen;
   for (const FakeCutters::Cut& cut : promises.knife) {
     CHECK(seen.insert({cut.attempt, cut.stroke}).second);
-    const std::string job = bench.on([&](JobService&) {
+    const std::string job = bench.on([&](LiveService&) {
       Rows rows = bench.store().database().rows(
           "SELECT job FROM attempt WHERE id=? AND started_at IS NOT NULL", cut.attempt);
       return rows.next() ? rows.text(0) : std::string();
     });
     REQUIRE_FALSE(job.empty());
-    const Ledger ledger = bench.on([&](JobService& s) { return s.ledger(job, 1).value(); });
+    const Ledger ledger = bench.on([&](LiveService& s) { return s.jobs.ledger(job, 1).value(); });
     for (const PathRange& range : ledger.not_sent)
       CHECK_FALSE((range.first <= cut.stroke && cut.stroke <= range.last));
   }
@@ -130,8 +132,9 @@ void check_promises(ServiceBench& bench, const Promises& promises) {
 
 // Events are numbered without a gap.
 void check_events(ServiceBench& bench) {
-  std::int64_t before = bench.on([](JobService& s) { return s.first_event(); }) - 1;
-  for (const Event& event : bench.on([](JobService& s) { return s.events(0, 1000, "").value(); })) {
+  std::int64_t before = bench.on([](LiveService& s) { return s.operations.first_event(); }) - 1;
+  for (const Event& event :
+       bench.on([](LiveService& s) { return s.operations.events(0, 1000, "").value(); })) {
     REQUIRE(event.seq == before + 1);
     before = event.seq;
   }
@@ -178,7 +181,7 @@ TEST_CASE("a disk that is full from any write on stops new work and never a runn
       CHECK(bench.cutters.busy().empty());
     }
     // Reading goes on, and new work is refused in words.
-    CHECK(bench.on([](JobService& s) { return s.jobs({}, {}).has_value(); }));
+    CHECK(bench.on([](LiveService& s) { return s.jobs.list({}, {}).has_value(); }));
     Run late{bench, promises};
     if (!late.make("{\"card\":2}")) {
       CHECK(late.problem == ProblemKind::DiskFull);
@@ -186,8 +189,8 @@ TEST_CASE("a disk that is full from any write on stops new work and never a runn
     }
     // There is room again: no restart is needed.
     vfs.heal();
-    bench.on([](JobService& s) { s.tick(); });
-    CHECK(bench.on([](JobService& s) { return s.health().accepts_work; }));
+    bench.on([](LiveService& s) { s.tick(); });
+    CHECK(bench.on([](LiveService& s) { return s.operations.health().accepts_work; }));
     if (run.started) {
       const JobState end = bench.job(run.id).state;
       CHECK((end == JobState::Done || end == JobState::Interrupted));
@@ -227,7 +230,7 @@ TEST_CASE("after a failed sync or write nothing is written until a restart", "[d
     REQUIRE(run.make("{\"card\":1}"));
     REQUIRE(run.begin(false));
     run.cut();
-    bench.on([&](JobService&) { bench.store().database().checkpoint(false); });
+    bench.on([&](LiveService&) { bench.store().database().checkpoint(false); });
     syncs = vfs.syncs() - before.first;
     writes = vfs.writes() - before.second;
   }
@@ -246,23 +249,24 @@ TEST_CASE("after a failed sync or write nothing is written until a restart", "[d
       Promises promises;
       Run run{bench, promises};
       if (run.make("{\"card\":1}") && run.begin()) run.cut();
-      bench.on([&](JobService& service) {
+      bench.on([&](LiveService& service) {
         // The log is moved in the tick; here at once.
         try {
-          if (service.health().database) bench.store().database().checkpoint(false);
+          if (service.operations.health().database) bench.store().database().checkpoint(false);
         } catch (const StoreFault&) {
           bench.store().give_up();
         }
         service.tick();
       });
-      const bool degraded = !bench.on([](JobService& s) { return s.health().database; });
+      const bool degraded =
+          !bench.on([](LiveService& s) { return s.operations.health().database; });
       if (degraded) {
         CHECK(vfs.writes_after_failure() == 0);
         Run late{bench, promises};
         CHECK_FALSE(late.make("{\"card\":2}"));
         CHECK(late.problem == ProblemKind::Unavailable);
-        CHECK(bench.on([](JobService& s) { return s.jobs({}, {}).has_value(); }));
-        CHECK_FALSE(bench.on([](JobService& s) { return s.health().accepts_work; }));
+        CHECK(bench.on([](LiveService& s) { return s.jobs.list({}, {}).has_value(); }));
+        CHECK_FALSE(bench.on([](LiveService& s) { return s.operations.health().accepts_work; }));
       }
       // Whoever has the knife was told to stop, or has ended.
       for (const std::string& device : bench.cutters.busy()) {
@@ -304,7 +308,7 @@ TEST_CASE("a power cut at any write loses nothing that was promised", "[daemon][
     }
   };
   all_of_it(bench, promises);
-  bench.on([&](JobService&) { bench.store().database().checkpoint(false); });
+  bench.on([&](LiveService&) { bench.store().database().checkpoint(false); });
   REQUIRE(promises.done.size() == 2);
   vfs.after_each = nullptr;
 

@@ -45,8 +45,8 @@ TEST_CASE("of 64 who press start or pause or cancel at once one wins each time",
     const int cuts = bench.cutters.cuts();
     std::atomic<int> wins{0}, others{0}, odd{0};
     const auto press = [&](JobAction action, std::int64_t rev) {
-      const auto done = bench.on([&](JobService& service) {
-        return service.act(bench.tutor, ready.id, rev, {.action = action});
+      const auto done = bench.on([&](LiveService& service) {
+        return service.cutting.act(bench.tutor, ready.id, rev, {.action = action});
       });
       if (done)
         ++wins;
@@ -79,11 +79,11 @@ TEST_CASE("a hundred equal requests with one key make one job", "[daemon][race]"
   std::mutex mutex;
   std::set<std::string> bodies;
   const auto send = [&](const std::string& key, const std::string& digest) {
-    return bench.on([&](JobService& service) {
-      return service.once(bench.student, {key, digest}, [&] {
-        JobCreate wish;
-        wish.design = design.id;
-        const auto job = service.create_job(bench.student, wish);
+    return bench.on([&](LiveService& service) {
+      return service.operations.once(bench.student, {key, digest}, [&] {
+        JobCreate request;
+        request.design = design.id;
+        const auto job = service.jobs.create(bench.student, request);
         return job ? Rendered{.status = 201, .body = job->id, .etag = "\"1\"", .location = "/x"}
                    : Rendered{.status = status_of(job.error().kind), .body = {}};
       });
@@ -97,7 +97,7 @@ TEST_CASE("a hundred equal requests with one key make one job", "[daemon][race]"
   });
   CHECK(replayed == 99);
   CHECK(bodies.size() == 1);
-  CHECK(bench.on([](JobService& s) { return s.jobs({}, {})->items.size(); }) == 1);
+  CHECK(bench.on([](LiveService& s) { return s.jobs.list({}, {})->items.size(); }) == 1);
   CHECK(send("a-key-of-sixteen", "another").error().kind == ProblemKind::IdempotencyKeyReused);
   // The key outlives a crash between commit and reply, and its week.
   bench.crash();
@@ -108,28 +108,28 @@ TEST_CASE("a hundred equal requests with one key make one job", "[daemon][race]"
   CHECK(after->location == "/x");
   bench.skew_ms = 8LL * 86'400'000;
   CHECK_FALSE(send("a-key-of-sixteen", "digest")->replayed);
-  CHECK(bench.on([](JobService& s) { return s.jobs({}, {})->items.size(); }) == 2);
+  CHECK(bench.on([](LiveService& s) { return s.jobs.list({}, {})->items.size(); }) == 2);
 }
 
 TEST_CASE("a request that failed leaves nothing behind its key", "[daemon][race]") {
   ServiceBench bench;
   const auto design = bench.add_design("{\"card\":1}").value();
   const auto send = [&](int status) {
-    return bench.on([&](JobService& service) {
-      return service.once(bench.student, {"a-key-of-sixteen", "digest"}, [&] {
-        JobCreate wish;
-        wish.design = design.id;
-        const auto job = service.create_job(bench.student, wish);
+    return bench.on([&](LiveService& service) {
+      return service.operations.once(bench.student, {"a-key-of-sixteen", "digest"}, [&] {
+        JobCreate request;
+        request.design = design.id;
+        const auto job = service.jobs.create(bench.student, request);
         return Rendered{.status = status, .body = job.has_value() ? "made" : "not"};
       });
     });
   };
   CHECK(send(503)->body == "made");
-  CHECK(bench.on([](JobService& s) { return s.jobs({}, {})->items.empty(); }));
+  CHECK(bench.on([](LiveService& s) { return s.jobs.list({}, {})->items.empty(); }));
   CHECK(send(429)->status == 429);
   CHECK_FALSE(send(201)->replayed);
   CHECK(send(201)->replayed);
-  CHECK(bench.on([](JobService& s) { return s.jobs({}, {})->items.size(); }) == 1);
+  CHECK(bench.on([](LiveService& s) { return s.jobs.list({}, {})->items.size(); }) == 1);
 }
 
 TEST_CASE("whatever happens in whatever order the rules of jobs hold", "[daemon][race]") {
@@ -156,8 +156,8 @@ TEST_CASE("whatever happens in whatever order the rules of jobs hold", "[daemon]
       by_person = who;
     };
     const auto watch = [&] {
-      bench.on([&](JobService& service) {
-        service.listen([&](const Event& event) {
+      bench.on([&](LiveService& service) {
+        service.operations.listen([&](const Event& event) {
           if (event.kind != "job" || event.data.find("\"deleted\"") != std::string::npos) return;
           const std::size_t at = event.data.find("\"state\":\"") + 9;
           const auto state = job_state_from(event.data.substr(at, event.data.find('"', at) - at));
@@ -178,7 +178,7 @@ TEST_CASE("whatever happens in whatever order the rules of jobs hold", "[daemon]
     const auto design = bench.add_design("{\"seed\":" + std::to_string(seed) + "}").value();
     for (int step = 0; step < 150; ++step) {
       CAPTURE(step);
-      bench.on([](JobService&) {});
+      bench.on([](LiveService&) {});
       set_person("");
       const unsigned dice = random() % 100;
       if (dice < 10 || jobs.empty()) {
@@ -190,16 +190,16 @@ TEST_CASE("whatever happens in whatever order the rules of jobs hold", "[daemon]
         JobAction action = static_cast<JobAction>(random() % 10);
         if (!job.actions.empty() && random() % 10 != 0)
           action = *job_action_from(job.actions[random() % job.actions.size()]);
-        ActionWish wish{.action = action};
-        wish.good = random() % 2 == 0;
-        if (action == JobAction::Arm) wish.device = random() % 2 == 0 ? "sim:a" : "sim:b";
-        if (action == JobAction::Arm && !job.device.empty()) wish.device = job.device;
-        wish.from_path = static_cast<std::int64_t>(random() % 5);
-        wish.registration = random() % 2 == 0 ? "kept" : "re-registered";
-        wish.accept_double_cut = random() % 2 == 0;
-        wish.skip_in_doubt = random() % 2 == 0;
+        ActionRequest request{.action = action};
+        request.good = random() % 2 == 0;
+        if (action == JobAction::Arm) request.device = random() % 2 == 0 ? "sim:a" : "sim:b";
+        if (action == JobAction::Arm && !job.device.empty()) request.device = job.device;
+        request.from_path = static_cast<std::int64_t>(random() % 5);
+        request.registration = random() % 2 == 0 ? "kept" : "re-registered";
+        request.accept_double_cut = random() % 2 == 0;
+        request.skip_in_doubt = random() % 2 == 0;
         set_person(name_of(action));
-        const auto done = bench.act(id, wish);
+        const auto done = bench.act(id, request);
         if (!done)
           CHECK((lawful_refusal(done.error().kind) ||
                  done.error().kind == ProblemKind::DeviceAbsent));
@@ -229,7 +229,7 @@ TEST_CASE("whatever happens in whatever order the rules of jobs hold", "[daemon]
         bench.cutters.plug("sim:b");
       } else if (dice < 96) {
         bench.monotonic_skew_ms += 700'000;
-        bench.on([](JobService& service) { service.tick(); });
+        bench.on([](LiveService& service) { service.tick(); });
       } else {
         bench.crash();
         REQUIRE(bench.start() == "");
@@ -250,7 +250,7 @@ TEST_CASE("whatever happens in whatever order the rules of jobs hold", "[daemon]
     std::set<std::pair<std::string, std::int64_t>> strokes;
     for (const auto& cut : bench.cutters.knife())
       CHECK(strokes.insert({cut.attempt, cut.stroke}).second);
-    bench.on([&](JobService&) {
+    bench.on([&](LiveService&) {
       Database& db = bench.store().database();
       CHECK(db.number("SELECT count(*) FROM (SELECT 1 FROM attempt WHERE started_at IS NOT NULL "
                       "GROUP BY job, k, blank, segment HAVING count(*) > 1)") == 0);

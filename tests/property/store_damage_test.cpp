@@ -52,25 +52,25 @@ std::string mutated(std::string bytes, std::mt19937& random) {
 
 // Reads everything that can be asked for. Throws only what callers are told to expect.
 std::size_t read_all(ServiceBench& bench) {
-  return bench.on([&](JobService& service) {
+  return bench.on([&](LiveService& service) {
     std::size_t count = 0;
     try {
-      const auto page = service.jobs({}, {.limit = 200});
+      const auto page = service.jobs.list({}, {.limit = 200});
       if (!page) return std::size_t{9999};  // told, not silent
       count = page->items.size();
       for (const Job& job : page->items) {
-        (void)service.sheets(job.id);
-        for (int k = 1; k <= 2; ++k) (void)service.ledger(job.id, k);
-        (void)service.plan(job.plan);
+        (void)service.jobs.sheets(job.id);
+        for (int k = 1; k <= 2; ++k) (void)service.jobs.ledger(job.id, k);
+        (void)service.plans.find(job.plan);
       }
-      (void)service.events(0, 1000, "");
-      (void)service.usage({}, {}, "owner");
-      (void)service.queue("", {});
-      (void)service.tokens();
-      (void)service.materials();
-      (void)service.devices();
-      (void)service.designs({});
-      (void)service.metrics();
+      (void)service.operations.events(0, 1000, "");
+      (void)service.operations.usage({}, {}, "owner");
+      (void)service.jobs.queue("", {});
+      (void)service.access.tokens();
+      (void)service.materials.list();
+      (void)service.devices.list();
+      (void)service.designs.list({});
+      (void)service.operations.metrics();
       service.tick();
     } catch (const std::exception&) {
       return std::size_t{9999};

@@ -70,8 +70,8 @@ json ContractLife::job_in(const std::string& id, const std::string& state) {
   }
 }
 
-std::string ContractLife::new_job(const json& wish) {
-  const WireResponse made = ask({.method = "POST", .route = "/v1/jobs", .body = wish.dump()});
+std::string ContractLife::new_job(const json& request) {
+  const WireResponse made = ask({.method = "POST", .route = "/v1/jobs", .body = request.dump()});
   REQUIRE(made.status == 201);
   return json::parse(made.body).at("id");
 }

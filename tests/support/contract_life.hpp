@@ -38,7 +38,7 @@ class ContractLife {
   daemon::WireResponse ask(const ContractCall& call) { return caller_->ask(call); }
   nlohmann::json job(const std::string& id) { return caller_->get("/v1/jobs/{id}", {{"id", id}}); }
   nlohmann::json job_in(const std::string& id, const std::string& state);
-  std::string new_job(const nlohmann::json& wish);
+  std::string new_job(const nlohmann::json& request);
   int act(const std::string& id, const std::string& action,
           const nlohmann::json& body = nlohmann::json::object());
   int queue(const std::string& action, const std::string& id);

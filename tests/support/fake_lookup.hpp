@@ -19,7 +19,7 @@ inline tl::unexpected<Problem> nothing(const std::string& what) {
 }
 
 template <typename Map>
-auto find(const Map& map, const std::string& id, const char* what)
+auto lookup(const Map& map, const std::string& id, const char* what)
     -> Answer<typename Map::mapped_type> {
   const auto found = map.find(id);
   if (found == map.end()) return nothing(fmt::format("there is no {} {}", what, id));

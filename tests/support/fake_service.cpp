@@ -14,7 +14,7 @@ namespace popcut::daemon {
 
 using namespace fake;
 
-FakeService::FakeService() {
+FakeState::FakeState() {
   for (const Role role : {Role::Viewer, Role::Submitter, Role::Operator, Role::Admin}) {
     const std::string name(name_of(role));
     bearers["pc_" + name + "_0123456789"] = {"token:" + name, role};
@@ -30,26 +30,26 @@ FakeService::FakeService() {
   material_map["paper-220"] = {"paper-220", 1, R"({"force_gf": 120})", true};
 }
 
-void FakeService::note(const char* name) {
+void FakeState::note(const char* name) {
   asked.emplace_back(name);
   if (throws) throw std::runtime_error("the fake was told to");
   if (throws_bad_alloc) throw std::bad_alloc();
 }
 
-std::optional<Problem> FakeService::trouble(const char* name) {
+std::optional<Problem> FakeState::failure(const char* name) {
   note(name);
   std::optional<Problem> problem = std::move(next_problem);
   next_problem.reset();
   return problem;
 }
 
-Job& FakeService::changed(Job& job) {
+Job& FakeState::changed(Job& job) {
   ++job.rev;
   tell("job", job.id, fmt::format(R"("state":"{}","rev":{})", name_of(job.state), job.rev));
   return job;
 }
 
-Job& FakeService::add_job(JobState state, const std::string& owner) {
+Job& FakeState::add_job(JobState state, const std::string& owner) {
   Job job;
   job.id = id_of(++next_id_);
   job.rev = 1;
@@ -68,8 +68,7 @@ Job& FakeService::add_job(JobState state, const std::string& owner) {
   return job_map[job.id] = job;
 }
 
-void FakeService::tell(const std::string& kind, const std::string& job,
-                       const std::string& members) {
+void FakeState::tell(const std::string& kind, const std::string& job, const std::string& members) {
   const std::int64_t seq = ++seq_;
   const Event event{
       seq, kind, kNow, job,
@@ -78,22 +77,22 @@ void FakeService::tell(const std::string& kind, const std::string& job,
   for (const auto& listener : listeners_) listener(event);
 }
 
-void FakeService::tell_progress(const std::string& job, const std::string& members) {
+void FakeState::tell_progress(const std::string& job, const std::string& members) {
   const Event event{0, "progress", kNow, job,
                     fmt::format(R"({{"seq":0,"kind":"progress","job":"{}",{}}})", job, members)};
   for (const auto& listener : listeners_) listener(event);
 }
 
-std::optional<Principal> FakeService::authenticate(std::string_view bearer) {
+std::optional<Principal> FakeAccess::authenticate(std::string_view bearer) {
   asked.emplace_back("authenticate");
   const auto found = bearers.find(std::string(bearer));
   if (found == bearers.end()) return std::nullopt;
   return found->second;
 }
 
-Answer<NewToken> FakeService::create_token(const Principal&, const std::string& name, Role role,
-                                           std::optional<int> lifetime_s) {
-  if (auto problem = trouble("create_token")) return tl::unexpected<Problem>(*problem);
+Answer<NewToken> FakeAccess::create_token(const Principal&, const std::string& name, Role role,
+                                          std::optional<int> lifetime_s) {
+  if (auto problem = failure("create_token")) return tl::unexpected<Problem>(*problem);
   const std::string id = id_of(++next_id_);
   TokenRecord record{id, name, role, kNow, std::nullopt};
   if (lifetime_s) record.expires = kNow + TimeMs{*lifetime_s} * 1000;
@@ -103,36 +102,36 @@ Answer<NewToken> FakeService::create_token(const Principal&, const std::string& 
   return NewToken{record, text};
 }
 
-std::vector<TokenRecord> FakeService::tokens() {
+std::vector<TokenRecord> FakeAccess::tokens() {
   note("tokens");
   std::vector<TokenRecord> out;
   for (const auto& [id, token] : token_map) out.push_back(token);
   return out;
 }
 
-Answer<void> FakeService::delete_token(const Principal&, const std::string& id) {
-  if (auto problem = trouble("delete_token")) return tl::unexpected<Problem>(*problem);
+Answer<void> FakeAccess::delete_token(const Principal&, const std::string& id) {
+  if (auto problem = failure("delete_token")) return tl::unexpected<Problem>(*problem);
   if (token_map.erase(id) == 0) return nothing("there is no such token");
   std::erase_if(bearers, [&](const auto& entry) { return entry.second.name == "token:" + id; });
   return {};
 }
 
-Answer<std::string> FakeService::create_one_shot(const Principal&) {
-  if (auto problem = trouble("create_one_shot")) return tl::unexpected<Problem>(*problem);
+Answer<std::string> FakeAccess::create_one_shot(const Principal&) {
+  if (auto problem = failure("create_one_shot")) return tl::unexpected<Problem>(*problem);
   const std::string word = "one-shot-" + id_of(++next_id_);
   one_shots_[word] = true;
   return word;
 }
 
-Answer<NewToken> FakeService::open_session(const std::string& one_shot) {
-  if (auto problem = trouble("open_session")) return tl::unexpected<Problem>(*problem);
+Answer<NewToken> FakeAccess::open_session(const std::string& one_shot) {
+  if (auto problem = failure("open_session")) return tl::unexpected<Problem>(*problem);
   if (one_shots_.erase(one_shot) == 0)
     return refuse(ProblemKind::Unauthenticated, "the word was used, or is too old");
   return create_token({}, "session", Role::Operator, 43200);
 }
 
-Answer<Rendered> FakeService::once(const Principal& who, const IdempotentRequest& request,
-                                   const std::function<Rendered()>& effect) {
+Answer<Rendered> FakeOperations::once(const Principal& who, const IdempotentRequest& request,
+                                      const std::function<Rendered()>& effect) {
   asked.emplace_back("once");
   const std::string key = who.name + " " + request.key;
   if (const auto found = kept_.find(key); found != kept_.end()) {
@@ -147,9 +146,9 @@ Answer<Rendered> FakeService::once(const Principal& who, const IdempotentRequest
   return fresh;
 }
 
-void FakeService::add_design(const Principal& who, Upload upload, std::string media_type,
-                             std::string name, std::function<void(Answer<Design>)> done) {
-  if (auto problem = trouble("add_design")) return done(tl::unexpected<Problem>(*problem));
+void FakeDesigns::add(const Principal& who, Upload upload, std::string media_type, std::string name,
+                      std::function<void(Answer<Design>)> done) {
+  if (auto problem = failure("add_design")) return done(tl::unexpected<Problem>(*problem));
   if (drops_replies) return;
   last_upload = upload;
   std::ifstream in(upload.path, std::ios::binary);
@@ -163,21 +162,21 @@ void FakeService::add_design(const Principal& who, Upload upload, std::string me
   done(design);
 }
 
-Answer<Asset> FakeService::add_asset(const Principal&, Upload upload) {
-  if (auto problem = trouble("add_asset")) return tl::unexpected<Problem>(*problem);
+Answer<Asset> FakeDesigns::add_asset(const Principal&, const Upload& upload) {
+  if (auto problem = failure("add_asset")) return tl::unexpected<Problem>(*problem);
   last_upload = upload;
   std::ifstream in(upload.path, std::ios::binary);
   last_upload_text.assign(std::istreambuf_iterator<char>(in), {});
   return Asset{"sha256-" + upload.sha256, upload.bytes, kNow, true};
 }
 
-Page<Design> FakeService::designs(const PageWish& wish) {
+Page<Design> FakeDesigns::list(const PageRequest& request) {
   note("designs");
-  last_page = wish;
+  last_page = request;
   Page<Design> page;
   for (const auto& [id, design] : design_map) {
-    if (id <= wish.cursor) continue;
-    if (static_cast<int>(page.items.size()) == wish.limit) {
+    if (id <= request.cursor) continue;
+    if (static_cast<int>(page.items.size()) == request.limit) {
       page.next_cursor = page.items.back().id;
       break;
     }
@@ -186,73 +185,73 @@ Page<Design> FakeService::designs(const PageWish& wish) {
   return page;
 }
 
-Answer<Design> FakeService::design(const std::string& id) {
-  if (auto problem = trouble("design")) return tl::unexpected<Problem>(*problem);
-  return find(design_map, id, "design");
+Answer<Design> FakeDesigns::find(const std::string& id) {
+  if (auto problem = failure("design")) return tl::unexpected<Problem>(*problem);
+  return lookup(design_map, id, "design");
 }
 
-Answer<std::string> FakeService::design_content(const std::string& id) {
-  if (auto problem = trouble("design_content")) return tl::unexpected<Problem>(*problem);
-  return find(files, id, "content of");
+Answer<std::string> FakeDesigns::content(const std::string& id) {
+  if (auto problem = failure("design_content")) return tl::unexpected<Problem>(*problem);
+  return lookup(files, id, "content of");
 }
 
-Answer<void> FakeService::delete_design(const Principal&, const std::string& id) {
-  if (auto problem = trouble("delete_design")) return tl::unexpected<Problem>(*problem);
+Answer<void> FakeDesigns::remove(const Principal&, const std::string& id) {
+  if (auto problem = failure("delete_design")) return tl::unexpected<Problem>(*problem);
   design_map.erase(id);
   return {};
 }
 
-Answer<PlanRecord> FakeService::plan_design(const Principal&, const PlanWish& wish) {
-  if (auto problem = trouble("plan_design")) return tl::unexpected<Problem>(*problem);
-  last_plan = wish;
-  if (design_map.find(wish.design) == design_map.end()) return nothing("there is no such design");
+Answer<PlanRecord> FakePlans::request(const Principal&, const PlanRequest& request) {
+  if (auto problem = failure("plan_design")) return tl::unexpected<Problem>(*problem);
+  last_plan = request;
+  if (design_map.find(request.design) == design_map.end())
+    return nothing("there is no such design");
   PlanRecord plan;
   plan.id = id_of(++next_id_);
-  plan.design = wish.design;
-  plan.material = wish.material;
-  plan.machine = wish.machine;
+  plan.design = request.design;
+  plan.material = request.material;
+  plan.machine = request.machine;
   plan.created = kNow;
   return plan_map[plan.id] = plan;
 }
 
-Answer<void> FakeService::delete_plan(const Principal&, const std::string& id) {
-  if (auto problem = trouble("delete_plan")) return tl::unexpected<Problem>(*problem);
+Answer<void> FakePlans::remove(const Principal&, const std::string& id) {
+  if (auto problem = failure("delete_plan")) return tl::unexpected<Problem>(*problem);
   if (plan_map.erase(id) == 0) return nothing("there is no such plan");
   return {};
 }
 
-Answer<PlanRecord> FakeService::plan(const std::string& id) {
-  if (auto problem = trouble("plan")) return tl::unexpected<Problem>(*problem);
-  return find(plan_map, id, "plan");
+Answer<PlanRecord> FakePlans::find(const std::string& id) {
+  if (auto problem = failure("plan")) return tl::unexpected<Problem>(*problem);
+  return lookup(plan_map, id, "plan");
 }
 
-Answer<std::string> FakeService::plan_file(const std::string& id, const std::string& name) {
-  if (auto problem = trouble("plan_file")) return tl::unexpected<Problem>(*problem);
-  return find(files, id + "/" + name, "file");
+Answer<std::string> FakePlans::file(const std::string& id, const std::string& name) {
+  if (auto problem = failure("plan_file")) return tl::unexpected<Problem>(*problem);
+  return lookup(files, id + "/" + name, "file");
 }
 
-void FakeService::design_preview(const std::string& id,
-                                 std::function<void(Answer<std::string>)> done) {
-  if (auto problem = trouble("design_preview")) return done(tl::unexpected<Problem>(*problem));
+void FakeDesigns::preview(const std::string& id, std::function<void(Answer<std::string>)> done) {
+  if (auto problem = failure("design_preview")) return done(tl::unexpected<Problem>(*problem));
   if (design_map.find(id) == design_map.end()) return done(nothing("there is no such design"));
-  done(preview);
+  done(preview_svg);
 }
 
-std::vector<MaterialRecord> FakeService::materials() {
+std::vector<MaterialRecord> FakeMaterials::list() {
   note("materials");
   std::vector<MaterialRecord> out;
   for (const auto& [id, material] : material_map) out.push_back(material);
   return out;
 }
 
-Answer<MaterialRecord> FakeService::material(const std::string& id) {
-  if (auto problem = trouble("material")) return tl::unexpected<Problem>(*problem);
-  return find(material_map, id, "material");
+Answer<MaterialRecord> FakeMaterials::find(const std::string& id) {
+  if (auto problem = failure("material")) return tl::unexpected<Problem>(*problem);
+  return lookup(material_map, id, "material");
 }
 
-Answer<MaterialRecord> FakeService::put_material(const Principal&, const std::string& id,
-                                                 std::int64_t if_match, const std::string& json) {
-  if (auto problem = trouble("put_material")) return tl::unexpected<Problem>(*problem);
+Answer<MaterialRecord> FakeMaterials::put(const Principal&, const std::string& id,
+                                          std::int64_t if_match, const std::string& json) {
+  if (auto problem = failure("put_material")) return tl::unexpected<Problem>(*problem);
   const auto found = material_map.find(id);
   const std::int64_t rev = found == material_map.end() ? 0 : found->second.rev;
   if (rev != if_match) {
@@ -263,15 +262,15 @@ Answer<MaterialRecord> FakeService::put_material(const Principal&, const std::st
   return material_map[id] = {id, rev + 1, json, false};
 }
 
-Answer<void> FakeService::delete_material(const Principal&, const std::string& id, std::int64_t) {
-  if (auto problem = trouble("delete_material")) return tl::unexpected<Problem>(*problem);
+Answer<void> FakeMaterials::remove(const Principal&, const std::string& id, std::int64_t) {
+  if (auto problem = failure("delete_material")) return tl::unexpected<Problem>(*problem);
   if (material_map.erase(id) == 0) return nothing("there is no such material");
   return {};
 }
 
-Answer<std::vector<Event>> FakeService::events(std::int64_t after, int limit,
-                                               const std::string& job) {
-  if (auto problem = trouble("events")) return tl::unexpected<Problem>(*problem);
+Answer<std::vector<Event>> FakeOperations::events(std::int64_t after, int limit,
+                                                  const std::string& job) {
+  if (auto problem = failure("events")) return tl::unexpected<Problem>(*problem);
   std::vector<Event> out;
   for (const Event& event : log) {
     if (event.seq <= after || event.seq < first_kept) continue;
@@ -282,40 +281,40 @@ Answer<std::vector<Event>> FakeService::events(std::int64_t after, int limit,
   return out;
 }
 
-std::int64_t FakeService::last_event() {
+std::int64_t FakeOperations::last_event() {
   note("last_event");
   return seq_;
 }
 
-std::int64_t FakeService::first_event() { return first_kept; }
+std::int64_t FakeOperations::first_event() { return first_kept; }
 
-void FakeService::listen(std::function<void(const Event&)> listener) {
+void FakeOperations::listen(std::function<void(const Event&)> listener) {
   listeners_.push_back(std::move(listener));
 }
 
-std::vector<UsageRow> FakeService::usage(std::optional<TimeMs>, std::optional<TimeMs>,
-                                         const std::string&) {
+std::vector<UsageRow> FakeOperations::usage(std::optional<TimeMs>, std::optional<TimeMs>,
+                                            const std::string&) {
   note("usage");
   return {{"uid:0", 12.5, 340.25, 2}, {"=cmd|' /C calc'!A0", 1, 2, 3}};
 }
 
-Service::Health FakeService::health() {
+ServiceHealth FakeOperations::health() {
   note("health");
   return {healthy, 1024, healthy, healthy ? "" : "the disk failed"};
 }
 
-std::string FakeService::metrics() {
+std::string FakeOperations::metrics() {
   note("metrics");
   return "# TYPE popcut_jobs gauge\npopcut_jobs{state=\"queued\"} 0\n";
 }
 
-Answer<std::string> FakeService::backup(const Principal&) {
-  if (auto problem = trouble("backup")) return tl::unexpected<Problem>(*problem);
+Answer<std::string> FakeOperations::backup(const Principal&) {
+  if (auto problem = failure("backup")) return tl::unexpected<Problem>(*problem);
   return std::string("backups/popcut-1.db");
 }
 
-Answer<std::string> FakeService::check_integrity(const Principal&) {
-  if (auto problem = trouble("check_integrity")) return tl::unexpected<Problem>(*problem);
+Answer<std::string> FakeOperations::check_integrity(const Principal&) {
+  if (auto problem = failure("check_integrity")) return tl::unexpected<Problem>(*problem);
   return std::string("ok");
 }
 

@@ -22,28 +22,28 @@ Problem stale(const Job& job) {
 
 }  // namespace
 
-Answer<Job> FakeService::create_job(const Principal& who, const JobCreate& wish) {
-  if (auto problem = trouble("create_job")) return tl::unexpected<Problem>(*problem);
-  last_create = wish;
+Answer<Job> FakeJobs::create(const Principal& who, const JobCreate& request) {
+  if (auto problem = failure("create_job")) return tl::unexpected<Problem>(*problem);
+  last_create = request;
   ++made_jobs;
   Job& job = add_job(JobState::Queued, who.name);
-  job.name = wish.name;
-  job.copies = wish.copies;
-  job.priority = wish.priority;
-  job.tags = wish.tags;
+  job.name = request.name;
+  job.copies = request.copies;
+  job.priority = request.priority;
+  job.tags = request.tags;
   return changed(job);
 }
 
-Answer<Page<Job>> FakeService::jobs(const JobFilter& filter, const PageWish& wish) {
-  if (auto problem = trouble("jobs")) return tl::unexpected<Problem>(*problem);
+Answer<Page<Job>> FakeJobs::list(const JobFilter& filter, const PageRequest& request) {
+  if (auto problem = failure("jobs")) return tl::unexpected<Problem>(*problem);
   last_filter = filter;
-  last_page = wish;
+  last_page = request;
   Page<Job> page;
   for (const auto& [id, job] : job_map) {
     bool is_wanted = filter.states.empty();
     for (const JobState state : filter.states) is_wanted = is_wanted || state == job.state;
-    if (id <= wish.cursor || !is_wanted) continue;
-    if (static_cast<int>(page.items.size()) == wish.limit) {
+    if (id <= request.cursor || !is_wanted) continue;
+    if (static_cast<int>(page.items.size()) == request.limit) {
       page.next_cursor = page.items.back().id;
       break;
     }
@@ -52,14 +52,14 @@ Answer<Page<Job>> FakeService::jobs(const JobFilter& filter, const PageWish& wis
   return page;
 }
 
-Answer<Job> FakeService::job(const std::string& id) {
-  if (auto problem = trouble("job")) return tl::unexpected<Problem>(*problem);
-  return find(job_map, id, "job");
+Answer<Job> FakeJobs::find(const std::string& id) {
+  if (auto problem = failure("job")) return tl::unexpected<Problem>(*problem);
+  return lookup(job_map, id, "job");
 }
 
-Answer<std::vector<SheetRecord>> FakeService::sheets(const std::string& id) {
-  if (auto problem = trouble("sheets")) return tl::unexpected<Problem>(*problem);
-  const Answer<Job> found = find(job_map, id, "job");
+Answer<std::vector<SheetRecord>> FakeJobs::sheets(const std::string& id) {
+  if (auto problem = failure("sheets")) return tl::unexpected<Problem>(*problem);
+  const Answer<Job> found = lookup(job_map, id, "job");
   if (!found) return tl::unexpected<Problem>(found.error());
   std::vector<SheetRecord> out;
   for (int k = 1; k <= found->sheets_total; ++k) {
@@ -74,9 +74,9 @@ Answer<std::vector<SheetRecord>> FakeService::sheets(const std::string& id) {
   return out;
 }
 
-Answer<Ledger> FakeService::ledger(const std::string& id, int sheet) {
-  if (auto problem = trouble("ledger")) return tl::unexpected<Problem>(*problem);
-  const Answer<Job> found = find(job_map, id, "job");
+Answer<Ledger> FakeJobs::ledger(const std::string& id, int sheet) {
+  if (auto problem = failure("ledger")) return tl::unexpected<Problem>(*problem);
+  const Answer<Job> found = lookup(job_map, id, "job");
   if (!found) return tl::unexpected<Problem>(found.error());
   if (sheet > found->sheets_total) return nothing("the job has no such sheet");
   Ledger ledger;
@@ -89,9 +89,9 @@ Answer<Ledger> FakeService::ledger(const std::string& id, int sheet) {
   return ledger;
 }
 
-Answer<Job> FakeService::patch_job(const Principal&, const std::string& id, std::int64_t if_match,
-                                   const JobPatch& patch) {
-  if (auto problem = trouble("patch_job")) return tl::unexpected<Problem>(*problem);
+Answer<Job> FakeJobs::patch(const Principal&, const std::string& id, std::int64_t if_match,
+                            const JobPatch& patch) {
+  if (auto problem = failure("patch_job")) return tl::unexpected<Problem>(*problem);
   last_patch = patch;
   Job& job = job_map.at(id);
   if (job.rev != if_match) return tl::unexpected(stale(job));
@@ -100,10 +100,10 @@ Answer<Job> FakeService::patch_job(const Principal&, const std::string& id, std:
   return changed(job);
 }
 
-Answer<Job> FakeService::act(const Principal& who, const std::string& id, std::int64_t if_match,
-                             const ActionWish& wish) {
-  if (auto problem = trouble("act")) return tl::unexpected<Problem>(*problem);
-  last_action = wish;
+Answer<Job> FakeCutting::act(const Principal& who, const std::string& id, std::int64_t if_match,
+                             const ActionRequest& request) {
+  if (auto problem = failure("act")) return tl::unexpected<Problem>(*problem);
+  last_action = request;
   Job& job = job_map.at(id);
   if (job.rev != if_match) return tl::unexpected(stale(job));
   if (is_terminal(job.state)) {
@@ -116,26 +116,26 @@ Answer<Job> FakeService::act(const Principal& who, const std::string& id, std::i
       {JobAction::Start, JobState::Cutting},  {JobAction::Pause, JobState::Paused},
       {JobAction::Resume, JobState::Cutting}, {JobAction::Cancel, JobState::Cancelled},
   };
-  if (const auto next = kLeadsTo.find(wish.action); next != kLeadsTo.end())
+  if (const auto next = kLeadsTo.find(request.action); next != kLeadsTo.end())
     job.state = next->second;
   job.operator_name = who.name;
   return changed(job);
 }
 
-Answer<void> FakeService::delete_job(const Principal&, const std::string& id) {
-  if (auto problem = trouble("delete_job")) return tl::unexpected<Problem>(*problem);
+Answer<void> FakeJobs::remove(const Principal&, const std::string& id) {
+  if (auto problem = failure("delete_job")) return tl::unexpected<Problem>(*problem);
   job_map.erase(id);
   return {};
 }
 
-Answer<Page<Job>> FakeService::queue(const std::string& device, const PageWish& wish) {
+Answer<Page<Job>> FakeJobs::queue(const std::string& device, const PageRequest& request) {
   note("queue");
-  last_page = wish;
+  last_page = request;
   Page<Job> page;
   for (const auto& [id, job] : job_map) {
-    if (is_terminal(job.state) || (!device.empty() && job.device != device) || id <= wish.cursor)
+    if (is_terminal(job.state) || (!device.empty() && job.device != device) || id <= request.cursor)
       continue;
-    if (page.items.size() == static_cast<std::size_t>(wish.limit)) {
+    if (page.items.size() == static_cast<std::size_t>(request.limit)) {
       page.next_cursor = page.items.back().id;
       break;
     }
@@ -144,34 +144,34 @@ Answer<Page<Job>> FakeService::queue(const std::string& device, const PageWish& 
   return page;
 }
 
-Answer<Job> FakeService::hold(const Principal&, const std::string& id, bool held) {
-  if (auto problem = trouble("hold")) return tl::unexpected<Problem>(*problem);
+Answer<Job> FakeJobs::hold(const Principal&, const std::string& id, bool held) {
+  if (auto problem = failure("hold")) return tl::unexpected<Problem>(*problem);
   const auto found = job_map.find(id);
   if (found == job_map.end()) return nothing("there is no such job");
   found->second.held = held;
   return changed(found->second);
 }
 
-Answer<Job> FakeService::move(const Principal&, const std::string& id, const std::string&) {
-  if (auto problem = trouble("move")) return tl::unexpected<Problem>(*problem);
-  return find(job_map, id, "job");
+Answer<Job> FakeJobs::move(const Principal&, const std::string& id, const std::string&) {
+  if (auto problem = failure("move")) return tl::unexpected<Problem>(*problem);
+  return lookup(job_map, id, "job");
 }
 
-std::vector<DeviceRecord> FakeService::devices() {
+std::vector<DeviceRecord> FakeDevices::list() {
   note("devices");
   std::vector<DeviceRecord> out;
   for (const auto& [id, device] : device_map) out.push_back(device);
   return out;
 }
 
-Answer<DeviceRecord> FakeService::device(const std::string& id) {
-  if (auto problem = trouble("device")) return tl::unexpected<Problem>(*problem);
-  return find(device_map, id, "device");
+Answer<DeviceRecord> FakeDevices::find(const std::string& id) {
+  if (auto problem = failure("device")) return tl::unexpected<Problem>(*problem);
+  return lookup(device_map, id, "device");
 }
 
-Answer<DeviceRecord> FakeService::act_on_device(const Principal&, const std::string& id,
-                                                std::int64_t if_match, const DeviceWish& wish) {
-  if (auto problem = trouble("act_on_device")) return tl::unexpected<Problem>(*problem);
+Answer<DeviceRecord> FakeDevices::act(const Principal&, const std::string& id,
+                                      std::int64_t if_match, const DeviceRequest& request) {
+  if (auto problem = failure("act_on_device")) return tl::unexpected<Problem>(*problem);
   const auto found = device_map.find(id);
   if (found == device_map.end()) return nothing("there is no such device");
   DeviceRecord& device = found->second;
@@ -180,11 +180,12 @@ Answer<DeviceRecord> FakeService::act_on_device(const Principal&, const std::str
     changed.rev = device.rev;
     return tl::unexpected<Problem>(changed);
   }
-  if (wish.action == "enable" || wish.action == "disable") device.enabled = wish.action == "enable";
+  if (request.action == "enable" || request.action == "disable")
+    device.enabled = request.action == "enable";
   ++device.rev;
-  last_device_wish = wish;
+  last_device_request = request;
   DeviceRecord answer = device;
-  if (wish.action == "test-cut") answer.test_job = "01JD0000000000000000000777";
+  if (request.action == "test-cut") answer.test_job = "01JD0000000000000000000777";
   return answer;
 }
 

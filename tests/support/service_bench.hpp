@@ -12,7 +12,7 @@
 
 #include <unistd.h>
 
-#include "daemon/service/job_service.hpp"
+#include "daemon/service/live/live_service.hpp"
 #include "tests/support/fake_cutters.hpp"
 #include "tests/support/fake_planner.hpp"
 
@@ -85,11 +85,11 @@ class ServiceBench {
   }
   ~ServiceBench() { stop(); }
 
-  /// Opens the store and the service; the trouble in words, or nothing.
+  /// Opens the store and the service; the error as text, or nothing.
   std::string start() {
     auto opened =
         daemon::Store::open({.folder = folder(), .reserve_bytes = reserve_bytes, .vfs = vfs});
-    if (!opened) return opened.error().detail;
+    if (!opened) return message(opened.error());
     store_ = std::move(*opened);
     thread_ = std::make_unique<daemon::ServiceThread>();
     auto made = daemon::make_service(*store_, *thread_, planner, cutters, options);
@@ -117,12 +117,12 @@ class ServiceBench {
   [[nodiscard]] std::string folder() const { return scratch_.path() + "/state"; }
   [[nodiscard]] daemon::Store& store() { return *store_; }
   [[nodiscard]] daemon::ServiceThread& thread() { return *thread_; }
-  [[nodiscard]] daemon::JobService& service() { return *service_; }
+  [[nodiscard]] daemon::LiveService& service() { return *service_; }
 
   /// `work(service)` on the service's thread.
   template <typename Work>
   auto on(const Work& work) {
-    using Value = std::invoke_result_t<Work, daemon::JobService&>;
+    using Value = std::invoke_result_t<Work, daemon::LiveService&>;
     if constexpr (std::is_void_v<Value>) {
       thread_->run(daemon::ServiceThread::Lane::Asking, [&] { work(*service_); });
     } else {
@@ -149,26 +149,26 @@ class ServiceBench {
     std::mutex mutex;
     std::condition_variable over;
     std::optional<daemon::Answer<daemon::Design>> answer;
-    on([&](daemon::JobService& service) {
-      service.add_design(student, {path, daemon::sha256_hex(text), text.size()}, "application/json",
-                         name, [&](daemon::Answer<daemon::Design> done) {
-                           const std::lock_guard lock(mutex);
-                           answer.emplace(std::move(done));
-                           over.notify_all();
-                         });
+    on([&](daemon::LiveService& service) {
+      service.designs.add(student, {path, daemon::sha256_hex(text), text.size()},
+                          "application/json", name, [&](daemon::Answer<daemon::Design> done) {
+                            const std::lock_guard lock(mutex);
+                            answer.emplace(std::move(done));
+                            over.notify_all();
+                          });
     });
     std::unique_lock lock(mutex);
     over.wait_for(lock, std::chrono::seconds(60), [&] { return answer.has_value(); });
     return answer ? *answer : daemon::refuse(daemon::ProblemKind::Internal, "no answer");
   }
   daemon::Answer<daemon::Job> create(const std::string& design, int copies = 1) {
-    daemon::JobCreate wish;
-    wish.design = design;
-    wish.copies = copies;
-    return on([&](daemon::JobService& service) { return service.create_job(student, wish); });
+    daemon::JobCreate request;
+    request.design = design;
+    request.copies = copies;
+    return on([&](daemon::LiveService& service) { return service.jobs.create(student, request); });
   }
   daemon::Job job(const std::string& id) {
-    return on([&](daemon::JobService& service) { return service.job(id).value(); });
+    return on([&](daemon::LiveService& service) { return service.jobs.find(id).value(); });
   }
   daemon::Job wait_for(const std::string& id, daemon::JobState state) {
     wait([&] { return job(id).state == state; });
@@ -180,16 +180,16 @@ class ServiceBench {
     const auto made = create(design.value().id, copies);
     return wait_for(made.value().id, daemon::JobState::Ready);
   }
-  daemon::Answer<daemon::Job> act(const std::string& id, daemon::ActionWish wish) {
-    return on([&](daemon::JobService& service) {
-      const auto now = service.job(id);
+  daemon::Answer<daemon::Job> act(const std::string& id, daemon::ActionRequest request) {
+    return on([&](daemon::LiveService& service) {
+      const auto now = service.jobs.find(id);
       if (!now) return now;
-      if (!wish.sheet && wish.action != daemon::JobAction::Start) wish.sheet = now->sheet;
-      return service.act(tutor, id, now->rev, wish);
+      if (!request.sheet && request.action != daemon::JobAction::Start) request.sheet = now->sheet;
+      return service.cutting.act(tutor, id, now->rev, request);
     });
   }
   daemon::Answer<daemon::Job> act(const std::string& id, daemon::JobAction action) {
-    return act(id, daemon::ActionWish{.action = action});
+    return act(id, daemon::ActionRequest{.action = action});
   }
   /// Armed and started: the sheet is with the cutter.
   daemon::Job started(const std::string& id) {
@@ -204,19 +204,21 @@ class ServiceBench {
   }
   std::unique_ptr<daemon::Store> store_;
   std::unique_ptr<daemon::ServiceThread> thread_;
-  std::unique_ptr<daemon::JobService> service_;
+  std::unique_ptr<daemon::LiveService> service_;
 };
 
 /// The job as it is now.
 inline daemon::Job shown(ServiceBench& bench, const daemon::Job& job) { return bench.job(job.id); }
 
 inline std::string sheet_state(ServiceBench& bench, const std::string& job, std::size_t sheet = 1) {
-  return bench.on(
-      [&](daemon::JobService& service) { return service.sheets(job).value().at(sheet - 1).state; });
+  return bench.on([&](daemon::LiveService& service) {
+    return service.jobs.sheets(job).value().at(sheet - 1).state;
+  });
 }
 
 inline daemon::Ledger ledger(ServiceBench& bench, const std::string& job, int sheet = 1) {
-  return bench.on([&](daemon::JobService& service) { return service.ledger(job, sheet).value(); });
+  return bench.on(
+      [&](daemon::LiveService& service) { return service.jobs.ledger(job, sheet).value(); });
 }
 
 /// Interrupted with strokes 0..1 certain and 2 in doubt, of 5.

@@ -45,8 +45,8 @@ Asked ask(FakeService& fake, Method method, const std::string& target,
     out.response = std::move(response);
     answered = true;
   });
-  const Shop shop;
-  dispatch(request, *match.route, fake, shop, reply);
+  const HandlerContext context;
+  dispatch(request, *match.route, fake, context, reply);
   REQUIRE(answered);
   if (out.response.make_body) out.response.body = out.response.make_body();
   out.body = json::parse(out.response.body, nullptr, false);
@@ -92,17 +92,17 @@ TEST_CASE("what a client sends for a job reaches the service whole", "[daemon][h
     "options": {"order": "best", "effort": 2}})",
                           kSubmitter);
   REQUIRE(asked.response.status == 201);
-  const JobCreate& wish = fake.last_create;
-  CHECK(wish.plan == "01JD");
-  CHECK(wish.design.empty());
-  CHECK(wish.material == "paper-220");
-  CHECK(wish.device == "sim:cameo3");
-  CHECK(wish.copies == 3);
-  CHECK(wish.priority == -2);
-  CHECK(wish.name == "Karte \xC3\xA4");
-  CHECK(wish.note == "a\nb");
-  CHECK(wish.tags == std::vector<std::string>{"x", "y"});
-  CHECK(wish.options.at("effort") == "2");
+  const JobCreate& request = fake.last_create;
+  CHECK(request.plan == "01JD");
+  CHECK(request.design.empty());
+  CHECK(request.material == "paper-220");
+  CHECK(request.device == "sim:cameo3");
+  CHECK(request.copies == 3);
+  CHECK(request.priority == -2);
+  CHECK(request.name == "Karte \xC3\xA4");
+  CHECK(request.note == "a\nb");
+  CHECK(request.tags == std::vector<std::string>{"x", "y"});
+  CHECK(request.options.at("effort") == "2");
   CHECK(asked.body.at("owner") == "token:submitter");
   CHECK(asked.body.at("sheet") == 1);
   CHECK(asked.body.at("started").is_null());
@@ -120,7 +120,7 @@ TEST_CASE("the words of each action reach the service", "[daemon][http][handlers
     CHECK(asked.response.status == 200);
     return fake.last_action;
   };
-  const ActionWish arm =
+  const ActionRequest arm =
       act("arm", R"({"sheet":2,"blank":3,"device":"sim:cameo3","plan_sha256":"ab"})");
   CHECK(arm.action == JobAction::Arm);
   CHECK(arm.sheet == 2);
@@ -132,12 +132,12 @@ TEST_CASE("the words of each action reach the service", "[daemon][http][handlers
   CHECK(act("resume", "{}").action == JobAction::Resume);
   CHECK(act("disarm", "{}").action == JobAction::Disarm);
   CHECK(act("cancel", R"({"reason":"wrong paper"})").reason == "wrong paper");
-  const ActionWish confirm = act("confirm-result", R"({"sheet":1,"good":false})");
+  const ActionRequest confirm = act("confirm-result", R"({"sheet":1,"good":false})");
   CHECK(confirm.action == JobAction::ConfirmResult);
   CHECK(confirm.good == false);
   CHECK(act("retry-sheet", R"({"sheet":1})").action == JobAction::RetrySheet);
   CHECK(act("skip-sheet", R"({"sheet":1})").action == JobAction::SkipSheet);
-  const ActionWish resume = act(
+  const ActionRequest resume = act(
       "resume-from",
       R"({"from_path":7,"registration":"re-registered","i_accept_double_cut":true,"skip_in_doubt":true})");
   CHECK(resume.from_path == 7);
@@ -252,7 +252,7 @@ TEST_CASE("a test cut names its material and its job", "[daemon][http][handlers]
   const Asked made = ask(fake, Method::Post, "/v1/devices/sim:cameo3/actions/test-cut",
                          keyed("\"1\""), R"({"material":"pp-150"})");
   CHECK(made.response.status == 200);
-  CHECK(fake.last_device_wish.material == "pp-150");
+  CHECK(fake.last_device_request.material == "pp-150");
   CHECK(made.body.contains("test_job"));
   CHECK(ask(fake, Method::Post, "/v1/devices/sim:cameo3/actions/reset", keyed("\"2\""),
             R"({"material":"pp-150"})")

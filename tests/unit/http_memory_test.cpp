@@ -57,14 +57,14 @@ namespace {
 int status_when(long fails_at, const Request& request, const Route& route, bool& failed) {
   FakeService fake;
   for (int i = 0; i < 60; ++i) fake.add_job(JobState::Ready, "token:admin");
-  const Shop shop;
+  const HandlerContext context;
   int status = 0, answers = 0;
   const Reply reply([&](const Response& response) {
     status = response.status;
     ++answers;
   });
   allocations_left = fails_at;
-  dispatch(request, route, fake, shop, reply);
+  dispatch(request, route, fake, context, reply);
   failed = allocations_left < 0;
   allocations_left = -1;
   return answers == 1 ? status : 0;

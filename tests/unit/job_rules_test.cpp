@@ -95,7 +95,7 @@ TEST_CASE("what is lawful depends on hold and on what was asked before", "[daemo
         Step::Refused);
   CHECK(step_of({.state = JobState::Cutting, .cancelling = true}, JobAction::Cancel) ==
         Step::Stays);
-  const auto lawful = lawful_actions({.state = JobState::Cutting});
+  const auto lawful = allowed_actions({.state = JobState::Cutting});
   CHECK(lawful == std::vector<JobAction>{JobAction::Pause, JobAction::Cancel});
 }
 
@@ -170,7 +170,9 @@ TEST_CASE("resuming leaves no path out and cuts none twice unless a person says 
           "[daemon][jobs]") {
   const ResumeFacts here{.strokes = 10, .same_device_session = true};
   const auto runs = merged_fates(10, {{{{0, 3}, C}, {{4, 5}, D}}});  // ccccdd....
-  const auto may = [&](ResumeWish wish) { return may_resume(runs, wish, here).has_value(); };
+  const auto may = [&](ResumeRequest request) {
+    return may_resume(runs, request, here).has_value();
+  };
   CHECK(may({.from_path = 4, .accept_double_cut = true}));
   CHECK_FALSE(may({.from_path = 4}));
   CHECK_FALSE(may({.from_path = 5, .accept_double_cut = true, .skip_in_doubt = true}));
@@ -209,15 +211,16 @@ TEST_CASE("whatever the attempts were a lawful resume needs words for each doubt
     const auto runs = merged_fates(strokes, attempts);
     const std::string fates = drawn(runs);
     REQUIRE(fates.size() == static_cast<std::size_t>(strokes));
-    const ResumeWish wish{.from_path = static_cast<std::int64_t>(random() % 14),
-                          .accept_double_cut = random() % 2 == 0,
-                          .skip_in_doubt = random() % 2 == 0};
-    CAPTURE(round, fates, wish.from_path, wish.accept_double_cut, wish.skip_in_doubt);
-    if (!may_resume(runs, wish, {.strokes = strokes, .same_device_session = true})) continue;
-    REQUIRE(wish.from_path < strokes);
-    const auto from = static_cast<std::size_t>(wish.from_path);
+    const ResumeRequest request{.from_path = static_cast<std::int64_t>(random() % 14),
+                                .accept_double_cut = random() % 2 == 0,
+                                .skip_in_doubt = random() % 2 == 0};
+    CAPTURE(round, fates, request.from_path, request.accept_double_cut, request.skip_in_doubt);
+    if (!may_resume(runs, request, {.strokes = strokes, .same_device_session = true})) continue;
+    REQUIRE(request.from_path < strokes);
+    const auto from = static_cast<std::size_t>(request.from_path);
     CHECK(fates.substr(0, from).find('.') == std::string::npos);
-    if (fates.substr(0, from).find('d') != std::string::npos) CHECK(wish.skip_in_doubt);
-    if (fates.substr(from).find_first_of("cd") != std::string::npos) CHECK(wish.accept_double_cut);
+    if (fates.substr(0, from).find('d') != std::string::npos) CHECK(request.skip_in_doubt);
+    if (fates.substr(from).find_first_of("cd") != std::string::npos)
+      CHECK(request.accept_double_cut);
   }
 }

@@ -14,10 +14,10 @@ using popcut::test::shown;
 TEST_CASE("arming names the sheet the blank the device and the plan", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
-  const auto arm = [&](ActionWish wish) {
-    wish.action = JobAction::Arm;
-    return bench.on([&](JobService& service) {
-      return service.act(bench.tutor, ready.id, service.job(ready.id)->rev, wish);
+  const auto arm = [&](ActionRequest request) {
+    request.action = JobAction::Arm;
+    return bench.on([&](LiveService& service) {
+      return service.cutting.act(bench.tutor, ready.id, service.jobs.find(ready.id)->rev, request);
     });
   };
   CHECK(arm({}).error().errors.at(0).pointer == "/sheet");
@@ -30,7 +30,7 @@ TEST_CASE("arming names the sheet the blank the device and the plan", "[daemon][
   CHECK(arm({.sheet = 1, .plan_sha256 = std::string(64, '0')}).error().kind ==
         ProblemKind::StateConflict);
   const std::string sha256 =
-      bench.on([&](JobService& service) { return service.plan(ready.plan)->sha256; });
+      bench.on([&](LiveService& service) { return service.plans.find(ready.plan)->sha256; });
   CHECK(arm({.sheet = 1, .blank = 1, .device = bench.device, .plan_sha256 = sha256}));
   CHECK(shown(bench, ready).state == JobState::Armed);
 }
@@ -40,12 +40,12 @@ TEST_CASE("an arm lives ten minutes by the clock that nobody sets", "[daemon][se
   const Job ready = bench.ready_job();
   REQUIRE(bench.act(ready.id, JobAction::Arm));
   bench.skew_ms = 366LL * 86'400'000;  // the wall's clock jumps a year ahead
-  bench.on([](JobService& service) { service.tick(); });
+  bench.on([](LiveService& service) { service.tick(); });
   CHECK(shown(bench, ready).state == JobState::Armed);
   bench.monotonic_skew_ms = 601'000;
   // Even before anyone looked, START comes too late.
   CHECK(bench.act(ready.id, JobAction::Start).error().kind == ProblemKind::StateConflict);
-  bench.on([](JobService& service) { service.tick(); });
+  bench.on([](LiveService& service) { service.tick(); });
   CHECK(shown(bench, ready).state == JobState::Ready);
   CHECK(shown(bench, ready).reason == "arm_expired");
   CHECK(bench.cutters.cuts() == 0);
@@ -70,8 +70,8 @@ TEST_CASE("a restart takes back what was armed and keeps what was ready", "[daem
   CHECK(again.state == JobState::Ready);
   CHECK(bench.act(ready.id, JobAction::Start).error().kind == ProblemKind::StateConflict);
   CHECK(bench.cutters.cuts() == 0);
-  const auto events =
-      bench.on([&](JobService& service) { return service.events(0, 1000, ready.id).value(); });
+  const auto events = bench.on(
+      [&](LiveService& service) { return service.operations.events(0, 1000, ready.id).value(); });
   CHECK(events.back().data.find(R"("recovered":{"from":"armed","to":"ready"})") !=
         std::string::npos);
 }
@@ -79,8 +79,8 @@ TEST_CASE("a restart takes back what was armed and keeps what was ready", "[daem
 TEST_CASE("unplugging takes back what was armed and asks for the device", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
-  REQUIRE(bench.on([&](JobService& service) {
-    return service.patch_job(bench.tutor, ready.id, ready.rev, {.device = bench.device});
+  REQUIRE(bench.on([&](LiveService& service) {
+    return service.jobs.patch(bench.tutor, ready.id, ready.rev, {.device = bench.device});
   }));
   REQUIRE(bench.act(ready.id, JobAction::Arm));
   bench.cutters.unplug(bench.device);
@@ -90,7 +90,7 @@ TEST_CASE("unplugging takes back what was armed and asks for the device", "[daem
   CHECK(bench.act(ready.id, JobAction::Arm).error().kind == ProblemKind::DeviceAbsent);
   bench.cutters.plug(bench.device);
   REQUIRE(bench.wait([&] {
-    return bench.on([&](JobService& s) { return s.device(bench.device)->state == "idle"; });
+    return bench.on([&](LiveService& s) { return s.devices.find(bench.device)->state == "idle"; });
   }));
   CHECK(shown(bench, ready).state == JobState::Ready);  // replugging arms nothing
   CHECK(shown(bench, ready).attention->kind == "load_sheet");
@@ -128,7 +128,7 @@ TEST_CASE("a pause is told when the tool is up and resume goes on", "[daemon][se
   CHECK(bench.cutters.resumes() == 1);
   // Held without having been asked is nothing that leads on.
   bench.cutters.progress(bench.device, {.phase = SessionPhase::Held});
-  bench.on([](JobService&) {});
+  bench.on([](LiveService&) {});
   CHECK(shown(bench, ready).state == JobState::Cutting);
   bench.cutters.complete(bench.device);
   CHECK(shown(bench, ready).sheet == 2);
@@ -259,7 +259,7 @@ TEST_CASE("a machine that answers nothing needs a person to say done", "[daemon]
   CHECK(bad.state == JobState::Interrupted);
   const Job good = bench.act(ready.id, {.action = JobAction::ConfirmResult, .good = true}).value();
   CHECK(good.state == JobState::Done);
-  const auto usage = bench.on([](JobService& s) { return s.usage({}, {}, "device"); });
+  const auto usage = bench.on([](LiveService& s) { return s.operations.usage({}, {}, "device"); });
   CHECK(usage.at(0).sheets == 1);
 }
 
@@ -345,7 +345,7 @@ TEST_CASE("stopping popcutd interrupts its cuts at the ends of their strokes",
   const Job ready = bench.ready_job();
   bench.started(ready.id);
   REQUIRE(bench.cutters.intend(bench.device, 1));
-  bench.on([](JobService& service) { service.stopping(); });
+  bench.on([](LiveService& service) { service.stopping(); });
   bench.cutters.finish(bench.device, {.cancelled = true, .certain = 1});
   CHECK(shown(bench, ready).state == JobState::Interrupted);
   CHECK(shown(bench, ready).reason == "shutdown");
@@ -375,8 +375,9 @@ TEST_CASE("roles decide who may do what to whose job", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   const auto as = [&](const Principal& who, JobAction action) {
-    return bench.on([&](JobService& service) {
-      return service.act(who, ready.id, service.job(ready.id)->rev, {.action = action, .sheet = 1});
+    return bench.on([&](LiveService& service) {
+      return service.cutting.act(who, ready.id, service.jobs.find(ready.id)->rev,
+                                 {.action = action, .sheet = 1});
     });
   };
   CHECK(as(bench.student, JobAction::Arm).error().kind == ProblemKind::Forbidden);
@@ -391,9 +392,9 @@ TEST_CASE("who acts on what has changed meanwhile is told so", "[daemon][service
   const Job ready = bench.ready_job();
   REQUIRE(bench.act(ready.id, JobAction::Arm));
   const Problem stale = bench
-                            .on([&](JobService& service) {
-                              return service.act(bench.tutor, ready.id, ready.rev,
-                                                 {.action = JobAction::Arm, .sheet = 1});
+                            .on([&](LiveService& service) {
+                              return service.cutting.act(bench.tutor, ready.id, ready.rev,
+                                                         {.action = JobAction::Arm, .sheet = 1});
                             })
                             .error();
   CHECK(stale.kind == ProblemKind::Stale);
@@ -408,7 +409,7 @@ TEST_CASE("actions leave an audit trail with the person's name", "[daemon][servi
                               .from_path = 2,
                               .registration = "kept",
                               .accept_double_cut = true}));
-  const std::string detail = bench.on([&](JobService&) {
+  const std::string detail = bench.on([&](LiveService&) {
     Rows rows = bench.store().database().rows(
         "SELECT principal, detail FROM audit WHERE action='resume-from'");
     return rows.next() ? rows.text(0) + " " + rows.text(1) : std::string();
@@ -422,16 +423,17 @@ TEST_CASE("what should follow a commit never follows another one", "[daemon][ser
   const Job ready = bench.ready_job();
   REQUIRE(bench.act(ready.id, JobAction::Arm));
   // Whoever renders the reply fails: the start is undone, and no knife moves with the next commit.
-  bench.on([&](JobService& service) {
-    CHECK_THROWS_AS(service.once(bench.tutor, {"a-key-of-sixteen", "digest"},
-                                 [&]() -> Rendered {
-                                   const auto now = service.job(ready.id);
-                                   if (!service.act(bench.tutor, ready.id, now->rev,
-                                                    {.action = JobAction::Start}))
-                                     return {.status = 409, .body = {}};
-                                   throw std::bad_alloc();
-                                 }),
-                    std::bad_alloc);
+  bench.on([&](LiveService& service) {
+    CHECK_THROWS_AS(
+        service.operations.once(bench.tutor, {"a-key-of-sixteen", "digest"},
+                                [&]() -> Rendered {
+                                  const auto now = service.jobs.find(ready.id);
+                                  if (!service.cutting.act(bench.tutor, ready.id, now->rev,
+                                                           {.action = JobAction::Start}))
+                                    return {.status = 409, .body = {}};
+                                  throw std::bad_alloc();
+                                }),
+        std::bad_alloc);
   });
   CHECK(bench.job(ready.id).state == JobState::Armed);
   REQUIRE(bench.create(ready.design));

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-PlanWish wish_of(const std::string& design, const std::string& material = "") {
+PlanRequest plan_request(const std::string& design, const std::string& material = "") {
   return {.design = design, .material = material, .device = {}, .machine = {}};
 }
 
@@ -25,15 +25,15 @@ TEST_CASE("a plan can be asked for without a job", "[daemon][service]") {
   const auto design = bench.add_design("{\"material\":\"pp-150\"}").value();
   const PlanRecord asked =
       bench
-          .on([&](JobService& s) {
-            return s.plan_design(
+          .on([&](LiveService& s) {
+            return s.plans.request(
                 bench.student, {.design = design.id, .material = {}, .device = {}, .machine = {}});
           })
           .value();
   CHECK(asked.material == "pp-150");  // the design's own
   CHECK(asked.machine == "cameo3");
   const auto plan = [&] {
-    return bench.on([&](JobService& s) { return s.plan(asked.id).value(); });
+    return bench.on([&](LiveService& s) { return s.plans.find(asked.id).value(); });
   };
   REQUIRE(bench.wait([&] { return plan().state == PlanState::Planned; }));
   CHECK(plan().sheets.size() == 2);
@@ -53,14 +53,16 @@ TEST_CASE("a plan is taken back while it waits while it is made and when it is t
     designs[text] = bench.add_design(text).value().id;
   const auto ask = [&](const std::string& text) {
     return bench
-        .on([&](JobService& s) { return s.plan_design(bench.student, wish_of(designs.at(text))); })
+        .on([&](LiveService& s) {
+          return s.plans.request(bench.student, plan_request(designs.at(text)));
+        })
         ->id;
   };
   const auto remove = [&](const Principal& who, const std::string& id) {
-    return bench.on([&](JobService& s) { return s.delete_plan(who, id); });
+    return bench.on([&](LiveService& s) { return s.plans.remove(who, id); });
   };
   const auto state = [&](const std::string& id) -> std::optional<PlanState> {
-    const auto plan = bench.on([&](JobService& s) { return s.plan(id); });
+    const auto plan = bench.on([&](LiveService& s) { return s.plans.find(id); });
     return plan ? std::optional(plan->state) : std::nullopt;
   };
   const std::string running = ask("slow 1"), waiting = ask("slow 2"), last = ask("quick");
@@ -86,8 +88,9 @@ TEST_CASE("no more plans wait than jobs may", "[daemon][service]") {
   REQUIRE(bench.start() == "");
   const auto design = bench.add_design("slow").value();
   const auto ask = [&](const char* material) {
-    return bench.on(
-        [&](JobService& s) { return s.plan_design(bench.student, wish_of(design.id, material)); });
+    return bench.on([&](LiveService& s) {
+      return s.plans.request(bench.student, plan_request(design.id, material));
+    });
   };
   REQUIRE(ask("paper-220"));
   REQUIRE(ask("paper-160"));
@@ -103,7 +106,7 @@ TEST_CASE("a plan that a job is of is not taken back", "[daemon][service]") {
   const auto design = bench.add_design("{\"card\":1}").value();
   const Job job = bench.wait_for(bench.create(design.id)->id, JobState::Ready);
   const auto refused =
-      bench.on([&](JobService& s) { return s.delete_plan(bench.tutor, job.plan); });
+      bench.on([&](LiveService& s) { return s.plans.remove(bench.tutor, job.plan); });
   REQUIRE_FALSE(refused);
   CHECK(refused.error().kind == ProblemKind::StateConflict);
   CHECK(refused.error().detail.find(job.id) != std::string::npos);
@@ -114,25 +117,28 @@ TEST_CASE("a design that is removed takes its plans along", "[daemon][service]")
   const auto design = bench.add_design("{\"slow\":1}").value();
   const auto ask = [&](const std::string& material) {
     return bench
-        .on([&](JobService& s) {
-          return s.plan_design(bench.student, wish_of(design.id, material));
+        .on([&](LiveService& s) {
+          return s.plans.request(bench.student, plan_request(design.id, material));
         })
         ->id;
   };
   const std::string one = ask("paper-220"), two = ask("paper-160");
   REQUIRE(bench.wait([&] { return bench.planner.started >= 2; }));
-  CHECK(bench.on([&](JobService& s) { return s.delete_design(bench.student, design.id); }));
+  CHECK(bench.on([&](LiveService& s) { return s.designs.remove(bench.student, design.id); }));
   for (const std::string& plan : {one, two})
-    CHECK_FALSE(bench.on([&](JobService& s) { return s.plan(plan); }));
+    CHECK_FALSE(bench.on([&](LiveService& s) { return s.plans.find(plan); }));
   REQUIRE(bench.wait([&] { return bench.planner.cancelled >= 1; }));
   // Nothing of them is made any more, and what was made of another has no file left behind.
   const auto made = bench.add_design("{\"card\":1}").value();
   const std::string plan =
-      bench.on([&](JobService& s) { return s.plan_design(bench.student, wish_of(made.id)); })->id;
+      bench
+          .on([&](LiveService& s) { return s.plans.request(bench.student, plan_request(made.id)); })
+          ->id;
   REQUIRE(bench.wait([&] {
-    return bench.on([&](JobService& s) { return s.plan(plan); })->state == PlanState::Planned;
+    return bench.on([&](LiveService& s) { return s.plans.find(plan); })->state ==
+           PlanState::Planned;
   }));
-  CHECK(bench.on([&](JobService& s) { return s.delete_design(bench.student, made.id); }));
+  CHECK(bench.on([&](LiveService& s) { return s.designs.remove(bench.student, made.id); }));
   CHECK(fs::is_empty(bench.folder() + "/plans"));
 }
 
@@ -143,12 +149,12 @@ TEST_CASE("an option that there is not is told at once and with what was meant",
   const auto refused = [&](const char* name, const char* value) -> Problem {
     JobCreate job{.design = design.id, .plan = {}};
     job.options[name] = value;
-    PlanWish plan = wish_of(design.id);
+    PlanRequest plan = plan_request(design.id);
     plan.options = job.options;
-    const auto made = bench.on([&](JobService& s) { return s.create_job(bench.student, job); });
+    const auto made = bench.on([&](LiveService& s) { return s.jobs.create(bench.student, job); });
     REQUIRE_FALSE(made);
     const auto planned =
-        bench.on([&](JobService& s) { return s.plan_design(bench.student, plan); });
+        bench.on([&](LiveService& s) { return s.plans.request(bench.student, plan); });
     REQUIRE_FALSE(planned);
     CHECK(planned.error().detail == made.error().detail);
     return made.error();

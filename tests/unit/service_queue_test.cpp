@@ -15,21 +15,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Answer<Job> create(ServiceBench& bench, const JobCreate& wish) {
-  return bench.on([&](JobService& service) { return service.create_job(bench.student, wish); });
+Answer<Job> create(ServiceBench& bench, const JobCreate& request) {
+  return bench.on(
+      [&](LiveService& service) { return service.jobs.create(bench.student, request); });
 }
 
 std::vector<std::string> queue(ServiceBench& bench, const std::string& device = "",
                                int limit = 200) {
   std::vector<std::string> ids;
-  PageWish wish{.limit = limit, .cursor = {}};
+  PageRequest request{.limit = limit, .cursor = {}};
   do {
-    const auto page = bench.on([&](JobService& s) { return s.queue(device, wish); });
+    const auto page = bench.on([&](LiveService& s) { return s.jobs.queue(device, request); });
     REQUIRE(page);
     CHECK(page->items.size() <= static_cast<std::size_t>(limit));
     for (const Job& job : page->items) ids.push_back(job.id);
-    wish.cursor = page->next_cursor;
-  } while (!wish.cursor.empty());
+    request.cursor = page->next_cursor;
+  } while (!request.cursor.empty());
   return ids;
 }
 
@@ -48,7 +49,7 @@ TEST_CASE("the same bytes are one design and the same words one plan", "[daemon]
   CHECK(first.id == "sha256-" + sha256_hex("{\"card\":1}"));
   const auto again = bench.add_design("{\"card\":1}").value();
   CHECK_FALSE(again.is_new);
-  CHECK(bench.on([&](JobService& s) { return s.designs({}).items.size(); }) == 1);
+  CHECK(bench.on([&](LiveService& s) { return s.designs.list({}).items.size(); }) == 1);
   const Job one = bench.create(first.id).value();
   const Job two = bench.create(first.id).value();
   CHECK(one.plan == two.plan);
@@ -59,9 +60,9 @@ TEST_CASE("the same bytes are one design and the same words one plan", "[daemon]
   other.options["order"] = "best";
   CHECK(create(bench, other)->plan != one.plan);
   CHECK(fs::is_empty(bench.folder() + "/incoming"));
-  CHECK(bench.on([&](JobService& s) { return s.plan_file(one.plan, "plan.json").has_value(); }));
+  CHECK(bench.on([&](LiveService& s) { return s.plans.file(one.plan, "plan.json").has_value(); }));
   CHECK_FALSE(bench.on(
-      [&](JobService& s) { return s.plan_file(one.plan, "../../popcut.db").has_value(); }));
+      [&](LiveService& s) { return s.plans.file(one.plan, "../../popcut.db").has_value(); }));
 }
 
 TEST_CASE("a design that cannot be read is refused with its place", "[daemon][service]") {
@@ -78,19 +79,22 @@ TEST_CASE("a design that cannot be read is refused with its place", "[daemon][se
 
 TEST_CASE("a spec gets the assets that it names and no others", "[daemon][service]") {
   ServiceBench bench;
-  const Asset asset =
-      bench.on([&](JobService& s) { return s.add_asset(bench.student, upload(bench, "mesh")); })
-          .value();
+  const Asset asset = bench
+                          .on([&](LiveService& s) {
+                            return s.designs.add_asset(bench.student, upload(bench, "mesh"));
+                          })
+                          .value();
   CHECK(asset.is_new);
-  CHECK_FALSE(bench.on(
-      [&](JobService& s) { return s.add_asset(bench.student, upload(bench, "mesh"))->is_new; }));
+  CHECK_FALSE(bench.on([&](LiveService& s) {
+    return s.designs.add_asset(bench.student, upload(bench, "mesh"))->is_new;
+  }));
   const auto design = bench
                           .add_design("{\"file\":\"" + asset.id + "\",\"other\":\"sha256-" +
                                       std::string(64, 'a') + "\"}")
                           .value();
   CHECK(design.assets == std::vector<std::string>{asset.id});
-  CHECK(bench.on([&](JobService& s) {
-    return s.add_asset(bench.viewer, upload(bench, "other")).error().kind;
+  CHECK(bench.on([&](LiveService& s) {
+    return s.designs.add_asset(bench.viewer, upload(bench, "other")).error().kind;
   }) == ProblemKind::Forbidden);
 }
 
@@ -98,12 +102,12 @@ TEST_CASE("a job that makes no sense is refused with everything that is wrong",
           "[daemon][service]") {
   ServiceBench bench;
   const auto design = bench.add_design("{\"card\":1}").value();
-  JobCreate wish{.design = design.id, .plan = {}};
-  wish.copies = 0;
-  wish.priority = 11;
-  wish.name = "a\x1b[31m";
-  wish.device = "sim:cameo4";
-  const Problem problem = create(bench, wish).error();
+  JobCreate request{.design = design.id, .plan = {}};
+  request.copies = 0;
+  request.priority = 11;
+  request.name = "a\x1b[31m";
+  request.device = "sim:cameo4";
+  const Problem problem = create(bench, request).error();
   CHECK(problem.kind == ProblemKind::Validation);
   std::set<std::string> pointers;
   for (const RequestFault& fault : problem.errors) pointers.insert(fault.pointer);
@@ -114,8 +118,8 @@ TEST_CASE("a job that makes no sense is refused with everything that is wrong",
   material.material = "paper-22";
   CHECK(create(bench, material).error().errors.at(0).pointer == "/material");
   CHECK(create(bench, {}).error().kind == ProblemKind::Validation);
-  CHECK(bench.on([&](JobService& s) {
-    return s.create_job(bench.viewer, {.design = design.id, .plan = {}}).error().kind;
+  CHECK(bench.on([&](LiveService& s) {
+    return s.jobs.create(bench.viewer, {.design = design.id, .plan = {}}).error().kind;
   }) == ProblemKind::Forbidden);
   CHECK(queue(bench).empty());
 }
@@ -145,7 +149,7 @@ TEST_CASE("copies are further sheets", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job("{\"card\":1}", 3);
   CHECK(ready.sheets_total == 6);
-  const auto sheets = bench.on([&](JobService& s) { return s.sheets(ready.id).value(); });
+  const auto sheets = bench.on([&](LiveService& s) { return s.jobs.sheets(ready.id).value(); });
   REQUIRE(sheets.size() == 6);
   CHECK(sheets[0].state == "ready");
   CHECK(sheets[1].state == "waiting");
@@ -154,8 +158,9 @@ TEST_CASE("copies are further sheets", "[daemon][service]") {
   CHECK(sheets[4].plan.program_sha256 == sheets[0].plan.program_sha256);
   bench.started(ready.id);
   bench.cutters.complete(bench.device);
-  CHECK(bench.on([&](JobService& s) { return s.sheets(ready.id).value()[0].state; }) == "done");
-  CHECK(bench.on([&](JobService& s) { return s.ledger(ready.id, 7).error().kind; }) ==
+  CHECK(bench.on([&](LiveService& s) { return s.jobs.sheets(ready.id).value()[0].state; }) ==
+        "done");
+  CHECK(bench.on([&](LiveService& s) { return s.jobs.ledger(ready.id, 7).error().kind; }) ==
         ProblemKind::NotFound);
 }
 
@@ -169,7 +174,7 @@ TEST_CASE("the queue goes by priority and by the order that people give it", "[d
   const Job d = create(bench, urgent).value();
   CHECK(queue(bench) == std::vector{d.id, a.id, b.id, c.id});
   const auto move = [&](const std::string& id, const std::string& before) {
-    return bench.on([&](JobService& s) { return s.move(bench.tutor, id, before); });
+    return bench.on([&](LiveService& s) { return s.jobs.move(bench.tutor, id, before); });
   };
   REQUIRE(move(c.id, a.id));
   CHECK(queue(bench) == std::vector{d.id, c.id, a.id, b.id});
@@ -181,10 +186,11 @@ TEST_CASE("the queue goes by priority and by the order that people give it", "[d
   CHECK_FALSE(move(a.id, d.id));
   CHECK(move(a.id, a.id).error().errors.front().pointer == "/before");
   CHECK_FALSE(move(a.id, "nobody"));
-  CHECK(bench.on([&](JobService& s) { return s.move(bench.student, a.id, "").error().kind; }) ==
-        ProblemKind::Forbidden);
-  REQUIRE(bench.on([&](JobService& s) {
-    return s.patch_job(bench.student, a.id, s.job(a.id)->rev, {.priority = 9});
+  CHECK(bench.on([&](LiveService& s) {
+    return s.jobs.move(bench.student, a.id, "").error().kind;
+  }) == ProblemKind::Forbidden);
+  REQUIRE(bench.on([&](LiveService& s) {
+    return s.jobs.patch(bench.student, a.id, s.jobs.find(a.id)->rev, {.priority = 9});
   }));
   CHECK(queue(bench).front() == a.id);
 }
@@ -193,15 +199,15 @@ TEST_CASE("a held job is not armed until it is released", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   const auto hold = [&](bool held) {
-    return bench.on([&](JobService& s) { return s.hold(bench.student, ready.id, held); });
+    return bench.on([&](LiveService& s) { return s.jobs.hold(bench.student, ready.id, held); });
   };
   CHECK(hold(true)->held);
   CHECK(bench.act(ready.id, JobAction::Arm).error().kind == ProblemKind::StateConflict);
   CHECK_FALSE(hold(false)->held);
   REQUIRE(bench.act(ready.id, JobAction::Arm));
   CHECK(hold(true)->state == JobState::Ready);
-  CHECK(bench.on([&](JobService& s) {
-    return s.hold(bench.other_student, ready.id, false).error().kind;
+  CHECK(bench.on([&](LiveService& s) {
+    return s.jobs.hold(bench.other_student, ready.id, false).error().kind;
   }) == ProblemKind::Forbidden);
 }
 
@@ -242,8 +248,9 @@ TEST_CASE("a disabled device gets no sheets", "[daemon][service]") {
   const Job ready = bench.ready_job();
   REQUIRE(bench.act(ready.id, JobAction::Arm));
   const auto act = [&](const Principal& who, const std::string& action) {
-    return bench.on([&](JobService& s) {
-      return s.act_on_device(who, bench.device, s.device(bench.device)->rev, {.action = action});
+    return bench.on([&](LiveService& s) {
+      return s.devices.act(who, bench.device, s.devices.find(bench.device)->rev,
+                           {.action = action});
     });
   };
   CHECK(act(bench.tutor, "disable").error().kind == ProblemKind::Forbidden);
@@ -252,31 +259,32 @@ TEST_CASE("a disabled device gets no sheets", "[daemon][service]") {
   CHECK(bench.act(ready.id, JobAction::Arm).error().kind == ProblemKind::DeviceAbsent);
   bench.stop();
   REQUIRE(bench.start() == "");
-  CHECK_FALSE(bench.on([&](JobService& s) { return s.device(bench.device)->enabled; }));
+  CHECK_FALSE(bench.on([&](LiveService& s) { return s.devices.find(bench.device)->enabled; }));
   CHECK(act(bench.admin, "enable")->enabled);
   CHECK(bench.act(ready.id, JobAction::Arm));
   CHECK(act(bench.admin, "reset").error().kind == ProblemKind::StateConflict);
   CHECK(act(bench.admin, "melt").error().kind == ProblemKind::NotFound);
-  CHECK(bench.on([&](JobService& s) {
-    return s.act_on_device(bench.admin, bench.device, 0, {.action = "enable"}).error().kind;
+  CHECK(bench.on([&](LiveService& s) {
+    return s.devices.act(bench.admin, bench.device, 0, {.action = "enable"}).error().kind;
   }) == ProblemKind::Stale);
 }
 
 TEST_CASE("what became of a device is in the answer to the one who asked", "[daemon][service]") {
   ServiceBench bench;
   // As HTTP asks: within the transaction of the key.
-  const auto answer = bench.on([&](JobService& s) {
+  const auto answer = bench.on([&](LiveService& s) {
     DeviceRecord told;
-    (void)s.once(bench.admin, {"a-key-of-its-own", "hash"}, [&]() -> Rendered {
-      told = s.act_on_device(bench.admin, bench.device, s.device(bench.device)->rev,
-                             {.action = "disable"})
+    (void)s.operations.once(bench.admin, {"a-key-of-its-own", "hash"}, [&]() -> Rendered {
+      told = s.devices
+                 .act(bench.admin, bench.device, s.devices.find(bench.device)->rev,
+                      {.action = "disable"})
                  .value();
       return {};
     });
     return told;
   });
   CHECK_FALSE(answer.enabled);
-  CHECK(answer.rev == bench.on([&](JobService& s) { return s.device(bench.device)->rev; }));
+  CHECK(answer.rev == bench.on([&](LiveService& s) { return s.devices.find(bench.device)->rev; }));
 }
 
 TEST_CASE("a device that is set up for some materials takes no others", "[daemon][service]") {
@@ -284,7 +292,7 @@ TEST_CASE("a device that is set up for some materials takes no others", "[daemon
   bench.options.device_materials["sim:a"] = {"pp-150"};
   REQUIRE(bench.start() == "");
   const Job paper = bench.ready_job();
-  CHECK(bench.on([&](JobService& s) { return s.device("sim:a")->materials; }) ==
+  CHECK(bench.on([&](LiveService& s) { return s.devices.find("sim:a")->materials; }) ==
         std::vector<std::string>{"pp-150"});
   const auto refused = bench.act(paper.id, {.action = JobAction::Arm, .device = "sim:a"});
   REQUIRE_FALSE(refused);
@@ -292,14 +300,14 @@ TEST_CASE("a device that is set up for some materials takes no others", "[daemon
   CHECK(queue(bench, "sim:a").empty());
   CHECK(queue(bench, "sim:b") == std::vector<std::string>{paper.id});
   // It is told when the job is made, not when its sheet is to be cut; its plan is not made yet.
-  JobCreate wish;
-  wish.design = bench.add_design("{\"slow\":1}").value().id;
-  wish.device = "sim:a";
-  const auto made = bench.on([&](JobService& s) { return s.create_job(bench.student, wish); });
+  JobCreate request;
+  request.design = bench.add_design("{\"slow\":1}").value().id;
+  request.device = "sim:a";
+  const auto made = bench.on([&](LiveService& s) { return s.jobs.create(bench.student, request); });
   REQUIRE_FALSE(made);
   CHECK(made.error().errors.at(0).pointer == "/device");
   // Another time it is paper's turn, without a restart.
-  bench.on([&](JobService& s) {
+  bench.on([&](LiveService& s) {
     s.retune({.device_materials = {{"sim:a", {"paper-220"}}, {"sim:b", {"pp-150"}}}});
     return true;
   });
@@ -309,9 +317,9 @@ TEST_CASE("a device that is set up for some materials takes no others", "[daemon
 TEST_CASE("a test cut is a job that a person arms like any other", "[daemon][service]") {
   ServiceBench bench;
   const auto test = [&](const std::string& material) {
-    return bench.on([&](JobService& s) {
-      return s.act_on_device(bench.tutor, bench.device, s.device(bench.device)->rev,
-                             {.action = "test-cut", .material = material});
+    return bench.on([&](LiveService& s) {
+      return s.devices.act(bench.tutor, bench.device, s.devices.find(bench.device)->rev,
+                           {.action = "test-cut", .material = material});
     });
   };
   CHECK(test("papier").error().errors.at(0).pointer == "/material");
@@ -333,10 +341,10 @@ TEST_CASE("the queue goes by pages in the order in which jobs are offered", "[da
   ServiceBench bench;
   const Job first = bench.ready_job();
   for (const int priority : {0, 5, -10, 0, 10, 0, -3, 5}) {
-    JobCreate wish;
-    wish.design = first.design;
-    wish.priority = priority;
-    REQUIRE(create(bench, wish));
+    JobCreate request;
+    request.design = first.design;
+    request.priority = priority;
+    REQUIRE(create(bench, request));
   }
   const std::vector<std::string> whole = queue(bench);
   CHECK(whole.size() == 9);
@@ -348,7 +356,7 @@ TEST_CASE("the queue goes by pages in the order in which jobs are offered", "[da
   for (const char* bad : {"x", "1", "1.2", "1.2.3", "1.2.01JD", ".1.01JD0000000000000000000001",
                           "+1.2.01JD0000000000000000000001", "99999999999.1.x"}) {
     CAPTURE(bad);
-    const auto page = bench.on([&](JobService& s) { return s.queue("", {10, bad}); });
+    const auto page = bench.on([&](LiveService& s) { return s.jobs.queue("", {10, bad}); });
     REQUIRE_FALSE(page);
     CHECK(page.error().errors.at(0).pointer == "?cursor");
   }
@@ -363,16 +371,18 @@ TEST_CASE("lists go by pages in the order of ids and by what is asked for", "[da
   std::vector<std::string> seen;
   std::string cursor;
   do {
-    const auto page = bench.on([&](JobService& s) { return s.jobs({}, {7, cursor}).value(); });
+    const auto page = bench.on([&](LiveService& s) {
+      return s.jobs.list({}, {7, cursor}).value();
+    });
     for (const Job& job : page.items) seen.push_back(job.id);
     cursor = page.next_cursor;
     // Removing one does not make another be missed.
     if (seen.size() == 7)
-      REQUIRE(bench.on([&](JobService& s) { return s.delete_job(bench.student, ids[3]); }));
+      REQUIRE(bench.on([&](LiveService& s) { return s.jobs.remove(bench.student, ids[3]); }));
   } while (!cursor.empty());
   CHECK(seen == ids);
   const auto count = [&](const JobFilter& filter) {
-    return bench.on([&](JobService& s) { return s.jobs(filter, {200, ""})->items.size(); });
+    return bench.on([&](LiveService& s) { return s.jobs.list(filter, {200, ""})->items.size(); });
   };
   CHECK(count({.states = {JobState::Cancelled}}) == 2);
   CHECK(count({.states = {JobState::Ready, JobState::Cancelled}}) == 24);
@@ -381,8 +391,8 @@ TEST_CASE("lists go by pages in the order of ids and by what is asked for", "[da
   CHECK(count({.device = "sim:cameo3"}) == 0);
   CHECK(count({.since = bench.job(ids[24]).created + 60'000}) == 0);
   CHECK(count({.since = first.created}) == 24);
-  CHECK(bench.on([](JobService& s) {
-    return s.jobs({}, {10, "' OR 1=1"}).error().kind;
+  CHECK(bench.on([](LiveService& s) {
+    return s.jobs.list({}, {10, "' OR 1=1"}).error().kind;
   }) == ProblemKind::Validation);
 }
 
@@ -391,21 +401,22 @@ TEST_CASE("only jobs that have ended are removed and their use stays", "[daemon]
   bench.planner.sheets = 1;
   const Job ready = bench.ready_job();
   const auto remove = [&](const Principal& who) {
-    return bench.on([&](JobService& s) { return s.delete_job(who, ready.id); });
+    return bench.on([&](LiveService& s) { return s.jobs.remove(who, ready.id); });
   };
   CHECK(remove(bench.student).error().kind == ProblemKind::StateConflict);
-  CHECK(bench.on([&](JobService& s) {
-    return s.delete_design(bench.student, ready.design).error().kind;
+  CHECK(bench.on([&](LiveService& s) {
+    return s.designs.remove(bench.student, ready.design).error().kind;
   }) == ProblemKind::StateConflict);
   bench.started(ready.id);
   bench.cutters.complete(bench.device);
   CHECK(remove(bench.other_student).error().kind == ProblemKind::Forbidden);
   REQUIRE(remove(bench.student));
   CHECK(remove(bench.student).error().kind == ProblemKind::NotFound);
-  CHECK(bench.on([](JobService& s) { return s.usage({}, {}, "owner").at(0).sheets; }) == 1);
-  REQUIRE(bench.on([&](JobService& s) { return s.delete_design(bench.student, ready.design); }));
+  CHECK(bench.on([](LiveService& s) { return s.operations.usage({}, {}, "owner").at(0).sheets; }) ==
+        1);
+  REQUIRE(bench.on([&](LiveService& s) { return s.designs.remove(bench.student, ready.design); }));
   CHECK(fs::is_empty(bench.folder() + "/designs"));
-  CHECK(bench.on([&](JobService& s) { return s.usage(1, 2, "device").empty(); }));
+  CHECK(bench.on([&](LiveService& s) { return s.operations.usage(1, 2, "device").empty(); }));
 }
 
 TEST_CASE("planning goes on after a crash and plans that were made are kept", "[daemon][service]") {
@@ -419,7 +430,7 @@ TEST_CASE("planning goes on after a crash and plans that were made are kept", "[
   CHECK(bench.wait_for(waiting.id, JobState::Ready).state == JobState::Ready);
 }
 
-TEST_CASE("a plan that fails fails its jobs and may be wished for again", "[daemon][service]") {
+TEST_CASE("a plan that fails fails its jobs and may be requested again", "[daemon][service]") {
   ServiceBench bench;
   bench.planner.sheets = 0;
   const auto design = bench.add_design("{\"card\":1}").value();

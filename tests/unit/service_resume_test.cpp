@@ -13,7 +13,7 @@ using popcut::test::shown;
 
 namespace {
 
-ActionWish from_path_2(const char* registration) {
+ActionRequest from_path_2(const char* registration) {
   return {.action = JobAction::ResumeFrom,
           .from_path = 2,
           .registration = registration,
@@ -23,7 +23,7 @@ ActionWish from_path_2(const char* registration) {
 void replug(ServiceBench& bench) {
   const auto is = [&](const char* state) {
     return bench.wait([&] {
-      return bench.on([&](JobService& s) { return s.device(bench.device)->state == state; });
+      return bench.on([&](LiveService& s) { return s.devices.find(bench.device)->state == state; });
     });
   };
   bench.cutters.unplug(bench.device);
@@ -45,10 +45,10 @@ TEST_CASE("a retry takes a new blank and resuming the same one", "[daemon][servi
   REQUIRE(bench.cutters.intend(bench.device, 3));
   bench.cutters.finish(bench.device,
                        {.error = Error{ErrorKind::Timeout, "", "stuck"}, .certain = 2, .doubt = 3});
-  ActionWish wish{.action = JobAction::ResumeFrom, .from_path = 3, .registration = "kept"};
-  CHECK(bench.act(lost.id, wish).error().kind == ProblemKind::StateConflict);
-  wish.accept_double_cut = true;
-  const Job resumed = bench.act(lost.id, wish).value();
+  ActionRequest request{.action = JobAction::ResumeFrom, .from_path = 3, .registration = "kept"};
+  CHECK(bench.act(lost.id, request).error().kind == ProblemKind::StateConflict);
+  request.accept_double_cut = true;
+  const Job resumed = bench.act(lost.id, request).value();
   CHECK(resumed.state == JobState::Ready);
   CHECK(resumed.blank == 2);
   CHECK(resumed.segment == 2);
@@ -68,22 +68,23 @@ TEST_CASE("a sheet stays registered only while its cutter was never away", "[dae
   const Job lost = broken(bench);
   bench.cutters.unplug(bench.device);
   REQUIRE(bench.wait([&] {
-    return bench.on([&](JobService& s) { return s.device(bench.device)->state == "absent"; });
+    return bench.on(
+        [&](LiveService& s) { return s.devices.find(bench.device)->state == "absent"; });
   }));
   bench.cutters.plug(bench.device);
   REQUIRE(bench.wait([&] {
-    return bench.on([&](JobService& s) { return s.device(bench.device)->state == "idle"; });
+    return bench.on([&](LiveService& s) { return s.devices.find(bench.device)->state == "idle"; });
   }));
   CHECK(shown(bench, lost).state == JobState::Interrupted);
-  ActionWish wish{.action = JobAction::ResumeFrom,
-                  .from_path = 2,
-                  .registration = "kept",
-                  .accept_double_cut = true};
-  CHECK(bench.act(lost.id, wish).error().detail.find("register") != std::string::npos);
-  wish.registration = "somehow";
-  CHECK(bench.act(lost.id, wish).error().kind == ProblemKind::Validation);
-  wish.registration = "re-registered";
-  CHECK(bench.act(lost.id, wish).value().segment == 2);
+  ActionRequest request{.action = JobAction::ResumeFrom,
+                        .from_path = 2,
+                        .registration = "kept",
+                        .accept_double_cut = true};
+  CHECK(bench.act(lost.id, request).error().detail.find("register") != std::string::npos);
+  request.registration = "somehow";
+  CHECK(bench.act(lost.id, request).error().kind == ProblemKind::Validation);
+  request.registration = "re-registered";
+  CHECK(bench.act(lost.id, request).value().segment == 2);
 }
 
 TEST_CASE("a sheet that goes on is not to be loaded anew", "[daemon][service]") {
@@ -136,10 +137,10 @@ TEST_CASE("another path can be chosen as long as the sheet was not started again
   const Job lost = broken(bench);
   CHECK(bench.act(bench.ready_job("{\"fresh\":1}").id, from_path_2("kept")).error().kind ==
         ProblemKind::StateConflict);
-  ActionWish wish = from_path_2("kept");
-  wish.from_path = 3;
-  wish.skip_in_doubt = true;
-  REQUIRE(bench.act(lost.id, wish));
+  ActionRequest request = from_path_2("kept");
+  request.from_path = 3;
+  request.skip_in_doubt = true;
+  REQUIRE(bench.act(lost.id, request));
   const Job ready = bench.act(lost.id, from_path_2("kept")).value();
   CHECK(ready.state == JobState::Ready);
   CHECK(ready.segment == 2);
@@ -159,7 +160,7 @@ TEST_CASE("a cutter set up for something else since is not started", "[daemon][s
   ServiceBench bench;
   const Job ready = bench.ready_job();
   REQUIRE(bench.act(ready.id, JobAction::Arm));
-  bench.on([&](JobService& service) {
+  bench.on([&](LiveService& service) {
     service.retune({.device_materials = {{bench.device, {"vinyl"}}}});
   });
   const auto refused = bench.act(ready.id, JobAction::Start);
@@ -176,9 +177,9 @@ TEST_CASE("what is paused on a disabled cutter waits until it is enabled", "[dae
   bench.cutters.progress(bench.device, {.phase = SessionPhase::Held});
   REQUIRE(bench.wait_for(ready.id, JobState::Paused).state == JobState::Paused);
   const auto turn = [&](const char* action) {
-    return bench.on([&](JobService& s) {
-      const auto rev = s.device(bench.device)->rev;
-      return s.act_on_device(bench.admin, bench.device, rev, {.action = action}).has_value();
+    return bench.on([&](LiveService& s) {
+      const auto rev = s.devices.find(bench.device)->rev;
+      return s.devices.act(bench.admin, bench.device, rev, {.action = action}).has_value();
     });
   };
   REQUIRE(turn("disable"));

@@ -12,14 +12,15 @@ using popcut::test::write_text;
 
 TEST_CASE("tokens open doors until they are taken away", "[daemon][service]") {
   ServiceBench bench;
-  const NewToken token = bench
-                             .on([&](JobService& s) {
-                               return s.create_token(bench.admin, "lab", Role::Operator, 3600);
-                             })
-                             .value();
+  const NewToken token =
+      bench
+          .on([&](LiveService& s) {
+            return s.access.create_token(bench.admin, "lab", Role::Operator, 3600);
+          })
+          .value();
   CHECK(token.text.size() == 73);
   const auto who = [&](const std::string& text) {
-    return bench.on([&](JobService& s) { return s.authenticate(text); });
+    return bench.on([&](LiveService& s) { return s.access.authenticate(text); });
   };
   REQUIRE(who(token.text));
   CHECK(who(token.text)->role == Role::Operator);
@@ -31,39 +32,40 @@ TEST_CASE("tokens open doors until they are taken away", "[daemon][service]") {
   CHECK_FALSE(who("pc_' OR 1=1"));
   // Of the secret only its digest is stored.
   const std::string secret = token.text.substr(30);
-  bench.on([&](JobService&) { bench.store().database().checkpoint(false); });
+  bench.on([&](LiveService&) { bench.store().database().checkpoint(false); });
   CHECK(read_whole(bench.folder() + "/popcut.db", 1 << 26)->find(secret) == std::string::npos);
   bench.skew_ms = 3'601'000;
   CHECK_FALSE(who(token.text));
   bench.skew_ms = 0;
-  CHECK(bench.on([&](JobService& s) { return s.tokens().size(); }) == 1);
-  CHECK(bench.on([&](JobService& s) {
-    return s.delete_token(bench.tutor, token.record.id).error().kind;
+  CHECK(bench.on([&](LiveService& s) { return s.access.tokens().size(); }) == 1);
+  CHECK(bench.on([&](LiveService& s) {
+    return s.access.delete_token(bench.tutor, token.record.id).error().kind;
   }) == ProblemKind::Forbidden);
-  REQUIRE(bench.on([&](JobService& s) { return s.delete_token(bench.admin, token.record.id); }));
+  REQUIRE(bench.on(
+      [&](LiveService& s) { return s.access.delete_token(bench.admin, token.record.id); }));
   CHECK_FALSE(who(token.text));
-  CHECK(bench.on([&](JobService& s) {
-    return s.create_token(bench.tutor, "x", Role::Admin, {}).error().kind;
+  CHECK(bench.on([&](LiveService& s) {
+    return s.access.create_token(bench.tutor, "x", Role::Admin, {}).error().kind;
   }) == ProblemKind::Forbidden);
 }
 
 TEST_CASE("a page's word opens one session and works for a minute", "[daemon][service]") {
   ServiceBench bench;
   const auto word = [&] {
-    return bench.on([&](JobService& s) { return s.create_one_shot(bench.tutor).value(); });
+    return bench.on([&](LiveService& s) { return s.access.create_one_shot(bench.tutor).value(); });
   };
   const auto open = [&](const std::string& one) {
-    return bench.on([&](JobService& s) { return s.open_session(one); });
+    return bench.on([&](LiveService& s) { return s.access.open_session(one); });
   };
   const std::string first = word();
   const NewToken session = open(first).value();
   CHECK(open(first).error().kind == ProblemKind::Unauthenticated);
   const auto who = [&] {
-    return bench.on([&](JobService& s) { return s.authenticate(session.text); });
+    return bench.on([&](LiveService& s) { return s.access.authenticate(session.text); });
   };
   REQUIRE(who());
   CHECK(who()->name == bench.tutor.name);
-  CHECK(bench.on([&](JobService& s) { return s.tokens().empty(); }));
+  CHECK(bench.on([&](LiveService& s) { return s.access.tokens().empty(); }));
   const std::string late = word();
   bench.monotonic_skew_ms = 61'000;
   CHECK_FALSE(open(late));
@@ -79,9 +81,9 @@ TEST_CASE("a page's word opens one session and works for a minute", "[daemon][se
 TEST_CASE("materials can be changed and given back", "[daemon][service]") {
   ServiceBench bench;
   const auto put = [&](const std::string& id, std::int64_t rev, const std::string& json) {
-    return bench.on([&](JobService& s) { return s.put_material(bench.admin, id, rev, json); });
+    return bench.on([&](LiveService& s) { return s.materials.put(bench.admin, id, rev, json); });
   };
-  const auto count = bench.on([](JobService& s) { return s.materials().size(); });
+  const auto count = bench.on([](LiveService& s) { return s.materials.list().size(); });
   CHECK(count > 2);
   const MaterialRecord thick =
       put("our-card", 0, R"j({"like":"paper-220","thickness_mm":0.5})j").value();
@@ -97,14 +99,15 @@ TEST_CASE("materials can be changed and given back", "[daemon][service]") {
   CHECK(put("our-card", 1, "[1,").error().kind == ProblemKind::Validation);
   CHECK(put("../etc", 0, "{}").error().kind == ProblemKind::Validation);
   CHECK(put("our-card", 1, R"({"like":"paper-220","thickness_mm":0.6})").value().rev == 2);
-  CHECK(bench.on([](JobService& s) { return s.materials().size(); }) == count + 1);
+  CHECK(bench.on([](LiveService& s) { return s.materials.list().size(); }) == count + 1);
   CHECK(put("paper-220", 1, R"({"like":"paper-220","thickness_mm":0.3})").value().rev == 2);
-  CHECK(bench.on([&](JobService& s) {
-    return s.delete_material(bench.admin, "paper-160", 1).error().kind;
+  CHECK(bench.on([&](LiveService& s) {
+    return s.materials.remove(bench.admin, "paper-160", 1).error().kind;
   }) == ProblemKind::StateConflict);
-  REQUIRE(bench.on([&](JobService& s) { return s.delete_material(bench.admin, "paper-220", 2); }));
-  CHECK(bench.on([](JobService& s) { return s.material("paper-220")->built_in; }));
-  CHECK(bench.on([](JobService& s) { return s.material("papier").error().kind; }) ==
+  REQUIRE(
+      bench.on([&](LiveService& s) { return s.materials.remove(bench.admin, "paper-220", 2); }));
+  CHECK(bench.on([](LiveService& s) { return s.materials.find("paper-220")->built_in; }));
+  CHECK(bench.on([](LiveService& s) { return s.materials.find("papier").error().kind; }) ==
         ProblemKind::NotFound);
 }
 
@@ -112,8 +115,8 @@ TEST_CASE("events are numbered without gaps and the old ones go", "[daemon][serv
   ServiceBench bench;
   std::vector<Event> heard;
   std::mutex mutex;
-  bench.on([&](JobService& s) {
-    s.listen([&](const Event& event) {
+  bench.on([&](LiveService& s) {
+    s.operations.listen([&](const Event& event) {
       const std::lock_guard lock(mutex);
       heard.push_back(event);
     });
@@ -124,14 +127,15 @@ TEST_CASE("events are numbered without gaps and the old ones go", "[daemon][serv
     bench.cutters.progress(bench.device,
                            {.phase = SessionPhase::Cutting, .strokes_done = 1, .strokes = 5});
   bench.cutters.complete(bench.device);
-  const auto events = bench.on([](JobService& s) { return s.events(0, 1000, "").value(); });
+  const auto events =
+      bench.on([](LiveService& s) { return s.operations.events(0, 1000, "").value(); });
   std::int64_t before = 0;
   for (const Event& event : events) {
     CHECK(event.seq == before + 1);
     CHECK(event.kind != "progress");
     before = event.seq;
   }
-  CHECK(bench.on([](JobService& s) { return s.last_event(); }) == before);
+  CHECK(bench.on([](LiveService& s) { return s.operations.last_event(); }) == before);
   {
     const std::lock_guard lock(mutex);
     int progress = 0;
@@ -145,15 +149,18 @@ TEST_CASE("events are numbered without gaps and the old ones go", "[daemon][serv
     CHECK(progress >= 1);
     CHECK(progress <= 4);  // fifty were reported
   }
-  CHECK(bench.on([&](JobService& s) { return s.events(0, 1000, ready.id).value().size(); }) >= 5);
-  CHECK(bench.on([&](JobService& s) { return s.events(before - 2, 1, "").value().at(0).seq; }) ==
-        before - 1);
+  CHECK(bench.on([&](LiveService& s) {
+    return s.operations.events(0, 1000, ready.id).value().size();
+  }) >= 5);
+  CHECK(bench.on([&](LiveService& s) {
+    return s.operations.events(before - 2, 1, "").value().at(0).seq;
+  }) == before - 1);
   // A month later only the last one is left, for the numbers to go on.
   bench.skew_ms = 31LL * 86'400'000;
-  bench.on([](JobService& s) { s.tick(); });
-  CHECK(bench.on([](JobService& s) { return s.first_event(); }) == before);
+  bench.on([](LiveService& s) { s.tick(); });
+  CHECK(bench.on([](LiveService& s) { return s.operations.first_event(); }) == before);
   REQUIRE(bench.create(ready.design));
-  CHECK(bench.on([](JobService& s) { return s.last_event(); }) > before);
+  CHECK(bench.on([](LiveService& s) { return s.operations.last_event(); }) > before);
 }
 
 TEST_CASE("ids and numbers go on when the clock was put back a year", "[daemon][service]") {
@@ -164,7 +171,7 @@ TEST_CASE("ids and numbers go on when the clock was put back a year", "[daemon][
   REQUIRE(bench.start() == "");
   const Job second = bench.create(first.design).value();
   CHECK(second.id > first.id);
-  CHECK(bench.on([](JobService& s) { return s.jobs({}, {})->items.size(); }) == 2);
+  CHECK(bench.on([](LiveService& s) { return s.jobs.list({}, {})->items.size(); }) == 2);
   bench.started(second.id);
   bench.cutters.complete(bench.device);
   CHECK(bench.job(second.id).sheet == 2);
@@ -174,25 +181,28 @@ TEST_CASE("an admin backs the database up and checks it while nothing is cut",
           "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
-  const std::string copy = bench.on([&](JobService& s) { return s.backup(bench.admin).value(); });
+  const std::string copy =
+      bench.on([&](LiveService& s) { return s.operations.backup(bench.admin).value(); });
   {
     Database database({.path = copy, .create = false, .exclusive_wal = false});
     CHECK(database.number("SELECT count(*) FROM job") == 1);
   }
-  CHECK(bench.on([&](JobService& s) { return s.check_integrity(bench.admin).value(); }) == "ok");
-  CHECK(bench.on([&](JobService& s) { return s.backup(bench.tutor).error().kind; }) ==
+  CHECK(bench.on([&](LiveService& s) {
+    return s.operations.check_integrity(bench.admin).value();
+  }) == "ok");
+  CHECK(bench.on([&](LiveService& s) { return s.operations.backup(bench.tutor).error().kind; }) ==
         ProblemKind::Forbidden);
   bench.started(ready.id);
-  CHECK(bench.on([&](JobService& s) { return s.backup(bench.admin).error().kind; }) ==
+  CHECK(bench.on([&](LiveService& s) { return s.operations.backup(bench.admin).error().kind; }) ==
         ProblemKind::StateConflict);
-  const std::string metrics = bench.on([](JobService& s) { return s.metrics(); });
+  const std::string metrics = bench.on([](LiveService& s) { return s.operations.metrics(); });
   CHECK(metrics.find("popcut_jobs{state=\"cutting\"} 1\n") != std::string::npos);
   CHECK(metrics.find("popcut_db_commit_seconds_count") != std::string::npos);
   // Each wait is counted with the next one, or at the end.
   CHECK(metrics.find("popcut_stream_wait_seconds_count 0\n") != std::string::npos);
   REQUIRE(bench.cutters.intend(bench.device, 0));
   bench.cutters.complete(bench.device);
-  const std::string later = bench.on([](JobService& s) { return s.metrics(); });
+  const std::string later = bench.on([](LiveService& s) { return s.operations.metrics(); });
   CHECK(later.find("popcut_stream_wait_seconds_count 0\n") == std::string::npos);
   CHECK(later.find("popcut_stream_wait_seconds_longest 0.000000\n") == std::string::npos);
 }
@@ -202,8 +212,8 @@ TEST_CASE("too little room on the disk refuses new work in words", "[daemon][ser
   bench.options.least_free_bytes = std::uint64_t{1} << 60;
   REQUIRE(bench.start() == "");
   CHECK(bench.add_design("{}").error().kind == ProblemKind::DiskFull);
-  CHECK_FALSE(bench.on([](JobService& s) { return s.health().accepts_work; }));
-  CHECK(bench.on([](JobService& s) { return s.health().database; }));
+  CHECK_FALSE(bench.on([](LiveService& s) { return s.operations.health().accepts_work; }));
+  CHECK(bench.on([](LiveService& s) { return s.operations.health().database; }));
 }
 
 TEST_CASE("a state folder that was moved away is told as that and not as a full disk",
@@ -212,20 +222,20 @@ TEST_CASE("a state folder that was moved away is told as that and not as a full 
   const auto design = bench.add_design("{\"card\":1}").value();
   const std::string away = bench.folder() + "-away";
   std::filesystem::rename(bench.folder(), away);
-  const auto refused = bench.on([&](JobService& s) {
-    return s.create_job(bench.student, {.design = design.id, .plan = {}});
+  const auto refused = bench.on([&](LiveService& s) {
+    return s.jobs.create(bench.student, {.design = design.id, .plan = {}});
   });
   REQUIRE_FALSE(refused);
   CHECK(refused.error().kind == ProblemKind::Unavailable);
   CHECK(refused.error().detail.find(bench.folder()) != std::string::npos);
-  const auto health = bench.on([](JobService& s) { return s.health(); });
+  const auto health = bench.on([](LiveService& s) { return s.operations.health(); });
   CHECK_FALSE(health.accepts_work);
   CHECK(health.disk_free_mb > 0);
   CHECK(health.remark.find("move it back") != std::string::npos);
   // Another folder in its place is not the one that is held.
   std::filesystem::create_directory(bench.folder());
   write_text(bench.folder() + "/lock", "");
-  CHECK_FALSE(bench.on([](JobService& s) { return s.health().accepts_work; }));
+  CHECK_FALSE(bench.on([](LiveService& s) { return s.operations.health().accepts_work; }));
   std::filesystem::remove_all(bench.folder());
   std::filesystem::rename(away, bench.folder());
   const Job job = bench.create(design.id).value();

@@ -7,8 +7,10 @@
 
 #include <catch2/catch.hpp>
 
-#include "daemon/store/damaged.hpp"
+#include "daemon/store/salvage.hpp"
+#include "daemon/store/store.hpp"
 #include "daemon/store/ulid.hpp"
+#include "daemon/store/wal_check.hpp"
 #include "tests/support/service_bench.hpp"
 
 using namespace popcut;
@@ -20,8 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-tl::expected<std::unique_ptr<Store>, OpenTrouble> open(
-    const ScratchFolder& scratch, std::vector<Migration> steps = migrations()) {
+popcut::Result<std::unique_ptr<Store>> open(const ScratchFolder& scratch,
+                                            std::vector<Migration> steps = migrations()) {
   return Store::open({.folder = scratch.path() + "/state", .reserve_bytes = 4096, .steps = steps});
 }
 
@@ -73,7 +75,7 @@ TEST_CASE("one process holds the state and the next is told so", "[daemon][store
   REQUIRE(first);
   const auto second = open(scratch);
   REQUIRE_FALSE(second);
-  CHECK(second.error().kind == OpenTrouble::Kind::Locked);
+  CHECK(second.error().kind == popcut::ErrorKind::Refused);
   CHECK(second.error().detail.find("another popcutd") != std::string::npos);
   first->reset();
   CHECK(open(scratch));
@@ -208,7 +210,7 @@ TEST_CASE("an older database is brought forward and a copy kept", "[daemon][stor
   CHECK(copies == 1);
   const auto back = open(scratch);
   REQUIRE_FALSE(back);
-  CHECK(back.error().kind == OpenTrouble::Kind::TooNew);
+  CHECK(back.error().kind == popcut::ErrorKind::OutOfRange);
   CHECK(back.error().detail.find("later popcutd") != std::string::npos);
 }
 
@@ -236,7 +238,7 @@ TEST_CASE("a database that is gone or empty or another one is never silently new
     CAPTURE(why);
     const auto opened = open(scratch);
     REQUIRE_FALSE(opened);
-    CHECK(opened.error().kind == OpenTrouble::Kind::Corrupt);
+    CHECK(opened.error().kind == popcut::ErrorKind::Malformed);
     CHECK(opened.error().detail.find(path) != std::string::npos);
   };
   fs::remove(path);
@@ -282,7 +284,7 @@ TEST_CASE("a log that is missing or damaged in its middle is told", "[daemon][st
     write_text(path + "-wal", damaged);
     const auto opened = open(scratch);
     REQUIRE_FALSE(opened);
-    CHECK(opened.error().kind == OpenTrouble::Kind::Corrupt);
+    CHECK(opened.error().kind == popcut::ErrorKind::Malformed);
   }
   // The last transaction may be torn: it was never reported.
   write_text(path + "-wal", log.substr(0, log.size() - 100));
@@ -376,7 +378,7 @@ TEST_CASE("a damaged database is copied aside once and salvage brings over the r
     } else {
       CHECK(table.whole);
     }
-  CHECK(salvage(state).error().kind == OpenTrouble::Kind::Locked);
+  CHECK(salvage(state).error().kind == popcut::ErrorKind::Refused);
 }
 
 TEST_CASE("a copy that was made in operation can be put in the place of the database",
@@ -426,7 +428,7 @@ TEST_CASE("salvage of what is no database changes nothing", "[daemon][store]") {
   write_text(state + "/popcut.db", std::string(8192, '\x5A'));
   const auto done = salvage(state);
   REQUIRE_FALSE(done);
-  CHECK(done.error().kind == OpenTrouble::Kind::Corrupt);
+  CHECK(done.error().kind == popcut::ErrorKind::Malformed);
   CHECK(read_whole(state + "/popcut.db", 1 << 20).value() == std::string(8192, '\x5A'));
   CHECK_FALSE(open(scratch));
 }

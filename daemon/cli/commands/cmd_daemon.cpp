@@ -11,10 +11,10 @@
 
 #include "core/text/shown_text.hpp"
 #include "daemon/cli/command.hpp"
-#include "daemon/cli/view/job_follow.hpp"
 #include "daemon/cli/options/option_value.hpp"
+#include "daemon/cli/view/job_follow.hpp"
 #include "daemon/client/api.hpp"
-#include "daemon/store/store.hpp"
+#include "daemon/store/salvage.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -338,7 +338,7 @@ Result<void> salvage_database(std::string folder, const Globals& globals) {
   if (folder.empty())
     return fail(ErrorKind::Usage, "--state", "is missing; as in --state /var/lib/popcut");
   const auto saved = daemon::salvage(folder);
-  if (!saved) return fail(ErrorKind::Refused, "", saved.error().detail);
+  if (!saved) return fail(ErrorKind::Refused, "", message(saved.error()));
   Json tables = Json::array();
   for (const auto& table : saved->tables) {
     tables.push_back({{"table", table.name},

@@ -187,8 +187,8 @@ bool wants_stream(const Request& request) {
          accept.find("json") == std::string_view::npos;
 }
 
-void dispatch(const Request& request, const Route& route, Service& service, const Shop& shop,
-              const Reply& reply) {
+void dispatch(const Request& request, const Route& route, Service& service,
+              const HandlerContext& context, const Reply& reply) {
   try {
     Reply answer = reply;
     if (const auto seen = request.header("if-none-match"); seen && is_read(request))
@@ -197,14 +197,14 @@ void dispatch(const Request& request, const Route& route, Service& service, cons
       });
     if (const auto fault = check_request(request, route))
       return answer(problem_response(*fault, request));
-    route.handler(request, service, shop, answer);
+    route.handler(request, service, context, answer);
   } catch (const std::bad_alloc&) {
     reply(problem_response(
         Problem{ProblemKind::Unavailable, "there is not enough memory for this now"}, request));
   } catch (const std::exception& e) {
-    if (shop.log_fault)
-      shop.log_fault(fmt::format("http {} {} {}: {}", request.id, name_of(request.method),
-                                 for_log(request.path()), for_log(e.what())));
+    if (context.log_fault)
+      context.log_fault(fmt::format("http {} {} {}: {}", request.id, name_of(request.method),
+                                    for_log(request.path()), for_log(e.what())));
     reply(problem_response(Problem{ProblemKind::Internal,
                                    "something is wrong in popcutd; its log "
                                    "has more under the request's id"},

@@ -27,7 +27,7 @@ namespace popcut::daemon::http {
 
 /// Checks, calls the handler, answers 304 where the client has it already. What a handler throws
 /// becomes a problem. On the service's thread.
-void dispatch(const Request& request, const Route& route, Service& service, const Shop& shop,
-              const Reply& reply);
+void dispatch(const Request& request, const Route& route, Service& service,
+              const HandlerContext& context, const Reply& reply);
 
 }  // namespace popcut::daemon::http

@@ -128,11 +128,11 @@ void answer_once(const Request& request, Service& service, const Reply& reply,
   }
   // What goes beyond a kept answer (Retry-After) is told only to who made it.
   std::optional<Response> fresh;
-  Answer<Rendered> kept =
-      service.once(request.principal, {key, hash.hex()}, [&effect, &fresh]() -> Rendered {
-        fresh = effect();
-        return to_rendered(*fresh);
-      });
+  Answer<Rendered> kept = service.operations.once(request.principal, {key, hash.hex()},
+                                                  [&effect, &fresh]() -> Rendered {
+                                                    fresh = effect();
+                                                    return to_rendered(*fresh);
+                                                  });
   if (!kept) return reply(problem_response(kept.error(), request));
   if (fresh && !kept->replayed) return reply(std::move(*fresh));
   reply(from_rendered(std::move(*kept)));
@@ -166,21 +166,21 @@ std::optional<TimeMs> query_time(const Request& request, std::string_view name,
   return time;
 }
 
-PageWish page_wish(const Request& request, char list, std::vector<RequestFault>& faults,
-                   int usual_limit) {
-  PageWish wish;
-  wish.limit = usual_limit;
+PageRequest page_request(const Request& request, char list, std::vector<RequestFault>& faults,
+                         int usual_limit) {
+  PageRequest wanted;
+  wanted.limit = usual_limit;
   if (const auto limit = query_integer(request, "limit", 1, 200, faults))
-    wish.limit = static_cast<int>(*limit);
+    wanted.limit = static_cast<int>(*limit);
   const std::optional<std::string> cursor = query_text(request, "cursor");
-  if (!cursor) return wish;
+  if (!cursor) return wanted;
   const std::optional<std::string> place = decode_cursor(*cursor);
   if (place && place->size() > 1 && place->front() == list)
-    wish.cursor = place->substr(1);
+    wanted.cursor = place->substr(1);
   else
     faults.push_back(
         {"?cursor", "cursor", "must be the next_cursor of the page before, of the same list"});
-  return wish;
+  return wanted;
 }
 
 std::optional<TimeMs> time_from(std::string_view text) {

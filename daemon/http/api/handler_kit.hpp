@@ -42,8 +42,8 @@ void answer_once(const Request& request, Service& service, const Reply& reply,
                                                std::vector<RequestFault>& faults);
 /// The page that `limit` and `cursor` of the query ask for. A cursor is that of one kind of list:
 /// the one of another list is a fault.
-[[nodiscard]] PageWish page_wish(const Request& request, char list,
-                                 std::vector<RequestFault>& faults, int usual_limit = 50);
+[[nodiscard]] PageRequest page_request(const Request& request, char list,
+                                       std::vector<RequestFault>& faults, int usual_limit = 50);
 
 /// "2026-11-21" or "2026-11-21T10:12:00[.123](Z|+01:00)" as time; nothing if it is neither.
 [[nodiscard]] std::optional<TimeMs> time_from(std::string_view text);
@@ -63,11 +63,11 @@ void answer_once(const Request& request, Service& service, const Reply& reply,
 
 /// The page of a list that is here whole, in the order of `key_of`, a text.
 template <typename T, typename KeyOf>
-Page<T> page_of(std::vector<T> all, const PageWish& wish, KeyOf key_of) {
+Page<T> page_of(std::vector<T> all, const PageRequest& wanted, KeyOf key_of) {
   Page<T> page;
   for (T& one : all) {
-    if (!wish.cursor.empty() && key_of(one) <= wish.cursor) continue;
-    if (page.items.size() == static_cast<std::size_t>(wish.limit)) {
+    if (!wanted.cursor.empty() && key_of(one) <= wanted.cursor) continue;
+    if (page.items.size() == static_cast<std::size_t>(wanted.limit)) {
       page.next_cursor = key_of(page.items.back());
       break;
     }
@@ -80,7 +80,7 @@ Page<T> page_of(std::vector<T> all, const PageWish& wish, KeyOf key_of) {
 [[nodiscard]] std::string page_text(const std::vector<std::string>& items,
                                     const std::string& next_cursor);
 
-/// A page of the list `list` (see `page_wish`); rendered late, on the thread of HTTP.
+/// A page of the list `list` (see `page_request`); rendered late, on the thread of HTTP.
 template <typename T, typename Render>
 Response page_response(Page<T> page, char list, Render render) {
   Response response;

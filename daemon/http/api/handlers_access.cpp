@@ -11,43 +11,45 @@ namespace {
 
 constexpr std::int64_t kLongestLife_s = std::int64_t{10} * 366 * 24 * 3600;
 
-struct TokenWish {
+struct TokenRequest {
   std::string name;
   Role role{};
   std::optional<int> lifetime_s;
 };
 
-TokenWish read_token_wish(Members& members) {
-  TokenWish wish;
+TokenRequest read_token_request(Members& members) {
+  TokenRequest wanted;
   members.require("name", "a token needs a name, for those who read the list of tokens");
   members.require("role", "must be one of viewer, submitter, operator, admin");
-  wish.name = members.text("name", 120).value_or("");
+  wanted.name = members.text("name", 120).value_or("");
   const auto role = members.word("role", {"viewer", "submitter", "operator", "admin"});
-  wish.role = role_from(role.value_or("")).value_or(Role::Viewer);
+  wanted.role = role_from(role.value_or("")).value_or(Role::Viewer);
   if (const auto life = members.integer("lifetime_s", 60, kLongestLife_s))
-    wish.lifetime_s = static_cast<int>(*life);
-  return wish;
+    wanted.lifetime_s = static_cast<int>(*life);
+  return wanted;
 }
 
 }  // namespace
 
-void create_one_shot(const Request& request, Service& service, const Shop& shop, Reply reply) {
+void create_one_shot(const Request& request, Service& service, const HandlerContext& context,
+                     Reply reply) {
   const auto body =
-      read_body_as<bool>(request, shop.limits.json_depth, [](Members&) { return true; });
+      read_body_as<bool>(request, context.limits.json_depth, [](Members&) { return true; });
   if (!body) return reply(problem_response(body.error(), request));
-  const Answer<std::string> word = service.create_one_shot(request.principal);
+  const Answer<std::string> word = service.access.create_one_shot(request.principal);
   if (!word) return reply(problem_response(word.error(), request));
   reply(json_response(201, {{"one_shot", *word}}));
 }
 
-void open_session(const Request& request, Service& service, const Shop& shop, Reply reply) {
+void open_session(const Request& request, Service& service, const HandlerContext& context,
+                  Reply reply) {
   const auto word =
-      read_body_as<std::string>(request, shop.limits.json_depth, [](Members& members) {
+      read_body_as<std::string>(request, context.limits.json_depth, [](Members& members) {
         members.require("one_shot", "must be the word that 'popcut open' was given");
         return members.text("one_shot", 200).value_or("");
       });
   if (!word) return reply(problem_response(word.error(), request));
-  const Answer<NewToken> token = service.open_session(*word);
+  const Answer<NewToken> token = service.access.open_session(*word);
   if (!token) return reply(problem_response(token.error(), request));
   const auto& expires = token->record.expires;
   reply(json_response(201, {{"token", token->text},
@@ -56,7 +58,7 @@ void open_session(const Request& request, Service& service, const Shop& shop, Re
                                                 : nlohmann::ordered_json(nullptr)}}));
 }
 
-void close_session(const Request& request, Service& service, const Shop&, Reply reply) {
+void close_session(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   // "Bearer pc_<id>_<secret>"; that it is a lawful one was seen at the door.
   const std::string_view sent = request.header("authorization").value_or("");
   const std::size_t begin = sent.find("pc_");
@@ -66,32 +68,34 @@ void close_session(const Request& request, Service& service, const Shop&, Reply 
         Problem{ProblemKind::NotFound, "this connection has no session; it is known by its user"},
         request));
   const std::string id(sent.substr(begin + 3, end - begin - 3));
-  const Answer<void> gone = service.delete_token(request.principal, id);
+  const Answer<void> gone = service.access.delete_token(request.principal, id);
   if (!gone) return reply(problem_response(gone.error(), request));
   reply(empty_response());
 }
 
-void list_tokens(const Request& request, Service& service, const Shop&, Reply reply) {
+void list_tokens(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 't';
   std::vector<RequestFault> faults;
-  const PageWish wish = page_wish(request, kList, faults, kUsualWhole);
+  const PageRequest wanted = page_request(request, kList, faults, kUsualWhole);
   if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
   reply(page_response(
-      page_of(service.tokens(), wish, [](const TokenRecord& token) { return token.id; }), kList,
-      [](const TokenRecord& token) { return dump(to_json(token)); }));
+      page_of(service.access.tokens(), wanted, [](const TokenRecord& token) { return token.id; }),
+      kList, [](const TokenRecord& token) { return dump(to_json(token)); }));
 }
 
-void create_token(const Request& request, Service& service, const Shop& shop, Reply reply) {
-  const auto wish = read_body_as<TokenWish>(request, shop.limits.json_depth, read_token_wish);
-  if (!wish) return reply(problem_response(wish.error(), request));
-  const Answer<NewToken> token =
-      service.create_token(request.principal, wish->name, wish->role, wish->lifetime_s);
+void create_token(const Request& request, Service& service, const HandlerContext& context,
+                  Reply reply) {
+  const auto wanted =
+      read_body_as<TokenRequest>(request, context.limits.json_depth, read_token_request);
+  if (!wanted) return reply(problem_response(wanted.error(), request));
+  const Answer<NewToken> token = service.access.create_token(request.principal, wanted->name,
+                                                             wanted->role, wanted->lifetime_s);
   if (!token) return reply(problem_response(token.error(), request));
   reply(json_response(201, to_json(*token)));
 }
 
-void delete_token(const Request& request, Service& service, const Shop&, Reply reply) {
-  const Answer<void> gone = service.delete_token(request.principal, request.params[0]);
+void delete_token(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  const Answer<void> gone = service.access.delete_token(request.principal, request.params[0]);
   if (!gone) return reply(problem_response(gone.error(), request));
   reply(empty_response());
 }

@@ -48,25 +48,25 @@ std::optional<std::string> sheet_name(const Request& request, const Reply& reply
   return std::nullopt;
 }
 
-PlanWish read_plan_wish(Members& members) {
-  PlanWish wish;
-  wish.material = members.text("material", 64).value_or("");
-  wish.device = members.text("device", 64).value_or("");
-  wish.machine = members.text("machine", 64).value_or("");
-  wish.options = members.options("options");
-  return wish;
+PlanRequest read_plan_request(Members& members) {
+  PlanRequest wanted;
+  wanted.material = members.text("material", 64).value_or("");
+  wanted.device = members.text("device", 64).value_or("");
+  wanted.machine = members.text("machine", 64).value_or("");
+  wanted.options = members.options("options");
+  return wanted;
 }
 
 }  // namespace
 
-void add_asset(const Request& request, Service& service, const Shop&, Reply reply) {
+void add_asset(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   const Answer<Asset> asset =
-      service.add_asset(request.principal, request.upload.value_or(Upload{}));
+      service.designs.add_asset(request.principal, request.upload.value_or(Upload{}));
   if (!asset) return reply(problem_response(asset.error(), request));
   reply(json_response(asset->is_new ? 201 : 200, to_json(*asset)));
 }
 
-void add_design(const Request& request, Service& service, const Shop&, Reply reply) {
+void add_design(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   const std::string name = query_text(request, "name").value_or("");
   if (name.size() > kLongestName * 4 || has_controls(name))
     return reply(problem_response(
@@ -74,7 +74,7 @@ void add_design(const Request& request, Service& service, const Shop&, Reply rep
                      fmt::format("must have at most {} characters, and no control characters",
                                  kLongestName)}}),
         request));
-  service.add_design(
+  service.designs.add(
       request.principal, request.upload.value_or(Upload{}), request.media_type, name,
       [reply, target = request.target, id = request.id](const Answer<Design>& design) {
         if (!design) return reply(problem_response(design.error(), target, id));
@@ -84,29 +84,29 @@ void add_design(const Request& request, Service& service, const Shop&, Reply rep
       });
 }
 
-void list_designs(const Request& request, Service& service, const Shop&, Reply reply) {
+void list_designs(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 'd';
   std::vector<RequestFault> faults;
-  const PageWish wish = page_wish(request, kList, faults);
+  const PageRequest wanted = page_request(request, kList, faults);
   if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
-  reply(page_response(service.designs(wish), kList,
+  reply(page_response(service.designs.list(wanted), kList,
                       [](const Design& design) { return dump(to_json(design)); }));
 }
 
-void get_design(const Request& request, Service& service, const Shop&, Reply reply) {
-  const Answer<Design> design = service.design(request.params[0]);
+void get_design(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  const Answer<Design> design = service.designs.find(request.params[0]);
   if (!design) return reply(problem_response(design.error(), request));
   Response response = json_response(200, to_json(*design));
   response.headers.push_back({"ETag", fmt::format("\"{}\"", design->id)});
   reply(std::move(response));
 }
 
-void design_content(const Request& request, Service& service, const Shop&, Reply reply) {
-  const Answer<Design> design = service.design(request.params[0]);
+void design_content(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  const Answer<Design> design = service.designs.find(request.params[0]);
   if (!design) return reply(problem_response(design.error(), request));
   // Whatever it is, it goes out as bytes to be saved: what users upload is never shown.
   const std::string ending = design->kind == "svg" || design->kind == "dxf" ? design->kind : "json";
-  const Answer<std::string> path = service.design_content(design->id);
+  const Answer<std::string> path = service.designs.content(design->id);
   if (!path) return reply(problem_response(path.error(), request));
   Response response = drawing("application/octet-stream");
   response.headers.push_back(
@@ -116,9 +116,9 @@ void design_content(const Request& request, Service& service, const Shop&, Reply
   reply(std::move(response));
 }
 
-void design_preview(const Request& request, Service& service, const Shop&, Reply reply) {
-  service.design_preview(request.params[0], [reply, target = request.target,
-                                             id = request.id](Answer<std::string> svg) {
+void design_preview(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  service.designs.preview(request.params[0], [reply, target = request.target,
+                                              id = request.id](Answer<std::string> svg) {
     if (!svg) return reply(problem_response(svg.error(), target, id));
     Response response = drawing("image/svg+xml");
     response.body = std::move(*svg);
@@ -126,24 +126,25 @@ void design_preview(const Request& request, Service& service, const Shop&, Reply
   });
 }
 
-void delete_design(const Request& request, Service& service, const Shop&, Reply reply) {
-  const Answer<Design> design = service.design(request.params[0]);
+void delete_design(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  const Answer<Design> design = service.designs.find(request.params[0]);
   if (!design) return reply(problem_response(design.error(), request));
   if (const auto not_theirs = check_owner(request, design->owner))
     return reply(problem_response(*not_theirs, request));
-  const Answer<void> gone = service.delete_design(request.principal, design->id);
+  const Answer<void> gone = service.designs.remove(request.principal, design->id);
   if (!gone) return reply(problem_response(gone.error(), request));
   reply(empty_response());
 }
 
-void plan_design(const Request& request, Service& service, const Shop& shop, Reply reply) {
-  auto wish = read_body_as<PlanWish>(request, shop.limits.json_depth, read_plan_wish);
-  if (!wish) return reply(problem_response(wish.error(), request));
-  wish->design = request.params[0];
+void plan_design(const Request& request, Service& service, const HandlerContext& context,
+                 Reply reply) {
+  auto wanted = read_body_as<PlanRequest>(request, context.limits.json_depth, read_plan_request);
+  if (!wanted) return reply(problem_response(wanted.error(), request));
+  wanted->design = request.params[0];
   answer_once(request, service, reply, [&] {
-    if (const Answer<Design> design = service.design(wish->design); !design)
+    if (const Answer<Design> design = service.designs.find(wanted->design); !design)
       return problem_response(design.error(), request);
-    const Answer<PlanRecord> plan = service.plan_design(request.principal, *wish);
+    const Answer<PlanRecord> plan = service.plans.request(request.principal, *wanted);
     if (!plan) return problem_response(plan.error(), request);
     Response response = json_response(202, to_json(*plan));
     response.headers.push_back({"Location", "/v1/plans/" + plan->id});
@@ -151,39 +152,39 @@ void plan_design(const Request& request, Service& service, const Shop& shop, Rep
   });
 }
 
-void get_plan(const Request& request, Service& service, const Shop&, Reply reply) {
-  const Answer<PlanRecord> plan = service.plan(request.params[0]);
+void get_plan(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  const Answer<PlanRecord> plan = service.plans.find(request.params[0]);
   if (!plan) return reply(problem_response(plan.error(), request));
   reply(json_response(200, to_json(*plan)));
 }
 
-void delete_plan(const Request& request, Service& service, const Shop&, Reply reply) {
-  const Answer<void> gone = service.delete_plan(request.principal, request.params[0]);
+void delete_plan(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  const Answer<void> gone = service.plans.remove(request.principal, request.params[0]);
   if (!gone) return reply(problem_response(gone.error(), request));
   reply(empty_response());
 }
 
-void plan_file(const Request& request, Service& service, const Shop&, Reply reply) {
+void plan_file(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   const std::string name(request.path().substr(request.path().rfind('/') + 1));
-  answer_file(request, reply, service.plan_file(request.params[0], name), name);
+  answer_file(request, reply, service.plans.file(request.params[0], name), name);
 }
 
-void sheet_svg(const Request& request, Service& service, const Shop&, Reply reply) {
+void sheet_svg(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   const std::optional<std::string> sheet = sheet_name(request, reply);
   if (!sheet) return;
   const std::string name = *sheet + ".svg";
-  answer_file(request, reply, service.plan_file(request.params[0], name), name);
+  answer_file(request, reply, service.plans.file(request.params[0], name), name);
 }
 
-void sheet_program(const Request& request, Service& service, const Shop&, Reply reply) {
+void sheet_program(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   const std::optional<std::string> sheet = sheet_name(request, reply);
   if (!sheet) return;
   std::string name = *sheet + ".gpgl";
-  Answer<std::string> path = service.plan_file(request.params[0], name);
+  Answer<std::string> path = service.plans.file(request.params[0], name);
   if (!path && path.error().kind == ProblemKind::NotFound) {
     // A plan holds the one or the other.
     const std::string other = *sheet + ".hpgl";
-    if (Answer<std::string> hpgl = service.plan_file(request.params[0], other)) {
+    if (Answer<std::string> hpgl = service.plans.file(request.params[0], other)) {
       path = std::move(hpgl);
       name = other;
     }

@@ -25,35 +25,36 @@ bool is_material_id(const std::string& id) {
 
 }  // namespace
 
-void list_devices(const Request& request, Service& service, const Shop&, Reply reply) {
+void list_devices(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 'v';
   std::vector<RequestFault> faults;
-  const PageWish wish = page_wish(request, kList, faults, kUsualWhole);
+  const PageRequest wanted = page_request(request, kList, faults, kUsualWhole);
   if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
   reply(page_response(
-      page_of(service.devices(), wish, [](const DeviceRecord& device) { return device.id; }), kList,
-      [](const DeviceRecord& device) { return dump(to_json(device)); }));
+      page_of(service.devices.list(), wanted, [](const DeviceRecord& device) { return device.id; }),
+      kList, [](const DeviceRecord& device) { return dump(to_json(device)); }));
 }
 
-void get_device(const Request& request, Service& service, const Shop&, Reply reply) {
-  reply(answer_device(request, service.device(request.params[0])));
+void get_device(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  reply(answer_device(request, service.devices.find(request.params[0])));
 }
 
-void act_on_device(const Request& request, Service& service, const Shop& shop, Reply reply) {
-  DeviceWish wish;
-  wish.action = request.path().substr(request.path().rfind('/') + 1);
+void act_on_device(const Request& request, Service& service, const HandlerContext& context,
+                   Reply reply) {
+  DeviceRequest wanted;
+  wanted.action = request.path().substr(request.path().rfind('/') + 1);
   const auto body =
-      read_body_as<std::string>(request, shop.limits.json_depth, [&wish](Members& members) {
-        return wish.action == "test-cut" ? members.text("material", 64).value_or("")
-                                         : std::string();
+      read_body_as<std::string>(request, context.limits.json_depth, [&wanted](Members& members) {
+        return wanted.action == "test-cut" ? members.text("material", 64).value_or("")
+                                           : std::string();
       });
   if (!body) return reply(problem_response(body.error(), request));
-  wish.material = *body;
+  wanted.material = *body;
   const Answer<std::int64_t> rev = wanted_rev(request, std::nullopt);
   if (!rev) return reply(problem_response(rev.error(), request));
   answer_once(request, service, reply, [&] {
     const Answer<DeviceRecord> device =
-        service.act_on_device(request.principal, request.params[0], *rev, wish);
+        service.devices.act(request.principal, request.params[0], *rev, wanted);
     Response response = answer_device(request, device);
     if (device && !device->test_job.empty())
       response.headers.push_back({"Location", "/v1/jobs/" + device->test_job});
@@ -61,25 +62,26 @@ void act_on_device(const Request& request, Service& service, const Shop& shop, R
   });
 }
 
-void list_materials(const Request& request, Service& service, const Shop&, Reply reply) {
+void list_materials(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   constexpr char kList = 'm';
   std::vector<RequestFault> faults;
-  const PageWish wish = page_wish(request, kList, faults, kUsualWhole);
+  const PageRequest wanted = page_request(request, kList, faults, kUsualWhole);
   if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
-  reply(page_response(page_of(service.materials(), wish,
+  reply(page_response(page_of(service.materials.list(), wanted,
                               [](const MaterialRecord& material) { return material.id; }),
                       kList,
                       [](const MaterialRecord& material) { return dump(to_json(material)); }));
 }
 
-void get_material(const Request& request, Service& service, const Shop&, Reply reply) {
-  const Answer<MaterialRecord> material = service.material(request.params[0]);
+void get_material(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  const Answer<MaterialRecord> material = service.materials.find(request.params[0]);
   if (!material) return reply(problem_response(material.error(), request));
   reply(revised(200, material->rev, to_json(*material)));
 }
 
-void put_material(const Request& request, Service& service, const Shop& shop, Reply reply) {
-  const Answer<nlohmann::json> row = parse_body(request.body, shop.limits.json_depth);
+void put_material(const Request& request, Service& service, const HandlerContext& context,
+                  Reply reply) {
+  const Answer<nlohmann::json> row = parse_body(request.body, context.limits.json_depth);
   if (!row) return reply(problem_response(row.error(), request));
   if (!row->is_object())
     return reply(problem_response(validation({{"", "type", "must be an object {...}: a material"}}),
@@ -96,15 +98,15 @@ void put_material(const Request& request, Service& service, const Shop& shop, Re
     rev = *wanted;
   }
   const Answer<MaterialRecord> material =
-      service.put_material(request.principal, id, rev, request.body);
+      service.materials.put(request.principal, id, rev, request.body);
   if (!material) return reply(problem_response(material.error(), request));
   reply(revised(rev == 0 ? 201 : 200, material->rev, to_json(*material)));
 }
 
-void delete_material(const Request& request, Service& service, const Shop&, Reply reply) {
+void delete_material(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   const Answer<std::int64_t> rev = wanted_rev(request, std::nullopt);
   if (!rev) return reply(problem_response(rev.error(), request));
-  const Answer<void> gone = service.delete_material(request.principal, request.params[0], *rev);
+  const Answer<void> gone = service.materials.remove(request.principal, request.params[0], *rev);
   if (!gone) return reply(problem_response(gone.error(), request));
   reply(empty_response());
 }

@@ -20,11 +20,11 @@ void answer_events(const Request& request, Service& service, const Reply& reply,
   const auto limit = query_integer(request, "limit", 1, 200, faults);
   if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
   Answer<std::vector<Event>> events =
-      service.events(after.value_or(0), static_cast<int>(limit.value_or(50)), job);
+      service.operations.events(after.value_or(0), static_cast<int>(limit.value_or(50)), job);
   if (!events) return reply(problem_response(events.error(), request));
   Response response;
-  response.make_body = [events = std::move(*events), first = service.first_event(),
-                        last = service.last_event()] {
+  response.make_body = [events = std::move(*events), first = service.operations.first_event(),
+                        last = service.operations.last_event()] {
     std::string out = "{\"items\":[";
     for (std::size_t i = 0; i < events.size(); ++i) {
       if (i > 0) out += ',';
@@ -38,12 +38,12 @@ void answer_events(const Request& request, Service& service, const Reply& reply,
 
 }  // namespace
 
-void list_events(const Request& request, Service& service, const Shop&, Reply reply) {
+void list_events(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   answer_events(request, service, reply, "");
 }
 
-void job_events(const Request& request, Service& service, const Shop&, Reply reply) {
-  const Answer<Job> job = service.job(request.params[0]);
+void job_events(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  const Answer<Job> job = service.jobs.find(request.params[0]);
   if (!job) return reply(problem_response(job.error(), request));
   answer_events(request, service, reply, job->id);
 }

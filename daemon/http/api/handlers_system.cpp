@@ -10,8 +10,8 @@
 
 namespace popcut::daemon::http::handle {
 
-void healthz(const Request& request, Service& service, const Shop&, Reply reply) {
-  if (!service.health().database)
+void healthz(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  if (!service.operations.health().database)
     return reply(problem_response(Problem{ProblemKind::Unavailable, "the database does not answer"},
                                   request));
   Response response;
@@ -20,10 +20,10 @@ void healthz(const Request& request, Service& service, const Shop&, Reply reply)
   reply(std::move(response));
 }
 
-void readyz(const Request&, Service& service, const Shop&, Reply reply) {
-  const Service::Health health = service.health();
+void readyz(const Request&, Service& service, const HandlerContext&, Reply reply) {
+  const ServiceHealth health = service.operations.health();
   nlohmann::ordered_json devices = nlohmann::ordered_json::array();
-  for (const DeviceRecord& device : service.devices())
+  for (const DeviceRecord& device : service.devices.list())
     devices.push_back({{"id", device.id}, {"state", device.state}});
   const bool is_ready = health.database && health.accepts_work;
   reply(json_response(is_ready ? 200 : 503, {{"ready", is_ready},
@@ -34,24 +34,24 @@ void readyz(const Request&, Service& service, const Shop&, Reply reply) {
                                              {"devices", std::move(devices)}}));
 }
 
-void metrics(const Request&, Service& service, const Shop& shop, Reply reply) {
+void metrics(const Request&, Service& service, const HandlerContext& context, Reply reply) {
   Response response;
   response.content_type = "application/openmetrics-text; version=1.0.0; charset=utf-8";
-  response.make_body = [lines = service.metrics(), own = shop.metrics] {
+  response.make_body = [lines = service.operations.metrics(), own = context.metrics] {
     return lines + (own ? own() : std::string()) + "# EOF\n";
   };
   reply(std::move(response));
 }
 
-void meta(const Request& request, Service& service, const Shop& shop, Reply reply) {
-  const HttpLimits& limits = shop.limits;
+void meta(const Request& request, Service& service, const HandlerContext& context, Reply reply) {
+  const HttpLimits& limits = context.limits;
   reply(json_response(
       200,
       {{"api", "v1"},
-       {"build", shop.build},
-       {"schema_sha256", shop.openapi_sha256},
+       {"build", context.build},
+       {"schema_sha256", context.openapi_sha256},
        {"principal", {{"name", request.principal.name}, {"role", name_of(request.principal.role)}}},
-       {"last_event", service.last_event()},
+       {"last_event", service.operations.last_event()},
        {"limits",
         {{"json_bytes", limits.json_bytes},
          {"json_depth", limits.json_depth},
@@ -63,21 +63,21 @@ void meta(const Request& request, Service& service, const Shop& shop, Reply repl
          {"streams", limits.streams}}}}));
 }
 
-void openapi(const Request&, Service&, const Shop& shop, Reply reply) {
+void openapi(const Request&, Service&, const HandlerContext& context, Reply reply) {
   Response response;
   response.body = std::string(openapi_json());
-  response.headers.push_back({"ETag", fmt::format("\"{}\"", shop.openapi_sha256)});
+  response.headers.push_back({"ETag", fmt::format("\"{}\"", context.openapi_sha256)});
   reply(std::move(response));
 }
 
-void usage(const Request& request, Service& service, const Shop&, Reply reply) {
+void usage(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   std::vector<RequestFault> faults;
   const auto from = query_time(request, "from", faults), to = query_time(request, "to", faults);
   const std::string by = query_text(request, "by").value_or("owner");
   if (by != "owner" && by != "device" && by != "material")
     faults.push_back({"?by", "word", "must be one of owner, device, material"});
   if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
-  std::vector<UsageRow> rows = service.usage(from, to, by);
+  std::vector<UsageRow> rows = service.operations.usage(from, to, by);
   const bool is_csv = request.header("accept").value_or("").find("text/csv") != std::string::npos;
   if (!is_csv)
     return reply(page_response(Page<UsageRow>{std::move(rows), {}}, 'u',
@@ -93,24 +93,26 @@ namespace {
 
 struct Nothing {};
 
-Answer<Nothing> read_nothing(const Request& request, const Shop& shop) {
-  return read_body_as<Nothing>(request, shop.limits.json_depth, [](Members&) { return Nothing{}; });
+Answer<Nothing> read_nothing(const Request& request, const HandlerContext& context) {
+  return read_body_as<Nothing>(request, context.limits.json_depth,
+                               [](Members&) { return Nothing{}; });
 }
 
 }  // namespace
 
-void backup(const Request& request, Service& service, const Shop& shop, Reply reply) {
-  if (const auto body = read_nothing(request, shop); !body)
+void backup(const Request& request, Service& service, const HandlerContext& context, Reply reply) {
+  if (const auto body = read_nothing(request, context); !body)
     return reply(problem_response(body.error(), request));
-  const Answer<std::string> path = service.backup(request.principal);
+  const Answer<std::string> path = service.operations.backup(request.principal);
   if (!path) return reply(problem_response(path.error(), request));
   reply(json_response(200, {{"path", *path}}));
 }
 
-void check_database(const Request& request, Service& service, const Shop& shop, Reply reply) {
-  if (const auto body = read_nothing(request, shop); !body)
+void check_database(const Request& request, Service& service, const HandlerContext& context,
+                    Reply reply) {
+  if (const auto body = read_nothing(request, context); !body)
     return reply(problem_response(body.error(), request));
-  const Answer<std::string> found = service.check_integrity(request.principal);
+  const Answer<std::string> found = service.operations.check_integrity(request.principal);
   if (!found) return reply(problem_response(found.error(), request));
   reply(json_response(200, {{"result", *found}}));
 }

@@ -9,23 +9,23 @@
 namespace popcut::daemon::http {
 namespace {
 
-constexpr Access kEveryone = Access::everyone();
-constexpr Access kViewer{Role::Viewer};
-constexpr Access kSubmitter{Role::Submitter};
-constexpr Access kOperator{Role::Operator};
-constexpr Access kAdmin{Role::Admin};
+constexpr RouteAccess kEveryone = RouteAccess::everyone();
+constexpr RouteAccess kViewer{Role::Viewer};
+constexpr RouteAccess kSubmitter{Role::Submitter};
+constexpr RouteAccess kOperator{Role::Operator};
+constexpr RouteAccess kAdmin{Role::Admin};
 
 constexpr auto kJson = BodyRule::Json;
 constexpr auto kKeyed = KeyRule::Required;
 
-constexpr Route get(std::string_view path, Access access, Handler handler,
+constexpr Route get(std::string_view path, RouteAccess access, Handler handler,
                     std::string_view query = {}) {
   return {
       .method = Method::Get, .path = path, .access = access, .handler = handler, .query = query};
 }
 
 // An action: a person asks it of a revision that was seen, and it takes effect once.
-constexpr Route action(std::string_view path, Access access, Handler handler,
+constexpr Route action(std::string_view path, RouteAccess access, Handler handler,
                        MatchRule match = MatchRule::Required, bool is_urgent = false) {
   return {.method = Method::Post,
           .path = path,

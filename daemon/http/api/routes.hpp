@@ -8,14 +8,14 @@
 #include <string_view>
 #include <vector>
 
-#include "daemon/model/limits.hpp"
 #include "daemon/http/api/message.hpp"
+#include "daemon/model/limits.hpp"
 #include "daemon/service/service.hpp"
 
 namespace popcut::daemon::http {
 
 /// What a handler may know beside the request and the service.
-struct Shop {
+struct HandlerContext {
   HttpLimits limits{};
   std::string build{};                                  ///< version of the program
   std::string openapi_sha256{};                         ///< of /v1/openapi.json
@@ -24,20 +24,20 @@ struct Shop {
 };
 
 /// Answers one request. Runs on the service's thread; the reply may come later.
-using Handler = void (*)(const Request&, Service&, const Shop&, Reply);
+using Handler = void (*)(const Request&, Service&, const HandlerContext&, Reply);
 
 /// Who may use a route. There is no default: a route that does not say it does not compile.
-class Access {
+class RouteAccess {
  public:
-  constexpr explicit Access(Role least) : role_(least), open_(false) {}
+  constexpr explicit RouteAccess(Role least) : role_(least), open_(false) {}
   /// For everyone, without authentication. Only what tells and does nothing.
-  static constexpr Access everyone() { return Access(); }
+  static constexpr RouteAccess everyone() { return RouteAccess(); }
   [[nodiscard]] constexpr bool is_open() const { return open_; }
   [[nodiscard]] constexpr Role role() const { return role_; }
   [[nodiscard]] constexpr bool allows(Role role) const { return open_ || role >= role_; }
 
  private:
-  constexpr Access() : role_(Role::Viewer), open_(true) {}
+  constexpr RouteAccess() : role_(Role::Viewer), open_(true) {}
   Role role_;
   bool open_;
 };
@@ -56,7 +56,7 @@ enum class Patience : std::uint8_t { Usual, Probe, Design };  ///< how long the 
 struct Route {
   Method method;
   std::string_view path;  ///< "/v1/jobs/{id}/sheets/{k}"; {..} stands for one part of it
-  Access access;
+  RouteAccess access;
   Handler handler;
   BodyRule body{BodyRule::None};
   KeyRule key{KeyRule::None};

@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/service/live/cut_dispatcher.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "daemon/service/live/running_cut.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+Problem wrong(const std::string& pointer, const char* code, std::string advice) {
+  return {ProblemKind::Validation, pointer + " is not valid", {{pointer, code, std::move(advice)}}};
+}
+
+bool needs_sheet(JobAction action) {
+  return action == JobAction::Arm || action == JobAction::ConfirmResult ||
+         action == JobAction::RetrySheet || action == JobAction::SkipSheet;
+}
+
+std::string audit_detail(const ActionRequest& request, const JobRow& row) {
+  std::string detail =
+      fmt::format("sheet {} blank {} segment {}", row.sheet, row.blank, row.segment);
+  if (!row.device.empty()) detail += " on " + row.device;
+  if (request.good) detail += *request.good ? " good" : " not good";
+  if (request.from_path)
+    detail +=
+        fmt::format(" from path {}, registration {}{}{}", *request.from_path, request.registration,
+                    request.accept_double_cut ? ", double cut accepted" : "",
+                    request.skip_in_doubt ? ", doubt skipped" : "");
+  if (!request.reason.empty()) detail += ": " + request.reason;
+  return detail;
+}
+
+// Why those that are there cannot cut a plan: " (sim:a: it is set up for ...)"; empty: none is.
+std::string why_none(const DeviceRegistry& devices, const PlanRow& plan) {
+  constexpr std::size_t kMost = 3;
+  std::vector<std::string> reasons;
+  for (const DeviceRecord& device : devices.list())
+    if (reasons.size() < kMost && devices.usable(device.id))
+      reasons.push_back(fmt::format("{}: {}", device.id, devices.misfit(device.id, plan)));
+  return reasons.empty() ? std::string() : fmt::format(" ({})", fmt::join(reasons, "; "));
+}
+
+}  // namespace
+
+Answer<void> CutDispatcher::check_words(const JobRow& row, const ActionRequest& request) const {
+  if (needs_sheet(request.action) && !request.sheet)
+    return tl::unexpected(wrong("/sheet", "missing", fmt::format("must be {}", row.sheet)));
+  if (const auto fine = check_text(request.reason, 2000, "/reason"); !fine)
+    return tl::unexpected(fine.error());
+  if (request.action == JobAction::ConfirmResult && !request.good)
+    return tl::unexpected(wrong("/good", "missing", "must be true or false"));
+  if (request.action != JobAction::ResumeFrom) return {};
+  if (!request.from_path) return tl::unexpected(wrong("/from_path", "missing", "must be a path"));
+  if (request.registration != "kept" && request.registration != "re-registered")
+    return tl::unexpected(wrong("/registration", request.registration.empty() ? "missing" : "value",
+                                "must be \"kept\" or \"re-registered\""));
+  return {};
+}
+
+Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std::int64_t if_match,
+                               const ActionRequest& request) {
+  JobRepository& jobs = parts_.jobs;
+  const bool to_the_knife =
+      request.action == JobAction::Pause || request.action == JobAction::Cancel;
+  try {
+    // Not const: it is moved out, since a copy of an Answer ends the program without memory.
+    Answer<Job> done = parts_.store.change([&]() -> Answer<Job> {
+      Answer<JobRow> found = jobs.row(id);
+      if (!found) return tl::unexpected(found.error());
+      JobRow& row = *found;
+      const Role needed = role_for(request.action, row.owner == who.name);
+      if (who.role < needed)
+        return refuse(
+            ProblemKind::Forbidden,
+            fmt::format("{} needs the role {}", name_of(request.action), name_of(needed)));
+      if (const auto fresh = JobRepository::check_rev(row, if_match); !fresh)
+        return tl::unexpected(fresh.error());
+      if (step_of(JobRepository::facts_of(row), request.action) == Step::Refused)
+        return tl::unexpected(JobRepository::conflict(
+            row, fmt::format("{} is not possible while the job is {}{}", name_of(request.action),
+                             row.held ? "held and " : "", name_of(row.state))));
+      if (const auto fine = check_words(row, request); !fine) return tl::unexpected(fine.error());
+      if (request.sheet && *request.sheet != row.sheet)
+        return tl::unexpected(JobRepository::conflict(
+            row, fmt::format("sheet {} is the current one, not {}", row.sheet, *request.sheet)));
+      if (request.blank && *request.blank != row.blank)
+        return tl::unexpected(JobRepository::conflict(
+            row, fmt::format("blank {} is the current one, not {}", row.blank, *request.blank)));
+      const std::string detail = audit_detail(request, row);
+      const Answer<void> taken = [&]() -> Answer<void> {
+        switch (request.action) {
+          case JobAction::Arm:
+            return arm(who, row, request);
+          case JobAction::Disarm:
+            jobs.attempts().disarm(id);
+            jobs.take(row, Step::ToReady, "disarmed");
+            return {};
+          case JobAction::Start:
+            return start(who, row, request);
+          case JobAction::Pause:
+            return pause(row);
+          case JobAction::Resume:
+            return resume(row);
+          case JobAction::Cancel:
+            return cancel(who, row, request);
+          case JobAction::ConfirmResult:
+            return confirm(row, request);
+          case JobAction::RetrySheet:
+            return retry(row);
+          case JobAction::SkipSheet:
+            jobs.finish_sheet(row, "skipped", "skipped");
+            return {};
+          case JobAction::ResumeFrom:
+            return resume_from(row, request);
+        }
+        return {};
+      }();
+      if (!taken) return tl::unexpected(taken.error());
+      parts_.store.audit(who.name, name_of(request.action), id, detail);
+      return jobs.shown(row);
+    });
+    const bool unwritten = !done && (done.error().kind == ProblemKind::DiskFull ||
+                                     done.error().kind == ProblemKind::Unavailable);
+    if (unwritten && to_the_knife) act_unrecorded(who, id, request.action);
+    return done;
+  } catch (const StoreFault&) {
+    if (to_the_knife) act_unrecorded(who, id, request.action);
+    throw;
+  }
+}
+
+// Pausing and stopping are safe at any time, so they do not wait for the disk.
+void CutDispatcher::act_unrecorded(const Principal& who, const std::string& id, JobAction action) {
+  const auto found = cuts_.find(id);
+  if (found == cuts_.end() || who.role < role_for(action, found->second->owner == who.name)) return;
+  if (action == JobAction::Pause) {
+    parts_.cutters.pause(found->second->device);
+  } else {
+    found->second->cancel_asked = true;
+    parts_.cutters.cancel(found->second->device);
+  }
+}
+
+Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const ActionRequest& request,
+                                                 const PlanRow& plan) const {
+  const DeviceRegistry& devices = parts_.devices;
+  if (!request.device.empty() && !row.requested_device.empty() &&
+      request.device != row.requested_device)
+    return tl::unexpected(JobRepository::conflict(
+        row,
+        fmt::format("the job is for {}, not for {}{}", row.requested_device, request.device,
+                    row.segment > 1 ? ", where its sheet lies" : "; change its device first")));
+  std::string device = request.device.empty() ? row.requested_device : request.device;
+  if (!device.empty()) {
+    if (!devices.find(device)) return tl::unexpected(devices.unknown(device, "/device"));
+    if (const auto fine = devices.usable(device); !fine) return tl::unexpected(fine.error());
+    if (const std::string why = devices.misfit(device, plan); !why.empty())
+      return tl::unexpected(
+          JobRepository::conflict(row, fmt::format("{} cannot cut this: {}", device, why)));
+    return device;
+  }
+  std::vector<std::string> fitting = devices.fitting(plan);
+  if (fitting.empty())
+    return refuse(ProblemKind::DeviceAbsent,
+                  fmt::format("no {} is there that can cut this; plug one in and switch it on{}",
+                              plan.machine, why_none(devices, plan)));
+  if (fitting.size() > 1)
+    std::erase_if(fitting, [&](const std::string& id) {
+      return parts_.jobs.table().on_device(id).has_value();
+    });
+  if (fitting.size() != 1)
+    return tl::unexpected(
+        wrong("/device", "missing",
+              fitting.empty()
+                  ? std::string("all that fit are busy; say which one")
+                  : fmt::format("say in which the sheet lies: {}", fmt::join(fitting, ", "))));
+  return fitting.front();
+}
+
+Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionRequest& request) {
+  const auto plan = parts_.plans.table().find(row.plan);
+  if (!plan || plan->state != PlanState::Planned)
+    return tl::unexpected(
+        JobRepository::conflict(row, "the job's plan is gone; make the job anew"));
+  if (!request.plan_sha256.empty() && request.plan_sha256 != plan->sha256)
+    return tl::unexpected(JobRepository::conflict(
+        row, "the plan is " + plan->sha256 + ", not the one that was named"));
+  const Answer<std::string> device = choose_device(row, request, *plan);
+  if (!device) return tl::unexpected(device.error());
+  if (const auto known = check_place(row, *device); !known) return tl::unexpected(known.error());
+  if (const auto other = parts_.jobs.table().on_device(*device))
+    return tl::unexpected(
+        JobRepository::conflict(row, fmt::format("{} has a sheet of job {} in it ({})", *device,
+                                                 other->id, name_of(other->state))));
+  row.device = *device;
+  row.operator_name = who.name;
+  parts_.jobs.take(row, Step::ToArmed, "");
+  parts_.jobs.attempts().arm({.job = row.id,
+                              .sheet = row.sheet,
+                              .blank = row.blank,
+                              .device = *device,
+                              .plan_sha256 = plan->sha256,
+                              .operator_name = who.name,
+                              .armed = parts_.store.now(),
+                              .invocation = parts_.store.invocation()});
+  const std::int64_t until = parts_.store.monotonic() + parts_.options.arm_s * 1000;
+  parts_.store.after_commit([this, id = row.id, until] { armed_until_[id] = until; });
+  return {};
+}
+
+bool CutDispatcher::knows_place(const JobRow& row, const std::string& device) const {
+  if (row.segment == 1) return true;
+  const auto placed = placed_.find(row.id);
+  return placed != placed_.end() && placed->second == parts_.devices.session_of(device);
+}
+
+Answer<void> CutDispatcher::check_place(const JobRow& row, const std::string& device) const {
+  if (knows_place(row, device)) return {};
+  return tl::unexpected(JobRepository::conflict(
+      row, fmt::format("{} or popcutd was started anew since, so the sheet's place is no longer "
+                       "known; register it again and say registration \"re-registered\" with "
+                       "resume-from, from path {}, or take a new blank with retry-sheet",
+                       device, row.first_stroke)));
+}
+
+Answer<void> CutDispatcher::pause(JobRow& row) {
+  parts_.store.after_commit([this, device = row.device] { parts_.cutters.pause(device); });
+  if (row.state == JobState::Paused || row.asked == "pause") return {};
+  row.asked = "pause";
+  row.reason = "pausing";
+  parts_.jobs.save(row);
+  return {};
+}
+
+Answer<void> CutDispatcher::resume(JobRow& row) {
+  if (stopping_) return refuse(ProblemKind::Unavailable, "popcutd is being stopped");
+  if (!cuts_.contains(row.id))
+    return tl::unexpected(JobRepository::conflict(row, "its cut has ended already"));
+  if (const auto device = parts_.devices.find(row.device); !device || !device->enabled)
+    return tl::unexpected(JobRepository::conflict(
+        row, row.device + " is disabled; an admin enables it with the action enable"));
+  if (row.state == JobState::Paused) {
+    parts_.jobs.take(row, Step::ToCutting, "");
+  } else {
+    row.asked.clear();
+    row.reason.clear();
+    parts_.jobs.save(row);
+  }
+  parts_.store.after_commit([this, device = row.device] { parts_.cutters.resume(device); });
+  return {};
+}
+
+Answer<void> CutDispatcher::cancel(const Principal& who, JobRow& row,
+                                   const ActionRequest& request) {
+  const std::string reason = request.reason.empty() ? "cancelled by " + who.name : request.reason;
+  if (row.state == JobState::Cutting || row.state == JobState::Paused) {
+    parts_.store.after_commit([this, id = row.id, device = row.device] {
+      if (const auto cut = cuts_.find(id); cut != cuts_.end()) cut->second->cancel_asked = true;
+      parts_.cutters.cancel(device);
+    });
+    if (row.asked == "cancel") return {};
+    row.asked = "cancel";
+    row.reason = reason;
+    parts_.jobs.save(row);
+    return {};
+  }
+  if (row.state == JobState::Armed) parts_.jobs.attempts().disarm(row.id);
+  parts_.jobs.take(row, Step::ToCancelled, reason);
+  parts_.store.after_commit([this, plan = row.plan] { parts_.plans.abandon(plan); });
+  return {};
+}
+
+Answer<void> CutDispatcher::confirm(JobRow& row, const ActionRequest& request) {
+  if (!*request.good) {
+    row.reason = "result_bad";
+    parts_.jobs.set_attention(row, "in_doubt",
+                              "the result is not good: cut it again on a new blank, "
+                              "or skip the sheet");
+    parts_.jobs.save(row);
+    return {};
+  }
+  const Answer<Ledger> ledger = parts_.jobs.ledger(row.id, row.sheet);
+  if (!ledger) return tl::unexpected(ledger.error());
+  if (!ledger->not_sent.empty())
+    return tl::unexpected(JobRepository::conflict(
+        row, fmt::format("paths {}..{} were not cut, so the sheet is not finished; resume from "
+                         "there, retry or skip it",
+                         ledger->not_sent.front().first, ledger->not_sent.front().last)));
+  parts_.store.db().run(
+      "INSERT INTO usage(time, owner, operator, device, material, job, k, seconds, cut_mm, sheets) "
+      "VALUES(?, ?, ?, ?, ?, ?, ?, 0, 0, 1)",
+      parts_.store.now(), row.owner, row.operator_name, row.device, row.material, row.id,
+      row.sheet);
+  parts_.devices.count_sheet(row.device, 0, true);
+  parts_.jobs.finish_sheet(row, "done", "confirmed");
+  return {};
+}
+
+Answer<void> CutDispatcher::retry(JobRow& row) {
+  ++row.blank;
+  row.segment = 1;
+  row.first_stroke = 0;
+  row.paths_certain = row.paths_sent = 0;
+  parts_.jobs.take(row, Step::ToReady, "retry");
+  placed_.erase(row.id);
+  return {};
+}
+
+Answer<void> CutDispatcher::resume_from(JobRow& row, const ActionRequest& request) {
+  AttemptTable& attempts = parts_.jobs.attempts();
+  std::vector<std::vector<FateRun>> fates;
+  const std::vector<AttemptRow> all = attempts.of_sheet(row.id, row.sheet);
+  const AttemptRow* last = nullptr;
+  for (const AttemptRow& attempt : all) {
+    if (attempt.blank != row.blank) continue;
+    fates.push_back(attempts.fates(attempt.id));
+    last = &attempt;
+  }
+  if (last == nullptr)
+    return tl::unexpected(
+        JobRepository::conflict(row, "this blank was never started; arm and start it"));
+  const auto plan = parts_.plans.table().find(row.plan);
+  if (!plan || plan->sha256 != last->plan_sha256)
+    return tl::unexpected(JobRepository::conflict(row, "the plan is not the one that was cut"));
+  const auto may = may_resume(
+      merged_fates(last->strokes, fates),
+      {.from_path = *request.from_path,
+       .re_registered = request.registration == "re-registered",
+       .accept_double_cut = request.accept_double_cut,
+       .skip_in_doubt = request.skip_in_doubt},
+      {.strokes = last->strokes,
+       .same_device_session = last->end_kind != "media_out" &&
+                              last->device_session == parts_.devices.session_of(last->device)});
+  if (!may) return tl::unexpected(JobRepository::conflict(row, may.error()));
+  row.segment = last->segment + 1;
+  row.first_stroke = *request.from_path;
+  row.requested_device = last->device;
+  placed_[row.id] = parts_.devices.session_of(last->device);
+  parts_.jobs.take(row, Step::ToReady, "resume");
+  return {};
+}
+
+void CutDispatcher::lapse(const std::string& job, const std::string& reason) {
+  const Answer<void> done = parts_.store.change([&]() -> Answer<void> {
+    Answer<JobRow> row = parts_.jobs.row(job);
+    if (!row || row->state != JobState::Armed) return {};
+    parts_.jobs.attempts().disarm(job);
+    parts_.jobs.take(*row, step_of(row->state, JobEvent::ArmLapses), reason);
+    return {};
+  });
+  // What could not be written is tried again; until then `start` looks at the time itself.
+  if (done) armed_until_.erase(job);
+}
+
+void CutDispatcher::tick() {
+  const std::int64_t now = parts_.store.monotonic();
+  std::vector<std::string> over;
+  for (const auto& [job, until] : armed_until_)
+    if (until <= now) over.push_back(job);
+  for (const std::string& job : over) lapse(job, "arm_expired");
+  if (parts_.store.degraded()) return;
+  std::vector<std::shared_ptr<Cut>> refused;
+  for (const auto& [job, cut] : cuts_)
+    if (cut->refusal) refused.push_back(cut);
+  for (const auto& cut : refused) record_refusal(cut);
+  if (late_.empty()) return;
+  const std::vector<LateEnd> late = std::exchange(late_, {});
+  for (const LateEnd& one : late) ended(one.cut, one.end);
+}
+
+void CutDispatcher::devices_gone(const std::vector<std::string>& devices) {
+  for (const std::string& device : devices) {
+    try {
+      const auto row = parts_.jobs.table().on_device(device);
+      if (row && row->state == JobState::Armed) lapse(row->id, "device_gone");
+    } catch (const StoreFault& fault) {
+      parts_.store.note(fault);
+    }
+  }
+}
+
+void CutDispatcher::stop_cuts() {
+  for (const auto& [job, cut] : cuts_) parts_.cutters.cancel(cut->device);
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/service/repositories/job_repository.hpp"
+
+namespace popcut::daemon {
+
+/// Where people's actions and the cutters meet: arms, starts, journals of running cuts and their
+/// ends.
+class CutDispatcher : public Cutting {
+ public:
+  struct Parts {
+    ServiceStore& store;
+    ServiceThread& thread;
+    Cutters& cutters;
+    JobRepository& jobs;
+    PlanningQueue& plans;
+    DeviceRegistry& devices;
+    const ServiceOptions& options;
+    std::shared_ptr<void> alive;
+  };
+  explicit CutDispatcher(Parts parts) : parts_(std::move(parts)) {}
+  ~CutDispatcher() override;
+
+  Answer<Job> act(const Principal& who, const std::string& id, std::int64_t if_match,
+                  const ActionRequest& request) override;
+
+  [[nodiscard]] const LiveCut* live(const std::string& job) const;
+  /// Whether the sheet still lies where it was registered: what is known of its place ends with the
+  /// session of its device, and with popcutd.
+  [[nodiscard]] bool knows_place(const JobRow& row, const std::string& device) const;
+  /// Arms that have lived too long, and ends that could not be written yet.
+  void tick();
+  /// These went away: what was armed for them is ready again.
+  void devices_gone(const std::vector<std::string>& devices);
+  /// Ends all cuts at the ends of their strokes: the store cannot follow them any more.
+  void stop_cuts();
+  void stopping() { stopping_ = true; }
+  [[nodiscard]] bool cutting() const { return !cuts_.empty(); }
+
+ private:
+  class Journal;
+  friend class Journal;
+  struct Cut;
+
+  // Each in a transaction; `row` is changed and written.
+  [[nodiscard]] Answer<void> arm(const Principal& who, JobRow& row, const ActionRequest& request);
+  [[nodiscard]] Answer<std::string> choose_device(const JobRow& row, const ActionRequest& request,
+                                                  const PlanRow& plan) const;
+  [[nodiscard]] Answer<void> start(const Principal& who, JobRow& row, const ActionRequest& request);
+  [[nodiscard]] Answer<std::shared_ptr<Cut>> prepare(const JobRow& row);
+  [[nodiscard]] Answer<void> pause(JobRow& row);
+  [[nodiscard]] Answer<void> resume(JobRow& row);
+  [[nodiscard]] Answer<void> cancel(const Principal& who, JobRow& row,
+                                    const ActionRequest& request);
+  [[nodiscard]] Answer<void> confirm(JobRow& row, const ActionRequest& request);
+  [[nodiscard]] Answer<void> retry(JobRow& row);
+  [[nodiscard]] Answer<void> resume_from(JobRow& row, const ActionRequest& request);
+  [[nodiscard]] Answer<void> check_place(const JobRow& row, const std::string& device) const;
+  [[nodiscard]] Answer<void> check_words(const JobRow& row, const ActionRequest& request) const;
+  /// What must reach the knife although nothing can be written.
+  void act_unrecorded(const Principal& who, const std::string& id, JobAction action);
+
+  void lapse(const std::string& job, const std::string& reason);
+  void hand_over(const std::shared_ptr<Cut>& cut);
+  void record_refusal(const std::shared_ptr<Cut>& cut);
+
+  // For the journal, on the service's thread.
+  [[nodiscard]] Result<void> intended(Cut& cut, std::int64_t last);
+  void progressed(Cut& cut, const SessionProgress& progress);
+  void ended(const std::shared_ptr<Cut>& cut, const SessionEnd& end);
+  [[nodiscard]] Answer<void> record_end(Cut& cut, const SessionEnd& end);
+  void take_end(Cut& cut, const SessionEnd& end, JobRow& row, const std::vector<FateRun>& runs,
+                const std::string& end_kind);
+
+  Parts parts_;
+  std::map<std::string, std::shared_ptr<Cut>> cuts_;  ///< by job
+  struct LateEnd {
+    std::shared_ptr<Cut> cut;
+    SessionEnd end;
+  };
+  std::vector<LateEnd> late_;                        ///< ends that could not be written yet
+  std::map<std::string, std::int64_t> armed_until_;  ///< by job; monotonic
+  /// By job that goes on with a sheet: the session of its device in which the sheet was in place.
+  std::map<std::string, std::string> placed_;
+  bool stopping_{false};
+};
+
+}  // namespace popcut::daemon

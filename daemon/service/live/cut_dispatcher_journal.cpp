@@ -1,0 +1,407 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <chrono>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "daemon/service/live/cut_verdict.hpp"
+#include "daemon/service/live/running_cut.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+constexpr std::int64_t kTellMs = 500;
+
+constexpr double kBusySeconds = 5;  // longer than a cutter with a full buffer takes nothing
+
+/// The kind of what a person should see to while a cut goes on.
+std::string attention_meanwhile(const SessionProgress& progress) {
+  if (progress.phase == SessionPhase::Paused) return "device_fault";
+  return progress.mute_s >= kBusySeconds ? "device_busy" : "";
+}
+std::string text_of_attention(const SessionProgress& progress) {
+  if (progress.phase == SessionPhase::Paused) return "paused on the machine's panel; go on there";
+  if (progress.mute_s < kBusySeconds) return "";
+  return "the machine takes no data; see whether it is jammed or waits for somebody at its panel";
+}
+
+Error given_up(const std::string& why) {
+  return {ErrorKind::Unwritable, "", "the cut cannot be recorded, so it ends: " + why};
+}
+
+}  // namespace
+
+// Called on the cutter's thread.
+class CutDispatcher::Journal final : public CutJournal {
+ public:
+  Journal(CutDispatcher& dispatcher, std::shared_ptr<Cut> cut)
+      : dispatcher_(dispatcher),
+        thread_(dispatcher.parts_.thread),
+        alive_(dispatcher.parts_.alive),
+        cut_(std::move(cut)) {}
+
+  Result<void> intend(std::int64_t last_stroke) override {
+    using Clock = std::chrono::steady_clock;
+    Result<void> done = tl::unexpected(given_up("popcutd is ending"));
+    const Clock::time_point begun = Clock::now();
+    try {
+      thread_.run(ServiceThread::Lane::Cutting, [&] {
+        const auto here = alive_.lock();
+        if (!here) return;
+        note_wait();
+        done = dispatcher_.intended(*cut_, last_stroke);
+      });
+    } catch (const std::exception& fault) {
+      done = tl::unexpected(given_up(fault.what()));
+    }
+    waited_s_ = std::chrono::duration<double>(Clock::now() - begun).count();
+    return done;
+  }
+
+  // Written with the next `intend`, with progress, or at the end: one commit a step. Lost in a
+  // crash it leaves more in doubt, never less.
+  Result<void> settle(std::int64_t certain, std::int64_t taken,
+                      std::uint64_t bytes_taken) override {
+    const std::lock_guard lock(cut_->mutex);
+    cut_->settled_certain = std::max(cut_->settled_certain, certain);
+    cut_->settled_taken = std::max(cut_->settled_taken, taken);
+    cut_->settled_bytes = std::max(cut_->settled_bytes, bytes_taken);
+    cut_->settled = true;
+    return {};
+  }
+
+  void progress(const SessionProgress& progress) override {
+    {
+      const std::lock_guard lock(cut_->mutex);
+      const bool waiting = cut_->progress.has_value();
+      cut_->progress = progress;
+      if (waiting) return;
+    }
+    thread_.post(ServiceThread::Lane::Cutting,
+                 [dispatcher = &dispatcher_, cut = cut_, alive = alive_] {
+                   const auto here = alive.lock();
+                   if (!here) return;
+                   std::optional<SessionProgress> latest;
+                   {
+                     const std::lock_guard lock(cut->mutex);
+                     latest = std::exchange(cut->progress, std::nullopt);
+                   }
+                   if (latest && !cut->over) dispatcher->progressed(*cut, *latest);
+                 });
+  }
+
+  void ended(const SessionEnd& end) override {
+    try {
+      thread_.run(ServiceThread::Lane::Cutting, [&] {
+        const auto here = alive_.lock();
+        if (!here) return;
+        note_wait();
+        dispatcher_.ended(cut_, end);
+      });
+    } catch (const std::exception&) {
+      // Tried again by the tick.
+      thread_.post(ServiceThread::Lane::Asking,
+                   [dispatcher = &dispatcher_, cut = cut_, alive = alive_, end] {
+                     if (const auto here = alive.lock()) dispatcher->late_.push_back({cut, end});
+                   });
+    }
+  }
+
+ private:
+  /// On the service's thread: how long the stream was held up the last time.
+  void note_wait() {
+    if (const auto waited = std::exchange(waited_s_, std::nullopt))
+      dispatcher_.parts_.store.note_stream_wait(*waited);
+  }
+
+  CutDispatcher& dispatcher_;
+  ServiceThread& thread_;
+  std::weak_ptr<void> alive_;
+  std::shared_ptr<Cut> cut_;
+  std::optional<double> waited_s_{};
+};
+
+CutDispatcher::~CutDispatcher() = default;
+
+const LiveCut* CutDispatcher::live(const std::string& job) const {
+  const auto found = cuts_.find(job);
+  return found == cuts_.end() ? nullptr : &found->second->live;
+}
+
+Answer<std::shared_ptr<CutDispatcher::Cut>> CutDispatcher::prepare(const JobRow& row) {
+  const auto sheet = parts_.jobs.current_sheet(row);
+  if (!sheet)
+    return tl::unexpected(JobRepository::conflict(row, "the job's plan has no such sheet"));
+  Result<EncodedProgram> program =
+      parts_.options.read_program(parts_.plans.folder_of(row.plan), sheet->number);
+  // What was armed is what is cut: a stored program that changed is not.
+  if (!program || sha256_hex(program->bytes) != sheet->program_sha256)
+    return tl::unexpected(JobRepository::conflict(
+        row, program ? "the stored program is not the one that was planned; make the job anew"
+                     : "the stored program cannot be read: " + message(program.error())));
+  auto cut = std::make_shared<Cut>();
+  cut->job = row.id;
+  cut->owner = row.owner;
+  cut->operator_name = row.operator_name;
+  cut->device = row.device;
+  cut->material = row.material;
+  cut->sheet = row.sheet;
+  cut->blank = row.blank;
+  cut->first = row.first_stroke;
+  cut->strokes = static_cast<std::int64_t>(program->strokes.size());
+  cut->plan = *sheet;
+  cut->dots = program->dots;
+  cut->marks = {.first = cut->first,
+                .certain = cut->first - 1,
+                .taken = cut->first - 1,
+                .intended = cut->first - 1};
+  cut->attempt = parts_.store.new_id();
+  cut->order = {.attempt = cut->attempt,
+                .device = row.device,
+                .program = std::move(*program),
+                .area_mm = sheet->area_mm,
+                .first_stroke = cut->first};
+  return cut;
+}
+
+Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const ActionRequest&) {
+  if (stopping_) return refuse(ProblemKind::Unavailable, "popcutd is being stopped");
+  AttemptTable& attempts = parts_.jobs.attempts();
+  const auto armed = attempts.armed(row.id);
+  const auto until = armed_until_.find(row.id);
+  const bool alive = armed && armed->invocation == parts_.store.invocation() &&
+                     until != armed_until_.end() && until->second > parts_.store.monotonic();
+  if (!alive)
+    return tl::unexpected(JobRepository::conflict(row, "the arm has lapsed; disarm and arm again"));
+  const auto plan = parts_.plans.table().find(row.plan);
+  if (!plan || armed->sheet != row.sheet || armed->blank != row.blank ||
+      armed->device != row.device || armed->plan_sha256 != plan->sha256)
+    return tl::unexpected(JobRepository::conflict(
+        row, "what was armed is not what would be cut; disarm and arm again"));
+  if (const auto fine = parts_.devices.usable(row.device); !fine)
+    return tl::unexpected(fine.error());
+  if (const std::string why = parts_.devices.misfit(row.device, *plan); !why.empty())
+    return tl::unexpected(JobRepository::conflict(
+        row, fmt::format("{} cannot cut this any more: {}", row.device, why)));
+  if (const auto known = check_place(row, row.device); !known) return tl::unexpected(known.error());
+  if (const auto device = parts_.devices.find(row.device);
+      device->state != "idle" && device->state != "attention")
+    return tl::unexpected(JobRepository::conflict(
+        row, fmt::format("{} is {}{}{}; start when it is idle", row.device, device->state,
+                         device->reasons.empty() ? "" : ": ", fmt::join(device->reasons, ", "))));
+  row.operator_name = who.name;
+  const Answer<std::shared_ptr<Cut>> cut = prepare(row);
+  if (!cut) return tl::unexpected(cut.error());
+  const TimeMs now = parts_.store.now();
+  try {
+    attempts.insert({.id = (*cut)->attempt,
+                     .job = row.id,
+                     .sheet = row.sheet,
+                     .blank = row.blank,
+                     .segment = row.segment,
+                     .first_stroke = (*cut)->first,
+                     .strokes = (*cut)->strokes,
+                     .device = row.device,
+                     .device_session = parts_.devices.session_of(row.device),
+                     .operator_name = who.name,
+                     .plan_sha256 = plan->sha256,
+                     .invocation = parts_.store.invocation(),
+                     .created = now,
+                     .started = now});
+  } catch (const StoreFault& fault) {
+    if (fault.kind() != FaultKind::Constraint) throw;
+    return tl::unexpected(JobRepository::conflict(
+        row, "this blank was started before; take a new one with retry-sheet"));
+  }
+  attempts.disarm(row.id);
+  parts_.jobs.take(row, Step::ToCutting, "");
+  // The knife moves only after all this is on the disk; what follows the commit takes no memory
+  // but within `hand_over`.
+  auto mine = std::make_shared<std::map<std::string, std::shared_ptr<Cut>>>();
+  mine->emplace(row.id, *cut);
+  parts_.store.after_commit([this, cut = *cut, mine] {
+    armed_until_.erase(cut->job);
+    placed_.erase(cut->job);
+    cuts_.merge(*mine);
+    hand_over(cut);
+  });
+  return {};
+}
+
+void CutDispatcher::hand_over(const std::shared_ptr<Cut>& cut) {
+  try {
+    auto journal = std::make_shared<Journal>(*this, cut);
+    const Result<void> taken = parts_.cutters.cut(std::move(cut->order), std::move(journal));
+    cut->order = {};
+    if (taken) return;
+    cut->refusal = message(taken.error());
+  } catch (const std::bad_alloc&) {
+    cut->refusal = "out of memory";  // so short that it needs none
+  }
+  record_refusal(cut);
+}
+
+// Not a byte of it was sent, so the same blank may be started again. What cannot be written now is
+// tried again by the tick.
+void CutDispatcher::record_refusal(const std::shared_ptr<Cut>& cut) {
+  try {
+    const Answer<void> recorded = parts_.store.change([&]() -> Answer<void> {
+      Answer<JobRow> row = parts_.jobs.row(cut->job);
+      if (!row) return tl::unexpected(row.error());
+      parts_.jobs.attempts().never_started(cut->attempt, parts_.store.now());
+      parts_.jobs.take(*row, step_of(row->state, JobEvent::CutRefused), *cut->refusal);
+      return {};
+    });
+    if (recorded) cuts_.erase(cut->job);
+  } catch (const std::bad_alloc&) {  // the tick comes back to it
+  }
+}
+
+Result<void> CutDispatcher::intended(Cut& cut, std::int64_t last) {
+  if (parts_.store.degraded()) return tl::unexpected(given_up("the database failed"));
+  std::uint64_t bytes = 0;
+  AttemptMarks marks = cut.marks;
+  {
+    const std::lock_guard lock(cut.mutex);
+    marks.certain = std::max(marks.certain, cut.settled_certain);
+    marks.taken = std::max(marks.taken, cut.settled_taken);
+    bytes = cut.settled_bytes;
+    cut.settled = false;
+  }
+  marks.intended = std::max(marks.intended, last);
+  const Answer<void> done = parts_.store.change([&]() -> Answer<void> {
+    parts_.jobs.attempts().mark(cut.attempt, marks);
+    parts_.jobs.attempts().add_bytes(cut.attempt, bytes);
+    return {};
+  });
+  if (!done) return tl::unexpected(given_up(done.error().detail));
+  cut.marks = marks;
+  cut.live.certain = marks.certain + 1;
+  cut.live.sent = std::max(marks.certain, marks.taken) + 1;
+  return {};
+}
+
+void CutDispatcher::progressed(Cut& cut, const SessionProgress& progress) {
+  bool settled = false;
+  {
+    const std::lock_guard lock(cut.mutex);
+    settled = cut.settled;
+  }
+  if (settled && !parts_.store.degraded()) (void)intended(cut, cut.marks.intended);
+  cut.live.seconds_left = progress.seconds_left;
+  if (progress.strokes > 0)
+    cut.live.cut_share =
+        static_cast<double>(progress.strokes_done) / static_cast<double>(progress.strokes);
+  const bool turned = std::exchange(cut.phase, progress.phase) != progress.phase;
+  std::int64_t rev = 0;
+  std::string state;
+  const Answer<void> noted = parts_.store.look([&]() -> Answer<void> {
+    Answer<JobRow> row = parts_.jobs.row(cut.job);
+    if (!row) return tl::unexpected(row.error());
+    const bool held = progress.phase == SessionPhase::Held && row->asked == "pause" &&
+                      row->state == JobState::Cutting;
+    const std::string shown = attention_meanwhile(progress);
+    if (held || shown != cut.shown) {
+      const Answer<void> taken = parts_.store.change([&]() -> Answer<void> {
+        if (held) parts_.jobs.take(*row, step_of(row->state, JobEvent::CutHeld), "");
+        if (shown != cut.shown) {
+          const bool panel = progress.phase == SessionPhase::Paused;
+          row->reason = panel ? "panel_pause" : shown;
+          parts_.jobs.set_attention(*row, shown, text_of_attention(progress));
+          parts_.jobs.save(*row);
+        }
+        return {};
+      });
+      if (taken) cut.shown = shown;
+    }
+    rev = row->rev;
+    state = name_of(row->state);
+    return {};
+  });
+  const std::int64_t now = parts_.store.monotonic();
+  if (!noted || (!turned && now - cut.told_ms < kTellMs)) return;
+  cut.told_ms = now;
+  parts_.store.tell(
+      {.seq = 0,
+       .kind = "progress",
+       .time = parts_.store.now(),
+       .job = cut.job,
+       .data = fmt::format(
+           R"({{"seq":0,"kind":"progress","job":"{}","state":"{}","rev":{},"sheet":{},"phase":"{}","paths_certain":{},"paths_sent":{},"paths_done":{},"paths":{},"seconds_left":{:.1f}}})",
+           cut.job, state, rev, cut.sheet, name_of(progress.phase), cut.live.certain, cut.live.sent,
+           progress.strokes_done, progress.strokes, std::max(0.0, progress.seconds_left))});
+}
+
+void CutDispatcher::ended(const std::shared_ptr<Cut>& cut, const SessionEnd& end) {
+  cut->over = true;
+  const Answer<void> recorded =
+      parts_.store.change([&]() -> Answer<void> { return record_end(*cut, end); });
+  if (recorded) {
+    cuts_.erase(cut->job);
+    return;
+  }
+  parts_.store.log(fmt::format("the end of job {} sheet {} could not be recorded yet: {}", cut->job,
+                               cut->sheet, recorded.error().detail));
+  // After a failed write nothing is written any more: a restart finds it cutting and says so.
+  if (!parts_.store.degraded()) late_.push_back({cut, end});
+}
+
+Answer<void> CutDispatcher::record_end(Cut& cut, const SessionEnd& end) {
+  Answer<JobRow> row = parts_.jobs.row(cut.job);
+  if (!row) return tl::unexpected(row.error());
+  const std::vector<FateRun> runs = fate_runs(end.fates, cut.dots, cut.first, cut.strokes);
+  CutVerdict verdict = verdict_on(end, runs, stopping_);
+  const bool cancelled = cut.cancel_asked || row->asked == "cancel";
+  if (cancelled && !verdict.complete) verdict.kind = "cancelled";
+  AttemptTable& attempts = parts_.jobs.attempts();
+  const TimeMs now = parts_.store.now();
+  std::string status = end.error ? message(*end.error) : end.confirmed ? "ready" : "";
+  for (const std::string& remark : end.remarks) status += (status.empty() ? "" : "; ") + remark;
+  attempts.finish(cut.attempt, now, verdict.kind, status, runs);
+  {
+    const std::lock_guard lock(cut.mutex);
+    attempts.add_bytes(cut.attempt, cut.settled_bytes);
+  }
+  std::int64_t certain = 0;
+  for (const FateRun& run : runs)
+    if (run.fate == PathFate::Certain) certain += run.paths.last - run.paths.first + 1;
+  const double mm = cut.strokes == 0
+                        ? 0
+                        : (cut.plan.cut_mm + cut.plan.fold_mm) * static_cast<double>(certain) /
+                              static_cast<double>(cut.strokes);
+  parts_.store.db().run(
+      "INSERT INTO usage(time, owner, operator, device, material, job, k, seconds, cut_mm, sheets) "
+      "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      now, row->owner, cut.operator_name, cut.device, cut.material, cut.job, cut.sheet, end.seconds,
+      mm, verdict.complete ? 1 : 0);
+  parts_.devices.count_sheet(cut.device, mm, verdict.complete);
+
+  JobRepository& jobs = parts_.jobs;
+  std::vector<std::vector<FateRun>> fates;
+  for (const AttemptRow& attempt : attempts.of_sheet(cut.job, cut.sheet))
+    if (attempt.blank == cut.blank) fates.push_back(attempts.fates(attempt.id));
+  row->paths_certain = row->paths_sent = 0;
+  for (const FateRun& run : merged_fates(cut.strokes, fates)) {
+    const std::int64_t count = run.paths.last - run.paths.first + 1;
+    if (run.fate == PathFate::Certain) row->paths_certain += count;
+    if (run.fate != PathFate::NotSent) row->paths_sent += count;
+  }
+  if (verdict.complete) {
+    const std::string reason = cancelled ? row->reason : "";
+    jobs.take(*row, step_of(row->state, JobEvent::CutCompletes), "");
+    // A cancel that came after the last stroke of the last sheet came too late.
+    if (cancelled && !is_terminal(row->state)) jobs.take(*row, Step::ToCancelled, reason);
+  } else if (cancelled) {
+    jobs.take(*row, step_of(row->state, JobEvent::CutStops), row->reason);
+  } else {
+    jobs.set_attention(*row, verdict.attention, verdict.text);
+    jobs.take(
+        *row,
+        step_of(row->state, verdict.unconfirmed ? JobEvent::CutUnconfirmed : JobEvent::CutBreaks),
+        verdict.kind);
+  }
+  return {};
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/service/live/device_dispatcher.hpp"
+
+#include <fmt/format.h>
+
+namespace popcut::daemon {
+
+DeviceDispatcher::~DeviceDispatcher() {
+  if (reset_thread_.joinable()) reset_thread_.join();
+}
+
+std::vector<DeviceRecord> DeviceDispatcher::list() {
+  std::vector<DeviceRecord> all = parts_.devices.list();
+  for (DeviceRecord& one : all)
+    if (const auto row = parts_.jobs.table().on_device(one.id)) one.job = row->id;
+  return all;
+}
+
+Answer<DeviceRecord> DeviceDispatcher::find(const std::string& id) {
+  return parts_.store.look([&]() -> Answer<DeviceRecord> {
+    auto found = parts_.devices.find(id);
+    if (!found) return refuse(ProblemKind::NotFound, parts_.devices.unknown(id, "/device").detail);
+    if (const auto row = parts_.jobs.table().on_device(id)) found->job = row->id;
+    return *found;
+  });
+}
+
+Answer<DeviceRecord> DeviceDispatcher::act(const Principal& who, const std::string& id,
+                                           std::int64_t if_match, const DeviceRequest& request) {
+  const bool enabling = request.action == "enable" || request.action == "disable";
+  if (who.role < (enabling ? Role::Admin : Role::Operator))
+    return refuse(ProblemKind::Forbidden, enabling ? "devices are enabled and disabled by an admin"
+                                                   : "devices are used by an operator");
+  Answer<DeviceRecord> device = find(id);
+  if (!device) return device;
+  if (device->rev != if_match) {
+    Problem stale{ProblemKind::Stale, "the device has changed meanwhile; read it again"};
+    stale.rev = device->rev;
+    stale.state = device->state;
+    return tl::unexpected(std::move(stale));
+  }
+  std::string test_job;
+  const Answer<void> done = parts_.store.change([&]() -> Answer<void> {
+    if (const auto taken = take(who, *device, request, test_job); !taken) return taken;
+    parts_.store.audit(who.name, request.action, id, test_job);
+    return {};
+  });
+  if (!done) return tl::unexpected(done.error());
+  if (enabling) {
+    // The book knows it after the commit, which may be that of a transaction around this one.
+    const bool enabled = request.action == "enable";
+    if (device->enabled != enabled) ++device->rev;
+    device->enabled = enabled;
+    // Disabling takes back what was armed there.
+    if (!enabled) parts_.dispatcher.devices_gone({id});
+  }
+  device->test_job = test_job;
+  return device;
+}
+
+Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& device,
+                                    const DeviceRequest& request, std::string& test_job) {
+  const std::string& id = device.id;
+  if (request.action == "enable" || request.action == "disable") {
+    parts_.devices.set_enabled(id, request.action == "enable");
+  } else if (request.action == "reset") {
+    if (!device.job.empty() || resetting_)
+      return refuse(ProblemKind::StateConflict,
+                    device.job.empty() ? "another reset is under way"
+                                       : id + " has a sheet of job " + device.job + " in it");
+    parts_.store.after_commit([this, id] { reset(id); });
+  } else if (request.action == "test-cut") {
+    if (const auto there = parts_.devices.usable(id); !there) return there;
+    const Answer<Job> job = parts_.jobs.create_test(who, id, request.material);
+    if (!job) return tl::unexpected(job.error());
+    test_job = job->id;
+  } else {
+    return refuse(ProblemKind::NotFound,
+                  "a device has the actions enable, disable, reset and test-cut");
+  }
+  return {};
+}
+
+// Resetting waits for the device, so it has a thread of its own.
+void DeviceDispatcher::reset(const std::string& id) {
+  if (reset_thread_.joinable()) reset_thread_.join();
+  resetting_ = true;
+  reset_thread_ = std::thread([this, id, thread = &parts_.thread, cutters = &parts_.cutters,
+                               alive = std::weak_ptr<void>(parts_.alive)] {
+    const Result<void> done = cutters->reset(id);
+    thread->post(ServiceThread::Lane::Asking, [this, id, alive, done] {
+      const auto here = alive.lock();
+      if (!here) return;
+      resetting_ = false;
+      (void)parts_.store.change([&]() -> Answer<void> {
+        parts_.store.emit("notice", "",
+                          fmt::format(R"("device":{},"what":"reset","error":{})", json_text(id),
+                                      done ? "null" : json_text(message(done.error()))));
+        return {};
+      });
+      look();
+    });
+  });
+}
+
+}  // namespace popcut::daemon

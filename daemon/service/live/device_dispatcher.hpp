@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "daemon/service/live/cut_dispatcher.hpp"
+#include "daemon/service/repositories/job_repository.hpp"
+
+namespace popcut::daemon {
+
+/// What is asked of the cutters themselves, not of a job: which there are, and enable, disable,
+/// reset, test-cut.
+class DeviceDispatcher : public Devices {
+ public:
+  struct Parts {
+    ServiceStore& store;
+    ServiceThread& thread;
+    Cutters& cutters;
+    DeviceRegistry& devices;
+    JobRepository& jobs;
+    CutDispatcher& dispatcher;
+    std::shared_ptr<void> alive;
+  };
+  explicit DeviceDispatcher(Parts parts) : parts_(std::move(parts)) {}
+  ~DeviceDispatcher() override;  ///< waits for a reset that is under way
+  DeviceDispatcher(const DeviceDispatcher&) = delete;
+  DeviceDispatcher& operator=(const DeviceDispatcher&) = delete;
+
+  std::vector<DeviceRecord> list() override;
+  Answer<DeviceRecord> find(const std::string& id) override;
+  Answer<DeviceRecord> act(const Principal& who, const std::string& id, std::int64_t if_match,
+                           const DeviceRequest& request) override;
+  /// Asks the cutters anew: sheets that were armed in those that went away are armed no more.
+  void look() { parts_.dispatcher.devices_gone(parts_.devices.refresh()); }
+
+ private:
+  [[nodiscard]] Answer<void> take(const Principal& who, const DeviceRecord& device,
+                                  const DeviceRequest& request, std::string& test_job);
+  void reset(const std::string& id);
+  Parts parts_;
+  std::thread reset_thread_;
+  bool resetting_{false};
+};
+
+}  // namespace popcut::daemon

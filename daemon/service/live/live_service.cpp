@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/service/live/live_service.hpp"
+
+#include <chrono>
+#include <cstdlib>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "daemon/service/live/cut_dispatcher.hpp"
+#include "daemon/service/live/device_dispatcher.hpp"
+#include "daemon/service/repositories/recovery.hpp"
+#include "daemon/service/repositories/reports.hpp"
+#include "daemon/service/tokens.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+constexpr int kCheckpointPages = 500;
+constexpr int kPrunedAtOnce = 500;
+constexpr int kMostEvents = 1000;
+
+ServiceOptions completed(ServiceOptions options) {
+  using namespace std::chrono;
+  if (!options.wall_ms)
+    options.wall_ms = [] {
+      return duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
+    };
+  if (!options.monotonic_ms)
+    options.monotonic_ms = [] {
+      return duration_cast<milliseconds>(steady_clock::now().time_since_epoch()).count();
+    };
+  // Never the same for two runs: a service manager's own id is not kept over a fork in tests.
+  if (options.invocation.empty()) {
+    const char* const given = std::getenv("INVOCATION_ID");
+    options.invocation =
+        sha256_hex((given == nullptr ? "" : given) + random_bytes(16)).substr(0, 32);
+  }
+  if (!options.read_program)
+    options.read_program = [](const std::string& folder, int) -> Result<EncodedProgram> {
+      return fail(ErrorKind::Internal, folder, "nothing here reads programs");
+    };
+  return options;
+}
+
+/// The parts, in the order in which they need each other.
+struct Parts {
+  Parts(Store& disk, ServiceThread& service_thread, Planner& planner, Cutters& all_cutters,
+        ServiceOptions given)
+      : options(completed(std::move(given))),
+        raw(disk),
+        thread(service_thread),
+        cutters(all_cutters),
+        store(disk, options),
+        tokens(store, options),
+        registry(store, cutters, options),
+        materials(store, options),
+        designs(store, thread, planner, alive),
+        plans({store, thread, planner, designs, materials, registry, options, alive}),
+        jobs({store, thread, plans, registry, options, alive}),
+        dispatcher({store, thread, cutters, jobs, plans, registry, options, alive}),
+        device_dispatcher({store, thread, cutters, registry, jobs, dispatcher, alive}) {
+    designs.removed = [this](const std::string& design) { plans.remove_all_of(design); };
+    plans.begun = [this](const std::string& plan) { jobs.plan_begun(plan); };
+    plans.ended = [this](const std::string& plan) { jobs.plan_ended(plan); };
+    jobs.live = [this](const std::string& job) { return dispatcher.live(job); };
+    jobs.knows_place = [this](const JobRow& row) {
+      return dispatcher.knows_place(row, row.requested_device);
+    };
+    store.on_degraded = [this] { dispatcher.stop_cuts(); };
+  }
+  ServiceOptions options;
+  std::shared_ptr<void> alive{std::make_shared<int>(0)};
+  Store& raw;
+  ServiceThread& thread;
+  Cutters& cutters;
+  ServiceStore store;
+  Tokens tokens;
+  DeviceRegistry registry;
+  MaterialRepository materials;
+  DesignRepository designs;
+  PlanningQueue plans;
+  JobRepository jobs;
+  CutDispatcher dispatcher;
+  DeviceDispatcher device_dispatcher;
+};
+
+/// A base, so that the parts are there before what refers to them.
+struct PartsHolder {
+  Parts parts_;
+};
+
+class AssembledService final : private PartsHolder, public Operations, public LiveService {
+ public:
+  AssembledService(Store& disk, ServiceThread& thread, Planner& planner, Cutters& cutters,
+                   ServiceOptions options)
+      : PartsHolder{{disk, thread, planner, cutters, std::move(options)}},
+        LiveService({parts_.tokens, parts_.designs, parts_.plans, parts_.jobs, parts_.dispatcher,
+                     parts_.device_dispatcher, parts_.materials, *this}) {}
+  ~AssembledService() override { parts_.cutters.on_change({}); }
+
+  Answer<void> begin();
+
+  Answer<Rendered> once(const Principal& who, const IdempotentRequest& request,
+                        const std::function<Rendered()>& effect) override;
+  Answer<std::vector<Event>> events(std::int64_t after, int limit, const std::string& job) override;
+  std::int64_t last_event() override {
+    return parts_.store.db().number("SELECT max(seq) FROM event");
+  }
+  std::int64_t first_event() override {
+    return parts_.store.db().number("SELECT min(seq) FROM event");
+  }
+  void listen(std::function<void(const Event&)> listener) override {
+    parts_.store.listen(std::move(listener));
+  }
+  std::vector<UsageRow> usage(std::optional<TimeMs> from, std::optional<TimeMs> to,
+                              const std::string& by) override {
+    return usage_by(parts_.store.db(), from, to, by);
+  }
+  ServiceHealth health() override;
+  std::string metrics() override {
+    return metrics_text(parts_.store, parts_.jobs.table(), parts_.registry.list()) +
+           parts_.cutters.metrics();
+  }
+  Answer<std::string> backup(const Principal& who) override;
+  Answer<std::string> check_integrity(const Principal& who) override;
+
+  void stopping() override {
+    parts_.dispatcher.stopping();
+    parts_.plans.stop();
+  }
+  void tick() override;
+  void retune(ServiceTuning tuning) override {
+    parts_.options.queue_jobs = tuning.queue_jobs;
+    parts_.options.sheets_per_job = tuning.sheets_per_job;
+    parts_.options.device_materials = std::move(tuning.device_materials);
+  }
+
+ private:
+  void prune();
+  [[nodiscard]] Answer<void> idle_admin(const Principal& who) const;
+};
+
+Answer<void> AssembledService::begin() {
+  Answer<void> recovered = recover(parts_.store, parts_.jobs);
+  if (!recovered) return recovered;
+  try {
+    parts_.raw.mark_in_use();
+  } catch (const StoreFault&) {
+    // On a full disk popcutd starts too: to show what there is, and to let people make room.
+    if (!parts_.raw.folder().free_reserve()) throw;
+    parts_.store.note_full();
+    parts_.raw.mark_in_use();
+  }
+  parts_.registry.load();
+  const std::weak_ptr<void> alive = parts_.alive;
+  parts_.cutters.on_change([this, alive, thread = &parts_.thread] {
+    thread->post(ServiceThread::Lane::Asking, [this, alive] {
+      if (const auto here = alive.lock()) parts_.device_dispatcher.look();
+    });
+  });
+  parts_.device_dispatcher.look();
+  // Plans that were stored just before the last run ended.
+  std::vector<std::string> stored;
+  {
+    Rows rows = parts_.store.db().rows(
+        "SELECT DISTINCT job.plan FROM job JOIN plan ON plan.id=job.plan WHERE job.state='queued' "
+        "AND plan.state != 'pending'");
+    while (rows.next()) stored.push_back(rows.text(0));
+  }
+  for (const std::string& plan : stored) parts_.jobs.plan_ended(plan);
+  parts_.plans.pump();
+  parts_.thread.every(1000, [this, alive] {
+    if (const auto here = alive.lock()) tick();
+  });
+  return {};
+}
+
+Answer<Rendered> AssembledService::once(const Principal& who, const IdempotentRequest& request,
+                                        const std::function<Rendered()>& effect) {
+  if (request.key.empty()) return effect();
+  // What is not kept is undone, so it is carried out of the transaction by hand.
+  std::optional<Rendered> unkept;
+  Answer<Rendered> answer = parts_.store.change([&]() -> Answer<Rendered> {
+    unkept.reset();
+    Database& db = parts_.store.db();
+    Rows kept = db.rows(
+        "SELECT request, status, body, etag, location, expires FROM idem WHERE principal=? AND "
+        "key=?",
+        who.name, request.key);
+    if (kept.next() && kept.integer(5) > parts_.store.now()) {
+      if (kept.text(0) != request.sha256)
+        return refuse(ProblemKind::IdempotencyKeyReused,
+                      "this Idempotency-Key was used for another request; take a new one");
+      return Rendered{.status = kept.small(1),
+                      .body = kept.text(2),
+                      .etag = kept.text(3),
+                      .location = kept.text(4),
+                      .replayed = true};
+    }
+    Rendered rendered = effect();
+    if (rendered.status >= 500 || rendered.status == 429) {
+      unkept = std::move(rendered);
+      return refuse(ProblemKind::Internal, "");
+    }
+    db.run(
+        "INSERT OR REPLACE INTO idem(principal, key, request, status, body, etag, location, "
+        "expires) VALUES(?, ?, ?, ?, ?, ?, ?, ?)",
+        who.name, request.key, request.sha256, rendered.status, rendered.body, rendered.etag,
+        rendered.location, parts_.store.now() + parts_.options.keep_keys_ms);
+    return rendered;
+  });
+  if (!answer && unkept) return std::move(*unkept);
+  return answer;
+}
+
+Answer<std::vector<Event>> AssembledService::events(std::int64_t after, int limit,
+                                                    const std::string& job) {
+  return parts_.store.look([&]() -> Answer<std::vector<Event>> {
+    if (!job.empty())
+      if (const auto row = parts_.jobs.row(job); !row) return tl::unexpected(row.error());
+    std::vector<Event> all;
+    const int most = std::clamp(limit, 1, kMostEvents);
+    Rows rows = job.empty() ? parts_.store.db().rows(
+                                  "SELECT seq, kind, time, job, data FROM event "
+                                  "WHERE seq>? ORDER BY seq LIMIT ?",
+                                  after, most)
+                            : parts_.store.db().rows(
+                                  "SELECT seq, kind, time, job, data FROM event "
+                                  "WHERE seq>? AND job=? ORDER BY seq LIMIT ?",
+                                  after, job, most);
+    while (rows.next()) {
+      Event event;
+      event.seq = rows.integer(0);
+      event.kind = rows.text(1);
+      event.time = rows.integer(2);
+      event.job = rows.text(3);
+      event.data = rows.text(4);
+      all.push_back(std::move(event));
+    }
+    return all;
+  });
+}
+
+ServiceHealth AssembledService::health() {
+  ServiceHealth health;
+  health.disk_free_mb = parts_.raw.folder().free_bytes() >> 20;
+  try {
+    health.database =
+        parts_.store.db().number("SELECT count(*) FROM tally") >= 0 && !parts_.store.degraded();
+  } catch (const StoreFault& fault) {
+    parts_.store.note(fault);
+  }
+  const Answer<void> work = parts_.store.accepts_work();
+  health.accepts_work = work.has_value();
+  if (!work) health.remark = work.error().detail;
+  return health;
+}
+
+Answer<void> AssembledService::idle_admin(const Principal& who) const {
+  if (who.role < Role::Admin)
+    return refuse(ProblemKind::Forbidden, "the database is looked after by an admin");
+  // It takes the one thread that a cut's journal needs.
+  if (parts_.dispatcher.cutting())
+    return refuse(ProblemKind::StateConflict, "a sheet is being cut; try again when none is");
+  return {};
+}
+
+Answer<std::string> AssembledService::backup(const Principal& who) {
+  if (const auto may = idle_admin(who); !may) return tl::unexpected(may.error());
+  const std::string name =
+      fmt::format("popcut-{:%Y%m%dT%H%M%S}Z-{}.db",
+                  fmt::gmtime(static_cast<std::time_t>(parts_.store.now() / 1000)),
+                  sha256_hex(random_bytes(8)).substr(0, 6));
+  auto made = parts_.store.look([&]() -> Answer<std::string> {
+    return back_up(parts_.store.db(), parts_.raw.folder(), name);
+  });
+  if (!made) return made;
+  (void)parts_.store.change([&]() -> Answer<void> {
+    parts_.store.audit(who.name, "backup", name, "");
+    return {};
+  });
+  return made;
+}
+
+Answer<std::string> AssembledService::check_integrity(const Principal& who) {
+  if (const auto may = idle_admin(who); !may) return tl::unexpected(may.error());
+  return parts_.store.look([&]() -> Answer<std::string> {
+    std::string verdict;
+    for (const char* check : {"PRAGMA integrity_check(20)", "PRAGMA foreign_key_check"}) {
+      Rows rows = parts_.store.db().rows(check);
+      while (rows.next()) {
+        const std::string line = rows.text(0);
+        if (line == "ok") continue;
+        verdict += line + "\n";
+      }
+    }
+    return verdict.empty() ? std::string("ok") : verdict;
+  });
+}
+
+// A few at a time, so that nobody waits for it.
+void AssembledService::prune() {
+  (void)parts_.store.change([&]() -> Answer<void> {
+    const TimeMs now = parts_.store.now();
+    Database& db = parts_.store.db();
+    db.run(
+        "DELETE FROM idem WHERE (principal, key) IN (SELECT principal, key FROM idem WHERE "
+        "expires<=? LIMIT ?)",
+        now, kPrunedAtOnce);
+    // The last one stays, for the numbers to go on from it.
+    db.run(
+        "DELETE FROM event WHERE seq IN (SELECT seq FROM event ORDER BY seq LIMIT ?) AND time<? "
+        "AND seq<(SELECT max(seq) FROM event)",
+        kPrunedAtOnce, now - parts_.options.keep_events_ms);
+    db.run("DELETE FROM token WHERE expires<?", now - parts_.options.keep_keys_ms);
+    return {};
+  });
+}
+
+void AssembledService::tick() {
+  parts_.store.recover_disk();
+  parts_.dispatcher.tick();
+  parts_.device_dispatcher.look();
+  if (parts_.store.degraded()) return;
+  if (!parts_.store.full()) parts_.jobs.catch_up();
+  parts_.plans.pump();
+  parts_.tokens.tidy();
+  try {
+    if (parts_.store.db().wal_pages() > kCheckpointPages) parts_.store.db().checkpoint(false);
+    const bool old = parts_.store.db().number("SELECT EXISTS(SELECT 1 FROM idem WHERE expires<=?)",
+                                              parts_.store.now()) != 0 ||
+                     parts_.store.db().number("SELECT time FROM event ORDER BY seq LIMIT 1") <
+                         parts_.store.now() - parts_.options.keep_events_ms;
+    if (old && !parts_.store.full()) prune();
+  } catch (const StoreFault& fault) {
+    parts_.store.note(fault);
+  }
+}
+
+}  // namespace
+
+Result<std::unique_ptr<LiveService>> make_service(Store& store, ServiceThread& thread,
+                                                  Planner& planner, Cutters& cutters,
+                                                  ServiceOptions options) {
+  Result<std::unique_ptr<LiveService>> made =
+      fail(ErrorKind::Internal, "", "the service's thread has ended");
+  // A database that passed its checks may still hold what makes no sense.
+  const auto give_up = [&](bool damaged, const std::string& why) {
+    store.give_up();
+    made = damaged ? fail(ErrorKind::Malformed, "", store.set_aside_as("is damaged: " + why))
+                   : fail(ErrorKind::Unwritable, store.folder().at("popcut.db"), why);
+  };
+  thread.run(ServiceThread::Lane::Asking, [&] {
+    try {
+      auto service =
+          std::make_unique<AssembledService>(store, thread, planner, cutters, std::move(options));
+      if (const Answer<void> begun = service->begin(); begun)
+        made = std::move(service);
+      else
+        give_up(begun.error().kind == ProblemKind::Internal, begun.error().detail);
+    } catch (const StoreFault& fault) {
+      give_up(fault.kind() != FaultKind::Full && fault.kind() != FaultKind::Io, fault.what());
+    }
+  });
+  return made;
+}
+
+}  // namespace popcut::daemon

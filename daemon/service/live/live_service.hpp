@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+
+#include "core/result.hpp"
+#include "daemon/devices/cutters.hpp"
+#include "daemon/planning/planner.hpp"
+#include "daemon/service/service.hpp"
+#include "daemon/service/service_options.hpp"
+#include "daemon/service/service_thread.hpp"
+#include "daemon/store/store.hpp"
+
+namespace popcut::daemon {
+
+/// The service over a store, and what its owner asks of it besides.
+class LiveService : public Service {
+ public:
+  virtual ~LiveService() = default;
+  /// Cuts that end from now on do so because popcutd stops: interrupted, reason `shutdown`. No new
+  /// cut begins. Then `Cutters::stop_all`, from any thread but the service's.
+  virtual void stopping() = 0;
+  /// What is done from time to time: arms that lapse, old rows, the disk. Once a second is right;
+  /// `make_service` sees to it.
+  virtual void tick() = 0;
+  /// From now on; what is queued, armed or cutting stays as it is. On the service's thread.
+  virtual void retune(ServiceTuning tuning) = 0;
+
+ protected:
+  explicit LiveService(const Service& parts) : Service(parts) {}
+};
+
+/// Starts the service on `thread`: first one transaction that tells the truth about what the last
+/// run left (cutting and paused jobs are interrupted, armed ones ready, planning ones queued), then
+/// planning goes on. Never starts or resumes a cut.
+///
+/// The parts must outlive the service; it is destroyed after `thread` was stopped, or on it.
+/// Planner and cutters go before `thread`, since they may still post to it.
+///
+/// @retval Unwritable  the store could not be read or written
+/// @retval Malformed   the database is damaged, and a copy was set aside: popcutd exits 78
+[[nodiscard]] Result<std::unique_ptr<LiveService>> make_service(Store& store, ServiceThread& thread,
+                                                                Planner& planner, Cutters& cutters,
+                                                                ServiceOptions options);
+
+}  // namespace popcut::daemon

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/service/live/cut_dispatcher.hpp"
+
+namespace popcut::daemon {
+
+/// A cut that is under way, or whose end is not written yet.
+struct CutDispatcher::Cut {
+  std::string job, owner, attempt, device, material, operator_name;
+  int sheet{}, blank{};
+  std::int64_t first{0}, strokes{0};
+  SheetPlan plan;
+  std::vector<std::uint32_t> dots;
+  CutOrder order;  ///< until it is handed over
+
+  // On the service's thread.
+  AttemptMarks marks;
+  LiveCut live;
+  bool cancel_asked{false}, over{false};
+  std::optional<std::string> refusal;  ///< why the cutter did not take it
+  std::string shown;                   ///< kind of the attention that is shown meanwhile
+  SessionPhase phase{SessionPhase::Connecting};
+  std::int64_t told_ms{-1'000'000};
+
+  // Left by the cutter's thread.
+  std::mutex mutex;
+  std::int64_t settled_certain{-1}, settled_taken{-1};
+  std::uint64_t settled_bytes{};
+  bool settled{false};
+  std::optional<SessionProgress> progress;
+};
+
+}  // namespace popcut::daemon

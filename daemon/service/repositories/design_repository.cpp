@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/service/repositories/design_repository.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/text/json_fields.hpp"
+#include "daemon/store/plan_table.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+constexpr std::string_view kColumns = "id, name, kind, owner, bytes, created, assets, media_type";
+constexpr std::uint64_t kSpecBytes = 1u << 20;  // longer ones name their material in the request
+constexpr std::uint64_t kScanBytes = 64u << 20;
+constexpr std::size_t kMostAssets = 64;
+constexpr std::string_view kPreview = "preview.svg";
+
+Design design_of(const Rows& rows) {
+  Design design;
+  design.id = rows.text(0);
+  design.name = rows.text(1);
+  design.kind = rows.text(2);
+  design.owner = rows.text(3);
+  design.bytes = static_cast<std::uint64_t>(rows.integer(4));
+  design.created = rows.integer(5);
+  design.assets = list_from_json(rows.text(6));
+  design.is_new = false;
+  return design;
+}
+
+bool is_digest_id(std::string_view id) {
+  return id.size() == 71 && id.starts_with("sha256-") &&
+         id.substr(7).find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+bool exists(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored);
+}
+
+const std::string* file_of(const PlanningOutcome& outcome, std::string_view name) {
+  for (const PlanningFile& file : outcome.files)
+    if (file.name == name) return &file.bytes;
+  return nullptr;
+}
+
+}  // namespace
+
+Answer<void> check_text(const std::string& text, std::size_t most, const std::string& pointer,
+                        bool lines_allowed) {
+  const auto wrong = [&](const char* code, std::string advice) {
+    return tl::unexpected(Problem{
+        ProblemKind::Validation, pointer + " is not valid", {{pointer, code, std::move(advice)}}});
+  };
+  if (text.size() > most) return wrong("range", fmt::format("must be at most {} bytes", most));
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    const bool c1 =
+        c == 0xC2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xA0;
+    if (lines_allowed && c == '\n') continue;
+    if (c < 0x20 || c == 0x7F || c1) return wrong("format", "must hold no control characters");
+  }
+  return {};
+}
+
+std::optional<Design> DesignRepository::row(const std::string& id, std::string* media_type) {
+  Rows rows = store_.db().rows(fmt::format("SELECT {} FROM design WHERE id=?", kColumns), id);
+  if (!rows.next()) return std::nullopt;
+  if (media_type != nullptr) *media_type = rows.text(7);
+  return design_of(rows);
+}
+
+// What a spec refers to by id, as far as it was uploaded. Only a planner reads the spec itself.
+std::map<std::string, std::string> DesignRepository::referred_assets(
+    const std::string& path, const std::string& media_type) {
+  std::map<std::string, std::string> paths;
+  if (media_type.find("json") == std::string::npos) return paths;
+  const Result<std::string> text = read_whole(path, kScanBytes);
+  if (!text) return paths;
+  for (std::size_t at = text->find("sha256-");
+       at != std::string::npos && paths.size() < kMostAssets; at = text->find("sha256-", at + 7)) {
+    const std::string id = text->substr(at, 71);
+    const std::string place = store_.folder().at("assets/" + id);
+    if (is_digest_id(id) && exists(place)) paths[id] = place;
+  }
+  return paths;
+}
+
+void DesignRepository::add(const Principal& who, Upload upload, std::string media_type,
+                           std::string name, Added done) {
+  const auto give_up = [&](Problem problem) {
+    remove_tree(upload.path);
+    done(tl::unexpected(std::move(problem)));
+  };
+  if (who.role < Role::Submitter)
+    return give_up({ProblemKind::Forbidden, "designs are uploaded by a submitter"});
+  if (const auto fine = check_text(name, 120, "?name"); !fine) return give_up(fine.error());
+  if (const auto room = store_.accepts_work(); !room) return give_up(room.error());
+  const Answer<std::optional<Design>> before = store_.look(
+      [&]() -> Answer<std::optional<Design>> { return row("sha256-" + upload.sha256); });
+  if (!before) return give_up(before.error());
+  if (before->has_value()) {
+    remove_tree(upload.path);
+    return done(**before);
+  }
+  PlanningTask task;
+  task.kind = PlanningTask::Kind::Check;
+  task.design_path = upload.path;
+  task.media_type = media_type;
+  task.asset_paths = referred_assets(upload.path, media_type);
+  planner_.start(
+      std::move(task), [this, alive = std::weak_ptr<void>(alive_), thread = &thread_, who, upload,
+                        media_type, name, done = std::move(done)](Result<PlanningOutcome> outcome) {
+        thread->post(ServiceThread::Lane::Asking,
+                     [this, alive, who, upload, media_type, name, done,
+                      held = std::make_shared<Result<PlanningOutcome>>(std::move(outcome))] {
+                       if (const auto here = alive.lock())
+                         checked(who, upload, media_type, name, std::move(*held), done);
+                     });
+      });
+}
+
+void DesignRepository::checked(const Principal& who, const Upload& upload,
+                               const std::string& media_type, const std::string& name,
+                               Result<PlanningOutcome> outcome, const Added& done) {
+  if (!outcome) {
+    remove_tree(upload.path);
+    return done(tl::unexpected(problem_from(outcome.error())));
+  }
+  Answer<Design> design = store(who, upload, media_type, name, *outcome);
+  remove_tree(upload.path);
+  done(std::move(design));
+}
+
+Answer<Design> DesignRepository::store(const Principal& who, const Upload& upload,
+                                       const std::string& media_type, const std::string& name,
+                                       const PlanningOutcome& outcome) {
+  const std::string id = "sha256-" + upload.sha256;
+  return store_.change([&]() -> Answer<Design> {
+    // Another upload of the same bytes may have been quicker.
+    if (const auto before = row(id)) return *before;
+    Design design{.id = id,
+                  .name = name,
+                  .kind = outcome.design_kind,
+                  .owner = who.name,
+                  .bytes = upload.bytes,
+                  .created = store_.now(),
+                  .assets = outcome.assets};
+    const std::string place = store_.folder().at("designs/" + id);
+    if (!exists(upload.path) && exists(place)) {
+      // The transaction is tried a second time.
+    } else if (const Result<void> kept = keep_file(upload.path, place); !kept) {
+      return tl::unexpected(store_.unkept(kept.error()));
+    }
+    // It can be drawn again at any time, so it may be lost.
+    if (const std::string* preview = file_of(outcome, kPreview))
+      (void)write_file(store_.folder().at("previews/" + id + ".svg"), *preview);
+    store_.db().run(
+        "INSERT INTO design(id, name, kind, owner, bytes, created, assets, media_type) "
+        "VALUES(?, ?, ?, ?, ?, ?, ?, ?)",
+        id, name, design.kind, design.owner, design.bytes, design.created, json_list(design.assets),
+        media_type);
+    store_.audit(who.name, "add-design", id, name);
+    store_.emit("notice", "", fmt::format(R"("design":"{}","what":"added")", id));
+    return design;
+  });
+}
+
+Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& upload) {
+  const std::string id = "sha256-" + upload.sha256;
+  Answer<Asset> added = store_.change([&]() -> Answer<Asset> {
+    if (who.role < Role::Submitter)
+      return refuse(ProblemKind::Forbidden, "assets are uploaded by a submitter");
+    Rows rows = store_.db().rows("SELECT bytes, created FROM asset WHERE id=?", id);
+    if (rows.next())
+      return Asset{.id = id,
+                   .bytes = static_cast<std::uint64_t>(rows.integer(0)),
+                   .created = rows.integer(1),
+                   .is_new = false};
+    if (const auto room = store_.accepts_work(); !room) return tl::unexpected(room.error());
+    const std::string place = store_.folder().at("assets/" + id);
+    if (!exists(upload.path) && exists(place)) {
+      // The transaction is tried a second time.
+    } else if (const Result<void> kept = keep_file(upload.path, place); !kept) {
+      return tl::unexpected(store_.unkept(kept.error()));
+    }
+    const Asset asset{.id = id, .bytes = upload.bytes, .created = store_.now()};
+    store_.db().run("INSERT INTO asset(id, bytes, created) VALUES(?, ?, ?)", id, asset.bytes,
+                    asset.created);
+    store_.audit(who.name, "add-asset", id, "");
+    return asset;
+  });
+  remove_tree(upload.path);
+  return added;
+}
+
+Page<Design> DesignRepository::list(const PageRequest& request) {
+  Page<Design> page;
+  Rows rows = store_.db().rows(
+      fmt::format("SELECT {} FROM design WHERE id>? ORDER BY id LIMIT ?", kColumns), request.cursor,
+      request.limit + 1);
+  while (rows.next()) page.items.push_back(design_of(rows));
+  if (page.items.size() > static_cast<std::size_t>(request.limit)) {
+    page.items.pop_back();
+    page.next_cursor = page.items.back().id;
+  }
+  return page;
+}
+
+Answer<Design> DesignRepository::find(const std::string& id) {
+  return store_.look([&]() -> Answer<Design> {
+    if (const auto found = row(id)) return *found;
+    return refuse(ProblemKind::NotFound, fmt::format("there is no design {:?}", id));
+  });
+}
+
+Answer<std::string> DesignRepository::content(const std::string& id) {
+  return find(id).map(
+      [&](const Design& design) { return store_.folder().at("designs/" + design.id); });
+}
+
+Answer<void> DesignRepository::remove(const Principal& who, const std::string& id) {
+  return store_.change([&]() -> Answer<void> {
+    const Answer<Design> design = find(id);
+    if (!design) return tl::unexpected(design.error());
+    if (who.role < Role::Operator && design->owner != who.name)
+      return refuse(ProblemKind::Forbidden, "the designs of others are removed by an operator");
+    Rows used = store_.db().rows(
+        "SELECT id FROM job WHERE design=? AND state NOT IN ('done', 'failed', 'cancelled') "
+        "LIMIT 1",
+        id);
+    if (used.next())
+      return refuse(ProblemKind::StateConflict,
+                    fmt::format("job {} needs this design; end or cancel it first", used.text(0)));
+    store_.db().run("DELETE FROM design WHERE id=?", id);
+    store_.audit(who.name, "delete-design", id, design->name);
+    if (removed) removed(id);
+    store_.after_commit([this, id] {
+      remove_tree(store_.folder().at("designs/" + id));
+      remove_tree(store_.folder().at("previews/" + id + ".svg"));
+    });
+    return {};
+  });
+}
+
+PlanningTask DesignRepository::task_for(const Design& design, PlanningTask::Kind kind) {
+  PlanningTask task;
+  task.kind = kind;
+  task.design_path = store_.folder().at("designs/" + design.id);
+  task.design_kind = design.kind;
+  (void)row(design.id, &task.media_type);
+  // One that is not there yet is told by the planner, with its place in the spec.
+  for (const std::string& asset : design.assets)
+    if (std::string place = store_.folder().at("assets/" + asset); exists(place))
+      task.asset_paths[asset] = std::move(place);
+  return task;
+}
+
+std::string DesignRepository::own_material(const Design& design) {
+  if (design.kind != "spec" || design.bytes > kSpecBytes) return {};
+  const auto text = read_whole(store_.folder().at("designs/" + design.id), kSpecBytes);
+  if (!text) return {};
+  const auto spec = parse_json(*text);
+  if (!spec || !spec->is_object() || !spec->contains("material")) return {};
+  const nlohmann::json& material = (*spec)["material"];
+  return material.is_string() ? material.get<std::string>() : std::string();
+}
+
+void DesignRepository::preview(const std::string& id,
+                               std::function<void(Answer<std::string>)> done) {
+  const Answer<Design> design = find(id);
+  if (!design) return done(tl::unexpected(design.error()));
+  const std::string place = store_.folder().at("previews/" + id + ".svg");
+  if (Result<std::string> kept = read_whole(place, kScanBytes); kept && !kept->empty())
+    return done(std::move(*kept));
+  planner_.start(
+      task_for(*design, PlanningTask::Kind::Check),
+      [thread = &thread_, place, done = std::move(done)](Result<PlanningOutcome> outcome) {
+        Answer<std::string> svg = refuse(ProblemKind::NotFound, "this design has no preview");
+        if (!outcome)
+          svg = tl::unexpected(problem_from(outcome.error()));
+        else if (const std::string* bytes = file_of(*outcome, kPreview))
+          svg = *bytes;
+        if (svg) (void)write_file(place, *svg);
+        thread->post(ServiceThread::Lane::Asking,
+                     [svg = std::move(svg), done]() mutable { done(std::move(svg)); });
+      });
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/planning/planner.hpp"
+#include "daemon/service/designs.hpp"
+#include "daemon/service/service_store.hpp"
+#include "daemon/service/service_thread.hpp"
+
+namespace popcut::daemon {
+
+/// Designs and what they refer to: files named by the digest of their bytes, and a row for each.
+class DesignRepository : public Designs {
+ public:
+  DesignRepository(ServiceStore& store, ServiceThread& thread, Planner& planner,
+                   std::shared_ptr<void> alive)
+      : store_(store), thread_(thread), planner_(planner), alive_(std::move(alive)) {}
+
+  using Added = std::function<void(Answer<Design>)>;
+  void add(const Principal& who, Upload upload, std::string media_type, std::string name,
+           Added done) override;
+  Answer<Asset> add_asset(const Principal& who, const Upload& upload) override;
+  Page<Design> list(const PageRequest& request) override;
+  Answer<Design> find(const std::string& id) override;
+  Answer<std::string> content(const std::string& id) override;
+  Answer<void> remove(const Principal& who, const std::string& id) override;
+  void preview(const std::string& id, std::function<void(Answer<std::string>)> done) override;
+
+  /// The task of a planner for a design that is there: its bytes, kind and assets.
+  [[nodiscard]] PlanningTask task_for(const Design& design, PlanningTask::Kind kind);
+  /// The material that a spec names; empty: none.
+  [[nodiscard]] std::string own_material(const Design& design);
+  /// Called when a design is removed, in the same transaction.
+  std::function<void(const std::string& design)> removed{};
+
+ private:
+  void checked(const Principal& who, const Upload& upload, const std::string& media_type,
+               const std::string& name, Result<PlanningOutcome> outcome, const Added& done);
+  [[nodiscard]] Answer<Design> store(const Principal& who, const Upload& upload,
+                                     const std::string& media_type, const std::string& name,
+                                     const PlanningOutcome& outcome);
+  [[nodiscard]] std::optional<Design> row(const std::string& id, std::string* media_type = nullptr);
+  [[nodiscard]] std::map<std::string, std::string> referred_assets(const std::string& path,
+                                                                   const std::string& media_type);
+  ServiceStore& store_;
+  ServiceThread& thread_;
+  Planner& planner_;
+  std::shared_ptr<void> alive_;
+};
+
+/// Text that people gave: no control characters, at most so many bytes.
+[[nodiscard]] Answer<void> check_text(const std::string& text, std::size_t most,
+                                      const std::string& pointer, bool lines_allowed = false);
+
+}  // namespace popcut::daemon

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/service/repositories/device_registry.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "core/text/near_names.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+// What a plan may be larger than its device, for rounding.
+constexpr double kAreaSlackMm = 0.05;
+
+bool is_away(const std::string& state) { return state == "absent" || state == "offline"; }
+
+}  // namespace
+
+void DeviceRegistry::load() {
+  Rows rows = store_.db().rows(
+      "SELECT id, rev, model, title, simulated, width_mm, length_mm, enabled, sheets_done, cut_mm "
+      "FROM device ORDER BY id");
+  while (rows.next()) {
+    DeviceRecord record;
+    record.id = rows.text(0);
+    record.rev = rows.integer(1);
+    record.model = rows.text(2);
+    record.title = rows.text(3);
+    record.state = "absent";
+    record.simulated = rows.integer(4) != 0;
+    record.width_mm = rows.real(5);
+    record.length_mm = rows.real(6);
+    record.enabled = rows.integer(7) != 0;
+    record.sheets_done = rows.integer(8);
+    record.cut_mm = rows.real(9);
+    entries_[record.id] = {.record = record, .machine = {}, .sessions = 0, .kept = true};
+  }
+}
+
+// What the bus knows goes over what the store knows. True if anything that is shown has changed.
+bool DeviceRegistry::take_in(Entry& entry, const DeviceRecord& fresh) {
+  DeviceRecord& record = entry.record;
+  const bool changed = record.state != fresh.state || record.reasons != fresh.reasons ||
+                       record.firmware != fresh.firmware || record.model != fresh.model ||
+                       record.title != fresh.title || record.width_mm != fresh.width_mm ||
+                       record.length_mm != fresh.length_mm;
+  // It may have been away for less time than it takes to look.
+  if ((is_away(record.state) && !is_away(fresh.state)) || record.plugs != fresh.plugs)
+    ++entry.sessions;
+  record.plugs = fresh.plugs;
+  record.state = fresh.state;
+  record.reasons = fresh.reasons;
+  record.firmware = fresh.firmware;
+  record.model = fresh.model;
+  record.title = fresh.title;
+  record.simulated = fresh.simulated;
+  record.width_mm = fresh.width_mm;
+  record.length_mm = fresh.length_mm;
+  if (entry.machine.empty())
+    if (const auto machine = cutters_.machine(fresh.id)) entry.machine = machine->name;
+  return changed;
+}
+
+std::vector<std::string> DeviceRegistry::refresh() {
+  std::vector<std::string> gone;
+  std::vector<Entry*> changed;
+  std::set<std::string> listed;
+  for (const DeviceRecord& fresh : cutters_.list()) {
+    listed.insert(fresh.id);
+    const bool is_new = !entries_.contains(fresh.id);
+    Entry& entry = entries_[fresh.id];
+    if (is_new) {
+      entry.record.id = fresh.id;
+      entry.record.rev = 0;
+      entry.record.state = "absent";
+      entry.record.enabled = fresh.enabled;
+    }
+    const bool was_there = !is_away(entry.record.state);
+    if (take_in(entry, fresh) || is_new) changed.push_back(&entry);
+    if (was_there && is_away(entry.record.state)) gone.push_back(fresh.id);
+  }
+  for (auto& [id, entry] : entries_) {
+    if (listed.contains(id) || entry.record.state == "absent") continue;
+    entry.record.state = "absent";
+    entry.record.reasons.clear();
+    changed.push_back(&entry);
+    gone.push_back(id);
+  }
+  if (changed.empty()) return gone;
+  for (Entry* entry : changed) ++entry->record.rev;
+  // If it cannot be stored it is known all the same.
+  (void)store_.change([&]() -> Answer<void> {
+    for (Entry* entry : changed) {
+      keep(*entry);
+      store_.emit("device", "",
+                  fmt::format(R"("device":{},"state":{},"rev":{})", json_text(entry->record.id),
+                              json_text(entry->record.state), entry->record.rev));
+    }
+    return {};
+  });
+  return gone;
+}
+
+void DeviceRegistry::keep(const Entry& entry) {
+  const DeviceRecord& record = entry.record;
+  store_.db().run(
+      "INSERT OR REPLACE INTO device(id, rev, model, title, simulated, width_mm, length_mm, "
+      "enabled, state, sheets_done, cut_mm) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      record.id, record.rev, record.model, record.title, record.simulated, record.width_mm,
+      record.length_mm, record.enabled, record.state, record.sheets_done, record.cut_mm);
+}
+
+DeviceRecord DeviceRegistry::shown(const Entry& entry) const {
+  DeviceRecord record = entry.record;
+  record.machine = entry.machine;
+  if (const auto set_up = options_.device_materials.find(record.id);
+      set_up != options_.device_materials.end())
+    record.materials = set_up->second;
+  return record;
+}
+
+std::vector<DeviceRecord> DeviceRegistry::list() const {
+  std::vector<DeviceRecord> all;
+  for (const auto& [id, entry] : entries_) all.push_back(shown(entry));
+  return all;
+}
+
+std::optional<DeviceRecord> DeviceRegistry::find(const std::string& id) const {
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return std::nullopt;
+  return shown(found->second);
+}
+
+Problem DeviceRegistry::unknown(const std::string& id, const std::string& pointer) const {
+  std::vector<std::string> names;
+  for (const auto& [name, entry] : entries_) names.push_back(name);
+  const std::string advice = names.empty() ? "no cutter is known" : suggestion(id, names);
+  return {ProblemKind::Validation,
+          fmt::format("there is no device {:?}; {}", id, advice),
+          {{pointer, "unknown", advice}}};
+}
+
+std::string DeviceRegistry::machine_of(const std::string& id) const {
+  const auto found = entries_.find(id);
+  return found == entries_.end() ? std::string() : found->second.machine;
+}
+
+std::string DeviceRegistry::first_machine() const {
+  for (const bool away : {false, true})
+    for (const auto& [id, entry] : entries_)
+      if (is_away(entry.record.state) == away && !entry.machine.empty()) return entry.machine;
+  return {};
+}
+
+std::string DeviceRegistry::session_of(const std::string& id) const {
+  const auto found = entries_.find(id);
+  return fmt::format("{}:{}", store_.invocation(),
+                     found == entries_.end() ? 0 : found->second.sessions);
+}
+
+std::string DeviceRegistry::misfit(const std::string& id, const PlanRow& plan) const {
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return "it is not known";
+  const Entry& entry = found->second;
+  if (!entry.machine.empty() && entry.machine != plan.machine)
+    return fmt::format("the sheets are planned for a {}, it is a {}", plan.machine, entry.machine);
+  const DeviceRecord& record = entry.record;
+  if (record.width_mm > 0 && (plan.width_mm > record.width_mm + kAreaSlackMm ||
+                              plan.length_mm > record.length_mm + kAreaSlackMm))
+    return fmt::format("the sheets need {:g} x {:g} mm, it has {:g} x {:g} mm", plan.width_mm,
+                       plan.length_mm, record.width_mm, record.length_mm);
+  const auto set_up = options_.device_materials.find(id);
+  if (set_up == options_.device_materials.end()) return {};
+  const auto& materials = set_up->second;
+  if (std::find(materials.begin(), materials.end(), plan.material) != materials.end()) return {};
+  return fmt::format("it is set up for {}, not for {}", fmt::join(materials, ", "), plan.material);
+}
+
+std::vector<std::string> DeviceRegistry::fitting(const PlanRow& plan) const {
+  std::vector<std::string> ids;
+  for (const auto& [id, entry] : entries_)
+    if (usable(id) && misfit(id, plan).empty()) ids.push_back(id);
+  return ids;
+}
+
+Answer<void> DeviceRegistry::usable(const std::string& id) const {
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return tl::unexpected(unknown(id, "/device"));
+  const DeviceRecord& record = found->second.record;
+  if (!record.enabled)
+    return refuse(ProblemKind::StateConflict,
+                  id + " is disabled; an admin enables it with the action enable");
+  if (is_away(record.state) || record.state == "fault")
+    return refuse(ProblemKind::DeviceAbsent,
+                  fmt::format("{} is {}{}{}; plug it in and switch it on", id, record.state,
+                              record.reasons.empty() ? "" : ": ", fmt::join(record.reasons, ", ")));
+  return {};
+}
+
+void DeviceRegistry::set_enabled(const std::string& id, bool enabled) {
+  Entry& entry = entries_.at(id);
+  if (entry.record.enabled == enabled) return;
+  Entry changed = entry;
+  changed.record.enabled = enabled;
+  ++changed.record.rev;
+  keep(changed);
+  store_.emit("device", "",
+              fmt::format(R"("device":{},"state":{},"enabled":{},"rev":{})", json_text(id),
+                          json_text(changed.record.state), enabled, changed.record.rev));
+  store_.after_commit([this, id, enabled, rev = changed.record.rev] {
+    entries_.at(id).record.enabled = enabled;
+    entries_.at(id).record.rev = rev;
+  });
+}
+
+void DeviceRegistry::count_sheet(const std::string& id, double cut_mm, bool done) {
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return;
+  store_.db().run("UPDATE device SET sheets_done=sheets_done+?, cut_mm=cut_mm+? WHERE id=?", done,
+                  cut_mm, id);
+  store_.after_commit([this, id, cut_mm, done] {
+    entries_.at(id).record.sheets_done += done ? 1 : 0;
+    entries_.at(id).record.cut_mm += cut_mm;
+  });
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,423 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/service/repositories/job_repository.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace popcut::daemon {
+namespace {
+
+constexpr int kAtOnce = 200;  // jobs of one plan that change in one transaction
+constexpr std::int64_t kPositionStep = std::int64_t{1} << 20;
+constexpr std::size_t kMostTags = 20;
+
+Problem wrong(const std::string& pointer, const char* code, std::string advice) {
+  return {ProblemKind::Validation, pointer + " is not valid", {{pointer, code, std::move(advice)}}};
+}
+
+bool same_owner(const Principal& who, const JobRow& row) { return who.name == row.owner; }
+
+}  // namespace
+
+Answer<void> JobRepository::check(const JobCreate& request) const {
+  Problem all{ProblemKind::Validation, "the job is not valid"};
+  const auto add = [&](const std::string& pointer, const char* code, std::string advice) {
+    all.errors.push_back({pointer, code, std::move(advice)});
+  };
+  const auto add_text = [&](const Answer<void>& fine) {
+    if (!fine) all.errors.push_back(fine.error().errors.front());
+  };
+  if (request.design.empty() == request.plan.empty())
+    add("/design", request.design.empty() ? "missing" : "value", "give either a design or a plan");
+  if (!request.plan.empty() && !request.options.empty())
+    add("/options", "value", "a plan has its options already; leave them out");
+  if (request.copies < 1 || request.copies > 1000) add("/copies", "range", "must be 1..1000");
+  if (request.priority < -10 || request.priority > 10) add("/priority", "range", "must be -10..10");
+  add_text(check_text(request.name, 480, "/name"));
+  add_text(check_text(request.note, 8000, "/note", true));
+  if (request.tags.size() > kMostTags)
+    add("/tags", "range", fmt::format("must be at most {}", kMostTags));
+  for (std::size_t i = 0; i < std::min(request.tags.size(), kMostTags); ++i)
+    add_text(check_text(request.tags[i], 160, fmt::format("/tags/{}", i)));
+  if (!request.device.empty() && !parts_.devices.find(request.device))
+    all.errors.push_back(parts_.devices.unknown(request.device, "/device").errors.front());
+  if (all.errors.empty()) return {};
+  return tl::unexpected(std::move(all));
+}
+
+Answer<Job> JobRepository::create(const Principal& who, const JobCreate& request) {
+  if (who.role < Role::Submitter)
+    return refuse(ProblemKind::Forbidden, "jobs are made by a submitter");
+  if (const auto fine = check(request); !fine) return tl::unexpected(fine.error());
+  return parts_.store.change([&]() -> Answer<Job> {
+    if (const auto room = parts_.store.accepts_work(); !room) return tl::unexpected(room.error());
+    if (request.plan.empty()) {
+      const Answer<PlanRow> plan = parts_.plans.plan_for({.design = request.design,
+                                                          .material = request.material,
+                                                          .device = request.device,
+                                                          .machine = {},
+                                                          .options = request.options});
+      if (!plan) return tl::unexpected(plan.error());
+      return add(who, request, *plan);
+    }
+    const auto plan = parts_.plans.table().find(request.plan);
+    if (!plan) return tl::unexpected(wrong("/plan", "unknown", "must be the id of a plan"));
+    if (plan->state == PlanState::Failed)
+      return tl::unexpected(wrong("/plan", "value", "this plan failed: " + plan->error));
+    if (!request.material.empty() && request.material != plan->material)
+      return tl::unexpected(wrong("/material", "value", "this plan is for " + plan->material));
+    return add(who, request, *plan);
+  });
+}
+
+Answer<Job> JobRepository::create_test(const Principal& who, const std::string& device,
+                                       const std::string& material) {
+  return parts_.store.change([&]() -> Answer<Job> {
+    if (const auto room = parts_.store.accepts_work(); !room) return tl::unexpected(room.error());
+    const Answer<PlanRow> plan = parts_.plans.test_plan_for(device, material);
+    if (!plan) return tl::unexpected(plan.error());
+    JobCreate request;
+    request.device = device;
+    request.name = "test cut";
+    request.priority = 10;
+    return add(who, request, *plan);
+  });
+}
+
+Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
+                               const PlanRow& plan) {
+  ServiceStore& store = parts_.store;
+  if (jobs_.open_count() >= parts_.options.queue_jobs) {
+    Problem full{ProblemKind::QueueFull,
+                 fmt::format("the queue holds {} jobs; end or cancel some first",
+                             parts_.options.queue_jobs)};
+    full.retry_after_s = 60;
+    return tl::unexpected(std::move(full));
+  }
+  JobRow row{.id = store.new_id(), .rev = 1, .state = JobState::Queued};
+  row.name = request.name;
+  row.note = request.note;
+  row.owner = who.name;
+  row.requested_device = request.device;
+  row.design = plan.design;
+  row.plan = plan.id;
+  row.material = plan.material;
+  row.priority = request.priority;
+  row.position = jobs_.last_position() + kPositionStep;
+  row.copies = request.copies;
+  row.created = store.now();
+  row.tags = json_list(request.tags);
+  const std::int64_t sheets = std::int64_t{plan.sheets} * request.copies;
+  if (plan.state == PlanState::Planned && sheets > parts_.options.sheets_per_job)
+    return tl::unexpected(
+        wrong("/copies", "range",
+              fmt::format("{} copies are {} sheets; a job has at most {}", request.copies, sheets,
+                          parts_.options.sheets_per_job)));
+  // A plan that waits to be made has its machine and material, and no area yet.
+  if (!request.device.empty())
+    if (const std::string why = parts_.devices.misfit(request.device, plan); !why.empty())
+      return tl::unexpected(wrong("/device", "value", why));
+  jobs_.insert(row);
+  store.audit(who.name, "create-job", row.id, row.name);
+  if (plan.state == PlanState::Planned) {
+    apply_plan(row, plan);
+  } else {
+    store.emit("job", row.id, fmt::format(R"("state":"queued","rev":{})", row.rev));
+    store.after_commit([this] { parts_.plans.pump(); });
+  }
+  return shown(row);
+}
+
+void JobRepository::apply_plan(JobRow& row, const PlanRow& plan) {
+  const std::int64_t sheets = std::int64_t{plan.sheets} * row.copies;
+  if (plan.state == PlanState::Failed)
+    return take(row, step_of(row.state, JobEvent::PlanFails), plan.error);
+  if (sheets > parts_.options.sheets_per_job)
+    return take(row, step_of(row.state, JobEvent::PlanFails),
+                fmt::format("{} copies are {} sheets; a job has at most {}", row.copies, sheets,
+                            parts_.options.sheets_per_job));
+  row.sheets_total = static_cast<int>(sheets);
+  row.sheet = 1;
+  row.paths_total = plan.paths * row.copies;
+  row.low_s = plan.low_s * row.copies;
+  row.high_s = plan.high_s * row.copies;
+  take(row, step_of(row.state, JobEvent::PlanComes), "");
+}
+
+void JobRepository::plan_begun(const std::string& plan) {
+  (void)parts_.store.change([&]() -> Answer<void> {
+    for (JobRow& row : jobs_.waiting_for(plan, JobState::Queued, kAtOnce))
+      take(row, step_of(row.state, JobEvent::PlanBegins), "");
+    return {};
+  });
+}
+
+void JobRepository::plan_ended(const std::string& plan) { plan_ended_some(plan); }
+
+void JobRepository::plan_ended_some(const std::string& id) {
+  bool more = false;
+  const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
+    const auto plan = parts_.plans.table().find(id);
+    if (!plan || plan->state == PlanState::Pending) return {};
+    for (const JobState state : {JobState::Planning, JobState::Queued}) {
+      std::vector<JobRow> rows = jobs_.waiting_for(id, state, kAtOnce);
+      for (JobRow& row : rows) apply_plan(row, *plan);
+      more = more || rows.size() == kAtOnce;
+    }
+    return {};
+  });
+  // A disk that is full now may have room later: then `catch_up` does it.
+  if (stored)
+    left_over_.erase(id);
+  else
+    left_over_.insert(id);
+  // In several goes, so that what a cut writes down waits for none of them long.
+  if (more)
+    parts_.thread.post(ServiceThread::Lane::Asking,
+                       [this, id, alive = std::weak_ptr<void>(parts_.alive)] {
+                         if (const auto here = alive.lock()) plan_ended_some(id);
+                       });
+}
+
+void JobRepository::catch_up() {
+  const std::set<std::string> plans = left_over_;
+  for (const std::string& plan : plans) plan_ended_some(plan);
+}
+
+Answer<JobRow> JobRepository::row(const std::string& id) {
+  if (auto found = jobs_.find(id)) return std::move(*found);
+  return refuse(ProblemKind::NotFound, fmt::format("there is no job {:?}", id));
+}
+
+void JobRepository::put_sheet(const JobRow& row, std::string_view state,
+                              std::optional<TimeMs> finished) {
+  std::optional<TimeMs> started;
+  if (state == "cutting") started = parts_.store.now();
+  attempts_.put_sheet(row.id, row.sheet, row.blank, row.segment, state, started, finished);
+}
+
+void JobRepository::set_attention(JobRow& row, const std::string& kind,
+                                  const std::string& text) const {
+  row.attention = kind;
+  row.attention_text = text;
+  row.attention_since = kind.empty() ? 0 : parts_.store.now();
+}
+
+void JobRepository::take(JobRow& row, Step step, const std::string& reason) {
+  if (step == Step::Refused)
+    throw StoreFault(FaultKind::Other,
+                     fmt::format("job {} cannot do this while {}", row.id, name_of(row.state)));
+  if (step == Step::NextSheet) return finish_sheet(row, "done", reason);
+  const JobState before = row.state;
+  row.state = state_after(before, step, row.sheet, row.sheets_total);
+  row.reason = reason;
+  row.asked.clear();
+  switch (row.state) {
+    case JobState::Ready:
+      set_attention(row, "load_sheet",
+                    row.segment > 1
+                        ? fmt::format("leave sheet {} of {} where it lies: it goes on from path {}",
+                                      row.sheet, row.sheets_total, row.first_stroke)
+                        : fmt::format("load sheet {} of {}", row.sheet, row.sheets_total));
+      row.device.clear();
+      put_sheet(row, "ready");
+      break;
+    case JobState::Armed:
+      set_attention(row, "", "");
+      put_sheet(row, "armed");
+      break;
+    case JobState::Cutting:
+      set_attention(row, "", "");
+      if (!row.started) row.started = parts_.store.now();
+      put_sheet(row, "cutting");
+      break;
+    case JobState::Interrupted:
+      put_sheet(row, "interrupted");
+      break;
+    case JobState::Done:
+    case JobState::Failed:
+    case JobState::Cancelled:
+      set_attention(row, "", "");
+      row.finished = parts_.store.now();
+      if (row.outcome.empty()) row.outcome = name_of(row.state);
+      if (before == JobState::Cutting || before == JobState::Paused) put_sheet(row, "interrupted");
+      if (before == JobState::Armed) put_sheet(row, "ready");
+      break;
+    default:
+      break;
+  }
+  save(row);
+}
+
+void JobRepository::save(JobRow& row) {
+  jobs_.update(row);
+  std::string members = fmt::format(R"("state":"{}","rev":{})", name_of(row.state), row.rev);
+  if (!row.reason.empty()) members += R"(,"reason":)" + json_text(row.reason);
+  if (row.sheet > 0)
+    members += fmt::format(R"(,"sheet":{},"sheets_total":{})", row.sheet, row.sheets_total);
+  if (!row.attention.empty()) members += R"(,"attention":)" + json_text(row.attention);
+  parts_.store.emit("job", row.id, members);
+}
+
+void JobRepository::finish_sheet(JobRow& row, const std::string& sheet_state,
+                                 const std::string& reason) {
+  const auto plan = current_sheet(row);
+  const TimeMs now = parts_.store.now();
+  put_sheet(row, sheet_state, now);
+  parts_.store.emit("sheet", row.id,
+                    fmt::format(R"("sheet":{},"blank":{},"state":"{}","rev":{})", row.sheet,
+                                row.blank, sheet_state, row.rev + 1));
+  if (plan) {
+    if (sheet_state == "done") {
+      row.done_paths += plan->paths;
+      row.done_mm += plan->cut_mm + plan->fold_mm;
+    }
+    row.low_s = std::max(0.0, row.low_s - plan->seconds_range[0]);
+    row.high_s = std::max(0.0, row.high_s - plan->seconds_range[1]);
+  }
+  if (sheet_state == "skipped" && row.outcome.empty()) row.outcome = "done with skipped sheets";
+  row.paths_certain = row.paths_sent = 0;
+  const JobState next = state_after(row.state, Step::NextSheet, row.sheet, row.sheets_total);
+  if (next == JobState::Ready) {
+    ++row.sheet;
+    row.blank = row.segment = 1;
+    row.first_stroke = 0;
+    return take(row, Step::ToReady, reason);
+  }
+  row.low_s = row.high_s = 0;
+  row.state = JobState::Done;
+  row.reason = reason;
+  row.asked.clear();
+  set_attention(row, "", "");
+  row.finished = now;
+  if (row.outcome.empty()) row.outcome = "done";
+  save(row);
+}
+
+std::optional<SheetPlan> JobRepository::current_sheet(const JobRow& row) {
+  if (row.sheet == 0) return std::nullopt;
+  const int plan_sheets = row.sheets_total / std::max(1, row.copies);
+  return parts_.plans.table().sheet(row.plan, plan_sheet(row, row.sheet, plan_sheets));
+}
+
+Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, std::int64_t if_match,
+                                 const JobPatch& request) {
+  return parts_.store.change([&]() -> Answer<Job> {
+    Answer<JobRow> row = this->row(id);
+    if (!row) return tl::unexpected(row.error());
+    if (who.role < Role::Operator && !(who.role == Role::Submitter && same_owner(who, *row)))
+      return refuse(ProblemKind::Forbidden, "the jobs of others are changed by an operator");
+    if (const auto fresh = check_rev(*row, if_match); !fresh) return tl::unexpected(fresh.error());
+    if (row->state != JobState::Queued && row->state != JobState::Planning &&
+        row->state != JobState::Ready)
+      return tl::unexpected(conflict(*row, "a job is changed while queued, planning or ready"));
+    if (request.priority && (*request.priority < -10 || *request.priority > 10))
+      return tl::unexpected(wrong("/priority", "range", "must be -10..10"));
+    if (request.name)
+      if (const auto fine = check_text(*request.name, 480, "/name"); !fine)
+        return tl::unexpected(fine.error());
+    if (request.note)
+      if (const auto fine = check_text(*request.note, 8000, "/note", true); !fine)
+        return tl::unexpected(fine.error());
+    if (request.device && !request.device->empty()) {
+      if (!parts_.devices.find(*request.device))
+        return tl::unexpected(parts_.devices.unknown(*request.device, "/device"));
+      const auto plan = parts_.plans.table().find(row->plan);
+      if (row->segment > 1 && *request.device != row->requested_device)
+        return tl::unexpected(conflict(*row, "this sheet lies in " + row->requested_device));
+      if (const std::string why = plan ? parts_.devices.misfit(*request.device, *plan) : "";
+          !why.empty())
+        return tl::unexpected(wrong("/device", "value", why));
+    }
+    row->priority = request.priority.value_or(row->priority);
+    row->name = request.name.value_or(row->name);
+    row->note = request.note.value_or(row->note);
+    row->requested_device = request.device.value_or(row->requested_device);
+    save(*row);
+    parts_.store.audit(who.name, "patch-job", id, "");
+    return shown(*row);
+  });
+}
+
+Answer<void> JobRepository::remove(const Principal& who, const std::string& id) {
+  return parts_.store.change([&]() -> Answer<void> {
+    const Answer<JobRow> row = this->row(id);
+    if (!row) return tl::unexpected(row.error());
+    if (who.role < Role::Operator && !same_owner(who, *row))
+      return refuse(ProblemKind::Forbidden, "the jobs of others are removed by an operator");
+    if (!is_terminal(row->state))
+      return tl::unexpected(
+          conflict(*row, "only a job that has ended is removed; cancel it first"));
+    parts_.store.db().run("UPDATE job SET deleted=1, rev=rev+1 WHERE id=?", id);
+    parts_.store.audit(who.name, "delete-job", id, row->name);
+    parts_.store.emit(
+        "job", id,
+        fmt::format(R"("state":"{}","rev":{},"deleted":true)", name_of(row->state), row->rev + 1));
+    return {};
+  });
+}
+
+Answer<Job> JobRepository::hold(const Principal& who, const std::string& id, bool held) {
+  return parts_.store.change([&]() -> Answer<Job> {
+    Answer<JobRow> row = this->row(id);
+    if (!row) return tl::unexpected(row.error());
+    if (who.role < Role::Operator && !(who.role == Role::Submitter && same_owner(who, *row)))
+      return refuse(ProblemKind::Forbidden, "the jobs of others are held by an operator");
+    if (is_terminal(row->state) || row->state == JobState::Cutting ||
+        row->state == JobState::Paused)
+      return tl::unexpected(conflict(*row, "only a job that waits is held or released"));
+    if (row->held == held) return shown(*row);
+    row->held = held;
+    if (held && row->state == JobState::Armed) {
+      attempts_.disarm(id);
+      take(*row, Step::ToReady, "held");
+    } else {
+      save(*row);
+    }
+    parts_.store.audit(who.name, held ? "hold" : "release", id, "");
+    parts_.store.emit("queue", id, fmt::format(R"("held":{},"rev":{})", held, row->rev));
+    return shown(*row);
+  });
+}
+
+Answer<Job> JobRepository::move(const Principal& who, const std::string& id,
+                                const std::string& before) {
+  if (who.role < Role::Operator)
+    return refuse(ProblemKind::Forbidden, "the queue is put in order by an operator");
+  return parts_.store.change([&]() -> Answer<Job> {
+    Answer<JobRow> row = this->row(id);
+    if (!row) return tl::unexpected(row.error());
+    if (is_terminal(row->state)) return tl::unexpected(conflict(*row, "this job has ended"));
+    Database& db = parts_.store.db();
+    if (before.empty()) {
+      row->position = jobs_.last_position() + kPositionStep;
+    } else {
+      if (before == id)
+        return tl::unexpected(wrong("/before", "value", "must be another job than the one moved"));
+      const Answer<JobRow> next = this->row(before);
+      if (!next) return tl::unexpected(wrong("/before", "unknown", "must be the id of a job"));
+      if (next->priority != row->priority || is_terminal(next->state))
+        return tl::unexpected(
+            wrong("/before", "value", "must be a job that waits with the same priority"));
+      Rows above = db.rows(
+          "SELECT max(position) FROM job WHERE priority=? AND position<? AND id!=? AND state NOT "
+          "IN ('done', 'failed', 'cancelled')",
+          row->priority, next->position, id);
+      const std::int64_t low = above.next() ? above.integer(0) : 0;
+      row->position = low + (next->position - low) / 2;
+      if (row->position <= low) {
+        // No room between the two: all from the next one on make some.
+        db.run("UPDATE job SET position=position+? WHERE position>=? AND id!=?", kPositionStep,
+               next->position, id);
+        row->position = next->position + kPositionStep / 2;
+      }
+    }
+    save(*row);
+    parts_.store.audit(who.name, "move", id, before);
+    parts_.store.emit("queue", id, fmt::format(R"("moved":true,"rev":{})", row->rev));
+    return shown(*row);
+  });
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "daemon/jobs/rules.hpp"
+#include "daemon/service/jobs.hpp"
+#include "daemon/service/repositories/planning_queue.hpp"
+#include "daemon/store/attempt_table.hpp"
+#include "daemon/store/job_table.hpp"
+
+namespace popcut::daemon {
+
+/// What is known of a sheet while it is cut, and not stored.
+struct LiveCut {
+  std::int64_t certain{}, sent{};  ///< strokes of this blank
+  double cut_share{};              ///< part of the sheet's strokes that is estimated to be done
+  double seconds_left{-1};         ///< of the sheet; below 0: not known yet
+};
+
+/// The jobs as rows, and the ways in which a row changes. Who may ask, and what a cutter does, is
+/// for others.
+class JobRepository : public Jobs {
+ public:
+  struct Parts {
+    ServiceStore& store;
+    ServiceThread& thread;
+    PlanningQueue& plans;
+    DeviceRegistry& devices;
+    const ServiceOptions& options;
+    std::shared_ptr<void> alive;
+  };
+  explicit JobRepository(Parts parts)
+      : parts_(std::move(parts)), jobs_(parts_.store.db()), attempts_(parts_.store.db()) {}
+
+  Answer<Job> create(const Principal& who, const JobCreate& request) override;
+  /// The material's test shape as a job for that device; an empty material is the usual one.
+  [[nodiscard]] Answer<Job> create_test(const Principal& who, const std::string& device,
+                                        const std::string& material);
+  Answer<Page<Job>> list(const JobFilter& filter, const PageRequest& request) override;
+  Answer<Job> find(const std::string& id) override;
+  Answer<std::vector<SheetRecord>> sheets(const std::string& id) override;
+  Answer<Ledger> ledger(const std::string& id, int sheet) override;
+  Answer<Job> patch(const Principal& who, const std::string& id, std::int64_t if_match,
+                    const JobPatch& request) override;
+  Answer<void> remove(const Principal& who, const std::string& id) override;
+  Answer<Page<Job>> queue(const std::string& device, const PageRequest& request) override;
+  Answer<Job> hold(const Principal& who, const std::string& id, bool held) override;
+  Answer<Job> move(const Principal& who, const std::string& id, const std::string& before) override;
+
+  /// Tells the jobs of a plan that it is being made, or what came of it; many in several goes.
+  void plan_begun(const std::string& plan);
+  void plan_ended(const std::string& plan);
+  /// Does again what of it could not be stored.
+  void catch_up();
+
+  // For those who change jobs, in a transaction.
+  [[nodiscard]] JobTable& table() { return jobs_; }
+  [[nodiscard]] AttemptTable& attempts() { return attempts_; }
+  [[nodiscard]] Answer<JobRow> row(const std::string& id);
+  /// Takes a step: state, reason, attention, the sheet's row, the event. Writes the row.
+  void take(JobRow& row, Step step, const std::string& reason);
+  /// Writes the row without a step, with its event.
+  void save(JobRow& row);
+  /// The current sheet is over ("done" or "skipped"): the next one, or the end.
+  void finish_sheet(JobRow& row, const std::string& sheet_state, const std::string& reason);
+  void set_attention(JobRow& row, const std::string& kind, const std::string& text) const;
+
+  [[nodiscard]] static JobFacts facts_of(const JobRow& row);
+  [[nodiscard]] Job shown(const JobRow& row) const;
+  /// 409 with the state and what is lawful in it.
+  [[nodiscard]] static Problem conflict(const JobRow& row, std::string detail);
+  /// 412 unless `if_match` is the job's revision.
+  [[nodiscard]] static Answer<void> check_rev(const JobRow& row, std::int64_t if_match);
+
+  /// The sheet of the plan that sheet `k` of the job is, and the how manieth copy.
+  [[nodiscard]] static int plan_sheet(const JobRow& row, int k, int plan_sheets) {
+    return row.sheets_total == 0 || plan_sheets == 0 ? 0 : (k - 1) % plan_sheets + 1;
+  }
+  [[nodiscard]] std::optional<SheetPlan> current_sheet(const JobRow& row);
+
+  /// What a running cut knows; set by whoever cuts.
+  std::function<const LiveCut*(const std::string& job)> live{};
+  /// Whether the sheet that a job is to go on with still lies where it was registered; set
+  /// likewise.
+  std::function<bool(const JobRow&)> knows_place{};
+
+ private:
+  [[nodiscard]] bool lost_its_place(const JobRow& row) const;
+  [[nodiscard]] std::vector<std::string> actions_of(const JobRow& row) const;
+  [[nodiscard]] Answer<Job> add(const Principal& who, const JobCreate& request,
+                                const PlanRow& plan);
+  [[nodiscard]] Answer<void> check(const JobCreate& request) const;
+  void apply_plan(JobRow& row, const PlanRow& plan);
+  void plan_ended_some(const std::string& plan);
+  std::set<std::string> left_over_{};  ///< plans whose jobs could not be told
+  void put_sheet(const JobRow& row, std::string_view state, std::optional<TimeMs> finished = {});
+  [[nodiscard]] std::optional<Attention> attention_of(const JobRow& row) const;
+  Parts parts_;
+  JobTable jobs_;
+  AttemptTable attempts_;
+};
+
+}  // namespace popcut::daemon

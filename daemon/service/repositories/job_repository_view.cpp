@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "daemon/service/repositories/job_repository.hpp"
+
+namespace popcut::daemon {
+
+JobFacts JobRepository::facts_of(const JobRow& row) {
+  return {.state = row.state,
+          .held = row.held,
+          .pausing = row.asked == "pause",
+          .cancelling = row.asked == "cancel",
+          .awaits_result = row.attention == "confirm_result",
+          .begun = row.segment > 1};
+}
+
+bool JobRepository::lost_its_place(const JobRow& row) const {
+  return row.state == JobState::Ready && row.segment > 1 && knows_place && !knows_place(row);
+}
+
+std::vector<std::string> JobRepository::actions_of(const JobRow& row) const {
+  std::vector<std::string> names;
+  for (const JobAction action : allowed_actions(facts_of(row)))
+    if (action != JobAction::Arm || !lost_its_place(row)) names.emplace_back(name_of(action));
+  return names;
+}
+
+std::optional<Attention> JobRepository::attention_of(const JobRow& row) const {
+  if (row.attention.empty()) return std::nullopt;
+  Attention attention{.kind = row.attention,
+                      .sheet = row.sheet,
+                      .total = row.sheets_total,
+                      .text = row.attention_text,
+                      .since = row.attention_since};
+  if (row.state == JobState::Ready && !row.requested_device.empty()) {
+    const auto device = parts_.devices.find(row.requested_device);
+    if (!device || device->state == "absent" || device->state == "offline") {
+      attention.kind = "device_absent";
+      attention.text = fmt::format("{} is not there; plug it in and switch it on, then {}",
+                                   row.requested_device, row.attention_text);
+    }
+  }
+  if (lost_its_place(row))
+    attention.text = fmt::format(
+        "sheet {} of {} was to go on from path {}, but {} or popcutd was started anew since: "
+        "register the sheet again and resume it as re-registered, or take a new one",
+        row.sheet, row.sheets_total, row.first_stroke, row.requested_device);
+  attention.actions = actions_of(row);
+  return attention;
+}
+
+Job JobRepository::shown(const JobRow& row) const {
+  Job job;
+  job.id = row.id;
+  job.rev = row.rev;
+  job.state = row.state;
+  job.reason = row.reason;
+  job.name = row.name;
+  job.note = row.note;
+  job.owner = row.owner;
+  job.operator_name = row.operator_name;
+  job.device = row.device.empty() ? row.requested_device : row.device;
+  job.design = row.design;
+  job.plan = row.plan;
+  job.material = row.material;
+  job.priority = row.priority;
+  job.copies = row.copies;
+  job.held = row.held;
+  job.sheets_total = row.sheets_total;
+  job.sheet = row.sheet;
+  job.blank = row.blank;
+  job.segment = row.segment;
+  job.progress = {.paths_certain = row.done_paths + row.paths_certain,
+                  .paths_sent = row.done_paths + row.paths_sent,
+                  .paths_total = row.paths_total,
+                  .cut_mm = row.done_mm};
+  job.remaining_s = {row.low_s, row.high_s};
+  if (const LiveCut* now = live ? live(row.id) : nullptr) {
+    job.progress.paths_certain = row.done_paths + now->certain;
+    job.progress.paths_sent = row.done_paths + now->sent;
+    if (const auto sheet = const_cast<JobRepository*>(this)->current_sheet(row)) {
+      job.progress.cut_mm += (sheet->cut_mm + sheet->fold_mm) * now->cut_share;
+      const double over = now->seconds_left < 0 || sheet->seconds <= 0
+                              ? 0.0
+                              : std::clamp(1 - now->seconds_left / sheet->seconds, 0.0, 1.0);
+      job.remaining_s[0] = std::max(0.0, row.low_s - over * sheet->seconds_range[0]);
+      job.remaining_s[1] = std::max(0.0, row.high_s - over * sheet->seconds_range[1]);
+    }
+  }
+  job.created = row.created;
+  job.started = row.started;
+  job.finished = row.finished;
+  job.outcome = row.outcome;
+  job.tags = list_from_json(row.tags);
+  job.attention = attention_of(row);
+  job.actions = actions_of(row);
+  return job;
+}
+
+Problem JobRepository::conflict(const JobRow& row, std::string detail) {
+  Problem problem{ProblemKind::StateConflict, std::move(detail)};
+  problem.rev = row.rev;
+  problem.state = name_of(row.state);
+  for (const JobAction action : allowed_actions(facts_of(row)))
+    problem.allowed_actions.emplace_back(name_of(action));
+  return problem;
+}
+
+Answer<void> JobRepository::check_rev(const JobRow& row, std::int64_t if_match) {
+  if (row.rev == if_match) return {};
+  Problem problem =
+      conflict(row, fmt::format("the job was changed meanwhile (it is at revision {}, "
+                                "the request was for {}); read it again",
+                                row.rev, if_match));
+  problem.kind = ProblemKind::Stale;
+  return tl::unexpected(std::move(problem));
+}
+
+Answer<Page<Job>> JobRepository::list(const JobFilter& filter, const PageRequest& request) {
+  if (!request.cursor.empty() && !is_ulid(request.cursor))
+    return tl::unexpected(Problem{ProblemKind::Validation,
+                                  "the cursor is not valid",
+                                  {{"?cursor", "format", "must be what the page before gave"}}});
+  return parts_.store.look([&]() -> Answer<Page<Job>> {
+    Page<Job> page;
+    std::vector<JobRow> rows = jobs_.list(filter, request.cursor, request.limit + 1);
+    const bool more = rows.size() > static_cast<std::size_t>(request.limit);
+    if (more) rows.pop_back();
+    for (const JobRow& row : rows) page.items.push_back(shown(row));
+    if (more && !rows.empty()) page.next_cursor = rows.back().id;
+    return page;
+  });
+}
+
+Answer<Page<Job>> JobRepository::queue(const std::string& device, const PageRequest& request) {
+  constexpr int kMostLooked = 2000;  // rows of one request, fitting or not
+  std::optional<QueuePlace> after;
+  if (!request.cursor.empty()) {
+    after = queue_place_from(request.cursor);
+    if (!after)
+      return tl::unexpected(Problem{ProblemKind::Validation,
+                                    "the cursor is not valid",
+                                    {{"?cursor", "format", "must be what the page before gave"}}});
+  }
+  return parts_.store.look([&]() -> Answer<Page<Job>> {
+    Page<Job> page;
+    std::map<std::string, bool> fits;  // by plan: many jobs share one
+    const auto fitting = [&](const JobRow& row) {
+      if (device.empty() || !row.device.empty() || row.sheets_total == 0) return true;
+      const auto [known, is_new] = fits.try_emplace(row.plan, true);
+      if (is_new) {
+        const auto plan = parts_.plans.table().find(row.plan);
+        known->second = !plan || parts_.devices.misfit(device, *plan).empty();
+      }
+      return known->second;
+    };
+    for (int looked = 0; looked < kMostLooked;) {
+      const std::vector<JobRow> rows = jobs_.queue(device, after, request.limit + 1);
+      for (const JobRow& row : rows) {
+        if (page.items.size() == static_cast<std::size_t>(request.limit)) {
+          page.next_cursor = text_of(*after);
+          return page;
+        }
+        after = QueuePlace{row.priority, row.position, row.id};
+        if (fitting(row)) page.items.push_back(shown(row));
+      }
+      if (static_cast<int>(rows.size()) <= request.limit) return page;
+      looked += static_cast<int>(rows.size());
+    }
+    page.next_cursor = text_of(*after);
+    return page;
+  });
+}
+
+Answer<Job> JobRepository::find(const std::string& id) {
+  return parts_.store.look([&]() -> Answer<Job> {
+    return row(id).map([&](const JobRow& found) { return shown(found); });
+  });
+}
+
+Answer<std::vector<SheetRecord>> JobRepository::sheets(const std::string& id) {
+  return parts_.store.look([&]() -> Answer<std::vector<SheetRecord>> {
+    const Answer<JobRow> job = row(id);
+    if (!job) return tl::unexpected(job.error());
+    const std::vector<SheetPlan> plans = parts_.plans.table().sheets(job->plan);
+    std::vector<SheetRecord> all;
+    if (plans.empty()) return all;
+    all.reserve(static_cast<std::size_t>(job->sheets_total));
+    const auto count = static_cast<int>(plans.size());
+    for (int k = 1; k <= job->sheets_total; ++k) {
+      SheetRecord record{.number = k, .copy = (k - 1) / count + 1, .state = "waiting"};
+      record.plan = plans[static_cast<std::size_t>(plan_sheet(*job, k, count) - 1)];
+      record.plan.number = k;
+      all.push_back(std::move(record));
+    }
+    for (const AttemptTable::SheetRow& seen : attempts_.sheets(id)) {
+      if (seen.sheet < 1 || seen.sheet > job->sheets_total) continue;
+      SheetRecord& record = all[static_cast<std::size_t>(seen.sheet - 1)];
+      record.blank = seen.blank;
+      record.segment = seen.segment;
+      record.state = seen.state;
+      record.started = seen.started;
+      record.finished = seen.finished;
+    }
+    return all;
+  });
+}
+
+Answer<Ledger> JobRepository::ledger(const std::string& id, int sheet) {
+  return parts_.store.look([&]() -> Answer<Ledger> {
+    const Answer<JobRow> job = row(id);
+    if (!job) return tl::unexpected(job.error());
+    if (sheet < 1 || sheet > job->sheets_total)
+      return refuse(ProblemKind::NotFound,
+                    fmt::format("job {} has no sheet {}; it has {}", id, sheet, job->sheets_total));
+    const int count = job->sheets_total / std::max(1, job->copies);
+    const auto plan = parts_.plans.table().sheet(job->plan, plan_sheet(*job, sheet, count));
+    const auto seen = attempts_.sheet(id, sheet);
+    Ledger ledger{
+        .sheet = sheet, .blank = seen ? seen->blank : 1, .segment = seen ? seen->segment : 1};
+    std::vector<std::vector<FateRun>> fates;
+    std::int64_t strokes = plan ? plan->paths : 0;
+    for (const AttemptRow& row : attempts_.of_sheet(id, sheet)) {
+      ledger.attempts.push_back({.id = row.id,
+                                 .blank = row.blank,
+                                 .segment = row.segment,
+                                 .started = row.started.value_or(row.created),
+                                 .ended = row.ended,
+                                 .end_kind = row.end_kind,
+                                 .operator_name = row.operator_name,
+                                 .bytes_taken = row.bytes_taken});
+      if (row.blank != ledger.blank) continue;
+      strokes = row.strokes;
+      ledger.last_status = row.last_status;
+      fates.push_back(attempts_.fates(row.id));
+    }
+    fill_ledger(ledger, merged_fates(strokes, fates));
+    return ledger;
+  });
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/service/repositories/material_repository.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/machines/machine.hpp"
+#include "core/machines/table.hpp"
+#include "core/machines/tables.hpp"
+#include "core/text/json_fields.hpp"
+#include "core/text/near_names.hpp"
+
+namespace popcut::daemon {
+namespace {
+
+std::map<std::string, std::string> rows_of(std::string_view list, std::string_view built_in,
+                                           const std::vector<std::string>& tables) {
+  std::map<std::string, std::string> rows;
+  if (const auto found = table_rows(list, built_in, tables))
+    for (const TableRow& row : *found) rows[row.name] = row.row.dump();
+  return rows;
+}
+
+std::vector<std::string> names_of(const std::map<std::string, std::string>& rows) {
+  std::vector<std::string> names;
+  for (const auto& [name, row] : rows) names.push_back(name);
+  return names;
+}
+
+bool is_name(const std::string& id) {
+  return !id.empty() && id.size() <= 60 &&
+         id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_.") == std::string::npos;
+}
+
+Problem stale(std::int64_t rev) {
+  Problem problem{ProblemKind::Stale, "the material was changed meanwhile; read it again"};
+  problem.rev = rev;
+  return problem;
+}
+
+// The row whole, if it is a material's.
+Answer<std::string> checked_row(const std::string& id, const std::string& json,
+                                const std::vector<std::string>& tables) {
+  auto parsed = parse_json(json, 32);
+  if (!parsed) return tl::unexpected(problem_from(parsed.error()));
+  if (!parsed->is_object())
+    return tl::unexpected(Problem{ProblemKind::Validation,
+                                  "a material is a JSON object",
+                                  {{"", "type", "must be an object"}}});
+  nlohmann::json row = std::move(*parsed);
+  if (row.contains("name") && row["name"] != id)
+    return tl::unexpected(
+        Problem{ProblemKind::Validation,
+                "the name is not that of the address",
+                {{"/name", "value", fmt::format("must be {:?}, or left out", id)}}});
+  row["name"] = id;
+  nlohmann::json table;
+  table["popcut"] = 1;
+  table["materials"] = nlohmann::json::array({row});
+  std::vector<std::string> texts = tables;
+  texts.push_back(table.dump());
+  // Who sent a row has seen no table: what is wrong is told by its place in the row.
+  const std::string in_table = fmt::format("table {}: /materials/0", texts.size());
+  const auto in_row = [&](Error error) {
+    if (error.place.starts_with(in_table)) error.place.erase(0, in_table.size());
+    return tl::unexpected(problem_from(error));
+  };
+  if (const auto found = find_material(id, texts); !found) return in_row(found.error());
+  const auto rows = table_rows("materials", kMaterialsJson, texts);
+  if (!rows) return in_row(rows.error());
+  for (const TableRow& one : *rows)
+    if (one.name == id) row = one.row;
+  return row.dump();
+}
+
+}  // namespace
+
+const std::map<std::string, std::string>& MaterialRepository::built_in() {
+  if (!loaded_) {
+    materials_ = rows_of("materials", kMaterialsJson, options_.tables);
+    machines_ = rows_of("machines", kMachinesJson, options_.tables);
+    if (const auto found = table_rows("svg_profiles", kSvgProfilesJson, options_.tables))
+      for (const TableRow& row : *found)
+        if (row.table >= 0) profiles_[row.name] = row.row.dump();
+    loaded_ = true;
+  }
+  return materials_;
+}
+
+std::optional<MaterialRecord> MaterialRepository::stored(const std::string& id) {
+  Rows rows = store_.db().rows("SELECT rev, json FROM material WHERE id=?", id);
+  if (!rows.next()) return std::nullopt;
+  return MaterialRecord{.id = id, .rev = rows.integer(0), .json = rows.text(1), .built_in = false};
+}
+
+std::vector<MaterialRecord> MaterialRepository::list() {
+  std::map<std::string, MaterialRecord> all;
+  for (const auto& [id, json] : built_in())
+    all[id] = {.id = id, .rev = 1, .json = json, .built_in = true};
+  Rows rows = store_.db().rows("SELECT id, rev, json FROM material ORDER BY id");
+  while (rows.next())
+    all[rows.text(0)] = {
+        .id = rows.text(0), .rev = rows.integer(1), .json = rows.text(2), .built_in = false};
+  std::vector<MaterialRecord> list;
+  for (auto& [id, record] : all) list.push_back(std::move(record));
+  return list;
+}
+
+Answer<MaterialRecord> MaterialRepository::find(const std::string& id) {
+  return store_.look([&]() -> Answer<MaterialRecord> {
+    if (const auto own = stored(id)) return *own;
+    const auto found = built_in().find(id);
+    if (found == built_in().end())
+      return refuse(ProblemKind::NotFound, fmt::format("there is no material {:?}; {}", id,
+                                                       suggestion(id, names_of(built_in()))));
+    return MaterialRecord{.id = id, .rev = 1, .json = found->second, .built_in = true};
+  });
+}
+
+Answer<MaterialRecord> MaterialRepository::put(const Principal& who, const std::string& id,
+                                               std::int64_t if_match, const std::string& json) {
+  if (who.role < Role::Admin)
+    return refuse(ProblemKind::Forbidden, "materials are changed by an admin");
+  if (!is_name(id))
+    return tl::unexpected(Problem{ProblemKind::Validation,
+                                  "the material's name is not valid",
+                                  {{"/name", "format", "must be 1 to 60 of a-z 0-9 - _ ."}}});
+  return store_.change([&]() -> Answer<MaterialRecord> {
+    const Answer<MaterialRecord> before = find(id);
+    if (before && if_match != before->rev) return tl::unexpected(stale(before->rev));
+    if (!before && if_match != 0)
+      return refuse(ProblemKind::NotFound, fmt::format("there is no material {:?} to change", id));
+    Answer<std::string> row = checked_row(id, json, options_.tables);
+    if (!row) return tl::unexpected(row.error());
+    const MaterialRecord record{
+        .id = id, .rev = before ? before->rev + 1 : 1, .json = std::move(*row), .built_in = false};
+    store_.db().run("INSERT OR REPLACE INTO material(id, rev, json) VALUES(?, ?, ?)", id,
+                    record.rev, record.json);
+    store_.audit(who.name, "put-material", id, "");
+    return record;
+  });
+}
+
+Answer<void> MaterialRepository::remove(const Principal& who, const std::string& id,
+                                        std::int64_t if_match) {
+  if (who.role < Role::Admin)
+    return refuse(ProblemKind::Forbidden, "materials are changed by an admin");
+  return store_.change([&]() -> Answer<void> {
+    const Answer<MaterialRecord> before = find(id);
+    if (!before) return tl::unexpected(before.error());
+    if (before->built_in)
+      return refuse(ProblemKind::StateConflict,
+                    id + " is built in and stays; it can be changed with PUT");
+    if (before->rev != if_match) return tl::unexpected(stale(before->rev));
+    store_.db().run("DELETE FROM material WHERE id=?", id);
+    store_.audit(who.name, "delete-material", id, "");
+    return {};
+  });
+}
+
+std::string MaterialRepository::profile_row(const std::string& name) {
+  built_in();
+  const auto found = profiles_.find(name);
+  return found == profiles_.end() ? std::string() : found->second;
+}
+
+Answer<std::string> MaterialRepository::machine_row(const std::string& name) {
+  built_in();
+  const auto found = machines_.find(name);
+  if (found != machines_.end()) return found->second;
+  const std::string advice = suggestion(name, names_of(machines_));
+  return tl::unexpected(Problem{ProblemKind::Validation,
+                                fmt::format("there is no machine {:?}; {}", name, advice),
+                                {{"/machine", "unknown", advice}}});
+}
+
+}  // namespace popcut::daemon

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/service/devices.hpp"
+#include "daemon/service/service_store.hpp"
+
+namespace popcut::daemon {
+
+/// The tables of materials, machines and SVG profiles: the built-in ones, users' own, and the
+/// materials that were put into the store. Rows are whole: what a row inherits by "like" is filled
+/// in.
+class MaterialRepository : public Materials {
+ public:
+  MaterialRepository(ServiceStore& store, const ServiceOptions& options)
+      : store_(store), options_(options) {}
+
+  std::vector<MaterialRecord> list() override;
+  Answer<MaterialRecord> find(const std::string& id) override;
+  Answer<MaterialRecord> put(const Principal& who, const std::string& id, std::int64_t if_match,
+                             const std::string& json) override;
+  Answer<void> remove(const Principal& who, const std::string& id, std::int64_t if_match) override;
+  /// The row of a machine as JSON.
+  [[nodiscard]] Answer<std::string> machine_row(const std::string& name);
+  /// The row of an SVG profile of a user's table as JSON; empty for one that is built in, or none.
+  [[nodiscard]] std::string profile_row(const std::string& name);
+
+ private:
+  const std::map<std::string, std::string>& built_in();
+  [[nodiscard]] std::optional<MaterialRecord> stored(const std::string& id);
+  ServiceStore& store_;
+  const ServiceOptions& options_;
+  std::map<std::string, std::string> materials_, machines_, profiles_;
+  bool loaded_{false};
+};
+
+}  // namespace popcut::daemon

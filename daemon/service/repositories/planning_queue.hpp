@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "daemon/service/repositories/design_repository.hpp"
+#include "daemon/service/repositories/device_registry.hpp"
+#include "daemon/service/repositories/material_repository.hpp"
+#include "daemon/store/plan_table.hpp"
+
+namespace popcut::daemon {
+
+/// Plans: made once for the same design and words, a few at a time, in the order of those who wait.
+/// What waits is in the store; only what the planner has is in memory.
+class PlanningQueue : public Plans {
+ public:
+  struct Parts {
+    ServiceStore& store;
+    ServiceThread& thread;
+    Planner& planner;
+    DesignRepository& designs;
+    MaterialRepository& materials;
+    DeviceRegistry& devices;
+    const ServiceOptions& options;
+    std::shared_ptr<void> alive;
+  };
+  explicit PlanningQueue(Parts parts) : parts_(std::move(parts)), plans_(parts_.store.db()) {}
+
+  Answer<PlanRecord> request(const Principal& who, const PlanRequest& request) override;
+  Answer<PlanRecord> find(const std::string& id) override;
+  Answer<std::string> file(const std::string& id, const std::string& name) override;
+  Answer<void> remove(const Principal& who, const std::string& id) override;
+
+  /// The plan of a request, in a transaction: one that is there, or a new one that is made after
+  /// the commit.
+  [[nodiscard]] Answer<PlanRow> plan_for(const PlanRequest& request);
+  /// That of a small test shape.
+  [[nodiscard]] Answer<PlanRow> test_plan_for(const std::string& device,
+                                              const std::string& material);
+  /// Serves this plan before those that only jobs wait for.
+  void hurry(const std::string& plan);
+  /// Gives the planner what it can take.
+  void pump();
+  /// Nobody waits for it any more, unless it was asked for by itself.
+  void abandon(const std::string& plan);
+  /// Removes all plans of a design that no job uses, in the transaction that removes the design.
+  void remove_all_of(const std::string& design);
+  void stop() { stopped_ = true; }
+
+  [[nodiscard]] PlanTable& table() { return plans_; }
+  [[nodiscard]] std::string folder_of(const std::string& plan) const;
+
+  /// Called when the planner has one, and when a plan is made or failed.
+  std::function<void(const std::string&plan)> begun{}, ended{};
+
+ private:
+  struct Machine {
+    std::string name, json;
+  };
+  [[nodiscard]] Answer<Machine> machine_for(const std::string& device, const std::string& machine);
+  [[nodiscard]] Answer<PlanRow> find_or_add(PlanRow row);
+  [[nodiscard]] std::string next();
+  bool start(const std::string& id);
+  void over(const std::string& id, Result<PlanningOutcome> outcome);
+  [[nodiscard]] bool awaited(const std::string& plan);
+  void fail_plan(const std::string& id, const std::string& why);
+  void forget(const std::string& id);
+  [[nodiscard]] bool is_removed(const std::string& id);
+
+  Parts parts_;
+  PlanTable plans_;
+  std::map<std::string, std::uint64_t> running_;  ///< task of the planner by plan
+  std::deque<std::string> hurried_;
+  std::set<std::string> asked_;  ///< by themselves, not by a job
+  bool stopped_{false};
+};
+
+}  // namespace popcut::daemon

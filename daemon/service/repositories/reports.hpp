@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/service/service_store.hpp"
+#include "daemon/store/job_table.hpp"
+
+namespace popcut::daemon {
+
+/// Seconds, millimetres and sheets of attempts that ended from `from` up to before `to`, by
+/// "owner", "device" or "material".
+[[nodiscard]] std::vector<UsageRow> usage_by(Database& database, std::optional<TimeMs> from,
+                                             std::optional<TimeMs> to, const std::string& by);
+
+/// Lines of OpenMetrics about jobs, devices and the store; no names of jobs or people.
+[[nodiscard]] std::string metrics_text(ServiceStore& store, JobTable& jobs,
+                                       const std::vector<DeviceRecord>& devices);
+
+}  // namespace popcut::daemon

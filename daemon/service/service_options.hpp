@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/result.hpp"
+#include "daemon/model/model.hpp"
+#include "protocol/encode.hpp"
+
+namespace popcut::daemon {
+
+/// What a service keeps to. The defaults are those of the manual.
+struct ServiceOptions {
+  std::int64_t arm_s{600};          ///< how long START may be pressed after arming
+  std::int64_t queue_jobs{50'000};  ///< jobs that are not ended
+  int sheets_per_job{10'000};
+  int plans_at_once{2};  ///< given to the planner; the others wait in the store
+  std::uint64_t least_free_bytes{16u << 20};  ///< less on the disk: no new work
+  std::int64_t keep_keys_ms{7LL * 86'400'000};
+  std::int64_t keep_events_ms{30LL * 86'400'000};
+  std::int64_t session_ms{12LL * 3'600'000};  ///< of a page, counted from its last request
+  std::vector<std::string> tables{};          ///< users' tables of machines and materials, as text
+  /// Materials that a device is set up for; a device that is not listed takes any.
+  std::map<std::string, std::vector<std::string>> device_materials{};
+  std::string invocation{};  ///< of this run; empty: INVOCATION_ID or a new one
+
+  /// Reads the program of a sheet from a plan's folder, as the planner's files hold it.
+  std::function<Result<EncodedProgram>(const std::string& folder, int sheet)> read_program{};
+  std::function<void(const std::string& line)> log{};  ///< what an administrator should see
+  std::function<TimeMs()> wall_ms{};                   ///< empty: the system's clock
+  std::function<std::int64_t()> monotonic_ms{};        ///< empty: CLOCK_MONOTONIC
+};
+
+/// What of the options may change while it runs.
+struct ServiceTuning {
+  std::int64_t queue_jobs{50'000};
+  int sheets_per_job{10'000};
+  std::map<std::string, std::vector<std::string>> device_materials{};
+};
+
+}  // namespace popcut::daemon

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/digest/digest.hpp"
+#include "daemon/model/problem.hpp"
+#include "daemon/service/service_options.hpp"
+#include "daemon/store/store.hpp"
+#include "daemon/store/ulid.hpp"
+
+namespace popcut::daemon {
+
+/// The store as the parts of the service use it: transactions with what follows from them, events,
+/// audit, and what a failing disk means.
+class ServiceStore {
+ public:
+  ServiceStore(Store& store, const ServiceOptions& options);
+
+  [[nodiscard]] Database& db() { return store_.database(); }
+  [[nodiscard]] StateFolder& folder() { return store_.folder(); }
+  [[nodiscard]] TimeMs now() const { return options_.wall_ms(); }
+  [[nodiscard]] std::int64_t monotonic() const { return options_.monotonic_ms(); }
+  [[nodiscard]] const std::string& invocation() const { return options_.invocation; }
+  [[nodiscard]] std::string new_id() { return ulids_.next(now()); }
+
+  /// Runs `effect`, which gives an Answer, in a transaction. A problem, or a fault of the store,
+  /// undoes it all. On a full disk the reserve is given up and it runs once more.
+  ///
+  /// Inside another one it is a part of that, and a fault goes up to it.
+  template <typename Effect>
+  auto change(const Effect& effect) -> decltype(effect()) {
+    const bool nested = db().in_transaction();
+    if (degraded_) return tl::unexpected(degraded_problem());
+    for (bool again = true;; again = false) {
+      const Marks marks = this->marks();
+      try {
+        Transaction all(db());
+        auto answer = effect();
+        if (!answer) {
+          forget_after(marks);
+          return answer;
+        }
+        all.commit();
+        if (!nested) follow_up();
+        return answer;
+      } catch (const StoreFault& fault) {
+        forget_after(marks);
+        if (nested) throw;
+        note(fault);
+        if (again && fault.kind() == FaultKind::Full && folder().free_reserve()) continue;
+        return tl::unexpected(problem_of(fault));
+      } catch (...) {
+        // Out of memory, say: what would have followed must not follow the next commit.
+        forget_after(marks);
+        throw;
+      }
+    }
+  }
+  /// Runs `look`, which gives an Answer and changes nothing.
+  template <typename Look>
+  auto look(const Look& look) -> decltype(look()) {
+    try {
+      return look();
+    } catch (const StoreFault& fault) {
+      if (db().in_transaction()) throw;
+      note(fault);
+      return tl::unexpected(problem_of(fault));
+    }
+  }
+  /// Runs `work` once the transaction is committed; never if it is undone.
+  void after_commit(std::function<void()> work) { after_.push_back(std::move(work)); }
+
+  /// Stores an event, in a transaction. `members` are JSON members after those that all have:
+  /// `"state":"ready","rev":3`.
+  void emit(const std::string& kind, const std::string& job, const std::string& members);
+  /// Tells the listeners at once; nothing is stored.
+  void tell(const Event& event);
+  void listen(std::function<void(const Event&)> listener) {
+    listeners_.push_back(std::move(listener));
+  }
+  void audit(const std::string& principal, std::string_view action, const std::string& subject,
+             const std::string& detail);
+  void log(const std::string& line) const;
+
+  /// Takes note of what went wrong: a full disk, or one that fails.
+  void note(const StoreFault& fault);
+  void note_full();
+  /// Takes note that a file could not be kept, and says why.
+  [[nodiscard]] Problem unkept(const Error& error);
+  /// Once a failing write was seen nothing is written any more, until popcutd starts anew.
+  [[nodiscard]] bool degraded() const { return degraded_; }
+  [[nodiscard]] bool full() const { return full_; }
+  /// Why no new work is taken; none: it is.
+  [[nodiscard]] Answer<void> accepts_work() const;
+  /// Takes the reserve again when there is room.
+  void recover_disk();
+  std::function<void()> on_degraded{};
+
+  [[nodiscard]] Problem problem_of(const StoreFault& fault) const;
+
+  /// How long something took each time, in buckets.
+  struct Durations {
+    /// Upper bounds of the buckets, in seconds; one more is without end.
+    static constexpr std::array<double, 6> kBounds{0.001, 0.003, 0.01, 0.03, 0.1, 1};
+    std::array<std::uint64_t, kBounds.size() + 1> buckets{};
+    std::uint64_t count{};
+    double seconds{}, longest_s{};
+    void add(double s);
+  };
+  struct Figures {
+    Durations commits;
+    Durations stream_waits;  ///< of a cutter's stream, until what it intends is on the disk
+  };
+  [[nodiscard]] const Figures& figures() const { return figures_; }
+  void note_stream_wait(double seconds) { figures_.stream_waits.add(seconds); }
+
+ private:
+  struct Marks {
+    std::size_t after, events;
+  };
+  [[nodiscard]] Marks marks() const { return {after_.size(), events_.size()}; }
+  void forget_after(const Marks& marks);
+  void follow_up();
+  [[nodiscard]] Problem degraded_problem() const;
+  [[nodiscard]] std::string moved_away() const;
+
+  Store& store_;
+  const ServiceOptions& options_;
+  UlidSource ulids_;
+  std::vector<std::function<void()>> after_;
+  std::vector<Event> events_;
+  std::vector<std::function<void(const Event&)>> listeners_;
+  std::string degraded_why_;
+  bool degraded_{false};
+  bool full_{false};
+  Figures figures_;
+};
+
+/// `text` as a JSON string with its quotes.
+[[nodiscard]] std::string json_text(std::string_view text);
+
+}  // namespace popcut::daemon

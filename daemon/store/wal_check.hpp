@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+namespace popcut::daemon {
+
+/// What is wrong with a write-ahead log whose last process did not end it; empty: nothing.
+///
+/// A log may end in the middle of its last transaction, which was never reported as done. But what
+/// stands before another commit was synced before that commit was written, so it must be whole.
+[[nodiscard]] std::string log_damage(const std::string& path);
+
+}  // namespace popcut::daemon
