@@ -78,19 +78,19 @@ void check_device_id(TomlFields& fields, const DeviceConfig& device) {
   if (!parsed) return fields.refuse("id", ErrorKind::OutOfRange, parsed.error().detail);
   if (parsed->kind == DeviceKind::File)
     return fields.refuse("id", ErrorKind::OutOfRange,
-                         "is a file, which popcutd cannot cut on; 'popcut cut --direct --device "
-                         "file:NAME' writes one");
+                         "is a file; popcutd cannot cut on a file; use 'popcut cut --direct "
+                         "--device file:NAME' to write one");
   const bool simulated = parsed->kind == DeviceKind::Simulated;
   for (const char* key : {"time_scale", "faults", "trace"})
     if (!simulated && fields.has(key))
       fields.refuse(key, ErrorKind::OutOfRange,
-                    fmt::format("is for simulated cutters, and {} is none", device.id));
+                    fmt::format("is only for simulated cutters; {} is not simulated", device.id));
   const bool port = parsed->kind == DeviceKind::Serial || parsed->kind == DeviceKind::Printer;
   if (port && device.machine.empty() && device.treat_as.empty())
-    fields.refuse("machine", ErrorKind::Malformed,
-                  fmt::format("is missing: {} does not tell what it is; as in machine = "
-                              "\"hpgl-generic\"",
-                              device.id));
+    fields.refuse(
+        "machine", ErrorKind::Malformed,
+        fmt::format("is missing: {} does not identify itself; as in machine = \"hpgl-generic\"",
+                    device.id));
 }
 
 Result<void> read_device(TomlFields& fields, std::vector<DeviceConfig>& devices) {
@@ -106,7 +106,7 @@ Result<void> read_device(TomlFields& fields, std::vector<DeviceConfig>& devices)
   check_device_id(fields, device);
   for (const DeviceConfig& other : devices)
     if (other.id == device.id)
-      fields.refuse("id", ErrorKind::OutOfRange, fmt::format("{} is there twice", device.id));
+      fields.refuse("id", ErrorKind::OutOfRange, fmt::format("{} occurs twice", device.id));
   if (auto done = fields.finish(); !done) return done;
   devices.push_back(std::move(device));
   return {};
@@ -143,18 +143,18 @@ Result<void> read_user(TomlFields& fields, std::vector<UserRule>& users) {
   const int named = static_cast<int>(!user.empty()) + static_cast<int>(!group.empty()) +
                     static_cast<int>(uid >= 0) + static_cast<int>(gid >= 0);
   if (named != 1)
-    fields.refuse("user", ErrorKind::Malformed, "give one of user, group, uid and gid");
+    fields.refuse("user", ErrorKind::Malformed, "set one of user, group, uid and gid");
   if (role.empty())
     fields.refuse("role", ErrorKind::Malformed,
-                  fmt::format("is missing; one of {}", fmt::join(kRoles, ", ")));
+                  fmt::format("is missing; must be one of {}", fmt::join(kRoles, ", ")));
   if (uid >= 0) rule.uid = static_cast<std::uint32_t>(uid);
   if (gid >= 0) rule.gid = static_cast<std::uint32_t>(gid);
   if (!user.empty() && !(rule.uid = uid_of(user)))
     fields.refuse("user", ErrorKind::OutOfRange,
-                  fmt::format("\"{}\" is no user of this computer", user));
+                  fmt::format("there is no user \"{}\" on this computer", user));
   if (!group.empty() && !(rule.gid = gid_of(group)))
     fields.refuse("group", ErrorKind::OutOfRange,
-                  fmt::format("\"{}\" is no group of this computer", group));
+                  fmt::format("there is no group \"{}\" on this computer", group));
   if (auto done = fields.finish(); !done) return done;
   rule.name = !user.empty()    ? user
               : !group.empty() ? "@" + group
@@ -174,10 +174,11 @@ Result<void> read_webhook(TomlFields& fields, WebhookConfig& webhook) {
                   "must begin with http://; for https put a proxy of your own before it");
   if (!webhook.url.empty() && webhook.secret_file.empty())
     fields.refuse("secret_file", ErrorKind::Malformed,
-                  "is missing: each call is signed with the secret in that file");
+                  "is missing; it must name a file with the secret that signs each request");
   if (!webhook.url.empty() && webhook.allow.empty())
-    fields.refuse("allow", ErrorKind::Malformed,
-                  "is missing: the hosts that may be called, as in allow = [\"localhost:9000\"]");
+    fields.refuse(
+        "allow", ErrorKind::Malformed,
+        "is missing; list the hosts that popcutd may call, as in allow = [\"localhost:9000\"]");
   return fields.finish();
 }
 
@@ -244,19 +245,19 @@ Result<ListenAddress> parse_listen(std::string_view text, bool remote) {
     host = host.substr(1, host.size() - 2);
   ListenAddress address{std::string(host), 0};
   const auto [end, bad] = std::from_chars(port.data(), port.data() + port.size(), address.port);
-  if (bad != std::errc() || end != port.data() + port.size()) return wrong("has no lawful port");
+  if (bad != std::errc() || end != port.data() + port.size()) return wrong("has an invalid port");
   if (host == "localhost") address.host = "127.0.0.1";
   if (!remote && address.host.rfind("127.", 0) != 0 && address.host != "::1")
     return wrong(
-        "can be reached from other computers: put a proxy with TLS before popcutd and let it "
-        "listen here only, or say allow_remote = true");
+        "can be reached from other computers; put a TLS proxy in front of popcutd and use a "
+        "loopback address, or set allow_remote = true");
   return address;
 }
 
 Result<Config> parse_config(std::string_view text) {
   constexpr std::size_t kMostBytes = 1 << 20;
   if (text.size() > kMostBytes)
-    return fail(ErrorKind::OutOfRange, "", "is larger than 1 MiB; this is no configuration");
+    return fail(ErrorKind::OutOfRange, "", "is larger than 1 MiB; a configuration is smaller");
   toml::table parsed;
   try {
     parsed = toml::parse(text);
@@ -277,11 +278,10 @@ Result<Config> parse_config(std::string_view text) {
   fields.text("state", config.state);
   for (const auto& [key, value] : {std::pair{"socket", &config.socket}, {"state", &config.state}})
     if (fields.has(key) && value->empty())
-      fields.refuse(key, ErrorKind::OutOfRange, "is empty; name a path, or leave it out");
+      fields.refuse(key, ErrorKind::OutOfRange, "is empty; name a path or remove the key");
   if (config.socket.size() > kLongestSocket)
     fields.refuse("socket", ErrorKind::OutOfRange,
-                  fmt::format("has {} characters, and a socket's path has {} at most; name a "
-                              "shorter one",
+                  fmt::format("has {} characters; a socket path has at most {}; name a shorter one",
                               config.socket.size(), kLongestSocket));
   fields.texts("allowed_hosts", config.allowed_hosts);
   fields.texts("allowed_origins", config.allowed_origins);

@@ -86,7 +86,7 @@ void TomlFields::text(const char* key, std::string& value) {
   const bool control = std::any_of(found.begin(), found.end(), [](char c) {
     return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
   });
-  if (control) return refuse(key, ErrorKind::OutOfRange, "holds a control character; leave it out");
+  if (control) return refuse(key, ErrorKind::OutOfRange, "contains a control character; remove it");
   value = std::move(found);
 }
 
@@ -111,11 +111,11 @@ void TomlFields::texts(const char* key, std::vector<std::string>& value) {
   const toml::node* const node = ask(key);
   if (node == nullptr) return;
   const toml::array* const list = node->as_array();
-  if (list == nullptr) return wrong_type(key, *node, "a list of texts");
+  if (list == nullptr) return wrong_type(key, *node, "a list of strings");
   std::vector<std::string> found;
   for (const toml::node& one : *list) {
     const auto text = one.value<std::string>();
-    if (!text || !one.is_string()) return wrong_type(key, one, "a list of texts");
+    if (!text || !one.is_string()) return wrong_type(key, one, "a list of strings");
     found.push_back(*text);
   }
   value = std::move(found);
@@ -132,7 +132,7 @@ void TomlFields::table(const char* key, const std::function<Result<void>(TomlFie
 void TomlFields::tables(const char* key, const std::function<Result<void>(TomlFields&)>& read) {
   const toml::node* const node = ask(key);
   if (node == nullptr || error_) return;
-  const std::string wanted = fmt::format("tables, each begun with [[{}]]", key);
+  const std::string wanted = fmt::format("tables, each starting with [[{}]]", key);
   if (!node->is_array()) return wrong_type(key, *node, wanted.c_str());
   for (const toml::node& one : *node->as_array()) {
     if (!one.is_table()) return wrong_type(key, one, wanted.c_str());
@@ -151,7 +151,7 @@ Result<void> TomlFields::finish() const {
     if (std::find(asked_.begin(), asked_.end(), name) != asked_.end()) continue;
     const toml::source_position at = key.source().begin;
     return fail(ErrorKind::Malformed, fmt::format("{}:{}: {}{}", at.line, at.column, path_, name),
-                "is not a key that popcutd knows; " + suggestion(name, asked_));
+                "is an unknown key; " + suggestion(name, asked_));
   }
   return {};
 }

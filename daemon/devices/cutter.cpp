@@ -130,11 +130,11 @@ Result<void> Cutter::cut(CutOrder order, std::shared_ptr<CutJournal> journal) {
     const std::string& id = record_.id;
     if (stopping_) return fail(ErrorKind::Refused, id, "popcutd is stopping; start it again later");
     if (cutting_ || next_)
-      return fail(ErrorKind::Refused, id, "is cutting; wait until that has ended");
-    if (!there_) return fail(ErrorKind::DeviceGone, id, "is not plugged in, or switched off");
+      return fail(ErrorKind::Refused, id, "is cutting; wait until it has finished");
+    if (!there_) return fail(ErrorKind::DeviceGone, id, "is unplugged or switched off");
     if (!hindrance_.empty()) return fail(ErrorKind::Refused, id, hindrance_);
     if (condition_ == Condition::Fault)
-      return fail(ErrorKind::Refused, id, condition_text_ + "; see to it, then reset the device");
+      return fail(ErrorKind::Refused, id, condition_text_ + "; fix it, then reset the device");
     cancel_ = false;
     pause_ = false;
     condition_ = Condition::None;
@@ -156,14 +156,14 @@ Result<void> Cutter::cut(CutOrder order, std::shared_ptr<CutJournal> journal) {
 Result<void> Cutter::reset() {
   std::unique_lock lock(mutex_);
   if (cutting_ || next_)
-    return fail(ErrorKind::Refused, record_.id, "is cutting; cancel that first");
-  if (!there_) return fail(ErrorKind::DeviceGone, record_.id, "is not plugged in, or switched off");
+    return fail(ErrorKind::Refused, record_.id, "is cutting; cancel the job first");
+  if (!there_) return fail(ErrorKind::DeviceGone, record_.id, "is unplugged or switched off");
   const std::uint64_t before = resets_done_;
   reset_wanted_ = true;
   wake_.notify_all();
   constexpr auto kMost = std::chrono::seconds(20);
   const bool done = wake_.wait_for(lock, kMost, [&] { return resets_done_ > before || stopping_; });
-  if (!done) return fail(ErrorKind::Timeout, record_.id, "does not answer; switch it off and on");
+  if (!done) return fail(ErrorKind::Timeout, record_.id, "is not answering; switch it off and on");
   if (condition_ != Condition::None) return fail(ErrorKind::Refused, record_.id, condition_text_);
   return {};
 }
@@ -298,7 +298,8 @@ void Cutter::ask_state() {
       const auto answers = ask_machine(open->transport());
       if (!answers || !answers->status) {
         condition = Condition::Fault;
-        text = answers ? "the machine takes no data; switch it off and on" : answers.error().detail;
+        text =
+            answers ? "the machine accepts no data; switch it off and on" : answers.error().detail;
       }
     }
   }

@@ -80,13 +80,13 @@ Result<CutterLine> configured_line(const DeviceConfig& config,
   if (!device) return tl::unexpected(device.error());
   if (device->kind == DeviceKind::File)
     return fail(ErrorKind::Usage, config.id,
-                "is no cutter; popcutd drives sim:, usb:, serial:, lp:");
+                "is not a cutter; it must start with sim:, usb:, serial: or lp:");
   const std::string& given = config.treat_as.empty() ? config.machine : config.treat_as;
   const std::string name =
       given.empty() && device->kind == DeviceKind::Simulated ? device->name : given;
   if (name.empty())
     return fail(ErrorKind::Usage, config.id,
-                "does not tell what it is; name its machine, as in machine = \"hpgl-generic\"");
+                "does not identify itself; name its machine, as in machine = \"hpgl-generic\"");
   auto machine = find_machine(name, tables);
   if (!machine) return tl::unexpected(within(config.id, machine.error()));
   if (!config.treat_as.empty()) machine->identity.clear();  // it says another name
@@ -101,8 +101,9 @@ Result<CutterLine> configured_line(const DeviceConfig& config,
     return tl::unexpected(within(config.id, lawful.error()));
   if (!line.trace_folder.empty() && ::mkdir(line.trace_folder.c_str(), 0700) != 0 &&
       errno != EEXIST)
-    return fail(ErrorKind::Unwritable, line.trace_folder,
-                fmt::format("cannot be made: {}; name a folder for traces", std::strerror(errno)));
+    return fail(
+        ErrorKind::Unwritable, line.trace_folder,
+        fmt::format("cannot be created: {}; name a folder for traces", std::strerror(errno)));
   return line;
 }
 
@@ -118,7 +119,9 @@ Result<OpenLine> OpenLine::open(CutterLine& line, const std::string& attempt,
   };
   switch (line.device.kind) {
     case DeviceKind::Usb:
-      if (!line.bus) return fail(ErrorKind::DeviceGone, line.device.text, "there is no USB here");
+      if (!line.bus)
+        return fail(ErrorKind::DeviceGone, line.device.text,
+                    "USB is not available on this computer");
       return keep(line.bus->connect(line.device.name));
     case DeviceKind::Serial:
       return keep(PortTransport::open_serial(line.device.name, line.device.serial));

@@ -167,7 +167,7 @@ class CutterSet final : public Cutters {
   }
 
   Result<void> add_configured(const DeviceConfig& config) {
-    if (find(config.id)) return fail(ErrorKind::Usage, config.id, "is there twice; leave one out");
+    if (find(config.id)) return fail(ErrorKind::Usage, config.id, "occurs twice; remove one");
     if (config.id.rfind("usb:", 0) == 0) {
       usb_settings_[config.id] = config;
       return {};
@@ -219,9 +219,9 @@ class CutterSet final : public Cutters {
     if (device.kind != DeviceKind::Serial && device.kind != DeviceKind::Printer) return;
     const bool there = ::access(device.name.c_str(), F_OK) == 0;
     const bool usable = ::access(device.name.c_str(), R_OK | W_OK) == 0;
-    cutter.set_presence(
-        there, there && !usable ? "popcutd may not open " + device.name + "; give it the right to"
-                                : std::string());
+    cutter.set_presence(there, there && !usable ? "popcutd has no permission to open " +
+                                                      device.name + "; grant it access"
+                                                : std::string());
   }
 
   void look_at_bus(const std::vector<Cutter*>& all) {

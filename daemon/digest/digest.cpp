@@ -77,7 +77,7 @@ Result<std::string> sha256_of_file(const std::string& path) {
     if (got < block.size()) break;
   }
   if (std::ferror(file.get()) != 0)
-    return fail(ErrorKind::Malformed, path, "cannot be read to its end");
+    return fail(ErrorKind::Malformed, path, "cannot be read completely");
   return digest.hex();
 }
 

@@ -37,16 +37,17 @@ std::optional<Problem> check_host(const RequestHead& head, const Peer& peer, con
   if (peer.is_local) return std::nullopt;
   if (is_own_host(host, peer.port) || is_listed(names.hosts, host)) return std::nullopt;
   return Problem{ProblemKind::WrongHost,
-                 fmt::format("this is popcutd at localhost:{}, and Host names another; if that is "
-                             "a name of it, add it to allowed_hosts",
+                 fmt::format("popcutd at localhost:{} does not serve this Host; if it is a name of "
+                             "this computer, add it to allowed_hosts",
                              peer.port)};
 }
 
 std::optional<Problem> check_origin(const RequestHead& head, const Peer& peer, const Names& names) {
   if (head.method == Method::Get || head.method == Method::Head) return std::nullopt;
   const auto elsewhere = [] {
-    return Problem{ProblemKind::Forbidden,
-                   "a page of another origin may not ask this; use popcut's own page or a program"};
+    return Problem{
+        ProblemKind::Forbidden,
+        "requests from pages of other origins are refused; use popcut's own page or a program"};
   };
   if (const auto origin = head.header("origin")) {
     constexpr std::string_view kHttp = "http://";
@@ -70,11 +71,10 @@ Answer<Principal> local_principal(const Peer& peer, const HttpUsers& users, uid_
         found != users.groups.end() && (!role || *role < found->second))
       role = found->second;
   if (!role)
-    return refuse(
-        ProblemKind::Forbidden,
-        fmt::format("user {} has no role here; an administrator gives one in a [[user]] of "
-                    "popcutd.toml, or by a group (popcut: operator)",
-                    peer.uid));
+    return refuse(ProblemKind::Forbidden,
+                  fmt::format("user {} has no role; an administrator can add a [[user]] to "
+                              "popcutd.toml, or add the user to a group (popcut: operator)",
+                              peer.uid));
   principal.role = *role;
   return principal;
 }
@@ -83,17 +83,16 @@ Answer<std::string> bearer_of(const RequestHead& head) {
   const auto value = head.header("authorization");
   if (!value)
     return refuse(ProblemKind::Unauthenticated,
-                  "this needs a token: send 'Authorization: Bearer pc_...', or ask over the unix "
-                  "socket; 'popcut token create' makes one");
+                  "a token is required; send 'Authorization: Bearer pc_...', or use the unix "
+                  "socket; 'popcut token create' creates a token");
   constexpr std::string_view kScheme = "bearer ";
   if (to_lower(value->substr(0, kScheme.size())) != kScheme)
-    return refuse(ProblemKind::Unauthenticated, "the only way to authenticate is a Bearer token");
+    return refuse(ProblemKind::Unauthenticated, "Authorization must be a Bearer token");
   const std::string_view token = trimmed(value->substr(kScheme.size()));
   const bool has_form =
       token.size() >= 8 && token.size() <= 200 &&
       std::all_of(token.begin(), token.end(), [](char c) { return c > ' ' && c < '\x7F'; });
-  if (!has_form)
-    return refuse(ProblemKind::Unauthenticated, "the token is not one that popcut gave");
+  if (!has_form) return refuse(ProblemKind::Unauthenticated, "this is not a popcut token");
   return std::string(token);
 }
 
@@ -101,7 +100,7 @@ std::optional<Problem> check_media(const RequestHead& head, std::string& media_t
   if (const auto coding = head.header("content-encoding");
       coding && to_lower(*coding) != "identity")
     return Problem{ProblemKind::UnsupportedMedia,
-                   "packed bodies are not read; send it without Content-Encoding"};
+                   "compressed bodies are not accepted; send the body without Content-Encoding"};
   const auto value = head.header("content-type");
   if (!value) return std::nullopt;
   const std::string lower = to_lower(*value);
@@ -111,7 +110,7 @@ std::optional<Problem> check_media(const RequestHead& head, std::string& media_t
   const std::string_view parameter = trimmed(std::string_view(lower).substr(semicolon + 1));
   if (parameter != "charset=utf-8" && parameter != "charset=\"utf-8\"")
     return Problem{ProblemKind::UnsupportedMedia,
-                   "the only parameter of a Content-Type here is charset=utf-8"};
+                   "the only parameter allowed in Content-Type is charset=utf-8"};
   return std::nullopt;
 }
 

@@ -42,21 +42,21 @@ std::string_view trimmed(std::string_view text) {
 Fault check_request_line(std::string_view line, bool& is_http_1_0) {
   const std::size_t first = line.find(' '), last = line.rfind(' ');
   if (first == std::string_view::npos || first == last)
-    return bad("the first line is not 'METHOD /path HTTP/1.1'");
+    return bad("the request line must be 'METHOD /path HTTP/1.1'");
   const std::string_view method = line.substr(0, first), version = line.substr(last + 1);
   const std::string_view target = line.substr(first + 1, last - first - 1);
   if (method.empty() || method.size() > 16 ||
       !std::all_of(method.begin(), method.end(), [](char c) { return c >= 'A' && c <= 'Z'; }))
-    return bad("the method is not a word of capital letters");
+    return bad("the method must be a word of capital letters");
   if (version != "HTTP/1.1" && version != "HTTP/1.0")
-    return bad("the version is neither HTTP/1.1 nor HTTP/1.0");
+    return bad("the version must be HTTP/1.1 or HTTP/1.0");
   is_http_1_0 = version == "HTTP/1.0";
   if (target.size() > kLongestTarget)
     return bad(fmt::format("the path is longer than {} characters", kLongestTarget));
   if (target.empty() || target.front() != '/')
-    return bad("the target must be a path that starts with a slash, not a whole URI");
+    return bad("the target must be a path that starts with a slash, not a full URI");
   if (!std::all_of(target.begin(), target.end(), is_target_char))
-    return bad("the path has characters that must be percent-encoded");
+    return bad("the path contains characters that must be percent-encoded");
   return std::nullopt;
 }
 
@@ -74,18 +74,18 @@ constexpr std::array<std::string_view, 13> kOnce{
 
 Fault check_field(std::string_view line, Fields& fields) {
   if (line.front() == ' ' || line.front() == '\t')
-    return bad("a header goes on in a second line; write it in one");
+    return bad("a header continues on a second line; write it on one line");
   const std::size_t colon = line.find(':');
   if (colon == std::string_view::npos) return bad("a header line has no colon");
   const std::string_view name = line.substr(0, colon);
-  if (!is_token(name)) return bad("the name of a header has characters that no name has");
+  if (!is_token(name)) return bad("a header name contains characters that are not allowed");
   const std::string_view value = trimmed(line.substr(colon + 1));
   if (!std::all_of(value.begin(), value.end(), is_value_char))
-    return bad("a header's value has control characters");
+    return bad("a header value contains control characters");
   std::string lower = to_lower(name);
   if (std::find(kOnce.begin(), kOnce.end(), lower) != kOnce.end() &&
       std::find(fields.seen.begin(), fields.seen.end(), lower) != fields.seen.end())
-    return bad(fmt::format("the header {} stands twice", lower));
+    return bad(fmt::format("the header {} occurs twice", lower));
   if (fields.seen.size() == kMostFields)
     return bad(fmt::format("there are more than {} headers", kMostFields));
   if (lower == "host") fields.host = value;
@@ -97,11 +97,11 @@ Fault check_field(std::string_view line, Fields& fields) {
 
 Fault check_framing(const Fields& fields, bool is_http_1_0) {
   if (!fields.host) return bad("there is no Host header");
-  if (fields.coding && is_http_1_0) return bad("HTTP/1.0 has no Transfer-Encoding");
+  if (fields.coding && is_http_1_0) return bad("Transfer-Encoding is not allowed in HTTP/1.0");
   if (fields.coding && to_lower(*fields.coding) != "chunked")
-    return bad("the only Transfer-Encoding that is read is 'chunked'");
+    return bad("the only Transfer-Encoding supported is 'chunked'");
   if (fields.coding && fields.length)
-    return bad("Transfer-Encoding and Content-Length exclude each other");
+    return bad("Transfer-Encoding and Content-Length cannot be combined");
   if (!fields.length) return std::nullopt;
   const std::string_view length = *fields.length;
   const bool is_number =
@@ -135,8 +135,8 @@ std::optional<Problem> check_head(std::string_view raw) {
     const std::string_view line = raw.substr(0, end);  // there is one: raw ends with it
     raw.remove_prefix(end + 2);
     if (line.find_first_of(std::string_view("\r\n\0", 3)) != std::string_view::npos)
-      return bad("the head has a bare line end or a zero byte");
-    if (line.empty()) return bad("the head has an empty line before its end");
+      return bad("the head contains a bare line ending or a zero byte");
+    if (line.empty()) return bad("the head contains an empty line before its end");
     const Fault fault =
         is_first ? check_request_line(line, is_http_1_0) : check_field(line, fields);
     if (fault) return fault;

@@ -125,8 +125,8 @@ asio::awaitable<bool> respond(Hub& hub, ClientPtr client, Exchange& exchange, Re
     file.emplace(response.file);
     file_size = file->size();
     if (!file_size)
-      response = problem_response(
-          Problem{ProblemKind::Internal, "the file is not where it was stored"}, request);
+      response =
+          problem_response(Problem{ProblemKind::Internal, "the stored file is missing"}, request);
   }
   if (response.make_body) response.body = response.make_body();
   const bool has_body = response.status != 204 && response.status != 304;
@@ -160,19 +160,19 @@ std::optional<Problem> look_at_head(Hub& hub, const Client& client, Exchange& ex
   if (match.allowed.empty())
     return Problem{ProblemKind::NotFound,
                    request.path().size() > 1 && request.path().back() == '/'
-                       ? "no such path; without the slash at its end there may be one"
-                       : "no such path; /v1/openapi.json lists them all"};
+                       ? "there is no such path; remove the slash at the end"
+                       : "there is no such path; /v1/openapi.json lists all paths"};
   if (match.route == nullptr) {
     refusal.headers.push_back({"Allow", allow_header(match.allowed)});
     return Problem{ProblemKind::MethodNotAllowed,
-                   fmt::format("{} is not for this path; {} are", name_of(head.method),
-                               allow_header(match.allowed))};
+                   fmt::format("this path does not support {}; it supports {}",
+                               name_of(head.method), allow_header(match.allowed))};
   }
   exchange.route = match.route;
   request.params = std::move(match.params);
   request.query = std::move(target->query);
   if (client.reserved && !match.route->is_urgent) {
-    Problem full{ProblemKind::Unavailable, "all connections are taken; try again"};
+    Problem full{ProblemKind::Unavailable, "all connections are in use; try again"};
     full.retry_after_s = 1;
     return full;
   }
@@ -198,7 +198,7 @@ asio::awaitable<Answer<Principal>> authenticate(Hub& hub, ClientPtr client) {
   if (client->peer.is_local) {
     if (head.header("authorization")) {
       co_return refuse(ProblemKind::Unauthenticated,
-                       "over the unix socket the user is who asks; send no Authorization");
+                       "on the unix socket, your user is your identity; do not send Authorization");
     }
     co_return local_principal(client->peer, hub.options.users, ::getuid());
   }
@@ -219,11 +219,11 @@ asio::awaitable<Answer<Principal>> authenticate(Hub& hub, ClientPtr client) {
     done([found, who = std::move(who)] { *found = who; });
   };
   const bool answered = co_await hub.ask(client, std::move(work), kAuthenticate_s);
-  if (!answered) co_return refuse(ProblemKind::Unavailable, "popcutd does not answer now");
+  if (!answered) co_return refuse(ProblemKind::Unavailable, "popcutd is not answering");
   if (*found) co_return **found;
   co_return tl::unexpected<Problem>(failed_login(
       hub, *client,
-      Problem{ProblemKind::Unauthenticated, "the token is not known; it may have been deleted"}));
+      Problem{ProblemKind::Unauthenticated, "unknown token; it may have been deleted"}));
 }
 
 // Role, origin, rate, form of the body.
@@ -232,7 +232,7 @@ std::optional<Problem> look_at_principal(Hub& hub, const Client& client, Exchang
   const Route& route = *exchange.route;
   if (!route.access.is_open() && !route.access.allows(request.principal.role))
     return Problem{ProblemKind::Forbidden,
-                   fmt::format("this needs the role {}; {} has {}", name_of(route.access.role()),
+                   fmt::format("this requires the role {}; {} has {}", name_of(route.access.role()),
                                request.principal.name, name_of(request.principal.role))};
   if (auto wrong = check_origin(client.reader.head(), client.peer, hub.names)) {
     hub.metrics.reject("origin");
@@ -243,7 +243,7 @@ std::optional<Problem> look_at_principal(Hub& hub, const Client& client, Exchang
   RateLimit& limit = route.is_urgent ? hub.urgent_rate : hub.rate;
   if (const auto wait = limit.take(key, hub.now_s())) {
     Problem problem{ProblemKind::Rate,
-                    fmt::format("more than {:g} requests a second", hub.limits().rate_per_s)};
+                    fmt::format("more than {:g} requests per second", hub.limits().rate_per_s)};
     problem.retry_after_s = *wait;
     return problem;
   }
@@ -252,7 +252,7 @@ std::optional<Problem> look_at_principal(Hub& hub, const Client& client, Exchang
   const bool has_body = head.is_chunked || head.content_length.value_or(0) > 0;
   if (auto wrong = check_body(route, exchange.request.media_type, has_body)) return wrong;
   if (const auto expect = head.header("expect"); expect && *expect != "100-continue")
-    return Problem{ProblemKind::BadRequest, "the only Expect that is met is 100-continue"};
+    return Problem{ProblemKind::BadRequest, "the only Expect value supported is 100-continue"};
   const bool is_upload = route.body == BodyRule::Design || route.body == BodyRule::Asset;
   if (!is_upload) return std::nullopt;
   if (hub.uploads >= hub.limits().uploads) {
@@ -291,7 +291,7 @@ asio::awaitable<std::optional<Problem>> read_whole_body(Hub& hub, ClientPtr clie
         hub.limits().body_s + static_cast<double>(got) / hub.limits().body_bytes_per_s - spent;
     client->expect_within(client, std::max(left, 0.0));
     const bool more = co_await receive(client);
-    if (!more) co_return Problem{ProblemKind::BadRequest, "the body ended too early"};
+    if (!more) co_return Problem{ProblemKind::BadRequest, "the body ended early"};
   }
   client->relax();
   if (!exchange.spool) co_return std::nullopt;
@@ -301,7 +301,7 @@ asio::awaitable<std::optional<Problem>> read_whole_body(Hub& hub, ClientPtr clie
   std::function<void()> finish = [upload, spool = exchange.spool] { *upload = spool->finish(); };
   const bool finished = co_await hub.run_aside(client, std::move(finish));
   if (!finished || !*upload) {
-    Problem late{ProblemKind::Unavailable, "the disk takes too long; try again"};
+    Problem late{ProblemKind::Unavailable, "the disk is too slow; try again"};
     late.retry_after_s = 5;
     co_return late;
   }
@@ -339,7 +339,7 @@ asio::awaitable<Response> ask_handler(Hub& hub, ClientPtr client, Exchange& exch
       co_await hub.ask(client, std::move(work), patience_of(*route, hub.limits()));
   if (answered && *answer) co_return std::move(**answer);
   Problem late{ProblemKind::Unavailable,
-               "popcutd has no answer yet; ask again, with the same Idempotency-Key"};
+               "popcutd has no answer yet; send the request again with the same Idempotency-Key"};
   late.retry_after_s = 5;
   co_return problem_response(late, *request);
 }

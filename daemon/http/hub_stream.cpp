@@ -193,7 +193,7 @@ asio::awaitable<void> stream_all(Hub& hub, ClientPtr client, std::optional<std::
 asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& request) {
   if (hub.link->listeners.load() >= hub.limits().streams) {
     Problem full{ProblemKind::Unavailable,
-                 fmt::format("there are {} streams of events already", hub.limits().streams)};
+                 fmt::format("{} event streams are open already", hub.limits().streams)};
     full.retry_after_s = 5;
     const Response response = problem_response(full, request);
     const std::string text =

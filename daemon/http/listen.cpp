@@ -38,7 +38,7 @@ Result<Address> tcp_address(const std::string& endpoint) {
   const std::size_t colon = endpoint.rfind(':');
   const auto wrong = [&] {
     return fail(ErrorKind::Usage, endpoint,
-                "is no address to listen on; write 127.0.0.1:8631, [::1]:8631 or unix:/path");
+                "is not an address to listen on; write 127.0.0.1:8631, [::1]:8631 or unix:/path");
   };
   if (colon == std::string::npos) return wrong();
   std::uint16_t port = 0;
@@ -71,7 +71,7 @@ Result<Address> unix_address(const std::string& path) {
   local.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof(local.sun_path))
     return fail(ErrorKind::Usage, path,
-                fmt::format("the path of a unix socket has 1 to {} characters",
+                fmt::format("the path of a unix socket must have 1 to {} characters",
                             sizeof(local.sun_path) - 1));
   std::memcpy(local.sun_path, path.c_str(), path.size() + 1);
   address.size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size() + 1);
@@ -130,17 +130,16 @@ Result<Listener> Listener::open(const std::string& endpoint, bool allow_remote) 
   Listener listener(::socket(family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const auto refused = [&](int error) {
     return fail(ErrorKind::Refused, endpoint,
-                fmt::format("cannot be listened on: {}; {}", reason(error),
-                            error == EADDRINUSE ? "another popcutd runs already, or name another"
-                                                : "name another"));
+                fmt::format("cannot listen here: {}; {}", reason(error),
+                            error == EADDRINUSE
+                                ? "another popcutd may be running; stop it or name another address"
+                                : "name another"));
   };
   if (listener.socket_ < 0) return refused(errno);
   const int on = 1;
   if (is_unix) {
     if (is_other_file(path))
-      return fail(ErrorKind::Refused, endpoint,
-                  "is there already and is no socket, but a file or folder, which is left alone; "
-                  "name another path");
+      return fail(ErrorKind::Refused, endpoint, "exists and is not a socket; name another path");
     remove_stale(*address, path);
     // Linux takes the mode of the file from here: it is never open to others, not for a moment.
     ::fchmod(listener.socket_, S_IRUSR | S_IWUSR);
@@ -151,8 +150,8 @@ Result<Listener> Listener::open(const std::string& endpoint, bool allow_remote) 
   }
   if (!allow_remote && !is_loopback(*address))
     return fail(ErrorKind::Usage, endpoint,
-                "is not a loopback address; popcutd listens to this machine only, put a proxy with "
-                "TLS before it and allow_remote in the configuration");
+                "is not a loopback address; to serve other computers, put a TLS proxy in front of "
+                "popcutd and set allow_remote in the configuration");
   if (::bind(listener.socket_, address->get(), address->size) != 0) return refused(errno);
   if (is_unix) listener.made_path_ = path;
   if (::listen(listener.socket_, kBacklog) != 0) return refused(errno);
@@ -177,10 +176,10 @@ Result<void> Listener::look(bool allow_remote) {
                          listens != 0;
   if (!is_socket)
     return fail(ErrorKind::Refused, fmt::format("file descriptor {}", socket_),
-                "is not a socket that listens");
+                "is not a listening socket");
   if (!allow_remote && !is_loopback(address))
     return fail(ErrorKind::Usage, fmt::format("file descriptor {}", socket_),
-                "listens to more than this machine; give it a loopback address");
+                "listens beyond this computer; give it a loopback address");
   family_ = address.storage.ss_family;
   char text[INET6_ADDRSTRLEN] = "";
   if (family_ == AF_INET) {

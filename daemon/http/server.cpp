@@ -147,7 +147,7 @@ Result<void> HttpServer::Impl::listen() {
     listeners.push_back(std::move(*listener));
   }
   if (listeners.empty())
-    return fail(ErrorKind::Usage, "listen", "names no address; name at least one, or a socket");
+    return fail(ErrorKind::Usage, "listen", "is empty; name at least one address or a socket");
   return {};
 }
 

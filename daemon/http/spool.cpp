@@ -19,11 +19,11 @@ constexpr std::uint64_t kWriteBack = 4u << 20;
 
 Problem disk_problem(int error) {
   if (error == ENOSPC || error == EDQUOT || error == EFBIG)
-    return Problem{ProblemKind::DiskFull, "the disk of popcutd is full; free some of it"};
+    return Problem{ProblemKind::DiskFull, "popcutd's disk is full; free some space"};
   if (error == ENOENT)
     return Problem{ProblemKind::Unavailable,
-                   "the folder of popcutd's state is no longer where it was; move it back, or "
-                   "restart popcutd with --state where it is now"};
+                   "popcutd's state folder was moved; move it back, or restart popcutd with "
+                   "--state and its new place"};
   return Problem{ProblemKind::Unavailable, fmt::format("the upload cannot be written ({})",
                                                        std::generic_category().message(error))};
 }

@@ -129,8 +129,7 @@ Answer<bool> RequestReader::read_body(std::uint64_t most_bytes, const Sink& sink
   pending_.erase(0, taken);
   if (parser.problem) return tl::unexpected<Problem>(*parser.problem);
   if (ec && ec != bhttp::error::need_more)
-    return refuse(ProblemKind::BadRequest,
-                  fmt::format("the body is not well formed ({})", ec.message()));
+    return refuse(ProblemKind::BadRequest, fmt::format("the body is malformed ({})", ec.message()));
   if (!parser.is_done() && pending_.size() > kLongestChunkHead)
     return refuse(ProblemKind::BadRequest, "a line between two chunks is too long");
   return parser.is_done();

@@ -65,27 +65,27 @@ tl::expected<void, std::string> may_resume(const std::vector<FateRun>& runs,
   const auto no = [](std::string why) { return tl::unexpected<std::string>(std::move(why)); };
   const std::int64_t from = request.from_path;
   if (from < 0 || from >= facts.strokes)
-    return no(fmt::format("path {} is not on this sheet; 0..{} are", from, facts.strokes - 1));
+    return no(fmt::format("path {} is not on this sheet; must be 0..{}", from, facts.strokes - 1));
   if (!request.re_registered && !facts.same_device_session)
     return no(
-        "the cutter was away or was started anew since, so the sheet's place is no longer known; "
-        "register it again and say registration \"re-registered\"");
+        "the cutter was disconnected or restarted, so the sheet's position is unknown; align the "
+        "sheet again and send registration \"re-registered\"");
   for (const FateRun& run : runs) {
     const bool reaches = run.paths.last >= from;  // some of it would be cut now
     const bool before = run.paths.first < from;   // some of it would not
     const std::string where = fmt::format("paths {}..{}", run.paths.first, run.paths.last);
     if (run.fate == PathFate::InDoubt && reaches && before)
-      return no(where + " are in doubt; resume from the first of them, or from behind the last");
+      return no(where + " are in doubt; resume from the first of them, or after the last");
     if (run.fate == PathFate::InDoubt && before && !request.skip_in_doubt)
-      return no(where + " are in doubt and would be left so; say skip_in_doubt, or resume from " +
+      return no(where + " are in doubt and would stay so; send skip_in_doubt, or resume from " +
                 std::to_string(run.paths.first));
     if (run.fate == PathFate::NotSent && before)
-      return no(fmt::format("{} were not cut and would be left out; resume from {} or before",
+      return no(fmt::format("{} were not cut and would be skipped; resume from {} or earlier",
                             where, run.paths.first));
     if (run.fate != PathFate::NotSent && reaches && !request.accept_double_cut)
       return no(
-          fmt::format("{} {} and would be cut twice; say i_accept_double_cut, or take a new "
-                      "blank with retry-sheet",
+          fmt::format("{} {} and would be cut twice; send i_accept_double_cut, or use a new blank "
+                      "with retry-sheet",
                       where, run.fate == PathFate::Certain ? "are cut" : "may be cut already"));
   }
   return {};

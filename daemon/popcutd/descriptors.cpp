@@ -23,8 +23,8 @@ std::string allow_descriptors(const HttpLimits& limits) {
   (void)::setrlimit(RLIMIT_NOFILE, &now);
   if (now.rlim_cur >= places + besides) return "";
   return fmt::format(
-      "this process may have {} files open, so about {} clients at once and not limits.connections "
-      "= {}; raise it to {}: LimitNOFILE of the unit, or ulimit -n",
+      "this process may open {} files, which is enough for about {} clients, not for "
+      "limits.connections = {}; raise the limit to {} (LimitNOFILE in the unit, or ulimit -n)",
       now.rlim_cur, now.rlim_cur > besides ? now.rlim_cur - besides : 0, limits.connections,
       places + besides);
 }

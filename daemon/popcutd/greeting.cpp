@@ -17,20 +17,19 @@ std::string device_text(const DeviceConfig& device) {
 }  // namespace
 
 std::string greeting(const Config& config, const std::vector<std::string>& endpoints) {
-  std::string text = fmt::format("popcutd {} serves", POPCUT_VERSION);
+  std::string text = fmt::format("popcutd {} is ready at", POPCUT_VERSION);
   for (const std::string& one : endpoints) {
     const bool path = one.rfind("unix:", 0) == 0;
     text += path ? "\n  " + one.substr(5) : "\n  http://" + one;
   }
-  text += "\nand cuts on";
+  text += "\nCutters";
   for (const DeviceConfig& device : config.devices) text += "\n  " + device_text(device);
-  text += fmt::format("\nIts jobs are in {}\n", config.state);
+  text += fmt::format("\nJobs are stored in {}\n", config.state);
   text +=
-      "\nNext, in another terminal:\n"
-      "  popcut cut sphere.json --wait     # queues it, says when you are needed\n"
-      "  popcut arm; popcut start          # the sheet is loaded; the knife goes down\n"
-      "  popcut jobs --watch               # all jobs, live\n"
-      "Ctrl-C ends popcutd; a cut under way stops at the end of its stroke.\n\n";
+      "\nNext, in another terminal:\n  popcut cut sphere.json --wait     # queue it; it tells you "
+      "when to act\n  popcut arm; popcut start          # after you have loaded the sheet: cut "
+      "it\n  popcut jobs --watch               # follow all jobs\nPress Ctrl-C to stop popcutd; a "
+      "running cut stops at the end of its stroke.\n\n";
   return text;
 }
 

@@ -88,7 +88,7 @@ std::string change_line(const Event& event) {
   const auto data = nlohmann::json::parse(event.data, nullptr, false);
   if (!data.is_object()) return {};
   std::string line = fmt::format("job {}: {}", event.job, data.value("state", "changed"));
-  if (data.contains("deleted")) line += ", taken off the list";
+  if (data.contains("deleted")) line += ", deleted";
   if (const std::string reason = data.value("reason", ""); !reason.empty()) line += ", " + reason;
   if (const int sheet = data.value("sheet", 0); sheet > 0)
     line += fmt::format(", sheet {} of {}", sheet, data.value("sheets_total", sheet));

@@ -48,8 +48,8 @@ int run(int argc, char** argv) {
     if (!config->webhook.url.empty())
       if (const auto target = webhook_target(config->webhook); !target)
         return report(file.empty() ? target.error() : within(file, target.error()), kNeedsPerson);
-    std::printf("%s: ok\nSIGHUP takes of it: %s; all else is taken at the next start\n",
-                file.empty() ? "no configuration file; the defaults" : file.c_str(),
+    std::printf("%s: ok\nSIGHUP reloads: %s; everything else needs a restart\n",
+                file.empty() ? "no configuration file; using defaults" : file.c_str(),
                 std::string(kReloadedKeys).c_str());
     return 0;
   }

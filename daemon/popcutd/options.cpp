@@ -15,26 +15,26 @@
 #include "core/machines/machine.hpp"
 #include "daemon/cli/fault_file.hpp"
 #include "daemon/cli/help/help_pages.hpp"
+#include "daemon/config/default_text.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
-#include "daemon/config/default_text.hpp"
 #include "daemon/popcutd/paths.hpp"
 
 namespace popcut::daemon {
 namespace {
 
 constexpr const char* kPurpose =
-    "popcutd keeps the jobs: it designs, plans, waits for a person at each sheet, and cuts.\n\n"
-    "  popcutd                               # one simulated cutter, this computer only\n"
-    "  popcutd --sim cameo4 --listen 127.0.0.1:9000\n"
-    "  popcutd --config popcutd.toml --check-config\n\n"
-    "Then, in another terminal: popcut cut sphere.json --wait\n\n"
-    "Without --config it reads ~/.config/popcut/popcutd.toml or /etc/popcut/popcutd.toml, if one "
-    "is\nthere; --print-config prints every key. Ctrl-C stops a cut at the end of its stroke.";
+    "Run the popcut job server. It plans designs, queues jobs, and cuts each sheet after a person "
+    "has\nloaded and started it.\n\n  popcutd                               # one simulated "
+    "cutter, this computer only\n  popcutd --sim cameo4 --listen 127.0.0.1:9000\n  popcutd "
+    "--config popcutd.toml --check-config\n\nThen, in another terminal: popcut cut sphere.json "
+    "--wait\n\nWithout --config, popcutd reads ~/.config/popcut/popcutd.toml or "
+    "/etc/popcut/popcutd.toml if it\nexists; --print-config prints every key. Ctrl-C stops a cut "
+    "at the end of its stroke.";
 constexpr const char* kFooter =
-    "Exit codes: 0 stopped as asked; 1 a fault in popcutd; 2 wrong command line; 5 an address or "
+    "Exit codes: 0 stopped on request; 1 internal error; 2 invalid command line; 5 an address or "
     "the\nstate folder is in use; 7 the state folder cannot be written; 78 the configuration or "
-    "the\ndatabase needs a person.";
+    "the\ndatabase must be fixed by a person.";
 
 const char* variable(const char* name) { return std::getenv(name); }
 
@@ -96,7 +96,7 @@ Result<void> add_simulated(const DaemonOptions& options, const std::vector<std::
                     [&](const DeviceConfig& other) { return other.id == device.id; });
     if (twice)
       return fail(ErrorKind::Usage, "--sim",
-                  fmt::format("{} is there already; leave this one out", device.id));
+                  fmt::format("{} is attached already; remove this option", device.id));
     config.devices.push_back(std::move(device));
   }
   return {};
@@ -108,7 +108,7 @@ Result<void> add_simulated(const DaemonOptions& options, const std::vector<std::
 Result<void> check_given(const CLI::App& app, const DaemonOptions& options) {
   const auto empty = [](const char* option, const char* right) {
     return fail(ErrorKind::Usage, option,
-                fmt::format("is empty; as in {} {}, or leave it out", option, right));
+                fmt::format("is empty; as in {} {}, or remove it", option, right));
   };
   if (app.count("--config") > 0 && options.config.empty())
     return empty("--config", "/etc/popcut/popcutd.toml");
@@ -119,8 +119,7 @@ Result<void> check_given(const CLI::App& app, const DaemonOptions& options) {
     if (name.empty()) return empty("--sim", "cameo3");
   if (options.socket.size() > kLongestSocket)
     return fail(ErrorKind::Usage, "--socket",
-                fmt::format("has {} characters, and a socket's path has {} at most; name a "
-                            "shorter one",
+                fmt::format("has {} characters; a socket path has at most {}; name a shorter one",
                             options.socket.size(), kLongestSocket));
   return {};
 }
@@ -130,7 +129,7 @@ bool is_no_folder(const std::string& path) {
   std::error_code ignored;
   return std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored);
 }
-constexpr const char* kNoFolder = "is a file; name a folder, which is made if it is not there";
+constexpr const char* kNoFolder = "is a file; name a folder (it is created if missing)";
 
 /// The options stand over the configuration in `found`.
 ///
@@ -160,17 +159,16 @@ Result<DaemonOptions> parse_options(int argc, const char* const* argv) {
   DaemonOptions options;
   app.set_version_flag("--version", "popcutd " POPCUT_VERSION);
   app.add_option("--config", options.config, "Read this configuration (TOML)")->option_text("FILE");
-  app.add_flag("--check-config", options.check_config,
-               "Say whether the configuration is right, and end");
+  app.add_flag("--check-config", options.check_config, "Check the configuration and exit");
   bool print_config = false;
   app.add_flag("--print-config", print_config,
-               "Print a configuration with every key and its default, and end");
-  app.add_option("--state", options.state, "Keep jobs, designs and plans there")
+               "Print a configuration with every key and its default, and exit");
+  app.add_option("--state", options.state, "Folder for jobs, designs and plans")
       ->option_text("DIR");
-  app.add_option("--listen", options.listen, "Serve HTTP at this loopback address, and no other")
+  app.add_option("--listen", options.listen, "Serve HTTP at this loopback address only")
       ->option_text("HOST:PORT [127.0.0.1:8631 [::1]:8631]");
-  app.add_option("--socket", options.socket, "Unix socket to serve at")->option_text("PATH");
-  app.add_option("--sim", options.simulated, "Attach a simulated cutter; may stand several times")
+  app.add_option("--socket", options.socket, "Serve HTTP at this unix socket")->option_text("PATH");
+  app.add_option("--sim", options.simulated, "Attach a simulated cutter; can be repeated")
       ->option_text("NAME [cameo3]");
   std::string page;
   app.add_option("--help-page", page, "bash, zsh, fish or man")->group("");  // hidden
@@ -180,7 +178,7 @@ Result<DaemonOptions> parse_options(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& refused) {
     if (refused.get_exit_code() != 0)
       return fail(ErrorKind::Usage, "command line",
-                  fmt::format("{}; 'popcutd --help' lists what is right", refused.what()));
+                  fmt::format("{}; see 'popcutd --help'", refused.what()));
     app.exit(refused);
     std::cout.flush();
     options.exit = 0;

@@ -21,9 +21,9 @@ Result<Paths> default_paths(const client::Environment& environment, bool root) {
   const std::string run = folder_of(environment, "XDG_RUNTIME_DIR");
   paths.state = !service_state.empty() ? service_state : client::user_state_folder(environment);
   if (paths.state.empty())
-    return fail(ErrorKind::Usage, "--state",
-                "is missing, and neither HOME nor XDG_STATE_HOME says where it could be; as in "
-                "--state /var/lib/popcut");
+    return fail(
+        ErrorKind::Usage, "--state",
+        "is missing, and neither HOME nor XDG_STATE_HOME is set; as in --state /var/lib/popcut");
   if (!service_state.empty() || (run.empty() && root))
     paths.socket = "/run/popcut.sock";
   else

@@ -74,8 +74,8 @@ class Pulse {
       std::string status;
       for (const DeviceRecord& device : service.devices.list())
         if (device.state == "busy")
-          status +=
-              fmt::format("{}{} cuts job {}", status.empty() ? "" : "; ", device.id, device.job);
+          status += fmt::format("{}{} is cutting job {}", status.empty() ? "" : "; ", device.id,
+                                device.job);
       const std::lock_guard hold(lock_);
       status_ = status.empty() ? "waiting for jobs" : status;
       beat_ = Clock::now();
@@ -357,12 +357,12 @@ void reload(Daemon& daemon, const DaemonOptions& options, const Config& running,
   const Result<void> taken =
       config ? daemon.retune(*config) : Result<void>(tl::unexpected(config.error()));
   if (!taken) {
-    log.error("the configuration was not taken, all stays as it was: {}", message(taken.error()));
+    log.error("the configuration was not loaded; nothing has changed: {}", message(taken.error()));
   } else {
     set_level(log, config->log.level);
     if (const auto later = restart_keys(running, *config); !later.empty())
-      log.warn("changed, and taken at the next start only: {}", fmt::join(later, ", "));
-    log.info("the configuration was read again; taken: {}", kReloadedKeys);
+      log.warn("changed, but used only after a restart: {}", fmt::join(later, ", "));
+    log.info("configuration reloaded: {}", kReloadedKeys);
   }
   manager.tell("READY=1");
 }
@@ -389,14 +389,15 @@ void watch(Daemon& daemon, const Config& config, const DaemonOptions& options,
     if (signal == SIGINT || signal == SIGTERM) return;
     daemon.beat();
     const bool alive = daemon.alive();
-    if (alive != well) log.error("{}", alive ? "all threads turn again" : "a thread does not turn");
+    if (alive != well)
+      log.error("{}", alive ? "all threads are responding again" : "a thread is not responding");
     well = alive;
     if (alive && watchdog > 0 && since(fed) > watchdog / 3) {
       manager.tell("WATCHDOG=1");
       fed = Clock::now();
     }
     std::string status = daemon.status();
-    if (!status.empty() && replaced()) status += "; a new version waits for a restart";
+    if (!status.empty() && replaced()) status += "; restart popcutd to use the new version";
     if (status != told && !status.empty()) manager.tell_status(told = status);
   }
 }
@@ -419,7 +420,7 @@ int serve(const Config& config, const DaemonOptions& options, const ServiceManag
   manager.tell("READY=1\nSTATUS=serving");
   give_back_start();
   watch(daemon, config, options, manager, signals, *log);
-  log->info("stopping: cuts end with their stroke");
+  log->info("stopping; cuts stop at the end of their stroke");
   manager.tell(fmt::format("STOPPING=1\nEXTEND_TIMEOUT_USEC={:.0f}", (kStopSeconds + 10) * 1e6));
   daemon.stop();
   log->info("stopped");

@@ -68,8 +68,8 @@ std::string answer(const std::string& detail) {
 
 void turn_away(const std::vector<int>& sockets, const std::string& reason) {
   const auto until = Clock::now() + kTime;
-  const std::string local = answer("popcutd does not start: " + reason),
-                    remote = answer("popcutd does not start; its log says why");
+  const std::string local = answer("popcutd cannot start: " + reason),
+                    remote = answer("popcutd cannot start; see its log");
   // Who comes while others are answered is answered too.
   for (auto callers = callers_at(sockets); !callers.empty(); callers = callers_at(sockets)) {
     read_all(callers, until);

@@ -50,14 +50,14 @@ Result<WebhookTarget> webhook_target(const WebhookConfig& config) {
         fmt::format("\"{}\" is no address; as in http://localhost:9000/popcut", config.url));
   if (std::find(config.allow.begin(), config.allow.end(), target.host_port) == config.allow.end())
     return fail(ErrorKind::OutOfRange, "webhook.url",
-                fmt::format("{} may not be called; name it in webhook.allow", target.host_port));
+                fmt::format("{} is not allowed; add it to webhook.allow", target.host_port));
   auto secret = read_whole(config.secret_file, 4096);
   if (!secret) return tl::unexpected(within("webhook.secret_file", secret.error()));
   target.secret = trimmed(std::move(*secret));
   if (target.secret.size() < kShortestSecret)
     return fail(
         ErrorKind::OutOfRange, "webhook.secret_file",
-        fmt::format("{} holds fewer than {} characters", config.secret_file, kShortestSecret));
+        fmt::format("{} contains fewer than {} characters", config.secret_file, kShortestSecret));
   return target;
 }
 
@@ -118,8 +118,8 @@ struct Webhook::Impl {
     if (taken_by == well) return taken_by;
     well = taken_by;
     source.log(
-        well ? fmt::format("webhook: {} takes events again", target.host_port)
-             : fmt::format("webhook: event {} was not taken ({}); it is sent again", event.seq,
+        well ? fmt::format("webhook: {} accepts events again", target.host_port)
+             : fmt::format("webhook: event {} was not accepted ({}); popcutd will retry", event.seq,
                            answer ? std::to_string(answer->status) : message(answer.error())));
     return taken_by;
   }

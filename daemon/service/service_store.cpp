@@ -81,8 +81,8 @@ void ServiceStore::log(const std::string& line) const {
 
 void ServiceStore::note_full() {
   if (!full_)
-    log(folder().is_in_place() ? "the disk is full: new work is refused until there is room"
-                               : moved_away() + ": new work is refused until it is there again");
+    log(folder().is_in_place() ? "the disk is full; new work is refused until there is space"
+                               : moved_away() + "; new work is refused until it is back");
   full_ = true;
 }
 
@@ -94,7 +94,7 @@ Problem ServiceStore::unkept(const Error& error) {
 }
 
 std::string ServiceStore::moved_away() const {
-  return fmt::format("the folder of popcutd's state is not at {} any more", store_.folder().path());
+  return fmt::format("popcutd's state folder is no longer at {}", store_.folder().path());
 }
 
 void ServiceStore::note(const StoreFault& fault) {
@@ -104,23 +104,23 @@ void ServiceStore::note(const StoreFault& fault) {
   degraded_ = true;
   degraded_why_ = fault.what();
   store_.give_up();
-  log(fmt::format(
-      "the database cannot be relied on any more, nothing is written to it and cuts end "
-      "at their strokes; restart popcutd: {}",
-      fault.what()));
+  log(
+      fmt::format("the database failed; nothing more is written to it, and cuts stop at the end of "
+                  "their stroke; restart popcutd: {}",
+                  fault.what()));
   if (on_degraded) on_degraded();
 }
 
 Problem ServiceStore::degraded_problem() const {
-  return {
-      ProblemKind::Unavailable,
-      "the database failed, so nothing is changed until popcutd was restarted: " + degraded_why_};
+  return {ProblemKind::Unavailable,
+          "the database failed; restart popcutd to make changes: " + degraded_why_};
 }
 
 Problem ServiceStore::problem_of(const StoreFault& fault) const {
   switch (fault.kind()) {
     case FaultKind::Full:
-      return {ProblemKind::DiskFull, "the disk is full; make room and send the request again"};
+      return {ProblemKind::DiskFull,
+              "the disk is full; free some space and send the request again"};
     case FaultKind::Io:
     case FaultKind::Corrupt:
       return degraded_problem();
@@ -132,12 +132,13 @@ Problem ServiceStore::problem_of(const StoreFault& fault) const {
 Answer<void> ServiceStore::accepts_work() const {
   if (degraded_) return tl::unexpected(degraded_problem());
   if (!store_.folder().is_in_place())
-    return refuse(ProblemKind::Unavailable,
-                  moved_away() + "; move it back, or restart popcutd with --state where it is now");
+    return refuse(
+        ProblemKind::Unavailable,
+        moved_away() + "; move it back, or restart popcutd with --state and its new place");
   const std::uint64_t free = store_.folder().free_bytes();
   if (full_ || free < options_.least_free_bytes)
     return refuse(ProblemKind::DiskFull,
-                  fmt::format("{} MB are free on the disk of {}; new work needs {}", free >> 20,
+                  fmt::format("the disk of {1} has {0} MB free; new work needs {2} MB", free >> 20,
                               store_.folder().path(), options_.least_free_bytes >> 20));
   return {};
 }
@@ -147,7 +148,7 @@ void ServiceStore::recover_disk() {
   const std::uint64_t reserve = store_.options().reserve_bytes;
   if (folder().free_bytes() < options_.least_free_bytes + reserve) return;
   if (!folder().take_reserve(reserve)) return;
-  if (full_) log("there is room on the disk again");
+  if (full_) log("the disk has space again");
   full_ = false;
 }
 

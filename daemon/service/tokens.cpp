@@ -80,11 +80,12 @@ NewToken Tokens::store(const char* kind, const std::string& name, Role role,
 
 Answer<NewToken> Tokens::create_token(const Principal& who, const std::string& name, Role role,
                                       std::optional<int> lifetime_s) {
-  if (who.role < Role::Admin) return refuse(ProblemKind::Forbidden, "tokens are made by an admin");
+  if (who.role < Role::Admin)
+    return refuse(ProblemKind::Forbidden, "only an admin may create tokens");
   if (name.empty() || name.size() > 120)
     return tl::unexpected(Problem{ProblemKind::Validation,
                                   "the name is not valid",
-                                  {{"/name", "range", "must be of 1 to 120 characters"}}});
+                                  {{"/name", "range", "must have 1 to 120 characters"}}});
   if (lifetime_s && (*lifetime_s < 1 || *lifetime_s > kLongestLifetimeS))
     return tl::unexpected(
         Problem{ProblemKind::Validation,
@@ -118,7 +119,7 @@ Answer<void> Tokens::delete_token(const Principal& who, const std::string& id) {
     Rows rows = store_.db().rows("SELECT principal FROM token WHERE id=?", id);
     if (!rows.next()) return refuse(ProblemKind::NotFound, "there is no token " + id);
     if (who.role < Role::Admin && rows.text(0) != who.name)
-      return refuse(ProblemKind::Forbidden, "the tokens of others are taken away by an admin");
+      return refuse(ProblemKind::Forbidden, "only an admin may revoke someone else's token");
     store_.db().run("DELETE FROM token WHERE id=?", id);
     store_.audit(who.name, "delete-token", id, "");
     return {};
@@ -128,8 +129,13 @@ Answer<void> Tokens::delete_token(const Principal& who, const std::string& id) {
 Answer<std::string> Tokens::create_one_shot(const Principal& who) {
   tidy();
   if (one_shots_.size() >= kMostOneShots)
-    return tl::unexpected(
-        Problem{ProblemKind::Rate, "too many pages are being opened", {}, {}, {}, {}, 60});
+    return tl::unexpected(Problem{ProblemKind::Rate,
+                                  "too many pages are being opened; try again in a minute",
+                                  {},
+                                  {},
+                                  {},
+                                  {},
+                                  60});
   const std::string word = base64url(random_bytes(32));
   one_shots_[sha256_hex(word)] = {who, store_.monotonic() + kOneShotMs};
   return word;
@@ -138,9 +144,9 @@ Answer<std::string> Tokens::create_one_shot(const Principal& who) {
 Answer<NewToken> Tokens::open_session(const std::string& one_shot) {
   const auto found = one_shots_.find(sha256_hex(one_shot));
   if (found == one_shots_.end() || found->second.until_ms <= store_.monotonic())
-    return refuse(ProblemKind::Unauthenticated,
-                  "this address was used already, or is older than a minute; ask for a new one "
-                  "with 'popcut open'");
+    return refuse(
+        ProblemKind::Unauthenticated,
+        "this address was used already or is older than a minute; run 'popcut open' for a new one");
   const Principal who = found->second.principal;
   one_shots_.erase(found);
   return store_.change([&]() -> Answer<NewToken> {

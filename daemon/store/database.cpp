@@ -168,7 +168,7 @@ Database::Database(const Options& options) : kept_(std::make_unique<Kept>()) {
     script("PRAGMA synchronous=FULL;");
     Rows mode = rows("PRAGMA journal_mode=WAL");
     if (!mode.next() || mode.text(0) != "wal")
-      throw StoreFault(FaultKind::Io, options.path + ": the write-ahead log cannot be used here");
+      throw StoreFault(FaultKind::Io, options.path + ": SQLite cannot use a write-ahead log here");
     script("PRAGMA wal_autocheckpoint=0; PRAGMA journal_size_limit=16777216;");
     sqlite3_wal_hook(
         db_,
@@ -232,7 +232,7 @@ void Database::checkpoint(bool to_zero) {
         sqlite3_wal_checkpoint_v2(db_, nullptr,
                                   to_zero ? SQLITE_CHECKPOINT_TRUNCATE : SQLITE_CHECKPOINT_PASSIVE,
                                   &log, &moved),
-        "moving the log into the database");
+        "checkpoint");
   if (log == moved) wal_pages_ = 0;
 }
 

@@ -110,7 +110,8 @@ void JobTable::update(JobRow& row) {
               row.paths_certain, row.paths_sent, row.paths_total, row.done_paths, row.done_mm,
               row.low_s, row.high_s, row.started, row.finished, row.outcome, row.attention,
               row.attention_text, row.attention_since, row.id, row.rev);
-  if (changed != 1) throw StoreFault(FaultKind::Other, "job " + row.id + " was changed meanwhile");
+  if (changed != 1)
+    throw StoreFault(FaultKind::Other, "job " + row.id + " has changed in the meantime");
   ++row.rev;
 }
 

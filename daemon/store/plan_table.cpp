@@ -26,7 +26,7 @@ std::optional<PlanRow> first_of(Rows rows) {
        {&row.id, &row.key, &row.kind, &row.design, &row.material, &row.machine})
     *field = rows.text(at++);
   const auto state = std::find(kStates.begin(), kStates.end(), rows.text(at++));
-  if (state == kStates.end()) throw StoreFault(FaultKind::Corrupt, "a plan's state is none");
+  if (state == kStates.end()) throw StoreFault(FaultKind::Corrupt, "a plan's state is invalid");
   row.state = static_cast<PlanState>(state - kStates.begin());
   row.sha256 = rows.text(at++);
   row.sheets = rows.small(at++);
@@ -65,9 +65,10 @@ std::string json_list(const std::vector<std::string>& texts) {
 std::vector<std::string> list_from_json(const std::string& json) {
   std::vector<std::string> texts;
   const nlohmann::json list = nlohmann::json::parse(json, nullptr, false);
-  if (!list.is_array()) throw StoreFault(FaultKind::Corrupt, "a stored list is none");
+  if (!list.is_array()) throw StoreFault(FaultKind::Corrupt, "a stored list is invalid");
   for (const nlohmann::json& one : list) {
-    if (!one.is_string()) throw StoreFault(FaultKind::Corrupt, "a stored list holds no text");
+    if (!one.is_string())
+      throw StoreFault(FaultKind::Corrupt, "a stored list contains an item that is not a string");
     texts.push_back(one.get<std::string>());
   }
   return texts;

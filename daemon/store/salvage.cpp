@@ -126,7 +126,8 @@ Result<Salvage> salvage(const std::string& path) {
   const std::string fresh = original + ".salvaged";
   std::error_code error;
   if (!fs::exists(original, error))
-    return fail(ErrorKind::Unwritable, "", original + ": is not there; nothing to salvage");
+    return fail(ErrorKind::Unwritable, "",
+                original + ": does not exist; there is nothing to salvage");
   const Result<std::string> aside = set_aside(original, (*folder)->at("backups"));
   if (!aside) return fail(ErrorKind::Unwritable, "", message(aside.error()));
   Salvage report{.tables = {}, .original = *aside};
@@ -145,11 +146,11 @@ Result<Salvage> salvage(const std::string& path) {
     report.tables = bring_all(from, to);
   } catch (const StoreFault& fault) {
     const bool damage = fault.kind() == FaultKind::Corrupt;
-    return fail(damage ? ErrorKind::Malformed : ErrorKind::Unwritable, "",
-                fmt::format("{}: {}{}", original, fault.what(),
-                            damage ? "; nothing can be read of it, put a copy from backups in its "
-                                     "place"
-                                   : ""));
+    return fail(
+        damage ? ErrorKind::Malformed : ErrorKind::Unwritable, "",
+        fmt::format(
+            "{}: {}{}", original, fault.what(),
+            damage ? "; nothing can be read from it; replace it with a copy from backups" : ""));
   } catch (const fs::filesystem_error& fault) {
     return fail(ErrorKind::Unwritable, "", fault.what());
   }
@@ -160,8 +161,8 @@ Result<Salvage> salvage(const std::string& path) {
     remove_tree(fresh);
     remove_tree(fresh + "-wal");
     return fail(ErrorKind::Malformed, "",
-                original + ": nothing can be read of it; put a copy from " +
-                    (*folder)->at("backups") + " in its place");
+                original + ": nothing can be read from it; replace it with a copy from " +
+                    (*folder)->at("backups"));
   }
   remove_tree(fresh + "-wal");
   // The damaged one lies in backups. Between these steps popcutd would find its database gone and

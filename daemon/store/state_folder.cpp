@@ -38,7 +38,7 @@ class Descriptor {
 
 tl::unexpected<Error> system_error(const std::string& path, const char* doing) {
   const char* const advice =
-      errno == ENOSPC || errno == EDQUOT ? "; the disk is full, make room" : "";
+      errno == ENOSPC || errno == EDQUOT ? "; the disk is full; free some space" : "";
   return fail(ErrorKind::Unwritable, path,
               fmt::format("{}: {}{}", doing, std::strerror(errno), advice));
 }
@@ -55,7 +55,7 @@ bool write_all(int fd, std::string_view bytes) {
 
 Result<void> write_synced(const std::string& path, std::string_view bytes) {
   Descriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!file.good()) return system_error(path, "cannot be made");
+  if (!file.good()) return system_error(path, "cannot be created");
   if (!write_all(file.get(), bytes)) return system_error(path, "cannot be written");
   if (fsync(file.get()) != 0) return system_error(path, "cannot be synced");
   if (!file.shut()) return system_error(path, "cannot be closed");
@@ -63,7 +63,7 @@ Result<void> write_synced(const std::string& path, std::string_view bytes) {
 }
 
 Result<void> rename_synced(const std::string& from, const std::string& to) {
-  if (rename(from.c_str(), to.c_str()) != 0) return system_error(to, "cannot take its name");
+  if (rename(from.c_str(), to.c_str()) != 0) return system_error(to, "cannot be renamed");
   return sync_folder(fs::path(to).parent_path().string());
 }
 
@@ -116,31 +116,30 @@ Result<std::unique_ptr<StateFolder>> StateFolder::open(const std::string& path) 
   if (!fs::exists(path, error)) {
     fs::create_directories(fs::path(path).parent_path(), error);
     if (mkdir(path.c_str(), 0700) != 0 && errno != EEXIST)
-      return system_error(path, "cannot be made");
+      return system_error(path, "cannot be created");
   }
   for (const char* inside : {"designs", "assets", "plans", "previews", "incoming", "backups"}) {
     const std::string folder = path + "/" + inside;
     if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
-      return system_error(folder, "cannot be made");
+      return system_error(folder, "cannot be created");
     // What is unfinished in them is removed, which must never happen elsewhere.
     struct stat found {};
     if (lstat(folder.c_str(), &found) != 0 || !S_ISDIR(found.st_mode))
       return fail(ErrorKind::Unwritable, folder,
-                  "is a link or a file; make it a folder (mount another disk there, if need be)");
+                  "is a link or a file; make it a folder (you can mount another disk there)");
   }
   const std::string lock_path = path + "/lock";
   const int lock = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (lock < 0) return system_error(lock_path, "cannot be made");
+  if (lock < 0) return system_error(lock_path, "cannot be created");
   if (!take_lock(lock)) {
     const bool held = errno == EWOULDBLOCK;
     const std::string holder = text_of_lock(lock);
     close(lock);
     if (!held) return system_error(lock_path, "cannot be locked");
-    return fail(
-        ErrorKind::Refused, path,
-        fmt::format("another popcutd{} keeps its state here; stop it first, or name another "
-                    "folder with --state",
-                    holder.empty() ? "" : " (process " + holder + ")"));
+    return fail(ErrorKind::Refused, path,
+                fmt::format("another popcutd{} uses this folder; stop it first, or name another "
+                            "folder with --state",
+                            holder.empty() ? "" : " (process " + holder + ")"));
   }
   sign_lock(lock);
   clear_unfinished(path);
@@ -209,11 +208,12 @@ Result<void> write_folder(const std::string& path,
                           const std::vector<std::pair<std::string, std::string_view>>& files) {
   const std::string fresh = beside(path);
   remove_tree(fresh);
-  if (mkdir(fresh.c_str(), 0700) != 0) return system_error(fresh, "cannot be made");
+  if (mkdir(fresh.c_str(), 0700) != 0) return system_error(fresh, "cannot be created");
   Result<void> done{};
   for (const auto& [name, bytes] : files) {
     if (!is_plain_name(name))
-      done = fail(ErrorKind::Internal, name, "no plain file name; letters, digits, . - _ only");
+      done = fail(ErrorKind::Internal, name,
+                  "is not a plain file name; use letters, digits, . - _ only");
     else
       done = write_synced(fresh + "/" + name, bytes);
     if (!done) break;
@@ -234,13 +234,13 @@ Result<std::string> read_whole(const std::string& path, std::uint64_t limit) {
     return fail(ErrorKind::Malformed, path, "cannot be opened; it must be a readable file");
   if (static_cast<std::uint64_t>(about.st_size) > limit)
     return fail(ErrorKind::Malformed, path,
-                fmt::format("is {} bytes long; at most {} are lawful", about.st_size, limit));
+                fmt::format("is {} bytes long; the maximum is {}", about.st_size, limit));
   std::string bytes(static_cast<std::size_t>(about.st_size), '\0');
   std::size_t have = 0;
   while (have < bytes.size()) {
     const ssize_t got = read(file.get(), bytes.data() + have, bytes.size() - have);
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return fail(ErrorKind::Malformed, path, "cannot be read to its end");
+    if (got <= 0) return fail(ErrorKind::Malformed, path, "cannot be read completely");
     have += static_cast<std::size_t>(got);
   }
   return bytes;

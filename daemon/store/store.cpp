@@ -56,12 +56,12 @@ std::string header_damage(const std::string& path) {
   if (std::fread(header.data(), 1, header.size(), file.get()) != header.size())
     return "is too short for a database";
   constexpr std::string_view magic("SQLite format 3\0", 16);
-  if (!std::equal(magic.begin(), magic.end(), header.begin())) return "is no SQLite database";
-  if (header[18] != 2 || header[19] != 2) return "is not in the mode that popcutd keeps it in";
+  if (!std::equal(magic.begin(), magic.end(), header.begin())) return "is not an SQLite database";
+  if (header[18] != 2 || header[19] != 2) return "is not in write-ahead mode";
   const unsigned id = static_cast<unsigned>(header[68]) << 24 |
                       static_cast<unsigned>(header[69]) << 16 |
                       static_cast<unsigned>(header[70]) << 8 | static_cast<unsigned>(header[71]);
-  return id == static_cast<unsigned>(kApplicationId) ? "" : "is no database of popcutd";
+  return id == static_cast<unsigned>(kApplicationId) ? "" : "is not a database of popcutd";
 }
 
 }  // namespace
@@ -82,16 +82,17 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
     if (!fs::exists(path, ignored)) {
       if (!mark.empty() || fs::exists(path + "-wal", ignored))
         return fail(ErrorKind::Malformed, "",
-                    path + ": the database is gone, but it was here before; put a copy from " +
+                    path +
+                        ": the database is missing, but it existed before; restore a copy from " +
                         store->folder_->at("backups") +
-                        " in its place, or remove the files database-state and witness beside "
-                        "it to start with an empty queue");
+                        ", or delete the files database-state and witness beside it to start with "
+                        "an empty queue");
       make_database(path, settings);
     }
     if (::access(path.c_str(), R_OK | W_OK) != 0 && errno == EACCES)
       return fail(ErrorKind::CheckFailed, "",
-                  path + ": may not be read and written; it must belong to popcutd, as its " +
-                      "folder does: chown --reference=" + settings.folder + " " + path);
+                  path + ": popcutd cannot read and write it; give it the owner of its " +
+                      "folder: chown --reference=" + settings.folder + " " + path);
     if (std::string what = header_damage(path); !what.empty()) return damaged(what);
     const bool was_closed = mark.starts_with(kClean);
     const bool unchanged = was_closed && mark == clean_mark(path);
@@ -99,8 +100,8 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
     const bool as_left = unchanged && !fs::exists(path + "-wal", ignored);
     if (was_closed && !unchanged)
       return damaged(
-          "is not as popcutd left it (if you put another copy in its place, remove the "
-          "files database-state and witness beside it too)");
+          "has changed since popcutd closed it (if you restored a copy, also delete the files "
+          "database-state and witness beside it)");
     if (mark == kInUse)
       if (std::string what = log_damage(path + "-wal"); !what.empty())
         return damaged("was not closed and its log " + what);
@@ -110,10 +111,11 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
     const int newest = settings.steps.back().version;
     if (version > newest) {
       store->failed_ = true;
-      return fail(ErrorKind::OutOfRange, "",
-                  fmt::format("{}: was written by a later popcutd (schema {}, this one knows up "
-                              "to {}); install that one, or put back the copy that it made",
-                              path, version, newest));
+      return fail(
+          ErrorKind::OutOfRange, "",
+          fmt::format("{}: was written by a later popcutd (schema {}, this version supports up to "
+                      "{}); install that version, or restore the copy that it made",
+                      path, version, newest));
     }
     if (!as_left) {
       Rows verdict = store->database_->rows("PRAGMA integrity_check(1)");
@@ -124,10 +126,10 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
     if (version < 1) return damaged("has no version");
     const std::int64_t known = store->database_->number("SELECT max(seq) FROM event");
     if (known < store->witnessed())
-      return damaged(fmt::format(
-          "has lost changes: it ends with event {}, but event {} was made (if you put this older "
-          "copy in its place, remove the file {} too)",
-          known, store->witnessed(), store->folder_->at("witness")));
+      return damaged(
+          fmt::format("has lost changes: it ends with event {}, but event {} existed (if you "
+                      "restored an older copy, also delete the file {})",
+                      known, store->witnessed(), store->folder_->at("witness")));
     if (version < newest) store->migrate();
     store->folder_->take_reserve(settings.reserve_bytes);
     return store;
@@ -143,12 +145,11 @@ std::string Store::set_aside_as(const std::string& what) {
   const std::string path = folder_->at("popcut.db");
   const Result<std::string> copy = set_aside(path, folder_->at("backups"));
   return fmt::format(
-      "{}: the database {}; {}, and nothing of it was changed: 'popcut db salvage' brings over "
-      "what "
-      "can be read, or put a copy from {} in its place",
+      "{}: the database {}; {}, and the original is unchanged; 'popcut db salvage' saves what can "
+      "be read, or restore a copy from {}",
       path, what,
-      copy ? "a copy was set aside as " + *copy
-           : "no copy could be set aside (" + message(copy.error()) + ")",
+      copy ? "a copy was saved as " + *copy
+           : "no copy could be saved (" + message(copy.error()) + ")",
       folder_->at("backups"));
 }
 

@@ -42,10 +42,10 @@ using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
 std::string log_damage(const std::string& path) {
   const File file(std::fopen(path.c_str(), "rbe"), &std::fclose);
-  if (!file) return "is missing, and with it the last changes";
+  if (!file) return "is missing, and the last changes with it";
   std::array<unsigned char, kHeaderBytes> header{};
   if (std::fread(header.data(), 1, kHeaderBytes, file.get()) != kHeaderBytes)
-    return "is cut short, and with it the last changes";
+    return "is truncated, and the last changes are lost";
   const std::uint32_t magic = word(header.data(), true);
   const bool big_endian = magic == 0x377F0683;
   Sum sum;
@@ -68,7 +68,7 @@ std::string log_damage(const std::string& path) {
     sum.add(frame.data() + kFrameHeaderBytes, page, big_endian);
     const bool follows = ours && sum.is(frame.data() + 16);
     if (follows && committed_before)
-      return fmt::format("is damaged in frame {}, before changes that were made later", broken);
+      return fmt::format("is damaged in frame {}, before later changes", broken);
     if (!follows && broken == 0) broken = number;
     committed_before = broken != 0 && ours && word(frame.data() + 4, true) != 0;
     sum = {word(frame.data() + 16, true), word(frame.data() + 20, true)};

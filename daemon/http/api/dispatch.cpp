@@ -48,7 +48,7 @@ std::optional<Problem> check_query(const Request& request, const Route& route) {
     }
     const std::string near = nearest_word(name, known);
     faults.push_back({"?" + name.substr(0, 64), "unknown_member",
-                      near.empty() ? "is not known here" : fmt::format("did you mean {}?", near)});
+                      near.empty() ? "is unknown here" : fmt::format("did you mean {}?", near)});
   }
   if (faults.empty()) return std::nullopt;
   return validation(std::move(faults));
@@ -62,17 +62,16 @@ std::optional<Problem> check_match(const Request& request, const Route& route) {
       return std::nullopt;
     case MatchRule::Required:
       if (has_match) return std::nullopt;
-      return Problem{ProblemKind::PreconditionRequired, "send If-Match with the ETag that you saw"};
+      return Problem{ProblemKind::PreconditionRequired, "send If-Match with the ETag you read"};
     case MatchRule::OrAny:
       if (has_match) return std::nullopt;
       return Problem{ProblemKind::PreconditionRequired,
-                     "send If-Match with the ETag that you saw, or 'If-Match: *'"};
+                     "send If-Match with the ETag you read, or 'If-Match: *'"};
     case MatchRule::OrNew:
       const bool is_new = request.header("if-none-match") == "*";
       if (has_match != is_new) return std::nullopt;
-      return Problem{
-          ProblemKind::PreconditionRequired,
-          "send If-Match with the ETag that you saw, or 'If-None-Match: *' for what is new"};
+      return Problem{ProblemKind::PreconditionRequired,
+                     "send If-Match with the ETag you read, or 'If-None-Match: *' to create"};
   }
   return std::nullopt;
 }
@@ -82,8 +81,8 @@ std::optional<Problem> check_key(const Request& request, const Route& route) {
   if (!key) {
     if (route.key != KeyRule::Required) return std::nullopt;
     return Problem{ProblemKind::IdempotencyKeyMissing,
-                   "send Idempotency-Key: a word of your own for this request, 16 to 128 "
-                   "characters, the same when you send it again"};
+                   "send an Idempotency-Key of 16 to 128 characters; use the same key when you "
+                   "repeat the request"};
   }
   const bool has_form =
       key->size() >= 16 && key->size() <= 128 &&
@@ -145,7 +144,7 @@ std::optional<Problem> check_stream(const Request& request, const Route& route) 
 std::optional<Problem> check_body(const Route& route, std::string_view media_type, bool has_body) {
   if (route.body == BodyRule::None) {
     if (!has_body) return std::nullopt;
-    return Problem{ProblemKind::BadRequest, "this request takes no body"};
+    return Problem{ProblemKind::BadRequest, "this request must not have a body"};
   }
   if (route.body == BodyRule::Json) {
     if (!has_body || media_type == "application/json") return std::nullopt;
@@ -156,13 +155,17 @@ std::optional<Problem> check_body(const Route& route, std::string_view media_typ
     return std::find(list.begin(), list.end(), media_type) != list.end();
   };
   if (route.body == BodyRule::Design && !among(kDesignTypes))
-    return Problem{ProblemKind::UnsupportedMedia,
-                   fmt::format("a design is one of {}; the bytes as they are, no form",
-                               fmt::join(kDesignTypes, ", "))};
+    return Problem{
+        ProblemKind::UnsupportedMedia,
+        fmt::format(
+            "the media type of a design must be one of {}; send the file's bytes, not a form",
+            fmt::join(kDesignTypes, ", "))};
   if (route.body == BodyRule::Asset && !among(kAssetTypes))
-    return Problem{ProblemKind::UnsupportedMedia,
-                   fmt::format("an asset is one of {}; the bytes as they are, no form",
-                               fmt::join(kAssetTypes, ", "))};
+    return Problem{
+        ProblemKind::UnsupportedMedia,
+        fmt::format(
+            "the media type of an asset must be one of {}; send the file's bytes, not a form",
+            fmt::join(kAssetTypes, ", "))};
   return std::nullopt;
 }
 
@@ -200,15 +203,14 @@ void dispatch(const Request& request, const Route& route, Service& service,
     route.handler(request, service, context, answer);
   } catch (const std::bad_alloc&) {
     reply(problem_response(
-        Problem{ProblemKind::Unavailable, "there is not enough memory for this now"}, request));
+        Problem{ProblemKind::Unavailable, "popcutd is out of memory; try again later"}, request));
   } catch (const std::exception& e) {
     if (context.log_fault)
       context.log_fault(fmt::format("http {} {} {}: {}", request.id, name_of(request.method),
                                     for_log(request.path()), for_log(e.what())));
-    reply(problem_response(Problem{ProblemKind::Internal,
-                                   "something is wrong in popcutd; its log "
-                                   "has more under the request's id"},
-                           request));
+    reply(problem_response(
+        Problem{ProblemKind::Internal, "popcutd failed; its log has details under this request id"},
+        request));
   }
 }
 

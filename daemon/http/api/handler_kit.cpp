@@ -162,7 +162,7 @@ std::optional<TimeMs> query_time(const Request& request, std::string_view name,
   const std::optional<TimeMs> time = time_from(*text);
   if (!time)
     faults.push_back({fmt::format("?{}", name), "time",
-                      "must be a day like 2026-11-21 or a time like 2026-11-21T10:00:00Z"});
+                      "must be a date like 2026-11-21 or a time like 2026-11-21T10:00:00Z"});
   return time;
 }
 
@@ -179,7 +179,7 @@ PageRequest page_request(const Request& request, char list, std::vector<RequestF
     wanted.cursor = place->substr(1);
   else
     faults.push_back(
-        {"?cursor", "cursor", "must be the next_cursor of the page before, of the same list"});
+        {"?cursor", "cursor", "must be the next_cursor of the previous page of the same list"});
   return wanted;
 }
 
@@ -207,8 +207,7 @@ Answer<std::int64_t> wanted_rev(const Request& request, std::optional<std::int64
   const std::optional<std::int64_t> rev =
       is_quoted ? number_from<std::int64_t>(value.substr(1, value.size() - 2)) : std::nullopt;
   if (!rev || *rev < 0)
-    return refuse(ProblemKind::BadRequest,
-                  "If-Match must be the ETag that was seen, with its quotes: \"12\"");
+    return refuse(ProblemKind::BadRequest, "If-Match must be an ETag with its quotes: \"12\"");
   return *rev;
 }
 
@@ -217,10 +216,11 @@ std::optional<Problem> check_seen(const Request& request, const Job& job) {
   const Answer<std::int64_t> rev = wanted_rev(request, job.rev);
   if (!rev) return rev.error();
   if (*rev == job.rev) return std::nullopt;
-  Problem stale{ProblemKind::Stale,
-                fmt::format("the job was changed meanwhile (it is at revision {}, the request was "
-                            "for {}); read it again",
-                            job.rev, *rev)};
+  Problem stale{
+      ProblemKind::Stale,
+      fmt::format(
+          "the job has changed (it is at revision {}, the request was for {}); read it again",
+          job.rev, *rev)};
   stale.rev = job.rev;
   stale.state = name_of(job.state);
   stale.allowed_actions = job.actions;
@@ -235,8 +235,9 @@ std::optional<int> path_number(const std::string& text) {
 std::optional<Problem> check_owner(const Request& request, const std::string& owner) {
   if (request.principal.role >= Role::Operator || request.principal.name == owner)
     return std::nullopt;
-  return Problem{ProblemKind::Forbidden, fmt::format("it belongs to {}; an operator may do this",
-                                                     owner.empty() ? "someone else" : owner)};
+  return Problem{ProblemKind::Forbidden,
+                 fmt::format("it belongs to {}; only they or an operator may do this",
+                             owner.empty() ? "someone else" : owner)};
 }
 
 std::string page_text(const std::vector<std::string>& items, const std::string& next_cursor) {

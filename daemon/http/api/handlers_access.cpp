@@ -19,7 +19,7 @@ struct TokenRequest {
 
 TokenRequest read_token_request(Members& members) {
   TokenRequest wanted;
-  members.require("name", "a token needs a name, for those who read the list of tokens");
+  members.require("name", "must be a name that tells you what the token is for");
   members.require("role", "must be one of viewer, submitter, operator, admin");
   wanted.name = members.text("name", 120).value_or("");
   const auto role = members.word("role", {"viewer", "submitter", "operator", "admin"});
@@ -45,7 +45,8 @@ void open_session(const Request& request, Service& service, const HandlerContext
                   Reply reply) {
   const auto word =
       read_body_as<std::string>(request, context.limits.json_depth, [](Members& members) {
-        members.require("one_shot", "must be the word that 'popcut open' was given");
+        members.require("one_shot",
+                        "must be the one-shot word of the address that 'popcut open' opened");
         return members.text("one_shot", 200).value_or("");
       });
   if (!word) return reply(problem_response(word.error(), request));
@@ -64,9 +65,10 @@ void close_session(const Request& request, Service& service, const HandlerContex
   const std::size_t begin = sent.find("pc_");
   const std::size_t end = sent.find('_', begin == std::string_view::npos ? begin : begin + 3);
   if (begin == std::string_view::npos || end == std::string_view::npos)
-    return reply(problem_response(
-        Problem{ProblemKind::NotFound, "this connection has no session; it is known by its user"},
-        request));
+    return reply(
+        problem_response(Problem{ProblemKind::NotFound,
+                                 "this connection has no session; it is identified by its user"},
+                         request));
   const std::string id(sent.substr(begin + 3, end - begin - 3));
   const Answer<void> gone = service.access.delete_token(request.principal, id);
   if (!gone) return reply(problem_response(gone.error(), request));

@@ -18,7 +18,7 @@ std::optional<int> small(const std::optional<std::int64_t>& value) {
 }
 
 void read_sheet(Members& members, ActionRequest& wanted, bool required) {
-  if (required) members.require("sheet", "must be the number of the sheet, from 1");
+  if (required) members.require("sheet", "must be the sheet number, counted from 1");
   wanted.sheet = small(members.integer("sheet", 1, kMostSheets));
 }
 
@@ -30,7 +30,7 @@ void read_arm(Members& members, ActionRequest& wanted) {
 }
 
 void read_resume_from(Members& members, ActionRequest& wanted) {
-  members.require("from_path", "must be the stroke to go on from, counted from 0");
+  members.require("from_path", "must be the path to continue from, counted from 0");
   members.require("registration", "must be one of kept, re-registered");
   wanted.from_path = members.integer("from_path", 0, kMostPaths);
   wanted.registration = members.word("registration", {"kept", "re-registered"}).value_or("");

@@ -44,7 +44,7 @@ void answer_file(const Request& request, const Reply& reply, const Answer<std::s
 std::optional<std::string> sheet_name(const Request& request, const Reply& reply) {
   const std::optional<int> number = path_number(request.params[1]);
   if (number) return fmt::format("sheet-{:02}", *number);
-  reply(problem_response(Problem{ProblemKind::NotFound, "sheets count from 1"}, request));
+  reply(problem_response(Problem{ProblemKind::NotFound, "sheet numbers start at 1"}, request));
   return std::nullopt;
 }
 

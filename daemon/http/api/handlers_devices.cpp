@@ -84,8 +84,8 @@ void put_material(const Request& request, Service& service, const HandlerContext
   const Answer<nlohmann::json> row = parse_body(request.body, context.limits.json_depth);
   if (!row) return reply(problem_response(row.error(), request));
   if (!row->is_object())
-    return reply(problem_response(validation({{"", "type", "must be an object {...}: a material"}}),
-                                  request));
+    return reply(problem_response(
+        validation({{"", "type", "must be a material, as an object {...}"}}), request));
   const std::string& id = request.params[0];
   if (!is_material_id(id))
     return reply(problem_response(

@@ -18,7 +18,7 @@ JobCreate read_job(Members& members) {
   wanted.plan = members.text("plan", 80).value_or("");
   if (members.has("design") == members.has("plan"))
     members.fault(members.has("plan") ? "plan" : "design", "one_of",
-                  "name a design or a plan, one of the two");
+                  "name either a design or a plan");
   wanted.material = members.text("material", 64).value_or("");
   wanted.device = members.text("device", 64).value_or("");
   wanted.options = members.options("options");
@@ -55,7 +55,7 @@ JobFilter read_filter(const Request& request, std::vector<RequestFault>& faults)
       filter.states.push_back(*state);
     else
       faults.push_back({"?state", "word",
-                        "must be states with commas between: queued, planning, ready, armed, "
+                        "must be a comma-separated list of states: queued, planning, ready, armed, "
                         "cutting, paused, interrupted, done, failed, cancelled"});
     if (!faults.empty()) break;
     states.erase(0, comma + 1);
@@ -74,7 +74,7 @@ Response answer_job(const Request& request, int status, const Answer<Job>& job) 
 std::optional<int> sheet_number(const Request& request, const Reply& reply) {
   const std::optional<int> number = path_number(request.params[1]);
   if (!number)
-    reply(problem_response(Problem{ProblemKind::NotFound, "sheets count from 1"}, request));
+    reply(problem_response(Problem{ProblemKind::NotFound, "sheet numbers start at 1"}, request));
   return number;
 }
 
@@ -138,7 +138,7 @@ void patch_job(const Request& request, Service& service, const HandlerContext& c
   if (!patch) return reply(problem_response(patch.error(), request));
   if (!patch->priority && !patch->name && !patch->note && !patch->device)
     return reply(problem_response(
-        validation({{"", "empty", "must name what changes: priority, name, note or device"}}),
+        validation({{"", "empty", "must contain at least one of priority, name, note, device"}}),
         request));
   const Answer<std::int64_t> rev = wanted_rev(request, std::nullopt);
   if (!rev) return reply(problem_response(rev.error(), request));
@@ -185,8 +185,8 @@ void job_sheet(const Request& request, Service& service, const HandlerContext&, 
   });
   if (found == sheets->end())
     return reply(problem_response(
-        Problem{ProblemKind::NotFound,
-                fmt::format("the job has {} sheets and no sheet {}", sheets->size(), *number)},
+        Problem{ProblemKind::NotFound, fmt::format("the job has {} sheets; there is no sheet {}",
+                                                   sheets->size(), *number)},
         request));
   reply(json_response(200, to_json(*found)));
 }

@@ -12,8 +12,8 @@ namespace popcut::daemon::http::handle {
 
 void healthz(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   if (!service.operations.health().database)
-    return reply(problem_response(Problem{ProblemKind::Unavailable, "the database does not answer"},
-                                  request));
+    return reply(problem_response(
+        Problem{ProblemKind::Unavailable, "the database is not answering"}, request));
   Response response;
   response.content_type = "text/plain; charset=utf-8";
   response.body = "ok\n";

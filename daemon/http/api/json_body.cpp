@@ -34,14 +34,14 @@ class Builder : public nlohmann::json_sax<json> {
     return std::isfinite(value) ? add(json(value)) : stop("a number is too large");
   }
   bool string(string_t& value) override { return add(json(std::move(value))); }
-  bool binary(binary_t&) override { return stop("binary values are no JSON"); }
+  bool binary(binary_t&) override { return stop("binary values are not JSON"); }
   bool start_object(std::size_t) override { return open(json::object()); }
   bool start_array(std::size_t) override { return open(json::array()); }
   bool end_object() override { return close(); }
   bool end_array() override { return close(); }
   bool key(string_t& name) override {
     if (open_.back()->contains(name))
-      return stop(fmt::format("the member \"{}\" stands twice in one object", name.substr(0, 64)));
+      return stop(fmt::format("the member \"{}\" occurs twice in one object", name.substr(0, 64)));
     key_ = std::move(name);
     return true;
   }
@@ -71,7 +71,7 @@ class Builder : public nlohmann::json_sax<json> {
   }
   bool open(json value) {
     if (static_cast<int>(open_.size()) >= max_depth_)
-      return stop(fmt::format("it is nested more than {} deep", max_depth_));
+      return stop(fmt::format("it is nested more than {} levels deep", max_depth_));
     open_.push_back(place(std::move(value)));
     return true;
   }
@@ -114,7 +114,7 @@ Answer<json> parse_body(std::string_view text, int max_depth) {
   Builder builder(max_depth);
   const std::size_t zero = text.find('\0');  // which the parser would take for the end
   if (zero != std::string_view::npos) {
-    builder.fault = "there is a zero byte, which JSON has none of";
+    builder.fault = "it contains a zero byte, which JSON does not allow";
     builder.fault_at = zero + 1;
   }
   const bool whole = zero == std::string_view::npos && json::sax_parse(text, &builder);
@@ -165,7 +165,7 @@ std::optional<std::string> Members::checked_text(const std::string& name, std::s
   const json* found = find(name);
   if (found == nullptr) return std::nullopt;
   if (!found->is_string()) {
-    fault(name, "type", "must be a text, not " + json_type(*found));
+    fault(name, "type", "must be a string, not " + json_type(*found));
     return std::nullopt;
   }
   std::string text = found->get<std::string>();
@@ -235,14 +235,14 @@ std::vector<std::string> Members::texts(const std::string& name, std::size_t mos
   if (found == nullptr) return out;
   if (!found->is_array() || found->size() > most_items) {
     fault(name, found->is_array() ? "length" : "type",
-          fmt::format("must be a list of at most {} texts{}", most_items,
+          fmt::format("must be a list of at most {} strings{}", most_items,
                       found->is_array() ? "" : ", not " + json_type(*found)));
     return out;
   }
   for (const json& item : *found) {
     const std::string text = item.is_string() ? item.get<std::string>() : std::string();
     if (text.empty() || code_points(text) > most_each || has_controls(text)) {
-      fault(name, "item", fmt::format("each must be a text of 1 to {} characters", most_each));
+      fault(name, "item", fmt::format("each must be a string of 1 to {} characters", most_each));
       return out;
     }
     out.push_back(text);
@@ -267,8 +267,8 @@ std::map<std::string, std::string> Members::options(const std::string& name) {
       continue;
     }
     faults_.push_back({fmt::format("{}/{}/{}", pointer_, name, json_pointer_token(key)), "option",
-                       "must be an option of 'popcut plan' without its dashes, and a text, number "
-                       "or boolean"});
+                       "must be an option of 'popcut plan' without dashes, with a string, number "
+                       "or boolean as its value"});
   }
   return out;
 }
@@ -284,7 +284,7 @@ void Members::finish() {
     const std::string near = nearest_word(name, known_);
     fault(name, "unknown_member",
           near.empty()
-              ? (known_.empty() ? std::string("is not known; this body has no members")
+              ? (known_.empty() ? std::string("is unknown; this body has no members")
                                 : fmt::format("must be one of {}", fmt::join(known_, ", ")))
               : fmt::format("did you mean {}/{}?", pointer_, near));
     if (faults_.size() >= 32) return;

@@ -88,7 +88,7 @@ struct Reply::State {
     if (answered.exchange(true)) return;
     try {
       send(problem_response(
-          Problem{ProblemKind::Internal, "the request was dropped without an answer"}, "", ""));
+          Problem{ProblemKind::Internal, "the request was dropped without a reply"}, "", ""));
     } catch (...) {  // a destructor ends here; the client's patience ends the request
     }
   }

@@ -238,7 +238,7 @@ constexpr bool has_twins() {
       if (kTable[i].method == kTable[k].method && kTable[i].path == kTable[k].path) return true;
   return false;
 }
-static_assert(!has_twins(), "a method and path stand twice in the table");
+static_assert(!has_twins(), "a method and path occur twice in the table");
 
 // Matches one part of a path: a word, "{id}", or "{k}.svg".
 bool match_part(std::string_view pattern, const std::string& part,

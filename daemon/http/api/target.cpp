@@ -50,9 +50,9 @@ Answer<std::vector<std::string>> read_path(std::string_view path) {
     // "serial:/dev/ttyUSB0" is the id of a device; no file is ever named by that part.
     const bool is_device = segments.size() == 2 && segments[0] == "v1" && segments[1] == "devices";
     if (segment->find_first_of(is_device ? "\\" : "/\\") != std::string::npos)
-      return refuse(ProblemKind::BadRequest, "a part of the path holds a slash");
+      return refuse(ProblemKind::BadRequest, "a path segment contains an encoded slash");
     if (*segment == "." || *segment == "..")
-      return refuse(ProblemKind::BadRequest, "the path has '.' or '..' in it; write it out");
+      return refuse(ProblemKind::BadRequest, "the path contains '.' or '..'; write the full path");
     segments.push_back(std::move(*segment));
     if (slash == std::string_view::npos) return segments;
     path.remove_prefix(slash + 1);
@@ -70,9 +70,10 @@ Answer<std::vector<std::pair<std::string, std::string>>> read_query(std::string_
     Answer<std::string> value = percent_decoded(
         equals == std::string_view::npos ? std::string_view() : part.substr(equals + 1));
     if (!value) return tl::unexpected<Problem>(value.error());
-    if (name->empty()) return refuse(ProblemKind::BadRequest, "the query has a value with no name");
+    if (name->empty())
+      return refuse(ProblemKind::BadRequest, "the query contains a value without a name");
     if (std::any_of(out.begin(), out.end(), [&](const auto& had) { return had.first == *name; }))
-      return refuse(ProblemKind::BadRequest, fmt::format("the query names '{}' twice", *name));
+      return refuse(ProblemKind::BadRequest, fmt::format("the query contains '{}' twice", *name));
     out.emplace_back(std::move(*name), std::move(*value));
     if (end == std::string_view::npos) break;
     query.remove_prefix(end + 1);
@@ -124,7 +125,7 @@ Answer<std::string> percent_decoded(std::string_view text) {
   }
   if (!is_utf8(out) || has_controls(out, true))
     return refuse(ProblemKind::BadRequest,
-                  "the path or query is not UTF-8, or holds control characters");
+                  "the path or query is not UTF-8, or contains control characters");
   return out;
 }
 
@@ -136,7 +137,7 @@ Answer<Target> read_target(std::string_view target) {
   if (!segments) return tl::unexpected<Problem>(segments.error());
   for (const std::string& segment : *segments)
     if (has_controls(segment))
-      return refuse(ProblemKind::BadRequest, "the path holds control characters");
+      return refuse(ProblemKind::BadRequest, "the path contains control characters");
   Target out{std::move(*segments), {}};
   if (mark == std::string_view::npos) return out;
   auto query = read_query(target.substr(mark + 1));

@@ -75,7 +75,7 @@ Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std:
       if (who.role < needed)
         return refuse(
             ProblemKind::Forbidden,
-            fmt::format("{} needs the role {}", name_of(request.action), name_of(needed)));
+            fmt::format("{} requires the role {}", name_of(request.action), name_of(needed)));
       if (const auto fresh = JobRepository::check_rev(row, if_match); !fresh)
         return tl::unexpected(fresh.error());
       if (step_of(JobRepository::facts_of(row), request.action) == Step::Refused)
@@ -85,10 +85,10 @@ Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std:
       if (const auto fine = check_words(row, request); !fine) return tl::unexpected(fine.error());
       if (request.sheet && *request.sheet != row.sheet)
         return tl::unexpected(JobRepository::conflict(
-            row, fmt::format("sheet {} is the current one, not {}", row.sheet, *request.sheet)));
+            row, fmt::format("the current sheet is {}, not {}", row.sheet, *request.sheet)));
       if (request.blank && *request.blank != row.blank)
         return tl::unexpected(JobRepository::conflict(
-            row, fmt::format("blank {} is the current one, not {}", row.blank, *request.blank)));
+            row, fmt::format("the current blank is {}, not {}", row.blank, *request.blank)));
       const std::string detail = audit_detail(request, row);
       const Answer<void> taken = [&]() -> Answer<void> {
         switch (request.action) {
@@ -152,7 +152,7 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
     return tl::unexpected(JobRepository::conflict(
         row,
         fmt::format("the job is for {}, not for {}{}", row.requested_device, request.device,
-                    row.segment > 1 ? ", where its sheet lies" : "; change its device first")));
+                    row.segment > 1 ? ", which holds its sheet" : "; change its device first")));
   std::string device = request.device.empty() ? row.requested_device : request.device;
   if (!device.empty()) {
     if (!devices.find(device)) return tl::unexpected(devices.unknown(device, "/device"));
@@ -164,19 +164,20 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
   }
   std::vector<std::string> fitting = devices.fitting(plan);
   if (fitting.empty())
-    return refuse(ProblemKind::DeviceAbsent,
-                  fmt::format("no {} is there that can cut this; plug one in and switch it on{}",
-                              plan.machine, why_none(devices, plan)));
+    return refuse(
+        ProblemKind::DeviceAbsent,
+        fmt::format("no {} is available that can cut this; plug one in and switch it on{}",
+                    plan.machine, why_none(devices, plan)));
   if (fitting.size() > 1)
     std::erase_if(fitting, [&](const std::string& id) {
       return parts_.jobs.table().on_device(id).has_value();
     });
   if (fitting.size() != 1)
-    return tl::unexpected(
-        wrong("/device", "missing",
-              fitting.empty()
-                  ? std::string("all that fit are busy; say which one")
-                  : fmt::format("say in which the sheet lies: {}", fmt::join(fitting, ", "))));
+    return tl::unexpected(wrong(
+        "/device", "missing",
+        fitting.empty()
+            ? std::string("all suitable devices are busy; name one")
+            : fmt::format("name the device that holds the sheet: {}", fmt::join(fitting, ", "))));
   return fitting.front();
 }
 
@@ -184,17 +185,17 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
   const auto plan = parts_.plans.table().find(row.plan);
   if (!plan || plan->state != PlanState::Planned)
     return tl::unexpected(
-        JobRepository::conflict(row, "the job's plan is gone; make the job anew"));
+        JobRepository::conflict(row, "the job's plan is gone; create the job again"));
   if (!request.plan_sha256.empty() && request.plan_sha256 != plan->sha256)
     return tl::unexpected(JobRepository::conflict(
-        row, "the plan is " + plan->sha256 + ", not the one that was named"));
+        row, "the plan is " + plan->sha256 + ", not the one in the request"));
   const Answer<std::string> device = choose_device(row, request, *plan);
   if (!device) return tl::unexpected(device.error());
   if (const auto known = check_place(row, *device); !known) return tl::unexpected(known.error());
   if (const auto other = parts_.jobs.table().on_device(*device))
-    return tl::unexpected(
-        JobRepository::conflict(row, fmt::format("{} has a sheet of job {} in it ({})", *device,
-                                                 other->id, name_of(other->state))));
+    return tl::unexpected(JobRepository::conflict(
+        row,
+        fmt::format("{} holds a sheet of job {} ({})", *device, other->id, name_of(other->state))));
   row.device = *device;
   row.operator_name = who.name;
   parts_.jobs.take(row, Step::ToArmed, "");
@@ -220,9 +221,9 @@ bool CutDispatcher::knows_place(const JobRow& row, const std::string& device) co
 Answer<void> CutDispatcher::check_place(const JobRow& row, const std::string& device) const {
   if (knows_place(row, device)) return {};
   return tl::unexpected(JobRepository::conflict(
-      row, fmt::format("{} or popcutd was started anew since, so the sheet's place is no longer "
-                       "known; register it again and say registration \"re-registered\" with "
-                       "resume-from, from path {}, or take a new blank with retry-sheet",
+      row, fmt::format("{} or popcutd restarted, so the sheet's position is unknown; align the "
+                       "sheet again and use resume-from with registration \"re-registered\" from "
+                       "path {}, or use a new blank with retry-sheet",
                        device, row.first_stroke)));
 }
 
@@ -236,12 +237,12 @@ Answer<void> CutDispatcher::pause(JobRow& row) {
 }
 
 Answer<void> CutDispatcher::resume(JobRow& row) {
-  if (stopping_) return refuse(ProblemKind::Unavailable, "popcutd is being stopped");
+  if (stopping_) return refuse(ProblemKind::Unavailable, "popcutd is stopping");
   if (!cuts_.contains(row.id))
-    return tl::unexpected(JobRepository::conflict(row, "its cut has ended already"));
+    return tl::unexpected(JobRepository::conflict(row, "its cut has already ended"));
   if (const auto device = parts_.devices.find(row.device); !device || !device->enabled)
     return tl::unexpected(JobRepository::conflict(
-        row, row.device + " is disabled; an admin enables it with the action enable"));
+        row, row.device + " is disabled; an admin can enable it with the action enable"));
   if (row.state == JobState::Paused) {
     parts_.jobs.take(row, Step::ToCutting, "");
   } else {
@@ -276,9 +277,8 @@ Answer<void> CutDispatcher::cancel(const Principal& who, JobRow& row,
 Answer<void> CutDispatcher::confirm(JobRow& row, const ActionRequest& request) {
   if (!*request.good) {
     row.reason = "result_bad";
-    parts_.jobs.set_attention(row, "in_doubt",
-                              "the result is not good: cut it again on a new blank, "
-                              "or skip the sheet");
+    parts_.jobs.set_attention(
+        row, "in_doubt", "the result is not good; cut the sheet again on a new blank, or skip it");
     parts_.jobs.save(row);
     return {};
   }
@@ -287,7 +287,7 @@ Answer<void> CutDispatcher::confirm(JobRow& row, const ActionRequest& request) {
   if (!ledger->not_sent.empty())
     return tl::unexpected(JobRepository::conflict(
         row, fmt::format("paths {}..{} were not cut, so the sheet is not finished; resume from "
-                         "there, retry or skip it",
+                         "there, retry the sheet or skip it",
                          ledger->not_sent.front().first, ledger->not_sent.front().last)));
   parts_.store.db().run(
       "INSERT INTO usage(time, owner, operator, device, material, job, k, seconds, cut_mm, sheets) "

@@ -21,13 +21,14 @@ std::string attention_meanwhile(const SessionProgress& progress) {
   return progress.mute_s >= kBusySeconds ? "device_busy" : "";
 }
 std::string text_of_attention(const SessionProgress& progress) {
-  if (progress.phase == SessionPhase::Paused) return "paused on the machine's panel; go on there";
+  if (progress.phase == SessionPhase::Paused)
+    return "paused at the machine's panel; continue there";
   if (progress.mute_s < kBusySeconds) return "";
-  return "the machine takes no data; see whether it is jammed or waits for somebody at its panel";
+  return "the machine accepts no data; check whether it is jammed or waits for input at its panel";
 }
 
 Error given_up(const std::string& why) {
-  return {ErrorKind::Unwritable, "", "the cut cannot be recorded, so it ends: " + why};
+  return {ErrorKind::Unwritable, "", "the cut stops because it cannot be recorded: " + why};
 }
 
 }  // namespace
@@ -43,7 +44,7 @@ class CutDispatcher::Journal final : public CutJournal {
 
   Result<void> intend(std::int64_t last_stroke) override {
     using Clock = std::chrono::steady_clock;
-    Result<void> done = tl::unexpected(given_up("popcutd is ending"));
+    Result<void> done = tl::unexpected(given_up("popcutd is stopping"));
     const Clock::time_point begun = Clock::now();
     try {
       thread_.run(ServiceThread::Lane::Cutting, [&] {
@@ -138,7 +139,7 @@ Answer<std::shared_ptr<CutDispatcher::Cut>> CutDispatcher::prepare(const JobRow&
   // What was armed is what is cut: a stored program that changed is not.
   if (!program || sha256_hex(program->bytes) != sheet->program_sha256)
     return tl::unexpected(JobRepository::conflict(
-        row, program ? "the stored program is not the one that was planned; make the job anew"
+        row, program ? "the stored program is not the one that was planned; create the job again"
                      : "the stored program cannot be read: " + message(program.error())));
   auto cut = std::make_shared<Cut>();
   cut->job = row.id;
@@ -166,24 +167,24 @@ Answer<std::shared_ptr<CutDispatcher::Cut>> CutDispatcher::prepare(const JobRow&
 }
 
 Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const ActionRequest&) {
-  if (stopping_) return refuse(ProblemKind::Unavailable, "popcutd is being stopped");
+  if (stopping_) return refuse(ProblemKind::Unavailable, "popcutd is stopping");
   AttemptTable& attempts = parts_.jobs.attempts();
   const auto armed = attempts.armed(row.id);
   const auto until = armed_until_.find(row.id);
   const bool alive = armed && armed->invocation == parts_.store.invocation() &&
                      until != armed_until_.end() && until->second > parts_.store.monotonic();
   if (!alive)
-    return tl::unexpected(JobRepository::conflict(row, "the arm has lapsed; disarm and arm again"));
+    return tl::unexpected(JobRepository::conflict(row, "arming has expired; disarm and arm again"));
   const auto plan = parts_.plans.table().find(row.plan);
   if (!plan || armed->sheet != row.sheet || armed->blank != row.blank ||
       armed->device != row.device || armed->plan_sha256 != plan->sha256)
     return tl::unexpected(JobRepository::conflict(
-        row, "what was armed is not what would be cut; disarm and arm again"));
+        row, "the armed sheet is not the one that would be cut; disarm and arm again"));
   if (const auto fine = parts_.devices.usable(row.device); !fine)
     return tl::unexpected(fine.error());
   if (const std::string why = parts_.devices.misfit(row.device, *plan); !why.empty())
     return tl::unexpected(JobRepository::conflict(
-        row, fmt::format("{} cannot cut this any more: {}", row.device, why)));
+        row, fmt::format("{} can no longer cut this: {}", row.device, why)));
   if (const auto known = check_place(row, row.device); !known) return tl::unexpected(known.error());
   if (const auto device = parts_.devices.find(row.device);
       device->state != "idle" && device->state != "attention")
@@ -212,7 +213,7 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
   } catch (const StoreFault& fault) {
     if (fault.kind() != FaultKind::Constraint) throw;
     return tl::unexpected(JobRepository::conflict(
-        row, "this blank was started before; take a new one with retry-sheet"));
+        row, "this blank was started before; use a new one with retry-sheet"));
   }
   attempts.disarm(row.id);
   parts_.jobs.take(row, Step::ToCutting, "");

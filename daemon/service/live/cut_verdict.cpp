@@ -84,18 +84,17 @@ CutVerdict verdict_on(const SessionEnd& end, const std::vector<FateRun>& runs, b
   const bool certain = all([](const FateRun& run) { return run.fate == PathFate::Certain; });
   const bool sent = all([](const FateRun& run) { return run.fate != PathFate::NotSent; });
   if (end.cancelled)
-    return stopping ? CutVerdict{"shutdown", "in_doubt", "popcutd was stopped while it cut"}
+    return stopping ? CutVerdict{"shutdown", "in_doubt", "popcutd was stopped during the cut"}
                     : CutVerdict{"stopped", "in_doubt", "the cut was stopped"};
   if (end.error) return broken(*end.error);
   CutVerdict verdict{"done", "", ""};
   verdict.complete = certain && end.confirmed;
   if (verdict.complete) return verdict;
-  verdict = {
-      "unconfirmed", "confirm_result",
-      "all was sent, but this machine does not say whether it was cut: look, and say whether "
-      "the result is good"};
+  verdict = {"unconfirmed", "confirm_result",
+             "everything was sent, but this machine does not report whether it was cut; look at "
+             "the sheet and record whether it is good"};
   verdict.unconfirmed = sent;
-  if (!sent) verdict = {"error", "in_doubt", "the cut ended before all was sent"};
+  if (!sent) verdict = {"error", "in_doubt", "the cut ended before everything was sent"};
   return verdict;
 }
 

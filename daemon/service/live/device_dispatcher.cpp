@@ -29,12 +29,12 @@ Answer<DeviceRecord> DeviceDispatcher::act(const Principal& who, const std::stri
                                            std::int64_t if_match, const DeviceRequest& request) {
   const bool enabling = request.action == "enable" || request.action == "disable";
   if (who.role < (enabling ? Role::Admin : Role::Operator))
-    return refuse(ProblemKind::Forbidden, enabling ? "devices are enabled and disabled by an admin"
-                                                   : "devices are used by an operator");
+    return refuse(ProblemKind::Forbidden, enabling ? "only an admin may enable or disable devices"
+                                                   : "only an operator may use devices");
   Answer<DeviceRecord> device = find(id);
   if (!device) return device;
   if (device->rev != if_match) {
-    Problem stale{ProblemKind::Stale, "the device has changed meanwhile; read it again"};
+    Problem stale{ProblemKind::Stale, "the device has changed; read it again"};
     stale.rev = device->rev;
     stale.state = device->state;
     return tl::unexpected(std::move(stale));
@@ -65,9 +65,9 @@ Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& de
     parts_.devices.set_enabled(id, request.action == "enable");
   } else if (request.action == "reset") {
     if (!device.job.empty() || resetting_)
-      return refuse(ProblemKind::StateConflict,
-                    device.job.empty() ? "another reset is under way"
-                                       : id + " has a sheet of job " + device.job + " in it");
+      return refuse(ProblemKind::StateConflict, device.job.empty()
+                                                    ? "another reset is running"
+                                                    : id + " holds a sheet of job " + device.job);
     parts_.store.after_commit([this, id] { reset(id); });
   } else if (request.action == "test-cut") {
     if (const auto there = parts_.devices.usable(id); !there) return there;
@@ -76,7 +76,7 @@ Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& de
     test_job = job->id;
   } else {
     return refuse(ProblemKind::NotFound,
-                  "a device has the actions enable, disable, reset and test-cut");
+                  "the actions of a device are enable, disable, reset and test-cut");
   }
   return {};
 }

@@ -38,7 +38,7 @@ ServiceOptions completed(ServiceOptions options) {
   }
   if (!options.read_program)
     options.read_program = [](const std::string& folder, int) -> Result<EncodedProgram> {
-      return fail(ErrorKind::Internal, folder, "nothing here reads programs");
+      return fail(ErrorKind::Internal, folder, "no reader of programs is set");
     };
   return options;
 }
@@ -191,7 +191,7 @@ Answer<Rendered> AssembledService::once(const Principal& who, const IdempotentRe
     if (kept.next() && kept.integer(5) > parts_.store.now()) {
       if (kept.text(0) != request.sha256)
         return refuse(ProblemKind::IdempotencyKeyReused,
-                      "this Idempotency-Key was used for another request; take a new one");
+                      "this Idempotency-Key was used for another request; use a new one");
       return Rendered{.status = kept.small(1),
                       .body = kept.text(2),
                       .etag = kept.text(3),
@@ -259,10 +259,11 @@ ServiceHealth AssembledService::health() {
 
 Answer<void> AssembledService::idle_admin(const Principal& who) const {
   if (who.role < Role::Admin)
-    return refuse(ProblemKind::Forbidden, "the database is looked after by an admin");
+    return refuse(ProblemKind::Forbidden, "only an admin may back up or check the database");
   // It takes the one thread that a cut's journal needs.
   if (parts_.dispatcher.cutting())
-    return refuse(ProblemKind::StateConflict, "a sheet is being cut; try again when none is");
+    return refuse(ProblemKind::StateConflict,
+                  "a sheet is being cut; try again when it is finished");
   return {};
 }
 

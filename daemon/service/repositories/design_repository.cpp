@@ -62,7 +62,7 @@ Answer<void> check_text(const std::string& text, std::size_t most, const std::st
     const bool c1 =
         c == 0xC2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xA0;
     if (lines_allowed && c == '\n') continue;
-    if (c < 0x20 || c == 0x7F || c1) return wrong("format", "must hold no control characters");
+    if (c < 0x20 || c == 0x7F || c1) return wrong("format", "must not contain control characters");
   }
   return {};
 }
@@ -97,7 +97,7 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
     done(tl::unexpected(std::move(problem)));
   };
   if (who.role < Role::Submitter)
-    return give_up({ProblemKind::Forbidden, "designs are uploaded by a submitter"});
+    return give_up({ProblemKind::Forbidden, "only a submitter may upload designs"});
   if (const auto fine = check_text(name, 120, "?name"); !fine) return give_up(fine.error());
   if (const auto room = store_.accepts_work(); !room) return give_up(room.error());
   const Answer<std::optional<Design>> before = store_.look(
@@ -174,7 +174,7 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
   const std::string id = "sha256-" + upload.sha256;
   Answer<Asset> added = store_.change([&]() -> Answer<Asset> {
     if (who.role < Role::Submitter)
-      return refuse(ProblemKind::Forbidden, "assets are uploaded by a submitter");
+      return refuse(ProblemKind::Forbidden, "only a submitter may upload assets");
     Rows rows = store_.db().rows("SELECT bytes, created FROM asset WHERE id=?", id);
     if (rows.next())
       return Asset{.id = id,
@@ -228,14 +228,15 @@ Answer<void> DesignRepository::remove(const Principal& who, const std::string& i
     const Answer<Design> design = find(id);
     if (!design) return tl::unexpected(design.error());
     if (who.role < Role::Operator && design->owner != who.name)
-      return refuse(ProblemKind::Forbidden, "the designs of others are removed by an operator");
+      return refuse(ProblemKind::Forbidden, "only an operator may delete someone else's design");
     Rows used = store_.db().rows(
         "SELECT id FROM job WHERE design=? AND state NOT IN ('done', 'failed', 'cancelled') "
         "LIMIT 1",
         id);
     if (used.next())
-      return refuse(ProblemKind::StateConflict,
-                    fmt::format("job {} needs this design; end or cancel it first", used.text(0)));
+      return refuse(
+          ProblemKind::StateConflict,
+          fmt::format("job {} uses this design; finish or cancel the job first", used.text(0)));
     store_.db().run("DELETE FROM design WHERE id=?", id);
     store_.audit(who.name, "delete-design", id, design->name);
     if (removed) removed(id);

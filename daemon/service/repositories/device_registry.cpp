@@ -137,7 +137,7 @@ std::optional<DeviceRecord> DeviceRegistry::find(const std::string& id) const {
 Problem DeviceRegistry::unknown(const std::string& id, const std::string& pointer) const {
   std::vector<std::string> names;
   for (const auto& [name, entry] : entries_) names.push_back(name);
-  const std::string advice = names.empty() ? "no cutter is known" : suggestion(id, names);
+  const std::string advice = names.empty() ? "no cutters are known" : suggestion(id, names);
   return {ProblemKind::Validation,
           fmt::format("there is no device {:?}; {}", id, advice),
           {{pointer, "unknown", advice}}};
@@ -163,14 +163,14 @@ std::string DeviceRegistry::session_of(const std::string& id) const {
 
 std::string DeviceRegistry::misfit(const std::string& id, const PlanRow& plan) const {
   const auto found = entries_.find(id);
-  if (found == entries_.end()) return "it is not known";
+  if (found == entries_.end()) return "it is unknown";
   const Entry& entry = found->second;
   if (!entry.machine.empty() && entry.machine != plan.machine)
     return fmt::format("the sheets are planned for a {}, it is a {}", plan.machine, entry.machine);
   const DeviceRecord& record = entry.record;
   if (record.width_mm > 0 && (plan.width_mm > record.width_mm + kAreaSlackMm ||
                               plan.length_mm > record.length_mm + kAreaSlackMm))
-    return fmt::format("the sheets need {:g} x {:g} mm, it has {:g} x {:g} mm", plan.width_mm,
+    return fmt::format("the sheets need {:g} x {:g} mm, its area is {:g} x {:g} mm", plan.width_mm,
                        plan.length_mm, record.width_mm, record.length_mm);
   const auto set_up = options_.device_materials.find(id);
   if (set_up == options_.device_materials.end()) return {};
@@ -192,7 +192,7 @@ Answer<void> DeviceRegistry::usable(const std::string& id) const {
   const DeviceRecord& record = found->second.record;
   if (!record.enabled)
     return refuse(ProblemKind::StateConflict,
-                  id + " is disabled; an admin enables it with the action enable");
+                  id + " is disabled; an admin can enable it with the action enable");
   if (is_away(record.state) || record.state == "fault")
     return refuse(ProblemKind::DeviceAbsent,
                   fmt::format("{} is {}{}{}; plug it in and switch it on", id, record.state,

@@ -31,7 +31,7 @@ Answer<void> JobRepository::check(const JobCreate& request) const {
   if (request.design.empty() == request.plan.empty())
     add("/design", request.design.empty() ? "missing" : "value", "give either a design or a plan");
   if (!request.plan.empty() && !request.options.empty())
-    add("/options", "value", "a plan has its options already; leave them out");
+    add("/options", "value", "a plan already has its options; remove them");
   if (request.copies < 1 || request.copies > 1000) add("/copies", "range", "must be 1..1000");
   if (request.priority < -10 || request.priority > 10) add("/priority", "range", "must be -10..10");
   add_text(check_text(request.name, 480, "/name"));
@@ -48,7 +48,7 @@ Answer<void> JobRepository::check(const JobCreate& request) const {
 
 Answer<Job> JobRepository::create(const Principal& who, const JobCreate& request) {
   if (who.role < Role::Submitter)
-    return refuse(ProblemKind::Forbidden, "jobs are made by a submitter");
+    return refuse(ProblemKind::Forbidden, "only a submitter may create jobs");
   if (const auto fine = check(request); !fine) return tl::unexpected(fine.error());
   return parts_.store.change([&]() -> Answer<Job> {
     if (const auto room = parts_.store.accepts_work(); !room) return tl::unexpected(room.error());
@@ -90,7 +90,7 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
   ServiceStore& store = parts_.store;
   if (jobs_.open_count() >= parts_.options.queue_jobs) {
     Problem full{ProblemKind::QueueFull,
-                 fmt::format("the queue holds {} jobs; end or cancel some first",
+                 fmt::format("the queue is full ({} jobs); finish or cancel some first",
                              parts_.options.queue_jobs)};
     full.retry_after_s = 60;
     return tl::unexpected(std::move(full));
@@ -112,7 +112,7 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
   if (plan.state == PlanState::Planned && sheets > parts_.options.sheets_per_job)
     return tl::unexpected(
         wrong("/copies", "range",
-              fmt::format("{} copies are {} sheets; a job has at most {}", request.copies, sheets,
+              fmt::format("{} copies make {} sheets; a job has at most {}", request.copies, sheets,
                           parts_.options.sheets_per_job)));
   // A plan that waits to be made has its machine and material, and no area yet.
   if (!request.device.empty())
@@ -135,7 +135,7 @@ void JobRepository::apply_plan(JobRow& row, const PlanRow& plan) {
     return take(row, step_of(row.state, JobEvent::PlanFails), plan.error);
   if (sheets > parts_.options.sheets_per_job)
     return take(row, step_of(row.state, JobEvent::PlanFails),
-                fmt::format("{} copies are {} sheets; a job has at most {}", row.copies, sheets,
+                fmt::format("{} copies make {} sheets; a job has at most {}", row.copies, sheets,
                             parts_.options.sheets_per_job));
   row.sheets_total = static_cast<int>(sheets);
   row.sheet = 1;
@@ -206,8 +206,8 @@ void JobRepository::set_attention(JobRow& row, const std::string& kind,
 
 void JobRepository::take(JobRow& row, Step step, const std::string& reason) {
   if (step == Step::Refused)
-    throw StoreFault(FaultKind::Other,
-                     fmt::format("job {} cannot do this while {}", row.id, name_of(row.state)));
+    throw StoreFault(FaultKind::Other, fmt::format("job {} cannot do this while it is {}", row.id,
+                                                   name_of(row.state)));
   if (step == Step::NextSheet) return finish_sheet(row, "done", reason);
   const JobState before = row.state;
   row.state = state_after(before, step, row.sheet, row.sheets_total);
@@ -215,11 +215,12 @@ void JobRepository::take(JobRow& row, Step step, const std::string& reason) {
   row.asked.clear();
   switch (row.state) {
     case JobState::Ready:
-      set_attention(row, "load_sheet",
-                    row.segment > 1
-                        ? fmt::format("leave sheet {} of {} where it lies: it goes on from path {}",
-                                      row.sheet, row.sheets_total, row.first_stroke)
-                        : fmt::format("load sheet {} of {}", row.sheet, row.sheets_total));
+      set_attention(
+          row, "load_sheet",
+          row.segment > 1
+              ? fmt::format("leave sheet {} of {} in place; the cut continues from path {}",
+                            row.sheet, row.sheets_total, row.first_stroke)
+              : fmt::format("load sheet {} of {}", row.sheet, row.sheets_total));
       row.device.clear();
       put_sheet(row, "ready");
       break;
@@ -307,11 +308,12 @@ Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, st
     Answer<JobRow> row = this->row(id);
     if (!row) return tl::unexpected(row.error());
     if (who.role < Role::Operator && !(who.role == Role::Submitter && same_owner(who, *row)))
-      return refuse(ProblemKind::Forbidden, "the jobs of others are changed by an operator");
+      return refuse(ProblemKind::Forbidden, "only an operator may change someone else's job");
     if (const auto fresh = check_rev(*row, if_match); !fresh) return tl::unexpected(fresh.error());
     if (row->state != JobState::Queued && row->state != JobState::Planning &&
         row->state != JobState::Ready)
-      return tl::unexpected(conflict(*row, "a job is changed while queued, planning or ready"));
+      return tl::unexpected(
+          conflict(*row, "a job can be changed only while it is queued, planning or ready"));
     if (request.priority && (*request.priority < -10 || *request.priority > 10))
       return tl::unexpected(wrong("/priority", "range", "must be -10..10"));
     if (request.name)
@@ -325,7 +327,7 @@ Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, st
         return tl::unexpected(parts_.devices.unknown(*request.device, "/device"));
       const auto plan = parts_.plans.table().find(row->plan);
       if (row->segment > 1 && *request.device != row->requested_device)
-        return tl::unexpected(conflict(*row, "this sheet lies in " + row->requested_device));
+        return tl::unexpected(conflict(*row, "this sheet is in " + row->requested_device));
       if (const std::string why = plan ? parts_.devices.misfit(*request.device, *plan) : "";
           !why.empty())
         return tl::unexpected(wrong("/device", "value", why));
@@ -345,10 +347,9 @@ Answer<void> JobRepository::remove(const Principal& who, const std::string& id) 
     const Answer<JobRow> row = this->row(id);
     if (!row) return tl::unexpected(row.error());
     if (who.role < Role::Operator && !same_owner(who, *row))
-      return refuse(ProblemKind::Forbidden, "the jobs of others are removed by an operator");
+      return refuse(ProblemKind::Forbidden, "only an operator may delete someone else's job");
     if (!is_terminal(row->state))
-      return tl::unexpected(
-          conflict(*row, "only a job that has ended is removed; cancel it first"));
+      return tl::unexpected(conflict(*row, "only a finished job can be deleted; cancel it first"));
     parts_.store.db().run("UPDATE job SET deleted=1, rev=rev+1 WHERE id=?", id);
     parts_.store.audit(who.name, "delete-job", id, row->name);
     parts_.store.emit(
@@ -363,10 +364,11 @@ Answer<Job> JobRepository::hold(const Principal& who, const std::string& id, boo
     Answer<JobRow> row = this->row(id);
     if (!row) return tl::unexpected(row.error());
     if (who.role < Role::Operator && !(who.role == Role::Submitter && same_owner(who, *row)))
-      return refuse(ProblemKind::Forbidden, "the jobs of others are held by an operator");
+      return refuse(ProblemKind::Forbidden,
+                    "only an operator may hold or release someone else's job");
     if (is_terminal(row->state) || row->state == JobState::Cutting ||
         row->state == JobState::Paused)
-      return tl::unexpected(conflict(*row, "only a job that waits is held or released"));
+      return tl::unexpected(conflict(*row, "only a waiting job can be held or released"));
     if (row->held == held) return shown(*row);
     row->held = held;
     if (held && row->state == JobState::Armed) {
@@ -384,7 +386,7 @@ Answer<Job> JobRepository::hold(const Principal& who, const std::string& id, boo
 Answer<Job> JobRepository::move(const Principal& who, const std::string& id,
                                 const std::string& before) {
   if (who.role < Role::Operator)
-    return refuse(ProblemKind::Forbidden, "the queue is put in order by an operator");
+    return refuse(ProblemKind::Forbidden, "only an operator may reorder the queue");
   return parts_.store.change([&]() -> Answer<Job> {
     Answer<JobRow> row = this->row(id);
     if (!row) return tl::unexpected(row.error());
@@ -394,12 +396,12 @@ Answer<Job> JobRepository::move(const Principal& who, const std::string& id,
       row->position = jobs_.last_position() + kPositionStep;
     } else {
       if (before == id)
-        return tl::unexpected(wrong("/before", "value", "must be another job than the one moved"));
+        return tl::unexpected(wrong("/before", "value", "must not be the job that is moved"));
       const Answer<JobRow> next = this->row(before);
       if (!next) return tl::unexpected(wrong("/before", "unknown", "must be the id of a job"));
       if (next->priority != row->priority || is_terminal(next->state))
         return tl::unexpected(
-            wrong("/before", "value", "must be a job that waits with the same priority"));
+            wrong("/before", "value", "must be a waiting job with the same priority"));
       Rows above = db.rows(
           "SELECT max(position) FROM job WHERE priority=? AND position<? AND id!=? AND state NOT "
           "IN ('done', 'failed', 'cancelled')",

@@ -39,14 +39,14 @@ std::optional<Attention> JobRepository::attention_of(const JobRow& row) const {
     const auto device = parts_.devices.find(row.requested_device);
     if (!device || device->state == "absent" || device->state == "offline") {
       attention.kind = "device_absent";
-      attention.text = fmt::format("{} is not there; plug it in and switch it on, then {}",
+      attention.text = fmt::format("{} is not available; plug it in and switch it on, then {}",
                                    row.requested_device, row.attention_text);
     }
   }
   if (lost_its_place(row))
     attention.text = fmt::format(
-        "sheet {} of {} was to go on from path {}, but {} or popcutd was started anew since: "
-        "register the sheet again and resume it as re-registered, or take a new one",
+        "sheet {} of {} was to continue from path {}, but {} or popcutd restarted; align the sheet "
+        "again and resume it as re-registered, or use a new blank",
         row.sheet, row.sheets_total, row.first_stroke, row.requested_device);
   attention.actions = actions_of(row);
   return attention;
@@ -111,19 +111,20 @@ Problem JobRepository::conflict(const JobRow& row, std::string detail) {
 
 Answer<void> JobRepository::check_rev(const JobRow& row, std::int64_t if_match) {
   if (row.rev == if_match) return {};
-  Problem problem =
-      conflict(row, fmt::format("the job was changed meanwhile (it is at revision {}, "
-                                "the request was for {}); read it again",
-                                row.rev, if_match));
+  Problem problem = conflict(
+      row, fmt::format(
+               "the job has changed (it is at revision {}, the request was for {}); read it again",
+               row.rev, if_match));
   problem.kind = ProblemKind::Stale;
   return tl::unexpected(std::move(problem));
 }
 
 Answer<Page<Job>> JobRepository::list(const JobFilter& filter, const PageRequest& request) {
   if (!request.cursor.empty() && !is_ulid(request.cursor))
-    return tl::unexpected(Problem{ProblemKind::Validation,
-                                  "the cursor is not valid",
-                                  {{"?cursor", "format", "must be what the page before gave"}}});
+    return tl::unexpected(
+        Problem{ProblemKind::Validation,
+                "the cursor is not valid",
+                {{"?cursor", "format", "must be the next_cursor of the previous page"}}});
   return parts_.store.look([&]() -> Answer<Page<Job>> {
     Page<Job> page;
     std::vector<JobRow> rows = jobs_.list(filter, request.cursor, request.limit + 1);
@@ -141,9 +142,10 @@ Answer<Page<Job>> JobRepository::queue(const std::string& device, const PageRequ
   if (!request.cursor.empty()) {
     after = queue_place_from(request.cursor);
     if (!after)
-      return tl::unexpected(Problem{ProblemKind::Validation,
-                                    "the cursor is not valid",
-                                    {{"?cursor", "format", "must be what the page before gave"}}});
+      return tl::unexpected(
+          Problem{ProblemKind::Validation,
+                  "the cursor is not valid",
+                  {{"?cursor", "format", "must be the next_cursor of the previous page"}}});
   }
   return parts_.store.look([&]() -> Answer<Page<Job>> {
     Page<Job> page;
@@ -214,8 +216,8 @@ Answer<Ledger> JobRepository::ledger(const std::string& id, int sheet) {
     const Answer<JobRow> job = row(id);
     if (!job) return tl::unexpected(job.error());
     if (sheet < 1 || sheet > job->sheets_total)
-      return refuse(ProblemKind::NotFound,
-                    fmt::format("job {} has no sheet {}; it has {}", id, sheet, job->sheets_total));
+      return refuse(ProblemKind::NotFound, fmt::format("job {} has no sheet {}; it has {} sheets",
+                                                       id, sheet, job->sheets_total));
     const int count = job->sheets_total / std::max(1, job->copies);
     const auto plan = parts_.plans.table().sheet(job->plan, plan_sheet(*job, sheet, count));
     const auto seen = attempts_.sheet(id, sheet);

@@ -33,7 +33,7 @@ bool is_name(const std::string& id) {
 }
 
 Problem stale(std::int64_t rev) {
-  Problem problem{ProblemKind::Stale, "the material was changed meanwhile; read it again"};
+  Problem problem{ProblemKind::Stale, "the material has changed; read it again"};
   problem.rev = rev;
   return problem;
 }
@@ -45,14 +45,13 @@ Answer<std::string> checked_row(const std::string& id, const std::string& json,
   if (!parsed) return tl::unexpected(problem_from(parsed.error()));
   if (!parsed->is_object())
     return tl::unexpected(Problem{ProblemKind::Validation,
-                                  "a material is a JSON object",
+                                  "a material must be a JSON object",
                                   {{"", "type", "must be an object"}}});
   nlohmann::json row = std::move(*parsed);
   if (row.contains("name") && row["name"] != id)
-    return tl::unexpected(
-        Problem{ProblemKind::Validation,
-                "the name is not that of the address",
-                {{"/name", "value", fmt::format("must be {:?}, or left out", id)}}});
+    return tl::unexpected(Problem{ProblemKind::Validation,
+                                  "the name differs from the one in the path",
+                                  {{"/name", "value", fmt::format("must be {:?} or absent", id)}}});
   row["name"] = id;
   nlohmann::json table;
   table["popcut"] = 1;
@@ -120,11 +119,12 @@ Answer<MaterialRecord> MaterialRepository::find(const std::string& id) {
 Answer<MaterialRecord> MaterialRepository::put(const Principal& who, const std::string& id,
                                                std::int64_t if_match, const std::string& json) {
   if (who.role < Role::Admin)
-    return refuse(ProblemKind::Forbidden, "materials are changed by an admin");
+    return refuse(ProblemKind::Forbidden, "only an admin may change materials");
   if (!is_name(id))
-    return tl::unexpected(Problem{ProblemKind::Validation,
-                                  "the material's name is not valid",
-                                  {{"/name", "format", "must be 1 to 60 of a-z 0-9 - _ ."}}});
+    return tl::unexpected(
+        Problem{ProblemKind::Validation,
+                "the material's name is not valid",
+                {{"/name", "format", "must be 1 to 60 characters of a-z 0-9 - _ ."}}});
   return store_.change([&]() -> Answer<MaterialRecord> {
     const Answer<MaterialRecord> before = find(id);
     if (before && if_match != before->rev) return tl::unexpected(stale(before->rev));
@@ -144,13 +144,13 @@ Answer<MaterialRecord> MaterialRepository::put(const Principal& who, const std::
 Answer<void> MaterialRepository::remove(const Principal& who, const std::string& id,
                                         std::int64_t if_match) {
   if (who.role < Role::Admin)
-    return refuse(ProblemKind::Forbidden, "materials are changed by an admin");
+    return refuse(ProblemKind::Forbidden, "only an admin may change materials");
   return store_.change([&]() -> Answer<void> {
     const Answer<MaterialRecord> before = find(id);
     if (!before) return tl::unexpected(before.error());
     if (before->built_in)
       return refuse(ProblemKind::StateConflict,
-                    id + " is built in and stays; it can be changed with PUT");
+                    id + " is built in and cannot be deleted; change it with PUT");
     if (before->rev != if_match) return tl::unexpected(stale(before->rev));
     store_.db().run("DELETE FROM material WHERE id=?", id);
     store_.audit(who.name, "delete-material", id, "");

@@ -20,7 +20,7 @@ constexpr const char* kProfileRow = "svg-profile-row";
 
 std::map<std::string, std::string> words_of(const std::string& json) {
   const nlohmann::json object = nlohmann::json::parse(json, nullptr, false);
-  if (!object.is_object()) throw StoreFault(FaultKind::Corrupt, "a plan's options are none");
+  if (!object.is_object()) throw StoreFault(FaultKind::Corrupt, "a plan's options are invalid");
   std::map<std::string, std::string> words;
   for (const auto& [name, value] : object.items())
     if (value.is_string()) words[name] = value.get<std::string>();
@@ -53,14 +53,14 @@ Result<PlanningOutcome> with_files_kept(Result<PlanningOutcome> outcome,
 }
 
 std::string fault_of(const PlanningOutcome& outcome, int most_sheets) {
-  if (outcome.sheets.empty()) return "nothing of the design is cut";
+  if (outcome.sheets.empty()) return "the design contains nothing to cut";
   if (outcome.sheets.size() > static_cast<std::size_t>(most_sheets))
     return fmt::format("the design needs {} sheets; a job has at most {}", outcome.sheets.size(),
                        most_sheets);
   for (std::size_t i = 0; i < outcome.sheets.size(); ++i)
     if (outcome.sheets[i].number != static_cast<int>(i) + 1 ||
         outcome.sheets[i].program_sha256.size() != 64 || outcome.sha256.size() != 64)
-      return "the planner gave sheets that are not numbered from 1, or without digests";
+      return "the planner returned sheets that are not numbered from 1, or have no digests";
   return {};
 }
 
@@ -92,7 +92,7 @@ Answer<PlanningQueue::Machine> PlanningQueue::machine_for(const std::string& dev
     if (!name.empty() && !of_device.empty() && name != of_device)
       return tl::unexpected(
           Problem{ProblemKind::Validation,
-                  "device and machine do not go together",
+                  "device and machine do not match",
                   {{"/machine", "value", fmt::format("{} is a {}", device, of_device)}}});
     if (name.empty()) name = of_device;
   }
@@ -105,7 +105,7 @@ Answer<PlanningQueue::Machine> PlanningQueue::machine_for(const std::string& dev
 
 Answer<PlanRecord> PlanningQueue::request(const Principal& who, const PlanRequest& request) {
   if (who.role < Role::Submitter)
-    return refuse(ProblemKind::Forbidden, "designs are planned by a submitter");
+    return refuse(ProblemKind::Forbidden, "only a submitter may plan designs");
   return parts_.store.change([&]() -> Answer<PlanRecord> {
     if (const auto room = parts_.store.accepts_work(); !room) return tl::unexpected(room.error());
     const Answer<PlanRow> plan = plan_for(request);
@@ -142,10 +142,10 @@ Answer<PlanRow> PlanningQueue::plan_for(const PlanRequest& request) {
   if (!machine) return tl::unexpected(machine.error());
   std::map<std::string, std::string> options = request.options;
   if (options.contains(kProfileRow))
-    return tl::unexpected(Problem{ProblemKind::Validation,
-                                  "the options are not valid",
-                                  {{fmt::format("/options/{}", kProfileRow), "option",
-                                    "must be left out; name svg-profile"}}});
+    return tl::unexpected(Problem{
+        ProblemKind::Validation,
+        "the options are not valid",
+        {{fmt::format("/options/{}", kProfileRow), "option", "must be absent; use svg-profile"}}});
   if (const auto words = planning::words_of_options(options); !words)
     return tl::unexpected(problem_from(words.error()));
   if (const auto named = options.find("svg-profile"); named != options.end())
@@ -197,7 +197,7 @@ Answer<PlanRow> PlanningQueue::find_or_add(PlanRow row) {
   const std::int64_t waiting = store.db().number("SELECT count(*) FROM plan WHERE state='pending'");
   if (waiting >= parts_.options.queue_jobs) {
     Problem full{ProblemKind::QueueFull,
-                 fmt::format("{} plans wait to be made; try again when there are fewer", waiting)};
+                 fmt::format("{} plans are waiting; try again later", waiting)};
     full.retry_after_s = 60;
     return tl::unexpected(std::move(full));
   }
@@ -254,7 +254,7 @@ bool PlanningQueue::start(const std::string& id) {
     const Answer<Design> design = parts_.designs.find(plan->design);
     if (!design) {
       if (design.error().kind != ProblemKind::NotFound) return false;
-      fail_plan(id, "its design was removed");
+      fail_plan(id, "its design was deleted");
       return true;
     }
     task = parts_.designs.task_for(*design, PlanningTask::Kind::Plan);
@@ -294,7 +294,7 @@ void PlanningQueue::over(const std::string& id, Result<PlanningOutcome> outcome)
     const bool unwanted = outcome.error().kind == ErrorKind::Refused;
     // Cancelled because nobody waited; if somebody does again by now, it is made anew.
     if (!unwanted || !awaited(id))
-      fail_plan(id, unwanted ? "nobody waited for it any more" : message(outcome.error()));
+      fail_plan(id, unwanted ? "it was no longer needed" : message(outcome.error()));
     return pump();
   }
   if (const std::string fault = fault_of(*outcome, parts_.options.sheets_per_job); !fault.empty()) {
@@ -352,15 +352,14 @@ Answer<void> PlanningQueue::remove(const Principal& who, const std::string& id) 
     const Answer<Design> design = parts_.designs.find(plan->design);
     if (who.role < Role::Operator && (!design || design->owner != who.name))
       return refuse(ProblemKind::Forbidden,
-                    "plans of the designs of others are removed by an operator");
+                    "only an operator may delete plans of someone else's design");
     Rows used =
         store.db().rows("SELECT id, deleted FROM job WHERE plan=? ORDER BY deleted LIMIT 1", id);
     if (used.next())
       return refuse(ProblemKind::StateConflict,
                     used.integer(1) != 0
-                        ? std::string("a job was cut from this plan, which is kept with its record")
-                        : fmt::format("job {} is of this plan, which is kept as long as that is; "
-                                      "cancel the job if it shall not be planned",
+                        ? std::string("the record of a deleted job refers to this plan; it is kept")
+                        : fmt::format("job {} uses this plan; cancel the job to stop planning",
                                       used.text(0)));
     store.audit(who.name, "delete-plan", id, plan->design);
     store.emit("notice", "", fmt::format(R"("plan":"{}","state":"removed")", id));
@@ -423,7 +422,7 @@ Answer<std::string> PlanningQueue::file(const std::string& id, const std::string
     if (plan->state != PlanState::Planned)
       return refuse(ProblemKind::StateConflict, plan->state == PlanState::Failed
                                                     ? "this plan failed: " + plan->error
-                                                    : "this plan is not made yet");
+                                                    : "this plan is not finished yet");
     std::string path = folder_of(id) + "/" + name;
     std::error_code ignored;
     if (!is_plain_name(name) || !std::filesystem::is_regular_file(path, ignored))

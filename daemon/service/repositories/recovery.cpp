@@ -50,7 +50,7 @@ Answer<void> recover(ServiceStore& store, JobRepository& jobs) {
           const Step step = step_of(row.state, JobEvent::Restarts);
           if (step == Step::ToInterrupted)
             jobs.set_attention(row, "in_doubt",
-                               "popcutd ended while it cut; see which paths are in doubt");
+                               "popcutd ended during the cut; see which paths are in doubt");
           jobs.take(row, step, step == Step::ToInterrupted ? "crash" : "restart");
           store.emit("job", row.id,
                      fmt::format(R"("state":"{}","rev":{},"recovered":{{"from":"{}","to":"{}"}})",

@@ -87,10 +87,9 @@ std::string metrics_text(ServiceStore& store, JobTable& jobs,
     fmt::format_to(out, "popcut_interrupted_total{{cause=\"{}\"}} {}\n",
                    metric_label(causes.text(0)), causes.integer(1));
   const ServiceStore::Figures& figures = store.figures();
-  put_durations(text, "popcut_db_commit_seconds", "Commits of the database.", figures.commits);
+  put_durations(text, "popcut_db_commit_seconds", "Duration of database commits.", figures.commits);
   put_durations(text, "popcut_stream_wait_seconds",
-                "What a cutter's stream waits until its next strokes are on record.",
-                figures.stream_waits);
+                "Time a cutter waits until its next paths are recorded.", figures.stream_waits);
   fmt::format_to(out, "# TYPE popcut_db_free_bytes gauge\npopcut_db_free_bytes {}\n",
                  store.folder().free_bytes());
   fmt::format_to(out, "# TYPE popcut_db_degraded gauge\npopcut_db_degraded {}\n",
