@@ -6,11 +6,14 @@
 #include <span>
 #include <vector>
 
-#include "core/layout/tabs.hpp"
 #include "core/drawing/linework.hpp"
 #include "core/geometry/segment_grid.hpp"
+#include "core/layout/tabs.hpp"
 
 namespace popcut {
+
+/// What lies closer to a line than this lies on it, mm.
+inline constexpr double kOn = 1e-6;
 
 /// Everything that a straight seam meets on its way.
 struct SeamScan {

@@ -54,8 +54,9 @@ constexpr std::array<Words, 9> kPhrases{{
     {"with retry-sheet", "with 'popcut retry'"},
     {"the action enable", "'popcut devices enable'"},
     {"change its device first", "change that first ('popcut change --device')"},
-    {"say in which the sheet lies", "say with --device in which the sheet lies"},
-    {"all that fit are busy; say which one", "all that fit are busy; say with --device which one"},
+    {"name the device that holds the sheet", "name the device that holds the sheet with --device"},
+    {"all suitable devices are busy; name one",
+     "all suitable devices are busy; name one with --device"},
     {"from_path", "--from"},
 }};
 

@@ -5,17 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text/json_fields.hpp"
+#include "daemon/client/api.hpp"
 #include "daemon/client/command_words.hpp"
 
 namespace popcut::client {
 namespace {
 
 using Json = nlohmann::json;
-
-std::string text_of(const Json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
 
 std::string kind_of(const Json& problem) {
   const std::string type = text_of(problem, "type");
@@ -99,7 +95,7 @@ Error error_from(const HttpResponse& response, const std::string& place, Subject
   std::string detail = text_of(problem, "detail");
   if (detail.empty()) detail = text_of(problem, "title");
   if (response.status == 401) {
-    const bool missing = detail.find("this needs a token") != std::string::npos;
+    const bool missing = detail.find("a token is required") != std::string::npos;
     return {ErrorKind::Refused, place,
             (missing ? "popcutd wants a token" : detail) +
                 "; put one in POPCUT_TOKEN ('popcut token create --role operator' makes one, on "

@@ -69,7 +69,7 @@ tl::expected<void, std::string> may_resume(const std::vector<FateRun>& runs,
   if (!request.re_registered && !facts.same_device_session)
     return no(
         "the cutter was disconnected or restarted, so the sheet's position is unknown; align the "
-        "sheet again and send registration \"re-registered\"");
+        "sheet again and use registration \"re-registered\"");
   for (const FateRun& run : runs) {
     const bool reaches = run.paths.last >= from;  // some of it would be cut now
     const bool before = run.paths.first < from;   // some of it would not
@@ -77,14 +77,14 @@ tl::expected<void, std::string> may_resume(const std::vector<FateRun>& runs,
     if (run.fate == PathFate::InDoubt && reaches && before)
       return no(where + " are in doubt; resume from the first of them, or after the last");
     if (run.fate == PathFate::InDoubt && before && !request.skip_in_doubt)
-      return no(where + " are in doubt and would stay so; send skip_in_doubt, or resume from " +
+      return no(where + " are in doubt and would stay so; use skip_in_doubt, or resume from " +
                 std::to_string(run.paths.first));
     if (run.fate == PathFate::NotSent && before)
       return no(fmt::format("{} were not cut and would be skipped; resume from {} or earlier",
                             where, run.paths.first));
     if (run.fate != PathFate::NotSent && reaches && !request.accept_double_cut)
       return no(
-          fmt::format("{} {} and would be cut twice; send i_accept_double_cut, or use a new blank "
+          fmt::format("{} {} and would be cut twice; use i_accept_double_cut, or use a new blank "
                       "with retry-sheet",
                       where, run.fate == PathFate::Certain ? "are cut" : "may be cut already"));
   }

@@ -69,6 +69,12 @@ std::string_view slug_of(ProblemKind kind) { return row_of(kind).slug; }
 std::string_view title_of(ProblemKind kind) { return row_of(kind).title; }
 int status_of(ProblemKind kind) { return row_of(kind).status; }
 
+Problem invalid_value(const std::string& pointer, std::string code, std::string advice) {
+  return {ProblemKind::Validation,
+          pointer + " is not valid",
+          {{pointer, std::move(code), std::move(advice)}}};
+}
+
 Problem problem_from(const Error& error) {
   Problem problem{kind_of(error.kind), message(error)};
   if (problem.kind == ProblemKind::Validation)

@@ -66,6 +66,10 @@ using Answer = tl::expected<T, Problem>;
   return tl::unexpected<Problem>(Problem{kind, std::move(detail)});
 }
 
+/// One value that is wrong: 422 with its pointer, code and what would be right.
+[[nodiscard]] Problem invalid_value(const std::string& pointer, std::string code,
+                                    std::string advice);
+
 /// "validation", "state-conflict", ...: the last part of the type's URI.
 [[nodiscard]] std::string_view slug_of(ProblemKind kind);
 /// "Request is not valid", ...

@@ -396,7 +396,7 @@ TEST_CASE("a configuration that cannot be is refused with the device it is about
   };
   refused({{.id = "sim:cameo33"}}, "cameo3");
   refused({{.id = "left"}}, "left");
-  refused({{.id = "file:out.gpgl"}}, "no cutter");
+  refused({{.id = "file:out.gpgl"}}, "not a cutter");
   refused({{.id = "serial:/dev/ttyUSB0"}}, "name its machine");
   refused({{.id = "sim:cameo3"}, {.id = "sim:cameo3"}}, "twice");
   refused({{.id = "sim:cameo3", .faults = "/nowhere/faults.json"}}, "/nowhere/faults.json");

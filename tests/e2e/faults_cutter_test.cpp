@@ -158,7 +158,7 @@ TEST_CASE("a cutter that takes nothing shows as busy and is cancelled at once",
         popcutd.await(jobs[k], [](const Json& now) { return !now["attention"].is_null(); });
     CHECK(job["state"] == "cutting");
     CHECK(job["attention"]["kind"] == "device_busy");
-    CHECK(job["attention"]["text"].get<std::string>().find("takes no data") != std::string::npos);
+    CHECK(job["attention"]["text"].get<std::string>().find("accepts no data") != std::string::npos);
   }
   // One goes on by itself, and is said to be no longer busy.
   popcutd.await_state(jobs[2], "done");

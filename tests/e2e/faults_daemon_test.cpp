@@ -283,7 +283,7 @@ TEST_CASE("no thread of popcutd stands still without the watchdog going hungry",
     const auto says = [&](const char* words) {
       return happens([&] { return popcutd.daemon().log().find(words) != std::string::npos; });
     };
-    if (!says("a thread does not turn")) return "nobody noticed";
+    if (!says("a thread is not responding")) return "nobody noticed";
     manager.feedings();
     std::this_thread::sleep_for(std::chrono::milliseconds(1800));  // it is fed every 1.3 s
     if (manager.feedings() > 0) return "it was fed all the same";
@@ -298,7 +298,7 @@ TEST_CASE("no thread of popcutd stands still without the watchdog going hungry",
       return wrong;
     }
     faulty.page->blocked = kNobody;
-    if (!says("all threads turn again")) return "it never came back";
+    if (!says("all threads are responding again")) return "it never came back";
     if (!happens([&] { return manager.feedings() > 0; })) return "it is not fed again";
     // And the cut goes on; how long it would take is no matter here.
     const auto sent = [](const Json& job) { return job["progress"]["paths_sent"].get<int>(); };

@@ -99,7 +99,7 @@ struct Desk {
     const bool told = comes_true([&] {
       const std::string after = daemon.log().substr(before.size());
       return after.ends_with('\n') &&
-             (says(after, "was read again") || says(after, "was not taken"));
+             (says(after, "configuration reloaded") || says(after, "was not loaded"));
     });
     CHECK(told);
     return daemon.log().substr(before.size());
@@ -174,7 +174,7 @@ TEST_CASE("a refusal says what to type", "[popcutd][cli]") {
   CHECK(desk.must({"arm", first, "--device", "sim:cameo3"}).exit == 0);
   const Ran busy = desk.popcut({"arm", second});
   CHECK(busy.exit == 5);
-  CHECK(says(busy.err, "has a sheet of job " + first));
+  CHECK(says(busy.err, "holds a sheet of job " + first));
   CHECK(desk.must({"disarm", first}).exit == 0);
   CHECK(desk.must({"change", second, "--priority", "3", "--note", "for two"}).exit == 0);
   CHECK(desk.job(second)["priority"] == 3);
@@ -389,7 +389,7 @@ TEST_CASE("SIGHUP takes what does not disturb a cut and names the rest", "[popcu
   const std::string id = desk.queue();
   REQUIRE(desk.comes_to(id, "ready"));
   const std::string faulty = desk.reloaded("rate_per_s = 0.0001\n");  // stands there twice now
-  CHECK(says(faulty, "was not taken, all stays as it was: "));
+  CHECK(says(faulty, "was not loaded; nothing has changed: "));
   CHECK(says(faulty, "popcutd.toml"));
   CHECK(faulty.find("configuration") == faulty.rfind("configuration"));
   write_file(desk.daemon.config(), "listen = [\"127.0.0.1:0\"]\nsocket = \"" +
@@ -408,7 +408,7 @@ TEST_CASE("SIGHUP takes what does not disturb a cut and names the rest", "[popcu
   const std::string hook = desk.reloaded(
       "[webhook]\nurl = \"http://localhost:9/\"\nsecret_file = \"/nonexistent\"\n"
       "allow = [\"localhost:9\"]\n");
-  CHECK(says(hook, "was not taken"));
+  CHECK(says(hook, "was not loaded"));
   CHECK(says(hook, "webhook.secret_file"));
   const std::vector<std::string> checking{POPCUTD_PROGRAM, "--config", desk.daemon.config(),
                                           "--check-config"};

@@ -176,8 +176,9 @@ TEST_CASE("a problem speaks of what is typed and not of JSON", "[client]") {
           409,
           R"({"type":"p/state-conflict","detail":"say i_accept_double_cut, or take one with retry-sheet"})")
           .find("say --accept-double-cut, or") != std::string::npos);
-  CHECK(told(403, R"({"type":"p/forbidden","detail":"confirm-result needs the role operator"})") ==
-        "job 01J: confirm needs the role operator");
+  CHECK(
+      told(403, R"({"type":"p/forbidden","detail":"confirm-result requires the role operator"})") ==
+      "job 01J: confirm requires the role operator");
   CHECK(option_for("/options/mat") == "--mat");
   CHECK(option_for("/from_path") == "--from");
   CHECK(option_for("?limit") == "--limit");

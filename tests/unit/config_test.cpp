@@ -114,7 +114,7 @@ TEST_CASE("what is wrong in a configuration is told with line and column and wha
           "no user");
   refused("[[user]]\nuid = 1\nrole = \"admn\"", "3:8: user.role", "did you mean admin?");
   refused("[[user]]\nrole = \"admin\"", "1:1: user.user", "one of user, group, uid and gid");
-  refused("listen = [\"0.0.0.0:8631\"]", "1:10: listen", "proxy with TLS");
+  refused("listen = [\"0.0.0.0:8631\"]", "1:10: listen", "TLS proxy");
   refused("listen = [\"127.0.0.1:99999\"]", "1:10: listen", "port");
   refused("[webhook]\nurl = \"http://x\"", "1:1: webhook.secret_file", "is missing");
   refused("[log]\nform = \"xml\"", "2:8: log.form", "one of text, json");
@@ -216,7 +216,7 @@ processes = 2
   CHECK(config("[[device]]\nid = \"sim:cameo3\"\nmaterials = [\"pp-150\"]").devices[0].materials ==
         std::vector<std::string>{"pp-150"});
   refused("[[device]]\nid = \"sim:cameo3\"\nmaterials = \"pp-150\"", "3:13: device.materials",
-          "must be a list of texts");
+          "must be a list of strings");
 }
 
 TEST_CASE("noise is never a configuration and never ends popcut", "[daemon][config]") {

@@ -6,14 +6,14 @@
 #include <catch2/catch.hpp>
 
 #include "daemon/http/api/cursor.hpp"
+#include "daemon/http/api/json_body.hpp"
+#include "daemon/http/api/message.hpp"
+#include "daemon/http/api/render.hpp"
+#include "daemon/http/api/target.hpp"
 #include "daemon/http/event_ring.hpp"
 #include "daemon/http/front_door.hpp"
 #include "daemon/http/head.hpp"
-#include "daemon/http/api/json_body.hpp"
-#include "daemon/http/api/message.hpp"
 #include "daemon/http/rate_limit.hpp"
-#include "daemon/http/api/render.hpp"
-#include "daemon/http/api/target.hpp"
 #include "daemon/http/wire.hpp"
 
 using namespace popcut::daemon;
@@ -230,13 +230,13 @@ TEST_CASE("a list where an object is wanted is told as that and as nothing else"
   REQUIRE(list.errors.size() == 1);
   CHECK(list.errors.at(0).pointer.empty());
   CHECK(problem_of("null").detail == "the body must be an object {...}, not null");
-  CHECK(problem_of(R"({"job":{}})").detail == "/job must be a text, not an object");
+  CHECK(problem_of(R"({"job":{}})").detail == "/job must be a string, not an object");
   CHECK(problem_of(R"({"job":"a","copies":[]})").detail ==
         "/copies must be a whole number, not a list");
   CHECK(problem_of(R"({"job":"a","options":[]})").detail ==
         "/options must be an object of at most 32 options, not a list");
   CHECK(problem_of(R"({"job":"a","tags":{}})").detail ==
-        "/tags must be a list of at most 2 texts, not an object");
+        "/tags must be a list of at most 2 strings, not an object");
   CHECK(problem_of(R"({"job":"a","tags":["a","b","c"]})").errors.at(0).code == "length");
 }
 

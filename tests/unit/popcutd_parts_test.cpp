@@ -159,7 +159,7 @@ TEST_CASE("who waits at a socket is told why popcutd does not start", "[daemon][
     REQUIRE(size > 0);
     answer.resize(static_cast<std::size_t>(size));
     CHECK(answer.find("HTTP/1.1 503 ") == 0);
-    CHECK(answer.find(R"(popcutd does not start: popcut.db: is \"damaged\")") != std::string::npos);
+    CHECK(answer.find(R"(popcutd cannot start: popcut.db: is \"damaged\")") != std::string::npos);
   }
   for (const int caller : callers) ::close(caller);
   CHECK(::accept4(listening, nullptr, nullptr, SOCK_NONBLOCK) < 0);
@@ -190,7 +190,8 @@ TEST_CASE("options stand over the configuration and both over the defaults", "[d
   CHECK(unknown.error().place == "--sim");
   CHECK(unknown.error().kind == ErrorKind::Usage);
   options.simulated = {"cameo"};
-  CHECK(message(load_config(options, found).error()).find("is there already") != std::string::npos);
+  CHECK(message(load_config(options, found).error()).find("is attached already") !=
+        std::string::npos);
   options.simulated.clear();
   options.listen = {"0.0.0.0:1"};
   CHECK(message(load_config(options, found).error()).rfind("--listen: ", 0) == 0);

@@ -435,7 +435,7 @@ TEST_CASE("a plan that fails fails its jobs and may be requested again", "[daemo
   bench.planner.sheets = 0;
   const auto design = bench.add_design("{\"card\":1}").value();
   const Job job = bench.create(design.id).value();
-  CHECK(bench.wait_for(job.id, JobState::Failed).reason == "nothing of the design is cut");
+  CHECK(bench.wait_for(job.id, JobState::Failed).reason == "the design contains nothing to cut");
   bench.planner.sheets = 1;
   const Job again = bench.create(design.id).value();
   CHECK(again.plan != job.plan);

@@ -93,7 +93,7 @@ TEST_CASE("a sheet that goes on is not to be loaded anew", "[daemon][service]") 
   CHECK(lost.attention->text.find("load") == std::string::npos);
   const Job ready = bench.act(lost.id, from_path_2("kept")).value();
   CHECK(ready.attention->kind == "load_sheet");
-  CHECK(ready.attention->text == "leave sheet 1 of 2 where it lies: it goes on from path 2");
+  CHECK(ready.attention->text == "leave sheet 1 of 2 in place; the cut continues from path 2");
   CHECK(bench.act(lost.id, JobAction::RetrySheet)->attention->text == "load sheet 1 of 2");
 }
 
@@ -115,14 +115,14 @@ TEST_CASE("where a sheet lies is not known any more after a replug or a restart"
   }
   REQUIRE(bench.wait_for(lost.id, JobState::Ready).state == JobState::Ready);
   const Job told = shown(bench, lost);
-  CHECK(told.attention->text.find("goes on from path") == std::string::npos);
-  CHECK(told.attention->text.find("register the sheet again") != std::string::npos);
+  CHECK(told.attention->text.find("the cut continues from path") == std::string::npos);
+  CHECK(told.attention->text.find("align the sheet again") != std::string::npos);
   CHECK(std::find(told.actions.begin(), told.actions.end(), "arm") == told.actions.end());
   CHECK(told.attention->actions == told.actions);
   const auto refused = bench.act(lost.id, JobAction::Arm);
   REQUIRE_FALSE(refused);
   CHECK(refused.error().kind == ProblemKind::StateConflict);
-  CHECK(refused.error().detail.find("register it again") != std::string::npos);
+  CHECK(refused.error().detail.find("align the sheet again") != std::string::npos);
   CHECK(bench.act(lost.id, from_path_2("kept")).error().kind == ProblemKind::StateConflict);
   CHECK(bench.act(lost.id, from_path_2("re-registered"))->segment == 2);
   const int before = bench.cutters.cuts();

@@ -8,13 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "core/verify/sheet/cell_grid.hpp"
 #include "core/verify/motion/crossing.hpp"
+#include "core/verify/sheet/cell_grid.hpp"
 
 namespace popcut::verify {
 namespace {
-
-constexpr std::size_t kEnough = 1000;
 
 struct Box {
   Vec3 low, high;

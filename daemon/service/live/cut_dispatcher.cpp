@@ -10,10 +10,6 @@
 namespace popcut::daemon {
 namespace {
 
-Problem wrong(const std::string& pointer, const char* code, std::string advice) {
-  return {ProblemKind::Validation, pointer + " is not valid", {{pointer, code, std::move(advice)}}};
-}
-
 bool needs_sheet(JobAction action) {
   return action == JobAction::Arm || action == JobAction::ConfirmResult ||
          action == JobAction::RetrySheet || action == JobAction::SkipSheet;
@@ -47,16 +43,18 @@ std::string why_none(const DeviceRegistry& devices, const PlanRow& plan) {
 
 Answer<void> CutDispatcher::check_words(const JobRow& row, const ActionRequest& request) const {
   if (needs_sheet(request.action) && !request.sheet)
-    return tl::unexpected(wrong("/sheet", "missing", fmt::format("must be {}", row.sheet)));
+    return tl::unexpected(invalid_value("/sheet", "missing", fmt::format("must be {}", row.sheet)));
   if (const auto fine = check_text(request.reason, 2000, "/reason"); !fine)
     return tl::unexpected(fine.error());
   if (request.action == JobAction::ConfirmResult && !request.good)
-    return tl::unexpected(wrong("/good", "missing", "must be true or false"));
+    return tl::unexpected(invalid_value("/good", "missing", "must be true or false"));
   if (request.action != JobAction::ResumeFrom) return {};
-  if (!request.from_path) return tl::unexpected(wrong("/from_path", "missing", "must be a path"));
+  if (!request.from_path)
+    return tl::unexpected(invalid_value("/from_path", "missing", "must be a path"));
   if (request.registration != "kept" && request.registration != "re-registered")
-    return tl::unexpected(wrong("/registration", request.registration.empty() ? "missing" : "value",
-                                "must be \"kept\" or \"re-registered\""));
+    return tl::unexpected(invalid_value("/registration",
+                                        request.registration.empty() ? "missing" : "value",
+                                        "must be \"kept\" or \"re-registered\""));
   return {};
 }
 
@@ -173,7 +171,7 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
       return parts_.jobs.table().on_device(id).has_value();
     });
   if (fitting.size() != 1)
-    return tl::unexpected(wrong(
+    return tl::unexpected(invalid_value(
         "/device", "missing",
         fitting.empty()
             ? std::string("all suitable devices are busy; name one")

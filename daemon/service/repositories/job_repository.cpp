@@ -12,10 +12,6 @@ constexpr int kAtOnce = 200;  // jobs of one plan that change in one transaction
 constexpr std::int64_t kPositionStep = std::int64_t{1} << 20;
 constexpr std::size_t kMostTags = 20;
 
-Problem wrong(const std::string& pointer, const char* code, std::string advice) {
-  return {ProblemKind::Validation, pointer + " is not valid", {{pointer, code, std::move(advice)}}};
-}
-
 bool same_owner(const Principal& who, const JobRow& row) { return who.name == row.owner; }
 
 }  // namespace
@@ -62,11 +58,12 @@ Answer<Job> JobRepository::create(const Principal& who, const JobCreate& request
       return add(who, request, *plan);
     }
     const auto plan = parts_.plans.table().find(request.plan);
-    if (!plan) return tl::unexpected(wrong("/plan", "unknown", "must be the id of a plan"));
+    if (!plan) return tl::unexpected(invalid_value("/plan", "unknown", "must be the id of a plan"));
     if (plan->state == PlanState::Failed)
-      return tl::unexpected(wrong("/plan", "value", "this plan failed: " + plan->error));
+      return tl::unexpected(invalid_value("/plan", "value", "this plan failed: " + plan->error));
     if (!request.material.empty() && request.material != plan->material)
-      return tl::unexpected(wrong("/material", "value", "this plan is for " + plan->material));
+      return tl::unexpected(
+          invalid_value("/material", "value", "this plan is for " + plan->material));
     return add(who, request, *plan);
   });
 }
@@ -111,13 +108,13 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
   const std::int64_t sheets = std::int64_t{plan.sheets} * request.copies;
   if (plan.state == PlanState::Planned && sheets > parts_.options.sheets_per_job)
     return tl::unexpected(
-        wrong("/copies", "range",
-              fmt::format("{} copies make {} sheets; a job has at most {}", request.copies, sheets,
-                          parts_.options.sheets_per_job)));
+        invalid_value("/copies", "range",
+                      fmt::format("{} copies make {} sheets; a job has at most {}", request.copies,
+                                  sheets, parts_.options.sheets_per_job)));
   // A plan that waits to be made has its machine and material, and no area yet.
   if (!request.device.empty())
     if (const std::string why = parts_.devices.misfit(request.device, plan); !why.empty())
-      return tl::unexpected(wrong("/device", "value", why));
+      return tl::unexpected(invalid_value("/device", "value", why));
   jobs_.insert(row);
   store.audit(who.name, "create-job", row.id, row.name);
   if (plan.state == PlanState::Planned) {
@@ -315,7 +312,7 @@ Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, st
       return tl::unexpected(
           conflict(*row, "a job can be changed only while it is queued, planning or ready"));
     if (request.priority && (*request.priority < -10 || *request.priority > 10))
-      return tl::unexpected(wrong("/priority", "range", "must be -10..10"));
+      return tl::unexpected(invalid_value("/priority", "range", "must be -10..10"));
     if (request.name)
       if (const auto fine = check_text(*request.name, 480, "/name"); !fine)
         return tl::unexpected(fine.error());
@@ -330,7 +327,7 @@ Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, st
         return tl::unexpected(conflict(*row, "this sheet is in " + row->requested_device));
       if (const std::string why = plan ? parts_.devices.misfit(*request.device, *plan) : "";
           !why.empty())
-        return tl::unexpected(wrong("/device", "value", why));
+        return tl::unexpected(invalid_value("/device", "value", why));
     }
     row->priority = request.priority.value_or(row->priority);
     row->name = request.name.value_or(row->name);
@@ -396,12 +393,14 @@ Answer<Job> JobRepository::move(const Principal& who, const std::string& id,
       row->position = jobs_.last_position() + kPositionStep;
     } else {
       if (before == id)
-        return tl::unexpected(wrong("/before", "value", "must not be the job that is moved"));
+        return tl::unexpected(
+            invalid_value("/before", "value", "must not be the job that is moved"));
       const Answer<JobRow> next = this->row(before);
-      if (!next) return tl::unexpected(wrong("/before", "unknown", "must be the id of a job"));
+      if (!next)
+        return tl::unexpected(invalid_value("/before", "unknown", "must be the id of a job"));
       if (next->priority != row->priority || is_terminal(next->state))
         return tl::unexpected(
-            wrong("/before", "value", "must be a waiting job with the same priority"));
+            invalid_value("/before", "value", "must be a waiting job with the same priority"));
       Rows above = db.rows(
           "SELECT max(position) FROM job WHERE priority=? AND position<? AND id!=? AND state NOT "
           "IN ('done', 'failed', 'cancelled')",
