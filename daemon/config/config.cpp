@@ -272,8 +272,8 @@ Result<Config> parse_config(std::string_view text) {
   fields.texts("listen", config.listen);
   config.listen_given = fields.has("listen");
   for (const std::string& address : config.listen)
-    if (const auto lawful = parse_listen(address, config.allow_remote); !lawful)
-      fields.refuse("listen", lawful.error().kind, lawful.error().detail);
+    if (const auto valid = parse_listen(address, config.allow_remote); !valid)
+      fields.refuse("listen", valid.error().kind, valid.error().detail);
   fields.text("socket", config.socket);
   fields.text("state", config.state);
   for (const auto& [key, value] : {std::pair{"socket", &config.socket}, {"state", &config.state}})

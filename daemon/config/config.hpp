@@ -17,7 +17,7 @@ namespace popcut::daemon {
 /// A cutter that popcutd drives.
 struct DeviceConfig {
   std::string id;          ///< "sim:cameo3", "usb:51053P", "serial:/dev/ttyUSB0"
-  std::string machine{};   ///< of a port, which does not tell what is behind it
+  std::string machine{};   ///< of a port, which does not identify the machine behind it
   std::string treat_as{};  ///< drive an unknown model as this machine
   bool enabled{true};
   std::vector<std::string> materials{};  ///< it is set up for; none: any
@@ -26,7 +26,7 @@ struct DeviceConfig {
   std::string trace{};    ///< simulated: folder for what the knife did, a JSON file a sheet
 };
 
-/// Who may come in over the unix socket, by the peer's credentials: a user or a group.
+/// Who may use the unix socket, by the peer's credentials: a user or a group.
 struct UserRule {
   std::optional<std::uint32_t> uid{}, gid{};
   std::string name{};  ///< as it was written, "alice" or "@popcut"
@@ -41,7 +41,7 @@ struct PlannerConfig {
   std::uint64_t output_bytes{std::uint64_t{1} << 30};
 };
 
-/// Where finished and waiting jobs are told to; off unless a URL is given.
+/// Where events of jobs are sent; off unless a URL is given.
 struct WebhookConfig {
   std::string url{};
   std::string secret_file{};
@@ -54,13 +54,13 @@ struct LogConfig {
   std::string level{"info"};
 };
 
-/// popcutd's configuration. What is empty has a default that depends on who runs it (`paths.hpp`).
+/// popcutd's configuration. Empty members have a default that depends on the user (`paths.hpp`).
 struct Config {
   std::vector<std::string> listen{"127.0.0.1:8631", "[::1]:8631"};
   bool listen_given{false};  ///< by the file: each address must then be had
   std::string socket{};
   std::string state{};
-  /// Names beside localhost, 127.0.0.1 and [::1] under which it is reached: "cutter.lab:8631".
+  /// Names besides localhost, 127.0.0.1 and [::1] under which it is reached: "cutter.lab:8631".
   std::vector<std::string> allowed_hosts{};
   std::vector<std::string> allowed_origins{};  ///< of its page behind a proxy: "https://cutter.lab"
   bool allow_remote{false};  ///< addresses that others reach; a proxy with TLS must be before them
@@ -77,14 +77,14 @@ struct Config {
 /// The most bytes that the path of a unix socket may have (sun_path).
 constexpr std::size_t kLongestSocket = 107;
 
-/// Reads a configuration in TOML. Strict: what is not known, of another type or out of its range is
+/// Reads a configuration in TOML. Strict: an unknown key, another type or a value out of range is
 /// an error at its line and column. Users and groups are looked up on this machine.
 ///
-/// @retval Malformed   not TOML, or a key that is not known; place is "line:column: key"
-/// @retval OutOfRange  a value that is not lawful
+/// @retval Malformed   not TOML, or an unknown key; place is "line:column: key"
+/// @retval OutOfRange  an invalid value
 [[nodiscard]] Result<Config> parse_config(std::string_view text);
 
-/// Who may come over the unix socket where the configuration names nobody: the members of the
+/// Who may use the unix socket if the configuration lists nobody: the members of the
 /// groups popcut (operator) and popcut-admin (admin), where there are such groups.
 [[nodiscard]] std::vector<UserRule> default_users();
 
@@ -92,7 +92,7 @@ constexpr std::size_t kLongestSocket = 107;
 /// "listen", "device sim:cameo3", "planner"; what a running popcutd takes on SIGHUP is not among
 /// them.
 [[nodiscard]] std::vector<std::string> restart_keys(const Config& running, const Config& wanted);
-/// What a running popcutd takes on SIGHUP, for messages.
+/// What a running popcutd reloads on SIGHUP, for messages.
 extern const std::string_view kReloadedKeys;
 
 /// "127.0.0.1:8631", "[::1]:0" or "localhost:8631" as host (without brackets) and port.

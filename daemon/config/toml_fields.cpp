@@ -19,7 +19,7 @@ std::string type_of(const toml::node& node) {
     case toml::node_type::array:
       return "a list";
     case toml::node_type::string:
-      return "a text";
+      return "a string";
     case toml::node_type::integer:
       return "a whole number";
     case toml::node_type::floating_point:
@@ -81,7 +81,7 @@ void TomlFields::whole(const char* key, std::int64_t& value, std::int64_t low, s
 void TomlFields::text(const char* key, std::string& value) {
   const toml::node* const node = ask(key);
   if (node == nullptr) return;
-  if (!node->is_string()) return wrong_type(key, *node, "a text");
+  if (!node->is_string()) return wrong_type(key, *node, "a string");
   std::string found = node->value<std::string>().value_or("");
   const bool control = std::any_of(found.begin(), found.end(), [](char c) {
     return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;

@@ -30,7 +30,7 @@ namespace popcut::daemon {
 
 /// Reads the keys of one TOML table, each error with its line and column. The first error wins and
 /// is kept; the values of what is absent stay as they are. `finish` reports it, or a key that
-/// nobody asked for.
+/// was not read.
 class TomlFields {
  public:
   TomlFields(const toml::table& table, std::string path);
@@ -52,7 +52,7 @@ class TomlFields {
   /// Each table of an array of tables.
   void tables(const char* key, const std::function<Result<void>(TomlFields&)>& read);
   [[nodiscard]] bool has(const char* key) const { return table_.contains(key); }
-  /// Keeps an error at `key` unless there is one already.
+  /// Keeps an error at `key` unless there is one.
   void refuse(const char* key, ErrorKind kind, const std::string& detail);
   [[nodiscard]] Result<void> finish() const;
 

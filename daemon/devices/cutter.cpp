@@ -111,15 +111,15 @@ void Cutter::set_presence(bool there, const std::string& hindrance, const std::s
     const std::lock_guard lock(mutex_);
     const bool moved = there && !node.empty() && !node_.empty() && node != node_;
     if (there && !node.empty()) node_ = node;
-    // Plugged in anew it is another machine: what was wrong with it is not known any more.
-    const bool anew = (!there_ && there) || moved;
-    if (anew) {
+    // Plugged in again, it may be another machine: earlier faults no longer count.
+    const bool replugged = (!there_ && there) || moved;
+    if (replugged) {
       condition_ = Condition::None;
       ++record_.plugs;
     }
     there_ = there;
     hindrance_ = hindrance;
-    if (!refresh() && !anew) return;
+    if (!refresh() && !replugged) return;
   }
   tell();
 }
@@ -283,7 +283,7 @@ void Cutter::note_end(const SessionEnd& end) {
     condition_ = Condition::Attention;
 }
 
-/// Opens the machine anew, drops what it says unasked, and asks how it is. Nothing that could be
+/// Opens the machine again, drops what it says unasked, and asks how it is. Nothing that could be
 /// cut is sent.
 void Cutter::ask_state() {
   Condition condition = Condition::None;

@@ -47,7 +47,7 @@ class Cutter {
   [[nodiscard]] std::chrono::steady_clock::time_point beat() const { return beat_.load(); }
 
   /// Whether it is plugged in, and if it cannot be used now, why. `node`: where a device on a bus
-  /// is now; another one means that it was plugged in anew.
+  /// is now; another one means that it was plugged in again.
   void set_presence(bool there, const std::string& hindrance, const std::string& node = {});
 
  private:

@@ -97,8 +97,8 @@ Result<CutterLine> configured_line(const DeviceConfig& config,
     line.faults = std::move(*faults);
   }
   if (!line.simulated()) return line;
-  if (const auto lawful = SimCutter::make(line.machine); !lawful)
-    return tl::unexpected(within(config.id, lawful.error()));
+  if (const auto valid = SimCutter::make(line.machine); !valid)
+    return tl::unexpected(within(config.id, valid.error()));
   if (!line.trace_folder.empty() && ::mkdir(line.trace_folder.c_str(), 0700) != 0 &&
       errno != EEXIST)
     return fail(

@@ -32,7 +32,7 @@ struct CutterLine {
 
 /// The line of a configured device that is simulated or a port.
 ///
-/// @retval Usage, OutOfRange, Malformed  its id, machine or fault script is not lawful
+/// @retval Usage, OutOfRange, Malformed  its id, machine or fault script is invalid
 [[nodiscard]] Result<CutterLine> configured_line(const DeviceConfig& config,
                                                  const std::vector<std::string>& tables);
 

@@ -61,7 +61,7 @@ class Cutters {
   virtual void pause(const std::string& device) = 0;
   virtual void resume(const std::string& device) = 0;
   virtual void cancel(const std::string& device) = 0;
-  /// After a fault: drain, clear, open anew. Never sends a program.
+  /// After a fault: drain, clear, reopen. Never sends a program.
   [[nodiscard]] virtual Result<void> reset(const std::string& device) = 0;
   /// Ends all cuts at the ends of their strokes and waits for them, and for their journals, at most
   /// so long; what then still cuts is given up in the middle of its stroke.

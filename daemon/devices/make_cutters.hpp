@@ -27,7 +27,7 @@ struct CuttersOptions {
 /// names a folder for what a simulated cutter gets and does: ATTEMPT.json a sheet, and
 /// received.log, to which every byte is written before anything else happens.
 ///
-/// @retval Usage, OutOfRange, Malformed  a device's id, machine or fault script is not lawful
+/// @retval Usage, OutOfRange, Malformed  a device's id, machine or fault script is invalid
 [[nodiscard]] Result<std::unique_ptr<Cutters>> make_cutters(CuttersOptions options);
 
 }  // namespace popcut::daemon

@@ -14,8 +14,8 @@
 
 namespace popcut::daemon {
 
-/// What users of this machine may do who come over the unix socket. Root and the user that the
-/// daemon runs as are admin, whatever stands here; who is not named may nothing.
+/// Roles of the users of this computer on the unix socket. Root and the user that the
+/// daemon runs as are always admin; a user who is not listed has no role.
 struct HttpUsers {
   std::map<uid_t, Role> users;
   std::map<gid_t, Role> groups;  ///< of several, the greatest role counts
@@ -36,8 +36,8 @@ struct Peer {
 
 /// Hosts and origins that are ours.
 struct Names {
-  std::vector<std::string> hosts;    ///< beside localhost, 127.0.0.1 and [::1]: "name:port"
-  std::vector<std::string> origins;  ///< beside http:// of those: "https://name"
+  std::vector<std::string> hosts;    ///< besides localhost, 127.0.0.1 and [::1]: "name:port"
+  std::vector<std::string> origins;  ///< besides http:// of those: "https://name"
 };
 
 /// Nothing if Host names this daemon: a page of elsewhere whose name was turned to 127.0.0.1 sends
@@ -56,7 +56,7 @@ struct Names {
                                                 uid_t own_uid);
 
 /// The token of `Authorization: Bearer ...`.
-/// @retval Unauthenticated  there is none, or it is of no form that tokens have
+/// @retval Unauthenticated  there is no token, or it is malformed
 [[nodiscard]] Answer<std::string> bearer_of(const RequestHead& head);
 
 /// Nothing if the body has a form that `media_type` can say: no Content-Encoding, no parameters

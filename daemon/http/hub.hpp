@@ -33,7 +33,7 @@ class Link {
   void post(std::function<void()> work);
   void cut();
   std::atomic<int> listeners{0};    ///< streams that are or are about to be served
-  std::atomic<bool> missed{false};  ///< an event could not be passed on: streams begin anew
+  std::atomic<bool> missed{false};  ///< an event could not be passed on: streams start again
 
  private:
   std::mutex mutex_;
@@ -129,7 +129,7 @@ struct Hub {
   /// there or later. False: too late, or the service takes nothing.
   asio::awaitable<bool> ask(ClientPtr client, std::function<void(Service&, Done)> work,
                             double patience_s);
-  /// Runs `work`, which waits for the disk, on a thread beside and waits until it has ended.
+  /// Runs `work`, which waits for the disk, on another thread and waits until it has ended.
   asio::awaitable<bool> run_aside(ClientPtr client, std::function<void()> work);
 };
 
@@ -140,7 +140,7 @@ asio::awaitable<bool> send_all(Hub& hub, ClientPtr client, std::string_view byte
 /// Streams events until the client goes, or is too slow.
 asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& request);
 
-/// Calls something when it goes: what a coroutine has taken is given back however it ends.
+/// Calls a function when it is destroyed: a coroutine returns what it took, however it ends.
 class AtEnd {
  public:
   explicit AtEnd(std::function<void()> what) : what_(std::move(what)) {}

@@ -28,7 +28,7 @@ class Listener {
   [[nodiscard]] std::uint16_t port() const { return port_; }
   /// "127.0.0.1:8631", "unix:/run/popcut.sock".
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// Hands the socket over; whoever takes it closes it.
+  /// Hands the socket over; the caller closes it.
   [[nodiscard]] int release();
 
  private:

@@ -14,9 +14,9 @@ namespace popcut::daemon::http {
 class RateLimit {
  public:
   RateLimit(double per_s, double burst) : per_s_(per_s), burst_(burst) {}
-  /// Other limits from now on; who has more left than the new burst loses it.
+  /// Changes the limits; whatever is left above the new burst is lost.
   void set(double per_s, double burst) { per_s_ = per_s, burst_ = burst; }
-  /// Takes one; if there is none, the whole seconds until there is.
+  /// Takes one; if none is left, the whole seconds until there is one.
   [[nodiscard]] std::optional<int> take(const std::string& key, double now_s);
   [[nodiscard]] std::size_t size() const { return buckets_.size(); }
 
@@ -29,8 +29,8 @@ class RateLimit {
   std::unordered_map<std::string, Bucket> buckets_;
 };
 
-/// Counts failures to log in, for each key, over the last minute. Who knows a token is never locked
-/// out by who does not: only failures are refused.
+/// Counts failed logins per key over the last minute. A client with a valid token is never locked
+/// out by others: only failures are refused.
 class FailedLogins {
  public:
   explicit FailedLogins(int per_minute) : per_minute_(per_minute) {}

@@ -35,12 +35,12 @@ struct HttpOptions {
   std::string build{"0"};         ///< version, for /v1/meta
   /// Lives longer than the server; called on its own thread only.
   Service* service{nullptr};
-  /// Puts work on the service's thread (lane of those who ask); false: it takes no more.
+  /// Puts work on the service's thread (lane Asking); false: it accepts no more.
   std::function<bool(std::function<void()>)> on_service{};
   std::shared_ptr<spdlog::logger> log{};  ///< null: no log
 };
 
-/// What of the options may change while it serves.
+/// The options that may change while it serves.
 struct HttpTuning {
   std::vector<std::string> hosts{}, origins{};
   HttpUsers users{};
@@ -64,8 +64,8 @@ class HttpServer {
   [[nodiscard]] std::uint16_t port() const;
   /// Where it listens: "127.0.0.1:8631", "unix:/run/popcut.sock".
   [[nodiscard]] std::vector<std::string> endpoints() const;
-  /// Takes other names, users and limits for all requests from now on, those of connections that
-  /// are open too. Streams of users who may nothing any more end.
+  /// Uses other names, users and limits for all later requests, also on open connections.
+  /// Streams of users without a role end.
   void retune(HttpTuning tuning);
   /// Accepts no more, lets requests end for `grace_s`, then cuts them off. The service's thread
   /// must still run. Idempotent.

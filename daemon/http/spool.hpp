@@ -25,7 +25,7 @@ class Spool {
   [[nodiscard]] std::optional<Problem> add(std::string_view bytes);
   /// The bytes are on the disk (fdatasync). The file stays until `remove`, or until the spool goes.
   [[nodiscard]] Answer<Upload> finish();
-  /// Removes the file, if whoever it was given to has not moved it away.
+  /// Removes the file, unless its receiver has moved it away.
   void remove();
 
  private:

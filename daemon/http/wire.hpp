@@ -26,7 +26,7 @@ class RequestReader {
   void append(std::string_view bytes);
   /// True once a byte of the request to come is here.
   [[nodiscard]] bool has_begun() const;
-  /// True when the head is whole; `head()` is then what it says.
+  /// True when the head is complete; then `head()` returns it.
   /// @retval TooLarge    it is longer than `header_bytes`
   /// @retval BadRequest  see `check_head`
   [[nodiscard]] Answer<bool> read_head();
@@ -39,7 +39,7 @@ class RequestReader {
   /// @retval TooLarge    more than `most_bytes` of body
   /// @retval BadRequest  the chunks are not well formed
   [[nodiscard]] Answer<bool> read_body(std::uint64_t most_bytes, const Sink& sink);
-  /// Makes ready for the next request; what has arrived of it is kept.
+  /// Prepares for the next request; the part of it that has arrived is kept.
   void next();
 
  private:

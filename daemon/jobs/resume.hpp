@@ -11,7 +11,7 @@
 
 namespace popcut::daemon {
 
-/// What is known of the strokes of one blank, all attempts at it taken together.
+/// What is known of the strokes of one blank, over all attempts.
 enum class PathFate : std::uint8_t { NotSent, InDoubt, Certain };
 
 /// A run of strokes with one fate.
@@ -29,7 +29,7 @@ struct FateRun {
 /// The ledger's lists from the runs.
 void fill_ledger(Ledger& ledger, const std::vector<FateRun>& runs);
 
-/// What a person said with `resume-from`, and what the store knows.
+/// The request `resume-from`, and what the store knows.
 struct ResumeRequest {
   std::int64_t from_path{};
   bool re_registered{false};

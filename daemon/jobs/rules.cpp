@@ -62,7 +62,7 @@ Step step_of(JobState state, JobAction action) {
 Step step_of(JobState state, JobEvent event) {
   using enum JobEvent;
   const bool knife = state == JobState::Cutting || state == JobState::Paused;
-  const auto only = [&](bool lawful, Step step) { return lawful ? step : Step::Refused; };
+  const auto only = [&](bool allowed, Step step) { return allowed ? step : Step::Refused; };
   switch (event) {
     case PlanBegins:
       return only(state == JobState::Queued, Step::ToPlanning);
@@ -142,10 +142,10 @@ Step step_of(const JobFacts& facts, JobAction action) {
 }
 
 std::vector<JobAction> allowed_actions(const JobFacts& facts) {
-  std::vector<JobAction> lawful;
+  std::vector<JobAction> allowed;
   for (const JobAction action : all_actions())
-    if (step_of(facts, action) != Step::Refused) lawful.push_back(action);
-  return lawful;
+    if (step_of(facts, action) != Step::Refused) allowed.push_back(action);
+  return allowed;
 }
 
 Role role_for(JobAction action, bool own_job) {

@@ -32,8 +32,8 @@ enum class JobEvent : std::uint8_t {
 
 /// What an action or event does to a job in a state.
 enum class Step : std::uint8_t {
-  Refused,  ///< not lawful in this state: 409 for an action; an event that comes late is dropped
-  Stays,    ///< lawful; the state stays, what was asked is noted or changes nothing
+  Refused,  ///< not allowed in this state: 409 for an action; a late event is dropped
+  Stays,    ///< allowed; the state stays, the request is noted or changes nothing
   ToQueued,
   ToPlanning,
   ToReady,
@@ -56,22 +56,22 @@ enum class Step : std::uint8_t {
 /// Where a step leads from `state` when `sheet` of `sheets` is the current one.
 [[nodiscard]] JobState state_after(JobState state, Step step, int sheet, int sheets);
 
-/// What the rules look at beside the state.
+/// What the rules look at besides the state.
 struct JobFacts {
   JobState state{};
   bool held{false};
   bool pausing{false};        ///< `pause` was asked for, the stroke goes on
   bool cancelling{false};     ///< `cancel` was asked for, the stroke goes on
-  bool awaits_result{false};  ///< interrupted only because nobody can tell but a person
-  bool begun{false};          ///< ready to go on with a sheet that is cut in part
+  bool awaits_result{false};  ///< interrupted only because a person must judge the result
+  bool begun{false};          ///< ready to continue a sheet that is cut in part
 };
 
-/// Whether `action` is lawful, the facts considered.
+/// Whether `action` is allowed, given the facts.
 [[nodiscard]] Step step_of(const JobFacts& facts, JobAction action);
-/// The lawful ones, in the order of the enumeration.
+/// The allowed actions, in the order of the enumeration.
 [[nodiscard]] std::vector<JobAction> allowed_actions(const JobFacts& facts);
 
-/// What a role may ask of a job: its own, or anyone's.
+/// The least role for an action on one's own job, or on anyone's.
 [[nodiscard]] Role role_for(JobAction action, bool own_job);
 
 }  // namespace popcut::daemon

@@ -16,7 +16,7 @@ enum class Role : std::uint8_t { Viewer, Submitter, Operator, Admin };
 [[nodiscard]] std::string_view name_of(Role role);
 [[nodiscard]] std::optional<Role> role_from(std::string_view name);
 
-/// Who asks.
+/// The identity behind a request.
 struct Principal {
   std::string name;  ///< "uid:1000", "token:01J..."
   Role role{};
@@ -41,7 +41,7 @@ enum class JobState : std::uint8_t {
 [[nodiscard]] std::optional<JobState> job_state_from(std::string_view name);
 [[nodiscard]] bool is_terminal(JobState state);
 
-/// What a person may ask of a job.
+/// What a person may do with a job.
 enum class JobAction : std::uint8_t {
   Arm,
   Disarm,
@@ -163,7 +163,7 @@ struct Job {
   std::string outcome{};
   std::vector<std::string> tags{};
   std::optional<Attention> attention{};
-  std::vector<std::string> actions{};  ///< lawful now
+  std::vector<std::string> actions{};  ///< allowed now
 };
 
 struct JobCreate {
@@ -247,7 +247,7 @@ struct DeviceRecord {
   double width_mm{}, length_mm{};
   std::string firmware{};
   std::string job{};
-  /// Grows whenever it was plugged in anew or lost: a sheet keeps its place only while this stays.
+  /// Grows whenever it was plugged in again or lost: a sheet keeps its place only while this stays.
   std::int64_t plugs{};
   std::int64_t sheets_done{};
   double cut_mm{};

@@ -13,7 +13,7 @@
 
 namespace popcut::daemon {
 
-/// The kinds of problem that the HTTP interface tells; each has one status and one type URI.
+/// The kinds of problem of the HTTP interface; each has one status and one type URI.
 enum class ProblemKind : std::uint8_t {
   Validation,             ///< 422
   MalformedJson,          ///< 400, with the byte offset
@@ -25,9 +25,9 @@ enum class ProblemKind : std::uint8_t {
   Forbidden,              ///< 403
   NotFound,               ///< 404
   MethodNotAllowed,       ///< 405
-  StateConflict,          ///< 409, with the state and the actions that are lawful in it
+  StateConflict,          ///< 409, with the state and the allowed actions
   DeviceAbsent,           ///< 409
-  Stale,                  ///< 412, with the revision that is current
+  Stale,                  ///< 412, with the current revision
   PreconditionRequired,   ///< 428
   IdempotencyKeyMissing,  ///< 400
   IdempotencyKeyReused,   ///< 422
@@ -44,7 +44,7 @@ struct RequestFault {
   std::string pointer;  ///< JSON pointer into the body, "?name" of a query, or "line:column"
   std::string code;     ///< "range", "unknown_member", "type", "missing", ...
   std::string detail;   ///< what would be right: "must be 1..1000", "did you mean /material?"
-  std::string got{};    ///< what stands there, as JSON, where it is short; empty: not told
+  std::string got{};    ///< the value found there, as JSON, if it is short; empty: not reported
 };
 
 /// Why a request was not done.
@@ -54,7 +54,7 @@ struct Problem {
   std::vector<RequestFault> errors{};
   std::optional<std::int64_t> rev{};           ///< current revision (Stale)
   std::string state{};                         ///< current state (StateConflict, Stale)
-  std::vector<std::string> allowed_actions{};  ///< lawful now (StateConflict, Stale)
+  std::vector<std::string> allowed_actions{};  ///< allowed now (StateConflict, Stale)
   std::optional<int> retry_after_s{};
 };
 
@@ -66,7 +66,7 @@ using Answer = tl::expected<T, Problem>;
   return tl::unexpected<Problem>(Problem{kind, std::move(detail)});
 }
 
-/// One value that is wrong: 422 with its pointer, code and what would be right.
+/// One invalid value: 422 with its pointer, code and what would be right.
 [[nodiscard]] Problem invalid_value(const std::string& pointer, std::string code,
                                     std::string advice);
 

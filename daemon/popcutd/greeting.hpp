@@ -8,7 +8,7 @@
 
 namespace popcut::daemon {
 
-/// What a person at the terminal is told once popcutd serves: where, with what, and what to type
+/// What popcutd prints at a terminal when it is ready: addresses, cutters, and what to type
 /// next.
 [[nodiscard]] std::string greeting(const Config& config, const std::vector<std::string>& endpoints);
 

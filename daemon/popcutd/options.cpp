@@ -141,8 +141,8 @@ Result<void> take_options(const DaemonOptions& options, const std::string& found
     config.listen_given = true;
   }
   for (const std::string& address : options.listen)
-    if (const auto lawful = parse_listen(address, config.allow_remote); !lawful)
-      return fail(ErrorKind::Usage, "--listen", lawful.error().detail);
+    if (const auto valid = parse_listen(address, config.allow_remote); !valid)
+      return fail(ErrorKind::Usage, "--listen", valid.error().detail);
   if (!options.socket.empty()) config.socket = options.socket;
   if (!options.state.empty()) config.state = options.state;
   if (!is_no_folder(config.state)) return {};

@@ -16,7 +16,7 @@ struct DaemonOptions {
   std::vector<std::string> listen{};
   std::vector<std::string> simulated{};  ///< machines, each attached as sim:NAME
   bool check_config{false};
-  std::optional<int> exit{};  ///< said all there is to say (--help, --version): end with this
+  std::optional<int> exit{};  ///< everything was printed (--help, --version): exit with this code
 };
 
 /// @retval Usage  the command line is wrong

@@ -269,7 +269,7 @@ void Daemon::end_webhook() {
 }
 
 Result<void> Daemon::retune(const Config& wanted) {
-  // The secret may have changed in its file, so a webhook is always begun anew.
+  // The secret may have changed in its file, so a webhook is always started again.
   std::optional<WebhookTarget> target;
   if (!wanted.webhook.url.empty()) {
     auto found = webhook_target(wanted.webhook);

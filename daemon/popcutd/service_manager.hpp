@@ -8,7 +8,7 @@
 
 namespace popcut::daemon {
 
-/// What systemd is told and what it hands over: sd_notify(3), sd_listen_fds(3), without its
+/// Messages to systemd and the sockets it passes: sd_notify(3), sd_listen_fds(3), without its
 /// library.
 class ServiceManager {
  public:
@@ -22,7 +22,7 @@ class ServiceManager {
   /// `text` without control characters.
   bool tell_status(const std::string& text) const;
   [[nodiscard]] bool present() const { return !socket_.empty(); }
-  /// How often it wants to hear that all is well, or nothing.
+  /// The interval at which it expects a sign of life, or nothing.
   [[nodiscard]] std::optional<double> watchdog_s() const { return watchdog_s_; }
   /// Listening sockets that it hands over, each marked to be closed in children.
   [[nodiscard]] const std::vector<int>& sockets() const { return sockets_; }

@@ -30,7 +30,7 @@ struct WebhookTarget {
 [[nodiscard]] std::string webhook_signature(std::string_view secret, std::string_view timestamp,
                                             std::string_view body);
 
-/// Tells another program of each stored event, in order and at least once: an event is sent until
+/// Sends each stored event to another program, in order and at least once: an event is sent until
 /// it was answered with 2xx, and which was the last is kept in the state folder. Its own thread;
 /// nothing waits for it.
 class Webhook {
@@ -43,11 +43,11 @@ class Webhook {
   };
   /// @param cursor_file  holds the number of the last event that was taken
   Webhook(WebhookTarget target, std::string cursor_file, Source source);
-  ~Webhook();  ///< what is under way ends within seconds
+  ~Webhook();  ///< a running request ends within seconds
   Webhook(const Webhook&) = delete;
   Webhook& operator=(const Webhook&) = delete;
 
-  /// There is something new. From any thread.
+  /// There is a new event. From any thread.
   void wake();
 
  private:

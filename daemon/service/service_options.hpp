@@ -13,7 +13,7 @@
 
 namespace popcut::daemon {
 
-/// What a service keeps to. The defaults are those of the manual.
+/// Limits and hooks of a service. The defaults are those of the manual.
 struct ServiceOptions {
   std::int64_t arm_s{600};          ///< how long START may be pressed after arming
   std::int64_t queue_jobs{50'000};  ///< jobs that are not ended
@@ -35,7 +35,7 @@ struct ServiceOptions {
   std::function<std::int64_t()> monotonic_ms{};        ///< empty: CLOCK_MONOTONIC
 };
 
-/// What of the options may change while it runs.
+/// The options that may change while it runs.
 struct ServiceTuning {
   std::int64_t queue_jobs{50'000};
   int sheets_per_job{10'000};

@@ -79,7 +79,7 @@ class ServiceStore {
   /// Stores an event, in a transaction. `members` are JSON members after those that all have:
   /// `"state":"ready","rev":3`.
   void emit(const std::string& kind, const std::string& job, const std::string& members);
-  /// Tells the listeners at once; nothing is stored.
+  /// Calls the listeners at once; nothing is stored.
   void tell(const Event& event);
   void listen(std::function<void(const Event&)> listener) {
     listeners_.push_back(std::move(listener));
@@ -93,7 +93,7 @@ class ServiceStore {
   void note_full();
   /// Takes note that a file could not be kept, and says why.
   [[nodiscard]] Problem unkept(const Error& error);
-  /// Once a failing write was seen nothing is written any more, until popcutd starts anew.
+  /// After a failed write nothing more is written until popcutd restarts.
   [[nodiscard]] bool degraded() const { return degraded_; }
   [[nodiscard]] bool full() const { return full_; }
   /// Why no new work is taken; none: it is.

@@ -7,8 +7,8 @@
 
 namespace popcut::daemon {
 
-/// The one thread that owns the store and the service. Two lanes: what a running cut waits for
-/// goes before what people ask.
+/// The one thread that owns the store and the service. It has two lanes: work of a running cut
+/// comes before requests of people.
 class ServiceThread {
  public:
   enum class Lane { Cutting, Asking };
@@ -26,7 +26,7 @@ class ServiceThread {
   bool run(Lane lane, const std::function<void()>& work);
   /// How many wait, of both lanes.
   [[nodiscard]] std::size_t waiting() const;
-  /// Runs `work` every `period_ms` in the lane of those who ask.
+  /// Runs `work` every `period_ms` in the lane Asking.
   void every(int period_ms, std::function<void()> work);
   void stop();
 

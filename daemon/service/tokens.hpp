@@ -12,7 +12,7 @@
 
 namespace popcut::daemon {
 
-/// Who may ask: tokens, and the sessions of pages. Of a secret only its digest is stored.
+/// Tokens, and the sessions of pages. Only the digest of a secret is stored.
 class Tokens : public Access {
  public:
   Tokens(ServiceStore& store, const ServiceOptions& options) : store_(store), options_(options) {}

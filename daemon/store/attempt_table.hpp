@@ -42,12 +42,12 @@ class AttemptTable {
   /// What is known while it runs, in at most three chunks.
   void mark(const std::string& attempt, const AttemptMarks& marks);
   void add_bytes(const std::string& attempt, std::uint64_t bytes_taken);
-  /// The truth at its end; takes the place of what was marked.
+  /// The final fates; they replace what was marked.
   void finish(const std::string& attempt, TimeMs ended, const std::string& end_kind,
               const std::string& last_status, const std::vector<FateRun>& fates);
   /// As if it had never been started: not a byte was sent.
   void never_started(const std::string& attempt, TimeMs now);
-  /// At a restart: what was on its way is in doubt.
+  /// At a restart: strokes that were being sent are in doubt.
   void crash(const std::string& attempt, TimeMs now);
 
   [[nodiscard]] std::vector<AttemptRow> of_sheet(const std::string& job, int sheet);

@@ -8,7 +8,7 @@
 
 namespace popcut::daemon {
 
-/// "popc": tells a database of ours from any other.
+/// "popc": identifies a database of popcutd.
 inline constexpr int kApplicationId = 0x706F7063;
 
 /// One step from the version before it to `version`, forward only.

@@ -33,11 +33,11 @@ class StateFolder {
   /// Path of something inside: "plans/01J...".
   [[nodiscard]] std::string at(std::string_view inside) const;
 
-  /// Whether the folder is still where it was opened; not if it was renamed or another lies there.
+  /// Whether the folder is still where it was opened; false if it was renamed or replaced.
   [[nodiscard]] bool is_in_place() const;
   /// Bytes that an unprivileged process can still write there.
   [[nodiscard]] std::uint64_t free_bytes() const;
-  /// Takes `bytes` of the disk for later; false if there is no room.
+  /// Reserves `bytes` of the disk for later; false if there is no space.
   bool take_reserve(std::uint64_t bytes);
   /// Gives the reserve back to the disk. True if there was one.
   bool free_reserve();
@@ -54,7 +54,7 @@ class StateFolder {
 ///
 /// @retval Unwritable  the disk is full or failing
 [[nodiscard]] Result<void> keep_file(const std::string& from, const std::string& to);
-/// Writes `bytes` to `path` by way of a file beside it.
+/// Writes `bytes` to `path` through a temporary file beside it.
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view bytes);
 /// Writes a folder of files by way of one beside it: all of them are there, or none. A folder of
 /// that name is replaced. Names must be plain.

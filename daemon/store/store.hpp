@@ -51,7 +51,7 @@ class Store {
   /// The disk failed, or the database is damaged: nothing is written any more, not at the end
   /// either.
   void give_up() { failed_ = true; }
-  /// Copies the database aside for a person to look at, and gives the words for it: what is wrong,
+  /// Copies the database aside for a person to inspect, and gives the message: what is wrong,
   /// where the copy is, and what to do.
   [[nodiscard]] std::string set_aside_as(const std::string& what);
 

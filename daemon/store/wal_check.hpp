@@ -5,7 +5,7 @@
 
 namespace popcut::daemon {
 
-/// What is wrong with a write-ahead log whose last process did not end it; empty: nothing.
+/// The damage of a write-ahead log that its last process did not close; empty: none.
 ///
 /// A log may end in the middle of its last transaction, which was never reported as done. But what
 /// stands before another commit was synced before that commit was written, so it must be whole.

@@ -9,7 +9,7 @@
 namespace popcut::daemon::http {
 
 /// What is wrong with a request before its handler sees it: names in the query that the route does
-/// not have, If-Match or Idempotency-Key that are missing or of no lawful form.
+/// not have, If-Match or Idempotency-Key that are missing or malformed.
 [[nodiscard]] std::optional<Problem> check_request(const Request& request, const Route& route);
 
 /// The same of a request for a stream, which no handler sees.

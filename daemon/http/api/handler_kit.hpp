@@ -55,13 +55,13 @@ void answer_once(const Request& request, Service& service, const Reply& reply,
 /// The number in a path: 1, 2, ... without sign or leading zero; nothing otherwise.
 [[nodiscard]] std::optional<int> path_number(const std::string& text);
 
-/// What is wrong with an If-Match that was sent and need not be: it is not the job's revision.
+/// The problem of an optional If-Match: it is not the job's revision.
 [[nodiscard]] std::optional<Problem> check_seen(const Request& request, const Job& job);
 
-/// Submitters may touch only what is theirs.
+/// Submitters may change only what is theirs.
 [[nodiscard]] std::optional<Problem> check_owner(const Request& request, const std::string& owner);
 
-/// The page of a list that is here whole, in the order of `key_of`, a text.
+/// The page of a complete list, ordered by `key_of`, a string.
 template <typename T, typename KeyOf>
 Page<T> page_of(std::vector<T> all, const PageRequest& wanted, KeyOf key_of) {
   Page<T> page;

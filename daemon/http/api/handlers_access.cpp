@@ -60,7 +60,7 @@ void open_session(const Request& request, Service& service, const HandlerContext
 }
 
 void close_session(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  // "Bearer pc_<id>_<secret>"; that it is a lawful one was seen at the door.
+  // "Bearer pc_<id>_<secret>"; it was checked before.
   const std::string_view sent = request.header("authorization").value_or("");
   const std::size_t begin = sent.find("pc_");
   const std::size_t end = sent.find('_', begin == std::string_view::npos ? begin : begin + 3);

@@ -20,8 +20,8 @@ namespace popcut::daemon::http {
 /// @retval MalformedJson  with the byte at which it went wrong
 [[nodiscard]] Answer<nlohmann::json> parse_body(std::string_view text, int max_depth);
 
-/// Reads the members of a body, all faults kept with their JSON pointers. `finish` adds those that
-/// nobody asked for, with the nearest name that there is.
+/// Reads the members of a body and keeps all faults with their JSON pointers. `finish` adds members
+/// that were not read, with the nearest known name.
 class Members {
  public:
   /// `value` lives longer than this.

@@ -17,7 +17,7 @@ namespace popcut::daemon::http {
 
 enum class Method : std::uint8_t { Get, Head, Post, Put, Patch, Delete, Options, Other };
 [[nodiscard]] std::string_view name_of(Method method);
-/// The method of that name, which is told apart by case; `Other` for all that no route has.
+/// The method of that name (case-sensitive); `Other` for methods that no route has.
 [[nodiscard]] Method method_from(std::string_view name);
 
 struct Header {
@@ -39,7 +39,7 @@ struct RequestHead {
   [[nodiscard]] std::optional<std::string_view> header(std::string_view lower_name) const;
 };
 
-/// A request as handlers see it: who asks is known, the path is matched, the body is here.
+/// A request as handlers see it: authenticated, with the path matched and the body read.
 struct Request {
   Method method{};
   std::string target;
@@ -68,7 +68,7 @@ struct Response {
 };
 
 /// Answers one request, once; from any thread, now or later. When the last copy goes without an
-/// answer, the client is told that something is wrong here.
+/// answer, the client gets 500.
 class Reply {
  public:
   explicit Reply(std::function<void(Response)> send);

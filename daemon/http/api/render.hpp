@@ -13,7 +13,7 @@ namespace popcut::daemon::http {
 /// "2026-11-21T10:12:00.123Z".
 [[nodiscard]] std::string rfc3339(TimeMs time);
 
-// The values of the service as the API shows them. What is absent is null; units are in names.
+// The values of the service as the API shows them. Absent values are null; units are in names.
 [[nodiscard]] nlohmann::ordered_json to_json(const Asset& asset);
 [[nodiscard]] nlohmann::ordered_json to_json(const Design& design);
 [[nodiscard]] nlohmann::ordered_json to_json(const SheetPlan& sheet);

@@ -14,7 +14,7 @@
 
 namespace popcut::daemon::http {
 
-/// What a handler may know beside the request and the service.
+/// What a handler may know besides the request and the service.
 struct HandlerContext {
   HttpLimits limits{};
   std::string build{};                                  ///< version of the program
@@ -26,11 +26,11 @@ struct HandlerContext {
 /// Answers one request. Runs on the service's thread; the reply may come later.
 using Handler = void (*)(const Request&, Service&, const HandlerContext&, Reply);
 
-/// Who may use a route. There is no default: a route that does not say it does not compile.
+/// Who may use a route. There is no default: a route without it does not compile.
 class RouteAccess {
  public:
   constexpr explicit RouteAccess(Role least) : role_(least), open_(false) {}
-  /// For everyone, without authentication. Only what tells and does nothing.
+  /// For everyone, without authentication. Only for requests that change nothing.
   static constexpr RouteAccess everyone() { return RouteAccess(); }
   [[nodiscard]] constexpr bool is_open() const { return open_; }
   [[nodiscard]] constexpr Role role() const { return role_; }
@@ -47,7 +47,7 @@ enum class KeyRule : std::uint8_t { None, Allowed, Required };  ///< Idempotency
 enum class MatchRule : std::uint8_t {
   None,
   Required,  ///< If-Match names the revision that was seen
-  OrAny,     ///< or is "*": to stop a knife must not depend on who looked last
+  OrAny,     ///< or is "*": stopping a knife must not depend on a current revision
   OrNew,     ///< or If-None-Match is "*": it must not be there yet
   Allowed    ///< held against the revision if it is sent
 };
@@ -69,7 +69,7 @@ struct Route {
   bool is_stream{false};
 };
 
-/// All there is. Each is documented in openapi.json; a test holds the two together.
+/// All routes. Each is documented in openapi.json; a test compares the two.
 [[nodiscard]] std::span<const Route> routes();
 
 struct Match {

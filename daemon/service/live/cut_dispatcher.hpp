@@ -31,14 +31,14 @@ class CutDispatcher : public Cutting {
                   const ActionRequest& request) override;
 
   [[nodiscard]] const LiveCut* live(const std::string& job) const;
-  /// Whether the sheet still lies where it was registered: what is known of its place ends with the
+  /// Whether the sheet is still where it was registered. This knowledge ends with the
   /// session of its device, and with popcutd.
   [[nodiscard]] bool knows_place(const JobRow& row, const std::string& device) const;
   /// Arms that have lived too long, and ends that could not be written yet.
   void tick();
-  /// These went away: what was armed for them is ready again.
+  /// These devices went away: jobs that were armed for them are ready again.
   void devices_gone(const std::vector<std::string>& devices);
-  /// Ends all cuts at the ends of their strokes: the store cannot follow them any more.
+  /// Ends all cuts at the end of their strokes, because the store can no longer record them.
   void stop_cuts();
   void stopping() { stopping_ = true; }
   [[nodiscard]] bool cutting() const { return !cuts_.empty(); }

@@ -10,13 +10,13 @@
 
 namespace popcut::daemon {
 
-/// What a session's end means, in words that are stored.
+/// What a session's end means, in the words that are stored.
 struct CutVerdict {
   std::string kind;         ///< "done", "device_gone", "panel_stop", ...
   std::string attention;    ///< kind of the attention that an interrupted job gets
   std::string text;         ///< for people
   bool complete{false};     ///< all certain, and the device said that it rests
-  bool unconfirmed{false};  ///< all sent, nobody said anything
+  bool unconfirmed{false};  ///< all sent, but the device did not confirm it
 };
 /// `runs` are the fates of the strokes that were to be cut, dots aside.
 [[nodiscard]] CutVerdict verdict_on(const SessionEnd& end, const std::vector<FateRun>& runs,

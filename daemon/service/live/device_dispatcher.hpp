@@ -11,7 +11,7 @@
 
 namespace popcut::daemon {
 
-/// What is asked of the cutters themselves, not of a job: which there are, and enable, disable,
+/// Requests for the cutters themselves, not for a job: list, enable, disable,
 /// reset, test-cut.
 class DeviceDispatcher : public Devices {
  public:
@@ -33,7 +33,7 @@ class DeviceDispatcher : public Devices {
   Answer<DeviceRecord> find(const std::string& id) override;
   Answer<DeviceRecord> act(const Principal& who, const std::string& id, std::int64_t if_match,
                            const DeviceRequest& request) override;
-  /// Asks the cutters anew: sheets that were armed in those that went away are armed no more.
+  /// Reads the cutters again: sheets that were armed in a cutter that went away are disarmed.
   void look() { parts_.dispatcher.devices_gone(parts_.devices.refresh()); }
 
  private:

@@ -20,17 +20,17 @@ class LiveService : public Service {
   /// Cuts that end from now on do so because popcutd stops: interrupted, reason `shutdown`. No new
   /// cut begins. Then `Cutters::stop_all`, from any thread but the service's.
   virtual void stopping() = 0;
-  /// What is done from time to time: arms that lapse, old rows, the disk. Once a second is right;
-  /// `make_service` sees to it.
+  /// Periodic work: expired arms, old rows, the disk. `make_service` calls it once
+  /// a second.
   virtual void tick() = 0;
-  /// From now on; what is queued, armed or cutting stays as it is. On the service's thread.
+  /// Changes the options; queued, armed and cutting jobs stay as they are. On the service's thread.
   virtual void retune(ServiceTuning tuning) = 0;
 
  protected:
   explicit LiveService(const Service& parts) : Service(parts) {}
 };
 
-/// Starts the service on `thread`: first one transaction that tells the truth about what the last
+/// Starts the service on `thread`. First, one transaction corrects what the last
 /// run left (cutting and paused jobs are interrupted, armed ones ready, planning ones queued), then
 /// planning goes on. Never starts or resumes a cut.
 ///

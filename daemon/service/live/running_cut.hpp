@@ -12,7 +12,7 @@
 
 namespace popcut::daemon {
 
-/// A cut that is under way, or whose end is not written yet.
+/// A running cut, or one whose end is not recorded yet.
 struct CutDispatcher::Cut {
   std::string job, owner, attempt, device, material, operator_name;
   int sheet{}, blank{};

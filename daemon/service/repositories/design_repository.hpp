@@ -31,7 +31,7 @@ class DesignRepository : public Designs {
   Answer<void> remove(const Principal& who, const std::string& id) override;
   void preview(const std::string& id, std::function<void(Answer<std::string>)> done) override;
 
-  /// The task of a planner for a design that is there: its bytes, kind and assets.
+  /// The planner's task for a stored design: its bytes, kind and assets.
   [[nodiscard]] PlanningTask task_for(const Design& design, PlanningTask::Kind kind);
   /// The material that a spec names; empty: none.
   [[nodiscard]] std::string own_material(const Design& design);
@@ -53,7 +53,7 @@ class DesignRepository : public Designs {
   std::shared_ptr<void> alive_;
 };
 
-/// Text that people gave: no control characters, at most so many bytes.
+/// Checks text from people: no control characters, at most `most` bytes.
 [[nodiscard]] Answer<void> check_text(const std::string& text, std::size_t most,
                                       const std::string& pointer, bool lines_allowed = false);
 

@@ -13,8 +13,8 @@
 
 namespace popcut::daemon {
 
-/// The cutters that are there, and those that were: what the bus says, joined with what the store
-/// keeps of each.
+/// The cutters that are connected, and those that were: what the bus reports, joined with what the
+/// store keeps of each.
 class DeviceRegistry {
  public:
   DeviceRegistry(ServiceStore& store, Cutters& cutters, const ServiceOptions& options)
@@ -22,7 +22,7 @@ class DeviceRegistry {
 
   /// Reads what is kept. Once.
   void load();
-  /// Asks the cutters anew; gives the ids of those that went away.
+  /// Reads the cutters again; gives the ids of those that went away.
   std::vector<std::string> refresh();
 
   [[nodiscard]] std::vector<DeviceRecord> list() const;
@@ -31,14 +31,14 @@ class DeviceRegistry {
   [[nodiscard]] Problem unknown(const std::string& id, const std::string& pointer) const;
   /// Name of the machine's row in the table; empty if it is not there.
   [[nodiscard]] std::string machine_of(const std::string& id) const;
-  /// The machine of the first device that is there.
+  /// The machine of the first connected device.
   [[nodiscard]] std::string first_machine() const;
   /// Changes whenever the device has been away: what was in it may have moved.
   [[nodiscard]] std::string session_of(const std::string& id) const;
 
   /// Why a plan cannot be cut on a device; empty: it can.
   [[nodiscard]] std::string misfit(const std::string& id, const PlanRow& plan) const;
-  /// Those that are there, enabled and fit.
+  /// Devices that are connected, enabled and suitable.
   [[nodiscard]] std::vector<std::string> fitting(const PlanRow& plan) const;
   /// Whether a sheet may be loaded there; if not, the problem.
   [[nodiscard]] Answer<void> usable(const std::string& id) const;

@@ -23,8 +23,8 @@ struct LiveCut {
   double seconds_left{-1};         ///< of the sheet; below 0: not known yet
 };
 
-/// The jobs as rows, and the ways in which a row changes. Who may ask, and what a cutter does, is
-/// for others.
+/// The jobs as rows, and the ways in which a row changes. Actions at a cutter are in
+/// `CutDispatcher`.
 class JobRepository : public Jobs {
  public:
   struct Parts {
@@ -53,10 +53,10 @@ class JobRepository : public Jobs {
   Answer<Job> hold(const Principal& who, const std::string& id, bool held) override;
   Answer<Job> move(const Principal& who, const std::string& id, const std::string& before) override;
 
-  /// Tells the jobs of a plan that it is being made, or what came of it; many in several goes.
+  /// Updates the jobs of a plan when it is being made and when it has ended; many in several steps.
   void plan_begun(const std::string& plan);
   void plan_ended(const std::string& plan);
-  /// Does again what of it could not be stored.
+  /// Repeats updates that could not be stored.
   void catch_up();
 
   // For those who change jobs, in a transaction.
@@ -73,20 +73,20 @@ class JobRepository : public Jobs {
 
   [[nodiscard]] static JobFacts facts_of(const JobRow& row);
   [[nodiscard]] Job shown(const JobRow& row) const;
-  /// 409 with the state and what is lawful in it.
+  /// 409 with the state and the allowed actions.
   [[nodiscard]] static Problem conflict(const JobRow& row, std::string detail);
   /// 412 unless `if_match` is the job's revision.
   [[nodiscard]] static Answer<void> check_rev(const JobRow& row, std::int64_t if_match);
 
-  /// The sheet of the plan that sheet `k` of the job is, and the how manieth copy.
+  /// The sheet of the plan for sheet `k` of the job: copies repeat the plan's sheets.
   [[nodiscard]] static int plan_sheet(const JobRow& row, int k, int plan_sheets) {
     return row.sheets_total == 0 || plan_sheets == 0 ? 0 : (k - 1) % plan_sheets + 1;
   }
   [[nodiscard]] std::optional<SheetPlan> current_sheet(const JobRow& row);
 
-  /// What a running cut knows; set by whoever cuts.
+  /// What a running cut knows; set by the dispatcher of cuts.
   std::function<const LiveCut*(const std::string& job)> live{};
-  /// Whether the sheet that a job is to go on with still lies where it was registered; set
+  /// Whether the sheet that a job continues with is still where it was registered; set
   /// likewise.
   std::function<bool(const JobRow&)> knows_place{};
 
@@ -98,7 +98,7 @@ class JobRepository : public Jobs {
   [[nodiscard]] Answer<void> check(const JobCreate& request) const;
   void apply_plan(JobRow& row, const PlanRow& plan);
   void plan_ended_some(const std::string& plan);
-  std::set<std::string> left_over_{};  ///< plans whose jobs could not be told
+  std::set<std::string> left_over_{};  ///< plans whose jobs could not be updated
   void put_sheet(const JobRow& row, std::string_view state, std::optional<TimeMs> finished = {});
   [[nodiscard]] std::optional<Attention> attention_of(const JobRow& row) const;
   Parts parts_;

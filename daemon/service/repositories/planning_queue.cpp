@@ -292,7 +292,7 @@ void PlanningQueue::over(const std::string& id, Result<PlanningOutcome> outcome)
   }
   if (!outcome) {
     const bool unwanted = outcome.error().kind == ErrorKind::Refused;
-    // Cancelled because nobody waited; if somebody does again by now, it is made anew.
+    // Cancelled because nobody waited; if somebody does again by now, it is made again.
     if (!unwanted || !awaited(id))
       fail_plan(id, unwanted ? "it was no longer needed" : message(outcome.error()));
     return pump();

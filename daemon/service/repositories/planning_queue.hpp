@@ -16,7 +16,7 @@
 
 namespace popcut::daemon {
 
-/// Plans: made once for the same design and words, a few at a time, in the order of those who wait.
+/// Plans: made once for the same design and options, a few at a time, in the order of the queue.
 /// What waits is in the store; only what the planner has is in memory.
 class PlanningQueue : public Plans {
  public:
@@ -43,11 +43,11 @@ class PlanningQueue : public Plans {
   /// That of a small test shape.
   [[nodiscard]] Answer<PlanRow> test_plan_for(const std::string& device,
                                               const std::string& material);
-  /// Serves this plan before those that only jobs wait for.
+  /// Makes this plan before those that only jobs wait for.
   void hurry(const std::string& plan);
-  /// Gives the planner what it can take.
+  /// Gives the planner as many plans as it accepts.
   void pump();
-  /// Nobody waits for it any more, unless it was asked for by itself.
+  /// Cancels a plan that no job waits for, unless it was requested by itself.
   void abandon(const std::string& plan);
   /// Removes all plans of a design that no job uses, in the transaction that removes the design.
   void remove_all_of(const std::string& design);

@@ -5,9 +5,9 @@
 
 namespace popcut::daemon {
 
-/// Tells the truth about what the last run left, in one transaction: what was cutting or paused is
-/// interrupted and what was on its way is in doubt; what was armed is ready; what was being planned
-/// waits. An event `recovered {from, to}` for each.
+/// Corrects what the last run left, in one transaction: jobs that were cutting or paused are
+/// interrupted and strokes that were sent are in doubt; armed jobs are ready; jobs being planned
+/// are queued. Emits an event `recovered {from, to}` for each.
 [[nodiscard]] Answer<void> recover(ServiceStore& store, JobRepository& jobs);
 
 }  // namespace popcut::daemon
