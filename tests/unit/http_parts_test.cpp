@@ -16,6 +16,7 @@
 #include "daemon/http/rate_limit.hpp"
 #include "daemon/http/wire.hpp"
 
+using namespace popcut;
 using namespace popcut::daemon;
 using namespace popcut::daemon::http;
 
