@@ -17,14 +17,13 @@ struct TokenRequest {
   std::optional<int> lifetime_s;
 };
 
-TokenRequest read_token_request(Members& members) {
+TokenRequest read_token_request(FieldReader& fields) {
   TokenRequest wanted;
-  members.require("name", "must be a name that tells you what the token is for");
-  members.require("role", "must be one of viewer, submitter, operator, admin");
-  wanted.name = members.text("name", 120).value_or("");
-  const auto role = members.word("role", {"viewer", "submitter", "operator", "admin"});
-  wanted.role = role_from(role.value_or("")).value_or(Role::Viewer);
-  if (const auto life = members.integer("lifetime_s", 60, kLongestLife_s))
+  fields.need("name", "give a name, for those who read the list of tokens");
+  wanted.name = fields.text("name", "", line(120));
+  wanted.role =
+      static_cast<Role>(fields.word("role", {}, {"viewer", "submitter", "operator", "admin"}));
+  if (const auto life = fields.optional_integer("lifetime_s", 60, kLongestLife_s))
     wanted.lifetime_s = static_cast<int>(*life);
   return wanted;
 }
@@ -34,7 +33,7 @@ TokenRequest read_token_request(Members& members) {
 void create_one_shot(const Request& request, Service& service, const HandlerContext& context,
                      Reply reply) {
   const auto body =
-      read_body_as<bool>(request, context.limits.json_depth, [](Members&) { return true; });
+      read_body_as<bool>(request, context.limits.json_depth, [](FieldReader&) { return true; });
   if (!body) return reply(problem_response(body.error(), request));
   const Answer<std::string> word = service.access.create_one_shot(request.principal);
   if (!word) return reply(problem_response(word.error(), request));
@@ -44,10 +43,10 @@ void create_one_shot(const Request& request, Service& service, const HandlerCont
 void open_session(const Request& request, Service& service, const HandlerContext& context,
                   Reply reply) {
   const auto word =
-      read_body_as<std::string>(request, context.limits.json_depth, [](Members& members) {
-        members.require("one_shot",
-                        "must be the one-shot word of the address that 'popcut open' opened");
-        return members.text("one_shot", 200).value_or("");
+      read_body_as<std::string>(request, context.limits.json_depth, [](FieldReader& fields) {
+        fields.need("one_shot",
+                    "must be the one-shot word of the address that 'popcut open' opened");
+        return fields.text("one_shot", "", line(200));
       });
   if (!word) return reply(problem_response(word.error(), request));
   const Answer<NewToken> token = service.access.open_session(*word);

@@ -17,51 +17,53 @@ std::optional<int> small(const std::optional<std::int64_t>& value) {
   return value ? std::optional<int>(static_cast<int>(*value)) : std::nullopt;
 }
 
-void read_sheet(Members& members, ActionRequest& wanted, bool required) {
-  if (required) members.require("sheet", "must be the sheet number, counted from 1");
-  wanted.sheet = small(members.integer("sheet", 1, kMostSheets));
+void read_sheet(FieldReader& fields, ActionRequest& wanted, bool required) {
+  if (required) fields.need("sheet", "must be the sheet number, counted from 1");
+  wanted.sheet = small(fields.optional_integer("sheet", 1, kMostSheets));
 }
 
-void read_arm(Members& members, ActionRequest& wanted) {
-  read_sheet(members, wanted, true);
-  wanted.blank = small(members.integer("blank", 1, kMostBlanks));
-  wanted.device = members.text("device", 64).value_or("");
-  wanted.plan_sha256 = members.text("plan_sha256", 64).value_or("");
+void read_arm(FieldReader& fields, ActionRequest& wanted) {
+  read_sheet(fields, wanted, true);
+  wanted.blank = small(fields.optional_integer("blank", 1, kMostBlanks));
+  wanted.device = fields.text("device", "", line(64));
+  wanted.plan_sha256 = fields.text("plan_sha256", "", line(64));
 }
 
-void read_resume_from(Members& members, ActionRequest& wanted) {
-  members.require("from_path", "must be the path to continue from, counted from 0");
-  members.require("registration", "must be one of kept, re-registered");
-  wanted.from_path = members.integer("from_path", 0, kMostPaths);
-  wanted.registration = members.word("registration", {"kept", "re-registered"}).value_or("");
-  wanted.accept_double_cut = members.boolean("i_accept_double_cut").value_or(false);
-  wanted.skip_in_doubt = members.boolean("skip_in_doubt").value_or(false);
+void read_resume_from(FieldReader& fields, ActionRequest& wanted) {
+  fields.need("from_path", "must be the path to continue from, counted from 0");
+  fields.need("registration", "must be one of kept, re-registered");
+  wanted.from_path = fields.optional_integer("from_path", 0, kMostPaths);
+  const std::vector<std::string> registrations{"kept", "re-registered"};
+  if (const auto word = fields.optional_word("registration", registrations))
+    wanted.registration = registrations[*word];
+  wanted.accept_double_cut = fields.boolean("i_accept_double_cut", false);
+  wanted.skip_in_doubt = fields.boolean("skip_in_doubt", false);
 }
 
-ActionRequest read_action(Members& members, JobAction action) {
+ActionRequest read_action(FieldReader& fields, JobAction action) {
   ActionRequest wanted;
   wanted.action = action;
   switch (action) {
     case JobAction::Arm:
-      read_arm(members, wanted);
+      read_arm(fields, wanted);
       break;
     case JobAction::Start:
-      read_sheet(members, wanted, false);
+      read_sheet(fields, wanted, false);
       break;
     case JobAction::Cancel:
-      wanted.reason = members.text("reason", 200).value_or("");
+      wanted.reason = fields.text("reason", "", line(200));
       break;
     case JobAction::ConfirmResult:
-      read_sheet(members, wanted, true);
-      members.require("good", "must be true or false: is the sheet usable?");
-      wanted.good = members.boolean("good");
+      read_sheet(fields, wanted, true);
+      fields.need("good", "must be true or false: is the sheet usable?");
+      wanted.good = fields.optional_boolean("good");
       break;
     case JobAction::RetrySheet:
     case JobAction::SkipSheet:
-      read_sheet(members, wanted, true);
+      read_sheet(fields, wanted, true);
       break;
     case JobAction::ResumeFrom:
-      read_resume_from(members, wanted);
+      read_resume_from(fields, wanted);
       break;
     case JobAction::Disarm:
     case JobAction::Pause:
@@ -77,7 +79,7 @@ void act_on_job(const Request& request, Service& service, JobAction action,
                 const HandlerContext& context, const Reply& reply) {
   const auto wanted = read_body_as<ActionRequest>(
       request, context.limits.json_depth,
-      [action](Members& members) { return read_action(members, action); });
+      [action](FieldReader& fields) { return read_action(fields, action); });
   if (!wanted) return reply(problem_response(wanted.error(), request));
   const bool any_rev =
       action == JobAction::Pause || action == JobAction::Cancel || action == JobAction::Disarm;

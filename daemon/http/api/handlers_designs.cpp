@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/text/utf8.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
 #include "daemon/http/api/json_body.hpp"
 #include "daemon/http/api/render.hpp"
-#include "daemon/http/api/target.hpp"
 
 namespace popcut::daemon::http::handle {
 namespace {
@@ -48,12 +48,12 @@ std::optional<std::string> sheet_name(const Request& request, const Reply& reply
   return std::nullopt;
 }
 
-PlanRequest read_plan_request(Members& members) {
+PlanRequest read_plan_request(FieldReader& fields) {
   PlanRequest wanted;
-  wanted.material = members.text("material", 64).value_or("");
-  wanted.device = members.text("device", 64).value_or("");
-  wanted.machine = members.text("machine", 64).value_or("");
-  wanted.options = members.options("options");
+  wanted.material = fields.text("material", "", line(64));
+  wanted.device = fields.text("device", "", line(64));
+  wanted.machine = fields.text("machine", "", line(64));
+  wanted.options = read_options(fields, "options");
   return wanted;
 }
 

@@ -44,9 +44,8 @@ void act_on_device(const Request& request, Service& service, const HandlerContex
   DeviceRequest wanted;
   wanted.action = request.path().substr(request.path().rfind('/') + 1);
   const auto body =
-      read_body_as<std::string>(request, context.limits.json_depth, [&wanted](Members& members) {
-        return wanted.action == "test-cut" ? members.text("material", 64).value_or("")
-                                           : std::string();
+      read_body_as<std::string>(request, context.limits.json_depth, [&wanted](FieldReader& fields) {
+        return wanted.action == "test-cut" ? fields.text("material", "", line(64)) : std::string();
       });
   if (!body) return reply(problem_response(body.error(), request));
   wanted.material = *body;

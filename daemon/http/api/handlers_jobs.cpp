@@ -12,33 +12,33 @@
 namespace popcut::daemon::http::handle {
 namespace {
 
-JobCreate read_job(Members& members) {
+JobCreate read_job(FieldReader& fields) {
   JobCreate wanted;
-  wanted.design = members.text("design", 80).value_or("");
-  wanted.plan = members.text("plan", 80).value_or("");
-  if (members.has("design") == members.has("plan"))
-    members.fault(members.has("plan") ? "plan" : "design", "one_of",
-                  "name either a design or a plan");
-  wanted.material = members.text("material", 64).value_or("");
-  wanted.device = members.text("device", 64).value_or("");
-  wanted.options = members.options("options");
-  wanted.copies = static_cast<int>(members.integer("copies", 1, 1000).value_or(1));
-  wanted.priority = static_cast<int>(members.integer("priority", -10, 10).value_or(0));
-  wanted.name = members.text_or_empty("name", 120).value_or("");
-  wanted.note = members.text_or_empty("note", 2000, true).value_or("");
-  wanted.tags = members.texts("tags", 20, 40);
+  wanted.design = fields.text("design", "", line(80));
+  wanted.plan = fields.text("plan", "", line(80));
+  if (fields.has("design") == fields.has("plan"))
+    fields.refuse(fields.has("plan") ? "plan" : "design", ErrorKind::Malformed,
+                  "must be the only one: give a design or a plan", "one_of");
+  wanted.material = fields.text("material", "", line(64));
+  wanted.device = fields.text("device", "", line(64));
+  wanted.options = read_options(fields, "options");
+  wanted.copies = fields.integer("copies", 1, 1, 1000);
+  wanted.priority = fields.integer("priority", 0, -10, 10);
+  wanted.name = fields.text("name", "", line_or_empty(120));
+  wanted.note = fields.text("note", "", lines_or_empty(2000));
+  wanted.tags = fields.optional_texts("tags", 20, line(40)).value_or(std::vector<std::string>());
   // No cutter feeds itself so that it could go on alone.
-  static_cast<void>(members.word("on_sheet_done", {"wait"}));
+  fields.word("on_sheet_done", 0, {"wait"});
   return wanted;
 }
 
-JobPatch read_patch(Members& members) {
+JobPatch read_patch(FieldReader& fields) {
   JobPatch patch;
-  if (const auto priority = members.integer("priority", -10, 10))
+  if (const auto priority = fields.optional_integer("priority", -10, 10))
     patch.priority = static_cast<int>(*priority);
-  patch.name = members.text_or_empty("name", 120);
-  patch.note = members.text_or_empty("note", 2000, true);
-  patch.device = members.text_or_empty("device", 64);
+  patch.name = fields.optional_text("name", line_or_empty(120));
+  patch.note = fields.optional_text("note", lines_or_empty(2000));
+  patch.device = fields.optional_text("device", line_or_empty(64));
   return patch;
 }
 
@@ -78,9 +78,9 @@ std::optional<int> sheet_number(const Request& request, const Reply& reply) {
   return number;
 }
 
-std::string read_job_id(Members& members) {
-  members.require("job", "must be the id of a job");
-  return members.text("job", 64).value_or("");
+std::string read_job_id(FieldReader& fields) {
+  fields.need("job", "must be the id of a job");
+  return fields.text("job", "", line(64));
 }
 
 // The job that a body names, held against an If-Match if there is one.
@@ -224,12 +224,13 @@ void move_job(const Request& request, Service& service, const HandlerContext& co
   struct Move {
     std::string job, before;
   };
-  const auto wanted = read_body_as<Move>(request, context.limits.json_depth, [](Members& members) {
-    Move move;
-    move.job = read_job_id(members);
-    move.before = members.text("before", 64).value_or("");
-    return move;
-  });
+  const auto wanted =
+      read_body_as<Move>(request, context.limits.json_depth, [](FieldReader& fields) {
+        Move move;
+        move.job = read_job_id(fields);
+        move.before = fields.text("before", "", line(64));
+        return move;
+      });
   if (!wanted) return reply(problem_response(wanted.error(), request));
   answer_once(request, service, reply, [&] {
     if (const auto stale = check_named(request, service, wanted->job))

@@ -95,7 +95,7 @@ struct Nothing {};
 
 Answer<Nothing> read_nothing(const Request& request, const HandlerContext& context) {
   return read_body_as<Nothing>(request, context.limits.json_depth,
-                               [](Members&) { return Nothing{}; });
+                               [](FieldReader&) { return Nothing{}; });
 }
 
 }  // namespace

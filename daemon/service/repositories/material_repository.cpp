@@ -7,7 +7,7 @@
 #include "core/machines/machine.hpp"
 #include "core/machines/table.hpp"
 #include "core/machines/tables.hpp"
-#include "core/text/json_fields.hpp"
+#include "core/text/json_text.hpp"
 #include "core/text/near_names.hpp"
 
 namespace popcut::daemon {
