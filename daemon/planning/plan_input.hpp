@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/design/patches.hpp"
-#include "core/formats/svg/svg_reader.hpp"
 #include "core/drawing/linework.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 #include "core/result.hpp"
 
 namespace popcut::planning {
@@ -18,8 +18,8 @@ namespace popcut::planning {
 struct DrawingInput {
   LineWork drawing;
   std::optional<std::string> material;
-  std::vector<double>
-      seams_x{};  ///< declared seams: it is to be split there, mm from its left edge
+  std::vector<double> seams_x{};  ///< it is to be split there, mm from its left edge
+  std::optional<PagePoint> at{};  ///< where it goes on a sheet unless the options say
 };
 
 enum class InputKind : std::uint8_t { Spec, Fold, Svg, Dxf };
@@ -38,5 +38,8 @@ struct SpecSources {
 [[nodiscard]] Result<DrawingInput> drawing_from_text(std::string text, InputKind kind,
                                                      const SvgReadOptions& how, unsigned factor,
                                                      const SpecSources& sources);
+
+/// The small test shape, near the sheet's corner.
+[[nodiscard]] DrawingInput test_shape_input();
 
 }  // namespace popcut::planning

@@ -8,17 +8,15 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/text/json_fields.hpp"
 #include "core/plan/marks.hpp"
 #include "core/plan/plan_json.hpp"
 #include "core/plan/sheet_svg.hpp"
-#include "core/plan/test_shape.hpp"
+#include "core/text/json_fields.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/planning/content_kind.hpp"
 #include "daemon/planning/plan_job.hpp"
 #include "daemon/planning/preview.hpp"
 #include "daemon/planning/program_file.hpp"
-#include "daemon/planning/task_words.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -161,24 +159,24 @@ Result<PlanningOutcome> outcome_of(const PlanJob& job, PlanningOutcome outcome,
 }
 
 Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add) {
-  auto words = words_of_options(task.options);
-  if (!words) return tl::unexpected(words.error());
+  auto options = read_plan_options(task.options);
+  if (!options) return tl::unexpected(in_request(options.error()));
   const auto tables = tables_of(task);
   if (!tables) return tl::unexpected(tables.error());
-  words->machine = tables->machine;
-  words->material = tables->material;
+  options->machine = tables->machine;
+  options->material = tables->material;
   PlanningOutcome outcome;
   SpecSources sources;
   sources.assets = [&](const DesignSpec& spec) { return assets_for(spec, task.assets); };
   sources.designed = [&](const DesignSpec& spec, PatchAssembly& made) -> Result<void> {
     if (const auto ids = asset_ids(spec)) outcome.assets = *ids;
-    const std::string name = words->material.empty() ? spec.material : words->material;
+    const std::string name = options->material.empty() ? spec.material : options->material;
     if (const auto material = find_material(name, tables->texts))
       for (Design& part : made.parts) add_thickness_note(*material, part);
     return add_design_files(made, add, outcome.warnings);
   };
   const auto read = [&](const SvgReadOptions& how) -> Result<DrawingInput> {
-    if (task.kind == Kind::TestCut) return DrawingInput{test_shape(), std::nullopt, {}};
+    if (task.kind == Kind::TestCut) return test_shape_input();
     const auto kind =
         task.design_kind.empty() ? kind_of_content(task.design) : input_kind_from(task.design_kind);
     if (!kind) return tl::unexpected(kind.error());
@@ -187,8 +185,7 @@ Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add) {
     if (input && input->drawing.name.empty()) input->drawing.name = "design";
     return input;
   };
-  if (task.kind == Kind::TestCut && words->at.empty() && !words->marks.wanted) words->at = "5,5";
-  const auto job = make_plan_job(*words, tables->texts, read, "");
+  const auto job = make_plan_job(*options, tables->texts, read, "");
   if (!job) return tl::unexpected(in_request(job.error()));
   return outcome_of(*job, std::move(outcome), add);
 }

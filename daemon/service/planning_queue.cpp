@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "daemon/planning/task_words.hpp"
+#include "daemon/planning/plan_job.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -130,8 +130,8 @@ Answer<PlanRow> PlanningQueue::wish(const PlanWish& wish) {
                                   "the options are not valid",
                                   {{fmt::format("/options/{}", kProfileRow), "option",
                                     "must be left out; name svg-profile"}}});
-  if (const auto words = planning::words_of_options(options); !words)
-    return tl::unexpected(problem_from(words.error()));
+  if (const auto read = read_plan_options(options); !read)
+    return tl::unexpected(problem_from(planning::in_request(read.error())));
   if (const auto named = options.find("svg-profile"); named != options.end())
     if (std::string own = parts_.materials.profile_row(named->second); !own.empty())
       options[kProfileRow] = std::move(own);

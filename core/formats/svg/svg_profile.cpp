@@ -9,10 +9,10 @@
 
 #include "core/formats/svg/syntax/svg_colour.hpp"
 #include "core/formats/svg/syntax/svg_units.hpp"
-#include "core/text/json_fields.hpp"
-#include "core/text/near_names.hpp"
 #include "core/machines/table.hpp"
 #include "core/machines/tables.hpp"
+#include "core/text/json_fields.hpp"
+#include "core/text/near_names.hpp"
 
 namespace popcut {
 namespace {
@@ -168,7 +168,7 @@ Result<StrokeProfile> find_stroke_profile(std::string_view name,
     names.push_back(profile.name);
   }
   return fail(
-      ErrorKind::Usage, "--svg-profile",
+      ErrorKind::Usage, "/options/svg-profile",
       fmt::format("no profile is called {}; {}", name.substr(0, 80), suggestion(name, names)));
 }
 

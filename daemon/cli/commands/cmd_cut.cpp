@@ -5,10 +5,8 @@
 #include <csignal>
 #include <cstdio>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
-#include <set>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -17,18 +15,17 @@
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/plan/plan_json.hpp"
 #include "core/plan/sheet_svg.hpp"
-#include "core/plan/test_shape.hpp"
 #include "core/text/shown_text.hpp"
 #include "daemon/cli/command.hpp"
-#include "daemon/cli/cut_device.hpp"
 #include "daemon/cli/commands/cut_queue.hpp"
+#include "daemon/cli/cut_device.hpp"
 #include "daemon/cli/expectation.hpp"
 #include "daemon/cli/fault_file.hpp"
 #include "daemon/cli/options/option_value.hpp"
-#include "daemon/files/output_folder.hpp"
+#include "daemon/cli/options/plan_arguments.hpp"
 #include "daemon/cli/view/pause_key.hpp"
-#include "daemon/cli/options/plan_job.hpp"
 #include "daemon/cli/view/progress_bar.hpp"
+#include "daemon/files/output_folder.hpp"
 #include "device/compare/expect.hpp"
 #include "device/session/session.hpp"
 
@@ -36,13 +33,12 @@ namespace popcut::cli {
 namespace {
 
 struct Options {
-  PlanJobOptions job;
+  PlanArguments plan;
   std::string device, treat_as, folder, faults;
   bool direct{false}, yes{false}, test{false};
   int copies{1}, priority{0};
   std::string name;
   bool wait{false};
-  std::map<std::string, std::string> plan_words{};  ///< options of the plan as they were typed
 };
 
 // Ctrl-C asks the session to stop at the end of a stroke, with the tool up.
@@ -238,7 +234,7 @@ Result<void> check_words(const Options& options) {
                  "the queue of popcutd");
   if (options.direct) return {};
   if (options.test && (options.copies != 1 || options.priority != 0 ||
-                       !options.plan_words.empty() || !options.name.empty()))
+                       !options.plan.options.empty() || !options.name.empty()))
     return wrong("--test",
                  "takes --device, --material and --wait; popcutd plans its shape itself; more "
                  "with --direct");
@@ -252,21 +248,21 @@ Result<void> check_words(const Options& options) {
     return wrong("--output",
                  "works with --direct; popcutd keeps the plan's files, see 'popcut "
                  "jobs JOB'");
-  if (!options.job.machine.empty() || !options.treat_as.empty())
+  if (!options.plan.machine.empty() || !options.treat_as.empty())
     return wrong(options.treat_as.empty() ? "--machine" : "--treat-as",
                  "works with --direct; with popcutd the device says what it is: --device");
   return {};
 }
 
 Result<void> run_cut(const Options& options, const Globals& globals) {
-  if (options.test != options.job.input.empty())
+  if (options.test != options.plan.input.empty())
     return fail(ErrorKind::Usage, "command line",
                 options.test ? "INPUT and --test both; --test cuts a shape of its own"
                              : "INPUT is missing; name a SPEC or a pattern, or give --test");
   if (const auto lawful = check_words(options); !lawful) return lawful;
   if (!options.direct) {
-    const QueueWish wish{options.job.input,  options.device, options.job.material, options.name,
-                         options.plan_words, options.copies, options.priority,     options.wait};
+    const QueueWish wish{options.plan.input,   options.device, options.plan.material, options.name,
+                         options.plan.options, options.copies, options.priority,      options.wait};
     return options.test ? queue_test_cut(wish, globals) : queue_cut(wish, globals);
   }
   const bool simulated = options.device.empty() || options.device.rfind("sim:", 0) == 0;
@@ -275,21 +271,17 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
                 fmt::format("works with simulated devices only, and {} is none: a person must look "
                             "at each sheet before it is cut; leave --yes out",
                             options.device));
-  auto target = choose_target({options.device, options.job.machine, options.treat_as});
+  auto target = choose_target({options.device, options.plan.machine, options.treat_as});
   if (!target) return tl::unexpected(target.error());
   if (!options.faults.empty()) {
     auto faults = read_faults(options.faults, *target);
     if (!faults) return tl::unexpected(faults.error());
     target->faults = std::move(*faults);
   }
-  PlanJobOptions how = options.job;
-  how.machine = target->machine.name;
-  how.order.progress = !globals.quiet;
-  if (options.test) {
-    how.drawing = test_shape();
-    if (how.at.empty() && !how.marks.wanted) how.at = "5,5";
-  }
-  const auto job = make_plan_job(how);
+  PlanArguments wanted = options.plan;
+  wanted.machine = target->machine.name;
+  wanted.test_shape = options.test;
+  const auto job = plan_input(wanted, !globals.quiet);
   if (!job) return tl::unexpected(job.error());
   std::optional<OutputFolder> folder;
   if (!options.folder.empty()) {
@@ -315,23 +307,6 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   }
   return cut;
-}
-
-/// The options of the plan that were given, as popcutd takes them: names without dashes.
-std::map<std::string, std::string> plan_words(const CLI::App& command) {
-  static const std::set<std::string> kOwn{"INPUT",  "test", "device",   "treat-as", "faults",
-                                          "direct", "yes",  "output",   "copies",   "name",
-                                          "wait",   "help", "priority", "material", "machine"};
-  std::map<std::string, std::string> words;
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->count() == 0 || option->get_lnames().empty()) continue;
-    const std::string& name = option->get_lnames().front();
-    if (kOwn.contains(name)) continue;
-    words[name] = option->get_expected_max() == 0
-                      ? "true"
-                      : fmt::format("{}", fmt::join(option->results(), ","));
-  }
-  return words;
 }
 
 constexpr const char* kHelp =
@@ -360,7 +335,7 @@ constexpr const char* kHelp =
 void register_cut(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("cut", kHelp);
-  add_plan_options(*command, options->job);
+  add_plan_arguments(*command, options->plan);
   command->get_option("INPUT")->required(false);
   command->add_flag("--test", options->test,
                     "Cut a small shape to try the material: a square, a triangle, a fold");
@@ -390,8 +365,7 @@ void register_cut(CLI::App& app, const Globals& globals, Run& run) {
       ->option_text("TEXT");
   command->add_flag("--wait", options->wait,
                     "Tell each thing that waits for a person; return when the job has ended");
-  command->callback([options, command, &globals, &run] {
-    options->plan_words = plan_words(*command);
+  command->callback([options, &globals, &run] {
     run = [options, &globals] { return run_cut(*options, globals); };
   });
 }

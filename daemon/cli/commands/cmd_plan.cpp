@@ -10,15 +10,15 @@
 #include "core/plan/sheet_svg.hpp"
 #include "core/text/shown_text.hpp"
 #include "daemon/cli/command.hpp"
-#include "daemon/files/output_folder.hpp"
-#include "daemon/cli/options/plan_job.hpp"
+#include "daemon/cli/options/plan_arguments.hpp"
 #include "daemon/cli/profile_sheets.hpp"
+#include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
 namespace {
 
 struct Options {
-  PlanJobOptions job;
+  PlanArguments plan;
   std::string folder;
 };
 
@@ -48,12 +48,12 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
   if (options.folder.empty())
     return fail(ErrorKind::Usage, "command line",
                 "-o DIR is missing; name the folder for the sheets");
-  PlanJobOptions how = options.job;
-  how.order.progress = !globals.quiet;
-  auto job = make_plan_job(how);
+  auto job = plan_input(options.plan, !globals.quiet);
   if (!job) return tl::unexpected(job.error());
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
+  const auto given = options.plan.options.find("svg-profile");
+  const std::string profile = given != options.plan.options.end() ? given->second : "";
   for (std::size_t i = 0; i < job->plan.sheets.size(); ++i) {
     const std::string title = shown_text(fmt::format("{}: sheet {}", job->plan.name, i + 1));
     if (auto done =
@@ -62,8 +62,8 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
       return done;
     const std::string picture = fmt::format("plan-{:02}.svg", i + 1);
     if (auto done = folder->add(picture, plan_svg(job->plan.sheets[i], title)); !done) return done;
-    if (auto done = add_profile_sheet(job->plan.sheets[i], i + 1, options.job.svg_profile, title,
-                                      *folder, job->plan.warnings);
+    if (auto done = add_profile_sheet(job->plan.sheets[i], i + 1, profile, title, *folder,
+                                      job->plan.warnings);
         !done)
       return done;
     if (auto done = folder->add(job->program_file(i), job->programs[i].bytes); !done) return done;
@@ -94,7 +94,7 @@ constexpr const char* kHelp =
 void register_plan(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("plan", kHelp);
-  add_plan_options(*command, options->job);
+  add_plan_arguments(*command, options->plan);
   command->add_option("-o,--output", options->folder, "The folder for the files; made if absent")
       ->option_text("DIR");
   command->callback([options, &globals, &run] {

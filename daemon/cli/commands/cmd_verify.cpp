@@ -15,6 +15,7 @@
 #include "core/verify/verify.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/options/option_value.hpp"
+#include "daemon/client/command_words.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 
@@ -53,12 +54,14 @@ Result<std::string> fold_of_svg(const std::string& svg, const Options& options,
   const auto tables = read_user_tables();
   if (!tables) return tl::unexpected<Error>(tables.error());
   auto profile = find_stroke_profile(options.svg_profile, tables->texts);
-  if (!profile) return tl::unexpected<Error>(tables->with_file(profile.error()));
+  if (!profile)
+    return tl::unexpected<Error>(client::on_command_line(tables->with_file(profile.error())));
   SvgReadOptions how;
   how.profile = std::move(*profile);
   auto work = linework_from_svg(svg, how);
   if (!work) return tl::unexpected<Error>(within(options.pattern, work.error()));
-  warnings = work->warnings;
+  for (const std::string& warning : work->warnings)
+    warnings.push_back(client::in_command_words(warning));
   if (work->lines.empty())
     return fail(ErrorKind::Malformed, options.pattern,
                 "no line is drawn that is cut or folded; strokes are needed, outline and slits "
