@@ -4,18 +4,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/text/json_fields.hpp"
+#include "core/text/json_text.hpp"
+#include "daemon/client/api.hpp"
 #include "daemon/client/command_words.hpp"
 
 namespace popcut::client {
 namespace {
 
 using Json = nlohmann::json;
-
-std::string text_of(const Json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
 
 std::string kind_of(const Json& problem) {
   const std::string type = text_of(problem, "type");
@@ -66,7 +62,6 @@ Error invalid(const Json& problem, const std::string& place, const std::string& 
   if (code == "infeasible") error.kind = ErrorKind::Infeasible;
   if (code == "malformed") error.kind = ErrorKind::Malformed;
   if (!text_of(first, "detail").empty()) error.detail = text_of(first, "detail");
-  if (code == "unknown_member") error.detail = fmt::format("is not known; {}", error.detail);
   if (list->size() > 1) error.detail += fmt::format(" (and {} more)", list->size() - 1);
   if (subject == Subject::CommandLine || pointer.rfind('?', 0) == 0) {
     error.detail = in_command_words(error.detail);
