@@ -126,7 +126,7 @@ Result<void> encode_sheets(const PlanOptions& options, PlanJob& job) {
     if (!program) return tl::unexpected(program.error());
     if (!program->dots.empty())
       job.plan.warnings.push_back(
-          fmt::format("{} strokes are shorter than a step of {} mm and are not sent",
+          fmt::format("{} strokes are shorter than a step of {} mm and are not cut",
                       program->dots.size(), machine.unit_mm));
     job.programs.push_back(std::move(*program));
   }
@@ -162,10 +162,11 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   if (!material) return tl::unexpected(material.error());
 
   if (!input->seams_x.empty() && options.no_split)
-    return named({ErrorKind::Infeasible, "",
-                  fmt::format("makes {} parts with seams between them, which `no-split` forbids; "
-                              "leave it out, or plan each part of popcut design",
-                              input->seams_x.size() + 1)});
+    return named(
+        {ErrorKind::Infeasible, "",
+         fmt::format("makes {} parts with seams between them, and `no-split` forbids that; "
+                     "leave it out, or plan each part of popcut design",
+                     input->seams_x.size() + 1)});
   PlanOptions how = options;
   how.seams_x.insert(how.seams_x.end(), input->seams_x.begin(), input->seams_x.end());
   how.keep_lines = options.svg_profile == "origami-sim";

@@ -52,8 +52,8 @@ Result<std::vector<std::string>> asset_ids(const DesignSpec& spec) {
   for (const auto& [place, name] : files_of(spec)) {
     if (!is_asset_id(name))
       return fail(ErrorKind::OutOfRange, place,
-                  fmt::format("is \"{}\", which is no asset's id; send the file to /v1/assets and "
-                              "name it by the id that comes back (sha256-...)",
+                  fmt::format("is \"{}\", which is not the id of an asset; upload the file to "
+                              "/v1/assets and use the id in the answer (sha256-...)",
                               name.substr(0, 60)));
     if (std::find(ids.begin(), ids.end(), name) == ids.end()) ids.push_back(name);
   }
@@ -69,7 +69,7 @@ Result<SurfaceAssets> assets_for(const DesignSpec& spec, SurfaceAssets& given) {
     const auto found = given.find(name);
     if (found == given.end())
       return fail(ErrorKind::OutOfRange, place,
-                  fmt::format("there is no asset {}; send the file to /v1/assets first", name));
+                  fmt::format("there is no asset {}; upload the file to /v1/assets first", name));
     assets.emplace(name, std::move(found->second));
   }
   return assets;
@@ -89,7 +89,7 @@ Result<std::string> add_row(const std::string& json, const char* list,
   auto row = parse_json(json, 16);
   if (!row) return tl::unexpected(row.error());
   if (!row->is_object() || !row->contains("name") || !(*row)["name"].is_string())
-    return fail(ErrorKind::Malformed, "/name", "a row of a table is needed, with its name");
+    return fail(ErrorKind::Malformed, "/name", "must be a row of a table, with its name");
   std::string name = (*row)["name"].get<std::string>();
   nlohmann::json table{{"popcut", 1}};
   table[list] = nlohmann::json::array({std::move(*row)});
@@ -210,10 +210,11 @@ Result<std::string> spec_preview(const DesignSpec& spec, WorkerTask& task,
   count(spec);
   for (const DesignSpec& patch : spec.patches) count(patch);
   if (units > most)
-    return no_preview_svg(fmt::format("a design of {} units is drawn when it is planned", units));
+    return no_preview_svg(
+        fmt::format("this design has {} units; popcut draws it when you plan it", units));
   for (const auto& [place, name] : files_of(spec))
     if (!task.assets.contains(name))
-      return no_preview_svg(fmt::format("{} is not there yet: {}", place, name));
+      return no_preview_svg(fmt::format("{}: the asset {} is not uploaded yet", place, name));
   const SpecSources sources{[&](const DesignSpec& own) { return assets_for(own, task.assets); }};
   const auto drawn = drawing_from_text(task.design, InputKind::Spec, {}, 1, sources);
   if (drawn) return preview_svg(drawn->drawing);

@@ -2,12 +2,12 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/drawing/clean.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/svg/svg_reader.hpp"
-#include "core/pattern/pattern.hpp"
-#include "core/drawing/clean.hpp"
-#include "core/plan/knife/micro_cut.hpp"
 #include "core/machines/motion.hpp"
+#include "core/pattern/pattern.hpp"
+#include "core/plan/knife/micro_cut.hpp"
 #include "core/plan/plan.hpp"
 #include "core/plan/plan_json.hpp"
 #include "core/plan/sheet_svg.hpp"
@@ -214,14 +214,14 @@ TEST_CASE("a pattern too large for the mat is refused with both sizes or split",
   draw(work, Operation::Outline, {{0, 0}, {500, 0}, {500, 200}, {0, 200}, {0, 0}});
   const auto longer = plan(work, cameo3(), paper(), whole);
   REQUIRE_FALSE(longer);
-  CHECK(longer.error().detail.find("--mat 12x24") != std::string::npos);
+  CHECK(longer.error().detail.find("`mat` 12x24") != std::string::npos);
   // Where it may be split it is, and the mat that would hold it whole is named.
   const auto split = plan(work, cameo3(), paper(), {});
   REQUIRE(split);
   REQUIRE(split->layout);
   CHECK(split->layout->pieces.size() == 2);
   const auto names = [](const std::string& w) {
-    return w.find("--mat 12x24") != std::string::npos;
+    return w.find("`mat` 12x24") != std::string::npos;
   };
   CHECK(std::any_of(split->warnings.begin(), split->warnings.end(), names));
   CHECK(plan(work, cameo3(), paper(), {.mat = "12x24"}));
@@ -265,7 +265,7 @@ TEST_CASE("a drawing is placed where it is asked for", "[core][plan][sheet]") {
   options.place.at = PagePoint{220, 30};
   const auto over = plan(card(), cameo3(), paper(), options);
   REQUIRE_FALSE(over);
-  CHECK(over.error().place == "--at");
+  CHECK(over.error().place == "/options/at");
   options.place.at.reset();
   const auto margin = plan(card(), cameo3(), paper(), options);
   CHECK(margin->sheets[0].transform.x0 == 10.0);

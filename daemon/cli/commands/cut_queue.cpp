@@ -87,7 +87,7 @@ Result<Upload> read_input(Api& api, const std::string& file, const Globals& glob
   if (first != std::string::npos && (*text)[first] == '{')
     return from_json(api, std::move(*text), file, globals);
   return fail(ErrorKind::Malformed, file,
-              "is neither a spec (.json) nor a drawing (.fold, .svg, .dxf) that popcut reads");
+              "is not a design (.json) or a drawing (.fold, .svg, .dxf) that popcut can read");
 }
 
 /// The file's name as a job's: bytes that are no UTF-8, and controls, are replaced.
@@ -127,10 +127,10 @@ Result<std::string> only_device(Api& api) {
   if (usable.size() == 1) return usable.front();
   if (usable.empty())
     return fail(ErrorKind::Refused, "--device",
-                "no cutter is there that could be used; 'popcut devices' says why");
+                "no cutter can be used; 'popcut devices' shows why");
   return fail(
       ErrorKind::Usage, "--device",
-      fmt::format("is missing, and there are {}: {}", usable.size(), fmt::join(usable, ", ")));
+      fmt::format("is missing; choose one of {}: {}", usable.size(), fmt::join(usable, ", ")));
 }
 
 /// Prints the job, and with `wait` follows it to its end.
@@ -145,7 +145,7 @@ Result<void> see_through(Api& api, const nlohmann::json& job, bool wait, const G
   if (!globals.quiet) fmt::print(stderr, "queued '{}' as job {}\n", job_title(job), id);
   if (!wait) {
     print(job);
-    if (!globals.quiet) fmt::print(stderr, "'popcut jobs --watch' shows when a person is needed\n");
+    if (!globals.quiet) fmt::print(stderr, "'popcut jobs --watch' shows what to do next\n");
     return {};
   }
   std::fflush(stderr);

@@ -39,7 +39,7 @@ CLI::Option* checked(CLI::Option* option, std::function<std::string(const std::s
 
 void refuse_empty(CLI::App& command, const std::string& but) {
   const auto fault_of = [](const std::string& text) {
-    return text.empty() ? std::string("is empty; give a value, or leave it out") : std::string();
+    return text.empty() ? std::string("is empty; give a value or leave it out") : std::string();
   };
   for (CLI::Option* option : command.get_options({}))
     if (option->get_expected_min() > 0 && option->get_items_expected_max() > 0)

@@ -10,7 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/plan/plan_options.hpp"
-#include "daemon/cli/drawing_input.hpp"
+#include "daemon/cli/input/drawing_input.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/view/progress_bar.hpp"
 #include "daemon/client/command_words.hpp"
