@@ -88,9 +88,9 @@ Result<std::string> bearer_token(const Environment& environment) {
   const char* const token = environment("POPCUT_TOKEN");
   if (token == nullptr) return std::string();
   std::string text = token;
-  const bool lawful =
+  const bool valid =
       std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < '\x7f'; });
-  if (lawful) return text;
+  if (valid) return text;
   return fail(
       ErrorKind::Usage, "POPCUT_TOKEN",
       "contains a character that no token has; copy it exactly as 'popcut token create' printed "

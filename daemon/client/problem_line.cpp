@@ -45,9 +45,9 @@ std::string given(const Json& fault, const std::string& pointer, const Json* sen
 /// stays what it is.
 Error of_option(const Error& error, const std::string& option, const std::string& value) {
   const bool is_wrong_value = option != "INPUT" && error.kind != ErrorKind::Infeasible;
-  const bool told = value.empty() || error.detail.find(value) != std::string::npos;
+  const bool shown = value.empty() || error.detail.find(value) != std::string::npos;
   return {is_wrong_value ? ErrorKind::Usage : error.kind, option,
-          told ? error.detail : fmt::format("is {}; {}", value, error.detail)};
+          shown ? error.detail : fmt::format("is {}; {}", value, error.detail)};
 }
 
 Error invalid(const Json& problem, const std::string& place, const std::string& detail,

@@ -58,7 +58,7 @@ bool is_reached_plainly(const fs::path& folder, const std::string& name) {
   return true;
 }
 
-/// The lawful names among the texts of a JSON list.
+/// The valid names among the texts of a JSON list.
 std::set<std::string> lawful_names(const nlohmann::json& list) {
   std::set<std::string> names;
   if (!list.is_array()) return names;

@@ -12,7 +12,7 @@
 namespace popcut::planning {
 namespace {
 
-/// Looks at the keys of the outermost object until one tells; never keeps a value.
+/// Looks at the keys of the outermost object until one decides; never keeps a value.
 class TopKeys : public nlohmann::json_sax<nlohmann::json> {
  public:
   std::optional<InputKind> kind;

@@ -24,14 +24,14 @@ struct PlanJob {
   [[nodiscard]] static std::string sheet_file(std::size_t sheet, const char* ending);
 };
 
-/// Gives the drawing once it is known how drawings are to be read.
+/// Reads the drawing with the given options.
 using DrawingReader = std::function<Result<DrawingInput>(const SvgReadOptions&)>;
 
-/// Plans, and writes the programs. Values in, values out: `popcut plan` and popcutd's worker are
-/// this with files, or a pipe, around it.
+/// Plans the sheets and encodes their programs. Values in, values out: `popcut plan` adds files
+/// around it, popcutd's worker a pipe.
 ///
-/// Without a machine, a `mat` that is a size is an ideal plotter of that area; else it is a
-/// Cameo 3. Without a material, it is the one that the input asks for, else paper-220.
+/// Default machine: an ideal plotter if `mat` is a size, else a Cameo 3. Default material: the one
+/// that the input asks for, else paper-220.
 ///
 /// @param tables      users' tables of machines, materials and profiles, as texts
 /// @param input_name  stands before the places of errors in the input; may be empty
@@ -44,8 +44,8 @@ using DrawingReader = std::function<Result<DrawingInput>(const SvgReadOptions&)>
                                             const DrawingReader& read,
                                             const std::string& input_name);
 
-/// The same error as one about a request: its options are a value that was sent, not a command
-/// line.
+/// Words an error about a plan option for a request: a wrong option is a value out of range, not a
+/// wrong command line.
 [[nodiscard]] Error in_request(Error error);
 
 }  // namespace popcut::planning

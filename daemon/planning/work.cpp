@@ -62,7 +62,7 @@ Result<std::vector<std::string>> asset_ids(const DesignSpec& spec) {
 
 /// Takes them out of `given`, since they may be large.
 Result<SurfaceAssets> assets_for(const DesignSpec& spec, SurfaceAssets& given) {
-  if (const auto lawful = asset_ids(spec); !lawful) return tl::unexpected(lawful.error());
+  if (const auto valid = asset_ids(spec); !valid) return tl::unexpected(valid.error());
   SurfaceAssets assets;
   for (const auto& [place, name] : files_of(spec)) {
     if (assets.contains(name)) continue;

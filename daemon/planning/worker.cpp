@@ -115,10 +115,10 @@ int run_worker(int in, int out) {
   if (in == STDIN_FILENO && out == STDOUT_FILENO) give_up_files();
   Pipes pipes(in, out);
   const Result<daemon::PlanningOutcome> outcome = guarded(pipes);
-  const bool told =
+  const bool sent =
       outcome ? pipes.write(FrameKind::Outcome, "", outcome_json(*outcome)).has_value()
               : pipes.write(FrameKind::Failure, "", error_json(outcome.error())).has_value();
-  return told ? 0 : kBroken;
+  return sent ? 0 : kBroken;
 }
 
 }  // namespace popcut::planning

@@ -257,11 +257,12 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
     return fail(ErrorKind::Usage, "command line",
                 options.test ? "INPUT and --test contradict each other; --test cuts its own shape"
                              : "INPUT is missing; give a design or a drawing, or --test");
-  if (const auto lawful = check_words(options); !lawful) return lawful;
+  if (const auto valid = check_words(options); !valid) return valid;
   if (!options.direct) {
-    const QueueWish wish{options.plan.input,   options.device, options.plan.material, options.name,
-                         options.plan.options, options.copies, options.priority,      options.wait};
-    return options.test ? queue_test_cut(wish, globals) : queue_cut(wish, globals);
+    const QueueRequest request{options.plan.input, options.device,       options.plan.material,
+                               options.name,       options.plan.options, options.copies,
+                               options.priority,   options.wait};
+    return options.test ? queue_test_cut(request, globals) : queue_cut(request, globals);
   }
   const bool simulated = options.device.empty() || options.device.rfind("sim:", 0) == 0;
   if (options.yes && !simulated)

@@ -48,7 +48,7 @@ Result<Machine> choose_machine(const Options& options, const std::optional<PlanF
 }
 
 /// The sheet: as the plan or the expected drawing has it. A machine whose y points up needs its
-/// length to tell where its upper edge lies: where nobody says, the highest point drawn is it.
+/// length to find its upper edge; without it, the highest point drawn counts as the edge.
 SimOptions sheet_of(const std::optional<PlanFacts>& plan,
                     const std::optional<Expectation>& expected, const Machine& machine,
                     std::span<const std::byte> program) {

@@ -77,7 +77,8 @@ std::string doubt_text(const Json& job) {
   return fmt::format("{} paths are certainly cut, {} more are uncertain", certain, sent - certain);
 }
 
-/// Whether the sheet can be whole. The figures are the job's: of one sheet they tell.
+/// Whether the sheet can be complete. The figures are of the whole job, so they decide only for a
+/// job of one sheet.
 bool may_be_whole(const Json& job) {
   const Json& progress = part_of(job, "progress");
   return whole_of(job, "sheets_total") != 1 ||
