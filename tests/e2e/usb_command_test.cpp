@@ -81,7 +81,7 @@ TEST_CASE("a person says yes and the whole sheet is cut over USB as it was plann
   const int exit = popcut.ended();
   INFO(popcut.shown);
   REQUIRE(exit == 0);
-  CHECK(says(popcut.shown, "0 uncertain, 0 not sent, on usb:51053P"));
+  CHECK(says(popcut.shown, "0 in doubt, 0 not sent, on usb:51053P"));
   CHECK(desk.device.driver() == "usblp");  // given back
   desk.cutter.stop();
   const Trace& trace = desk.cutter.cutter().trace();
@@ -123,7 +123,7 @@ TEST_CASE("a cable pulled in the middle of a sheet is told with what is cut and 
   CHECK(exit == 5);
   CHECK(says(popcut.shown, "usb:51053P"));
   CHECK(says(popcut.shown, "unplugged"));
-  CHECK(says(popcut.shown, "uncertain"));
+  CHECK(says(popcut.shown, "in doubt"));
   CHECK(says(popcut.shown, "not sent"));
 }
 

@@ -56,7 +56,7 @@ TEST_CASE("each thing that waits for a person comes with the command to type", "
   interrupted["actions"] = {"retry-sheet", "resume-from", "confirm-result", "cancel"};
   interrupted["reason"] = "unplug";
   const std::string ways = joined(waiting_for(interrupted));
-  CHECK(ways.find("interrupted by unplug; 30 paths are certainly cut, 20 more are uncertain") !=
+  CHECK(ways.find("interrupted by unplug; 30 paths are certainly cut, 20 more are in doubt") !=
         std::string::npos);
   for (const char* way : {"popcut retry 01JDX7KQ4M8Z 2", "--from", "good", "popcut cancel"})
     CHECK(ways.find(way) != std::string::npos);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -414,4 +415,34 @@ TEST_CASE("a roll is as long as what is cut from it", "[core][plan][sheet]") {
   REQUIRE(done);
   CHECK(done->sheets[0].area_mm[0] == 600.0);
   CHECK(done->sheets[0].area_mm[1] == 140.0);
+}
+
+TEST_CASE("each plan option takes its default and its limits and nothing beyond",
+          "[core][plan][options]") {
+  using Kind = PlanOption::Kind;
+  for (const PlanOption& option : plan_option_table()) {
+    CAPTURE(option.name);
+    CHECK(find_plan_option(option.name) == &option);
+    if (option.of_request) continue;
+    const std::string name(option.name);
+    const auto place_of = [&](const std::string& text) {
+      const auto read = read_plan_options({{name, text}});
+      return read ? std::string("valid") : read.error().place;
+    };
+    for (const std::string& word : option.words) CHECK(place_of(word) == "valid");
+    if (option.kind == Kind::Flag) CHECK(place_of("true") == "valid");
+    if (option.kind == Kind::Flag || option.kind == Kind::Word || option.kind == Kind::Place)
+      CHECK(place_of("nonsense") == pointer_to(option));
+    if (!option.numbers) continue;
+    CHECK(place_of(fmt::format("{}", option.least)) == "valid");
+    CHECK(place_of(fmt::format("{:.0f}", 2 * option.most + 1)) == pointer_to(option));
+    CHECK(place_of("nan") == pointer_to(option));
+    const std::vector<double> usual = option.numbers(PlanOptions{});
+    if (usual.empty()) continue;
+    const auto read = read_plan_options({{name, option.usual}});
+    REQUIRE(read);
+    CHECK(option.numbers(*read) == usual);
+  }
+  CHECK(read_plan_options({{"machine", "cameo3"}}).error().place == "/options/machine");
+  CHECK(read_plan_options({{"split", "false"}})->no_split);
 }

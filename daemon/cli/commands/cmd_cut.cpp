@@ -129,7 +129,7 @@ Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const CutTarge
 /// The error if the sheet is not completely cut. For a simulated cutter, compares what it drew.
 Result<void> judge(const PlanJob& job, std::size_t sheet, const CutSheet& cut) {
   const std::string place = fmt::format("sheet {}", sheet + 1);
-  const std::string ledger = fmt::format("{} strokes are cut, {} are uncertain, {} were not sent",
+  const std::string ledger = fmt::format("{} strokes are cut, {} are in doubt, {} were not sent",
                                          cut.certain, cut.in_doubt, cut.not_sent);
   if (cut.end.error) {
     Error error = within(place, *cut.end.error);
@@ -191,12 +191,12 @@ void say(const PlanJob& job, std::size_t sheet, const CutSheet& cut, const CutTa
                cut.end.seconds);
   else
     fmt::print(stderr,
-               "sheet {} of {}: {} strokes cut, {} uncertain, {} not sent, on {} in {:.0f} s\n",
+               "sheet {} of {}: {} strokes cut, {} in doubt, {} not sent, on {} in {:.0f} s\n",
                sheet + 1, sheets, cut.certain, cut.in_doubt, cut.not_sent, target.device.text,
                cut.end.seconds);
   if (!cut.end.confirmed && !cut.end.error)
     fmt::print(stderr,
-               "  this machine reports nothing back: {} strokes count as cut, {} are uncertain; "
+               "  this machine reports nothing back: {} strokes count as cut, {} are in doubt; "
                "look at the sheet\n",
                cut.certain, cut.in_doubt);
 }

@@ -275,7 +275,7 @@ void add_resume(CLI::App& app, const Globals& globals, Run& run) {
   command->add_flag("--accept-double-cut", options->double_cut,
                     "Allow cutting paths that are certainly cut a second time");
   command->add_flag("--skip-in-doubt", options->skip_in_doubt,
-                    "Do not cut uncertain paths (perhaps cut already) again");
+                    "Do not cut paths in doubt (perhaps cut already) again");
 }
 
 void add_change(CLI::App& app, const Globals& globals, Run& run) {

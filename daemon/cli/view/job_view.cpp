@@ -73,8 +73,8 @@ std::string doubt_text(const Json& job) {
   const Json& progress = part_of(job, "progress");
   const std::int64_t certain = whole_of(progress, "paths_certain");
   const std::int64_t sent = whole_of(progress, "paths_sent");
-  if (sent <= certain) return fmt::format("{} paths are cut, none is uncertain", certain);
-  return fmt::format("{} paths are certainly cut, {} more are uncertain", certain, sent - certain);
+  if (sent <= certain) return fmt::format("{} paths are cut, none is in doubt", certain);
+  return fmt::format("{} paths are certainly cut, {} more are in doubt", certain, sent - certain);
 }
 
 /// Whether the sheet can be complete. The figures are of the whole job, so they decide only for a
@@ -325,7 +325,7 @@ std::vector<std::string> job_details(const Json& job, const std::vector<Json>& s
   }
   if (ledger)
     for (const auto& [key, what] :
-         {std::pair{"certain", "certainly cut"}, std::pair{"in_doubt", "uncertain"},
+         {std::pair{"certain", "certainly cut"}, std::pair{"in_doubt", "in doubt"},
           std::pair{"not_sent", "not sent"}})
       if (const std::string ranges = ranges_of(*ledger, key); !ranges.empty())
         lines.push_back(fmt::format("paths {:<14} {}", what, ranges));
