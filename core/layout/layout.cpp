@@ -176,7 +176,7 @@ class Search {
     std::optional<Error> asked;
     for (Way& way : ways) {
       way.found = way.search.find();
-      if (!way.found && way.found.error().place.rfind("--", 0) == 0) asked = way.found.error();
+      if (!way.found && way.found.error().place.starts_with("/options/")) asked = way.found.error();
     }
     std::stable_sort(ways.begin(), ways.end(),
                      [](const Way& a, const Way& b) { return a.cost() < b.cost(); });
@@ -198,8 +198,8 @@ class Search {
     return fail(
         ErrorKind::Infeasible,
         !with_asked                ? ""
-        : options_.seams_y.empty() ? "--seam-x"
-                                   : "--seam-y",
+        : options_.seams_y.empty() ? "/options/seam-x"
+                                   : "/options/seam-y",
         fmt::format("no seams{} part it into pieces of at most {:.1f} x {:.1f} mm with room "
                     "for a tab of {:g} mm (at least {:g}) on every stretch; {}a larger mat, "
                     "or a material with smaller tabs",
@@ -376,7 +376,7 @@ Result<void> check(const LayoutOptions& options) {
       return fail(ErrorKind::OutOfRange, "", fmt::format("an area {:g} mm wide is none", side));
   if (options.area_mm[0] - options.origin.x < 1.0 || options.area_mm[1] - options.origin.y < 1.0)
     return fail(
-        ErrorKind::Infeasible, "--at",
+        ErrorKind::Infeasible, "/options/at",
         fmt::format("{:g},{:g} leaves nothing of the {:.1f} x {:.1f} mm that can be cut",
                     options.origin.x, options.origin.y, options.area_mm[0], options.area_mm[1]));
   return check_tab_shape(options.tabs, "/tabs");
@@ -420,8 +420,8 @@ Result<Layout> finish(const LineWork& drawing, const LayoutOptions& options, Sea
 Result<Layout> lay_out(const LineWork& drawing, const LayoutOptions& options) {
   if (auto lawful = check(options); !lawful) return tl::unexpected(lawful.error());
   const Box box = bounds(drawing);
-  auto asked = check_asked(options.seams_x, box.width(), "--seam-x", "x").and_then([&] {
-    return check_asked(options.seams_y, box.height(), "--seam-y", "y");
+  auto asked = check_asked(options.seams_x, box.width(), "/options/seam-x", "x").and_then([&] {
+    return check_asked(options.seams_y, box.height(), "/options/seam-y", "y");
   });
   if (!asked) return tl::unexpected(asked.error());
   Search search(drawing, options);

@@ -77,7 +77,7 @@ double part(const std::vector<double>& at, const std::vector<double>& costs, dou
 
 Error unlawful(const char* name, double asked, double nearest) {
   return {
-      ErrorKind::Infeasible, fmt::format("--seam-{}", name),
+      ErrorKind::Infeasible, fmt::format("/options/seam-{}", name),
       fmt::format("{0} = {1:g} mm runs along a fold, or leaves no room for a tab; {2}", name, asked,
                   nearest < kNever ? fmt::format("the nearest that does not is {:.3f}", nearest)
                                    : std::string("no other place is lawful either"))};

@@ -46,7 +46,7 @@ bool is_mat_name(const Mat& mat, std::string_view word) { return same_word(mat.n
 
 Result<std::array<double, 2>> parse_size_mm(std::string_view text) {
   const auto wrong = [&] {
-    return fail(ErrorKind::Usage, "--mat",
+    return fail(ErrorKind::Usage, "/options/mat",
                 fmt::format("{} is not a size; WIDTHxLENGTH as in 300x200 (mm) or 12x12in",
                             text.substr(0, 40)));
   };
@@ -79,12 +79,12 @@ Result<Mat> choose_mat(const Machine& machine, std::string_view wanted) {
   }
   const auto size = parse_size_mm(wanted);
   if (!size)
-    return fail(ErrorKind::Usage, "--mat",
+    return fail(ErrorKind::Usage, "/options/mat",
                 fmt::format("{} knows no mat {}; {}, or a size such as 300x200 (mm) or 12x12in",
                             machine.name, wanted.substr(0, 40), suggestion(wanted, names)));
   if ((*size)[0] > machine.width_mm + kFits || (*size)[1] > machine.length_mm + kFits)
     return fail(
-        ErrorKind::OutOfRange, "--mat",
+        ErrorKind::OutOfRange, "/options/mat",
         fmt::format("{:.1f} x {:.1f} mm is larger than {}, which takes {:.1f} x {:.1f} mm",
                     (*size)[0], (*size)[1], machine.name, machine.width_mm, machine.length_mm));
   return Mat{std::string(wanted), 0, (*size)[0], (*size)[1]};
@@ -132,7 +132,7 @@ Result<Placement> place(const LineWork& work, const std::array<double, 2>& reach
     if (!fits(w, h) && lies(h, w)) return turned_to(at.x, at.y);
     if (fits(w, h))
       return fail(
-          ErrorKind::Infeasible, "--at",
+          ErrorKind::Infeasible, "/options/at",
           fmt::format("a drawing of {:.1f} x {:.1f} mm at {:g},{:g} reaches over the {:.1f} x "
                       "{:.1f} mm that can be cut; at most {:.1f},{:.1f}",
                       w, h, at.x, at.y, reach[0], reach[1], reach[0] - w, reach[1] - h));

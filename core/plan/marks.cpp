@@ -72,7 +72,7 @@ Result<void> check_marks(const MarkLayout& marks, const Toolpath& path) {
       if (on_mark)
         return fail(ErrorKind::Infeasible, place,
                     fmt::format("({:.1f}, {:.1f}) mm lies on a registration mark; move the drawing "
-                                "with --at",
+                                "with `at`",
                                 p.x, p.y));
     }
   }

@@ -7,15 +7,16 @@
 
 #include <fmt/format.h>
 
-#include "core/layout/marks.hpp"
 #include "core/drawing/clean.hpp"
-#include "core/plan/knife/micro_cut.hpp"
+#include "core/layout/marks.hpp"
 #include "core/machines/motion.hpp"
+#include "core/plan/knife/micro_cut.hpp"
 
 namespace popcut {
 namespace {
 
 constexpr double kRollMargin = 10.0;  // mm of roll after the drawing, more than any blade's offset
+constexpr double kBandMm = 20.0, kCornerDeg = 60.0;  // without a mat
 
 // The name of a mat of the machine that holds a drawing of this size whole; empty: none does.
 std::string mat_for(const Machine& machine, const Box& box) {
@@ -32,10 +33,10 @@ std::string mat_for(const Machine& machine, const Box& box) {
 Error with_advice(Error error, const Machine& machine, const Mat& mat, const Box& box,
                   const PlanOptions& options) {
   if (error.kind != ErrorKind::Infeasible || options.place.at) return error;
-  std::string advice = "leave --no-split out to split it, ";
+  std::string advice = "leave `no-split` out to split it, ";
   if (const std::string other = mat_for(machine, box); !other.empty())
-    advice += fmt::format("use --mat {}, ", other);
-  advice += "scale it down, take a larger machine, or cut off what lies outside with --clip";
+    advice += fmt::format("use `mat` {}, ", other);
+  advice += "scale it down, take a larger machine, or cut off what lies outside with `clip`";
   const auto reach = reach_mm(machine, mat);
   error.detail =
       fmt::format("pattern is {:.1f} x {:.1f} mm, the {} mat{} holds {:.1f} x {:.1f} mm; {}",
@@ -118,26 +119,20 @@ Result<FoldMode> fold_mode(const Material& material, const PlanOptions& options)
   const bool missing =
       (mode == FoldMode::Score && !material.score) || (mode == FoldMode::Light && !material.light);
   if (missing)
-    return fail(ErrorKind::OutOfRange, "--folds",
+    return fail(ErrorKind::OutOfRange, "/options/folds",
                 fmt::format("material {0} has no settings \"{1}\"; add them to your table of "
-                            "materials, or take --folds perforate",
+                            "materials, or use `folds` perforate",
                             material.name, fold_mode_name(mode)));
   return mode;
 }
 
-Result<void> check_options(const PlanOptions& options) {
-  const double snap = options.clean.snap_mm, overcut = options.knife.overcut_mm.value_or(0.0);
-  if (!(snap >= 0.0 && snap <= kMostSnap))
-    return fail(ErrorKind::OutOfRange, "--snap",
-                fmt::format("{:g} mm; it must be 0 to {:g} mm", snap, kMostSnap));
-  if (!(overcut >= 0.0 && overcut <= 10.0))
-    return fail(ErrorKind::OutOfRange, "--overcut",
-                fmt::format("{:g} mm; it must be 0 to 10 mm", overcut));
-  return {};
-}
-
-Ordered ordered_for(const LineWork& work, const Machine& machine, OrderOptions how,
+Ordered ordered_for(const LineWork& work, const Machine& machine, const PlanOptions& options,
                     PlannedSheet& sheet, std::vector<std::string>& warnings) {
+  OrderOptions how = options.order;
+  if (options.mat_free) {
+    how.band_mm = kBandMm;
+    how.corner_deg = kCornerDeg;
+  }
   how.cost = TravelCost::seconds(machine.motion);
   Ordered ordered = order(work, how);
   sheet.order_moves = ordered.moves;
@@ -209,9 +204,9 @@ class Planner {
     const bool asked = !options_.seams_x.empty() || !options_.seams_y.empty();
     const bool too_large = !placement && placement.error().kind == ErrorKind::Infeasible &&
                            placement.error().place.empty();
-    auto done = (too_large || asked) && options_.split ? split(reach)
-                : placement                            ? whole(*placement, reach)
-                                                       : tl::unexpected(placement.error());
+    auto done = (too_large || asked) && !options_.no_split ? split(reach)
+                : placement                                ? whole(*placement, reach)
+                                                           : tl::unexpected(placement.error());
     if (!done) return tl::unexpected(done.error());
     return std::move(out_);
   }
@@ -250,7 +245,7 @@ class Planner {
       cut_marks(*layout);
     out_.warnings.insert(out_.warnings.end(), layout->warnings.begin(), layout->warnings.end());
     if (const std::string other = mat_for(out_.machine, bounds(work)); !other.empty())
-      out_.warnings.push_back(fmt::format("it need not be split: --mat {} holds it whole", other));
+      out_.warnings.push_back(fmt::format("this drawing fits on one sheet with `mat` {}", other));
     std::vector<std::uint32_t> piece_of;
     for (std::uint32_t k = 0; k < layout->sheets.size(); ++k) {
       PlannedSheet sheet;
@@ -283,8 +278,7 @@ class Planner {
     std::vector<Visit> given(dashed.work.lines.size());
     for (std::uint32_t i = 0; i < given.size(); ++i) given[i].line = i;
     sheet.travel_input_mm = travel_mm(dashed.work, given);
-    const Ordered ordered =
-        ordered_for(dashed.work, out_.machine, options_.order, sheet, out_.warnings);
+    const Ordered ordered = ordered_for(dashed.work, out_.machine, options_, sheet, out_.warnings);
     DrawnStrokes strokes = make_strokes(dashed, ordered.visits, settings_);
     sheet.path = std::move(strokes.path);
     const Material& material = out_.material;
@@ -312,7 +306,7 @@ Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& mate
                   const PlanOptions& options) {
   if (auto amount = check_amount(drawing, material.dashes); !amount)
     return tl::unexpected(amount.error());
-  if (auto lawful = check_options(options); !lawful) return tl::unexpected(lawful.error());
+  if (auto valid = check_plan_options(options); !valid) return tl::unexpected(valid.error());
   auto mat = choose_mat(machine, options.mat);
   if (!mat) return tl::unexpected(mat.error());
   const auto mode = fold_mode(material, options);

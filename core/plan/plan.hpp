@@ -5,36 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "core/layout/layout.hpp"
-#include "core/drawing/clean.hpp"
 #include "core/drawing/linework.hpp"
+#include "core/layout/layout.hpp"
 #include "core/machines/machine.hpp"
-#include "core/plan/marks.hpp"
-#include "core/plan/order/order.hpp"
-#include "core/layout/sheet.hpp"
 #include "core/plan/knife/strokes.hpp"
+#include "core/plan/marks.hpp"
+#include "core/plan/plan_options.hpp"
 
 namespace popcut {
-
-/// What draws ticks and letters on pieces of an oversized drawing.
-enum class LabelTool {
-  Auto,  ///< the pen where the machine has a holder for it, else the knife
-  Pen,
-  Cut,  ///< as rows of short cuts
-  None,
-};
-
-struct PlanOptions {
-  std::string mat{};  ///< name or size, see `choose_mat`; empty: the machine's own
-  PlaceOptions place{};
-  OrderOptions order{};  ///< its `cost` is the machine's
-  CleanOptions clean{};
-  KnifeOptions knife{};
-  bool split{true};  ///< a drawing that is too large is split; else it is refused
-  std::vector<double> seams_x{}, seams_y{};  ///< seams that were asked for, drawing mm
-  LabelTool labels{LabelTool::Auto};
-  bool keep_lines{false};  ///< the sheet keeps its lines as they were before folds were dashed
-};
 
 /// One sheet: what the cutter does, in order, and its figures.
 struct PlannedSheet {
@@ -79,10 +57,11 @@ struct Plan {
 /// where the machine's firmware does not.
 ///
 /// @retval Infeasible  it does not fit; the detail has both sizes in mm
+/// An error about an option has `pointer_to` that option as its place.
+///
 /// @retval OutOfRange  there is nothing to cut, or far too much; the mat is larger than the
-/// machine;
-///                     an option is out of its range, or the material cannot be folded so
-/// @retval Usage       the mat is not known
+///                     machine; an option is out of its range, or the material cannot be folded so
+/// @retval Usage       the mat is not known, or two options contradict each other
 [[nodiscard]] Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& material,
                                 const PlanOptions& options);
 

@@ -11,15 +11,15 @@ class App;
 
 namespace popcut::cli {
 
-/// What every subcommand is told: the options that stand before or after its own.
+/// The options that every subcommand accepts.
 struct Globals {
   bool json{false};  ///< standard output is one JSON document
   bool quiet{false};
   int verbose{0};
 };
 
-/// Adds one subcommand to `app`. When the user picked it, `*run` is set to the work to do, which
-/// returns nothing or the one error that main prints and turns into an exit code.
+/// Adds one subcommand to `app`. If the user chooses it, `run` becomes the work to do, which
+/// returns nothing, or the error that main prints and turns into an exit code.
 using Run = std::function<Result<void>()>;
 using Register = void (*)(CLI::App& app, const Globals& globals, Run& run);
 

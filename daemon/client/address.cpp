@@ -23,7 +23,9 @@ Result<Address> parse_http(std::string_view text, std::string_view rest) {
   const auto wrong = [&](const char* why) {
     return fail(
         ErrorKind::Usage, "POPCUT_URL",
-        fmt::format("\"{}\" {}; as in http://127.0.0.1:8631 or unix:/run/popcut.sock", text, why));
+        fmt::format(
+            "\"{}\" {}; give an address such as http://127.0.0.1:8631 or unix:/run/popcut.sock",
+            text, why));
   };
   if (!rest.empty() && rest.back() == '/') rest.remove_suffix(1);
   if (rest.find_first_of("/?#@ ") != std::string_view::npos)
@@ -38,15 +40,15 @@ Result<Address> parse_http(std::string_view text, std::string_view rest) {
     const std::string_view port = rest.substr(colon + 1);
     const auto [end, bad] = std::from_chars(port.data(), port.data() + port.size(), address.port);
     if (bad != std::errc() || end != port.data() + port.size() || address.port == 0)
-      return wrong("has no lawful port");
+      return wrong("has an invalid port");
   }
   const bool six = host.size() > 2 && host.front() == '[' && host.back() == ']';
   if (six) host = host.substr(1, host.size() - 2);
   if (host.empty()) return wrong("has no host");
   if (!is_host(host, six))
     return wrong(host.find_first_of("[]:") != std::string_view::npos
-                     ? "has no lawful host: an IPv6 address stands between [ and ]"
-                     : "has no lawful host: it has letters, digits, dots and dashes");
+                     ? "has an invalid host; write an IPv6 address between [ and ]"
+                     : "has an invalid host; use letters, digits, dots and dashes");
   address.host = host;
   return address;
 }
@@ -69,26 +71,30 @@ Result<Address> parse_address(std::string_view text) {
   if (!text.empty() && text.front() == '/' && text.size() <= kLongestPath)
     return Address{std::string(text), {}, 0};
   if (text.size() > kLongestPath)
-    return fail(ErrorKind::Usage, "POPCUT_URL",
-                fmt::format("is longer than {} characters, the most a socket's path may have",
-                            kLongestPath));
-  return fail(ErrorKind::Usage, "POPCUT_URL",
-              fmt::format("is \"{}\"; as in http://127.0.0.1:8631 or unix:/run/popcut.sock{}", text,
-                          text.substr(0, 8) == "https://"
-                              ? " (popcut speaks no TLS: go through ssh, or a proxy on this side)"
-                              : ""));
+    return fail(
+        ErrorKind::Usage, "POPCUT_URL",
+        fmt::format("is longer than the {} characters that a socket path may have", kLongestPath));
+  return fail(
+      ErrorKind::Usage, "POPCUT_URL",
+      fmt::format(
+          "is \"{}\"; give an address such as http://127.0.0.1:8631 or unix:/run/popcut.sock{}",
+          text,
+          text.substr(0, 8) == "https://"
+              ? " (popcut has no TLS; use ssh or a proxy on this computer)"
+              : ""));
 }
 
 Result<std::string> bearer_token(const Environment& environment) {
   const char* const token = environment("POPCUT_TOKEN");
   if (token == nullptr) return std::string();
   std::string text = token;
-  const bool lawful =
+  const bool valid =
       std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < '\x7f'; });
-  if (lawful) return text;
-  return fail(ErrorKind::Usage, "POPCUT_TOKEN",
-              "holds a character that no token has; give it as 'popcut token create' printed it, "
-              "with no blank or line end");
+  if (valid) return text;
+  return fail(
+      ErrorKind::Usage, "POPCUT_TOKEN",
+      "contains a character that no token has; copy it exactly as 'popcut token create' printed "
+      "it");
 }
 
 std::string user_state_folder(const Environment& environment) {

@@ -11,7 +11,7 @@
 
 namespace popcut::client {
 
-/// Where popcutd may be: a unix socket, or a host and port.
+/// An address of popcutd: a unix socket, or a host and port.
 struct Address {
   std::string path{};  ///< of the socket; empty: TCP
   std::string host{};
@@ -19,7 +19,7 @@ struct Address {
 
   /// "/run/popcut.sock" or "http://127.0.0.1:8631", for messages.
   [[nodiscard]] std::string text() const;
-  /// What the Host header says.
+  /// The value of the Host header.
   [[nodiscard]] std::string host_header() const;
 };
 
@@ -36,12 +36,12 @@ using Environment = std::function<const char*(const char*)>;
 /// user's state folder, and in /run.
 [[nodiscard]] Result<std::vector<Address>> addresses(const Environment& environment);
 
-/// POPCUT_TOKEN, empty where there is none.
+/// POPCUT_TOKEN, or an empty text.
 ///
-/// @retval Usage  it holds what cannot stand in a header
+/// @retval Usage  it contains a character that a header cannot have
 [[nodiscard]] Result<std::string> bearer_token(const Environment& environment);
 
-/// $XDG_STATE_HOME/popcut, else ~/.local/state/popcut; empty where there is neither.
+/// $XDG_STATE_HOME/popcut, else ~/.local/state/popcut; empty if neither is set.
 [[nodiscard]] std::string user_state_folder(const Environment& environment);
 
 }  // namespace popcut::client

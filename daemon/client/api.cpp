@@ -102,7 +102,7 @@ Result<Json> Api::read(Result<HttpResponse> response, const std::string& place, 
   auto json = parse_json(response->body, 64);
   if (json) return json;
   return fail(ErrorKind::Refused, http_.address().text(),
-              "what answers there is not popcutd (no JSON); look at POPCUT_URL");
+              "the server there is not popcutd (it sends no JSON); check POPCUT_URL");
 }
 
 Result<Json> Api::get(const std::string& target, const std::string& place) {
@@ -150,7 +150,8 @@ Result<std::vector<Json>> Api::list(const std::string& target, const std::string
     auto got = get(page, place);
     if (!got) return tl::unexpected(got.error());
     if (!got->is_object() || !got->contains("items") || !(*got)["items"].is_array())
-      return fail(ErrorKind::Refused, http_.address().text(), "what answers there is not popcutd");
+      return fail(ErrorKind::Refused, http_.address().text(),
+                  "the server there is not popcutd; check POPCUT_URL");
     for (Json& one : (*got)["items"]) items.push_back(std::move(one));
     cursor = got->contains("next_cursor") && (*got)["next_cursor"].is_string()
                  ? (*got)["next_cursor"].get<std::string>()
@@ -169,8 +170,9 @@ Result<Json> Api::find_job(const std::string& word) {
   if (prefix.empty() ||
       prefix.find_first_not_of("0123456789ABCDEFGHJKMNPQRSTVWXYZ") != std::string::npos ||
       prefix.size() > kIdLength)
-    return fail(ErrorKind::Usage, place,
-                "is no job id; 'popcut jobs' lists them, and the beginning of one is enough");
+    return fail(
+        ErrorKind::Usage, place,
+        "is not a job id; 'popcut jobs' lists them, and the first letters of one are enough");
   if (prefix.size() == kIdLength) return get("/v1/jobs/" + prefix, place);
   for (const bool all : {false, true}) {
     const auto jobs = all ? list("/v1/jobs", place) : open_jobs();
@@ -180,7 +182,7 @@ Result<Json> Api::find_job(const std::string& word) {
     if (fitting.size() > 1)
       return fail(
           ErrorKind::Usage, place,
-          fmt::format("begins {} ids: {}; give more letters", fitting.size(), names_of(fitting)));
+          fmt::format("matches {} jobs: {}; give more letters", fitting.size(), names_of(fitting)));
   }
   return fail(ErrorKind::Refused, place, "there is no such job; 'popcut jobs --all' lists them");
 }
@@ -195,10 +197,11 @@ Result<Json> Api::only_job_for(const std::string& action) {
   if (fitting.empty())
     return fail(
         ErrorKind::Refused, "",
-        fmt::format("no job is waiting for '{}'; 'popcut jobs' says what each waits for", action));
-  return fail(
-      ErrorKind::Usage, "command line",
-      fmt::format("which job? {} may be told '{}': {}", fitting.size(), action, names_of(fitting)));
+        fmt::format("'{}' is not possible for any job now; 'popcut jobs' shows what each waits for",
+                    action));
+  return fail(ErrorKind::Usage, "command line",
+              fmt::format("'{}' is possible for {} jobs; name one of {}", action, fitting.size(),
+                          names_of(fitting)));
 }
 
 Result<Json> Api::act(const Json& job, const std::string& action, const Json& body) {

@@ -26,7 +26,7 @@ class Api {
   [[nodiscard]] Result<Json> get(const std::string& target, const std::string& place);
   [[nodiscard]] Result<std::string> get_text(const std::string& target, const std::string& accept,
                                              const std::string& place);
-  /// POST of JSON. `rev` at least 0: only if the resource has that revision.
+  /// POST of JSON. If `rev` is 0 or more: only if the resource has that revision.
   [[nodiscard]] Result<Json> post(const std::string& target, const Json& body,
                                   const std::string& place, std::int64_t rev = -1);
   /// POST of a file as it is.
@@ -37,28 +37,28 @@ class Api {
   [[nodiscard]] Result<std::vector<Json>> list(const std::string& target, const std::string& place,
                                                std::size_t most = 100'000);
 
-  /// The job that `word` names: an id or a prefix of one only, in any case of letters.
+  /// The job that `word` names: an id or a unique prefix of one, in upper or lower case.
   ///
-  /// @retval Usage    several jobs begin so
-  /// @retval Refused  none does
+  /// @retval Usage    several jobs match
+  /// @retval Refused  no job matches
   [[nodiscard]] Result<Json> find_job(const std::string& word);
-  /// The one job of which `action` is lawful now.
+  /// The only job for which `action` is possible now.
   ///
   /// @retval Refused  there is none
   /// @retval Usage    there are several
   [[nodiscard]] Result<Json> only_job_for(const std::string& action);
-  /// popcutd's page is at "/"; a popcutd without one has nothing there.
+  /// Whether popcutd has a page (at "/").
   [[nodiscard]] Result<bool> has_page();
   /// Jobs that have not ended.
   [[nodiscard]] Result<std::vector<Json>> open_jobs();
 
-  /// Does `action` to a job as it was seen in `job`. If only its revision has changed since, and
-  /// not what a person sees of it (state, sheet, blank, segment), it is done all the same.
+  /// Does `action` to the job seen in `job`. If only its revision has changed since, and not what a
+  /// person sees of it (state, sheet, blank, segment), the action is done anyway.
   [[nodiscard]] Result<Json> act(const Json& job, const std::string& action, const Json& body);
   /// Does `action` to a device ("enable", "disable", "reset", "test-cut") as it is now.
   [[nodiscard]] Result<Json> act_on_device(const std::string& id, const std::string& action,
                                            const Json& body);
-  /// Changes members of a job as it was seen in `job`.
+  /// Changes members of the job seen in `job`.
   [[nodiscard]] Result<Json> patch(const Json& job, const Json& members);
 
   [[nodiscard]] HttpClient& http() { return http_; }
@@ -70,7 +70,7 @@ class Api {
   HttpClient http_;
 };
 
-/// A member that is a text, else an empty one.
+/// A text member, or an empty text.
 [[nodiscard]] std::string text_of(const nlohmann::json& object, const char* key);
 /// "rev", else 0.
 [[nodiscard]] std::int64_t revision_of(const nlohmann::json& object);

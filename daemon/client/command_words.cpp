@@ -4,6 +4,10 @@
 #include <array>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "core/plan/plan_options.hpp"
+
 namespace popcut::client {
 namespace {
 
@@ -66,6 +70,12 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
     text.replace(at, from.size(), to);
 }
 
+/// "`mat`" of an option is "--mat".
+void replace_plan_options(std::string& text) {
+  for (const PlanOption& option : plan_option_table())
+    replace_all(text, fmt::format("`{}`", option.name), fmt::format("--{}", option.name));
+}
+
 }  // namespace
 
 std::string option_for(std::string_view pointer) {
@@ -84,6 +94,7 @@ std::string command_for(std::string_view action) {
 }
 
 std::string in_command_words(std::string text) {
+  replace_plan_options(text);
   for (const auto& [from, to] : kPhrases) replace_all(text, from, to);
   for (const auto& [from, to] : kCommands) replace_all(text, from, to);
   constexpr std::string_view kMeant = "did you mean ";
@@ -94,6 +105,14 @@ std::string in_command_words(std::string text) {
   const std::string option = option_for(std::string_view(text).substr(begin, end - begin));
   if (!option.empty()) text.replace(begin, end - begin, option);
   return text;
+}
+
+Error on_command_line(Error error) {
+  const bool of_plan = error.place.starts_with("/options/") || error.place == "/machine" ||
+                       error.place == "/material";
+  if (of_plan) error.place = option_for(error.place);
+  replace_plan_options(error.detail);
+  return error;
 }
 
 }  // namespace popcut::client

@@ -4,17 +4,24 @@
 #include <string>
 #include <string_view>
 
+#include "core/result.hpp"
+
 namespace popcut::client {
 
-/// What a person types for a member of a request ("/from_path": "--from"), an option of a plan
-/// ("/options/mat": "--mat") or a name of the query ("?limit": "--limit"). Empty: nothing does.
+/// The command-line name of a member of a request ("/from_path": "--from"), an option of a plan
+/// ("/options/mat": "--mat") or a name of the query ("?limit": "--limit"). Empty: there is none.
 [[nodiscard]] std::string option_for(std::string_view pointer);
 
-/// An action of the interface as popcut's command: "retry-sheet" is "retry".
+/// The popcut command for an action of the API: "retry-sheet" is "retry".
 [[nodiscard]] std::string command_for(std::string_view action);
 
-/// `text` of popcutd with the members and actions that it names as a person types them: "say
-/// i_accept_double_cut" becomes "say --accept-double-cut".
+/// `text` with members, actions and plan options under their command-line names: "say
+/// i_accept_double_cut" becomes "say --accept-double-cut"; "use `mat` 12x24" becomes "use --mat
+/// 12x24".
 [[nodiscard]] std::string in_command_words(std::string text);
+
+/// Words an error about a plan option for the command line: place "/options/mat" becomes "--mat",
+/// and so do options in its text. Other errors stay unchanged.
+[[nodiscard]] Error on_command_line(Error error);
 
 }  // namespace popcut::client

@@ -107,8 +107,9 @@ HttpResponse head_of(const Fields& fields, int status) {
 }
 
 Error broken(const Address& address, const std::string& why) {
-  return {ErrorKind::DeviceGone, address.text(),
-          fmt::format("popcutd broke off ({}); see whether it runs, and try again", why)};
+  return {
+      ErrorKind::DeviceGone, address.text(),
+      fmt::format("popcutd closed the connection ({}); check that it runs, and try again", why)};
 }
 
 void pause_for(double seconds) {

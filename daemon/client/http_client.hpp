@@ -14,14 +14,14 @@
 
 namespace popcut::client {
 
-/// What is asked of popcutd.
+/// A request to popcutd.
 struct HttpRequest {
   std::string method{"GET"};
   std::string target;
-  std::string_view body{};  ///< must live until the answer is there
+  std::string_view body{};  ///< must live until the answer has come
   std::string content_type{};
   std::vector<std::pair<std::string, std::string>> headers{};
-  double seconds{60};  ///< until the answer must have begun
+  double seconds{60};  ///< in which the answer must begin
 };
 
 struct HttpResponse {
@@ -30,8 +30,8 @@ struct HttpResponse {
   std::optional<double> retry_after_s{};
 };
 
-/// Speaks HTTP with one popcutd, one question at a time. What broke on the way is asked again:
-/// every POST has an idempotency key, made here and the same on each try.
+/// Speaks HTTP with one popcutd, one request at a time. It repeats a request whose connection
+/// broke: every POST has an idempotency key, the same on each try.
 class HttpClient {
  public:
   HttpClient(std::vector<Address> addresses, std::string token);
@@ -39,14 +39,14 @@ class HttpClient {
   HttpClient(HttpClient&&) noexcept;
   HttpClient& operator=(HttpClient&&) noexcept;
 
-  /// @retval DeviceGone  nobody answers at any address, or no more
-  /// @retval Refused     the answer is no HTTP, or the socket may not be used
+  /// @retval DeviceGone  no address answers, or popcutd went away
+  /// @retval Refused     the answer is not HTTP, or access to the socket is denied
   [[nodiscard]] Result<HttpResponse> ask(HttpRequest request);
   /// The address that answered last, else the first.
   [[nodiscard]] const Address& address() const;
   [[nodiscard]] const std::vector<Address>& addresses() const { return addresses_; }
   [[nodiscard]] const std::string& token() const { return token_; }
-  /// How often what broke is asked again, at growing intervals (200 ms, 400 ms, ...).
+  /// How often a broken request is repeated, at growing intervals (200 ms, 400 ms, ...).
   void set_tries(int tries) { tries_ = tries; }
 
  private:
@@ -58,12 +58,12 @@ class HttpClient {
   std::string token_;
   std::size_t used_{0};
   int tries_{4};
-  bool reached_{false};  ///< before that, nobody there is told at once
+  bool reached_{false};  ///< until then, no answer is an error at once
   std::unique_ptr<Connection> connection_;
 };
 
-/// The events of popcutd as they come, over a connection of its own, which is made anew where it
-/// breaks: no stored event is lost or told twice.
+/// The events of popcutd as they happen, over a separate connection, which is opened again if it
+/// breaks. No stored event is lost or delivered twice.
 class EventStream {
  public:
   /// @param target  "/v1/events"
@@ -72,8 +72,8 @@ class EventStream {
   EventStream(const EventStream&) = delete;
   EventStream& operator=(const EventStream&) = delete;
 
-  /// Events that came within `seconds`, as soon as there is one; none: the time is over, or the
-  /// stream is broken and will be tried again by the next call (`connected` tells).
+  /// The events of the next `seconds`, returned as soon as there is one. Empty: the time is over,
+  /// or the stream broke and the next call opens it again (see `connected`).
   ///
   /// @retval Refused  popcutd answers with a problem (`problem`)
   [[nodiscard]] Result<std::vector<SseEvent>> next(double seconds);

@@ -45,9 +45,9 @@ std::string given(const Json& fault, const std::string& pointer, const Json* sen
 /// stays what it is.
 Error of_option(const Error& error, const std::string& option, const std::string& value) {
   const bool is_wrong_value = option != "INPUT" && error.kind != ErrorKind::Infeasible;
-  const bool told = value.empty() || error.detail.find(value) != std::string::npos;
+  const bool shown = value.empty() || error.detail.find(value) != std::string::npos;
   return {is_wrong_value ? ErrorKind::Usage : error.kind, option,
-          told ? error.detail : fmt::format("is {}; {}", value, error.detail)};
+          shown ? error.detail : fmt::format("is {}; {}", value, error.detail)};
 }
 
 Error invalid(const Json& problem, const std::string& place, const std::string& detail,
@@ -77,7 +77,7 @@ Error conflict(const Json& problem, const std::string& place, std::string detail
   detail = in_command_words(detail);
   if (!state.empty() && detail.find(state) == std::string::npos)
     detail += fmt::format("; it is {}", state);
-  if (!words.empty()) detail += fmt::format("; now it may be told: {}", words);
+  if (!words.empty()) detail += fmt::format("; possible now: {}", words);
   return {ErrorKind::Refused, place, detail};
 }
 
@@ -88,7 +88,7 @@ Error error_from(const HttpResponse& response, const std::string& place, Subject
   const auto parsed = parse_json(response.body, 32);
   if (!parsed || !parsed->is_object())
     return {ErrorKind::Refused, place,
-            fmt::format("popcutd answered {} without saying why; see its log", response.status)};
+            fmt::format("popcutd answered {} without a reason; see its log", response.status)};
   const Json& problem = *parsed;
   const std::string kind = kind_of(problem);
   std::string detail = text_of(problem, "detail");
@@ -96,9 +96,9 @@ Error error_from(const HttpResponse& response, const std::string& place, Subject
   if (response.status == 401) {
     const bool missing = detail.find("a token is required") != std::string::npos;
     return {ErrorKind::Refused, place,
-            (missing ? "popcutd wants a token" : detail) +
-                "; put one in POPCUT_TOKEN ('popcut token create --role operator' makes one, on "
-                "the computer where popcutd runs)"};
+            (missing ? "popcutd requires a token" : detail) +
+                "; set POPCUT_TOKEN ('popcut token create --role operator' creates one, on the "
+                "computer where popcutd runs)"};
   }
   if (kind == "validation") return invalid(problem, place, detail, subject, sent);
   if (kind == "malformed-json") return {ErrorKind::Malformed, place, detail};

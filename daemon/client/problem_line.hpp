@@ -10,15 +10,15 @@
 
 namespace popcut::client {
 
-/// What a request's body was made of, and so what a pointer into it means to a person.
+/// What the body of a request was made from; decides how a pointer into it is shown.
 enum class Subject { CommandLine, File };
 
-/// popcutd's problem (application/problem+json) as the one error a person reads: what of the
-/// request is wrong and where, or why it may not be now and what may. What came from the command
-/// line is named as it is typed there; a pointer into a file stays one.
+/// A problem of popcutd (application/problem+json) as one error for a person: what is wrong in the
+/// request and where, or why it is not possible now and what is. Members that come from the command
+/// line are named as they are typed there; a pointer into a file stays a pointer.
 ///
 /// @param place  what the request was about ("sphere.json", "job 01J..."); stands before a pointer
-/// @param sent   the body that was sent, to say which value was wrong
+/// @param sent   the body that was sent, to show the wrong value
 [[nodiscard]] Error error_from(const HttpResponse& response, const std::string& place,
                                Subject subject = Subject::CommandLine,
                                const nlohmann::json* sent = nullptr);

@@ -23,13 +23,14 @@ namespace {
 
 Error not_there(const Address& address, int code) {
   if (code == EACCES || code == EPERM)
-    return {ErrorKind::Refused, address.text(),
-            "may not be used by you; join its group: sudo usermod -aG popcut $USER, then log in "
-            "again"};
+    return {
+        ErrorKind::Refused, address.text(),
+        "you may not use this socket; join its group: sudo usermod -aG popcut $USER, then log in "
+        "again"};
   return {ErrorKind::DeviceGone, address.text(),
           fmt::format("popcutd does not answer there ({}); start it with 'popcutd' in another "
-                      "terminal; as a service 'sudo systemctl start popcutd.socket', and "
-                      "'systemctl status popcutd' says why it ended",
+                      "terminal, or as a service with 'sudo systemctl start popcutd.socket'; "
+                      "'systemctl status popcutd' shows why it stopped",
                       std::strerror(code))};
 }
 
@@ -86,7 +87,7 @@ Result<int> connect_tcp(const Address& address, double seconds) {
   if (found == EAI_SYSTEM) return -errno;
   if (found != 0)
     return fail(ErrorKind::DeviceGone, address.text(),
-                fmt::format("the host {} is not known ({}); look at POPCUT_URL", address.host,
+                fmt::format("the host {} is unknown ({}); check POPCUT_URL", address.host,
                             ::gai_strerror(found)));
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> kept(list, ::freeaddrinfo);
   int last = -EHOSTUNREACH;

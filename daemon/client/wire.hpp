@@ -13,7 +13,7 @@
 
 namespace popcut::client {
 
-/// A connected socket whose every wait ends by a deadline.
+/// A connected socket; every wait has a deadline.
 class Wire {
  public:
   using Clock = std::chrono::steady_clock;
@@ -24,8 +24,8 @@ class Wire {
   Wire(const Wire&) = delete;
   Wire& operator=(const Wire&) = delete;
 
-  /// @retval DeviceGone  nobody answers there; the place is the address
-  /// @retval Refused     the socket may not be used by who asks
+  /// @retval DeviceGone  no answer; the place is the address
+  /// @retval Refused     access to the socket is denied
   [[nodiscard]] static Result<Wire> connect(const Address& address, double seconds);
 
   void deadline_in(double seconds);

@@ -9,31 +9,16 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "daemon/files/fault_file.hpp"
 #include "device/port/serial_transport.hpp"
 #include "device/sim/trace.hpp"
 
 namespace popcut::daemon {
 namespace {
-
-Result<std::vector<SimFault>> read_faults(const std::string& path) {
-  constexpr std::streamoff kMostBytes = 1 << 24;
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  const std::streamoff size = file ? static_cast<std::streamoff>(file.tellg()) : -1;
-  if (size < 0 || size > kMostBytes)
-    return fail(
-        ErrorKind::Malformed, path,
-        fmt::format("cannot be read, or is larger than {} bytes; name a fault script", kMostBytes));
-  file.seekg(0);
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  auto faults = parse_faults(text);
-  if (!faults) return tl::unexpected(within(path, faults.error()));
-  return faults;
-}
 
 /// Every byte that a simulated cutter took, a line a write, so that it outlives this process.
 class ReceivedLog {
@@ -92,7 +77,7 @@ Result<CutterLine> configured_line(const DeviceConfig& config,
   if (!config.treat_as.empty()) machine->identity.clear();  // it says another name
   CutterLine line{std::move(*device), std::move(*machine), config.time_scale, {}, config.trace, {}};
   if (!config.faults.empty()) {
-    auto faults = read_faults(config.faults);
+    auto faults = cli::read_faults(config.faults);
     if (!faults) return tl::unexpected(within(config.id, faults.error()));
     line.faults = std::move(*faults);
   }

@@ -58,7 +58,7 @@ bool is_reached_plainly(const fs::path& folder, const std::string& name) {
   return true;
 }
 
-/// The lawful names among the texts of a JSON list.
+/// The valid names among the texts of a JSON list.
 std::set<std::string> lawful_names(const nlohmann::json& list) {
   std::set<std::string> names;
   if (!list.is_array()) return names;
@@ -112,8 +112,7 @@ Result<std::string> read_file(const fs::path& path, std::uintmax_t limit_bytes) 
     return fail(ErrorKind::Malformed, path.string(), why);
   };
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0)
-    return malformed("cannot be read: " + reason(errno) + "; give a file that is there");
+  if (file < 0) return malformed("cannot be read: " + reason(errno) + "; give an existing file");
   struct Closer {
     int file;
     ~Closer() { ::close(file); }
@@ -190,7 +189,7 @@ Result<void> OutputFolder::prepare() {
   }
   for (const fs::path& missing : made_) {
     if (::mkdir(missing.c_str(), 0777) != 0 && errno != EEXIST) {
-      return unwritable(missing, "cannot make the folder: " + reason(errno));
+      return unwritable(missing, "cannot create the folder: " + reason(errno));
     }
   }
   // 2. The lock. A file system without locks is used as it is.
@@ -200,7 +199,7 @@ Result<void> OutputFolder::prepare() {
   if (::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     ::close(std::exchange(lock_, -1));
     return unwritable(folder_, "another popcut is writing there",
-                      "wait for it, or give another folder");
+                      "wait for it or give another folder");
   }
   // 3. A fresh place aside.
   std::error_code error;
@@ -227,7 +226,7 @@ Result<void> OutputFolder::add(const std::string& own_name,
   const fs::path aside = folder_ / kAside / name;
   std::error_code error;
   fs::create_directories(aside.parent_path(), error);
-  if (error) return unwritable(folder_ / name, "cannot make its folder: " + error.message());
+  if (error) return unwritable(folder_ / name, "cannot create its folder: " + error.message());
   const auto failed = [&] {
     return unwritable(folder_ / name, "cannot be written: " + reason(errno != 0 ? errno : EIO),
                       "free some space or give another folder");
@@ -249,7 +248,7 @@ Result<void> OutputFolder::check_places() const {
   for (const std::string& name : names_) {
     const fs::path file = folder_ / name;
     if (!is_reached_plainly(folder_, name)) {
-      return unwritable(file, "a file or a symbolic link is in the place of its folder",
+      return unwritable(file, "a file or symbolic link has the name of its folder",
                         "move it away or give another folder");
     }
     if (fs::symlink_status(file, error).type() == fs::file_type::directory) {
@@ -265,7 +264,7 @@ Result<void> OutputFolder::put(const std::string& name) const {
   std::error_code error;
   fs::create_directories(file.parent_path(), error);
   if (!error) fs::rename(folder_ / kAside / name, file, error);
-  if (error) return unwritable(file, "cannot be put in its place: " + error.message());
+  if (error) return unwritable(file, "cannot be renamed: " + error.message());
   return {};
 }
 

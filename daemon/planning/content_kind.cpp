@@ -12,7 +12,7 @@
 namespace popcut::planning {
 namespace {
 
-/// Looks at the keys of the outermost object until one tells; never keeps a value.
+/// Looks at the keys of the outermost object until one decides; never keeps a value.
 class TopKeys : public nlohmann::json_sax<nlohmann::json> {
  public:
   std::optional<InputKind> kind;
@@ -47,7 +47,7 @@ class TopKeys : public nlohmann::json_sax<nlohmann::json> {
 
 Result<InputKind> kind_of_content(std::string_view text) {
   constexpr const char* kRight =
-      "is neither a design spec (JSON with \"popcut\"), nor a FOLD (\"file_spec\"), SVG or DXF "
+      "is not a design (JSON with \"popcut\") or a FOLD (\"file_spec\"), SVG or DXF "
       "file";
   if (text.rfind("\xEF\xBB\xBF", 0) == 0) text.remove_prefix(3);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
@@ -80,7 +80,7 @@ Result<InputKind> input_kind_from(std::string_view name) {
   for (const InputKind kind : {InputKind::Spec, InputKind::Fold, InputKind::Svg, InputKind::Dxf})
     if (name_of(kind) == name) return kind;
   return fail(ErrorKind::OutOfRange, "/design_kind",
-              fmt::format("is \"{}\"; spec, fold, svg or dxf is needed", name.substr(0, 40)));
+              fmt::format("is \"{}\"; give spec, fold, svg or dxf", name.substr(0, 40)));
 }
 
 }  // namespace popcut::planning

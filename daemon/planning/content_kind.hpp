@@ -12,7 +12,7 @@ namespace popcut::planning {
 /// What a file is, by its content alone: JSON with "popcut" is a spec, with "file_spec" or
 /// "vertices_coords" a FOLD file, what begins with '<' an SVG, with a group code a DXF.
 ///
-/// @retval Malformed  none of these; JSON that is broken before it can be told (line and column)
+/// @retval Malformed  none of these, or JSON that breaks before its kind is known (line and column)
 [[nodiscard]] Result<InputKind> kind_of_content(std::string_view text);
 
 /// "spec", "fold", "svg", "dxf".

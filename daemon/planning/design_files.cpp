@@ -33,7 +33,7 @@ Result<void> add_part(const Design& part, const std::string& prefix, const FileS
   if (!angles) return tl::unexpected(angles.error());
   auto glb = animation_glb(part.pattern, *angles, 0.0);
   if (glb) return add(prefix + "deploy.glb", std::move(*glb));
-  warnings.push_back(fmt::format("{}deploy.glb is not made: {}", prefix, message(glb.error())));
+  warnings.push_back(fmt::format("{}deploy.glb was not written: {}", prefix, message(glb.error())));
   return {};
 }
 

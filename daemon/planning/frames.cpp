@@ -46,20 +46,20 @@ std::string frame_head(FrameKind kind, std::string_view name, std::uint64_t byte
 Result<void> FrameReader::begin() {
   const auto malformed = [](const char* what) { return fail(ErrorKind::Malformed, "pipe", what); };
   if (std::string_view(buffer_).substr(0, kMagic.size()) != kMagic)
-    return malformed("no frame begins there");
+    return malformed("not the start of a frame");
   const std::uint64_t kind = number_at(buffer_, 4, 4);
   if (kind < 1 || kind > static_cast<std::uint64_t>(FrameKind::Failure))
-    return malformed("a frame of no known kind");
+    return malformed("a frame of an unknown kind");
   const std::uint64_t name_size = number_at(buffer_, 8, 4);
   if (name_size > kMostNameBytes) return malformed("a frame's name is too long");
   expected_ = number_at(buffer_, 12, 8);
   if (expected_ > left_)
     return fail(ErrorKind::OutOfRange, "pipe",
-                fmt::format("more than the {} bytes that are lawful", left_));
+                fmt::format("more than the {} bytes allowed", left_));
   if (buffer_.size() < kFrameHeadBytes + name_size) return {};
   Frame frame{static_cast<FrameKind>(kind), buffer_.substr(kFrameHeadBytes, name_size), {}};
   if (!frame.name.empty() && !is_plain_name(frame.name))
-    return malformed("a frame's name is no file's name");
+    return malformed("a frame's name is not a file name");
   left_ -= expected_;
   buffer_.clear();
   frame_ = std::move(frame);

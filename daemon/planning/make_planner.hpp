@@ -9,8 +9,8 @@
 namespace popcut::daemon {
 
 /// A planner whose tasks run in processes of `program`, which must do `planning::run_worker(0, 1)`
-/// when its first argument is `--worker` (/proc/self/exe for popcutd itself). Tasks are begun in
-/// the order in which they came. When it goes, what runs is killed and told to be Refused.
+/// when its first argument is `--worker` (/proc/self/exe for popcutd itself). Tasks start
+/// in the order they came. Its destructor kills running tasks and reports them as Refused.
 [[nodiscard]] std::unique_ptr<Planner> make_planner(const PlanningLimits& limits,
                                                     std::string program);
 

@@ -6,6 +6,7 @@
 #include "core/formats/dxf/dxf_reader.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/layout/joined_parts.hpp"
+#include "core/plan/test_shape.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -63,5 +64,7 @@ Result<DrawingInput> drawing_from_text(std::string text, InputKind kind, const S
   }
   return only_drawing(linework_from_svg(std::move(text), how));
 }
+
+DrawingInput test_shape_input() { return {test_shape(), std::nullopt, {}, PagePoint{5, 5}}; }
 
 }  // namespace popcut::planning

@@ -8,35 +8,38 @@
 #include <vector>
 
 #include "core/design/patches.hpp"
-#include "core/formats/svg/svg_reader.hpp"
 #include "core/drawing/linework.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 #include "core/result.hpp"
 
 namespace popcut::planning {
 
-/// What is planned: a drawing, and the material its spec asks for.
+/// The input of a plan: a drawing, and the material its spec asks for.
 struct DrawingInput {
   LineWork drawing;
   std::optional<std::string> material;
-  std::vector<double>
-      seams_x{};  ///< declared seams: it is to be split there, mm from its left edge
+  std::vector<double> seams_x{};  ///< split it there, mm from its left edge
+  std::optional<PagePoint> at{};  ///< where it goes on a sheet unless the options say
 };
 
 enum class InputKind : std::uint8_t { Spec, Fold, Svg, Dxf };
 
-/// What designing a spec takes from outside, and gives.
+/// What designing a spec needs from outside.
 struct SpecSources {
-  std::function<Result<SurfaceAssets>(const DesignSpec&)> assets;  ///< what its surfaces name
-  /// If there: is shown the design (and may add notes to its report) before it is drawn.
+  std::function<Result<SurfaceAssets>(const DesignSpec&)> assets;  ///< the files its surfaces name
+  /// Optional: receives the design before it is drawn, and may add notes to its report.
   std::function<Result<void>(const DesignSpec&, PatchAssembly&)> designed{};
 };
 
 /// Reads a drawing, or designs a spec. `factor` raises the limits of FOLD and DXF files; those of
 /// SVG are in `how`.
 ///
-/// @retval Malformed, OutOfRange, Infeasible  places are those within the text
+/// @retval Malformed, OutOfRange, Infeasible  places are within the text
 [[nodiscard]] Result<DrawingInput> drawing_from_text(std::string text, InputKind kind,
                                                      const SvgReadOptions& how, unsigned factor,
                                                      const SpecSources& sources);
+
+/// The small test shape, near the sheet's corner.
+[[nodiscard]] DrawingInput test_shape_input();
 
 }  // namespace popcut::planning

@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "core/formats/svg/syntax/svg_scan.hpp"
-
 namespace popcut::planning {
 namespace {
 
@@ -23,78 +21,73 @@ Result<Machine> ideal(std::array<double, 2> size, const std::string& dialect) {
   return machine;
 }
 
-// --machine, or the ideal plotter of --mat WxH alone, or the Cameo 3 whose mats have names.
-Result<Machine> choose_machine(const PlanWords& words, const Tables& tables) {
-  const bool named = !words.machine.empty();
-  const std::string fallback = words.dialect == "hpgl" ? "hpgl-generic" : "cameo3";
-  auto machine = find_machine(named ? words.machine : fallback, tables);
+// The machine, or the ideal plotter of a mat's size alone, or the Cameo 3 whose mats have names.
+Result<Machine> choose_machine(const PlanOptions& options, const Tables& tables) {
+  const bool named = !options.machine.empty();
+  const std::string fallback = options.dialect == "hpgl" ? "hpgl-generic" : "cameo3";
+  auto machine = find_machine(named ? options.machine : fallback, tables);
   if (!machine) {
     Error error = machine.error();
-    if (error.place.empty()) error = {ErrorKind::Usage, "--machine", error.detail};
+    if (error.place.empty()) error = {ErrorKind::Usage, "/machine", error.detail};
     return tl::unexpected(error);
   }
-  if (!named && !words.mat.empty()) {
+  if (!named && !options.mat.empty()) {
     for (const Mat& mat : machine->mats)
-      if (is_mat_name(mat, words.mat)) return machine;
-    const auto size = parse_size_mm(words.mat);
+      if (is_mat_name(mat, options.mat)) return machine;
+    const auto size = parse_size_mm(options.mat);
     if (!size) return tl::unexpected(size.error());
-    return ideal(*size, words.dialect);
+    return ideal(*size, options.dialect);
   }
-  if (!words.dialect.empty() && words.dialect != machine->language)
-    return fail(ErrorKind::Usage, "--dialect",
-                fmt::format("{} speaks {}, not {}; leave --dialect out, or take another --machine",
-                            machine->name, machine->language, words.dialect));
+  if (!options.dialect.empty() && options.dialect != machine->language)
+    return fail(
+        ErrorKind::Usage, "/options/dialect",
+        fmt::format("{} speaks {}, not {}; leave `dialect` out, or choose another `machine`",
+                    machine->name, machine->language, options.dialect));
   return machine;
 }
 
-Result<Material> choose_material(const std::string& name, const char* place, const Tables& tables,
-                                 const std::string& file) {
-  auto material = find_material(name, tables);
-  if (material) return material;
-  Error error = material.error();
-  const bool of_option = place[0] == '-';
-  if (error.place.empty())
-    error = {of_option ? ErrorKind::Usage : ErrorKind::OutOfRange,
-             of_option ? place : fmt::format("{}: {}", file, place), error.detail};
-  return tl::unexpected(error);
+/// The material of the options, or of the input.
+Result<Material> choose_material(const PlanOptions& options, const DrawingInput& input,
+                                 const Tables& tables, const std::string& file) {
+  const bool named = !options.material.empty();
+  auto material =
+      find_material(named ? options.material : input.material.value_or("paper-220"), tables);
+  if (material || !material.error().place.empty()) return material;
+  return fail(named ? ErrorKind::Usage : ErrorKind::OutOfRange,
+              named ? "/material" : file + ": /material", material.error().detail);
 }
 
-Result<SvgReadOptions> read_options(const PlanWords& words, const Tables& tables) {
-  auto profile = find_stroke_profile(words.svg_profile, tables);
+Result<SvgReadOptions> read_options(const PlanOptions& options, const Tables& tables) {
+  auto profile = find_stroke_profile(options.svg_profile, tables);
   if (!profile) return tl::unexpected(profile.error());
-  const double tolerance = words.curve_tolerance_mm, dpi = words.svg_dpi;
-  if (!(tolerance >= 0.001 && tolerance <= 1.0))
-    return fail(ErrorKind::Usage, "--curve-tolerance",
-                fmt::format("{} mm; from 0.001 to 1 is needed", tolerance));
-  if (!(dpi >= 1.0 && dpi <= 10'000.0))
-    return fail(ErrorKind::Usage, "--svg-dpi", fmt::format("{}; from 1 to 10000 is needed", dpi));
   SvgReadOptions how;
   how.profile = std::move(*profile);
-  how.tolerance_mm = tolerance;
-  how.dpi = dpi;
+  how.tolerance_mm = options.curve_tolerance_mm;
+  how.dpi = options.svg_dpi;
   return how;
 }
 
-Result<PlanOptions> plan_options(const PlanWords& words) {
-  PlanOptions out;
-  out.mat = words.mat;
-  out.place.clip = words.clip;
-  const auto how = order_options(words.order);
-  if (!how) return tl::unexpected(how.error());
-  out.order = *how;
-  if (auto knife = read_knife_words(words.knife, out); !knife) return tl::unexpected(knife.error());
-  if (auto split = read_split_words(words.split, out); !split) return tl::unexpected(split.error());
-  if (words.at.empty()) {
-    if (words.marks.wanted) out.place.at = PagePoint{16, 16};  // clear of the marks
-    return out;
-  }
-  SvgScan scan(words.at);
-  PagePoint at;
-  if (!scan.number(at.x) || !scan.number(at.y) || !scan.at_end())
-    return fail(ErrorKind::Usage, "--at",
-                fmt::format("{} is not a place; X,Y in mm as in 20,30", words.at));
-  out.place.at = at;
-  return out;
+/// What each tool holder of a sheet holds: the firmware is told the offset of a blade.
+std::vector<ToolKind> holders_for(const PlannedSheet& sheet) {
+  std::vector<ToolKind> holders;
+  for (const Stroke& stroke : sheet.path.strokes)
+    if (holders.size() < stroke.tool) holders.resize(stroke.tool, ToolKind::Pen);
+  for (std::size_t i = 0; i < holders.size(); ++i)
+    if (sheet.knife.blade(static_cast<int>(i) + 1)) holders[i] = ToolKind::Blade;
+  return holders;
+}
+
+/// The registration marks of a sheet; none where they were not asked for.
+Result<std::optional<MarkLayout>> marks_of(const PlanOptions& options, const Machine& machine,
+                                           const PlannedSheet& sheet) {
+  if (!options.marks) return std::nullopt;
+  auto marks = marks_for(sheet.area_mm);
+  if (!marks) return tl::unexpected(marks.error());
+  marks->arm_first = options.mark_form == MarkForm::Arm;
+  const auto named = [&](const char* word) { return machine.name.find(word) != std::string::npos; };
+  marks->four_corners = named("alpha") || named("mk2");
+  if (named("silhouette-sd") || named("craft-robo")) marks->style = 0;
+  return *marks;
 }
 
 JobOptions job_options(const PlannedSheet& sheet, const Machine& machine) {
@@ -113,18 +106,18 @@ Error split_and_printed(const Plan& plan) {
   const PlannedSheet& sheet = plan.sheets.front();
   return {ErrorKind::Infeasible, "",
           fmt::format("is {:.1f} x {:.1f} mm, too large for one sheet of {:.1f} x {:.1f} mm, and a "
-                      "printed drawing is not split; scale it down, use a larger --mat, or leave "
-                      "--marks out",
+                      "printed drawing is not split; scale it down, use a larger `mat`, or leave "
+                      "`marks` out",
                       box.width(), box.height(), sheet.area_mm[0], sheet.area_mm[1])};
 }
 
 /// The program of each sheet of a plan.
-Result<void> encode_sheets(const PlanWords& words, PlanJob& job) {
+Result<void> encode_sheets(const PlanOptions& options, PlanJob& job) {
   const Machine& machine = job.plan.machine;
-  if (words.marks.wanted && job.plan.layout) return tl::unexpected(split_and_printed(job.plan));
+  if (options.marks && job.plan.layout) return tl::unexpected(split_and_printed(job.plan));
   for (PlannedSheet& sheet : job.plan.sheets) {
     JobOptions sent = job_options(sheet, machine);
-    const auto marks = read_mark_words(words.marks, machine, sheet.area_mm);
+    const auto marks = marks_of(options, machine, sheet);
     if (!marks) return tl::unexpected(marks.error());
     sent.marks = *marks;
     if (*marks) job.marks.push_back(**marks);
@@ -133,7 +126,7 @@ Result<void> encode_sheets(const PlanWords& words, PlanJob& job) {
     if (!program) return tl::unexpected(program.error());
     if (!program->dots.empty())
       job.plan.warnings.push_back(
-          fmt::format("{} strokes are shorter than a step of {} mm and are not sent",
+          fmt::format("{} strokes are shorter than a step of {} mm and are not cut",
                       program->dots.size(), machine.unit_mm));
     job.programs.push_back(std::move(*program));
   }
@@ -150,50 +143,48 @@ std::string PlanJob::program_file(std::size_t sheet) const {
   return sheet_file(sheet, programs[sheet].dialect == Dialect::Hpgl ? "hpgl" : "gpgl");
 }
 
-Result<PlanJob> make_plan_job(const PlanWords& words, const std::vector<std::string>& tables,
+Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std::string>& tables,
                               const DrawingReader& read, const std::string& input_name) {
+  // Errors of an option place themselves; the others are in the input.
   const auto named = [&](Error error) {
-    return input_name.empty() ? error : within(input_name, std::move(error));
+    const bool of_option = error.place.starts_with("/options/");
+    return tl::unexpected(of_option || input_name.empty() ? std::move(error)
+                                                          : within(input_name, std::move(error)));
   };
-  const auto wanted = plan_options(words);
-  if (!wanted) return tl::unexpected(wanted.error());
-  if (!words.dialect.empty() && words.dialect != "gpgl" && words.dialect != "hpgl")
-    return fail(ErrorKind::Usage, "--dialect",
-                fmt::format("{} is not known; gpgl or hpgl", words.dialect));
-  const auto reading = read_options(words, tables);
+  const auto reading = read_options(options, tables);
   if (!reading) return tl::unexpected(reading.error());
-  const auto machine = choose_machine(words, tables);
+  const auto machine = choose_machine(options, tables);
   if (!machine) return tl::unexpected(machine.error());
   const bool ideal_machine = machine->name.rfind("ideal", 0) == 0;
   auto input = read(*reading);
   if (!input) return tl::unexpected(input.error());
-  const auto material = choose_material(
-      !words.material.empty() ? words.material : input->material.value_or("paper-220"),
-      !words.material.empty() ? "--material" : "/material", tables, input_name);
+  const auto material = choose_material(options, *input, tables, input_name);
   if (!material) return tl::unexpected(material.error());
 
-  PlanOptions how = *wanted;
-  if (!input->seams_x.empty() && !how.split)
-    return tl::unexpected(named(
+  if (!input->seams_x.empty() && options.no_split)
+    return named(
         {ErrorKind::Infeasible, "",
-         fmt::format("makes {} parts with seams between them, which --no-split forbids; leave it "
-                     "out, or plan each part of popcut design",
-                     input->seams_x.size() + 1)}));
+         fmt::format("makes {} parts with seams between them, and `no-split` forbids that; "
+                     "leave it out, or plan each part of popcut design",
+                     input->seams_x.size() + 1)});
+  PlanOptions how = options;
   how.seams_x.insert(how.seams_x.end(), input->seams_x.begin(), input->seams_x.end());
-  how.keep_lines = words.svg_profile == "origami-sim";
+  how.keep_lines = options.svg_profile == "origami-sim";
+  if (!how.place.at)
+    how.place.at = options.marks ? PagePoint{16, 16} : input->at;  // clear of marks
   if (ideal_machine) how.mat.clear();
   // An ideal plotter cuts lines as they are drawn.
   if (ideal_machine && !how.knife.overcut_mm) how.knife.overcut_mm = 0.0;
   auto planned = plan(std::move(input->drawing), *machine, *material, how);
-  if (!planned) {
-    const bool of_option = planned.error().place.rfind("--", 0) == 0;
-    return tl::unexpected(of_option ? planned.error() : named(planned.error()));
-  }
+  if (!planned) return named(planned.error());
   PlanJob job{std::move(*planned), {}, {}};
-  if (auto encoded = encode_sheets(words, job); !encoded)
-    return tl::unexpected(encoded.error().place.rfind("--", 0) == 0 ? encoded.error()
-                                                                    : named(encoded.error()));
+  if (auto encoded = encode_sheets(options, job); !encoded) return named(encoded.error());
   return job;
+}
+
+Error in_request(Error error) {
+  if (error.kind == ErrorKind::Usage) error.kind = ErrorKind::OutOfRange;
+  return error;
 }
 
 }  // namespace popcut::planning

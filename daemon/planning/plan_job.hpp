@@ -9,7 +9,6 @@
 #include "core/plan/plan.hpp"
 #include "core/result.hpp"
 #include "daemon/planning/plan_input.hpp"
-#include "daemon/planning/plan_words.hpp"
 #include "protocol/encode.hpp"
 
 namespace popcut::planning {
@@ -25,21 +24,28 @@ struct PlanJob {
   [[nodiscard]] static std::string sheet_file(std::size_t sheet, const char* ending);
 };
 
-/// Gives the drawing once it is known how drawings are to be read.
+/// Reads the drawing with the given options.
 using DrawingReader = std::function<Result<DrawingInput>(const SvgReadOptions&)>;
 
-/// Plans, and writes the programs. Values in, values out: `popcut plan` and popcutd's worker are
-/// this with files, or a pipe, around it.
+/// Plans the sheets and encodes their programs. Values in, values out: `popcut plan` adds files
+/// around it, popcutd's worker a pipe.
+///
+/// Default machine: an ideal plotter if `mat` is a size, else a Cameo 3. Default material: the one
+/// that the input asks for, else paper-220.
 ///
 /// @param tables      users' tables of machines, materials and profiles, as texts
 /// @param input_name  stands before the places of errors in the input; may be empty
-/// @retval Usage       a word of an option is not known, or two contradict each other; place
-/// "--mat"
+/// @retval Usage       an option's value is not known, or two contradict each other; place is
+///                     `pointer_to` the option
 /// @retval Malformed   a table is not of its form; place is "table N: " and a JSON pointer
 /// @retval Malformed, OutOfRange, Infeasible  see `drawing_from_text`, `plan` and `encode`
-[[nodiscard]] Result<PlanJob> make_plan_job(const PlanWords& words,
+[[nodiscard]] Result<PlanJob> make_plan_job(const PlanOptions& options,
                                             const std::vector<std::string>& tables,
                                             const DrawingReader& read,
                                             const std::string& input_name);
+
+/// Words an error about a plan option for a request: a wrong option is a value out of range, not a
+/// wrong command line.
+[[nodiscard]] Error in_request(Error error);
 
 }  // namespace popcut::planning

@@ -12,7 +12,7 @@
 
 namespace popcut::daemon {
 
-/// What a worker process is asked to do with a design.
+/// A task of a worker process.
 struct PlanningTask {
   enum class Kind : std::uint8_t {
     Check,    ///< read it and say what it is; the preview comes along
@@ -22,7 +22,7 @@ struct PlanningTask {
   Kind kind{};
   std::string design_path;  ///< stored bytes; read by the daemon and sent through the pipe
   std::string
-      design_kind;  ///< "spec", "fold", "svg", "dxf"; empty in Check: told by the media type
+      design_kind;  ///< "spec", "fold", "svg", "dxf"; empty in Check: the media type decides
   std::string media_type{};
   std::map<std::string, std::string> asset_paths{};  ///< by id
   std::string machine_json, material_json;           ///< rows of the tables
@@ -45,18 +45,17 @@ struct PlanningOutcome {
 };
 
 struct PlanningLimits {
-  int processes{1};  ///< at once; one more does nothing but checks, so that no plan holds them up
+  int processes{1};  ///< at once; one more does only checks, so that no plan delays them
   double cpu_s{600};
   double wall_s{1200};
   std::uint64_t memory_bytes{std::uint64_t{2} << 30};
   std::uint64_t output_bytes{std::uint64_t{1} << 30};
 };
 
-/// Runs designs in processes of their own (`popcutd --worker`, pipes only), a bounded number at
-/// once, so that a hostile one disturbs nothing. Checks, for which somebody waits, go beside the
-/// plans. `done` is called once for each task, on a thread
-/// of the planner's; with Refused if it was cancelled, and with Infeasible saying which limit was
-/// hit, or that the worker died.
+/// Runs designs in separate processes (`popcutd --worker`, pipes only), a bounded number at once,
+/// so that a hostile one disturbs nothing. Checks, for which a client waits, run beside the plans.
+/// `done` is called once for each task, on a thread of the planner: with Refused if it was
+/// cancelled, with Infeasible if a limit was hit or the worker died.
 class Planner {
  public:
   virtual ~Planner() = default;

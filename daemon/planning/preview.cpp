@@ -46,7 +46,7 @@ std::string head(double x, double y, double width, double height) {
 
 std::string preview_svg(const LineWork& work) {
   const Box box = bounds(work);
-  if (box.empty()) return no_preview_svg("nothing to cut, fold or draw was found");
+  if (box.empty()) return no_preview_svg("the drawing has nothing to cut, fold or draw");
   const double size = std::max({box.width(), box.height(), 1.0});
   const double margin = 0.03 * size;
   std::string svg =
@@ -73,7 +73,7 @@ std::string preview_svg(const LineWork& work) {
     if (open) svg += "\"/>\n";
   }
   if (drawn < work.points.size())
-    svg += note("shown in part: the drawing is large", box.x0, box.y0, size / 40);
+    svg += note("only a part is shown: the drawing is large", box.x0, box.y0, size / 40);
   svg += "</svg>\n";
   return svg;
 }

@@ -7,12 +7,12 @@
 
 namespace popcut::planning {
 
-/// What was read of a drawing, to look at, in mm: cuts black, mountains red, valleys blue, scores
+/// A picture of a drawing, in mm: cuts black, mountains red, valleys blue, scores
 /// and drawn lines green. Nothing of the file's own text is in it. At most about a million points;
 /// a larger drawing is shown in part, and says so.
 [[nodiscard]] std::string preview_svg(const LineWork& work);
 
-/// A picture that says why there is none.
+/// A picture with the reason why there is no preview.
 [[nodiscard]] std::string no_preview_svg(const std::string& why);
 
 }  // namespace popcut::planning

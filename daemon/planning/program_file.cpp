@@ -88,7 +88,7 @@ Result<void> read_dots(FieldReader& fields, EncodedProgram& program) {
     const bool listed = next < program.dots.size() && program.dots[next] == k;
     if (empty != listed)
       return fail(ErrorKind::OutOfRange, fields.pointer("dots"),
-                  fmt::format("stroke {} has {} bytes; the list has just those without any", k,
+                  fmt::format("stroke {} has {} bytes; list only strokes without bytes", k,
                               program.strokes[k].end - program.strokes[k].begin));
     next += listed ? 1 : 0;
   }
@@ -134,7 +134,7 @@ Result<EncodedProgram> read_program(std::string_view index, std::string bytes) {
                     sha256 == daemon::sha256_hex(program.bytes);
   if (!same)
     return fail(ErrorKind::CheckFailed, "/sha256",
-                fmt::format("the program's {} bytes are not those that were planned; plan again",
+                fmt::format("the program's {} bytes differ from the plan; plan again",
                             program.bytes.size()));
   const auto read =
       read_blocks(fields, program).and_then([&] { return read_dots(fields, program); });

@@ -10,7 +10,7 @@
 
 namespace popcut::planning {
 
-/// The words of a task as they go through the pipe; its bytes go in frames of their own.
+/// A task as JSON for the pipe; its bytes go in separate frames.
 [[nodiscard]] std::string task_json(const WorkerTask& task);
 /// @retval Malformed, OutOfRange  it is not of that form
 [[nodiscard]] Result<WorkerTask> read_task(std::string_view json);
@@ -23,7 +23,7 @@ namespace popcut::planning {
 [[nodiscard]] Result<daemon::PlanningOutcome> read_outcome(std::string_view json);
 
 [[nodiscard]] std::string error_json(const Error& error);
-/// The error that a worker tells; one of its own if that cannot be read.
+/// The error a worker reports, or an Internal error if it cannot be read.
 [[nodiscard]] Error read_error(std::string_view json);
 
 }  // namespace popcut::planning

@@ -11,14 +11,12 @@
 #include "core/plan/marks.hpp"
 #include "core/plan/plan_json.hpp"
 #include "core/plan/sheet_svg.hpp"
-#include "core/plan/test_shape.hpp"
 #include "core/text/json_text.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/planning/content_kind.hpp"
 #include "daemon/planning/plan_job.hpp"
 #include "daemon/planning/preview.hpp"
 #include "daemon/planning/program_file.hpp"
-#include "daemon/planning/task_words.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -54,8 +52,8 @@ Result<std::vector<std::string>> asset_ids(const DesignSpec& spec) {
   for (const auto& [place, name] : files_of(spec)) {
     if (!is_asset_id(name))
       return fail(ErrorKind::OutOfRange, place,
-                  fmt::format("is \"{}\", which is no asset's id; send the file to /v1/assets and "
-                              "name it by the id that comes back (sha256-...)",
+                  fmt::format("is \"{}\", which is not the id of an asset; upload the file to "
+                              "/v1/assets and use the id in the answer (sha256-...)",
                               name.substr(0, 60)));
     if (std::find(ids.begin(), ids.end(), name) == ids.end()) ids.push_back(name);
   }
@@ -64,14 +62,14 @@ Result<std::vector<std::string>> asset_ids(const DesignSpec& spec) {
 
 /// Takes them out of `given`, since they may be large.
 Result<SurfaceAssets> assets_for(const DesignSpec& spec, SurfaceAssets& given) {
-  if (const auto lawful = asset_ids(spec); !lawful) return tl::unexpected(lawful.error());
+  if (const auto valid = asset_ids(spec); !valid) return tl::unexpected(valid.error());
   SurfaceAssets assets;
   for (const auto& [place, name] : files_of(spec)) {
     if (assets.contains(name)) continue;
     const auto found = given.find(name);
     if (found == given.end())
       return fail(ErrorKind::OutOfRange, place,
-                  fmt::format("there is no asset {}; send the file to /v1/assets first", name));
+                  fmt::format("there is no asset {}; upload the file to /v1/assets first", name));
     assets.emplace(name, std::move(found->second));
   }
   return assets;
@@ -91,7 +89,7 @@ Result<std::string> add_row(const std::string& json, const char* list,
   auto row = parse_json(json, 16);
   if (!row) return tl::unexpected(row.error());
   if (!row->is_object() || !row->contains("name") || !(*row)["name"].is_string())
-    return fail(ErrorKind::Malformed, "/name", "a row of a table is needed, with its name");
+    return fail(ErrorKind::Malformed, "/name", "must be a row of a table, with its name");
   std::string name = (*row)["name"].get<std::string>();
   nlohmann::json table{{"popcut", 1}};
   table[list] = nlohmann::json::array({std::move(*row)});
@@ -161,24 +159,24 @@ Result<PlanningOutcome> outcome_of(const PlanJob& job, PlanningOutcome outcome,
 }
 
 Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add) {
-  auto words = words_of_options(task.options);
-  if (!words) return tl::unexpected(words.error());
+  auto options = read_plan_options(task.options);
+  if (!options) return tl::unexpected(in_request(options.error()));
   const auto tables = tables_of(task);
   if (!tables) return tl::unexpected(tables.error());
-  words->machine = tables->machine;
-  words->material = tables->material;
+  options->machine = tables->machine;
+  options->material = tables->material;
   PlanningOutcome outcome;
   SpecSources sources;
   sources.assets = [&](const DesignSpec& spec) { return assets_for(spec, task.assets); };
   sources.designed = [&](const DesignSpec& spec, PatchAssembly& made) -> Result<void> {
     if (const auto ids = asset_ids(spec)) outcome.assets = *ids;
-    const std::string name = words->material.empty() ? spec.material : words->material;
+    const std::string name = options->material.empty() ? spec.material : options->material;
     if (const auto material = find_material(name, tables->texts))
       for (Design& part : made.parts) add_thickness_note(*material, part);
     return add_design_files(made, add, outcome.warnings);
   };
   const auto read = [&](const SvgReadOptions& how) -> Result<DrawingInput> {
-    if (task.kind == Kind::TestCut) return DrawingInput{test_shape(), std::nullopt, {}};
+    if (task.kind == Kind::TestCut) return test_shape_input();
     const auto kind =
         task.design_kind.empty() ? kind_of_content(task.design) : input_kind_from(task.design_kind);
     if (!kind) return tl::unexpected(kind.error());
@@ -187,8 +185,7 @@ Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add) {
     if (input && input->drawing.name.empty()) input->drawing.name = "design";
     return input;
   };
-  if (task.kind == Kind::TestCut && words->at.empty() && !words->marks.wanted) words->at = "5,5";
-  const auto job = make_plan_job(*words, tables->texts, read, "");
+  const auto job = make_plan_job(*options, tables->texts, read, "");
   if (!job) return tl::unexpected(in_request(job.error()));
   return outcome_of(*job, std::move(outcome), add);
 }
@@ -213,10 +210,11 @@ Result<std::string> spec_preview(const DesignSpec& spec, WorkerTask& task,
   count(spec);
   for (const DesignSpec& patch : spec.patches) count(patch);
   if (units > most)
-    return no_preview_svg(fmt::format("a design of {} units is drawn when it is planned", units));
+    return no_preview_svg(
+        fmt::format("this design has {} units; popcut draws it when you plan it", units));
   for (const auto& [place, name] : files_of(spec))
     if (!task.assets.contains(name))
-      return no_preview_svg(fmt::format("{} is not there yet: {}", place, name));
+      return no_preview_svg(fmt::format("{}: the asset {} is not uploaded yet", place, name));
   const SpecSources sources{[&](const DesignSpec& own) { return assets_for(own, task.assets); }};
   const auto drawn = drawing_from_text(task.design, InputKind::Spec, {}, 1, sources);
   if (drawn) return preview_svg(drawn->drawing);

@@ -11,7 +11,7 @@
 
 namespace popcut::planning {
 
-/// A task with its bytes: what goes to a worker.
+/// A task with its bytes.
 struct WorkerTask {
   daemon::PlanningTask::Kind kind{};
   std::string design_kind{};  ///< empty: by the content

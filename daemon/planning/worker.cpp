@@ -40,7 +40,7 @@ class Pipes {
   /// Reads frames until the one that says that nothing more comes.
   Result<WorkerTask> read() {
     FrameReader reader(kMostTaskBytes);
-    Result<WorkerTask> task = fail(ErrorKind::Malformed, "pipe", "no task came");
+    Result<WorkerTask> task = fail(ErrorKind::Malformed, "pipe", "no task was sent");
     bool go = false;
     const auto take = [&](Frame frame) -> Result<void> {
       if (frame.kind == FrameKind::Task) {
@@ -57,7 +57,7 @@ class Pipes {
     while (!go) {
       const ssize_t got = ::read(in_, block.data(), block.size());
       if (got < 0 && errno == EINTR) continue;
-      if (got <= 0) return fail(ErrorKind::Malformed, "pipe", "it ended before the task did");
+      if (got <= 0) return fail(ErrorKind::Malformed, "pipe", "it ended within the task");
       const std::string_view bytes(block.data(), static_cast<std::size_t>(got));
       if (const Result<void> fed = reader.feed(bytes, take); !fed)
         return tl::unexpected(fed.error());
@@ -68,7 +68,7 @@ class Pipes {
   [[nodiscard]] Result<void> write(FrameKind kind, std::string_view name, std::string_view bytes) {
     const std::string head = frame_head(kind, name, bytes.size());
     if (put(head) && put(bytes)) return {};
-    return fail(ErrorKind::Unwritable, "pipe", "nobody reads any more");
+    return fail(ErrorKind::Unwritable, "pipe", "it is closed");
   }
 
  private:
@@ -90,8 +90,8 @@ Result<daemon::PlanningOutcome> guarded(Pipes& pipes) {
   };
   const auto too_large = [] {
     return fail(ErrorKind::Infeasible, "",
-                "needs more memory than a design may take; make it smaller or simpler, or have "
-                "planner.memory_mib raised in popcutd.toml");
+                "needs more memory than a design may use; make it smaller or simpler, or raise "
+                "planner.memory_mib in popcutd.toml");
   };
   try {
     Result<WorkerTask> task = pipes.read();
@@ -115,10 +115,10 @@ int run_worker(int in, int out) {
   if (in == STDIN_FILENO && out == STDOUT_FILENO) give_up_files();
   Pipes pipes(in, out);
   const Result<daemon::PlanningOutcome> outcome = guarded(pipes);
-  const bool told =
+  const bool sent =
       outcome ? pipes.write(FrameKind::Outcome, "", outcome_json(*outcome)).has_value()
               : pipes.write(FrameKind::Failure, "", error_json(outcome.error())).has_value();
-  return told ? 0 : kBroken;
+  return sent ? 0 : kBroken;
 }
 
 }  // namespace popcut::planning

@@ -160,8 +160,7 @@ class Talk {
       if (left.count() <= 0)
         return tl::unexpected(
             infeasible(fmt::format("took longer than the {:g} s that a design may take; make it "
-                                   "smaller or simpler, or have "
-                                   "planner.wall_s raised in popcutd.toml",
+                                   "smaller or simpler, or raise planner.wall_s in popcutd.toml",
                                    limits_.wall_s)));
       const auto most = std::min<std::int64_t>(left.count() + 1, 1000);
       if (::poll(waits.data(), waits.size(), static_cast<int>(most)) < 0 && errno != EINTR)
@@ -215,8 +214,8 @@ class Talk {
     if (fed) return fed;
     if (fed.error().kind == ErrorKind::OutOfRange)
       return tl::unexpected(infeasible(fmt::format(
-          "gives more than the {} bytes of files that a design may give; make it smaller or "
-          "simpler, or have planner.output_mib raised in popcutd.toml",
+          "makes more than the {} bytes of files that a design may make; make it smaller or "
+          "simpler, or raise planner.output_mib in popcutd.toml",
           limits_.output_bytes)));
     return fail(ErrorKind::Internal, "worker", message(fed.error()));
   }
@@ -227,7 +226,7 @@ class Talk {
     switch (frame.kind) {
       case FrameKind::File:
         if (frame.name.empty() || !names_.insert(frame.name).second || names_.size() > kMostFiles)
-          return wrong("a file without a name of its own, or too many");
+          return wrong("two files of one name, or too many files");
         files_.push_back(PlanningFile{std::move(frame.name), std::move(frame.bytes)});
         return {};
       case FrameKind::Outcome: {
@@ -241,7 +240,7 @@ class Talk {
         answer_ = tl::unexpected(read_error(frame.bytes));
         return {};
       default:
-        return wrong("a frame that only goes the other way");
+        return wrong("a frame that only popcutd sends");
     }
   }
 
@@ -249,15 +248,16 @@ class Talk {
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
       return infeasible(fmt::format(
           "took more than the {:g} s of processor time that a design may take; make it smaller or "
-          "simpler, or have planner.cpu_s raised in popcutd.toml",
+          "simpler, or raise planner.cpu_s in popcutd.toml",
           limits_.cpu_s));
     if (WIFSIGNALED(status))
-      return infeasible(fmt::format("made the planner die of signal {}{}; please report the design",
+      return infeasible(fmt::format("crashed the planner (signal {}){}; please report the design",
                                     WTERMSIG(status), last_words(errors_)));
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     if (code == 126 || code == 127)
-      return {ErrorKind::Internal, "worker", "cannot be started; is popcutd installed whole?"};
-    return infeasible(fmt::format("made the planner end with code {}{}; please report the design",
+      return {ErrorKind::Internal, "worker",
+              "cannot be started; check the installation of popcutd"};
+    return infeasible(fmt::format("ended the planner with code {}{}; please report the design",
                                   code, last_words(errors_)));
   }
 

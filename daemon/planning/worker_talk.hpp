@@ -9,7 +9,7 @@
 
 namespace popcut::planning {
 
-/// How a task is called off from another thread.
+/// Cancels a task from another thread.
 class CallOff {
  public:
   CallOff();
@@ -28,7 +28,7 @@ class CallOff {
 
 /// Runs one task in a worker process of its own, from its stored files to its outcome; blocks.
 ///
-/// @retval Refused     it was called off
+/// @retval Refused     it was cancelled
 /// @retval Infeasible  a limit was hit (which one), or the worker died
 /// @retval Internal    it cannot be started, or it sent what no worker sends
 /// @retval others      as `perform`

@@ -19,9 +19,9 @@
 #include "core/text/shown_text.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/help/help_pages.hpp"
-#include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/help/terminal_text.hpp"
 #include "daemon/cli/help/usage_error.hpp"
+#include "daemon/cli/options/option_value.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -33,24 +33,25 @@ constexpr std::initializer_list<Register> kCommands = {
     register_doctor, register_curvature, register_figures};
 
 constexpr const char* kPurpose =
-    "popcut turns a target surface into a pop-up pattern, a cut sheet, and a finished cut.\n\n"
-    "  popcut design sphere.json -o sphere         # pattern, drawings and report in ./sphere\n"
-    "  popcut deploy sphere/pattern.fold -o poses  # meshes of the poses as it opens\n"
-    "  popcut verify sphere/pattern.fold           # is it sound? one freedom? no crossing?\n"
-    "  popcut plan sphere.json -o sheets           # the sheets and the programs that cut them\n"
-    "  popcut cut sphere.json --wait               # cut it: a job for popcutd, with you at each "
-    "sheet\n"
-    "  popcut cut sphere.json --direct             # cut it from here, simulated by default\n\n"
-    "'popcut COMMAND --help' explains a command. Lengths are in mm, angles in rad unless the name\n"
-    "of an option or field says otherwise.";
+    "popcut turns a shape into a pop-up card: it designs the pattern, plans the sheets and cuts "
+    "them.\n\n"
+    "  popcut design --example sphere > sphere.json  # a design to start from\n"
+    "  popcut design sphere.json -o sphere           # pattern, drawings and report in ./sphere\n"
+    "  popcut verify sphere/pattern.fold             # check that the card opens and closes\n"
+    "  popcut deploy sphere/pattern.fold -o poses    # 3D models of the card as it opens\n"
+    "  popcut plan sphere.json -o sheets             # cut sheets and programs for your cutter\n"
+    "  popcut cut sphere.json --direct               # cut now (simulated unless you add "
+    "--device)\n"
+    "  popcut cut sphere.json --wait                 # cut as a job of the service popcutd\n\n"
+    "'popcut COMMAND --help' explains a command; docs/words.md explains the terms. Lengths are in\n"
+    "mm and angles in radians unless the name of an option says otherwise.";
 constexpr const char* kFooter =
-    "Every command takes --json, -q and -v, before or after its name.\n"
-    "Exit codes: 0 done; 1 a fault in popcut; 2 wrong command line; 3 malformed input or a value\n"
-    "out of range; 4 no valid pattern or layout; 5 device absent, refused or failed; 6 a check "
-    "did\n"
-    "not hold; 7 output not written.";
+    "Every command accepts --json, -q and -v, before or after its name.\n"
+    "Exit codes: 0 done; 1 a bug in popcut; 2 wrong command line; 3 malformed input or a value\n"
+    "out of range; 4 no valid pattern or layout; 5 device or service absent, refused or failed;\n"
+    "6 a check failed; 7 output not written.";
 
-/// The commands one line each; each explains itself. What options mean keeps to the terminal.
+/// Lists the commands, one line each, and wraps the text of options to the terminal.
 class ShortHelp : public CLI::Formatter {
   std::string make_usage(const CLI::App* app, std::string name) const override {
     return "\n" + CLI::Formatter::make_usage(app, name);
@@ -81,7 +82,8 @@ int report(const Error& error) {
 /// 'popcut help-page bash|zsh|fish|man', for the build and for packages.
 void add_help_pages(CLI::App& app, Run& run) {
   auto kind = std::make_shared<std::string>();
-  CLI::App* const command = app.add_subcommand("help-page", "Completions, and the manual page");
+  CLI::App* const command =
+      app.add_subcommand("help-page", "Print shell completions or the manual page");
   command->group("");  // hidden
   command->add_option("KIND", *kind, "bash, zsh, fish or man")->required();
   command->callback([&app, &run, kind] {
@@ -96,7 +98,7 @@ void add_help_pages(CLI::App& app, Run& run) {
 
 int unwritable() {
   return report({ErrorKind::Unwritable, "standard output",
-                 "cannot be written; free some space or send it elsewhere"});
+                 "cannot be written; free some space or redirect it elsewhere"});
 }
 
 /// Nothing that went to standard output may be lost in silence (a full disk behind a `>`).
@@ -113,9 +115,9 @@ int run(int argc, char** argv) {
   app.fallthrough();             // the options below may stand after the subcommand too
   app.require_subcommand(0, 1);  // none is refused below, after words that are no option
   app.set_version_flag("--version", "popcut " POPCUT_VERSION);
-  app.add_flag("--json", globals.json, "Standard output is one JSON document");
-  app.add_flag("-q,--quiet", globals.quiet, "Say nothing but errors");
-  app.add_flag("-v,--verbose", globals.verbose, "Say more; twice for everything");
+  app.add_flag("--json", globals.json, "Print one JSON document on standard output");
+  app.add_flag("-q,--quiet", globals.quiet, "Print nothing but errors");
+  app.add_flag("-v,--verbose", globals.verbose, "Print more; give it twice for everything");
   app.footer(kFooter);
   for (const Register add : kCommands) add(app, globals, work);
   add_help_pages(app, work);
@@ -140,7 +142,7 @@ int main(int argc, char** argv) {
   // Large arrays go back at once; else the heap of a large drawing keeps holes where they were.
   mallopt(M_MMAP_THRESHOLD, 256 * 1024);
 #endif
-  // Talk that nobody can read (a closed or full standard error) is no fault of the work.
+  // A closed or full standard error must not fail the work.
   if (isatty(STDERR_FILENO) == 0) (void)std::setvbuf(stderr, nullptr, _IOFBF, 1u << 16);
   std::signal(SIGXFSZ, SIG_IGN);  // a write past the file size limit fails like a full disk
   try {

@@ -13,9 +13,9 @@
 
 #include "core/formats/svg/svg_profile.hpp"
 #include "core/machines/machine.hpp"
-#include "daemon/cli/fault_file.hpp"
 #include "daemon/cli/help/help_pages.hpp"
 #include "daemon/config/default_text.hpp"
+#include "daemon/files/fault_file.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "daemon/popcutd/paths.hpp"

@@ -177,10 +177,11 @@ TEST_CASE("a machine that answers nothing is cut on and its doubt is told", "[cl
 
 TEST_CASE("nothing is cut without somebody who said yes", "[cli][e2e]") {
   const Bench bench;
-  check_one_line(bench.run({"cut", kSphere, "--direct", "-q", "-o", "cut"}), 5, "nobody to ask");
+  check_one_line(bench.run({"cut", kSphere, "--direct", "-q", "-o", "cut"}), 5,
+                 "cannot ask whether to start");
   CHECK_FALSE(std::filesystem::exists(bench.folder / "cut/sheet-01.gpgl"));
   check_one_line(bench.run({"cut", kSphere, "--direct", "--yes", "--device", "usb:1"}), 2,
-                 "simulated devices only");
+                 "only with simulated devices");
   check_one_line(bench.run({"cut", kSphere, "--direct", "--device", "usb:1"}), 5, "usb:1");
   ::setenv("POPCUT_URL", "/nonexistent/popcut.sock", 1);
   check_one_line(bench.run({"cut", kSphere}), 5, "popcutd does not answer there");

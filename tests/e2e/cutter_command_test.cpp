@@ -97,7 +97,7 @@ TEST_CASE("a fault file that is wrong is told with the place", "[cli][e2e][fault
   const Ran real = bench.run(
       {"cut", "--test", "--direct", "--device", "file:x.gpgl", "--faults", "faults.json"});
   CHECK(real.exit == 2);
-  CHECK(says(real.err, "--faults: works with simulated devices only"));
+  CHECK(says(real.err, "--faults: works only with simulated devices"));
 }
 
 TEST_CASE("a program that meets faults is simulated to where the host gave up",
@@ -153,7 +153,7 @@ TEST_CASE("a sheet with registration marks is cut where the marks are found", "[
       {"cut", "--test", "--marks", "--machine", "cameo3", "--mat", "70x70", "--direct", "--yes"});
   CHECK(small.exit == 4);
   CHECK(says(small.err, "has no room for registration marks"));
-  refused({"--mark-form", "wide"}, 2, "--mark-form: wide is not known");
+  refused({"--mark-form", "wide"}, 2, "--mark-form: is \"wide\"; one of arm, line");
 }
 
 TEST_CASE("the test shape is cut on every machine of the table", "[cli][e2e]") {
@@ -180,7 +180,7 @@ TEST_CASE("the key p holds the cut with the tool up and goes on", "[cli][e2e]") 
                     {"cut", kSphere, "--direct", "--device", "sim:cameo3", "-o", "cut"}, folder);
   REQUIRE(popcut.shows("Start cutting? [y/N]"));
   popcut.type("y\np");
-  const bool held = popcut.shows("held with the tool up, p goes on");
+  const bool held = popcut.shows("paused with the tool up; press p to go on");
   INFO(popcut.shown);
   REQUIRE(held);
   popcut.type("p");

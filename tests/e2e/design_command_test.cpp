@@ -156,7 +156,7 @@ TEST_CASE("a wrong design command is exit code 2", "[cli][e2e][design]") {
   const std::string spec = kExamples + "unit.json";
   check_refused(bench.design({}), 2, "command line: SPEC.json is missing");
   check_refused(bench.design({spec}), 2, "command line: -o DIR is missing");
-  check_refused(bench.design({spec, "-o"}), 2, "--output: stands without its value");
+  check_refused(bench.design({spec, "-o"}), 2, "--output: needs a value");
   check_refused(bench.design({spec, "-o", "x", "--formats", "fold,dwg"}), 2, "--formats: 'dwg'");
   check_refused(bench.design({spec, "-o", "x", "--fold-frames", "4"}), 2, "--fold-frames: '4'");
   check_refused(bench.design({spec, "-o", "x", "--wat"}), 2, "command line: ");

@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/plan/plan_options.hpp"
 #include "daemon/http/api/openapi.hpp"
 #include "daemon/http/api/routes.hpp"
 #include "tests/support/json_schema.hpp"
@@ -392,4 +393,21 @@ TEST_CASE("the served description is the one in the repository", "[daemon][http]
   CHECK(served.body == http::openapi_json());
   const json meta = json::parse(server.fetch("GET", "/v1/meta", "viewer").body);
   CHECK(served.headers.at("etag") == "\"" + meta.at("schema_sha256").get<std::string>() + "\"");
+}
+
+TEST_CASE("the description has each option of a plan with its type and its limits",
+          "[daemon][http][openapi]") {
+  const json& properties =
+      document().at("components").at("schemas").at("PlanOptions").at("properties");
+  for (const popcut::PlanOption& option : popcut::plan_option_table()) {
+    CAPTURE(option.name);
+    REQUIRE(properties.contains(std::string(option.name)) == !option.of_request);
+    if (option.of_request) continue;
+    const json& schema = properties.at(std::string(option.name));
+    CHECK(schema.at("description").get<std::string>().rfind(option.help, 0) == 0);
+    if (!option.words.empty()) CHECK(schema.at("enum") == json(option.words));
+    if (option.kind == popcut::PlanOption::Kind::Number) CHECK(schema.at("maximum") == option.most);
+  }
+  CHECK(properties.at("snap").at("default") == 0.05);
+  CHECK_FALSE(properties.at("overcut").contains("default"));
 }

@@ -106,7 +106,8 @@ TEST_CASE("a wrong word of plan is answered with what would be right", "[cli][e2
   write_file(bench.temp / "big.svg", kBigSvg);
   bench.refused({"big.svg", "--machine", "camoe3"}, 2, "did you mean cameo3?");
   bench.refused({"big.svg", "--material", "paper"}, 2, "paper-220");
-  bench.refused({"big.svg", "--order", "fast"}, 2, "quick, best or keep");
+  bench.refused({"big.svg", "--order", "fast"}, 2,
+                "--order: is \"fast\"; one of quick, best, keep");
   bench.refused({"big.svg", "--at", "1"}, 2, "X,Y");
   bench.refused({"big.svg", "--mat", "huge"}, 2, "300x200");
   bench.refused({"big.svg", "--svg-profile", "x"}, 2, "origami-sim");

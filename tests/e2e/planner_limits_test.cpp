@@ -117,15 +117,15 @@ TEST_CASE("whatever a worker sends the daemon goes on and says what was wrong",
     ErrorKind kind;
     const char* part;
   } cases[] = {
-      {"garbage", ErrorKind::Internal, "only goes the other way"},
-      {"no head", ErrorKind::Internal, "no frame begins"},
-      {"path", ErrorKind::Internal, "no file's name"},
-      {"twice", ErrorKind::Internal, "name of its own"},
+      {"garbage", ErrorKind::Internal, "only popcutd sends"},
+      {"no head", ErrorKind::Internal, "not the start of a frame"},
+      {"path", ErrorKind::Internal, "not a file name"},
+      {"twice", ErrorKind::Internal, "two files of one name"},
       {"promise", ErrorKind::Infeasible, "more than the 8388608 bytes"},
       {"flood", ErrorKind::Infeasible, "more than the 8388608 bytes"},
       {"nonsense", ErrorKind::Internal, ""},
       {"deep", ErrorKind::Internal, ""},
-      {"dies", ErrorKind::Infeasible, kSanitized ? "made the planner end" : "last words"},
+      {"dies", ErrorKind::Infeasible, kSanitized ? "ended the planner" : "last words"},
       {"spins", ErrorKind::Infeasible, "1 s of processor time"},
       {"silence", ErrorKind::Infeasible, "code 5"},
   };

@@ -97,8 +97,9 @@ TEST_CASE("a check tells what a file is by its content and draws it anew", "[dae
   }
 }
 
-TEST_CASE("a design that takes long is drawn when it is planned and not while it is checked",
-          "[daemon][planner]") {
+TEST_CASE(
+    "a design that takes long is popcut draws it when you plan it and not while it is checked",
+    "[daemon][planner]") {
   Bench bench;
   const std::string surface =
       R"j({"popcut": 1, "widths_mm": 1,
@@ -109,7 +110,7 @@ TEST_CASE("a design that takes long is drawn when it is planned and not while it
     const auto outcome = bench.run(bench.task(Kind::Check, surface + more));
     INFO(why(outcome));
     REQUIRE(outcome);
-    CHECK(outcome->files.at(0).bytes.find("drawn when it is planned") != std::string::npos);
+    CHECK(outcome->files.at(0).bytes.find("popcut draws it when you plan it") != std::string::npos);
   }
 }
 
@@ -117,8 +118,8 @@ TEST_CASE("what is wrong with a design is told with its place in it", "[daemon][
   Bench bench;
   const auto check = [&](const std::string& text) { return bench.task(Kind::Check, text); };
   bench.refused(check(""), ErrorKind::Malformed, "", "empty");
-  bench.refused(check("hello"), ErrorKind::Malformed, "", "neither a design spec");
-  bench.refused(check("{\"a\": 1}"), ErrorKind::Malformed, "", "neither a design spec");
+  bench.refused(check("hello"), ErrorKind::Malformed, "", "is not a design");
+  bench.refused(check("{\"a\": 1}"), ErrorKind::Malformed, "", "is not a design");
   bench.refused(check("{\"popcut\": 1, \n \"slices\": }"), ErrorKind::Malformed,
                 "line 2, column 12", "");
   json spec = json::parse(text_of_file(kExamples + "sphere.json"));
@@ -150,7 +151,7 @@ TEST_CASE("what is wrong with a design is told with its place in it", "[daemon][
   options.options = {{"seam-x", "10,,20"}};
   bench.refused(options, ErrorKind::OutOfRange, "/options/seam-x", "numbers");
   options.options = {{"order", "random"}};
-  bench.refused(options, ErrorKind::OutOfRange, "/options/order", "quick, best or keep");
+  bench.refused(options, ErrorKind::OutOfRange, "/options/order", "one of quick, best, keep");
   options.options.clear();
   options.design_path = (bench.temp / "absent").string();
   bench.refused(options, ErrorKind::Internal, options.design_path, "cannot be read");

@@ -167,7 +167,7 @@ TEST_CASE("a refusal says what to type", "[popcutd][cli]") {
   REQUIRE(desk.comes_to(second, "ready"));
   const Ran which = desk.popcut({"arm"});
   CHECK(which.exit == 2);
-  CHECK(says(which.err, "which job?"));
+  CHECK(says(which.err, "name one of"));
   const Ran prefix = desk.popcut({"arm", first.substr(0, 4)});
   CHECK(prefix.exit == 2);
   CHECK(says(prefix.err, "give more letters"));
@@ -221,11 +221,11 @@ TEST_CASE("jobs are listed in the order of the queue", "[popcutd][cli]") {
   const Ran moved = desk.must({"move", ids[2], "--before", ids[0]});
   CHECK(says(moved.err, "comes before " + ids[0]));
   CHECK(listed() == std::vector{ids[2], ids[0], ids[1]});
-  CHECK(says(desk.must({"move", ids[2]}).err, "comes last of those of its priority"));
+  CHECK(says(desk.must({"move", ids[2]}).err, "is now last of its priority"));
   CHECK(listed() == ids);
   const Ran itself = desk.popcut({"move", ids[1], "--before", ids[1]});
   CHECK(itself.exit == 2);
-  CHECK(says(itself.err, "popcut: --before: " + ids[1] + " is the job that is to be moved"));
+  CHECK(says(itself.err, "popcut: --before: " + ids[1] + " is the job to move"));
   CHECK(listed() == ids);
 }
 
@@ -301,7 +301,7 @@ TEST_CASE("Ctrl-C ends the watching and not the job", "[popcutd][cli]") {
   AtTerminal person(POPCUT_PROGRAM, {"cut", kUnit, "--wait"}, desk.daemon.folder());
   REQUIRE(person.shows("popcut arm"));
   person.type("\x03");
-  CHECK(person.shows("goes on without you; 'popcut jobs"));
+  CHECK(person.shows("goes on in popcutd; 'popcut jobs"));
   CHECK(person.ended() == 5);
   const Json jobs = Json::parse(desk.popcut({"jobs", "--json"}).out)["jobs"];
   REQUIRE(jobs.size() == 1);

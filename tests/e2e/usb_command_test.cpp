@@ -108,7 +108,7 @@ TEST_CASE("whoever does not say yes sends nothing", "[cli][usb][e2e]") {
   words.push_back("--yes");
   const auto said = desk.run(words);
   CHECK(said.exit == 2);
-  CHECK(says(said.shown, "a person must look"));
+  CHECK(says(said.shown, "you are asked before each sheet"));
   CHECK(desk.cutter.accepted_bytes() == 0);
 }
 

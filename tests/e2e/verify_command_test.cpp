@@ -41,7 +41,7 @@ TEST_CASE("verify of an unsound pattern ends with 6 and lists what fails", "[cli
   write_file(folder / "bad.fold", draft.text());
   const Ran ran = popcut_in(folder, {"verify", "bad.fold", "--dof", "2", "--json"});
   CHECK(ran.exit == 6);
-  CHECK(ran.err.rfind("popcut: bad.fold: the pattern is unsound: isometry", 0) == 0);
+  CHECK(ran.err.rfind("popcut: bad.fold: the pattern fails checks: isometry", 0) == 0);
   const json report = json::parse(ran.out);
   CHECK(report["ok"] == false);
   CHECK(report["failed"].get<int>() > 1);

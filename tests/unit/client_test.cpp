@@ -110,7 +110,7 @@ TEST_CASE("a problem of popcutd is one line that says what is right", "[client]"
   CHECK(told(409, R"({"type":"https://popcut.invalid/p/state-conflict","title":"Not now",
       "detail":"sheet 2 is not the current one","state":"ready",
       "allowed_actions":["arm","confirm-result"]})") ==
-        "job 01J: sheet 2 is not the current one; it is ready; now it may be told: arm, confirm");
+        "job 01J: sheet 2 is not the current one; it is ready; possible now: arm, confirm");
   CHECK(told(502, "<html>").find("502") != std::string::npos);
   CHECK(told(401, R"({"type":"x/unauthenticated","detail":"who are you"})").find("POPCUT_TOKEN") !=
         std::string::npos);
@@ -169,7 +169,7 @@ TEST_CASE("a problem speaks of what is typed and not of JSON", "[client]") {
           409,
           R"({"type":"p/state-conflict","state":"interrupted","detail":"register it again and say registration \"re-registered\"",
       "allowed_actions":["resume-from","retry-sheet"]})")
-          .find("say --registration re-registered; it is interrupted; now it may be told: "
+          .find("say --registration re-registered; it is interrupted; possible now: "
                 "resume --from, retry") != std::string::npos);
   CHECK(
       told(
@@ -203,7 +203,7 @@ TEST_CASE("a token that no header can hold is refused before it is sent", "[clie
     const auto token = bearer_token(environment({{"POPCUT_TOKEN", wrong}}));
     REQUIRE_FALSE(token);
     CHECK(exit_code(token.error().kind) == 2);
-    CHECK(message(token.error()).rfind("POPCUT_TOKEN: holds a character", 0) == 0);
+    CHECK(message(token.error()).rfind("POPCUT_TOKEN: contains a character", 0) == 0);
   }
 }
 

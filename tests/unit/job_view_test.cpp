@@ -8,10 +8,10 @@
 
 #include <catch2/catch.hpp>
 
-#include "daemon/cli/view/job_view.hpp"
-#include "daemon/cli/person_name.hpp"
-#include "daemon/cli/view/progress_bar.hpp"
 #include "daemon/cli/help/terminal_text.hpp"
+#include "daemon/cli/view/job_view.hpp"
+#include "daemon/cli/view/person_name.hpp"
+#include "daemon/cli/view/progress_bar.hpp"
 
 using namespace popcut::cli;
 using Json = nlohmann::json;
@@ -190,7 +190,7 @@ TEST_CASE("of a cancelled job no sheet is shown as being cut", "[cli][jobs]") {
                                  {{"sheet", 3}, {"state", "waiting"}}};
   const std::string ended = joined(job_details(job("cancelled"), sheets));
   CHECK(ended.find("sheet 1    done") != std::string::npos);
-  CHECK(ended.find("sheet 2    broken off") != std::string::npos);
+  CHECK(ended.find("sheet 2    not finished") != std::string::npos);
   CHECK(ended.find("sheet 3    not cut") != std::string::npos);
   const std::string going = joined(job_details(job("cutting"), sheets));
   CHECK(going.find("sheet 2    cutting") != std::string::npos);

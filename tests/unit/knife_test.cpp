@@ -6,8 +6,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/plan/knife/blade.hpp"
 #include "core/machines/motion.hpp"
+#include "core/plan/knife/blade.hpp"
 #include "core/plan/knife/overcut.hpp"
 #include "core/plan/plan.hpp"
 #include "core/plan/plan_json.hpp"
@@ -159,7 +159,7 @@ TEST_CASE("the axis of a turned blade stays in the area", "[core][plan][knife]")
   }
   options.place.clip = false;
   options.mat = "300x200";
-  options.split = false;
+  options.no_split = true;
   const auto tight = plan(work, machine("hpgl-generic"), paper(), options);
   REQUIRE_FALSE(tight);
   CHECK(tight.error().detail.find("0.25 mm must stay free") != std::string::npos);
@@ -228,7 +228,7 @@ TEST_CASE("folds are dashed or pressed or cut half through as asked", "[core][pl
   options.knife.folds = FoldMode::Score;
   const auto refused = plan(work, machine("cameo3"), plain, options);
   REQUIRE_FALSE(refused);
-  CHECK(refused.error().place == "--folds");
+  CHECK(refused.error().place == "/options/folds");
 }
 
 TEST_CASE("wrong values of the knife in a table are named by their place", "[core][plan][tables]") {
@@ -248,10 +248,10 @@ TEST_CASE("wrong values of the knife in a table are named by their place", "[cor
   LineWork work;
   draw(work, Operation::Cut, {{10, 30}, {60, 30}});
   options.clean.snap_mm = std::nan("");
-  CHECK(plan(work, machine("cameo3"), paper(), options).error().place == "--snap");
+  CHECK(plan(work, machine("cameo3"), paper(), options).error().place == "/options/snap");
   options.clean.snap_mm = 0.05;
   options.knife.overcut_mm = 1e9;
-  CHECK(plan(work, machine("cameo3"), paper(), options).error().place == "--overcut");
+  CHECK(plan(work, machine("cameo3"), paper(), options).error().place == "/options/overcut");
 }
 
 TEST_CASE("times of the recorded jobs are met with blade and with pen", "[core][plan][motion]") {

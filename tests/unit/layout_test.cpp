@@ -187,7 +187,7 @@ TEST_CASE("a seam that was asked for is taken or refused with the nearest good o
   const auto refused = lay_out(work, options);
   REQUIRE_FALSE(refused);
   CHECK(refused.error().kind == ErrorKind::Infeasible);
-  CHECK(refused.error().place == "--seam-x");
+  CHECK(refused.error().place == "/options/seam-x");
   CHECK_THAT(refused.error().detail, Catch::Contains("along a fold"));
   CHECK_THAT(refused.error().detail, Catch::Contains("nearest that does not is"));
 }
@@ -207,7 +207,7 @@ TEST_CASE("impossible tabs and areas are refused before anything is laid", "[lay
   CHECK(refused([](LayoutOptions& o) { o.tabs.pitch_mm = std::nan(""); }).place ==
         "/tabs/pitch_mm");
   CHECK(refused([](LayoutOptions& o) { o.area_mm = {0, 100}; }).kind == ErrorKind::OutOfRange);
-  CHECK(refused([](LayoutOptions& o) { o.origin = {119.5, 0}; }).place == "--at");
+  CHECK(refused([](LayoutOptions& o) { o.origin = {119.5, 0}; }).place == "/options/at");
   // A mat smaller than a tab: no layout, said with the sizes.
   const Error small = refused([](LayoutOptions& o) { o.area_mm = {10, 10}; });
   CHECK(small.kind == ErrorKind::Infeasible);

@@ -163,6 +163,8 @@ TEST_CASE("an option that there is not is told at once and with what was meant",
   CHECK(typo.kind == ProblemKind::Validation);
   CHECK(typo.errors.at(0).pointer == "/options/ordr");
   CHECK(typo.errors.at(0).detail.find("did you mean order?") != std::string::npos);
+  CHECK(refused("order", "fast").errors.at(0).pointer == "/options/order");
+  CHECK(refused("snap", "2").errors.at(0).detail.find("from 0 to 1 (mm)") != std::string::npos);
   CHECK(refused("clip", "perhaps").errors.at(0).detail.find("true or false") != std::string::npos);
   CHECK(bench.planner.started == 1);  // the check of the design
 }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/drawing/clean.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/svg/svg_reader.hpp"
-#include "core/pattern/pattern.hpp"
-#include "core/drawing/clean.hpp"
-#include "core/plan/knife/micro_cut.hpp"
 #include "core/machines/motion.hpp"
+#include "core/pattern/pattern.hpp"
+#include "core/plan/knife/micro_cut.hpp"
 #include "core/plan/plan.hpp"
 #include "core/plan/plan_json.hpp"
 #include "core/plan/sheet_svg.hpp"
@@ -214,14 +215,14 @@ TEST_CASE("a pattern too large for the mat is refused with both sizes or split",
   draw(work, Operation::Outline, {{0, 0}, {500, 0}, {500, 200}, {0, 200}, {0, 0}});
   const auto longer = plan(work, cameo3(), paper(), whole);
   REQUIRE_FALSE(longer);
-  CHECK(longer.error().detail.find("--mat 12x24") != std::string::npos);
+  CHECK(longer.error().detail.find("`mat` 12x24") != std::string::npos);
   // Where it may be split it is, and the mat that would hold it whole is named.
   const auto split = plan(work, cameo3(), paper(), {});
   REQUIRE(split);
   REQUIRE(split->layout);
   CHECK(split->layout->pieces.size() == 2);
   const auto names = [](const std::string& w) {
-    return w.find("--mat 12x24") != std::string::npos;
+    return w.find("`mat` 12x24") != std::string::npos;
   };
   CHECK(std::any_of(split->warnings.begin(), split->warnings.end(), names));
   CHECK(plan(work, cameo3(), paper(), {.mat = "12x24"}));
@@ -265,7 +266,7 @@ TEST_CASE("a drawing is placed where it is asked for", "[core][plan][sheet]") {
   options.place.at = PagePoint{220, 30};
   const auto over = plan(card(), cameo3(), paper(), options);
   REQUIRE_FALSE(over);
-  CHECK(over.error().place == "--at");
+  CHECK(over.error().place == "/options/at");
   options.place.at.reset();
   const auto margin = plan(card(), cameo3(), paper(), options);
   CHECK(margin->sheets[0].transform.x0 == 10.0);
@@ -414,4 +415,34 @@ TEST_CASE("a roll is as long as what is cut from it", "[core][plan][sheet]") {
   REQUIRE(done);
   CHECK(done->sheets[0].area_mm[0] == 600.0);
   CHECK(done->sheets[0].area_mm[1] == 140.0);
+}
+
+TEST_CASE("each plan option takes its default and its limits and nothing beyond",
+          "[core][plan][options]") {
+  using Kind = PlanOption::Kind;
+  for (const PlanOption& option : plan_option_table()) {
+    CAPTURE(option.name);
+    CHECK(find_plan_option(option.name) == &option);
+    if (option.of_request) continue;
+    const std::string name(option.name);
+    const auto place_of = [&](const std::string& text) {
+      const auto read = read_plan_options({{name, text}});
+      return read ? std::string("valid") : read.error().place;
+    };
+    for (const std::string& word : option.words) CHECK(place_of(word) == "valid");
+    if (option.kind == Kind::Flag) CHECK(place_of("true") == "valid");
+    if (option.kind == Kind::Flag || option.kind == Kind::Word || option.kind == Kind::Place)
+      CHECK(place_of("nonsense") == pointer_to(option));
+    if (!option.numbers) continue;
+    CHECK(place_of(fmt::format("{}", option.least)) == "valid");
+    CHECK(place_of(fmt::format("{:.0f}", 2 * option.most + 1)) == pointer_to(option));
+    CHECK(place_of("nan") == pointer_to(option));
+    const std::vector<double> usual = option.numbers(PlanOptions{});
+    if (usual.empty()) continue;
+    const auto read = read_plan_options({{name, option.usual}});
+    REQUIRE(read);
+    CHECK(option.numbers(*read) == usual);
+  }
+  CHECK(read_plan_options({{"machine", "cameo3"}}).error().place == "/options/machine");
+  CHECK(read_plan_options({{"split", "false"}})->no_split);
 }

@@ -147,7 +147,7 @@ Result<StrokeProfile> find_stroke_profile(std::string_view name,
     names.push_back(profile.name);
   }
   return fail(
-      ErrorKind::Usage, "--svg-profile",
+      ErrorKind::Usage, "/options/svg-profile",
       fmt::format("no profile is called {}; {}", name.substr(0, 80), suggestion(name, names)));
 }
 

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/result.hpp"
 #include "core/drawing/toolpath.hpp"
+#include "core/result.hpp"
 
 namespace popcut {
 
@@ -47,7 +47,7 @@ struct StrokeProfile {
 [[nodiscard]] Result<std::vector<StrokeProfile>> all_stroke_profiles(
     const std::vector<std::string>& user_tables = {});
 
-/// @retval Usage  no profile is called `name`; place is --svg-profile
+/// @retval Usage  no profile is called `name`; place is /options/svg-profile
 [[nodiscard]] Result<StrokeProfile> find_stroke_profile(
     std::string_view name, const std::vector<std::string>& user_tables = {});
 

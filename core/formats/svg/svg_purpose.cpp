@@ -57,7 +57,7 @@ std::string SvgPurposes::colour_warning() const {
   for (const std::uint32_t rgb : colours_) list += (list.empty() ? "" : ", ") + colour_text(rgb);
   return fmt::format(
       "strokes have {} colours ({}), and none has a name: all are cut; if the colours have a "
-      "meaning, take --svg-profile origami-sim, lightburn or one of your own",
+      "meaning, use `svg-profile` origami-sim, lightburn or one of your own",
       colours_.size() == kToldColours ? "many" : std::to_string(colours_.size()), list);
 }
 

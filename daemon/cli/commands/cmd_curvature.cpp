@@ -13,14 +13,13 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/curvature/pattern_curvature.hpp"
 #include "core/figures/assembly.hpp"
 #include "core/figures/paper_figures.hpp"
-#include "core/curvature/pattern_curvature.hpp"
-#include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/options/angles.hpp"
 #include "daemon/files/output_file.hpp"
 #include "daemon/files/output_folder.hpp"
-#include "daemon/cli/options/samples_option.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -45,7 +44,7 @@ Result<double> parse_phi(std::string text) {
 
 tl::unexpected<Error> too_many(const std::string& place, std::size_t count, std::size_t most) {
   return fail(ErrorKind::Usage, place,
-              fmt::format("asks for {} values; at most {}, so give a smaller N", count, most));
+              fmt::format("asks for {} values, more than {}; give a smaller N", count, most));
 }
 
 /// To the file if one is named, else to standard output.
@@ -90,9 +89,10 @@ Result<void> run_pattern(const Options& options, const Globals& globals) {
   if (!vertices) return tl::unexpected(within(options.pattern, vertices.error()));
   const std::size_t inner = inner_count(*vertices);
   if (inner == 0) {
-    return fail(ErrorKind::Infeasible, options.pattern,
-                "has no inner fold vertex, one with four neighbours; a lattice of two units and "
-                "four slices is the least that has");
+    return fail(
+        ErrorKind::Infeasible, options.pattern,
+        "has no inner fold vertex (one with four neighbours); use at least two units for each "
+        "slice and four slices");
   }
   if (psi->count > kMostRows / inner) return too_many("--psi", psi->count * inner, kMostRows);
   const bool json = globals.json || options.pattern_output.ends_with(".json");
@@ -133,7 +133,7 @@ Result<Samples> lengths(const char* option, const std::string& text) {
   if (!samples) return samples;
   if (samples->count > 1 && samples->from >= 0 && samples->to > samples->from) return samples;
   return fail(ErrorKind::Usage, option,
-              fmt::format("'{}' is no range of lengths; give A:B:N with 0 <= A < B", text));
+              fmt::format("'{}' is not a range of lengths; give A:B:N with 0 <= A < B", text));
 }
 
 Result<void> run_assembly(const Options& options, const Globals& globals) {
@@ -181,7 +181,7 @@ void print_solution(const AssemblySolution& found, double K) {
   fmt::print("K = {:.10g} rad, H = {:.10g}, A = {:.10g} (unit widths)\n",
              std::abs(found.reached.K) < 1e-13 ? 0.0 : found.reached.K, H, found.reached.A);
   if (found.mirror) {
-    fmt::print("as near, with -H: r = {:.10g}, lambda = {:.10g}\n", found.mirror->r,
+    fmt::print("equally near, with -H: r = {:.10g}, lambda = {:.10g}\n", found.mirror->r,
                found.mirror->lambda);
   }
   if (K < 0 && at_quarter(at.phi_rad)) {
@@ -227,32 +227,33 @@ Result<void> run_solve(const Options& options, const Globals& globals) {
 // 4. The command.
 
 constexpr const char* kHelp =
-    "Gaussian and mean curvature, of a pattern as it opens or of the five-unit assembly.\n\n"
+    "Print the curvature of a pattern as it opens, or of the paper's five-unit assembly.\n\n"
     "  popcut curvature sphere/pattern.fold --psi pi/2\n"
     "  popcut curvature sphere/pattern.fold --psi pi:pi/2:31 -o opening.csv\n"
     "  popcut curvature assembly --r 0.5:5:181 --lambda 0.2:3:141 -o maps.svg\n"
     "  popcut curvature solve --K -1\n\n"
-    "Fold vertices are the middles of the connectors' valley folds, found in the file alone; "
-    "inner\n"
-    "ones have all four neighbours. Columns: psi (rad), level i, connector j, x, v, z (mm), K "
-    "(angle\n"
-    "defect, rad), K_area = K/A (1/mm^2, to compare with a smooth surface), H (1/mm, > 0 where\n"
-    "convex), A (mm^2).";
+    "Curvature is measured at the fold vertices: the middles of the connectors' valley folds. A\n"
+    "connector is the strip that joins two slices; an inner fold vertex has all four neighbours.\n"
+    "Columns: psi (the opening angle, rad), level i, connector j, x, v, z (mm), K (Gaussian\n"
+    "curvature as angle defect, rad), K_area = K/A (1/mm^2, to compare with a smooth surface), H\n"
+    "(mean curvature, 1/mm, positive where convex), A (mm^2).";
 constexpr const char* kAssemblyHelp =
-    "Maps of K and H over r and lambda.\n\n"
+    "Write maps of the curvatures K and H of the assembly over r and lambda.\n\n"
     "  popcut curvature assembly --r 0.5:5:181 --lambda 0.2:3:141 -o maps.svg\n\n"
-    "Columns r, lambda, K, H, in unit widths; r runs fastest. With -o FILE.svg a picture with the\n"
-    "zero lines (on 181 x 181 points or more), with .json lists; without -o the table goes to "
-    "standard output.";
+    "r is the distance of the middle unit, lambda the scale of the diagonal pair, both in unit\n"
+    "widths. The table has the columns r, lambda, K, H; r changes fastest. -o FILE.svg draws a\n"
+    "picture with the zero lines (from 181 x 181 points or more), -o FILE.json writes lists, and\n"
+    "without -o the table goes to standard output.";
 constexpr const char* kSolveHelp =
-    "The r and lambda that have a given K, and H if asked for.\n\n"
+    "Find the assembly (r and lambda) that has a given curvature K, and H if you give it.\n\n"
     "  popcut curvature solve --K -1\n"
     "  popcut curvature solve --K -0.5 --H 0\n\n"
-    "K alone is reached on whole curves: the point nearest to (3/sqrt 2, 1) is taken. Exit 4 when\n"
-    "nothing has it, with the nearest that was found.";
+    "Many pairs have the same K; popcut prints the one nearest to (3/sqrt 2, 1). If no pair has\n"
+    "the given values, the exit code is 4 and the error shows the nearest pair.";
 
 CLI::Option* add_phi(CLI::App* command, Options& options) {
-  return command->add_option("--phi", options.phi, "Direction of the middle unit, rad or 45deg")
+  return command
+      ->add_option("--phi", options.phi, "Direction of the middle unit, in radians or as 45deg")
       ->option_text("ANGLE [pi/4]")
       ->expected(0, 1);  // 'popcut curvature assembly --phi --r ...' takes the usual one
 }
@@ -263,22 +264,28 @@ void register_curvature(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("curvature", kHelp);
   command->require_subcommand(0, 1);
-  command->add_option("PATTERN", options->pattern, "A FOLD file of a lattice");
+  command->add_option("PATTERN", options->pattern, "A FOLD file of a pop-up pattern");
   command
       ->add_option("--psi", options->psi,
-                   "Opening angles: one, or A:B:N; rad, pi/2 or 90deg; pi is flat, 0 shut")
+                   "Opening angles (psi): one, or A:B:N for N angles from A to B; 1.1, pi/2 or "
+                   "90deg; pi is flat, "
+                   "0 closed")
       ->option_text("A:B:N [pi/2]");
   command
       ->add_option("-o,--output", options->pattern_output,
-                   "The table, .csv or .json; without it standard output")
+                   "File for the table, .csv or .json; default: standard output")
       ->option_text("FILE");
 
   CLI::App* const assembly = command->add_subcommand("assembly", kAssemblyHelp);
   add_phi(assembly, *options);
-  assembly->add_option("--r", options->r, "Distances of the middle unit, in widths")
+  assembly
+      ->add_option("--r", options->r,
+                   "Distances of the middle unit, in unit widths: N values from A to B")
       ->option_text("A:B:N")
       ->required();
-  assembly->add_option("--lambda", options->lambda, "Scales of the diagonal pair")
+  assembly
+      ->add_option("--lambda", options->lambda,
+                   "Scales of the diagonal pair of units: N values from A to B")
       ->option_text("A:B:N")
       ->required();
   assembly->add_option("-o,--output", options->output, "maps.csv, maps.svg or maps.json")
@@ -289,10 +296,12 @@ void register_curvature(CLI::App& app, const Globals& globals, Run& run) {
 
   CLI::App* const solve = command->add_subcommand("solve", kSolveHelp);
   add_phi(solve, *options);
-  solve->add_option("--K", options->K, "Angle defect, rad, between -2 pi and 2 pi")
+  solve
+      ->add_option("--K", options->K,
+                   "Gaussian curvature as angle defect, rad, between -2 pi and 2 pi")
       ->option_text("NUMBER")
       ->required();
-  solve->add_option("--H", options->H, "Mean curvature, 1/width")->option_text("NUMBER");
+  solve->add_option("--H", options->H, "Mean curvature, in 1/width")->option_text("NUMBER");
   solve->callback([options, &globals, &run] {
     run = [options, &globals] { return run_solve(*options, globals); };
   });

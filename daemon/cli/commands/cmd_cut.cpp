@@ -5,10 +5,8 @@
 #include <csignal>
 #include <cstdio>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
-#include <set>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -17,18 +15,17 @@
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/plan/plan_json.hpp"
 #include "core/plan/sheet_svg.hpp"
-#include "core/plan/test_shape.hpp"
 #include "core/text/shown_text.hpp"
 #include "daemon/cli/command.hpp"
-#include "daemon/cli/cut_device.hpp"
+#include "daemon/cli/commands/cut_device.hpp"
 #include "daemon/cli/commands/cut_queue.hpp"
-#include "daemon/cli/expectation.hpp"
-#include "daemon/cli/fault_file.hpp"
+#include "daemon/cli/input/expectation.hpp"
 #include "daemon/cli/options/option_value.hpp"
-#include "daemon/files/output_folder.hpp"
+#include "daemon/cli/options/plan_arguments.hpp"
 #include "daemon/cli/view/pause_key.hpp"
-#include "daemon/cli/options/plan_job.hpp"
 #include "daemon/cli/view/progress_bar.hpp"
+#include "daemon/files/fault_file.hpp"
+#include "daemon/files/output_folder.hpp"
 #include "device/compare/expect.hpp"
 #include "device/session/session.hpp"
 
@@ -36,13 +33,12 @@ namespace popcut::cli {
 namespace {
 
 struct Options {
-  PlanJobOptions job;
+  PlanArguments plan;
   std::string device, treat_as, folder, faults;
   bool direct{false}, yes{false}, test{false};
   int copies{1}, priority{0};
   std::string name;
   bool wait{false};
-  std::map<std::string, std::string> plan_words{};  ///< options of the plan as they were typed
 };
 
 // Ctrl-C asks the session to stop at the end of a stroke, with the tool up.
@@ -69,8 +65,8 @@ Result<void> ask(const Options& options, const PlanJob& job, std::size_t sheet,
   if (options.yes || target.device.kind == DeviceKind::File) return {};
   if (isatty(STDIN_FILENO) != 1 || isatty(STDERR_FILENO) != 1)
     return fail(ErrorKind::Refused, "",
-                "nobody to ask whether to start: not on a terminal; with a simulated device --yes "
-                "answers");
+                "cannot ask whether to start, because this is not a terminal; with a simulated "
+                "device add --yes");
   const PlannedSheet& planned = job.plan.sheets[sheet];
   const std::string mat =
       planned.mat.name.empty() ? "" : fmt::format(" on the {} mat", planned.mat.name);
@@ -83,9 +79,8 @@ Result<void> ask(const Options& options, const PlanJob& job, std::size_t sheet,
   std::getline(std::cin, answer);
   if (answer == "y" || answer == "Y" || answer == "yes") return {};
   return fail(ErrorKind::Refused, "",
-              fmt::format("sheet {} was not started, since nobody said yes; what is cut so far "
-                          "stays",
-                          sheet + 1));
+              fmt::format("sheet {} was not started; {}", sheet + 1,
+                          sheet == 0 ? "nothing was cut" : "the sheets before it are cut"));
 }
 
 // 2. One sheet.
@@ -113,7 +108,7 @@ Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const CutTarge
     const std::string what =
         p.phase == SessionPhase::Cutting
             ? fmt::format("cutting, stroke {} of {}", p.strokes_done, p.strokes)
-        : p.phase == SessionPhase::Held ? "held with the tool up, p goes on"
+        : p.phase == SessionPhase::Held ? "paused with the tool up; press p to go on"
                                         : std::string(name_of(p.phase));
     bar.show(what, 1 - p.seconds_left / std::max(whole, 1.0), p.seconds_left);
   };
@@ -131,11 +126,10 @@ Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const CutTarge
   return cut;
 }
 
-/// What became of the sheet, as an error if it is not whole. The simulated cutter is asked what it
-/// really drew.
+/// The error if the sheet is not completely cut. For a simulated cutter, compares what it drew.
 Result<void> judge(const PlanJob& job, std::size_t sheet, const CutSheet& cut) {
   const std::string place = fmt::format("sheet {}", sheet + 1);
-  const std::string ledger = fmt::format("{} strokes are cut, {} in doubt, {} not sent",
+  const std::string ledger = fmt::format("{} strokes are cut, {} are in doubt, {} were not sent",
                                          cut.certain, cut.in_doubt, cut.not_sent);
   if (cut.end.error) {
     Error error = within(place, *cut.end.error);
@@ -144,7 +138,7 @@ Result<void> judge(const PlanJob& job, std::size_t sheet, const CutSheet& cut) {
   }
   if (cut.end.cancelled)
     return fail(ErrorKind::Refused, place,
-                "stopped as asked, with the tool up and parked; " + ledger);
+                "stopped as you asked, with the tool up and parked; " + ledger);
   if (!cut.trace) return {};
   Expected expected;
   auto drawing = linework_from_svg(sheet_svg(job.plan.sheets[sheet], ""), SvgProfile::Popcut);
@@ -187,12 +181,12 @@ nlohmann::ordered_json sheet_json(const CutSheet& cut, std::size_t sheet,
 void say(const PlanJob& job, std::size_t sheet, const CutSheet& cut, const CutTarget& target) {
   const std::size_t sheets = job.plan.sheets.size();
   if (target.device.kind == DeviceKind::File) {
-    fmt::print(stderr, "sheet {} of {}: the program is in {}; nothing is cut\n", sheet + 1, sheets,
+    fmt::print(stderr, "sheet {} of {}: the program is in {}; nothing was cut\n", sheet + 1, sheets,
                sheet_path(target, sheet, sheets));
     return;
   }
   if (cut.trace)
-    fmt::print(stderr, "sheet {} of {}: {} strokes, {:.0f} mm cut on {} in {:.0f} s of its time\n",
+    fmt::print(stderr, "sheet {} of {}: {} strokes, {:.0f} mm cut on {} in {:.0f} s (simulated)\n",
                sheet + 1, sheets, cut.trace->lifts, cut.trace->cut_mm, target.device.text,
                cut.end.seconds);
   else
@@ -202,8 +196,8 @@ void say(const PlanJob& job, std::size_t sheet, const CutSheet& cut, const CutTa
                cut.end.seconds);
   if (!cut.end.confirmed && !cut.end.error)
     fmt::print(stderr,
-               "  this machine answers nothing: {} strokes count as cut, {} are in doubt "
-               "until a person looks\n",
+               "  this machine reports nothing back: {} strokes count as cut, {} are in doubt; "
+               "look at the sheet\n",
                cut.certain, cut.in_doubt);
 }
 
@@ -227,69 +221,71 @@ Result<void> cut_all(const Options& options, const Globals& globals, const PlanJ
   return {};
 }
 
-/// What stands in the way of leaving the cut to popcutd, or doing it from here.
+/// Options that do not go together.
 Result<void> check_words(const Options& options) {
   const auto wrong = [](const char* option, const char* why) {
     return fail(ErrorKind::Usage, option, why);
   };
   if (options.direct && (options.wait || options.copies != 1 || options.priority != 0))
     return wrong("--direct",
-                 "cuts from here and at once; --wait, --copies and --priority are for "
-                 "the queue of popcutd");
+                 "cuts at once, without popcutd; --wait, --copies and --priority are for "
+                 "popcutd's queue");
   if (options.direct) return {};
   if (options.test && (options.copies != 1 || options.priority != 0 ||
-                       !options.plan_words.empty() || !options.name.empty()))
+                       !options.plan.options.empty() || !options.name.empty()))
     return wrong("--test",
-                 "takes --device, --material and --wait; popcutd plans its shape itself; more "
-                 "with --direct");
+                 "accepts only --device, --material and --wait, because popcutd plans the shape; "
+                 "add --direct for other options");
   if (options.yes)
     return wrong("--yes",
-                 "works with --direct only: a job waits for 'popcut arm' and 'popcut "
-                 "start'");
+                 "works only with --direct; a job waits for 'popcut arm' and 'popcut start'");
   if (!options.faults.empty())
-    return wrong("--faults", "works with --direct; popcutd has them in its configuration");
+    return wrong("--faults",
+                 "works only with --direct; for popcutd, set faults in its configuration");
   if (!options.folder.empty())
     return wrong("--output",
-                 "works with --direct; popcutd keeps the plan's files, see 'popcut "
-                 "jobs JOB'");
-  if (!options.job.machine.empty() || !options.treat_as.empty())
+                 "works only with --direct; popcutd keeps the plan's files, see 'popcut jobs "
+                 "JOB'");
+  if (!options.plan.machine.empty() || !options.treat_as.empty())
     return wrong(options.treat_as.empty() ? "--machine" : "--treat-as",
-                 "works with --direct; with popcutd the device says what it is: --device");
+                 "works only with --direct; for popcutd, choose a --device");
   return {};
 }
 
 Result<void> run_cut(const Options& options, const Globals& globals) {
-  if (options.test != options.job.input.empty())
+  if (options.test != options.plan.input.empty())
     return fail(ErrorKind::Usage, "command line",
-                options.test ? "INPUT and --test both; --test cuts a shape of its own"
-                             : "INPUT is missing; name a SPEC or a pattern, or give --test");
-  if (const auto lawful = check_words(options); !lawful) return lawful;
+                options.test ? "INPUT and --test contradict each other; --test cuts its own shape"
+                             : "INPUT is missing; give a design or a drawing, or --test");
+  if (const auto valid = check_words(options); !valid) return valid;
   if (!options.direct) {
-    const QueueWish wish{options.job.input,  options.device, options.job.material, options.name,
-                         options.plan_words, options.copies, options.priority,     options.wait};
-    return options.test ? queue_test_cut(wish, globals) : queue_cut(wish, globals);
+    const QueueRequest request{options.plan.input, options.device,       options.plan.material,
+                               options.name,       options.plan.options, options.copies,
+                               options.priority,   options.wait};
+    return options.test ? queue_test_cut(request, globals) : queue_cut(request, globals);
   }
   const bool simulated = options.device.empty() || options.device.rfind("sim:", 0) == 0;
   if (options.yes && !simulated)
-    return fail(ErrorKind::Usage, "--yes",
-                fmt::format("works with simulated devices only, and {} is none: a person must look "
-                            "at each sheet before it is cut; leave --yes out",
-                            options.device));
-  auto target = choose_target({options.device, options.job.machine, options.treat_as});
+    return fail(
+        ErrorKind::Usage, "--yes",
+        fmt::format("works only with simulated devices, and {} is real; leave --yes out, so "
+                    "that you are asked before each sheet",
+                    options.device));
+  auto target = choose_target({options.device, options.plan.machine, options.treat_as});
   if (!target) return tl::unexpected(target.error());
   if (!options.faults.empty()) {
-    auto faults = read_faults(options.faults, *target);
+    if (!target->simulated())
+      return fail(ErrorKind::Usage, "--faults",
+                  fmt::format("works only with simulated devices, and {} is real; leave it out",
+                              target->device.text));
+    auto faults = read_faults(options.faults);
     if (!faults) return tl::unexpected(faults.error());
     target->faults = std::move(*faults);
   }
-  PlanJobOptions how = options.job;
-  how.machine = target->machine.name;
-  how.order.progress = !globals.quiet;
-  if (options.test) {
-    how.drawing = test_shape();
-    if (how.at.empty() && !how.marks.wanted) how.at = "5,5";
-  }
-  const auto job = make_plan_job(how);
+  PlanArguments wanted = options.plan;
+  wanted.machine = target->machine.name;
+  wanted.test_shape = options.test;
+  const auto job = plan_input(wanted, !globals.quiet);
   if (!job) return tl::unexpected(job.error());
   std::optional<OutputFolder> folder;
   if (!options.folder.empty()) {
@@ -307,7 +303,7 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
     if (auto done = folder->add("plan.json", plan_json(job->plan)); !done) return done;
     if (auto done = folder->commit("popcut cut " POPCUT_VERSION); !done) return done;
     if (!globals.quiet)
-      fmt::print(stderr, "programs, drawings and traces are in {}\n", options.folder);
+      fmt::print(stderr, "wrote programs, drawings and traces to {}\n", options.folder);
   }
   if (globals.json) {
     const nlohmann::ordered_json json{
@@ -317,81 +313,61 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
   return cut;
 }
 
-/// The options of the plan that were given, as popcutd takes them: names without dashes.
-std::map<std::string, std::string> plan_words(const CLI::App& command) {
-  static const std::set<std::string> kOwn{"INPUT",  "test", "device",   "treat-as", "faults",
-                                          "direct", "yes",  "output",   "copies",   "name",
-                                          "wait",   "help", "priority", "material", "machine"};
-  std::map<std::string, std::string> words;
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->count() == 0 || option->get_lnames().empty()) continue;
-    const std::string& name = option->get_lnames().front();
-    if (kOwn.contains(name)) continue;
-    words[name] = option->get_expected_max() == 0
-                      ? "true"
-                      : fmt::format("{}", fmt::join(option->results(), ","));
-  }
-  return words;
-}
-
 constexpr const char* kHelp =
-    "Cut a spec or a pattern: queued with popcutd, or with --direct from here.\n\n"
-    "  popcut cut sphere.json --wait                       # a job; tells when a person is needed\n"
-    "  popcut arm                                          # the sheet is loaded\n"
-    "  popcut start                                        # the knife goes down\n\n"
-    "  popcut cut --test --device usb:51053P               # first a small shape, in the same "
-    "way\n\n"
-    "  popcut cut sphere.json --direct                     # asks for each sheet, then cuts it\n"
-    "  popcut cut sphere.json --direct --yes -o cut        # simulated: no questions\n"
-    "  popcut cut sphere.json --direct --device usb:51053P # the cutter of that serial number\n\n"
-    "--direct plans as 'popcut plan' does, then sends each sheet to the cutter and waits for it.\n"
-    "Ctrl-C stops at the end of the stroke, with the tool up and parked; the key p holds there "
-    "and\n"
-    "goes on. With -o DIR it keeps for each sheet the program, its drawing, and what the "
-    "simulated\n"
-    "knife did (sheet-NN.cut.svg, .trace.json).\n"
+    "Cut a design or a drawing: as a job of the service popcutd, or at once with --direct.\n\n"
+    "  popcut cut sphere.json --wait                       # queue a job; prints what to do next\n"
+    "  popcut arm                                          # the sheet is loaded, it may be cut\n"
+    "  popcut start                                        # cut it now\n\n"
+    "  popcut cut --test --device usb:51053P               # try the material on a small shape\n\n"
+    "  popcut cut sphere.json --direct                     # without popcutd; asks before each "
+    "sheet\n"
+    "  popcut cut sphere.json --direct --yes -o cut        # simulated, without questions\n"
+    "  popcut cut sphere.json --direct --device usb:51053P # on the cutter with this serial "
+    "number\n\n"
+    "--direct plans like 'popcut plan', then sends each sheet to the cutter. Ctrl-C stops at the\n"
+    "end of the current stroke, with the tool up and parked; p pauses and goes on. With -o DIR it\n"
+    "keeps for each sheet the program, its drawing, and what a simulated knife did\n"
+    "(sheet-NN.cut.svg, sheet-NN.trace.json).\n"
     "Devices:\n\n"
     "  sim:NAME, usb:ID, lp:/dev/usb/lp0\n"
     "  serial:/dev/ttyUSB0[,baud=9600][,flow=none|rtscts|xonxoff]\n"
-    "  file:NAME                          # writes the program, cuts nothing";
+    "  file:NAME                          # writes the program to a file, cuts nothing";
 
 }  // namespace
 
 void register_cut(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("cut", kHelp);
-  add_plan_options(*command, options->job);
+  add_plan_arguments(*command, options->plan);
   command->get_option("INPUT")->required(false);
   command->add_flag("--test", options->test,
-                    "Cut a small shape to try the material: a square, a triangle, a fold");
+                    "Cut a small shape to try the material: a square, a triangle and a fold");
   command->add_option("--device", options->device, "Where to cut; 'popcut devices' lists them")
       ->option_text("ID [sim:cameo3]");
-  command
-      ->add_option("--treat-as", options->treat_as,
-                   "Drive a cutter whose model is not known as this machine")
+  command->add_option("--treat-as", options->treat_as, "Known model to treat an unknown cutter as")
       ->option_text("NAME");
   command
       ->add_option("--faults", options->faults,
-                   "What goes wrong with a simulated device; docs/simulator.md has the form")
+                   "Faults of a simulated device; docs/simulator.md describes the file")
       ->option_text("FILE");
-  command->add_flag("--direct", options->direct, "Without popcutd, from here");
-  command->add_flag("--yes", options->yes, "Ask nothing; with simulated devices only");
-  command->add_option("-o,--output", options->folder, "Keep programs, drawings and traces there")
+  command->add_flag("--direct", options->direct, "Cut at once, without popcutd");
+  command->add_flag("--yes", options->yes,
+                    "Do not ask before each sheet; only with simulated devices");
+  command->add_option("-o,--output", options->folder, "Folder for programs, drawings and traces")
       ->option_text("DIR");
   whole_number(command->add_option("--copies", options->copies,
-                                   "How many of it popcutd is to cut, each on its own blanks"),
+                                   "How many copies popcutd cuts, each on new sheets"),
                1, 1000)
       ->option_text("N [1]");
-  whole_number(
-      command->add_option("--priority", options->priority, "Before (above 0) or after other jobs"),
-      -10, 10)
+  whole_number(command->add_option("--priority", options->priority,
+                                   "Priority in the queue; higher goes first"),
+               -10, 10)
       ->option_text("-10..10 [0]");
-  command->add_option("--name", options->name, "What the job is called; else the input's name")
+  command->add_option("--name", options->name, "Name of the job; default: the name of the input")
       ->option_text("TEXT");
   command->add_flag("--wait", options->wait,
-                    "Tell each thing that waits for a person; return when the job has ended");
-  command->callback([options, command, &globals, &run] {
-    options->plan_words = plan_words(*command);
+                    "Wait until the job ends, and print each thing you have to do");
+  command->callback([options, &globals, &run] {
     run = [options, &globals] { return run_cut(*options, globals); };
   });
 }

@@ -123,22 +123,22 @@ Result<void> run_events(EventOptions options, const Globals& globals) {
 }
 
 constexpr const char* kEventsHelp =
-    "What has happened, event by event.\n\n"
-    "  popcut events                         # the last 200\n"
-    "  popcut events --follow                # as they come; Ctrl-C ends it\n"
-    "  popcut events --after 1200            # those after number 1200\n"
-    "  popcut events --job 01JDX7 --json     # of one job, as JSON";
+    "List what happened in popcutd, event by event.\n\n"
+    "  popcut events                         # the last 200 events\n"
+    "  popcut events --follow                # new events as they happen; Ctrl-C ends it\n"
+    "  popcut events --after 1200            # events after number 1200\n"
+    "  popcut events --job 01JDX7 --json     # events of one job, as JSON";
 
 void add_events(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<EventOptions>();
   CLI::App* const command = app.add_subcommand("events", kEventsHelp);
-  whole_number(command->add_option("--after", options->after, "Those with higher numbers"), 0,
+  whole_number(command->add_option("--after", options->after, "Only events after this number"), 0,
                kMostNumber)
       ->option_text("SEQ");
-  command->add_option("--job", options->job, "Those of one job only")->option_text("JOB");
-  whole_number(command->add_option("--limit", options->limit, "How many at most"), 1, 1000)
+  command->add_option("--job", options->job, "Only events of this job")->option_text("JOB");
+  whole_number(command->add_option("--limit", options->limit, "Largest number of events"), 1, 1000)
       ->option_text("N [200]");
-  command->add_flag("--follow", options->follow, "Stay, and print what happens");
+  command->add_flag("--follow", options->follow, "Keep running and print new events");
   command->callback([options, &globals, &run] {
     run = [options, &globals] { return run_events(*options, globals); };
   });
@@ -156,7 +156,7 @@ Result<void> create_token(const TokenOptions& options, const Globals& globals) {
   if (!api) return tl::unexpected(api.error());
   Json body{{"name", options.name.empty() ? options.role : options.name}, {"role", options.role}};
   if (options.days > 0) body["lifetime_s"] = options.days * 86'400;
-  api->http().set_tries(0);  // asked again it would make a second one
+  api->http().set_tries(0);  // a second try would create a second token
   const auto token = api->post("/v1/tokens", body, "token");
   if (!token) return tl::unexpected(token.error());
   if (globals.json) {
@@ -167,8 +167,8 @@ Result<void> create_token(const TokenOptions& options, const Globals& globals) {
   fmt::print("{}\n", text);
   if (!globals.quiet)
     fmt::print(stderr,
-               "it is shown this once; use it as POPCUT_TOKEN, with POPCUT_URL for another "
-               "computer's popcutd\n");
+               "popcut shows this token only once; set POPCUT_TOKEN to it (and POPCUT_URL for "
+               "popcutd on another computer)\n");
   return {};
 }
 
@@ -183,11 +183,12 @@ Result<void> list_tokens(const Globals& globals) {
   }
   if (tokens->contains("items"))
     for (const Json& one : (*tokens)["items"])
-      fmt::print(
-          "{}  {:<10} {:<24} made {}{}\n", client::text_of(one, "id"), client::text_of(one, "role"),
-          shown_text(client::text_of(one, "name")), client::text_of(one, "created"),
-          client::text_of(one, "expires").empty() ? ""
-                                                  : ", ends " + client::text_of(one, "expires"));
+      fmt::print("{}  {:<10} {:<24} created {}{}\n", client::text_of(one, "id"),
+                 client::text_of(one, "role"), shown_text(client::text_of(one, "name")),
+                 client::text_of(one, "created"),
+                 client::text_of(one, "expires").empty()
+                     ? ""
+                     : ", expires " + client::text_of(one, "expires"));
   return {};
 }
 
@@ -198,37 +199,39 @@ Result<void> delete_token(const TokenOptions& options, const Globals& globals) {
       api->remove("/v1/tokens/" + client::percent_encoded(options.id), "token " + options.id);
   if (!gone && gone.error().reason == ErrorReason::NotThere)
     return fail(gone.error().kind, gone.error().place,
-                "there is none of that ID; 'popcut token list' shows them");
+                "there is no such token; 'popcut token list' lists them");
   if (gone && globals.json) fmt::print("{}\n", dumped(Json{{"deleted", options.id}}));
   return gone;
 }
 
 constexpr const char* kTokenHelp =
-    "Tokens, with which one comes in over TCP; the unix socket needs none.\n\n"
+    "Manage access tokens for TCP; the unix socket needs none.\n\n"
     "  popcut token create --role operator --name workshop --days 30\n"
     "  popcut token list\n"
     "  popcut token delete 01JDX7KQ4M8ZB1Q2R3S4T5V6W7\n\n"
-    "Roles: viewer looks, submitter queues, operator arms and starts, admin does all of it.";
+    "Roles: a viewer sees jobs, a submitter also queues them, an operator also cuts them, an "
+    "admin\n"
+    "may do everything.";
 
 void add_token(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<TokenOptions>();
   CLI::App* const command = app.add_subcommand("token", kTokenHelp);
   command->require_subcommand(1);
   CLI::App* const create =
-      command->add_subcommand("create", "Make a token; it is printed once, on standard output");
-  one_word(create->add_option("--role", options->role, "What it may do"),
+      command->add_subcommand("create", "Create a token and print it, once, on standard output");
+  one_word(create->add_option("--role", options->role, "What the token allows"),
            {"viewer", "submitter", "operator", "admin"})
       ->required();
-  create->add_option("--name", options->name, "For whom it is")->option_text("TEXT");
-  whole_number(create->add_option("--days", options->days, "How long it is good"), 1, 36'500)
+  create->add_option("--name", options->name, "Who or what the token is for")->option_text("TEXT");
+  whole_number(create->add_option("--days", options->days, "Days until it expires"), 1, 36'500)
       ->option_text("N [until deleted]");
   create->callback([options, &globals, &run] {
     run = [options, &globals] { return create_token(*options, globals); };
   });
-  command->add_subcommand("list", "Those there are, without their secrets")
+  command->add_subcommand("list", "List the tokens, without their secrets")
       ->callback([&globals, &run] { run = [&globals] { return list_tokens(globals); }; });
-  CLI::App* const remove = command->add_subcommand("delete", "From now on nobody comes in with it");
-  remove->add_option("ID", options->id, "As 'popcut token list' shows it")->required();
+  CLI::App* const remove = command->add_subcommand("delete", "Revoke a token");
+  remove->add_option("ID", options->id, "An ID that 'popcut token list' shows")->required();
   remove->callback([options, &globals, &run] {
     run = [options, &globals] { return delete_token(*options, globals); };
   });
@@ -243,8 +246,8 @@ Result<void> open_page(bool print_only, const Globals& globals) {
   if (!page) return tl::unexpected(page.error());
   if (!*page)
     return fail(ErrorKind::Refused, "popcutd at " + api->http().address().text(),
-                "has no page yet; 'popcut jobs --watch' shows all jobs and the command to type "
-                "for each");
+                "has no page yet; use 'popcut jobs --watch', which shows all jobs and the next "
+                "command for each");
   const auto answer = api->post("/v1/session/one-shot", Json::object(), "session");
   if (!answer) return tl::unexpected(answer.error());
   const client::Address& address = api->http().address();
@@ -260,7 +263,9 @@ Result<void> open_page(bool print_only, const Globals& globals) {
       std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
   if (print_only || !screen || globals.json) {
     if (!globals.quiet && !globals.json)
-      fmt::print(stderr, "open it in a browser on this computer, within a minute; it works once\n");
+      fmt::print(
+          stderr,
+          "open this address in a browser on this computer within a minute; it works once\n");
     return {};
   }
   ::execlp("xdg-open", "xdg-open", url.c_str(), nullptr);
@@ -269,10 +274,9 @@ Result<void> open_page(bool print_only, const Globals& globals) {
 
 constexpr const char* kOpenHelp =
     "Open popcutd's page in the browser, signed in as you.\n\n"
-    "A popcutd that has no page yet says so; 'popcut jobs --watch' is then the way to see what\n"
-    "happens.\n\n"
     "  popcut open\n"
-    "  popcut open --print     # only the address; it works once, within a minute";
+    "  popcut open --print     # print the address, which works once, within a minute\n\n"
+    "If this popcutd has no page yet, use 'popcut jobs --watch'.";
 
 // Usage
 
@@ -299,16 +303,17 @@ Result<void> run_usage(const UsageOptions& options, const Globals& globals) {
 }
 
 constexpr const char* kUsageHelp =
-    "What was cut, as CSV: seconds of the knife, mm of cut, sheets.\n\n"
+    "Print what was cut, as CSV: seconds of cutting, mm of cuts, sheets.\n\n"
     "  popcut usage --by owner --from 2026-11-01T00:00:00Z > november.csv";
 
 void add_usage(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<UsageOptions>();
   CLI::App* const command = app.add_subcommand("usage", kUsageHelp);
-  one_word(command->add_option("--by", options->by, "A row for each of these"),
+  one_word(command->add_option("--by", options->by, "One row for each owner, device or material"),
            {"owner", "device", "material"}, "owner");
-  command->add_option("--from", options->from, "From this time on")->option_text("TIME");
-  command->add_option("--to", options->to, "Before this time")->option_text("TIME");
+  command->add_option("--from", options->from, "Start of the period, as in 2026-11-01T00:00:00Z")
+      ->option_text("TIME");
+  command->add_option("--to", options->to, "End of the period (exclusive)")->option_text("TIME");
   command->callback([options, &globals, &run] {
     run = [options, &globals] { return run_usage(*options, globals); };
   });
@@ -336,7 +341,8 @@ Result<void> salvage_database(std::string folder, const Globals& globals) {
   if (folder.empty())
     folder = client::user_state_folder([](const char* name) { return std::getenv(name); });
   if (folder.empty())
-    return fail(ErrorKind::Usage, "--state", "is missing; as in --state /var/lib/popcut");
+    return fail(ErrorKind::Usage, "--state",
+                "is missing; give the folder, as in --state /var/lib/popcut");
   const auto saved = daemon::salvage(folder);
   if (!saved) return fail(ErrorKind::Refused, "", message(saved.error()));
   Json tables = Json::array();
@@ -347,37 +353,35 @@ Result<void> salvage_database(std::string folder, const Globals& globals) {
                       {"whole", table.whole}});
     if (!globals.json && !globals.quiet)
       fmt::print("{:<14} {:>8} rows{}{}\n", table.name, table.rows,
-                 table.refused > 0 ? fmt::format(", {} against the rules", table.refused) : "",
-                 table.whole ? "" : ", the rest cannot be read");
+                 table.refused > 0 ? fmt::format(", {} invalid", table.refused) : "",
+                 table.whole ? "" : ", the rest is unreadable");
   }
   if (globals.json)
     fmt::print("{}\n", dumped(Json{{"tables", tables}, {"original", saved->original}}));
   else if (!globals.quiet)
     fmt::print(stderr,
-               "the damaged database is in {}; start popcutd and look at 'popcut jobs "
-               "--all'\n",
+               "the damaged database is in {}; start popcutd and check 'popcut jobs --all'\n",
                saved->original);
   return {};
 }
 
 constexpr const char* kDbHelp =
-    "popcutd's database: copy it, check it, save what can be saved.\n\n"
-    "  popcut db backup       # a whole copy in popcutd's folder for backups; prints its path\n"
-    "  popcut db check        # every page and index is read\n"
-    "  popcut db salvage      # popcutd says that it is damaged (exit 78): what can be read goes "
-    "into\n"
-    "                         # a new one, the damaged one is kept; popcutd must not run";
+    "Back up, check or repair the database of popcutd.\n\n"
+    "  popcut db backup       # copy it to popcutd's backup folder; prints the path\n"
+    "  popcut db check        # read every page and index\n"
+    "  popcut db salvage      # if popcutd reports damage (exit code 78): stop popcutd, then copy\n"
+    "                         # what is readable to a new database; the damaged one is kept";
 
 void add_db(CLI::App& app, const Globals& globals, Run& run) {
   CLI::App* const command = app.add_subcommand("db", kDbHelp);
   command->require_subcommand(1);
-  command->add_subcommand("backup", "Make a copy while popcutd runs; prints its path")
+  command->add_subcommand("backup", "Copy the database while popcutd runs, and print the path")
       ->callback([&globals, &run] { run = [&globals] { return database("backup", globals); }; });
-  command->add_subcommand("check", "Read all of it, and say whether it is sound")
+  command->add_subcommand("check", "Read the whole database, and report damage")
       ->callback([&globals, &run] { run = [&globals] { return database("check", globals); }; });
   auto folder = std::make_shared<std::string>();
-  CLI::App* const salvage =
-      command->add_subcommand("salvage", "Save what can be read of a damaged database");
+  CLI::App* const salvage = command->add_subcommand(
+      "salvage", "Copy what is readable of a damaged database to a new one");
   salvage->add_option("--state", *folder, "popcutd's state folder")
       ->option_text("DIR [~/.local/state/popcut]");
   salvage->callback([folder, &globals, &run] {
@@ -394,7 +398,7 @@ void register_daemon(CLI::App& app, const Globals& globals, Run& run) {
   add_db(app, globals, run);
   CLI::App* const open = app.add_subcommand("open", kOpenHelp);
   auto print_only = std::make_shared<bool>(false);
-  open->add_flag("--print", *print_only, "Only print the address");
+  open->add_flag("--print", *print_only, "Print the address, do not open it");
   open->callback([print_only, &globals, &run] {
     run = [print_only, &globals] { return open_page(*print_only, globals); };
   });

@@ -11,8 +11,8 @@
 
 #include "core/deploy/segments_pattern.hpp"
 #include "core/deploy/unfold_frames.hpp"
-#include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/csv/segments_reader.hpp"
+#include "core/formats/fold/fold_reader.hpp"
 #include "core/machines/machine.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
@@ -59,7 +59,7 @@ Result<Source> read_source(const Options& options, SegmentConvention convention)
   }
   if (convention == SegmentConvention::Paper) {
     return fail(ErrorKind::Usage, "command line",
-                "--convention paper is for twelve-column tables (.csv); a FOLD file needs none");
+                "--convention paper is only for tables (.csv); leave it out for a FOLD file");
   }
   const auto file = read_fold(*text);
   if (!file) return inside(file.error());
@@ -72,7 +72,7 @@ Result<SegmentConvention> parse_convention(const std::string& word) {
   if (word == "popcut") return SegmentConvention::Popcut;
   if (word == "paper") return SegmentConvention::Paper;
   return fail(ErrorKind::Usage, "--convention",
-              fmt::format("'{}' is no convention; give popcut or paper", word));
+              fmt::format("'{}' is not a convention; give popcut or paper", word));
 }
 
 Result<SheetMesh> mesh_of(const Source& source, double thickness_mm) {
@@ -112,12 +112,13 @@ void say(const Options& options, const Globals& globals, const Source& source,
     fmt::print("{}\n", said.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   }
   if (globals.quiet) return;
-  fmt::print(stderr, "{}: {} {}, psi from {:.4g} to {:.4g} rad\n  wrote    {}{}{}{} in {}\n",
-             options.file, source.pattern.faces(), source.loose ? "panels" : "rigid faces",
-             angles.front(), angles.back(),
-             options.no_stl ? "" : fmt::format("{} meshes (psi_NNN.stl) ", angles.size()),
-             options.glb ? "deploy.glb " : "", options.poster ? "poster.svg " : "",
-             options.film ? "film.svg " : "", options.folder);
+  fmt::print(
+      stderr,
+      "{}: {} {}, opening angle (psi) from {:.4g} to {:.4g} rad\n  wrote    {}{}{}{} in {}\n",
+      options.file, source.pattern.faces(), source.loose ? "panels" : "rigid faces", angles.front(),
+      angles.back(), options.no_stl ? "" : fmt::format("{} meshes (psi_NNN.stl) ", angles.size()),
+      options.glb ? "deploy.glb " : "", options.poster ? "poster.svg " : "",
+      options.film ? "film.svg " : "", options.folder);
 }
 
 Result<void> run_deploy(Options options, const Globals& globals) {
@@ -136,7 +137,7 @@ Result<void> run_deploy(Options options, const Globals& globals) {
   if (!thickness) return tl::unexpected(thickness.error());
   if (options.file.empty()) {
     return fail(ErrorKind::Usage, "command line",
-                "FILE is missing; give a pattern.fold, or a table of panels (.csv)");
+                "FILE is missing; give a pattern.fold or a table of panels (.csv)");
   }
   const bool paper = *convention == SegmentConvention::Paper;
   if (paper && !from_is_given(options.motion)) options.motion.from_psi = "0";
@@ -155,13 +156,15 @@ Result<void> run_deploy(Options options, const Globals& globals) {
 }
 
 constexpr const char* kHelp =
-    "Meshes of a pattern as it opens.\n\n"
+    "Write 3D models (STL) of a pattern as it opens.\n\n"
     "  popcut deploy sphere/pattern.fold -o poses --glb --poster\n"
     "  popcut deploy segments.csv --convention paper -o poses\n\n"
-    "FILE is a pattern.fold, or a table of panels in twelve columns as popcut or the paper's code\n"
-    "writes it. DIR gets psi_001.stl and on: binary, mm, x away from the wall, v along the spine,\n"
-    "z up; psi = pi is the flat sheet, pi/2 the designed shape, 0 shut. With --convention paper\n"
-    "the places are read and written in the paper's own axes (X = x, Z = 1 - y, v = z), from\n"
+    "FILE is a pattern.fold, or a table of panels in twelve columns from popcut or from the\n"
+    "paper's code. DIR gets one mesh for each pose: psi_001.stl, psi_002.stl and so on, binary, "
+    "in\n"
+    "mm, x away from the wall, v along the spine (the card's main fold), z up. The opening angle\n"
+    "(psi) is pi for the flat sheet, pi/2 for the designed shape and 0 for the closed card.\n"
+    "--convention paper reads and writes the axes of the paper (X = x, Z = 1 - y, v = z), from\n"
     "psi = 0 to pi/2.";
 
 }  // namespace
@@ -169,19 +172,25 @@ constexpr const char* kHelp =
 void register_deploy(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("deploy", kHelp);
-  command->add_option("FILE", options->file, "A FOLD file or a twelve-column CSV");
-  command->add_option("-o,--output", options->folder, "The folder for the files; made if absent")
+  command->add_option("FILE", options->file,
+                      "A FOLD file, or a table of panels (CSV, twelve columns)");
+  command
+      ->add_option("-o,--output", options->folder,
+                   "Folder for the files; created if it does not exist")
       ->option_text("DIR")
       ->required();
   add_motion_options(*command, options->motion);
-  command->add_option("--material", options->material, "Whose thickness --thickness means")
+  command->add_option("--material", options->material, "Material whose thickness --thickness uses")
       ->option_text("NAME [paper-220]");
-  command->add_option("--convention", options->convention, "Who wrote the CSV: popcut or paper")
+  command
+      ->add_option("--convention", options->convention,
+                   "Axes of the CSV: popcut, or paper for files of the paper's code")
       ->option_text("NAME [popcut]");
-  command->add_flag("--glb", options->glb, "Write deploy.glb too: one animated file (glTF)");
-  command->add_flag("--poster", options->poster, "Write poster.svg too: some poses side by side");
-  command->add_flag("--film", options->film, "Write film.svg too: a drawing that plays by itself");
-  command->add_flag("--no-stl", options->no_stl, "Leave the meshes out");
+  command->add_flag("--glb", options->glb, "Also write deploy.glb: one animated 3D file (glTF)");
+  command->add_flag("--poster", options->poster,
+                    "Also write poster.svg: several poses side by side");
+  command->add_flag("--film", options->film, "Also write film.svg: an animated drawing");
+  command->add_flag("--no-stl", options->no_stl, "Do not write the STL files");
   command->callback([options, &globals, &run] {
     run = [options, &globals] { return run_deploy(*options, globals); };
   });

@@ -16,25 +16,25 @@
 
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/design/patches.hpp"
+#include "core/drawing/linework.hpp"
+#include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/write/cricut_svg.hpp"
 #include "core/formats/write/deployed_svg.hpp"
 #include "core/formats/write/dxf_writer.hpp"
-#include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/write/pdf_pattern.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "core/formats/write/segments_csv.hpp"
 #include "core/formats/write/svg_pattern.hpp"
-#include "core/drawing/linework.hpp"
 #include "core/machines/machine.hpp"
 #include "core/plan/knife/micro_cut.hpp"
 #include "core/text/shown_text.hpp"
-#include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
 #include "daemon/cli/help/examples.hpp"
+#include "daemon/cli/input/spec_assets.hpp"
+#include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/files/output_folder.hpp"
-#include "daemon/cli/spec_assets.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "daemon/planning/design_files.hpp"
 
@@ -190,7 +190,7 @@ Result<std::vector<Format>> parse_formats(std::string_view text) {
       std::string known;
       for (const Format& format : kFormats) known += fmt::format(" {}", format.name);
       return fail(ErrorKind::Usage, "--formats",
-                  fmt::format("'{}' is not a format; the formats are:{}", name, known));
+                  fmt::format("'{}' is not a format; give some of:{}", name, known));
     }
     const auto same = [&](const Format& f) { return f.name == name; };
     if (std::none_of(chosen.begin(), chosen.end(), same)) chosen.push_back(*found);
@@ -204,16 +204,17 @@ void say_figures(const DesignReport& report) {
   const auto count = [](auto n, const char* what) {
     return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
   };
-  fmt::print(stderr, "{}: {}, {} lattice, {} of freedom\n", shown_text(report.name),
+  fmt::print(stderr, "{}: {}, {} lattice, {}\n", shown_text(report.name),
              count(report.slices.size(), "slice"), report.lattice,
-             count(report.degrees_of_freedom, "degree"));
-  fmt::print(stderr, "  sheet    {:.1f} x {:.1f} mm (along the strips x along the spine)\n",
+             count(report.degrees_of_freedom, "independent movement"));
+  fmt::print(stderr, "  sheet    {:.1f} mm across the main fold x {:.1f} mm along it\n",
              report.sheet_u_mm, report.sheet_v_mm);
   fmt::print(stderr, "  folds    {}, {:.0f} mm; cuts {}, {:.0f} mm; {} rigid faces\n", report.folds,
              report.fold_length_mm, report.cuts, report.cut_length_mm, report.faces);
-  fmt::print(stderr,
-             "  off the target by {:.3g} mm rms, {:.3g} mm at most; ends {:.3g} mm at most\n",
-             report.inner_error.rms_mm, report.inner_error.max_mm, report.end_error.max_mm);
+  fmt::print(
+      stderr,
+      "  distance from your shape: {:.3g} mm rms, {:.3g} mm at most; at the ends {:.3g} mm\n",
+      report.inner_error.rms_mm, report.inner_error.max_mm, report.end_error.max_mm);
 }
 
 void say_remarks(const DesignReport& report, bool all) {
@@ -228,7 +229,7 @@ void say_remarks(const DesignReport& report, bool all) {
                place.reason);
   }
   if (!all && report.merged.size() > kFirst) {
-    fmt::print(stderr, "  merged   {} more places; report.json lists them, and so does -v\n",
+    fmt::print(stderr, "  merged   {} more places; use -v, or see report.json\n",
                report.merged.size() - kFirst);
   }
 }
@@ -254,7 +255,7 @@ Result<void> list_examples(const Globals& globals) {
   for (const Example& example : examples()) {
     const auto spec = parse_design_spec(example.json);
     if (!spec) return tl::unexpected(within(std::string(example.name), spec.error()));
-    const std::string target = spec->surface ? about(*spec->surface) : "regions of their own";
+    const std::string target = spec->surface ? about(*spec->surface) : "several regions";
     std::vector<std::string> sizes;
     for (const RegionSpec& region : spec->regions)
       sizes.push_back(fmt::format("{} x {}", region.slices, region.units_per_slice));
@@ -278,7 +279,7 @@ Result<void> print_example(const std::string& name) {
     known += fmt::format(" {}", example.name);
   }
   return fail(ErrorKind::Usage, "--example",
-              fmt::format("'{}' is not an example; the examples are:{}", name, known));
+              fmt::format("'{}' is not an example; give one of:{}", name, known));
 }
 
 /// The seconds of an assembly of several parts are those of all together.
@@ -385,50 +386,64 @@ Result<void> run_design(Options options, const Globals& globals) {
   if (!options.place.empty()) return place(options, globals);
   if (options.folder.empty()) {
     return fail(ErrorKind::Usage, "command line",
-                "-o DIR is missing; name the folder for the pattern");
+                "-o DIR is missing; give the folder for the pattern");
   }
   return design_into(options, globals);
 }
 
 constexpr const char* kHelp =
-    "Target surface to pop-up pattern.\n\n"
+    "Design a pop-up pattern for a shape.\n\n"
     "  popcut design --example sphere > sphere.json\n"
     "  popcut design sphere.json -o sphere\n\n"
-    "Writes in DIR: pattern.fold (flat sheet and deployed poses), pattern.svg (to look at),\n"
-    "cut.svg (to cut: each dash of a fold a path), pattern.dxf, segments.csv (a row a panel),\n"
-    "deploy.glb (animated), deploy/psi_NNN.stl (a mesh a frame) and report.json.\n"
-    "DIR's other files stay; files of the last run that this one does not write are removed.";
+    "SPEC describes the shape: a formula, a height map or a mesh, and how finely to slice it. DIR\n"
+    "gets:\n\n"
+    "  pattern.svg         the pattern, to look at\n"
+    "  cut.svg             the pattern, to cut: each dash of a fold is a path\n"
+    "  pattern.fold        the flat sheet and its opened poses, for origami programs\n"
+    "  pattern.dxf         the pattern for CAD programs\n"
+    "  segments.csv        one row for each panel\n"
+    "  deploy.glb          an animation of the card as it opens\n"
+    "  deploy/psi_NNN.stl  a 3D model of each pose\n"
+    "  report.json         sizes, and the distance from your shape\n\n"
+    "A second run removes files of the first that it does not write; other files in DIR stay.";
 
 }  // namespace
 
 void register_design(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("design", kHelp);
-  command->add_option("SPEC", options->spec, "What to make, a JSON file (see --schema)");
-  command->add_option("-o,--output", options->folder, "The folder for the files; made if absent")
+  command->add_option("SPEC", options->spec, "The design: a JSON file; --schema prints its format");
+  command
+      ->add_option("-o,--output", options->folder,
+                   "Folder for the files; created if it does not exist")
       ->option_text("DIR");
   command
       ->add_option("--formats", options->formats,
-                   "Some of: fold svg cut dxf csv pdf cricut picture poster glb stl report, with "
-                   "commas between")
+                   "Files to write, separated by commas: fold svg cut dxf csv pdf cricut picture "
+                   "poster glb stl report")
       ->option_text("LIST [fold,svg,cut,dxf,csv,glb,stl,report]");
   command
-      ->add_option("--fold-frames", options->fold_frames,
-                   "Poses in pattern.fold, rad or 90deg; pi is flat, pi/2 the designed shape")
+      ->add_option(
+          "--fold-frames", options->fold_frames,
+          "Opening angles (psi) of the poses in pattern.fold, in radians or as 90deg; pi is flat, "
+          "pi/2 the designed shape")
       ->option_text("LIST [pi,pi/2,1.1]");
-  one_word(command->add_option(
-               "--fold-cuts", options->fold_cuts,
-               "Cuts in pattern.fold: split (two borders B each) or C (one edge each; flat only)"),
-           {"split", "C"}, "split");
+  one_word(
+      command->add_option(
+          "--fold-cuts", options->fold_cuts,
+          "Cuts in pattern.fold: split (two border edges, B) or C (one edge; flat sheet only)"),
+      {"split", "C"}, "split");
   add_motion_options(*command, options->motion);
   command->add_flag("--schema", options->schema, "Print the JSON Schema of a SPEC");
   one_word(
       command->add_option("--place", options->place,
-                          "Print SPEC with a placement for its mesh or grid (whole: all of it in\n"
-                          "the corner, or quarter: its middle on the spine) and design nothing"),
+                          "Print SPEC with its mesh or height map moved into place, and design "
+                          "nothing: whole (all of it in the corner) or quarter (its middle on the "
+                          "main fold)"),
       {"whole", "quarter"});
-  command->add_option("--example", options->example, "Print a shipped SPEC")->option_text("NAME");
-  command->add_flag("--list", options->list, "List the shipped SPECs, the name first");
+  command->add_option("--example", options->example, "Print an example design")
+      ->option_text("NAME");
+  command->add_flag("--list", options->list, "List the example designs");
   command->callback([options, &globals, &run] {
     run = [options, &globals] { return run_design(*options, globals); };
   });

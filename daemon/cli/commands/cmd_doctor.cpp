@@ -13,8 +13,8 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/help/udev_rule.hpp"
 #include "daemon/files/user_tables.hpp"
-#include "device/port/device_id.hpp"
 #include "device/doctor.hpp"
+#include "device/port/device_id.hpp"
 #include "device/port/ports.hpp"
 #include "device/port/serial_transport.hpp"
 #include "device/usb/usb_bus.hpp"
@@ -63,10 +63,10 @@ Report look_at_port(const DeviceId& id) {
   const auto port = id.kind == DeviceKind::Serial ? PortTransport::open_serial(id.name, id.serial)
                                                   : PortTransport::open_printer(id.name);
   if (port) {
-    report.findings.push_back({Level::Fine, "it can be opened, and nobody else uses it", ""});
+    report.findings.push_back({Level::Fine, "it can be opened, and no other program uses it", ""});
     report.findings.push_back(
-        {Level::Note, "a port does not tell what machine is behind it, nor whether it is on",
-         "see for yourself, and name it: popcut cut --direct --device " + id.text +
+        {Level::Note, "a port does not report which machine is connected, or whether it is on",
+         "name the machine yourself: popcut cut --direct --device " + id.text +
              " --machine hpgl-generic"});
     return report;
   }
@@ -96,7 +96,7 @@ Result<std::vector<Report>> look_at_usb(const Options& options) {
   }
   if (*treat_as && devices.size() != 1)
     return fail(ErrorKind::Usage, "--treat-as",
-                "belongs to one device; name it, as in popcut doctor usb:ID --treat-as NAME "
+                "needs one device; name it, as in popcut doctor usb:ID --treat-as NAME "
                 "('popcut devices' lists them)");
   const Surroundings surroundings = look_around();
   std::vector<Report> reports;
@@ -159,7 +159,7 @@ Result<void> run_doctor(const Options& options, const Globals& globals) {
   }
   if (id && (id->kind == DeviceKind::Simulated || id->kind == DeviceKind::File))
     return fail(ErrorKind::Usage, "DEVICE",
-                fmt::format("{} needs no doctor: only usb:, serial: and lp: devices do", id->text));
+                fmt::format("{} cannot be examined; give a usb:, serial: or lp: device", id->text));
   if (id && id->kind != DeviceKind::Usb) {
     reports.push_back(look_at_port(*id));
   } else {
@@ -181,24 +181,23 @@ Result<void> run_doctor(const Options& options, const Globals& globals) {
 }
 
 constexpr const char* kHelp =
-    "Say why a cutter cannot be used, and what to do.\n\n"
-    "  popcut doctor                              # looks at all that is plugged in\n"
+    "Find out why a cutter cannot be used, and what to do about it.\n\n"
+    "  popcut doctor                              # examine everything that is plugged in\n"
     "  popcut doctor usb:1-2 --treat-as cameo4    # a model that popcut does not know\n"
-    "  popcut doctor --udev-rule                  # prints the rule that gives permission\n\n"
-    "It asks a known cutter for its status and its name, and sends nothing else. It ends with 0 "
-    "if\n"
-    "a cutter is ready to cut, with 5 if none is.";
+    "  popcut doctor --udev-rule                  # print the rule that grants permission\n\n"
+    "It asks a known cutter for its status and name, and sends nothing else. Exit code 0 if a\n"
+    "cutter is ready, 5 if none is.";
 
 }  // namespace
 
 void register_doctor(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("doctor", kHelp);
-  command->add_option("DEVICE", options->device, "Only this one; 'popcut devices' lists them");
-  command
-      ->add_option("--treat-as", options->treat_as, "What a model that is not known is nearest to")
+  command->add_option("DEVICE", options->device,
+                      "Examine only this device; 'popcut devices' lists them");
+  command->add_option("--treat-as", options->treat_as, "Known model to treat an unknown cutter as")
       ->option_text("NAME");
-  command->add_flag("--udev-rule", options->rule, "Print popcut's udev rule, and nothing else");
+  command->add_flag("--udev-rule", options->rule, "Print popcut's udev rule and do nothing else");
   command->callback([options, &globals, &run] {
     run = [options, &globals] { return run_doctor(*options, globals); };
   });

@@ -34,31 +34,33 @@ Result<void> run_figures(const std::string& folder_name, const Globals& globals)
     }
   }
   if (!globals.quiet) {
-    fmt::print(stderr, "  wrote   {} drawings and tables and figures.json in {}\n",
+    fmt::print(stderr, "  wrote   {} drawings and tables, and figures.json, to {}\n",
                figures->files.size(), folder_name);
   }
   if (fails == 0) return {};
   return fail(ErrorKind::CheckFailed, folder_name,
-              fmt::format("{} of {} statements do not hold; figures.json lists them", fails,
-                          figures->statements.size()));
+              fmt::format("{} of {} statements of the paper do not hold; figures.json lists them",
+                          fails, figures->statements.size()));
 }
 
 constexpr const char* kHelp =
-    "The paper's figures, drawn from popcut's own numbers.\n\n"
+    "Draw the figures of the paper from popcut's own numbers.\n\n"
     "  popcut figures -o figures\n\n"
     "Fig. 1C and 1D (K and H of the five-unit assembly), 2C top (azimuthal error as printed and "
     "at\n"
     "the outer corners) and bottom (loss against L/N), 3C (theta of a splayed unit), 3D (K of a\n"
-    "splayed patch as it opens), S5 (minimisers; K and H over r, lambda, phi): an SVG and the\n"
-    "numbers as CSV each. figures.json lists the published statements and whether they hold;\n"
-    "exit 6 if one does not.";
+    "splayed patch as it opens), S5 (minimisers; K and H over r, lambda, phi). Each is an SVG "
+    "with\n"
+    "its numbers as CSV. figures.json lists the statements of the paper and whether they hold. "
+    "Exit\n"
+    "code 6 if one does not.";
 
 }  // namespace
 
 void register_figures(CLI::App& app, const Globals& globals, Run& run) {
   auto folder = std::make_shared<std::string>();
   CLI::App* const command = app.add_subcommand("figures", kHelp);
-  command->add_option("-o,--output", *folder, "The folder for the files; made if absent")
+  command->add_option("-o,--output", *folder, "Folder for the files; created if it does not exist")
       ->option_text("DIR")
       ->required();
   command->callback([folder, &globals, &run] {

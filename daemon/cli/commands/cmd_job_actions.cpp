@@ -7,9 +7,9 @@
 #include <CLI/CLI.hpp>
 
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/view/job_follow.hpp"
 #include "daemon/cli/view/job_view.hpp"
-#include "daemon/cli/options/option_value.hpp"
 #include "daemon/client/api.hpp"
 
 namespace popcut::cli {
@@ -58,7 +58,7 @@ Result<Json> arm(Api& api, const Options& options) {
 
 Result<Json> change(Api& api, const Options& options) {
   if (options.job.empty())
-    return fail(ErrorKind::Usage, "JOB", "is empty; 'popcut jobs' lists the ids");
+    return fail(ErrorKind::Usage, "JOB", "is empty; give an id from 'popcut jobs'");
   Json members = Json::object();
   if (options.priority) members["priority"] = *options.priority;
   if (options.name) members["name"] = *options.name;
@@ -66,7 +66,7 @@ Result<Json> change(Api& api, const Options& options) {
   if (options.new_device) members["device"] = *options.new_device;
   if (members.empty())
     return fail(ErrorKind::Usage, "command line",
-                "nothing is to be changed; give --priority, --name, --note or --device");
+                "nothing to change; give --priority, --name, --note or --device");
   const auto job = api.find_job(options.job);
   if (!job) return job;
   return api.patch(*job, members);
@@ -119,8 +119,8 @@ Result<Json> in_queue(Api& api, const Options& options, const char* action) {
     if (!before) return tl::unexpected(before.error());
     if (client::text_of(*before, "id") == client::text_of(*job, "id"))
       return fail(ErrorKind::Usage, "--before",
-                  fmt::format("{} is the job that is to be moved; name another one, or leave "
-                              "--before out to put it last",
+                  fmt::format("{} is the job to move; name another job, or leave --before out to "
+                              "move it to the end",
                               options.before));
     body["before"] = client::text_of(*before, "id");
   }
@@ -138,24 +138,25 @@ Result<Json> wait_for_sheet(Api& api, const Json& job, const Globals& globals) {
 
 using Work = std::function<Result<Json>(Api&, const Options&)>;
 
-/// What has become of the job, in a line.
-using Told = std::function<std::string(const Json&, const Options&)>;
+/// The new state of the job, in a line.
+using Outcome = std::function<std::string(const Json&, const Options&)>;
 
-std::string told_state(const Json& job, const Options&) { return job_summary(job); }
+std::string state_line(const Json& job, const Options&) { return job_summary(job); }
 
-std::string told_cancel(const Json& job, const Options&) {
-  return has_ended(job) ? job_summary(job)
-                        : "is being cancelled; the cut ends with its stroke, tool up";
+std::string cancel_line(const Json& job, const Options&) {
+  return has_ended(job)
+             ? job_summary(job)
+             : "is being cancelled; the cut stops after the current stroke, with the tool up";
 }
 
-std::string told_move(const Json& job, const Options& options) {
+std::string move_line(const Json& job, const Options& options) {
   return options.before.empty()
-             ? "comes last of those of its priority; " + job_summary(job)
-             : fmt::format("comes before {}; {}", options.before, job_summary(job));
+             ? "is now last of its priority; " + job_summary(job)
+             : fmt::format("is now before {}; {}", options.before, job_summary(job));
 }
 
 Result<void> run_action(const Options& options, const Globals& globals, const Work& work,
-                        const Told& told) {
+                        const Outcome& outcome) {
   auto api = Api::from_environment();
   if (!api) return tl::unexpected(api.error());
   auto job = work(*api, options);
@@ -163,7 +164,7 @@ Result<void> run_action(const Options& options, const Globals& globals, const Wo
   if (!job) return tl::unexpected(job.error());
   if (globals.json) fmt::print("{}\n", job->dump(2, ' ', false, Json::error_handler_t::replace));
   if (!globals.quiet && !options.wait) {
-    fmt::print(stderr, "{}: {}\n", job_title(*job), told(*job, options));
+    fmt::print(stderr, "{}: {}\n", job_title(*job), outcome(*job, options));
     for (const std::string& line : waiting_lines(waiting_for(*job), 2))
       fmt::print(stderr, "{}\n", line);
   }
@@ -178,7 +179,7 @@ struct Words {
   const char* help;
   Work work;
   bool job_needed{false};
-  Told told{told_state};
+  Outcome outcome{state_line};
 };
 
 CLI::App* add(CLI::App& app, const Globals& globals, Run& run, const Words& words,
@@ -186,22 +187,22 @@ CLI::App* add(CLI::App& app, const Globals& globals, Run& run, const Words& word
   CLI::App* const command = app.add_subcommand(words.name, words.help);
   command
       ->add_option("JOB", options->job,
-                   words.job_needed ? "An id, or the beginning of one"
-                                    : "An id, or the beginning of one; without it, the one job of "
-                                      "which this is lawful now")
+                   words.job_needed ? "Id of the job, or its first letters"
+                                    : "Id of the job, or its first letters; default: the only job "
+                                      "for which this is possible now")
       ->required(words.job_needed);
   command->callback([options, &globals, &run, words] {
     run = [options, &globals, words] {
-      return run_action(*options, globals, words.work, words.told);
+      return run_action(*options, globals, words.work, words.outcome);
     };
   });
   return command;
 }
 
 void add_sheet(CLI::App* command, const std::shared_ptr<Options>& options) {
-  whole_number(
-      command->add_option("SHEET", options->sheet, "Which sheet, from 1; else the current one"), 1,
-      kMostSheet);
+  whole_number(command->add_option("SHEET", options->sheet,
+                                   "Number of the sheet, from 1; default: the current one"),
+               1, kMostSheet);
 }
 
 Work named(Result<Json> (*work)(Api&, const Options&, const char*), const char* action) {
@@ -209,83 +210,85 @@ Work named(Result<Json> (*work)(Api&, const Options&, const char*), const char* 
 }
 
 constexpr const char* kArmHelp =
-    "Say that the sheet lies in the cutter and may be cut. Nothing moves yet.\n\n"
+    "Confirm that the sheet is in the cutter and may be cut. Nothing moves yet.\n\n"
     "  popcut arm 01JDX7 2          # sheet 2 is loaded\n"
-    "  popcut start 01JDX7          # cuts it; within 10 minutes\n\n"
-    "What is armed is the stored plan of this sheet for this blank, once. After 10 minutes, and "
-    "when\npopcutd is started anew, it must be armed again.";
+    "  popcut start 01JDX7          # cut it, within 10 minutes\n\n"
+    "This allows one cut of this sheet on this blank (the paper you loaded). After 10 minutes, or\n"
+    "if popcutd restarts, arm it again.";
 constexpr const char* kStartHelp =
-    "Start the knife on the armed sheet.\n\n"
+    "Cut the sheet that you armed.\n\n"
     "  popcut start 01JDX7\n"
-    "  popcut start 01JDX7 --wait   # returns when the sheet is cut";
+    "  popcut start 01JDX7 --wait   # return when the sheet is cut";
 constexpr const char* kPauseHelp =
-    "Hold a cut at the end of the stroke, with the tool up; 'popcut resume' goes on.\n\n"
+    "Pause a cut after the current stroke, with the tool up; 'popcut resume' goes on.\n\n"
     "  popcut pause 01JDX7";
 constexpr const char* kResumeHelp =
-    "Go on with a paused cut, or with an interrupted sheet.\n\n"
+    "Go on with a paused cut or an interrupted sheet.\n\n"
     "  popcut resume 01JDX7                 # after 'popcut pause'\n"
-    "  popcut resume 01JDX7 --from 118      # interrupted: again from path 118, once armed and "
-    "started\n\n"
-    "A new blank ('popcut retry') is the safer way after an interruption; paper is cheap.";
+    "  popcut resume 01JDX7 --from 118      # after an interruption: cut from path 118 on\n\n"
+    "An interrupted sheet must be armed and started again. A new sheet ('popcut retry') is safer.";
 constexpr const char* kCancelHelp =
-    "End a job. A cut under way ends with its stroke, tool up.\n\n"
+    "Cancel a job. A running cut stops after the current stroke, with the tool up.\n\n"
     "  popcut cancel 01JDX7 --reason 'wrong colour'";
 constexpr const char* kDisarmHelp =
-    "Take back 'popcut arm': the sheet is not to be cut now.\n\n"
+    "Undo 'popcut arm': do not cut the sheet now.\n\n"
     "  popcut disarm 01JDX7";
 constexpr const char* kRetryHelp =
-    "Cut a sheet again on a new blank. Nothing moves before 'popcut arm'.\n\n"
+    "Cut a sheet again on a new blank. Nothing moves until you arm and start it.\n\n"
     "  popcut retry 01JDX7 2";
 constexpr const char* kConfirmHelp =
-    "Say what became of a sheet that nobody but a person can judge.\n\n"
+    "Record whether a sheet came out well.\n\n"
     "  popcut confirm 01JDX7 2 good\n"
     "  popcut confirm 01JDX7 2 bad";
 constexpr const char* kSkipHelp =
-    "Leave a sheet out, and go on with the next.\n\n"
+    "Skip a sheet and go on with the next.\n\n"
     "  popcut skip 01JDX7 2";
 constexpr const char* kHoldHelp =
-    "Keep a job from being offered to a cutter; 'popcut release' takes it back.\n\n"
+    "Hold a job back in the queue, until 'popcut release'.\n\n"
     "  popcut hold 01JDX7";
 constexpr const char* kReleaseHelp =
-    "Take back 'popcut hold'.\n\n"
+    "Let a held job go on.\n\n"
     "  popcut release 01JDX7";
 constexpr const char* kChangeHelp =
-    "Change a job that has not begun: its priority, name, note or cutter.\n\n"
+    "Change the priority, name, note or cutter of a job that has not started.\n\n"
     "  popcut change 01JDX7 --priority 5\n"
     "  popcut change 01JDX7 --device usb:51053P\n"
-    "  popcut change 01JDX7 --device ''         # any that fits";
+    "  popcut change 01JDX7 --device ''         # any cutter that fits";
 constexpr const char* kMoveHelp =
-    "Put a job before another one of its priority, or at the end.\n\n"
+    "Move a job before another one of the same priority, or to the end.\n\n"
     "  popcut move 01JDX7 --before 01JDX2\n"
     "  popcut move 01JDX7";
 
 void add_resume(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = add(app, globals, run, {"resume", kResumeHelp, resume}, options);
-  whole_number(command->add_option("--from", options->from,
-                                   "First path to cut again; 'popcut jobs JOB' counts"),
-               0, kMostPath)
+  whole_number(
+      command->add_option("--from", options->from,
+                          "First path to cut again; 'popcut jobs JOB' shows which are cut"),
+      0, kMostPath)
       ->option_text("PATH");
   one_word(
-      command->add_option("--registration", options->registration,
-                          "kept: the blank has not been moved; re-registered: it was laid in anew"),
+      command->add_option(
+          "--registration", options->registration,
+          "kept: the sheet has not moved; re-registered: you loaded it again in the same place"),
       {"kept", "re-registered"}, "kept");
   command->add_flag("--accept-double-cut", options->double_cut,
-                    "Paths that are certainly cut may be cut a second time");
+                    "Allow cutting paths that are certainly cut a second time");
   command->add_flag("--skip-in-doubt", options->skip_in_doubt,
-                    "Paths in doubt are left as they are, not cut again");
+                    "Do not cut paths in doubt (perhaps cut already) again");
 }
 
 void add_change(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = add(app, globals, run, {"change", kChangeHelp, change, true}, options);
-  whole_number(
-      command->add_option("--priority", options->priority, "Before (above 0) or after other jobs"),
-      -10, 10)
+  whole_number(command->add_option("--priority", options->priority,
+                                   "Priority in the queue; higher goes first"),
+               -10, 10)
       ->option_text("-10..10");
-  command->add_option("--name", options->name, "What the job is called")->option_text("TEXT");
-  command->add_option("--note", options->note, "For whoever cuts it")->option_text("TEXT");
-  command->add_option("--device", options->new_device, "Cut it there; empty: wherever it fits")
+  command->add_option("--name", options->name, "Name of the job")->option_text("TEXT");
+  command->add_option("--note", options->note, "Note for the person who cuts it")
+      ->option_text("TEXT");
+  command->add_option("--device", options->new_device, "Cutter to use; empty: any that fits")
       ->option_text("ID");
 }
 
@@ -296,23 +299,25 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
   auto options = fresh();
   CLI::App* command = add(app, globals, run, {"arm", kArmHelp, arm}, options);
   add_sheet(command, options);
-  whole_number(command->add_option("--blank", options->blank,
-                                   "Which blank of it, from 1; else the current one"),
-               1, kMostBlank)
+  whole_number(
+      command->add_option("--blank", options->blank,
+                          "Number of the blank (the paper), from 1; default: the current one"),
+      1, kMostBlank)
       ->option_text("N");
   command
-      ->add_option("--device", options->device,
-                   "In which cutter it lies, where several could cut it; 'popcut devices'")
+      ->add_option(
+          "--device", options->device,
+          "Cutter that holds the sheet, if several could cut it; 'popcut devices' lists them")
       ->option_text("ID");
   options = fresh();
   command = add(app, globals, run, {"start", kStartHelp, start}, options);
-  command->add_flag("--wait", options->wait, "Return when the sheet is cut");
+  command->add_flag("--wait", options->wait, "Wait until the sheet is cut");
   add(app, globals, run, {"pause", kPauseHelp, named(plain, "pause")}, fresh());
   add_resume(app, globals, run);
   add_change(app, globals, run);
   options = fresh();
-  command = add(app, globals, run, {"cancel", kCancelHelp, cancel, true, told_cancel}, options);
-  command->add_option("--reason", options->reason, "Why, for the record")->option_text("TEXT");
+  command = add(app, globals, run, {"cancel", kCancelHelp, cancel, true, cancel_line}, options);
+  command->add_option("--reason", options->reason, "Reason, for the record")->option_text("TEXT");
   add(app, globals, run, {"disarm", kDisarmHelp, named(plain, "disarm")}, fresh());
   options = fresh();
   add_sheet(add(app, globals, run, {"retry", kRetryHelp, named(with_sheet, "retry-sheet"), true},
@@ -320,7 +325,8 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
             options);
   options = fresh();
   command = add(app, globals, run, {"confirm", kConfirmHelp, confirm, true}, options);
-  whole_number(command->add_option("SHEET", options->sheet, "Which sheet, from 1"), 1, kMostSheet)
+  whole_number(command->add_option("SHEET", options->sheet, "Number of the sheet, from 1"), 1,
+               kMostSheet)
       ->required();
   one_word(command->add_option("RESULT", options->result, "good or bad"), {"good", "bad"})
       ->required();
@@ -331,10 +337,9 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
   add(app, globals, run, {"hold", kHoldHelp, named(in_queue, "hold"), true}, fresh());
   add(app, globals, run, {"release", kReleaseHelp, named(in_queue, "release"), true}, fresh());
   options = fresh();
-  command = add(app, globals, run, {"move", kMoveHelp, named(in_queue, "move"), true, told_move},
+  command = add(app, globals, run, {"move", kMoveHelp, named(in_queue, "move"), true, move_line},
                 options);
-  command->add_option("--before", options->before, "The job that comes after it")
-      ->option_text("JOB");
+  command->add_option("--before", options->before, "Job to put it before")->option_text("JOB");
 }
 
 }  // namespace popcut::cli

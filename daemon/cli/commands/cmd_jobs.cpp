@@ -14,10 +14,10 @@
 #include <CLI/CLI.hpp>
 
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/help/terminal_text.hpp"
 #include "daemon/cli/view/job_follow.hpp"
 #include "daemon/cli/view/job_view.hpp"
-#include "daemon/cli/person_name.hpp"
-#include "daemon/cli/help/terminal_text.hpp"
+#include "daemon/cli/view/person_name.hpp"
 #include "daemon/client/api.hpp"
 
 namespace popcut::cli {
@@ -90,7 +90,7 @@ Result<void> list_jobs(Api& api, const Options& options, const Globals& globals)
   for (const std::string& line : jobs_view(*jobs, style_of_terminal())) fmt::print("{}\n", line);
   if (jobs->empty() && !globals.quiet)
     fmt::print(stderr, "no jobs{}; 'popcut cut FILE' queues one\n",
-               options.all ? "" : " that have not ended (--all shows those too)");
+               options.all ? "" : " in progress (--all includes finished jobs)");
   return {};
 }
 
@@ -129,10 +129,10 @@ class Screen {
     const bool all = shown == lines.size();
     for (std::size_t k = 0; k + (all ? 0 : 1) < shown; ++k) frame += lines[k] + "\x1b[K\n";
     if (!all)
-      frame +=
-          fitted(fmt::format("... {} more lines; 'popcut jobs' has all", lines.size() - shown + 1),
-                 terminal_columns(STDOUT_FILENO, 80)) +
-          "\x1b[K\n";
+      frame += fitted(fmt::format("... {} more lines; 'popcut jobs' shows all",
+                                  lines.size() - shown + 1),
+                      terminal_columns(STDOUT_FILENO, 80)) +
+               "\x1b[K\n";
     frame += "\x1b[J";
     fmt::print("{}", frame);
     std::fflush(stdout);
@@ -150,7 +150,7 @@ class ChangeList {
     for (const Json& job : jobs) {
       const std::string now = client::text_of(job, "state") + job.value("sheet", Json()).dump() +
                               job.value("attention", Json()).dump();
-      std::string& before = told_[client::text_of(job, "id")];
+      std::string& before = seen_[client::text_of(job, "id")];
       if (now == before) continue;
       before = now;
       if (json) {
@@ -164,7 +164,7 @@ class ChangeList {
   }
 
  private:
-  std::map<std::string, std::string> told_;
+  std::map<std::string, std::string> seen_;
 };
 
 Result<void> watch_jobs(Api& api, const Options& options, const Globals& globals) {
@@ -224,24 +224,24 @@ Result<void> run_jobs(const Options& options, const Globals& globals) {
 }
 
 constexpr const char* kHelp =
-    "The jobs of popcutd, and what waits for a person, with the command to type.\n\n"
-    "  popcut jobs --watch           # a live view of all; Ctrl-C ends it\n"
-    "  popcut jobs                   # once, those that have not ended\n"
-    "  popcut jobs 01JDX7            # one job in full; the beginning of its id is enough\n"
-    "  popcut jobs 01JDX7 --watch    # follows it to its end\n\n"
-    "A job is queued, planning, ready (load the sheet, then 'popcut arm'), armed (then 'popcut "
-    "start'),\ncutting, paused, interrupted, done, failed or cancelled. Off a terminal --watch "
-    "prints a line for\neach change, with --json one document a line.";
+    "List the jobs of popcutd, with the next command for each.\n\n"
+    "  popcut jobs --watch           # a live view; Ctrl-C ends it\n"
+    "  popcut jobs                   # all jobs that are not finished\n"
+    "  popcut jobs 01JDX7            # one job in full; the first letters of its id are enough\n"
+    "  popcut jobs 01JDX7 --watch    # follow one job until it ends\n\n"
+    "A job is queued, planning, ready (load the sheet, then 'popcut arm'), armed (then 'popcut\n"
+    "start'), cutting, paused, interrupted, done, failed or cancelled. If the output is not a\n"
+    "terminal, --watch prints a line for each change; with --json, one JSON document a line.";
 
 }  // namespace
 
 void register_jobs(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("jobs", kHelp);
-  command->add_option("JOB", options->job, "An id, or the beginning of one");
-  command->add_flag("--watch", options->watch, "Stay, and show what changes");
-  command->add_flag("--all", options->all, "Those that have ended too");
-  command->add_option("--state", options->state, "Only those in this state, or several with commas")
+  command->add_option("JOB", options->job, "Id of a job, or its first letters");
+  command->add_flag("--watch", options->watch, "Keep running and show changes");
+  command->add_flag("--all", options->all, "Include finished jobs");
+  command->add_option("--state", options->state, "Only jobs in this state; several with commas")
       ->option_text("STATE");
   command->callback([options, &globals, &run] {
     run = [options, &globals] { return run_jobs(*options, globals); };

@@ -118,7 +118,8 @@ std::vector<Listed> usb_devices(const std::vector<Machine>& machines) {
     const std::string title =
         !fits.empty() ? fits.front()->title
         : known_vendor(device, machines)
-            ? fmt::format("unknown model ({}); --treat-as NAME drives it as a known one", name)
+            ? fmt::format("unknown model ({}); add --treat-as NAME to treat it as a known one",
+                          name)
             : fmt::format("not known as a cutter ({})", name);
     const UsbUse use = usb_use(device);
     Json more{{"simulated", false}, {"usb", ids}, {"port", device.port}, {"serial", device.serial}};
@@ -129,14 +130,14 @@ std::vector<Listed> usb_devices(const std::vector<Machine>& machines) {
   return list;
 }
 
-/// What popcutd has, before what is on this computer; or why it is not shown.
+/// Prints the cutters of popcutd, or why they cannot be listed.
 void say_daemon(const Result<DaemonDevices>& there, const Globals& globals) {
   if (!there) {
     const bool absent = there.error().kind == ErrorKind::DeviceGone;
     if (!absent)
-      fmt::print(stderr, "popcutd's cutters are not shown: {}\n", message(there.error()));
+      fmt::print(stderr, "cannot list the cutters of popcutd: {}\n", message(there.error()));
     else if (globals.verbose > 0)
-      fmt::print(stderr, "no popcutd runs here; these are for --direct\n");
+      fmt::print(stderr, "popcutd does not run here; these cutters are for --direct\n");
     return;
   }
   fmt::print("popcutd at {}\n", there->address);
@@ -152,7 +153,7 @@ Result<void> list_devices(const Globals& globals) {
   std::vector<Listed> list = usb_devices(*machines);
   for (const PortInfo& port : list_ports())
     list.push_back({port.id,
-                    "a port; --machine NAME says what is behind it",
+                    "a port; add --machine NAME for the cutter on it",
                     port.usable ? "free" : "no permission",
                     {{"simulated", false}}});
   for (const Machine& machine : *machines)
@@ -178,23 +179,23 @@ Result<void> list_devices(const Globals& globals) {
 }
 
 constexpr const char* kDevicesHelp =
-    "The devices that can be cut on, and what they are doing.\n\n"
-    "Those of popcutd, if one runs; what is plugged in; and a simulated one for each machine.\n"
-    "'popcut doctor' says why one is not free.\n\n"
+    "List the cutters you can use, and what each is doing.\n\n"
     "  popcut devices\n"
-    "  popcut devices disable usb:51053P   # popcutd offers it no sheet; enable takes it back\n"
-    "  popcut devices reset usb:51053P     # after a fault: opened anew, nothing is cut\n"
-    "  popcut cut --test --device usb:51053P";
+    "  popcut devices disable usb:51053P   # popcutd gives it no more sheets, until you enable it\n"
+    "  popcut devices reset usb:51053P     # after a fault: open it again; nothing is cut\n"
+    "  popcut cut --test --device usb:51053P\n\n"
+    "The list has the cutters of popcutd if it runs, what is plugged in here, and a simulated\n"
+    "cutter for each machine. 'popcut doctor' explains why one cannot be used.";
 constexpr const char* kMachinesHelp =
-    "The machines popcut knows: name, language, largest area, USB id, mats.\n\n"
+    "List the machines popcut knows: name, language, largest area, USB id, mats.\n\n"
     "  popcut machines\n\n"
-    "Own rows go in ~/.config/popcut/machines.json or /etc/popcut/machines.json:\n"
+    "Add your own in ~/.config/popcut/machines.json or /etc/popcut/machines.json:\n"
     "  {\"popcut\": 1, \"machines\": [{\"name\": \"mine\", \"like\": \"cameo3\", \"length_mm\": "
     "6000}]}";
 constexpr const char* kMaterialsHelp =
-    "The materials popcut knows: name, force, speed, passes, and the dashes of their folds.\n\n"
+    "List the materials popcut knows: name, force, speed, passes, and the dashes of folds.\n\n"
     "  popcut materials\n\n"
-    "Own rows go in ~/.config/popcut/materials.json or /etc/popcut/materials.json:\n"
+    "Add your own in ~/.config/popcut/materials.json or /etc/popcut/materials.json:\n"
     "  {\"popcut\": 1, \"materials\": [{\"name\": \"kraft\", \"like\": \"paper-220\", "
     "\"autoblade_depth\": 6}]}";
 
@@ -207,12 +208,13 @@ void add_devices(CLI::App& app, const Globals& globals, Run& run) {
   struct Action {
     const char *name, *help;
   };
-  for (const Action action : {Action{"enable", "popcutd may cut on it again"},
-                              Action{"disable", "popcutd offers it no sheet from now on"},
-                              Action{"reset", "After a fault: open it anew; nothing is cut"}}) {
+  for (const Action action :
+       {Action{"enable", "Let popcutd use this cutter again"},
+        Action{"disable", "Give this cutter no more sheets"},
+        Action{"reset", "Open this cutter again after a fault; nothing is cut"}}) {
     auto id = std::make_shared<std::string>();
     CLI::App* const one = command->add_subcommand(action.name, action.help);
-    one->add_option("DEVICE", *id, "As 'popcut devices' shows it")->required();
+    one->add_option("DEVICE", *id, "A device that 'popcut devices' lists")->required();
     one->callback([id, name = std::string(action.name), &globals, &run] {
       run = [id, name, &globals] { return act_on_device(*id, name, globals); };
     });

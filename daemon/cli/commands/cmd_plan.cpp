@@ -10,15 +10,15 @@
 #include "core/plan/sheet_svg.hpp"
 #include "core/text/shown_text.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/commands/profile_sheets.hpp"
+#include "daemon/cli/options/plan_arguments.hpp"
 #include "daemon/files/output_folder.hpp"
-#include "daemon/cli/options/plan_job.hpp"
-#include "daemon/cli/profile_sheets.hpp"
 
 namespace popcut::cli {
 namespace {
 
 struct Options {
-  PlanJobOptions job;
+  PlanArguments plan;
   std::string folder;
 };
 
@@ -47,13 +47,13 @@ void say(const PlanJob& job, const std::string& folder) {
 Result<void> run_plan(const Options& options, const Globals& globals) {
   if (options.folder.empty())
     return fail(ErrorKind::Usage, "command line",
-                "-o DIR is missing; name the folder for the sheets");
-  PlanJobOptions how = options.job;
-  how.order.progress = !globals.quiet;
-  auto job = make_plan_job(how);
+                "-o DIR is missing; give the folder for the sheets");
+  auto job = plan_input(options.plan, !globals.quiet);
   if (!job) return tl::unexpected(job.error());
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
+  const auto given = options.plan.options.find("svg-profile");
+  const std::string profile = given != options.plan.options.end() ? given->second : "";
   for (std::size_t i = 0; i < job->plan.sheets.size(); ++i) {
     const std::string title = shown_text(fmt::format("{}: sheet {}", job->plan.name, i + 1));
     if (auto done =
@@ -62,8 +62,8 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
       return done;
     const std::string picture = fmt::format("plan-{:02}.svg", i + 1);
     if (auto done = folder->add(picture, plan_svg(job->plan.sheets[i], title)); !done) return done;
-    if (auto done = add_profile_sheet(job->plan.sheets[i], i + 1, options.job.svg_profile, title,
-                                      *folder, job->plan.warnings);
+    if (auto done = add_profile_sheet(job->plan.sheets[i], i + 1, profile, title, *folder,
+                                      job->plan.warnings);
         !done)
       return done;
     if (auto done = folder->add(job->program_file(i), job->programs[i].bytes); !done) return done;
@@ -81,21 +81,28 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
 }
 
 constexpr const char* kHelp =
-    "Pattern to cut sheets and the programs that cut them.\n\n"
+    "Plan the sheets of a design or drawing, and write the programs that cut them.\n\n"
     "  popcut plan sphere.json -o sheets --machine cameo3 --material paper-220\n\n"
-    "Writes in DIR: sheet-NN.svg (what will be cut, in mm), sheet-NN.gpgl or .hpgl (the program),\n"
-    "plan-NN.svg (the order as colours, to look at), assembly.svg (where it lies) and plan.json\n"
-    "(lengths, lifts, time, overcuts). --svg-profile cricut, lightburn or origami-sim writes\n"
-    "sheet-NN-PROFILE.svg for that program too.\n"
-    "Folds become dashes, each line is cut once, folds first and the outline last.";
+    "Folds become dashes. Each line is cut once: folds first, the outline last. A drawing that is\n"
+    "too large for one sheet is split into pieces with tabs to glue. DIR gets:\n\n"
+    "  sheet-NN.svg            what will be cut, in mm\n"
+    "  sheet-NN.gpgl or .hpgl  the program for the cutter\n"
+    "  plan-NN.svg             a picture of the order of the cuts, as colours\n"
+    "  assembly.svg            where each piece goes\n"
+    "  plan.json               lengths, time and warnings\n\n"
+    "With --svg-profile cricut, lightburn or origami-sim you also get sheet-NN-PROFILE.svg for "
+    "that\n"
+    "program.";
 
 }  // namespace
 
 void register_plan(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("plan", kHelp);
-  add_plan_options(*command, options->job);
-  command->add_option("-o,--output", options->folder, "The folder for the files; made if absent")
+  add_plan_arguments(*command, options->plan);
+  command
+      ->add_option("-o,--output", options->folder,
+                   "Folder for the files; created if it does not exist")
       ->option_text("DIR");
   command->callback([options, &globals, &run] {
     run = [options, &globals] { return run_plan(*options, globals); };

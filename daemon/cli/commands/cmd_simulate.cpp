@@ -11,11 +11,11 @@
 
 #include "core/text/shown_text.hpp"
 #include "daemon/cli/command.hpp"
-#include "daemon/cli/expectation.hpp"
-#include "daemon/cli/fault_file.hpp"
-#include "daemon/cli/options/option_value.hpp"
-#include "daemon/files/output_folder.hpp"
 #include "daemon/cli/commands/simulate_pty.hpp"
+#include "daemon/cli/input/expectation.hpp"
+#include "daemon/cli/options/option_value.hpp"
+#include "daemon/files/fault_file.hpp"
+#include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "device/sim/simulate.hpp"
 #include "protocol/decode.hpp"
@@ -48,7 +48,7 @@ Result<Machine> choose_machine(const Options& options, const std::optional<PlanF
 }
 
 /// The sheet: as the plan or the expected drawing has it. A machine whose y points up needs its
-/// length to tell where its upper edge lies: where nobody says, the highest point drawn is it.
+/// length to find its upper edge; without it, the highest point drawn counts as the edge.
 SimOptions sheet_of(const std::optional<PlanFacts>& plan,
                     const std::optional<Expectation>& expected, const Machine& machine,
                     std::span<const std::byte> program) {
@@ -73,12 +73,12 @@ void say(const Trace& trace, const Options& options) {
   fmt::print(stderr, "  cut {:.1f} mm in {} strokes, travel {:.1f} mm, {:.0f} s\n", trace.cut_mm,
              trace.lifts, trace.travel_mm, trace.seconds);
   if (trace.clipped_mm > 0)
-    fmt::print(stderr, "  warning  {:.1f} mm lie outside the window and were not cut\n",
+    fmt::print(stderr, "  warning  {:.1f} mm lie outside the cutter's area and were not cut\n",
                trace.clipped_mm);
   for (std::size_t i = 0; i < trace.unknown.size() && i < 3; ++i)
-    fmt::print(stderr, "  warning  not understood: {}\n", shown_text(trace.unknown[i]));
+    fmt::print(stderr, "  warning  unknown command: {}\n", shown_text(trace.unknown[i]));
   if (trace.unknown_count > 3)
-    fmt::print(stderr, "  warning  {} commands in all are not understood; trace.json lists them\n",
+    fmt::print(stderr, "  warning  {} unknown commands in all; trace.json lists them\n",
                trace.unknown_count);
   for (std::size_t i = 0; i < trace.remarks.size() && i < 3; ++i)
     fmt::print(stderr, "  warning  {}\n", trace.remarks[i]);
@@ -88,8 +88,8 @@ void say(const Trace& trace, const Options& options) {
 Result<void> check(const Trace& trace, const Expectation& expectation, const std::string& file) {
   if (trace.unknown_count > 0)
     return fail(ErrorKind::CheckFailed, file,
-                fmt::format("{} commands of the program are not understood, the first is \"{}\"; "
-                            "what a cutter makes of them is not known",
+                fmt::format("{} commands of the program are unknown, the first is \"{}\"; popcut "
+                            "cannot say what a cutter does with them",
                             trace.unknown_count, trace.unknown.front()));
   const auto held = expect(trace, expectation.expected);
   if (!held) return tl::unexpected(within(file, held.error()));
@@ -101,10 +101,10 @@ Result<void> run_simulate(const Options& options, const Globals& globals) {
     return serve_pty({options.machine, options.folder, options.faults, options.speedup}, globals);
   if (options.program.empty())
     return fail(ErrorKind::Usage, "command line",
-                "PROGRAM is missing; name a GPGL or HPGL program, or give --pty");
+                "PROGRAM is missing; give a GPGL or HPGL program, or --pty");
   if (options.folder.empty())
     return fail(ErrorKind::Usage, "command line",
-                "-o DIR is missing; name the folder for cut.svg and trace.json");
+                "-o DIR is missing; give the folder for cut.svg and trace.json");
   constexpr std::uintmax_t kLimitBytes = 1u << 28;
   const auto text = read_file(options.program, kLimitBytes);
   if (!text) return tl::unexpected(text.error());
@@ -148,18 +148,19 @@ Result<void> run_simulate(const Options& options, const Globals& globals) {
     fmt::print("{}\n", json.dump(2));
   }
   if (!globals.quiet) say(*trace, options);
-  if (expected && held && !globals.quiet)
-    fmt::print(stderr, "  as expected by {}\n", options.expect);
+  if (expected && held && !globals.quiet) fmt::print(stderr, "  matches {}\n", options.expect);
   return held;
 }
 
 constexpr const char* kHelp =
-    "Run a program on the simulated cutter.\n\n"
+    "Run a cutter program on a simulated cutter, and compare what it cuts.\n\n"
     "  popcut simulate sheets/sheet-01.gpgl -o simulated --expect sheets/sheet-01.svg\n\n"
-    "Writes in DIR: cut.svg (what the knife did: a colour a force, travel as hairlines, what fell\n"
-    "outside the window in grey) and trace.json (strokes, settings, lengths in mm, seconds).\n"
-    "With --expect it compares: each line cut as often as it should be, folds dashed, nothing\n"
-    "else drawn, each coordinate within half a step of the machine; exit 6 if that does not hold.";
+    "DIR gets cut.svg (what the knife did: one colour for each force, moves with the tool up as\n"
+    "thin lines, what lies outside the cutter's area in grey) and trace.json (strokes, settings,\n"
+    "lengths in mm, seconds). --expect checks that each line is cut as often as planned, that "
+    "folds\n"
+    "are dashed, that nothing else is drawn, and that each point is within half a step of the\n"
+    "machine. Exit code 6 if a check fails.";
 
 }  // namespace
 
@@ -169,22 +170,23 @@ void register_simulate(CLI::App& app, const Globals& globals, Run& run) {
   const auto text = [&](const char* name, std::string& value, const char* help, const char* shown) {
     command->add_option(name, value, help)->option_text(shown);
   };
-  command->add_option("PROGRAM", options->program, "A GPGL or HPGL program; none with --pty");
-  text("--faults", options->faults, "What goes wrong on the way; docs/simulator.md has the form",
-       "FILE");
+  command->add_option("PROGRAM", options->program,
+                      "A GPGL or HPGL program; leave it out with --pty");
+  text("--faults", options->faults,
+       "Faults of the simulated cutter; docs/simulator.md describes the file", "FILE");
   command->add_flag("--pty", options->pty,
-                    "Be a cutter at a pseudo terminal for other programs, until Ctrl-C");
-  real_number(
-      command->add_option("--speedup", options->speedup, "With --pty: times as fast as a real one"),
-      1e-3, 1e6)
+                    "Act as a cutter on a pseudo terminal for other programs, until Ctrl-C");
+  real_number(command->add_option("--speedup", options->speedup,
+                                  "With --pty: speed, as a multiple of the real cutter"),
+              1e-3, 1e6)
       ->option_text("N [1]");
-  text("-o,--output", options->folder, "The folder for the files; made if absent", "DIR");
+  text("-o,--output", options->folder, "Folder for the files; created if it does not exist", "DIR");
   text("--machine", options->machine, "The cutter; 'popcut machines' lists them",
        "NAME [the plan's, else cameo3 or hpgl-generic]");
   text("--expect", options->expect,
-       "What was to be cut: a sheet-NN.svg, or a pattern (.fold, .svg, .json) with --plan", "FILE");
-  text("--plan", options->plan, "The plan.json that says where the pattern lies", "FILE");
-  whole_number(command->add_option("--sheet", options->sheet, "Which sheet of the plan, from 1"), 1,
+       "What should be cut: a sheet-NN.svg, or a pattern (.fold, .svg, .json) with --plan", "FILE");
+  text("--plan", options->plan, "The plan.json that places the pattern on the sheet", "FILE");
+  whole_number(command->add_option("--sheet", options->sheet, "Sheet of the plan, from 1"), 1,
                10'000)
       ->option_text("N [1]");
   command->callback([options, &globals, &run] {

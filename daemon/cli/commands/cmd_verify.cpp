@@ -15,6 +15,7 @@
 #include "core/verify/verify.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/options/option_value.hpp"
+#include "daemon/client/command_words.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 
@@ -35,9 +36,10 @@ Error summary(const Options& options, const VerifyReport& report) {
     if (!check.ok())
       checks += fmt::format("{}{} ({})", checks.empty() ? "" : ", ", check.name, check.failed);
   }
-  return {ErrorKind::CheckFailed, options.pattern,
-          fmt::format("the pattern is unsound: {}; the report on standard output lists the places",
-                      checks)};
+  return {
+      ErrorKind::CheckFailed, options.pattern,
+      fmt::format("the pattern fails checks: {}; the report on standard output lists the places",
+                  checks)};
 }
 
 /// Is it a drawing rather than a FOLD file? JSON begins with a brace, XML with an angle.
@@ -53,16 +55,18 @@ Result<std::string> fold_of_svg(const std::string& svg, const Options& options,
   const auto tables = read_user_tables();
   if (!tables) return tl::unexpected<Error>(tables.error());
   auto profile = find_stroke_profile(options.svg_profile, tables->texts);
-  if (!profile) return tl::unexpected<Error>(tables->with_file(profile.error()));
+  if (!profile)
+    return tl::unexpected<Error>(client::on_command_line(tables->with_file(profile.error())));
   SvgReadOptions how;
   how.profile = std::move(*profile);
   auto work = linework_from_svg(svg, how);
   if (!work) return tl::unexpected<Error>(within(options.pattern, work.error()));
-  warnings = work->warnings;
+  for (const std::string& warning : work->warnings)
+    warnings.push_back(client::in_command_words(warning));
   if (work->lines.empty())
     return fail(ErrorKind::Malformed, options.pattern,
-                "no line is drawn that is cut or folded; strokes are needed, outline and slits "
-                "black or green, mountains red, valleys blue");
+                "has no line to cut or fold; draw outline and cuts black or green, mountain folds "
+                "red, valley folds blue");
   return fold_from_linework(*work);
 }
 
@@ -104,15 +108,15 @@ Result<void> run_verify(const Options& options, const Globals& globals) {
 }
 
 constexpr const char* kHelp =
-    "Is a pattern sound? Recomputed from the file alone.\n\n"
+    "Check that a pattern can be cut, and that it opens and closes.\n\n"
     "  popcut verify sphere/pattern.fold\n"
     "  popcut verify sphere/pattern.fold --dof 1 --target sphere.json\n\n"
-    "One piece, faces that tile the sheet, no doubled or crossing lines, lengths kept and hinges\n"
-    "closed in every pose, fold angles, degrees of freedom, no face through another. PATTERN is a\n"
-    "FOLD file or an SVG drawing. One that shows no pose between flat and shut is opened: rigid\n"
-    "panels, closed hinges, driven by the longest fold line. Faces are traced where none are "
-    "listed.\n"
-    "Exit 0 when sound, 3 when it cannot be read, 6 with the list of what fails.";
+    "PATTERN is a FOLD file or an SVG drawing, from popcut or any other program. The checks use\n"
+    "the file alone: it is one piece; the faces fill the sheet; no lines are doubled or cross; no\n"
+    "panel stretches and no hinge tears in any pose; the fold angles fit; it has one movement (or\n"
+    "--dof); no panel passes through another. If the file shows no opened pose, popcut opens it,\n"
+    "with rigid panels and the longest fold as drive.\n"
+    "Exit code 0 if all checks pass, 3 if the file cannot be read, 6 with the list of what fails.";
 
 }  // namespace
 
@@ -120,18 +124,21 @@ void register_verify(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("verify", kHelp);
   command->add_option("PATTERN", options->pattern, "A FOLD file or an SVG drawing")->required();
-  whole_number(command->add_option("--dof", options->degrees_of_freedom,
-                                   "Demand this many degrees of freedom; without it only 0 fails"),
-               0, 1'000'000)
+  whole_number(
+      command->add_option(
+          "--dof", options->degrees_of_freedom,
+          "Required number of independent movements (degrees of freedom); default: 1 or more"),
+      0, 1'000'000)
       ->option_text("N");
   command
-      ->add_option("--target", options->target, "Measure the fold vertices against a design spec")
+      ->add_option("--target", options->target,
+                   "Also measure the distance from the shape of this design")
       ->option_text("SPEC");
   command
       ->add_option("--svg-profile", options->svg_profile,
-                   "How an SVG says what its lines are for: origami-sim (by colour, the default),\n"
-                   "popcut, lightburn, cricut, plain")
-      ->option_text("NAME");
+                   "What the lines of an SVG mean: origami-sim (by colour), popcut, lightburn, "
+                   "cricut or plain")
+      ->option_text("NAME [origami-sim]");
   command->callback([options, &globals, &run] {
     run = [options, &globals] { return run_verify(*options, globals); };
   });

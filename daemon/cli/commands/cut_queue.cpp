@@ -61,7 +61,7 @@ Result<void> upload_assets(Api& api, Json& value, const std::string& pointer,
 
 Result<Upload> from_json(Api& api, std::string text, const std::string& file,
                          const Globals& globals) {
-  // A pattern is checked by popcutd; a spec is small, and what is wrong with it is told at once.
+  // popcutd checks a pattern; a spec is small, so its errors are reported at once.
   if (text.find("\"vertices_coords\"") != std::string::npos)
     return Upload{std::move(text), "application/json"};
   if (const auto spec = parse_design_spec(text); !spec)
@@ -87,7 +87,7 @@ Result<Upload> read_input(Api& api, const std::string& file, const Globals& glob
   if (first != std::string::npos && (*text)[first] == '{')
     return from_json(api, std::move(*text), file, globals);
   return fail(ErrorKind::Malformed, file,
-              "is neither a spec (.json) nor a drawing (.fold, .svg, .dxf) that popcut reads");
+              "is not a design (.json) or a drawing (.fold, .svg, .dxf) that popcut can read");
 }
 
 /// The file's name as a job's: bytes that are no UTF-8, and controls, are replaced.
@@ -97,20 +97,20 @@ std::string name_of_file(const std::string& file) {
   return shown_text(nlohmann::json::parse(text).get<std::string>());
 }
 
-Result<nlohmann::json> queue(Api& api, const QueueWish& wish, const Globals& globals) {
-  auto upload = read_input(api, wish.input, globals);
+Result<nlohmann::json> queue(Api& api, const QueueRequest& request, const Globals& globals) {
+  auto upload = read_input(api, request.input, globals);
   if (!upload) return tl::unexpected(upload.error());
-  const std::string name = wish.name.empty() ? name_of_file(wish.input) : wish.name;
+  const std::string name = request.name.empty() ? name_of_file(request.input) : request.name;
   const auto design = api.upload("/v1/designs?name=" + client::percent_encoded(name), upload->bytes,
-                                 upload->media_type, wish.input);
+                                 upload->media_type, request.input);
   if (!design) return tl::unexpected(design.error());
   nlohmann::json body{{"design", client::text_of(*design, "id")}, {"name", name}};
-  if (wish.copies != 1) body["copies"] = wish.copies;
-  if (wish.priority != 0) body["priority"] = wish.priority;
-  if (!wish.material.empty()) body["material"] = wish.material;
-  if (!wish.device.empty()) body["device"] = wish.device;
-  if (!wish.options.empty()) body["options"] = wish.options;
-  return api.post("/v1/jobs", body, wish.input);
+  if (request.copies != 1) body["copies"] = request.copies;
+  if (request.priority != 0) body["priority"] = request.priority;
+  if (!request.material.empty()) body["material"] = request.material;
+  if (!request.device.empty()) body["device"] = request.device;
+  if (!request.options.empty()) body["options"] = request.options;
+  return api.post("/v1/jobs", body, request.input);
 }
 
 /// The only device that could cut now.
@@ -127,10 +127,10 @@ Result<std::string> only_device(Api& api) {
   if (usable.size() == 1) return usable.front();
   if (usable.empty())
     return fail(ErrorKind::Refused, "--device",
-                "no cutter is there that could be used; 'popcut devices' says why");
+                "no cutter can be used; 'popcut devices' shows why");
   return fail(
       ErrorKind::Usage, "--device",
-      fmt::format("is missing, and there are {}: {}", usable.size(), fmt::join(usable, ", ")));
+      fmt::format("is missing; choose one of {}: {}", usable.size(), fmt::join(usable, ", ")));
 }
 
 /// Prints the job, and with `wait` follows it to its end.
@@ -145,7 +145,7 @@ Result<void> see_through(Api& api, const nlohmann::json& job, bool wait, const G
   if (!globals.quiet) fmt::print(stderr, "queued '{}' as job {}\n", job_title(job), id);
   if (!wait) {
     print(job);
-    if (!globals.quiet) fmt::print(stderr, "'popcut jobs --watch' shows when a person is needed\n");
+    if (!globals.quiet) fmt::print(stderr, "'popcut jobs --watch' shows what to do next\n");
     return {};
   }
   std::fflush(stderr);
@@ -157,27 +157,28 @@ Result<void> see_through(Api& api, const nlohmann::json& job, bool wait, const G
 
 }  // namespace
 
-Result<void> queue_cut(const QueueWish& wish, const Globals& globals) {
+Result<void> queue_cut(const QueueRequest& request, const Globals& globals) {
   auto api = Api::from_environment();
   if (!api) return tl::unexpected(api.error());
-  const auto job = queue(*api, wish, globals);
+  const auto job = queue(*api, request, globals);
   if (!job) return tl::unexpected(job.error());
-  return see_through(*api, *job, wish.wait, globals);
+  return see_through(*api, *job, request.wait, globals);
 }
 
-Result<void> queue_test_cut(const QueueWish& wish, const Globals& globals) {
+Result<void> queue_test_cut(const QueueRequest& request, const Globals& globals) {
   auto api = Api::from_environment();
   if (!api) return tl::unexpected(api.error());
-  const auto device = wish.device.empty() ? only_device(*api) : Result<std::string>(wish.device);
+  const auto device =
+      request.device.empty() ? only_device(*api) : Result<std::string>(request.device);
   if (!device) return tl::unexpected(device.error());
   nlohmann::json body = nlohmann::json::object();
-  if (!wish.material.empty()) body["material"] = wish.material;
+  if (!request.material.empty()) body["material"] = request.material;
   const auto answer = api->act_on_device(*device, "test-cut", body);
   if (!answer) return tl::unexpected(answer.error());
   const std::string id = client::text_of(*answer, "test_job");
   const auto job = api->get("/v1/jobs/" + id, "job " + id);
   if (!job) return tl::unexpected(job.error());
-  return see_through(*api, *job, wish.wait, globals);
+  return see_through(*api, *job, request.wait, globals);
 }
 
 }  // namespace popcut::cli

@@ -47,26 +47,29 @@ Result<double> opening_angle(const char* option, const std::string& text) {
   if (!angle) return fail(ErrorKind::Usage, option, angle.error().detail);
   if (*angle >= 0 && *angle <= std::numbers::pi) return *angle;
   return fail(ErrorKind::Usage, option,
-              fmt::format("is \"{}\"; give an angle from 0 (shut) to pi (flat)", text));
+              fmt::format("is \"{}\"; give an angle from 0 (closed) to pi (flat)", text));
 }
 
 }  // namespace
 
 void add_motion_options(CLI::App& command, MotionOptions& options) {
-  whole_number(
-      command.add_option("--frames", options.frames, "How many poses the meshes have, 1 to 10000"),
-      1, 10'000)
+  whole_number(command.add_option("--frames", options.frames, "Number of poses, 1 to 10000"), 1,
+               10'000)
       ->option_text("N [60]");
-  options.from_option = command
-                            .add_option("--from-psi", options.from_psi,
-                                        "Opening angle of the first frame, rad or 90deg")
-                            ->option_text("ANGLE [pi]");
-  command.add_option("--to-psi", options.to_psi, "Opening angle of the last frame; 0 is shut")
+  options.from_option =
+      command
+          .add_option("--from-psi", options.from_psi,
+                      "Opening angle (psi) of the first pose, in radians or as 90deg; pi is flat")
+          ->option_text("ANGLE [pi]");
+  command
+      .add_option("--to-psi", options.to_psi,
+                  "Opening angle (psi) of the last pose; pi/2 is the designed shape, 0 is closed")
       ->option_text("ANGLE [pi/2]");
   options.thickness_option =
       command
-          .add_option("--thickness", options.thickness,
-                      "Closed solids as thick as the material, or MM, not one surface")
+          .add_option(
+              "--thickness", options.thickness,
+              "Write solids, as thick as the material or MM; default: a surface without thickness")
           ->option_text("[MM]")
           ->expected(0, 1);
 }
@@ -94,7 +97,7 @@ Result<double> thickness_of(const MotionOptions& options, double of_material_mm)
   if (mm && *mm >= kLeastMm && *mm <= kMostMm) return *mm;
   return fail(ErrorKind::Usage, "--thickness",
               fmt::format("is \"{}\"; give a number from {} to {} (mm), or nothing for the "
-                          "material's",
+                          "thickness of the material",
                           options.thickness, kLeastMm, kMostMm));
 }
 

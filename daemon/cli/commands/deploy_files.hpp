@@ -32,7 +32,7 @@ void add_motion_options(CLI::App& command, MotionOptions& options);
 
 /// The angles of the frames.
 ///
-/// @retval Usage  no angles, or no lawful row of them
+/// @retval Usage  no angles, or not a valid list of them
 [[nodiscard]] Result<std::vector<double>> angles_of(const MotionOptions& options);
 
 /// True when the user named the first angle.

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "daemon/cli/fault_file.hpp"
-#include "daemon/files/output_folder.hpp"
 #include "daemon/cli/commands/simulate_pty.hpp"
+#include "daemon/files/fault_file.hpp"
+#include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "device/sim/sim_pty.hpp"
 
@@ -42,7 +42,7 @@ Result<SimTransport> make_cable(const PtyOptions& options) {
   return SimTransport(std::move(*sim), std::move(faults));
 }
 
-/// The keys that stand for the panel: one line each, since the terminal hands over lines.
+/// The keys of the panel: one line each, because the terminal delivers lines.
 void press(SimCutter& cutter, bool& input) {
   pollfd keys{STDIN_FILENO, POLLIN, 0};
   while (input && poll(&keys, 1, 0) == 1) {
@@ -76,7 +76,7 @@ Result<void> serve_pty(const PtyOptions& options, const Globals& globals) {
   if (!cable) return tl::unexpected(cable.error());
   auto pty = SimPty::open(std::move(*cable), options.speedup);
   if (!pty) return tl::unexpected(pty.error());
-  // Before anybody is told how to end it.
+  // Before anyone reads how to end it.
   end_asked = false;
   auto* const interrupt = std::signal(SIGINT, ask_to_end);
   auto* const terminate = std::signal(SIGTERM, ask_to_end);
@@ -84,8 +84,8 @@ Result<void> serve_pty(const PtyOptions& options, const Globals& globals) {
   std::fflush(stdout);
   if (!globals.quiet)
     fmt::print(stderr,
-               "a simulated {} is at {}; p pauses and resumes, c cancels, m takes the sheet "
-               "out and in (then Enter), Ctrl-C ends\n",
+               "a simulated {} is at {}; type p (pause or go on), c (cancel) or m (take the sheet "
+               "out or put it in), then Enter; Ctrl-C ends\n",
                pty->cable().cutter().trace().machine, pty->path());
   std::fflush(stderr);
   bool input = true;

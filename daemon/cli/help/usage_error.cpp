@@ -45,7 +45,7 @@ std::vector<std::string> options_of(const CLI::App& app) {
 /// Of a word that is no option, no command and no argument.
 Error unknown_word(const CLI::App& app, const std::vector<std::string>& words) {
   const CLI::App& command = chosen_of(app);
-  const std::string help = "; '" + path_of(command) + " --help' lists what is right";
+  const std::string help = "; see '" + path_of(command) + " --help'";
   const auto is_option = [](const std::string& word) { return word.size() > 1 && word[0] == '-'; };
   const auto option = std::find_if(words.begin(), words.end(), is_option);
   if (option == words.end() && !commands_of(command).empty())
@@ -53,7 +53,8 @@ Error unknown_word(const CLI::App& app, const std::vector<std::string>& words) {
             "'" + words.front() + "' is not a command; " +
                 suggestion(words.front(), commands_of(command))};
   if (option == words.end())
-    return {ErrorKind::Usage, "command line", "'" + words.back() + "' is one word too many" + help};
+    return {ErrorKind::Usage, "command line",
+            "'" + words.back() + "' is one argument too many" + help};
   const std::string near = suggestion(option->substr(0, option->find('=')), options_of(command));
   const bool is_near = near.rfind("did you mean", 0) == 0;
   return {ErrorKind::Usage, "command line",
@@ -69,11 +70,11 @@ Error wrong_value(const CLI::App& app, const std::string& what) {
       return {ErrorKind::Usage, what.substr(kConvert.size(), is - kConvert.size()),
               "is \"" + what.substr(is + 3) + "\"; give a number"};
   }
-  const std::string help = "; '" + path_of(chosen_of(app)) + " --help' lists what is right";
+  const std::string help = "; see '" + path_of(chosen_of(app)) + " --help'";
   const std::size_t colon = what.find(": ");
   if (colon != std::string::npos &&
       what.ends_with(" missing"))  // "--output: 1 required TEXT missing"
-    return {ErrorKind::Usage, what.substr(0, colon), "stands without its value" + help};
+    return {ErrorKind::Usage, what.substr(0, colon), "needs a value" + help};
   if (colon != std::string::npos && what.find(' ') == colon + 1)
     return {ErrorKind::Usage, what.substr(0, colon), what.substr(colon + 2)};
   std::string text = what;
@@ -93,7 +94,7 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& refused) {
       refused.get_name() == "RequiredError" && !commands.empty() && command.get_parent() != nullptr;
   if (no_command)
     return {ErrorKind::Usage, "command line",
-            "'" + path_of(command) + "' needs to know what to do; " + suggestion("", commands)};
+            "'" + path_of(command) + "' needs a command; " + suggestion("", commands)};
   std::string what = refused.what();
   if (const auto end = what.find('\n'); end != std::string::npos) what.resize(end);
   return wrong_value(app, what);

@@ -25,21 +25,25 @@ bool is_within(const std::string& text, T least, T most) {
 
 CLI::Option* demand(CLI::Option* option, std::function<bool(const std::string&)> fits,
                     const std::string& right) {
-  const auto check = [fits = std::move(fits), right](std::string& text) {
+  return checked(option, [fits = std::move(fits), right](const std::string& text) {
     return fits(text) ? std::string() : fmt::format("is \"{}\"; {}", text, right);
-  };
-  return option->check(CLI::Validator(check, ""));
+  });
 }
 
 }  // namespace
 
+CLI::Option* checked(CLI::Option* option, std::function<std::string(const std::string&)> fault_of) {
+  return option->check(CLI::Validator(
+      [fault_of = std::move(fault_of)](std::string& text) { return fault_of(text); }, ""));
+}
+
 void refuse_empty(CLI::App& command, const std::string& but) {
-  const auto check = [](std::string& text) {
-    return text.empty() ? std::string("is empty; give a value, or leave it out") : std::string();
+  const auto fault_of = [](const std::string& text) {
+    return text.empty() ? std::string("is empty; give a value or leave it out") : std::string();
   };
   for (CLI::Option* option : command.get_options({}))
     if (option->get_expected_min() > 0 && option->get_items_expected_max() > 0)
-      option->check(CLI::Validator(check, ""));
+      checked(option, fault_of);
   for (CLI::App* below : command.get_subcommands({}))
     if (below->get_name() != but) refuse_empty(*below, but);
 }
@@ -61,11 +65,10 @@ CLI::Option* one_word(CLI::Option* option, const std::vector<std::string>& words
                       const std::string& usual) {
   option->option_text(
       fmt::format("{}{}", fmt::join(words, "|"), usual.empty() ? "" : " [" + usual + "]"));
-  const auto check = [words](std::string& text) {
+  return checked(option, [words](const std::string& text) {
     const bool known = std::find(words.begin(), words.end(), text) != words.end();
     return known ? std::string() : fmt::format("is \"{}\"; {}", text, suggestion(text, words));
-  };
-  return option->check(CLI::Validator(check, ""));
+  });
 }
 
 }  // namespace popcut::cli

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,11 @@ namespace popcut::cli {
 
 /// What an option's value must be, checked while the command line is read: anything else is a wrong
 /// command line (exit 2) whose message has the option, the value and what would be right.
-/// A value that is lawful in itself and does not fit an input is told later, as a fault of the two
-/// (exit 3 or 4). Each returns the option.
+/// A value that is valid in itself and does not fit an input is reported later (exit 3 or 4). Each
+/// function returns the option.
+
+/// Whatever `fault_of` finds no fault with: it returns "" or "is "x"; give ...".
+CLI::Option* checked(CLI::Option* option, std::function<std::string(const std::string&)> fault_of);
 
 /// A whole number from `least` to `most`.
 CLI::Option* whole_number(CLI::Option* option, std::int64_t least, std::int64_t most);

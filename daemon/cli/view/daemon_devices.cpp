@@ -78,7 +78,7 @@ std::vector<std::string> device_lines(const DaemonDevices& found) {
       lines.push_back(fmt::format("    -> popcut devices enable {}", text_of(device, "id")));
     else if (state_of(device) == "fault")
       lines.push_back(
-          fmt::format("    -> see to it, then popcut devices reset {}", text_of(device, "id")));
+          fmt::format("    -> fix the cause, then popcut devices reset {}", text_of(device, "id")));
     for (const Json& job : found.jobs)
       if (text_of(job, "id") == text_of(device, "job"))
         lines.push_back(
@@ -99,7 +99,7 @@ Result<void> act_on_device(const std::string& id, const std::string& action,
   }
   if (globals.quiet) return {};
   if (action == "reset")
-    fmt::print(stderr, "{} is being reset; 'popcut devices' shows what became of it\n", id);
+    fmt::print(stderr, "{} is being reset; 'popcut devices' shows the result\n", id);
   else
     fmt::print(stderr, "{} is {}d\n", id, action);
   return {};

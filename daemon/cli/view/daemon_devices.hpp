@@ -11,23 +11,23 @@
 
 namespace popcut::cli {
 
-/// The cutters of a popcutd, and where it is.
+/// The cutters of one popcutd, and its address.
 struct DaemonDevices {
   std::string address;
   std::vector<nlohmann::json> devices;  ///< as /v1/devices has them
-  std::vector<nlohmann::json> jobs;     ///< those whose sheets lie in them
+  std::vector<nlohmann::json> jobs;     ///< the jobs on these devices
 };
 
-/// Asks the popcutd that is reachable.
+/// Asks the popcutd that can be reached.
 ///
 /// @retval DeviceGone  there is none
-/// @retval Refused     there is, and it does not let us in
+/// @retval Refused     it denies access
 [[nodiscard]] Result<DaemonDevices> daemon_devices();
 
-/// A line or more for each cutter: state and why, what it does, what it has done, its area.
+/// One or more lines for each cutter: its state and why, its job, what it has cut, its area.
 [[nodiscard]] std::vector<std::string> device_lines(const DaemonDevices& found);
 
-/// enable, disable or reset, asked of popcutd.
+/// Asks popcutd to enable, disable or reset a device.
 [[nodiscard]] Result<void> act_on_device(const std::string& id, const std::string& action,
                                          const Globals& globals);
 

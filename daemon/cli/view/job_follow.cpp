@@ -93,13 +93,13 @@ Result<Json> follow_job(client::Api& api, const std::string& id, const Globals& 
       return job;
     } else if (!away && !globals.quiet) {
       away = true;
-      fmt::print(stderr, "popcutd does not answer; waiting for it\n");
+      fmt::print(stderr, "popcutd does not answer; trying again\n");
       std::fflush(stderr);
     }
     wait_for_change(events);
   }
   return fail(ErrorKind::Refused, "job " + id,
-              fmt::format("goes on without you; 'popcut jobs {} --watch' follows it again",
+              fmt::format("goes on in popcutd; 'popcut jobs {} --watch' follows it again",
                           id.substr(0, 12)));
 }
 

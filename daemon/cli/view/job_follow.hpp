@@ -12,8 +12,7 @@
 
 namespace popcut::cli {
 
-/// True once Ctrl-C was pressed. While one of these is alive, Ctrl-C ends the view and nothing
-/// else.
+/// While one of these is alive, Ctrl-C ends only the view; `asked` is true after Ctrl-C.
 class ViewEnd {
  public:
   ViewEnd();
@@ -26,21 +25,21 @@ class ViewEnd {
   void (*before_)(int);
 };
 
-/// Follows a job until `enough` says so or it has ended, telling on standard error each thing that
-/// waits for a person, once, and how far the cut is. popcutd may be away for a minute meanwhile.
+/// Follows a job until `enough` returns true or the job has ended. Prints on standard error, once,
+/// each thing that a person has to do, and the progress. popcutd may be absent for a minute.
 ///
-/// @return the job as it is then
+/// @return the job at that moment
 /// @retval Refused  Ctrl-C was pressed; the job goes on
 [[nodiscard]] Result<nlohmann::json> follow_job(
     client::Api& api, const std::string& id, const Globals& globals,
     const std::function<bool(const nlohmann::json&)>& enough);
 
-/// Calls `changed` at once, at each event that is not only progress, at most four times a second,
-/// and now and then without one. Ends with Ctrl-C or when it says so.
+/// Calls `changed` at once, then at each event other than progress (at most four times a second),
+/// and every two seconds. Ends with Ctrl-C, or when `changed` returns false.
 [[nodiscard]] Result<void> watch_events(client::Api& api,
                                         const std::function<Result<bool>()>& changed);
 
-/// Nothing if the job is done, else what became of it (exit code 5).
+/// Success if the job is done, else its state as an error (exit code 5).
 [[nodiscard]] Result<void> verdict(const nlohmann::json& job);
 
 }  // namespace popcut::cli

@@ -77,7 +77,8 @@ std::string doubt_text(const Json& job) {
   return fmt::format("{} paths are certainly cut, {} more are in doubt", certain, sent - certain);
 }
 
-/// Whether the sheet can be whole. The figures are the job's: of one sheet they tell.
+/// Whether the sheet can be complete. The figures are of the whole job, so they decide only for a
+/// job of one sheet.
 bool may_be_whole(const Json& job) {
   const Json& progress = part_of(job, "progress");
   return whole_of(job, "sheets_total") != 1 ||
@@ -88,17 +89,17 @@ void interrupted_ways(const Json& job, std::vector<std::string>& lines) {
   const std::string id = short_id(job);
   const std::int64_t sheet = whole_of(job, "sheet");
   const std::string reason = text_of(job, "reason");
-  lines.push_back(fmt::format("sheet {} was interrupted{}{}; {}: look at it, then one of", sheet,
+  lines.push_back(fmt::format("sheet {} was interrupted{}{}; {}. Look at it, then choose:", sheet,
                               reason.empty() ? "" : " by ", reason, doubt_text(job)));
   const auto add = [&](const char* action, const std::string& command, const char* what) {
     if (may(job, action)) lines.push_back(fmt::format("  {:<41}{}", command, what));
   };
-  add("retry-sheet", fmt::format("popcut retry {} {}", id, sheet), "# again, on a new sheet");
-  add("resume-from", fmt::format("popcut resume {} --from PATH", id), "# go on, on the same sheet");
+  add("retry-sheet", fmt::format("popcut retry {} {}", id, sheet), "# cut it again on a new sheet");
+  add("resume-from", fmt::format("popcut resume {} --from PATH", id), "# go on with this sheet");
   if (may_be_whole(job))
     add("confirm-result", fmt::format("popcut confirm {} {} good", id, sheet),
-        "# it is whole after all");
-  add("cancel", fmt::format("popcut cancel {}", id), "# end the job");
+        "# the sheet is complete");
+  add("cancel", fmt::format("popcut cancel {}", id), "# cancel the job");
 }
 
 int rank(const Json& job) {
@@ -162,7 +163,7 @@ std::string sheet_state(const Json& job, const Json& sheet) {
   const std::string state = text_of(sheet, "state");
   if (!has_ended(job) || state == "done" || state == "skipped") return state;
   const bool begun = state == "cutting" || state == "interrupted";
-  return begun ? "broken off" : "not cut";
+  return begun ? "not finished" : "not cut";
 }
 
 /// A sheet of which the ledger has paths that were not sent cannot be confirmed as whole.
@@ -238,7 +239,8 @@ std::vector<std::string> waiting_for(const Json& job) {
     lines.push_back(fmt::format("armed: popcut start {}   (within 10 minutes)", id));
   } else if (is(job, "paused")) {
     // One whose cancel is under way is not to be resumed.
-    if (may(job, "resume")) lines.push_back(fmt::format("paused, tool up: popcut resume {}", id));
+    if (may(job, "resume"))
+      lines.push_back(fmt::format("paused with the tool up: popcut resume {}", id));
   } else if (kind == "confirm_result") {
     lines.push_back(
         fmt::format("look at sheet {}: popcut confirm {} {} good   (or bad)", sheet, id, sheet));

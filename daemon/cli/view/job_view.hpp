@@ -9,20 +9,20 @@
 
 namespace popcut::cli {
 
-/// Jobs of popcutd as text for a person. All functions take a job as the API gives it and stand any
-/// JSON object.
+/// Jobs of popcutd as text for a person. All functions take a job as the API sends it, and accept
+/// any JSON object.
 
 /// The beginning of the job's id, enough to type.
 [[nodiscard]] std::string short_id(const nlohmann::json& job);
 /// Its name, or the beginning of its id.
 [[nodiscard]] std::string job_title(const nlohmann::json& job);
-/// Until the current sheet is cut, the longer estimate.
+/// Seconds until the current sheet is cut, the longer estimate.
 [[nodiscard]] double seconds_left(const nlohmann::json& job);
 /// "cutting, sheet 1 of 3, path 210 of 362, on sim:cameo3"
 [[nodiscard]] std::string job_summary(const nlohmann::json& job);
-/// What waits for a person, each line with the command to type; none if nothing does.
+/// What a person has to do, each line with its command; empty if nothing.
 [[nodiscard]] std::vector<std::string> waiting_for(const nlohmann::json& job);
-/// What `waiting_for` says with an arrow before each thing, and the ways to choose from below it.
+/// The lines of `waiting_for`, each with an arrow; choices are indented below.
 [[nodiscard]] std::vector<std::string> waiting_lines(const std::vector<std::string>& waits,
                                                      std::size_t indent);
 /// 0 to 1, of the current sheet; below 0 where nothing is being cut.
@@ -33,11 +33,11 @@ struct ViewStyle {
   std::size_t width{120};  ///< columns; longer lines go on in the next one
   bool colour{false};
 };
-/// The live view: a line a job, below it what it waits for. Jobs of a running knife first, then
-/// those that wait for a person, then the queue; among themselves in the order that is given.
+/// The live view: one line for each job, below it what the job waits for. Running jobs come first,
+/// then those that wait for a person, then the queue; within each group the given order stays.
 [[nodiscard]] std::vector<std::string> jobs_view(const std::vector<nlohmann::json>& jobs,
                                                  const ViewStyle& style);
-/// One job in full: `key: value` lines; with the ledger of its sheet, what became of its paths.
+/// One job in full, as `key value` lines; with the ledger of its sheet, the state of its paths.
 [[nodiscard]] std::vector<std::string> job_details(
     const nlohmann::json& job, const std::vector<nlohmann::json>& sheets,
     const std::optional<nlohmann::json>& ledger = std::nullopt);

@@ -8,8 +8,8 @@
 
 namespace popcut::cli {
 
-/// The key p at the terminal, which holds a cut and lets it go on. Not on a terminal it does
-/// nothing. While it lives, keys are read at once and not shown.
+/// The key p at the terminal, which pauses a cut and lets it go on. Without a terminal it does
+/// nothing. While it exists, keys are read at once and not echoed.
 class PauseKey {
  public:
   PauseKey();

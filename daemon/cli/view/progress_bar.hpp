@@ -7,19 +7,19 @@
 
 namespace popcut::cli {
 
-/// A line on standard error with how far something is, drawn over itself: only on a terminal, and
-/// only once it has lasted over two seconds.
+/// One line of progress on standard error, redrawn in place; only on a terminal, and only after two
+/// seconds.
 class ProgressBar {
  public:
   explicit ProgressBar(bool wanted);
-  ~ProgressBar();  ///< takes the line away
+  ~ProgressBar();  ///< clears the line
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   /// @param what  "cutting, stroke 12 of 480"
   /// @param done  0 to 1
   void show(std::string_view what, double done, double seconds_left);
-  /// Takes the line away, for other words; the next `show` draws it again.
+  /// Clears the line before other output; the next `show` draws it again.
   void clear();
 
  private:
@@ -28,8 +28,8 @@ class ProgressBar {
   std::chrono::steady_clock::time_point begun_, last_;
 };
 
-/// "[#####.....] cutting, stroke 12 of 480, 1:20 left" in at most `width` columns, without the
-/// line's end: what does not fit is left out, the time last.
+/// "[#####.....] cutting, stroke 12 of 480, 1:20 left" in at most `width` columns, without a
+/// line end. What does not fit is left out, the time last.
 [[nodiscard]] std::string progress_line(std::string_view what, double done, double seconds_left,
                                         std::size_t width = 1000);
 

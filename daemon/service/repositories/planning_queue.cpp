@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "daemon/planning/task_words.hpp"
+#include "daemon/planning/plan_job.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -142,12 +142,12 @@ Answer<PlanRow> PlanningQueue::plan_for(const PlanRequest& request) {
   if (!machine) return tl::unexpected(machine.error());
   std::map<std::string, std::string> options = request.options;
   if (options.contains(kProfileRow))
-    return tl::unexpected(Problem{
-        ProblemKind::Validation,
-        "the options are not valid",
-        {{fmt::format("/options/{}", kProfileRow), "option", "must be absent; use svg-profile"}}});
-  if (const auto words = planning::words_of_options(options); !words)
-    return tl::unexpected(problem_from(words.error()));
+    return tl::unexpected(Problem{ProblemKind::Validation,
+                                  "the options are not valid",
+                                  {{fmt::format("/options/{}", kProfileRow), "option",
+                                    "must be absent; use svg-profile"}}});
+  if (const auto read = read_plan_options(options); !read)
+    return tl::unexpected(problem_from(planning::in_request(read.error())));
   if (const auto named = options.find("svg-profile"); named != options.end())
     if (std::string own = parts_.materials.profile_row(named->second); !own.empty())
       options[kProfileRow] = std::move(own);

@@ -27,7 +27,7 @@ Wording wording(SvgNote note) {
     case SvgNote::FillIgnored:
       return {"shape has a fill but no stroke and is left out",
               "shapes have a fill but no stroke and are left out",
-              "give them a stroke, or take --svg-profile plain"};
+              "give them a stroke, or use `svg-profile` plain"};
     case SvgNote::FillBackground:
       return {"shape filled white or as large as the page is taken for background and left out",
               "shapes filled white or as large as the page are taken for background and left out",
@@ -36,14 +36,14 @@ Wording wording(SvgNote note) {
       return {
           "shape with a fill but no stroke and no name is left out, for other lines have names",
           "shapes with a fill but no stroke and no name are left out, for other lines have names",
-          "give them a stroke or a data-assignment, or take --svg-profile plain"};
+          "give them a stroke or a data-assignment, or use `svg-profile` plain"};
     case SvgNote::Invisible:
       return {"shape has neither stroke nor fill and is left out",
               "shapes have neither stroke nor fill and are left out", "give them a stroke"};
     case SvgNote::LeftOut:
       return {"stroke is for nothing that is cut or folded and is left out",
               "strokes are for nothing that is cut or folded and are left out",
-              "see --svg-profile for the meaning of colours and names"};
+              "`svg-profile` says what colours and names mean"};
     case SvgNote::Hidden:
       return {"hidden layer, group or shape is left out",
               "hidden layers, groups or shapes are left out", "show them to cut them"};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/profile_sheets.hpp"
+#include "daemon/cli/commands/profile_sheets.hpp"
 
 #include <cmath>
 #include <sstream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/drawing_input.hpp"
+#include "daemon/cli/input/drawing_input.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -10,8 +10,8 @@
 
 #include "core/formats/dxf/dxf_reader.hpp"
 #include "core/formats/fold/fold_reader.hpp"
+#include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/files/output_folder.hpp"
-#include "daemon/cli/spec_assets.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -45,7 +45,7 @@ Result<unsigned> raised_limits() {
   const long factor = std::strtol(text, &end, 10);
   if (*end == '\0' && factor >= 1 && factor <= 100) return static_cast<unsigned>(factor);
   return fail(ErrorKind::Usage, "POPCUT_RAISE_LIMITS",
-              fmt::format("is \"{}\"; a whole number from 1 to 100 is needed, as 4",
+              fmt::format("is \"{}\"; give a whole number from 1 to 100",
                           std::string_view(text).substr(0, 40)));
 }
 
@@ -68,7 +68,7 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how) {
   const auto kind = kind_of(*text, ending);
   if (!kind)
     return fail(ErrorKind::Malformed, file,
-                "is neither a spec (.json) nor a drawing (.fold, .svg, .dxf) that popcut reads");
+                "is not a design (.json) or a drawing (.fold, .svg, .dxf) that popcut can read");
   const planning::SpecSources beside{
       [&](const DesignSpec& spec) { return load_assets(spec, file); }};
   auto input = planning::drawing_from_text(std::move(*text), *kind, how, *factor, beside);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/cut_device.hpp"
+#include "daemon/cli/commands/cut_device.hpp"
 
 #include <unistd.h>
 
@@ -45,15 +45,16 @@ Result<Machine> machine_of_usb(const CutTargetOptions& options, const UsbDevice&
   const std::vector<const Machine*> fits = recognise(device, *machines);
   if (fits.empty())
     return fail(ErrorKind::Refused, device.id,
-                fmt::format("{:04x}:{:04x} ({}) is no cutter popcut knows; if it is one, name the "
-                            "machine that is nearest, as in --treat-as cameo4",
+                fmt::format("{:04x}:{:04x} ({}) is not a cutter that popcut knows; if it is one, "
+                            "name the most similar machine, as in --treat-as cameo4",
                             device.vendor_id, device.product_id,
                             device.product.empty() ? "no name" : device.product));
   for (const Machine* machine : fits)
     if (options.machine.empty() || machine->name == options.machine) return *machine;
-  return fail(ErrorKind::Usage, "--machine",
-              fmt::format("{} is a {}, not a {}; leave --machine out, or insist with --treat-as {}",
-                          device.id, fits.front()->name, options.machine, options.machine));
+  return fail(
+      ErrorKind::Usage, "--machine",
+      fmt::format("{} is a {}, not a {}; leave --machine out, or override it with --treat-as {}",
+                  device.id, fits.front()->name, options.machine, options.machine));
 }
 
 Result<Machine> machine_on_usb(const CutTargetOptions& options, const std::string& id) {
@@ -75,7 +76,7 @@ Result<Machine> machine_on_port(const CutTargetOptions& options, const DeviceId&
   if (!options.treat_as.empty()) return treated(options.treat_as);
   if (!options.machine.empty()) return named(options.machine, "--machine");
   return fail(ErrorKind::Usage, "--machine",
-              fmt::format("{} does not tell what it is; name the machine, as in --machine "
+              fmt::format("{} does not report its model; name the machine, as in --machine "
                           "hpgl-generic",
                           device.text));
 }
@@ -83,13 +84,11 @@ Result<Machine> machine_on_port(const CutTargetOptions& options, const DeviceId&
 Result<Machine> simulated_machine(const CutTargetOptions& options, const DeviceId& device) {
   if (!options.treat_as.empty())
     return fail(ErrorKind::Usage, "--treat-as",
-                fmt::format("a simulated machine is what its name says; --device sim:{} is that "
-                            "one",
-                            options.treat_as));
+                fmt::format("is not for simulated cutters; use --device sim:{}", options.treat_as));
   auto machine = named(device.name, "--device");
   if (machine && !options.machine.empty() && options.machine != machine->name)
     return fail(ErrorKind::Usage, "--machine",
-                fmt::format("{} is not the machine of {}; give one of the two", options.machine,
+                fmt::format("{} is not the machine of {}; leave one of them out", options.machine,
                             device.text));
   return machine;
 }

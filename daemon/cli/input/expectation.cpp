@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/expectation.hpp"
+#include "daemon/cli/input/expectation.hpp"
 
 #include <cstdlib>
 #include <string_view>
@@ -11,8 +11,8 @@
 #include "core/drawing/clean.hpp"
 #include "core/plan/knife/overcut.hpp"
 #include "core/text/json_text.hpp"
-#include "daemon/cli/drawing_input.hpp"
-#include "daemon/cli/split_facts.hpp"
+#include "daemon/cli/input/drawing_input.hpp"
+#include "daemon/cli/input/split_facts.hpp"
 #include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
@@ -32,21 +32,20 @@ Error wrong(const std::string& pointer, const char* right) {
 Result<double> number_at(const nlohmann::json& json, const std::string& pointer) {
   const nlohmann::json* found = find(json, pointer);
   if (found == nullptr || !found->is_number())
-    return tl::unexpected(wrong(pointer, "a number is due"));
+    return tl::unexpected(wrong(pointer, "give a number"));
   return found->get<double>();
 }
 
 Result<std::string> text_at(const nlohmann::json& json, const std::string& pointer) {
   const nlohmann::json* found = find(json, pointer);
-  if (found == nullptr || !found->is_string())
-    return tl::unexpected(wrong(pointer, "a name is due"));
+  if (found == nullptr || !found->is_string()) return tl::unexpected(wrong(pointer, "give a name"));
   return found->get<std::string>();
 }
 
 Result<void> read_lawful(const nlohmann::json& json, const std::string& pointer, LineWork& into) {
   const nlohmann::json* list = find(json, pointer);
   if (list == nullptr) return {};
-  if (!list->is_array()) return tl::unexpected(wrong(pointer, "a list is due"));
+  if (!list->is_array()) return tl::unexpected(wrong(pointer, "give a list"));
   for (std::size_t i = 0; i < list->size(); ++i) {
     const std::string at = fmt::format("{}/{}/points", pointer, i);
     const nlohmann::json* points = find(json, at);
@@ -54,7 +53,7 @@ Result<void> read_lawful(const nlohmann::json& json, const std::string& pointer,
     std::vector<PagePoint> line;
     for (const nlohmann::json& point : *points) {
       if (!point.is_array() || point.size() != 2 || !point[0].is_number() || !point[1].is_number())
-        return tl::unexpected(wrong(at, "points as [x, y] in mm are due"));
+        return tl::unexpected(wrong(at, "give points as [x, y] in mm"));
       line.push_back({point[0].get<double>(), point[1].get<double>()});
     }
     into.append(Operation::Cut, line);
@@ -65,7 +64,7 @@ Result<void> read_lawful(const nlohmann::json& json, const std::string& pointer,
 Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   const nlohmann::json* sheets = json.is_object() ? find(json, "/sheets") : nullptr;
   if (sheets == nullptr || !sheets->is_array())
-    return tl::unexpected(wrong("/sheets", "the plan.json of popcut plan has a list of sheets"));
+    return tl::unexpected(wrong("/sheets", "give the plan.json that popcut plan wrote"));
   if (number < 1 || number > sheets->size())
     return fail(ErrorKind::OutOfRange, "/sheets",
                 fmt::format("there is no sheet {}; the plan has {}", number, sheets->size()));
@@ -201,10 +200,11 @@ Result<Expectation> read_expectation(const std::string& file, const std::optiona
     return out;
   }
   if (!plan)
-    return fail(ErrorKind::Usage, "--expect",
-                fmt::format("{} is a pattern, whose place on the sheet and material are not known; "
-                            "add --plan plan.json, or give the sheet-NN.svg",
-                            file));
+    return fail(
+        ErrorKind::Usage, "--expect",
+        fmt::format("{} is a pattern without a place on the sheet and a material; add --plan "
+                    "plan.json, or give the sheet-NN.svg",
+                    file));
   const auto material = find_material(plan->material, tables.texts);
   if (!material) return tl::unexpected(within("--plan", tables.with_file(material.error())));
   out.expected.drawing = drawing_on_sheet(input->drawing, *plan);

@@ -5,8 +5,8 @@
 
 namespace popcut::cli {
 
-/// A person as popcutd calls them, for reading: "anna (uid:1000)" for "uid:1000" where this
-/// computer knows a user of that number, else `principal` as it is.
+/// A user of popcutd with a readable name: "anna (uid:1000)" for "uid:1000" if this computer has a
+/// user with that number, else `principal` unchanged.
 [[nodiscard]] std::string person_name(const std::string& principal);
 
 }  // namespace popcut::cli

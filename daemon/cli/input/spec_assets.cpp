@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/spec_assets.hpp"
+#include "daemon/cli/input/spec_assets.hpp"
 
 #include <filesystem>
 
@@ -45,13 +45,13 @@ Result<void> print_placed_spec(const DesignSpec& spec, const std::string& spec_t
   fmt::print("{}", *text);
   if (quiet) return {};
   fmt::print(stderr,
-             "of 24 ways to stand, this one leaves least out of reach: {:.1f} % of the outline; "
-             "the seen part is\nfollowed to {:.3g} mm rms, {:.3g} mm at most (nine sections)\n",
+             "tried 24 orientations and chose the best: {:.1f} % of the outline cannot pop up; the "
+             "rest is\nfollowed to {:.3g} mm rms, {:.3g} mm at most (nine sections)\n",
              100.0 * proposed->unreachable_share, proposed->rms_mm, proposed->max_mm);
   if (proposed->slices_mm > proposed->length_mm)
     fmt::print(stderr,
-               "note: the slices reach over {:.1f} mm and the surface only over {:.1f} mm along "
-               "the spine: fewer or\nnarrower slices, or a larger scale_mm\n",
+               "note: the slices take {:.1f} mm along the main fold, but the shape only {:.1f} mm; "
+               "use fewer or\nnarrower slices, or a larger scale_mm\n",
                proposed->slices_mm, proposed->length_mm);
   return {};
 }

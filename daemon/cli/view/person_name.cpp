@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/person_name.hpp"
+#include "daemon/cli/view/person_name.hpp"
 
 #include <pwd.h>
 #include <sys/types.h>

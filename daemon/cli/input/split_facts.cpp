@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/split_facts.hpp"
+#include "daemon/cli/input/split_facts.hpp"
 
 #include <map>
 #include <optional>
@@ -21,7 +21,7 @@ class Reader {
     static const json kNone = json::array();
     const json* found = find(pointer);
     if (found != nullptr && found->is_array()) return *found;
-    fault(pointer, "a list is due");
+    fault(pointer, "give a list");
     return kNone;
   }
 
@@ -29,7 +29,7 @@ class Reader {
     const json* found = find(pointer);
     if (found != nullptr && found->is_number_unsigned() && *found >= 1)
       return found->get<std::size_t>();
-    fault(pointer, "the number of a piece is due");
+    fault(pointer, "give the number of a piece");
     return 0;
   }
 
@@ -38,13 +38,13 @@ class Reader {
     for (const json& point : list(pointer)) {
       if (!point.is_array() || point.size() != 2 || !point[0].is_number() ||
           !point[1].is_number()) {
-        fault(pointer, "points as [x, y] in mm are due");
+        fault(pointer, "give points as [x, y] in mm");
         return std::vector<PagePoint>(least);
       }
       out.push_back({point[0].get<double>(), point[1].get<double>()});
     }
     if (out.size() < least) {
-      fault(pointer, "more points are due");
+      fault(pointer, "give more points");
       out.resize(least);
     }
     return out;
@@ -60,7 +60,7 @@ class Reader {
       if (found != nullptr && found->is_number())
         *value = found->get<double>();
       else
-        fault(pointer + at, "a number is due");
+        fault(pointer + at, "give a number");
     }
     return t;
   }

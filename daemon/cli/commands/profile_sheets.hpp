@@ -11,7 +11,7 @@ namespace popcut::cli {
 
 /// Adds sheet `number` (from 1) as another program wants it, `sheet-NN-PROFILE.svg`, for the
 /// profiles cricut, lightburn and origami-sim; nothing for the others. A sheet that is too large
-/// for that program's mat is told in `warnings`.
+/// for that program's mat is noted in `warnings`.
 [[nodiscard]] Result<void> add_profile_sheet(const PlannedSheet& sheet, std::size_t number,
                                              const std::string& profile, const std::string& title,
                                              OutputFolder& folder,

@@ -5,17 +5,11 @@
 #include <vector>
 
 #include "core/result.hpp"
-#include "daemon/cli/cut_device.hpp"
 #include "device/sim/sim_faults.hpp"
 
 namespace popcut::cli {
 
 /// Reads a fault script; its errors name the file.
 [[nodiscard]] Result<std::vector<SimFault>> read_faults(const std::string& file);
-/// The same for a cut.
-///
-/// @retval Usage  the device is not a simulated one
-[[nodiscard]] Result<std::vector<SimFault>> read_faults(const std::string& file,
-                                                        const CutTarget& target);
 
 }  // namespace popcut::cli

@@ -10,9 +10,9 @@
 #include "core/machines/machine.hpp"
 #include "core/result.hpp"
 #include "device/port/device_id.hpp"
+#include "device/port/transport.hpp"
 #include "device/sim/sim_faults.hpp"
 #include "device/sim/trace.hpp"
-#include "device/port/transport.hpp"
 
 namespace popcut::cli {
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "daemon/cli/fault_file.hpp"
-
-#include <fmt/format.h>
+#include "daemon/files/fault_file.hpp"
 
 #include "daemon/files/output_folder.hpp"
 
@@ -14,13 +12,6 @@ Result<std::vector<SimFault>> read_faults(const std::string& file) {
   auto faults = parse_faults(*text);
   if (!faults) return tl::unexpected(within(file, faults.error()));
   return faults;
-}
-
-Result<std::vector<SimFault>> read_faults(const std::string& file, const CutTarget& target) {
-  if (target.simulated()) return read_faults(file);
-  return fail(ErrorKind::Usage, "--faults",
-              fmt::format("works with simulated devices only, and {} is none; leave it out",
-                          target.device.text));
 }
 
 }  // namespace popcut::cli

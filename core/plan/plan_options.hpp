@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/drawing/clean.hpp"
+#include "core/layout/sheet.hpp"
+#include "core/plan/knife/strokes.hpp"
+#include "core/plan/order/order.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// What draws ticks and letters on pieces of an oversized drawing.
+enum class LabelTool : std::uint8_t {
+  Auto,  ///< the pen where the machine has a holder for it, else the knife
+  Pen,
+  Cut,  ///< as rows of short cuts
+  None,
+};
+
+/// Which of TB51 and TB53 gives a registration mark's arm; sources disagree.
+enum class MarkForm : std::uint8_t { Arm, Line };
+
+/// How a drawing becomes sheets. The members that a person may set are the rows of
+/// `plan_option_table`; their defaults are those below.
+struct PlanOptions {
+  std::string machine{}, material{};  ///< names; empty: `make_plan_job` chooses
+  std::string mat{};                  ///< name or size, see `choose_mat`; empty: the machine's own
+  PlaceOptions place{};
+  std::string dialect{};  ///< "gpgl" or "hpgl"; empty: the machine's
+  OrderOptions order{};   ///< its `cost` is the machine's
+  bool mat_free{false};   ///< without a mat: sets bands and corners of `order`
+  CleanOptions clean{};
+  KnifeOptions knife{};
+  std::string svg_profile{"popcut"};
+  double curve_tolerance_mm{0.02}, svg_dpi{96};
+  bool no_split{false};                      ///< a drawing that is too large is refused
+  std::vector<double> seams_x{}, seams_y{};  ///< seams that were asked for, drawing mm
+  LabelTool labels{LabelTool::Auto};
+  bool marks{false};  ///< the sheet is printed with registration marks
+  MarkForm mark_form{MarkForm::Arm};
+  bool keep_lines{false};  ///< the sheet keeps its lines as they were before folds were dashed
+};
+
+/// One option of a plan, as a row of the table from which everything else is made: the command
+/// line, its help, completions and manual page, requests to popcutd, their schema, and errors.
+struct PlanOption {
+  enum class Kind : std::uint8_t { Flag, Number, Whole, Word, Text, Lengths, Place };
+
+  std::string_view name;  ///< "curve-tolerance"; `--curve-tolerance` on the command line
+  Kind kind{};
+  std::string_view help;             ///< one phrase, without a full stop
+  std::string_view form{};           ///< what stands for a value in help: "MM", "NAME|WxH"
+  std::string usual{};               ///< the default as text; "" if there is none
+  double least{}, most{};            ///< Number, Whole and each of Lengths; both are valid
+  std::string_view unit{};           ///< "mm"; "" for a plain number
+  std::vector<std::string> words{};  ///< of a Word
+  std::string_view opposite{};       ///< a name under which requests may give a flag's opposite
+  bool of_request{false};  ///< stands beside the options of a request: machine and material
+
+  /// Sets the member to the value in `text`; false: it is none.
+  std::function<bool(PlanOptions&, std::string_view text)> set{};
+  /// The numbers in the member, to hold them against the range.
+  std::function<std::vector<double>(const PlanOptions&)> numbers{};
+};
+
+/// All options, in the order in which help lists them.
+[[nodiscard]] std::span<const PlanOption> plan_option_table();
+
+/// The option's row; nullptr: there is no such option.
+[[nodiscard]] const PlanOption* find_plan_option(std::string_view name);
+
+/// Where errors place an option: "/options/mat", or "/machine" for what stands beside the options.
+/// In the text of errors and warnings an option stands in backquotes: `mat`.
+[[nodiscard]] std::string pointer_to(const PlanOption& option);
+
+/// What a value must be: "give a number from 0.01 to 1000".
+[[nodiscard]] std::string right_value(const PlanOption& option, std::string_view wrong = {});
+
+/// Options by name with their values as text: flags are "true" or "false", lists have commas
+/// between. An empty text of an option without a default is as if it were not there.
+///
+/// @retval Usage  no such option, a value that is not valid, or two that contradict each other;
+///                place is `pointer_to` the option
+[[nodiscard]] Result<PlanOptions> read_plan_options(
+    const std::map<std::string, std::string>& options);
+
+/// Holds numbers against the ranges of the table, and options against each other.
+///
+/// @retval OutOfRange  a number is out of its range; place is `pointer_to` the option
+/// @retval Usage       two contradict each other
+[[nodiscard]] Result<void> check_plan_options(const PlanOptions& options);
+
+}  // namespace popcut

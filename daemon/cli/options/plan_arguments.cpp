@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/cli/options/plan_arguments.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "core/plan/plan_options.hpp"
+#include "daemon/cli/input/drawing_input.hpp"
+#include "daemon/cli/options/option_value.hpp"
+#include "daemon/cli/view/progress_bar.hpp"
+#include "daemon/client/command_words.hpp"
+#include "daemon/files/user_tables.hpp"
+
+namespace popcut::cli {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr double kSecondsPerEffort = 60.0;  // at most; on most machines it takes a few
+
+// Shows how far the search is, and ends it when its time is over.
+class Watch {
+ public:
+  Watch(bool progress, double most_s) : bar_(progress), most_s_(most_s) {}
+
+  bool go_on(double done) {
+    if (!begun_) begun_ = steady_clock::now();
+    const std::chrono::duration<double> taken = steady_clock::now() - *begun_;
+    const double left = done > 0.0 ? taken.count() * (1.0 - done) / done : most_s_;
+    bar_.show("searching for a short path", done, std::min(left, most_s_ - taken.count()));
+    return taken.count() < most_s_;
+  }
+
+ private:
+  ProgressBar bar_;
+  double most_s_;
+  std::optional<steady_clock::time_point> begun_;  // at the first question
+};
+
+// "MM [0.05]", "quick|best|keep [quick]".
+std::string form_of(const PlanOption& option) {
+  const std::string form = option.words.empty() ? std::string(option.form)
+                                                : fmt::format("{}", fmt::join(option.words, "|"));
+  return option.usual.empty() ? form : fmt::format("{} [{}]", form, option.usual);
+}
+
+std::string help_of(const PlanOption& option) {
+  std::string help(option.help);
+  if (option.kind == PlanOption::Kind::Number)
+    help += fmt::format(" ({:g} to {:g}{}{})", option.least, option.most,
+                        option.unit.empty() ? "" : " ", option.unit);
+  return help;
+}
+
+CLI::Option* add_option(CLI::App& command, const PlanOption& option, PlanArguments& arguments) {
+  const std::string dashed = "--" + std::string(option.name), help = help_of(option);
+  if (option.of_request)
+    return command.add_option(
+        dashed, option.name == "machine" ? arguments.machine : arguments.material, help);
+  const auto keep = [&arguments, name = std::string(option.name)](std::string text) {
+    arguments.options[name] = std::move(text);
+  };
+  if (option.kind == PlanOption::Kind::Flag)
+    return command.add_flag_function(
+        dashed, [keep](std::int64_t count) { keep(count > 0 ? "true" : "false"); }, help);
+  const auto keep_all = [keep](const std::vector<std::string>& texts) {
+    keep(fmt::format("{}", fmt::join(texts, ",")));
+  };
+  CLI::Option* const added =
+      command.add_option_function<std::vector<std::string>>(dashed, keep_all, help);
+  option.kind == PlanOption::Kind::Lengths ? added->delimiter(',') : added->expected(1);
+  return checked(added, [name = std::string(option.name)](const std::string& text) {
+    const auto read = read_plan_options({{name, text}});
+    return read ? std::string() : read.error().detail;
+  });
+}
+
+Result<PlanOptions> options_of(const PlanArguments& arguments, bool progress) {
+  auto options = read_plan_options(arguments.options);
+  if (!options) return options;
+  options->machine = arguments.machine;
+  options->material = arguments.material;
+  const double most_s = kSecondsPerEffort * std::max(options->order.effort, 1.0);
+  options->order.keep_going = [watch = std::make_shared<Watch>(progress, most_s)](double done) {
+    return watch->go_on(done);
+  };
+  return options;
+}
+
+}  // namespace
+
+void add_plan_arguments(CLI::App& command, PlanArguments& arguments) {
+  command.add_option("INPUT", arguments.input, "A design (.json) or a drawing (.fold, .svg, .dxf)")
+      ->required();
+  for (const PlanOption& option : plan_option_table()) {
+    CLI::Option* const added = add_option(command, option, arguments);
+    if (option.kind != PlanOption::Kind::Flag) added->option_text(form_of(option));
+  }
+}
+
+Result<PlanJob> plan_input(const PlanArguments& arguments, bool progress) {
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto options = options_of(arguments, progress);
+  if (!options) return tl::unexpected(client::on_command_line(options.error()));
+  const auto read = [&](const SvgReadOptions& how) {
+    return arguments.test_shape ? planning::test_shape_input() : read_drawing(arguments.input, how);
+  };
+  auto job = planning::make_plan_job(*options, tables->texts, read, arguments.input);
+  if (!job) return tl::unexpected(client::on_command_line(tables->with_file(job.error())));
+  for (std::string& warning : job->plan.warnings) warning = client::in_command_words(warning);
+  return job;
+}
+
+}  // namespace popcut::cli

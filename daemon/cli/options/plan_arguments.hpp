@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "core/result.hpp"
+#include "daemon/planning/plan_job.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace popcut::cli {
+
+using planning::PlanJob;
+
+/// The input of a plan and its options, as they were typed.
+struct PlanArguments {
+  std::string input{};
+  std::string machine{}, material{};
+  std::map<std::string, std::string> options{};  ///< by name, in the form of a request to popcutd
+  bool test_shape{false};                        ///< plan the test shape instead of the input
+};
+
+/// Adds INPUT and every option of `plan_option_table`, with its range and words checked.
+void add_plan_arguments(CLI::App& command, PlanArguments& arguments);
+
+/// Reads the input and the users' tables, and plans. A search for a short path that takes longer
+/// shows a progress bar if `progress`, and stops after a minute for each unit of effort.
+///
+/// @retval Usage       an option; place is "--mat"
+/// @retval Malformed, OutOfRange, Infeasible  see `read_drawing` and `make_plan_job`
+[[nodiscard]] Result<PlanJob> plan_input(const PlanArguments& arguments, bool progress);
+
+}  // namespace popcut::cli
