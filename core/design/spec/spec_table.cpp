@@ -266,12 +266,13 @@ void set_weights(FieldReader& fields, CurvatureFields& read) {
 
 Shape<CurvatureFields> curvature() {
   using Weight = WeightFields;
-  const auto weight = shape::number(from(0.0, kMostWeight));
+  auto weight = shape::number(from(0.0, kMostWeight));
+  weight.schema["default"] = 1;  // where its curvature is given
   const FieldTable<Weight> weights{{
-      field<Weight>("K", &Weight::K, weight, "weight of K_area; 1 if left out"),
-      field<Weight>("H", &Weight::H, weight, "weight of H; 1 if left out"),
-      field<Weight>("first", &Weight::first, weight, "weight of first; 1 if left out"),
-      field<Weight>("second", &Weight::second, weight, "weight of second; 1 if left out"),
+      field<Weight>("K", &Weight::K, weight, "weight of K_area"),
+      field<Weight>("H", &Weight::H, weight, "weight of H"),
+      field<Weight>("first", &Weight::first, weight, "weight of first"),
+      field<Weight>("second", &Weight::second, weight, "weight of second"),
   }};
   using Row = CurvatureFields;
   FieldTable<Row> table{{
