@@ -33,6 +33,7 @@ enum class ErrorReason {
   PanelStop,  ///< somebody stopped it at its panel
   TooMuch,    ///< an input is larger than a limit that can be raised
   NotThere,   ///< popcutd has nothing of that name
+  Misplaced,  ///< a surface has no part where it can pop up
 };
 
 /// One clear error: `place: what is wrong; what would be right`.

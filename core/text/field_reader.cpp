@@ -52,11 +52,6 @@ std::pair<const char*, std::string> text_fault(const std::string& text, const Te
   return {"", ""};
 }
 
-std::string number_range(double low, double high, bool open_low) {
-  return open_low ? fmt::format("a number above {:g} and at most {:g}", low, high)
-                  : fmt::format("a number from {:g} to {:g}", low, high);
-}
-
 }  // namespace
 
 std::string json_type(const json& value) {
@@ -76,6 +71,17 @@ std::string json_type(const json& value) {
     default:
       return "a number";
   }
+}
+
+std::string shown_type(const json& value) {
+  if (value.is_number()) return value.dump();
+  return value.is_array() ? fmt::format("a list of {}", value.size()) : json_type(value);
+}
+
+std::string number_words(double low, double high, bool open_low) {
+  if (std::isinf(high)) return fmt::format("a number {} {:g}", open_low ? "above" : "from", low);
+  return open_low ? fmt::format("a number above {:g} and at most {:g}", low, high)
+                  : fmt::format("a number from {:g} to {:g}", low, high);
 }
 
 std::string Notation::place(const std::string& pointer, bool /*is_key*/) const {
@@ -157,43 +163,52 @@ const json* FieldReader::require(const std::string& key, const std::string& what
   return value(key);
 }
 
-void FieldReader::wrong_type(const std::string& key, const json& found, const std::string& what) {
-  add({ErrorKind::Malformed, notation().place(pointer(key), false), "type",
+void FieldReader::wrong_type(const std::string& below, const json& found, const std::string& what) {
+  add({ErrorKind::Malformed, notation().place(pointer_ + "/" + below, false), "type",
        fmt::format("is {}; must be {}", type_of(found), what), shown(found)});
+}
+
+std::optional<double> FieldReader::number_at(const std::string& below, const json& value,
+                                             double low, double high, bool open_low) {
+  if (!value.is_number()) {
+    wrong_type(below, value, "a number");
+    return std::nullopt;
+  }
+  const double got = value.get<double>();
+  if (std::isfinite(got) && got >= low && got <= high && !(open_low && got == low)) return got;
+  add({ErrorKind::OutOfRange, notation().place(pointer_ + "/" + below, false), "range",
+       fmt::format("is {:g}; must be {}", got, number_words(low, high, open_low)), shown(value)});
+  return std::nullopt;
 }
 
 std::optional<double> FieldReader::optional_number(const std::string& key, double low, double high,
                                                    bool open_low) {
   const json* found = value(key);
   if (!found) return std::nullopt;
-  if (!found->is_number()) {
-    wrong_type(key, *found, "a number");
-    return std::nullopt;
-  }
-  const double got = found->get<double>();
-  if (std::isfinite(got) && got >= low && got <= high && !(open_low && got == low)) return got;
-  add({ErrorKind::OutOfRange, notation().place(pointer(key), false), "range",
-       fmt::format("is {:g}; must be {}", got, number_range(low, high, open_low)), shown(*found)});
-  return std::nullopt;
+  return number_at(json_pointer_token(key), *found, low, high, open_low);
 }
 
 double FieldReader::number(const std::string& key, std::optional<double> fallback, double low,
                            double high, bool open_low) {
-  if (!fallback) need(key, "must be " + number_range(low, high, open_low));
+  if (!fallback) need(key, "must be " + number_words(low, high, open_low));
   return optional_number(key, low, high, open_low).value_or(fallback.value_or(low));
+}
+
+std::optional<std::int64_t> FieldReader::integer_at(const std::string& below, const json& value,
+                                                    std::int64_t low, std::int64_t high) {
+  const auto got = whole_number(value, notation().takes_whole_fractions());
+  if (got && *got >= low && *got <= high) return got;
+  const std::string is = value.is_number() ? value.dump() : type_of(value);
+  add({got ? ErrorKind::OutOfRange : ErrorKind::Malformed,
+       notation().place(pointer_ + "/" + below, false), got ? "range" : "type",
+       fmt::format("is {}; must be a whole number from {} to {}", is, low, high), shown(value)});
+  return std::nullopt;
 }
 
 std::optional<std::int64_t> FieldReader::optional_integer(const std::string& key, std::int64_t low,
                                                           std::int64_t high) {
   const json* found = value(key);
-  if (!found) return std::nullopt;
-  const auto got = whole_number(*found, notation().takes_whole_fractions());
-  if (got && *got >= low && *got <= high) return got;
-  const std::string is = found->is_number() ? found->dump() : type_of(*found);
-  add({got ? ErrorKind::OutOfRange : ErrorKind::Malformed, notation().place(pointer(key), false),
-       got ? "range" : "type",
-       fmt::format("is {}; must be a whole number from {} to {}", is, low, high), shown(*found)});
-  return std::nullopt;
+  return found ? integer_at(json_pointer_token(key), *found, low, high) : std::nullopt;
 }
 
 int FieldReader::integer(const std::string& key, std::optional<int> fallback, int low, int high) {
@@ -202,19 +217,23 @@ int FieldReader::integer(const std::string& key, std::optional<int> fallback, in
   return static_cast<int>(optional_integer(key, low, high).value_or(otherwise));
 }
 
+std::optional<std::string> FieldReader::text_at(const std::string& below, const json& value,
+                                                const TextRule& rule) {
+  if (!value.is_string()) {
+    wrong_type(below, value, "a text");
+    return std::nullopt;
+  }
+  std::string text = value.get<std::string>();
+  auto [code, detail] = text_fault(text, rule);
+  if (detail.empty()) return text;
+  refuse(below, ErrorKind::OutOfRange, std::move(detail), code);
+  return std::nullopt;
+}
+
 std::optional<std::string> FieldReader::optional_text(const std::string& key,
                                                       const TextRule& rule) {
   const json* found = value(key);
-  if (!found) return std::nullopt;
-  if (!found->is_string()) {
-    wrong_type(key, *found, "a text");
-    return std::nullopt;
-  }
-  std::string text = found->get<std::string>();
-  auto [code, detail] = text_fault(text, rule);
-  if (detail.empty()) return text;
-  refuse(json_pointer_token(key), ErrorKind::OutOfRange, std::move(detail), code);
-  return std::nullopt;
+  return found ? text_at(json_pointer_token(key), *found, rule) : std::nullopt;
 }
 
 std::string FieldReader::text(const std::string& key, std::optional<std::string> fallback,
@@ -223,39 +242,46 @@ std::string FieldReader::text(const std::string& key, std::optional<std::string>
   return optional_text(key, rule).value_or(fallback.value_or(""));
 }
 
+std::optional<bool> FieldReader::boolean_at(const std::string& below, const json& value) {
+  if (value.is_boolean()) return value.get<bool>();
+  wrong_type(below, value, "true or false");
+  return std::nullopt;
+}
+
 std::optional<bool> FieldReader::optional_boolean(const std::string& key) {
   const json* found = value(key);
-  if (!found) return std::nullopt;
-  if (found->is_boolean()) return found->get<bool>();
-  wrong_type(key, *found, "true or false");
-  return std::nullopt;
+  return found ? boolean_at(json_pointer_token(key), *found) : std::nullopt;
 }
 
 bool FieldReader::boolean(const std::string& key, bool fallback) {
   return optional_boolean(key).value_or(fallback);
 }
 
-std::optional<std::size_t> FieldReader::optional_word(const std::string& key,
-                                                      const std::vector<std::string>& words) {
-  const json* found = value(key);
-  if (!found) return std::nullopt;
-  if (!found->is_string()) {
-    wrong_type(key, *found, fmt::format("one of {}", fmt::join(words, ", ")));
+std::optional<std::size_t> FieldReader::word_at(const std::string& below, const json& value,
+                                                const std::vector<std::string>& words) {
+  if (!value.is_string()) {
+    wrong_type(below, value, fmt::format("one of {}", fmt::join(words, ", ")));
     return std::nullopt;
   }
-  const std::string got = found->get<std::string>();
+  const std::string got = value.get<std::string>();
   const auto it = std::find(words.begin(), words.end(), got);
   if (it != words.end()) return static_cast<std::size_t>(it - words.begin());
   const std::string near = nearest_word(got, words);
   constexpr std::size_t kMostEchoed = 60;
   std::string start = got.substr(0, kMostEchoed);
   while (!start.empty() && !is_utf8(start)) start.pop_back();
-  add({ErrorKind::OutOfRange, notation().place(pointer(key), false), "word",
+  add({ErrorKind::OutOfRange, notation().place(pointer_ + "/" + below, false), "word",
        fmt::format("is \"{}{}\"; must be one of {}{}", start, got.size() > kMostEchoed ? "..." : "",
                    fmt::join(words, ", "),
                    near.empty() ? "" : fmt::format("; did you mean {}?", near)),
-       shown(*found)});
+       shown(value)});
   return std::nullopt;
+}
+
+std::optional<std::size_t> FieldReader::optional_word(const std::string& key,
+                                                      const std::vector<std::string>& words) {
+  const json* found = value(key);
+  return found ? word_at(json_pointer_token(key), *found, words) : std::nullopt;
 }
 
 std::size_t FieldReader::word(const std::string& key, std::optional<std::size_t> fallback,
@@ -308,7 +334,7 @@ std::vector<double> FieldReader::numbers(const std::string& key, std::size_t cou
   if (all)
     numbers = found->get<std::vector<double>>();
   else
-    wrong_type(key, *found, what);
+    wrong_type(json_pointer_token(key), *found, what);
   return numbers;
 }
 
@@ -316,7 +342,7 @@ const json* FieldReader::list_of_objects(const std::string& key, std::size_t mos
   const json* found = value(key);
   if (!found) return nullptr;
   if (!found->is_array()) {
-    wrong_type(key, *found, notation().objects(key));
+    wrong_type(json_pointer_token(key), *found, notation().objects(key));
     return nullptr;
   }
   if (found->size() <= most) return found;

@@ -58,6 +58,10 @@ struct TextRule {
 
 /// "a number", "a list", ... for an error message.
 [[nodiscard]] std::string json_type(const nlohmann::json& value);
+/// "a list of 2", "-3", "a text", ...: the same with what can be said shortly of the value.
+[[nodiscard]] std::string shown_type(const nlohmann::json& value);
+/// "a number above 0 and at most 9", "a number from 0 to 9".
+[[nodiscard]] std::string number_words(double low, double high, bool open_low);
 
 /// Reads the fields of one object of a document. All faults are kept with their places; a field
 /// with a fault reads as its fallback. `finish` adds the fields that nobody asked for and returns
@@ -100,6 +104,17 @@ class FieldReader {
       const TextRule& rule = {});
   /// Exactly `count` numbers.
   std::vector<double> numbers(const std::string& key, std::size_t count);
+
+  /// The same of a value that stands `below` this object ("widths_mm/2").
+  std::optional<double> number_at(const std::string& below, const nlohmann::json& value, double low,
+                                  double high, bool open_low);
+  std::optional<std::int64_t> integer_at(const std::string& below, const nlohmann::json& value,
+                                         std::int64_t low, std::int64_t high);
+  std::optional<std::string> text_at(const std::string& below, const nlohmann::json& value,
+                                     const TextRule& rule);
+  std::optional<bool> boolean_at(const std::string& below, const nlohmann::json& value);
+  std::optional<std::size_t> word_at(const std::string& below, const nlohmann::json& value,
+                                     const std::vector<std::string>& words);
 
   /// The object at `key`, whose fields `read` takes from a reader of it.
   template <std::invocable<FieldReader&> Read>
@@ -161,7 +176,7 @@ class FieldReader {
     static_cast<void>(inner.finish());
   }
   [[nodiscard]] std::string type_of(const nlohmann::json& value) const;
-  void wrong_type(const std::string& key, const nlohmann::json& found, const std::string& what);
+  void wrong_type(const std::string& below, const nlohmann::json& found, const std::string& what);
   void add(FieldFault fault);
 
   const nlohmann::json* object_;

@@ -26,7 +26,9 @@ const std::set<std::string> kWords{"$ref",          "type",
                                    "required",      "oneOf",
                                    "description",   "format",
                                    "default",       "example",
-                                   "maxProperties", "additionalProperties"};
+                                   "maxProperties", "additionalProperties",
+                                   "anyOf",         "exclusiveMinimum",
+                                   "title",         "$schema"};
 
 }  // namespace
 
@@ -47,6 +49,8 @@ void JsonSchema::check(const json& value, const json& reference, const std::stri
                        std::vector<std::string>& out) const {
   const json& schema = resolved(reference);
   const auto wrong = [&](const std::string& what) { out.push_back(at + ": " + what); };
+  if (schema == false) wrong("must not be there");
+  if (schema.is_boolean()) return;
   for (const auto& [word, ignored] : schema.items())
     if (kWords.count(word) == 0) wrong("the schema has the unknown word " + word);
   if (const auto type = schema.find("type"); type != schema.end()) {
@@ -62,6 +66,10 @@ void JsonSchema::check(const json& value, const json& reference, const std::stri
     });
     if (fitting != 1) wrong("fits " + std::to_string(fitting) + " alternatives and not one");
   }
+  if (const auto any = schema.find("anyOf"); any != schema.end())
+    if (std::none_of(any->begin(), any->end(),
+                     [&](const json& alternative) { return faults(value, alternative).empty(); }))
+      wrong("fits none of the alternatives");
   if (const auto words = schema.find("enum"); words != schema.end())
     if (std::find(words->begin(), words->end(), value) == words->end())
       wrong(value.dump() + " is none of " + words->dump());
@@ -76,6 +84,8 @@ void JsonSchema::check(const json& value, const json& reference, const std::stri
   }
   if (value.is_number()) {
     if (schema.contains("minimum") && value < schema.at("minimum")) wrong("is too small");
+    if (schema.contains("exclusiveMinimum") && value <= schema.at("exclusiveMinimum"))
+      wrong("is too small");
     if (schema.contains("maximum") && value > schema.at("maximum")) wrong("is too large");
   }
   if (value.is_array()) {

@@ -171,7 +171,7 @@ TEST_CASE("curvature that cannot be asked for is refused with its place",
         Row{R"({"first":[1,2,1]})", "measures no area", 3},
         Row{R"({"second":[1,2]})", "/curvature/second: is a list of 2", 3},
         Row{R"({"K_area":"flat"})", "/curvature/K_area: is a text", 3},
-        Row{R"({"K_area":[]})", "/curvature/K_area: has 0 values", 3}}) {
+        Row{R"({"K_area":[]})", "/curvature/K_area: is a list of 0", 3}}) {
     CAPTURE(row.curvature);
     const auto made = designed(spec_of(kSphere, fmt::format(R"(,"curvature":{})", row.curvature)));
     REQUIRE_FALSE(made);

@@ -306,7 +306,7 @@ TEST_CASE("what is wrong with a spec is said with its place", "[core][spec]") {
       {R"({"popcut":1,"surface":{"type":"revolution","radius":"60"},"units_per_slice":4,"slices":4,"widths_mm":-5})",
        ErrorKind::OutOfRange, "/widths_mm", "above 0"},
       {R"({"popcut":1,"surface":{"type":"revolution","radius":"60"},"units_per_slice":4,"slices":2,"widths_mm":[5,"a"]})",
-       ErrorKind::Malformed, "/widths_mm/1", "width"},
+       ErrorKind::Malformed, "/widths_mm/1", "must be a number"},
       {R"({"popcut":1,"surface":{"type":"revolution","radius":"60"},"units_per_slice":4,"slices":3,"widths_mm":[5,6]})",
        ErrorKind::OutOfRange, "/widths_mm", "2 widths for 3"},
       {R"({"popcut":1,"surface":{"type":"revolution","radius":60},"units_per_slice":4,"slices":4,"widths_mm":5})",

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "core/design/spec/augmented_spec.hpp"
 #include "core/design/target/surface_spec.hpp"
 #include "core/result.hpp"
 
@@ -42,6 +42,17 @@ struct SplaySpec {
   std::vector<CurvatureTarget> targets;    ///< else solved for the middle vertex
   std::optional<double> length_mm{};       ///< w; none: as long as the connector allows
   double ligament_mm{0.5};                 ///< paper left beside V-folds
+};
+
+/// `curvature` of a spec: what the surface through the chains' vertices is to be, for the augmented
+/// loss of S4. A list is empty (not asked for), has one value for all, or one an inner vertex:
+/// levels 1 .. N - 1 of each slice that has slices on both sides, slice by slice.
+struct AugmentedSpec {
+  std::vector<double> K_area;                 ///< Gaussian curvature, 1/mm^2
+  std::vector<double> H;                      ///< mean curvature, 1/mm, > 0 where convex
+  std::vector<std::array<double, 3>> first;   ///< a_ss, a_st, a_tt of (level, slice), mm^2
+  std::vector<std::array<double, 3>> second;  ///< b_ss, b_st, b_tt, mm
+  double weight_K{}, weight_H{}, weight_first{}, weight_second{};  ///< 0 where not asked for
 };
 
 enum class LatticeMethod { Branching, Slices, Conformal, Levels };
@@ -99,7 +110,7 @@ inline constexpr long kMaxUnits = 2'000'000;  ///< units per slice times slices
 /// errors with a JSON pointer as place; text that is not JSON one with line and column.
 ///
 /// @retval Malformed   not JSON, an unknown field, a wrong type
-/// @retval OutOfRange  a value that is not lawful (negative width, N = 0, 10^9 slices)
+/// @retval OutOfRange  a value that is not valid (negative width, N = 0, 10^9 slices)
 [[nodiscard]] Result<DesignSpec> parse_design_spec(std::string_view json_text);
 
 /// The JSON Schema (draft 2020-12) of a design spec, as `popcut design --schema` prints it.

@@ -183,10 +183,12 @@ Result<SurfaceSlice> fit_section(const Section& section, FitMode mode, const std
                                  const char* what) {
   const Outline outline = seen_from_outside(section);
   if (outline.points.empty())
-    return fail(ErrorKind::Infeasible, place,
-                fmt::format("no part of the {} is in the corner there; move it with translate_mm, "
-                            "use fewer slices, or see popcut design --place",
-                            what));
+    return fail(
+        ErrorKind::Infeasible, place,
+        fmt::format("no part of the {} is in the corner there; move it with translate_mm or "
+                    "use fewer slices",
+                    what),
+        ErrorReason::Misplaced);
   FallingFit fit = nearest_falling(outline.points);
   if (mode == FitMode::Exact) {
     if (const std::string why = obstacle(outline, fit, what); !why.empty())

@@ -40,8 +40,9 @@ Result<Surface> surface_of_triangles(TriangleMesh mesh, FitMode fit, const char*
         ErrorKind::Infeasible, "/translate_mm",
         fmt::format(
             "no part of the {} is in the corner x > 0, z > 0: it spans x = {:.4g} to {:.4g}, "
-            "z = {:.4g} to {:.4g} mm; move it, or see popcut design --place",
-            what, box.low[0], box.high[0], box.low[2], box.high[2]));
+            "z = {:.4g} to {:.4g} mm; move it with translate_mm",
+            what, box.low[0], box.high[0], box.low[2], box.high[2]),
+        ErrorReason::Misplaced);
   return Surface([slicer, fit, what, closed](double s_mm) -> Result<SurfaceSlice> {
     const std::string place = fmt::format("/surface at s = {:.6g} mm", s_mm);
     const double touch = 1e-6 * (slicer->high_mm() - slicer->low_mm());

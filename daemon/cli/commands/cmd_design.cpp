@@ -321,6 +321,8 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
   auto made = timed_design(*spec, *assets);
+  if (!made && made.error().reason == ErrorReason::Misplaced)
+    made.error().detail += ", or see 'popcut design --place'";
   if (!made) return tl::unexpected(within(options.spec, made.error()));
 
   for (Design& part : made->parts) planning::add_thickness_note(*material, part);
