@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/drawing/clean.hpp"
+#include "core/geometry/disjoint_sets.hpp"
 #include "core/geometry/node_index.hpp"
 
 namespace popcut {
@@ -20,26 +21,18 @@ constexpr std::uint32_t kNone = 0xFFFFFFFF;
 // Walks over pieces as sets: which walk a piece is part of, and whether that walk is closed.
 class Walks {
  public:
-  explicit Walks(std::size_t pieces) : parent_(pieces), open_(pieces, 0) {
-    for (std::uint32_t i = 0; i < pieces; ++i) parent_[i] = i;
-  }
-  std::uint32_t of(std::uint32_t piece) {
-    while (parent_[piece] != piece) piece = parent_[piece] = parent_[parent_[piece]];
-    return piece;
-  }
+  explicit Walks(std::size_t pieces) : sets_(pieces), open_(pieces, 0) {}
+  std::uint32_t of(std::uint32_t piece) { return sets_.find(piece); }
   void unite(std::uint32_t a, std::uint32_t b) {
-    a = of(a);
-    b = of(b);
-    if (a == b) return;
-    if (b < a) std::swap(a, b);
-    parent_[b] = a;
-    open_[a] = open_[a] | open_[b];
+    const std::uint8_t open = open_[of(a)] | open_[of(b)];
+    sets_.join(a, b);
+    open_[of(a)] = open;
   }
   void mark_open(std::uint32_t piece) { open_[of(piece)] = 1; }
   bool is_open(std::uint32_t piece) { return open_[of(piece)] != 0; }
 
  private:
-  std::vector<std::uint32_t> parent_;
+  DisjointSets sets_;
   std::vector<std::uint8_t> open_;
 };
 

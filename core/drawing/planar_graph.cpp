@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "core/drawing/linework.hpp"
+#include "core/geometry/disjoint_sets.hpp"
 #include "core/geometry/segment_grid.hpp"
 
 namespace popcut {
@@ -215,38 +216,17 @@ void trace_faces(PlanarGraph& graph) {
   }
 }
 
-/// Sets that grow together.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t of(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  bool join(std::size_t a, std::size_t b) {
-    a = of(a);
-    b = of(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-    return a != b;
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
 bool opens(char assignment) { return assignment == 'C' || assignment == 'B'; }
 
 }  // namespace
 
 std::size_t PlanarGraph::joined(std::string_view over) const {
-  Sets sets(faces.size());
+  DisjointSets sets(faces.size());
   std::size_t count = faces.size();
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const auto [left, right] = edge_faces[e];
     if (left < 0 || right < 0 || over.find(assignments[e]) == std::string_view::npos) continue;
-    if (sets.join(static_cast<std::size_t>(left), static_cast<std::size_t>(right))) --count;
+    if (sets.join(static_cast<std::uint32_t>(left), static_cast<std::uint32_t>(right))) --count;
   }
   return count;
 }
@@ -279,7 +259,7 @@ PlanarGraph split_cuts(const PlanarGraph& graph) {
   // 1. A corner of a face is a half edge with that face to its left, by its tail. Two corners at a
   // vertex are one fan when the edge between them is not cut.
   std::vector<std::uint32_t> next = next_halves(graph);
-  Sets fans(next.size());
+  DisjointSets fans(next.size());
   for (std::uint32_t h = 0; h < next.size(); ++h) {
     const bool inside = graph.edge_faces[h / 2][0] >= 0 && graph.edge_faces[h / 2][1] >= 0;
     // The corner of h at its tail, and that of the face on its other side: next of its twin.
@@ -290,7 +270,7 @@ PlanarGraph split_cuts(const PlanarGraph& graph) {
   constexpr std::uint32_t kNone = ~std::uint32_t{0};
   std::vector<std::uint32_t> vertex(next.size(), kNone);
   const auto vertex_of = [&](std::uint32_t h) {
-    std::uint32_t& v = vertex[fans.of(h)];
+    std::uint32_t& v = vertex[fans.find(h)];
     if (v == kNone) {
       v = static_cast<std::uint32_t>(out.vertices.size());
       out.vertices.push_back(graph.vertices[tail(graph, h)]);

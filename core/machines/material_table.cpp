@@ -5,12 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "core/machines/material.hpp"
+#include "core/machines/table.hpp"
 #include "core/text/json_fields.hpp"
-#include "core/machines/machine.hpp"
 #include "core/text/near_names.hpp"
 #include "core/text/read_object.hpp"
-#include "core/machines/table.hpp"
-#include "core/machines/tables.hpp"
 
 namespace popcut {
 namespace {
@@ -108,28 +107,11 @@ const char* fold_mode_name(FoldMode mode) {
 }
 
 Result<std::vector<Material>> all_materials(const std::vector<std::string>& user_tables) {
-  const auto rows = table_rows("materials", kMaterialsJson, user_tables);
-  if (!rows) return tl::unexpected(rows.error());
-  std::vector<Material> materials;
-  for (const TableRow& row : *rows) {
-    auto material = read_material(row);
-    if (!material) return tl::unexpected(material.error());
-    materials.push_back(std::move(*material));
-  }
-  return materials;
+  return table_values("materials", kMaterialsJson, user_tables, read_material);
 }
 
 Result<Material> find_material(std::string_view name, const std::vector<std::string>& user_tables) {
-  auto materials = all_materials(user_tables);
-  if (!materials) return tl::unexpected(materials.error());
-  std::vector<std::string> names;
-  for (Material& material : *materials) {
-    if (material.name == name) return std::move(material);
-    names.push_back(material.name);
-  }
-  return fail(
-      ErrorKind::OutOfRange, "",
-      fmt::format("no material is called {}; {}", name.substr(0, 80), suggestion(name, names)));
+  return value_named(name, all_materials(user_tables), "material");
 }
 
 }  // namespace popcut

@@ -50,7 +50,7 @@ void note_unassigned_borders(const Subject& subject, VerifyReport& report) {
 
 }  // namespace
 
-Limits limits_of(const FoldFile& file) {
+Limits limits_of(const FoldModel& file) {
   if (file.from_popcut) return {};
   double reach = 0.0;
   const Vec2 origin = file.flat[file.edges.front()[0]];

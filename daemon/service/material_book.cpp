@@ -4,11 +4,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/text/json_fields.hpp"
-#include "core/machines/machine.hpp"
-#include "core/text/near_names.hpp"
+#include "core/machines/material.hpp"
 #include "core/machines/table.hpp"
-#include "core/machines/tables.hpp"
+#include "core/text/json_fields.hpp"
+#include "core/text/near_names.hpp"
 
 namespace popcut::daemon {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/machines/machine.hpp"
+#include "core/machines/material.hpp"
 
 namespace popcut {
 

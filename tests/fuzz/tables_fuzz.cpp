@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/machines/machine.hpp"
+#include "core/machines/material.hpp"
 #include "device/sim/sim_faults.hpp"
 
 using namespace popcut;

@@ -10,7 +10,7 @@ using namespace popcut;
 
 // What the verifier takes for a pattern: arrays that agree and indices that are there.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto file = verify::read_fold({reinterpret_cast<const char*>(data), size});
+  const auto file = verify::read_fold_model({reinterpret_cast<const char*>(data), size});
   if (!file) {
     if (file.error().detail.empty()) std::abort();
     return 0;

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/machines/machine.hpp"
+#include "core/machines/material.hpp"
 
 using namespace popcut;
 

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 
 namespace popcut {
@@ -188,10 +189,10 @@ class Picture {
   void draw() {
     const Slabs slabs = cut_into_slabs(pattern_);
     const std::vector<std::string> colours = face_colours(pattern_, psi_rad_);
-    text_("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"", std::ceil(width_px_),
-          "\" height=\"", std::ceil(height_px_), "\" viewBox=\"0 0 ", std::ceil(width_px_), " ",
-          std::ceil(height_px_), "\">\n<title>", xml_escaped(pattern_.name), ", psi = ", psi_rad_,
-          " rad</title>\n<g stroke-linejoin=\"round\" stroke-linecap=\"round\">\n");
+    text_.put(svg_head(fmt::format("width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\"",
+                                   std::ceil(width_px_), std::ceil(height_px_)),
+                       fmt::format("{}, psi = {} rad", pattern_.name, psi_rad_), SvgPlace::Inside));
+    text_.put("<g stroke-linejoin=\"round\" stroke-linecap=\"round\">\n");
     for (std::size_t s = 0; s < slabs.pieces.size(); ++s) {
       put_pieces(slabs, s, colours);
       put_strokes(slabs.strokes[s], true, "#9a8f80", "0.5");

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "core/verify/sheet/cell_grid.hpp"
 #include "core/verify/motion/crossing.hpp"
+#include "core/verify/sheet/cell_grid.hpp"
 
 namespace popcut::verify {
 namespace {
@@ -59,8 +59,8 @@ std::vector<Interval> common(const std::vector<Interval>& a, const std::vector<I
 /// One pose's faces as planar polygons in space.
 class FacesInSpace {
  public:
-  FacesInSpace(const FoldFile& file, const Sheet& sheet, const Pose& pose, const PoseMotion& motion,
-               double slack)
+  FacesInSpace(const FoldModel& file, const Sheet& sheet, const Pose& pose,
+               const PoseMotion& motion, double slack)
       : file_(file), sheet_(sheet), pose_(pose), motion_(motion), slack_(slack) {
     boxes_.reserve(file.faces());
     for (std::size_t f = 0; f < file.faces(); ++f) {
@@ -138,7 +138,7 @@ class FacesInSpace {
     return s * (a - b * c) * n + s * (b - a * c) * m + t * line;
   }
 
-  const FoldFile& file_;
+  const FoldModel& file_;
   const Sheet& sheet_;
   const Pose& pose_;
   const PoseMotion& motion_;
@@ -173,7 +173,7 @@ double shared_area(const Triangles& triangles, const Pose& pose, const RigidMoti
 
 }  // namespace
 
-void check_faces_apart(const FoldFile& file, const Sheet& sheet, const Triangles& triangles,
+void check_faces_apart(const FoldModel& file, const Sheet& sheet, const Triangles& triangles,
                        const Pose& pose, const PoseMotion& motion, double slack_mm,
                        VerifyCheck& check) {
   const FacesInSpace space(file, sheet, pose, motion, slack_mm);

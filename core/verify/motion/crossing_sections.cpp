@@ -73,7 +73,7 @@ Contact contact(const Segment& a, const Segment& b, double slack) {
 }
 
 /// The places along the folds where any vertex lies, ascending, those within `slack` as one.
-std::vector<double> levels(const FoldFile& file, Vec2 axis, double slack) {
+std::vector<double> levels(const FoldModel& file, Vec2 axis, double slack) {
   std::vector<double> all;
   all.reserve(file.flat.size());
   for (const Vec2 p : file.flat) all.push_back(dot(p, axis));
@@ -111,7 +111,7 @@ const char* words(Contact contact) {
 }
 
 /// The sides of faces that run along the folds, slab by slab; nothing when there are too many.
-std::optional<std::vector<Entry>> slab_entries(const FoldFile& file, const Sheet& sheet, Vec2 axis,
+std::optional<std::vector<Entry>> slab_entries(const FoldModel& file, const Sheet& sheet, Vec2 axis,
                                                const std::vector<double>& level, double slack) {
   const Vec2 square{axis.v, -axis.u};
   std::vector<Entry> entries;
@@ -153,7 +153,7 @@ bool each_near_pair(std::vector<Segment>& segments, double slack, std::uint64_t&
 
 }  // namespace
 
-std::optional<Vec2> common_fold_direction(const FoldFile& file, const Sheet& sheet,
+std::optional<Vec2> common_fold_direction(const FoldModel& file, const Sheet& sheet,
                                           double slack_mm) {
   std::optional<Vec2> axis;
   for (const Hinge& hinge : sheet.hinges) {
@@ -187,7 +187,7 @@ bool in_two_directions(const Sheet& sheet, const PoseMotion& motion, Vec2 axis) 
   return true;
 }
 
-bool check_sections(const FoldFile& file, const Sheet& sheet, Vec2 axis, const PoseMotion& motion,
+bool check_sections(const FoldModel& file, const Sheet& sheet, Vec2 axis, const PoseMotion& motion,
                     double slack_mm, VerifyCheck& check) {
   const Vec2 square{axis.v, -axis.u};
   const std::vector<double> level = levels(file, axis, slack_mm);

@@ -176,7 +176,7 @@ void split_sparse(const Sparse& jacobian, double noise, Mobility& result) {
 /// The freedoms as speeds of the hinge lines: rows ask that a loop of panels closes. Angular
 /// velocities about it add up to nothing, and so do their moments about the loop's middle, which
 /// are scaled by the loop's size.
-Sparse loop_constraints(const FoldFile& file, const Sheet& sheet, const PoseMotion& pose,
+Sparse loop_constraints(const FoldModel& file, const Sheet& sheet, const PoseMotion& pose,
                         const std::vector<HingeLine>& lines, const Loops& loops, double& least_mm) {
   // 1. The line that a fold belongs to, and whether it turns against it.
   struct OfLine {
@@ -261,8 +261,8 @@ Sparse hinge_constraints(const Sheet& sheet, const PoseMotion& pose,
 
 }  // namespace
 
-Mobility mobility(const FoldFile& file, const Sheet& sheet, const PoseMotion& pose, double noise_mm,
-                  MobilityForm form) {
+Mobility mobility(const FoldModel& file, const Sheet& sheet, const PoseMotion& pose,
+                  double noise_mm, MobilityForm form) {
   Mobility result;
   const std::vector<HingeLine> lines = hinge_lines(file, sheet);
   result.hinges = lines.size();

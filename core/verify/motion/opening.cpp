@@ -33,7 +33,8 @@ struct LineWish {
   double speed{1.0};  ///< tan of half its fold angle over that of the others, > 0; 0 stays flat
 };
 
-std::vector<LineWish> wishes_of(const FoldFile& file, const Sheet& sheet, const RigidSheet& rigid) {
+std::vector<LineWish> wishes_of(const FoldModel& file, const Sheet& sheet,
+                                const RigidSheet& rigid) {
   std::vector<LineWish> wishes(rigid.lines.size());
   for (std::size_t k = 0; k < wishes.size(); ++k) {
     const std::uint32_t e = sheet.hinges[rigid.lines[k].hinge].edge;
@@ -49,7 +50,7 @@ std::vector<LineWish> wishes_of(const FoldFile& file, const Sheet& sheet, const 
 }
 
 /// Lines by length, the longest first, valleys before others that are as long.
-std::vector<std::size_t> drivers_of(const FoldFile& file, const Sheet& sheet,
+std::vector<std::size_t> drivers_of(const FoldModel& file, const Sheet& sheet,
                                     const std::vector<HingeLine>& lines) {
   std::vector<std::size_t> order(lines.size());
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
@@ -318,7 +319,7 @@ bool Follower::reach(double driven_rad, std::string& why) {
   return true;
 }
 
-Opening follow(const FoldFile& file, const Sheet& sheet, const RigidSheet& rigid,
+Opening follow(const FoldModel& file, const Sheet& sheet, const RigidSheet& rigid,
                const std::vector<LineWish>& wishes, std::size_t driver,
                std::span<const double> psi_rad, double slack_mm) {
   Opening opening;
@@ -355,7 +356,7 @@ Opening follow(const FoldFile& file, const Sheet& sheet, const RigidSheet& rigid
 
 }  // namespace
 
-Opening open_sheet(const FoldFile& file, const Sheet& sheet, std::span<const double> psi_rad,
+Opening open_sheet(const FoldModel& file, const Sheet& sheet, std::span<const double> psi_rad,
                    double slack_mm) {
   Opening best;
   best.reached_psi_rad = kPi;
@@ -379,7 +380,7 @@ Opening open_sheet(const FoldFile& file, const Sheet& sheet, std::span<const dou
   return best;
 }
 
-std::optional<std::uint32_t> driving_hinge(const FoldFile& file, const Sheet& sheet) {
+std::optional<std::uint32_t> driving_hinge(const FoldModel& file, const Sheet& sheet) {
   const std::vector<HingeLine> lines = hinge_lines(file, sheet);
   if (lines.empty()) return {};
   return lines[drivers_of(file, sheet, lines).front()].hinge;

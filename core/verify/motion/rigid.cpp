@@ -68,7 +68,7 @@ double gap_mm(const HingeLine& line, const RigidState& state) {
 
 }  // namespace
 
-RigidSheet rigid_sheet(const FoldFile& file, const Sheet& sheet, std::uint32_t held) {
+RigidSheet rigid_sheet(const FoldModel& file, const Sheet& sheet, std::uint32_t held) {
   RigidSheet result;
   result.lines = hinge_lines(file, sheet);
   result.frames = panel_frames(result.lines, sheet.panels);
@@ -302,7 +302,7 @@ RigidSolver::End RigidSolver::correct(RigidState& state, std::span<const AngleGo
   return end;
 }
 
-Pose pose_of(const FoldFile& file, const Sheet& sheet, const RigidState& state, double psi_rad,
+Pose pose_of(const FoldModel& file, const Sheet& sheet, const RigidState& state, double psi_rad,
              std::string_view how) {
   Pose pose;
   pose.place = fmt::format("{} to psi {:.4f}", how, psi_rad);

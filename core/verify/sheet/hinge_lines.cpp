@@ -21,7 +21,7 @@ bool in_one_line(const HingeLine& line, const HingeLine& other) {
 
 }  // namespace
 
-std::vector<HingeLine> hinge_lines(const FoldFile& file, const Sheet& sheet) {
+std::vector<HingeLine> hinge_lines(const FoldModel& file, const Sheet& sheet) {
   std::vector<HingeLine> all;
   for (std::uint32_t h = 0; h < sheet.hinges.size(); ++h) {
     const Hinge& hinge = sheet.hinges[h];

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "core/geometry/disjoint_sets.hpp"
 #include "core/verify/sheet/cell_grid.hpp"
 #include "core/verify/sheet/sheet.hpp"
 
@@ -223,20 +223,15 @@ Graph graph_of(const std::vector<DrawnEdge>& lines, Vec2 low, double tolerance) 
 /// edge.
 std::size_t tie_islands(Graph& graph, double tolerance) {
   const std::size_t n = graph.points.size();
-  std::vector<std::uint32_t> parent(n);
-  std::iota(parent.begin(), parent.end(), 0U);
-  const auto root = [&](std::uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const GraphEdge& edge : graph.edges) parent[root(edge.a)] = root(edge.b);
+  DisjointSets islands(n);
+  for (const GraphEdge& edge : graph.edges) islands.join(edge.a, edge.b);
   // The point of each island with the smallest u.
   std::vector<std::uint32_t> tip(n, 0xffffffffU);
   std::vector<std::uint8_t> used(n, 0);
   for (const GraphEdge& edge : graph.edges) used[edge.a] = used[edge.b] = 1;
   for (std::uint32_t v = 0; v < n; ++v) {
     if (used[v] == 0) continue;
-    std::uint32_t& at = tip[root(v)];
+    std::uint32_t& at = tip[islands.find(v)];
     if (at == 0xffffffffU || graph.points[v].u < graph.points[at].u) at = v;
   }
   std::vector<std::uint32_t> tips;
@@ -278,7 +273,7 @@ std::size_t tie_islands(Graph& graph, double tolerance) {
       const Vec2 b = graph.points[graph.edges[e].b];
       if ((a.v < p.v) == (b.v < p.v)) continue;
       const Vec2 at = a + ((p.v - a.v) / (b.v - a.v)) * (b - a);
-      if (at.u >= p.u || root(graph.edges[e].a) == root(v)) continue;
+      if (at.u >= p.u || islands.find(graph.edges[e].a) == islands.find(v)) continue;
       if (best.edge == 0xffffffffU || at.u > best.at.u) best = {v, e, at};
     }
     if (best.edge != 0xffffffffU) ties.push_back(best);
@@ -310,7 +305,7 @@ std::size_t tie_islands(Graph& graph, double tolerance) {
 }
 
 /// Leaves out edges that bound no face, save folds: those are for the user to see.
-std::size_t drop_idle(FoldFile& file) {
+std::size_t drop_idle(FoldModel& file) {
   VerifyCheck scratch;
   const Sheet sheet = make_sheet(file, scratch);
   std::vector<std::uint8_t> used(file.edges.size(), 0);
@@ -336,7 +331,7 @@ std::size_t drop_idle(FoldFile& file) {
 }
 
 /// Pieces without a fold, all but the largest, are no part of the sheet: cuts go round them.
-std::size_t drop_offcuts(FoldFile& file) {
+std::size_t drop_offcuts(FoldModel& file) {
   VerifyCheck scratch;
   const Sheet sheet = make_sheet(file, scratch);
   std::vector<double> size(sheet.pieces, 0.0);
@@ -359,7 +354,7 @@ std::size_t drop_offcuts(FoldFile& file) {
   return dropped;
 }
 
-std::vector<DrawnEdge> drawn_edges(const FoldFile& file) {
+std::vector<DrawnEdge> drawn_edges(const FoldModel& file) {
   std::vector<DrawnEdge> lines;
   lines.reserve(file.edges.size());
   for (std::size_t e = 0; e < file.edges.size(); ++e) {
@@ -372,7 +367,7 @@ std::vector<DrawnEdge> drawn_edges(const FoldFile& file) {
 
 }  // namespace
 
-Result<void> planarise(FoldFile& file) {
+Result<void> planarise(FoldModel& file) {
   std::vector<DrawnEdge> lines = drawn_edges(file);
   const DashEnd dashes = join_dashes(lines);
   Vec2 low = lines.front().from, high = low;

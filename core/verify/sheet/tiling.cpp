@@ -38,7 +38,7 @@ std::string edge_place(std::uint32_t e) { return fmt::format("/edges_vertices/{}
 std::string show(Vec2 p) { return fmt::format("({:.6g}, {:.6g})", p.u, p.v); }
 
 /// How an edge's faces lie: a bit for a face on its left, and one for a face on its right.
-std::vector<std::uint8_t> faces_beside(const FoldFile& file, const Sheet& sheet) {
+std::vector<std::uint8_t> faces_beside(const FoldModel& file, const Sheet& sheet) {
   std::vector<std::uint8_t> beside(file.edges.size(), 0);
   for (std::size_t s = 0; s < sheet.side_edge.size(); ++s) {
     if (sheet.side_edge[s] < 0) continue;
@@ -56,7 +56,7 @@ struct Meeting {
 };
 
 /// How edge `f` meets edge `e`; `VertexInside` looks for ends of f inside e only.
-Meeting meet(const FoldFile& file, std::uint32_t e, std::uint32_t f, double slack) {
+Meeting meet(const FoldModel& file, std::uint32_t e, std::uint32_t f, double slack) {
   const auto [e0, e1] = file.edges[e];
   const auto [f0, f1] = file.edges[f];
   const Vec2 a = file.flat[e0];
@@ -93,7 +93,7 @@ Meeting meet(const FoldFile& file, std::uint32_t e, std::uint32_t f, double slac
 
 /// True when `e` and `f` can be the two sides of one slit: borders with their faces away from
 /// each other.
-bool slit_sides(const FoldFile& file, const std::vector<std::uint8_t>& beside, std::uint32_t e,
+bool slit_sides(const FoldModel& file, const std::vector<std::uint8_t>& beside, std::uint32_t e,
                 std::uint32_t f) {
   if (file.assignment[e] != Assignment::Border || file.assignment[f] != Assignment::Border)
     return false;
@@ -109,7 +109,7 @@ const char* line_name(Assignment a) {
 
 }  // namespace
 
-Triangles check_faces(const FoldFile& file, VerifyCheck& check) {
+Triangles check_faces(const FoldModel& file, VerifyCheck& check) {
   Triangles result;
   result.first.assign(1, 0);
   for (std::uint32_t f = 0; f < file.faces(); ++f) {
@@ -131,7 +131,7 @@ Triangles check_faces(const FoldFile& file, VerifyCheck& check) {
   return result;
 }
 
-Tiling check_tiling(const FoldFile& file, const Sheet& sheet, const Triangles& triangles,
+Tiling check_tiling(const FoldModel& file, const Sheet& sheet, const Triangles& triangles,
                     double slack_mm, VerifyCheck& check) {
   Tiling tiling;
   const Vec2 start = file.flat[file.face_vertices.front()];
@@ -203,7 +203,7 @@ Tiling check_tiling(const FoldFile& file, const Sheet& sheet, const Triangles& t
   return tiling;
 }
 
-void check_lines(const FoldFile& file, const Sheet& sheet, double slack_mm, VerifyCheck& check) {
+void check_lines(const FoldModel& file, const Sheet& sheet, double slack_mm, VerifyCheck& check) {
   const std::vector<std::uint8_t> beside = faces_beside(file, sheet);
   const auto ends = [&](std::size_t e) {
     return std::array<Vec2, 2>{file.flat[file.edges[e][0]], file.flat[file.edges[e][1]]};

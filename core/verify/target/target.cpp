@@ -11,7 +11,7 @@
 namespace popcut::verify {
 namespace {
 
-const Pose* pose_to_measure(const FoldFile& file) {
+const Pose* pose_to_measure(const FoldModel& file) {
   const Pose* best = nullptr;
   for (const Pose& pose : file.poses) {
     if (!pose.psi_rad || !(std::sin(*pose.psi_rad) > 0.1)) continue;
@@ -37,7 +37,7 @@ using Folds = std::vector<std::vector<FoldVertex>>;
 
 /// The valley folds of each strip as (X, Z), each place once. Only those along the spine: V-folds
 /// run across, and cut the crease that they stand on in two.
-Folds valleys_in(const FoldFile& file, const Pose& pose,
+Folds valleys_in(const FoldModel& file, const Pose& pose,
                  const std::vector<TargetStation>& stations) {
   Folds found(stations.size());
   double reach = 0.0;
@@ -151,7 +151,7 @@ FoldVertex unposed(Vec3 p, double psi_rad) {
   return {p.x - z * std::cos(psi_rad), z};
 }
 
-void measure_target(const FoldFile& file, const Target& target, VerifyReport& report,
+void measure_target(const FoldModel& file, const Target& target, VerifyReport& report,
                     VerifyCheck& check) {
   const Pose* pose = pose_to_measure(file);
   if (pose == nullptr) {

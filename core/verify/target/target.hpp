@@ -8,8 +8,8 @@
 
 #include "core/result.hpp"
 #include "core/verify/sheet/fold_model.hpp"
-#include "core/verify/target/target_surface.hpp"
 #include "core/verify/target/target_distance.hpp"
+#include "core/verify/target/target_surface.hpp"
 
 namespace popcut::verify {
 
@@ -58,13 +58,13 @@ struct TargetStations {
 /// else with the plain cuts that the pattern shows; and the widths too where the design chose them.
 ///
 /// @retval CheckFailed  the sheet's strips are not those of the spec
-[[nodiscard]] Result<TargetStations> find_stations(const FoldFile& file, const Pose& pose,
+[[nodiscard]] Result<TargetStations> find_stations(const FoldModel& file, const Pose& pose,
                                                    const Target& target);
 
 /// Measures the fold vertices, where a connector's valley folds cross it: the inner ones, and all
 /// with the ends at wall and ground. Fills `target_inner` and `target_all` of the report;
 /// `check` fails when the pattern does not show them.
-void measure_target(const FoldFile& file, const Target& target, VerifyReport& report,
+void measure_target(const FoldModel& file, const Target& target, VerifyReport& report,
                     VerifyCheck& check);
 
 /// Undoes the pose: the point (X, Z) from (X + Z cos psi, v, Z sin psi).

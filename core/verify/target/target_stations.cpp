@@ -13,7 +13,7 @@ namespace {
 /// The strips' borders on the sheet: places along the spine that have vertices.
 class Borders {
  public:
-  Borders(const FoldFile& file, const Pose& pose) : file_(file), pose_(pose) {
+  Borders(const FoldModel& file, const Pose& pose) : file_(file), pose_(pose) {
     for (const Vec2 p : file.flat) v_.push_back(p.v);
     std::sort(v_.begin(), v_.end());
     same_ = 1e-7 * (v_.empty() ? 0.0 : v_.back() - v_.front());
@@ -80,7 +80,7 @@ class Borders {
     }
   }
 
-  const FoldFile& file_;
+  const FoldModel& file_;
   const Pose& pose_;
   std::vector<double> v_;
   double same_{}, reach_{};
@@ -199,7 +199,8 @@ std::vector<TargetSlice> shown_slices(int units, double begin_mm, double end_mm,
 
 }  // namespace
 
-Result<TargetStations> find_stations(const FoldFile& file, const Pose& pose, const Target& target) {
+Result<TargetStations> find_stations(const FoldModel& file, const Pose& pose,
+                                     const Target& target) {
   Borders borders(file, pose);
   if (borders.empty()) return fail(ErrorKind::CheckFailed, "", "the pattern has no vertices");
   const double begin = borders.first() + target.margin_mm, end = borders.last() - target.margin_mm;
