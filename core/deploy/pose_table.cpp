@@ -94,11 +94,8 @@ Result<void> move_faces(const Work& work, std::span<const Vec3> places, double p
 void align_signs(PoseTable& table) {
   for (std::size_t k = 1; k < table.poses(); ++k) {
     for (std::size_t b = 0; b < table.bodies(); ++b) {
-      const Turn& last = table.at(k - 1, b).turn;
       Turn& turn = table.motions[k * table.bodies() + b].turn;
-      const double side =
-          last[0] * turn[0] + last[1] * turn[1] + last[2] * turn[2] + last[3] * turn[3];
-      if (side < 0) turn = {-turn[0], -turn[1], -turn[2], -turn[3]};
+      turn = toward(turn, table.at(k - 1, b).turn);
     }
   }
 }
@@ -109,7 +106,7 @@ int restlessness(const PoseTable& table, std::size_t f, double size) {
   for (std::size_t k = 0; k < table.poses(); ++k) {
     const Motion3& motion = table.at(k, f);
     if (norm(motion.shift) > kStillWithin * size) return 2;
-    if (angle_between(motion.turn, kNoTurn) > kStillWithin) rank = 1;
+    if (motion.turn.angularDistance(kNoTurn) > kStillWithin) rank = 1;
   }
   return rank;
 }
@@ -210,12 +207,13 @@ void carry_roots(const Work& work, PoseTable& table) {
   for (std::size_t k = 0; k < table.poses(); ++k) {
     const auto first = table.motions.begin() + static_cast<std::ptrdiff_t>(k * bodies);
     motions.insert(motions.end(), first, first + static_cast<std::ptrdiff_t>(bodies));
-    motions.push_back({turn_about({0, 1, 0}, std::numbers::pi - table.psi_rad[k]), {}});
+    const Eigen::AngleAxisd wall(std::numbers::pi - table.psi_rad[k], Vec3::UnitY());
+    motions.push_back({Turn(wall), Vec3::Zero()});
   }
   table.motions = std::move(motions);
   for (const std::uint32_t f : hung) table.parent[f] = static_cast<std::int32_t>(bodies);
   table.parent.push_back(-1);
-  table.pivot.push_back({});
+  table.pivot.push_back(Vec3::Zero());
   table.order.insert(table.order.begin(), static_cast<std::uint32_t>(bodies));
 }
 
@@ -273,7 +271,7 @@ Result<PoseTable> pose_table(const Pattern& pattern, std::span<const double> psi
   const Work work = prepare(pattern);
   auto table = tabled(work, psi_rad, [&](double psi, std::span<Vec3> places) {
     const auto posed = posed_vertices(pattern, psi);
-    std::copy(posed.begin(), posed.end(), places.begin());
+    for (std::size_t i = 0; i < posed.size(); ++i) places[i] = vec3(posed[i]);
   });
   if (table) carry_roots(work, *table);
   return table;

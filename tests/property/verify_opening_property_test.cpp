@@ -60,9 +60,9 @@ double largest_difference(const verify::FoldModel& file, const verify::Sheet& sh
   const auto to = measure(file, sheet, panels, known).panel[largest_panel];
   double largest = 0.0;
   for (std::size_t i = 0; i < opened.at.size(); ++i) {
-    const verify::Vec3 p = opened.at[i] - from.origin;
-    const verify::Vec3 moved = to.origin + dot(p, from.along_u) * to.along_u +
-                               dot(p, from.along_v) * to.along_v + dot(p, from.normal) * to.normal;
+    const Vec3 p = opened.at[i] - from.origin;
+    const Vec3 moved = to.origin + dot(p, from.along_u) * to.along_u +
+                       dot(p, from.along_v) * to.along_v + dot(p, from.normal) * to.normal;
     largest = std::max(largest, norm(moved - known.at[i]));
   }
   return largest;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include <fmt/format.h>
+
 #include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 

@@ -5,6 +5,8 @@
 #include <array>
 #include <string_view>
 
+#include <fmt/format.h>
+
 #include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 

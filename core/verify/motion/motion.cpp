@@ -42,16 +42,16 @@ RigidMotion motion_of(const FoldModel& file, const std::array<std::uint32_t, 3>&
   const double length = norm(along);
   const Vec2 e1 = (length > 0.0 ? 1.0 / length : 0.0) * along;
   const double side = cross(e1, file.flat[c] - flat_a) < 0.0 ? -1.0 : 1.0;
-  const Vec2 e2{-e1.v, e1.u};
+  const Vec2 e2{-e1.y(), e1.x()};
   // The same frame in space: first axis toward b, second toward c's side.
   const Vec3 f1 = unit(pose.at[b] - pose.at[a]);
   const Vec3 toward = pose.at[c] - pose.at[a];
   const Vec3 f2 = side * unit(toward - dot(toward, f1) * f1);
   RigidMotion motion;
-  motion.along_u = e1.u * f1 + e2.u * f2;
-  motion.along_v = e1.v * f1 + e2.v * f2;
+  motion.along_u = e1.x() * f1 + e2.x() * f2;
+  motion.along_v = e1.y() * f1 + e2.y() * f2;
   motion.normal = cross(f1, f2);
-  motion.origin = pose.at[a] - flat_a.u * motion.along_u - flat_a.v * motion.along_v;
+  motion.origin = pose.at[a] - flat_a.x() * motion.along_u - flat_a.y() * motion.along_v;
   return motion;
 }
 
@@ -64,7 +64,7 @@ double edge_change(const FoldModel& file, const Pose& pose, std::size_t e) {
 double angle_about(const FoldModel& file, const Hinge& hinge, const RigidMotion& left,
                    const RigidMotion& right) {
   const Vec2 way = file.flat[hinge.to] - file.flat[hinge.from];
-  const Vec3 axis = unit(way.u * left.along_u + way.v * left.along_v);
+  const Vec3 axis = unit(way.x() * left.along_u + way.y() * left.along_v);
   return kDegrees *
          std::atan2(dot(cross(right.normal, left.normal), axis), dot(left.normal, right.normal));
 }

@@ -21,7 +21,7 @@ struct RigidMotion {
   Vec3 along_v{0.0, 1.0, 0.0};
   Vec3 normal{0.0, 0.0, 1.0};
 
-  [[nodiscard]] Vec3 operator()(Vec2 p) const { return origin + p.u * along_u + p.v * along_v; }
+  [[nodiscard]] Vec3 operator()(Vec2 p) const { return origin + p.x() * along_u + p.y() * along_v; }
 };
 
 /// A guess of the motion `by` steps past `to`, the last step having come from `from`: straight on,

@@ -275,7 +275,7 @@ std::string Follower::shut_line() const {
   for (std::size_t k = 0; k < rigid_.lines.size(); ++k) {
     if (k != driver_ && std::abs(now_.tangent[k]) >= std::tan(0.5 * kNearShut_rad)) {
       const Vec2 at = 0.5 * (rigid_.lines[k].from + rigid_.lines[k].to);
-      return fmt::format("the fold near ({:.4g}, {:.4g}) is shut", at.u, at.v);
+      return fmt::format("the fold near ({:.4g}, {:.4g}) is shut", at.x(), at.y());
     }
   }
   return {};

@@ -201,14 +201,15 @@ Result<void> read_faces(const FrameText& frame, FoldModel& file) {
 /// How far a set of points reaches, in mm.
 double reach(const std::vector<Vec3>& points) {
   double size = 0.0;
-  for (const Vec3& p : points) size = std::max({size, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  for (const Vec3& p : points)
+    size = std::max({size, std::abs(p.x()), std::abs(p.y()), std::abs(p.z())});
   return size;
 }
 
 bool is_flat(const std::vector<Vec3>& points) {
   const double slack = 1e-9 * reach(points);
   return std::all_of(points.begin(), points.end(),
-                     [&](const Vec3& p) { return std::abs(p.z - points.front().z) <= slack; });
+                     [&](const Vec3& p) { return std::abs(p.z() - points.front().z()) <= slack; });
 }
 
 /// Everything about a file's frames that is not geometry.
@@ -290,7 +291,7 @@ Result<void> choose_flat(const Frames& frames, std::vector<Pose> poses, FoldMode
                          poses[chosen].place);
   }
   for (std::size_t i = 0; i < file.flat.size(); ++i) {
-    file.flat[i] = {poses[chosen].at[i].x, poses[chosen].at[i].y};
+    file.flat[i] = {poses[chosen].at[i].x(), poses[chosen].at[i].y()};
   }
   poses[0].fold_angle_deg.clear();  // they are the pattern's, not this pose's
   poses.erase(poses.begin() + static_cast<std::ptrdiff_t>(chosen));

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/geometry/vec.hpp"
 #include "core/result.hpp"
-#include "core/verify/sheet/vec.hpp"
 
 namespace popcut::verify {
 

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/geometry/vec.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/sheet/sheet.hpp"
-#include "core/verify/sheet/vec.hpp"
 
 namespace popcut::verify {
 

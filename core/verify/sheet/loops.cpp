@@ -87,7 +87,7 @@ class Walker {
       if (seen != nullptr) (*seen)[side] = 1;
       std::uint32_t after = sheet_.next(file_, side);
       if (area != nullptr)
-        *area += verify::cross(file_.flat[file_.face_vertices[side]] - origin,
+        *area += popcut::cross(file_.flat[file_.face_vertices[side]] - origin,
                                file_.flat[file_.face_vertices[after]] - origin);
       while (sheet_.side_twin[after] >= 0) after = cross(after);
       side = after;

@@ -221,7 +221,7 @@ void trace_faces(FoldModel& file) {
   for (std::uint32_t h = 0; h < halves; ++h) {
     leaving[fill[from(h)]++] = h;
     const Vec2 way = file.flat[from(h ^ 1U)] - file.flat[from(h)];
-    angle[h] = std::atan2(way.v, way.u);
+    angle[h] = std::atan2(way.y(), way.x());
   }
   std::vector<std::uint32_t> clockwise(halves);
   for (std::size_t vertex = 0; vertex < file.flat.size(); ++vertex) {

@@ -35,7 +35,7 @@ bool beside(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b) {
 
 std::string face_place(std::uint32_t f) { return fmt::format("/faces_vertices/{}", f); }
 std::string edge_place(std::uint32_t e) { return fmt::format("/edges_vertices/{}", e); }
-std::string show(Vec2 p) { return fmt::format("({:.6g}, {:.6g})", p.u, p.v); }
+std::string show(Vec2 p) { return fmt::format("({:.6g}, {:.6g})", p.x(), p.y()); }
 
 /// How an edge's faces lie: a bit for a face on its left, and one for a face on its right.
 std::vector<std::uint8_t> faces_beside(const FoldModel& file, const Sheet& sheet) {
@@ -137,11 +137,11 @@ Tiling check_tiling(const FoldModel& file, const Sheet& sheet, const Triangles& 
   const Vec2 start = file.flat[file.face_vertices.front()];
   Vec2 low = start, high = start;
   for (const std::uint32_t v : file.face_vertices) {
-    low = {std::min(low.u, file.flat[v].u), std::min(low.v, file.flat[v].v)};
-    high = {std::max(high.u, file.flat[v].u), std::max(high.v, file.flat[v].v)};
+    low = low.cwiseMin(file.flat[v]);
+    high = high.cwiseMax(file.flat[v]);
   }
-  tiling.sheet_u_mm = high.u - low.u;
-  tiling.sheet_v_mm = high.v - low.v;
+  tiling.sheet_u_mm = high.x() - low.x();
+  tiling.sheet_v_mm = high.y() - low.y();
 
   // 1. No two faces overlap: their triangles share no area to speak of.
   const auto corners = [&](std::size_t t) {

@@ -3,10 +3,10 @@
 
 #include <vector>
 
+#include "core/geometry/triangulate.hpp"
 #include "core/verify/sheet/check.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/sheet/sheet.hpp"
-#include "core/verify/sheet/triangulate.hpp"
 
 namespace popcut::verify {
 

@@ -41,14 +41,14 @@ Folds valleys_in(const FoldModel& file, const Pose& pose,
                  const std::vector<TargetStation>& stations) {
   Folds found(stations.size());
   double reach = 0.0;
-  for (const Vec2 p : file.flat) reach = std::max({reach, std::abs(p.u), std::abs(p.v)});
+  for (const Vec2& p : file.flat) reach = std::max({reach, std::abs(p.x()), std::abs(p.y())});
   const double same = 1e-9 * reach;
   for (std::size_t e = 0; e < file.edges.size(); ++e) {
     if (file.assignment[e] != Assignment::Valley) continue;
     const auto [a, b] = file.edges[e];
-    if (std::abs(file.flat[a].u - file.flat[b].u) > same) continue;
-    const double from = std::min(file.flat[a].v, file.flat[b].v) + same;
-    const double to = std::max(file.flat[a].v, file.flat[b].v) - same;
+    if (std::abs(file.flat[a].x() - file.flat[b].x()) > same) continue;
+    const double from = std::min(file.flat[a].y(), file.flat[b].y()) + same;
+    const double to = std::max(file.flat[a].y(), file.flat[b].y()) - same;
     auto at = std::lower_bound(stations.begin(), stations.end(), from,
                                [](const TargetStation& s, double v) { return s.end_mm <= v; });
     for (; at != stations.end() && at->begin_mm < to; ++at) {
@@ -97,7 +97,7 @@ class Measurement {
   Measurement(const TargetSurface& surface, const Pose& pose, VerifyCheck& check)
       : surface_(surface), check_(check) {
     double reach = 0.0;
-    for (const Vec3& p : pose.at) reach = std::max({reach, std::abs(p.x), std::abs(p.z)});
+    for (const Vec3& p : pose.at) reach = std::max({reach, std::abs(p.x()), std::abs(p.z())});
     on_card_ = 1e-9 * reach;
   }
 
@@ -147,8 +147,8 @@ class Measurement {
 }  // namespace
 
 FoldVertex unposed(Vec3 p, double psi_rad) {
-  const double z = p.z / std::sin(psi_rad);
-  return {p.x - z * std::cos(psi_rad), z};
+  const double z = p.z() / std::sin(psi_rad);
+  return {p.x() - z * std::cos(psi_rad), z};
 }
 
 void measure_target(const FoldModel& file, const Target& target, VerifyReport& report,
