@@ -14,8 +14,6 @@
 namespace popcut::verify {
 namespace {
 
-constexpr std::size_t kEnough = 1000;
-
 using Box = Eigen::AlignedBox3d;
 
 struct Interval {

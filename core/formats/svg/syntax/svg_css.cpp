@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/formats/svg/syntax/svg_scan.hpp"
 #include "core/formats/svg/syntax/svg_units.hpp"
 
 namespace popcut {
