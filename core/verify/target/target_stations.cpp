@@ -50,7 +50,7 @@ class Borders {
     joined_.assign(v_.size() + 1, 0);
     const auto on_card = [&](std::uint32_t k) {
       const FoldVertex p = unposed(pose_.at[k], *pose_.psi_rad);
-      return std::array{std::abs(p.x()) <= 1e-9 * reach_, std::abs(p.z()) <= 1e-9 * reach_};
+      return std::array{std::abs(p.x) <= 1e-9 * reach_, std::abs(p.z) <= 1e-9 * reach_};
     };
     // A face is in one piece, so it goes through every border between its ends.
     std::vector<int> opens(v_.size() + 2);
