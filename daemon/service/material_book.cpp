@@ -6,7 +6,7 @@
 
 #include "core/machines/material.hpp"
 #include "core/machines/table.hpp"
-#include "core/text/json_fields.hpp"
+#include "core/text/json_text.hpp"
 #include "core/text/near_names.hpp"
 
 namespace popcut::daemon {

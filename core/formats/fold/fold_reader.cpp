@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/text/fold_text.hpp"
-#include "core/text/json_fields.hpp"
+#include "core/text/near_names.hpp"
 
 namespace popcut {
 namespace {
