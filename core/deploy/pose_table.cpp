@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/buckets.hpp"
+
 namespace popcut {
 namespace {
 
@@ -116,31 +118,18 @@ struct Neighbour {
   std::uint32_t face{}, edge{};
 };
 
-struct Neighbours {
-  std::vector<std::uint32_t> first;
-  std::vector<Neighbour> list;
-};
-
-Neighbours neighbours_of(const Pattern& pattern) {
-  Neighbours found;
-  found.first.assign(pattern.faces() + 1, 0);
-  const auto each = [&](auto&& take) {
-    for (std::uint32_t e = 0; e < pattern.edges.size(); ++e) {
-      const PatternEdge& edge = pattern.edges[e];
-      if (edge.role != EdgeRole::Mountain && edge.role != EdgeRole::Valley) continue;
-      if (edge.left < 0 || edge.right < 0 || edge.left == edge.right) continue;
-      take(static_cast<std::uint32_t>(edge.left), static_cast<std::uint32_t>(edge.right), e);
-      take(static_cast<std::uint32_t>(edge.right), static_cast<std::uint32_t>(edge.left), e);
-    }
-  };
-  each([&](std::uint32_t from, std::uint32_t, std::uint32_t) { ++found.first[from + 1]; });
-  for (std::size_t f = 0; f < pattern.faces(); ++f) found.first[f + 1] += found.first[f];
-  found.list.resize(found.first.back());
-  std::vector<std::uint32_t> next(found.first.begin(), found.first.end() - 1);
-  each([&](std::uint32_t from, std::uint32_t to, std::uint32_t e) {
-    found.list[next[from]++] = {to, e};
-  });
-  return found;
+Buckets<Neighbour> neighbours_of(const Pattern& pattern) {
+  return {pattern.faces(), [&](auto&& put) {
+            for (std::uint32_t e = 0; e < pattern.edges.size(); ++e) {
+              const PatternEdge& edge = pattern.edges[e];
+              if (edge.role != EdgeRole::Mountain && edge.role != EdgeRole::Valley) continue;
+              if (edge.left < 0 || edge.right < 0 || edge.left == edge.right) continue;
+              const auto left = static_cast<std::uint32_t>(edge.left);
+              const auto right = static_cast<std::uint32_t>(edge.right);
+              put(left, {right, e});
+              put(right, {left, e});
+            }
+          }};
 }
 
 /// Breadth first from the stillest and largest face of each piece, so that chains stay short.
@@ -158,7 +147,7 @@ void grow_tree(const Work& work, PoseTable& table) {
       return work.anchors[a].area > work.anchors[b].area;
     return a < b;
   });
-  const Neighbours neighbours = neighbours_of(work.pattern);
+  const Buckets<Neighbour> neighbours = neighbours_of(work.pattern);
   std::vector<std::uint8_t> seen(faces, 0);
   for (const std::uint32_t root : start) {
     if (seen[root] != 0) continue;
@@ -168,8 +157,7 @@ void grow_tree(const Work& work, PoseTable& table) {
     table.order.push_back(root);
     for (; done < table.order.size(); ++done) {
       const std::uint32_t from = table.order[done];
-      for (std::uint32_t n = neighbours.first[from]; n < neighbours.first[from + 1]; ++n) {
-        const auto [to, e] = neighbours.list[n];
+      for (const auto& [to, e] : neighbours[from]) {
         if (seen[to] != 0) continue;
         seen[to] = 1;
         const PatternEdge& edge = work.pattern.edges[e];

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/drawing/clean.hpp"
+#include "core/geometry/buckets.hpp"
 #include "core/geometry/disjoint_sets.hpp"
 #include "core/geometry/node_index.hpp"
 
@@ -40,7 +41,10 @@ class Walks {
 class Joiner {
  public:
   Joiner(const std::vector<Piece>& pieces, std::span<const PagePoint> nodes)
-      : pieces_(pieces), nodes_(nodes), partner_(2 * pieces.size(), kNoNode), walks_(pieces.size()) {
+      : pieces_(pieces),
+        nodes_(nodes),
+        partner_(2 * pieces.size(), kNoNode),
+        walks_(pieces.size()) {
     list_ends();
   }
 
@@ -77,20 +81,16 @@ class Joiner {
 
   // All ends by node (a counting sort).
   void list_ends() {
-    first_.assign(nodes_.size() + 1, 0);
-    for (std::uint32_t e = 0; e < partner_.size(); ++e) ++first_[node(e) + 1];
-    for (std::size_t n = 1; n < first_.size(); ++n) first_[n] += first_[n - 1];
-    ends_.resize(partner_.size());
-    for (std::uint32_t e = 0; e < partner_.size(); ++e) ends_[first_[node(e)]++] = e;
-    for (std::size_t n = first_.size() - 1; n > 0; --n) first_[n] = first_[n - 1];
-    first_[0] = 0;
+    ends_ = Buckets<std::uint32_t>(nodes_.size(), [&](auto&& put) {
+      for (std::uint32_t e = 0; e < partner_.size(); ++e) put(node(e), e);
+    });
   }
 
   // The ends of one operation that meet in one node, for all nodes.
   template <typename Visit>
   void for_each_meeting(Visit&& visit) {
-    for (std::size_t n = 0; n + 1 < first_.size(); ++n) {
-      const auto begin = ends_.begin() + first_[n], end = ends_.begin() + first_[n + 1];
+    for (std::size_t n = 0; n < ends_.size(); ++n) {
+      const auto begin = ends_[n].begin(), end = ends_[n].end();
       if (end - begin < 2) continue;
       const auto operation = [&](std::uint32_t e) { return piece(e).operation; };
       std::sort(begin, end, [&](std::uint32_t e, std::uint32_t f) {
@@ -268,7 +268,7 @@ class Joiner {
   std::span<const PagePoint> nodes_;
   std::vector<std::uint32_t> partner_;
   Walks walks_;
-  std::vector<std::uint32_t> first_, ends_;
+  Buckets<std::uint32_t> ends_;
 };
 
 }  // namespace

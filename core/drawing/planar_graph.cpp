@@ -8,6 +8,7 @@
 
 #include "core/drawing/linework.hpp"
 #include "core/geometry/disjoint_sets.hpp"
+#include "core/geometry/node_index.hpp"
 #include "core/geometry/segment_grid.hpp"
 
 namespace popcut {
@@ -15,44 +16,22 @@ namespace {
 
 constexpr std::size_t kMostCrossings = 20'000'000;
 
-/// Points that are one if they lie within a tolerance of the first of them.
+/// Points that are one if they lie within a tolerance of each other: the nearest that is there.
 class Weld {
  public:
-  explicit Weld(double tolerance) : tolerance_(tolerance) {}
+  explicit Weld(double tolerance, std::size_t expected)
+      : tolerance_(tolerance), nodes_(std::max(tolerance, 1e-9), expected) {}
 
   std::uint32_t operator()(const PagePoint& p) {
-    const std::int64_t cx = cell(p.x), cy = cell(p.y);
-    for (std::int64_t x = cx - 1; x <= cx + 1; ++x)
-      for (std::int64_t y = cy - 1; y <= cy + 1; ++y) {
-        const auto found = cells_.find(key(x, y));
-        if (found == cells_.end()) continue;
-        for (std::uint32_t i = found->second; i != kNone; i = next_[i])
-          if (distance(points[i], p) <= tolerance_) return i;
-      }
-    const auto i = static_cast<std::uint32_t>(points.size());
-    points.push_back(p);
-    const auto [head, is_new] = cells_.try_emplace(key(cx, cy), kNone);
-    next_.push_back(head->second);
-    head->second = i;
-    return i;
+    const std::uint32_t found = nodes_.find(p, tolerance_);
+    return found != NodeIndex::kNone ? found : nodes_.add(p);
   }
-
-  std::vector<PagePoint> points;
+  [[nodiscard]] const PagePoint& point(std::uint32_t i) const { return nodes_.point(i); }
+  [[nodiscard]] std::vector<PagePoint> take() { return std::move(nodes_).take_points(); }
 
  private:
-  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
-
-  [[nodiscard]] std::int64_t cell(double x) const {
-    return static_cast<std::int64_t>(std::floor(x / std::max(tolerance_, 1e-9)));
-  }
-  static std::uint64_t key(std::int64_t x, std::int64_t y) {
-    const auto a = static_cast<std::uint64_t>(x), b = static_cast<std::uint64_t>(y);
-    return a * 0x9E3779B97F4A7C15ULL + b * 0xC2B2AE3D27D4EB4FULL;
-  }
-
   double tolerance_;
-  std::unordered_map<std::uint64_t, std::uint32_t> cells_;
-  std::vector<std::uint32_t> next_;
+  NodeIndex nodes_;
 };
 
 /// A vertex on a line, by its place along it.
@@ -108,7 +87,7 @@ class Crossings {
  private:
   void end_on(std::uint32_t i, std::uint32_t vertex) {
     if (vertex == ends_[i][0] || vertex == ends_[i][1]) return;
-    const PagePoint& p = weld_.points[vertex];
+    const PagePoint& p = weld_.point(vertex);
     const double t = along(lines_[i], p);
     if (t > 0.0 && t < 1.0 && distance(at(lines_[i], t), p) <= tolerance_)
       stops.push_back({i, t, vertex});
@@ -245,11 +224,11 @@ Result<PlanarGraph> planar_graph(std::span<const CreaseLine> lines, double toler
   }
   PlanarGraph graph;
   if (segments.empty()) return graph;
-  Weld weld(tolerance);
+  Weld weld(tolerance, 2 * segments.size());
   Crossings crossings(segments, tolerance, weld);
   if (!crossings.find())
     return fail(ErrorKind::OutOfRange, "", "the lines cross too often; is it a crease pattern?");
-  graph.vertices = std::move(weld.points);
+  graph.vertices = weld.take();
   add_edges(crossings.stops, lines, line_of, graph);
   trace_faces(graph);
   return graph;

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/cell_grid.hpp"
 #include "core/verify/motion/crossing.hpp"
-#include "core/verify/sheet/cell_grid.hpp"
 
 namespace popcut::verify {
 namespace {

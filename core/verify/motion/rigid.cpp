@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <Eigen/Sparse>
 
+#include "core/geometry/buckets.hpp"
+
 namespace popcut::verify {
 namespace {
 
@@ -73,15 +75,12 @@ RigidSheet rigid_sheet(const FoldModel& file, const Sheet& sheet, std::uint32_t 
   result.lines = hinge_lines(file, sheet);
   result.frames = panel_frames(result.lines, sheet.panels);
   const std::size_t panels = sheet.panels;
-  std::vector<std::uint32_t> first(panels + 1, 0);
-  for (const HingeLine& line : result.lines) ++first[line.left + 1], ++first[line.right + 1];
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  std::vector<std::uint32_t> beside(2 * result.lines.size());
-  std::vector<std::uint32_t> fill(first.begin(), first.end() - 1);
-  for (std::uint32_t k = 0; k < result.lines.size(); ++k) {
-    beside[fill[result.lines[k].left]++] = k;
-    beside[fill[result.lines[k].right]++] = k;
-  }
+  const Buckets<std::uint32_t> beside(panels, [&](auto&& put) {
+    for (std::uint32_t k = 0; k < result.lines.size(); ++k) {
+      put(result.lines[k].left, k);
+      put(result.lines[k].right, k);
+    }
+  });
   // Breadth first, so that panels hang on the held one by few lines.
   result.held.assign(panels, 0);
   result.hangs_on.assign(panels, -1);
@@ -94,12 +93,12 @@ RigidSheet rigid_sheet(const FoldModel& file, const Sheet& sheet, std::uint32_t 
     result.order.push_back(from);
     for (; at < result.order.size(); ++at) {
       const std::uint32_t p = result.order[at];
-      for (std::uint32_t i = first[p]; i < first[p + 1]; ++i) {
-        const HingeLine& line = result.lines[beside[i]];
+      for (const std::uint32_t k : beside[p]) {
+        const HingeLine& line = result.lines[k];
         const std::uint32_t q = line.left == p ? line.right : line.left;
         if (seen[q] != 0) continue;
         seen[q] = 1;
-        result.hangs_on[q] = static_cast<std::int32_t>(beside[i]);
+        result.hangs_on[q] = static_cast<std::int32_t>(k);
         result.order.push_back(q);
       }
     }

@@ -4,14 +4,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
-#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "core/geometry/cell_grid.hpp"
 #include "core/geometry/disjoint_sets.hpp"
-#include "core/verify/sheet/cell_grid.hpp"
+#include "core/geometry/interval_bins.hpp"
+#include "core/geometry/node_index.hpp"
 #include "core/verify/sheet/sheet.hpp"
 
 namespace popcut::verify {
@@ -22,40 +24,29 @@ constexpr double kSmallestShare = 1e-7;
 constexpr std::size_t kCrossingsAnEdge = 50;
 constexpr std::size_t kMostTieWork = 300'000'000;  ///< edges looked at for islands
 
-/// Points closer than a tolerance are one: the first that came.
+/// Points closer than a tolerance are one: the nearest that is there.
 class PointIndex {
  public:
-  PointIndex(Vec2 low, double tolerance) : low_(low), tolerance_(tolerance) {}
+  PointIndex(std::size_t expected, double tolerance)
+      : tolerance_(tolerance), nodes_(tolerance, expected) {}
 
-  std::uint32_t add(Vec2 p) {
-    const auto column = static_cast<std::int64_t>(std::floor((p.x() - low_.x()) / tolerance_));
-    const auto row = static_cast<std::int64_t>(std::floor((p.y() - low_.y()) / tolerance_));
-    for (std::int64_t i = column - 1; i <= column + 1; ++i) {
-      for (std::int64_t j = row - 1; j <= row + 1; ++j) {
-        const auto [from, to] = cells_.equal_range(key(i, j));
-        for (auto at = from; at != to; ++at) {
-          const double off = norm(points[at->second] - p);
-          if (off > tolerance_) continue;
-          moved = std::max(moved, off);
-          return at->second;
-        }
-      }
+  std::uint32_t add(const Vec2& p) {
+    const PagePoint at{p.x(), p.y()};
+    const std::uint32_t found = nodes_.find(at, tolerance_);
+    if (found != NodeIndex::kNone) {
+      moved = std::max(moved, norm(points[found] - p));
+      return found;
     }
-    cells_.emplace(key(column, row), static_cast<std::uint32_t>(points.size()));
     points.push_back(p);
-    return static_cast<std::uint32_t>(points.size() - 1);
+    return nodes_.add(at);
   }
 
   std::vector<Vec2> points;
   double moved{};  ///< largest distance over which a point was moved
 
  private:
-  static std::uint64_t key(std::int64_t i, std::int64_t j) {
-    return static_cast<std::uint64_t>(i) * 0x9E3779B97F4A7C15ULL ^ static_cast<std::uint64_t>(j);
-  }
-  Vec2 low_;
   double tolerance_;
-  std::unordered_multimap<std::uint64_t, std::uint32_t> cells_;
+  NodeIndex nodes_;
 };
 
 struct GraphEdge {
@@ -182,9 +173,9 @@ std::size_t loose_folds(const Graph& graph) {
   return loose;
 }
 
-Graph graph_of(const std::vector<DrawnEdge>& lines, Vec2 low, double tolerance) {
+Graph graph_of(const std::vector<DrawnEdge>& lines, double tolerance) {
   Graph graph;
-  PointIndex index(low, tolerance);
+  PointIndex index(2 * lines.size(), tolerance);
   std::vector<GraphEdge> edges;
   edges.reserve(lines.size());
   for (const DrawnEdge& line : lines) {
@@ -241,22 +232,12 @@ std::size_t tie_islands(Graph& graph, double tolerance) {
   // Edges by rows of v.
   double low = graph.points[tips[0]].y(), high = low;
   for (const Vec2& p : graph.points) low = std::min(low, p.y()), high = std::max(high, p.y());
-  double heights = 0.0;
-  for (const GraphEdge& edge : graph.edges)
-    heights += std::abs(graph.points[edge.a].y() - graph.points[edge.b].y());
-  const double most_rows =  // so that there are a few entries an edge
-      8.0 * static_cast<double>(graph.edges.size()) * (high - low) / std::max(heights, 1e-300);
-  const auto rows = static_cast<std::size_t>(std::clamp(most_rows, 1.0, 4096.0));
-  const double per_mm = high > low ? static_cast<double>(rows) / (high - low) : 0.0;
-  const auto row_of = [&](double v) {
-    return std::min(rows - 1, static_cast<std::size_t>(std::max(0.0, (v - low) * per_mm)));
-  };
-  std::vector<std::vector<std::uint32_t>> row(rows);
-  for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
-    const auto [from, to] = std::minmax(
-        {row_of(graph.points[graph.edges[e].a].y()), row_of(graph.points[graph.edges[e].b].y())});
-    for (std::size_t r = from; r <= to; ++r) row[r].push_back(e);
-  }
+  std::vector<std::uint32_t> all(graph.edges.size());
+  std::iota(all.begin(), all.end(), 0U);
+  const IntervalBins rows(low, high, 4096, all, [&](std::uint32_t e) {
+    return std::pair<double, double>(
+        std::minmax(graph.points[graph.edges[e].a].y(), graph.points[graph.edges[e].b].y()));
+  });
   struct Tie {
     std::uint32_t tip{}, edge{};
     Vec2 at;
@@ -265,10 +246,10 @@ std::size_t tie_islands(Graph& graph, double tolerance) {
   std::size_t work = 0;
   for (const std::uint32_t v : tips) {
     const Vec2 p = graph.points[v];
-    work += row[row_of(p.y())].size();
+    work += rows.at(p.y()).size();
     if (work > kMostTieWork) break;
     Tie best{v, 0xffffffffU, {}};
-    for (const std::uint32_t e : row[row_of(p.y())]) {
+    for (const std::uint32_t e : rows.at(p.y())) {
       const Vec2 a = graph.points[graph.edges[e].a];
       const Vec2 b = graph.points[graph.edges[e].b];
       if ((a.y() < p.y()) == (b.y() < p.y())) continue;
@@ -370,18 +351,13 @@ std::vector<DrawnEdge> drawn_edges(const FoldModel& file) {
 Result<void> planarise(FoldModel& file) {
   std::vector<DrawnEdge> lines = drawn_edges(file);
   const DashEnd dashes = join_dashes(lines);
-  Vec2 low = lines.front().from, high = low;
-  for (const DrawnEdge& line : lines) {
-    for (const Vec2& p : {line.from, line.to}) {
-      low = {std::min(low.x(), p.x()), std::min(low.y(), p.y())};
-      high = {std::max(high.x(), p.x()), std::max(high.y(), p.y())};
-    }
-  }
+  Eigen::AlignedBox2d box;
+  for (const DrawnEdge& line : lines) box.extend(line.from).extend(line.to);
   // 1. The smallest tolerance with which the fewest folds end nowhere.
-  const double reach = std::max(norm(high - low), 1e-9);
+  const double reach = std::max(norm(box.sizes()), 1e-9);
   std::optional<Graph> best;
   for (double share = kSmallestShare; share <= kLargestShare * 1.001; share *= std::sqrt(10.0)) {
-    Graph graph = graph_of(lines, low, share * reach);
+    Graph graph = graph_of(lines, share * reach);
     if (!graph.complete) {
       if (best) break;
       return fail(

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "core/geometry/buckets.hpp"
 #include "core/geometry/disjoint_sets.hpp"
 
 namespace popcut::verify {
@@ -209,25 +209,22 @@ void trace_faces(FoldModel& file) {
   // face on the left.
   const std::size_t halves = 2 * file.edges.size();
   const auto from = [&](std::size_t h) { return file.edges[h / 2][h % 2]; };
-  std::vector<std::uint32_t> first(file.flat.size() + 1, 0);
-  for (std::size_t h = 0; h < halves; ++h) ++first[from(h) + 1];
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  std::vector<std::uint32_t> leaving(halves);
-  std::vector<std::uint32_t> fill(first.begin(), first.end() - 1);
+  Buckets<std::uint32_t> leaving(file.flat.size(), [&](auto&& put) {
+    for (std::uint32_t h = 0; h < halves; ++h) put(from(h), h);
+  });
   std::vector<double> angle(halves);
   for (std::uint32_t h = 0; h < halves; ++h) {
-    leaving[fill[from(h)]++] = h;
     const Vec2 way = file.flat[from(h ^ 1U)] - file.flat[from(h)];
     angle[h] = std::atan2(way.y(), way.x());
   }
   std::vector<std::uint32_t> clockwise(halves);
   for (std::size_t vertex = 0; vertex < file.flat.size(); ++vertex) {
-    const auto begin = leaving.begin() + first[vertex];
-    const auto end = leaving.begin() + first[vertex + 1];
-    std::sort(begin, end, [&](std::uint32_t a, std::uint32_t b) {
+    const auto around = leaving[vertex];
+    std::sort(around.begin(), around.end(), [&](std::uint32_t a, std::uint32_t b) {
       return std::pair(angle[a], a) < std::pair(angle[b], b);
     });
-    for (auto at = begin; at != end; ++at) clockwise[*at] = at == begin ? *(end - 1) : *(at - 1);
+    for (std::size_t k = 0; k < around.size(); ++k)
+      clockwise[around[k]] = around[k == 0 ? around.size() - 1 : k - 1];
   }
 
   file.face_first.assign(1, 0);

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "core/verify/sheet/cell_grid.hpp"
+#include "core/geometry/cell_grid.hpp"
 
 namespace popcut::verify {
 namespace {

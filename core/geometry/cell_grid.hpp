@@ -9,7 +9,7 @@
 
 #include "core/geometry/vec.hpp"
 
-namespace popcut::verify {
+namespace popcut {
 
 /// Pairs that may come together among `shapes` before they count as hopelessly dense: sound
 /// drawings need some tens a shape.
@@ -19,6 +19,9 @@ namespace popcut::verify {
 
 /// Finds which convex shapes of a plane can touch: a square grid whose cells hold the shapes that
 /// reach into them. The cell size is chosen so that cells hold few shapes and entries stay O(n).
+///
+/// For all pairs of polygons at once, in cells that have the shapes' own proportions: `SegmentGrid`
+/// answers for one segment after the other, in square cells, and takes no polygons.
 class CellGrid {
  public:
   /// `corners(i)` gives the corners of shape `i` (two for a segment) as something that has
@@ -144,4 +147,4 @@ class CellGrid {
   std::vector<std::uint32_t> first_, item_;
 };
 
-}  // namespace popcut::verify
+}  // namespace popcut
