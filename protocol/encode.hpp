@@ -10,11 +10,10 @@
 #include <string_view>
 #include <vector>
 
-#include "core/drawing/toolpath.hpp"
 #include "core/machines/machine.hpp"
-#include "core/machines/material.hpp"
 #include "core/plan/marks.hpp"
 #include "core/result.hpp"
+#include "core/drawing/toolpath.hpp"
 #include "protocol/program.hpp"
 
 namespace popcut {

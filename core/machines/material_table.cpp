@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "core/machines/material.hpp"
+#include "core/machines/machine.hpp"
 #include "core/machines/table.hpp"
 #include "core/text/field_reader.hpp"
 #include "core/text/near_names.hpp"

@@ -5,15 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "core/layout/layout.hpp"
 #include "core/drawing/clean.hpp"
 #include "core/drawing/linework.hpp"
-#include "core/layout/layout.hpp"
-#include "core/layout/sheet.hpp"
 #include "core/machines/machine.hpp"
-#include "core/machines/material.hpp"
-#include "core/plan/knife/strokes.hpp"
 #include "core/plan/marks.hpp"
 #include "core/plan/order/order.hpp"
+#include "core/layout/sheet.hpp"
+#include "core/plan/knife/strokes.hpp"
 
 namespace popcut {
 

@@ -8,6 +8,13 @@
 
 namespace popcut {
 
+/// A number of an attribute, as `append_rounded` writes it.
+[[nodiscard]] inline std::string rounded(double number) {
+  std::string text;
+  append_rounded(text, number);
+  return text;
+}
+
 /// Whether an SVG is a file of its own or stands inside HTML or another SVG, where an XML
 /// declaration may not.
 enum class SvgPlace { File, Inside };

@@ -33,12 +33,6 @@ void append_rounded(std::string& text, double number) {
   text.append(digits, write_rounded(digits, number));
 }
 
-std::string rounded(double number) {
-  std::string text;
-  append_rounded(text, number);
-  return text;
-}
-
 void TextSink::put_rounded(double number) {
   if (block_.size() - used_ < kLongestNumber) flush();
   char* const first = block_.data() + used_;

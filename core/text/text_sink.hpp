@@ -19,9 +19,6 @@ char* write_rounded(char* to, double number);
 /// The same at the end of `text`.
 void append_rounded(std::string& text, double number);
 
-/// The same as a text.
-[[nodiscard]] std::string rounded(double number);
-
 /// Text on its way to a stream: numbers are written by `std::to_chars`, in blocks, because large
 /// patterns have millions of them. Flushes itself when it goes.
 class TextSink {

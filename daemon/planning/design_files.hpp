@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/design/patches.hpp"
-#include "core/machines/material.hpp"
 #include "core/pattern/pattern.hpp"
+#include "core/machines/machine.hpp"
 #include "core/result.hpp"
 
 namespace popcut::planning {

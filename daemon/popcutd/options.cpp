@@ -13,12 +13,11 @@
 
 #include "core/formats/svg/svg_profile.hpp"
 #include "core/machines/machine.hpp"
-#include "core/machines/material.hpp"
 #include "daemon/cli/fault_file.hpp"
 #include "daemon/cli/help/help_pages.hpp"
-#include "daemon/config/default_text.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
+#include "daemon/config/default_text.hpp"
 #include "daemon/popcutd/paths.hpp"
 
 namespace popcut::daemon {

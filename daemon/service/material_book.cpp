@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/machines/material.hpp"
+#include "core/machines/machine.hpp"
 #include "core/machines/table.hpp"
 #include "core/text/json_text.hpp"
 #include "core/text/near_names.hpp"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/drawing/linework.hpp"
-#include "core/machines/material.hpp"
+#include "core/machines/machine.hpp"
 #include "core/result.hpp"
 #include "device/sim/trace.hpp"
 

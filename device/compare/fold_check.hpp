@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/machines/material.hpp"
+#include "core/machines/machine.hpp"
 
 namespace popcut {
 

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "core/machines/machine.hpp"
-#include "core/machines/material.hpp"
 #include "device/sim/sim_faults.hpp"
 
 using namespace popcut;

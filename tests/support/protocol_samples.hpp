@@ -8,9 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "core/drawing/toolpath.hpp"
 #include "core/machines/machine.hpp"
-#include "core/machines/material.hpp"
+#include "core/drawing/toolpath.hpp"
 #include "protocol/program.hpp"
 
 /// Machines, a material and a drawing that the tests of the protocol share.

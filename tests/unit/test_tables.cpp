@@ -5,7 +5,6 @@
 #include <catch2/catch.hpp>
 
 #include "core/machines/machine.hpp"
-#include "core/machines/material.hpp"
 
 using namespace popcut;
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/drawing/linework.hpp"
-#include "core/machines/material.hpp"
+#include "core/machines/machine.hpp"
 
 namespace popcut {
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/machines/machine.hpp"
-#include "core/machines/material.hpp"
 #include "core/plan/knife/micro_cut.hpp"
 #include "core/plan/order/order.hpp"
 

@@ -11,9 +11,9 @@
 
 #include "core/deploy/segments_pattern.hpp"
 #include "core/deploy/unfold_frames.hpp"
-#include "core/formats/csv/segments_reader.hpp"
 #include "core/formats/fold/fold_reader.hpp"
-#include "core/machines/material.hpp"
+#include "core/formats/csv/segments_reader.hpp"
+#include "core/machines/machine.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
 #include "daemon/files/output_folder.hpp"

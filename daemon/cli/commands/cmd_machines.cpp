@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/machines/machine.hpp"
-#include "core/machines/material.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/view/daemon_devices.hpp"
 #include "daemon/files/user_tables.hpp"
