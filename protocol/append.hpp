@@ -1,13 +1,30 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "protocol/program.hpp"
 
 namespace popcut {
+
+/// What both languages skip between commands.
+[[nodiscard]] constexpr bool is_blank(unsigned char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\n';
+}
+
+/// The row of a language's table of commands, null where it has none of that mnemonic.
+template <typename Row, std::size_t kRows>
+[[nodiscard]] const Row* command_named(const std::array<Row, kRows>& table,
+                                       std::string_view mnemonic) {
+  const auto found = std::find_if(table.begin(), table.end(),
+                                  [&](const Row& row) { return row.mnemonic == mnemonic; });
+  return found == table.end() ? nullptr : &*found;
+}
 
 /// Appends a command without points and arguments; a text that is there already is not kept twice.
 ///

@@ -91,13 +91,10 @@ constexpr std::array kCommands{
 };
 
 const GpglCommand* find_command(std::string_view mnemonic) {
-  const auto found = std::find_if(kCommands.begin(), kCommands.end(),
-                                  [&](const GpglCommand& c) { return c.mnemonic == mnemonic; });
-  return found == kCommands.end() ? nullptr : &*found;
+  return command_named(kCommands, mnemonic);
 }
 
 bool is_letter(unsigned char c) { return c >= 'A' && c <= 'Z'; }
-bool is_blank(unsigned char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 char to_char(unsigned char c) { return static_cast<char>(c); }
 
 }  // namespace

@@ -83,13 +83,10 @@ constexpr std::array kCommands{
 constexpr std::size_t kLongestControl = 256;
 
 const HpglCommand* find_command(std::string_view mnemonic) {
-  const auto found = std::find_if(kCommands.begin(), kCommands.end(),
-                                  [&](const HpglCommand& c) { return c.mnemonic == mnemonic; });
-  return found == kCommands.end() ? nullptr : &*found;
+  return command_named(kCommands, mnemonic);
 }
 
 bool is_letter(unsigned char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
-bool is_blank(unsigned char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 char capital(unsigned char c) {
   return static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
 }

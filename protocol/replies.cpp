@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text/blanks.hpp"
 #include "protocol/arguments.hpp"
 #include "protocol/gpgl_variants.hpp"
 
@@ -15,12 +16,6 @@ namespace {
 std::string_view without_end(std::string_view reply) {
   if (!reply.empty() && reply.back() == kEtx) reply.remove_suffix(1);
   return reply;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(' ');
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(' ') + 1 - begin);
 }
 
 constexpr std::size_t kLongestReply = 64;
@@ -53,7 +48,7 @@ Result<std::vector<double>> parse_numbers(std::string_view reply, std::size_t wa
 }  // namespace
 
 DeviceStatus parse_status(std::string_view reply) {
-  const std::string_view text = trimmed(without_end(reply));
+  const std::string_view text = trimmed(without_end(reply), " ");
   if (text.size() != 1) return DeviceStatus::Unknown;
   switch (text.front()) {
     case '0':
@@ -90,7 +85,7 @@ std::string_view name_of(DeviceStatus status) {
 }
 
 Result<Identity> parse_identity(std::string_view reply) {
-  const std::string_view text = trimmed(without_end(reply));
+  const std::string_view text = trimmed(without_end(reply), " ");
   const bool prints =
       std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
   if (text.empty() || text.size() > kLongestReply || !prints)
@@ -102,7 +97,8 @@ Result<Identity> parse_identity(std::string_view reply) {
   const bool versioned = blank != std::string_view::npos && text.size() > blank + 2 &&
                          text[blank + 1] == 'V' && text[blank + 2] >= '0' && text[blank + 2] <= '9';
   if (!versioned) return Identity{std::string(text), {}};
-  return Identity{std::string(trimmed(text.substr(0, blank))), std::string(text.substr(blank + 1))};
+  return Identity{std::string(trimmed(text.substr(0, blank), " ")),
+                  std::string(text.substr(blank + 1))};
 }
 
 Result<NumberPair> parse_pair(std::string_view reply) {

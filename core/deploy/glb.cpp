@@ -5,15 +5,14 @@
 #include <bit>
 #include <cstring>
 #include <map>
-#include <numeric>
 #include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
 #include <tiny_gltf.h>
 
+#include "core/deploy/face_triangles.hpp"
 #include "core/deploy/joints.hpp"
-#include "core/deploy/triangulate.hpp"
 
 namespace popcut {
 namespace {
@@ -145,9 +144,9 @@ class FacePaper {
 
   [[nodiscard]] tinygltf::Mesh solid(Store& store, double thickness_mm) const {
     const Vec3 half{0, 0, thickness_mm / 2};
-    std::vector<Vec3> top = corners_, low = corners_, low_normals(corners_.size(), {0, 0, -1});
-    for (Vec3& p : top) p = p + half;
-    for (Vec3& p : low) p = p - half;
+    std::vector<Vec3> top = corners_, low = corners_, low_normals(corners_.size(), Vec3{0, 0, -1});
+    for (Vec3& p : top) p += half;
+    for (Vec3& p : low) p -= half;
     std::vector<std::uint32_t> under = back_;
     for (std::size_t i = 0; i < corners_.size(); ++i) add_side(i, half, low, low_normals, under);
     tinygltf::Mesh mesh;
@@ -235,7 +234,7 @@ class Scene {
       const Turn turn = joint_turn(table_, rest, b);
       node.name = b < table_.faces ? face_name(pattern_, b) : fmt::format("link {}", b);
       node.translation.assign(place.begin(), place.end());
-      node.rotation.assign(turn.begin(), turn.end());
+      node.rotation.assign(turn.coeffs().begin(), turn.coeffs().end());
       if (b < table_.faces) {
         const FacePaper paper(faces, b, table_.pivot[b]);
         node.mesh = static_cast<int>(model_.meshes.size());
@@ -302,12 +301,10 @@ class Scene {
     std::vector<float> numbers;
     Turn last = kNoTurn;
     for (const std::size_t k : keys) {
-      Turn turn = joint_turn(table_, k, body);
-      const double side = std::inner_product(turn.begin(), turn.end(), last.begin(), 0.0);
-      if (side < 0) turn = {-turn[0], -turn[1], -turn[2], -turn[3]};
+      const Turn turn = toward(joint_turn(table_, k, body), last);
       // Parts below float precision are noise; without it equal tracks are equal.
       constexpr double kNoise = 1e-9;
-      for (const double part : turn)
+      for (const double part : turn.coeffs())
         numbers.push_back(std::abs(part) < kNoise ? 0.0F : static_cast<float>(part));
       last = turn;
     }

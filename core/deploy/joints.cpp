@@ -24,7 +24,7 @@ bool are_enough(const PoseTable& table, const std::vector<std::size_t>& keys) {
       const Vec3 place = joint_place(table, keys[0], b);
       for (std::size_t k = keys[i]; k <= keys[i + 1]; ++k) {
         const Turn there = slerp(first, last, (table.psi_rad[k] - from) / (to - from));
-        if (angle_between(there, joint_turn(table, k, b)) > kWithinRad) return false;
+        if (there.angularDistance(joint_turn(table, k, b)) > kWithinRad) return false;
         const double size = std::max(1.0, norm(place));
         if (table.parent[b] < 0 && norm(joint_place(table, k, b) - place) > kWithinRad * size)
           return false;
@@ -40,7 +40,7 @@ Turn joint_turn(const PoseTable& table, std::size_t pose, std::size_t body) {
   const Turn& turn = table.at(pose, body).turn;
   const std::int32_t parent = table.parent[body];
   if (parent < 0) return turn;
-  return inverse(table.at(pose, static_cast<std::size_t>(parent)).turn) * turn;
+  return table.at(pose, static_cast<std::size_t>(parent)).turn.conjugate() * turn;
 }
 
 Vec3 joint_place(const PoseTable& table, std::size_t pose, std::size_t body) {

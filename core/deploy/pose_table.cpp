@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/buckets.hpp"
+
 namespace popcut {
 namespace {
 
@@ -94,11 +96,8 @@ Result<void> move_faces(const Work& work, std::span<const Vec3> places, double p
 void align_signs(PoseTable& table) {
   for (std::size_t k = 1; k < table.poses(); ++k) {
     for (std::size_t b = 0; b < table.bodies(); ++b) {
-      const Turn& last = table.at(k - 1, b).turn;
       Turn& turn = table.motions[k * table.bodies() + b].turn;
-      const double side =
-          last[0] * turn[0] + last[1] * turn[1] + last[2] * turn[2] + last[3] * turn[3];
-      if (side < 0) turn = {-turn[0], -turn[1], -turn[2], -turn[3]};
+      turn = toward(turn, table.at(k - 1, b).turn);
     }
   }
 }
@@ -109,7 +108,7 @@ int restlessness(const PoseTable& table, std::size_t f, double size) {
   for (std::size_t k = 0; k < table.poses(); ++k) {
     const Motion3& motion = table.at(k, f);
     if (norm(motion.shift) > kStillWithin * size) return 2;
-    if (angle_between(motion.turn, kNoTurn) > kStillWithin) rank = 1;
+    if (motion.turn.angularDistance(kNoTurn) > kStillWithin) rank = 1;
   }
   return rank;
 }
@@ -119,31 +118,18 @@ struct Neighbour {
   std::uint32_t face{}, edge{};
 };
 
-struct Neighbours {
-  std::vector<std::uint32_t> first;
-  std::vector<Neighbour> list;
-};
-
-Neighbours neighbours_of(const Pattern& pattern) {
-  Neighbours found;
-  found.first.assign(pattern.faces() + 1, 0);
-  const auto each = [&](auto&& take) {
-    for (std::uint32_t e = 0; e < pattern.edges.size(); ++e) {
-      const PatternEdge& edge = pattern.edges[e];
-      if (edge.role != EdgeRole::Mountain && edge.role != EdgeRole::Valley) continue;
-      if (edge.left < 0 || edge.right < 0 || edge.left == edge.right) continue;
-      take(static_cast<std::uint32_t>(edge.left), static_cast<std::uint32_t>(edge.right), e);
-      take(static_cast<std::uint32_t>(edge.right), static_cast<std::uint32_t>(edge.left), e);
-    }
-  };
-  each([&](std::uint32_t from, std::uint32_t, std::uint32_t) { ++found.first[from + 1]; });
-  for (std::size_t f = 0; f < pattern.faces(); ++f) found.first[f + 1] += found.first[f];
-  found.list.resize(found.first.back());
-  std::vector<std::uint32_t> next(found.first.begin(), found.first.end() - 1);
-  each([&](std::uint32_t from, std::uint32_t to, std::uint32_t e) {
-    found.list[next[from]++] = {to, e};
-  });
-  return found;
+Buckets<Neighbour> neighbours_of(const Pattern& pattern) {
+  return {pattern.faces(), [&](auto&& put) {
+            for (std::uint32_t e = 0; e < pattern.edges.size(); ++e) {
+              const PatternEdge& edge = pattern.edges[e];
+              if (edge.role != EdgeRole::Mountain && edge.role != EdgeRole::Valley) continue;
+              if (edge.left < 0 || edge.right < 0 || edge.left == edge.right) continue;
+              const auto left = static_cast<std::uint32_t>(edge.left);
+              const auto right = static_cast<std::uint32_t>(edge.right);
+              put(left, {right, e});
+              put(right, {left, e});
+            }
+          }};
 }
 
 /// Breadth first from the stillest and largest face of each piece, so that chains stay short.
@@ -161,7 +147,7 @@ void grow_tree(const Work& work, PoseTable& table) {
       return work.anchors[a].area > work.anchors[b].area;
     return a < b;
   });
-  const Neighbours neighbours = neighbours_of(work.pattern);
+  const Buckets<Neighbour> neighbours = neighbours_of(work.pattern);
   std::vector<std::uint8_t> seen(faces, 0);
   for (const std::uint32_t root : start) {
     if (seen[root] != 0) continue;
@@ -171,8 +157,7 @@ void grow_tree(const Work& work, PoseTable& table) {
     table.order.push_back(root);
     for (; done < table.order.size(); ++done) {
       const std::uint32_t from = table.order[done];
-      for (std::uint32_t n = neighbours.first[from]; n < neighbours.first[from + 1]; ++n) {
-        const auto [to, e] = neighbours.list[n];
+      for (const auto& [to, e] : neighbours[from]) {
         if (seen[to] != 0) continue;
         seen[to] = 1;
         const PatternEdge& edge = work.pattern.edges[e];
@@ -210,12 +195,13 @@ void carry_roots(const Work& work, PoseTable& table) {
   for (std::size_t k = 0; k < table.poses(); ++k) {
     const auto first = table.motions.begin() + static_cast<std::ptrdiff_t>(k * bodies);
     motions.insert(motions.end(), first, first + static_cast<std::ptrdiff_t>(bodies));
-    motions.push_back({turn_about({0, 1, 0}, std::numbers::pi - table.psi_rad[k]), {}});
+    const Eigen::AngleAxisd wall(std::numbers::pi - table.psi_rad[k], Vec3::UnitY());
+    motions.push_back({Turn(wall), Vec3::Zero()});
   }
   table.motions = std::move(motions);
   for (const std::uint32_t f : hung) table.parent[f] = static_cast<std::int32_t>(bodies);
   table.parent.push_back(-1);
-  table.pivot.push_back({});
+  table.pivot.push_back(Vec3::Zero());
   table.order.insert(table.order.begin(), static_cast<std::uint32_t>(bodies));
 }
 
@@ -273,7 +259,7 @@ Result<PoseTable> pose_table(const Pattern& pattern, std::span<const double> psi
   const Work work = prepare(pattern);
   auto table = tabled(work, psi_rad, [&](double psi, std::span<Vec3> places) {
     const auto posed = posed_vertices(pattern, psi);
-    std::copy(posed.begin(), posed.end(), places.begin());
+    for (std::size_t i = 0; i < posed.size(); ++i) places[i] = vec3(posed[i]);
   });
   if (table) carry_roots(work, *table);
   return table;

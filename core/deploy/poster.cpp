@@ -11,6 +11,7 @@
 
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/formats/write/deployed_svg.hpp"
+#include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 
 namespace popcut {
@@ -69,10 +70,12 @@ Cells cells_of(const Pattern& pattern, std::span<const double> psi_rad,
 }
 
 std::string head(const Pattern& pattern, double width, double height) {
-  return fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
-      "{1}\">\n<title>{2}</title>\n<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n",
-      std::ceil(width), std::ceil(height), xml_escaped(pattern.name));
+  width = std::ceil(width);
+  height = std::ceil(height);
+  return svg_head(
+             fmt::format("width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\"", width, height),
+             pattern.name, SvgPlace::Inside) +
+         fmt::format("<rect width=\"{}\" height=\"{}\" fill=\"#ffffff\"/>\n", width, height);
 }
 
 /// One pose standing on the floor of its cell, in the middle.

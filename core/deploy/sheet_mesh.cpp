@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "core/deploy/face_triangles.hpp"
 #include "core/deploy/pose_table.hpp"
-#include "core/deploy/triangulate.hpp"
 
 namespace popcut {
 namespace {

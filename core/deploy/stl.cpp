@@ -42,8 +42,7 @@ void write_stl(const SheetMesh& mesh, const PoseTable& table, std::size_t pose, 
   constexpr std::size_t kBlockBytes = 1u << 16;
   for (const auto& [a, b, c] : mesh.triangles) {
     const Vec3 across = cross(places[b] - places[a], places[c] - places[a]);
-    const double area = norm(across);
-    put_vector(bytes, area > 0 ? (1 / area) * across : Vec3{});
+    put_vector(bytes, unit(across));
     for (const std::uint32_t corner : {a, b, c}) put_vector(bytes, places[corner]);
     bytes.append(2, '\0');
     if (bytes.size() + kTriangleBytes < kBlockBytes) continue;

@@ -5,8 +5,10 @@
 #include <bit>
 #include <cmath>
 
-#include "core/geometry/line_bins.hpp"
 #include "core/drawing/linework.hpp"
+#include "core/geometry/buckets.hpp"
+#include "core/geometry/cell_walk.hpp"
+#include "core/geometry/line_bins.hpp"
 
 namespace popcut {
 namespace {
@@ -68,53 +70,21 @@ struct Edges {
   }
 };
 
-// Items in slots, laid out once: counted first, then filled.
-template <typename Item>
-class Slots {
- public:
-  explicit Slots(std::size_t expected) : first_(std::bit_ceil(expected + 16) + 1, 0) {}
-  [[nodiscard]] std::size_t size() const { return first_.size() - 1; }
-  void count(std::size_t slot) { ++first_[slot + 1]; }
-  void lay_out() {
-    for (std::size_t s = 1; s < first_.size(); ++s) first_[s] += first_[s - 1];
-    items_.resize(first_.back());
-  }
-  /// After `lay_out`; each slot as often as it was counted.
-  void fill(std::size_t slot, const Item& item) { items_[first_[slot]++] = item; }
-  void finish() {
-    for (std::size_t s = first_.size() - 1; s > 0; --s) first_[s] = first_[s - 1];
-    first_[0] = 0;
-  }
-  [[nodiscard]] std::span<const Item> in(std::size_t slot) const {
-    return std::span(items_).subspan(first_[slot], first_[slot + 1] - first_[slot]);
-  }
-
- private:
-  std::vector<std::uint32_t> first_;
-  std::vector<Item> items_;
-};
-
-// Edges by the cells of the page that they pass, and by direction.
+// Edges by the cells of the page that they pass, and by direction: `OverlapIndex` for a whole
+// drawing that is known before, so that slots are laid out once and read in the order of places.
 class ByPlace {
  public:
   ByPlace(const Edges& edges, const std::vector<std::uint32_t>& own, double cell_mm)
-      : cell_(cell_mm), slots_(2 * own.size()) {
-    const auto each = [&](auto&& visit) {
-      for (const std::uint32_t e : own) {
-        const Segment s = edges.at(e);
-        const std::uint32_t direction = direction_of(s);
-        each_cell(s, 0.0, [&](std::uint64_t place) {
-          visit(slot(place, direction), e);
-          return true;
-        });
-      }
-    };
-    if (own.empty()) return;
-    each([&](std::size_t at, std::uint32_t) { slots_.count(at); });
-    slots_.lay_out();
-    each([&](std::size_t at, std::uint32_t e) { slots_.fill(at, e); });
-    slots_.finish();
-  }
+      : cell_(cell_mm), count_(std::bit_ceil(2 * own.size() + 16)), slots_(count_, [&](auto&& put) {
+          for (const std::uint32_t e : own) {
+            const Segment s = edges.at(e);
+            const std::uint32_t direction = direction_of(s);
+            each_cell(s, 0.0, [&](std::uint64_t place) {
+              put(slot(place, direction), e);
+              return true;
+            });
+          }
+        }) {}
 
   // Looks at what lies near edge `e` until it is crowded.
   void look(Edges& edges, std::uint32_t e) const {
@@ -122,7 +92,7 @@ class ByPlace {
     const std::uint32_t direction = direction_of(s);
     each_cell(s, edges.tolerance, [&](std::uint64_t cell) {
       for (std::uint32_t turn = kDirections - 1; turn <= kDirections + 1; ++turn)
-        for (const std::uint32_t other : slots_.in(slot(cell, (direction + turn) % kDirections)))
+        for (const std::uint32_t other : slots_[slot(cell, (direction + turn) % kDirections)])
           if (edges.meet(e, s, other)) return false;
       return true;
     });
@@ -131,33 +101,13 @@ class ByPlace {
  private:
   // The directions of one cell lie beside each other, turned so that blocks on each other differ.
   [[nodiscard]] std::size_t slot(std::uint64_t cell, std::uint32_t direction) const {
-    return (cell + ((direction + (cell >> 40)) & (kDirections - 1))) & (slots_.size() - 1);
+    return (cell + ((direction + (cell >> 40)) & (kDirections - 1))) & (count_ - 1);
   }
 
-  // Walks the columns (or rows) of cells along the longer extent; in each the cells that a corridor
-  // of `reach` about the segment touches.
   template <typename Visit>
   void each_cell(const Segment& s, double reach, Visit&& visit) const {
-    const bool flat = std::abs(s.b.x - s.a.x) >= std::abs(s.b.y - s.a.y);
-    double m0 = flat ? s.a.x : s.a.y, n0 = flat ? s.a.y : s.a.x;
-    double m1 = flat ? s.b.x : s.b.y, n1 = flat ? s.b.y : s.b.x;
-    if (m0 > m1) {
-      std::swap(m0, m1);
-      std::swap(n0, n1);
-    }
-    const double slope = m1 > m0 ? (n1 - n0) / (m1 - m0) : 0.0;
-    const std::int64_t last = cell_of(m1 + reach);
-    for (std::int64_t c = cell_of(m0 - reach); c <= last; ++c) {
-      const double from = std::clamp(static_cast<double>(c) * cell_, m0, m1);
-      const double to = std::clamp(static_cast<double>(c + 1) * cell_, m0, m1);
-      const double a = n0 + slope * (from - m0), b = n0 + slope * (to - m0);
-      const std::int64_t top = cell_of(std::max(a, b) + reach);
-      for (std::int64_t d = cell_of(std::min(a, b) - reach); d <= top; ++d)
-        if (!visit(flat ? place_of(c, d) : place_of(d, c))) return;
-    }
-  }
-  [[nodiscard]] std::int64_t cell_of(double value) const {
-    return static_cast<std::int64_t>(std::floor(value / cell_));
+    walk_cells(s, cell_, reach,
+               [&](std::int64_t x, std::int64_t y) { return visit(place_of(x, y)); });
   }
   // Cells of a block of 8 x 8 lie beside each other: what is drawn nearby is near in memory too.
   static std::uint64_t place_of(std::int64_t x, std::int64_t y) {
@@ -168,30 +118,26 @@ class ByPlace {
   }
 
   double cell_;
-  Slots<std::uint32_t> slots_;
+  std::size_t count_;  // of slots, a power of two
+  Buckets<std::uint32_t> slots_;
 };
 
 // Long edges by the lines that they lie on.
 class ByLine {
  public:
   ByLine(const Edges& edges, const std::vector<std::uint32_t>& own, const LineBins& bins)
-      : bins_(bins), slots_(2 * own.size()) {
-    for (const std::uint32_t e : own)
-      bins_.each_bin(bins_.line_of(edges.at(e)),
-                     [&](std::uint64_t bin) { slots_.count(slot(bin)); });
-    slots_.lay_out();
-    for (const std::uint32_t e : own) {
-      const LongLine line = bins_.line_of(edges.at(e));
-      bins_.each_bin(line, [&](std::uint64_t bin) { slots_.fill(slot(bin), {line, e}); });
-    }
-    slots_.finish();
-  }
+      : bins_(bins), count_(std::bit_ceil(2 * own.size() + 16)), slots_(count_, [&](auto&& put) {
+          for (const std::uint32_t e : own) {
+            const LongLine line = bins_.line_of(edges.at(e));
+            bins_.each_bin(line, [&](std::uint64_t bin) { put(slot(bin), {line, e}); });
+          }
+        }) {}
 
   // Looks at what lies near each edge until it is crowded; slot by slot, for what is near then lies
   // in slots that were just read.
   void look_at_all(Edges& edges) const {
     for (std::size_t s = 0; s < slots_.size(); ++s)
-      for (const Item& item : slots_.in(s))
+      for (const Item& item : slots_[s])
         if (edges.crowded[item.edge] == 0 && slot(bins_.first_bin(item.line)) == s)
           look(edges, item);
   }
@@ -205,17 +151,18 @@ class ByLine {
   void look(Edges& edges, const Item& item) const {
     bool found = false;
     bins_.each_near(item.line, [&](std::uint64_t bin, const LongLine& seen) {
-      for (const Item& other : slots_.in(slot(bin))) {
+      for (const Item& other : slots_[slot(bin)]) {
         if (found) return;
         found = other.edge != item.edge && bins_.may_share(seen, other.line) &&
                 edges.meet(item.edge, edges.at(item.edge), other.edge);
       }
     });
   }
-  [[nodiscard]] std::size_t slot(std::uint64_t bin) const { return bin & (slots_.size() - 1); }
+  [[nodiscard]] std::size_t slot(std::uint64_t bin) const { return bin & (count_ - 1); }
 
   const LineBins& bins_;
-  Slots<Item> slots_;
+  std::size_t count_;  // of slots, a power of two
+  Buckets<Item> slots_;
 };
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <numbers>
 
 #include "core/drawing/clean.hpp"
+#include "core/geometry/buckets.hpp"
+#include "core/geometry/disjoint_sets.hpp"
 #include "core/geometry/node_index.hpp"
 
 namespace popcut {
@@ -20,26 +22,18 @@ constexpr std::uint32_t kNoNode = 0xFFFFFFFF;
 // Walks over pieces as sets: which walk a piece is part of, and whether that walk is closed.
 class Walks {
  public:
-  explicit Walks(std::size_t pieces) : parent_(pieces), open_(pieces, 0) {
-    for (std::uint32_t i = 0; i < pieces; ++i) parent_[i] = i;
-  }
-  std::uint32_t of(std::uint32_t piece) {
-    while (parent_[piece] != piece) piece = parent_[piece] = parent_[parent_[piece]];
-    return piece;
-  }
+  explicit Walks(std::size_t pieces) : sets_(pieces), open_(pieces, 0) {}
+  std::uint32_t of(std::uint32_t piece) { return sets_.find(piece); }
   void unite(std::uint32_t a, std::uint32_t b) {
-    a = of(a);
-    b = of(b);
-    if (a == b) return;
-    if (b < a) std::swap(a, b);
-    parent_[b] = a;
-    open_[a] = open_[a] | open_[b];
+    const std::uint8_t open = open_[of(a)] | open_[of(b)];
+    sets_.join(a, b);
+    open_[of(a)] = open;
   }
   void mark_open(std::uint32_t piece) { open_[of(piece)] = 1; }
   bool is_open(std::uint32_t piece) { return open_[of(piece)] != 0; }
 
  private:
-  std::vector<std::uint32_t> parent_;
+  DisjointSets sets_;
   std::vector<std::uint8_t> open_;
 };
 
@@ -87,20 +81,16 @@ class Joiner {
 
   // All ends by node (a counting sort).
   void list_ends() {
-    first_.assign(nodes_.size() + 1, 0);
-    for (std::uint32_t e = 0; e < partner_.size(); ++e) ++first_[node(e) + 1];
-    for (std::size_t n = 1; n < first_.size(); ++n) first_[n] += first_[n - 1];
-    ends_.resize(partner_.size());
-    for (std::uint32_t e = 0; e < partner_.size(); ++e) ends_[first_[node(e)]++] = e;
-    for (std::size_t n = first_.size() - 1; n > 0; --n) first_[n] = first_[n - 1];
-    first_[0] = 0;
+    ends_ = Buckets<std::uint32_t>(nodes_.size(), [&](auto&& put) {
+      for (std::uint32_t e = 0; e < partner_.size(); ++e) put(node(e), e);
+    });
   }
 
   // The ends of one operation that meet in one node, for all nodes.
   template <typename Visit>
   void for_each_meeting(Visit&& visit) {
-    for (std::size_t n = 0; n + 1 < first_.size(); ++n) {
-      const auto begin = ends_.begin() + first_[n], end = ends_.begin() + first_[n + 1];
+    for (std::size_t n = 0; n < ends_.size(); ++n) {
+      const auto begin = ends_[n].begin(), end = ends_[n].end();
       if (end - begin < 2) continue;
       const auto operation = [&](std::uint32_t e) { return piece(e).operation; };
       std::sort(begin, end, [&](std::uint32_t e, std::uint32_t f) {
@@ -278,7 +268,7 @@ class Joiner {
   std::span<const PagePoint> nodes_;
   std::vector<std::uint32_t> partner_;
   Walks walks_;
-  std::vector<std::uint32_t> first_, ends_;
+  Buckets<std::uint32_t> ends_;
 };
 
 }  // namespace

@@ -5,8 +5,10 @@
 #include <bit>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 
 #include "core/drawing/stroke_loops.hpp"
+#include "core/geometry/interval_bins.hpp"
 
 namespace popcut {
 namespace {
@@ -63,59 +65,33 @@ class Loop {
         if (crosses_left_of(p, points_[i - 1], points_[i])) inside = !inside;
       return inside;
     }
-    if (first_.empty()) sort_by_rows();
-    const std::size_t r = row(p.y);
-    for (std::uint32_t k = first_[r]; k < first_[r + 1]; ++k) {
-      const std::uint32_t i = segments_[k];
+    if (rows_.bins().size() == 0) sort_by_rows();
+    for (const std::uint32_t i : rows_.at(p.y))
       if (crosses_left_of(p, points_[i - 1], points_[i])) inside = !inside;
-    }
     return inside;
   }
 
  private:
   static constexpr std::size_t kShort = 64;
 
-  [[nodiscard]] std::size_t row(double y) const {
-    const auto last = static_cast<double>(rows_ - 1);
-    const double f = (y - box_.y0) / box_.height() * static_cast<double>(rows_);
-    return static_cast<std::size_t>(std::clamp(std::floor(f), 0.0, last));
-  }
-  template <typename Visit>
-  void visit_rows(std::uint32_t i, Visit&& visit) const {
-    const auto [low, high] = std::minmax(points_[i - 1].y, points_[i].y);
-    for (std::size_t r = row(low); r <= row(high); ++r) visit(r);
-  }
-  // As many rows as keep the lists within a few times the number of segments.
   void sort_by_rows() {
-    const std::size_t n = points_.size();
-    for (rows_ = box_.height() > 0.0 ? n / 4 : 1; rows_ > 1; rows_ /= 4) {
-      std::size_t entries = 0;
-      for (std::size_t i = 1; i < n && entries <= 6 * n; ++i) {
-        const auto [low, high] = std::minmax(points_[i - 1].y, points_[i].y);
-        entries += row(high) - row(low) + 1;
-      }
-      if (entries <= 6 * n) break;
-    }
-    rows_ = std::max<std::size_t>(rows_, 1);
-    first_.assign(rows_ + 1, 0);
-    for (std::uint32_t i = 1; i < n; ++i) visit_rows(i, [&](std::size_t r) { ++first_[r + 1]; });
-    for (std::size_t r = 0; r < rows_; ++r) first_[r + 1] += first_[r];
-    segments_.resize(first_.back());
-    std::vector<std::uint32_t> fill(first_.begin(), first_.end() - 1);
-    for (std::uint32_t i = 1; i < n; ++i)
-      visit_rows(i, [&](std::size_t r) { segments_[fill[r]++] = i; });
+    std::vector<std::uint32_t> all(points_.size() - 1);
+    std::iota(all.begin(), all.end(), 1U);
+    rows_ = IntervalBins(box_.y0, box_.y1, all.size() / 4, all, [&](std::uint32_t i) {
+      return std::pair<double, double>(std::minmax(points_[i - 1].y, points_[i].y));
+    });
   }
 
   std::span<const PagePoint> points_;
   std::uint32_t line_;
   double area_;
   Box box_;
-  std::size_t rows_{1};
-  std::vector<std::uint32_t> first_, segments_;
+  IntervalBins rows_;
 };
 
 // Loops by the cells that their boxes touch, in the grid whose cells are just larger than the box:
-// at most four each. A point is looked up in each grid that has any.
+// at most four each. A point is looked up in each grid that has any. (A grid of one cell size would
+// hold large loops in all of its cells.)
 class LoopGrids {
  public:
   explicit LoopGrids(const std::vector<Loop>& loops) {

@@ -7,6 +7,8 @@
 #include <unordered_map>
 
 #include "core/drawing/linework.hpp"
+#include "core/geometry/disjoint_sets.hpp"
+#include "core/geometry/node_index.hpp"
 #include "core/geometry/segment_grid.hpp"
 
 namespace popcut {
@@ -14,44 +16,22 @@ namespace {
 
 constexpr std::size_t kMostCrossings = 20'000'000;
 
-/// Points that are one if they lie within a tolerance of the first of them.
+/// Points that are one if they lie within a tolerance of each other: the nearest that is there.
 class Weld {
  public:
-  explicit Weld(double tolerance) : tolerance_(tolerance) {}
+  explicit Weld(double tolerance, std::size_t expected)
+      : tolerance_(tolerance), nodes_(std::max(tolerance, 1e-9), expected) {}
 
   std::uint32_t operator()(const PagePoint& p) {
-    const std::int64_t cx = cell(p.x), cy = cell(p.y);
-    for (std::int64_t x = cx - 1; x <= cx + 1; ++x)
-      for (std::int64_t y = cy - 1; y <= cy + 1; ++y) {
-        const auto found = cells_.find(key(x, y));
-        if (found == cells_.end()) continue;
-        for (std::uint32_t i = found->second; i != kNone; i = next_[i])
-          if (distance(points[i], p) <= tolerance_) return i;
-      }
-    const auto i = static_cast<std::uint32_t>(points.size());
-    points.push_back(p);
-    const auto [head, is_new] = cells_.try_emplace(key(cx, cy), kNone);
-    next_.push_back(head->second);
-    head->second = i;
-    return i;
+    const std::uint32_t found = nodes_.find(p, tolerance_);
+    return found != NodeIndex::kNone ? found : nodes_.add(p);
   }
-
-  std::vector<PagePoint> points;
+  [[nodiscard]] const PagePoint& point(std::uint32_t i) const { return nodes_.point(i); }
+  [[nodiscard]] std::vector<PagePoint> take() { return std::move(nodes_).take_points(); }
 
  private:
-  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
-
-  [[nodiscard]] std::int64_t cell(double x) const {
-    return static_cast<std::int64_t>(std::floor(x / std::max(tolerance_, 1e-9)));
-  }
-  static std::uint64_t key(std::int64_t x, std::int64_t y) {
-    const auto a = static_cast<std::uint64_t>(x), b = static_cast<std::uint64_t>(y);
-    return a * 0x9E3779B97F4A7C15ULL + b * 0xC2B2AE3D27D4EB4FULL;
-  }
-
   double tolerance_;
-  std::unordered_map<std::uint64_t, std::uint32_t> cells_;
-  std::vector<std::uint32_t> next_;
+  NodeIndex nodes_;
 };
 
 /// A vertex on a line, by its place along it.
@@ -107,7 +87,7 @@ class Crossings {
  private:
   void end_on(std::uint32_t i, std::uint32_t vertex) {
     if (vertex == ends_[i][0] || vertex == ends_[i][1]) return;
-    const PagePoint& p = weld_.points[vertex];
+    const PagePoint& p = weld_.point(vertex);
     const double t = along(lines_[i], p);
     if (t > 0.0 && t < 1.0 && distance(at(lines_[i], t), p) <= tolerance_)
       stops.push_back({i, t, vertex});
@@ -215,38 +195,17 @@ void trace_faces(PlanarGraph& graph) {
   }
 }
 
-/// Sets that grow together.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t of(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  bool join(std::size_t a, std::size_t b) {
-    a = of(a);
-    b = of(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-    return a != b;
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
 bool opens(char assignment) { return assignment == 'C' || assignment == 'B'; }
 
 }  // namespace
 
 std::size_t PlanarGraph::joined(std::string_view over) const {
-  Sets sets(faces.size());
+  DisjointSets sets(faces.size());
   std::size_t count = faces.size();
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const auto [left, right] = edge_faces[e];
     if (left < 0 || right < 0 || over.find(assignments[e]) == std::string_view::npos) continue;
-    if (sets.join(static_cast<std::size_t>(left), static_cast<std::size_t>(right))) --count;
+    if (sets.join(static_cast<std::uint32_t>(left), static_cast<std::uint32_t>(right))) --count;
   }
   return count;
 }
@@ -265,11 +224,11 @@ Result<PlanarGraph> planar_graph(std::span<const CreaseLine> lines, double toler
   }
   PlanarGraph graph;
   if (segments.empty()) return graph;
-  Weld weld(tolerance);
+  Weld weld(tolerance, 2 * segments.size());
   Crossings crossings(segments, tolerance, weld);
   if (!crossings.find())
     return fail(ErrorKind::OutOfRange, "", "the lines cross too often; is it a crease pattern?");
-  graph.vertices = std::move(weld.points);
+  graph.vertices = weld.take();
   add_edges(crossings.stops, lines, line_of, graph);
   trace_faces(graph);
   return graph;
@@ -279,7 +238,7 @@ PlanarGraph split_cuts(const PlanarGraph& graph) {
   // 1. A corner of a face is a half edge with that face to its left, by its tail. Two corners at a
   // vertex are one fan when the edge between them is not cut.
   std::vector<std::uint32_t> next = next_halves(graph);
-  Sets fans(next.size());
+  DisjointSets fans(next.size());
   for (std::uint32_t h = 0; h < next.size(); ++h) {
     const bool inside = graph.edge_faces[h / 2][0] >= 0 && graph.edge_faces[h / 2][1] >= 0;
     // The corner of h at its tail, and that of the face on its other side: next of its twin.
@@ -290,7 +249,7 @@ PlanarGraph split_cuts(const PlanarGraph& graph) {
   constexpr std::uint32_t kNone = ~std::uint32_t{0};
   std::vector<std::uint32_t> vertex(next.size(), kNone);
   const auto vertex_of = [&](std::uint32_t h) {
-    std::uint32_t& v = vertex[fans.of(h)];
+    std::uint32_t& v = vertex[fans.find(h)];
     if (v == kNone) {
       v = static_cast<std::uint32_t>(out.vertices.size());
       out.vertices.push_back(graph.vertices[tail(graph, h)]);

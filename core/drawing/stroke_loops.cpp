@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/drawing/linework.hpp"
+#include "core/geometry/disjoint_sets.hpp"
 #include "core/geometry/segment_grid.hpp"
 
 namespace popcut {
@@ -27,7 +28,7 @@ struct Place {
 
 class Meetings {
  public:
-  explicit Meetings(std::span<const PagePoint> stroke) : stroke_(stroke) {
+  explicit Meetings(std::span<const PagePoint> stroke) : stroke_(stroke), sets_(stroke.size()) {
     const auto n = static_cast<std::uint32_t>(stroke.size());
     for (std::uint32_t i = 0; i < n; ++i) places_.push_back({i, 0.0, i, stroke[i]});
     join_equal_vertices();
@@ -37,7 +38,7 @@ class Meetings {
   // All places along the stroke; of those that meet, all have the number of one.
   [[nodiscard]] std::vector<Place> along() {
     std::vector<Place> all = places_;
-    for (Place& place : all) place.number = root(place.number);
+    for (Place& place : all) place.number = sets_.find(place.number);
     std::stable_sort(all.begin(), all.end(), [](const Place& a, const Place& b) {
       return std::tie(a.segment, a.part) < std::tie(b.segment, b.part);
     });
@@ -46,17 +47,8 @@ class Meetings {
   [[nodiscard]] bool any() const { return meetings_ > (closed(stroke_) ? 1u : 0u); }
 
  private:
-  std::uint32_t root(std::uint32_t i) const {
-    while (places_[i].number != i) i = places_[i].number;
-    return i;
-  }
   void unite(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    if (a == b) return;
-    if (b < a) std::swap(a, b);
-    places_[b].number = a;
-    ++meetings_;
+    if (sets_.join(a, b)) ++meetings_;
   }
 
   void join_equal_vertices() {
@@ -100,7 +92,7 @@ class Meetings {
     if (part * l <= kMeet) return segment;
     if ((1.0 - part) * l <= kMeet) return segment + 1;
     const PagePoint &a = stroke_[segment], &b = stroke_[segment + 1];
-    const auto number = static_cast<std::uint32_t>(places_.size());
+    const std::uint32_t number = sets_.add();
     places_.push_back(
         {segment, part, number, {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)}});
     return number;
@@ -127,6 +119,7 @@ class Meetings {
 
   std::span<const PagePoint> stroke_;
   std::vector<Place> places_;
+  DisjointSets sets_;  ///< of the places, by number
   std::size_t meetings_{0};
 };
 

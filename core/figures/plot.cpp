@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/figures/plot_parts.hpp"
+#include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 
 namespace popcut::plot {
@@ -204,13 +205,12 @@ std::string figure_svg(std::span<const Panel> panels, std::span<const IsoPanel> 
   const auto count = static_cast<int>(panels.size() + surfaces.size());
   columns = std::clamp(columns, 1, std::max(count, 1));
   const int rows = (count + columns - 1) / columns;
-  std::string svg;
-  fmt::format_to(std::back_inserter(svg),
-                 "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg "
-                 "xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:g}\" height=\"{1:g}\" "
-                 "viewBox=\"0 0 {0:g} {1:g}\" font-family=\"Helvetica, Arial, DejaVu Sans, "
-                 "sans-serif\">\n<rect width=\"{0:g}\" height=\"{1:g}\" fill=\"#ffffff\"/>\n",
-                 columns * kPanelWidth, rows * kPanelHeight);
+  const double width = columns * kPanelWidth, height = rows * kPanelHeight;
+  std::string svg =
+      svg_head(fmt::format("width=\"{0:g}\" height=\"{1:g}\" viewBox=\"0 0 {0:g} {1:g}\" "
+                           "font-family=\"Helvetica, Arial, DejaVu Sans, sans-serif\"",
+                           width, height));
+  svg += fmt::format("<rect width=\"{:g}\" height=\"{:g}\" fill=\"#ffffff\"/>\n", width, height);
   int at = 0;
   const auto place = [&] {
     const std::array<double, 2> corner{at % columns * kPanelWidth, at / columns * kPanelHeight};

@@ -30,7 +30,8 @@ struct LongLine {
 /// Sorts long segments by the lines that they lie on, so that those that may share a part are in
 /// one bin or in bins beside each other: of 0.005 rad, of the tolerance and half a percent of the
 /// drawing across, and of twice the usual length along. Segments of 5 mm or more that share a part
-/// differ by less (see `overlap`).
+/// differ by less (see `overlap`). A grid of cells would be filled by long lines from end to end,
+/// and what crosses there is not asked for.
 class LineBins {
  public:
   /// `middle` and `reach`: the middle of the drawing, and how far it goes from there; `usual_mm`:

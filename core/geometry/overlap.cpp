@@ -76,44 +76,17 @@ std::size_t OverlapIndex::slot(std::int64_t cx, std::int64_t cy, int direction) 
   return (h ^ (h >> 32)) & (head_.size() - 1);
 }
 
-// Walks the columns (or rows) of cells along the segment's longer extent; in each, the cells that a
-// corridor of `reach` about the segment touches.
-template <typename Visit>
-void OverlapIndex::visit_cells(const Segment& s, double reach, Visit&& visit) const {
-  const bool flat = std::abs(s.b.x - s.a.x) >= std::abs(s.b.y - s.a.y);
-  const auto major = [&](const PagePoint& p) { return flat ? p.x : p.y; };
-  const auto minor = [&](const PagePoint& p) { return flat ? p.y : p.x; };
-  const bool forward = major(s.a) <= major(s.b);
-  const PagePoint& lo = forward ? s.a : s.b;
-  const PagePoint& hi = forward ? s.b : s.a;
-  const double span = major(hi) - major(lo);
-  const double slope = span > 0.0 ? (minor(hi) - minor(lo)) / span : 0.0;
-  const auto cell_at = [&](double value) {
-    return static_cast<std::int64_t>(std::floor(value / cell_));
-  };
-  const std::int64_t first = cell_at(major(lo) - reach);
-  const std::int64_t last = cell_at(major(hi) + reach);
-  for (std::int64_t c = first; c <= last; ++c) {
-    const double m0 = std::clamp(static_cast<double>(c) * cell_, major(lo), major(hi));
-    const double m1 = std::clamp(static_cast<double>(c + 1) * cell_, major(lo), major(hi));
-    const double n0 = minor(lo) + slope * (m0 - major(lo));
-    const double n1 = minor(lo) + slope * (m1 - major(lo));
-    const std::int64_t to = cell_at(std::max(n0, n1) + reach);
-    for (std::int64_t d = cell_at(std::min(n0, n1) - reach); d <= to; ++d)
-      flat ? visit(c, d) : visit(d, c);
-  }
-}
-
 void OverlapIndex::insert(const Segment& segment, std::uint32_t id) {
   const auto index = static_cast<std::uint32_t>(segments_.size());
   segments_.push_back(segment);
   ids_.push_back(id);
   seen_.push_back(0);
   const int direction = direction_of(segment);
-  visit_cells(segment, 0.0, [&](std::int64_t cx, std::int64_t cy) {
+  walk_cells(segment, cell_, 0.0, [&](std::int64_t cx, std::int64_t cy) {
     std::int32_t& head = head_[slot(cx, cy, direction)];
     entries_.emplace_back(index, head);
     head = static_cast<std::int32_t>(entries_.size() - 1);
+    return true;
   });
 }
 
@@ -131,7 +104,7 @@ void OverlapIndex::find(const Segment& segment, std::uint32_t not_this, std::vec
   if (!(l > 0.0) || segments_.empty()) return;
   ++query_;
   const int direction = direction_of(segment);
-  visit_cells(segment, tolerance_, [&](std::int64_t cx, std::int64_t cy) {
+  walk_cells(segment, cell_, tolerance_, [&](std::int64_t cx, std::int64_t cy) {
     for (int turn = kDirections - 1; turn <= kDirections + 1; ++turn) {
       for (std::int32_t e = head_[slot(cx, cy, (direction + turn) % kDirections)]; e >= 0;
            e = entries_[static_cast<std::size_t>(e)].second) {
@@ -143,6 +116,7 @@ void OverlapIndex::find(const Segment& segment, std::uint32_t not_this, std::vec
           out.push_back(part);
       }
     }
+    return true;
   });
 }
 

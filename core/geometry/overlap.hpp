@@ -6,23 +6,20 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/cell_walk.hpp"
 #include "core/geometry/page_point.hpp"
 
 namespace popcut {
-
-/// A straight piece of a drawing.
-struct Segment {
-  PagePoint a;
-  PagePoint b;
-};
 
 /// The part of `s` (of length `l`) that lies on `other` to `tolerance`, mm along it; false if none.
 [[nodiscard]] bool overlap(const Segment& s, double l, const Segment& other, double tolerance,
                            double& from, double& to);
 
 /// Finds which parts of a segment lie on others: a hash of grid cells and directions, filled as one
-/// goes. Two segments overlap where one's projection falls on the other and both ends of that part
-/// lie within `tolerance` of it; so lines that cross never do.
+/// goes: neither the drawing's extent nor its number of lines need be known (`SegmentGrid` wants
+/// both), and only lines of nearly the same direction are looked at. Two segments overlap where
+/// one's projection falls on the other and both ends of that part lie within `tolerance` of it; so
+/// lines that cross never do.
 class OverlapIndex {
  public:
   /// `cell` is the size of a grid cell in mm: see `cell_for`.
@@ -43,8 +40,6 @@ class OverlapIndex {
   void find(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out);
 
  private:
-  template <typename Visit>
-  void visit_cells(const Segment& segment, double reach, Visit&& visit) const;
   [[nodiscard]] std::size_t slot(std::int64_t cx, std::int64_t cy, int direction) const;
 
   double cell_;

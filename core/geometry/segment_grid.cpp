@@ -28,24 +28,21 @@ SegmentGrid::SegmentGrid(std::span<const Segment> segments, double reach, bool f
   y0_ = box.y0;
   columns_ = static_cast<std::int64_t>(box.width() / cell_) + 1;
   rows_ = static_cast<std::int64_t>(box.height() / cell_) + 1;
-  first_.assign(static_cast<std::size_t>(columns_ * rows_) + 1, 0);
-  for (const Segment& s : segments) visit(s, 0.0, [&](std::size_t cell) { ++first_[cell + 1]; });
-  for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
-  items_.resize(first_.back());
+  cells_ = Buckets<std::uint32_t>(static_cast<std::size_t>(columns_ * rows_), [&](auto&& put) {
+    for (std::uint32_t i = 0; i < segments.size(); ++i)
+      visit(segments[i], 0.0, [&](std::size_t cell) { put(cell, i); });
+  });
   seen_.assign(segments.size(), 0);
-  std::vector<std::uint32_t> fill(first_.begin(), first_.end() - 1);
-  for (std::uint32_t i = 0; i < segments.size(); ++i)
-    visit(segments[i], 0.0, [&](std::size_t cell) { items_[fill[cell]++] = i; });
 }
 
 void SegmentGrid::near(const Segment& segment, std::vector<std::uint32_t>& out) {
   out.clear();
   ++query_;
   visit(segment, reach_, [&](std::size_t cell) {
-    for (std::uint32_t q = first_[cell]; q < first_[cell + 1]; ++q)
-      if (seen_[items_[q]] != query_) {
-        seen_[items_[q]] = query_;
-        out.push_back(items_[q]);
+    for (const std::uint32_t i : cells_[cell])
+      if (seen_[i] != query_) {
+        seen_[i] = query_;
+        out.push_back(i);
       }
   });
 }

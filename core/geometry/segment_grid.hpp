@@ -7,11 +7,14 @@
 #include <span>
 #include <vector>
 
-#include "core/geometry/overlap.hpp"
+#include "core/geometry/buckets.hpp"
+#include "core/geometry/cell_walk.hpp"
 
 namespace popcut {
 
-/// Segments in a uniform grid that is built once: which of them come near a given one?
+/// Segments in a uniform grid that is built once: which of them come near a given one? The index
+/// for whatever asks that. Boost.Geometry's rtree takes 1.6 times as long
+/// (tests/bench/spatial_bench).
 class SegmentGrid {
  public:
   /// `reach`: how near is near, in mm. `fine`: cells of twice the reach also where segments are
@@ -25,11 +28,10 @@ class SegmentGrid {
   template <typename Cell>
   void each_cell(const Segment& segment, Cell&& cell) const {
     visit(segment, reach_, [&](std::size_t c) {
-      if (first_[c] == first_[c + 1]) return;
+      if (cells_[c].empty()) return;
       const auto column = static_cast<double>(c % static_cast<std::size_t>(columns_));
       const auto row = static_cast<double>(c / static_cast<std::size_t>(columns_));
-      cell(PagePoint{x0_ + (column + 0.5) * cell_, y0_ + (row + 0.5) * cell_},
-           std::span(items_).subspan(first_[c], first_[c + 1] - first_[c]));
+      cell(PagePoint{x0_ + (column + 0.5) * cell_, y0_ + (row + 0.5) * cell_}, cells_[c]);
     });
   }
   [[nodiscard]] double cell_mm() const { return cell_; }
@@ -42,8 +44,7 @@ class SegmentGrid {
   double cell_{1.0};
   double x0_{}, y0_{};
   std::int64_t columns_{1}, rows_{1};
-  std::vector<std::uint32_t> first_;  ///< cells + 1 offsets into items_
-  std::vector<std::uint32_t> items_;
+  Buckets<std::uint32_t> cells_;
   std::vector<std::uint32_t> seen_;  ///< query that met the segment last
   std::uint32_t query_{};
 };

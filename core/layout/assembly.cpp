@@ -7,8 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "core/text/text_sink.hpp"
 #include "core/drawing/linework.hpp"
+#include "core/text/svg_document.hpp"
+#include "core/text/text_sink.hpp"
 
 namespace popcut {
 namespace {
@@ -43,11 +44,11 @@ class Drawing {
         under ? box.height() + 2 * text_ + list : std::max(box.height() + 2 * text_, list);
     const PagePoint steps_at =
         under ? PagePoint{box.x0, box.y1 + 2 * text_} : PagePoint{box.x1 + text_, box.y0 + text_};
-    out_ += fmt::format(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
-        "width=\"{:.3f}mm\" height=\"{:.3f}mm\" viewBox=\"{:.3f} {:.3f} {:.3f} {:.3f}\" "
-        "font-family=\"sans-serif\">\n<title>{}: how the pieces come together</title>\n",
-        width, height, box.x0 - text_, box.y0 - text_, width, height, xml_escaped(drawing_.name));
+    out_ += svg_head(
+        fmt::format("width=\"{2:.3f}mm\" height=\"{3:.3f}mm\" "
+                    "viewBox=\"{0:.3f} {1:.3f} {2:.3f} {3:.3f}\" font-family=\"sans-serif\"",
+                    box.x0 - text_, box.y0 - text_, width, height),
+        drawing_.name + ": how the pieces come together");
     out_ += fmt::format(
         "<rect x=\"{:.3f}\" y=\"{:.3f}\" width=\"{:.3f}\" height=\"{:.3f}\" "
         "fill=\"white\"/>\n",

@@ -63,45 +63,14 @@ void merge(std::vector<SeamStretch>& stretches) {
 
 }  // namespace
 
-std::size_t LineIndex::Slices::slice(double at) const {
-  const double k = (at - from) / width;
-  const auto last = static_cast<double>(first.size() - 2);
-  return static_cast<std::size_t>(std::clamp(k, 0.0, last));
-}
-
-std::span<const std::uint32_t> LineIndex::Slices::of(double at) const {
-  const std::size_t k = slice(at);
-  return std::span(items).subspan(first[k], size(k));
-}
-
 LineIndex::Slices LineIndex::slices(bool by_x, const std::vector<std::uint32_t>& which,
                                     double reach) const {
   Slices out;
-  const double from = (by_x ? box_.x0 : box_.y0) - reach;
-  const double extent = (by_x ? box_.width() : box_.height()) + 2 * reach;
-  out.from = from;
-  // As fine as the entries stay linear in the segments: long lines lie in many slices.
-  std::size_t count = std::clamp<std::size_t>(which.size() / 2, 1, 8192);
-  for (;; count /= 2) {
-    out.width = std::max(extent / static_cast<double>(count), 1e-9);
-    double entries = 0.0;
-    for (const std::uint32_t i : which)
-      entries += 2 + (high(segments_[i], by_x) - low(segments_[i], by_x) + 2 * reach) / out.width;
-    if (count == 1 || entries <= 8.0 * static_cast<double>(which.size()) + 4096) break;
-  }
-  out.first.assign(count + 1, 0);
-  const auto each = [&](auto&& visit) {
-    for (const std::uint32_t i : which) {
-      const std::size_t k0 = out.slice(low(segments_[i], by_x) - reach);
-      const std::size_t k1 = out.slice(high(segments_[i], by_x) + reach);
-      for (std::size_t k = k0; k <= k1; ++k) visit(k, i);
-    }
-  };
-  each([&](std::size_t k, std::uint32_t) { ++out.first[k + 1]; });
-  std::partial_sum(out.first.begin(), out.first.end(), out.first.begin());
-  out.items.resize(out.first.back());
-  std::vector<std::uint32_t> at(out.first.begin(), out.first.end() - 1);
-  each([&](std::size_t k, std::uint32_t i) { out.items[at[k]++] = i; });
+  out.items = IntervalBins(
+      (by_x ? box_.x0 : box_.y0) - reach, (by_x ? box_.x1 : box_.y1) + reach,
+      std::clamp<std::size_t>(which.size() / 2, 1, 8192), which, [&](std::uint32_t i) {
+        return std::pair(low(segments_[i], by_x) - reach, high(segments_[i], by_x) + reach);
+      });
   return out;
 }
 
@@ -109,20 +78,23 @@ void LineIndex::sort_slices(bool by_x, Slices& slices) const {
   const double extent = by_x ? box_.height() : box_.width();
   const auto low_of = [&](std::uint32_t i) { return low(segments_[i], !by_x); };
   const auto high_of = [&](std::uint32_t i) { return high(segments_[i], !by_x); };
-  slices.begin.resize(slices.items.size());
-  slices.reach.resize(slices.items.size());
-  for (std::size_t k = 0; k + 1 < slices.first.size(); ++k) {
-    const auto at = slices.items.begin();
-    const auto first = at + slices.first[k], last = at + slices.first[k + 1];
-    const auto rest = std::partition(
-        first, last, [&](std::uint32_t i) { return high_of(i) - low_of(i) > extent / 16; });
-    std::sort(rest, last, [&](std::uint32_t a, std::uint32_t b) { return low_of(a) < low_of(b); });
-    slices.first_short.push_back(static_cast<std::uint32_t>(rest - at));
+  Buckets<std::uint32_t>& bins = slices.items.bins();
+  slices.begin.resize(bins.items().size());
+  slices.reach.resize(bins.items().size());
+  for (std::size_t k = 0; k < bins.size(); ++k) {
+    const std::span<std::uint32_t> of = bins[k];
+    const auto rest = std::partition(of.begin(), of.end(), [&](std::uint32_t i) {
+      return high_of(i) - low_of(i) > extent / 16;
+    });
+    std::sort(rest, of.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return low_of(a) < low_of(b); });
+    auto at = bins.begin_of(k) + static_cast<std::size_t>(rest - of.begin());
+    slices.first_short.push_back(static_cast<std::uint32_t>(at));
     double reach = -1e300;
-    for (auto i = rest; i != last; ++i) {
+    for (auto i = rest; i != of.end(); ++i, ++at) {
       reach = std::max(reach, high_of(*i));
-      slices.begin[static_cast<std::size_t>(i - at)] = low_of(*i);
-      slices.reach[static_cast<std::size_t>(i - at)] = reach;
+      slices.begin[at] = low_of(*i);
+      slices.reach[at] = reach;
     }
   }
 }
@@ -131,13 +103,17 @@ void LineIndex::sort_slices(bool by_x, Slices& slices) const {
 template <typename Visit>
 void LineIndex::visit(const AxisLine& line, double from, double to, Visit&& visit) const {
   const Slices& slices = slices_[line.vertical ? 0 : 1];
-  const std::size_t k = slices.slice(line.at);
-  for (std::size_t i = slices.first[k]; i < slices.first_short[k]; ++i) visit(slices.items[i]);
+  const std::size_t k = slices.items.bin(line.at);
+  const auto& bins = slices.items.bins();
+  const auto items = bins.items();
+  const std::size_t first = bins.begin_of(k), rest = slices.first_short[k];
+  for (std::size_t i = first; i < rest; ++i) visit(items[i]);
   const auto begin = slices.begin.begin();
   auto i = static_cast<std::size_t>(
-      std::upper_bound(begin + slices.first_short[k], begin + slices.first[k + 1], to + kOn) -
+      std::upper_bound(begin + slices.first_short[k],
+                       begin + static_cast<std::ptrdiff_t>(first + bins[k].size()), to + kOn) -
       begin);
-  while (i-- > slices.first_short[k] && slices.reach[i] >= from - kOn) visit(slices.items[i]);
+  while (i-- > rest && slices.reach[i] >= from - kOn) visit(items[i]);
 }
 
 LineIndex::LineIndex(const LineWork& work, double reach_mm)
@@ -226,7 +202,7 @@ bool LineIndex::is_paper(const PagePoint& p) const {
   if (p.x <= box_.x0 || p.x >= box_.x1 || p.y <= box_.y0 || p.y >= box_.y1) return false;
   if (!has_border_) return true;
   bool inside = false;
-  for (const std::uint32_t i : border_.of(p.y)) {
+  for (const std::uint32_t i : border_.items.at(p.y)) {
     const Segment& s = segments_[i];
     if ((s.a.y > p.y) == (s.b.y > p.y)) continue;
     const double x = s.a.x + (p.y - s.a.y) / (s.b.y - s.a.y) * (s.b.x - s.a.x);
@@ -237,14 +213,14 @@ bool LineIndex::is_paper(const PagePoint& p) const {
 
 std::vector<std::uint32_t> LineIndex::between(bool by_x, double from, double to) const {
   const Slices& slices = slices_[by_x ? 0 : 1];
-  const std::size_t first = slices.slice(from), last = slices.slice(to);
+  const std::size_t first = slices.items.bin(from), last = slices.items.bin(to);
   std::vector<std::uint32_t> out;
   for (std::size_t k = first; k <= last; ++k)
-    for (const std::uint32_t i : std::span(slices.items).subspan(slices.first[k], slices.size(k))) {
+    for (const std::uint32_t i : slices.items.bins()[k]) {
       const double begin = low(segments_[i], by_x);
       if (begin > to + kOn || high(segments_[i], by_x) < from - kOn) continue;
       // Where it lies in several slices it counts in the first of them.
-      if (k == first || k == slices.slice(begin - kBeside)) out.push_back(i);
+      if (k == first || k == slices.items.bin(begin - kBeside)) out.push_back(i);
     }
   return out;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/drawing/linework.hpp"
+#include "core/geometry/interval_bins.hpp"
 #include "core/geometry/segment_grid.hpp"
 #include "core/layout/tabs.hpp"
 
@@ -54,13 +55,9 @@ class LineIndex {
   // Segments by slices of one coordinate: a seam looks into one. Within a slice the long ones come
   // first, the others by where they begin along it, with how far any up to there reaches.
   struct Slices {
-    double from{}, width{1.0};
-    std::vector<std::uint32_t> first, items;
+    IntervalBins items;
     std::vector<std::uint32_t> first_short;
     std::vector<double> begin, reach;
-    [[nodiscard]] std::size_t slice(double at) const;
-    [[nodiscard]] std::size_t size(std::size_t k) const { return first[k + 1] - first[k]; }
-    [[nodiscard]] std::span<const std::uint32_t> of(double at) const;
   };
   void sort_slices(bool by_x, Slices& slices) const;
   template <typename Visit>

@@ -7,7 +7,6 @@
 
 #include "core/machines/machine.hpp"
 #include "core/machines/table.hpp"
-#include "core/machines/tables.hpp"
 #include "core/text/field_reader.hpp"
 #include "core/text/near_names.hpp"
 
@@ -108,28 +107,11 @@ Result<Machine> read_machine(const TableRow& row) {
 }  // namespace
 
 Result<std::vector<Machine>> all_machines(const std::vector<std::string>& user_tables) {
-  const auto rows = table_rows("machines", kMachinesJson, user_tables);
-  if (!rows) return tl::unexpected(rows.error());
-  std::vector<Machine> machines;
-  for (const TableRow& row : *rows) {
-    auto machine = read_machine(row);
-    if (!machine) return tl::unexpected(machine.error());
-    machines.push_back(std::move(*machine));
-  }
-  return machines;
+  return table_values("machines", kMachinesJson, user_tables, read_machine);
 }
 
 Result<Machine> find_machine(std::string_view name, const std::vector<std::string>& user_tables) {
-  auto machines = all_machines(user_tables);
-  if (!machines) return tl::unexpected(machines.error());
-  std::vector<std::string> names;
-  for (Machine& machine : *machines) {
-    if (machine.name == name) return std::move(machine);
-    names.push_back(machine.name);
-  }
-  return fail(
-      ErrorKind::OutOfRange, "",
-      fmt::format("no machine is called {}; {}", name.substr(0, 80), suggestion(name, names)));
+  return value_named(name, all_machines(user_tables), "machine");
 }
 
 }  // namespace popcut

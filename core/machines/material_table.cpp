@@ -7,7 +7,6 @@
 
 #include "core/machines/machine.hpp"
 #include "core/machines/table.hpp"
-#include "core/machines/tables.hpp"
 #include "core/text/field_reader.hpp"
 #include "core/text/near_names.hpp"
 
@@ -106,28 +105,11 @@ const char* fold_mode_name(FoldMode mode) {
 }
 
 Result<std::vector<Material>> all_materials(const std::vector<std::string>& user_tables) {
-  const auto rows = table_rows("materials", kMaterialsJson, user_tables);
-  if (!rows) return tl::unexpected(rows.error());
-  std::vector<Material> materials;
-  for (const TableRow& row : *rows) {
-    auto material = read_material(row);
-    if (!material) return tl::unexpected(material.error());
-    materials.push_back(std::move(*material));
-  }
-  return materials;
+  return table_values("materials", kMaterialsJson, user_tables, read_material);
 }
 
 Result<Material> find_material(std::string_view name, const std::vector<std::string>& user_tables) {
-  auto materials = all_materials(user_tables);
-  if (!materials) return tl::unexpected(materials.error());
-  std::vector<std::string> names;
-  for (Material& material : *materials) {
-    if (material.name == name) return std::move(material);
-    names.push_back(material.name);
-  }
-  return fail(
-      ErrorKind::OutOfRange, "",
-      fmt::format("no material is called {}; {}", name.substr(0, 80), suggestion(name, names)));
+  return value_named(name, all_materials(user_tables), "material");
 }
 
 }  // namespace popcut

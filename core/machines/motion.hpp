@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "core/machines/machine.hpp"
 #include "core/drawing/toolpath.hpp"
+#include "core/machines/machine.hpp"
 
 namespace popcut {
 

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "core/text/svg_document.hpp"
+
 namespace popcut {
 namespace {
 
@@ -81,14 +83,11 @@ Result<void> check_marks(const MarkLayout& marks, const Toolpath& path) {
 
 std::string marks_svg(const MarkLayout& m, std::array<double, 2> page_mm,
                       const std::string& title) {
-  std::string safe;
-  for (const char c : title)
-    if (c != '<' && c != '>' && c != '&' && static_cast<unsigned char>(c) >= 0x20) safe += c;
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:g}mm\" height=\"{1:g}mm\" viewBox=\"0 "
-      "0 "
-      "{0:g} {1:g}\">\n<title>{2}</title>\n<g id=\"registration-marks\" fill=\"black\">\n",
-      page_mm[0], page_mm[1], safe);
+  std::string svg =
+      svg_head(fmt::format("width=\"{0:g}mm\" height=\"{1:g}mm\" viewBox=\"0 0 {0:g} {1:g}\"",
+                           page_mm[0], page_mm[1]),
+               title) +
+      "<g id=\"registration-marks\" fill=\"black\">\n";
   const auto rect = [&](double x, double y, double w, double h) {
     svg +=
         fmt::format("<rect x=\"{:g}\" y=\"{:g}\" width=\"{:g}\" height=\"{:g}\"/>\n", x, y, w, h);

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 
 namespace popcut {
@@ -122,15 +123,16 @@ std::string plan_svg(const PlannedSheet& sheet, const std::string& title) {
   const double height = std::max(sheet.area_mm[1], kLeastHeightMm);
   std::string svg;
   svg.reserve(8192 + 12 * path.points.size() + 24 * path.strokes.size());
+  svg += svg_head(
+      fmt::format("version=\"1.1\" width=\"{0}mm\" height=\"{1}mm\" viewBox=\"0 0 {0} {1}\"", width,
+                  height),
+      title);
   fmt::format_to(Out(svg),
-                 "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-                 "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"{0}mm\" "
-                 "height=\"{1}mm\" viewBox=\"0 0 {0} {1}\">\n<title>{2}</title>\n"
                  "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
-                 "<rect width=\"{3}\" height=\"{4}\" fill=\"none\" stroke=\"#c0c0c0\" "
+                 "<rect width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#c0c0c0\" "
                  "stroke-width=\"0.3\"/>\n<g fill=\"none\" stroke-width=\"0.35\" "
                  "stroke-linecap=\"round\">\n",
-                 width, height, xml_escaped(title), sheet.area_mm[0], sheet.area_mm[1]);
+                 sheet.area_mm[0], sheet.area_mm[1]);
   put_travel(svg, path);
   put_strokes(svg, path);
   if (!path.strokes.empty()) {

@@ -8,8 +8,9 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
-#include "core/text/text_sink.hpp"
 #include "core/layout/assembly.hpp"
+#include "core/text/svg_document.hpp"
+#include "core/text/text_sink.hpp"
 
 namespace popcut {
 namespace {
@@ -37,13 +38,10 @@ void path_data(std::string& svg, std::span<const PagePoint> points) {
 
 void head(std::string& svg, const std::array<double, 2>& size, const std::string& title,
           const char* attributes) {
-  fmt::format_to(
-      Out(svg),
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" "
-      "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" version=\"1.1\" "
-      "width=\"{0}mm\" height=\"{1}mm\" viewBox=\"0 0 {0} {1}\"{2}>\n<title>{3}</title>\n",
-      size[0], size[1], attributes, xml_escaped(title));
+  svg += svg_head(
+      fmt::format("{0} version=\"1.1\" width=\"{1}mm\" height=\"{2}mm\" viewBox=\"0 0 {1} {2}\"{3}",
+                  kInkscape, size[0], size[1], attributes),
+      title);
 }
 
 void open_layer(std::string& svg, const Layer& layer) {

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/motion/mobility.hpp"
 #include "core/verify/motion/motion.hpp"
 #include "core/verify/motion/opening.hpp"
+#include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/sheet/sheet.hpp"
 #include "core/verify/sheet/tiling.hpp"
 #include "core/verify/verify.hpp"
@@ -25,11 +25,11 @@ struct Limits {
 };
 
 /// Limits for a file, by the size of what its edges draw (vertices of no edge do not count).
-[[nodiscard]] Limits limits_of(const FoldFile& file);
+[[nodiscard]] Limits limits_of(const FoldModel& file);
 
 /// A pattern with all that is known about it so far.
 struct Subject {
-  FoldFile file;
+  FoldModel file;
   bool page{};  ///< places of a drawing are told as x and y
   Limits limits;
   Sheet sheet;

@@ -70,9 +70,13 @@ struct VerifyReport {
 /// one connected piece, faces that tile the sheet, no doubled or crossing lines, isometric and
 /// closed in every pose that the file holds, fold angles and assignments that agree with the poses,
 /// the degrees of freedom in a pose that is neither flat nor shut, and no face through another.
-/// A file without such a pose is opened by the rigid-panel solver (core/verify/opening.hpp) and
-/// judged in the poses that it goes through; one without faces gets those that its lines enclose.
-/// Shares no code with what generates patterns.
+/// A file without such a pose is opened by the rigid-panel solver (core/verify/motion/opening.hpp)
+/// and judged in the poses that it goes through; one without faces gets those that its lines
+/// enclose. Shares no code with what generates patterns, so that a fault there cannot hide here.
+/// What it does share knows nothing of patterns and has tests of its own: core/geometry (vectors,
+/// triangulation, disjoint sets, indexes) and core/text (the arrays of a FOLD file, as they stand
+/// in its JSON). Its reader of FOLD files (`verify::FoldModel`), its targets and its solver are its
+/// own.
 ///
 /// @retval Malformed, OutOfRange  the file cannot be read or shows no sheet; likewise for the
 /// target

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 
 namespace popcut::planning {
@@ -35,11 +36,14 @@ std::string note(const std::string& text, double x, double y, double size) {
 }
 
 std::string head(double x, double y, double width, double height) {
-  return fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{2:.2f}mm\" height=\"{3:.2f}mm\" "
-      "viewBox=\"{0:.2f} {1:.2f} {2:.2f} {3:.2f}\">\n"
-      "<rect x=\"{0:.2f}\" y=\"{1:.2f}\" width=\"{2:.2f}\" height=\"{3:.2f}\" fill=\"#fff\"/>\n",
-      x, y, width, height);
+  return svg_head(fmt::format("width=\"{2:.2f}mm\" height=\"{3:.2f}mm\" "
+                              "viewBox=\"{0:.2f} {1:.2f} {2:.2f} {3:.2f}\"",
+                              x, y, width, height),
+                  {}, SvgPlace::Inside) +
+         fmt::format(
+             "<rect x=\"{0:.2f}\" y=\"{1:.2f}\" width=\"{2:.2f}\" height=\"{3:.2f}\" "
+             "fill=\"#fff\"/>\n",
+             x, y, width, height);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 #include "device/sim/trace.hpp"
 #include "device/sim/window.hpp"
@@ -17,18 +18,6 @@ constexpr double kMarginMm = 5;
 constexpr double kLegendRowMm = 5;
 
 /// Names come from users' tables: markup in them is only text.
-std::string escaped(std::string_view text) { return xml_escaped(text); }
-
-struct PageBox {
-  double left{1e300}, top{1e300}, right{-1e300}, bottom{-1e300};
-  void add(PagePoint p) {
-    left = std::min(left, p.x);
-    right = std::max(right, p.x);
-    top = std::min(top, p.y);
-    bottom = std::max(bottom, p.y);
-  }
-};
-
 /// Strokes that look alike: one tool and one force.
 struct Look {
   int tool{};
@@ -70,13 +59,13 @@ std::string travel_path(const Trace& trace) {
   return path;
 }
 
-PageBox page_box(const Trace& trace) {
-  PageBox box;
+Box page_box(const Trace& trace) {
+  Box box;
   box.add({0, 0});
   for (const PagePoint& point : trace.points) box.add(point);
   // A roll is as long as what is cut from it; a sheet is shown whole.
   const bool roll = trace.page_length_mm > 1000;
-  box.add({trace.page_width_mm, roll ? box.bottom : trace.page_length_mm});
+  box.add({trace.page_width_mm, roll ? box.y1 : trace.page_length_mm});
   return box;
 }
 
@@ -99,28 +88,27 @@ std::string trace_svg(const Trace& trace) {
     put_path(drawn.path, points);
     for (std::size_t i = 1; i < points.size(); ++i) drawn.mm += distance(points[i - 1], points[i]);
   }
-  const PageBox box = page_box(trace);
+  const Box box = page_box(trace);
   const std::size_t rows = looks.size() + (trace.clipped_mm > 0 ? 4u : 3u);
-  const double width = std::max(box.right - box.left, 90.0) + 2 * kMarginMm;
-  const double height =
-      box.bottom - box.top + 2 * kMarginMm + kLegendRowMm * static_cast<double>(rows);
-  std::string svg = fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.6g}mm\" height=\"{1:.6g}mm\" "
-      "viewBox=\"{2:.6g} {3:.6g} {0:.6g} {1:.6g}\">\n"
-      "<title>What {4} did</title>\n"
-      "<rect x=\"{2:.6g}\" y=\"{3:.6g}\" width=\"{0:.6g}\" height=\"{1:.6g}\" fill=\"#fff\"/>\n"
-      "<rect x=\"{5:.6g}\" y=\"{6:.6g}\" width=\"{7:.6g}\" height=\"{8:.6g}\" fill=\"none\" "
+  const double width = std::max(box.x1 - box.x0, 90.0) + 2 * kMarginMm;
+  const double height = box.y1 - box.y0 + 2 * kMarginMm + kLegendRowMm * static_cast<double>(rows);
+  std::string svg = svg_head(fmt::format("width=\"{2:.6g}mm\" height=\"{3:.6g}mm\" "
+                                         "viewBox=\"{0:.6g} {1:.6g} {2:.6g} {3:.6g}\"",
+                                         box.x0 - kMarginMm, box.y0 - kMarginMm, width, height),
+                             fmt::format("What {} did", trace.machine));
+  svg += fmt::format(
+      "<rect x=\"{:.6g}\" y=\"{:.6g}\" width=\"{:.6g}\" height=\"{:.6g}\" fill=\"#fff\"/>\n"
+      "<rect x=\"0\" y=\"0\" width=\"{:.6g}\" height=\"{:.6g}\" fill=\"none\" "
       "stroke=\"#bbb\" stroke-width=\"0.2\"/>\n",
-      width, height, box.left - kMarginMm, box.top - kMarginMm, escaped(trace.machine), 0.0, 0.0,
-      trace.page_width_mm, trace.page_length_mm > 1000 ? box.bottom : trace.page_length_mm);
+      box.x0 - kMarginMm, box.y0 - kMarginMm, width, height, trace.page_width_mm,
+      trace.page_length_mm > 1000 ? box.y1 : trace.page_length_mm);
   auto out = std::back_inserter(svg);
   fmt::format_to(out,
                  "<path class=\"travel\" d=\"{}\" fill=\"none\" stroke=\"#3a9\" "
                  "stroke-width=\"0.05\"/>\n",
                  travel_path(trace));
-  const double legend_x = box.left;
-  double y = box.bottom + kMarginMm + kLegendRowMm;
+  const double legend_x = box.x0;
+  double y = box.y1 + kMarginMm + kLegendRowMm;
   const auto legend_row = [&](const std::string& stroke, double line_mm, const std::string& words) {
     fmt::format_to(out,
                    "<path d=\"M{0:.6g},{1:.6g}h10\" stroke=\"{2}\" stroke-width=\"{3}\"/>"
@@ -153,7 +141,7 @@ std::string trace_svg(const Trace& trace) {
   }
   legend_row("#3a9", 0.05, fmt::format("travel with the tool up: {:.1f} mm", trace.travel_mm));
   legend_row("none", 0,
-             fmt::format("{}: {:.1f} mm in {} strokes, {:.0f} s", escaped(trace.machine),
+             fmt::format("{}: {:.1f} mm in {} strokes, {:.0f} s", xml_escaped(trace.machine),
                          trace.cut_mm, trace.lifts, trace.seconds));
   return svg + "</svg>\n";
 }

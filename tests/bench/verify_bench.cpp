@@ -42,7 +42,7 @@ void report_opening_time(int levels, int slices, bool bent) {
   FoldDraft draft = draft_of(card);
   draft.poses.clear();
   draft.key_angle_deg.clear();
-  auto file = verify::read_fold(draft.text());
+  auto file = verify::read_fold_model(draft.text());
   REQUIRE(file);
   VerifyCheck check;
   const verify::Sheet sheet = make_sheet(*file, check);

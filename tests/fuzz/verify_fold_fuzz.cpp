@@ -10,13 +10,14 @@ using namespace popcut;
 
 // What the verifier takes for a pattern: arrays that agree and indices that are there.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto file = verify::read_fold({reinterpret_cast<const char*>(data), size});
+  const auto file = verify::read_fold_model({reinterpret_cast<const char*>(data), size});
   if (!file) {
     if (file.error().detail.empty()) std::abort();
     return 0;
   }
-  for (const verify::Vec2& p : file->flat)
-    if (!(std::abs(p.u) <= verify::kMaxCoordinate_mm && std::abs(p.v) <= verify::kMaxCoordinate_mm))
+  for (const Vec2& p : file->flat)
+    if (!(std::abs(p.x()) <= verify::kMaxCoordinate_mm &&
+          std::abs(p.y()) <= verify::kMaxCoordinate_mm))
       std::abort();
   for (const auto& edge : file->edges)
     for (const std::uint32_t v : edge)

@@ -10,10 +10,10 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "core/deploy/face_triangles.hpp"
 #include "core/deploy/glb.hpp"
 #include "core/deploy/pose_table.hpp"
 #include "core/deploy/sheet_mesh.hpp"
-#include "core/deploy/triangulate.hpp"
 #include "core/deploy/unfold_frames.hpp"
 #include "core/design/design.hpp"
 #include "core/formats/fold/fold_writer.hpp"
@@ -88,7 +88,7 @@ TEST_CASE("every face stays congruent and on its hinge in all poses", "[core][de
       for (std::size_t f = 0; f < pattern.faces(); ++f) {
         for (const std::uint32_t i : pattern.face(f)) {
           const Vec3 flat = flat_place(pattern, pattern.vertices[i]);
-          off = std::max(off, norm(moved(table->at(k, f), flat) - due[i]));
+          off = std::max(off, norm(moved(table->at(k, f), flat) - vec3(due[i])));
         }
       }
       for (std::size_t b = 0; b < table->bodies(); ++b) {
@@ -194,7 +194,7 @@ TEST_CASE("patterns come back from their FOLD files with their V-folds", "[core]
     double off = 0;
     for (const double angle : {3.0, 1.7, 0.4}) {
       const auto a = posed_vertices(pattern, angle), b = posed_vertices(*back, angle);
-      for (std::size_t i = 0; i < a.size(); ++i) off = std::max(off, norm(Vec3(a[i]) - Vec3(b[i])));
+      for (std::size_t i = 0; i < a.size(); ++i) off = std::max(off, norm(vec3(a[i]) - vec3(b[i])));
     }
     CHECK(off < 1e-9);
   });

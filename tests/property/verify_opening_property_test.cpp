@@ -45,7 +45,7 @@ std::string fold_of(const std::string& spec_text) {
 }
 
 /// Largest distance of a vertex between two poses, after the largest panel was laid on itself.
-double largest_difference(const verify::FoldFile& file, const verify::Sheet& sheet,
+double largest_difference(const verify::FoldModel& file, const verify::Sheet& sheet,
                           const verify::Pose& opened, const verify::Pose& known) {
   const auto panels = make_panels(file, sheet);
   std::size_t largest_panel = 0;
@@ -60,9 +60,9 @@ double largest_difference(const verify::FoldFile& file, const verify::Sheet& she
   const auto to = measure(file, sheet, panels, known).panel[largest_panel];
   double largest = 0.0;
   for (std::size_t i = 0; i < opened.at.size(); ++i) {
-    const verify::Vec3 p = opened.at[i] - from.origin;
-    const verify::Vec3 moved = to.origin + dot(p, from.along_u) * to.along_u +
-                               dot(p, from.along_v) * to.along_v + dot(p, from.normal) * to.normal;
+    const Vec3 p = opened.at[i] - from.origin;
+    const Vec3 moved = to.origin + dot(p, from.along_u) * to.along_u +
+                       dot(p, from.along_v) * to.along_v + dot(p, from.normal) * to.normal;
     largest = std::max(largest, norm(moved - known.at[i]));
   }
   return largest;
@@ -76,7 +76,7 @@ struct Agreement {
 
 /// Takes the frames off, opens the rest and compares with what was taken off.
 Agreement compared(const std::string& fold, bool keep_angles) {
-  auto file = verify::read_fold(fold);
+  auto file = verify::read_fold_model(fold);
   REQUIRE(file);
   const std::vector<verify::Pose> known = std::move(file->poses);
   REQUIRE(known.size() == 2);

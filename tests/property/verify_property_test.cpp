@@ -5,8 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/geometry/triangulate.hpp"
 #include "core/verify/sheet/sheet.hpp"
-#include "core/verify/sheet/triangulate.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/fold_draft.hpp"
 
@@ -172,7 +172,7 @@ TEST_CASE("triangles of a comb make up its area and none overlaps another",
   for (int round = 0; round < 60; ++round) {
     CAPTURE(round);
     // A wall with teeth of random depth, as the panels of a lattice leave it.
-    std::vector<verify::Vec2> points{{0.0, 0.0}};
+    std::vector<Vec2> points{{0.0, 0.0}};
     const std::size_t teeth = 1 + random() % 12;
     for (std::size_t k = 0; k < teeth; ++k) {
       const double depth = 2.0 + static_cast<double>(random() % 8);
@@ -186,16 +186,16 @@ TEST_CASE("triangles of a comb make up its area and none overlaps another",
       polygon.push_back(k);
       whole += 0.5 * cross(points[k], points[(k + 1) % points.size()]);
     }
-    std::vector<verify::Triangle> triangles;
-    REQUIRE(verify::triangulate(points, polygon, triangles));
-    const auto corners = [&](const verify::Triangle& t) {
+    std::vector<Triangle> triangles;
+    REQUIRE(triangulate(points, polygon, triangles));
+    const auto corners = [&](const Triangle& t) {
       return std::array{points[t[0]], points[t[1]], points[t[2]]};
     };
     double sum = 0.0;
     for (std::size_t i = 0; i < triangles.size(); ++i) {
-      sum += verify::common_area(corners(triangles[i]), corners(triangles[i]));
+      sum += common_area(corners(triangles[i]), corners(triangles[i]));
       for (std::size_t j = 0; j < i; ++j) {
-        CHECK(verify::common_area(corners(triangles[i]), corners(triangles[j])) < 1e-9);
+        CHECK(common_area(corners(triangles[i]), corners(triangles[j])) < 1e-9);
       }
     }
     CHECK(sum == Approx(whole));

@@ -18,7 +18,8 @@ std::uint32_t word(const std::string& bytes, std::size_t at) {
 template <typename Array>
 Array filled(const nlohmann::json& list, Array fallback) {
   if (!list.is_array()) return fallback;
-  for (std::size_t i = 0; i < fallback.size(); ++i) fallback[i] = list[i].get<double>();
+  for (std::size_t i = 0; i < list.size(); ++i)
+    fallback[static_cast<Eigen::Index>(i)] = list[i].get<double>();
   return fallback;
 }
 
@@ -71,8 +72,9 @@ GlbScene::Local GlbScene::local(std::size_t node, double at_s) const {
   const auto& n = json_["nodes"][node];
   Local out;
   out.scale = filled(n.value("scale", nlohmann::json()), Vec3{1, 1, 1})[0];
-  out.motion.turn = filled(n.value("rotation", nlohmann::json()), kNoTurn);
-  out.motion.shift = filled(n.value("translation", nlohmann::json()), Vec3{});
+  out.motion.turn =
+      Turn(filled(n.value("rotation", nlohmann::json()), Eigen::Vector4d(kNoTurn.coeffs())));
+  out.motion.shift = filled(n.value("translation", nlohmann::json()), Vec3(Vec3::Zero()));
   for (const auto& animation : json_.value("animations", nlohmann::json::array())) {
     for (const auto& channel : animation["channels"]) {
       if (channel["target"]["node"] != node) continue;
@@ -83,15 +85,9 @@ GlbScene::Local GlbScene::local(std::size_t node, double at_s) const {
       while (k + 2 < times.size() && times[k + 1] < at_s) ++k;
       const double part = std::clamp((at_s - times[k]) / (times[k + 1] - times[k]), 0.0, 1.0);
       if (channel["target"]["path"] == "rotation") {
-        Turn a{}, b{};
-        for (std::size_t c = 0; c < 4; ++c) {
-          a[c] = values[4 * k + c];
-          b[c] = values[4 * k + 4 + c];
-        }
-        out.motion.turn = slerp(a, b, part);
+        out.motion.turn = slerp(Turn(&values[4 * k]), Turn(&values[4 * k + 4]), part);
       } else {
-        for (std::size_t c = 0; c < 3; ++c)
-          out.motion.shift[c] = (1 - part) * values[3 * k + c] + part * values[3 * k + 3 + c];
+        out.motion.shift = (1 - part) * Vec3(&values[3 * k]) + part * Vec3(&values[3 * k + 3]);
       }
     }
   }
@@ -104,7 +100,7 @@ std::vector<Vec3> GlbScene::places(std::size_t node, double at_s) const {
   const auto corners = numbers(primitive["attributes"]["POSITION"].get<std::size_t>());
   std::vector<Vec3> out;
   for (std::size_t i = 0; i < corners.size(); i += 3)
-    out.push_back({corners[i], corners[i + 1], corners[i + 2]});
+    out.emplace_back(corners[i], corners[i + 1], corners[i + 2]);
   for (int n = static_cast<int>(node); n >= 0; n = parent_[static_cast<std::size_t>(n)]) {
     const Local here = local(static_cast<std::size_t>(n), at_s);
     for (Vec3& p : out) p = moved(here.motion, here.scale * p);

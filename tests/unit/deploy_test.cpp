@@ -11,6 +11,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/deploy/face_triangles.hpp"
 #include "core/deploy/glb.hpp"
 #include "core/deploy/joints.hpp"
 #include "core/deploy/pose_table.hpp"
@@ -19,11 +20,10 @@
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/deploy/shut_stack.hpp"
 #include "core/deploy/stl.hpp"
-#include "core/deploy/triangulate.hpp"
 #include "core/deploy/unfold_frames.hpp"
+#include "core/formats/csv/segments_reader.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/write/segments_csv.hpp"
-#include "core/formats/csv/segments_reader.hpp"
 #include "tests/support/box_card.hpp"
 #include "tests/support/glb_scene.hpp"
 
@@ -141,7 +141,8 @@ TEST_CASE("a face that bends is found by its number", "[core][deploy]") {
   const Pattern card = box_card_pattern();
   const std::vector<double> psi{2.0};
   const auto table = pose_table(card, psi, [&](double angle, std::span<Vec3> places) {
-    for (std::size_t i = 0; i < places.size(); ++i) places[i] = posed(card.vertices[i], angle);
+    for (std::size_t i = 0; i < places.size(); ++i)
+      places[i] = vec3(posed(card.vertices[i], angle));
     places[card.face(1)[2]][1] += 0.1;
   });
   REQUIRE_FALSE(table);
@@ -156,7 +157,7 @@ TEST_CASE("few keys are enough for parallel panels and none is left out for othe
   // The same card with a box that lags behind: still rigid and no longer even in psi.
   const auto uneven = pose_table(card, *angles, [&](double psi, std::span<Vec3> places) {
     for (std::size_t i = 0; i < places.size(); ++i)
-      places[i] = posed(card.vertices[i], psi * psi / pi);
+      places[i] = vec3(posed(card.vertices[i], psi * psi / pi));
   });
   REQUIRE(uneven);
   CHECK(animation_keys(*uneven).size() == 61);
@@ -369,7 +370,7 @@ TEST_CASE("loose panels turn about the spine or on a link and never shift", "[co
       for (const Vec3& p : places) {
         double nearest = 1e9;
         for (const std::uint32_t i : loose.face(f)) {
-          const Vec3 due = posed(loose.vertices[i], (*angles)[k]);
+          const Vec3 due = vec3(posed(loose.vertices[i], (*angles)[k]));
           nearest = std::min(nearest, norm(1000.0 * p - Vec3{due[1], due[2], due[0]}));
         }
         CHECK(nearest < 1e-4);

@@ -47,16 +47,16 @@ FoldDraft without_poses(FoldDraft draft, bool keep_angles) {
 }
 
 /// The solver's pose, its vertices moved so that the panel of face 0 lies where it lies in `other`.
-double largest_difference(const verify::FoldFile& file, const verify::Sheet& sheet,
+double largest_difference(const verify::FoldModel& file, const verify::Sheet& sheet,
                           const verify::Pose& pose, const verify::Pose& other) {
   const auto panels = make_panels(file, sheet);
   const auto from = measure(file, sheet, panels, pose).panel[0];
   const auto to = measure(file, sheet, panels, other).panel[0];
   double largest = 0.0;
   for (std::size_t i = 0; i < pose.at.size(); ++i) {
-    const verify::Vec3 p = pose.at[i] - from.origin;
-    const verify::Vec3 moved = to.origin + dot(p, from.along_u) * to.along_u +
-                               dot(p, from.along_v) * to.along_v + dot(p, from.normal) * to.normal;
+    const Vec3 p = pose.at[i] - from.origin;
+    const Vec3 moved = to.origin + dot(p, from.along_u) * to.along_u +
+                       dot(p, from.along_v) * to.along_v + dot(p, from.normal) * to.normal;
     largest = std::max(largest, norm(moved - other.at[i]));
   }
   return largest;
@@ -76,8 +76,8 @@ TEST_CASE("a flat pattern is opened to the poses that its maker knows", "[core][
   for (std::size_t k = 0; k < drafts.size(); ++k) {
     for (const bool angles : {true, false}) {
       CAPTURE(k, angles);
-      const auto known = verify::read_fold(drafts[k].text());
-      auto file = verify::read_fold(without_poses(drafts[k], angles).text());
+      const auto known = verify::read_fold_model(drafts[k].text());
+      auto file = verify::read_fold_model(without_poses(drafts[k], angles).text());
       REQUIRE(file);
       VerifyCheck check;
       const verify::Sheet sheet = make_sheet(*file, check);
@@ -263,7 +263,7 @@ TEST_CASE("a crossing is found between and beyond the poses that a file shows", 
 }
 
 TEST_CASE("the motion of a splayed card is the closed form in every pose", "[core][verify]") {
-  const auto file = verify::read_fold(splayed_card(1.4, 2.5).text());
+  const auto file = verify::read_fold_model(splayed_card(1.4, 2.5).text());
   REQUIRE(file);
   VerifyCheck check;
   const verify::Sheet sheet = make_sheet(*file, check);
@@ -276,7 +276,7 @@ TEST_CASE("the motion of a splayed card is the closed form in every pose", "[cor
   CHECK(sweep.stopped.empty());
   CHECK(sweep.poses.size() >= 60);
   for (const verify::Pose& moved : sweep.poses) {
-    const auto known = verify::read_fold(splayed_card(1.4, *moved.psi_rad).text());
+    const auto known = verify::read_fold_model(splayed_card(1.4, *moved.psi_rad).text());
     REQUIRE(known);
     CAPTURE(*moved.psi_rad);
     CHECK(largest_difference(*file, sheet, moved, known->poses.back()) < 1e-9);

@@ -7,25 +7,18 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <new>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <vector>
 
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
-#include <assimp/IOSystem.hpp>
-#include <assimp/Importer.hpp>
+
+#include "core/geometry/triangulate.hpp"
+#include "core/text/blanks.hpp"
 
 namespace popcut {
 namespace {
-
-/// No file is opened: core reads none, and a mesh from outside names none that we want.
-class NoFiles : public Assimp::IOSystem {
- public:
-  bool Exists(const char*) const override { return false; }
-  char getOsSeparator() const override { return '/'; }
-  Assimp::IOStream* Open(const char*, const char*) override { return nullptr; }
-  void Close(Assimp::IOStream*) override {}
-};
 
 std::string extension(const std::string& name) {
   const auto dot = name.rfind('.');
@@ -52,8 +45,8 @@ bool is_binary_stl(std::string_view bytes) {
          bytes.substr(0, 1000).find('\0') != std::string_view::npos;
 }
 
-/// The bytes that head and announced triangles take; more may follow and is left out.
-Result<std::string_view> whole_binary_stl(const std::string& name, std::string_view bytes) {
+/// The triangles that the head announces; more bytes may follow and are left out.
+Result<TriangleMesh> read_binary_stl(const std::string& name, std::string_view bytes) {
   std::uint32_t count = 0;
   std::memcpy(&count, bytes.data() + 80, 4);
   const std::size_t there = (bytes.size() - kStlHead) / kStlTriangle;
@@ -63,21 +56,26 @@ Result<std::string_view> whole_binary_stl(const std::string& name, std::string_v
         fmt::format("announces {} triangles and holds {}; is the file whole?", count, there));
   if (count > kMaxTriangles) return tl::unexpected(too_many(name, count).error());
   if (count == 0) return fail(ErrorKind::Malformed, name, "has no triangles; a mesh needs faces");
-  return bytes.substr(0, kStlHead + kStlTriangle * static_cast<std::size_t>(count));
+  TriangleMesh out;
+  out.corners.resize(9 * static_cast<std::size_t>(count));
+  for (std::size_t t = 0; t < count; ++t) {
+    float* const corner = &out.corners[9 * t];
+    std::memcpy(corner, bytes.data() + kStlHead + kStlTriangle * t + 12, 36);  // after the normal
+    if (!std::all_of(corner, corner + 9, [](float value) { return std::isfinite(value); }))
+      return fail(ErrorKind::OutOfRange, fmt::format("{}: triangle {}", name, t),
+                  "has a corner that is not a finite number; repair the mesh");
+  }
+  return out;
 }
 
-/// Walks the lines of a text file, each without its end and without blanks before it.
+/// Walks the lines of a text file, each without its end and the blanks around it.
 template <typename Visit>
 Result<void> for_each_line(std::string_view text, const Visit& visit) {
   std::size_t number = 1;
   for (std::size_t at = 0; at < text.size(); ++number) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
-    std::string_view line = text.substr(at, end - at);
+    const std::string_view line = trimmed(text.substr(at, end - at), " \t\r");
     at = end + 1;
-    while (!line.empty() && (line.back() == '\r' || line.back() == ' ' || line.back() == '\t'))
-      line.remove_suffix(1);
-    const std::size_t begin = line.find_first_not_of(" \t");
-    line.remove_prefix(std::min(begin, line.size()));
     if (line.empty()) continue;
     if (auto ok = visit(line, number); !ok) return ok;
   }
@@ -115,9 +113,8 @@ Result<std::array<float, 3>> read_vertex(const std::string& place, std::string_v
 
 constexpr std::size_t kLongestLine = 1u << 16;
 
-/// A text STL in its binary form: assimp's reader of text loses memory where a file is broken.
-Result<std::string> binary_of_text(const std::string& name, std::string_view bytes) {
-  std::string out(kStlHead, '\0');
+Result<TriangleMesh> read_text_stl(const std::string& name, std::string_view bytes) {
+  TriangleMesh out;
   std::size_t facets = 0, corners = 0;
   const auto done = for_each_line(bytes, [&](std::string_view line, std::size_t number) {
     const auto broken = [&](const char* what) {
@@ -127,16 +124,12 @@ Result<std::string> binary_of_text(const std::string& name, std::string_view byt
     if (line.rfind("facet", 0) == 0) {
       if (corners != 3 * facets) return broken("a facet begins before the last has three corners");
       if (++facets > kMaxTriangles) return too_many(name, facets);
-      out.append(12, '\0');  // the normal
     }
     if (line.rfind("vertex", 0) == 0) {
       if (++corners > 3 * facets) return broken("is a fourth corner of a facet; three are needed");
       const auto vertex = read_vertex(fmt::format("{}: line {}", name, number), line.substr(6));
       if (!vertex) return Result<void>(tl::unexpected(vertex.error()));
-      char raw[12];
-      std::memcpy(raw, vertex->data(), 12);
-      out.append(raw, 12);
-      if (corners == 3 * facets) out.append(2, '\0');
+      out.corners.insert(out.corners.end(), vertex->begin(), vertex->end());
     }
     return Result<void>{};
   });
@@ -146,118 +139,100 @@ Result<std::string> binary_of_text(const std::string& name, std::string_view byt
   if (facets == 0) return fail(ErrorKind::Malformed, name, "has no triangles; a mesh needs faces");
   if (corners != 3 * facets)
     return fail(ErrorKind::Malformed, name, "ends inside a facet; is the file whole?");
-  const auto count = static_cast<std::uint32_t>(facets);
-  std::memcpy(out.data() + 80, &count, 4);
   return out;
 }
 
-/// One "v", "v/t" or "v/t/n" of a face: a whole number that names a vertex.
-bool names_vertex(std::string_view word, long vertices) {
-  if (!word.empty() && word.front() == '-') word.remove_prefix(1);
-  long value = 0;
-  std::size_t digits = 0;
+/// The vertex that one "v", "v/t" or "v/t/n" of a face names: counted from 1, or backward from the
+/// last one with a minus.
+std::optional<std::size_t> named_vertex(std::string_view word, std::size_t vertices) {
+  const bool backward = !word.empty() && word.front() == '-';
+  if (backward) word.remove_prefix(1);
+  std::size_t value = 0, digits = 0;
   for (; digits < word.size() && word[digits] >= '0' && word[digits] <= '9' && digits < 10;
        ++digits)
-    value = 10 * value + (word[digits] - '0');
-  if (digits == 0 || (digits < word.size() && word[digits] != '/')) return false;
-  if (word.find_first_not_of("0123456789-/", digits) != std::string_view::npos) return false;
-  return value >= 1 && value <= vertices;  // backward or forward, only to what was read so far
+    value = 10 * value + static_cast<std::size_t>(word[digits] - '0');
+  if (digits == 0 || (digits < word.size() && word[digits] != '/')) return std::nullopt;
+  if (word.find_first_not_of("0123456789-/", digits) != std::string_view::npos) return std::nullopt;
+  if (value < 1 || value > vertices) return std::nullopt;  // only what was read so far
+  return backward ? vertices - value : value - 1;
 }
 
-/// The vertices and faces of an OBJ file and nothing else of it, so that no other part of it
-/// reaches the reader; each face names at least three vertices that are there.
-Result<std::string> plain_obj(const std::string& name, std::string_view bytes) {
-  std::string out;
-  out.reserve(bytes.size() + 1);
-  long vertices = 0;
+using Vertex = std::array<float, 3>;
+
+/// A polygon as triangles: a fan where it is convex, else by its ears, as it is seen from where it
+/// looks largest. What is no simple polygon is a fan too.
+std::vector<Triangle> triangles_of(std::span<const Vertex> vertices,
+                                   const std::vector<std::uint32_t>& face) {
+  std::vector<Vec3> corners;
+  for (const std::uint32_t i : face)
+    corners.push_back(Eigen::Vector3f(vertices[i].data()).cast<double>() -
+                      Eigen::Vector3f(vertices[face[0]].data()).cast<double>());
+  Vec3 normal;
+  for (std::size_t k = 2; k < corners.size(); ++k) normal += corners[k - 1].cross(corners[k]);
+  std::vector<Triangle> fan;
+  bool convex = true;
+  for (std::uint32_t k = 2; k < corners.size(); ++k) {
+    fan.push_back({0, k - 1, k});
+    convex = convex && corners[k - 1].cross(corners[k]).dot(normal) >= 0.0;
+  }
+  if (convex) return fan;
+  Eigen::Index along{};
+  normal.cwiseAbs().maxCoeff(&along);
+  const Eigen::Index u = (along + 1) % 3, v = (along + 2) % 3;
+  std::vector<Vec2> seen;
+  for (const Vec3& p : corners) seen.emplace_back(normal[along] < 0.0 ? -p[u] : p[u], p[v]);
+  std::vector<std::uint32_t> all(corners.size());
+  std::iota(all.begin(), all.end(), 0U);
+  std::vector<Triangle> ears;
+  return triangulate(seen, all, ears) ? ears : fan;
+}
+
+/// The faces of an OBJ file, of which nothing else is read than vertices and faces.
+Result<TriangleMesh> read_obj(const std::string& name, std::string_view bytes) {
+  TriangleMesh out;
+  std::vector<Vertex> vertices;
+  std::vector<std::uint32_t> face;
   std::size_t triangles = 0;
   const auto done = for_each_line(bytes, [&](std::string_view line, std::size_t number) {
     const auto broken = [&](std::string what) {
       return Result<void>(
           fail(ErrorKind::Malformed, fmt::format("{}: line {}", name, number), std::move(what)));
     };
-    const bool vertex = line.size() > 1 && line[0] == 'v' && (line[1] == ' ' || line[1] == '\t');
-    const bool face = line.size() > 1 && line[0] == 'f' && (line[1] == ' ' || line[1] == '\t');
-    if (!vertex && !face) return Result<void>{};
+    const bool is_vertex = line.size() > 1 && line[0] == 'v' && is_blank(line[1]);
+    const bool is_face = line.size() > 1 && line[0] == 'f' && is_blank(line[1]);
+    if (!is_vertex && !is_face) return Result<void>{};
     if (line.size() > kLongestLine) return broken("is longer than 65536 characters");
     if (line.back() == '\\') return broken("goes on in the next line; write it in one");
-    if (vertex) {
-      const auto ok = read_vertex(fmt::format("{}: line {}", name, number), line.substr(1));
-      if (!ok) return Result<void>(tl::unexpected(ok.error()));
+    if (is_vertex) {
+      const auto vertex = read_vertex(fmt::format("{}: line {}", name, number), line.substr(1));
+      if (!vertex) return Result<void>(tl::unexpected(vertex.error()));
+      vertices.push_back(*vertex);
+      return vertices.size() > 3 * kMaxTriangles ? too_many(name, kMaxTriangles + 1)
+                                                 : Result<void>{};
     }
-    std::size_t words = 0;
-    out += line[0];
-    for (std::string_view rest = line.substr(1); !(vertex && words == 3);) {
-      const std::string_view word = next_word(rest);
-      if (word.empty()) break;
-      ++words;
-      if (face && !names_vertex(word, vertices))
+    face.clear();
+    std::string_view rest = line.substr(1);
+    for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
+      const auto vertex = named_vertex(word, vertices.size());
+      if (!vertex)
         return broken(
             fmt::format("names vertex \"{}\"; a number from 1 to {}, the vertices before "
                         "it, is needed",
-                        word.substr(0, 24), vertices));
-      out += ' ';
-      out += face ? word.substr(0, word.find('/')) : word;
+                        word.substr(0, 24), vertices.size()));
+      face.push_back(static_cast<std::uint32_t>(*vertex));
     }
-    out += '\n';
-    if (words < 3) return broken("a face needs three vertices");
-    if (vertex && ++vertices > static_cast<long>(3 * kMaxTriangles))
-      return too_many(name, kMaxTriangles + 1);
-    if (face && (triangles += words - 2) > kMaxTriangles) return too_many(name, triangles);
+    if (face.size() < 3) return broken("a face needs three vertices");
+    if ((triangles += face.size() - 2) > kMaxTriangles) return too_many(name, triangles);
+    for (const Triangle& triangle : triangles_of(vertices, face))
+      for (const std::uint32_t k : triangle)
+        out.corners.insert(out.corners.end(), vertices[face[k]].begin(), vertices[face[k]].end());
     return Result<void>{};
   });
   if (!done) return tl::unexpected(done.error());
-  if (vertices == 0) return fail(ErrorKind::Malformed, name, "has no vertices; is it an OBJ file?");
-  if (triangles == 0) return fail(ErrorKind::Malformed, name, "has no faces; a mesh needs some");
+  if (vertices.empty())
+    return fail(ErrorKind::Malformed, name, "has no vertices; is it an OBJ file?");
+  if (out.size() == 0) return fail(ErrorKind::Malformed, name, "has no faces; a mesh needs some");
   return out;
-}
-
-/// The triangles of all parts as a flat list; points and lines are left out.
-Result<TriangleMesh> flatten(const std::string& name, const aiScene& scene) {
-  std::size_t triangles = 0;
-  for (unsigned m = 0; m < scene.mNumMeshes; ++m) triangles += scene.mMeshes[m]->mNumFaces;
-  if (triangles > kMaxTriangles) return tl::unexpected(too_many(name, triangles).error());
-  TriangleMesh out;
-  out.corners.reserve(9 * triangles);
-  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
-    const aiMesh& mesh = *scene.mMeshes[m];
-    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-      const aiFace& face = mesh.mFaces[f];
-      if (face.mNumIndices != 3) continue;
-      for (unsigned k = 0; k < 3; ++k) {
-        if (face.mIndices[k] >= mesh.mNumVertices)
-          return fail(ErrorKind::Malformed, name, "a face names a vertex that is not there");
-        const aiVector3D& p = mesh.mVertices[face.mIndices[k]];
-        for (const float value : {p.x, p.y, p.z}) {
-          if (!std::isfinite(value))
-            return fail(ErrorKind::OutOfRange, fmt::format("{}: triangle {}", name, f),
-                        "has a corner that is not a finite number; repair the mesh");
-          out.corners.push_back(value);
-        }
-      }
-    }
-  }
-  if (out.size() == 0)
-    return fail(ErrorKind::Malformed, name, "has no triangles; a mesh needs faces");
-  return out;
-}
-
-Result<TriangleMesh> import(const std::string& name, std::string_view bytes, const char* kind) {
-  try {
-    Assimp::Importer importer;
-    importer.SetIOHandler(new NoFiles);  // the importer owns it
-    const aiScene* const scene =
-        importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate, kind);
-    if (scene == nullptr)
-      return fail(ErrorKind::Malformed, name,
-                  fmt::format("cannot be read as {}: {}", kind, importer.GetErrorString()));
-    return flatten(name, *scene);
-  } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::OutOfRange, name, "does not fit into memory; reduce the mesh");
-  } catch (const std::exception& e) {
-    return fail(ErrorKind::Malformed, name,
-                fmt::format("cannot be read as {}: {}", kind, e.what()));
-  }
 }
 
 }  // namespace
@@ -269,22 +244,11 @@ Result<TriangleMesh> read_mesh(const std::string& name, std::string_view bytes) 
     const bool stl = bytes.substr(0, 5) == "solid" || bytes.find('\0') != std::string_view::npos;
     kind = stl ? "stl" : "obj";
   }
-  if (kind == "obj") {
-    const auto plain = plain_obj(name, bytes);
-    if (!plain) return tl::unexpected(plain.error());
-    return import(name, *plain, "obj");
-  }
-  if (kind != "stl")
-    return fail(ErrorKind::Malformed, name,
-                fmt::format("is a \"{}\" file; meshes are read from .stl and .obj", kind));
-  if (!is_binary_stl(bytes)) {
-    const auto binary = binary_of_text(name, bytes);
-    if (!binary) return tl::unexpected(binary.error());
-    return import(name, *binary, "stl");
-  }
-  const auto whole = whole_binary_stl(name, bytes);
-  if (!whole) return tl::unexpected(whole.error());
-  return import(name, *whole, "stl");
+  if (kind == "obj") return read_obj(name, bytes);
+  if (kind == "stl")
+    return is_binary_stl(bytes) ? read_binary_stl(name, bytes) : read_text_stl(name, bytes);
+  return fail(ErrorKind::Malformed, name,
+              fmt::format("is a \"{}\" file; meshes are read from .stl and .obj", kind));
 }
 
 }  // namespace popcut

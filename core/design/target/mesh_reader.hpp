@@ -9,9 +9,9 @@
 
 namespace popcut {
 
-/// Reads the triangles of an STL (text or binary) or OBJ file through assimp; polygons are cut into
-/// triangles, all parts of the file together. Nothing beside `bytes` is opened: an OBJ's materials
-/// are left out. Counts are checked against the bytes that are there before memory is taken.
+/// Reads the triangles of an STL (text or binary) or OBJ file; polygons are cut into triangles, all
+/// parts of the file together. Nothing beside `bytes` is opened: an OBJ's materials are left out.
+/// Counts are checked against the bytes that are there before memory is taken.
 ///
 /// @param name  file name, for its extension (without one the bytes tell) and for errors
 /// @retval Malformed   neither STL nor OBJ, broken, cut off, without faces

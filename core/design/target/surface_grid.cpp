@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/design/target/surface_kinds.hpp"
+#include "core/text/blanks.hpp"
 
 namespace popcut {
 namespace {
@@ -22,13 +23,6 @@ tl::unexpected<Error> wrong(const std::string& name, std::size_t line, std::size
                             std::string what) {
   return fail(ErrorKind::Malformed, fmt::format("{}: line {}, column {}", name, line, column),
               std::move(what));
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!text.empty() && blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && blank(text.back())) text.remove_suffix(1);
-  return text;
 }
 
 /// Reads a table of numbers line by line.
@@ -48,8 +42,8 @@ class GridReader {
       const std::string_view line = text_.substr(0, end);
       text_.remove_prefix(std::min(text_.size(), end + 1));
       ++line_;
-      if (trimmed(line).empty()) {
-        if (trimmed(text_).find_first_not_of(" \r\n\t") == std::string_view::npos) break;
+      if (trimmed(line, " \t\r").empty()) {
+        if (trimmed(text_, " \r\n\t").empty()) break;
         return wrong(name_, line_, 1, "is empty; leave no gap between rows");
       }
       if (auto ok = line_ == 1 ? read_head(line) : read_row(line); !ok)
@@ -64,7 +58,7 @@ class GridReader {
 
  private:
   Result<double> number(std::string_view cell, std::size_t column, const char* what) const {
-    cell = trimmed(cell);
+    cell = trimmed(cell, " \t\r");
     if (cell.empty())
       return wrong(name_, line_, column, fmt::format("is empty; {} is needed", what));
     if (cell.front() == '+') cell.remove_prefix(1);

@@ -9,20 +9,17 @@
 
 #include <fmt/format.h>
 
+#include "core/text/blanks.hpp"
+
 namespace popcut {
 namespace {
+
+constexpr std::string_view kAround = " \t\r\"";  // what may stand around a field
 
 constexpr std::size_t kColumns = 12;
 constexpr std::array<std::string_view, kColumns> kNames{
     "x1", "y1", "z1", "x2", "y2", "z2", "length", "tag", "level", "slice", "flag", "width"};
 using Row = std::array<double, kColumns>;
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r\"";
-  const auto first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
 
 tl::unexpected<Error> wrong(ErrorKind kind, std::size_t line, std::string detail) {
   return fail(kind, fmt::format("line {}", line), std::move(detail));
@@ -37,7 +34,7 @@ Result<Row> parse_row(std::string_view text, std::size_t line) {
   }
   Row row{};
   for (std::size_t c = 0; c < kColumns; ++c) {
-    std::string_view field = trimmed(text.substr(0, text.find(',')));
+    std::string_view field = trimmed(text.substr(0, text.find(',')), kAround);
     text.remove_prefix(std::min(text.size(), text.find(',') + (c + 1 < kColumns ? 1 : 0)));
     if (!field.empty() && field.front() == '+') field.remove_prefix(1);
     const auto [stop, error] = std::from_chars(field.data(), field.data() + field.size(), row[c]);
@@ -90,7 +87,7 @@ Result<std::vector<SegmentPanel>> read_segments_csv(std::string_view text,
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   std::vector<SegmentPanel> panels;
   for (std::size_t line = 1; !text.empty(); ++line) {
-    const std::string_view row_text = trimmed(text.substr(0, text.find('\n')));
+    const std::string_view row_text = trimmed(text.substr(0, text.find('\n')), kAround);
     text.remove_prefix(std::min(text.size(), std::max(text.find('\n'), text.find('\n') + 1)));
     if (row_text.empty() || (line == 1 && row_text.starts_with("x1"))) continue;
     if (panels.size() == kMaxSegments)

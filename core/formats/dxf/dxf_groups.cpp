@@ -7,18 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "core/text/blanks.hpp"
+
 namespace popcut {
 namespace {
 
 constexpr int kComment = 999;
 constexpr int kLeastCode = -5, kMostCode = 1071;  // AutoCAD's DXF reference, group code ranges
-
-std::string_view trimmed(std::string_view text) {
-  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!text.empty() && blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && blank(text.back())) text.remove_suffix(1);
-  return text;
-}
 
 template <typename Number>
 bool parse(std::string_view text, Number& value) {
@@ -46,7 +41,7 @@ DxfCursor::DxfCursor(std::string_view text) : text_(text) {
 bool DxfCursor::line(std::string_view& out) {
   if (at_ >= text_.size()) return false;
   const std::size_t end = std::min(text_.find(newline_, at_), text_.size());
-  out = trimmed(text_.substr(at_, end - at_));
+  out = trimmed(text_.substr(at_, end - at_), " \t\r");
   at_ = end + 1;
   ++line_;
   return true;

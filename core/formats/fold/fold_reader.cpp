@@ -6,14 +6,11 @@
 
 #include <fmt/format.h>
 
+#include "core/text/fold_text.hpp"
 #include "core/text/near_names.hpp"
-#include "core/verify/sheet/fold_text.hpp"
 
 namespace popcut {
 namespace {
-
-using verify::FoldColumn;
-using verify::FrameText;
 
 constexpr std::size_t kNone = ~std::size_t{0};
 
@@ -250,7 +247,7 @@ class FrameOrder {
 }  // namespace
 
 Result<FoldFile> read_fold(std::string_view text, const FoldLimits& limits) {
-  const auto texts = verify::read_fold_text(text, limits);
+  const auto texts = read_fold_text(text, limits);
   if (!texts) return tl::unexpected(texts.error());
   const FrameText& key = texts->front();
   if (!key.vertices_coords.present && !key.inherit) {

@@ -10,11 +10,9 @@
 
 #include "core/drawing/linework.hpp"
 #include "core/result.hpp"
-#include "core/verify/sheet/fold_text.hpp"
+#include "core/text/fold_text.hpp"
 
 namespace popcut {
-
-using verify::FoldLimits;
 
 /// One frame of a FOLD file as it stands, with what it inherits filled in.
 struct FoldFrame {

@@ -10,7 +10,6 @@
 #include "core/formats/svg/syntax/svg_colour.hpp"
 #include "core/formats/svg/syntax/svg_units.hpp"
 #include "core/machines/table.hpp"
-#include "core/machines/tables.hpp"
 #include "core/text/field_reader.hpp"
 #include "core/text/near_names.hpp"
 
@@ -126,29 +125,13 @@ bool has_class(std::string_view classes, std::string_view name) {
 
 Result<std::vector<StrokeProfile>> all_stroke_profiles(
     const std::vector<std::string>& user_tables) {
-  const auto rows = table_rows("svg_profiles", kSvgProfilesJson, user_tables);
-  if (!rows) return tl::unexpected(rows.error());
-  std::vector<StrokeProfile> profiles;
-  for (const TableRow& row : *rows) {
-    auto profile = read_profile(row);
-    if (!profile) return tl::unexpected(profile.error());
-    profiles.push_back(std::move(*profile));
-  }
-  return profiles;
+  return table_values("svg_profiles", kSvgProfilesJson, user_tables, read_profile);
 }
 
 Result<StrokeProfile> find_stroke_profile(std::string_view name,
                                           const std::vector<std::string>& user_tables) {
-  auto profiles = all_stroke_profiles(user_tables);
-  if (!profiles) return tl::unexpected(profiles.error());
-  std::vector<std::string> names;
-  for (StrokeProfile& profile : *profiles) {
-    if (profile.name == name) return std::move(profile);
-    names.push_back(profile.name);
-  }
-  return fail(
-      ErrorKind::Usage, "/options/svg-profile",
-      fmt::format("no profile is called {}; {}", name.substr(0, 80), suggestion(name, names)));
+  return value_named(name, all_stroke_profiles(user_tables), "profile", ErrorKind::Usage,
+                     "/options/svg-profile");
 }
 
 std::string plain_label(std::string_view label) {

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 
 namespace popcut {
@@ -88,14 +89,9 @@ Result<void> write_cricut_svg(const LineWork& dashed, const CricutMat& mat, std:
   }
   const Placing placing{box, !upright};
   TextSink text(out);
-  text(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
-      "version=\"1.1\" data-popcut=\"dashes\" width=\"",
-      mat.width_in, "in\" height=\"", mat.height_in, "in\" viewBox=\"0 0 ");
-  text.put_rounded(width);
-  text.put(" ");
-  text.put_rounded(height);
-  text("\">\n<title>", xml_escaped(dashed.name), "</title>\n");
+  text.put(svg_head(fmt::format("{} width=\"{}in\" height=\"{}in\" viewBox=\"0 0 {} {}\"", kDashed,
+                                mat.width_in, mat.height_in, rounded(width), rounded(height)),
+                    dashed.name));
   for (const Group& group : kGroups) put_group(text, dashed, group, placing);
   text.put("</svg>\n");
   return {};

@@ -13,16 +13,14 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/vec.hpp"
+#include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 
 namespace popcut {
 namespace {
 
-using Vec3 = std::array<double, 3>;  // (x, v, z)
-
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/// Parallel projection to picture coordinates, y down.
+/// Parallel projection of places (x, v, z) to picture coordinates, y down.
 struct Camera {
   Vec3 right, up;
   double scale{1}, x0{0}, y0{0};
@@ -148,8 +146,8 @@ Slabs cut_into_slabs(const Pattern& pattern) {
 /// The colour of each face: warm paper for the structure, a cooler one for the card behind it,
 /// lighter the more it faces the lamp.
 std::vector<std::string> face_colours(const Pattern& pattern, double psi_rad) {
-  constexpr Vec3 kLamp{0.42, 0.30, 0.86};  // unit length
-  constexpr Vec3 kStructure{255, 226, 178}, kCard{238, 243, 247};
+  const Vec3 lamp{0.42, 0.30, 0.86};  // unit length
+  const Vec3 structure{255, 226, 178}, plain{238, 243, 247};
   const Vec3 ground_normal{0, 0, 1};
   const Vec3 wall_normal{std::sin(psi_rad), 0, -std::cos(psi_rad)};
   std::vector<std::string> colours;
@@ -163,8 +161,8 @@ std::vector<std::string> face_colours(const Pattern& pattern, double psi_rad) {
     }
     const Vec3& normal = same_x && !same_z ? wall_normal : ground_normal;
     const bool card = (same_x && first.x == 0) || (same_z && first.z == 0);
-    const double light = 0.80 + 0.22 * std::max(0.0, dot(normal, kLamp));
-    const Vec3& paper = card ? kCard : kStructure;
+    const double light = 0.80 + 0.22 * std::max(0.0, dot(normal, lamp));
+    const Vec3& paper = card ? plain : structure;
     const auto tone = [&](double c) { return static_cast<int>(std::min(255.0, c * light)); };
     colours.push_back(
         fmt::format("#{:02x}{:02x}{:02x}", tone(paper[0]), tone(paper[1]), tone(paper[2])));
@@ -177,9 +175,9 @@ class Picture {
   Picture(const Pattern& pattern, double psi_rad, const View& view, std::ostream& out)
       : pattern_(pattern),
         psi_rad_(psi_rad),
-        places_(posed_vertices(pattern, psi_rad)),
         camera_(view.azimuth_rad, std::min(psi_rad / 2, kLargestElevationRad)),
         text_(out) {
+    for (const auto& p : posed_vertices(pattern, psi_rad)) places_.push_back(vec3(p));
     fit(view);
   }
 
@@ -188,10 +186,10 @@ class Picture {
   void draw() {
     const Slabs slabs = cut_into_slabs(pattern_);
     const std::vector<std::string> colours = face_colours(pattern_, psi_rad_);
-    text_("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"", std::ceil(width_px_),
-          "\" height=\"", std::ceil(height_px_), "\" viewBox=\"0 0 ", std::ceil(width_px_), " ",
-          std::ceil(height_px_), "\">\n<title>", xml_escaped(pattern_.name), ", psi = ", psi_rad_,
-          " rad</title>\n<g stroke-linejoin=\"round\" stroke-linecap=\"round\">\n");
+    text_.put(svg_head(fmt::format("width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\"",
+                                   std::ceil(width_px_), std::ceil(height_px_)),
+                       fmt::format("{}, psi = {} rad", pattern_.name, psi_rad_), SvgPlace::Inside));
+    text_.put("<g stroke-linejoin=\"round\" stroke-linecap=\"round\">\n");
     for (std::size_t s = 0; s < slabs.pieces.size(); ++s) {
       put_pieces(slabs, s, colours);
       put_strokes(slabs.strokes[s], true, "#9a8f80", "0.5");
@@ -210,7 +208,7 @@ class Picture {
     double left = std::numeric_limits<double>::max(), bottom = left;
     double right = -left, top = -left;
     for (const PatternVertex& p : pattern_.vertices) {
-      const Vec3 place = posed(p, psi_rad_);
+      const Vec3 place = vec3(posed(p, psi_rad_));
       left = std::min(left, dot(camera_.right, place));
       right = std::max(right, dot(camera_.right, place));
       bottom = std::min(bottom, dot(camera_.up, place));
@@ -227,7 +225,7 @@ class Picture {
   }
 
   void put_point(std::string_view command, const PatternVertex& p) {
-    put_place(command, posed(p, psi_rad_));
+    put_place(command, vec3(posed(p, psi_rad_)));
   }
 
   void put_pieces(const Slabs& slabs, std::size_t s, const std::vector<std::string>& colours) {

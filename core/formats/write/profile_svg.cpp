@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <string_view>
 
+#include <fmt/format.h>
+
+#include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 
 namespace popcut {
@@ -65,11 +68,9 @@ double shortest_line(const LineWork& work) {
 void write_lightburn_svg(const LineWork& dashed, const std::array<double, 2>& page_mm,
                          std::ostream& out) {
   TextSink text(out);
-  text(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
-      "version=\"1.1\" data-popcut=\"dashes\" width=\"",
-      page_mm[0], "mm\" height=\"", page_mm[1], "mm\" viewBox=\"0 0 ", page_mm[0], " ", page_mm[1],
-      "\">\n<title>", xml_escaped(dashed.name), "</title>\n");
+  text.put(svg_head(fmt::format("{0} width=\"{1}mm\" height=\"{2}mm\" viewBox=\"0 0 {1} {2}\"",
+                                kDashed, page_mm[0], page_mm[1]),
+                    dashed.name));
   for (const Colour& colour : kLightburn) {
     bool open = false;
     for (const DrawnLine& line : dashed.lines) {
@@ -89,13 +90,10 @@ void write_origami_sim_svg(const LineWork& whole, std::ostream& out) {
   const Box box = bounds(whole);
   const double scale = std::clamp(30.0 / shortest_line(whole), 1.0, 1000.0);
   TextSink text(out);
-  text.put(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
-      "version=\"1.1\" viewBox=\"0 0 ");
-  text.put_rounded(box.empty() ? 1.0 : box.width() * scale);
-  text.put(" ");
-  text.put_rounded(box.empty() ? 1.0 : box.height() * scale);
-  text("\">\n<title>", xml_escaped(whole.name), "</title>\n");
+  text.put(svg_head(fmt::format("version=\"1.1\" viewBox=\"0 0 {} {}\"",
+                                rounded(box.empty() ? 1.0 : box.width() * scale),
+                                rounded(box.empty() ? 1.0 : box.height() * scale)),
+                    whole.name));
   for (const DrawnLine& line : whole.lines) {
     const std::string_view style = origami_style(line.operation);
     if (style.empty()) continue;

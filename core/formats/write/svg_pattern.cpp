@@ -5,6 +5,9 @@
 #include <array>
 #include <string_view>
 
+#include <fmt/format.h>
+
+#include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 
 namespace popcut {
@@ -50,22 +53,12 @@ Page page_of(const Pattern& pattern) {
 
 void put_head(TextSink& text, const Pattern& pattern, std::string_view attribute) {
   const Page page = page_of(pattern);
-  text.put(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
-      "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" version=\"1.1\"");
-  text(attribute, " width=\"");
-  text.put_rounded(page.width);
-  text.put("mm\" height=\"");
-  text.put_rounded(page.height);
-  text.put("mm\" viewBox=\"");
-  text.put_rounded(page.x);
-  text.put(" ");
-  text.put_rounded(page.y);
-  text.put(" ");
-  text.put_rounded(page.width);
-  text.put(" ");
-  text.put_rounded(page.height);
-  text("\">\n<title>", xml_escaped(pattern.name), "</title>\n");
+  const std::string width = rounded(page.width), height = rounded(page.height);
+  text.put(svg_head(fmt::format("{} version=\"1.1\"{} width=\"{}mm\" height=\"{}mm\" "
+                                "viewBox=\"{} {} {} {}\"",
+                                kInkscape, attribute, width, height, rounded(page.x),
+                                rounded(page.y), width, height),
+                    pattern.name));
 }
 
 void put_line(TextSink& text, const SheetLine& line, const SvgLayer& layer) {

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/motion/motion.hpp"
+#include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/sheet/sheet.hpp"
 
 namespace popcut::verify {
@@ -47,7 +47,7 @@ enum class MobilityForm {
 /// many unknowns.
 ///
 /// @param noise_mm  by how much the pose is off from rigid panels on closed hinges
-[[nodiscard]] Mobility mobility(const FoldFile& file, const Sheet& sheet, const PoseMotion& pose,
+[[nodiscard]] Mobility mobility(const FoldModel& file, const Sheet& sheet, const PoseMotion& pose,
                                 double noise_mm, MobilityForm form = MobilityForm::Loops);
 
 }  // namespace popcut::verify

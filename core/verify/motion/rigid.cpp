@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <Eigen/Sparse>
 
+#include "core/geometry/buckets.hpp"
+
 namespace popcut::verify {
 namespace {
 
@@ -19,7 +21,7 @@ constexpr int kRowsOfLine = 6;
 constexpr double kLargestTurn_rad = 0.5;  ///< of a panel in one step
 
 Vec3 turned(const RigidMotion& motion, Vec2 way) {
-  return way.u * motion.along_u + way.v * motion.along_v;
+  return way.x() * motion.along_u + way.y() * motion.along_v;
 }
 
 Vec2 middle_of(const HingeLine& line) { return 0.5 * (line.from + line.to); }
@@ -68,20 +70,17 @@ double gap_mm(const HingeLine& line, const RigidState& state) {
 
 }  // namespace
 
-RigidSheet rigid_sheet(const FoldFile& file, const Sheet& sheet, std::uint32_t held) {
+RigidSheet rigid_sheet(const FoldModel& file, const Sheet& sheet, std::uint32_t held) {
   RigidSheet result;
   result.lines = hinge_lines(file, sheet);
   result.frames = panel_frames(result.lines, sheet.panels);
   const std::size_t panels = sheet.panels;
-  std::vector<std::uint32_t> first(panels + 1, 0);
-  for (const HingeLine& line : result.lines) ++first[line.left + 1], ++first[line.right + 1];
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  std::vector<std::uint32_t> beside(2 * result.lines.size());
-  std::vector<std::uint32_t> fill(first.begin(), first.end() - 1);
-  for (std::uint32_t k = 0; k < result.lines.size(); ++k) {
-    beside[fill[result.lines[k].left]++] = k;
-    beside[fill[result.lines[k].right]++] = k;
-  }
+  const Buckets<std::uint32_t> beside(panels, [&](auto&& put) {
+    for (std::uint32_t k = 0; k < result.lines.size(); ++k) {
+      put(result.lines[k].left, k);
+      put(result.lines[k].right, k);
+    }
+  });
   // Breadth first, so that panels hang on the held one by few lines.
   result.held.assign(panels, 0);
   result.hangs_on.assign(panels, -1);
@@ -94,18 +93,18 @@ RigidSheet rigid_sheet(const FoldFile& file, const Sheet& sheet, std::uint32_t h
     result.order.push_back(from);
     for (; at < result.order.size(); ++at) {
       const std::uint32_t p = result.order[at];
-      for (std::uint32_t i = first[p]; i < first[p + 1]; ++i) {
-        const HingeLine& line = result.lines[beside[i]];
+      for (const std::uint32_t k : beside[p]) {
+        const HingeLine& line = result.lines[k];
         const std::uint32_t q = line.left == p ? line.right : line.left;
         if (seen[q] != 0) continue;
         seen[q] = 1;
-        result.hangs_on[q] = static_cast<std::int32_t>(beside[i]);
+        result.hangs_on[q] = static_cast<std::int32_t>(k);
         result.order.push_back(q);
       }
     }
   }
   for (const HingeLine& line : result.lines) {
-    for (const Vec2 p : {line.from, line.to})
+    for (const Vec2& p : {line.from, line.to})
       result.reach_mm = std::max(result.reach_mm, norm(p - result.lines.front().from));
   }
   return result;
@@ -181,7 +180,7 @@ Vector RigidSolver::Parts::residual(const RigidState& state,
     const Vec3 apart = left(middle_of(line)) - right(middle_of(line));
     const Vec2 way = direction_of(line);
     const Vec3 askew = lever(line) * (turned(left, way) - turned(right, way));
-    for (const double value : {apart.x, apart.y, apart.z, askew.x, askew.y, askew.z})
+    for (const double value : {apart.x(), apart.y(), apart.z(), askew.x(), askew.y(), askew.z()})
       off[row++] = value;
   }
   for (const AngleGoal& goal : goals) {
@@ -197,9 +196,11 @@ Sparse RigidSolver::Parts::jacobian(const RigidState& state, std::span<const Ang
   int row = 0;
   // The columns of a panel: its angular velocity times its size, then its middle's velocity.
   const auto put_cross = [&](int r, int c, double scale, Vec3 v) {  // scale * (w x v)
-    entries.emplace_back(r, c + 1, scale * v.z), entries.emplace_back(r, c + 2, -scale * v.y);
-    entries.emplace_back(r + 1, c, -scale * v.z), entries.emplace_back(r + 1, c + 2, scale * v.x);
-    entries.emplace_back(r + 2, c, scale * v.y), entries.emplace_back(r + 2, c + 1, -scale * v.x);
+    entries.emplace_back(r, c + 1, scale * v.z()), entries.emplace_back(r, c + 2, -scale * v.y());
+    entries.emplace_back(r + 1, c, -scale * v.z()),
+        entries.emplace_back(r + 1, c + 2, scale * v.x());
+    entries.emplace_back(r + 2, c, scale * v.y()),
+        entries.emplace_back(r + 2, c + 1, -scale * v.x());
   };
   for (const HingeLine& line : sheet.lines) {
     for (const auto& [p, sign] : {std::pair(line.left, 1.0), std::pair(line.right, -1.0)}) {
@@ -219,9 +220,9 @@ Sparse RigidSolver::Parts::jacobian(const RigidState& state, std::span<const Ang
       if (column[p] < 0) continue;
       const double scale = sign * goal.weight * lever(line) / sheet.frames[p].size_mm;
       const Vec3 axis = scale * turned(state[line.left], direction_of(line));
-      entries.emplace_back(row, column[p], axis.x);
-      entries.emplace_back(row, column[p] + 1, axis.y);
-      entries.emplace_back(row, column[p] + 2, axis.z);
+      entries.emplace_back(row, column[p], axis.x());
+      entries.emplace_back(row, column[p] + 1, axis.y());
+      entries.emplace_back(row, column[p] + 2, axis.z());
     }
     ++row;
   }
@@ -302,7 +303,7 @@ RigidSolver::End RigidSolver::correct(RigidState& state, std::span<const AngleGo
   return end;
 }
 
-Pose pose_of(const FoldFile& file, const Sheet& sheet, const RigidState& state, double psi_rad,
+Pose pose_of(const FoldModel& file, const Sheet& sheet, const RigidState& state, double psi_rad,
              std::string_view how) {
   Pose pose;
   pose.place = fmt::format("{} to psi {:.4f}", how, psi_rad);
@@ -310,7 +311,7 @@ Pose pose_of(const FoldFile& file, const Sheet& sheet, const RigidState& state, 
   pose.opened = true;
   pose.at.resize(file.flat.size());
   for (std::size_t i = 0; i < file.flat.size(); ++i)
-    pose.at[i] = {file.flat[i].u, file.flat[i].v, 0.0};
+    pose.at[i] = {file.flat[i].x(), file.flat[i].y(), 0.0};
   for (std::size_t f = 0; f < file.faces(); ++f) {
     for (const std::uint32_t v : face_of(file, f))
       pose.at[v] = state[sheet.panel_of_face[f]](file.flat[v]);

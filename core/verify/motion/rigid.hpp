@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/verify/motion/motion.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/sheet/hinge_lines.hpp"
-#include "core/verify/motion/motion.hpp"
 #include "core/verify/sheet/sheet.hpp"
 
 namespace popcut::verify {
@@ -25,7 +25,7 @@ struct RigidSheet {
 };
 
 /// @param held  the panel that stays; of other pieces, the first one does
-[[nodiscard]] RigidSheet rigid_sheet(const FoldFile& file, const Sheet& sheet, std::uint32_t held);
+[[nodiscard]] RigidSheet rigid_sheet(const FoldModel& file, const Sheet& sheet, std::uint32_t held);
 
 using RigidState = std::vector<RigidMotion>;
 
@@ -43,7 +43,7 @@ using RigidState = std::vector<RigidMotion>;
 /// The vertices where a state puts them, as a pose that popcut made itself.
 ///
 /// @param how  the word for it in the pose's place: "opened", "moved"
-[[nodiscard]] Pose pose_of(const FoldFile& file, const Sheet& sheet, const RigidState& state,
+[[nodiscard]] Pose pose_of(const FoldModel& file, const Sheet& sheet, const RigidState& state,
                            double psi_rad, std::string_view how);
 
 /// Asks that a line fold by an angle. Lines that only lean toward theirs have a small weight.

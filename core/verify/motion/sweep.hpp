@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/motion/motion.hpp"
+#include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/sheet/sheet.hpp"
 
 namespace popcut::verify {
@@ -26,7 +26,7 @@ struct Sweep {
 ///
 /// @param start     a pose in which some fold is neither flat nor shut, and what it does to panels
 /// @param slack_mm  gaps up to this size count as closed: how exact the drawing is
-[[nodiscard]] Sweep sweep_motion(const FoldFile& file, const Sheet& sheet, const PoseMotion& start,
+[[nodiscard]] Sweep sweep_motion(const FoldModel& file, const Sheet& sheet, const PoseMotion& start,
                                  double step_rad, double slack_mm);
 
 }  // namespace popcut::verify

@@ -27,6 +27,6 @@ struct Loops {
 
 /// Nothing where the sheet is not sound enough for them: its loops do not number hinges less faces
 /// plus pieces, as those of a sheet in a plane do (Euler).
-[[nodiscard]] std::optional<Loops> loops_of(const FoldFile& file, const Sheet& sheet);
+[[nodiscard]] std::optional<Loops> loops_of(const FoldModel& file, const Sheet& sheet);
 
 }  // namespace popcut::verify

@@ -3,37 +3,16 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <utility>
 #include <vector>
 
+#include "core/geometry/disjoint_sets.hpp"
+
 namespace popcut::verify {
-namespace {
-
-/// Corners of faces, numbered as the sides that leave them, by what hangs together at a vertex.
-class Fans {
- public:
-  explicit Fans(std::size_t corners) : parent_(corners) {
-    std::iota(parent_.begin(), parent_.end(), 0U);
-  }
-  std::uint32_t root(std::uint32_t a) {
-    while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
-    return a;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a), b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
-}  // namespace
-
-std::size_t part_at_cuts(FoldFile& file, const Sheet& sheet) {
+std::size_t part_at_cuts(FoldModel& file, const Sheet& sheet) {
   const std::size_t corners = file.face_vertices.size();
-  Fans fans(corners);
+  // Corners of faces, numbered as the sides that leave them, by what hangs together at a vertex.
+  DisjointSets fans(corners);
   for (std::uint32_t s = 0; s < corners; ++s) {
     if (sheet.side_twin[s] < 0) continue;
     fans.join(s, sheet.next(file, static_cast<std::uint32_t>(sheet.side_twin[s])));
@@ -47,7 +26,7 @@ std::size_t part_at_cuts(FoldFile& file, const Sheet& sheet) {
   std::vector<std::uint32_t> copy_of_root(corners, kNone);
   for (std::uint32_t s = 0; s < corners; ++s) {
     const std::uint32_t v = file.face_vertices[s];
-    const std::uint32_t root = fans.root(s);
+    const std::uint32_t root = fans.find(s);
     if (keeps[v] == kNone) keeps[v] = root;
     if (keeps[v] == root) {
       vertex[s] = v;

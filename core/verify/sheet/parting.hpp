@@ -11,6 +11,6 @@ namespace popcut::verify {
 /// faces and the first copies keep their numbers, copies come after them; a slit that both its ends
 /// hold together stays one edge. Poses of the file are given the copies too.
 /// @return how many vertices were added
-std::size_t part_at_cuts(FoldFile& file, const Sheet& sheet);
+std::size_t part_at_cuts(FoldModel& file, const Sheet& sheet);
 
 }  // namespace popcut::verify

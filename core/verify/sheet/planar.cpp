@@ -6,12 +6,14 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
-#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "core/verify/sheet/cell_grid.hpp"
+#include "core/geometry/cell_grid.hpp"
+#include "core/geometry/disjoint_sets.hpp"
+#include "core/geometry/interval_bins.hpp"
+#include "core/geometry/node_index.hpp"
 #include "core/verify/sheet/sheet.hpp"
 
 namespace popcut::verify {
@@ -22,40 +24,29 @@ constexpr double kSmallestShare = 1e-7;
 constexpr std::size_t kCrossingsAnEdge = 50;
 constexpr std::size_t kMostTieWork = 300'000'000;  ///< edges looked at for islands
 
-/// Points closer than a tolerance are one: the first that came.
+/// Points closer than a tolerance are one: the nearest that is there.
 class PointIndex {
  public:
-  PointIndex(Vec2 low, double tolerance) : low_(low), tolerance_(tolerance) {}
+  PointIndex(std::size_t expected, double tolerance)
+      : tolerance_(tolerance), nodes_(tolerance, expected) {}
 
-  std::uint32_t add(Vec2 p) {
-    const auto column = static_cast<std::int64_t>(std::floor((p.u - low_.u) / tolerance_));
-    const auto row = static_cast<std::int64_t>(std::floor((p.v - low_.v) / tolerance_));
-    for (std::int64_t i = column - 1; i <= column + 1; ++i) {
-      for (std::int64_t j = row - 1; j <= row + 1; ++j) {
-        const auto [from, to] = cells_.equal_range(key(i, j));
-        for (auto at = from; at != to; ++at) {
-          const double off = norm(points[at->second] - p);
-          if (off > tolerance_) continue;
-          moved = std::max(moved, off);
-          return at->second;
-        }
-      }
+  std::uint32_t add(const Vec2& p) {
+    const PagePoint at{p.x(), p.y()};
+    const std::uint32_t found = nodes_.find(at, tolerance_);
+    if (found != NodeIndex::kNone) {
+      moved = std::max(moved, norm(points[found] - p));
+      return found;
     }
-    cells_.emplace(key(column, row), static_cast<std::uint32_t>(points.size()));
     points.push_back(p);
-    return static_cast<std::uint32_t>(points.size() - 1);
+    return nodes_.add(at);
   }
 
   std::vector<Vec2> points;
   double moved{};  ///< largest distance over which a point was moved
 
  private:
-  static std::uint64_t key(std::int64_t i, std::int64_t j) {
-    return static_cast<std::uint64_t>(i) * 0x9E3779B97F4A7C15ULL ^ static_cast<std::uint64_t>(j);
-  }
-  Vec2 low_;
   double tolerance_;
-  std::unordered_multimap<std::uint64_t, std::uint32_t> cells_;
+  NodeIndex nodes_;
 };
 
 struct GraphEdge {
@@ -182,9 +173,9 @@ std::size_t loose_folds(const Graph& graph) {
   return loose;
 }
 
-Graph graph_of(const std::vector<DrawnEdge>& lines, Vec2 low, double tolerance) {
+Graph graph_of(const std::vector<DrawnEdge>& lines, double tolerance) {
   Graph graph;
-  PointIndex index(low, tolerance);
+  PointIndex index(2 * lines.size(), tolerance);
   std::vector<GraphEdge> edges;
   edges.reserve(lines.size());
   for (const DrawnEdge& line : lines) {
@@ -223,45 +214,30 @@ Graph graph_of(const std::vector<DrawnEdge>& lines, Vec2 low, double tolerance) 
 /// edge.
 std::size_t tie_islands(Graph& graph, double tolerance) {
   const std::size_t n = graph.points.size();
-  std::vector<std::uint32_t> parent(n);
-  std::iota(parent.begin(), parent.end(), 0U);
-  const auto root = [&](std::uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const GraphEdge& edge : graph.edges) parent[root(edge.a)] = root(edge.b);
+  DisjointSets islands(n);
+  for (const GraphEdge& edge : graph.edges) islands.join(edge.a, edge.b);
   // The point of each island with the smallest u.
   std::vector<std::uint32_t> tip(n, 0xffffffffU);
   std::vector<std::uint8_t> used(n, 0);
   for (const GraphEdge& edge : graph.edges) used[edge.a] = used[edge.b] = 1;
   for (std::uint32_t v = 0; v < n; ++v) {
     if (used[v] == 0) continue;
-    std::uint32_t& at = tip[root(v)];
-    if (at == 0xffffffffU || graph.points[v].u < graph.points[at].u) at = v;
+    std::uint32_t& at = tip[islands.find(v)];
+    if (at == 0xffffffffU || graph.points[v].x() < graph.points[at].x()) at = v;
   }
   std::vector<std::uint32_t> tips;
   for (std::uint32_t v = 0; v < n; ++v)
     if (tip[v] != 0xffffffffU) tips.push_back(tip[v]);
   if (tips.size() < 2) return 0;
   // Edges by rows of v.
-  double low = graph.points[tips[0]].v, high = low;
-  for (const Vec2 p : graph.points) low = std::min(low, p.v), high = std::max(high, p.v);
-  double heights = 0.0;
-  for (const GraphEdge& edge : graph.edges)
-    heights += std::abs(graph.points[edge.a].v - graph.points[edge.b].v);
-  const double most_rows =  // so that there are a few entries an edge
-      8.0 * static_cast<double>(graph.edges.size()) * (high - low) / std::max(heights, 1e-300);
-  const auto rows = static_cast<std::size_t>(std::clamp(most_rows, 1.0, 4096.0));
-  const double per_mm = high > low ? static_cast<double>(rows) / (high - low) : 0.0;
-  const auto row_of = [&](double v) {
-    return std::min(rows - 1, static_cast<std::size_t>(std::max(0.0, (v - low) * per_mm)));
-  };
-  std::vector<std::vector<std::uint32_t>> row(rows);
-  for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
-    const auto [from, to] = std::minmax(
-        {row_of(graph.points[graph.edges[e].a].v), row_of(graph.points[graph.edges[e].b].v)});
-    for (std::size_t r = from; r <= to; ++r) row[r].push_back(e);
-  }
+  double low = graph.points[tips[0]].y(), high = low;
+  for (const Vec2& p : graph.points) low = std::min(low, p.y()), high = std::max(high, p.y());
+  std::vector<std::uint32_t> all(graph.edges.size());
+  std::iota(all.begin(), all.end(), 0U);
+  const IntervalBins rows(low, high, 4096, all, [&](std::uint32_t e) {
+    return std::pair<double, double>(
+        std::minmax(graph.points[graph.edges[e].a].y(), graph.points[graph.edges[e].b].y()));
+  });
   struct Tie {
     std::uint32_t tip{}, edge{};
     Vec2 at;
@@ -270,16 +246,16 @@ std::size_t tie_islands(Graph& graph, double tolerance) {
   std::size_t work = 0;
   for (const std::uint32_t v : tips) {
     const Vec2 p = graph.points[v];
-    work += row[row_of(p.v)].size();
+    work += rows.at(p.y()).size();
     if (work > kMostTieWork) break;
     Tie best{v, 0xffffffffU, {}};
-    for (const std::uint32_t e : row[row_of(p.v)]) {
+    for (const std::uint32_t e : rows.at(p.y())) {
       const Vec2 a = graph.points[graph.edges[e].a];
       const Vec2 b = graph.points[graph.edges[e].b];
-      if ((a.v < p.v) == (b.v < p.v)) continue;
-      const Vec2 at = a + ((p.v - a.v) / (b.v - a.v)) * (b - a);
-      if (at.u >= p.u || root(graph.edges[e].a) == root(v)) continue;
-      if (best.edge == 0xffffffffU || at.u > best.at.u) best = {v, e, at};
+      if ((a.y() < p.y()) == (b.y() < p.y())) continue;
+      const Vec2 at = a + ((p.y() - a.y()) / (b.y() - a.y())) * (b - a);
+      if (at.x() >= p.x() || islands.find(graph.edges[e].a) == islands.find(v)) continue;
+      if (best.edge == 0xffffffffU || at.x() > best.at.x()) best = {v, e, at};
     }
     if (best.edge != 0xffffffffU) ties.push_back(best);
   }
@@ -310,7 +286,7 @@ std::size_t tie_islands(Graph& graph, double tolerance) {
 }
 
 /// Leaves out edges that bound no face, save folds: those are for the user to see.
-std::size_t drop_idle(FoldFile& file) {
+std::size_t drop_idle(FoldModel& file) {
   VerifyCheck scratch;
   const Sheet sheet = make_sheet(file, scratch);
   std::vector<std::uint8_t> used(file.edges.size(), 0);
@@ -336,7 +312,7 @@ std::size_t drop_idle(FoldFile& file) {
 }
 
 /// Pieces without a fold, all but the largest, are no part of the sheet: cuts go round them.
-std::size_t drop_offcuts(FoldFile& file) {
+std::size_t drop_offcuts(FoldModel& file) {
   VerifyCheck scratch;
   const Sheet sheet = make_sheet(file, scratch);
   std::vector<double> size(sheet.pieces, 0.0);
@@ -359,7 +335,7 @@ std::size_t drop_offcuts(FoldFile& file) {
   return dropped;
 }
 
-std::vector<DrawnEdge> drawn_edges(const FoldFile& file) {
+std::vector<DrawnEdge> drawn_edges(const FoldModel& file) {
   std::vector<DrawnEdge> lines;
   lines.reserve(file.edges.size());
   for (std::size_t e = 0; e < file.edges.size(); ++e) {
@@ -372,21 +348,16 @@ std::vector<DrawnEdge> drawn_edges(const FoldFile& file) {
 
 }  // namespace
 
-Result<void> planarise(FoldFile& file) {
+Result<void> planarise(FoldModel& file) {
   std::vector<DrawnEdge> lines = drawn_edges(file);
   const DashEnd dashes = join_dashes(lines);
-  Vec2 low = lines.front().from, high = low;
-  for (const DrawnEdge& line : lines) {
-    for (const Vec2 p : {line.from, line.to}) {
-      low = {std::min(low.u, p.u), std::min(low.v, p.v)};
-      high = {std::max(high.u, p.u), std::max(high.v, p.v)};
-    }
-  }
+  Eigen::AlignedBox2d box;
+  for (const DrawnEdge& line : lines) box.extend(line.from).extend(line.to);
   // 1. The smallest tolerance with which the fewest folds end nowhere.
-  const double reach = std::max(norm(high - low), 1e-9);
+  const double reach = std::max(norm(box.sizes()), 1e-9);
   std::optional<Graph> best;
   for (double share = kSmallestShare; share <= kLargestShare * 1.001; share *= std::sqrt(10.0)) {
-    Graph graph = graph_of(lines, low, share * reach);
+    Graph graph = graph_of(lines, share * reach);
     if (!graph.complete) {
       if (best) break;
       return fail(

@@ -39,6 +39,6 @@ struct DashEnd {
 /// says what was done.
 ///
 /// @retval OutOfRange  more lines cross than can be split
-[[nodiscard]] Result<void> planarise(FoldFile& file);
+[[nodiscard]] Result<void> planarise(FoldModel& file);
 
 }  // namespace popcut::verify

@@ -4,46 +4,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "core/geometry/buckets.hpp"
+#include "core/geometry/disjoint_sets.hpp"
+
 namespace popcut::verify {
 namespace {
-
-/// Which of the things numbered 0 .. n - 1 hang together.
-class Groups {
- public:
-  explicit Groups(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-  /// Numbers the groups by their first member and returns how many there are.
-  std::size_t number(std::vector<std::uint32_t>& group_of) {
-    group_of.resize(parent_.size());
-    std::uint32_t groups = 0;
-    for (std::uint32_t i = 0; i < parent_.size(); ++i) {
-      const std::uint32_t r = root(i);
-      group_of[i] = r == i ? groups++ : group_of[r];
-    }
-    return groups;
-  }
-
- private:
-  std::uint32_t root(std::uint32_t a) {
-    while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
-    return a;
-  }
-  std::vector<std::uint32_t> parent_;
-};
 
 /// Edges by their two ends.
 class EdgeIndex {
  public:
-  explicit EdgeIndex(const FoldFile& file) {
+  explicit EdgeIndex(const FoldModel& file) {
     entries_.reserve(file.edges.size());
     for (std::uint32_t e = 0; e < file.edges.size(); ++e) {
       entries_.emplace_back(key(file.edges[e][0], file.edges[e][1]), e);
@@ -94,7 +68,7 @@ const char* kind(Assignment a) {
 /// The two sides that an edge has, running with it and against it; -1 for none.
 using Sides = std::array<std::int32_t, 2>;
 
-std::vector<Sides> sides_of_edges(const FoldFile& file, const EdgeIndex& index, Sheet& sheet,
+std::vector<Sides> sides_of_edges(const FoldModel& file, const EdgeIndex& index, Sheet& sheet,
                                   VerifyCheck& check) {
   std::vector<Sides> sides(file.edges.size(), Sides{-1, -1});
   const std::size_t count = file.face_vertices.size();
@@ -129,7 +103,8 @@ std::vector<Sides> sides_of_edges(const FoldFile& file, const EdgeIndex& index, 
   return sides;
 }
 
-void link(const FoldFile& file, const std::vector<Sides>& sides, Sheet& sheet, VerifyCheck& check) {
+void link(const FoldModel& file, const std::vector<Sides>& sides, Sheet& sheet,
+          VerifyCheck& check) {
   for (std::uint32_t e = 0; e < file.edges.size(); ++e) {
     const Assignment a = file.assignment[e];
     const int used = (sides[e][0] >= 0 ? 1 : 0) + (sides[e][1] >= 0 ? 1 : 0);
@@ -173,7 +148,7 @@ void link(const FoldFile& file, const std::vector<Sides>& sides, Sheet& sheet, V
 
 }  // namespace
 
-double area(const FoldFile& file, std::size_t f) {
+double area(const FoldModel& file, std::size_t f) {
   const auto corners = face_of(file, f);
   const Vec2 origin = file.flat[corners[0]];
   double twice = 0.0;
@@ -183,7 +158,7 @@ double area(const FoldFile& file, std::size_t f) {
   return 0.5 * twice;
 }
 
-Sheet make_sheet(const FoldFile& file, VerifyCheck& check) {
+Sheet make_sheet(const FoldModel& file, VerifyCheck& check) {
   Sheet sheet;
   const EdgeIndex index(file);
   index.each_repeat([&](std::uint32_t e, std::uint32_t again) {
@@ -194,8 +169,8 @@ Sheet make_sheet(const FoldFile& file, VerifyCheck& check) {
   });
   const std::vector<Sides> sides = sides_of_edges(file, index, sheet, check);
   link(file, sides, sheet, check);
-  Groups panels(file.faces());
-  Groups pieces(file.faces());
+  DisjointSets panels(file.faces());
+  DisjointSets pieces(file.faces());
   for (const Hinge& hinge : sheet.hinges) {
     pieces.join(hinge.left, hinge.right);
     if (joins(file.assignment[hinge.edge])) panels.join(hinge.left, hinge.right);
@@ -205,7 +180,7 @@ Sheet make_sheet(const FoldFile& file, VerifyCheck& check) {
   return sheet;
 }
 
-std::vector<double> border_loops(const FoldFile& file, const Sheet& sheet) {
+std::vector<double> border_loops(const FoldModel& file, const Sheet& sheet) {
   std::vector<double> loops;
   std::vector<std::uint8_t> seen(sheet.side_twin.size(), 0);
   for (std::uint32_t start = 0; start < seen.size(); ++start) {
@@ -228,31 +203,28 @@ std::vector<double> border_loops(const FoldFile& file, const Sheet& sheet) {
   return loops;
 }
 
-void trace_faces(FoldFile& file) {
+void trace_faces(FoldModel& file) {
   // Half-edge 2e runs with edge e, 2e + 1 against it. Around each vertex the ones that leave it are
   // put in order of angle; after arriving by h, the next one clockwise from its twin keeps the
   // face on the left.
   const std::size_t halves = 2 * file.edges.size();
   const auto from = [&](std::size_t h) { return file.edges[h / 2][h % 2]; };
-  std::vector<std::uint32_t> first(file.flat.size() + 1, 0);
-  for (std::size_t h = 0; h < halves; ++h) ++first[from(h) + 1];
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  std::vector<std::uint32_t> leaving(halves);
-  std::vector<std::uint32_t> fill(first.begin(), first.end() - 1);
+  Buckets<std::uint32_t> leaving(file.flat.size(), [&](auto&& put) {
+    for (std::uint32_t h = 0; h < halves; ++h) put(from(h), h);
+  });
   std::vector<double> angle(halves);
   for (std::uint32_t h = 0; h < halves; ++h) {
-    leaving[fill[from(h)]++] = h;
     const Vec2 way = file.flat[from(h ^ 1U)] - file.flat[from(h)];
-    angle[h] = std::atan2(way.v, way.u);
+    angle[h] = std::atan2(way.y(), way.x());
   }
   std::vector<std::uint32_t> clockwise(halves);
   for (std::size_t vertex = 0; vertex < file.flat.size(); ++vertex) {
-    const auto begin = leaving.begin() + first[vertex];
-    const auto end = leaving.begin() + first[vertex + 1];
-    std::sort(begin, end, [&](std::uint32_t a, std::uint32_t b) {
+    const auto around = leaving[vertex];
+    std::sort(around.begin(), around.end(), [&](std::uint32_t a, std::uint32_t b) {
       return std::pair(angle[a], a) < std::pair(angle[b], b);
     });
-    for (auto at = begin; at != end; ++at) clockwise[*at] = at == begin ? *(end - 1) : *(at - 1);
+    for (std::size_t k = 0; k < around.size(); ++k)
+      clockwise[around[k]] = around[k == 0 ? around.size() - 1 : k - 1];
   }
 
   file.face_first.assign(1, 0);

@@ -34,32 +34,32 @@ struct Sheet {
   std::size_t pieces{};
 
   /// The side after `side` around its face.
-  [[nodiscard]] std::uint32_t next(const FoldFile& file, std::uint32_t side) const {
+  [[nodiscard]] std::uint32_t next(const FoldModel& file, std::uint32_t side) const {
     const std::uint32_t face = side_face[side];
     return side + 1 == file.face_first[face + 1] ? file.face_first[face] : side + 1;
   }
 };
 
 /// Vertices of face `f`.
-[[nodiscard]] inline std::span<const std::uint32_t> face_of(const FoldFile& file, std::size_t f) {
+[[nodiscard]] inline std::span<const std::uint32_t> face_of(const FoldModel& file, std::size_t f) {
   return std::span(file.face_vertices)
       .subspan(file.face_first[f], file.face_first[f + 1] - file.face_first[f]);
 }
 
 /// Signed area of face `f` on the flat sheet in mm^2, positive for a counter-clockwise one.
-[[nodiscard]] double area(const FoldFile& file, std::size_t f);
+[[nodiscard]] double area(const FoldModel& file, std::size_t f);
 
 /// Gives a file without faces the ones that its edges enclose: the left turns of the planar graph.
 /// Holes come out as faces when folds surround them; a drawing whose edges cross unmarked gives
 /// faces that the tiling check refuses.
-void trace_faces(FoldFile& file);
+void trace_faces(FoldModel& file);
 
 /// Finds what hangs together. What is inconsistent goes into `check`, named by edge and face: a
 /// fold beside one face only, an edge used twice the same way, a side that is no edge.
-[[nodiscard]] Sheet make_sheet(const FoldFile& file, VerifyCheck& check);
+[[nodiscard]] Sheet make_sheet(const FoldModel& file, VerifyCheck& check);
 
 /// Signed areas in mm^2 of the loops that the sheet's borders and cuts make: each piece has one
 /// positive outer loop, holes are negative, a slit has none.
-[[nodiscard]] std::vector<double> border_loops(const FoldFile& file, const Sheet& sheet);
+[[nodiscard]] std::vector<double> border_loops(const FoldModel& file, const Sheet& sheet);
 
 }  // namespace popcut::verify

@@ -3,10 +3,10 @@
 
 #include <vector>
 
+#include "core/geometry/triangulate.hpp"
 #include "core/verify/sheet/check.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/sheet/sheet.hpp"
-#include "core/verify/sheet/triangulate.hpp"
 
 namespace popcut::verify {
 
@@ -28,16 +28,16 @@ struct Tiling {
 
 /// Does every face bound a simple, counter-clockwise polygon? Gives the faces in triangles; those
 /// of a face that fails are left out.
-[[nodiscard]] Triangles check_faces(const FoldFile& file, VerifyCheck& check);
+[[nodiscard]] Triangles check_faces(const FoldModel& file, VerifyCheck& check);
 
 /// Do the faces tile the sheet: no two overlap in their interior, and their areas sum up to what
 /// the outer border encloses less the holes? Two faces overlap when they share more area than
 /// lines that are `slack_mm` off would give.
-[[nodiscard]] Tiling check_tiling(const FoldFile& file, const Sheet& sheet,
+[[nodiscard]] Tiling check_tiling(const FoldModel& file, const Sheet& sheet,
                                   const Triangles& triangles, double slack_mm, VerifyCheck& check);
 
 /// Do the lines lie as lines of one sheet must: no two edges cross, no vertex lies inside a fold,
 /// and no two edges run along each other, save the two sides of one slit?
-void check_lines(const FoldFile& file, const Sheet& sheet, double slack_mm, VerifyCheck& check);
+void check_lines(const FoldModel& file, const Sheet& sheet, double slack_mm, VerifyCheck& check);
 
 }  // namespace popcut::verify

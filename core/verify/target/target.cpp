@@ -11,7 +11,7 @@
 namespace popcut::verify {
 namespace {
 
-const Pose* pose_to_measure(const FoldFile& file) {
+const Pose* pose_to_measure(const FoldModel& file) {
   const Pose* best = nullptr;
   for (const Pose& pose : file.poses) {
     if (!pose.psi_rad || !(std::sin(*pose.psi_rad) > 0.1)) continue;
@@ -37,18 +37,18 @@ using Folds = std::vector<std::vector<FoldVertex>>;
 
 /// The valley folds of each strip as (X, Z), each place once. Only those along the spine: V-folds
 /// run across, and cut the crease that they stand on in two.
-Folds valleys_in(const FoldFile& file, const Pose& pose,
+Folds valleys_in(const FoldModel& file, const Pose& pose,
                  const std::vector<TargetStation>& stations) {
   Folds found(stations.size());
   double reach = 0.0;
-  for (const Vec2 p : file.flat) reach = std::max({reach, std::abs(p.u), std::abs(p.v)});
+  for (const Vec2& p : file.flat) reach = std::max({reach, std::abs(p.x()), std::abs(p.y())});
   const double same = 1e-9 * reach;
   for (std::size_t e = 0; e < file.edges.size(); ++e) {
     if (file.assignment[e] != Assignment::Valley) continue;
     const auto [a, b] = file.edges[e];
-    if (std::abs(file.flat[a].u - file.flat[b].u) > same) continue;
-    const double from = std::min(file.flat[a].v, file.flat[b].v) + same;
-    const double to = std::max(file.flat[a].v, file.flat[b].v) - same;
+    if (std::abs(file.flat[a].x() - file.flat[b].x()) > same) continue;
+    const double from = std::min(file.flat[a].y(), file.flat[b].y()) + same;
+    const double to = std::max(file.flat[a].y(), file.flat[b].y()) - same;
     auto at = std::lower_bound(stations.begin(), stations.end(), from,
                                [](const TargetStation& s, double v) { return s.end_mm <= v; });
     for (; at != stations.end() && at->begin_mm < to; ++at) {
@@ -97,7 +97,7 @@ class Measurement {
   Measurement(const TargetSurface& surface, const Pose& pose, VerifyCheck& check)
       : surface_(surface), check_(check) {
     double reach = 0.0;
-    for (const Vec3& p : pose.at) reach = std::max({reach, std::abs(p.x), std::abs(p.z)});
+    for (const Vec3& p : pose.at) reach = std::max({reach, std::abs(p.x()), std::abs(p.z())});
     on_card_ = 1e-9 * reach;
   }
 
@@ -147,11 +147,11 @@ class Measurement {
 }  // namespace
 
 FoldVertex unposed(Vec3 p, double psi_rad) {
-  const double z = p.z / std::sin(psi_rad);
-  return {p.x - z * std::cos(psi_rad), z};
+  const double z = p.z() / std::sin(psi_rad);
+  return {p.x() - z * std::cos(psi_rad), z};
 }
 
-std::optional<TargetDistances> measure_target(const FoldFile& file, const Target& target,
+std::optional<TargetDistances> measure_target(const FoldModel& file, const Target& target,
                                               VerifyCheck& check) {
   const Pose* pose = pose_to_measure(file);
   if (pose == nullptr) {

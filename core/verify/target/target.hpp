@@ -60,13 +60,13 @@ struct TargetStations {
 /// else with the plain cuts that the pattern shows; and the widths too where the design chose them.
 ///
 /// @retval CheckFailed  the sheet's strips are not those of the spec
-[[nodiscard]] Result<TargetStations> find_stations(const FoldFile& file, const Pose& pose,
+[[nodiscard]] Result<TargetStations> find_stations(const FoldModel& file, const Pose& pose,
                                                    const Target& target);
 
 /// Measures the fold vertices, where a connector's valley folds cross it: the inner ones, and all
 /// with the ends at wall and ground. `check` fails when the pattern does not show them; nothing is
 /// returned where not even that can be looked for.
-[[nodiscard]] std::optional<TargetDistances> measure_target(const FoldFile& file,
+[[nodiscard]] std::optional<TargetDistances> measure_target(const FoldModel& file,
                                                             const Target& target,
                                                             VerifyCheck& check);
 

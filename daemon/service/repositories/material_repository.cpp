@@ -6,7 +6,6 @@
 
 #include "core/machines/machine.hpp"
 #include "core/machines/table.hpp"
-#include "core/machines/tables.hpp"
 #include "core/text/json_text.hpp"
 #include "core/text/near_names.hpp"
 

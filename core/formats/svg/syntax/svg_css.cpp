@@ -15,7 +15,6 @@ namespace {
 constexpr std::size_t kNone = std::string_view::npos;
 constexpr int kMostNested = 8;          // blocks in blocks
 constexpr std::size_t kMostParts = 32;  // of one selector
-constexpr std::string_view kBlank = " \t\r\n\f";
 
 bool is_name(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
@@ -66,7 +65,7 @@ std::string_view attribute_of(const pugi::xml_node& node, std::string_view name)
 
 bool has_word(std::string_view words, std::string_view word) {
   while (!words.empty()) {
-    const std::size_t end = std::min(words.find_first_of(kBlank), words.size());
+    const std::size_t end = std::min(words.find_first_of(kBlanks), words.size());
     if (end > 0 && words.substr(0, end) == word) return true;
     words.remove_prefix(std::min(end + 1, words.size()));
   }
@@ -414,7 +413,7 @@ bool CssSheets::find(const pugi::xml_node& node, std::string_view type, std::str
   };
   if (!id.empty()) try_key(by_id_, id);
   while (!classes.empty() && !by_class_.empty()) {
-    const std::size_t end = std::min(classes.find_first_of(kBlank), classes.size());
+    const std::size_t end = std::min(classes.find_first_of(kBlanks), classes.size());
     if (end > 0) try_key(by_class_, classes.substr(0, end));
     classes.remove_prefix(std::min(end + 1, classes.size()));
     if (steps == 0) return false;

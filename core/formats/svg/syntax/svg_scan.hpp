@@ -3,12 +3,9 @@
 
 #include <string_view>
 
-namespace popcut {
+#include "core/text/blanks.hpp"
 
-/// White space of SVG and CSS.
-[[nodiscard]] inline bool is_blank(char c) {
-  return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f';
-}
+namespace popcut {
 
 /// Reads SVG's little languages (path data, transforms, point lists) from left to right.
 class SvgScan {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMostEntities = 64;
 constexpr std::size_t kMostEntityBytes = 256;
-constexpr std::string_view kBlanks = " \t\r\n";
+constexpr std::string_view kXmlBlanks = " \t\r\n";
 constexpr const char* kEntityRule =
     "only plain <!ENTITY name \"text\"> are read there; take the rest of the DOCTYPE out";
 
@@ -140,7 +140,7 @@ class DoctypeReader {
         std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(at_), '\n');
     return fail(kind, fmt::format("line {}", lines + 1), detail);
   }
-  void blanks() { at_ = std::min(text_.find_first_not_of(kBlanks, at_), text_.size()); }
+  void blanks() { at_ = std::min(text_.find_first_not_of(kXmlBlanks, at_), text_.size()); }
 
   // Up to and with the closing bracket.
   Result<void> subset(std::vector<Entity>& entities) {

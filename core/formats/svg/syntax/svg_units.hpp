@@ -5,6 +5,8 @@
 #include <optional>
 #include <string_view>
 
+#include "core/text/blanks.hpp"
+
 namespace popcut {
 
 /// A length as it is written in SVG or CSS.
@@ -31,8 +33,6 @@ struct SvgMeasure {
 
 [[nodiscard]] double user_units(const SvgLength& length, const SvgMeasure& measure);
 
-/// Without blanks before and after.
-[[nodiscard]] std::string_view trimmed(std::string_view text);
 /// Whether two words are one, ASCII letters in either case.
 [[nodiscard]] bool same_word(std::string_view a, std::string_view b);
 

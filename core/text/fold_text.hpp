@@ -9,7 +9,7 @@
 
 #include "core/result.hpp"
 
-namespace popcut::verify {
+namespace popcut {
 
 /// One array of a frame as it stands in the file, in flat form. Null entries are NaN.
 struct FoldColumn {
@@ -25,7 +25,7 @@ struct FoldColumn {
   }
 };
 
-/// The members of one frame that verify reads; all others are passed over.
+/// The members of one frame that popcut reads; all others are passed over.
 struct FrameText {
   std::string place;  ///< JSON pointer of the frame, empty for the key frame
   FoldColumn vertices_coords;
@@ -57,7 +57,11 @@ struct FoldLimits {
 inline constexpr int kMaxFoldDepth = 64;
 inline constexpr std::size_t kMaxFoldFrames = 10'000;
 
-/// Reads the JSON of a FOLD file without building a tree of it: memory stays within a few times
+/// Reads the JSON of a FOLD file: the arrays as they stand, for the two readers that give them a
+/// meaning (core/formats/fold/fold_reader.hpp and, independent of it,
+/// core/verify/sheet/fold_model.hpp).
+///
+/// Reads without building a tree of it: memory stays within a few times
 /// the text. Frame 0 is the key frame, the others are `file_frames` in order.
 ///
 /// @retval Malformed   not JSON (with line and column), nested too deep, or a member that has
@@ -66,4 +70,4 @@ inline constexpr std::size_t kMaxFoldFrames = 10'000;
 [[nodiscard]] Result<std::vector<FrameText>> read_fold_text(std::string_view text,
                                                             const FoldLimits& limits = {});
 
-}  // namespace popcut::verify
+}  // namespace popcut
