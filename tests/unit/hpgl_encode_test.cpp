@@ -98,8 +98,8 @@ TEST_CASE("negative coordinates are refused for HPGL with the way out",
   Toolpath toolpath = two_lines();
   toolpath.points[3] = {-3, -0.5};
   CHECK(text_of(toolpath, plotter()) ==
-        "/strokes/1: negative coordinates, which machines that speak HPGL do not take; move the "
-        "drawing by 3 mm in x and 0.5 mm in y of the machine");
+        "/strokes/1: negative coordinates, which HPGL machines do not take; move the drawing by "
+        "3 mm along the machine's x and 0.5 mm along its y");
 }
 
 TEST_CASE("a long HPGL line goes on in another PD below 1024 bytes", "[protocol][hpgl][encode]") {
@@ -143,8 +143,8 @@ TEST_CASE("HPGL variants are words joined by plus signs", "[protocol][hpgl][enco
         "IN;PA;SP1;VS50;FS7;U0,0;D1016,0,1016,1016;U400,400;D800,400;U0,0;SP0;IN;");
   CHECK(written("camm1+plain") == "IN;SP1;M0,0;D1016,0,1016,1016;M400,400;D800,400;M0,0;SP0;IN;");
   CHECK(written("camm2") == written("generic"));
-  CHECK_THAT(written("pa+ud"), Catch::Contains("pa goes with PU and PD only"));
-  CHECK_THAT(written("generic+"), Catch::Contains("\"\" is no variant"));
+  CHECK_THAT(written("pa+ud"), Catch::Contains("pa needs PU and PD"));
+  CHECK_THAT(written("generic+"), Catch::Contains("\"\" is not a variant"));
 }
 
 TEST_CASE("every habit that a table may name is known to the encoder", "[protocol][hpgl][encode]") {
