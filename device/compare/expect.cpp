@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "core/plan/knife/blade.hpp"
 #include "core/drawing/clean.hpp"
 #include "core/geometry/segment_grid.hpp"
+#include "core/plan/knife/blade.hpp"
 #include "device/compare/fold_chains.hpp"
 #include "device/compare/fold_check.hpp"
 #include "device/compare/run_along.hpp"
@@ -55,7 +55,7 @@ class Check {
 
   Comparison run() {
     list_wanted(drawing_, wanted_, true);
-    list_wanted(expected_.also_lawful, lawful_, false);
+    list_wanted(expected_.also_allowed, lawful_, false);
     find_fold_runs();
     list_drawn();
     compare_strokes();
@@ -206,8 +206,8 @@ void Check::compare_strokes() {
   SegmentGrid grid(segments(wanted_), slack_);
   SegmentGrid lawful_grid(segments(lawful_), slack_);
   std::vector<PagePoint> places = drawing_.points;
-  places.insert(places.end(), expected_.also_lawful.points.begin(),
-                expected_.also_lawful.points.end());
+  places.insert(places.end(), expected_.also_allowed.points.begin(),
+                expected_.also_allowed.points.end());
   const VertexGrid vertices(std::move(places), reach_);
   std::vector<Stretch> on, on_fold, on_lawful;
   for (const Drawn& drawn : drawn_) {

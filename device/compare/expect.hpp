@@ -19,7 +19,7 @@ struct Expected {
   int cut_passes{1};  ///< how often a line is to be cut, for a drawing with whole folds
   int fold_passes{1};
   bool folds_whole{false};      ///< folds are pressed or cut half through along their whole length
-  LineWork also_lawful;         ///< overcuts, lead-ins, tabs, marks, labels: may be drawn, need not
+  LineWork also_allowed;        ///< overcuts, lead-ins, tabs, marks, labels: may be drawn, need not
   double blade_offset_mm{};     ///< of a drag knife that the program turns itself; 0: none
   std::uint16_t blade_tools{};  ///< bit n: tool n is such a knife
 };

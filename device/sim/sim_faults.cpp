@@ -28,18 +28,18 @@ bool has_text(Kind kind) { return kind == Kind::Garbage || kind == Kind::WrongNa
 Result<SimFault> fault_from(const nlohmann::json& json, const std::string& pointer) {
   if (!json.is_object())
     return fail(ErrorKind::OutOfRange, pointer,
-                "a fault is an object, as in {\"at_byte\": 800, \"kind\": \"stall\"}");
+                "must be an object, as in {\"at_byte\": 800, \"kind\": \"stall\"}");
   JsonFields fields(json, pointer);
   SimFault fault;
   if (!fields.has("kind"))
     fields.add_error(ErrorKind::OutOfRange, fields.pointer("kind"),
-                     fmt::format("is missing; one of {} is needed", fmt::join(kKinds, ", ")));
+                     fmt::format("is missing; use one of {}", fmt::join(kKinds, ", ")));
   const std::vector<std::string> kinds(kKinds.begin(), kKinds.end());
   fault.kind = static_cast<Kind>(fields.word("kind", 0, kinds));
   const bool path = fields.has("at_path");
   if (path && fields.has("at_byte"))
     fields.add_error(ErrorKind::OutOfRange, fields.pointer("at_path"),
-                     "at_path and at_byte both; give one of them");
+                     "at_path and at_byte exclude each other; give one of them");
   if (path)
     fault.at_path = static_cast<std::uint64_t>(fields.number("at_path", 1, 1, kFarthest));
   else
@@ -50,16 +50,16 @@ Result<SimFault> fault_from(const nlohmann::json& json, const std::string& point
     if (fault.text.size() > kLongestText)
       fields.add_error(
           ErrorKind::OutOfRange, fields.pointer("text"),
-          fmt::format("{} bytes; at most {} are taken", fault.text.size(), kLongestText));
+          fmt::format("has {} bytes; it must have at most {}", fault.text.size(), kLongestText));
   }
   if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
   return fault;
 }
 
-Result<std::vector<SimFault>> by_chance(const nlohmann::json& json) {
+Result<std::vector<SimFault>> drawn_faults(const nlohmann::json& json) {
   if (!json.is_object())
     return fail(ErrorKind::OutOfRange, "/random",
-                "an object is needed, as in {\"seed\": 7, \"count\": 2, \"bytes\": 9000}");
+                "must be an object, as in {\"seed\": 7, \"count\": 2, \"bytes\": 9000}");
   JsonFields fields(json, "/random");
   const int seed = fields.integer("seed", std::nullopt, 0, 2147483647);
   const int count = fields.integer("count", 1, 1, static_cast<int>(kMostFaults));
@@ -78,16 +78,17 @@ Result<std::vector<SimFault>> parse_faults(std::string_view text) {
   if (!json) return tl::unexpected(json.error());
   if (!json->is_object())
     return fail(ErrorKind::OutOfRange, "",
-                "a fault script is an object, as in {\"popcut\": 1, \"faults\": []}");
+                "must be an object, as in {\"popcut\": 1, \"faults\": []}");
   JsonFields fields(*json, "");
   fields.integer("popcut", std::nullopt, 1, 1);
   const nlohmann::json* const list = fields.value("faults");
   const nlohmann::json* const random = fields.value("random");
   if (list != nullptr && (!list->is_array() || list->size() > kMostFaults))
     fields.add_error(ErrorKind::OutOfRange, "/faults",
-                     fmt::format("a list of at most {} faults is needed", kMostFaults));
+                     fmt::format("must be a list of at most {} faults", kMostFaults));
   if (list == nullptr && random == nullptr)
-    fields.add_error(ErrorKind::OutOfRange, "", "neither \"faults\" nor \"random\"; give one");
+    fields.add_error(ErrorKind::OutOfRange, "",
+                     "has neither \"faults\" nor \"random\"; give one of them");
   if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
   std::vector<SimFault> faults;
   if (list != nullptr) {
@@ -98,7 +99,7 @@ Result<std::vector<SimFault>> parse_faults(std::string_view text) {
     }
   }
   if (random != nullptr) {
-    const auto drawn = by_chance(*random);
+    const auto drawn = drawn_faults(*random);
     if (!drawn) return drawn;
     faults.insert(faults.end(), drawn->begin(), drawn->end());
   }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Part of device/sim/trace.hpp.
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -15,9 +16,6 @@ namespace {
 
 constexpr double kMarginMm = 5;
 constexpr double kLegendRowMm = 5;
-
-/// Names come from users' tables: markup in them is only text.
-std::string escaped(std::string_view text) { return xml_escaped(text); }
 
 struct PageBox {
   double left{1e300}, top{1e300}, right{-1e300}, bottom{-1e300};
@@ -49,7 +47,7 @@ void put_path(std::string& path, std::span<const PagePoint> points) {
   if (points.size() == 1) path += "h0";
 }
 
-/// Light forces are blue, heavy ones red, by their rank among those used: two never look the same.
+/// From blue for the lightest force used to red for the heaviest, so that no two look the same.
 std::string colour(std::size_t rank, std::size_t count) {
   const double t = count < 2 ? 1.0 : static_cast<double>(rank) / static_cast<double>(count - 1);
   const auto channel = [](double value) { return static_cast<int>(value * 255 + 0.5); };
@@ -74,7 +72,7 @@ PageBox page_box(const Trace& trace) {
   PageBox box;
   box.add({0, 0});
   for (const PagePoint& point : trace.points) box.add(point);
-  // A roll is as long as what is cut from it; a sheet is shown whole.
+  // A roll is shown as far as it is cut, a sheet whole.
   const bool roll = trace.page_length_mm > 1000;
   box.add({trace.page_width_mm, roll ? box.bottom : trace.page_length_mm});
   return box;
@@ -112,8 +110,8 @@ std::string trace_svg(const Trace& trace) {
       "<rect x=\"{2:.6g}\" y=\"{3:.6g}\" width=\"{0:.6g}\" height=\"{1:.6g}\" fill=\"#fff\"/>\n"
       "<rect x=\"{5:.6g}\" y=\"{6:.6g}\" width=\"{7:.6g}\" height=\"{8:.6g}\" fill=\"none\" "
       "stroke=\"#bbb\" stroke-width=\"0.2\"/>\n",
-      width, height, box.left - kMarginMm, box.top - kMarginMm, escaped(trace.machine), 0.0, 0.0,
-      trace.page_width_mm, trace.page_length_mm > 1000 ? box.bottom : trace.page_length_mm);
+      width, height, box.left - kMarginMm, box.top - kMarginMm, xml_escaped(trace.machine), 0.0,
+      0.0, trace.page_width_mm, trace.page_length_mm > 1000 ? box.bottom : trace.page_length_mm);
   auto out = std::back_inserter(svg);
   fmt::format_to(out,
                  "<path class=\"travel\" d=\"{}\" fill=\"none\" stroke=\"#3a9\" "
@@ -142,7 +140,7 @@ std::string trace_svg(const Trace& trace) {
     std::string grey;
     for (std::size_t i = 0; i + 1 < trace.clipped.size(); i += 2)
       put_path(grey, std::span(trace.clipped).subspan(i, 2));
-    // White first: the colour of a force must not show where nothing was cut.
+    // White first, to hide the colour of the force where nothing was cut.
     fmt::format_to(out,
                    "<path d=\"{0}\" fill=\"none\" stroke=\"#fff\" stroke-width=\"0.8\"/>\n"
                    "<path class=\"clipped\" d=\"{0}\" fill=\"none\" stroke=\"#aaa\" "
@@ -153,7 +151,7 @@ std::string trace_svg(const Trace& trace) {
   }
   legend_row("#3a9", 0.05, fmt::format("travel with the tool up: {:.1f} mm", trace.travel_mm));
   legend_row("none", 0,
-             fmt::format("{}: {:.1f} mm in {} strokes, {:.0f} s", escaped(trace.machine),
+             fmt::format("{}: {:.1f} mm in {} strokes, {:.0f} s", xml_escaped(trace.machine),
                          trace.cut_mm, trace.lifts, trace.seconds));
   return svg + "</svg>\n";
 }

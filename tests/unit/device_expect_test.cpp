@@ -240,7 +240,7 @@ TEST_CASE("what is listed as lawful may be drawn and need not be", "[device][exp
   path.points.push_back({33, 60});
   path.strokes.insert(path.strokes.begin(), mark);
   Expected expected = bench.by_sheet();
-  expected.also_lawful.append(Operation::Draw, std::vector<PagePoint>{{30, 60}, {35, 60}});
+  expected.also_allowed.append(Operation::Draw, std::vector<PagePoint>{{30, 60}, {35, 60}});
   CHECK(words(compare(bench.cut(path), expected)).empty());
   CHECK(words(compare(bench.cut(bench.sheet.path), expected)).empty());
 }

@@ -7,7 +7,7 @@
 #include "core/machines/motion.hpp"
 #include "device/compare/fold_chains.hpp"
 #include "device/compare/fold_check.hpp"
-#include "device/sim/motion.hpp"
+#include "device/sim/ride.hpp"
 #include "device/compare/run_along.hpp"
 #include "device/sim/window.hpp"
 

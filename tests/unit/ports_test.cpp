@@ -19,7 +19,7 @@
 #include "device/port/device_id.hpp"
 #include "device/port/file_transport.hpp"
 #include "device/port/ports.hpp"
-#include "device/port/serial_transport.hpp"
+#include "device/port/port_transport.hpp"
 #include "device/session/session.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/sim_bench.hpp"
