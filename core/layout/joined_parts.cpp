@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 
+#include "core/layout/line_index.hpp"
+
 namespace popcut {
 namespace {
-
-constexpr double kOn = 1e-6;  // mm
 
 // What of an outline along v remains beside the part's seams.
 std::vector<std::array<double, 2>> free_of_seams(const Pattern& part, const SheetLine& line) {

@@ -8,7 +8,6 @@
 namespace popcut {
 namespace {
 
-constexpr double kOn = 1e-6;  // mm beside a seam that still lie on it
 // A seam looks for slivers beside it: a millimetre is more than any narrowest panel.
 constexpr double kBeside = 1.0;
 

@@ -13,7 +13,7 @@
 namespace popcut {
 namespace {
 
-constexpr double kMargin = 10.0;  // mm around a drawing that is placed for its user
+constexpr double kDrawingMargin = 10.0;  // mm around a drawing that is placed for its user
 constexpr double kFits = 1e-6;    // mm of rounding that still fit
 
 bool read_number(std::string_view& text, double& out) {
@@ -23,8 +23,8 @@ bool read_number(std::string_view& text, double& out) {
   return true;
 }
 
-// Margin on both sides of `size` in `room`, at most kMargin.
-double margin(double size, double room) { return std::clamp((room - size) / 2, 0.0, kMargin); }
+// Margin on both sides of `size` in `room`, at most kDrawingMargin.
+double margin(double size, double room) { return std::clamp((room - size) / 2, 0.0, kDrawingMargin); }
 
 bool inside(const Box& box, const std::array<double, 2>& reach) {
   return box.x0 >= -kFits && box.y0 >= -kFits && box.x1 <= reach[0] + kFits &&

@@ -8,13 +8,13 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/angle.hpp"
 #include "core/verify/judge.hpp"
 
 namespace popcut::verify {
 namespace {
 
 constexpr double kRightAngle_rad = std::numbers::pi / 2.0;
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// The pose whose fold angles the key frame lists: the right angle, else of those that inherit them
 /// the one that fits best. Of poses that the solver made, the one with the listed driving angle; a

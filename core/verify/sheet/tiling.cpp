@@ -16,7 +16,6 @@ namespace popcut::verify {
 namespace {
 
 /// Overlaps that are collected before the search for more is given up.
-constexpr std::size_t kEnough = 1000;
 
 /// Most pairs of triangles are told apart at once, so more of them can be looked at.
 constexpr std::uint64_t kPatience = 16;
@@ -33,8 +32,6 @@ bool beside(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b) {
   return false;
 }
 
-std::string face_place(std::uint32_t f) { return fmt::format("/faces_vertices/{}", f); }
-std::string edge_place(std::uint32_t e) { return fmt::format("/edges_vertices/{}", e); }
 std::string show(Vec2 p) { return fmt::format("({:.6g}, {:.6g})", p.u, p.v); }
 
 /// How an edge's faces lie: a bit for a face on its left, and one for a face on its right.
