@@ -129,8 +129,8 @@ TEST_CASE("a split plan that was tampered with is told and a missing tab is foun
   with("/sheets/0/seams/0/piece", -4, 3, "/sheets/0/seams/0/piece");
   with("/sheets/0/seams", 7, 3, "/sheets/0/seams");
   with("/sheets/0/tabs/0/points", json::array({json::array({1, "x"})}), 3, "/sheets/0/tabs/0");
-  with("/sheets/0/tabs", json::array(), 6, "where nothing is to be drawn");  // they were cut
-  with("/sheets/0/seams/0/glued", json::array(), 6, "where nothing is to be drawn");
+  with("/sheets/0/tabs", json::array(), 6, "where nothing should be drawn");  // they were cut
+  with("/sheets/0/seams/0/glued", json::array(), 6, "where nothing should be drawn");
 }
 
 TEST_CASE("what cannot be split is refused with one line", "[cli][e2e][layout]") {

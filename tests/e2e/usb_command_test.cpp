@@ -178,7 +178,7 @@ TEST_CASE("doctor notes firmware that popcut has not met and refuses another mod
     const auto said = desk.doctor();
     INFO(said.out);
     CHECK(said.exit == 0);
-    CHECK(says(said.out, "firmware V9.99; popcut was made with recordings of V1.60"));
+    CHECK(says(said.out, "firmware V9.99; popcut was tested with recordings of V1.60"));
   }
   Desk desk({}, {}, {}, "CAMEO 9 V1.00    ");
   const auto said = desk.doctor();
@@ -203,7 +203,7 @@ TEST_CASE("doctor and cut name what a model that is not known is nearest to",
   const auto treated = desk.run({"doctor", "usb:51053P", "--treat-as", "cameo3"});
   INFO(treated.out);
   CHECK(treated.exit == 0);
-  CHECK(says(treated.out, "treated as a Silhouette Cameo 3 because you said so"));
+  CHECK(says(treated.out, "treated as a Silhouette Cameo 3 because of --treat-as"));
   const auto list = desk.run({"devices"});
   CHECK(says(list.out, "unknown model (CAMEO 7, 0b4d:1199)"));
   // With the name of a known one it is cut on.

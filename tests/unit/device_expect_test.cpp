@@ -162,7 +162,7 @@ TEST_CASE("a stray stroke is found", "[device][expect]") {
   path.points.push_back({30, 60});
   path.points.push_back({33, 60});
   path.strokes.push_back(stray);
-  fails(bench, path, "where nothing is to be drawn");
+  fails(bench, path, "where nothing should be drawn");
 }
 
 TEST_CASE("a cut that is one machine unit off is found", "[device][expect]") {
@@ -190,7 +190,7 @@ TEST_CASE("a mirrored sheet is found", "[device][expect]") {
   for (const bool left_right : {true, false}) {
     Toolpath path = bench.sheet.path;
     for (PagePoint& p : path.points) (left_right ? p.x : p.y) = 103 - (left_right ? p.x : p.y);
-    fails(bench, path, "where nothing is to be drawn");
+    fails(bench, path, "where nothing should be drawn");
   }
 }
 

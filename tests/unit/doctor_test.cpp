@@ -77,7 +77,7 @@ TEST_CASE("CUPS that holds the printer port is named with how to take it away",
   facts.said.reset();
   facts.holders = {"usb (812)"};
   const std::string text = told(facts);
-  CHECK(says(text, "problem: usb (812) has its printer port open; CUPS takes it for a printer"));
+  CHECK(says(text, "problem: usb (812) has its printer port open; CUPS uses it as a printer"));
   CHECK(says(text, "lpadmin -x"));
 }
 
@@ -102,16 +102,16 @@ TEST_CASE("firmware and models that are not known are told apart", "[device][doc
   CutterFacts facts = cameo3();
   facts.said = Answers{DeviceStatus::Ready, "CAMEO 3 V1.99    "};
   CHECK(says(told(facts),
-             "note: calls itself CAMEO 3, firmware V1.99; popcut was made with "
+             "note: calls itself CAMEO 3, firmware V1.99; popcut was tested with "
              "recordings of V1.60"));
   facts.said = Answers{DeviceStatus::Ready, "CAMEO 9 V1.00    "};
-  CHECK(says(told(facts), "problem: calls itself CAMEO 9, firmware V1.00, though"));
+  CHECK(says(told(facts), "problem: calls itself CAMEO 9, firmware V1.00, although"));
   facts.treated = true;
   CHECK_FALSE(says(told(facts), "problem"));
   facts = cameo3();
   facts.machine = machine("cameo4");  // whose identity was never recorded
   facts.said = Answers{DeviceStatus::Ready, "CAMEO 4 V1.30    "};
-  CHECK(says(told(facts), "note: calls itself CAMEO 4, firmware V1.30; popcut has not met"));
+  CHECK(says(told(facts), "note: calls itself CAMEO 4, firmware V1.30; popcut has not been tested with"));
   facts.said = Answers{DeviceStatus::Ready, "\x01\x02"};
   CHECK(says(told(facts), "problem: it does not say what it is"));
 }
