@@ -376,7 +376,7 @@ std::uint32_t seed() {
 }  // namespace
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-TEST_CASE("popcutd at rest has less than 20 MB of memory", "[daemon][memory]") {
+TEST_CASE("popcutd uses less than 20 MB of memory when idle", "[daemon][memory]") {
   DaemonProcess daemon(POPCUT_DAEMON);
   REQUIRE(daemon.start());
   // A moment after it serves it gives back what only its start needed.
@@ -458,7 +458,8 @@ TEST_CASE("killed at any write popcutd loses no job and no stroke is cut twice",
   crash.report("killed by calls", deaths());
 }
 
-TEST_CASE("killed at each call of its start popcutd starts the next time", "[daemon][crash]") {
+TEST_CASE("killed at any system call of its start popcutd starts the next time",
+          "[daemon][crash]") {
   Crash crash(seed() + 2000, 40);
   CAPTURE(seed());
   REQUIRE(crash.start());

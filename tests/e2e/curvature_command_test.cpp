@@ -34,7 +34,8 @@ void design_example(const TempFolder& folder, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("figures draws every figure and every statement holds", "[cli][e2e][figures]") {
+TEST_CASE("figures draws every figure and every statement of the paper holds",
+          "[cli][e2e][figures]") {
   const TempFolder folder;
   const Ran ran = popcut_in(folder, {"figures", "-o", "out", "--json"});
   CAPTURE(ran.err);
@@ -51,7 +52,8 @@ TEST_CASE("figures draws every figure and every statement holds", "[cli][e2e][fi
   CHECK(json::parse(text_of_file(folder / "out/figures.json")) == summary);
 }
 
-TEST_CASE("curvature of a designed pattern tells a sphere from a saddle", "[cli][e2e][curvature]") {
+TEST_CASE("curvature of a designed pattern distinguishes a sphere from a saddle",
+          "[cli][e2e][curvature]") {
   const TempFolder folder;
   for (const std::string name : {"sphere", "saddle", "cylinder"}) {
     design_example(folder, name);
@@ -109,7 +111,7 @@ TEST_CASE("curvature assembly writes its grid as a table and as a picture",
   CHECK(text_of_file(folder / "maps.svg").find("</svg>") != std::string::npos);
 }
 
-TEST_CASE("curvature solve names the assembly or what is nearest", "[cli][e2e][curvature]") {
+TEST_CASE("curvature solve names the assembly or the nearest one", "[cli][e2e][curvature]") {
   const TempFolder folder;
   const Ran saddle = popcut_in(folder, {"curvature", "solve", "--K", "-1"});
   CHECK(saddle.exit == 0);
@@ -127,7 +129,7 @@ TEST_CASE("curvature solve names the assembly or what is nearest", "[cli][e2e][c
   CHECK(one_clear_line(beyond));
 }
 
-TEST_CASE("wrong words for curvature end with one clear line", "[cli][e2e][curvature]") {
+TEST_CASE("wrong arguments of curvature give one clear line", "[cli][e2e][curvature]") {
   const TempFolder folder;
   write_file(folder / "empty.fold", "{}");
   write_file(folder / "text.fold", "no json");

@@ -43,7 +43,7 @@ void check_one_line(const Ran& ran, int exit, const std::string& telling) {
 
 }  // namespace
 
-TEST_CASE("a planned program does on the simulated cutter what its sheet says", "[cli][e2e]") {
+TEST_CASE("a planned program draws its sheet on the simulated cutter", "[cli][e2e]") {
   for (const char* machine : {"cameo3", "cameo", "cameo4", "cameo5", "portrait3", "hpgl-generic"}) {
     CAPTURE(machine);
     const Bench bench;
@@ -70,7 +70,7 @@ TEST_CASE("a planned program does on the simulated cutter what its sheet says", 
   }
 }
 
-TEST_CASE("a pattern with its plan is what the program must do", "[cli][e2e]") {
+TEST_CASE("simulate compares a program with a pattern and its plan", "[cli][e2e]") {
   for (const char* example : {"unit", "fig2a", "cylinder", "sphere", "saddle"}) {
     CAPTURE(example);
     const Bench bench;
@@ -88,7 +88,8 @@ TEST_CASE("a pattern with its plan is what the program must do", "[cli][e2e]") {
   }
 }
 
-TEST_CASE("another sheet than the expected one is exit code 6 and still drawn", "[cli][e2e]") {
+TEST_CASE("a sheet that differs from the expected one gives exit code 6 and is still drawn",
+          "[cli][e2e]") {
   const Bench bench;
   bench.plan();
   const std::string program = text_of_file(bench.folder / "plan/sheet-01.gpgl");
@@ -107,7 +108,7 @@ TEST_CASE("another sheet than the expected one is exit code 6 and still drawn", 
   CHECK(nlohmann::json::parse(json.out)["as_expected"] == false);
 }
 
-TEST_CASE("simulate tells what it cannot work with", "[cli][e2e]") {
+TEST_CASE("simulate reports input that it cannot use", "[cli][e2e]") {
   const Bench bench;
   bench.plan();
   write_file(bench.folder / "empty.gpgl", "");
@@ -129,7 +130,7 @@ TEST_CASE("simulate tells what it cannot work with", "[cli][e2e]") {
   CHECK_FALSE(std::filesystem::exists(bench.folder / "sim"));
 }
 
-TEST_CASE("unknown commands are told and are no success of an expectation", "[cli][e2e]") {
+TEST_CASE("unknown commands are reported and fail the comparison with a sheet", "[cli][e2e]") {
   const Bench bench;
   bench.plan();
   write_file(bench.folder / "odd.gpgl",
@@ -143,8 +144,7 @@ TEST_CASE("unknown commands are told and are no success of an expectation", "[cl
   check_one_line(checked, 6, "QQ7");
 }
 
-TEST_CASE("cut goes from a spec through session and protocol to the simulated cutter",
-          "[cli][e2e]") {
+TEST_CASE("cut sends a spec through protocol and session to the simulated cutter", "[cli][e2e]") {
   const Bench bench;
   const Ran ran = bench.run(
       {"cut", kSphere, "--direct", "--yes", "--device", "sim:cameo3", "-o", "cut", "--json"});
@@ -167,7 +167,7 @@ TEST_CASE("cut goes from a spec through session and protocol to the simulated cu
   CHECK(ran.err.find('\r') == std::string::npos);  // no progress bar off a terminal
 }
 
-TEST_CASE("a machine that answers nothing is cut on and its doubt is told", "[cli][e2e]") {
+TEST_CASE("a cut on a machine that answers nothing is reported as in doubt", "[cli][e2e]") {
   const Bench bench;
   const Ran ran = bench.run({"cut", kSphere, "--direct", "--yes", "--device", "sim:hpgl-generic"});
   INFO(ran.err);
@@ -175,7 +175,7 @@ TEST_CASE("a machine that answers nothing is cut on and its doubt is told", "[cl
   CHECK(ran.err.find("answers nothing") != std::string::npos);
 }
 
-TEST_CASE("nothing is cut without somebody who said yes", "[cli][e2e]") {
+TEST_CASE("nothing is cut without a person's confirmation", "[cli][e2e]") {
   const Bench bench;
   check_one_line(bench.run({"cut", kSphere, "--direct", "-q", "-o", "cut"}), 5, "nobody to ask");
   CHECK_FALSE(std::filesystem::exists(bench.folder / "cut/sheet-01.gpgl"));

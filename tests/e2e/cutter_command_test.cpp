@@ -41,7 +41,7 @@ bool says(const std::string& text, const std::string& words) {
 
 }  // namespace
 
-TEST_CASE("the simulated cutter fails as its fault file says and the ledger tells the rest",
+TEST_CASE("the simulated cutter fails as its fault file says and the ledger reports the rest",
           "[cli][e2e][faults]") {
   const Bench bench;
   struct Case {
@@ -82,7 +82,7 @@ TEST_CASE("the simulated cutter fails as its fault file says and the ledger tell
   }
 }
 
-TEST_CASE("a fault file that is wrong is told with the place", "[cli][e2e][faults]") {
+TEST_CASE("an invalid fault file is refused with the place", "[cli][e2e][faults]") {
   const Bench bench;
   const auto refused = [&](const std::string& faults, const std::string& words) {
     const Ran ran = bench.cut_with(faults);
@@ -100,8 +100,7 @@ TEST_CASE("a fault file that is wrong is told with the place", "[cli][e2e][fault
   CHECK(says(real.err, "--faults: works with simulated devices only"));
 }
 
-TEST_CASE("a program that meets faults is simulated to where the host gave up",
-          "[cli][e2e][faults]") {
+TEST_CASE("a program with faults is simulated until the host gives up", "[cli][e2e][faults]") {
   const Bench bench;
   REQUIRE(bench.run({"plan", kSphere, "-o", "plan", "-q"}).exit == 0);
   write_file(bench.folder / "faults.json",
@@ -116,7 +115,8 @@ TEST_CASE("a program that meets faults is simulated to where the host gave up",
   CHECK(trace["strokes"].size() < 378);
 }
 
-TEST_CASE("a sheet with registration marks is cut where the marks are found", "[cli][e2e][marks]") {
+TEST_CASE("a sheet with registration marks is cut relative to the marks that are found",
+          "[cli][e2e][marks]") {
   const Bench bench;
   REQUIRE(bench.run({"plan", kSphere, "--marks", "-o", "plan", "-q"}).exit == 0);
   CHECK(says(text_of_file(bench.folder / "plan/sheet-01.marks.svg"), "registration-marks"));
@@ -174,7 +174,7 @@ TEST_CASE("the test shape is cut on every machine of the table", "[cli][e2e]") {
   CHECK(bench.run({"cut", kSphere, "--test", "--direct", "--yes"}).exit == 2);
 }
 
-TEST_CASE("the key p holds the cut with the tool up and goes on", "[cli][e2e]") {
+TEST_CASE("the key p holds the cut with the tool up and continues it", "[cli][e2e]") {
   const TempFolder folder;
   AtTerminal popcut(POPCUT_PROGRAM,
                     {"cut", kSphere, "--direct", "--device", "sim:cameo3", "-o", "cut"}, folder);
@@ -189,7 +189,7 @@ TEST_CASE("the key p holds the cut with the tool up and goes on", "[cli][e2e]") 
   CHECK(says(popcut.shown, "378 strokes"));
 }
 
-TEST_CASE("each sheet of a job is asked for and a no ends it", "[cli][e2e][layout]") {
+TEST_CASE("cut asks before each sheet and ends if the answer is no", "[cli][e2e][layout]") {
   const TempFolder folder;
   const std::vector<std::string> words{"cut",   kSphere,   "--direct", "--device", "sim:cameo3",
                                        "--mat", "110x110", "-o",       "cut"};
@@ -212,7 +212,7 @@ TEST_CASE("each sheet of a job is asked for and a no ends it", "[cli][e2e][layou
   CHECK(says(popcut.shown, "sheet 2 was not started"));
 }
 
-TEST_CASE("a cutter at a pseudo terminal is cut on through a serial port", "[cli][e2e][pty]") {
+TEST_CASE("a cutter at a pseudo terminal is used through a serial port", "[cli][e2e][pty]") {
   const TempFolder desk, cutter_room;
   AtTerminal cutter(POPCUT_PROGRAM,
                     {"simulate", "--pty", "--machine", "cameo3", "--speedup", "50", "-o", "did"},

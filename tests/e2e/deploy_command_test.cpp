@@ -64,7 +64,7 @@ TEST_CASE("a design comes with its DXF and animation and sixty meshes", "[cli][e
         Names{"psi_001.stl", "psi_002.stl", "psi_003.stl"});
 }
 
-TEST_CASE("solids are asked for with or without their thickness and before or after the file",
+TEST_CASE("the option for solids takes an optional thickness before or after the file",
           "[cli][e2e][deploy]") {
   const Bench bench;
   const std::string spec = kExamples + "unit.json";
@@ -101,7 +101,7 @@ TEST_CASE("deploying the FOLD file gives the meshes of the design", "[cli][e2e][
   CHECK(files_below(bench.temp / "poses") == Names{"deploy.glb", "manifest.json"});
 }
 
-TEST_CASE("what cannot be deployed is refused in one line", "[cli][e2e][deploy]") {
+TEST_CASE("input that cannot be deployed is refused in one line", "[cli][e2e][deploy]") {
   const Bench bench;
   bench.design("unit", {"--formats", "fold,csv"});
   const std::string fold = "unit/pattern.fold";
@@ -135,8 +135,7 @@ TEST_CASE("what cannot be deployed is refused in one line", "[cli][e2e][deploy]"
   CHECK_FALSE(fs::exists(bench.temp / "out"));
 }
 
-TEST_CASE("a drawing for a Cricut is one of a design's files when it fits the mat",
-          "[cli][e2e][deploy]") {
+TEST_CASE("a design has a drawing for a Cricut if it fits the mat", "[cli][e2e][deploy]") {
   const Bench bench;
   bench.design("unit", {"--formats", "cricut"});
   CHECK(text_of_file(bench.temp / "unit/cricut.svg").find("width=\"11.5in\"") != std::string::npos);

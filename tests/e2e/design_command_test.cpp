@@ -43,7 +43,8 @@ void check_refused(const Ran& ran, int exit, const std::string& place) {
 
 }  // namespace
 
-TEST_CASE("every shipped example becomes a pattern with one freedom", "[cli][e2e][design]") {
+TEST_CASE("every shipped example becomes a pattern with one degree of freedom",
+          "[cli][e2e][design]") {
   const Bench bench;
   std::istringstream list(bench.design({"--list"}).out);
   int examples = 0;
@@ -76,8 +77,7 @@ TEST_CASE("the schema is a JSON document", "[cli][e2e][design]") {
   CHECK(schema["properties"].contains("widths_mm"));
 }
 
-TEST_CASE("a second run removes the files that it no longer writes and no others",
-          "[cli][e2e][design]") {
+TEST_CASE("a second run removes only the files that it no longer writes", "[cli][e2e][design]") {
   const Bench bench;
   const std::string spec = kExamples + "unit.json";
   REQUIRE(
@@ -90,7 +90,7 @@ TEST_CASE("a second run removes the files that it no longer writes and no others
   CHECK(bench.files("out") == Names{"manifest.json", "mine.txt", "pattern.svg"});
 }
 
-TEST_CASE("options for all commands may stand on either side", "[cli][e2e][design]") {
+TEST_CASE("options for all commands may stand before or after the command", "[cli][e2e][design]") {
   const Bench bench;
   const std::string spec = kExamples + "unit.json";
   for (const Names& arguments :
@@ -131,7 +131,7 @@ TEST_CASE("cut.svg of a design has each fold as solid dashes within its line",
   CHECK(fold_mm < 0.7 * report["fold_length_mm"].get<double>());
 }
 
-TEST_CASE("fold frames are the poses that were asked for", "[cli][e2e][design]") {
+TEST_CASE("fold frames are the requested poses", "[cli][e2e][design]") {
   const Bench bench;
   REQUIRE(
       bench.design({kExamples + "unit.json", "-o", "out", "--fold-frames", "90deg,0.25"}).exit ==
@@ -141,7 +141,7 @@ TEST_CASE("fold frames are the poses that were asked for", "[cli][e2e][design]")
   CHECK(fold["file_frames"][1]["frame_popcut:psi_rad"] == 0.25);
 }
 
-TEST_CASE("the list of examples is JSON where that is asked for", "[cli][e2e][design]") {
+TEST_CASE("the list of examples is JSON on request", "[cli][e2e][design]") {
   const Bench bench;
   const Ran ran = bench.design({"--list", "--json"});
   CHECK(ran.exit == 0);
@@ -151,7 +151,7 @@ TEST_CASE("the list of examples is JSON where that is asked for", "[cli][e2e][de
   CHECK_FALSE(list[3]["what"].get<std::string>().empty());
 }
 
-TEST_CASE("a wrong design command is exit code 2", "[cli][e2e][design]") {
+TEST_CASE("a wrong design command gives exit code 2", "[cli][e2e][design]") {
   const Bench bench;
   const std::string spec = kExamples + "unit.json";
   check_refused(bench.design({}), 2, "command line: SPEC.json is missing");
@@ -164,7 +164,7 @@ TEST_CASE("a wrong design command is exit code 2", "[cli][e2e][design]") {
   CHECK(files_below(bench.temp.path()).empty());
 }
 
-TEST_CASE("a spec that cannot be read is exit code 3 with its place", "[cli][e2e][design]") {
+TEST_CASE("an invalid spec gives exit code 3 with its place", "[cli][e2e][design]") {
   const Bench bench;
   write_file(bench.temp / "bad.json", "{\"popcut\": 1,\n  oops");
   write_file(bench.temp / "field.json", "{\"popcut\": 1, \"slises\": 3}");
@@ -211,7 +211,8 @@ TEST_CASE("design knows the materials of the user's own table", "[cli][e2e][desi
                 (bench.temp / "config/popcut/materials.json").string());
 }
 
-TEST_CASE("names that XML cannot hold still make well-formed drawings", "[cli][e2e][design]") {
+TEST_CASE("names with characters that XML forbids still give well-formed drawings",
+          "[cli][e2e][design]") {
   const Bench bench;
   json spec = json::parse(text_of_file(kExamples + "unit.json"));
   spec["name"] = "a\x01<b>\xEF\xBF\xBE & \xF0\x9F\x98\x80";
@@ -234,7 +235,7 @@ TEST_CASE("names that XML cannot hold still make well-formed drawings", "[cli][e
   }
 }
 
-TEST_CASE("the name of a spec cannot speak to the terminal", "[cli][e2e][design]") {
+TEST_CASE("the name of a spec cannot send escape sequences to the terminal", "[cli][e2e][design]") {
   const Bench bench;
   json spec = json::parse(text_of_file(kExamples + "unit.json"));
   spec["name"] = "a\x1b[31mb\x07\xe2\x80\xae";
@@ -249,7 +250,7 @@ TEST_CASE("the name of a spec cannot speak to the terminal", "[cli][e2e][design]
   }
 }
 
-TEST_CASE("an output that cannot be written is exit code 7 and nothing changes",
+TEST_CASE("an output that cannot be written gives exit code 7 and changes nothing",
           "[cli][e2e][design]") {
   const Bench bench;
   const std::string spec = kExamples + "fig2a.json";
@@ -265,7 +266,7 @@ TEST_CASE("an output that cannot be written is exit code 7 and nothing changes",
   CHECK(bench.files("out") == files);
 }
 
-TEST_CASE("running out of memory is one line and exit code 1", "[cli][e2e][design]") {
+TEST_CASE("running out of memory gives one line and exit code 1", "[cli][e2e][design]") {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   WARN("skipped: a sanitizer needs all the address space");
 #else

@@ -106,8 +106,7 @@ TEST_CASE("a design larger than the mat is cut sheet by sheet as it was planned"
   }
 }
 
-TEST_CASE("a split plan that was tampered with is told and a missing tab is found",
-          "[cli][e2e][layout]") {
+TEST_CASE("a changed split plan is reported and a missing tab is found", "[cli][e2e][layout]") {
   const Bench bench;
   REQUIRE(bench
               .popcut({"plan", kSphere, "--machine", "cameo3", "--mat", "110x110", "-o", "sheets",
@@ -133,7 +132,7 @@ TEST_CASE("a split plan that was tampered with is told and a missing tab is foun
   with("/sheets/0/seams/0/glued", json::array(), 6, "where nothing should be drawn");
 }
 
-TEST_CASE("what cannot be split is refused with one line", "[cli][e2e][layout]") {
+TEST_CASE("a drawing that cannot be split is refused in one line", "[cli][e2e][layout]") {
   const Bench bench;
   const auto with = [](std::vector<std::string> more) {
     std::vector<std::string> all{"plan", kSphere, "-o", "sheets", "--machine", "cameo3"};

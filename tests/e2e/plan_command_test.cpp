@@ -101,7 +101,7 @@ TEST_CASE("what is too large and not to be split is refused and clipped only whe
   CHECK(turned["sheets"][0]["transform"][0][1] == -1.0);
 }
 
-TEST_CASE("a wrong word of plan is answered with what would be right", "[cli][e2e][plan]") {
+TEST_CASE("a wrong option of plan gets the valid values", "[cli][e2e][plan]") {
   const Bench bench;
   write_file(bench.temp / "big.svg", kBigSvg);
   bench.refused({"big.svg", "--machine", "camoe3"}, 2, "did you mean cameo3?");

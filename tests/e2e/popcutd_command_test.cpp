@@ -108,7 +108,7 @@ struct Desk {
 
 }  // namespace
 
-TEST_CASE("devices shows those of popcutd with what they are doing", "[popcutd][cli]") {
+TEST_CASE("devices lists popcutd's devices with their states", "[popcutd][cli]") {
   Desk desk("[[device]]\nid = \"sim:portrait3\"\nmaterials = [\"pp-150\"]\ntime_scale = 0\n");
   const Ran alone = desk.popcut({"devices"});
   CHECK(alone.exit == 0);
@@ -156,7 +156,7 @@ TEST_CASE("a test cut goes through popcutd with a person at each step", "[popcut
   CHECK(desk.job(id)["state"] == "done");
 }
 
-TEST_CASE("a refusal says what to type", "[popcutd][cli]") {
+TEST_CASE("a refusal names the command to type", "[popcutd][cli]") {
   Desk desk;
   desk.open();
   const Ran mat = desk.popcut({"cut", kUnit, "--device", "sim:cameo33"});
@@ -229,7 +229,7 @@ TEST_CASE("jobs are listed in the order of the queue", "[popcutd][cli]") {
   CHECK(listed() == ids);
 }
 
-TEST_CASE("metrics have all their names and tell of nobody", "[popcutd][cli]") {
+TEST_CASE("metrics have all documented names and name no user", "[popcutd][cli]") {
   Desk desk;
   desk.open();
   const std::string id = desk.queue({kUnit, "--name", "secret name"});
@@ -270,7 +270,7 @@ TEST_CASE("metrics have all their names and tell of nobody", "[popcutd][cli]") {
   }
 }
 
-TEST_CASE("a file whose name is no UTF-8 is queued under a name that is", "[popcutd][cli]") {
+TEST_CASE("a file whose name is not UTF-8 is queued under a UTF-8 name", "[popcutd][cli]") {
   Desk desk;
   desk.open();
   const std::string odd = (desk.daemon.folder() / "un\xFFit\x01.json").string();
@@ -278,8 +278,7 @@ TEST_CASE("a file whose name is no UTF-8 is queued under a name that is", "[popc
   CHECK(desk.job(desk.queue({odd}))["name"] == "un\xEF\xBF\xBDit ");
 }
 
-TEST_CASE("what waits for a person is told at once where nobody sits at a terminal",
-          "[popcutd][cli]") {
+TEST_CASE("without a terminal a job that needs a person is reported at once", "[popcutd][cli]") {
   Desk desk;
   desk.open();
   const std::string popcut = POPCUT_PROGRAM;
@@ -295,7 +294,7 @@ TEST_CASE("what waits for a person is told at once where nobody sits at a termin
   CHECK(says(text_of_file(desk.daemon.folder() / "told.txt"), "is cancelled by "));
 }
 
-TEST_CASE("Ctrl-C ends the watching and not the job", "[popcutd][cli]") {
+TEST_CASE("Ctrl-C stops watching and does not stop the job", "[popcutd][cli]") {
   Desk desk;
   desk.open();
   AtTerminal person(POPCUT_PROGRAM, {"cut", kUnit, "--wait"}, desk.daemon.folder());
@@ -308,7 +307,7 @@ TEST_CASE("Ctrl-C ends the watching and not the job", "[popcutd][cli]") {
   CHECK(jobs[0]["state"] == "ready");
 }
 
-TEST_CASE("the live view keeps to a small terminal and ends by Ctrl-C", "[popcutd][cli]") {
+TEST_CASE("the live view fits a small terminal and ends with Ctrl-C", "[popcutd][cli]") {
   Desk desk;
   desk.open();
   for (int k = 0; k < 8; ++k) (void)desk.queue({kUnit, "--name", "a name that is far too long"});
@@ -352,7 +351,7 @@ TEST_CASE("the live view keeps to a small terminal and ends by Ctrl-C", "[popcut
   }
 }
 
-TEST_CASE("own machines and materials and SVG profiles reach popcutd", "[popcutd][cli]") {
+TEST_CASE("the user's machines and materials and SVG profiles reach popcutd", "[popcutd][cli]") {
   Desk desk("[[device]]\nid = \"sim:ours\"\ntime_scale = 0\n");
   desk.table("machines.json",
              R"({"popcut": 1, "machines": [{"name": "ours", "like": "cameo3", "title": "Ours"}]})");
@@ -383,7 +382,7 @@ TEST_CASE("own machines and materials and SVG profiles reach popcutd", "[popcutd
   CHECK(says(desk.daemon.log(), "svg_profiles.json: /svg_profiles/0"));
 }
 
-TEST_CASE("SIGHUP takes what does not disturb a cut and names the rest", "[popcutd][cli]") {
+TEST_CASE("SIGHUP applies what does not disturb a cut and names the rest", "[popcutd][cli]") {
   Desk desk;
   desk.open();
   const std::string id = desk.queue();

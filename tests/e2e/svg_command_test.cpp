@@ -57,7 +57,7 @@ TEST_CASE("a profile in the user's folder says what colours mean", "[cli][e2e][s
   check_refused(plan(temp, "A=", {"a.svg"}), 3, "svg_profiles.json: /svg_profiles/0/otherwise");
 }
 
-TEST_CASE("how finely curves are cut and how large a unit is can be asked for", "[cli][e2e][svg]") {
+TEST_CASE("the tolerance of curves and the size of a unit can be set", "[cli][e2e][svg]") {
   const TempFolder temp;
   write_file(temp / "a.svg", kDrawing);
   const auto bytes = [&](std::vector<std::string> options) {
@@ -70,7 +70,7 @@ TEST_CASE("how finely curves are cut and how large a unit is can be asked for", 
   check_refused(plan(temp, "A=", {"a.svg", "--svg-dpi", "0"}), 2, "--svg-dpi");
 }
 
-TEST_CASE("a drawing over a limit is refused before it is read and the limits can be raised",
+TEST_CASE("a drawing over a limit is refused before it is parsed and the limits can be raised",
           "[cli][e2e][svg]") {
   const TempFolder temp;
   // 2^40 paths by two uses of two uses of ...

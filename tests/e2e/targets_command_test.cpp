@@ -43,7 +43,7 @@ void check_refused(const Ran& ran, int exit, const std::string& what) {
 
 }  // namespace
 
-TEST_CASE("a mesh that nobody here drew becomes a sound pattern with its error in the report",
+TEST_CASE("a mesh from elsewhere becomes a sound pattern with its error in the report",
           "[cli][e2e][target]") {
   const fs::path teapot = POPCUT_SOURCE_DIR "/../shared/data/meshes/teapot.obj";
   if (!fs::exists(teapot)) {
@@ -111,7 +111,7 @@ TEST_CASE("grids and solids become sound patterns from the command line", "[cli]
   }
 }
 
-TEST_CASE("targets that cannot be used are refused in one line", "[cli][e2e][target]") {
+TEST_CASE("unusable targets are refused in one line", "[cli][e2e][target]") {
   using popcut::tests::binary_stl;
   const Bench bench;
   const auto design = [&](const json& spec) {

@@ -87,7 +87,7 @@ LineWork strongest_only(const LineWork& work, double pitch) {
 
 }  // namespace
 
-TEST_CASE("random drawings take as many strokes as Euler asks for", "[core][plan][euler]") {
+TEST_CASE("random drawings take the Euler minimum of strokes", "[core][plan][euler]") {
   std::mt19937 random(71);
   for (int round = 0; round < 400; ++round) {
     CAPTURE(round);
@@ -113,7 +113,7 @@ TEST_CASE("random drawings take as many strokes as Euler asks for", "[core][plan
   }
 }
 
-TEST_CASE("cleaning a clean drawing changes nothing more", "[core][plan][clean]") {
+TEST_CASE("cleaning a clean drawing changes nothing", "[core][plan][clean]") {
   std::mt19937 random(72);
   for (int round = 0; round < 100; ++round) {
     CAPTURE(round);
@@ -127,7 +127,7 @@ TEST_CASE("cleaning a clean drawing changes nothing more", "[core][plan][clean]"
   }
 }
 
-TEST_CASE("no end moves farther than the snap", "[core][plan][clean]") {
+TEST_CASE("no line end moves farther than the snap distance", "[core][plan][clean]") {
   std::mt19937 random(73);
   for (const double snap : {0.0, 0.02, 0.05, 0.3}) {
     LineWork work;
@@ -150,7 +150,7 @@ TEST_CASE("no end moves farther than the snap", "[core][plan][clean]") {
   }
 }
 
-TEST_CASE("planned strokes are the cleaned lines in another order and direction",
+TEST_CASE("planned strokes are the cleaned lines in any order and direction",
           "[core][plan][order]") {
   std::mt19937 random(74);
   const Machine machine = *find_machine("cameo3");

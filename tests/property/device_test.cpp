@@ -99,7 +99,8 @@ CutStrokes compare(const Trace& trace, const std::vector<std::vector<PagePoint>>
 
 }  // namespace
 
-TEST_CASE("whatever goes wrong the ledger is true and nothing is cut twice", "[device][session]") {
+TEST_CASE("after any simulated fault the ledger is true and nothing is cut twice",
+          "[device][session]") {
   std::size_t failed = 0;
   std::size_t finished = 0;
   for (const char* name : {"cameo3", "cameo", "hpgl-generic"}) {
@@ -174,7 +175,7 @@ TEST_CASE("whatever goes wrong the ledger is true and nothing is cut twice", "[d
   CHECK(finished > 200);
 }
 
-TEST_CASE("no bytes whatever make the simulated cutter crash hang or draw what nobody asked for",
+TEST_CASE("no bytes make the simulated cutter crash or hang or draw anything else",
           "[device][sim]") {
   const std::string letters = "MDOEHJLZFXCETGBSUWPK!\\&[0123456789,.-+ ;\x03\x1b\x04\x05\n";
   for (const char* name : {"cameo3", "cameo", "hpgl-generic"}) {

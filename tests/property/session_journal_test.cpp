@@ -99,8 +99,7 @@ constexpr std::uint64_t kNever = ~std::uint64_t{0};
 
 }  // namespace
 
-TEST_CASE("no byte of a stroke is sent before the journal has its intent whatever goes wrong",
-          "[device][journal]") {
+TEST_CASE("no byte of a stroke is sent before its intent is in the journal", "[device][journal]") {
   std::uint64_t calls = 0, strokes = 0, broken = 0;
   for (const char* name : {"cameo3", "cameo", "hpgl-generic"}) {
     for (std::uint32_t seed = 0; seed < 300; ++seed) {
@@ -151,8 +150,7 @@ TEST_CASE("no byte of a stroke is sent before the journal has its intent whateve
               static_cast<double>(strokes) / 900);
 }
 
-TEST_CASE("from a first stroke on the cutter draws the rest with the settings that belong to it",
-          "[device][journal]") {
+TEST_CASE("resuming from a stroke draws the rest with its settings", "[device][journal]") {
   for (const char* name : {"cameo3", "cameo", "cameo4", "hpgl-generic"}) {
     for (std::uint32_t seed = 0; seed < 60; ++seed) {
       CAPTURE(name, seed);
@@ -200,8 +198,7 @@ TEST_CASE("from a first stroke on the cutter draws the rest with the settings th
   }
 }
 
-TEST_CASE("a stroke that the program does not have is no place to go on from",
-          "[device][journal]") {
+TEST_CASE("resuming from a stroke that does not exist is refused", "[device][journal]") {
   std::mt19937 random(1);
   const Job job("cameo3", random, 5);
   SimTransport cable = job.cable();

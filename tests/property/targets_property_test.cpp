@@ -105,7 +105,7 @@ TEST_CASE("the same shape as profile and solid and grid and mesh has the same sl
   }
 }
 
-TEST_CASE("the fit of a noisy outline falls and is its own fit", "[core][fit]") {
+TEST_CASE("the fit of a noisy outline falls and is its own fit again", "[core][fit]") {
   constexpr unsigned kSeed = 52;
   std::mt19937 random(kSeed);
   for (int k = 0; k < 200; ++k) {

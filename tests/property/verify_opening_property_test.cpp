@@ -137,7 +137,7 @@ TEST_CASE("closed form and general solver agree to 1e-9 mm on every rectangular 
   }
 }
 
-TEST_CASE("random splayed cards open from their assignments alone as the closed form says",
+TEST_CASE("random splayed cards open from their assignments alone as the closed form predicts",
           "[core][verify][splay][property]") {
   const unsigned seed = 20261121;
   std::mt19937 random(seed);

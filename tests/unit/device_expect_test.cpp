@@ -99,7 +99,7 @@ std::span<PagePoint> points_of(Toolpath& path, std::size_t stroke) {
 
 }  // namespace
 
-TEST_CASE("a sheet that was cut as planned is what was expected", "[device][expect]") {
+TEST_CASE("a sheet cut as planned matches the expected one", "[device][expect]") {
   const Bench bench;
   const Trace trace = bench.cut(bench.sheet.path);
   for (const Expected& expected : {bench.by_sheet(), bench.by_pattern()}) {
@@ -111,7 +111,7 @@ TEST_CASE("a sheet that was cut as planned is what was expected", "[device][expe
   }
 }
 
-TEST_CASE("two passes are expected where the material asks for them", "[device][expect]") {
+TEST_CASE("two passes are expected if the material needs them", "[device][expect]") {
   Bench bench;
   bench.material.cut.passes = 2;
   PlanOptions options;
@@ -230,7 +230,7 @@ TEST_CASE("a fold in short parts is found when each part is cut through", "[devi
   CHECK(result.failed == 1);
 }
 
-TEST_CASE("what is listed as lawful may be drawn and need not be", "[device][expect]") {
+TEST_CASE("allowed lines may be drawn or left out", "[device][expect]") {
   const Bench bench;
   Toolpath path = bench.sheet.path;
   Stroke mark = path.strokes.front();
@@ -245,7 +245,7 @@ TEST_CASE("what is listed as lawful may be drawn and need not be", "[device][exp
   CHECK(words(compare(bench.cut(bench.sheet.path), expected)).empty());
 }
 
-TEST_CASE("what fell outside the window is told", "[device][expect]") {
+TEST_CASE("lines outside the window are reported", "[device][expect]") {
   Expected expected;
   expected.drawing.append(Operation::Cut, std::vector<PagePoint>{{300, 10}, {320, 10}});
   expected.drawing.dashed = true;

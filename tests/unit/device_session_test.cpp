@@ -102,7 +102,7 @@ Transport::WriteEnd timed_out(std::size_t taken) {
 
 }  // namespace
 
-TEST_CASE("a session ends when the machine has drained and says so", "[device][session]") {
+TEST_CASE("a session ends when the machine has drained and reports ready", "[device][session]") {
   const Bench bench;
   SimTransport cable = bench.cable();
   const SessionEnd end = run_session(cable, bench.machine, bench.program);
@@ -116,7 +116,7 @@ TEST_CASE("a session ends when the machine has drained and says so", "[device][s
   CHECK(end.seconds > cable.cutter().trace().seconds);
 }
 
-TEST_CASE("no query stands inside a command and nothing is sent twice", "[device][session]") {
+TEST_CASE("no query is sent inside a command and nothing is sent twice", "[device][session]") {
   const Bench bench;
   ScriptedTransport cable;
   int asked = 0;
@@ -141,7 +141,7 @@ TEST_CASE("no query stands inside a command and nothing is sent twice", "[device
   }
 }
 
-TEST_CASE("settings go before anything moves and the trailer after all has ended",
+TEST_CASE("settings are sent before any motion and the trailer after all of it",
           "[device][session]") {
   const Bench bench;
   ScriptedTransport cable;
@@ -178,7 +178,7 @@ TEST_CASE("without media the session is refused before anything is sent", "[devi
   CHECK(cable.cutter().trace().settings.empty());
 }
 
-TEST_CASE("one stray reply of no media does not end a cut", "[device][session]") {
+TEST_CASE("a single stray reply of no media does not end a cut", "[device][session]") {
   // Recorded: a single 2 between 1s in the middle of a cut (Portrait V1.00).
   const Bench bench;
   ScriptedTransport cable;
@@ -203,7 +203,7 @@ TEST_CASE("when the sheet comes out the session stops sending", "[device][sessio
   CHECK(count(end, StrokeFate::NotSent) > 0);
 }
 
-TEST_CASE("a pause on the panel is waited out and told", "[device][session]") {
+TEST_CASE("a pause on the panel is waited out and reported", "[device][session]") {
   const Bench bench;
   SimTransport cable =
       bench.cable({{bench.program.geometry.begin + 200, SimFault::Kind::Pause, 60}});
@@ -242,7 +242,7 @@ TEST_CASE("a cancel on the panel stops the sending within a second", "[device][s
   CHECK(cable.cutter().trace().strokes.size() == cut);
 }
 
-TEST_CASE("a cancel that was over before it was seen is not taken for done", "[device][session]") {
+TEST_CASE("a cancel that ended before it was noticed does not count as done", "[device][session]") {
   const Bench bench;
   ScriptedTransport cable;
   int asked = 0;
@@ -258,7 +258,8 @@ TEST_CASE("a cancel that was over before it was seen is not taken for done", "[d
   CHECK(count(end, StrokeFate::InDoubt) > 0);
 }
 
-TEST_CASE("silence nonsense and contradiction each end with their own error", "[device][session]") {
+TEST_CASE("missing and invalid and contradictory replies each have their own error",
+          "[device][session]") {
   const Bench bench;
   const auto run = [&](const std::function<std::optional<std::string>(int)>& reply) {
     ScriptedTransport cable;
@@ -287,7 +288,7 @@ TEST_CASE("silence nonsense and contradiction each end with their own error", "[
               }).error);
 }
 
-TEST_CASE("what came unasked is never taken for an answer", "[device][session]") {
+TEST_CASE("unsolicited bytes are never taken for an answer", "[device][session]") {
   const Bench bench;
   ScriptedTransport cable;
   int asked = 0;
@@ -309,7 +310,7 @@ TEST_CASE("what came unasked is never taken for an answer", "[device][session]")
   CHECK(done);
 }
 
-TEST_CASE("another model than the one meant is refused", "[device][session]") {
+TEST_CASE("another model than the expected one is refused", "[device][session]") {
   const Bench bench;
   ScriptedTransport cable;
   cable.identity = "Portrait V1.00    \x03";
@@ -333,7 +334,7 @@ TEST_CASE("an unplugged cutter ends the session with what is in doubt", "[device
   CHECK_FALSE(end.confirmed);
 }
 
-TEST_CASE("a machine that takes no data is given up in time and cancelled at once",
+TEST_CASE("a machine that takes no data times out and can be cancelled at once",
           "[device][session]") {
   const Bench bench;
   const std::uint64_t at = bench.program.geometry.begin + 150;
@@ -358,7 +359,7 @@ TEST_CASE("a machine that takes no data is given up in time and cancelled at onc
   CHECK(again.now() - asked < std::chrono::milliseconds(1300));
 }
 
-TEST_CASE("a machine that never comes to rest is given up", "[device][session]") {
+TEST_CASE("a machine that never becomes ready times out", "[device][session]") {
   const Bench bench;
   ScriptedTransport cable;
   int asked = 0;
@@ -397,7 +398,7 @@ TEST_CASE("a cancel from the host ends at the end of a stroke with the tool park
   CHECK(cable.now() - asked < std::chrono::seconds(25));
 }
 
-TEST_CASE("at most a window of motion is ahead of the machine and it never starves",
+TEST_CASE("at most one window of motion is sent ahead and the machine never starves",
           "[device][session]") {
   const Bench bench(150);
   SimTransport cable = bench.cable();
@@ -415,7 +416,7 @@ TEST_CASE("at most a window of motion is ahead of the machine and it never starv
   CHECK(cable.cutter().trace().starved_s < 0.05);
 }
 
-TEST_CASE("the machine may be slower or faster than its model", "[device][session]") {
+TEST_CASE("a session works with a machine slower or faster than its model", "[device][session]") {
   const Bench bench;
   for (const double factor : {0.3, 3.0}) {
     Machine real = bench.machine;
@@ -430,7 +431,7 @@ TEST_CASE("the machine may be slower or faster than its model", "[device][sessio
   }
 }
 
-TEST_CASE("a machine that answers nothing is paced by its model and never called certain",
+TEST_CASE("a machine that answers nothing is paced by its model and never reported as certain",
           "[device][session]") {
   const Machine silent = machine("hpgl-generic");
   const Material paper = value(find_material("paper-220"));

@@ -71,8 +71,7 @@ TEST_CASE("a cutter that does not answer shows the error and its remedy apart",
   CHECK(says(told(facts), "problem: the machine did not answer -> check its cable"));
 }
 
-TEST_CASE("CUPS that holds the printer port is named with how to take it away",
-          "[device][doctor]") {
+TEST_CASE("CUPS holding the printer port is named with the remedy", "[device][doctor]") {
   CutterFacts facts = cameo3();
   facts.said.reset();
   facts.holders = {"usb (812)"};
@@ -81,7 +80,7 @@ TEST_CASE("CUPS that holds the printer port is named with how to take it away",
   CHECK(says(text, "lpadmin -x"));
 }
 
-TEST_CASE("permission is explained by the steps that are still missing", "[device][doctor]") {
+TEST_CASE("a missing permission is explained by the missing steps", "[device][doctor]") {
   CutterFacts facts = cameo3();
   facts.said.reset();
   facts.use.state = UsbState::NoPermission;
@@ -98,7 +97,7 @@ TEST_CASE("permission is explained by the steps that are still missing", "[devic
   CHECK(says(told(facts), "plug the cutter in again"));
 }
 
-TEST_CASE("firmware and models that are not known are told apart", "[device][doctor]") {
+TEST_CASE("unknown firmware and unknown models are distinguished", "[device][doctor]") {
   CutterFacts facts = cameo3();
   facts.said = Answers{DeviceStatus::Ready, "CAMEO 3 V1.99    "};
   CHECK(says(told(facts),
@@ -111,12 +110,13 @@ TEST_CASE("firmware and models that are not known are told apart", "[device][doc
   facts = cameo3();
   facts.machine = machine("cameo4");  // whose identity was never recorded
   facts.said = Answers{DeviceStatus::Ready, "CAMEO 4 V1.30    "};
-  CHECK(says(told(facts), "note: calls itself CAMEO 4, firmware V1.30; popcut has not been tested with"));
+  CHECK(says(told(facts),
+             "note: calls itself CAMEO 4, firmware V1.30; popcut has not been tested with"));
   facts.said = Answers{DeviceStatus::Ready, "\x01\x02"};
   CHECK(says(told(facts), "problem: it does not say what it is"));
 }
 
-TEST_CASE("a busy or empty machine that keeps its name to itself is no problem of its own",
+TEST_CASE("a busy or empty machine that does not send its name is not a problem",
           "[device][doctor]") {
   CutterFacts facts = cameo3();
   facts.said = Answers{DeviceStatus::NoMedia, ""};

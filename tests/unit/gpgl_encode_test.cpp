@@ -47,8 +47,7 @@ std::string error_of(const Toolpath& toolpath, const Machine& machine,
 
 }  // namespace
 
-TEST_CASE("a square is drawn with the bytes that the Cameo 3 was seen to get",
-          "[protocol][gpgl][encode]") {
+TEST_CASE("a square has the bytes recorded for the Cameo 3", "[protocol][gpgl][encode]") {
   Toolpath square = four_squares();
   square.strokes.resize(1);
   const EncodedProgram program = encoded(square);
@@ -139,7 +138,7 @@ TEST_CASE("the Cameo 4 gets its accelerations and the Portrait 3 no holder",
   CHECK(readable(portrait.view(portrait.trailer)) == R"(L0|\0,0|M0,0|FN0|TB50,0|)");
 }
 
-TEST_CASE("a classic machine gets D and its defaults back", "[protocol][gpgl][encode]") {
+TEST_CASE("a classic machine draws with D and gets its defaults back", "[protocol][gpgl][encode]") {
   JobOptions options{.page_width_mm = 206, .page_length_mm = 277.9};
   options.window_left_mm = options.window_top_mm = 1.5;
   const EncodedProgram program =
@@ -178,7 +177,7 @@ TEST_CASE("only settings that change are sent again between strokes", "[protocol
   CHECK(stroke(5) == "J1|" + line);
 }
 
-TEST_CASE("settings without a holder are sent again with every other holder",
+TEST_CASE("settings without a holder number are sent again for each holder",
           "[protocol][gpgl][encode]") {
   Machine curio = cameo3();
   curio.variant = "classic";
@@ -302,7 +301,7 @@ TEST_CASE("what a machine cannot do is an error that names the stroke or the fie
   CHECK_THAT(error_of(one_line(), machine), Catch::Contains("gpgl and hpgl"));
 }
 
-TEST_CASE("a depth that the machine has no blade for is not looked at",
+TEST_CASE("an autoblade depth is ignored on a machine without an autoblade",
           "[protocol][gpgl][encode]") {
   Material deep = paper();
   deep.autoblade_depth = 11;
@@ -364,7 +363,7 @@ TEST_CASE("a line too long for any binary form is drawn with D", "[protocol][gpg
   CHECK_THAT(text, Catch::StartsWith("M0,0|BE3") && Catch::EndsWith("|D375482,0|"));
 }
 
-TEST_CASE("an empty toolpath is a program that does nothing but park", "[protocol][gpgl][encode]") {
+TEST_CASE("an empty toolpath gives a program that only parks", "[protocol][gpgl][encode]") {
   const EncodedProgram program = encoded({});
   CHECK(program.geometry.begin == program.geometry.end);
   CHECK(moves(*decode_gpgl(program.view())).strokes.empty());

@@ -73,7 +73,7 @@ std::size_t count(const SessionEnd& end, StrokeFate fate) {
 
 }  // namespace
 
-TEST_CASE("a pause from the host stops between strokes with the tool up and goes on",
+TEST_CASE("a pause from the host stops between strokes with the tool up and continues",
           "[device][session]") {
   for (const char* name : {"cameo3", "portrait", "hpgl-generic"}) {
     CAPTURE(name);
@@ -122,7 +122,7 @@ TEST_CASE("a pause from the host stops between strokes with the tool up and goes
   }
 }
 
-TEST_CASE("a machine that wants a newline after each command is sent all of its job",
+TEST_CASE("a machine that needs a newline after each command gets its whole job",
           "[device][session]") {
   for (const char* name : {"hpgl-clone", "hpgl-ud", "camm-1", "camm-2"}) {
     CAPTURE(name);
@@ -137,7 +137,7 @@ TEST_CASE("a machine that wants a newline after each command is sent all of its 
   }
 }
 
-TEST_CASE("what was cut before a pause of the host is certain while it lasts and after a cancel",
+TEST_CASE("strokes before a pause of the host are certain during it and after a cancel",
           "[device][session]") {
   const Job job;
   SimTransport cable = job.cable();
