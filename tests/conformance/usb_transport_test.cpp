@@ -319,7 +319,7 @@ TEST_CASE("an endpoint that always fails is an error and not an endless loop", "
   faults.join();
   CHECK(kind(reply) == ErrorKind::Refused);
   CHECK(reply.error().reason == reason);
-  CHECK(reply.error().detail.find("do not come through") != std::string::npos);
+  CHECK(reply.error().detail.find("do not arrive") != std::string::npos);
   CHECK(cpu_seconds() - cpu < 1.5);
 }
 
@@ -427,7 +427,7 @@ TEST_CASE("a controller that hangs is reported and affects nothing else", "[devi
   const auto end = cable->write(bytes(std::string(500, 'h')), start + 100ms);
   REQUIRE(end.error);
   CHECK(end.error->kind == ErrorKind::DeviceGone);
-  CHECK(end.error->detail.find("does not give a transfer back") != std::string::npos);
+  CHECK(end.error->detail.find("does not return a transfer") != std::string::npos);
   CHECK(end.taken == 0);
   CHECK(end.in_doubt == 500);
   CHECK(cable->now() - start < 60s);

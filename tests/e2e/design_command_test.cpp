@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
-#include "tests/support/process.hpp"
+#include "tests/support/command_bench.hpp"
 
 using namespace popcut::testing;
 using nlohmann::json;
@@ -23,23 +23,13 @@ namespace {
 const std::string kExamples = POPCUT_SOURCE_DIR "/examples/";
 
 /// `popcut design ...` in a folder of its own.
-struct Bench {
-  TempFolder temp;
-
+struct Bench : CommandBench {
   Ran design(Names arguments, const Limits& limits = {}) const {
-    arguments.insert(arguments.begin(), {POPCUT_PROGRAM, "design"});
-    return run_program(arguments, temp.path(), limits);
+    arguments.insert(arguments.begin(), "design");
+    return popcut(std::move(arguments), limits);
   }
   [[nodiscard]] Names files(const std::string& folder) const { return files_below(temp / folder); }
 };
-
-void check_refused(const Ran& ran, int exit, const std::string& place) {
-  CAPTURE(ran.err);
-  CHECK(ran.exit == exit);
-  CHECK(ran.err.rfind("popcut: " + place, 0) == 0);
-  CHECK(std::count(ran.err.begin(), ran.err.end(), '\n') == 1);
-  CHECK(ran.out.empty());
-}
 
 }  // namespace
 
@@ -68,7 +58,7 @@ TEST_CASE("every shipped example becomes a pattern with one degree of freedom",
 TEST_CASE("an example is printed as it is shipped", "[cli][e2e][design]") {
   const Bench bench;
   CHECK(bench.design({"--example", "sphere"}).out == text_of_file(kExamples + "sphere.json"));
-  check_refused(bench.design({"--example", "teapot"}), 2, "--example: 'teapot'");
+  check_refused_at(bench.design({"--example", "teapot"}), 2, "--example: 'teapot'");
 }
 
 TEST_CASE("the schema is a JSON document", "[cli][e2e][design]") {
@@ -154,13 +144,13 @@ TEST_CASE("the list of examples is JSON on request", "[cli][e2e][design]") {
 TEST_CASE("a wrong design command gives exit code 2", "[cli][e2e][design]") {
   const Bench bench;
   const std::string spec = kExamples + "unit.json";
-  check_refused(bench.design({}), 2, "command line: SPEC.json is missing");
-  check_refused(bench.design({spec}), 2, "command line: -o DIR is missing");
-  check_refused(bench.design({spec, "-o"}), 2, "--output: stands without its value");
-  check_refused(bench.design({spec, "-o", "x", "--formats", "fold,dwg"}), 2, "--formats: 'dwg'");
-  check_refused(bench.design({spec, "-o", "x", "--fold-frames", "4"}), 2, "--fold-frames: '4'");
-  check_refused(bench.design({spec, "-o", "x", "--wat"}), 2, "command line: ");
-  check_refused(bench.design({spec, "more", "-o", "x"}), 2, "command line: ");
+  check_refused_at(bench.design({}), 2, "command line: SPEC.json is missing");
+  check_refused_at(bench.design({spec}), 2, "command line: -o DIR is missing");
+  check_refused_at(bench.design({spec, "-o"}), 2, "--output: stands without its value");
+  check_refused_at(bench.design({spec, "-o", "x", "--formats", "fold,dwg"}), 2, "--formats: 'dwg'");
+  check_refused_at(bench.design({spec, "-o", "x", "--fold-frames", "4"}), 2, "--fold-frames: '4'");
+  check_refused_at(bench.design({spec, "-o", "x", "--wat"}), 2, "command line: ");
+  check_refused_at(bench.design({spec, "more", "-o", "x"}), 2, "command line: ");
   CHECK(files_below(bench.temp.path()).empty());
 }
 
@@ -169,16 +159,16 @@ TEST_CASE("an invalid spec gives exit code 3 with its place", "[cli][e2e][design
   write_file(bench.temp / "bad.json", "{\"popcut\": 1,\n  oops");
   write_file(bench.temp / "field.json", "{\"popcut\": 1, \"slises\": 3}");
   write_file(bench.temp / "deep.json", std::string(1'000'000, '['));
-  check_refused(bench.design({"absent.json", "-o", "out"}), 3, "absent.json: ");
-  check_refused(bench.design({".", "-o", "out"}), 3, ".: is a folder");
-  check_refused(bench.design({"bad.json", "-o", "out"}), 3, "bad.json: line 2");
-  check_refused(bench.design({"field.json", "-o", "out"}), 3, "field.json: /");
-  check_refused(bench.design({"deep.json", "-o", "out"}), 3, "deep.json: ");
+  check_refused_at(bench.design({"absent.json", "-o", "out"}), 3, "absent.json: ");
+  check_refused_at(bench.design({".", "-o", "out"}), 3, ".: is a folder");
+  check_refused_at(bench.design({"bad.json", "-o", "out"}), 3, "bad.json: line 2");
+  check_refused_at(bench.design({"field.json", "-o", "out"}), 3, "field.json: /");
+  check_refused_at(bench.design({"deep.json", "-o", "out"}), 3, "deep.json: ");
   json spec = json::parse(text_of_file(kExamples + "unit.json"));
   spec["material"] = "papier";
   write_file(bench.temp / "material.json", spec.dump());
-  check_refused(bench.design({"material.json", "-o", "out"}), 3, "material.json: /material: ");
-  check_refused(
+  check_refused_at(bench.design({"material.json", "-o", "out"}), 3, "material.json: /material: ");
+  check_refused_at(
       run_program({POPCUT_PROGRAM, "plan", "material.json", "-o", "plan"}, bench.temp.path()), 3,
       "material.json: /material: ");
   CHECK_FALSE(fs::exists(bench.temp / "out"));
@@ -205,10 +195,10 @@ TEST_CASE("design knows the materials of the user's own table", "[cli][e2e][desi
   CAPTURE(made.err);
   CHECK(made.exit == 0);
   CHECK(made.err.find("felt-3mm: ") != std::string::npos);  // too thick for its smallest panel
-  check_refused(bench.design({"felt.json", "-o", "none"}), 3, "felt.json: /material: ");
+  check_refused_at(bench.design({"felt.json", "-o", "none"}), 3, "felt.json: /material: ");
   write_file(bench.temp / "config/popcut/materials.json", "{\"materials\": 3}");
-  check_refused(with_table({"design", "felt.json", "-o", "none"}), 3,
-                (bench.temp / "config/popcut/materials.json").string());
+  check_refused_at(with_table({"design", "felt.json", "-o", "none"}), 3,
+                   (bench.temp / "config/popcut/materials.json").string());
 }
 
 TEST_CASE("names with characters that XML forbids still give well-formed drawings",
@@ -255,13 +245,13 @@ TEST_CASE("an output that cannot be written gives exit code 7 and changes nothin
   const Bench bench;
   const std::string spec = kExamples + "fig2a.json";
   write_file(bench.temp / "file", "x");
-  check_refused(bench.design({spec, "-o", "file"}), 7, "file: is not a folder");
-  check_refused(bench.design({spec, "-o", "/proc/popcut"}), 7, "/proc/popcut: ");
+  check_refused_at(bench.design({spec, "-o", "file"}), 7, "file: is not a folder");
+  check_refused_at(bench.design({spec, "-o", "/proc/popcut"}), 7, "/proc/popcut: ");
   REQUIRE(bench.design({spec, "-o", "out"}).exit == 0);
   const std::string before = text_of_file(bench.temp / "out/pattern.fold");
   const Names files = bench.files("out");
   // A limit of 4 kB a file stands in for a full disk.
-  check_refused(bench.design({spec, "-o", "out"}, {4096, -1}), 7, "out/pattern.fold: ");
+  check_refused_at(bench.design({spec, "-o", "out"}, {4096, -1}), 7, "out/pattern.fold: ");
   CHECK(text_of_file(bench.temp / "out/pattern.fold") == before);
   CHECK(bench.files("out") == files);
 }
@@ -273,6 +263,6 @@ TEST_CASE("running out of memory gives one line and exit code 1", "[cli][e2e][de
   const Bench bench;
   write_file(bench.temp / "large.json", "[" + std::string(60u << 20, ' ') + "]");
   const Ran ran = bench.design({"large.json", "-o", "out"}, {-1, 48l << 20});
-  check_refused(ran, 1, "internal fault: ");
+  check_refused_at(ran, 1, "internal fault: ");
 #endif
 }

@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/process.hpp"
+#include "tests/support/command_bench.hpp"
 
 using namespace popcut::testing;
 using nlohmann::json;
@@ -16,18 +16,9 @@ namespace {
 
 const std::string kSphere = std::string(POPCUT_SOURCE_DIR) + "/examples/sphere.json";
 
-struct Bench {
-  TempFolder temp;
-  Ran popcut(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), POPCUT_PROGRAM);
-    return run_program(arguments, temp.path());
-  }
+struct Bench : CommandBench {
   void refused(std::vector<std::string> arguments, int exit, const std::string& part) const {
-    const Ran ran = popcut(std::move(arguments));
-    CAPTURE(ran.err);
-    CHECK(ran.exit == exit);
-    CHECK(ran.err.find(part) != std::string::npos);
-    CHECK(std::count(ran.err.begin(), ran.err.end(), '\n') == 1);
+    check_refused(popcut(std::move(arguments)), exit, part);
   }
 };
 

@@ -30,10 +30,6 @@ namespace {
 
 const std::string kUnit = POPCUT_SOURCE_DIR "/examples/unit.json";
 
-bool says(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 bool comes_true(const std::function<bool()>& holds) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   while (!holds()) {

@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/process.hpp"
+#include "tests/support/command_bench.hpp"
 
 using namespace popcut::testing;
 using nlohmann::json;
@@ -26,13 +26,6 @@ Ran plan(const TempFolder& temp, const std::string& setting, std::vector<std::st
   all.insert(all.end(), arguments.begin(), arguments.end());
   all.insert(all.end(), {"-o", "sheets", "--json", "-q"});
   return run_program(all, temp.path(), {.memory_bytes = 2l << 30});
-}
-
-void check_refused(const Ran& ran, int exit, const std::string& part) {
-  CAPTURE(ran.err);
-  CHECK(ran.exit == exit);
-  CHECK(ran.err.find(part) != std::string::npos);
-  CHECK(std::count(ran.err.begin(), ran.err.end(), '\n') == 1);
 }
 
 }  // namespace

@@ -61,10 +61,6 @@ struct Desk {
   Said doctor() { return run({"doctor"}); }
 };
 
-bool says(const std::string& text, const std::string& words) {
-  return text.find(words) != std::string::npos;
-}
-
 }  // namespace
 
 TEST_CASE("after a person confirms the whole sheet is cut over USB as planned", "[cli][usb][e2e]") {

@@ -69,26 +69,16 @@ class ScriptedTransport final : public Transport {
   nanoseconds now_{};
 };
 
-struct Bench {
-  Machine machine = testing::machine("cameo3");
-  Material material = value(find_material("paper-220"));
-  Toolpath path;
-  EncodedProgram program;
+struct Bench : SimJob {
+  explicit Bench(std::size_t strokes = 40, std::uint32_t seed = 7)
+      : Bench(strokes, std::mt19937(seed)) {}
 
-  explicit Bench(std::size_t strokes = 40, std::uint32_t seed = 7) {
-    std::mt19937 random(seed);
-    path = random_toolpath(random, strokes, 190, material);
-    program = value(encode(path, machine, material, {}));
+ private:
+  Bench(std::size_t strokes, std::mt19937 random)
+      : SimJob(testing::machine("cameo3"), random, strokes) {
     REQUIRE(program.dots.empty());
   }
-  [[nodiscard]] SimTransport cable(std::vector<SimFault> faults = {}) const {
-    return SimTransport(cutter(machine), std::move(faults));
-  }
 };
-
-std::size_t count(const SessionEnd& end, StrokeFate fate) {
-  return static_cast<std::size_t>(std::count(end.fates.begin(), end.fates.end(), fate));
-}
 
 ErrorKind kind(const SessionEnd& end) {
   REQUIRE(end.error);
@@ -433,17 +423,10 @@ TEST_CASE("a session works with a machine slower or faster than its model", "[de
 
 TEST_CASE("a machine that answers nothing is paced by its model and never reported as certain",
           "[device][session]") {
-  const Machine silent = machine("hpgl-generic");
-  const Material paper = value(find_material("paper-220"));
   std::mt19937 random(5);
-  const Toolpath path = random_toolpath(random, 40, 190, paper);
-  JobOptions job;
-  job.page_length_mm = 300;
-  const EncodedProgram program = value(encode(path, silent, paper, job));
-  SimOptions sheet;
-  sheet.page_length_mm = 300;
-  SimTransport cable(cutter(silent, sheet));
-  const SessionEnd end = run_session(cable, silent, program);
+  const SimJob job(machine("hpgl-generic"), random, 40, 300);
+  SimTransport cable = job.cable();
+  const SessionEnd end = run_session(cable, job.machine, job.program);
   REQUIRE_FALSE(end.error);
   CHECK_FALSE(end.confirmed);
   CHECK(count(end, StrokeFate::Certain) == 0);  // the whole job fits its buffer

@@ -262,8 +262,8 @@ TEST_CASE("force speed and tool are those sent for the holder in use", "[device]
   CHECK(trace.strokes[1].speed_mm_s == Approx(70));
   CHECK(trace.strokes[2].force_steps == Approx(33));
   REQUIRE(trace.remarks.size() == 2);
-  CHECK(trace.remarks[0] == "force 99: outside 1 to 33, taken as 33");
-  CHECK(trace.remarks[1] == "tool 5: the machine has 2, tool 2 stays");
+  CHECK(trace.remarks[0] == "force 99: outside 1 to 33, 33 was used");
+  CHECK(trace.remarks[1] == "tool 5: the machine has 2; tool 2 stays selected");
 }
 
 TEST_CASE("a line is clipped at the window and not dropped", "[device][sim]") {

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "device/doctor.hpp"
+#include "tests/support/process.hpp"
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;
@@ -35,10 +36,6 @@ std::string told(const CutterFacts& facts, const Surroundings& around = member()
     text += fmt::format("{}: {} -> {}\n", name_of(finding.level), finding.what, finding.remedy);
   }
   return text;
-}
-
-bool says(const std::string& text, const std::string& words) {
-  return text.find(words) != std::string::npos;
 }
 
 }  // namespace

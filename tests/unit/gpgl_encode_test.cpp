@@ -155,7 +155,7 @@ TEST_CASE("fractions are written with two decimals", "[protocol][gpgl][encode]")
   const EncodedProgram program = encoded(line, one_holder("gpgl", "classic"), paper(), options);
   CHECK(readable(program.view(program.geometry)) == "M175.24,577.08|D678.70,884.60|D-20,0|");
   options.draw = DrawForm::Binary;
-  CHECK_THAT(error_of(line, cameo3(), paper(), options), Catch::Contains("draw with D"));
+  CHECK_THAT(error_of(line, cameo3(), paper(), options), Catch::Contains("use D"));
 }
 
 TEST_CASE("only settings that change are sent again between strokes", "[protocol][gpgl][encode]") {
@@ -298,7 +298,7 @@ TEST_CASE("what a machine cannot do is an error that names the stroke or the fie
   machine.unit_mm = 0;
   CHECK_THAT(error_of(one_line(), machine), Catch::Contains("/unit_mm"));
   machine.language = "gcode";
-  CHECK_THAT(error_of(one_line(), machine), Catch::Contains("gpgl and hpgl"));
+  CHECK_THAT(error_of(one_line(), machine), Catch::Contains("gpgl or hpgl"));
 }
 
 TEST_CASE("an autoblade depth is ignored on a machine without an autoblade",

@@ -197,10 +197,10 @@ TEST_CASE("a port that cannot be opened is reported with reason and remedy", "[d
   CHECK(absent.error().detail.find("popcut devices") != std::string::npos);
   const auto plain = PortTransport::open_serial((folder / "plain").string(), {});
   CHECK(kind(plain) == ErrorKind::Refused);
-  CHECK(plain.error().detail.find("no serial port") != std::string::npos);
+  CHECK(plain.error().detail.find("not a serial port") != std::string::npos);
   const auto printer = PortTransport::open_printer((folder / "plain").string());
   CHECK(kind(printer) == ErrorKind::Refused);
-  CHECK(printer.error().detail.find("no printer port") != std::string::npos);
+  CHECK(printer.error().detail.find("not a printer port") != std::string::npos);
   const Pty pty;
   const auto odd = PortTransport::open_serial(pty.path, {250'001, FlowControl::None});
   CHECK(kind(odd) == ErrorKind::Refused);
@@ -233,19 +233,14 @@ TEST_CASE("a file holds the complete program or does not exist", "[device][file]
 TEST_CASE("a session with a file streams only the program and reports nothing as cut",
           "[device][file][session]") {
   const TempFolder folder;
-  const Machine target = machine("cameo3");
-  const Material paper = value(find_material("paper-220"));
   std::mt19937 random(3);
-  const Toolpath path = random_toolpath(random, 50, 190, paper);
-  JobOptions job;
-  job.page_length_mm = 300;
-  const EncodedProgram program = value(encode(path, target, paper, job));
+  const SimJob job(machine("cameo3"), random, 50, 300);
   const std::string name = (folder / "sheet.gpgl").string();
   const auto file = value(FileTransport::create(name));
-  const SessionEnd end = run_session(*file, target, program);
+  const SessionEnd end = run_session(*file, job.machine, job.program);
   REQUIRE_FALSE(end.error);
   CHECK(file->finish());
-  CHECK(text_of_file(name) == program.bytes);
+  CHECK(text_of_file(name) == job.program.bytes);
   CHECK_FALSE(end.confirmed);
   for (const StrokeFate fate : end.fates) CHECK(fate != StrokeFate::Certain);
 }

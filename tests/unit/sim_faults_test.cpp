@@ -15,18 +15,14 @@ std::string error_of(std::string_view script) {
   return faults ? std::string("none") : message(faults.error());
 }
 
-struct Job {
-  Machine machine = testing::machine("cameo3");
-  EncodedProgram program;
-
-  Job() {
-    std::mt19937 random(7);
-    const Material paper = value(find_material("paper-220"));
-    program = value(encode(random_toolpath(random, 40, 190, paper), machine, paper, {}));
-  }
+struct Job : SimJob {
+  Job() : Job(std::mt19937(7)) {}
   [[nodiscard]] SessionEnd run(SimTransport& cable) const {
     return run_session(cable, machine, program);
   }
+
+ private:
+  explicit Job(std::mt19937 random) : SimJob(testing::machine("cameo3"), random, 40) {}
 };
 
 }  // namespace
