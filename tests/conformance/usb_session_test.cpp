@@ -140,10 +140,6 @@ Ended run(const Job& job, std::vector<UsbFault> faults, const SessionOptions& op
   return session(usb, device, "usb:51053P", job, cutter, options);
 }
 
-std::size_t count(const SessionEnd& end, StrokeFate fate) {
-  return static_cast<std::size_t>(std::count(end.fates.begin(), end.fates.end(), fate));
-}
-
 std::string said(const SessionEnd& end) { return end.error ? message(*end.error) : "done"; }
 
 void check_failed(const Ended& ended, ErrorKind kind, const std::string& telling) {

@@ -70,10 +70,6 @@ bool comes_true(const std::function<bool()>& condition) {
   return true;
 }
 
-std::size_t count(const SessionEnd& end, StrokeFate fate) {
-  return static_cast<std::size_t>(std::count(end.fates.begin(), end.fates.end(), fate));
-}
-
 struct Bench {
   TempFolder temp;
   std::unique_ptr<Cutters> cutters;
