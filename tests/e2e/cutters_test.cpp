@@ -11,6 +11,7 @@
 
 #include "daemon/devices/make_cutters.hpp"
 #include "device/sim/sim_pty.hpp"
+#include "tests/support/comes_true.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/received_log.hpp"
 #include "tests/support/sim_bench.hpp"
@@ -60,15 +61,6 @@ class Journal final : public daemon::CutJournal {
   std::atomic<int> ends{0};
   SessionEnd end;
 };
-
-bool comes_true(const std::function<bool()>& condition) {
-  const auto until = steady_clock::now() + std::chrono::seconds(60);
-  while (!condition()) {
-    if (steady_clock::now() > until) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
 
 struct Bench {
   TempFolder temp;

@@ -20,7 +20,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/at_terminal.hpp"
-#include "tests/support/daemon_process.hpp"
+#include "tests/support/daemon_bench.hpp"
 #include "tests/support/raw_http.hpp"
 
 using namespace popcut::testing;
@@ -30,47 +30,24 @@ namespace {
 
 const std::string kUnit = POPCUT_SOURCE_DIR "/examples/unit.json";
 
-bool comes_true(const std::function<bool()>& holds) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > until) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
-  return true;
-}
-
-/// A popcutd and a person with a command line.
-struct Desk {
+/// A popcutd and its client, with users' tables of their own.
+struct Desk : DaemonBench {
   explicit Desk(const std::string& more = "", double time_scale = 0)
-      : daemon(POPCUTD_PROGRAM, time_scale, more) {
-    ::setenv("POPCUT_URL", daemon.socket().c_str(), 1);
+      : DaemonBench(time_scale, more) {
     ::setenv("XDG_CONFIG_HOME", (daemon.folder() / "config").c_str(), 1);
-    ::unsetenv("POPCUT_TOKEN");
   }
   ~Desk() { ::unsetenv("XDG_CONFIG_HOME"); }
   Desk(const Desk&) = delete;
   Desk& operator=(const Desk&) = delete;
-  DaemonProcess daemon;
-
-  void open() {
-    const bool serves = daemon.start();
-    INFO(daemon.log());
-    REQUIRE(serves);
-  }
   void table(const std::string& name, const std::string& text) const {
     std::filesystem::create_directories(daemon.folder() / "config/popcut");
     write_file(daemon.folder() / "config/popcut" / name, text);
   }
-  [[nodiscard]] Ran popcut(std::vector<std::string> words) const {
-    words.insert(words.begin(), POPCUT_PROGRAM);
-    return run_program(words, daemon.folder().path());
-  }
   /// Waits until the command succeeds.
   Ran must(const std::vector<std::string>& words) const {
-    Ran ran;
-    const bool done = comes_true([&] { return (ran = popcut(words)).exit == 0; });
+    Ran ran = until_done(words);
     INFO(ran.err);
-    CHECK(done);
+    CHECK(ran.exit == 0);
     return ran;
   }
   [[nodiscard]] std::string queue(const std::vector<std::string>& words = {kUnit}) const {
@@ -81,13 +58,7 @@ struct Desk {
     REQUIRE(ran.exit == 0);
     return ran.out.substr(0, 26);
   }
-  [[nodiscard]] Json job(const std::string& id) const {
-    return Json::parse(popcut({"jobs", id, "--json"}).out);
-  }
-  [[nodiscard]] bool comes_to(const std::string& id, const std::string& state) const {
-    return comes_true([&] { return job(id)["state"] == state; });
-  }
-  /// Reads the configuration anew with `text` at its end; what the log says of it.
+  /// Reloads the configuration with `text` at its end; what the log says about it.
   [[nodiscard]] std::string reloaded(const std::string& text) const {
     const std::string before = daemon.log(), file = text_of_file(daemon.config());
     write_file(daemon.config(), file + text);

@@ -21,7 +21,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/workshop.hpp"
+#include "tests/support/daemon_bench.hpp"
 
 using namespace popcut::testing;
 using Json = nlohmann::json;
@@ -99,7 +99,7 @@ class Receiver {
 }  // namespace
 
 TEST_CASE("a second popcutd on the same state reports the first one", "[popcutd][e2e]") {
-  Workshop shop;
+  DaemonBench shop;
   shop.open();
   const Ran second =
       run_program({POPCUTD_PROGRAM, "--state", shop.daemon.state(), "--listen", "127.0.0.1:0",
@@ -118,7 +118,7 @@ TEST_CASE("a second popcutd on the same state reports the first one", "[popcutd]
 }
 
 TEST_CASE("a fault that needs a person ends popcutd with exit code 78", "[popcutd][e2e]") {
-  Workshop shop;
+  DaemonBench shop;
   shop.open();
   shop.daemon.signal(SIGTERM);
   REQUIRE(shop.daemon.wait() == 0);
@@ -188,7 +188,7 @@ TEST_CASE("too few descriptors for the connections are raised or reported", "[po
 
 TEST_CASE("the service manager is notified of each step and the watchdog is fed",
           "[popcutd][e2e]") {
-  Workshop shop;
+  DaemonBench shop;
   const std::string path = (shop.daemon.folder() / "notify").string();
   const int listener = ::socket(AF_UNIX, SOCK_DGRAM, 0);
   sockaddr_un at{};
@@ -228,8 +228,8 @@ TEST_CASE("a webhook gets each event in order and repeated until it accepts", "[
   const TempFolder folder;
   const std::string secret = (folder / "secret").string();
   write_file(secret, "0123456789abcdef\n");
-  Workshop shop(0, "[webhook]\nurl = \"http://" + receiver.host_port() + "/hook\"\nallow = [\"" +
-                       receiver.host_port() + "\"]\nsecret_file = \"" + secret + "\"\n");
+  DaemonBench shop(0, "[webhook]\nurl = \"http://" + receiver.host_port() + "/hook\"\nallow = [\"" +
+                          receiver.host_port() + "\"]\nsecret_file = \"" + secret + "\"\n");
   shop.open();
   const std::string id = first_line(shop.popcut({"cut", kUnit, "-q"}).out);
   REQUIRE(shop.comes_to(id, "ready"));
@@ -269,7 +269,7 @@ TEST_CASE("sockets of systemd are served and no others", "[popcutd][e2e]") {
     WARN("skipped: there is no systemd-socket-activate here");
     return;
   }
-  Workshop shop;
+  DaemonBench shop;
   const std::string socket = (shop.daemon.folder() / "activated.sock").string();
   const std::string script = "systemd-socket-activate -l '" + socket +
                              "' " POPCUTD_PROGRAM " --config '" + shop.daemon.config() +

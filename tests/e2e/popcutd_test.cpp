@@ -15,7 +15,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/workshop.hpp"
+#include "tests/support/daemon_bench.hpp"
 
 using namespace popcut::testing;
 using Json = nlohmann::json;
@@ -27,7 +27,7 @@ const std::string kSphere = POPCUT_SOURCE_DIR "/examples/sphere.json";
 const std::string kUnit = POPCUT_SOURCE_DIR "/examples/unit.json";
 
 /// The stored program of sheet 1 does what the knife did, and what its drawing says.
-void check_trace(const Workshop& shop, const std::string& job) {
+void check_trace(const DaemonBench& shop, const std::string& job) {
   const std::string plan = shop.job(job)["plan"];
   const fs::path folder = fs::path(shop.daemon.state()) / "plans" / plan;
   const Ran ran =
@@ -45,7 +45,7 @@ void check_trace(const Workshop& shop, const std::string& job) {
 }  // namespace
 
 TEST_CASE("the commands of the manual take a job from a spec to a cut sheet", "[popcutd][e2e]") {
-  Workshop shop;
+  DaemonBench shop;
   shop.open();
   auto waiting = std::async(std::launch::async, [&] {
     return shop.popcut({"cut", kSphere, "--wait"});
@@ -78,7 +78,7 @@ TEST_CASE("the commands of the manual take a job from a spec to a cut sheet", "[
 }
 
 TEST_CASE("curl with a token over TCP can do the same", "[popcutd][e2e]") {
-  Workshop shop;
+  DaemonBench shop;
   shop.open();
   if (run_program({"/usr/bin/env", "curl", "--version"}, "/").exit != 0) {
     WARN("skipped: there is no curl here");
@@ -159,7 +159,7 @@ TEST_CASE("popcut and popcutd work together without any configuration", "[popcut
 }
 
 TEST_CASE("a stop while cutting ends after the stroke and the job reports it", "[popcutd][e2e]") {
-  Workshop shop(10);
+  DaemonBench shop(10);
   shop.open();
   const std::string id = first_line(shop.popcut({"cut", kSphere, "-q"}).out);
   REQUIRE(shop.until_done({"arm", id, "1"}).exit == 0);
@@ -182,7 +182,7 @@ TEST_CASE("a stop while cutting ends after the stroke and the job reports it", "
 }
 
 TEST_CASE("plan options and the files of a spec are sent with a job", "[popcutd][e2e]") {
-  Workshop shop;
+  DaemonBench shop;
   shop.open();
   // A grid that the spec names by its file goes up first.
   std::string grid;
@@ -221,7 +221,7 @@ TEST_CASE("plan options and the files of a spec are sent with a job", "[popcutd]
 }
 
 TEST_CASE("the view of jobs has all of them and each change", "[popcutd][e2e]") {
-  Workshop shop;
+  DaemonBench shop;
   shop.open();
   const std::string one = first_line(shop.popcut({"cut", kUnit, "-q"}).out);
   const std::string two = first_line(shop.popcut({"cut", kUnit, "-q", "--name", "gift card"}).out);

@@ -22,6 +22,7 @@
 #include <catch2/catch.hpp>
 
 #include "daemon/planning/make_planner.hpp"
+#include "tests/support/comes_true.hpp"
 #include "tests/support/process.hpp"
 
 namespace popcut::testing {
@@ -81,18 +82,6 @@ inline std::size_t open_descriptors() {
     ::closedir(folder);
   }
   return count;
-}
-
-/// Waits until a condition holds; false after a minute.
-template <typename Condition>
-bool comes_true(Condition condition, double seconds = 60) {
-  const auto until = std::chrono::steady_clock::now() +
-                     std::chrono::milliseconds(static_cast<std::int64_t>(1000 * seconds));
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > until) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
 }
 
 inline const PlanningFile* file_of(const PlanningOutcome& outcome, const std::string& name) {

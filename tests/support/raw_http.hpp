@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "daemon/http/server.hpp"
+#include "tests/support/comes_true.hpp"
 #include "tests/support/fake_service.hpp"
 
 namespace popcut::daemon {
@@ -111,7 +112,6 @@ class LiveServer {
 /// Header lines of a request that acts: JSON, a key of its own, If-Match.
 [[nodiscard]] std::string acting(std::string_view if_match = "");
 
-/// Waits until `holds`, at most `seconds`.
-[[nodiscard]] bool comes_true(const std::function<bool()>& holds, double seconds = 60);
+using testing::comes_true;
 
 }  // namespace popcut::daemon
