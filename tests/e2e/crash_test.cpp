@@ -22,6 +22,7 @@
 #include "tests/support/daemon_process.hpp"
 #include "tests/support/fault_page.hpp"
 #include "tests/support/received_log.hpp"
+#include "tests/support/timing.hpp"
 
 using namespace popcut;
 using namespace popcut::testing;
@@ -43,10 +44,6 @@ std::string design_svg() {
     svg += fmt::format("<path fill='none' stroke='black' d='M{},{}h5'/>", 10 + k % 8 * 12,
                        10 + k / 8 * 12);
   return svg + "</svg>";
-}
-
-double seconds_since(steady_clock::time_point then) {
-  return std::chrono::duration<double>(steady_clock::now() - then).count();
 }
 
 /// For how long the thread of a process that had to wait longest was ready and had no core.

@@ -11,10 +11,10 @@
 
 #include "daemon/devices/make_cutters.hpp"
 #include "device/sim/sim_pty.hpp"
-#include "tests/support/comes_true.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/received_log.hpp"
 #include "tests/support/sim_bench.hpp"
+#include "tests/support/timing.hpp"
 
 using namespace popcut;
 using namespace popcut::testing;

@@ -9,6 +9,7 @@
 
 #include "tests/support/live_shop.hpp"
 #include "tests/support/service_manager_socket.hpp"
+#include "tests/support/timing.hpp"
 
 using namespace popcut;
 using namespace popcut::testing;
@@ -18,10 +19,6 @@ using std::chrono::steady_clock;
 namespace {
 
 constexpr int kLines = 40, kFew = 16;
-
-double seconds_since(steady_clock::time_point then) {
-  return std::chrono::duration<double>(steady_clock::now() - then).count();
-}
 
 /// A simulated cutter of which the first sheet meets a fault.
 struct Wrong {

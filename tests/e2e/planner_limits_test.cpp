@@ -9,6 +9,7 @@
 #include "daemon/devices/make_cutters.hpp"
 #include "daemon/planning/program_file.hpp"
 #include "tests/support/planner_bench.hpp"
+#include "tests/support/timing.hpp"
 
 using namespace popcut;
 using namespace popcut::testing;
@@ -49,10 +50,6 @@ struct Bench {
     return outcomes.wait(name);
   }
 };
-
-double seconds_since(steady_clock::time_point begun) {
-  return std::chrono::duration<double>(steady_clock::now() - begun).count();
-}
 
 /// Many units: seconds of work, and some memory.
 std::string heavy_spec(int units, int slices) {

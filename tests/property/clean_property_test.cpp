@@ -10,18 +10,13 @@
 #include "core/plan/plan.hpp"
 #include "tests/support/euler_count.hpp"
 #include "tests/support/linework_checks.hpp"
+#include "tests/support/random_numbers.hpp"
 
 using namespace popcut;
+using namespace popcut::testing;
 using namespace popcut::test;
 
 namespace {
-
-int whole(std::mt19937& random, int low, int high) {
-  return std::uniform_int_distribution<int>(low, high)(random);
-}
-double uniform(std::mt19937& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
 
 /// Walks along the edges of a lattice, some closed, some drawn twice or backwards; ends lie up to
 /// `loose` mm beside the lattice.

@@ -13,19 +13,13 @@
 #include "core/plan/knife/micro_cut.hpp"
 #include "core/plan/plan.hpp"
 #include "tests/support/linework_checks.hpp"
+#include "tests/support/random_numbers.hpp"
 
 using namespace popcut;
+using namespace popcut::testing;
 using namespace popcut::test;
 
 namespace {
-
-double uniform(std::mt19937& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
-
-int whole(std::mt19937& random, int low, int high) {
-  return std::uniform_int_distribution<int>(low, high)(random);
-}
 
 // An L with one mountain: nothing maps it onto itself, so every mirror shows. `u` is 60, `v` 40.
 Pattern letter() {

@@ -9,9 +9,9 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/comes_true.hpp"
 #include "tests/support/command_bench.hpp"
 #include "tests/support/daemon_process.hpp"
+#include "tests/support/timing.hpp"
 
 namespace popcut::testing {
 

@@ -11,9 +11,8 @@
 
 namespace popcut::daemon {
 
-/// A service that holds everything in memory and cuts nothing: what HTTP is tested against. It
-/// keeps revisions, idempotency keys and events as the real one does, and knows as much of the
-/// states of a job as the tests ask.
+/// A service in memory that cuts nothing, for tests of HTTP. It keeps revisions, idempotency keys
+/// and events like the real one, and as much of a job's states as the tests need.
 class FakeService : public Service {
  public:
   FakeService();
@@ -113,7 +112,7 @@ class FakeService : public Service {
     std::string sha256;
     Rendered rendered;
   };
-  /// Notes that a member was called; throws if it was told to.
+  /// Records that a member was called; throws if `throws` is set.
   void note(const char* name);
   std::optional<Problem> trouble(const char* name);
   Job& changed(Job& job);

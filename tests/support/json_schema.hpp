@@ -8,10 +8,10 @@
 
 namespace popcut {
 
-/// Holds values against the JSON schemas of one document. Knows what openapi.json uses: $ref, type
-/// (one or several), enum, const, pattern, minimum, maximum, minLength, maxLength, minItems,
+/// Checks values against the JSON schemas of one document. Supports what openapi.json uses: $ref,
+/// type (one or several), enum, const, pattern, minimum, maximum, minLength, maxLength, minItems,
 /// maxItems, minProperties, items, properties, required, oneOf, additionalProperties. A schema with
-/// any other word is refused, so that nothing is left unchecked in silence.
+/// any other keyword is refused, so that nothing stays unchecked.
 class JsonSchema {
  public:
   explicit JsonSchema(const nlohmann::json& document) : document_(document) {}

@@ -22,8 +22,8 @@
 #include <catch2/catch.hpp>
 
 #include "daemon/planning/make_planner.hpp"
-#include "tests/support/comes_true.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/timing.hpp"
 
 namespace popcut::testing {
 
@@ -32,7 +32,7 @@ using daemon::PlanningLimits;
 using daemon::PlanningOutcome;
 using daemon::PlanningTask;
 
-/// Where the planner's answers come in; waits for them as long as a test may.
+/// Collects the planner's answers; waits for them as long as a test may.
 class Outcomes {
  public:
   daemon::Planner::Done slot(const std::string& name) {
@@ -62,7 +62,7 @@ class Outcomes {
   std::vector<std::string> order_;
 };
 
-/// Processes that are children of this one, zombies too.
+/// Child processes of this one, including zombies.
 inline std::vector<int> children() {
   std::vector<int> pids;
   if (DIR* folder = ::opendir("/proc/self/task")) {

@@ -15,8 +15,8 @@
 #include <thread>
 
 #include "daemon/http/server.hpp"
-#include "tests/support/comes_true.hpp"
 #include "tests/support/fake_service.hpp"
+#include "tests/support/timing.hpp"
 
 namespace popcut::daemon {
 
@@ -29,7 +29,7 @@ struct WireResponse {
   [[nodiscard]] std::string problem() const;
 };
 
-/// A client that sends exactly the bytes it is told to.
+/// A client that sends exactly the given bytes.
 class RawConnection {
  public:
   explicit RawConnection(std::uint16_t port, bool six = false);

@@ -14,8 +14,10 @@
 #include "core/design/target/surface.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/slice_distance.hpp"
 
 using namespace popcut;
+using namespace popcut::testing;
 using namespace popcut::tests;
 
 namespace {
@@ -35,16 +37,6 @@ SurfaceSlice cut(const Result<Surface>& from, double s) {
 Result<Surface> mesh_surface(const TriangleMesh& mesh, const TargetPlacement& placement = {},
                              FitMode fit = FitMode::Exact) {
   return surface(MeshSpec{"part.stl"}, {{"part.stl", binary_stl(mesh)}}, placement, fit);
-}
-
-/// Largest distance of points of one curve from another.
-double apart(const SliceCurve& a, const SliceCurve& b) {
-  double most = std::max(std::abs(a.h() - b.h()), std::abs(a.d() - b.d()));
-  for (int k = 0; k <= 100; ++k) {
-    const CurveJet p = a.at(-1.0 + 0.02 * k);
-    most = std::max(most, b.nearest_distance({p.x, p.z}));
-  }
-  return most;
 }
 
 std::string spec_text(const std::string& surface_json, const std::string& more = "") {

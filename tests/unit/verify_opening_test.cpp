@@ -46,22 +46,6 @@ FoldDraft without_poses(FoldDraft draft, bool keep_angles) {
   return draft;
 }
 
-/// The solver's pose, its vertices moved so that the panel of face 0 lies where it lies in `other`.
-double largest_difference(const verify::FoldFile& file, const verify::Sheet& sheet,
-                          const verify::Pose& pose, const verify::Pose& other) {
-  const auto panels = make_panels(file, sheet);
-  const auto from = measure(file, sheet, panels, pose).panel[0];
-  const auto to = measure(file, sheet, panels, other).panel[0];
-  double largest = 0.0;
-  for (std::size_t i = 0; i < pose.at.size(); ++i) {
-    const verify::Vec3 p = pose.at[i] - from.origin;
-    const verify::Vec3 moved = to.origin + dot(p, from.along_u) * to.along_u +
-                               dot(p, from.along_v) * to.along_v + dot(p, from.normal) * to.normal;
-    largest = std::max(largest, norm(moved - other.at[i]));
-  }
-  return largest;
-}
-
 }  // namespace
 
 TEST_CASE("a flat pattern opens to its designed poses", "[core][verify]") {
