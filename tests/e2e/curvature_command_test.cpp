@@ -21,9 +21,9 @@ bool one_clear_line(const Ran& ran) {
 }
 
 void design_example(const TempFolder& folder, const std::string& name) {
-  const Ran spec = popcut_in(folder.path(), {"design", "--example", name});
+  const Ran spec = popcut_in(folder, {"design", "--example", name});
   write_file(folder / (name + ".json"), spec.out);
-  const Ran made = popcut_in(folder.path(), {"design", name + ".json", "-o", name, "-q"});
+  const Ran made = popcut_in(folder, {"design", name + ".json", "-o", name, "-q"});
   REQUIRE(made.exit == 0);
 }
 
@@ -32,7 +32,7 @@ void design_example(const TempFolder& folder, const std::string& name) {
 TEST_CASE("figures draws every figure and every statement of the paper holds",
           "[cli][e2e][figures]") {
   const TempFolder folder;
-  const Ran ran = popcut_in(folder.path(), {"figures", "-o", "out", "--json"});
+  const Ran ran = popcut_in(folder, {"figures", "-o", "out", "--json"});
   CAPTURE(ran.err);
   REQUIRE(ran.exit == 0);
   const json summary = json::parse(ran.out);
@@ -93,35 +93,33 @@ TEST_CASE("the multi-state pattern is a dome then flat then a saddle at its midd
 TEST_CASE("curvature assembly writes its grid as a table and as a picture",
           "[cli][e2e][curvature]") {
   const TempFolder folder;
-  const Ran table = popcut_in(folder.path(), {"curvature", "assembly", "--phi", "45deg", "--r",
-                                              "0.5:5:4", "--lambda", "0.2:3:3", "-o", "maps.csv"});
+  const Ran table = popcut_in(folder, {"curvature", "assembly", "--phi", "45deg", "--r", "0.5:5:4",
+                                       "--lambda", "0.2:3:3", "-o", "maps.csv"});
   CAPTURE(table.err);
   REQUIRE(table.exit == 0);
   const std::string csv = text_of_file(folder / "maps.csv");
   CHECK(csv.rfind("r,lambda,K,H\n0.5,0.2,1.2280532635563", 0) == 0);
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 13);
-  const Ran picture =
-      popcut_in(folder.path(), {"curvature", "assembly", "--phi", "pi/4", "--r", "0.5:5:40",
-                                "--lambda", "0.2:3:30", "-o", "maps.svg"});
+  const Ran picture = popcut_in(folder, {"curvature", "assembly", "--phi", "pi/4", "--r",
+                                         "0.5:5:40", "--lambda", "0.2:3:30", "-o", "maps.svg"});
   REQUIRE(picture.exit == 0);
   CHECK(text_of_file(folder / "maps.svg").find("</svg>") != std::string::npos);
 }
 
 TEST_CASE("curvature solve names the assembly or the nearest one", "[cli][e2e][curvature]") {
   const TempFolder folder;
-  const Ran saddle = popcut_in(folder.path(), {"curvature", "solve", "--K", "-1"});
+  const Ran saddle = popcut_in(folder, {"curvature", "solve", "--K", "-1"});
   CHECK(saddle.exit == 0);
   CHECK(saddle.out.find("r = 2.692505") != std::string::npos);
-  const Ran usual = popcut_in(folder.path(), {"curvature", "solve", "--phi", "--K", "-1"});
+  const Ran usual = popcut_in(folder, {"curvature", "solve", "--phi", "--K", "-1"});
   CHECK(usual.out == saddle.out);  // --phi alone is pi/4
   CHECK(saddle.out.find("lambda >= 1.970045 or lambda <= 0.029955") != std::string::npos);
-  const Ran both =
-      popcut_in(folder.path(), {"curvature", "solve", "--K", "-1", "--H", "0", "--json"});
+  const Ran both = popcut_in(folder, {"curvature", "solve", "--K", "-1", "--H", "0", "--json"});
   CHECK(json::parse(both.out)["lambda"].get<double>() == Approx(1.970045).margin(1e-6));
-  const Ran never = popcut_in(folder.path(), {"curvature", "solve", "--K", "1", "--H", "0"});
+  const Ran never = popcut_in(folder, {"curvature", "solve", "--K", "1", "--H", "0"});
   CHECK(never.exit == 4);
   CHECK(one_clear_line(never));
-  const Ran beyond = popcut_in(folder.path(), {"curvature", "solve", "--K", "7"});
+  const Ran beyond = popcut_in(folder, {"curvature", "solve", "--K", "7"});
   CHECK(beyond.exit == 3);
   CHECK(one_clear_line(beyond));
 }
@@ -164,7 +162,7 @@ TEST_CASE("wrong arguments of curvature give one clear line", "[cli][e2e][curvat
            {{"figures"}, 2},
            {{"figures", "-o", "empty.fold"}, 7},
        }) {
-    const Ran ran = popcut_in(folder.path(), c.words);
+    const Ran ran = popcut_in(folder, c.words);
     CAPTURE(c.words.size(), c.words.back(), ran.err);
     CHECK(ran.exit == c.exit);
     CHECK(one_clear_line(ran));

@@ -112,8 +112,8 @@ TEST_CASE("a sheet with registration marks is cut relative to the marks that are
   CHECK(marks["width_mm"].get<double>() == Approx(284.8));
   CHECK(marks["corners"] == 3);
   CHECK(bench
-            .run({"simulate", "plan/sheet-01.gpgl", "-o", "sim", "--machine", "cameo3", "--expect",
-                  "plan/sheet-01.svg"})
+            .popcut({"simulate", "plan/sheet-01.gpgl", "-o", "sim", "--machine", "cameo3",
+                     "--expect", "plan/sheet-01.svg"})
             .exit == 0);
   CHECK(bench.popcut({"cut", kSphere, "--marks", "--direct", "--yes", "-q"}).exit == 0);
 

@@ -17,7 +17,7 @@ using popcut::tests::FoldDraft;
 TEST_CASE("verify of a sound pattern reports its figures and ends with 0", "[cli][e2e][verify]") {
   const TempFolder folder;
   write_file(folder / "box.fold", box_card().text());
-  const Ran ran = popcut_in(folder.path(), {"verify", "box.fold", "--dof", "1"});
+  const Ran ran = popcut_in(folder, {"verify", "box.fold", "--dof", "1"});
   CAPTURE(ran.err);
   CHECK(ran.exit == 0);
   CHECK(ran.err.empty());
@@ -30,7 +30,7 @@ TEST_CASE("verify of an unsound pattern ends with 6 and lists what fails", "[cli
   FoldDraft draft = box_card();
   draft.poses[1].at[0][1] -= 0.5;
   write_file(folder / "bad.fold", draft.text());
-  const Ran ran = popcut_in(folder.path(), {"verify", "bad.fold", "--dof", "2", "--json"});
+  const Ran ran = popcut_in(folder, {"verify", "bad.fold", "--dof", "2", "--json"});
   CHECK(ran.exit == 6);
   CHECK(ran.err.rfind("popcut: bad.fold: the pattern is unsound: isometry", 0) == 0);
   const json report = json::parse(ran.out);
@@ -53,7 +53,7 @@ TEST_CASE("verify of invalid input ends with 3 and one line", "[cli][e2e][verify
   write_file(folder / "broken.svg", "<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0L'");
   for (const char* name : {"deep.fold", "half.fold", "none.svg", "broken.svg", "absent.fold"}) {
     CAPTURE(name);
-    const Ran ran = popcut_in(folder.path(), {"verify", name});
+    const Ran ran = popcut_in(folder, {"verify", name});
     CAPTURE(ran.err);
     CHECK(ran.exit == 3);
     CHECK(ran.out.empty());
@@ -67,7 +67,7 @@ TEST_CASE("verify opens a pattern without frames and says how", "[cli][e2e][veri
   FoldDraft flat = box_card();
   flat.poses.clear();
   write_file(folder / "flat.fold", flat.text());
-  const Ran ran = popcut_in(folder.path(), {"verify", "flat.fold", "--dof", "1"});
+  const Ran ran = popcut_in(folder, {"verify", "flat.fold", "--dof", "1"});
   CAPTURE(ran.out, ran.err);
   CHECK(ran.exit == 0);
   CHECK(ran.out.find("opened by continuation to psi 1.1000 rad") != std::string::npos);
@@ -80,10 +80,8 @@ TEST_CASE("popcut's own drawings verify with the same freedoms as its FOLD file"
   for (const std::string name :
        {"unit", "sphere", "composite", "airfoil", "facade", "multistate"}) {
     const TempFolder folder;
-    REQUIRE(
-        popcut_in(folder.path(), {"design", examples + name + ".json", "-o", "out", "-q"}).exit ==
-        0);
-    const Ran fold = popcut_in(folder.path(), {"verify", "out/pattern.fold", "--json"});
+    REQUIRE(popcut_in(folder, {"design", examples + name + ".json", "-o", "out", "-q"}).exit == 0);
+    const Ran fold = popcut_in(folder, {"verify", "out/pattern.fold", "--json"});
     REQUIRE(fold.exit == 0);
     const json listed = json::parse(fold.out);
     const bool short_folds = name == "facade" || name == "multistate" || name == "composite";
@@ -91,7 +89,7 @@ TEST_CASE("popcut's own drawings verify with the same freedoms as its FOLD file"
       CAPTURE(name, drawing);
       if (short_folds && drawing == "out/cut.svg")
         continue;  // folds too short for a dash are not in it
-      const Ran ran = popcut_in(folder.path(), {"verify", drawing, "--dof", "1", "--json"});
+      const Ran ran = popcut_in(folder, {"verify", drawing, "--dof", "1", "--json"});
       CAPTURE(ran.out, ran.err);
       CHECK(ran.exit == 0);
       const json traced = json::parse(ran.out);
@@ -111,9 +109,9 @@ TEST_CASE("slices of a tenth of a millimetre pass through all checks", "[cli][e2
              R"j({"popcut":1,"surface":{"type":"revolution","radius":"sqrt(200^2-(y-125)^2)"},
                  "units_per_slice":1,"slices":2500,"widths_mm":0.1,"min_panel_mm":0.05,
                  "lattice":"slices"})j");
-  REQUIRE(popcut_in(folder.path(), {"design", "thin.json", "-o", "out", "-q", "--formats", "fold"})
-              .exit == 0);
-  const Ran ran = popcut_in(folder.path(), {"verify", "out/pattern.fold", "--dof", "1", "--json"});
+  REQUIRE(popcut_in(folder, {"design", "thin.json", "-o", "out", "-q", "--formats", "fold"}).exit ==
+          0);
+  const Ran ran = popcut_in(folder, {"verify", "out/pattern.fold", "--dof", "1", "--json"});
   CAPTURE(ran.err);
   CHECK(ran.exit == 0);
   const json report = json::parse(ran.out);
@@ -131,7 +129,7 @@ TEST_CASE("every shipped example is designed and verified as sound", "[cli][e2e]
     CAPTURE(name);
     const TempFolder folder;
     const std::string spec = examples + name + ".json";
-    REQUIRE(popcut_in(folder.path(), {"design", spec, "-o", "out", "-q"}).exit == 0);
+    REQUIRE(popcut_in(folder, {"design", spec, "-o", "out", "-q"}).exit == 0);
     const Ran ran = popcut_in(
         folder.path(), {"verify", "out/pattern.fold", "--dof", "1", "--target", spec, "--json"});
     CAPTURE(ran.err);

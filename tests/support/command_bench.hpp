@@ -13,10 +13,10 @@
 namespace popcut::testing {
 
 /// Runs the built popcut in `folder`. The test's program defines POPCUT_PROGRAM.
-[[nodiscard]] inline Ran popcut_in(const std::filesystem::path& folder,
-                                   std::vector<std::string> arguments, const Limits& limits = {}) {
+[[nodiscard]] inline Ran popcut_in(const TempFolder& folder, std::vector<std::string> arguments,
+                                   const Limits& limits = {}) {
   arguments.insert(arguments.begin(), POPCUT_PROGRAM);
-  return run_program(arguments, folder, limits);
+  return run_program(arguments, folder.path(), limits);
 }
 
 /// The built popcut in a folder of its own.
@@ -24,7 +24,7 @@ struct CommandBench {
   TempFolder temp;
 
   [[nodiscard]] Ran popcut(std::vector<std::string> arguments, const Limits& limits = {}) const {
-    return popcut_in(temp.path(), std::move(arguments), limits);
+    return popcut_in(temp, std::move(arguments), limits);
   }
   [[nodiscard]] std::string path(const std::string& name) const { return (temp / name).string(); }
   [[nodiscard]] nlohmann::json read_json(const std::string& name) const {

@@ -32,7 +32,7 @@ struct DaemonBench {
     REQUIRE(serves);
   }
   [[nodiscard]] Ran popcut(std::vector<std::string> words) const {
-    return popcut_in(daemon.folder().path(), std::move(words));
+    return popcut_in(daemon.folder(), std::move(words));
   }
   /// Repeats the command until it succeeds; the last run.
   [[nodiscard]] Ran until_done(const std::vector<std::string>& words) const {
