@@ -10,21 +10,10 @@
 
 namespace popcut {
 
-/// The bytes of GPGL's queries. Each has one reply that ends with ETX and does not say which query
-/// it answers, so send one query at a time.
+/// The bytes of the GPGL queries that popcut sends. Each has one reply that ends with ETX and does
+/// not say which query it answers, so send one query at a time.
 inline constexpr std::string_view kStatusQuery{"\x1b\x05"};
 inline constexpr std::string_view kIdentityQuery{"FG\x03"};
-inline constexpr std::string_view kWindowNearQuery{"[\x03"};
-inline constexpr std::string_view kWindowFarQuery{"U\x03"};
-inline constexpr std::string_view kCalibrationQuery{"FA\x03"};
-inline constexpr std::string_view kMarkSensorQuery{"TB71\x03"};
-inline constexpr std::string_view kToolsQuery{"\x1b\x15"};  ///< Cameo 4 and later
-inline constexpr std::string_view kScaleQuery{"TC\x03"};    ///< Cameo 3; meaning unknown
-inline constexpr std::string_view kSpeedQuery{"FQ0\x03"};   ///< probably the speed in steps
-inline constexpr std::string_view kOffsetQuery{"FQ2\x03"};  ///< probably the blade offset
-inline constexpr std::string_view kMarkResultQuery{"FQ5\x03"};
-inline constexpr std::string_view kPositionQuery{"G\x03"};
-inline constexpr std::string_view kReset{"\x1b\x04"};  ///< no reply
 
 /// What a GPGL machine replies when asked for its status. Any other reply is Unknown and must never
 /// count as Ready.
@@ -57,7 +46,7 @@ struct NumberPair {
 /// @retval Malformed  not one number
 [[nodiscard]] Result<double> parse_number(std::string_view reply);
 
-/// The reply to G: where the tool stands, in units of the feed and the carriage.
+/// The reply to G: where the tool is, in units of the feed and the carriage.
 ///
 /// @retval Malformed  not three numbers
 [[nodiscard]] Result<NumberPair> parse_position(std::string_view reply);
