@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "device/session/inquirer.hpp"
 #include "device/port/ports.hpp"
+#include "device/session/inquirer.hpp"
 #include "device/usb/usb_bus.hpp"
 
 namespace popcut {
@@ -23,7 +23,7 @@ using Level = Finding::Level;
 
 constexpr const char* kGroup = "popcut-usb";
 
-/// The printer port that usblp made for a device: "/dev/usb/lp0".
+/// The printer port that usblp created for a device: "/dev/usb/lp0".
 std::string printer_port(const UsbDevice& device) {
   const std::string folder = fmt::format("/sys/bus/usb/devices/{}:1.{}/usbmisc", device.port,
                                          unsigned{device.interface.number});
@@ -40,7 +40,7 @@ std::string join(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
-/// Everything up to and with being a member, for whoever is not allowed yet.
+/// The missing steps, numbered, up to membership in the group.
 std::string how_to_get_permission(const Surroundings& s) {
   std::vector<std::string> steps;
   if (!s.group_exists) steps.push_back(fmt::format("sudo groupadd --system {}", kGroup));
@@ -50,7 +50,7 @@ std::string how_to_get_permission(const Surroundings& s) {
   if (!s.rule_installed || !s.group_exists)
     steps.push_back("sudo udevadm control --reload; sudo udevadm trigger --subsystem-match=usb");
   if (!s.in_group) steps.push_back("log out and in again");
-  if (steps.empty()) return "plug the cutter in again, so that the udev rule is applied to it";
+  if (steps.empty()) return "plug the cutter in again, so that the udev rule applies to it";
   std::string text;
   for (std::size_t i = 0; i < steps.size(); ++i)
     text += fmt::format("{}{}. {}", i == 0 ? "" : "\n", i + 1, steps[i]);
@@ -61,7 +61,7 @@ Finding of_model(const CutterFacts& facts) {
   const UsbDevice& d = facts.device;
   if (facts.machine && facts.treated)
     return {Level::Note,
-            fmt::format("treated as a {} because you said so; its own ids are {:04x}:{:04x}",
+            fmt::format("treated as a {} because of --treat-as; its own ids are {:04x}:{:04x}",
                         facts.machine->title, d.vendor_id, d.product_id),
             "cut a small test on scrap first"};
   if (facts.machine) return {Level::Fine, fmt::format("is a {}", facts.machine->title), ""};
@@ -71,12 +71,12 @@ Finding of_model(const CutterFacts& facts) {
             fmt::format("{} ({:04x}:{:04x}) is not known as a cutter; it may be a printer", name,
                         d.vendor_id, d.product_id),
             "if it is a cutter: popcut doctor " + d.id +
-                " --treat-as hpgl-generic, or the machine that is nearest"};
+                " --treat-as hpgl-generic, or the name of the most similar machine"};
   return {Level::Problem,
-          fmt::format("is of a vendor of cutters, but the model {} ({:04x}:{:04x}) is not known",
+          fmt::format("its vendor makes cutters, but the model {} ({:04x}:{:04x}) is not known",
                       name, d.vendor_id, d.product_id),
-          "name the machine that is nearest ('popcut machines' lists them): popcut doctor " + d.id +
-              " --treat-as cameo4; if that works, cut with the same words and please report the "
+          "name the most similar machine ('popcut machines' lists them): popcut doctor " + d.id +
+              " --treat-as cameo4; if that works, cut with the same option, and please report the "
               "ids"};
 }
 
@@ -92,11 +92,11 @@ std::optional<Finding> of_use(const CutterFacts& facts, const Surroundings& surr
       return Finding{
           Level::Problem,
           holders.empty() ? "another program uses it" : fmt::format("{} uses it", holders),
-          holders.empty() ? "end that program; 'sudo popcut doctor' can say which one it is"
-                          : "wait until that program is done, or end it"};
+          holders.empty() ? "stop that program; 'sudo popcut doctor' can name it"
+                          : "wait until that program has finished, or stop it"};
     case UsbState::Absent:
-      return Finding{Level::Problem, "it was on the bus a moment ago and is gone",
-                     "check cable and power, then ask again"};
+      return Finding{Level::Problem, "it was unplugged a moment ago",
+                     "check cable and power, then try again"};
     case UsbState::Free:
       break;
   }
@@ -105,37 +105,38 @@ std::optional<Finding> of_use(const CutterFacts& facts, const Surroundings& surr
                    fmt::format("{} has its printer port open{}", holders,
                                holders.find("usb") != std::string::npos ||
                                        holders.find("cups") != std::string::npos
-                                   ? "; CUPS takes it for a printer"
+                                   ? "; CUPS uses it as a printer"
                                    : ""),
                    "remove its queue (lpstat -v lists queues, sudo lpadmin -x NAME removes one), "
-                   "or wait until the program is done"};
-  if (use.driver.empty()) return Finding{Level::Fine, "nobody else uses it", ""};
-  return Finding{Level::Note,
-                 fmt::format("the kernel driver {} holds it; popcut takes it over while it cuts "
-                             "and gives it back",
-                             use.driver),
-                 ""};
+                   "or wait until the program has finished"};
+  if (use.driver.empty()) return Finding{Level::Fine, "no other program uses it", ""};
+  return Finding{
+      Level::Note,
+      fmt::format("the kernel driver {} holds it; popcut detaches the driver while it cuts "
+                  "and attaches it again",
+                  use.driver),
+      ""};
 }
 
 Finding of_status(const std::optional<DeviceStatus>& status) {
   if (!status)
     return {Level::Problem, "it takes no data",
-            "see whether it is paused or still busy; else switch it off and on"};
+            "check whether it is paused or still busy; if not, switch it off and on"};
   switch (*status) {
     case DeviceStatus::Ready:
       return {Level::Fine, "ready, a sheet is loaded", ""};
     case DeviceStatus::Moving:
-      return {Level::Note, "busy: it moves, or was left with a job", "wait until it stands still"};
+      return {Level::Note, "busy: it is moving, or has an unfinished job", "wait until it stops"};
     case DeviceStatus::NoMedia:
       return {Level::Problem, "no sheet is loaded",
-              "put the sheet on the mat, the mat against the rollers, and press load on the "
+              "put the sheet on the mat, hold the mat against the rollers, and press load on the "
               "machine's panel"};
     case DeviceStatus::Paused:
       return {Level::Problem, "paused on its panel",
-              "press pause again to go on with what it has, or cancel there"};
+              "press pause again to continue the job, or cancel it there"};
     case DeviceStatus::Cancelled:
-      return {Level::Problem, "the last job was cancelled on its panel and it is still resetting",
-              "wait some seconds, then ask again"};
+      return {Level::Problem, "the last job was cancelled on its panel, and it is still resetting",
+              "wait a few seconds, then try again"};
     case DeviceStatus::Unknown:
       break;
   }
@@ -145,22 +146,23 @@ Finding of_status(const std::optional<DeviceStatus>& status) {
 Finding of_identity(const std::string& reply, const CutterFacts& facts) {
   const auto said = parse_identity(reply);
   if (!said)
-    return {Level::Problem, "it does not say what it is, or not in a way that can be read",
-            "switch it off and on; if it stays so, check that it is a " + facts.machine->title};
+    return {
+        Level::Problem, "it does not say what it is, or its reply cannot be read",
+        "switch it off and on; if that does not help, check that it is a " + facts.machine->title};
   const std::string firmware =
       said->firmware.empty() ? "firmware unknown" : "firmware " + said->firmware;
   const std::string itself = fmt::format("calls itself {}, {}", said->model, firmware);
   const auto known = parse_identity(facts.machine->identity);
   if (!known)
-    return {Level::Note, itself + "; popcut has not met this machine yet",
-            "cut a small test on scrap first, and please report that it worked"};
+    return {Level::Note, itself + "; popcut has not been tested with this machine yet",
+            "cut a small test on scrap first, and please report whether it worked"};
   if (known->model != said->model && !facts.treated)
     return {Level::Problem,
-            fmt::format("{}, though its USB ids are those of a {}", itself, facts.machine->title),
-            "name the machine it really is with --treat-as"};
+            fmt::format("{}, although its USB ids are those of a {}", itself, facts.machine->title),
+            "name the actual machine with --treat-as"};
   if (known->firmware != said->firmware && !facts.treated)
     return {Level::Note,
-            fmt::format("{}; popcut was made with recordings of {}", itself, known->firmware),
+            fmt::format("{}; popcut was tested with recordings of {}", itself, known->firmware),
             "cut a small test on scrap first"};
   return {Level::Fine, itself, ""};
 }
@@ -246,12 +248,12 @@ std::vector<Finding> diagnose(const CutterFacts& facts, const Surroundings& surr
   findings.push_back(
       {Level::Fine, fmt::format("plugged in at {}, {}", facts.device.port, facts.device.node), ""});
   findings.push_back(of_model(facts));
-  // What nobody knows as a cutter is no business of popcut's: how it is used is not told.
+  // Who uses a device that is not known as a cutter is none of popcut's business.
   if (facts.machine || facts.cutter_vendor)
     if (auto use = of_use(facts, surroundings)) findings.push_back(std::move(*use));
   if (facts.machine && facts.machine->language == "hpgl")
-    findings.push_back({Level::Note, "machines of this language answer nothing",
-                        "see for yourself that it is switched on and loaded"});
+    findings.push_back({Level::Note, "machines with this language (HPGL) answer nothing",
+                        "check yourself that it is switched on and loaded"});
   if (!facts.said) return findings;
   if (!*facts.said) {
     const Error& error = facts.said->error();
@@ -263,7 +265,7 @@ std::vector<Finding> diagnose(const CutterFacts& facts, const Surroundings& surr
   }
   const Answers& answers = **facts.said;
   findings.push_back(of_status(answers.status));
-  // A machine that has something else to do, or no sheet, may well keep its name to itself.
+  // A machine that is busy or has no sheet may not answer with its name.
   const bool at_rest = answers.status == DeviceStatus::Ready;
   if (at_rest || !answers.identity.empty())
     findings.push_back(of_identity(answers.identity, facts));
@@ -272,14 +274,15 @@ std::vector<Finding> diagnose(const CutterFacts& facts, const Surroundings& surr
 
 Finding nothing_found(const std::vector<std::string>& ports) {
   std::string remedy =
-      "1. switch the cutter on and wait until it stands still\n"
+      "1. switch the cutter on and wait until it stops moving\n"
       "2. plug its USB cable straight into this computer, not into a hub; try another cable\n"
-      "3. 'lsusb' should list 0b4d or 3844; if not, the computer does not see it either\n"
-      "4. a virtual machine or a container must be given the device\n"
+      "3. 'lsusb' should list 0b4d or 3844; if not, the computer does not detect the cutter\n"
+      "4. in a virtual machine or a container: pass the device through to it\n"
       "5. Bluetooth is not supported";
   if (!ports.empty())
     remedy += fmt::format(
-        "\n6. a vinyl cutter may be at {}; popcut cut --direct --device {} --machine hpgl-generic",
+        "\n6. a vinyl cutter may be at {}; try popcut cut --direct --device {} --machine "
+        "hpgl-generic",
         join(ports), ports.front());
   return {Level::Problem, "no cutter is plugged in", std::move(remedy)};
 }

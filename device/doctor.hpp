@@ -22,55 +22,56 @@ struct Finding {
   enum class Level : std::uint8_t {
     Fine,     ///< as it should be
     Note,     ///< worth knowing, stops nothing
-    Problem,  ///< nothing can be cut before this is mended
+    Problem,  ///< nothing can be cut until this is fixed
   };
   Level level{};
   std::string what;
-  std::string remedy;  ///< in words that can be followed; empty where nothing is to be done
+  std::string remedy;  ///< instructions to follow; empty if there is nothing to do
 };
 [[nodiscard]] std::string_view name_of(Finding::Level level);
 
-/// Who asks, and what the computer has been told about cutters.
+/// The user, and how this computer is set up for cutters.
 struct Surroundings {
-  std::string user;             ///< login name; "$USER" if it is not known
+  std::string user;             ///< login name; "$USER" if unknown
   bool rule_installed{false};   ///< popcut's udev rule
-  bool group_exists{false};     ///< popcut-usb
-  bool listed_in_group{false};  ///< of that group as the system has it
-  bool in_group{false};         ///< of that group in this login
+  bool group_exists{false};     ///< the group popcut-usb
+  bool listed_in_group{false};  ///< a member of it according to the system
+  bool in_group{false};         ///< a member of it in this login
 };
 [[nodiscard]] Surroundings look_around();
 
-/// What a machine said of itself, or why it could not be asked.
+/// A machine's replies.
 struct Answers {
-  std::optional<DeviceStatus> status;  ///< none: it takes no data just now
+  std::optional<DeviceStatus> status;  ///< none: it takes no data at the moment
   std::string identity;                ///< to FG; empty: no reply
 };
 
-/// All that is known of one cutter.
+/// Everything known about one cutter.
 struct CutterFacts {
   UsbDevice device;
   std::optional<Machine> machine;  ///< none: the model is not known
-  bool treated{false};             ///< `machine` is what the user said, not what the ids say
+  bool treated{false};             ///< `machine` is the user's choice, not that of the USB ids
   bool cutter_vendor{true};        ///< other cutters of this vendor are known
   UsbUse use;
   std::vector<std::string> holders;     ///< programs that have it or its printer port open
   std::optional<Result<Answers>> said;  ///< none: it was not asked
 };
 
-/// Looks at a USB device. It is only asked (its status, its name) where its model is known, its
-/// language has questions, and nobody else uses it; nothing it could cut is ever sent.
+/// Examines a USB device. Queries are sent to it (for its status and name) only if its model is
+/// known, its language has queries, and no other program uses it. Nothing that it could cut is ever
+/// sent.
 [[nodiscard]] CutterFacts examine(const UsbBus& bus, const UsbDevice& device,
                                   const std::vector<Machine>& machines,
                                   const std::optional<Machine>& treat_as);
 
-/// Asks a GPGL machine for status and name.
+/// Queries a GPGL machine for status and name.
 [[nodiscard]] Result<Answers> ask_machine(Transport& transport);
 
-/// What the facts mean. The first problem is the one to mend first.
+/// Findings from the facts. Fix the first problem first.
 [[nodiscard]] std::vector<Finding> diagnose(const CutterFacts& facts,
                                             const Surroundings& surroundings);
 
-/// What to say where no cutter was found at all.
+/// The finding if no cutter is connected at all.
 [[nodiscard]] Finding nothing_found(const std::vector<std::string>& ports);
 
 }  // namespace popcut

@@ -7,17 +7,18 @@
 
 namespace popcut {
 
-/// Reads the numbers of one command a character at a time: decimal numbers with sign and fraction,
-/// parted by commas, blanks or the next sign. No exponents: E is a command. The locale is ignored.
+/// Reads the numbers of one command character by character: decimal numbers with sign and fraction,
+/// separated by commas, blanks or the next sign. No exponents: E is a command. Ignores the locale.
 class Arguments {
  public:
   void clear();
-  /// Takes a digit, point, sign, comma or blank; false, and nothing taken, for other characters.
+  /// Takes a digit, point, sign, comma or blank. Returns false for any other character and ignores
+  /// it.
   bool take(char c);
   /// The last number ends here.
   void end();
   [[nodiscard]] const std::vector<double>& values() const { return values_; }
-  /// Something could not be read as a number within +-2^31, or one is missing between two commas.
+  /// True if something is not a number within +-2^31, or a number is missing between two commas.
   [[nodiscard]] bool bad() const { return bad_; }
 
  private:

@@ -11,11 +11,11 @@ namespace popcut {
 ///
 /// A delta is one number, `carriage' * W + feed'` with `W = 2 half` and both axes shifted by
 /// `half`, written in base 224, least digit first, 0x20 added to each digit: no byte collides with
-/// ETX or ESC. Observed on Cameo 3, firmware 1.60; BE3 follows the same rule, but was never seen on
-/// a wire by us.
+/// ETX or ESC. Observed on Cameo 3, firmware 1.60, except BE3, for which we have no capture; it is
+/// assumed to follow the same rule.
 struct DeltaForm {
   int number;         ///< the digit after BE
-  int digits;         ///< bytes a point
+  int digits;         ///< bytes per point
   std::int64_t half;  ///< deltas of -(half - 1) .. half - 1 units fit in each axis
 };
 
@@ -23,7 +23,7 @@ inline constexpr std::array<DeltaForm, 3> kDeltaForms{{{1, 2, 112}, {2, 3, 1676}
 inline constexpr std::int64_t kDeltaBase = 224;
 inline constexpr unsigned char kDeltaZero = 0x20;
 
-/// The shortest form that holds the delta; null if it is too long for any.
+/// The shortest form that holds the delta; null if no form does.
 [[nodiscard]] constexpr const DeltaForm* shortest_form(std::int64_t feed, std::int64_t carriage) {
   for (const DeltaForm& form : kDeltaForms) {
     if (feed > -form.half && feed < form.half && carriage > -form.half && carriage < form.half)
@@ -47,7 +47,7 @@ struct Delta {
   std::int64_t carriage{};
 };
 
-/// The delta that an index stands for.
+/// The delta that an index encodes.
 [[nodiscard]] constexpr Delta delta_of(const DeltaForm& form, std::int64_t index) {
   return {index % (2 * form.half) - form.half, index / (2 * form.half) - form.half};
 }

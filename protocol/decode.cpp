@@ -27,11 +27,11 @@ Result<Program> read_bounded(std::span<const std::byte> bytes) {
   if (bytes.size() > kMostBytes)
     return fail(
         ErrorKind::OutOfRange, "",
-        fmt::format("a program of {} bytes; at most {} are read", bytes.size(), kMostBytes));
+        fmt::format("the program has {} bytes; it must have at most {}", bytes.size(), kMostBytes));
   return read_all<Reader>(bytes);
 }
 
-/// Bytes of commands that were not understood, without what the end cut off.
+/// Bytes of Unknown commands, without one that the end cut off.
 std::uint64_t unknown_bytes(const Program& program) {
   std::uint64_t sum = 0;
   for (const Command& command : program.commands)

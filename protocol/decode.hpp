@@ -9,10 +9,10 @@
 
 namespace popcut {
 
-/// Reads a whole GPGL program. What is not understood is kept as Unknown; what the end cuts off is
-/// the last command, Unknown, and `truncated` is set. Bytes alone never make it fail.
+/// Reads a whole GPGL program. Bytes that are not understood are kept as Unknown. If the program
+/// ends within a command, that command is Unknown and `truncated` is set. No bytes are an error.
 ///
-/// @retval OutOfRange  more bytes than 2^28
+/// @retval OutOfRange  more than 2^28 bytes
 [[nodiscard]] Result<Program> decode_gpgl(std::span<const std::byte> bytes);
 
 /// Reads a whole HPGL program, as `decode_gpgl` does.
@@ -21,7 +21,7 @@ namespace popcut {
 /// Reads a program in either language.
 [[nodiscard]] Result<Program> decode(Dialect dialect, std::span<const std::byte> bytes);
 
-/// The language that explains more of the first bytes; GPGL if there is nothing to tell by.
+/// The language in which fewer of the first bytes are Unknown; GPGL if both read them equally well.
 [[nodiscard]] Dialect guess_dialect(std::span<const std::byte> bytes);
 
 }  // namespace popcut

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Part of protocol/encode.hpp.
 #include <algorithm>
 #include <cmath>
 
@@ -7,61 +8,43 @@
 #include "protocol/be_delta.hpp"
 #include "protocol/encode.hpp"
 #include "protocol/gpgl_variants.hpp"
-#include "protocol/stroke_steps.hpp"
+#include "protocol/stroke_encoder.hpp"
 
 namespace popcut {
 namespace {
 
-// Commands stay below 1024 bytes: drivers cut their writes there, and nothing longer was ever seen.
-constexpr std::size_t kMaxCommandBytes = 1023;
+/// Pen or blade for the holders 1, 2, ... up to the highest that is used.
+std::vector<ToolKind> holders_of(const Toolpath& toolpath, const JobOptions& options) {
+  std::uint8_t highest = 1;
+  for (const Stroke& stroke : toolpath.strokes) highest = std::max(highest, stroke.tool);
+  std::vector<bool> used(highest + 1U), cuts(highest + 1U);
+  for (const Stroke& stroke : toolpath.strokes) {
+    used[stroke.tool] = true;
+    if (stroke.operation != Operation::Draw) cuts[stroke.tool] = true;
+  }
+  std::vector<ToolKind> kinds = options.holders;
+  for (std::size_t tool = kinds.size() + 1; tool <= highest; ++tool)
+    kinds.push_back(used[tool] && !cuts[tool] ? ToolKind::Pen : ToolKind::Blade);
+  return kinds;
+}
 
-class GpglEncoder {
+bool draws_binary(const JobOptions& options, const GpglVariant& variant) {
+  return !options.fractions && (options.draw == DrawForm::Binary ||
+                                (options.draw == DrawForm::Usual && variant.binary_draw));
+}
+
+class GpglEncoder final : public StrokeEncoder {
  public:
   GpglEncoder(const Toolpath& toolpath, const Machine& machine, const Material& material,
               const JobOptions& options, const GpglVariant& variant, const PageMap& map)
-      : toolpath_(toolpath),
-        machine_(machine),
+      : StrokeEncoder(toolpath, machine, map, options.fractions ? 100 : 1,
+                      draws_binary(options, variant) ? 4 : 12),
         material_(material),
         options_(options),
         variant_(variant),
-        map_(map),
         kinds_(holders_of(toolpath, options)),
         known_(kinds_.size() + 1),
-        per_unit_(options.fractions ? 100 : 1) {
-    const DrawForm form = options.draw;
-    binary_ = !options.fractions &&
-              (form == DrawForm::Binary || (form == DrawForm::Usual && variant.binary_draw));
-  }
-
-  Result<EncodedProgram> run() {
-    program_.dialect = Dialect::Gpgl;
-    program_.strokes.reserve(toolpath_.strokes.size());
-    program_.bytes.reserve(toolpath_.points.size() * (binary_ ? 4 : 12) + 256);
-    if (Result<void> done = check_job(); !done) return tl::unexpected(done.error());
-    set_job_values();
-    StrokeSteps first;
-    if (!toolpath_.strokes.empty()) {
-      Result<StrokeSteps> steps = steps_of(toolpath_.strokes.front(), 0, machine_);
-      if (!steps) return tl::unexpected(steps.error());
-      first = *steps;
-    }
-    write_setup(first);
-    if (options_.marks) {
-      program_.search.begin = program_.bytes.size();
-      program_.bytes += mark_search(*options_.marks, machine_);
-      program_.search.end = program_.bytes.size();
-    }
-    program_.geometry.begin = program_.bytes.size();
-    for (std::size_t k = 0; k < toolpath_.strokes.size(); ++k) {
-      const std::uint64_t begin = program_.bytes.size();
-      if (Result<void> done = write_stroke(k); !done) return tl::unexpected(done.error());
-      program_.strokes.push_back({begin, program_.bytes.size()});
-    }
-    program_.geometry.end = program_.bytes.size();
-    write_settings(program_.bytes, variant_.trailer, values_);
-    program_.trailer = {program_.geometry.end, program_.bytes.size()};
-    return std::move(program_);
-  }
+        binary_(draws_binary(options, variant)) {}
 
  private:
   std::int64_t units(double mm) const { return std::llround(mm / machine_.unit_mm); }
@@ -73,14 +56,15 @@ class GpglEncoder {
     return options_.page_length_mm > 0 ? options_.page_length_mm : machine_.length_mm;
   }
 
-  Result<void> check_job() const {
+  [[nodiscard]] Result<void> check_job() const override {
     constexpr double kLongest = 1e6;
     for (const double mm :
          {page_width(), page_length(), options_.window_top_mm, options_.window_left_mm,
           machine_.margin_top_mm, machine_.margin_left_mm}) {
       if (!(std::abs(mm) < kLongest))
-        return fail(ErrorKind::OutOfRange, "",
-                    fmt::format("a page, window or margin of {} mm; it must be below 1 km", mm));
+        return fail(
+            ErrorKind::OutOfRange, "",
+            fmt::format("a page, window or margin of {} mm; it must be less than 1 km", mm));
     }
     if (machine_.autoblade && (material_.autoblade_depth < 0 || material_.autoblade_depth > 10))
       return fail(ErrorKind::OutOfRange, "/autoblade_depth",
@@ -88,7 +72,7 @@ class GpglEncoder {
                               material_.autoblade_depth, material_.name));
     if (!(material_.blade_offset_mm >= 0 && material_.blade_offset_mm < 100))
       return fail(ErrorKind::OutOfRange, "/blade_offset_mm",
-                  fmt::format("a blade offset of {} mm for {}; 0.9 is usual",
+                  fmt::format("a blade offset of {} mm for {}; it must be 0 to 100, usually 0.9",
                               material_.blade_offset_mm, material_.name));
     return {};
   }
@@ -131,7 +115,8 @@ class GpglEncoder {
     return write_settings(program_.bytes, pen ? variant_.pen : variant_.blade, values_);
   }
 
-  void write_setup(const StrokeSteps& first) {
+  void write_setup(const StrokeSteps& first) override {
+    set_job_values();
     set_stroke_values(first);
     std::vector<std::uint64_t> ends = write_settings(program_.bytes, variant_.start, values_);
     for (const std::uint64_t end : write_tool(first)) ends.push_back(end);
@@ -142,14 +127,19 @@ class GpglEncoder {
     }
   }
 
-  void write_changes(const StrokeSteps& steps) {
+  void write_search() override {
+    if (options_.marks) program_.bytes += mark_search(*options_.marks, machine_);
+  }
+
+  void write_changes(const StrokeSteps& steps) override {
     std::optional<StrokeSteps>& known = known_[static_cast<std::size_t>(steps.tool)];
     const bool same =
         steps.tool == tool_ && known && known->force == steps.force && known->speed == steps.speed;
     if (same) return;
     set_stroke_values(steps);
     if (steps.tool != tool_) write_settings(program_.bytes, variant_.select, values_);
-    // Settings without a holder's number hold for all holders: another holder needs its own again.
+    // Settings without a holder's number apply to all holders, so another holder needs its own
+    // again.
     const bool per_holder = variant_.force.find("{tool}") != std::string_view::npos;
     if (!known || (steps.tool != tool_ && !per_holder)) {
       write_tool(steps);
@@ -161,33 +151,24 @@ class GpglEncoder {
     tool_ = steps.tool;
   }
 
-  Result<void> write_stroke(std::size_t index) {
-    const Result<StrokeSteps> steps = steps_of(toolpath_.strokes[index], index, machine_);
-    if (!steps) return tl::unexpected(steps.error());
-    if (Result<void> done = put_on_grid(toolpath_, index, map_, per_unit_, line_); !done)
-      return done;
-    if (line_.size() < 2) {
-      program_.dots.push_back(static_cast<std::uint32_t>(index));
-      return {};
-    }
-    write_changes(*steps);
+  void write_line() override {
     write_point('M', line_.front());
     if (binary_)
       write_deltas();
     else
       for (std::size_t k = 1; k < line_.size(); ++k) write_point('D', line_[k]);
-    return {};
   }
+
+  void write_trailer() override { write_settings(program_.bytes, variant_.trailer, values_); }
 
   void write_point(char letter, GridPoint point) {
     program_.bytes += letter;
-    append_number(program_.bytes, point.a, per_unit_);
-    program_.bytes += ',';
-    append_number(program_.bytes, point.b, per_unit_);
+    append_point(point);
     program_.bytes += kEtx;
   }
 
-  /// Runs of deltas that need the same form go in one command; a delta too long for any goes as D.
+  /// Consecutive deltas of the same form share a command. A delta too long for any form is sent as
+  /// D.
   void write_deltas() {
     std::string& bytes = program_.bytes;
     const DeltaForm* open = nullptr;
@@ -218,20 +199,14 @@ class GpglEncoder {
     close();
   }
 
-  const Toolpath& toolpath_;
-  const Machine& machine_;
   const Material& material_;
   const JobOptions& options_;
   const GpglVariant& variant_;
-  const PageMap map_;
-  const std::vector<ToolKind> kinds_;              ///< of holder 1, 2, ...
-  std::vector<std::optional<StrokeSteps>> known_;  ///< last settings sent, by holder
+  const std::vector<ToolKind> kinds_;              ///< in holder 1, 2, ...
+  std::vector<std::optional<StrokeSteps>> known_;  ///< settings last sent, by holder
   int tool_{};
-  int per_unit_{1};
-  bool binary_{};
+  bool binary_;
   SettingValues values_;
-  EncodedProgram program_;
-  std::vector<GridPoint> line_;
 };
 
 }  // namespace
@@ -261,12 +236,13 @@ Result<EncodedProgram> encode_gpgl(const Toolpath& toolpath, const Machine& mach
     std::string names;
     for (const GpglVariant& known : gpgl_variants())
       names += fmt::format("{}{}", names.empty() ? "" : ", ", known.name);
-    return fail(ErrorKind::OutOfRange, "/variant",
-                fmt::format("\"{}\" is no variant of GPGL; {} are known", machine.variant, names));
+    return fail(
+        ErrorKind::OutOfRange, "/variant",
+        fmt::format("\"{}\" is not a variant of GPGL; known variants: {}", machine.variant, names));
   }
   if (options.fractions && options.draw == DrawForm::Binary)
     return fail(ErrorKind::OutOfRange, "",
-                "fractions cannot be drawn with BE, which takes whole units; draw with D");
+                "fractions cannot be drawn with BE, which takes whole units; use D");
   Result<PageMap> map = page_map(machine, options.page_length_mm);
   if (!map) return tl::unexpected(map.error());
   if (options.marks) {

@@ -4,60 +4,44 @@
 #include <algorithm>
 #include <array>
 
-#include "protocol/stroke_steps.hpp"
+#include "protocol/program.hpp"
+#include "protocol/stroke_encoder.hpp"
 
 namespace popcut {
 namespace {
 
-// classic: observed, Portrait and Cameo 1 class with Silhouette Studio.
-// cameo3:  observed, Cameo 3 firmware 1.60 with Silhouette Studio.
-// cameo4:  as published by the users of Cameo 4 and Portrait 3; no capture of our own. Where track
-//          enhancing goes is not known for it; it stands where the Cameo 3 has it.
-// generic: what all of them share, for a plotter without habits.
+constexpr std::string_view kStartWithMat =
+    R"(TG{mat} FN0 TB50,0 \{top},{left} Z{bottom},{right} J{holder})";
+
 constexpr std::array<GpglVariant, 4> kVariants{{
-    {.name = "generic",
-     .start = R"(FN0 TB50,0 \{top},{left} Z{bottom},{right} J{holder})",
-     .blade = "FX{force} !{speed}",
-     .pen = "FX{force} !{speed}",
-     .select = "J{holder}",
-     .force = "FX{force}",
-     .speed = "!{speed}",
-     .trailer = R"(L0 \0,0 M0,0 J{park} FN0 TB50,0)",
-     .binary_draw = false,
-     .corner_tenths = 0},
+    {.name = "generic"},  // for a plotter without habits of its own
+    // Observed: Portrait and Cameo 1 class with Silhouette Studio.
     {.name = "classic",
-     .start = R"(FN0 TB50,0 \{top},{left} Z{bottom},{right} J{holder})",
      .blade = "FX{force} !{speed} FC{offset} FY{track} FE{lift},0 FF{extend_start},{extend_end},0",
      .pen = "FX{force} !{speed} FC0 FE0,0 FF0,0,0",
-     .select = "J{holder}",
-     .force = "FX{force}",
-     .speed = "!{speed}",
-     .trailer = R"(FX5 !10 FC18 FE0,0 FF0,0,0 L0 \0,0 M0,0 J{park} FN0 TB50,0)",
-     .binary_draw = false,
-     .corner_tenths = 0},
+     .trailer = R"(FX5 !10 FC18 FE0,0 FF0,0,0 L0 \0,0 M0,0 J{park} FN0 TB50,0)"},
+    // Observed: Cameo 3 firmware 1.60 with Silhouette Studio.
     {.name = "cameo3",
-     .start = R"(TG{mat} FN0 TB50,0 \{top},{left} Z{bottom},{right} J{holder})",
+     .start = kStartWithMat,
      .blade = "!{speed},{tool} FX{force},{tool} FE{lift},{tool} / FF{extend_start},0,{tool} "
               "FF{extend_start},{extend_end},{tool} FC{zero_offset},1,{tool} FY{track} "
               "FC{offset},1,{tool} TF{depth},{tool}",
      .pen = "!{speed},{tool} FX{force},{tool} FC0,1,{tool} / FE0,{tool} FF0,0,{tool}",
-     .select = "J{holder}",
      .force = "FX{force},{tool}",
      .speed = "!{speed},{tool}",
-     .trailer = R"(L0 \0,0 M0,0 J{park} FN0 TB50,0)",
      .binary_draw = true,
      .corner_tenths = 1},
+    // As published by users of the Cameo 4 and Portrait 3; we have no capture. The place of track
+    // enhancing is not known for it, so it is the Cameo 3's.
     {.name = "cameo4",
-     .start = R"(TG{mat} FN0 TB50,0 \{top},{left} Z{bottom},{right} J{holder})",
+     .start = kStartWithMat,
      .blade = "FX{force},{tool} TJ0 !{speed},{tool} FC{zero_offset},1,{tool} FE{lift},{tool} / "
               "FF{extend_start},0,{tool} FF{extend_start},{extend_end},{tool} FX{force},{tool} TJ3 "
               "FY{track} FC{offset},1,{tool} TF{depth},{tool}",
      .pen = "FX{force},{tool} TJ0 !{speed},{tool} FC0,1,{tool} / FE0,{tool} FF0,0,{tool} "
             "FX{force},{tool} TJ3",
-     .select = "J{holder}",
      .force = "FX{force},{tool}",
      .speed = "!{speed},{tool}",
-     .trailer = R"(L0 \0,0 M0,0 J{park} FN0 TB50,0)",
      .binary_draw = true,
      .corner_tenths = 1},
 }};

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <initializer_list>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,28 +11,26 @@
 
 namespace popcut {
 
-inline constexpr char kEtx = '\x03';
-inline constexpr char kEsc = '\x1b';
-
 /// A variant of GPGL as data: what is sent, and in which order. A line holds commands separated by
-/// blanks; " / " parts blocks. `{name}` stands for a value; a command whose value the machine or
-/// the job does not have is left out.
+/// blanks; " / " separates blocks. `{name}` stands for a value; a command is left out if the
+/// machine or the job does not have its value. The defaults are what all variants share.
 struct GpglVariant {
   std::string_view name;
-  std::string_view start;   ///< mat, orientation, window, first tool
-  std::string_view blade;   ///< all settings of a holder with a blade
-  std::string_view pen;     ///< all settings of a holder with a pen
-  std::string_view select;  ///< another holder, between strokes
-  std::string_view force;   ///< another force, between strokes
-  std::string_view speed;   ///< another speed, between strokes
-  std::string_view trailer;
-  bool binary_draw;   ///< draws with BE
-  int corner_tenths;  ///< corner extension of its own software, 0.1 mm
+  /// Orientation, window, first tool; before them the mat, where there is one.
+  std::string_view start{R"(FN0 TB50,0 \{top},{left} Z{bottom},{right} J{holder})"};
+  std::string_view blade{"FX{force} !{speed}"};  ///< all settings of a holder with a blade
+  std::string_view pen{"FX{force} !{speed}"};    ///< all settings of a holder with a pen
+  std::string_view select{"J{holder}"};          ///< another holder, between strokes
+  std::string_view force{"FX{force}"};           ///< another force, between strokes
+  std::string_view speed{"!{speed}"};            ///< another speed, between strokes
+  std::string_view trailer{R"(L0 \0,0 M0,0 J{park} FN0 TB50,0)"};
+  bool binary_draw{false};  ///< draws with BE
+  int corner_tenths{0};     ///< corner extension of its own software, 0.1 mm
 };
 
-/// All variants, in the order in which they came up.
+/// All variants, oldest first.
 [[nodiscard]] std::span<const GpglVariant> gpgl_variants();
-/// Null if there is none of that name.
+/// Null if there is no variant of that name.
 [[nodiscard]] const GpglVariant* find_gpgl_variant(std::string_view name);
 
 /// The values that `{name}` stands for.
@@ -48,7 +45,7 @@ class SettingValues {
 
 /// Writes a variant's line into `bytes`, each command with its ETX.
 ///
-/// @return the ends of its blocks in `bytes`, without empty blocks
+/// @return the end of each block in `bytes`; empty blocks are left out
 std::vector<std::uint64_t> write_settings(std::string& bytes, std::string_view line,
                                           const SettingValues& values);
 

@@ -64,7 +64,8 @@ class Follower {
     }
   }
 
-  /// A value for one holder, or for all where none is named. It ends the stroke only if it changes.
+  /// Sets a value for one holder, or for all if none is named. A value that differs ends the
+  /// stroke.
   void set(std::array<double, kHolders>& values, const Command& command) {
     const double value = arg(command, 0);
     const double holder = arg(command, 1);
@@ -109,70 +110,11 @@ class Follower {
   bool open_{};  // the last stroke goes on
 };
 
-std::string_view label(Verb verb) {
-  switch (verb) {
-    case Verb::Initialise:
-      return "initialise";
-    case Verb::Query:
-      return "query";
-    case Verb::Move:
-      return "move";
-    case Verb::Draw:
-      return "draw";
-    case Verb::Speed:
-      return "speed";
-    case Verb::Force:
-      return "force";
-    case Verb::BladeOffset:
-      return "blade offset";
-    case Verb::CornerLift:
-      return "corner lift";
-    case Verb::CornerExtend:
-      return "corner extend";
-    case Verb::SelectTool:
-      return "tool";
-    case Verb::Mat:
-      return "mat";
-    case Verb::Orientation:
-      return "orientation";
-    case Verb::WindowNear:
-      return "window near";
-    case Verb::WindowFar:
-      return "window far";
-    case Verb::Autoblade:
-      return "autoblade";
-    case Verb::TrackEnhance:
-      return "track enhance";
-    case Verb::LineType:
-      return "line type";
-    case Verb::Home:
-      return "home";
-    case Verb::SetOrigin:
-      return "set origin";
-    case Verb::Absolute:
-      return "absolute";
-    case Verb::Empty:
-      return "empty";
-    case Verb::Other:
-      return "setting";
-    case Verb::Unknown:
-      return "unknown";
-  }
-  return "";
-}
-
-/// The text with all that does not print as \xNN.
-std::string printable(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    if (c >= ' ' && c <= '~' && c != '\\')
-      out += c;
-    else if (c == '\\')
-      out += "\\\\";
-    else
-      fmt::format_to(std::back_inserter(out), "\\x{:02x}", static_cast<unsigned char>(c));
-  }
-  return out;
+/// Printable text with each backslash doubled, so that \xNN is unambiguous.
+std::string escaped(std::string_view text) {
+  std::string doubled;
+  for (const char c : text) doubled.append(c == '\\' ? 2 : 1, c);
+  return printable(doubled);
 }
 
 }  // namespace
@@ -202,10 +144,10 @@ std::string listing(const Program& program, std::size_t most_points) {
   std::string out;
   const auto to = std::back_inserter(out);
   for (const Command& command : program.commands) {
-    fmt::format_to(to, "{:>8}  {:<13}", command.begin, label(command.verb));
+    fmt::format_to(to, "{:>8}  {:<13}", command.begin, name_of(command.verb));
     const bool drawn = command.verb == Verb::Move || command.verb == Verb::Draw;
     if (!drawn && command.verb != Verb::Empty)
-      fmt::format_to(to, " {}", printable(program.texts[command.text]));
+      fmt::format_to(to, " {}", escaped(program.texts[command.text]));
     const std::size_t shown = std::min<std::size_t>(command.count, most_points);
     for (std::size_t k = 0; k < shown; ++k) {
       if (drawn) {

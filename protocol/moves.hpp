@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "core/drawing/toolpath.hpp"
 #include "core/machines/machine.hpp"
 #include "core/result.hpp"
-#include "core/drawing/toolpath.hpp"
 #include "protocol/page_map.hpp"
 #include "protocol/program.hpp"
 
 namespace popcut {
 
-/// One line with the tool down, with the settings that hold for it: points `first .. first +
-/// count`, its start included. A count of 1 is a dot.
+/// One line with the tool down and the settings it is drawn with: points `first .. first + count`,
+/// including its start. A count of 1 is a dot.
 struct PenStroke {
   std::uint32_t first{};
   std::uint32_t count{};
@@ -25,28 +25,28 @@ struct PenStroke {
   std::uint64_t end{};
 };
 
-/// What a program does to the sheet, without how it says so. Flat.
+/// What a program does to the sheet, independent of its language.
 struct PenMoves {
   std::vector<MachinePoint> points;
   std::vector<PenStroke> strokes;
 };
 
-/// The strokes of a program in machine units. Points equal to the one before are left out. A stroke
-/// ends at a Move, and where tool, force or speed change; it begins where the machine stands, at
-/// first (0, 0). SetOrigin shifts what follows.
+/// The strokes of a program in machine units, without repeated points. A stroke ends at a Move and
+/// where tool, force or speed change. It begins at the machine's current position, initially (0,
+/// 0). SetOrigin shifts all points after it.
 [[nodiscard]] PenMoves moves(const Program& program);
 
 /// The strokes of a program on the page in mm, with force and speed in physical units by the
-/// machine's scales. A program does not tell folds from cuts: all are `Operation::Cut`.
+/// machine's scales. A program does not distinguish folds from cuts: all are `Operation::Cut`.
 ///
 /// @param page_length_mm  for machines with y up, as `page_map` takes it
 /// @retval OutOfRange     as `page_map`
 [[nodiscard]] Result<Toolpath> to_toolpath(const Program& program, const Machine& machine,
                                            double page_length_mm = 0);
 
-/// The program as text to look at: a line a command, with its position in bytes.
+/// The program as readable text: one line per command, with its position in bytes.
 ///
-/// @param most_points  points and numbers shown of one command; the rest is counted
+/// @param most_points  points or numbers shown per command; the rest is counted
 [[nodiscard]] std::string listing(const Program& program, std::size_t most_points = 8);
 
 }  // namespace popcut

@@ -12,7 +12,7 @@ Result<Dialect> dialect_of(const Machine& machine) {
   if (machine.language == "hpgl") return Dialect::Hpgl;
   return fail(
       ErrorKind::OutOfRange, "/language",
-      fmt::format("\"{}\" is no language of a cutter; gpgl and hpgl are known", machine.language));
+      fmt::format("\"{}\" is not a language of cutters; use gpgl or hpgl", machine.language));
 }
 
 Result<PageMap> page_map(const Machine& machine, double page_length_mm) {

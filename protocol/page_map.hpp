@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/machines/machine.hpp"
 #include "core/drawing/toolpath.hpp"
+#include "core/machines/machine.hpp"
 #include "protocol/program.hpp"
 
 namespace popcut {
 
-/// How a page in mm lies in a machine's own units. GPGL has (feed, carriage), HPGL (x, y) with x
-/// along the carriage. Margins are where the page's corner lies in the machine's axes.
+/// Converts between the page in mm and a machine's units. GPGL uses (feed, carriage), HPGL (x, y)
+/// with x along the carriage. The margins are the position of the page's corner on the machine.
 struct PageMap {
   Dialect dialect{};
   double unit_mm{0.05};
@@ -17,7 +17,8 @@ struct PageMap {
   bool y_up{false};
   double page_length_mm{};  ///< only for y_up: the page's y = length is the machine's y = 0
 
-  /// Not rounded: a machine takes whole units, or hundredths where fractions are asked for.
+  /// Not rounded; the encoder rounds to whole units, or to hundredths if the job asks for
+  /// fractions.
   [[nodiscard]] constexpr MachinePoint to_machine(PagePoint page) const {
     const double y = y_up ? page_length_mm - page.y : page.y;
     const double feed = (y + margin_top_mm) / unit_mm;
@@ -35,9 +36,10 @@ struct PageMap {
 
 /// The map of a page on `machine`.
 ///
-/// @param page_length_mm  length of the page along the feed; used only if the machine has y up
-/// @retval OutOfRange     the machine's unit is not positive, its language is unknown, or it has y
-///                        up and no page length is given
+/// @param page_length_mm  length of the page along the feed; used only if the machine counts y
+/// upward
+/// @retval OutOfRange     the machine's unit is not positive, its language is unknown, or it counts
+///                        y upward and no page length is given
 [[nodiscard]] Result<PageMap> page_map(const Machine& machine, double page_length_mm = 0);
 
 /// The dialect that a machine speaks.

@@ -4,18 +4,21 @@
 #include <compare>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace popcut {
 
-/// Longest command that is read, in bytes: a path of some 400 000 points. What is longer is
-/// Unknown.
+inline constexpr char kEtx = '\x03';
+inline constexpr char kEsc = '\x1b';
+
+/// Longest command that is read, in bytes: a path of about 400 000 points. A longer one is Unknown.
 inline constexpr std::uint64_t kLongestCommand = std::uint64_t{1} << 22;
 
 /// The language a program is written in.
 enum class Dialect : std::uint8_t { Gpgl, Hpgl };
 
-/// What one command of a cutter's program asks for, whatever its spelling.
+/// What one command of a program asks the cutter to do, in either language.
 enum class Verb : std::uint8_t {
   Initialise,    ///< reset (ESC EOT, IN)
   Query,         ///< asks for a reply (ENQ, FG, TB71, FA, TC, U, [, OI ...); `text` is the mnemonic
@@ -37,15 +40,23 @@ enum class Verb : std::uint8_t {
   Home,          ///< H
   SetOrigin,     ///< SO
   Absolute,      ///< PA without points
-  Empty,         ///< a lone terminator: lawful and harmless
-  Other,         ///< understood to be a setting, kept as it stands (FW, FM, TJ, ...)
-  Unknown,       ///< not understood: kept and shown, never dropped
+  Empty,         ///< a lone terminator: valid, does nothing
+  Other,         ///< a known setting, kept as sent (FW, FM, TJ, ...)
+  Unknown,       ///< not understood: kept and reported, never dropped
 };
 
-/// A point in machine units as the wire has it, before any page mapping. GPGL sends the feed axis
-/// first; HPGL the same two numbers as (x, y). Fractions are lawful.
+/// A verb in words: "move", "blade offset", ...; "setting" for Other.
+[[nodiscard]] std::string_view name_of(Verb verb);
+
+/// `text` in printable ASCII: every other byte is written as \\xNN. Of a text longer than `most`
+/// bytes only the beginning is kept.
+[[nodiscard]] std::string printable(std::string_view text,
+                                    std::size_t most = std::string_view::npos);
+
+/// A point in machine units as sent, before any page mapping. GPGL sends the feed axis first, HPGL
+/// sends (x, y). Fractions are valid.
 struct MachinePoint {
-  double a{};  ///< first coordinate on the wire: feed in GPGL, x in HPGL
+  double a{};  ///< first coordinate sent: feed in GPGL, x in HPGL
   double b{};  ///< second coordinate: carriage in GPGL, y in HPGL
   friend constexpr auto operator<=>(const MachinePoint&, const MachinePoint&) = default;
 };
@@ -62,8 +73,8 @@ struct Command {
                          ///< all bytes of an Unknown; not set for Move, Draw and Empty
 };
 
-/// A program as a list of commands in order, flat. Points are absolute (relative and binary forms
-/// are resolved by the decoder).
+/// A program as a flat list of commands in order. Points are absolute: the decoder resolves
+/// relative and binary forms.
 struct Program {
   Dialect dialect{};
   double unit_mm{0.05};  ///< size of one machine unit
@@ -71,7 +82,7 @@ struct Program {
   std::vector<MachinePoint> points;
   std::vector<double> args;
   std::vector<std::string> texts;
-  bool truncated{false};  ///< the last command is an Unknown that the end of the input cut off
+  bool truncated{false};  ///< the input ended within the last command, which is an Unknown
 };
 
 }  // namespace popcut

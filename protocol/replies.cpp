@@ -8,7 +8,7 @@
 
 #include "core/text/blanks.hpp"
 #include "protocol/arguments.hpp"
-#include "protocol/gpgl_variants.hpp"
+#include "protocol/program.hpp"
 
 namespace popcut {
 namespace {
@@ -20,29 +20,29 @@ std::string_view without_end(std::string_view reply) {
 
 constexpr std::size_t kLongestReply = 64;
 
-/// The reply for an error message, cut short and without control characters.
-std::string shown(std::string_view reply) {
+/// An error that quotes the reply, cut short and without control characters.
+tl::unexpected<Error> not_a_reply(std::string_view reply, std::string_view expected) {
   std::string text(reply.substr(0, kLongestReply));
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text;
+  return fail(ErrorKind::Malformed, "",
+              fmt::format("the device replied \"{}\"; {}", text, expected));
 }
 
 Result<std::vector<double>> parse_numbers(std::string_view reply, std::size_t wanted,
                                           std::size_t most) {
   Arguments arguments;
-  bool lawful = reply.size() <= kLongestReply;
-  if (lawful)
-    for (const char c : without_end(reply)) lawful = lawful && arguments.take(c);
+  bool valid = reply.size() <= kLongestReply;
+  if (valid)
+    for (const char c : without_end(reply)) valid = valid && arguments.take(c);
   arguments.end();
-  if (lawful && !arguments.bad() && arguments.values().size() >= wanted &&
+  if (valid && !arguments.bad() && arguments.values().size() >= wanted &&
       arguments.values().size() <= most)
     return arguments.values();
-  return fail(ErrorKind::Malformed, "",
-              fmt::format("the device replied \"{}\"; {} expected", shown(reply),
-                          wanted == most
-                              ? fmt::format("{} number{}", wanted, wanted == 1 ? " was" : "s were")
-                              : fmt::format("{} to {} numbers were", wanted, most)));
+  return not_a_reply(
+      reply, wanted == most
+                 ? fmt::format("{} number{} expected", wanted, wanted == 1 ? " was" : "s were")
+                 : fmt::format("{} to {} numbers were expected", wanted, most));
 }
 
 }  // namespace
@@ -89,10 +89,7 @@ Result<Identity> parse_identity(std::string_view reply) {
   const bool prints =
       std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
   if (text.empty() || text.size() > kLongestReply || !prints)
-    return fail(ErrorKind::Malformed, "",
-                fmt::format("the device replied \"{}\" to FG; a model and its firmware were "
-                            "expected",
-                            shown(reply)));
+    return not_a_reply(reply, "a model and its firmware were expected as the answer to FG");
   const std::size_t blank = text.rfind(' ');
   const bool versioned = blank != std::string_view::npos && text.size() > blank + 2 &&
                          text[blank + 1] == 'V' && text[blank + 2] >= '0' && text[blank + 2] <= '9';
@@ -125,9 +122,7 @@ Result<std::vector<int>> parse_tools(std::string_view reply) {
   std::vector<int> codes;
   for (const double value : *values) {
     if (!(value >= 0 && value <= 255) || value != static_cast<int>(value))
-      return fail(ErrorKind::Malformed, "",
-                  fmt::format("the device replied \"{}\"; tool codes of 0 to 255 were expected",
-                              shown(reply)));
+      return not_a_reply(reply, "tool codes of 0 to 255 were expected");
     codes.push_back(static_cast<int>(value));
   }
   return codes;

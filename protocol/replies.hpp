@@ -10,24 +10,13 @@
 
 namespace popcut {
 
-/// Queries of GPGL with their bytes. Each has one reply that ends with ETX and does not say which
-/// query it answers: only one may be under way.
+/// The bytes of the GPGL queries that popcut sends. Each has one reply that ends with ETX and does
+/// not say which query it answers, so send one query at a time.
 inline constexpr std::string_view kStatusQuery{"\x1b\x05"};
 inline constexpr std::string_view kIdentityQuery{"FG\x03"};
-inline constexpr std::string_view kWindowNearQuery{"[\x03"};
-inline constexpr std::string_view kWindowFarQuery{"U\x03"};
-inline constexpr std::string_view kCalibrationQuery{"FA\x03"};
-inline constexpr std::string_view kMarkSensorQuery{"TB71\x03"};
-inline constexpr std::string_view kToolsQuery{"\x1b\x15"};  ///< Cameo 4 and later
-inline constexpr std::string_view kScaleQuery{"TC\x03"};    ///< Cameo 3; meaning unknown
-inline constexpr std::string_view kSpeedQuery{"FQ0\x03"};   ///< speed in steps, it seems
-inline constexpr std::string_view kOffsetQuery{"FQ2\x03"};  ///< blade offset, it seems
-inline constexpr std::string_view kMarkResultQuery{"FQ5\x03"};
-inline constexpr std::string_view kPositionQuery{"G\x03"};
-inline constexpr std::string_view kReset{"\x1b\x04"};  ///< no reply
 
-/// What a GPGL machine says of itself when asked for its status. What is not one of the known
-/// replies is Unknown and must never be taken for Ready.
+/// What a GPGL machine replies when asked for its status. Any other reply is Unknown and must never
+/// count as Ready.
 enum class DeviceStatus : std::uint8_t { Ready, Moving, NoMedia, Paused, Cancelled, Unknown };
 
 /// A status reply, with or without its ETX.
@@ -44,7 +33,7 @@ struct Identity {
 /// @retval Malformed  empty, blank, longer than 64 characters, or not printable
 [[nodiscard]] Result<Identity> parse_identity(std::string_view reply);
 
-/// Two numbers as `[`, `U`, FA, TB71 and TC reply them, blank padded.
+/// Two numbers, padded with blanks: the reply to `[`, `U`, FA, TB71 and TC.
 struct NumberPair {
   double first{};
   double second{};
@@ -52,22 +41,22 @@ struct NumberPair {
 
 /// @retval Malformed  not two numbers
 [[nodiscard]] Result<NumberPair> parse_pair(std::string_view reply);
-/// One number as FQ0 replies it, blank padded.
+/// One number, padded with blanks: the reply to FQ0.
 ///
 /// @retval Malformed  not one number
 [[nodiscard]] Result<double> parse_number(std::string_view reply);
 
-/// The reply to G: where the tool stands, in units of the feed and the carriage.
+/// The reply to G: where the tool is, in units of the feed and the carriage.
 ///
 /// @retval Malformed  not three numbers
 [[nodiscard]] Result<NumberPair> parse_position(std::string_view reply);
 
-/// The reply to ESC NAK, a code a holder: 0 empty, 1 ratchet blade, 2 autoblade, 3 deep cut, 4
+/// The reply to ESC NAK, one code per holder: 0 empty, 1 ratchet blade, 2 autoblade, 3 deep cut, 4
 /// kraft blade, 5 rotary blade, 7 pen, 255 error.
 ///
 /// @retval Malformed  not one to eight whole numbers of 0 to 255
 [[nodiscard]] Result<std::vector<int>> parse_tools(std::string_view reply);
-/// "empty", "ratchet blade", ...; "unknown tool" for codes that nobody has explained.
+/// "empty", "ratchet blade", ...; "unknown tool" for codes without a known meaning.
 [[nodiscard]] std::string_view tool_name(int code);
 
 }  // namespace popcut

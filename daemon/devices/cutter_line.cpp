@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 
 #include "daemon/files/fault_file.hpp"
-#include "device/port/serial_transport.hpp"
+#include "device/port/port_transport.hpp"
 #include "device/sim/trace.hpp"
 
 namespace popcut::daemon {

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "core/plan/knife/blade.hpp"
 #include "core/drawing/clean.hpp"
 #include "core/geometry/segment_grid.hpp"
+#include "core/plan/knife/blade.hpp"
 #include "device/compare/fold_chains.hpp"
 #include "device/compare/fold_check.hpp"
 #include "device/compare/run_along.hpp"
@@ -19,7 +19,7 @@ namespace popcut {
 namespace {
 
 constexpr double kFloatNoiseMm = 1e-5;  // a sheet's file has 1e-6 mm
-constexpr double kTipMm = 0.05;  // what rounding and chords do to the tip of a trailing blade
+constexpr double kTipMm = 0.05;         // error of a trailing tip by rounding and chords
 constexpr std::size_t kShown = 20;
 
 /// A straight part of an expected line.
@@ -28,7 +28,7 @@ struct Wanted {
   double length{};
   double offset{};  ///< of its start along its line; of a fold, along its whole straight run
   std::uint32_t line{};
-  bool fold{};  ///< to be dashed
+  bool fold{};  ///< should be dashed
 };
 
 /// A straight part of a stroke.
@@ -38,7 +38,7 @@ struct Drawn {
   std::uint32_t stroke{};
 };
 
-/// Stretch `on` of a wanted segment that a drawn segment runs along.
+/// The stretch of a wanted segment that a drawn segment covers.
 struct Cover {
   std::uint32_t wanted{};
   Stretch on;
@@ -55,11 +55,11 @@ class Check {
 
   Comparison run() {
     list_wanted(drawing_, wanted_, true);
-    list_wanted(expected_.also_lawful, lawful_, false);
+    list_wanted(expected_.also_allowed, allowed_, false);
     find_fold_runs();
     list_drawn();
     compare_strokes();
-    cover_by_lawful();
+    cover_by_allowed();
     std::sort(covers_.begin(), covers_.end(), [](const Cover& a, const Cover& b) {
       return a.wanted != b.wanted ? a.wanted < b.wanted : a.on.from < b.on.from;
     });
@@ -95,7 +95,7 @@ class Check {
     return expected_.blade_offset_mm > 0 && expected_.blade_tools != 0;
   }
 
-  /// The stroke as its tip draws it.
+  /// The stroke's path of the tip.
   std::span<const PagePoint> drawn_points(const TraceStroke& stroke, Blade& blade) {
     const auto points = trace_.points_of(stroke);
     if (!by_tip() || (expected_.blade_tools >> stroke.tool & 1) == 0) return points;
@@ -116,7 +116,7 @@ class Check {
       }
       result_.drawn_mm += drawn;
       if (drawn == 0 && !points.empty())
-        fail_with(fmt::format("stroke {} is a mere dot at ({:.3f}, {:.3f}) mm", i, points.front().x,
+        fail_with(fmt::format("stroke {} is only a dot at ({:.3f}, {:.3f}) mm", i, points.front().x,
                               points.front().y));
     }
   }
@@ -128,22 +128,22 @@ class Check {
     return out;
   }
 
-  /// Where lines pile up each is near all others. False once that has cost too much.
+  /// Many lines on each other are all near each other. False once that has cost too much.
   [[nodiscard]] bool affordable(std::size_t near) {
     if (near <= budget_) {
       budget_ -= near;
       return true;
     }
-    if (!given_up_) fail_with("too many lines lie on each other to be compared");
+    if (!given_up_) fail_with("too many lines lie on each other to compare them");
     given_up_ = true;
     budget_ = 0;
     return false;
   }
   void find_fold_runs();
   void compare_strokes();
-  void cover_by_lawful();
+  void cover_by_allowed();
   void check_vertices(const Drawn& drawn, const std::vector<Stretch>& on_fold,
-                      const std::vector<Stretch>& on_lawful, const VertexGrid& vertices);
+                      const std::vector<Stretch>& on_allowed, const VertexGrid& vertices);
   void compare_lines();
   void compare_cut(std::uint32_t index, std::span<const Cover> covers, SegmentGrid& grid);
   void compare_fold(std::span<const std::uint32_t> run, SegmentGrid& grid);
@@ -159,11 +159,11 @@ class Check {
   const LineWork& drawing_;
   double reach_;  ///< along each axis
   double slack_;  ///< in any direction
-  std::vector<Wanted> wanted_, lawful_;
+  std::vector<Wanted> wanted_, allowed_;
   std::vector<Drawn> drawn_;
   std::vector<PagePoint> tip_;
   std::vector<Cover> covers_;
-  std::vector<Cover> lawful_covers_;  ///< of wanted segments by what is also lawful
+  std::vector<Cover> allowed_covers_;                  ///< of wanted segments, by `also_allowed`
   std::vector<std::vector<std::uint32_t>> fold_runs_;  ///< into `wanted_`, in order along the fold
   std::vector<std::uint32_t> near_;
   std::size_t budget_{200'000'000};
@@ -177,7 +177,7 @@ bool inside_any(const std::vector<Stretch>& stretches, double s, double slack) {
   });
 }
 
-/// Folds are often drawn in parts, and dashed as a whole.
+/// A fold is often drawn in parts but dashed as a whole.
 void Check::find_fold_runs() {
   std::vector<FoldPart> parts;
   std::vector<std::uint32_t> index;
@@ -204,14 +204,14 @@ void Check::find_fold_runs() {
 /// Each stroke must run along expected lines, with its vertices where theirs are.
 void Check::compare_strokes() {
   SegmentGrid grid(segments(wanted_), slack_);
-  SegmentGrid lawful_grid(segments(lawful_), slack_);
+  SegmentGrid allowed_grid(segments(allowed_), slack_);
   std::vector<PagePoint> places = drawing_.points;
-  places.insert(places.end(), expected_.also_lawful.points.begin(),
-                expected_.also_lawful.points.end());
+  places.insert(places.end(), expected_.also_allowed.points.begin(),
+                expected_.also_allowed.points.end());
   const VertexGrid vertices(std::move(places), reach_);
-  std::vector<Stretch> on, on_fold, on_lawful;
+  std::vector<Stretch> on, on_fold, on_allowed;
   for (const Drawn& drawn : drawn_) {
-    on.clear(), on_fold.clear(), on_lawful.clear();
+    on.clear(), on_fold.clear(), on_allowed.clear();
     grid.near(drawn.segment, near_);
     if (!affordable(near_.size())) return;
     for (const std::uint32_t index : near_) {
@@ -222,14 +222,14 @@ void Check::compare_strokes() {
       on.push_back(common->b);
       if (wanted.fold) on_fold.push_back(common->b);
     }
-    lawful_grid.near(drawn.segment, near_);
+    allowed_grid.near(drawn.segment, near_);
     if (!affordable(near_.size())) return;
     for (const std::uint32_t index : near_) {
-      const Wanted& wanted = lawful_[index];
+      const Wanted& wanted = allowed_[index];
       const auto common = run_along(wanted.segment, drawn.segment, reach_);
       if (!common) continue;
       on.push_back(common->b);
-      on_lawful.push_back(common->b);
+      on_allowed.push_back(common->b);
     }
     std::sort(on.begin(), on.end(), [](Stretch a, Stretch b) { return a.from < b.from; });
     double reached = 0;
@@ -239,40 +239,40 @@ void Check::compare_strokes() {
     }
     if (reached < drawn.length - 2 * slack_) {
       const PagePoint at = along(drawn.segment.a, drawn.segment.b, reached / drawn.length);
-      fail_with(fmt::format("stroke {} draws at ({:.3f}, {:.3f}) mm, where nothing is to be drawn",
+      fail_with(fmt::format("stroke {} draws at ({:.3f}, {:.3f}) mm, where nothing should be drawn",
                             drawn.stroke, at.x, at.y));
       continue;
     }
-    if (!by_tip()) check_vertices(drawn, on_fold, on_lawful, vertices);
+    if (!by_tip()) check_vertices(drawn, on_fold, on_allowed, vertices);
   }
 }
 
-/// Where what is also lawful runs along expected lines, those may be covered once more.
-void Check::cover_by_lawful() {
-  if (lawful_.empty()) return;
+/// Expected lines may be covered once more where allowed lines run along them.
+void Check::cover_by_allowed() {
+  if (allowed_.empty()) return;
   SegmentGrid grid(segments(wanted_), slack_);
-  for (const Wanted& lawful : lawful_) {
-    grid.near(lawful.segment, near_);
+  for (const Wanted& allowed : allowed_) {
+    grid.near(allowed.segment, near_);
     if (!affordable(near_.size())) return;
     for (const std::uint32_t index : near_)
-      if (const auto common = run_along(wanted_[index].segment, lawful.segment, reach_))
-        lawful_covers_.push_back({index, common->a});
+      if (const auto common = run_along(wanted_[index].segment, allowed.segment, reach_))
+        allowed_covers_.push_back({index, common->a});
   }
-  std::sort(lawful_covers_.begin(), lawful_covers_.end(),
+  std::sort(allowed_covers_.begin(), allowed_covers_.end(),
             [](const Cover& a, const Cover& b) { return a.wanted < b.wanted; });
 }
 
 void Check::check_vertices(const Drawn& drawn, const std::vector<Stretch>& on_fold,
-                           const std::vector<Stretch>& on_lawful, const VertexGrid& vertices) {
+                           const std::vector<Stretch>& on_allowed, const VertexGrid& vertices) {
   for (const bool end : {false, true}) {
     const PagePoint p = end ? drawn.segment.b : drawn.segment.a;
     const double s = end ? drawn.length : 0;
     if (vertices.near(p) || inside_any(on_fold, s, kFloatNoiseMm) ||
-        inside_any(on_lawful, s, kFloatNoiseMm))
+        inside_any(on_allowed, s, kFloatNoiseMm))
       continue;
     fail_with(
         fmt::format("stroke {} has a vertex at ({:.3f}, {:.3f}) mm, more than half a unit of "
-                    "{:g} mm beside the drawing's",
+                    "{:g} mm away from the drawing's",
                     drawn.stroke, p.x, p.y, trace_.unit_mm));
     return;
   }
@@ -299,14 +299,14 @@ void Check::compare_lines() {
   for (const std::vector<std::uint32_t>& run : fold_runs_) compare_fold(run, grid);
 }
 
-/// Each place of a cut is covered as often as it is to be. Steps of coverage may lie within the
-/// slack of where they should.
+/// Each place of a cut must be covered as often as requested. Where the coverage changes may be off
+/// by the slack.
 void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, SegmentGrid& grid) {
   const Wanted& wanted = wanted_[index];
   struct Step {
     double at{};
     int by{};
-    int spare{};  ///< how often it may be covered beside
+    int spare{};  ///< how often it may be covered in addition
   };
   std::vector<Step> steps;
   for (const Cover& cover : covers) {
@@ -328,10 +328,10 @@ void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, Segm
     steps.push_back({0, -passes, 0});
     steps.push_back({wanted.length, passes, 0});
   }
-  const auto lawful =
-      std::lower_bound(lawful_covers_.begin(), lawful_covers_.end(), index,
+  const auto allowed =
+      std::lower_bound(allowed_covers_.begin(), allowed_covers_.end(), index,
                        [](const Cover& cover, std::uint32_t i) { return cover.wanted < i; });
-  for (auto it = lawful; it != lawful_covers_.end() && it->wanted == index; ++it) {
+  for (auto it = allowed; it != allowed_covers_.end() && it->wanted == index; ++it) {
     steps.push_back({it->on.from, 0, 1});
     steps.push_back({it->on.to, 0, -1});
   }
@@ -352,8 +352,8 @@ void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, Segm
   }
 }
 
-/// Where the cuts near a fold leave it bare, and where they run along it. Lengths are along the
-/// whole run, of which `fold` is a part.
+/// Where cuts near a fold leave it bare, and where they run along it. Lengths are along the whole
+/// run that `fold` is a part of.
 void Check::find_cuts_near(const Wanted& fold, SegmentGrid& grid, FoldState& state) {
   const double room = 2 * expected_.dashes.clearance_mm;  // a cut at a slant needs up to twice
   const double ux = (fold.segment.b.x - fold.segment.a.x) / fold.length;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kSamePlaceMm = 1e-4;
 constexpr double kStraight = 0.9999;         // cosine: within 0.8 degrees
-constexpr std::size_t kMostAtOnePlace = 64;  // beyond, a star is no place to go straight on
+constexpr std::size_t kMostAtOnePlace = 64;  // with more parts, a star, nothing is chained
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 /// One end of a part: 2 i is the a of part i, 2 i + 1 its b.
@@ -28,7 +28,7 @@ PagePoint direction_out(const FoldPart& part, bool from_b) {
   return {(to.x - from.x) / l, (to.y - from.y) / l};
 }
 
-/// For each end the end of another part that goes straight on from it.
+/// For each end, the end of the part that continues it in a straight line.
 std::vector<std::uint32_t> partners(std::span<const FoldPart> parts) {
   std::vector<End> ends;
   ends.reserve(2 * parts.size());
@@ -79,7 +79,7 @@ std::vector<FoldChain> chain_folds(std::span<const FoldPart> parts) {
     }
     chains.push_back(std::move(chain));
   };
-  // A straight chain is never a ring, but float noise may close one: the second round takes it.
+  // A straight chain is never a ring, but rounding may close one: the second loop handles it.
   for (std::uint32_t end = 0; end < partner.size(); ++end)
     if (partner[end] == kNone && !used[end / 2]) follow(end);
   for (std::uint32_t part = 0; part < parts.size(); ++part)

@@ -9,15 +9,15 @@
 
 namespace popcut {
 
-/// A straight part of a fold, and what kind of fold it is.
+/// A straight part of a fold, and the kind of fold.
 struct FoldPart {
   Segment segment;
   int kind{};
 };
 
-/// Straight folds that were drawn in parts: indices into `parts`, in order along the fold, those in
-/// `turned` to be taken from b to a. Parts of one kind are chained where they meet end to end and
-/// go straight on.
+/// A straight fold that was drawn in parts: indices into `parts`, in order along the fold. A part
+/// that is `turned` runs from b to a. Parts of one kind are chained where they meet end to end in a
+/// straight line.
 struct FoldChain {
   std::vector<std::uint32_t> parts;
   std::vector<bool> turned;

@@ -11,7 +11,7 @@ bool holds(const std::vector<Stretch>& stretches, double s) {
                      [&](const Stretch& stretch) { return s >= stretch.from && s <= stretch.to; });
 }
 
-/// The longest part of `gap` that must not stay bare.
+/// The longest part of `gap` that needs a dash.
 double longest_free(const FoldState& fold, const Stretch& gap) {
   double free = 0;
   double free_from = gap.from;

@@ -15,12 +15,12 @@ struct Stretch {
   double from{}, to{};
 };
 
-/// What was done to a straight fold. Each list is sorted by `from`.
+/// How a straight fold was cut. Each list is sorted by `from`.
 struct FoldState {
   double length_mm{};
   std::vector<Stretch> dashes;  ///< as drawn
-  std::vector<Stretch> bare;    ///< need no dash: clearance from ends and cuts
-  std::vector<Stretch> cut;     ///< lie under cuts, which are judged by themselves
+  std::vector<Stretch> bare;    ///< may stay without a dash: clearance from ends and cuts
+  std::vector<Stretch> cut;     ///< covered by cuts, which are checked separately
 };
 
 struct FoldFault {
@@ -32,10 +32,9 @@ struct FoldFault {
 /// "not dashed", "dashed more often than it should be", ...
 [[nodiscard]] std::string_view words_of(FoldFault::Kind kind);
 
-/// The first thing that is wrong with a fold: a bare stretch longer than the gap, where clearance
-/// leaves room for a dash; a dash longer than dash and gap together; more dashes over each other
-/// than `passes`; a dash that comes nearer to an end than half the clearance. Lengths within
-/// `slack` of these bounds are right.
+/// The first fault of a fold: a bare stretch longer than the gap where clearance leaves room for a
+/// dash; a dash longer than dash and gap together; more than `passes` dashes on each other; or a
+/// dash nearer to an end than half the clearance. Lengths may exceed these bounds by `slack_mm`.
 [[nodiscard]] std::optional<FoldFault> check_fold(const FoldState& fold, const DashShape& shape,
                                                   int passes, double slack_mm);
 

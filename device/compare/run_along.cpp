@@ -20,7 +20,7 @@ std::optional<Along> run_along(const Segment& a, const Segment& b, double reach)
   const double to = std::min(a_length, std::max(s0, s1));
   const bool long_enough = to - from > std::sqrt(2.0) * reach || to - from > 0.5 * a_length;
   if (!long_enough || !(to > from)) return std::nullopt;
-  // At both ends of the common stretch the two must be together: a mere crossing is not.
+  // The two must be close at both ends of the common stretch, which excludes a crossing.
   const auto parameter = [&](double s) { return (s - s0) / (s1 - s0); };
   const auto apart = [&](double s) {
     return distance(along(a.a, a.b, s / a_length), along(b.a, b.b, parameter(s)));

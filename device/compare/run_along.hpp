@@ -14,16 +14,16 @@ struct Along {
   Stretch a, b;
 };
 
-/// The common stretch of two segments; none if they only cross or touch. The ends of `b` lie within
-/// `reach` along each axis of where they should, so beside `a` it is at most reach (|cos| + |sin|)
-/// of the direction of `a`.
+/// The common stretch of two segments; none if they only cross or touch. Each end of `b` may be off
+/// by `reach` along each axis, so the distance from `a` is at most reach (|cos| + |sin|) of the
+/// direction of `a`.
 [[nodiscard]] std::optional<Along> run_along(const Segment& a, const Segment& b, double reach);
 
-/// Points that can be asked for by place.
+/// Points, searchable by place.
 class VertexGrid {
  public:
   VertexGrid(std::vector<PagePoint> points, double reach);
-  /// Is one of them within `reach` of `p` along each axis?
+  /// True if one of them is within `reach` of `p` along each axis.
   [[nodiscard]] bool near(PagePoint p) const;
 
  private:

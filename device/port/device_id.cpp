@@ -10,7 +10,7 @@ namespace popcut {
 namespace {
 
 constexpr std::string_view kForms =
-    "sim:NAME, usb:ID, serial:/dev/ttyUSB0, lp:/dev/usb/lp0 and file:NAME are; 'popcut devices' "
+    "use sim:NAME, usb:ID, serial:/dev/ttyUSB0, lp:/dev/usb/lp0 or file:NAME; 'popcut devices' "
     "lists what is plugged in";
 
 tl::unexpected<Error> usage(std::string detail) {
@@ -25,10 +25,11 @@ Result<void> take_setting(std::string_view setting, SerialSettings& serial) {
     const auto [end, code] =
         std::from_chars(value.data(), value.data() + value.size(), serial.baud);
     if (code == std::errc() && end == value.data() + value.size() && serial.baud > 0) return {};
-    return usage(fmt::format("baud={} is no speed; baud=9600 is one", value));
+    return usage(fmt::format("baud={} is not a speed; use a number, as in baud=9600", value));
   }
   if (name != "flow")
-    return usage(fmt::format("{} is no setting of a serial port; baud=N and flow=WORD are", name));
+    return usage(
+        fmt::format("{} is not a setting of a serial port; use baud=N or flow=WORD", name));
   if (value == "none")
     serial.flow = FlowControl::None;
   else if (value == "rtscts")
@@ -36,12 +37,12 @@ Result<void> take_setting(std::string_view setting, SerialSettings& serial) {
   else if (value == "xonxoff")
     serial.flow = FlowControl::XonXoff;
   else
-    return usage(fmt::format("flow={} is not known; none, rtscts or xonxoff", value));
+    return usage(fmt::format("flow={} is not known; use none, rtscts or xonxoff", value));
   return {};
 }
 
 Result<void> take_settings(DeviceId& id) {
-  // Names of ports may hold commas (/dev/serial/by-path), so the settings are looked for.
+  // Names of ports may contain commas (/dev/serial/by-path), so search for the settings.
   const std::size_t settings = std::min(id.name.find(",baud="), id.name.find(",flow="));
   if (settings == std::string::npos) return {};
   std::string_view rest = std::string_view(id.name).substr(settings + 1);
@@ -73,7 +74,7 @@ Result<DeviceId> parse_device_id(std::string_view text) {
   else if (kind == "file")
     id.kind = DeviceKind::File;
   else
-    return usage(fmt::format("'{}' is no device; {}", text, kForms));
+    return usage(fmt::format("'{}' is not a device; {}", text, kForms));
   if (id.kind == DeviceKind::Serial)
     if (const auto taken = take_settings(id); !taken) return tl::unexpected(taken.error());
   if (id.name.empty()) return usage(fmt::format("'{}' names no device; {}", text, kForms));

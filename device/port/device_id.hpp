@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "core/result.hpp"
-#include "device/port/serial_transport.hpp"
+#include "device/port/port_transport.hpp"
 
 namespace popcut {
 
@@ -19,18 +19,18 @@ enum class DeviceKind : std::uint8_t {
   File,       ///< "file:sheet.gpgl"
 };
 
-/// What --device means.
+/// The value of --device, parsed.
 struct DeviceId {
   DeviceKind kind{};
-  std::string text;  ///< as it was given
+  std::string text;  ///< as given
   std::string name;  ///< machine, path, or for USB the whole id
   SerialSettings serial;
 };
 
-/// Reads a device id. A serial port is followed by what differs from 9600 baud without flow
-/// control: `,baud=N` and `,flow=none|rtscts|xonxoff`.
+/// Parses a device id. A serial port may be followed by `,baud=N` (default 9600) and
+/// `,flow=none|rtscts|xonxoff` (default none).
 ///
-/// @retval Usage  it is none; the place is "--device"
+/// @retval Usage  it is not a device id; the place is "--device"
 [[nodiscard]] Result<DeviceId> parse_device_id(std::string_view text);
 
 }  // namespace popcut

@@ -20,7 +20,7 @@ namespace {
 
 Error unwritable(const std::string& path, int code) {
   return {ErrorKind::Unwritable, path,
-          fmt::format("cannot be written ({}); give a place that can",
+          fmt::format("cannot be written ({}); give a path that can",
                       std::generic_category().message(code))};
 }
 
@@ -32,8 +32,8 @@ Result<std::unique_ptr<FileTransport>> FileTransport::create(const std::string& 
     return fail(ErrorKind::Refused, path,
                 S_ISDIR(there.st_mode)
                     ? "is a folder; give the name of a file in it"
-                    : "is no plain file; devices are usb:ID, serial:/dev/ttyUSB0 or "
-                      "lp:/dev/usb/lp0, and a person is asked before they move");
+                    : "is not a regular file; for a device use usb:ID, serial:/dev/ttyUSB0 or "
+                      "lp:/dev/usb/lp0, which ask before they move");
   std::string aside = path + ".XXXXXX";
   const int descriptor = ::mkostemp(aside.data(), O_CLOEXEC);
   if (descriptor < 0) return tl::unexpected(unwritable(path, errno));

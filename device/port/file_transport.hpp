@@ -9,25 +9,24 @@
 
 namespace popcut {
 
-/// A plain file instead of a cutter: it takes the program as it would be streamed, and answers
-/// nothing. Its clock is virtual, so that pacing costs no time.
-///
-/// Nothing that arrives here is ever cut: all of it stays `in_transit`.
+/// A regular file instead of a cutter: it receives the program as it would be streamed, and answers
+/// nothing. Its clock is virtual, so pacing takes no time. Nothing is ever cut: all bytes stay
+/// `in_transit`.
 class FileTransport final : public Transport {
  public:
-  /// The bytes go into a file beside `path` that takes its name with `finish`.
+  /// Writes to a temporary file next to `path`; `finish` renames it.
   ///
-  /// @retval Unwritable  it cannot be written there
-  /// @retval Refused     `path` is there and is no plain file: a device has a transport of its own
+  /// @retval Unwritable  the file cannot be written
+  /// @retval Refused     `path` exists and is not a regular file: devices have their own transport
   [[nodiscard]] static Result<std::unique_ptr<FileTransport>> create(const std::string& path);
   FileTransport(const FileTransport&) = delete;
   FileTransport& operator=(const FileTransport&) = delete;
-  /// Without `finish` nothing is left behind.
+  /// Without `finish`, removes the temporary file.
   ~FileTransport() override;
 
-  /// All is there: the file takes its name.
+  /// The program is complete: the file gets its name.
   ///
-  /// @retval Unwritable  the disk said no
+  /// @retval Unwritable  the disk is full or failed
   [[nodiscard]] Result<void> finish();
 
   [[nodiscard]] WriteEnd write(std::span<const std::byte> bytes, Deadline until) override;

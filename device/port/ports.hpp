@@ -6,18 +6,17 @@
 
 namespace popcut {
 
-/// A port of the kernel that a cutter may be at. Which cutter, no port tells.
+/// A port of the kernel that a cutter may be connected to. It does not say which cutter.
 struct PortInfo {
   std::string id;      ///< "serial:/dev/ttyUSB0", "lp:/dev/usb/lp0"
   std::string path;    ///< "/dev/ttyUSB0"
-  bool usable{false};  ///< may be opened by who asks
+  bool usable{false};  ///< this user may open it
 };
 
 /// USB serial adapters, serial USB devices and USB printer ports, by name. Opens none of them.
 [[nodiscard]] std::vector<PortInfo> list_ports();
 
-/// Programs that have one of `paths` open, as "cupsd (812)". Programs of others are only seen by
-/// root.
+/// Programs that have one of `paths` open, as "cupsd (812)". Only root sees other users' programs.
 [[nodiscard]] std::vector<std::string> who_has_open(const std::vector<std::string>& paths);
 
 }  // namespace popcut

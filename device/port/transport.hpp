@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -11,18 +12,26 @@
 
 namespace popcut {
 
-/// A moment on the transport's own clock (`Transport::now`) after which a call must have returned.
+/// A moment on the transport's own clock (`Transport::now`) by which a call must have returned.
 using Deadline = std::chrono::nanoseconds;
 
-/// The only seam between bytes and a bus: USB, serial, a file, a recorded session, the simulator.
+[[nodiscard]] inline std::chrono::nanoseconds to_time(double seconds) {
+  return std::chrono::nanoseconds(std::llround(seconds * 1e9));
+}
+[[nodiscard]] inline double to_seconds(std::chrono::nanoseconds time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+/// How a session reaches a cutter: over USB, a serial port, a file, a recording, or the simulator.
 class Transport {
  public:
-  virtual ~Transport();
+  virtual ~Transport() = default;
 
-  /// What became of a write: `taken` counts what the device certainly accepted, also on error.
+  /// The result of a write: `taken` counts the bytes that the device certainly accepted, also on
+  /// error.
   struct WriteEnd {
     std::size_t taken{};
-    std::optional<Error> error;  ///< Timeout with `taken` short of the whole is back-pressure
+    std::optional<Error> error;  ///< Timeout with `taken` less than all is back-pressure
     std::size_t in_doubt{};  ///< bytes after `taken` that it may have accepted too; 0 with Timeout
   };
 
@@ -34,9 +43,9 @@ class Transport {
   [[nodiscard]] virtual std::chrono::nanoseconds now() const = 0;
   /// Lets time pass on this transport's clock.
   virtual void wait(std::chrono::nanoseconds duration) = 0;
-  /// False: nothing at the other end can answer (a file), so there is no use in asking.
+  /// False: nothing at the other end can answer (a file), so do not ask.
   [[nodiscard]] virtual bool answers() const { return true; }
-  /// Of the bytes that were taken, how many may still be on the way (in the host's own buffers).
+  /// How many of the taken bytes may still be in the host's own buffers.
   [[nodiscard]] virtual std::size_t in_transit() const { return 0; }
 };
 

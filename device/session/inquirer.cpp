@@ -2,30 +2,24 @@
 #include "device/session/inquirer.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
+
+#include "protocol/program.hpp"
 
 namespace popcut {
 namespace {
 
 constexpr std::size_t kLongestReply = 256;  // the longest known has 20 bytes
-
-std::string shown(std::string_view bytes) {
-  std::string text;
-  for (const char c : bytes.substr(0, 32))
-    text += c >= ' ' && c <= '~' ? std::string(1, c)
-                                 : fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
-  return text;
-}
+constexpr std::size_t kShownBytes = 32;     // of a reply in an error message
 
 }  // namespace
 
 std::chrono::nanoseconds Inquirer::later(double seconds) const {
-  return transport_.now() + std::chrono::nanoseconds(std::llround(seconds * 1e9));
+  return transport_.now() + to_time(seconds);
 }
 
-/// Drops what arrived unasked. A device that never stops talking is an error, not a loop.
+/// Drops unread bytes. A device that never stops sending is an error, not an endless loop.
 Result<void> Inquirer::drain() {
   constexpr int kMostPieces = 1000;
   for (int i = 0; i < kMostPieces; ++i) {
@@ -34,7 +28,7 @@ Result<void> Inquirer::drain() {
     if (!stale) return tl::unexpected(stale.error());
   }
   return fail(ErrorKind::Refused, "",
-              "the machine sends without being asked and does not stop; switch it off and on");
+              "the machine keeps sending data that nobody asked for; switch it off and on");
 }
 
 Result<bool> Inquirer::pay_debt(Deadline until) {
@@ -53,13 +47,13 @@ Result<std::string> Inquirer::receive(double seconds) {
     if (!piece) return tl::unexpected(piece.error());
     for (const std::byte byte : *piece) reply += static_cast<char>(byte);
     const std::size_t end = reply.find('\x03');
-    // Two replies to one query, or endless ones, are no answer.
+    // Two replies to one query, or an endless one, are not an answer.
     if (end != std::string::npos && end + 1 == reply.size()) return reply.substr(0, end);
     if (end != std::string::npos || reply.size() > kLongestReply) return reply;
   }
 }
 
-/// Offers the query for `reply_s`, in pieces of time short enough for who is in a hurry.
+/// Offers the query for `reply_s`, in slices short enough to notice `hurry`.
 Transport::WriteEnd Inquirer::begin(std::string_view query) {
   constexpr double kSliceS = 0.25;
   const std::chrono::nanoseconds until = later(limits_.reply_s);
@@ -77,7 +71,7 @@ Result<std::optional<std::string>> Inquirer::ask(std::string_view query) {
   const Result<bool> paid = pay_debt(later(limits_.reply_s));
   if (!paid) return tl::unexpected(paid.error());
   if (!*paid) return std::nullopt;
-  if (owed) late_reply_possible_ = true;  // nobody waits for the reply to that one
+  if (owed) late_reply_possible_ = true;  // nothing waits for the reply to that query
   if (const Result<void> drained = drain(); !drained) return tl::unexpected(drained.error());
   const std::chrono::nanoseconds until = later(limits_.reply_s);
   const Transport::WriteEnd end = begin(query);
@@ -116,9 +110,9 @@ Result<std::optional<DeviceStatus>> Inquirer::status() {
       if (++nonsense >= limits_.tries)
         return fail(
             ErrorKind::Refused, "",
-            fmt::format("the machine answered \"{}\", which is no status; switch it off and "
+            fmt::format("the machine answered \"{}\", which is not a status; switch it off and "
                         "on, and check that it is a GPGL machine",
-                        shown(**reply)));
+                        printable(**reply, kShownBytes)));
       transport_.wait(later(limits_.again_s) - transport_.now());
       continue;
     }
@@ -132,7 +126,7 @@ Result<std::optional<DeviceStatus>> Inquirer::status() {
       return fail(ErrorKind::Refused, "",
                   "the machine's status changes with every query; switch it off and on");
     doubtful = status;
-    // Long enough for a late reply to have come, so that the next drain takes it.
+    // Long enough for a late reply to arrive, so that the next drain drops it.
     transport_.wait(later(late_reply_possible_ ? limits_.reply_s : limits_.again_s) -
                     transport_.now());
   }

@@ -13,41 +13,41 @@
 
 namespace popcut {
 
-/// Asks a GPGL machine, one question at a time.
+/// Sends queries to a GPGL machine, one at a time, and reads the replies.
 ///
-/// A reply does not say what it answers. So what is unread is dropped before each query, and
-/// "ready" is believed only if two queries in a row are answered so, far enough apart for a reply
-/// to an earlier, unanswered query to have come. "No media" too: a recorded session has a single
-/// one in the middle of a cut (Portrait V1.00).
+/// A reply does not say what it answers. So unread bytes are dropped before each query, and "ready"
+/// counts only if it answers two queries in a row, far enough apart for a late reply to an earlier
+/// query to have arrived. The same holds for "no media": a recording has a single one in the middle
+/// of a cut (Portrait V1.00).
 class Inquirer {
  public:
   struct Limits {
     double reply_s{1};
     int tries{3};
     double again_s{0.1};  ///< between a doubtful answer and the next query
-    /// While it is set from outside, a machine that takes no query is not waited for.
+    /// While this is set, a machine that accepts no query is not waited for.
     const std::atomic<bool>* hurry{};
   };
   Inquirer(Transport& transport, const Limits& limits) : transport_(transport), limits_(limits) {}
 
-  /// None: the machine takes no data just now, not even a query; nothing is known of it.
+  /// The status; none if the machine accepts no data at the moment, not even a query.
   ///
   /// @retval Timeout     `tries` queries without an answer
-  /// @retval Refused     `tries` answers that are no status, or that contradict each other
-  /// @retval DeviceGone  the transport says so
+  /// @retval Refused     `tries` replies that are not a status, or that contradict each other
+  /// @retval DeviceGone  the transport reports it
   [[nodiscard]] Result<std::optional<DeviceStatus>> status();
-  /// One reply to `query`, without its ETX. None: the machine takes no data just now.
+  /// One reply to `query`, without its ETX; none if the machine accepts no data at the moment.
   [[nodiscard]] Result<std::optional<std::string>> ask(std::string_view query);
 
-  /// Drops what arrived unasked, before something that is answered of itself.
+  /// Drops unread bytes, before a command that is answered without a query.
   [[nodiscard]] Result<void> forget() { return drain(); }
   /// The one reply that comes within `seconds`, without its ETX.
   ///
   /// @retval Timeout  none came
   [[nodiscard]] Result<std::string> await(double seconds) { return receive(seconds); }
 
-  /// Sends what was not taken of a query, which must be whole before anything else follows it.
-  /// True once nothing is owed.
+  /// Sends the rest of a query that was accepted in part; nothing else may follow before. True once
+  /// the query is complete.
   [[nodiscard]] Result<bool> pay_debt(Deadline until);
 
  private:
@@ -58,7 +58,7 @@ class Inquirer {
 
   Transport& transport_;
   Limits limits_;
-  std::string owed_;  ///< bytes of a query that was taken in part
+  std::string owed_;  ///< rest of a query that was accepted in part
   bool late_reply_possible_{false};
 };
 

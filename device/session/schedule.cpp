@@ -9,9 +9,9 @@ using std::chrono::nanoseconds;
 
 namespace {
 
-// What is sent of a stroke has to be followed by all of it. So none is begun that would end later
-// than this part of a window, the rest is for the model's errors; a longer one is when the machine
-// has no more than the least part left, in which any query recorded was answered.
+// A stroke that was begun has to be sent whole. So a stroke is begun only if it ends within this
+// part of a window; the rest of the window allows for the model's errors. A longer stroke is begun
+// when the machine has less than the least part left, in which every recorded query was answered.
 constexpr double kStrokeWindow = 0.85;
 constexpr double kLeastWindow = 0.25;
 
@@ -36,14 +36,11 @@ Result<Schedule> schedule(const EncodedProgram& program, const Machine& machine)
   if (!made) return tl::unexpected(made.error());
   SimCutter& sim = *made;
   std::vector<SimCutter::Step> steps;
-  const auto in_seconds = [](nanoseconds time) {
-    return std::chrono::duration<double>(time).count();
-  };
   const auto run = [&](ByteRange range) {
     const nanoseconds start = sim.now();
     sim.accept(program.view(range));
     sim.run_dry();
-    return in_seconds(sim.now() - start);
+    return to_seconds(sim.now() - start);
   };
   Schedule plan;
   plan.setup_s = run({0, program.geometry.begin});
@@ -52,11 +49,11 @@ Result<Schedule> schedule(const EncodedProgram& program, const Machine& machine)
   plan.geometry_s = run(program.geometry);
   sim.record_steps(nullptr);
   plan.trailer_s = run(program.trailer);
-  // Points inside a command are no place to stop sending: a query may not stand there.
+  // Sending cannot stop at a point inside a command: no query may follow there.
   for (const SimCutter::Step& step : steps)
     if (step.whole_command)
-      plan.geometry.push_back({step.end_byte, in_seconds(step.time - zero), 0.0});
-  // What follows the last command, as a newline does, is sent with it.
+      plan.geometry.push_back({step.end_byte, to_seconds(step.time - zero), 0.0});
+  // Bytes after the last command, such as a newline, are sent with it.
   if (plan.geometry.empty() || plan.geometry.back().end_byte < program.geometry.end) {
     const double seconds = plan.geometry_s;
     if (!plan.geometry.empty()) plan.geometry.pop_back();

@@ -10,14 +10,14 @@
 
 namespace popcut {
 
-/// When each command of a program ends on a machine that is given all of it at once.
+/// When a command of a program ends, on a machine that receives all of it at once.
 struct TimedCommand {
   std::uint64_t end_byte{};
   double seconds{};       ///< since the geometry began
-  double stroke_end_s{};  ///< when the stroke that it is part of ends
+  double stroke_end_s{};  ///< when its stroke ends
 };
 
-/// The estimated course of a program.
+/// When each command of a program ends, by estimate.
 struct Schedule {
   std::vector<TimedCommand> geometry;  ///< in order of bytes
   double setup_s{}, geometry_s{}, trailer_s{};
@@ -28,11 +28,14 @@ struct Schedule {
 /// @retval OutOfRange  see `SimCutter::make`
 [[nodiscard]] Result<Schedule> schedule(const EncodedProgram& program, const Machine& machine);
 
-/// How far may be sent of a machine's geometry when `next` is the first command that is not sent,
-/// what was sent lasts until `sent_s` and the machine is at `now_s`: at most a window ahead of it,
-/// and no stroke that ends beyond the window, so that the host is obeyed within one; but never so
-/// little that the machine runs dry. 0 where nothing may; else the end of a command, less than one
-/// command beyond `most_bytes`.
+/// Up to which byte of the geometry you may send now. `next` is the first command that was not
+/// sent, the commands sent last until `sent_s`, and the machine is at `now_s`.
+///
+/// Sends at most a window ahead and no stroke that ends beyond the window, so that a stop takes
+/// effect within one window; but never so little that the machine runs dry.
+///
+/// @return the end of a command, less than one command beyond `most_bytes`; 0 if nothing may be
+/// sent
 [[nodiscard]] std::uint64_t affordable_end(const Schedule& plan, std::size_t next, double sent_s,
                                            double now_s, double window_s, std::size_t most_bytes);
 

@@ -2,349 +2,72 @@
 #include "device/session/session.hpp"
 
 #include <algorithm>
-#include <new>
-
-#include <fmt/format.h>
 
 #include "device/session/session_run.hpp"
 
 namespace popcut {
 namespace {
 
-using std::chrono::nanoseconds;
-
-constexpr std::size_t kMaxWriteBytes = 4096;
-// A pause that ends in "ready" with more motion than this outstanding was a cancel that we missed.
-constexpr double kMissedCancelS = 1.0;
-constexpr double kPausedPollS = 0.2;
-// Longer than a machine with a full buffer takes no query; then a cancel waits for nothing.
-constexpr double kLongMuteS = 5;
+/// A session from `options.first_stroke` on: the rest of the program as one of its own, with
+/// strokes numbered as in the whole.
+SessionEnd run_rest(Transport& transport, const Machine& machine, const EncodedProgram& program,
+                    const SessionOptions& options) {
+  const std::size_t first = options.first_stroke;
+  SessionEnd end;
+  end.fates.assign(std::min(first, program.strokes.size()), StrokeFate::NotSent);
+  const Result<EncodedProgram> rest = rest_of(program, first);
+  if (!rest) {
+    end.error = rest.error();
+    return end;
+  }
+  const auto shift = static_cast<std::int64_t>(first);
+  SessionOptions own = options;
+  own.first_stroke = 0;
+  if (options.progress)
+    own.progress = [&](SessionProgress p) {
+      p.strokes_done += first;
+      p.strokes += first;
+      options.progress(p);
+    };
+  if (options.intend) own.intend = [&](std::int64_t last) { return options.intend(last + shift); };
+  if (options.settle)
+    own.settle = [&](std::int64_t certain, std::int64_t taken, std::uint64_t bytes) {
+      return options.settle(certain + shift, taken + shift, bytes);
+    };
+  SessionEnd rest_end = SessionRun(transport, machine, *rest, own).run();
+  rest_end.fates.insert(rest_end.fates.begin(), end.fates.begin(), end.fates.end());
+  return rest_end;
+}
 
 }  // namespace
 
-SessionEnd SessionRun::run() {
-  end_.fates.reserve(program_.strokes.size());
-  try {
-    if (const Result<void> done = phases(); !done) end_.error = done.error();
-    journal_.settle(ready_bytes_, good_bytes_, accepted_ + in_doubt_);
-    if (!end_.error) end_.error = journal_.failure();
-  } catch (const std::bad_alloc&) {
-    lift_without_memory();
-    end_.error = Error{ErrorKind::Internal, "", "out of memory"};  // so short that it needs none
+std::string_view name_of(SessionPhase phase) {
+  switch (phase) {
+    case SessionPhase::Connecting:
+      return "connecting";
+    case SessionPhase::Settings:
+      return "sending the settings";
+    case SessionPhase::Searching:
+      return "searching for the marks";
+    case SessionPhase::Cutting:
+      return "cutting";
+    case SessionPhase::Paused:
+      return "paused on the panel";
+    case SessionPhase::Held:
+      return "held";
+    case SessionPhase::Finishing:
+      return "finishing";
+    case SessionPhase::Parking:
+      return "parking";
   }
-  end_.seconds = to_seconds(transport_.now() - begun_);
-  end_.confirmed = answers_ && !end_.error;
-  for (const ByteRange& stroke : program_.strokes)
-    end_.fates.push_back(
-        fate_of(stroke, ready_bytes_, good_bytes_, accepted_ + in_doubt_, machine_.buffer_bytes));
-  return std::move(end_);
+  return "";
 }
 
-/// Sends the trailer, tool up and parked, if what was sent ends with a whole command.
-void SessionRun::lift_without_memory() {
-  const std::uint64_t whole =
-      next_command_ == 0 ? program_.geometry.begin : plan_.geometry[next_command_ - 1].end_byte;
-  if (in_doubt_ > 0 || phase_ == SessionPhase::Parking || accepted_ != whole) return;
-  try {
-    std::uint64_t at = program_.trailer.begin;
-    (void)send(program_.trailer, at);
-  } catch (const std::bad_alloc&) {
-    end_.remarks.clear();  // then it stays where it is, and what was sent is in doubt as it was
-  }
-}
-
-void SessionRun::tell(SessionPhase phase) {
-  phase_ = phase;
-  if (!options_.progress) return;
-  // Strokes whose bytes end before the command that the model is at.
-  const double now_s = model_s();
-  const auto at =
-      std::upper_bound(plan_.geometry.begin(), plan_.geometry.end(), now_s,
-                       [](double s, const TimedCommand& command) { return s < command.seconds; });
-  const std::uint64_t byte = at == plan_.geometry.begin() ? 0 : std::prev(at)->end_byte;
-  const auto& strokes = program_.strokes;
-  while (strokes_passed_ < strokes.size() && strokes[strokes_passed_].end <= byte)
-    ++strokes_passed_;
-  double left = plan_.geometry_s - now_s + plan_.trailer_s;
-  if (phase == SessionPhase::Connecting || phase == SessionPhase::Settings) left += plan_.setup_s;
-  if (phase == SessionPhase::Parking) left = plan_.trailer_s;
-  options_.progress({phase, strokes_passed_, strokes.size(), std::max(left, 0.0), mute_s()});
-}
-
-Result<void> SessionRun::phases() {
-  Result<Schedule> plan = schedule(program_, machine_);
-  if (!plan) return tl::unexpected(plan.error());
-  plan_ = std::move(*plan);
-  return connect()
-      .and_then([&] { return settings(); })
-      .and_then([&] { return search(); })
-      .and_then([&] { return geometry(); })
-      .and_then([&] { return park(); });
-}
-
-std::uint64_t SessionRun::affordable() const {
-  const std::uint64_t end =
-      affordable_end(plan_, next_command_, sent_s_, model_s(), options_.window_s, kMaxWriteBytes);
-  return std::max(end, accepted_);
-}
-
-Result<void> SessionRun::geometry() {
-  tell(SessionPhase::Cutting);
-  accepted_ = std::max(accepted_, program_.geometry.begin);
-  sent_s_ = 0;
-  set_model(0);
-  next_poll_ = transport_.now() + to_time(options_.poll_s);
-  std::uint64_t end = program_.geometry.end;
-  const std::uint64_t nowhere = end;
-  std::uint64_t hold_at = nowhere;
-  bool stopping = false;
-  while (accepted_ < end) {
-    if (stopping || !pause_asked())
-      hold_at = nowhere;
-    else if (hold_at == nowhere)
-      hold_at = stroke_end_after(program_, accepted_);
-    if (accepted_ == hold_at) {
-      if (const Result<void> held = hold(); !held) return held;
-      hold_at = nowhere;
-    }
-    if (give_up_asked()) return give_up();
-    if (!stopping && (cancel_asked() || journal_.failure())) {
-      stopping = true;
-      end_.cancelled = cancel_asked();
-      end = stroke_end_after(program_, accepted_);
-      continue;
-    }
-    if (transport_.now() >= next_poll_) {
-      if (const Result<void> polled = poll(); !polled) return polled;
-      tell(SessionPhase::Cutting);
-    }
-    // The model stands still at what was sent: a machine that has nothing to do is not ahead of us.
-    set_model(model_s());
-    const std::uint64_t until = std::min({affordable(), end, hold_at});
-    if (until > accepted_) {
-      if (!stopping && !journal_.intend(until)) continue;
-      if (const Result<void> sent = send_until(until); !sent) return sent;
-      continue;
-    }
-    const double spare = sent_s_ - model_s() - 0.75 * options_.window_s;
-    const nanoseconds nap = std::min(to_time(std::max(spare, 0.01)), next_poll_ - transport_.now());
-    transport_.wait(std::max(nap, nanoseconds(1'000'000)));
-  }
-  tell(SessionPhase::Finishing);
-  return wait_ready(plan_.geometry_s, sent_s_ - model_s());
-}
-
-/// The tool is lifted where the last stroke ends: the end of a stroke alone leaves it in the sheet.
-/// These bytes belong to no stroke, and the ledger does not count them.
-Result<void> SessionRun::lift() {
-  const std::string bytes = lift_at(program_, accepted_);
-  std::uint64_t count = 0;
-  return send(std::as_bytes(std::span(bytes)), count);
-}
-
-/// Waits at the end of a stroke, with the tool up, until the host lets the job go on or ends it.
-Result<void> SessionRun::hold() {
-  Result<void> at_rest = lift().and_then([&] {
-    tell(SessionPhase::Held);
-    return wait_ready(plan_.geometry_s, sent_s_ - model_s());
-  });
-  if (!at_rest) return at_rest;
-  while (pause_asked() && !cancel_asked() && !give_up_asked() && !journal_.failure()) {
-    tell(SessionPhase::Held);
-    transport_.wait(to_time(kPausedPollS));
-    if (transport_.now() < next_poll_) continue;
-    if (const Result<void> polled = poll(); !polled) return polled;
-  }
-  set_model(sent_s_);
-  tell(SessionPhase::Cutting);
-  return {};
-}
-
-/// After a whole command; nobody waits for the machine.
-Result<void> SessionRun::give_up() {
-  end_.cancelled = true;
-  std::uint64_t at = program_.trailer.begin;
-  if (phase_ != SessionPhase::Parking)
-    if (const Result<void> sent = send(program_.trailer, at); !sent) return sent;
-  return tl::unexpected(
-      refused("given up while the machine was busy; what it has it still cuts, then it parks"));
-}
-
-Result<void> SessionRun::park() {
-  tell(SessionPhase::Parking);
-  // After a cancel the rest of the geometry is left out: the trailer comes next.
-  std::uint64_t at = program_.trailer.begin;
-  return send(program_.trailer, at).and_then([&] { return wait_ready(plan_.trailer_s); });
-}
-
-Result<void> SessionRun::send_until(std::uint64_t end) {
-  Result<void> sent = send({accepted_, end}, accepted_);
-  while (next_command_ < plan_.geometry.size() &&
-         plan_.geometry[next_command_].end_byte <= accepted_)
-    sent_s_ = plan_.geometry[next_command_++].seconds;
-  return sent;
-}
-
-/// Sends bytes and adds to `count` what was accepted, also on error. Back-pressure is no fault: the
-/// rest follows from the exact byte.
-Result<void> SessionRun::send(std::span<const std::byte> bytes, std::uint64_t& count) {
-  constexpr double kSliceS = 0.25;
-  while (!bytes.empty()) {
-    const nanoseconds before = transport_.now();
-    const Result<bool> paid = inquirer_.pay_debt(transport_.now() + to_time(kSliceS));
-    if (!paid) return tl::unexpected(paid.error());
-    const std::size_t piece = *paid ? std::min(bytes.size(), kMaxWriteBytes) : 0;
-    const bool counted = &count == &accepted_;
-    if (counted) in_doubt_ = piece;  // should there be no memory to say how it ended
-    const Transport::WriteEnd end =
-        transport_.write(bytes.first(piece), transport_.now() + to_time(kSliceS));
-    bytes = bytes.subspan(end.taken);
-    count += end.taken;
-    const bool failed = end.error && end.error->kind != ErrorKind::Timeout;
-    if (counted) in_doubt_ = failed ? end.in_doubt : 0;
-    if (failed) return tl::unexpected(*end.error);
-    if (end.taken > 0) {
-      mute_since_.reset();
-      continue;
-    }
-    if (!mute_since_) mute_since_ = before;
-    if (cancel_asked() || give_up_asked()) {
-      end_.cancelled = true;
-      return tl::unexpected(refused(
-          "cancelled while the machine takes no data; stop it on its panel, what it already has "
-          "may still be cut"));
-    }
-    if (to_seconds(transport_.now() - *mute_since_) > options_.stuck_s) return stuck();
-    transport_.wait(nanoseconds(1'000'000));
-    tell(phase_);
-  }
-  return {};
-}
-
-Result<void> SessionRun::stuck() const {
-  return fail(ErrorKind::Timeout, "",
-              fmt::format("the machine has taken no data for {:g} s; see whether it is paused or "
-                          "jammed",
-                          options_.stuck_s));
-}
-
-void SessionRun::note_ready(std::uint64_t bytes) {
-  ready_bytes_ = good_bytes_ = bytes;
-  set_model(sent_s_);
-}
-
-Result<void> SessionRun::poll() {
-  Result<void> looked = look();
-  journal_.settle(ready_bytes_, good_bytes_, accepted_);
-  return looked;
-}
-
-Result<void> SessionRun::look() {
-  next_poll_ = transport_.now() + to_time(options_.poll_s);
-  const std::uint64_t asked = accepted_;
-  if (!answers_) {
-    good_bytes_ = asked - std::min<std::uint64_t>(asked, transport_.in_transit());
-    return {};
-  }
-  const Result<std::optional<DeviceStatus>> status = inquirer_.status();
-  if (!status) return tl::unexpected(status.error());
-  status_ = status->value_or(DeviceStatus::Unknown);
-  if (*status)
-    mute_since_.reset();
-  else if (!mute_since_)
-    mute_since_ = transport_.now();
-  if (mute_since_ && to_seconds(transport_.now() - *mute_since_) > options_.stuck_s) return stuck();
-  switch (status_) {
-    case DeviceStatus::Unknown:
-      return {};  // busy with what it has: it takes no query
-    case DeviceStatus::Ready:
-      note_ready(asked);
-      return {};
-    case DeviceStatus::Moving:
-      good_bytes_ = asked;
-      return {};
-    case DeviceStatus::Paused:
-      good_bytes_ = asked;
-      return sit_out_pause();
-    default:
-      return stopped(status_);
-  }
-}
-
-Result<void> SessionRun::stopped(DeviceStatus status) const {
-  if (status == DeviceStatus::NoMedia)
-    return tl::unexpected(refused("the sheet came out of the machine; what it had not cut is lost",
-                                  ErrorReason::NoMedia));
-  return tl::unexpected(
-      refused("the job was cancelled on the machine's panel", ErrorReason::PanelStop));
-}
-
-Result<void> SessionRun::sit_out_pause() {
-  const SessionPhase phase = phase_;
-  const double model_before = model_s();
-  const nanoseconds since = transport_.now();
-  for (;;) {
-    set_model(model_before);
-    tell(SessionPhase::Paused);
-    transport_.wait(to_time(kPausedPollS));
-    const std::uint64_t asked = accepted_;
-    const Result<std::optional<DeviceStatus>> status = inquirer_.status();
-    if (!status) return tl::unexpected(status.error());
-    status_ = status->value_or(DeviceStatus::Paused);
-    set_model(model_before);
-    if (status_ == DeviceStatus::Ready && sent_s_ - model_before > kMissedCancelS)
-      return stopped(DeviceStatus::Cancelled);
-    if (status_ == DeviceStatus::NoMedia || status_ == DeviceStatus::Cancelled)
-      return stopped(status_);
-    if (status_ != DeviceStatus::Paused) {
-      if (status_ == DeviceStatus::Ready) note_ready(asked);
-      next_poll_ = transport_.now() + to_time(options_.poll_s);
-      tell(phase);
-      return {};
-    }
-    if (cancel_asked() || give_up_asked()) {
-      end_.cancelled = true;
-      return tl::unexpected(refused(
-          "cancelled while the machine is paused; cancel it on its panel too, what it already has "
-          "would be cut"));
-    }
-    if (to_seconds(transport_.now() - since) > options_.pause_limit_s)
-      return tl::unexpected(
-          refused(fmt::format("the machine was paused on its panel for {:g} s; the job is given up",
-                              options_.pause_limit_s),
-                  ErrorReason::PanelStop));
-  }
-}
-
-/// Waits until the machine says ready. It is given up when it takes three times as long as all of
-/// its phase should: `whole_s`. One that answers nothing is given the `left_s` that its model says.
-Result<void> SessionRun::wait_ready(double whole_s, double left_s) {
-  if (!answers_) {
-    transport_.wait(to_time(std::max(left_s, 0.0)));
-    good_bytes_ = accepted_ - std::min<std::uint64_t>(accepted_, transport_.in_transit());
-    return {};
-  }
-  double waited = 0;
-  for (;;) {
-    const nanoseconds before = transport_.now();
-    if (const Result<void> polled = poll(); !polled) return polled;
-    if (status_ == DeviceStatus::Ready) return {};
-    if (cancel_asked() && phase_ < SessionPhase::Searching) {
-      end_.cancelled = true;
-      return tl::unexpected(refused("cancelled while the machine was busy; nothing was cut"));
-    }
-    if (give_up_asked() || (cancel_asked() && mute_s() > kLongMuteS)) return give_up();
-    if (waited > 3 * whole_s + options_.stuck_s)
-      return fail(
-          ErrorKind::Timeout, "",
-          fmt::format("the machine is still busy after {:.0f} s; see what it is doing", waited));
-    tell(phase_);
-    const nanoseconds polled_at = transport_.now();
-    transport_.wait(to_time(options_.poll_s));
-    // A pause, which the poll sits out, does not count.
-    waited += to_seconds(transport_.now() - polled_at) +
-              std::min(to_seconds(polled_at - before), options_.reply_s);
-  }
+StrokeFate fate_of(ByteRange stroke, std::uint64_t ready_bytes, std::uint64_t good_bytes,
+                   std::uint64_t accepted, std::uint64_t buffer_bytes) {
+  if (stroke.begin >= std::min(accepted, stroke.end)) return StrokeFate::NotSent;
+  const bool pushed_through = stroke.end + buffer_bytes <= good_bytes;
+  return stroke.end <= ready_bytes || pushed_through ? StrokeFate::Certain : StrokeFate::InDoubt;
 }
 
 SessionEnd run_session(Transport& transport, const Machine& machine, const EncodedProgram& program,

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -17,17 +16,11 @@
 
 namespace popcut {
 
-inline std::chrono::nanoseconds to_time(double seconds) {
-  return std::chrono::nanoseconds(std::llround(seconds * 1e9));
-}
-inline double to_seconds(std::chrono::nanoseconds time) {
-  return std::chrono::duration<double>(time).count();
-}
 inline Error refused(std::string detail, ErrorReason reason = ErrorReason::None) {
   return {ErrorKind::Refused, "", std::move(detail), reason};
 }
 
-/// One session while it runs: `run_session` makes it, nobody else.
+/// One session while it runs; call `run_session` instead.
 class SessionRun {
  public:
   SessionRun(Transport& transport, const Machine& machine, const EncodedProgram& program,
@@ -88,13 +81,13 @@ class SessionRun {
   Result<void> wait_ready(double whole_s, double left_s);
   Result<void> wait_ready(double whole_s) { return wait_ready(whole_s, whole_s); }
 
-  // The model's clock: seconds of the geometry that the machine should have behind it.
+  // The model's clock: how many seconds of the geometry the machine should have done.
   [[nodiscard]] double model_s() const {
     return std::min(to_seconds(transport_.now() - model_zero_), sent_s_);
   }
   void set_model(double seconds) { model_zero_ = transport_.now() - to_time(seconds); }
 
-  void tell(SessionPhase phase);
+  void report(SessionPhase phase);
   [[nodiscard]] double mute_s() const {
     return mute_since_ ? to_seconds(transport_.now() - *mute_since_) : 0;
   }
@@ -111,12 +104,12 @@ class SessionRun {
   SessionEnd end_;
   SessionPhase phase_{SessionPhase::Connecting};
   std::uint64_t accepted_{}, ready_bytes_{}, good_bytes_{};
-  std::uint64_t in_doubt_{};  ///< after `accepted_`, when the last write failed
+  std::uint64_t in_doubt_{};  ///< bytes after `accepted_`, if the last write failed
   DeviceStatus status_{DeviceStatus::Unknown};
   Time model_zero_{};
   Time next_poll_{};
-  std::optional<Time> mute_since_;  ///< since when it takes no byte
-  std::size_t next_command_{};      ///< first of `plan_.geometry` that is not sent
+  std::optional<Time> mute_since_;  ///< since when it accepts no bytes
+  std::size_t next_command_{};      ///< first of `plan_.geometry` that was not sent
   double sent_s_{};                 ///< when the last command sent should end
   std::size_t strokes_passed_{};
 };

@@ -66,33 +66,4 @@ std::string lift_at(const EncodedProgram& program, std::uint64_t byte) {
   return {};
 }
 
-SessionEnd run_rest(Transport& transport, const Machine& machine, const EncodedProgram& program,
-                    const SessionOptions& options) {
-  const std::size_t first = options.first_stroke;
-  SessionEnd end;
-  end.fates.assign(std::min(first, program.strokes.size()), StrokeFate::NotSent);
-  const Result<EncodedProgram> rest = rest_of(program, first);
-  if (!rest) {
-    end.error = rest.error();
-    return end;
-  }
-  const auto shift = static_cast<std::int64_t>(first);
-  SessionOptions own = options;
-  own.first_stroke = 0;
-  if (options.progress)
-    own.progress = [&](SessionProgress p) {
-      p.strokes_done += first;
-      p.strokes += first;
-      options.progress(p);
-    };
-  if (options.intend) own.intend = [&](std::int64_t last) { return options.intend(last + shift); };
-  if (options.settle)
-    own.settle = [&](std::int64_t certain, std::int64_t taken, std::uint64_t bytes) {
-      return options.settle(certain + shift, taken + shift, bytes);
-    };
-  SessionEnd rest_end = run_session(transport, machine, *rest, own);
-  rest_end.fates.insert(rest_end.fates.begin(), end.fates.begin(), end.fates.end());
-  return rest_end;
-}
-
 }  // namespace popcut

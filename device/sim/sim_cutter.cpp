@@ -3,23 +3,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "device/port/transport.hpp"
+
 namespace popcut {
 namespace {
 
-// After a cancel on the panel the machine resets itself; how long that takes was never recorded.
+// A cancel on the panel resets the machine; how long that takes was never recorded.
 constexpr SimCutter::Time kResetAfterCancel = std::chrono::seconds(3);
 
 /// A status on the wire.
 char digit(DeviceStatus status) { return static_cast<char>('0' + static_cast<int>(status)); }
 
-SimCutter::Time to_time(double seconds) {
+SimCutter::Time bounded_time(double seconds) {
   constexpr double kLongest = 1e8;  // three years: no machine waits longer, and it stays in range
-  return SimCutter::Time(std::llround(std::clamp(seconds, 0.0, kLongest) * 1e9));
+  return to_time(std::clamp(seconds, 0.0, kLongest));
 }
 
 }  // namespace
@@ -32,7 +33,8 @@ Result<SimCutter> SimCutter::make(const Machine& machine, const SimOptions& opti
         fmt::format("{} has no acceleration or travel speed; both must be above 0", machine.name));
   if (machine.buffer_bytes == 0)
     return fail(ErrorKind::OutOfRange, "/buffer_bytes",
-                fmt::format("{} has an input buffer of 0 bytes; 65536 is usual", machine.name));
+                fmt::format("{} has an input buffer of 0 bytes; it must be above 0, usually 65536",
+                            machine.name));
   SimOptions sheet = options;
   const bool on_mat = !machine.mats.empty();
   if (!(sheet.page_width_mm > 0))
@@ -71,7 +73,7 @@ std::size_t SimCutter::accept(std::span<const std::byte> bytes) {
   return room;
 }
 
-/// Reads `bytes`. The status query is answered at once, whatever else is queued; the rest waits.
+/// Reads `bytes`. A status query is answered at once, ahead of queued commands.
 void SimCutter::feed(std::span<const std::byte> bytes) {
   const std::size_t before = incoming_.commands.size();
   std::visit([&](auto& reader) { reader.feed(bytes, incoming_); }, reader_);
@@ -94,7 +96,7 @@ void SimCutter::take_from(std::size_t before) {
     command.end += reader_base_;
     if (command.verb == Verb::Query && incoming_.texts[command.text] == "ENQ") {
       if (answers()) send_reply({digit(status()), '\x03'});
-    } else if (!cancelled_until_) {  // what arrives during the reset is lost
+    } else if (!cancelled_until_) {  // bytes that arrive during the reset are lost
       incoming_.commands.push_back(command);
     }
   }
@@ -173,7 +175,7 @@ void SimCutter::cancel() {
   cancelled_until_ = now_ + kResetAfterCancel;
 }
 
-/// Throws away all that was accepted and not carried out.
+/// Discards everything that was accepted and not executed.
 void SimCutter::flush() {
   actions_.clear();
   incoming_ = {};
@@ -219,7 +221,7 @@ void SimCutter::forget_done_commands() {
   next_ = 0;
 }
 
-/// An empty machine that has nothing to do answers what it is asked, as a recorded Portrait did.
+/// A machine without media and without motion answers queries, as a recorded Portrait did.
 void SimCutter::answer_without_media() {
   if (media_ || paused_ || cancelled_until_ || !actions_.empty() || next_point_ != 0) return;
   while (has_commands() && incoming_.commands[next_].verb == Verb::Query) {
@@ -235,7 +237,7 @@ void SimCutter::start_next() {
   if (current_ || held()) return;
   lower();
   if (actions_.empty()) {
-    // Nothing whole is left: what was read of an unfinished command is in the reader's hands.
+    // No whole command is left; the reader keeps the bytes of an unfinished one.
     if (!has_commands()) executed_ = accepted_;
     return;
   }
@@ -255,7 +257,7 @@ void SimCutter::start_next() {
   speed_out_mm_s_ = ride.exit_mm_s;
   current_ = actions_.front();
   actions_.pop_front();
-  current_end_ = now_ + to_time(ride.seconds + current_->dwell_s);
+  current_end_ = now_ + bounded_time(ride.seconds + current_->dwell_s);
 }
 
 void SimCutter::complete() {

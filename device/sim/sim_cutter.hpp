@@ -16,7 +16,7 @@
 
 #include "core/machines/machine.hpp"
 #include "core/result.hpp"
-#include "device/sim/motion.hpp"
+#include "device/sim/ride.hpp"
 #include "device/sim/trace.hpp"
 #include "device/sim/window.hpp"
 #include "protocol/gpgl_reader.hpp"
@@ -26,77 +26,77 @@
 
 namespace popcut {
 
-/// What stands around a simulated cutter when it is switched on.
+/// The surroundings of a simulated cutter when it is switched on.
 struct SimOptions {
   double page_width_mm{};   ///< 0: the machine's first mat, else its own width
   double page_length_mm{};  ///< 0: the machine's first mat, else its own length
   bool media{true};         ///< a sheet is loaded
-  bool unlimited{false};    ///< takes any number of bytes at once: for estimates
+  bool unlimited{false};    ///< accepts any number of bytes at once: for estimates
   double reply_s{0.00075};  ///< median of the recorded replies (logic analyser, Portrait V1.00)
-  bool marks{true};         ///< the sheet bears the registration marks that the program searches
-  std::optional<PagePoint> marks_at{};  ///< their corner on the sheet; none: just where expected
-  std::vector<int> tools{2, 0};  ///< what ESC NAK tells is in each holder: 2 autoblade, 0 nothing
+  bool marks{true};         ///< the sheet has the registration marks that the program searches for
+  std::optional<PagePoint>
+      marks_at{};                ///< their corner on the sheet; none: where the program expects it
+  std::vector<int> tools{2, 0};  ///< ESC NAK's reply for each holder: 2 autoblade, 0 empty
 };
 
-/// A cutter that is made of a row of the machine table: bytes in, replies and a trace out.
+/// A simulated cutter, made from a row of the machine table: bytes in, replies and a trace out.
 ///
 /// It reads the program as the machine does, keeps it in an input buffer of the machine's size,
-/// carries it out on a clock of its own, and tells its status (GPGL, ESC ENQ). What it does not
-/// understand is kept and counted, never carried out. It only answers queries. The same bytes at
-/// the same times give the same trace.
+/// executes it on its own clock, and reports its status (GPGL, ESC ENQ). Commands that it does not
+/// understand are kept and counted, never executed. It sends nothing but replies to queries. The
+/// same bytes at the same times give the same trace.
 ///
-/// The clock moves by `run_until` alone. A machine that speaks HPGL answers nothing, as most
-/// clones.
+/// Only `run_until` advances the clock. An HPGL machine answers nothing, like most clones.
 class SimCutter {
  public:
   using Time = std::chrono::nanoseconds;
 
-  /// @retval OutOfRange  the machine's language, unit or motion is not lawful
+  /// @retval OutOfRange  the machine's language, unit or motion is not valid
   [[nodiscard]] static Result<SimCutter> make(const Machine& machine,
                                               const SimOptions& options = {});
 
   // The cable.
-  /// Takes as many of `bytes` as the buffer has room for, now; returns their number.
+  /// Accepts as many of `bytes` as the buffer has room for now; returns their number.
   std::size_t accept(std::span<const std::byte> bytes);
-  /// No more bytes come: what an unfinished command holds is not understood, and is counted so.
+  /// No more bytes follow: an unfinished command counts as not understood.
   void finish();
   /// Replies that have arrived by now.
   [[nodiscard]] std::vector<std::byte> take_replies();
-  /// When the next reply arrives, if one is on its way.
+  /// When the next reply arrives, if there is one.
   [[nodiscard]] std::optional<Time> next_reply() const;
 
   // The clock.
   [[nodiscard]] Time now() const { return now_; }
   void run_until(Time time);
-  /// Runs until nothing is left to do or nothing moves any more (paused, no media).
+  /// Runs until nothing is left to do or nothing moves (paused, no media).
   void run_dry();
-  /// When something changes by itself next: a motion ends, the reset after a cancel is over.
+  /// When something next changes by itself: a motion ends, or the reset after a cancel.
   [[nodiscard]] std::optional<Time> next_event() const;
 
   // The front of the machine.
   void load_media();
   void unload_media();
-  void pause();  ///< takes effect when the leg under way has ended
+  void pause();  ///< takes effect when the current leg has ended
   void resume();
   void lose_marks() { options_.marks = false; }  ///< no mark can be seen on the sheet
   void answer_as(std::string identity) { machine_.identity = std::move(identity); }  ///< to FG
-  void cancel();  ///< only while paused: the rest is thrown away and the machine resets itself
+  void cancel();  ///< only while paused: discards the rest and resets the machine
 
-  // What is to be seen.
+  // What can be observed.
   [[nodiscard]] DeviceStatus status() const;
   [[nodiscard]] const Trace& trace() const { return trace_; }
   [[nodiscard]] PagePoint position() const { return position_; }
   [[nodiscard]] bool tool_down() const { return tool_down_; }
   [[nodiscard]] std::uint64_t accepted_bytes() const { return accepted_; }
-  /// All bytes before this one have been carried out.
+  /// All bytes before this one were executed.
   [[nodiscard]] std::uint64_t executed_bytes() const { return executed_; }
-  /// Bytes up to `end_byte` were carried out at `time`: a whole command, or one of its points.
+  /// Bytes up to `end_byte` were executed at `time`: a whole command, or one of its points.
   struct Step {
     std::uint64_t end_byte{};
     Time time{};
     bool whole_command{};
   };
-  /// Every step from now on is appended to `steps`; null ends that.
+  /// Appends every step from now on to `steps`; null stops recording.
   void record_steps(std::vector<Step>* steps) { steps_ = steps; }
 
  private:
@@ -108,7 +108,7 @@ class SimCutter {
     Commit commit{};
     Leg leg;
     double dwell_s{};    ///< in addition to the ride
-    PagePoint target;    ///< where the tool then stands
+    PagePoint target;    ///< position of the tool then
     PagePoint from, to;  ///< Drawn: the line as commanded
     std::optional<Inside> inside;
     std::uint64_t begin_byte{}, end_byte{};
@@ -121,8 +121,8 @@ class SimCutter {
     bool corner_lift{};
     double corner_extension_mm{};
   };
-  // Legs that the motion planner sees ahead: enough for full speed on legs of 1 mm. The true number
-  // is not known.
+  // How many legs the motion planner sees ahead: enough for full speed on legs of 1 mm. The real
+  // machines' number is not known.
   static constexpr std::size_t kLookahead = 32;
   struct Reply {
     Time time{};
@@ -157,7 +157,7 @@ class SimCutter {
   void unknown(std::string_view text);
   void remark(std::string text);
   [[nodiscard]] ToolState& tool_state(std::span<const double> args, std::size_t index);
-  /// Most machines that speak HPGL answer nothing.
+  /// Most HPGL machines answer nothing.
   [[nodiscard]] bool answers() const { return map_.dialect == Dialect::Gpgl; }
   [[nodiscard]] std::string reply_to(std::string_view query) const;
   void send_reply(std::string bytes);
@@ -173,7 +173,7 @@ class SimCutter {
   SimOptions options_;
   PageMap map_;
   std::variant<GpglReader, HpglReader> reader_;
-  Program incoming_;  ///< commands read, from `next_` on not yet actions
+  Program incoming_;  ///< commands read; from `next_` on they are not yet actions
   std::size_t next_{};
   std::uint32_t next_point_{};
   std::uint64_t reader_base_{};  ///< bytes accepted before the reader was made
@@ -185,15 +185,15 @@ class SimCutter {
   std::deque<Reply> replies_;
 
   bool media_{true}, paused_{false};
-  // The machine as it stands.
+  // The machine's state now.
   PagePoint position_;  ///< of the tool
-  PagePoint logical_;   ///< where the program believes it is: maybe outside the window
+  PagePoint logical_;   ///< where the program assumes it is: maybe outside the window
   bool tool_down_{false}, stroke_open_{false};
-  double speed_out_mm_s_{};  ///< at which the last leg was left
-  // The machine as it will stand after all actions so far.
+  double speed_out_mm_s_{};  ///< speed at the end of the last leg
+  // The machine's state after all planned actions.
   PagePoint plan_position_, plan_logical_;
   bool plan_down_{false};
-  std::optional<PagePoint> plan_way_from_;  ///< start of the last cut leg, if one can go on from it
+  std::optional<PagePoint> plan_way_from_;  ///< start of the last cut leg, if the next continues it
 
   std::array<ToolState, 9> tools_{};
   int tool_{1};

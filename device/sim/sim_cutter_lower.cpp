@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// From commands to motion: what the planner of the simulated cutter does with each.
+// Part of device/sim/sim_cutter.hpp: turns commands into motion, as the machine's planner does.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/machines/motion.hpp"
 #include "device/sim/sim_cutter.hpp"
@@ -27,7 +26,7 @@ void SimCutter::lower() {
   }
 }
 
-/// One point of a command; its share of the command's bytes is free once it has been reached.
+/// One point of a command; its share of the command's bytes is freed when the tool reaches it.
 void SimCutter::lower_point(const Command& command) {
   const std::uint64_t bytes = command.end - command.begin;
   const bool last = next_point_ + 1 >= command.count;
@@ -41,12 +40,12 @@ void SimCutter::lower_point(const Command& command) {
       lower_move(to);
     else
       lower_draw(to);
-  } else if (command.verb == Verb::Move) {  // PU alone lifts the tool where it is
+  } else if (command.verb == Verb::Move) {  // PU without points lifts the tool where it is
     if (plan_down_) plan_dwell(machine_.motion.lift_s, Commit::ToolUp);
     plan_dwell(0, Commit::Moved);
     actions_.back().to = plan_logical_;
   } else {
-    plan_dwell(0, Commit::Nothing);  // PD alone: the next line brings the tool down
+    plan_dwell(0, Commit::Nothing);  // PD without points: the next line lowers the tool
   }
   Action& action = actions_.back();
   action.begin_byte = command.begin;

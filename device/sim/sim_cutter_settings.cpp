@@ -1,78 +1,42 @@
 // SPDX-License-Identifier: MIT
-// What the simulated cutter makes of settings and queries.
+// Part of device/sim/sim_cutter.hpp: settings and queries.
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "device/port/transport.hpp"
 #include "device/sim/sim_cutter.hpp"
 
 namespace popcut {
 namespace {
 
 constexpr std::size_t kKeptTexts = 1000;  // unknown commands and remarks shown in full
-constexpr double kPanelSpeedMmS = 100;    // where neither program nor table names a speed: a guess
+constexpr double kPanelSpeedMmS = 100;  // a guess, if neither the program nor the table has a speed
 constexpr double kClassicOffsetUnits =
-    18;  // 0.9 mm blade: what FQ2 answered unset (Portrait V1.00)
+    18;  // 0.9 mm blade: the reply to an unset FQ2 (Portrait V1.00)
 
 double arg(std::span<const double> args, std::size_t index, double otherwise) {
   return index < args.size() ? args[index] : otherwise;
 }
 
-std::string_view setting_name(Verb verb, std::string_view mnemonic) {
-  switch (verb) {
-    case Verb::Initialise:
-      return "initialise";
-    case Verb::Speed:
-      return "speed";
-    case Verb::Force:
-      return "force";
-    case Verb::BladeOffset:
-      return "blade_offset";
-    case Verb::CornerLift:
-      return "corner_lift";
-    case Verb::CornerExtend:
-      return "corner_extend";
-    case Verb::SelectTool:
-      return "tool";
-    case Verb::Mat:
-      return "mat";
-    case Verb::Orientation:
-      return "orientation";
-    case Verb::WindowNear:
-      return "window_near";
-    case Verb::WindowFar:
-      return "window_far";
-    case Verb::Autoblade:
-      return "autoblade";
-    case Verb::TrackEnhance:
-      return "track_enhance";
-    case Verb::LineType:
-      return "line_type";
-    case Verb::Home:
-      return "home";
-    case Verb::SetOrigin:
-      return "set_origin";
-    default:
-      return mnemonic;
-  }
+/// The name of a setting in a trace: "blade_offset"; the mnemonic of one without a verb of its own.
+std::string setting_name(Verb verb, std::string_view mnemonic) {
+  if (verb == Verb::Other || verb == Verb::Absolute) return std::string(mnemonic);
+  std::string name(name_of(verb));
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
 }
 
-/// Bytes as they can be shown: what is not printable ASCII as \xNN, and not more than 64 of them.
+/// Bytes in printable form, at most 64 of them.
 std::string shown(std::string_view bytes) {
   constexpr std::size_t kMost = 64;
-  std::string text;
-  for (const char c : bytes.substr(0, kMost)) {
-    if (c >= ' ' && c <= '~')
-      text += c;
-    else
-      text += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
-  }
+  std::string text = printable(bytes, kMost);
   if (bytes.size() > kMost) text += fmt::format("... ({} bytes)", bytes.size());
   return text;
 }
 
-/// The reply to FG where none was recorded: the title without its maker, firmware V0.00.
+/// The reply to FG if none was recorded: the title without its maker, firmware V0.00.
 std::string made_up_identity(const std::string& title) {
   const std::size_t blank = title.find(' ');
   std::string name = blank == std::string::npos ? title : title.substr(blank + 1);
@@ -114,9 +78,8 @@ void SimCutter::apply(const Command& command) {
     if (answers()) send_reply(reply_to(text));
     return;
   }
-  trace_.settings.push_back(
-      {std::string(setting_name(command.verb, text)), {args.begin(), args.end()}});
-  stroke_open_ = false;  // what is drawn from here on is drawn otherwise
+  trace_.settings.push_back({setting_name(command.verb, text), {args.begin(), args.end()}});
+  stroke_open_ = false;  // the next line has other settings, so it is another stroke
   if (text == "TB123" || text == "TB124") return search_marks(args);
   switch (command.verb) {
     case Verb::Initialise:
@@ -147,7 +110,7 @@ void SimCutter::apply(const Command& command) {
       const double depth = arg(args, 0, 0);
       if (!machine_.autoblade || arg(args, 1, 1) != 1 || !(depth >= 0 && depth <= 10))
         return remark(
-            fmt::format("autoblade depth {:g} on tool {:g}: not taken", depth, arg(args, 1, 1)));
+            fmt::format("autoblade depth {:g} on tool {:g}: ignored", depth, arg(args, 1, 1)));
       const Motion& m = machine_.motion;
       return plan_dwell(m.autoblade_reset_s + (10 - depth) * m.autoblade_tap_s, Commit::Nothing);
     }
@@ -156,11 +119,11 @@ void SimCutter::apply(const Command& command) {
   }
 }
 
-/// The tool that a setting is for: its own argument, else the one in use.
+/// The tool that a setting applies to: its own argument, else the selected one.
 SimCutter::ToolState& SimCutter::tool_state(std::span<const double> args, std::size_t index) {
   const double tool = arg(args, index, tool_);
-  const bool lawful = tool >= 1 && tool < static_cast<double>(tools_.size());
-  return tools_[lawful ? static_cast<std::size_t>(tool) : static_cast<std::size_t>(tool_)];
+  const bool valid = tool >= 1 && tool < static_cast<double>(tools_.size());
+  return tools_[valid ? static_cast<std::size_t>(tool) : static_cast<std::size_t>(tool_)];
 }
 
 void SimCutter::apply_scaled(const Command& command, std::span<const double> args) {
@@ -176,7 +139,7 @@ void SimCutter::apply_scaled(const Command& command, std::span<const double> arg
   const double taken =
       std::clamp(sent, static_cast<double>(scale.min_step), static_cast<double>(scale.max_step));
   if (taken != sent)
-    remark(fmt::format("{} {:g}: outside {} to {}, taken as {:g}", speed ? "speed" : "force", sent,
+    remark(fmt::format("{} {:g}: outside {} to {}, {:g} was used", speed ? "speed" : "force", sent,
                        scale.min_step, scale.max_step, taken));
   (speed ? state.speed_mm_s : state.force_steps) = speed ? taken * scale.per_step : taken;
 }
@@ -205,13 +168,13 @@ void SimCutter::apply_corner(const Command& command, std::span<const double> arg
 void SimCutter::apply_window(const Command& command, std::span<const double> args) {
   const MachinePoint corner{arg(args, 0, 0), arg(args, 1, 0)};
   (command.verb == Verb::WindowNear ? near_ : far_) = corner;
-  // Where the page begins left of the machine's zero, drivers send negative coordinates under a
-  // window from 0 on, and they are cut (inkscape-silhouette, Cameo 5).
+  // If the page begins left of the machine's zero, drivers send negative coordinates with a window
+  // from 0, and the machine cuts them (inkscape-silhouette, Cameo 5).
   PagePoint near = map_.to_page(near_);
   near.x += std::min(machine_.margin_left_mm, 0.0);
   near.y += std::min(machine_.margin_top_mm, 0.0);
   const PagePoint far = map_.to_page(far_);
-  // What the rollers and the carriage reach bounds every window.
+  // No window is larger than the reach of rollers and carriage.
   window_ = {std::clamp(near.x, 0.0, machine_.width_mm),
              std::clamp(near.y, 0.0, machine_.length_mm), std::clamp(far.x, 0.0, machine_.width_mm),
              std::clamp(far.y, 0.0, machine_.length_mm)};
@@ -226,7 +189,8 @@ void SimCutter::apply_tool(std::span<const double> args) {
   if (tool == 0) return end_of_job();
   const double most = map_.dialect == Dialect::Gpgl ? machine_.tool_holders : 8;
   if (!(tool >= 1 && tool <= most)) {
-    remark(fmt::format("tool {:g}: the machine has {:g}, tool {} stays", tool, most, tool_));
+    remark(
+        fmt::format("tool {:g}: the machine has {:g}; tool {} stays selected", tool, most, tool_));
     return;
   }
   if (plan_down_) plan_dwell(machine_.motion.lift_s, Commit::ToolUp);
@@ -250,7 +214,7 @@ void SimCutter::apply_home(Verb verb) {
   end_of_job();
 }
 
-/// The trailer parks the tool: once a job, whatever command says so first.
+/// Parks the tool, once per job, at the first command that asks for it.
 void SimCutter::end_of_job() {
   if (plan_down_) plan_dwell(machine_.motion.lift_s, Commit::ToolUp);
   if (!drawn_) return;
@@ -259,9 +223,10 @@ void SimCutter::end_of_job() {
   drawn_ = setup_done_ = marks_found_ = false;
 }
 
-/// Height, width and where the search begins, 10 mm before the marks' corner. One reply when it has
-/// ended: 0 if they are found, from when on their corner is zero. How long a search takes was never
-/// recorded; the sensor passes along both sides of the rectangle.
+/// The arguments are height, width and the start of the search, 10 mm before the marks' corner. The
+/// search ends with one reply: 0 if the marks are found, and from then on their corner is the
+/// origin. How long it takes was never recorded; the sensor passes along both sides of the
+/// rectangle.
 void SimCutter::search_marks(std::span<const double> args) {
   constexpr double kSearchMm = 10;
   constexpr double kSensorMmS = 40;
@@ -280,7 +245,7 @@ void SimCutter::search_marks(std::span<const double> args) {
   marks_found_ = options_.marks && near && on_sheet;
   const double seconds = std::min(2 * (width + height) / kSensorMmS, 30.0);
   plan_dwell(seconds, Commit::Nothing);
-  const auto ends = now_ + std::chrono::nanoseconds(std::llround(seconds * 1e9));
+  const auto ends = now_ + to_time(seconds);
   if (answers()) replies_.push_back({ends, marks_found_ ? "    0\x03" : "    1\x03"});
   if (!marks_found_) return;
   origin_ = {(printed.y + machine_.margin_top_mm) / unit,
@@ -300,12 +265,12 @@ void SimCutter::send_reply(std::string bytes) {
   if (bytes.empty()) return;
   constexpr std::size_t kMostWaiting = 65536;  // a host that never reads
   if (replies_.size() >= kMostWaiting) return;
-  const Time arrives = now_ + std::chrono::nanoseconds(std::llround(options_.reply_s * 1e9));
+  const Time arrives = now_ + to_time(options_.reply_s);
   replies_.push_back({arrives, std::move(bytes)});
 }
 
-/// Replies as recorded, with their padding: calibration pairs in columns of 5, limits of 6. What no
-/// recording shows is not answered.
+/// Replies as recorded, with their padding: calibration pairs in columns of 5, limits of 6. Queries
+/// without a recorded reply are not answered.
 std::string SimCutter::reply_to(std::string_view query) const {
   const auto number = [](double value) { return std::llround(value); };
   const auto limits = [&](MachinePoint p) {

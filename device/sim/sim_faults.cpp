@@ -56,7 +56,7 @@ Result<SimFault> fault_from(const nlohmann::json& json, const std::string& point
   return fault;
 }
 
-Result<std::vector<SimFault>> by_chance(const nlohmann::json& json) {
+Result<std::vector<SimFault>> drawn_faults(const nlohmann::json& json) {
   if (!json.is_object())
     return fail(ErrorKind::OutOfRange, "/random",
                 "must be an object such as {\"seed\": 7, \"count\": 2, \"bytes\": 9000}");
@@ -98,7 +98,7 @@ Result<std::vector<SimFault>> parse_faults(std::string_view text) {
     }
   }
   if (random != nullptr) {
-    const auto drawn = by_chance(*random);
+    const auto drawn = drawn_faults(*random);
     if (!drawn) return drawn;
     faults.insert(faults.end(), drawn->begin(), drawn->end());
   }

@@ -20,9 +20,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 Error no_terminal(const char* what) {
-  return {
-      ErrorKind::Unwritable, "",
-      fmt::format("no pseudo terminal: {} ({}); is /dev/pts mounted?", what, std::strerror(errno))};
+  return {ErrorKind::Unwritable, "",
+          fmt::format("no pseudo terminal: {} ({}); check that /dev/pts is mounted", what,
+                      std::strerror(errno))};
 }
 
 }  // namespace
@@ -30,7 +30,7 @@ Error no_terminal(const char* what) {
 Result<SimPty> SimPty::open(SimTransport cable, double speedup) {
   if (!(speedup > 0 && speedup <= 1e6))
     return fail(ErrorKind::OutOfRange, "",
-                fmt::format("a speed-up of {}; it must be above 0, at most 1000000", speedup));
+                fmt::format("a speed-up of {}; it must be above 0 and at most 1000000", speedup));
   SimPty pty(std::move(cable), speedup);
   pty.main_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
   if (pty.main_ < 0) return tl::unexpected(no_terminal("none can be opened"));
@@ -85,7 +85,7 @@ bool SimPty::step() {
   if (!answers_.empty()) {
     const ssize_t sent = ::write(main_, answers_.data(), answers_.size());
     if (sent > 0) answers_.erase(answers_.begin(), answers_.begin() + sent);
-    constexpr std::size_t kMostUnread = 65536;  // nobody reads: a real one forgets too
+    constexpr std::size_t kMostUnread = 65536;  // nobody reads; a real cutter drops replies too
     if (answers_.size() > kMostUnread) answers_.clear();
   }
   return true;
@@ -99,7 +99,7 @@ bool SimPty::serve(std::chrono::milliseconds duration) {
       close();
       return false;
     }
-    // Replies come within a millisecond, and a full buffer drains as slowly.
+    // Replies arrive within a millisecond, and a full buffer drains at that pace.
     pollfd wake{main_, static_cast<short>(waiting_.empty() ? POLLIN : 0), 0};
     ::poll(&wake, 1, waiting_.empty() && !cable_.cutter().next_reply() ? 5 : 1);
   } while (Clock::now() < until);

@@ -10,12 +10,12 @@
 
 namespace popcut {
 
-/// A simulated cutter behind a pseudo terminal, in real time or a multiple of it: other programs
-/// open `path` as they would a cutter's serial port. A full buffer shows as back-pressure.
+/// A simulated cutter behind a pseudo terminal, in real time or a multiple of it. Other programs
+/// open `path` like a cutter's serial port. A full buffer causes back-pressure.
 class SimPty {
  public:
-  /// @param speedup  seconds of the cutter a second; above 0
-  /// @retval Unwritable  no pseudo terminal can be had
+  /// @param speedup  seconds of the cutter per real second; above 0
+  /// @retval Unwritable  no pseudo terminal is available
   [[nodiscard]] static Result<SimPty> open(SimTransport cable, double speedup = 1);
   SimPty(SimPty&& other) noexcept;
   SimPty& operator=(SimPty&&) = delete;
@@ -24,8 +24,8 @@ class SimPty {
   ~SimPty();
 
   [[nodiscard]] const std::string& path() const { return path_; }
-  /// Serves whoever is at the other end for `duration` of real time. False: the cable is cut (a
-  /// fault script's unplug); the terminal hangs up.
+  /// Serves the other end for `duration` of real time. False: the cable was unplugged by a fault
+  /// script, and the terminal hangs up.
   bool serve(std::chrono::milliseconds duration);
   [[nodiscard]] SimTransport& cable() { return cable_; }
 

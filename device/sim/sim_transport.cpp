@@ -2,7 +2,6 @@
 #include "device/sim/sim_transport.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace popcut {
@@ -15,15 +14,13 @@ constexpr double kBytesPerSecond = 1e6;
 
 constexpr std::size_t kPacketBytes = 64;
 
-nanoseconds seconds(double value) { return nanoseconds(std::llround(value * 1e9)); }
-
 Error gone() { return {ErrorKind::DeviceGone, "", "the cutter was unplugged; check its cable"}; }
 
 Error stalled() {
   return {
       ErrorKind::Refused, "",
-      "the cutter stalled while it was sent data; switch it off and on, look at the sheet, then "
-      "start again",
+      "the cutter stalled while receiving data; switch it off and on, check the sheet, then start "
+      "again",
       ErrorReason::Stalled};
 }
 
@@ -68,7 +65,7 @@ void SimTransport::run_until(nanoseconds time) {
   run_clock(time);
 }
 
-/// Runs the cutter; while a fault waits for a stroke, event by event.
+/// Runs the cutter, event by event while a fault waits for a stroke.
 void SimTransport::run_clock(nanoseconds time) {
   while (next_path_fault_ < path_faults_.size()) {
     strike_paths();
@@ -100,7 +97,7 @@ void SimTransport::strike_paths() {
 
 void SimTransport::strike(const SimFault& fault) {
   struck_ = now();
-  const nanoseconds later = now() + seconds(fault.seconds);
+  const nanoseconds later = now() + to_time(fault.seconds);
   switch (fault.kind) {
     case SimFault::Kind::Unplug:
       unplugged_ = true;
@@ -164,7 +161,7 @@ Transport::WriteEnd SimTransport::write(std::span<const std::byte> bytes, Deadli
     const std::size_t piece = before_fault(bytes.size() - taken);
     const std::size_t got = cutter_.accept(bytes.subspan(taken, piece));
     taken += got;
-    run_until(now() + seconds(static_cast<double>(got) / kBytesPerSecond));
+    run_until(now() + to_time(static_cast<double>(got) / kBytesPerSecond));
     if (got > 0) continue;
     // The buffer is full: back-pressure until the machine has moved on.
     nanoseconds next = cutter_.next_event().value_or(until);
@@ -183,8 +180,8 @@ Result<std::vector<std::byte>> SimTransport::read(Deadline until) {
     const std::vector<std::byte> replies = cutter_.take_replies();
     if (now() >= silent_until_) bytes.insert(bytes.end(), replies.begin(), replies.end());
     if (!bytes.empty()) return bytes;
-    if (now() >= until) return tl::unexpected(too_late("no reply came"));
-    // A reply may come of what has still to be carried out.
+    if (now() >= until) return tl::unexpected(too_late("no reply arrived"));
+    // Commands that are still to be executed may produce a reply.
     nanoseconds next = until;
     if (const auto reply = cutter_.next_reply()) next = std::min(next, *reply);
     if (const auto event = cutter_.next_event()) next = std::min(next, *event);

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "device/port/transport.hpp"
 #include "device/sim/sim_cutter.hpp"
 #include "device/sim/sim_faults.hpp"
-#include "device/port/transport.hpp"
 
 namespace popcut {
 
-/// The cable to a simulated cutter, on its virtual clock: a cut of 40 minutes takes milliseconds.
+/// The cable to a simulated cutter, on a virtual clock: a cut of 40 minutes takes milliseconds.
 class SimTransport final : public Transport {
  public:
   explicit SimTransport(SimCutter cutter, std::vector<SimFault> faults = {});
@@ -26,7 +26,7 @@ class SimTransport final : public Transport {
   [[nodiscard]] const SimCutter& cutter() const { return cutter_; }
   /// When a fault last struck.
   [[nodiscard]] std::optional<std::chrono::nanoseconds> struck() const { return struck_; }
-  /// A reset of the bus, a new cable: what was unplugged can be reached again.
+  /// Plugs the cutter in again.
   void replug() { unplugged_ = false; }
 
  private:
@@ -38,12 +38,12 @@ class SimTransport final : public Transport {
 
   void run_until(std::chrono::nanoseconds time);
   void run_clock(std::chrono::nanoseconds time);
-  /// Faults that are due by the bytes taken.
+  /// Triggers the faults that are due by accepted bytes.
   void strike();
-  /// Faults that are due by the strokes begun.
+  /// Triggers the faults that are due by started strokes.
   void strike_paths();
   void strike(const SimFault& fault);
-  /// Bytes up to the next fault that is due by their count.
+  /// How many of `bytes` may be accepted before the next fault by bytes.
   [[nodiscard]] std::size_t before_fault(std::size_t bytes) const;
 
   SimCutter cutter_;

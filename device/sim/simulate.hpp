@@ -12,16 +12,15 @@
 
 namespace popcut {
 
-/// Runs a whole program on a simulated cutter: what it draws, and how long it takes.
+/// Runs a whole program on a simulated cutter: the trace has what it draws and how long it takes.
 ///
 /// @retval OutOfRange  see `SimCutter::make`; or the program draws more than `kMaxDrawnPoints`
-/// @retval Malformed   there are no bytes, or nothing is drawn and few commands are understood
+/// @retval Malformed   the program is empty, or it draws nothing and most of it is not understood
 [[nodiscard]] Result<Trace> simulate(std::span<const std::byte> program, const Machine& machine,
                                      const SimOptions& options = {});
 
-/// The same over a cable on which the faults of a script strike, sent by a host that only writes.
-/// It gives up when the cable is cut, the line stalls, or nothing moves any more; the trace says so
-/// in its remarks.
+/// The same with the faults of a script, sent by a host that only writes. The host gives up when
+/// the cutter is unplugged, stalls, or stops moving; the trace's remarks say so.
 ///
 /// @retval OutOfRange  see `simulate`
 [[nodiscard]] Result<Trace> simulate_faults(std::span<const std::byte> program,

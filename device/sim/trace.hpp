@@ -10,21 +10,21 @@
 
 namespace popcut {
 
-/// One path with the tool down, as the machine was told to draw it.
+/// One path with the tool down, as the program commands it.
 struct TraceStroke {
   std::uint32_t first{};  ///< points `first .. first + count` of the trace
-  std::uint32_t count{};  ///< 1 where the tool came down and the path did not go on
+  std::uint32_t count{};  ///< 1 if the tool came down without moving
   int tool{1};            ///< tool holder or pen
   double force_steps{};   ///< as sent; 0: never set
-  double force_gf{};      ///< 0 where the machine's scale is not known
+  double force_gf{};      ///< 0 if the machine's scale is not known
   double speed_mm_s{};
-  double clipped_mm{};         ///< of its length, what lies outside the window
-  std::uint64_t begin_byte{};  ///< of the command that brought the tool down
+  double clipped_mm{};         ///< length outside the window
+  std::uint64_t begin_byte{};  ///< of the command that lowered the tool
 };
 
-/// A setting that the machine took, in the order of arrival.
+/// A setting that the machine received, in order of arrival.
 struct TraceSetting {
-  std::string name;  ///< "speed", "force", "tool", ... or the mnemonic of what only it knows
+  std::string name;  ///< "speed", "force", "tool", ... or the mnemonic of any other
   std::vector<double> values;
 };
 
@@ -38,10 +38,10 @@ struct Trace {
   std::vector<TraceStroke> strokes;
   std::vector<PagePoint> clipped;  ///< pairs of ends: drawn in the program, outside the window
   std::vector<TraceSetting> settings;
-  std::vector<std::string> unknown;  ///< commands not understood, none carried out
-  std::vector<std::string> remarks;  ///< values the machine does not take, and what it took instead
-  std::uint64_t unknown_count{};     ///< may be more than the list keeps
-  double cut_mm{};                   ///< length of all strokes as the program commands them
+  std::vector<std::string> unknown;  ///< commands not understood; none was executed
+  std::vector<std::string> remarks;  ///< invalid values, and what the machine used instead
+  std::uint64_t unknown_count{};     ///< may exceed the length of the list
+  double cut_mm{};                   ///< length of all strokes, clipped parts included
   double clipped_mm{};               ///< of that, outside the window
   double travel_mm{};                ///< sum of the gaps between consecutive strokes
   double home_mm{};                  ///< from home to the first stroke and from the last one back
@@ -59,8 +59,8 @@ struct Trace {
 /// The same without the strokes.
 [[nodiscard]] std::string trace_summary_json(const Trace& trace);
 
-/// `cut.svg`: what the knife did at true scale. Each force has its colour (in the legend), travel
-/// is a hairline, what fell outside the window is grey.
+/// `cut.svg`: what the knife did, at true scale. Each force has a colour, listed in the legend;
+/// travel is a hairline; lines outside the window are grey.
 [[nodiscard]] std::string trace_svg(const Trace& trace);
 
 }  // namespace popcut

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Part of device/sim/trace.hpp.
 #include <algorithm>
 #include <cmath>
 
@@ -47,7 +48,7 @@ std::string head_json(const Trace& trace) {
   for (const TraceSetting& setting : trace.settings)
     settings.push_back({{"name", setting.name}, {"values", numbers(setting.values)}});
   head["settings"] = std::move(settings);
-  // Replies and unknown commands hold whatever bytes came: shown, never a reason to fail.
+  // Replies and unknown commands may hold any bytes: they are replaced, never an error.
   return head.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Part of device/sim/trace.hpp.
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -38,7 +39,7 @@ void put_path(std::string& path, std::span<const PagePoint> points) {
   if (points.size() == 1) path += "h0";
 }
 
-/// Light forces are blue, heavy ones red, by their rank among those used: two never look the same.
+/// From blue for the lightest force used to red for the heaviest, so that no two look the same.
 std::string colour(std::size_t rank, std::size_t count) {
   const double t = count < 2 ? 1.0 : static_cast<double>(rank) / static_cast<double>(count - 1);
   const auto channel = [](double value) { return static_cast<int>(value * 255 + 0.5); };
@@ -63,7 +64,7 @@ Box page_box(const Trace& trace) {
   Box box;
   box.add({0, 0});
   for (const PagePoint& point : trace.points) box.add(point);
-  // A roll is as long as what is cut from it; a sheet is shown whole.
+  // A roll is shown as far as it is cut, a sheet whole.
   const bool roll = trace.page_length_mm > 1000;
   box.add({trace.page_width_mm, roll ? box.y1 : trace.page_length_mm});
   return box;
@@ -130,7 +131,7 @@ std::string trace_svg(const Trace& trace) {
     std::string grey;
     for (std::size_t i = 0; i + 1 < trace.clipped.size(); i += 2)
       put_path(grey, std::span(trace.clipped).subspan(i, 2));
-    // White first: the colour of a force must not show where nothing was cut.
+    // White first, to hide the colour of the force where nothing was cut.
     fmt::format_to(out,
                    "<path d=\"{0}\" fill=\"none\" stroke=\"#fff\" stroke-width=\"0.8\"/>\n"
                    "<path class=\"clipped\" d=\"{0}\" fill=\"none\" stroke=\"#aaa\" "

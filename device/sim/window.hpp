@@ -11,7 +11,7 @@ namespace popcut {
   return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
 }
 
-/// The part of the page that a machine reaches; its edges belong to it.
+/// The part of the page that a machine reaches, edges included.
 struct Window {
   double left{}, top{}, right{}, bottom{};
 
@@ -23,14 +23,14 @@ struct Window {
   }
 };
 
-/// From where to where a segment runs inside a window: 0 is its start, 1 its end.
+/// The part of a segment inside a window: 0 is the segment's start, 1 its end.
 struct Inside {
   double from{0};
   double to{1};
 };
 
-/// The part of `a b` inside `window` (Liang and Barsky 1984); none if it does not meet it. A
-/// segment that only touches the window from outside has no inside.
+/// The part of the segment `a b` inside `window` (Liang and Barsky 1984); none if the segment lies
+/// outside or only touches the window.
 [[nodiscard]] std::optional<Inside> clip(const Window& window, PagePoint a, PagePoint b);
 
 }  // namespace popcut

@@ -15,7 +15,7 @@ namespace popcut {
 
 namespace {
 
-/// The devices of the bus, held until the end of the value.
+/// The devices on the bus, held until destruction.
 class DeviceList {
  public:
   explicit DeviceList(libusb_context* context)
@@ -34,7 +34,7 @@ class DeviceList {
   ssize_t count_;
 };
 
-/// The usable ones, named, and the libusb device of each.
+/// The usable devices with their ids, and the libusb device of each.
 std::vector<UsbDevice> usable(const DeviceList& list, std::vector<libusb_device*>* raw = nullptr) {
   std::vector<UsbDevice> found;
   for (libusb_device* const device : list.view()) {
@@ -47,7 +47,7 @@ std::vector<UsbDevice> usable(const DeviceList& list, std::vector<libusb_device*
   return found;
 }
 
-/// Which of `devices` an id means: the serial or the port of one.
+/// The index of the device that an id names by serial or by port.
 Result<std::size_t> find(const std::vector<UsbDevice>& devices, const std::string& id) {
   std::vector<std::size_t> fits;
   std::string others;
@@ -65,7 +65,7 @@ Result<std::size_t> find(const std::vector<UsbDevice>& devices, const std::strin
   if (fits.size() > 1)
     return fail(
         ErrorKind::Refused, id,
-        fmt::format("{} devices have this serial; say which by its port: {}", fits.size(), others));
+        fmt::format("{} devices have this serial; name one by its port: {}", fits.size(), others));
   return fits.front();
 }
 

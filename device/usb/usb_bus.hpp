@@ -14,39 +14,38 @@
 
 namespace popcut {
 
-/// The USB of this computer, with a thread of its own on which everything that the bus reports is
-/// taken in: ends of transfers, devices that come and go.
+/// The USB of this computer. Its own thread handles what the bus reports: finished transfers, and
+/// devices that are plugged in and out.
 ///
-/// All functions may be called from any thread. Transports keep the bus alive that they came from.
+/// You may call all functions from any thread. A transport keeps its bus alive.
 class UsbBus {
  public:
-  /// @retval DeviceGone  there is no USB here (a container, a virtual machine without it)
+  /// @retval DeviceGone  no USB is available (a container, a virtual machine without it)
   [[nodiscard]] static Result<UsbBus> open();
 
-  /// The devices now on the bus that take bytes as a cutter does, printers among them.
+  /// The connected devices that accept bytes as a cutter does, including printers.
   [[nodiscard]] std::vector<UsbDevice> devices() const;
 
-  /// The device that an id means: by serial or by port.
+  /// The device that an id names, by serial or by port.
   ///
   /// @retval DeviceGone  no such device
   /// @retval Refused     two devices have this serial
   [[nodiscard]] Result<UsbDevice> find(const std::string& id) const;
 
-  /// Takes a device over: its kernel driver is detached (and attached again at the end), its
-  /// interface claimed. Nothing is sent to it.
+  /// Detaches the device's kernel driver (and attaches it again at the end) and claims its
+  /// interface. Sends nothing to it. Errors are those of `find`, and:
   ///
-  /// @param id  as `find` takes it; its errors too
-  /// @retval Refused  another program has it; or no permission; or the kernel says no
+  /// @retval Refused  another program uses it; no permission; or the kernel refuses
   [[nodiscard]] Result<std::unique_ptr<UsbTransport>> connect(const std::string& id) const;
 
-  /// How often devices came or went since `open`.
+  /// How often devices were plugged in or out since `open`.
   [[nodiscard]] std::uint64_t changes() const;
   /// Waits until `changes` is more than `seen`; false if that took longer than `most`.
   bool wait_for_change(std::uint64_t seen, std::chrono::milliseconds most) const;
-  /// Called on the bus's own thread after each change; it must not block, nor call the bus.
+  /// `call` runs on the bus's own thread after each change; it must not block or call the bus.
   void on_change(std::function<void()> call);
 
-  /// What the bus and its transports share.
+  /// State shared by the bus and its transports.
   class Shared;
 
  private:

@@ -20,7 +20,7 @@
 namespace popcut {
 namespace {
 
-constexpr std::uint8_t kIppOverUsb = 4;  // a protocol of the printer class that takes HTTP only
+constexpr std::uint8_t kIppOverUsb = 4;  // a protocol of the printer class that accepts only HTTP
 
 std::string port_of(libusb_device* device) {
   std::array<std::uint8_t, 7> ports{};  // USB 3.0 has at most 7 tiers
@@ -31,7 +31,7 @@ std::string port_of(libusb_device* device) {
   return path;
 }
 
-/// One line of sysfs without what no terminal or page should be shown.
+/// One line of sysfs in printable ASCII.
 std::string sysfs_text(const std::string& port, const char* attribute) {
   constexpr std::size_t kLongest = 126;  // a string descriptor holds no more characters
   const std::string path = fmt::format("/sys/bus/usb/devices/{}/{}", port, attribute);
@@ -47,7 +47,7 @@ std::string sysfs_text(const std::string& port, const char* attribute) {
   return text;
 }
 
-/// The driver that sysfs names for an interface; empty if there is none or sysfs does not tell.
+/// The driver of an interface according to sysfs; empty if sysfs names none.
 std::string sysfs_driver(const UsbDevice& device) {
   const std::string path = fmt::format("/sys/bus/usb/devices/{}:1.{}/driver", device.port,
                                        unsigned{device.interface.number});
@@ -81,7 +81,7 @@ std::optional<UsbInterface> usable(const libusb_interface_descriptor& described)
   return found;
 }
 
-/// A printer interface that answers is best, then one that does not, then a vendor's own.
+/// Best is a printer interface that answers, then one that does not, then a vendor-specific one.
 int rank(const UsbInterface& interface) {
   return (interface.printer ? 2 : 0) + (interface.in_endpoint != 0 ? 1 : 0);
 }
@@ -97,7 +97,7 @@ std::optional<UsbInterface> best_interface(const libusb_config_descriptor& confi
   return best;
 }
 
-/// Good for an id: letters, digits and few signs, and not to be taken for a port.
+/// Usable as an id: letters, digits and few signs, and not like the name of a port.
 bool usable_serial(const std::string& serial) {
   const auto plain = [](char c) {
     return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' ||

@@ -12,8 +12,8 @@ struct libusb_device;
 
 namespace popcut {
 
-/// The interface of a device that a cutter's program goes to. All of it is read from the
-/// descriptors: gadgets and models differ in their endpoints.
+/// The interface of a device that receives a cutter's program, read from the descriptors: models
+/// differ in their endpoints.
 struct UsbInterface {
   std::uint8_t number{};
   std::uint8_t alternate{};
@@ -23,10 +23,10 @@ struct UsbInterface {
   bool printer{false};  ///< class 7; else vendor specific
 };
 
-/// A device on the bus that takes bytes as a printer or cutter does. Nothing was sent to it to
-/// learn this: it comes from the descriptors and from sysfs.
+/// A connected device that accepts bytes as a printer or cutter does. All of this comes from the
+/// descriptors and from sysfs; nothing was sent to the device.
 struct UsbDevice {
-  std::string id;    ///< "usb:SERIAL", or "usb:1-2.3" (its port) where no serial tells it apart
+  std::string id;    ///< "usb:SERIAL", or "usb:1-2.3" (its port) if its serial is not unique
   std::string port;  ///< "1-2.3": bus 1, port 2 of it, port 3 of the hub there
   std::string node;  ///< "/dev/bus/usb/001/004"
   std::string serial, manufacturer, product;  ///< printable, as the device names them; may be empty
@@ -34,39 +34,39 @@ struct UsbDevice {
   UsbInterface interface;
 };
 
-/// May popcut use a device now?
+/// Whether popcut may use a device now.
 enum class UsbState : std::uint8_t {
-  Free,          ///< yes; a kernel driver that holds it is asked to let go
+  Free,          ///< yes; a kernel driver that uses it gets detached
   Busy,          ///< another program has claimed it
-  NoPermission,  ///< its node may not be opened for reading and writing
-  Absent,        ///< it is gone
+  NoPermission,  ///< this user may not open its node for reading and writing
+  Absent,        ///< it was unplugged
 };
 /// "free", "busy", "no permission", "absent".
 [[nodiscard]] std::string_view name_of(UsbState state);
 
-/// Who has a device.
+/// Who uses a device.
 struct UsbUse {
   UsbState state{};
   std::string driver;  ///< kernel driver bound to the interface: "usblp", "usbfs" for a program
 };
 
-/// Opens the node for a moment and asks the kernel who has the interface. Sends nothing.
+/// Opens the node briefly and asks the kernel who uses the interface. Sends nothing.
 [[nodiscard]] UsbUse usb_use(const UsbDevice& device);
 
-/// Reads what stands in descriptors and sysfs. An empty `node`: no interface takes bulk data as a
-/// printer does, so it is none of ours.
+/// Reads descriptors and sysfs. `node` is empty if no interface accepts bulk data as a printer
+/// does: the device is not a cutter.
 [[nodiscard]] UsbDevice describe(libusb_device* device);
 
-/// Gives each device its id. Serials that are empty, odd, or that two devices share are no use:
-/// those get the id of their port.
+/// Gives each device its id: its serial or, if that is empty, has unusual characters or is not
+/// unique, its port.
 void name_devices(std::vector<UsbDevice>& devices);
 
-/// The machines whose ids are those of the device. More than one where a user's table has rows of
-/// its own for the same model.
+/// The machines with the device's USB ids; several if a user's table has more rows for the same
+/// model.
 [[nodiscard]] std::vector<const Machine*> recognise(const UsbDevice& device,
                                                     const std::vector<Machine>& machines);
 
-/// True if `machines` has any of the device's vendor: a cutter then, though maybe a new model.
+/// True if `machines` has any of the device's vendor: then it is a cutter, maybe of a new model.
 [[nodiscard]] bool known_vendor(const UsbDevice& device, const std::vector<Machine>& machines);
 
 }  // namespace popcut

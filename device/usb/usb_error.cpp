@@ -15,20 +15,21 @@ Error usb_error(int code, const UsbDevice& device, const char* doing) {
     case LIBUSB_ERROR_ACCESS:
       return {ErrorKind::Refused, device.id,
               fmt::format("no permission to use {}; install popcut's udev rule and join the group "
-                          "popcut-usb ('popcut doctor' says how)",
+                          "popcut-usb ('popcut doctor' shows how)",
                           device.node)};
     case LIBUSB_ERROR_BUSY:
-      return {ErrorKind::Refused, device.id,
-              "another program uses the cutter; end that one first ('popcut doctor' says which it "
-              "is)"};
+      return {
+          ErrorKind::Refused, device.id,
+          "another program uses the cutter; stop that program first ('popcut doctor' names it)"};
     case LIBUSB_ERROR_NO_MEM:
-      return {ErrorKind::Refused, device.id,
-              "the kernel has no memory left for USB transfers; raise "
-              "/sys/module/usbcore/parameters/usbfs_memory_mb, or end other programs that use USB"};
+      return {
+          ErrorKind::Refused, device.id,
+          "the kernel has no memory left for USB transfers; raise "
+          "/sys/module/usbcore/parameters/usbfs_memory_mb, or stop other programs that use USB"};
     default:
       return {ErrorKind::Refused, device.id,
               fmt::format("the cutter cannot be {} (libusb: {}); plug it in again, at another port "
-                          "if need be",
+                          "if that does not help",
                           doing, libusb_strerror(code))};
   }
 }

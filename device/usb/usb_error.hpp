@@ -6,12 +6,12 @@
 
 namespace popcut {
 
-/// What a code of libusb means for the person in front of the cutter, and what to do.
+/// An error for a code of libusb that says what to do.
 ///
-/// @param doing  what could not be done: "the cutter cannot be <doing>"
+/// @param doing  what failed, as in "the cutter cannot be <doing>"
 [[nodiscard]] Error usb_error(int code, const UsbDevice& device, const char* doing);
 
-/// Whether a device could be taken over now, with the error that taking it over would give.
+/// Checks whether a device can be connected to now; the error is that of connecting.
 [[nodiscard]] Result<void> may_be_used(const UsbDevice& device);
 
 }  // namespace popcut

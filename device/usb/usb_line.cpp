@@ -16,14 +16,13 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::size_t kInBytes = 512;           // a multiple of every packet size up to 512
-constexpr std::size_t kMostUnread = 64 * 1024;  // of a device that never stops talking
+constexpr std::size_t kMostUnread = 64 * 1024;  // of a device that never stops sending
 constexpr int kMostEmpty = 16;                  // transfers without a byte, in a row
 constexpr int kMostFaults = 10;                 // failed transfers inward, in a row
 constexpr milliseconds kBetweenFaults{50};
-// A transfer that was called back is returned within microseconds; a controller that hangs never
-// returns it.
+// A cancelled transfer returns within microseconds; a controller that hangs never returns it.
 constexpr milliseconds kComeBack{2000};
-// Between a failed transfer and the hub's word that the device is gone lie some 100 ms.
+// The hub reports an unplugged device about 100 ms after a transfer has failed.
 constexpr milliseconds kGoneSoon{500};
 
 Error of(ErrorKind kind, const UsbDevice& device, std::string detail,
@@ -54,7 +53,7 @@ UsbLine::UsbLine(std::shared_ptr<UsbBus::Shared> bus, libusb_device_handle* hand
 Result<void> UsbLine::take_over() {
   const UsbInterface& interface = device_.interface;
   const UsbUse before = usb_use(device_);
-  // Who lets go of it gets it back at the end. Not every system can do this: then claiming says.
+  // The driver gets it back at the end. Where this is not supported, claiming fails.
   static_cast<void>(libusb_set_auto_detach_kernel_driver(handle_, 1));
   int configuration = 0;
   int code = libusb_get_configuration(handle_, &configuration);
@@ -76,12 +75,12 @@ Result<void> UsbLine::take_over() {
   return {};
 }
 
-/// Has both transfers come to an end; false if the controller keeps one.
+/// Cancels both transfers and waits for them; false if the controller keeps one.
 bool UsbLine::call_back() {
   constexpr int kTries = 50;
   std::unique_lock lock(mutex_);
   closing_ = true;
-  // More than one try: a callback may be about to send a transfer in again, not seeing `closing_`.
+  // More than one try: a callback that did not see `closing_` may submit a transfer again.
   for (int i = 0; i < kTries && (out_busy_ || in_busy_); ++i) {
     const bool out = out_busy_;
     const bool in = in_busy_;
@@ -139,7 +138,8 @@ UsbLine::~UsbLine() {
 Transport::WriteEnd UsbLine::send(std::span<const std::byte> piece, Deadline until) {
   if (failed_) return {0, failed_};
   if (Clock::now() >= at(until))
-    return {0, of(ErrorKind::Timeout, device_, "the cutter was given no time to take data")};
+    return {0,
+            of(ErrorKind::Timeout, device_, "there was no time left for the cutter to take data")};
   out_buffer_.resize(piece.size());
   std::transform(piece.begin(), piece.end(), out_buffer_.begin(),
                  [](std::byte byte) { return static_cast<unsigned char>(byte); });
@@ -161,10 +161,11 @@ Transport::WriteEnd UsbLine::send(std::span<const std::byte> piece, Deadline unt
     return {0, std::move(error)};
   }
   if (!come_back(until))
-    return fail_for_good(0, piece.size(),
-                         of(ErrorKind::DeviceGone, device_,
-                            "the USB controller does not give a transfer back; unplug the cutter, "
-                            "then restart popcut"));
+    return fail_for_good(
+        0, piece.size(),
+        of(ErrorKind::DeviceGone, device_,
+           "the USB controller does not return a transfer; unplug the cutter, then "
+           "restart popcut"));
   return judge(piece.size());
 }
 
@@ -173,7 +174,7 @@ bool UsbLine::come_back(Deadline until) {
   const auto back = [&] { return !out_busy_; };
   if (changed_.wait_until(lock, at(until), back)) return true;
   lock.unlock();
-  libusb_cancel_transfer(out_);  // it may just have ended by itself, which is as good
+  libusb_cancel_transfer(out_);  // it may just have ended by itself, which is fine
   lock.lock();
   return changed_.wait_for(lock, kComeBack, back);
 }
@@ -191,12 +192,13 @@ Transport::WriteEnd UsbLine::judge(std::size_t length) {
                                     taken, length))};
     case LIBUSB_TRANSFER_STALL:
       libusb_clear_halt(handle_, device_.interface.out_endpoint);
-      return {taken,
-              of(ErrorKind::Refused, device_,
-                 "the cutter stalled while it was sent data; switch it off and on, look at the "
-                 "sheet, then start again",
-                 ErrorReason::Stalled),
-              std::min<std::size_t>(rest, device_.interface.max_packet_bytes)};
+      return {
+          taken,
+          of(ErrorKind::Refused, device_,
+             "the cutter stalled while receiving data; switch it off and on, check the sheet, then "
+             "start again",
+             ErrorReason::Stalled),
+          std::min<std::size_t>(rest, device_.interface.max_packet_bytes)};
     case LIBUSB_TRANSFER_NO_DEVICE:
       return fail_for_good(taken, rest, gone());
     default:
@@ -232,7 +234,7 @@ void UsbLine::out_done(libusb_transfer* transfer) {
 
 // 2. In.
 
-/// Has a transfer wait for what comes.
+/// Submits a transfer that waits for incoming bytes.
 void UsbLine::listen() {
   {
     const std::lock_guard lock(mutex_);
@@ -305,14 +307,14 @@ ErrorReason UsbLine::reason_of(Inward state) {
   return state == Inward::Overflowed ? ErrorReason::Overflow : ErrorReason::None;
 }
 
-/// After a stall or a failed transfer inward: nothing was asked of the device by it, so that trying
-/// again is harmless.
+/// After a stall or a failed transfer inward. Such a transfer sends nothing to the device, so
+/// trying again is safe.
 Result<void> UsbLine::mend_inward(std::unique_lock<std::mutex>& lock, Deadline until) {
   const Inward state = inward_;
   if (state == Inward::Fine) return {};
   if (in_faults_ > kMostFaults)
     return tl::unexpected(of(ErrorKind::Refused, device_,
-                             "the cutter's replies do not come through; check cable and hub, "
+                             "the cutter's replies do not arrive; check cable and hub, "
                              "switch the cutter off and on",
                              reason_of(state)));
   const auto next_try = std::min(Clock::now() + kBetweenFaults, at(until));
@@ -341,8 +343,8 @@ Result<std::vector<std::byte>> UsbLine::receive(Deadline until) {
       lock.lock();
     }
     if (Clock::now() >= at(until) && received_.empty())
-      return fail(ErrorKind::Timeout, device_.id, "no reply came in time");
-    // Transfers without a byte are not sent in again at once: a millisecond apart is enough.
+      return fail(ErrorKind::Timeout, device_.id, "no reply arrived in time");
+    // Empty transfers are submitted again after a millisecond, not at once.
     const bool hasty = in_empty_ >= kMostEmpty;
     const auto most = hasty ? std::min(at(until), Clock::now() + milliseconds(1)) : at(until);
     if (hasty)

@@ -23,31 +23,31 @@ namespace popcut {
 
 /// A claimed interface with its two transfers: the part of `UsbTransport` that libusb calls back.
 ///
-/// Calls come from one thread at a time; libusb's from the bus's own. `mutex_` guards what both
-/// touch, and is never held while libusb is called.
+/// Call it from one thread at a time; libusb calls it from the bus's thread. `mutex_` guards what
+/// both use, and is never held during a call of libusb.
 class UsbLine {
  public:
-  /// Takes over an open handle, and closes it in any case.
+  /// Claims the interface of an open handle. Always takes ownership of the handle.
   [[nodiscard]] static Result<std::shared_ptr<UsbLine>> claim(std::shared_ptr<UsbBus::Shared> bus,
                                                               libusb_device_handle* handle,
                                                               const UsbDevice& device);
   UsbLine(const UsbLine&) = delete;
   UsbLine& operator=(const UsbLine&) = delete;
   ~UsbLine();
-  /// Lets go of the device. A line whose transfers a hung controller keeps is kept too.
+  /// Releases the device. A line whose transfers a hung controller keeps is kept alive.
   static void retire(std::shared_ptr<UsbLine> line);
-  /// Those kept whose transfers have come back since.
+  /// Releases the kept lines whose transfers have returned since.
   static void release_retired();
 
   [[nodiscard]] Transport::WriteEnd send(std::span<const std::byte> piece, Deadline until);
   [[nodiscard]] Result<std::vector<std::byte>> receive(Deadline until);
-  /// Sleeps, but not on when the device goes away.
+  /// Sleeps; ends early if the device is unplugged.
   void rest(std::chrono::nanoseconds duration);
 
   [[nodiscard]] const UsbDevice& device() const { return device_; }
   [[nodiscard]] const std::string& displaced_driver() const { return displaced_; }
   [[nodiscard]] libusb_device_handle* handle() const { return handle_; }
-  /// The bus saw it leave.
+  /// The bus reported that it was unplugged.
   void mark_gone();
 
  private:
@@ -64,7 +64,7 @@ class UsbLine {
   void listen();
   [[nodiscard]] static ErrorReason reason_of(Inward state);
   [[nodiscard]] Result<void> mend_inward(std::unique_lock<std::mutex>& lock, Deadline until);
-  /// Waits for the end of the transfer under way, calling it back at the deadline.
+  /// Waits for the end of the current transfer and cancels it at the deadline.
   [[nodiscard]] bool come_back(Deadline until);
   [[nodiscard]] Transport::WriteEnd judge(std::size_t length);
   [[nodiscard]] Transport::WriteEnd fail_for_good(std::size_t taken, std::size_t in_doubt,
@@ -79,7 +79,7 @@ class UsbLine {
   libusb_transfer* out_{};
   libusb_transfer* in_{};
   std::vector<unsigned char> out_buffer_, in_buffer_;
-  std::optional<Error> failed_;  ///< for good: of the caller's thread alone
+  std::optional<Error> failed_;  ///< permanent; used by the caller's thread only
 
   std::mutex mutex_;
   std::condition_variable changed_;

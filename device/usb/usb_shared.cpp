@@ -15,8 +15,8 @@ namespace {
 
 Error no_usb(int code) {
   return {ErrorKind::DeviceGone, "USB",
-          fmt::format("this computer offers none to popcut (libusb: {}); a container or a virtual "
-                      "machine must be given the device",
+          fmt::format("not available on this computer (libusb: {}); pass the device through to the "
+                      "container or virtual machine",
                       libusb_strerror(code))};
 }
 
@@ -68,19 +68,19 @@ void UsbBus::Shared::serve() {
   while (!stop_) {
     timeval most{1, 0};
     const int code = libusb_handle_events_timeout_completed(context_, &most, nullptr);
-    // An error here has no transfer to belong to; those end by themselves. Only never spin.
+    // An error here belongs to no transfer: do nothing, but do not spin.
     if (code != 0 && code != LIBUSB_ERROR_INTERRUPTED)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    tell();
+    notify();
   }
 }
 
-void UsbBus::Shared::tell() {
+void UsbBus::Shared::notify() {
   std::function<void()> call;
   {
     const std::lock_guard lock(mutex);
-    if (changes == told_) return;
-    told_ = changes;
+    if (changes == notified_) return;
+    notified_ = changes;
     call = on_change;
   }
   if (call) call();

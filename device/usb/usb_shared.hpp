@@ -17,7 +17,7 @@ struct libusb_device;
 
 namespace popcut {
 
-/// libusb's context, the thread that serves it, and who listens.
+/// libusb's context, the thread that serves it, and those who listen for changes.
 class UsbBus::Shared {
  public:
   Shared() = default;
@@ -26,10 +26,10 @@ class UsbBus::Shared {
   ~Shared();
 
   [[nodiscard]] Result<void> start();
-  /// To be given to libusb.
+  /// Callbacks for libusb.
   struct Hooks;
   [[nodiscard]] libusb_context* context() const { return context_; }
-  /// Lines are told when their device leaves, from `add` until `remove`.
+  /// From `add` until `remove`, a line is notified when its device is unplugged.
   void add(UsbLine* line);
   void remove(UsbLine* line);
 
@@ -41,7 +41,7 @@ class UsbBus::Shared {
  private:
   void note(libusb_device* device, bool left);
   void serve();
-  void tell();
+  void notify();
 
   libusb_context* context_{};
   int hotplug_{};
@@ -49,7 +49,7 @@ class UsbBus::Shared {
   std::atomic<bool> stop_{false};
   std::thread thread_;
   std::vector<UsbLine*> lines_;  ///< guarded by `mutex`
-  std::uint64_t told_{};         ///< of the thread alone
+  std::uint64_t notified_{};     ///< used by the thread only
 };
 
 }  // namespace popcut

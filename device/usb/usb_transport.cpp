@@ -8,8 +8,8 @@
 namespace popcut {
 namespace {
 
-// Whole packets of any speed; small enough that little is in doubt when a cable is pulled, large
-// enough that the pause between transfers (below 1 ms) never empties a cutter's buffer.
+// A multiple of every packet size. Small enough that little is in doubt when a cable is unplugged,
+// large enough that the pause between transfers (below 1 ms) never empties a cutter's buffer.
 constexpr std::size_t kTransferBytes = 4096;
 
 }  // namespace

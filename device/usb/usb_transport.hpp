@@ -13,15 +13,16 @@ class UsbLine;
 
 /// A claimed interface of a USB device, through libusb's asynchronous calls.
 ///
-/// One transfer at a time goes out; one is always waiting for what comes in, so that no reply is
-/// lost and an unplugged cable is seen at once. The time is that of the steady clock. Errors:
-/// - Timeout     the deadline passed. `taken` is exact: the kernel counted the bytes that the
-///               device acknowledged before the transfer was called back. The rest may follow.
+/// It sends one transfer at a time, and one transfer always waits for input, so that no reply is
+/// lost and an unplugged cable is noticed at once. It uses the steady clock. Errors:
+/// - Timeout     the deadline passed. `taken` is exact: the bytes that the device acknowledged
+/// before
+///               the transfer was cancelled. You may send the rest.
 /// - DeviceGone  unplugged, or the bus failed in the middle of a transfer. How much of that
-///               transfer arrived beyond `taken` is not known (`in_doubt`). Everything after it
-///               fails the same way: what may have arrived is never sent again.
+///               transfer arrived beyond `taken` is not known (`in_doubt`). Every later call fails
+///               the same way, so that nothing is sent twice.
 /// - Refused     the device stalled its endpoint, which is cleared once. `taken` was acknowledged;
-///               a packet after it is in doubt. Or the kernel takes no transfers.
+///               a packet after it is in doubt. Or the kernel accepts no transfers.
 class UsbTransport final : public Transport {
  public:
   explicit UsbTransport(std::shared_ptr<UsbLine> line);
@@ -32,12 +33,12 @@ class UsbTransport final : public Transport {
   [[nodiscard]] WriteEnd write(std::span<const std::byte> bytes, Deadline until) override;
   [[nodiscard]] Result<std::vector<std::byte>> read(Deadline until) override;
   [[nodiscard]] std::chrono::nanoseconds now() const override;
-  /// Ends early when the device goes away.
+  /// Ends early if the device is unplugged.
   void wait(std::chrono::nanoseconds duration) override;
   [[nodiscard]] bool answers() const override;
 
   [[nodiscard]] const UsbDevice& device() const;
-  /// The kernel driver that had to let go ("usblp"); empty if none.
+  /// The kernel driver that was detached ("usblp"); empty if none.
   [[nodiscard]] const std::string& displaced_driver() const;
 
  private:

@@ -15,23 +15,12 @@
 #include "core/design/design.hpp"
 #include "core/design/lattice/lattice.hpp"
 #include "core/formats/fold/fold_writer.hpp"
+#include "tests/support/timing.hpp"
 
 using namespace popcut;
+using namespace popcut::testing;
 
 namespace {
-
-double seconds_of(const auto& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double median_of(int runs, const auto& work) {
-  std::vector<double> times;
-  for (int k = 0; k < runs; ++k) times.push_back(seconds_of(work));
-  std::nth_element(times.begin(), times.begin() + runs / 2, times.end());
-  return times[static_cast<std::size_t>(runs / 2)];
-}
 
 long peak_mb() {
   rusage usage{};

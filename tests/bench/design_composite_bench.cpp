@@ -13,22 +13,12 @@
 #include "core/design/strips/multi_state.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
+#include "tests/support/timing.hpp"
 
 using namespace popcut;
+using namespace popcut::testing;
 
 namespace {
-
-double median_of(int runs, const auto& work) {
-  std::vector<double> times;
-  for (int k = 0; k < runs; ++k) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    times.push_back(
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
-  std::nth_element(times.begin(), times.begin() + runs / 2, times.end());
-  return times[static_cast<std::size_t>(runs / 2)];
-}
 
 DesignSpec example(const std::string& name) {
   std::ifstream file(POPCUT_SOURCE_DIR "/examples/" + name + ".json");

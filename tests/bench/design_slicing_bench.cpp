@@ -12,16 +12,12 @@
 #include "core/design/target/mesh_slicer.hpp"
 #include "core/design/target/surface_kinds.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/timing.hpp"
 
 using namespace popcut;
+using namespace popcut::testing;
 
 namespace {
-
-double seconds_of(const auto& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 long peak_mb() {
   rusage usage{};

@@ -32,7 +32,7 @@ std::optional<json> golden(const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("K and H over r, lambda and phi are the golden ones", "[core][curvature][golden]") {
+TEST_CASE("K and H over r, lambda and phi equal the golden values", "[core][curvature][golden]") {
   const auto data = golden("golden_KH.json");
   if (!data) return;
   REQUIRE((*data)["grid"].size() == 240);
@@ -74,7 +74,7 @@ TEST_CASE("K and H over r, lambda and phi are the golden ones", "[core][curvatur
   }
 }
 
-TEST_CASE("the azimuthal error is the golden one in both conventions",
+TEST_CASE("the azimuthal error equals the golden values in both conventions",
           "[core][curvature][golden]") {
   const auto data = golden("golden_Lphi.json");
   if (!data) return;
@@ -95,7 +95,7 @@ TEST_CASE("the azimuthal error is the golden one in both conventions",
   }
 }
 
-TEST_CASE("splay angles and patches are the golden ones", "[core][curvature][golden]") {
+TEST_CASE("splay angles and patches equal the golden values", "[core][curvature][golden]") {
   const auto data = golden("golden_splay.json");
   if (!data) return;
   for (const json& row : (*data)["theta_table_psi_alpha_theta"])

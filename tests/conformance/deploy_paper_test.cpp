@@ -45,7 +45,8 @@ std::vector<std::array<double, 3>> corners_of_text_stl(const std::string& text) 
 
 }  // namespace
 
-TEST_CASE("the meshes published with the paper come out vertex for vertex", "[core][deploy]") {
+TEST_CASE("the meshes published with the paper are reproduced vertex for vertex",
+          "[core][deploy]") {
   if (!std::filesystem::exists(kPublished + ".csv")) {
     WARN("skipped: the paper's table is not here");
     return;

@@ -121,7 +121,8 @@ TEST_CASE("the simulated Cameo 3 is ready when the recorded one was", "[device][
   }
 }
 
-TEST_CASE("variants of the recorded job take as long as they took", "[device][sim]") {
+TEST_CASE("simulated variants of the recorded job take as long as the recorded ones",
+          "[device][sim]") {
   // Seconds from the last geometry write to the first 0, polled twice a second; one square of the
   // recorded job is 508 units wide with a lead-in and an overcut of 20. Studio's settings.
   struct Variant {
@@ -208,7 +209,7 @@ TEST_CASE("variants of the recorded job take as long as they took", "[device][si
   }
 }
 
-TEST_CASE("recorded host streams hold nothing that the simulated cutter does not know",
+TEST_CASE("the simulated cutter understands every command of the recorded host streams",
           "[device][sim]") {
   for (const char* start : {"silhouette_cameo3", "umockdev", "la_", "doc_tri"})
     for (const Session& session : sessions(start)) {
@@ -234,7 +235,7 @@ TEST_CASE("recorded host streams hold nothing that the simulated cutter does not
     }
 }
 
-TEST_CASE("the simulated cutter answers in the forms of the recorded replies", "[device][sim]") {
+TEST_CASE("the simulated cutter replies in the recorded formats", "[device][sim]") {
   std::size_t compared = 0;
   for (const char* start : {"silhouette_cameo3", "umockdev", "la_silhouette_connect"})
     for (const Session& session : sessions(start)) {

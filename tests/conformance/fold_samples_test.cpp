@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/formats/fold/fold_reader.hpp"
 #include "core/drawing/planar_graph.hpp"
+#include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "tests/support/linework_checks.hpp"
 
@@ -79,7 +79,7 @@ bool absent(const char* name) {
 
 }  // namespace
 
-TEST_CASE("crease patterns from elsewhere have as many vertices and edges and faces as counted",
+TEST_CASE("crease patterns of other programs have the known numbers of vertices edges and faces",
           "[conformance][formats][fold]") {
   struct Counted {
     const char* name;
@@ -98,8 +98,7 @@ TEST_CASE("crease patterns from elsewhere have as many vertices and edges and fa
   }
 }
 
-TEST_CASE("splitting the cuts leaves the faces and their pieces as they are",
-          "[conformance][formats][fold]") {
+TEST_CASE("splitting the cuts changes neither faces nor pieces", "[conformance][formats][fold]") {
   for (const char* name : {"fold/os_popupSimple.svg", "fold/os_housePopup.svg"}) {
     CAPTURE(name);
     if (absent(name)) continue;
@@ -160,7 +159,7 @@ TEST_CASE("FOLD samples have the faces that their lines bound", "[conformance][f
   CHECK(simple.error().place == "/vertices_coords");
 }
 
-TEST_CASE("FOLD samples that are wrong are refused with their place and what is right",
+TEST_CASE("invalid FOLD samples are refused with the place and the valid form",
           "[conformance][formats][fold]") {
   if (absent("fold/re_invalid-key-names.fold")) return;
   const auto names = read_fold(sample("fold/re_invalid-key-names.fold"));

@@ -94,7 +94,7 @@ void check_same_program(const std::string& name, const Toolpath& toolpath, const
 
 }  // namespace
 
-TEST_CASE("every recorded host stream is understood whole", "[protocol][conformance]") {
+TEST_CASE("every command of every recorded host stream is understood", "[protocol][conformance]") {
   for (const auto& [name, expected] : kGeometry) {
     CAPTURE(name);
     const std::optional<std::string> bytes = capture(name + ".out");
@@ -117,8 +117,7 @@ TEST_CASE("no recorded host stream is left out of the comparison", "[protocol][c
       CHECK(kGeometry.count(entry.path().stem().string()) == 1);
 }
 
-TEST_CASE("popcut sends a Cameo 3 byte for byte what its own software sent",
-          "[protocol][conformance]") {
+TEST_CASE("popcut sends a Cameo 3 the same bytes as its own software", "[protocol][conformance]") {
   Toolpath squares = four_squares();
   Material material = paper();
   JobOptions options = on_mat(kMat);
@@ -149,8 +148,7 @@ TEST_CASE("popcut sends a Cameo 3 byte for byte what its own software sent",
   }
 }
 
-TEST_CASE("popcut sends a Portrait byte for byte what its own software sent",
-          "[protocol][conformance]") {
+TEST_CASE("popcut sends a Portrait the same bytes as its own software", "[protocol][conformance]") {
   Toolpath box;
   Stroke& stroke =
       add_stroke(box, {{25.4, 25.4}, {25.4, 50.8}, {50.8, 50.8}, {50.8, 25.4}, {25.4, 25.4}});
@@ -162,8 +160,7 @@ TEST_CASE("popcut sends a Portrait byte for byte what its own software sent",
                      options);
 }
 
-TEST_CASE("popcut writes fractions as a classic machine was seen to get them",
-          "[protocol][conformance]") {
+TEST_CASE("popcut writes fractions as recorded for a classic machine", "[protocol][conformance]") {
   const std::optional<std::string> sent = capture("doc_tri_fwd.out");
   if (!sent) return;
   Toolpath triangle;
@@ -179,7 +176,7 @@ TEST_CASE("popcut writes fractions as a classic machine was seen to get them",
   CHECK_THAT(without_queries(*sent), Catch::Contains(readable(program.view(program.geometry))));
 }
 
-TEST_CASE("recorded replies are read as the values that they were", "[protocol][conformance]") {
+TEST_CASE("recorded replies are read with their known values", "[protocol][conformance]") {
   for (const std::string name :
        {"silhouette_cameo3_default_settings", "la_silhouette_connect_only"}) {
     const std::optional<std::string> bytes = capture(name + ".in");

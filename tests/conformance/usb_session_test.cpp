@@ -140,10 +140,6 @@ Ended run(const Job& job, std::vector<UsbFault> faults, const SessionOptions& op
   return session(usb, device, "usb:51053P", job, cutter, options);
 }
 
-std::size_t count(const SessionEnd& end, StrokeFate fate) {
-  return static_cast<std::size_t>(std::count(end.fates.begin(), end.fates.end(), fate));
-}
-
 std::string said(const SessionEnd& end) { return end.error ? message(*end.error) : "done"; }
 
 void check_failed(const Ended& ended, ErrorKind kind, const std::string& telling) {
@@ -201,7 +197,7 @@ TEST_CASE("a cutter unplugged in the middle of a transfer leaves a true ledger",
   }
 }
 
-TEST_CASE("a cutter that takes nothing any more is given up and nothing is sent again",
+TEST_CASE("a cutter that stops taking data ends the session and nothing is sent again",
           "[device][usb][session]") {
   const Job job = Job::make(5, 100);
   const Ended ended = run(job, {{job.byte(0.4), Kind::Nak, 1000}}, impatient());
@@ -209,7 +205,7 @@ TEST_CASE("a cutter that takes nothing any more is given up and nothing is sent 
   CHECK(count(ended.end, StrokeFate::NotSent) > 0);
 }
 
-TEST_CASE("a failed transfer on the bus is the end and says what is in doubt",
+TEST_CASE("a failed transfer on the bus ends the session and reports what is in doubt",
           "[device][usb][session]") {
   const Job job = Job::make(6, 100);
   const Ended ended = run(job, {{job.byte(0.4), Kind::BusError}});
@@ -217,7 +213,7 @@ TEST_CASE("a failed transfer on the bus is the end and says what is in doubt",
   CHECK(count(ended.end, StrokeFate::InDoubt) > 0);
 }
 
-TEST_CASE("the panel is heard over USB", "[device][usb][session]") {
+TEST_CASE("a pause or cancel on the panel is noticed over USB", "[device][usb][session]") {
   const Job job = Job::make(7, 100);
   const Ended paused = run(job, {{job.byte(0.3), Kind::Pause, 0.5}});
   INFO(said(paused.end));
@@ -228,7 +224,7 @@ TEST_CASE("the panel is heard over USB", "[device][usb][session]") {
   check_failed(run(job, {{job.byte(0.3), Kind::MediaOut}}), ErrorKind::Refused, "sheet came out");
 }
 
-TEST_CASE("another program that wants the cutter in the middle of a sheet gets nothing",
+TEST_CASE("another program cannot open the cutter in the middle of a sheet",
           "[device][usb][session]") {
   const Job job = Job::make(8, 200);
   UsbTestbed testbed;
@@ -320,7 +316,7 @@ void play(const UsbTestbed& testbed, const UsbBus& usb, Script& script, int plac
 }  // namespace
 
 // ./run soak usb plays a thousand of them.
-TEST_CASE("whatever fails on the bus the ledger is true and nothing is cut twice",
+TEST_CASE("after any fault on the bus the ledger is true and nothing is cut twice",
           "[device][usb][session][scripts]") {
   const char* const wanted = std::getenv("POPCUT_USB_SCRIPTS");
   const int scripts = wanted == nullptr ? 24 : std::atoi(wanted);

@@ -94,7 +94,7 @@ TEST_CASE("a cutter is found with its serial its name and its endpoints", "[devi
   CHECK(bus.device.counts().detaches == 0);
 }
 
-TEST_CASE("a device without a serial of its own is named by its port", "[device][usb]") {
+TEST_CASE("a device without a unique serial is named by its port", "[device][usb]") {
   UsbTestbed testbed;
   UsbfsDevice first(testbed, {.serial = "SAME", .port = 1, .address = 2});
   UsbfsDevice second(testbed, {.serial = "SAME", .port = 2, .address = 3});
@@ -114,7 +114,7 @@ TEST_CASE("a device without a serial of its own is named by its port", "[device]
   CHECK(kind(usb.connect("usb:none")) == ErrorKind::DeviceGone);
 }
 
-TEST_CASE("a keyboard and a printer that takes HTTP only are no cutters", "[device][usb]") {
+TEST_CASE("a keyboard and a printer that only takes HTTP are not cutters", "[device][usb]") {
   UsbTestbed testbed;
   UsbfsDevice keyboard(testbed, {.port = 1, .address = 2, .interface_class = 3});
   UsbfsDevice ipp(testbed, {.port = 2, .address = 3, .interface_protocol = 4});
@@ -153,7 +153,8 @@ TEST_CASE("bytes go out and replies come in through the real libusb", "[device][
   CHECK(bus.device.counts().resets == 0);
 }
 
-TEST_CASE("the kernel driver lets go of the cutter and has it back at the end", "[device][usb]") {
+TEST_CASE("the kernel driver is detached from the cutter and attached again at the end",
+          "[device][usb]") {
   Bus bus;
   const UsbBus usb = value(UsbBus::open());
   CHECK(usb_use(usb.devices().front()).driver == "usblp");
@@ -170,7 +171,7 @@ TEST_CASE("the kernel driver lets go of the cutter and has it back at the end", 
   CHECK(usb_use(usb.devices().front()).state == UsbState::Free);
 }
 
-TEST_CASE("a second opener is told that another program has the cutter", "[device][usb]") {
+TEST_CASE("opening a cutter that another program uses is refused", "[device][usb]") {
   Bus bus;
   const UsbBus usb = value(UsbBus::open());
   auto first = value(usb.connect("usb:51053P"));
@@ -183,7 +184,7 @@ TEST_CASE("a second opener is told that another program has the cutter", "[devic
   CHECK(elsewhere.connect("usb:51053P"));
 }
 
-TEST_CASE("no permission is another error and names the node", "[device][usb]") {
+TEST_CASE("a missing permission has its own error that names the device node", "[device][usb]") {
   Bus bus;
   const UsbBus usb = value(UsbBus::open());
   const UsbDevice found = usb.devices().front();
@@ -257,7 +258,7 @@ TEST_CASE("a slow cutter takes a long program byte by byte as it drains", "[devi
   CHECK(timeouts > 1);
 }
 
-TEST_CASE("a stall ends the write with the bytes before it and is cleared once", "[device][usb]") {
+TEST_CASE("a stall ends the write after the bytes before it and is cleared once", "[device][usb]") {
   Bus bus;
   std::size_t got = 0;
   bool struck = false;
@@ -296,7 +297,7 @@ TEST_CASE("a stall or a lost transfer inward loses no later reply", "[device][us
   }
 }
 
-TEST_CASE("an endpoint that always fails is an error and no loop", "[device][usb]") {
+TEST_CASE("an endpoint that always fails is an error and not an endless loop", "[device][usb]") {
   const auto [status, reason] =
       GENERATE(table<int, ErrorReason>({{-EPROTO, ErrorReason::None},
                                         {-EPIPE, ErrorReason::Stalled},
@@ -318,7 +319,7 @@ TEST_CASE("an endpoint that always fails is an error and no loop", "[device][usb
   faults.join();
   CHECK(kind(reply) == ErrorKind::Refused);
   CHECK(reply.error().reason == reason);
-  CHECK(reply.error().detail.find("do not come through") != std::string::npos);
+  CHECK(reply.error().detail.find("do not arrive") != std::string::npos);
   CHECK(cpu_seconds() - cpu < 1.5);
 }
 
@@ -370,7 +371,8 @@ TEST_CASE("an unplugged cutter ends a read and a rest at once", "[device][usb]")
   unplug.join();
 }
 
-TEST_CASE("devices that come and go are seen and can be used again", "[device][usb]") {
+TEST_CASE("devices that are unplugged and plugged in again are noticed and usable",
+          "[device][usb]") {
   UsbTestbed testbed;
   UsbfsDevice device(testbed);
   UsbBus usb = value(UsbBus::open());
@@ -399,7 +401,8 @@ TEST_CASE("devices that come and go are seen and can be used again", "[device][u
   CHECK_FALSE(usb.wait_for_change(usb.changes(), 1ms));
 }
 
-TEST_CASE("a kernel without memory for a transfer takes nothing and says so", "[device][usb]") {
+TEST_CASE("a transfer that the kernel has no memory for sends nothing and is an error",
+          "[device][usb]") {
   Bus bus;
   const UsbBus usb = value(UsbBus::open());
   const auto cable = value(usb.connect("usb:51053P"));
@@ -412,7 +415,7 @@ TEST_CASE("a kernel without memory for a transfer takes nothing and says so", "[
   CHECK_FALSE(cable->write(bytes("M0,0\x03"), cable->now() + 20s).error);
 }
 
-TEST_CASE("a controller that hangs is told and takes nothing else down", "[device][usb]") {
+TEST_CASE("a controller that hangs is reported and affects nothing else", "[device][usb]") {
   Bus bus;
   Limited limited;
   limited.room = 100;
@@ -424,7 +427,7 @@ TEST_CASE("a controller that hangs is told and takes nothing else down", "[devic
   const auto end = cable->write(bytes(std::string(500, 'h')), start + 100ms);
   REQUIRE(end.error);
   CHECK(end.error->kind == ErrorKind::DeviceGone);
-  CHECK(end.error->detail.find("does not give a transfer back") != std::string::npos);
+  CHECK(end.error->detail.find("does not return a transfer") != std::string::npos);
   CHECK(end.taken == 0);
   CHECK(end.in_doubt == 500);
   CHECK(cable->now() - start < 60s);

@@ -71,7 +71,7 @@ TEST_CASE("the version is one line", "[cli][e2e]") {
   CHECK(ran.out == fmt::format("popcut {}\n", POPCUT_VERSION));
 }
 
-TEST_CASE("a wrong command line is one line and exit code 2", "[cli][e2e]") {
+TEST_CASE("a wrong command line gives one line and exit code 2", "[cli][e2e]") {
   const std::vector<std::vector<std::string>> wrong{{},   {"frobnicate"}, {"--frobnicate"},
                                                     {""}, {"two\nlines"}, {"-q"}};
   for (const auto& arguments : wrong) {
@@ -82,14 +82,14 @@ TEST_CASE("a wrong command line is one line and exit code 2", "[cli][e2e]") {
   }
 }
 
-TEST_CASE("a name in capitals stays one in a usage error", "[cli][e2e]") {
+TEST_CASE("a usage error keeps names in capitals", "[cli][e2e]") {
   const Ran ran = run({"confirm", "X", "1", "maybe"});
   CHECK(ran.exit == 2);
   check_one_line(ran);
   CHECK(ran.err.find("RESULT") != std::string::npos);
 }
 
-TEST_CASE("a wrong value is told with its option and what would be right", "[cli][e2e]") {
+TEST_CASE("a wrong value is reported with its option and the valid values", "[cli][e2e]") {
   using Words = std::vector<std::string>;
   const std::vector<std::pair<Words, std::string>> wrong{
       {{"cut", "x", "--copies", "0"}, "--copies: is \"0\"; give a whole number from 1 to 1000"},
@@ -135,7 +135,7 @@ TEST_CASE("a wrong value is told with its option and what would be right", "[cli
   }
 }
 
-TEST_CASE("a mistyped word brings the one that was meant", "[cli][e2e]") {
+TEST_CASE("a mistyped word gets the nearest valid one suggested", "[cli][e2e]") {
   using Words = std::vector<std::string>;
   const std::vector<std::pair<Words, std::string>> wrong{
       {{"cutt", "x"}, "'cutt' is not a command; did you mean cut?"},
@@ -156,7 +156,7 @@ TEST_CASE("a mistyped word brings the one that was meant", "[cli][e2e]") {
   }
 }
 
-TEST_CASE("a full standard output is told", "[cli][e2e]") {
+TEST_CASE("a full standard output is reported", "[cli][e2e]") {
   for (const char* words : {"--help", "machines", "design --schema", "design --example sphere"}) {
     CAPTURE(words);
     const Ran ran = run_program(

@@ -22,6 +22,7 @@
 #include "tests/support/daemon_process.hpp"
 #include "tests/support/fault_page.hpp"
 #include "tests/support/received_log.hpp"
+#include "tests/support/timing.hpp"
 
 using namespace popcut;
 using namespace popcut::testing;
@@ -43,10 +44,6 @@ std::string design_svg() {
     svg += fmt::format("<path fill='none' stroke='black' d='M{},{}h5'/>", 10 + k % 8 * 12,
                        10 + k / 8 * 12);
   return svg + "</svg>";
-}
-
-double seconds_since(steady_clock::time_point then) {
-  return std::chrono::duration<double>(steady_clock::now() - then).count();
 }
 
 /// For how long the thread of a process that had to wait longest was ready and had no core.
@@ -376,7 +373,7 @@ std::uint32_t seed() {
 }  // namespace
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-TEST_CASE("popcutd at rest has less than 20 MB of memory", "[daemon][memory]") {
+TEST_CASE("popcutd uses less than 20 MB of memory when idle", "[daemon][memory]") {
   DaemonProcess daemon(POPCUT_DAEMON);
   REQUIRE(daemon.start());
   // A moment after it serves it gives back what only its start needed.
@@ -458,7 +455,8 @@ TEST_CASE("killed at any write popcutd loses no job and no stroke is cut twice",
   crash.report("killed by calls", deaths());
 }
 
-TEST_CASE("killed at each call of its start popcutd starts the next time", "[daemon][crash]") {
+TEST_CASE("killed at any system call of its start popcutd starts the next time",
+          "[daemon][crash]") {
   Crash crash(seed() + 2000, 40);
   CAPTURE(seed());
   REQUIRE(crash.start());

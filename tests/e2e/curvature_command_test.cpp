@@ -7,17 +7,12 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/process.hpp"
+#include "tests/support/command_bench.hpp"
 
 using namespace popcut::testing;
 using nlohmann::json;
 
 namespace {
-
-Ran popcut_in(const TempFolder& folder, std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), POPCUT_PROGRAM);
-  return run_program(arguments, folder.path());
-}
 
 /// One line on standard error that begins with "popcut: " and nothing on standard output.
 bool one_clear_line(const Ran& ran) {
@@ -34,7 +29,8 @@ void design_example(const TempFolder& folder, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("figures draws every figure and every statement holds", "[cli][e2e][figures]") {
+TEST_CASE("figures draws every figure and every statement of the paper holds",
+          "[cli][e2e][figures]") {
   const TempFolder folder;
   const Ran ran = popcut_in(folder, {"figures", "-o", "out", "--json"});
   CAPTURE(ran.err);
@@ -51,12 +47,13 @@ TEST_CASE("figures draws every figure and every statement holds", "[cli][e2e][fi
   CHECK(json::parse(text_of_file(folder / "out/figures.json")) == summary);
 }
 
-TEST_CASE("curvature of a designed pattern tells a sphere from a saddle", "[cli][e2e][curvature]") {
+TEST_CASE("curvature of a designed pattern distinguishes a sphere from a saddle",
+          "[cli][e2e][curvature]") {
   const TempFolder folder;
   for (const std::string name : {"sphere", "saddle", "cylinder"}) {
     design_example(folder, name);
-    const Ran ran =
-        popcut_in(folder, {"curvature", name + "/pattern.fold", "--psi", "90deg", "--json", "-q"});
+    const Ran ran = popcut_in(
+        folder.path(), {"curvature", name + "/pattern.fold", "--psi", "90deg", "--json", "-q"});
     REQUIRE(ran.exit == 0);
     const json values = json::parse(ran.out)["poses"][0]["values"];
     REQUIRE(values.size() == 28);  // (5 - 1) levels x (10 - 3) connectors
@@ -79,8 +76,8 @@ TEST_CASE("the multi-state pattern is a dome then flat then a saddle at its midd
   const TempFolder folder;
   design_example(folder, "multistate");
   const auto middle = [&](const std::string& psi) {
-    const Ran ran =
-        popcut_in(folder, {"curvature", "multistate/pattern.fold", "--psi", psi, "--json", "-q"});
+    const Ran ran = popcut_in(
+        folder.path(), {"curvature", "multistate/pattern.fold", "--psi", psi, "--json", "-q"});
     REQUIRE(ran.exit == 0);
     const json poses = json::parse(ran.out);  // named: a range over a temporary would dangle
     for (const json& value : poses["poses"][0]["values"])
@@ -109,7 +106,7 @@ TEST_CASE("curvature assembly writes its grid as a table and as a picture",
   CHECK(text_of_file(folder / "maps.svg").find("</svg>") != std::string::npos);
 }
 
-TEST_CASE("curvature solve names the assembly or what is nearest", "[cli][e2e][curvature]") {
+TEST_CASE("curvature solve names the assembly or the nearest one", "[cli][e2e][curvature]") {
   const TempFolder folder;
   const Ran saddle = popcut_in(folder, {"curvature", "solve", "--K", "-1"});
   CHECK(saddle.exit == 0);
@@ -127,7 +124,7 @@ TEST_CASE("curvature solve names the assembly or what is nearest", "[cli][e2e][c
   CHECK(one_clear_line(beyond));
 }
 
-TEST_CASE("wrong words for curvature end with one clear line", "[cli][e2e][curvature]") {
+TEST_CASE("wrong arguments of curvature give one clear line", "[cli][e2e][curvature]") {
   const TempFolder folder;
   write_file(folder / "empty.fold", "{}");
   write_file(folder / "text.fold", "no json");
@@ -170,8 +167,8 @@ TEST_CASE("wrong words for curvature end with one clear line", "[cli][e2e][curva
     CHECK(ran.exit == c.exit);
     CHECK(one_clear_line(ran));
   }
-  const Ran large =
-      popcut_in(folder, {"curvature", "assembly", "--r", "0:1:1000000", "--lambda", "0:1:1000000"});
+  const Ran large = popcut_in(
+      folder.path(), {"curvature", "assembly", "--r", "0:1:1000000", "--lambda", "0:1:1000000"});
   CHECK(large.exit == 2);
   CHECK(one_clear_line(large));
 }

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/at_terminal.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/command_bench.hpp"
 
 using namespace popcut::testing;
 using nlohmann::json;
@@ -17,31 +17,18 @@ namespace {
 
 const std::string kSphere = POPCUT_SOURCE_DIR "/examples/sphere.json";
 
-struct Bench {
-  TempFolder folder;
-
-  [[nodiscard]] Ran run(std::vector<std::string> words) const {
-    words.insert(words.begin(), POPCUT_PROGRAM);
-    return run_program(words, folder.path());
-  }
-  [[nodiscard]] json read(const std::string& name) const {
-    return json::parse(text_of_file(folder / name));
-  }
+struct Bench : CommandBench {
   /// A cut of the sphere on a simulated Cameo 3 with these faults.
   [[nodiscard]] Ran cut_with(const std::string& faults) const {
-    write_file(folder / "faults.json", R"j({"popcut": 1, "faults": [)j" + faults + "]}");
-    return run({"cut", kSphere, "--direct", "--yes", "--device", "sim:cameo3", "--faults",
-                "faults.json", "--json", "-q"});
+    write_file(temp / "faults.json", R"j({"popcut": 1, "faults": [)j" + faults + "]}");
+    return popcut({"cut", kSphere, "--direct", "--yes", "--device", "sim:cameo3", "--faults",
+                   "faults.json", "--json", "-q"});
   }
 };
 
-bool says(const std::string& text, const std::string& words) {
-  return text.find(words) != std::string::npos;
-}
-
 }  // namespace
 
-TEST_CASE("the simulated cutter fails as its fault file says and the ledger tells the rest",
+TEST_CASE("the simulated cutter fails as its fault file says and the ledger reports the rest",
           "[cli][e2e][faults]") {
   const Bench bench;
   struct Case {
@@ -82,7 +69,7 @@ TEST_CASE("the simulated cutter fails as its fault file says and the ledger tell
   }
 }
 
-TEST_CASE("a fault file that is wrong is told with the place", "[cli][e2e][faults]") {
+TEST_CASE("an invalid fault file is refused with the place", "[cli][e2e][faults]") {
   const Bench bench;
   const auto refused = [&](const std::string& faults, const std::string& words) {
     const Ran ran = bench.cut_with(faults);
@@ -94,44 +81,44 @@ TEST_CASE("a fault file that is wrong is told with the place", "[cli][e2e][fault
   refused(R"({"kind": "explode"})", "faults.json: /faults/0/kind");
   refused(R"({"kind": "nak"}, {"kind": "nak", "at_path": -1})", "/faults/1/at_path");
   refused(R"({"kind": "nak")", "faults.json: line 1");
-  const Ran real = bench.run(
+  const Ran real = bench.popcut(
       {"cut", "--test", "--direct", "--device", "file:x.gpgl", "--faults", "faults.json"});
   CHECK(real.exit == 2);
   CHECK(says(real.err, "--faults: works only with simulated devices"));
 }
 
-TEST_CASE("a program that meets faults is simulated to where the host gave up",
-          "[cli][e2e][faults]") {
+TEST_CASE("a program with faults is simulated until the host gives up", "[cli][e2e][faults]") {
   const Bench bench;
-  REQUIRE(bench.run({"plan", kSphere, "-o", "plan", "-q"}).exit == 0);
-  write_file(bench.folder / "faults.json",
+  REQUIRE(bench.popcut({"plan", kSphere, "-o", "plan", "-q"}).exit == 0);
+  write_file(bench.temp / "faults.json",
              R"({"popcut": 1, "faults": [{"at_byte": 900, "kind": "unplug"}]})");
-  const Ran ran = bench.run({"simulate", "plan/sheet-01.gpgl", "-o", "sim", "--machine", "cameo3",
-                             "--faults", "faults.json"});
+  const Ran ran = bench.popcut({"simulate", "plan/sheet-01.gpgl", "-o", "sim", "--machine",
+                                "cameo3", "--faults", "faults.json"});
   CAPTURE(ran.err);
   CHECK(ran.exit == 0);
   CHECK(says(ran.err, "the host gave up after"));
-  const json trace = bench.read("sim/trace.json");
+  const json trace = bench.read_json("sim/trace.json");
   CHECK(trace["strokes"].size() >= 1);
   CHECK(trace["strokes"].size() < 378);
 }
 
-TEST_CASE("a sheet with registration marks is cut where the marks are found", "[cli][e2e][marks]") {
+TEST_CASE("a sheet with registration marks is cut relative to the marks that are found",
+          "[cli][e2e][marks]") {
   const Bench bench;
-  REQUIRE(bench.run({"plan", kSphere, "--marks", "-o", "plan", "-q"}).exit == 0);
-  CHECK(says(text_of_file(bench.folder / "plan/sheet-01.marks.svg"), "registration-marks"));
-  const json marks = bench.read("plan/plan.json")["sheets"][0]["registration"];
+  REQUIRE(bench.popcut({"plan", kSphere, "--marks", "-o", "plan", "-q"}).exit == 0);
+  CHECK(says(text_of_file(bench.temp / "plan/sheet-01.marks.svg"), "registration-marks"));
+  const json marks = bench.read_json("plan/plan.json")["sheets"][0]["registration"];
   CHECK(marks["left_mm"] == 10);
   CHECK(marks["width_mm"].get<double>() == Approx(284.8));
   CHECK(marks["corners"] == 3);
   CHECK(bench
-            .run({"simulate", "plan/sheet-01.gpgl", "-o", "sim", "--machine", "cameo3", "--expect",
-                  "plan/sheet-01.svg"})
+            .popcut({"simulate", "plan/sheet-01.gpgl", "-o", "sim", "--machine", "cameo3",
+                     "--expect", "plan/sheet-01.svg"})
             .exit == 0);
-  CHECK(bench.run({"cut", kSphere, "--marks", "--direct", "--yes", "-q"}).exit == 0);
+  CHECK(bench.popcut({"cut", kSphere, "--marks", "--direct", "--yes", "-q"}).exit == 0);
 
-  write_file(bench.folder / "blind.json", R"({"popcut": 1, "faults": [{"kind": "no marks"}]})");
-  const Ran blind = bench.run(
+  write_file(bench.temp / "blind.json", R"({"popcut": 1, "faults": [{"kind": "no marks"}]})");
+  const Ran blind = bench.popcut(
       {"cut", kSphere, "--marks", "--direct", "--yes", "--faults", "blind.json", "--json", "-q"});
   CHECK(blind.exit == 5);
   CHECK(says(blind.err, "the registration marks were not found, and nothing was cut"));
@@ -141,15 +128,15 @@ TEST_CASE("a sheet with registration marks is cut where the marks are found", "[
   const auto refused = [&](std::vector<std::string> more, int exit, const std::string& words) {
     std::vector<std::string> all{"plan", kSphere, "--marks", "-o", "other"};
     all.insert(all.end(), more.begin(), more.end());
-    const Ran ran = bench.run(all);
+    const Ran ran = bench.popcut(all);
     CAPTURE(ran.err);
     CHECK(ran.exit == exit);
     CHECK(says(ran.err, words));
   };
   refused({"--machine", "cameo3", "--mat", "110x110"}, 4, "a printed drawing is not split");
   refused({"--machine", "cameo3", "--mat", "170x190"}, 4, "outside the registration marks");
-  refused({"--machine", "hpgl-generic"}, 3, "no search for registration marks is known");
-  const Ran small = bench.run(
+  refused({"--machine", "hpgl-generic"}, 3, "cannot search for registration marks");
+  const Ran small = bench.popcut(
       {"cut", "--test", "--marks", "--machine", "cameo3", "--mat", "70x70", "--direct", "--yes"});
   CHECK(small.exit == 4);
   CHECK(says(small.err, "has no room for registration marks"));
@@ -158,12 +145,12 @@ TEST_CASE("a sheet with registration marks is cut where the marks are found", "[
 
 TEST_CASE("the test shape is cut on every machine of the table", "[cli][e2e]") {
   const Bench bench;
-  const json machines = json::parse(bench.run({"machines", "--json"}).out);
+  const json machines = json::parse(bench.popcut({"machines", "--json"}).out);
   std::size_t count = 0;
   for (const json& machine : machines.is_array() ? machines : machines["machines"]) {
     const std::string name = machine["name"];
     CAPTURE(name);
-    const Ran ran = bench.run(
+    const Ran ran = bench.popcut(
         {"cut", "--test", "--direct", "--yes", "--device", "sim:" + name, "--json", "-q"});
     CAPTURE(ran.err);
     CHECK(ran.exit == 0);
@@ -171,10 +158,10 @@ TEST_CASE("the test shape is cut on every machine of the table", "[cli][e2e]") {
     ++count;
   }
   CHECK(count >= 25);
-  CHECK(bench.run({"cut", kSphere, "--test", "--direct", "--yes"}).exit == 2);
+  CHECK(bench.popcut({"cut", kSphere, "--test", "--direct", "--yes"}).exit == 2);
 }
 
-TEST_CASE("the key p holds the cut with the tool up and goes on", "[cli][e2e]") {
+TEST_CASE("the key p holds the cut with the tool up and continues it", "[cli][e2e]") {
   const TempFolder folder;
   AtTerminal popcut(POPCUT_PROGRAM,
                     {"cut", kSphere, "--direct", "--device", "sim:cameo3", "-o", "cut"}, folder);
@@ -189,7 +176,7 @@ TEST_CASE("the key p holds the cut with the tool up and goes on", "[cli][e2e]") 
   CHECK(says(popcut.shown, "378 strokes"));
 }
 
-TEST_CASE("each sheet of a job is asked for and a no ends it", "[cli][e2e][layout]") {
+TEST_CASE("cut asks before each sheet and ends if the answer is no", "[cli][e2e][layout]") {
   const TempFolder folder;
   const std::vector<std::string> words{"cut",   kSphere,   "--direct", "--device", "sim:cameo3",
                                        "--mat", "110x110", "-o",       "cut"};
@@ -212,7 +199,7 @@ TEST_CASE("each sheet of a job is asked for and a no ends it", "[cli][e2e][layou
   CHECK(says(popcut.shown, "sheet 2 was not started"));
 }
 
-TEST_CASE("a cutter at a pseudo terminal is cut on through a serial port", "[cli][e2e][pty]") {
+TEST_CASE("a cutter at a pseudo terminal is used through a serial port", "[cli][e2e][pty]") {
   const TempFolder desk, cutter_room;
   AtTerminal cutter(POPCUT_PROGRAM,
                     {"simulate", "--pty", "--machine", "cameo3", "--speedup", "50", "-o", "did"},

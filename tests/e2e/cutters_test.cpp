@@ -14,6 +14,7 @@
 #include "tests/support/process.hpp"
 #include "tests/support/received_log.hpp"
 #include "tests/support/sim_bench.hpp"
+#include "tests/support/timing.hpp"
 
 using namespace popcut;
 using namespace popcut::testing;
@@ -60,19 +61,6 @@ class Journal final : public daemon::CutJournal {
   std::atomic<int> ends{0};
   SessionEnd end;
 };
-
-bool comes_true(const std::function<bool()>& condition) {
-  const auto until = steady_clock::now() + std::chrono::seconds(60);
-  while (!condition()) {
-    if (steady_clock::now() > until) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
-
-std::size_t count(const SessionEnd& end, StrokeFate fate) {
-  return static_cast<std::size_t>(std::count(end.fates.begin(), end.fates.end(), fate));
-}
 
 struct Bench {
   TempFolder temp;
@@ -124,8 +112,7 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("without a configuration there is one simulated cutter and it cuts",
-          "[daemon][cutters]") {
+TEST_CASE("without a configuration there is one simulated cutter that cuts", "[daemon][cutters]") {
   Bench bench({});
   REQUIRE(bench.cutters->list().size() == 1);
   const auto record = bench.record();
@@ -141,8 +128,7 @@ TEST_CASE("without a configuration there is one simulated cutter and it cuts",
         ErrorKind::DeviceGone);
 }
 
-TEST_CASE("on a virtual clock a cut is over at once and all of it is certain",
-          "[daemon][cutters]") {
+TEST_CASE("on a virtual clock a cut ends at once and all of it is certain", "[daemon][cutters]") {
   TempFolder temp;
   Bench bench({{.id = "sim:left",
                 .machine = "cameo3",
@@ -175,7 +161,7 @@ TEST_CASE("on a virtual clock a cut is over at once and all of it is certain",
   CHECK(rest->end.fates.size() == bench.program.strokes.size());
 }
 
-TEST_CASE("a paced cutter takes its time and pauses goes on and stops when it is told",
+TEST_CASE("a paced cutter runs in real time and obeys pause and resume and stop",
           "[daemon][cutters]") {
   Bench bench({{.id = "sim:cameo3", .time_scale = 0}, {.id = "sim:portrait", .time_scale = 150}});
   const double virtual_s = bench.cut_all("sim:cameo3").seconds;
@@ -219,7 +205,7 @@ TEST_CASE("a paced cutter takes its time and pauses goes on and stops when it is
   CHECK(slow.record().state == "idle");
 }
 
-TEST_CASE("each cutter has its own thread and stop all ends every cut", "[daemon][cutters]") {
+TEST_CASE("each cutter has its own thread and stopping all ends every cut", "[daemon][cutters]") {
   Bench bench({{.id = "sim:a", .machine = "cameo3", .time_scale = 20},
                {.id = "sim:b", .machine = "cameo3", .time_scale = 20}});
   const auto a = std::make_shared<Journal>(), b = std::make_shared<Journal>();
@@ -242,7 +228,7 @@ TEST_CASE("each cutter has its own thread and stop all ends every cut", "[daemon
   CHECK(std::chrono::duration<double>(steady_clock::now() - begun).count() < 30);
 }
 
-TEST_CASE("a stroke that is longer than anybody waits is given up with the tool up",
+TEST_CASE("a stroke that outlasts the stop timeout is abandoned with the tool up",
           "[daemon][cutters][faults]") {
   TempFolder temp;
   // Slower than the machine: what is sent ahead takes longer than this test waits. The Portrait has
@@ -274,7 +260,7 @@ TEST_CASE("a stroke that is longer than anybody waits is given up with the tool 
   CHECK(count(journal->end, StrokeFate::NotSent) > 20);
 }
 
-TEST_CASE("a cutter that goes while it cuts ends its stroke first", "[daemon][cutters]") {
+TEST_CASE("a cutter that is removed while it cuts ends its stroke first", "[daemon][cutters]") {
   const auto journal = std::make_shared<Journal>();
   {
     Bench bench({{.id = "sim:cameo3", .time_scale = 20}});
@@ -336,8 +322,7 @@ TEST_CASE("after a fault a cutter waits for a reset and nothing starts by itself
   }
 }
 
-TEST_CASE("a journal that fails ends the cut and says nothing against the cutter",
-          "[daemon][cutters]") {
+TEST_CASE("a failing journal ends the cut without blaming the cutter", "[daemon][cutters]") {
   Bench bench({{.id = "sim:cameo3", .time_scale = 0}});
   const auto journal = std::make_shared<Journal>();
   journal->fails_from = 30;
@@ -351,7 +336,7 @@ TEST_CASE("a journal that fails ends the cut and says nothing against the cutter
   CHECK_FALSE(bench.cut_all("sim:cameo3").error);
 }
 
-TEST_CASE("a cutter whose journal never returns is not alive", "[daemon][cutters]") {
+TEST_CASE("a cutter whose journal never returns counts as not alive", "[daemon][cutters]") {
   Bench bench({{.id = "sim:cameo3", .time_scale = 0}});
   const auto journal = std::make_shared<Journal>();
   journal->blocked = true;
@@ -363,8 +348,7 @@ TEST_CASE("a cutter whose journal never returns is not alive", "[daemon][cutters
   CHECK(comes_true([&] { return bench.cutters->alive(); }));
 }
 
-TEST_CASE("a port in the configuration is absent until it is there and then it cuts",
-          "[daemon][cutters]") {
+TEST_CASE("a configured port is absent until it appears and then it can cut", "[daemon][cutters]") {
   TempFolder temp;
   const std::string port = (temp / "port").string();
   Bench bench({{.id = "serial:" + port, .machine = "cameo3"}});
@@ -383,7 +367,7 @@ TEST_CASE("a port in the configuration is absent until it is there and then it c
   CHECK(comes_true([&] { return bench.changes >= 4; }));
 }
 
-TEST_CASE("a configuration that cannot be is refused with the device it is about",
+TEST_CASE("an impossible configuration is refused with the name of its device",
           "[daemon][cutters]") {
   const auto refused = [](std::vector<DeviceConfig> devices, const std::string& part) {
     daemon::CuttersOptions options;

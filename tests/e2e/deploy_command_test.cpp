@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/process.hpp"
+#include "tests/support/command_bench.hpp"
 
 using namespace popcut::testing;
 using nlohmann::json;
@@ -19,31 +19,16 @@ namespace {
 const std::string kExamples = POPCUT_SOURCE_DIR "/examples/";
 const std::string kSupport = POPCUT_SOURCE_DIR "/tests/support/";
 
-struct Bench {
-  TempFolder temp;
-
-  Ran run(Names arguments) const {
-    arguments.insert(arguments.begin(), POPCUT_PROGRAM);
-    return run_program(arguments, temp.path());
-  }
+struct Bench : CommandBench {
   /// A design of an example in the folder of its name.
   void design(const std::string& name, const Names& options = {}) const {
     Names arguments{"design", kExamples + name + ".json", "-o", name, "-q"};
     arguments.insert(arguments.end(), options.begin(), options.end());
-    const Ran ran = run(arguments);
+    const Ran ran = popcut(arguments);
     INFO(ran.err);
     REQUIRE(ran.exit == 0);
   }
-  [[nodiscard]] std::string path(const std::string& name) const { return (temp / name).string(); }
 };
-
-void check_refused(const Ran& ran, int exit, const std::string& place) {
-  CAPTURE(ran.err, place);
-  CHECK(ran.exit == exit);
-  CHECK(ran.err.rfind("popcut: " + place, 0) == 0);
-  CHECK(std::count(ran.err.begin(), ran.err.end(), '\n') == 1);
-  CHECK(ran.out.empty());
-}
 
 std::size_t triangles(const fs::path& stl) { return (fs::file_size(stl) - 84) / 50; }
 
@@ -64,7 +49,7 @@ TEST_CASE("a design comes with its DXF and animation and sixty meshes", "[cli][e
         Names{"psi_001.stl", "psi_002.stl", "psi_003.stl"});
 }
 
-TEST_CASE("solids are asked for with or without their thickness and before or after the file",
+TEST_CASE("the option for solids takes an optional thickness before or after the file",
           "[cli][e2e][deploy]") {
   const Bench bench;
   const std::string spec = kExamples + "unit.json";
@@ -72,22 +57,23 @@ TEST_CASE("solids are asked for with or without their thickness and before or af
                              Names{"design", spec, "--thickness", "-o", "a"},
                              Names{"design", spec, "-o", "a", "--thickness", "0.27"},
                              Names{"design", spec, "-o", "a", "--thickness=0.27"}}) {
-    const Ran ran = bench.run(words);
+    const Ran ran = bench.popcut(words);
     INFO(ran.err);
     REQUIRE(ran.exit == 0);
     // Four faces of 4 to 8 corners: prisms of 4 n - 4 triangles.
     CHECK(triangles(bench.temp / "a/deploy/psi_001.stl") > 40);
   }
-  check_refused(bench.run({"design", spec, "-o", "a", "--thickness", "-1"}), 2, "--thickness: ");
-  check_refused(bench.run({"design", spec, "-o", "a", "--thickness", "thick"}), 2,
-                "--thickness: is \"thick\"");
+  check_refused_at(bench.popcut({"design", spec, "-o", "a", "--thickness", "-1"}), 2,
+                   "--thickness: ");
+  check_refused_at(bench.popcut({"design", spec, "-o", "a", "--thickness", "thick"}), 2,
+                   "--thickness: is \"thick\"");
 }
 
 TEST_CASE("deploying the FOLD file gives the meshes of the design", "[cli][e2e][deploy]") {
   const Bench bench;
   bench.design("sphere", {"--frames", "5"});
-  const Ran ran = bench.run({"deploy", "sphere/pattern.fold", "-o", "poses", "--frames", "5",
-                             "--glb", "--poster", "--film", "--json"});
+  const Ran ran = bench.popcut({"deploy", "sphere/pattern.fold", "-o", "poses", "--frames", "5",
+                                "--glb", "--poster", "--film", "--json"});
   INFO(ran.err);
   REQUIRE(ran.exit == 0);
   CHECK(json::parse(ran.out)["frames"] == 5);
@@ -96,12 +82,13 @@ TEST_CASE("deploying the FOLD file gives the meshes of the design", "[cli][e2e][
                        "psi_002.stl", "psi_003.stl", "psi_004.stl", "psi_005.stl"});
   for (const char* name : {"psi_001.stl", "psi_005.stl"})
     CHECK(triangles(bench.temp / "poses" / name) == triangles(bench.temp / "sphere/deploy" / name));
-  REQUIRE(bench.run({"deploy", "sphere/segments.csv", "-o", "poses", "--no-stl", "--glb"}).exit ==
-          0);
+  REQUIRE(
+      bench.popcut({"deploy", "sphere/segments.csv", "-o", "poses", "--no-stl", "--glb"}).exit ==
+      0);
   CHECK(files_below(bench.temp / "poses") == Names{"deploy.glb", "manifest.json"});
 }
 
-TEST_CASE("what cannot be deployed is refused in one line", "[cli][e2e][deploy]") {
+TEST_CASE("input that cannot be deployed is refused in one line", "[cli][e2e][deploy]") {
   const Bench bench;
   bench.design("unit", {"--formats", "fold,csv"});
   const std::string fold = "unit/pattern.fold";
@@ -111,32 +98,33 @@ TEST_CASE("what cannot be deployed is refused in one line", "[cli][e2e][deploy]"
         Names{"--material", "felt"}}) {
     Names words{"deploy", fold, "-o", "out"};
     words.insert(words.end(), options.begin(), options.end());
-    check_refused(bench.run(words), 2, words[words.size() - 2] + ": ");
+    check_refused_at(bench.popcut(words), 2, words[words.size() - 2] + ": ");
   }
   // What is lawful alone and not together with the rest.
   for (const Names& options :
        {Names{"--from-psi", "1.5707963267948966"}, Names{"--convention", "paper"}}) {
     Names words{"deploy", fold, "-o", "out"};
     words.insert(words.end(), options.begin(), options.end());
-    check_refused(bench.run(words), 2, "command line: ");
+    check_refused_at(bench.popcut(words), 2, "command line: ");
   }
-  check_refused(bench.run({"deploy", "-o", "out"}), 2, "command line: ");
-  check_refused(bench.run({"deploy", fold}), 2, "command line: ");
-  check_refused(bench.run({"deploy", "absent.fold", "-o", "out"}), 3, "absent.fold: ");
-  check_refused(bench.run({"deploy", "unit", "-o", "out"}), 3, "unit: is a folder");
+  check_refused_at(bench.popcut({"deploy", "-o", "out"}), 2, "command line: ");
+  check_refused_at(bench.popcut({"deploy", fold}), 2, "command line: ");
+  check_refused_at(bench.popcut({"deploy", "absent.fold", "-o", "out"}), 3, "absent.fold: ");
+  check_refused_at(bench.popcut({"deploy", "unit", "-o", "out"}), 3, "unit: is a folder");
   write_file(bench.temp / "bad.csv", "0,5,30,10,5,30,10,7,1,1,0,8\n0,5,30,10,5,inf,10,7,1,1,0,8\n");
-  check_refused(bench.run({"deploy", "bad.csv", "-o", "out"}), 3, "bad.csv: line 2: column 6");
+  check_refused_at(bench.popcut({"deploy", "bad.csv", "-o", "out"}), 3,
+                   "bad.csv: line 2: column 6");
   write_file(bench.temp / "bad.fold", "{\"vertices_coords\": [[0,0],[1,0]");
-  check_refused(bench.run({"deploy", "bad.fold", "-o", "out"}), 3, "bad.fold: line 1");
+  check_refused_at(bench.popcut({"deploy", "bad.fold", "-o", "out"}), 3, "bad.fold: line 1");
   write_file(bench.temp / "flat.fold",
              R"({"vertices_coords": [[0,0],[1,0],[1,1]], "faces_vertices": [[0,1,2]],
                  "edges_vertices": [[0,1],[1,2],[2,0]]})");
-  check_refused(bench.run({"deploy", "flat.fold", "-o", "out"}), 3, "flat.fold: /file_frames");
+  check_refused_at(bench.popcut({"deploy", "flat.fold", "-o", "out"}), 3,
+                   "flat.fold: /file_frames");
   CHECK_FALSE(fs::exists(bench.temp / "out"));
 }
 
-TEST_CASE("a drawing for a Cricut is one of a design's files when it fits the mat",
-          "[cli][e2e][deploy]") {
+TEST_CASE("a design has a drawing for a Cricut if it fits the mat", "[cli][e2e][deploy]") {
   const Bench bench;
   bench.design("unit", {"--formats", "cricut"});
   CHECK(text_of_file(bench.temp / "unit/cricut.svg").find("width=\"11.5in\"") != std::string::npos);
@@ -193,8 +181,8 @@ TEST_CASE("the Khronos validator finds no fault in any animation", "[cli][e2e][g
     bench.design(name, {"--formats", "glb,csv"});
     words.push_back(bench.path(name + "/deploy.glb"));
     REQUIRE(bench
-                .run({"deploy", name + "/segments.csv", "-o", name + "/loose", "--glb", "-q",
-                      "--no-stl", "--thickness", "0.2"})
+                .popcut({"deploy", name + "/segments.csv", "-o", name + "/loose", "--glb", "-q",
+                         "--no-stl", "--thickness", "0.2"})
                 .exit == 0);
     words.push_back(bench.path(name + "/loose/deploy.glb"));
   }

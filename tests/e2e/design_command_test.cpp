@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
-#include "tests/support/process.hpp"
+#include "tests/support/command_bench.hpp"
 
 using namespace popcut::testing;
 using nlohmann::json;
@@ -23,27 +23,18 @@ namespace {
 const std::string kExamples = POPCUT_SOURCE_DIR "/examples/";
 
 /// `popcut design ...` in a folder of its own.
-struct Bench {
-  TempFolder temp;
-
+struct Bench : CommandBench {
   Ran design(Names arguments, const Limits& limits = {}) const {
-    arguments.insert(arguments.begin(), {POPCUT_PROGRAM, "design"});
-    return run_program(arguments, temp.path(), limits);
+    arguments.insert(arguments.begin(), "design");
+    return popcut(std::move(arguments), limits);
   }
   [[nodiscard]] Names files(const std::string& folder) const { return files_below(temp / folder); }
 };
 
-void check_refused(const Ran& ran, int exit, const std::string& place) {
-  CAPTURE(ran.err);
-  CHECK(ran.exit == exit);
-  CHECK(ran.err.rfind("popcut: " + place, 0) == 0);
-  CHECK(std::count(ran.err.begin(), ran.err.end(), '\n') == 1);
-  CHECK(ran.out.empty());
-}
-
 }  // namespace
 
-TEST_CASE("every shipped example becomes a pattern with one freedom", "[cli][e2e][design]") {
+TEST_CASE("every shipped example becomes a pattern with one degree of freedom",
+          "[cli][e2e][design]") {
   const Bench bench;
   std::istringstream list(bench.design({"--list"}).out);
   int examples = 0;
@@ -67,7 +58,7 @@ TEST_CASE("every shipped example becomes a pattern with one freedom", "[cli][e2e
 TEST_CASE("an example is printed as it is shipped", "[cli][e2e][design]") {
   const Bench bench;
   CHECK(bench.design({"--example", "sphere"}).out == text_of_file(kExamples + "sphere.json"));
-  check_refused(bench.design({"--example", "teapot"}), 2, "--example: 'teapot'");
+  check_refused_at(bench.design({"--example", "teapot"}), 2, "--example: 'teapot'");
 }
 
 TEST_CASE("the schema is a JSON document", "[cli][e2e][design]") {
@@ -76,8 +67,7 @@ TEST_CASE("the schema is a JSON document", "[cli][e2e][design]") {
   CHECK(schema["properties"].contains("widths_mm"));
 }
 
-TEST_CASE("a second run removes the files that it no longer writes and no others",
-          "[cli][e2e][design]") {
+TEST_CASE("a second run removes only the files that it no longer writes", "[cli][e2e][design]") {
   const Bench bench;
   const std::string spec = kExamples + "unit.json";
   REQUIRE(
@@ -90,7 +80,7 @@ TEST_CASE("a second run removes the files that it no longer writes and no others
   CHECK(bench.files("out") == Names{"manifest.json", "mine.txt", "pattern.svg"});
 }
 
-TEST_CASE("options for all commands may stand on either side", "[cli][e2e][design]") {
+TEST_CASE("options for all commands may stand before or after the command", "[cli][e2e][design]") {
   const Bench bench;
   const std::string spec = kExamples + "unit.json";
   for (const Names& arguments :
@@ -131,7 +121,7 @@ TEST_CASE("cut.svg of a design has each fold as solid dashes within its line",
   CHECK(fold_mm < 0.7 * report["fold_length_mm"].get<double>());
 }
 
-TEST_CASE("fold frames are the poses that were asked for", "[cli][e2e][design]") {
+TEST_CASE("fold frames are the requested poses", "[cli][e2e][design]") {
   const Bench bench;
   REQUIRE(
       bench.design({kExamples + "unit.json", "-o", "out", "--fold-frames", "90deg,0.25"}).exit ==
@@ -141,7 +131,7 @@ TEST_CASE("fold frames are the poses that were asked for", "[cli][e2e][design]")
   CHECK(fold["file_frames"][1]["frame_popcut:psi_rad"] == 0.25);
 }
 
-TEST_CASE("the list of examples is JSON where that is asked for", "[cli][e2e][design]") {
+TEST_CASE("the list of examples is JSON on request", "[cli][e2e][design]") {
   const Bench bench;
   const Ran ran = bench.design({"--list", "--json"});
   CHECK(ran.exit == 0);
@@ -151,34 +141,34 @@ TEST_CASE("the list of examples is JSON where that is asked for", "[cli][e2e][de
   CHECK_FALSE(list[3]["what"].get<std::string>().empty());
 }
 
-TEST_CASE("a wrong design command is exit code 2", "[cli][e2e][design]") {
+TEST_CASE("a wrong design command gives exit code 2", "[cli][e2e][design]") {
   const Bench bench;
   const std::string spec = kExamples + "unit.json";
-  check_refused(bench.design({}), 2, "command line: SPEC.json is missing");
-  check_refused(bench.design({spec}), 2, "command line: -o DIR is missing");
-  check_refused(bench.design({spec, "-o"}), 2, "--output: needs a value");
-  check_refused(bench.design({spec, "-o", "x", "--formats", "fold,dwg"}), 2, "--formats: 'dwg'");
-  check_refused(bench.design({spec, "-o", "x", "--fold-frames", "4"}), 2, "--fold-frames: '4'");
-  check_refused(bench.design({spec, "-o", "x", "--wat"}), 2, "command line: ");
-  check_refused(bench.design({spec, "more", "-o", "x"}), 2, "command line: ");
+  check_refused_at(bench.design({}), 2, "command line: SPEC.json is missing");
+  check_refused_at(bench.design({spec}), 2, "command line: -o DIR is missing");
+  check_refused_at(bench.design({spec, "-o"}), 2, "--output: needs a value");
+  check_refused_at(bench.design({spec, "-o", "x", "--formats", "fold,dwg"}), 2, "--formats: 'dwg'");
+  check_refused_at(bench.design({spec, "-o", "x", "--fold-frames", "4"}), 2, "--fold-frames: '4'");
+  check_refused_at(bench.design({spec, "-o", "x", "--wat"}), 2, "command line: ");
+  check_refused_at(bench.design({spec, "more", "-o", "x"}), 2, "command line: ");
   CHECK(files_below(bench.temp.path()).empty());
 }
 
-TEST_CASE("a spec that cannot be read is exit code 3 with its place", "[cli][e2e][design]") {
+TEST_CASE("an invalid spec gives exit code 3 with its place", "[cli][e2e][design]") {
   const Bench bench;
   write_file(bench.temp / "bad.json", "{\"popcut\": 1,\n  oops");
   write_file(bench.temp / "field.json", "{\"popcut\": 1, \"slises\": 3}");
   write_file(bench.temp / "deep.json", std::string(1'000'000, '['));
-  check_refused(bench.design({"absent.json", "-o", "out"}), 3, "absent.json: ");
-  check_refused(bench.design({".", "-o", "out"}), 3, ".: is a folder");
-  check_refused(bench.design({"bad.json", "-o", "out"}), 3, "bad.json: line 2");
-  check_refused(bench.design({"field.json", "-o", "out"}), 3, "field.json: /");
-  check_refused(bench.design({"deep.json", "-o", "out"}), 3, "deep.json: ");
+  check_refused_at(bench.design({"absent.json", "-o", "out"}), 3, "absent.json: ");
+  check_refused_at(bench.design({".", "-o", "out"}), 3, ".: is a folder");
+  check_refused_at(bench.design({"bad.json", "-o", "out"}), 3, "bad.json: line 2");
+  check_refused_at(bench.design({"field.json", "-o", "out"}), 3, "field.json: /");
+  check_refused_at(bench.design({"deep.json", "-o", "out"}), 3, "deep.json: ");
   json spec = json::parse(text_of_file(kExamples + "unit.json"));
   spec["material"] = "papier";
   write_file(bench.temp / "material.json", spec.dump());
-  check_refused(bench.design({"material.json", "-o", "out"}), 3, "material.json: /material: ");
-  check_refused(
+  check_refused_at(bench.design({"material.json", "-o", "out"}), 3, "material.json: /material: ");
+  check_refused_at(
       run_program({POPCUT_PROGRAM, "plan", "material.json", "-o", "plan"}, bench.temp.path()), 3,
       "material.json: /material: ");
   CHECK_FALSE(fs::exists(bench.temp / "out"));
@@ -205,13 +195,14 @@ TEST_CASE("design knows the materials of the user's own table", "[cli][e2e][desi
   CAPTURE(made.err);
   CHECK(made.exit == 0);
   CHECK(made.err.find("felt-3mm: ") != std::string::npos);  // too thick for its smallest panel
-  check_refused(bench.design({"felt.json", "-o", "none"}), 3, "felt.json: /material: ");
+  check_refused_at(bench.design({"felt.json", "-o", "none"}), 3, "felt.json: /material: ");
   write_file(bench.temp / "config/popcut/materials.json", "{\"materials\": 3}");
-  check_refused(with_table({"design", "felt.json", "-o", "none"}), 3,
-                (bench.temp / "config/popcut/materials.json").string());
+  check_refused_at(with_table({"design", "felt.json", "-o", "none"}), 3,
+                   (bench.temp / "config/popcut/materials.json").string());
 }
 
-TEST_CASE("names that XML cannot hold still make well-formed drawings", "[cli][e2e][design]") {
+TEST_CASE("names with characters that XML forbids still give well-formed drawings",
+          "[cli][e2e][design]") {
   const Bench bench;
   json spec = json::parse(text_of_file(kExamples + "unit.json"));
   spec["name"] = "a\x01<b>\xEF\xBF\xBE & \xF0\x9F\x98\x80";
@@ -234,7 +225,7 @@ TEST_CASE("names that XML cannot hold still make well-formed drawings", "[cli][e
   }
 }
 
-TEST_CASE("the name of a spec cannot speak to the terminal", "[cli][e2e][design]") {
+TEST_CASE("the name of a spec cannot send escape sequences to the terminal", "[cli][e2e][design]") {
   const Bench bench;
   json spec = json::parse(text_of_file(kExamples + "unit.json"));
   spec["name"] = "a\x1b[31mb\x07\xe2\x80\xae";
@@ -249,29 +240,29 @@ TEST_CASE("the name of a spec cannot speak to the terminal", "[cli][e2e][design]
   }
 }
 
-TEST_CASE("an output that cannot be written is exit code 7 and nothing changes",
+TEST_CASE("an output that cannot be written gives exit code 7 and changes nothing",
           "[cli][e2e][design]") {
   const Bench bench;
   const std::string spec = kExamples + "fig2a.json";
   write_file(bench.temp / "file", "x");
-  check_refused(bench.design({spec, "-o", "file"}), 7, "file: is not a folder");
-  check_refused(bench.design({spec, "-o", "/proc/popcut"}), 7, "/proc/popcut: ");
+  check_refused_at(bench.design({spec, "-o", "file"}), 7, "file: is not a folder");
+  check_refused_at(bench.design({spec, "-o", "/proc/popcut"}), 7, "/proc/popcut: ");
   REQUIRE(bench.design({spec, "-o", "out"}).exit == 0);
   const std::string before = text_of_file(bench.temp / "out/pattern.fold");
   const Names files = bench.files("out");
   // A limit of 4 kB a file stands in for a full disk.
-  check_refused(bench.design({spec, "-o", "out"}, {4096, -1}), 7, "out/pattern.fold: ");
+  check_refused_at(bench.design({spec, "-o", "out"}, {4096, -1}), 7, "out/pattern.fold: ");
   CHECK(text_of_file(bench.temp / "out/pattern.fold") == before);
   CHECK(bench.files("out") == files);
 }
 
-TEST_CASE("running out of memory is one line and exit code 1", "[cli][e2e][design]") {
+TEST_CASE("running out of memory gives one line and exit code 1", "[cli][e2e][design]") {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   WARN("skipped: a sanitizer needs all the address space");
 #else
   const Bench bench;
   write_file(bench.temp / "large.json", "[" + std::string(60u << 20, ' ') + "]");
   const Ran ran = bench.design({"large.json", "-o", "out"}, {-1, 48l << 20});
-  check_refused(ran, 1, "internal fault: ");
+  check_refused_at(ran, 1, "internal fault: ");
 #endif
 }

@@ -189,7 +189,7 @@ class FullDisk {
 
 }  // namespace
 
-TEST_CASE("a disk that is full at any write of a job stops new work and never what is cut",
+TEST_CASE("a disk that is full at any write of a job stops new work but never a running cut",
           "[daemon][disk]") {
   constexpr std::uint64_t kAtOnce = 8;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

@@ -9,6 +9,7 @@
 
 #include "tests/support/running_daemon.hpp"
 #include "tests/support/service_manager_socket.hpp"
+#include "tests/support/timing.hpp"
 
 using namespace popcut;
 using namespace popcut::testing;
@@ -18,10 +19,6 @@ using std::chrono::steady_clock;
 namespace {
 
 constexpr int kLines = 40, kFew = 16;
-
-double seconds_since(steady_clock::time_point then) {
-  return std::chrono::duration<double>(steady_clock::now() - then).count();
-}
 
 /// A simulated cutter of which the first sheet meets a fault.
 struct Wrong {
@@ -68,7 +65,7 @@ bool printable(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("whatever goes wrong at a cutter its job ends with a true ledger and nothing goes on",
+TEST_CASE("after any fault of a cutter its job ends with a true ledger and nothing restarts",
           "[popcutd][faults]") {
   Wrongs wrongs;
   // A cable pulled at bytes of some strokes, and between them.
@@ -137,7 +134,7 @@ TEST_CASE("whatever goes wrong at a cutter its job ends with a true ledger and n
   CHECK(lines_cut(wrongs.trace(0), kLines).size() == kLines);
 }
 
-TEST_CASE("a cutter that takes nothing shows as busy and is cancelled at once",
+TEST_CASE("a cutter that takes no data shows as busy and is cancelled at once",
           "[popcutd][faults]") {
   Wrongs wrongs;
   wrongs.time_scale = 12;
@@ -184,7 +181,7 @@ TEST_CASE("a cutter that takes nothing shows as busy and is cancelled at once",
   CHECK(quickest_s < 1);  // the other may have met a machine that was busy otherwise
 }
 
-TEST_CASE("popcutd ends in time though a cutter takes nothing", "[popcutd][faults]") {
+TEST_CASE("popcutd ends in time although a cutter takes no data", "[popcutd][faults]") {
   Wrongs wrongs;
   wrongs.time_scale = 20;
   wrongs.all = {{R"("at_path": 5, "kind": "nak", "seconds": 100000)", "", "", ""},
@@ -214,8 +211,7 @@ TEST_CASE("popcutd ends in time though a cutter takes nothing", "[popcutd][fault
   }
 }
 
-TEST_CASE("what a cutter says reaches no terminal and no page as more than text",
-          "[popcutd][faults]") {
+TEST_CASE("a cutter's replies reach terminals and pages only as plain text", "[popcutd][faults]") {
   // Escape sequences in both forms, a tag, and what ends a JSON text.
   const std::string evil =
       R"(\u001b[2J\u001b]0;owned\u0007<img src=x onerror=alert(1)>\"}\u009b31m V1.0)";
@@ -263,7 +259,7 @@ TEST_CASE("what a cutter says reaches no terminal and no page as more than text"
   }
 }
 
-TEST_CASE("a name is text and never a path or an escape sequence", "[popcutd][faults]") {
+TEST_CASE("a name is plain text and never a path or an escape sequence", "[popcutd][faults]") {
   RunningDaemon popcutd;
   popcutd.open();
   const std::string svg = RunningDaemon::lines_svg(3);

@@ -83,7 +83,7 @@ class QuickClient {
 
 }  // namespace
 
-TEST_CASE("a disk that fails once stops the knife at a stroke and nothing is written after it",
+TEST_CASE("a disk that fails once stops the knife after its stroke and nothing is written then",
           "[popcutd][faults]") {
   constexpr int kLines = 160;
   FaultyShop faulty(8);
@@ -118,7 +118,7 @@ TEST_CASE("a disk that fails once stops the knife at a stroke and nothing is wri
   CHECK(wrong_in(popcutd.ledger(id), kLines, cut) == "");
 }
 
-TEST_CASE("a clock that jumps by years moves no arm and no knife and no order",
+TEST_CASE("a clock that jumps by years affects no armed job and no cut and no order",
           "[popcutd][faults]") {
   constexpr int kLines = 12;
   FaultyShop faulty(40);
@@ -157,7 +157,7 @@ TEST_CASE("a clock that jumps by years moves no arm and no knife and no order",
   }
 }
 
-TEST_CASE("one key makes one job though popcutd dies between the commit and the answer",
+TEST_CASE("one key makes one job even if popcutd is killed between the commit and the answer",
           "[popcutd][faults]") {
   FaultyShop faulty(0, "connections = 400\n");
   RunningDaemon& popcutd = faulty.popcutd;
@@ -230,7 +230,8 @@ TEST_CASE("one key makes one job though popcutd dies between the commit and the 
   CHECK(died_before > 0);
 }
 
-TEST_CASE("of 64 clients who start or stop a knife at once one wins", "[popcutd][faults]") {
+TEST_CASE("exactly one of 64 clients that start or stop a knife at once succeeds",
+          "[popcutd][faults]") {
   RunningDaemon popcutd(5, "connections = 400\n");
   popcutd.open();
   const std::string design = popcutd.design(RunningDaemon::lines_svg(60));
@@ -268,8 +269,7 @@ TEST_CASE("of 64 clients who start or stop a knife at once one wins", "[popcutd]
   }
 }
 
-TEST_CASE("no thread of popcutd stands still without the watchdog going hungry",
-          "[popcutd][faults]") {
+TEST_CASE("the watchdog is not fed while any thread of popcutd hangs", "[popcutd][faults]") {
   const auto starve = [](Blocked where) -> std::string {
     ServiceManagerSocket manager;
     FaultyShop faulty(3);
@@ -319,7 +319,7 @@ TEST_CASE("no thread of popcutd stands still without the watchdog going hungry",
   }
 }
 
-TEST_CASE("a database of a later popcutd is left alone by an earlier one", "[popcutd][faults]") {
+TEST_CASE("an earlier popcutd does not touch the database of a later one", "[popcutd][faults]") {
   RunningDaemon popcutd;
   popcutd.open();
   (void)popcutd.design(RunningDaemon::lines_svg(2));
@@ -341,7 +341,7 @@ TEST_CASE("a database of a later popcutd is left alone by an earlier one", "[pop
   CHECK(text_of_file(path) == before);
 }
 
-TEST_CASE("a link among the state folders is refused and nothing behind it is touched",
+TEST_CASE("a symbolic link among the state folders is refused and its target is not touched",
           "[popcutd][faults]") {
   RunningDaemon popcutd;
   TempFolder elsewhere;

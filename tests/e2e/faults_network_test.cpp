@@ -156,7 +156,7 @@ bool is_served(std::uint16_t port) {
 
 }  // namespace
 
-TEST_CASE("whatever clients do a cut goes on and can be held and leaves nothing behind",
+TEST_CASE("a cut continues and can be held whatever clients do and nothing is left behind",
           "[popcutd][faults]") {
   RunningDaemon popcutd(8);
   popcutd.open();
@@ -194,7 +194,7 @@ TEST_CASE("whatever clients do a cut goes on and can be held and leaves nothing 
   CHECK(popcutd.get("/readyz")["ready"] == true);
 }
 
-TEST_CASE("a client that is stopped in the middle of an answer holds up nobody",
+TEST_CASE("a client that stops reading in the middle of an answer delays nobody else",
           "[popcutd][faults]") {
   RunningDaemon popcutd(20);
   popcutd.open();
@@ -222,7 +222,7 @@ TEST_CASE("a client that is stopped in the middle of an answer holds up nobody",
   }));
 }
 
-TEST_CASE("however many come the descriptors of a cut and of who stops it are left",
+TEST_CASE("any number of connections leaves descriptors for a cut and for stopping it",
           "[popcutd][faults]") {
   constexpr int kLeft = 40;  // docs/api.md
   constexpr int kMany = 90;  // nine seconds, of which the crowd takes one
@@ -252,7 +252,7 @@ TEST_CASE("however many come the descriptors of a cut and of who stops it are le
 
 // UBSan asks a pipe whether an object can be read: without descriptors it calls each one broken.
 #ifndef __SANITIZE_ADDRESS__
-TEST_CASE("what comes after all descriptors are taken waits and is served again",
+TEST_CASE("connections that arrive when all descriptors are used wait and are served later",
           "[popcutd][faults]") {
   RunningDaemon popcutd(20, "header_s = 2\n");
   popcutd.open();

@@ -65,7 +65,7 @@ const Json kKept{{"from_path", 0}, {"registration", "kept"}, {"i_accept_double_c
 
 }  // namespace
 
-TEST_CASE("whatever fails on the bus its job ends with a true ledger and no plug starts anything",
+TEST_CASE("after any fault on the bus a job ends with a true ledger and a replug starts nothing",
           "[popcutd][usb][faults]") {
   struct Wrong {
     Kind kind;
@@ -110,7 +110,7 @@ TEST_CASE("whatever fails on the bus its job ends with a true ledger and no plug
   CHECK(bench.wrong(id, cutter) == "");
 }
 
-TEST_CASE("a cutter on the bus that takes nothing is cancelled within a second",
+TEST_CASE("a USB cutter that takes no data is cancelled within a second",
           "[popcutd][usb][faults]") {
   auto quickest = std::chrono::steady_clock::duration(60s);
   // A round may meet a machine that is busy otherwise.
@@ -133,7 +133,7 @@ TEST_CASE("a cutter on the bus that takes nothing is cancelled within a second",
   CHECK(quickest < 1s);
 }
 
-TEST_CASE("a job stays with its cutter when two that look alike are swapped",
+TEST_CASE("a job stays with its cutter when two identical ones are swapped",
           "[popcutd][usb][faults]") {
   Bench bench;
   UsbfsDevice left(bench.testbed, {.port = 1, .address = 2}),
@@ -166,7 +166,7 @@ TEST_CASE("a job stays with its cutter when two that look alike are swapped",
   CHECK(bench.wrong(id, left_cutter) == "");
 }
 
-TEST_CASE("a plug that comes and goes a hundred times a second starts nothing and leaks nothing",
+TEST_CASE("plugging in and out a hundred times a second starts nothing and leaks nothing",
           "[popcutd][usb][faults]") {
   Bench bench;
   UsbfsDevice device(bench.testbed);
@@ -194,7 +194,7 @@ TEST_CASE("a plug that comes and goes a hundred times a second starts nothing an
   CHECK(bench.wrong(id, cutter) == "");
 }
 
-TEST_CASE("a cutter that was away for a moment only is not taken for one that stayed",
+TEST_CASE("a cutter that was unplugged only briefly still counts as unplugged",
           "[popcutd][usb][faults]") {
   Bench bench;
   UsbfsDevice device(bench.testbed);

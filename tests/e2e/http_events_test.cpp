@@ -37,8 +37,7 @@ void tell(LiveServer& server, int times, std::size_t bytes = 10) {
 
 }  // namespace
 
-TEST_CASE("a stream begins with a snapshot and goes on with what happens",
-          "[daemon][http][events]") {
+TEST_CASE("a stream begins with a snapshot and continues with events", "[daemon][http][events]") {
   LiveServer server;
   server.ask([](FakeService& fake) { fake.add_job(JobState::Ready, "token:submitter"); });
   tell(server, 3);
@@ -57,7 +56,7 @@ TEST_CASE("a stream begins with a snapshot and goes on with what happens",
   CHECK(connection.receive_until("\n\n").starts_with("event: progress\ndata: {\"seq\":0"));
 }
 
-TEST_CASE("a stream resumes after the last event that was seen", "[daemon][http][events]") {
+TEST_CASE("a stream resumes after the last event that the client saw", "[daemon][http][events]") {
   LiveServer server;
   tell(server, 1000);
   RawConnection connection = server.connect();
@@ -70,7 +69,8 @@ TEST_CASE("a stream resumes after the last event that was seen", "[daemon][http]
   CHECK(all.find("reset") == std::string::npos);
 }
 
-TEST_CASE("a stream that was away too long begins anew", "[daemon][http][events]") {
+TEST_CASE("a stream that was interrupted too long begins again with a snapshot",
+          "[daemon][http][events]") {
   LiveServer server;
   tell(server, 100);
   server.ask([](FakeService& fake) { fake.first_kept = 50; });
@@ -87,8 +87,7 @@ TEST_CASE("a stream that was away too long begins anew", "[daemon][http][events]
   CHECK(connection.receive_until("\n\n").starts_with("id: 50\n"));
 }
 
-TEST_CASE("a stream is not begun where its query says what there is not",
-          "[daemon][http][events]") {
+TEST_CASE("a stream with an invalid query is refused", "[daemon][http][events]") {
   LiveServer server;
   for (const char* query : {"?after=abc", "?after=-1", "?aftr=3", "?limit=0"}) {
     CAPTURE(query);
@@ -131,8 +130,7 @@ TEST_CASE("no event is lost or doubled while clients come and go", "[daemon][htt
   CHECK(wrong.empty());
 }
 
-TEST_CASE("a client that does not read is dropped and nobody waits for it",
-          "[daemon][http][events]") {
+TEST_CASE("a client that does not read is dropped and delays nobody", "[daemon][http][events]") {
   LiveServer server([](HttpOptions& options) {
     options.limits.stream_events = 16;
     options.limits.body_s = 1;
@@ -156,7 +154,7 @@ TEST_CASE("a client that does not read is dropped and nobody waits for it",
   CHECK(text.find("popcut_sse_dropped_total 0\n") == std::string::npos);
 }
 
-TEST_CASE("a client that reads too slowly is told to come again", "[daemon][http][events]") {
+TEST_CASE("a client that reads too slowly is asked to reconnect", "[daemon][http][events]") {
   LiveServer server([](HttpOptions& options) { options.limits.stream_events = 16; });
   RawConnection slow = server.connect();
   slow.shrink_buffer(4096);
@@ -168,7 +166,7 @@ TEST_CASE("a client that reads too slowly is told to come again", "[daemon][http
   CHECK(slow.closes());
 }
 
-TEST_CASE("a heartbeat comes when nothing happens", "[daemon][http][events]") {
+TEST_CASE("a stream without events gets heartbeats", "[daemon][http][events]") {
   LiveServer server([](HttpOptions& options) { options.limits.heartbeat_s = 0.05; });
   RawConnection connection = server.connect();
   open_stream(server, connection);
@@ -176,7 +174,7 @@ TEST_CASE("a heartbeat comes when nothing happens", "[daemon][http][events]") {
   CHECK(connection.receive_until(":\n\n:\n\n") == ":\n\n:\n\n");
 }
 
-TEST_CASE("there are no more streams than their limit", "[daemon][http][events]") {
+TEST_CASE("the number of streams is limited", "[daemon][http][events]") {
   LiveServer server([](HttpOptions& options) { options.limits.streams = 3; });
   std::vector<RawConnection> streams;
   for (int i = 0; i < 3; ++i) {
@@ -193,7 +191,7 @@ TEST_CASE("there are no more streams than their limit", "[daemon][http][events]"
   }));
 }
 
-TEST_CASE("events can be asked for as a list", "[daemon][http][events]") {
+TEST_CASE("events are available as a list", "[daemon][http][events]") {
   LiveServer server;
   tell(server, 5);
   const WireResponse list = server.fetch("GET", "/v1/events?after=2&limit=2", "viewer");

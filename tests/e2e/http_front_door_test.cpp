@@ -251,8 +251,7 @@ const std::vector<RawCase> kAnswered{
 
 }  // namespace
 
-TEST_CASE("what two readers could take for two things is refused and the connection ends",
-          "[daemon][http][door]") {
+TEST_CASE("an ambiguous request is refused and the connection ends", "[daemon][http][door]") {
   const LiveServer server;
   for (const RawCase& one : kRefused) {
     CAPTURE(one.name);
@@ -271,7 +270,7 @@ TEST_CASE("what two readers could take for two things is refused and the connect
   CHECK(server.fetch("GET", "/healthz", "").status == 200);
 }
 
-TEST_CASE("each thing that is wrong with a request has its own problem", "[daemon][http][door]") {
+TEST_CASE("each fault of a request has its own problem type", "[daemon][http][door]") {
   const LiveServer server(
       [](HttpOptions& options) { options.limits.failed_logins_per_minute = 99; });
   for (const RawCase& one : kAnswered) {
@@ -294,7 +293,7 @@ TEST_CASE("each thing that is wrong with a request has its own problem", "[daemo
   CHECK(server.spools() == 0);
 }
 
-TEST_CASE("chunks in all their lawful forms make one body", "[daemon][http][door]") {
+TEST_CASE("chunks in all valid forms make one body", "[daemon][http][door]") {
   LiveServer server;
   const std::string body = R"({"design":"sha256-aa","name":"chunked"})";
   const std::string head =
@@ -341,7 +340,7 @@ TEST_CASE("HTTP/1.0 and Connection: close end the connection after the answer",
   }
 }
 
-TEST_CASE("a body is asked for only when the request may have it", "[daemon][http][door]") {
+TEST_CASE("100 Continue is sent only if the request may have its body", "[daemon][http][door]") {
   LiveServer server;
   const std::string expect = "Expect: 100-continue\r\n";
   RawConnection good = server.connect();

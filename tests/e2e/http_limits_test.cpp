@@ -33,7 +33,7 @@ std::string new_job(LiveServer& server, JobState state = JobState::Ready) {
 
 }  // namespace
 
-TEST_CASE("the defaults of all limits are those of the manual", "[daemon][http][limits]") {
+TEST_CASE("the defaults of all limits are as documented", "[daemon][http][limits]") {
   const HttpLimits limits;
   CHECK(limits.header_bytes == 8192);
   CHECK(limits.json_bytes == 262'144);
@@ -54,7 +54,7 @@ TEST_CASE("the defaults of all limits are those of the manual", "[daemon][http][
   CHECK(limits.stream_bytes == 262'144);
 }
 
-TEST_CASE("with the default limits the server does what they say", "[daemon][http][limits]") {
+TEST_CASE("the server enforces the default limits", "[daemon][http][limits]") {
   LiveServer server([](HttpOptions& options) { options.limits = HttpLimits{}; });
   SECTION("a burst of 60 and 20 a second for each principal") {
     RawConnection connection = server.connect();
@@ -115,7 +115,7 @@ TEST_CASE("with the default limits the server does what they say", "[daemon][htt
   }
 }
 
-TEST_CASE("a bomb of brackets is refused and the server lives", "[daemon][http][limits]") {
+TEST_CASE("deeply nested JSON is refused and the server survives", "[daemon][http][limits]") {
   LiveServer server;
   for (const int depth : {33, 1000, 100'000}) {
     const std::string bomb = std::string(static_cast<std::size_t>(depth), '[') +
@@ -181,7 +181,7 @@ TEST_CASE("slow and silent clients lose their connection", "[daemon][http][slow]
   }
 }
 
-TEST_CASE("when all places are taken a knife can still be stopped", "[daemon][http][slow]") {
+TEST_CASE("a knife can be stopped even when all connections are in use", "[daemon][http][slow]") {
   LiveServer server([](HttpOptions& options) {
     options.limits.connections = 8;
     options.limits.header_s = 300;
@@ -215,7 +215,7 @@ TEST_CASE("when all places are taken a knife can still be stopped", "[daemon][ht
   CHECK(cancelled.status == 200);
 }
 
-TEST_CASE("an idle connection gives its place to a new one", "[daemon][http][slow]") {
+TEST_CASE("an idle connection is closed in favour of a new one", "[daemon][http][slow]") {
   LiveServer server([](HttpOptions& options) { options.limits.connections = 4; });
   std::vector<RawConnection> kept;
   for (int i = 0; i < 4; ++i) {
@@ -227,7 +227,7 @@ TEST_CASE("an idle connection gives its place to a new one", "[daemon][http][slo
   CHECK(kept.front().closes());
 }
 
-TEST_CASE("clients that stop reading or reset cost nothing", "[daemon][http][slow]") {
+TEST_CASE("clients that stop reading or reset leak nothing", "[daemon][http][slow]") {
   LiveServer server;
   server.ask([](FakeService& fake) {
     for (int i = 0; i < 200; ++i) fake.add_job(JobState::Queued, "token:submitter");
@@ -244,7 +244,7 @@ TEST_CASE("clients that stop reading or reset cost nothing", "[daemon][http][slo
   }));
 }
 
-TEST_CASE("over the unix socket the user is who asks", "[daemon][http][unix]") {
+TEST_CASE("over the unix socket the user is the peer's", "[daemon][http][unix]") {
   LiveServer server;
   RawConnection connection(server.socket_path());
   connection.send("GET /v1/meta HTTP/1.1\r\nHost: popcut\r\n\r\n");
@@ -261,7 +261,7 @@ TEST_CASE("over the unix socket the user is who asks", "[daemon][http][unix]") {
   CHECK((found.st_mode & 0777) == 0600);
 }
 
-TEST_CASE("only loopback addresses are listened on", "[daemon][http][listen]") {
+TEST_CASE("the server listens only on loopback addresses", "[daemon][http][listen]") {
   FakeService fake;
   WorkThread thread;
   const auto start = [&](const std::string& address) {
@@ -294,7 +294,8 @@ TEST_CASE("the server stops while clients are busy and starts again", "[daemon][
   }
 }
 
-TEST_CASE("two hundred half-sent heads take no more than their places", "[daemon][http][slow]") {
+TEST_CASE("two hundred half-sent request heads use only their own connections",
+          "[daemon][http][slow]") {
   LiveServer server([](HttpOptions& options) {
     options.limits = HttpLimits{};
     options.limits.rate_per_s = options.limits.rate_burst = 1e6;
@@ -319,7 +320,7 @@ TEST_CASE("two hundred half-sent heads take no more than their places", "[daemon
   CHECK(comes_true([&] { return open() <= 68; }));
 }
 
-TEST_CASE("one user of the unix socket cannot take all places", "[daemon][http][unix]") {
+TEST_CASE("one user of the unix socket cannot use all connections", "[daemon][http][unix]") {
   LiveServer server([](HttpOptions& options) { options.limits.connections = 8; });
   std::vector<RawConnection> greedy;
   for (int i = 0; i < 20; ++i) {
@@ -366,7 +367,7 @@ TEST_CASE("a log has no secrets and no control characters", "[daemon][http][log]
     CHECK(log.find(secret) == std::string::npos);
 }
 
-TEST_CASE("sockets that were inherited are served and IPv6 too", "[daemon][http][listen]") {
+TEST_CASE("inherited sockets and IPv6 are served", "[daemon][http][listen]") {
   const int inherited = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   REQUIRE(::listen(inherited, 8) == 0);  // binds to all addresses: refused
   FakeService fake;

@@ -204,7 +204,7 @@ TEST_CASE("openapi.json and the table of routes have the same routes", "[daemon]
   CHECK(in_table == in_file);
 }
 
-TEST_CASE("openapi.json tells the role and headers and query of each route",
+TEST_CASE("openapi.json documents the role and headers and query of each route",
           "[daemon][http][openapi]") {
   std::set<std::string> ids;
   for (const http::Route& route : http::routes()) {

@@ -48,7 +48,7 @@ TEST_CASE("a job is made, acted on and seen over HTTP", "[daemon][http][server]"
   CHECK(late.body.find(R"("allowed_actions":["arm","cancel"])") != std::string::npos);
 }
 
-TEST_CASE("the same key answers again and does nothing again", "[daemon][http][server]") {
+TEST_CASE("the same key gets the same answer and does nothing twice", "[daemon][http][server]") {
   LiveServer server;
   const std::string key = acting(), body = R"({"design":"sha256-aa"})";
   const WireResponse first = server.fetch("POST", "/v1/jobs", "submitter", key, body);
@@ -109,7 +109,7 @@ TEST_CASE("each route lets in the roles of its row and no other", "[daemon][http
   }
 }
 
-TEST_CASE("an upload lies in the incoming folder until the service has it and no longer",
+TEST_CASE("an upload is in the incoming folder only until the service takes it",
           "[daemon][http][upload]") {
   LiveServer server;
   const std::string body(300'000, 'x');
@@ -179,7 +179,7 @@ TEST_CASE("an upload that fails in any way leaves nothing behind", "[daemon][htt
   CHECK(server.fetch("GET", "/healthz", "").status == 200);
 }
 
-TEST_CASE("a disk that is full answers 507 and reads go on", "[daemon][http][upload]") {
+TEST_CASE("a full disk answers 507 and reads still work", "[daemon][http][upload]") {
   LiveServer server;
   // No file of this process may become longer than 64 KiB: a write beyond it fails.
   rlimit before{};
@@ -200,14 +200,14 @@ TEST_CASE("a disk that is full answers 507 and reads go on", "[daemon][http][upl
   CHECK(comes_true([&] { return server.spools() == 0; }));
 }
 
-TEST_CASE("an incoming folder that cannot be written is told and nothing else stops",
+TEST_CASE("an incoming folder that cannot be written is reported and nothing else stops",
           "[daemon][http][upload]") {
   const LiveServer server([](HttpOptions& options) { options.incoming_folder = "/dev/null/none"; });
   CHECK(server.fetch("POST", "/v1/designs", "submitter", kSvg, "<svg/>").status == 503);
   CHECK(server.fetch("GET", "/v1/jobs").status == 200);
 }
 
-TEST_CASE("what an earlier run left among the uploads is removed and nothing else",
+TEST_CASE("only files that an earlier run left among the uploads are removed",
           "[daemon][http][upload]") {
   std::filesystem::path folder;
   const LiveServer server([&](HttpOptions& options) {
@@ -222,7 +222,7 @@ TEST_CASE("what an earlier run left among the uploads is removed and nothing els
   CHECK(std::filesystem::is_symlink(folder / "link.upload"));
 }
 
-TEST_CASE("what users upload goes out as bytes to be saved", "[daemon][http][upload]") {
+TEST_CASE("uploaded files are served as bytes to save", "[daemon][http][upload]") {
   LiveServer server;
   const std::string evil =
       "<svg xmlns='http://www.w3.org/2000/svg'><script>alert(1)</script></svg>";

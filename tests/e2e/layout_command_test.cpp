@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/process.hpp"
+#include "tests/support/command_bench.hpp"
 
 using namespace popcut::testing;
 using nlohmann::json;
@@ -16,18 +16,9 @@ namespace {
 
 const std::string kSphere = std::string(POPCUT_SOURCE_DIR) + "/examples/sphere.json";
 
-struct Bench {
-  TempFolder temp;
-  Ran popcut(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), POPCUT_PROGRAM);
-    return run_program(arguments, temp.path());
-  }
+struct Bench : CommandBench {
   void refused(std::vector<std::string> arguments, int exit, const std::string& part) const {
-    const Ran ran = popcut(std::move(arguments));
-    CAPTURE(ran.err);
-    CHECK(ran.exit == exit);
-    CHECK(ran.err.find(part) != std::string::npos);
-    CHECK(std::count(ran.err.begin(), ran.err.end(), '\n') == 1);
+    check_refused(popcut(std::move(arguments)), exit, part);
   }
 };
 
@@ -106,8 +97,7 @@ TEST_CASE("a design larger than the mat is cut sheet by sheet as it was planned"
   }
 }
 
-TEST_CASE("a split plan that was tampered with is told and a missing tab is found",
-          "[cli][e2e][layout]") {
+TEST_CASE("a changed split plan is reported and a missing tab is found", "[cli][e2e][layout]") {
   const Bench bench;
   REQUIRE(bench
               .popcut({"plan", kSphere, "--machine", "cameo3", "--mat", "110x110", "-o", "sheets",
@@ -129,11 +119,11 @@ TEST_CASE("a split plan that was tampered with is told and a missing tab is foun
   with("/sheets/0/seams/0/piece", -4, 3, "/sheets/0/seams/0/piece");
   with("/sheets/0/seams", 7, 3, "/sheets/0/seams");
   with("/sheets/0/tabs/0/points", json::array({json::array({1, "x"})}), 3, "/sheets/0/tabs/0");
-  with("/sheets/0/tabs", json::array(), 6, "where nothing is to be drawn");  // they were cut
-  with("/sheets/0/seams/0/glued", json::array(), 6, "where nothing is to be drawn");
+  with("/sheets/0/tabs", json::array(), 6, "where nothing should be drawn");  // they were cut
+  with("/sheets/0/seams/0/glued", json::array(), 6, "where nothing should be drawn");
 }
 
-TEST_CASE("what cannot be split is refused with one line", "[cli][e2e][layout]") {
+TEST_CASE("a drawing that cannot be split is refused in one line", "[cli][e2e][layout]") {
   const Bench bench;
   const auto with = [](std::vector<std::string> more) {
     std::vector<std::string> all{"plan", kSphere, "-o", "sheets", "--machine", "cameo3"};

@@ -74,7 +74,7 @@ TEST_CASE("a run that fails leaves nothing and no new folder", "[cli][output]") 
   CHECK_FALSE(fs::exists(temp / "fresh"));
 }
 
-TEST_CASE("what the last run wrote and this one does not goes and other files stay",
+TEST_CASE("files of the last run that this one does not write are removed and others stay",
           "[cli][output]") {
   const TempFolder temp;
   run_with(temp.path(), {"sheet-01.svg", "sheet-02.svg", "deploy/psi_001.stl", "plan.json"});
@@ -86,7 +86,7 @@ TEST_CASE("what the last run wrote and this one does not goes and other files st
   CHECK_FALSE(fs::exists(temp / "deploy"));
 }
 
-TEST_CASE("a manifest from somebody else removes nothing outside the folder", "[cli][output]") {
+TEST_CASE("a foreign manifest removes nothing outside the folder", "[cli][output]") {
   const TempFolder temp;
   const fs::path folder = temp / "out", outside = temp / "outside";
   write_file(outside / "precious.txt", "x");

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/process.hpp"
+#include "tests/support/command_bench.hpp"
 
 using namespace popcut::testing;
 using nlohmann::json;
@@ -16,29 +15,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Bench {
-  TempFolder temp;
-
-  Ran popcut(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), POPCUT_PROGRAM);
-    return run_program(arguments, temp.path());
-  }
-  void write(const std::string& name, const json& value) const {
-    std::ofstream(temp / name) << value.dump();
-  }
-  [[nodiscard]] json report(const std::string& name) const {
-    return json::parse(text_of_file(temp / name));
-  }
-};
+using Bench = CommandBench;
 
 json shipped() { return json::parse(text_of_file(POPCUT_SOURCE_DIR "/docs/patches/station.json")); }
-
-void check_refused(const Ran& ran, int exit, const std::string& what) {
-  CAPTURE(ran.err);
-  CHECK(ran.exit == exit);
-  CHECK(ran.err.find(what) != std::string::npos);
-  CHECK(std::count(ran.err.begin(), ran.err.end(), '\n') == 1);
-}
 
 }  // namespace
 
@@ -48,7 +27,7 @@ TEST_CASE("patches that agree are written and planned as one sheet", "[cli][e2e]
   REQUIRE(bench.popcut({"design", "spec.json", "-o", "out", "-q"}).exit == 0);
   CHECK(bench.popcut({"verify", "out/pattern.fold", "--dof", "1"}).exit == 0);
   CHECK_FALSE(fs::exists(bench.temp / "out/part-01"));
-  const json report = bench.report("out/report.json");
+  const json report = bench.read_json("out/report.json");
   CHECK(report.at("degrees_of_freedom") == 1);
   CHECK(report.at("patches").size() == 3);
   CHECK(report.at("joins").at(0).at("join") == "sheet");
@@ -70,11 +49,11 @@ TEST_CASE("patches with seams are patterns of their own that verify and plan",
     CHECK(bench.popcut({"verify", "out/" + part + "/pattern.fold", "--dof", "1"}).exit == 0);
     CHECK(bench.popcut({"plan", "out/" + part + "/pattern.fold", "-o", "plan", "-q"}).exit == 0);
     CHECK(fs::exists(bench.temp / ("out/" + part + "/report.json")));
-    const json fold = bench.report("out/" + part + "/pattern.fold");
+    const json fold = bench.read_json("out/" + part + "/pattern.fold");
     REQUIRE(fold.at("popcut:seams").size() == 1);
     CHECK(fold.at("popcut:seams").at(0).at("id") == 1);
   }
-  const json report = bench.report("out/report.json");
+  const json report = bench.read_json("out/report.json");
   CHECK(report.at("parts").size() == 2);
   REQUIRE(report.at("seams").size() == 1);
   const json& lines = report.at("seams").at(0).at("lines");

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
-#include "tests/support/process.hpp"
+#include "tests/support/command_bench.hpp"
 
 using namespace popcut::testing;
 using nlohmann::json;
@@ -21,13 +21,7 @@ const std::string kBigSvg =
     "<svg xmlns='http://www.w3.org/2000/svg' width='400mm' height='300mm' viewBox='0 0 400 300'>"
     "<path fill='none' stroke='black' d='M10,10H350V50H10'/></svg>";
 
-struct Bench {
-  TempFolder temp;
-
-  Ran popcut(Names arguments) const {
-    arguments.insert(arguments.begin(), POPCUT_PROGRAM);
-    return run_program(arguments, temp.path());
-  }
+struct Bench : CommandBench {
   json planned(Names arguments) const {
     arguments.insert(arguments.begin(), "plan");
     arguments.insert(arguments.end(), {"-o", "sheets", "--json", "-q"});
@@ -40,11 +34,7 @@ struct Bench {
   void refused(Names arguments, int exit, const std::string& part) const {
     arguments.insert(arguments.begin(), "plan");
     arguments.insert(arguments.end(), {"-o", "sheets"});
-    const Ran ran = popcut(arguments);
-    CAPTURE(ran.err);
-    CHECK(ran.exit == exit);
-    CHECK(ran.err.find(part) != std::string::npos);
-    CHECK(std::count(ran.err.begin(), ran.err.end(), '\n') == 1);
+    check_refused(popcut(arguments), exit, part);
   }
 };
 
@@ -101,7 +91,7 @@ TEST_CASE("what is too large and not to be split is refused and clipped only whe
   CHECK(turned["sheets"][0]["transform"][0][1] == -1.0);
 }
 
-TEST_CASE("a wrong word of plan is answered with what would be right", "[cli][e2e][plan]") {
+TEST_CASE("a wrong option of plan gets the valid values", "[cli][e2e][plan]") {
   const Bench bench;
   write_file(bench.temp / "big.svg", kBigSvg);
   bench.refused({"big.svg", "--machine", "camoe3"}, 2, "did you mean cameo3?");

@@ -9,6 +9,7 @@
 #include "daemon/devices/make_cutters.hpp"
 #include "daemon/planning/program_file.hpp"
 #include "tests/support/planner_bench.hpp"
+#include "tests/support/timing.hpp"
 
 using namespace popcut;
 using namespace popcut::testing;
@@ -49,10 +50,6 @@ struct Bench {
     return outcomes.wait(name);
   }
 };
-
-double seconds_since(steady_clock::time_point begun) {
-  return std::chrono::duration<double>(steady_clock::now() - begun).count();
-}
 
 /// Many units: seconds of work, and some memory.
 std::string heavy_spec(int units, int slices) {
@@ -104,8 +101,7 @@ TEST_CASE("a worker has nothing but its pipes and its limits", "[daemon][planner
   if (!kSanitized) CHECK(says("as: 3221225472\n"));
 }
 
-TEST_CASE("whatever a worker sends the daemon goes on and says what was wrong",
-          "[daemon][planner]") {
+TEST_CASE("the daemon survives anything that a worker sends and reports it", "[daemon][planner]") {
   PlanningLimits limits;
   limits.output_bytes = 8u << 20;
   limits.cpu_s = 1;
@@ -158,8 +154,7 @@ TEST_CASE("a worker that takes too long is killed and the next one works", "[dae
   CHECK(comes_true([&] { return bench.run("surroundings").has_value(); }));
 }
 
-TEST_CASE("what is cancelled ends within a second running or waiting and leaves nothing",
-          "[daemon][planner]") {
+TEST_CASE("a cancelled task ends within a second and leaves nothing behind", "[daemon][planner]") {
   Bench bench({}, POPCUT_PROBE);
   const auto descriptors = open_descriptors();
   double quickest_s = 60;
@@ -188,8 +183,7 @@ TEST_CASE("what is cancelled ends within a second running or waiting and leaves 
   CHECK(quickest_s < 1);
 }
 
-TEST_CASE("tasks begin in the order in which they came and never more at once than may be",
-          "[daemon][planner]") {
+TEST_CASE("tasks start in order and never more at once than allowed", "[daemon][planner]") {
   PlanningLimits limits;
   limits.processes = 2;
   Bench bench(limits, POPCUT_PROBE);
@@ -216,7 +210,7 @@ TEST_CASE("tasks begin in the order in which they came and never more at once th
   CHECK(single.outcomes.order() == names);
 }
 
-TEST_CASE("an upload is checked while a long plan is made and others wait", "[daemon][planner]") {
+TEST_CASE("an upload is checked while a long plan runs and others wait", "[daemon][planner]") {
   Bench bench({}, POPCUT_PROBE);
   const auto running = bench.start("running", bench.task("sleeps"));
   const auto waiting = bench.start("waiting", bench.task("sleeps"));
@@ -237,7 +231,8 @@ TEST_CASE("an upload is checked while a long plan is made and others wait", "[da
   CHECK(bench.outcomes.wait("hangs").error().kind == ErrorKind::Refused);
 }
 
-TEST_CASE("a planner that goes kills what runs and answers everybody", "[daemon][planner]") {
+TEST_CASE("a planner that is destroyed kills running tasks and answers all waiting ones",
+          "[daemon][planner]") {
   const auto begun = steady_clock::now();
   Outcomes answers;
   {
@@ -253,7 +248,7 @@ TEST_CASE("a planner that goes kills what runs and answers everybody", "[daemon]
   CHECK(children().empty());
 }
 
-TEST_CASE("a design that needs too much memory is told so and the next one is planned",
+TEST_CASE("a design that needs too much memory is refused and the next one is planned",
           "[daemon][planner]") {
   if (kSanitized) {
     WARN("skipped: sanitizers need more room than any limit leaves");
@@ -270,7 +265,7 @@ TEST_CASE("a design that needs too much memory is told so and the next one is pl
   CHECK(bench.run(text_of_file(POPCUT_SOURCE_DIR "/examples/sphere.json")));
 }
 
-TEST_CASE("hostile designs meet a limit and a running cut never notices", "[daemon][planner]") {
+TEST_CASE("hostile designs hit a limit and never affect a running cut", "[daemon][planner]") {
   PlanningLimits limits;
   limits.cpu_s = kSanitized ? 20 : 2;
   limits.wall_s = 240;

@@ -66,7 +66,7 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("a check tells what a file is by its content and draws it anew", "[daemon][planner]") {
+TEST_CASE("a check detects the kind of a file by its content and redraws it", "[daemon][planner]") {
   Bench bench;
   const struct {
     std::string design, kind;
@@ -97,9 +97,8 @@ TEST_CASE("a check tells what a file is by its content and draws it anew", "[dae
   }
 }
 
-TEST_CASE(
-    "a design that takes long is popcut draws it when you plan it and not while it is checked",
-    "[daemon][planner]") {
+TEST_CASE("a slow design is drawn when it is planned and not when it is checked",
+          "[daemon][planner]") {
   Bench bench;
   const std::string surface =
       R"j({"popcut": 1, "widths_mm": 1,
@@ -114,7 +113,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("what is wrong with a design is told with its place in it", "[daemon][planner]") {
+TEST_CASE("an invalid design is reported with the place", "[daemon][planner]") {
   Bench bench;
   const auto check = [&](const std::string& text) { return bench.task(Kind::Check, text); };
   bench.refused(check(""), ErrorKind::Malformed, "", "empty");
@@ -157,8 +156,7 @@ TEST_CASE("what is wrong with a design is told with its place in it", "[daemon][
   bench.refused(options, ErrorKind::Internal, options.design_path, "cannot be read");
 }
 
-TEST_CASE("a plan has the very bytes of popcut plan and all its files the same each time",
-          "[daemon][planner]") {
+TEST_CASE("a plan has the same bytes as popcut plan every time", "[daemon][planner]") {
   Bench bench;
   for (const char* example : {"sphere", "packaging", "facade"}) {
     CAPTURE(example);
@@ -206,7 +204,7 @@ TEST_CASE("a plan has the very bytes of popcut plan and all its files the same e
   }
 }
 
-TEST_CASE("a spec's mesh comes as an asset by its id", "[daemon][planner]") {
+TEST_CASE("a spec's mesh is an asset named by its id", "[daemon][planner]") {
   Bench bench;
   // An id has no ending: the bytes tell what they are.
   const auto mesh = tests::sphere_mesh(70, 40, 60);
@@ -265,7 +263,7 @@ TEST_CASE("machine material and options of a task are obeyed", "[daemon][planner
   CHECK(tried->sheets[0].paths > 3);
 }
 
-TEST_CASE("a stored program is read back as it was and refused when anything is off",
+TEST_CASE("a stored program is read back unchanged and refused if anything is wrong",
           "[daemon][planner]") {
   Bench bench;
   auto task = bench.task(Kind::Plan, kSvg);
@@ -327,8 +325,7 @@ TEST_CASE("a stored program is read back as it was and refused when anything is 
   CHECK(refused > 1000);
 }
 
-TEST_CASE("frames come through in pieces of any size and nonsense is refused",
-          "[daemon][planner]") {
+TEST_CASE("frames arrive in pieces of any size and invalid ones are refused", "[daemon][planner]") {
   using planning::FrameKind;
   for (std::uint32_t seed = 0; seed < 200; ++seed) {
     CAPTURE(seed);

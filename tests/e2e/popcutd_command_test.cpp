@@ -20,7 +20,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/at_terminal.hpp"
-#include "tests/support/daemon_process.hpp"
+#include "tests/support/daemon_bench.hpp"
 #include "tests/support/raw_http.hpp"
 
 using namespace popcut::testing;
@@ -30,51 +30,24 @@ namespace {
 
 const std::string kUnit = POPCUT_SOURCE_DIR "/examples/unit.json";
 
-bool says(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-bool comes_true(const std::function<bool()>& holds) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > until) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
-  return true;
-}
-
-/// A popcutd and a person with a command line.
-struct Desk {
+/// A popcutd and its client, with users' tables of their own.
+struct Desk : DaemonBench {
   explicit Desk(const std::string& more = "", double time_scale = 0)
-      : daemon(POPCUTD_PROGRAM, time_scale, more) {
-    ::setenv("POPCUT_URL", daemon.socket().c_str(), 1);
+      : DaemonBench(time_scale, more) {
     ::setenv("XDG_CONFIG_HOME", (daemon.folder() / "config").c_str(), 1);
-    ::unsetenv("POPCUT_TOKEN");
   }
   ~Desk() { ::unsetenv("XDG_CONFIG_HOME"); }
   Desk(const Desk&) = delete;
   Desk& operator=(const Desk&) = delete;
-  DaemonProcess daemon;
-
-  void open() {
-    const bool serves = daemon.start();
-    INFO(daemon.log());
-    REQUIRE(serves);
-  }
   void table(const std::string& name, const std::string& text) const {
     std::filesystem::create_directories(daemon.folder() / "config/popcut");
     write_file(daemon.folder() / "config/popcut" / name, text);
   }
-  [[nodiscard]] Ran popcut(std::vector<std::string> words) const {
-    words.insert(words.begin(), POPCUT_PROGRAM);
-    return run_program(words, daemon.folder().path());
-  }
   /// Waits until the command succeeds.
   Ran must(const std::vector<std::string>& words) const {
-    Ran ran;
-    const bool done = comes_true([&] { return (ran = popcut(words)).exit == 0; });
+    Ran ran = until_done(words);
     INFO(ran.err);
-    CHECK(done);
+    CHECK(ran.exit == 0);
     return ran;
   }
   [[nodiscard]] std::string queue(const std::vector<std::string>& words = {kUnit}) const {
@@ -85,13 +58,7 @@ struct Desk {
     REQUIRE(ran.exit == 0);
     return ran.out.substr(0, 26);
   }
-  [[nodiscard]] Json job(const std::string& id) const {
-    return Json::parse(popcut({"jobs", id, "--json"}).out);
-  }
-  [[nodiscard]] bool comes_to(const std::string& id, const std::string& state) const {
-    return comes_true([&] { return job(id)["state"] == state; });
-  }
-  /// Reads the configuration anew with `text` at its end; what the log says of it.
+  /// Reloads the configuration with `text` at its end; what the log says about it.
   [[nodiscard]] std::string reloaded(const std::string& text) const {
     const std::string before = daemon.log(), file = text_of_file(daemon.config());
     write_file(daemon.config(), file + text);
@@ -108,7 +75,7 @@ struct Desk {
 
 }  // namespace
 
-TEST_CASE("devices shows those of popcutd with what they are doing", "[popcutd][cli]") {
+TEST_CASE("devices lists popcutd's devices with their states", "[popcutd][cli]") {
   Desk desk("[[device]]\nid = \"sim:portrait3\"\nmaterials = [\"pp-150\"]\ntime_scale = 0\n");
   const Ran alone = desk.popcut({"devices"});
   CHECK(alone.exit == 0);
@@ -156,7 +123,7 @@ TEST_CASE("a test cut goes through popcutd with a person at each step", "[popcut
   CHECK(desk.job(id)["state"] == "done");
 }
 
-TEST_CASE("a refusal says what to type", "[popcutd][cli]") {
+TEST_CASE("a refusal names the command to type", "[popcutd][cli]") {
   Desk desk;
   desk.open();
   const Ran mat = desk.popcut({"cut", kUnit, "--device", "sim:cameo33"});
@@ -229,7 +196,7 @@ TEST_CASE("jobs are listed in the order of the queue", "[popcutd][cli]") {
   CHECK(listed() == ids);
 }
 
-TEST_CASE("metrics have all their names and tell of nobody", "[popcutd][cli]") {
+TEST_CASE("metrics have all documented names and name no user", "[popcutd][cli]") {
   Desk desk;
   desk.open();
   const std::string id = desk.queue({kUnit, "--name", "secret name"});
@@ -270,7 +237,7 @@ TEST_CASE("metrics have all their names and tell of nobody", "[popcutd][cli]") {
   }
 }
 
-TEST_CASE("a file whose name is no UTF-8 is queued under a name that is", "[popcutd][cli]") {
+TEST_CASE("a file whose name is not UTF-8 is queued under a UTF-8 name", "[popcutd][cli]") {
   Desk desk;
   desk.open();
   const std::string odd = (desk.daemon.folder() / "un\xFFit\x01.json").string();
@@ -278,8 +245,7 @@ TEST_CASE("a file whose name is no UTF-8 is queued under a name that is", "[popc
   CHECK(desk.job(desk.queue({odd}))["name"] == "un\xEF\xBF\xBDit ");
 }
 
-TEST_CASE("what waits for a person is told at once where nobody sits at a terminal",
-          "[popcutd][cli]") {
+TEST_CASE("without a terminal a job that needs a person is reported at once", "[popcutd][cli]") {
   Desk desk;
   desk.open();
   const std::string popcut = POPCUT_PROGRAM;
@@ -295,7 +261,7 @@ TEST_CASE("what waits for a person is told at once where nobody sits at a termin
   CHECK(says(text_of_file(desk.daemon.folder() / "told.txt"), "is cancelled by "));
 }
 
-TEST_CASE("Ctrl-C ends the watching and not the job", "[popcutd][cli]") {
+TEST_CASE("Ctrl-C stops watching and does not stop the job", "[popcutd][cli]") {
   Desk desk;
   desk.open();
   AtTerminal person(POPCUT_PROGRAM, {"cut", kUnit, "--wait"}, desk.daemon.folder());
@@ -308,7 +274,7 @@ TEST_CASE("Ctrl-C ends the watching and not the job", "[popcutd][cli]") {
   CHECK(jobs[0]["state"] == "ready");
 }
 
-TEST_CASE("the live view keeps to a small terminal and ends by Ctrl-C", "[popcutd][cli]") {
+TEST_CASE("the live view fits a small terminal and ends with Ctrl-C", "[popcutd][cli]") {
   Desk desk;
   desk.open();
   for (int k = 0; k < 8; ++k) (void)desk.queue({kUnit, "--name", "a name that is far too long"});
@@ -352,7 +318,7 @@ TEST_CASE("the live view keeps to a small terminal and ends by Ctrl-C", "[popcut
   }
 }
 
-TEST_CASE("own machines and materials and SVG profiles reach popcutd", "[popcutd][cli]") {
+TEST_CASE("the user's machines and materials and SVG profiles reach popcutd", "[popcutd][cli]") {
   Desk desk("[[device]]\nid = \"sim:ours\"\ntime_scale = 0\n");
   desk.table("machines.json",
              R"({"popcut": 1, "machines": [{"name": "ours", "like": "cameo3", "title": "Ours"}]})");
@@ -383,7 +349,7 @@ TEST_CASE("own machines and materials and SVG profiles reach popcutd", "[popcutd
   CHECK(says(desk.daemon.log(), "svg_profiles.json: /svg_profiles/0"));
 }
 
-TEST_CASE("SIGHUP takes what does not disturb a cut and names the rest", "[popcutd][cli]") {
+TEST_CASE("SIGHUP applies what does not disturb a cut and names the rest", "[popcutd][cli]") {
   Desk desk;
   desk.open();
   const std::string id = desk.queue();

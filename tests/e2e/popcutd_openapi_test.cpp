@@ -78,7 +78,7 @@ std::string excuse(const ContractCaller::Pair& pair) {
 
 }  // namespace
 
-TEST_CASE("the real daemon produces every documented answer of every route",
+TEST_CASE("the daemon produces every documented answer of every route",
           "[daemon][popcutd][openapi]") {
   ContractLife life;
   life.make_design_and_plans();

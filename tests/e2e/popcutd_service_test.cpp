@@ -98,7 +98,7 @@ class Receiver {
 
 }  // namespace
 
-TEST_CASE("a second popcutd on the same state says who holds it", "[popcutd][e2e]") {
+TEST_CASE("a second popcutd on the same state reports the first one", "[popcutd][e2e]") {
   DaemonWithCli lab;
   lab.open();
   const Ran second =
@@ -117,7 +117,7 @@ TEST_CASE("a second popcutd on the same state says who holds it", "[popcutd][e2e
   CHECK(third.err.find(lab.daemon.url().substr(7)) != std::string::npos);
 }
 
-TEST_CASE("what needs a person ends popcutd with 78", "[popcutd][e2e]") {
+TEST_CASE("a fault that needs a person ends popcutd with exit code 78", "[popcutd][e2e]") {
   DaemonWithCli lab;
   lab.open();
   lab.daemon.signal(SIGTERM);
@@ -163,7 +163,7 @@ TEST_CASE("what needs a person ends popcutd with 78", "[popcutd][e2e]") {
         std::string::npos);
 }
 
-TEST_CASE("fewer descriptors than connections need are raised or told", "[popcutd][e2e]") {
+TEST_CASE("too few descriptors for the connections are raised or reported", "[popcutd][e2e]") {
   rlimit before{};
   REQUIRE(::getrlimit(RLIMIT_NOFILE, &before) == 0);
   const auto started_with = [&](rlim_t soft, rlim_t hard) {
@@ -187,7 +187,8 @@ TEST_CASE("fewer descriptors than connections need are raised or told", "[popcut
                   "limits.connections = 64; raise the limit to 132") != std::string::npos);
 }
 
-TEST_CASE("the service manager is told of each step and fed while all turns", "[popcutd][e2e]") {
+TEST_CASE("the service manager is notified of each step and the watchdog is fed",
+          "[popcutd][e2e]") {
   DaemonWithCli lab;
   const std::string path = (lab.daemon.folder() / "notify").string();
   const int listener = ::socket(AF_UNIX, SOCK_DGRAM, 0);
@@ -223,14 +224,13 @@ TEST_CASE("the service manager is told of each step and fed while all turns", "[
   ::close(listener);
 }
 
-TEST_CASE("a webhook hears each event in order and again until it has taken it", "[popcutd][e2e]") {
+TEST_CASE("a webhook gets each event in order and repeated until it accepts", "[popcutd][e2e]") {
   Receiver receiver;
   const TempFolder folder;
   const std::string secret = (folder / "secret").string();
   write_file(secret, "0123456789abcdef\n");
-  DaemonWithCli lab(0, "[webhook]\nurl = \"http://" + receiver.host_port() +
-                           "/hook\"\nallow = [\"" + receiver.host_port() + "\"]\nsecret_file = \"" +
-                           secret + "\"\n");
+  DaemonWithCli lab(0, "[webhook]\nurl = \"http://" + receiver.host_port() + "/hook\"\nallow = [\"" +
+                          receiver.host_port() + "\"]\nsecret_file = \"" + secret + "\"\n");
   lab.open();
   const std::string id = first_line(lab.popcut({"cut", kUnit, "-q"}).out);
   REQUIRE(lab.comes_to(id, "ready"));

@@ -44,7 +44,7 @@ void check_trace(const DaemonWithCli& lab, const std::string& job) {
 
 }  // namespace
 
-TEST_CASE("a job goes from a spec to a cut sheet by the commands of the manual", "[popcutd][e2e]") {
+TEST_CASE("the commands of the manual take a job from a spec to a cut sheet", "[popcutd][e2e]") {
   DaemonWithCli lab;
   lab.open();
   auto waiting = std::async(std::launch::async, [&] {
@@ -77,7 +77,7 @@ TEST_CASE("a job goes from a spec to a cut sheet by the commands of the manual",
   CHECK(lab.daemon.wait() == 0);
 }
 
-TEST_CASE("the same is done with curl alone and a token over TCP", "[popcutd][e2e]") {
+TEST_CASE("curl with a token over TCP can do the same", "[popcutd][e2e]") {
   DaemonWithCli lab;
   lab.open();
   if (run_program({"/usr/bin/env", "curl", "--version"}, "/").exit != 0) {
@@ -124,8 +124,7 @@ TEST_CASE("the same is done with curl alone and a token over TCP", "[popcutd][e2
   check_trace(lab, job["id"]);
 }
 
-TEST_CASE("popcutd with nothing configured cuts for popcut with nothing configured",
-          "[popcutd][e2e]") {
+TEST_CASE("popcut and popcutd work together without any configuration", "[popcutd][e2e]") {
   const TempFolder home;
   const std::string run = (home / "run").string();
   fs::create_directory(run);
@@ -159,7 +158,7 @@ TEST_CASE("popcutd with nothing configured cuts for popcut with nothing configur
   CHECK(fs::exists(home / ".local/state/popcut/popcut.db"));
 }
 
-TEST_CASE("a stop while cutting ends with the stroke and the job says so", "[popcutd][e2e]") {
+TEST_CASE("a stop while cutting ends after the stroke and the job reports it", "[popcutd][e2e]") {
   DaemonWithCli lab(10);
   lab.open();
   const std::string id = first_line(lab.popcut({"cut", kSphere, "-q"}).out);
@@ -182,8 +181,7 @@ TEST_CASE("a stop while cutting ends with the stroke and the job says so", "[pop
   CHECK(lab.job(id)["state"] == "cancelled");
 }
 
-TEST_CASE("the words of popcut plan and the files of a spec go along with a job",
-          "[popcutd][e2e]") {
+TEST_CASE("plan options and the files of a spec are sent with a job", "[popcutd][e2e]") {
   DaemonWithCli lab;
   lab.open();
   // A grid that the spec names by its file goes up first.

@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/process.hpp"
+#include "tests/support/command_bench.hpp"
 
 using namespace popcut::testing;
 using nlohmann::json;
@@ -26,13 +26,6 @@ Ran plan(const TempFolder& temp, const std::string& setting, std::vector<std::st
   all.insert(all.end(), arguments.begin(), arguments.end());
   all.insert(all.end(), {"-o", "sheets", "--json", "-q"});
   return run_program(all, temp.path(), {.memory_bytes = 2l << 30});
-}
-
-void check_refused(const Ran& ran, int exit, const std::string& part) {
-  CAPTURE(ran.err);
-  CHECK(ran.exit == exit);
-  CHECK(ran.err.find(part) != std::string::npos);
-  CHECK(std::count(ran.err.begin(), ran.err.end(), '\n') == 1);
 }
 
 }  // namespace
@@ -57,7 +50,7 @@ TEST_CASE("a profile in the user's folder says what colours mean", "[cli][e2e][s
   check_refused(plan(temp, "A=", {"a.svg"}), 3, "svg_profiles.json: /svg_profiles/0/otherwise");
 }
 
-TEST_CASE("how finely curves are cut and how large a unit is can be asked for", "[cli][e2e][svg]") {
+TEST_CASE("the tolerance of curves and the size of a unit can be set", "[cli][e2e][svg]") {
   const TempFolder temp;
   write_file(temp / "a.svg", kDrawing);
   const auto bytes = [&](std::vector<std::string> options) {
@@ -70,7 +63,7 @@ TEST_CASE("how finely curves are cut and how large a unit is can be asked for", 
   check_refused(plan(temp, "A=", {"a.svg", "--svg-dpi", "0"}), 2, "--svg-dpi");
 }
 
-TEST_CASE("a drawing over a limit is refused before it is read and the limits can be raised",
+TEST_CASE("a drawing over a limit is refused before it is parsed and the limits can be raised",
           "[cli][e2e][svg]") {
   const TempFolder temp;
   // 2^40 paths by two uses of two uses of ...

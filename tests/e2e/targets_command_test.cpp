@@ -7,8 +7,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/command_bench.hpp"
 #include "tests/support/meshes.hpp"
-#include "tests/support/process.hpp"
 
 using namespace popcut::testing;
 using nlohmann::json;
@@ -17,33 +17,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Bench {
-  TempFolder temp;
-
-  Ran popcut(Names arguments) const {
-    arguments.insert(arguments.begin(), POPCUT_PROGRAM);
-    return run_program(arguments, temp.path());
-  }
-  void write(const std::string& name, const json& spec) const {
-    write_file(temp / name, spec.dump());
-  }
-};
+using Bench = CommandBench;
 
 json mesh_spec(const std::string& file) {
   return {{"popcut", 1},          {"name", "part"}, {"surface", {{"type", "mesh"}, {"file", file}}},
           {"units_per_slice", 5}, {"slices", 9},    {"widths_mm", 6.5}};
 }
 
-void check_refused(const Ran& ran, int exit, const std::string& what) {
-  CAPTURE(ran.err);
-  CHECK(ran.exit == exit);
-  CHECK(ran.err.find(what) != std::string::npos);
-  CHECK(std::count(ran.err.begin(), ran.err.end(), '\n') == 1);
-}
-
 }  // namespace
 
-TEST_CASE("a mesh that nobody here drew becomes a sound pattern with its error in the report",
+TEST_CASE("a mesh from elsewhere becomes a sound pattern with its error in the report",
           "[cli][e2e][target]") {
   const fs::path teapot = POPCUT_SOURCE_DIR "/../shared/data/meshes/teapot.obj";
   if (!fs::exists(teapot)) {
@@ -111,7 +94,7 @@ TEST_CASE("grids and solids become sound patterns from the command line", "[cli]
   }
 }
 
-TEST_CASE("targets that cannot be used are refused in one line", "[cli][e2e][target]") {
+TEST_CASE("unusable targets are refused in one line", "[cli][e2e][target]") {
   using popcut::tests::binary_stl;
   const Bench bench;
   const auto design = [&](const json& spec) {

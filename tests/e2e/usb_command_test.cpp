@@ -61,14 +61,9 @@ struct Desk {
   Said doctor() { return run({"doctor"}); }
 };
 
-bool says(const std::string& text, const std::string& words) {
-  return text.find(words) != std::string::npos;
-}
-
 }  // namespace
 
-TEST_CASE("a person says yes and the whole sheet is cut over USB as it was planned",
-          "[cli][usb][e2e]") {
+TEST_CASE("after a person confirms the whole sheet is cut over USB as planned", "[cli][usb][e2e]") {
   Desk desk;
   AtTerminal popcut(POPCUT_PROGRAM, desk.cut_words(), desk.folder);
   const bool asked = popcut.shows("Start cutting? [y/N]");
@@ -95,7 +90,7 @@ TEST_CASE("a person says yes and the whole sheet is cut over USB as it was plann
   CHECK(held);
 }
 
-TEST_CASE("whoever does not say yes sends nothing", "[cli][usb][e2e]") {
+TEST_CASE("without a person's confirmation nothing is sent", "[cli][usb][e2e]") {
   Desk desk;
   AtTerminal popcut(POPCUT_PROGRAM, desk.cut_words(), desk.folder);
   REQUIRE(popcut.shows("Start cutting? [y/N]"));
@@ -112,7 +107,7 @@ TEST_CASE("whoever does not say yes sends nothing", "[cli][usb][e2e]") {
   CHECK(desk.cutter.accepted_bytes() == 0);
 }
 
-TEST_CASE("a cable pulled in the middle of a sheet is told with what is cut and what is in doubt",
+TEST_CASE("a cable pulled in mid-sheet is reported with what is cut and what is in doubt",
           "[cli][usb][e2e]") {
   Desk desk({{3000, UsbFault::Kind::Unplug}});
   AtTerminal popcut(POPCUT_PROGRAM, desk.cut_words(), desk.folder);
@@ -159,7 +154,7 @@ TEST_CASE("doctor finds a cutter that is ready and says so", "[cli][usb][doctor]
   CHECK(json["usable"] == true);
 }
 
-TEST_CASE("doctor tells an empty cutter to be loaded", "[cli][usb][doctor][e2e]") {
+TEST_CASE("doctor says to load an empty cutter", "[cli][usb][doctor][e2e]") {
   SimOptions empty;
   empty.media = false;
   Desk desk({}, empty);
@@ -171,14 +166,13 @@ TEST_CASE("doctor tells an empty cutter to be loaded", "[cli][usb][doctor][e2e]"
   CHECK(says(said.shown, "popcut: usb:51053P: no sheet is loaded; "));
 }
 
-TEST_CASE("doctor notes firmware that popcut has not met and refuses another model",
-          "[cli][usb][doctor][e2e]") {
+TEST_CASE("doctor notes untested firmware and refuses another model", "[cli][usb][doctor][e2e]") {
   {
     Desk desk({}, {}, {}, "CAMEO 3 V9.99    ");
     const auto said = desk.doctor();
     INFO(said.out);
     CHECK(said.exit == 0);
-    CHECK(says(said.out, "firmware V9.99; popcut was made with recordings of V1.60"));
+    CHECK(says(said.out, "firmware V9.99; popcut was tested with recordings of V1.60"));
   }
   Desk desk({}, {}, {}, "CAMEO 9 V1.00    ");
   const auto said = desk.doctor();
@@ -188,8 +182,7 @@ TEST_CASE("doctor notes firmware that popcut has not met and refuses another mod
   CHECK(says(said.out, "--treat-as"));
 }
 
-TEST_CASE("doctor and cut name what a model that is not known is nearest to",
-          "[cli][usb][doctor][e2e]") {
+TEST_CASE("doctor and cut explain --treat-as for an unknown model", "[cli][usb][doctor][e2e]") {
   Desk desk({}, {}, {.product = 0x1199, .name = "CAMEO 7"});
   const auto said = desk.doctor();
   INFO(said.out);
@@ -203,7 +196,7 @@ TEST_CASE("doctor and cut name what a model that is not known is nearest to",
   const auto treated = desk.run({"doctor", "usb:51053P", "--treat-as", "cameo3"});
   INFO(treated.out);
   CHECK(treated.exit == 0);
-  CHECK(says(treated.out, "treated as a Silhouette Cameo 3 because you said so"));
+  CHECK(says(treated.out, "treated as a Silhouette Cameo 3 because of --treat-as"));
   const auto list = desk.run({"devices"});
   CHECK(says(list.out, "unknown model (CAMEO 7, 0b4d:1199)"));
   // With the name of a known one it is cut on.
@@ -215,7 +208,7 @@ TEST_CASE("doctor and cut name what a model that is not known is nearest to",
   CHECK(popcut.ended() == 0);
 }
 
-TEST_CASE("doctor names the program that has the cutter", "[cli][usb][doctor][e2e]") {
+TEST_CASE("doctor names the program that uses the cutter", "[cli][usb][doctor][e2e]") {
   Desk desk({{900, UsbFault::Kind::Nak, 1e6}});  // it cuts until it is told to go on
   AtTerminal other(POPCUT_PROGRAM, desk.cut_words(), desk.folder);
   REQUIRE(other.shows("Start cutting? [y/N]"));
@@ -276,7 +269,7 @@ TEST_CASE("doctor helps where nothing is plugged in", "[cli][usb][doctor][e2e]")
   CHECK(says(gone.shown, "no such device is plugged in"));
 }
 
-TEST_CASE("doctor does not take an office printer for a cutter", "[cli][usb][doctor][e2e]") {
+TEST_CASE("doctor does not mistake an office printer for a cutter", "[cli][usb][doctor][e2e]") {
   Desk desk({}, {}, {.vendor = 0x03f0, .product = 0x0001, .name = "LaserJet"});
   const auto said = desk.doctor();
   INFO(said.out);

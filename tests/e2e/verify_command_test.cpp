@@ -6,24 +6,15 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/command_bench.hpp"
 #include "tests/support/fold_draft.hpp"
-#include "tests/support/process.hpp"
 
 using namespace popcut::testing;
 using nlohmann::json;
 using popcut::tests::box_card;
 using popcut::tests::FoldDraft;
 
-namespace {
-
-Ran popcut_in(const TempFolder& folder, std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), POPCUT_PROGRAM);
-  return run_program(arguments, folder.path());
-}
-
-}  // namespace
-
-TEST_CASE("verify says of a sound pattern what it found and ends with 0", "[cli][e2e][verify]") {
+TEST_CASE("verify of a sound pattern reports its figures and ends with 0", "[cli][e2e][verify]") {
   const TempFolder folder;
   write_file(folder / "box.fold", box_card().text());
   const Ran ran = popcut_in(folder, {"verify", "box.fold", "--dof", "1"});
@@ -54,7 +45,7 @@ TEST_CASE("verify of an unsound pattern ends with 6 and lists what fails", "[cli
   }
 }
 
-TEST_CASE("verify of what it cannot read ends with 3 and one line", "[cli][e2e][verify]") {
+TEST_CASE("verify of invalid input ends with 3 and one line", "[cli][e2e][verify]") {
   const TempFolder folder;
   write_file(folder / "deep.fold", std::string(200'000, '['));
   write_file(folder / "half.fold", box_card().text().substr(0, 500));
@@ -83,7 +74,8 @@ TEST_CASE("verify opens a pattern without frames and says how", "[cli][e2e][veri
   CHECK(ran.out.find("driven by edge") != std::string::npos);
 }
 
-TEST_CASE("popcut's own drawings verify with the freedoms of its FOLD file", "[cli][e2e][verify]") {
+TEST_CASE("popcut's own drawings verify with the same freedoms as its FOLD file",
+          "[cli][e2e][verify]") {
   const std::string examples = POPCUT_SOURCE_DIR "/examples/";
   for (const std::string name :
        {"unit", "sphere", "composite", "airfoil", "facade", "multistate"}) {
@@ -111,7 +103,7 @@ TEST_CASE("popcut's own drawings verify with the freedoms of its FOLD file", "[c
   }
 }
 
-TEST_CASE("slices of a tenth of a millimetre are judged in all checks", "[cli][e2e][verify]") {
+TEST_CASE("slices of a tenth of a millimetre pass through all checks", "[cli][e2e][verify]") {
   const TempFolder folder;
   write_file(folder / "thin.json",
              R"j({"popcut":1,"surface":{"type":"revolution","radius":"sqrt(200^2-(y-125)^2)"},
@@ -138,8 +130,8 @@ TEST_CASE("every shipped example is designed and verified as sound", "[cli][e2e]
     const TempFolder folder;
     const std::string spec = examples + name + ".json";
     REQUIRE(popcut_in(folder, {"design", spec, "-o", "out", "-q"}).exit == 0);
-    const Ran ran =
-        popcut_in(folder, {"verify", "out/pattern.fold", "--dof", "1", "--target", spec, "--json"});
+    const Ran ran = popcut_in(
+        folder.path(), {"verify", "out/pattern.fold", "--dof", "1", "--target", spec, "--json"});
     CAPTURE(ran.err);
     REQUIRE(ran.exit == 0);
     const json verified = json::parse(ran.out);

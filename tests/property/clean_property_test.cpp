@@ -10,18 +10,13 @@
 #include "core/plan/plan.hpp"
 #include "tests/support/euler_count.hpp"
 #include "tests/support/linework_checks.hpp"
+#include "tests/support/random_numbers.hpp"
 
 using namespace popcut;
+using namespace popcut::testing;
 using namespace popcut::test;
 
 namespace {
-
-int whole(std::mt19937& random, int low, int high) {
-  return std::uniform_int_distribution<int>(low, high)(random);
-}
-double uniform(std::mt19937& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
 
 /// Walks along the edges of a lattice, some closed, some drawn twice or backwards; ends lie up to
 /// `loose` mm beside the lattice.
@@ -87,7 +82,7 @@ LineWork strongest_only(const LineWork& work, double pitch) {
 
 }  // namespace
 
-TEST_CASE("random drawings take as many strokes as Euler asks for", "[core][plan][euler]") {
+TEST_CASE("random drawings take the Euler minimum of strokes", "[core][plan][euler]") {
   std::mt19937 random(71);
   for (int round = 0; round < 400; ++round) {
     CAPTURE(round);
@@ -113,7 +108,7 @@ TEST_CASE("random drawings take as many strokes as Euler asks for", "[core][plan
   }
 }
 
-TEST_CASE("cleaning a clean drawing changes nothing more", "[core][plan][clean]") {
+TEST_CASE("cleaning a clean drawing changes nothing", "[core][plan][clean]") {
   std::mt19937 random(72);
   for (int round = 0; round < 100; ++round) {
     CAPTURE(round);
@@ -127,7 +122,7 @@ TEST_CASE("cleaning a clean drawing changes nothing more", "[core][plan][clean]"
   }
 }
 
-TEST_CASE("no end moves farther than the snap", "[core][plan][clean]") {
+TEST_CASE("no line end moves farther than the snap distance", "[core][plan][clean]") {
   std::mt19937 random(73);
   for (const double snap : {0.0, 0.02, 0.05, 0.3}) {
     LineWork work;
@@ -150,7 +145,7 @@ TEST_CASE("no end moves farther than the snap", "[core][plan][clean]") {
   }
 }
 
-TEST_CASE("planned strokes are the cleaned lines in another order and direction",
+TEST_CASE("planned strokes are the cleaned lines in any order and direction",
           "[core][plan][order]") {
   std::mt19937 random(74);
   const Machine machine = *find_machine("cameo3");

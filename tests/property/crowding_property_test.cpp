@@ -49,7 +49,7 @@ Draft random_draft(std::mt19937& random, double size, double longest) {
 
 }  // namespace
 
-TEST_CASE("all edges that share a part with another are looked at again", "[core][plan][clean]") {
+TEST_CASE("all edges that overlap another are checked again", "[core][plan][clean]") {
   std::size_t sharing = 0, marked = 0, all = 0;
   for (std::uint32_t seed = 1; seed <= 120; ++seed) {
     CAPTURE(seed);

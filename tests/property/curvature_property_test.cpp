@@ -7,9 +7,9 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
-#include "core/figures/assembly.hpp"
 #include "core/curvature/star.hpp"
 #include "core/curvature/vertex_curvature.hpp"
+#include "core/figures/assembly.hpp"
 
 using namespace popcut;
 
@@ -54,7 +54,7 @@ double law_of_cosines(const Point3& c, const Point3& p, const Point3& q) {
 
 }  // namespace
 
-TEST_CASE("curvature is kept by rigid motion and scales as it must",
+TEST_CASE("curvature is invariant under rigid motion and scales correctly",
           "[core][curvature][property]") {
   const unsigned seed = 20261121;
   std::mt19937 random(seed);
@@ -85,7 +85,7 @@ TEST_CASE("curvature is kept by rigid motion and scales as it must",
   }
 }
 
-TEST_CASE("the angle defect is that of the law of cosines", "[core][curvature][property]") {
+TEST_CASE("the angle defect agrees with the law of cosines", "[core][curvature][property]") {
   const unsigned seed = 7;
   std::mt19937 random(seed);
   for (int round = 0; round < 2000; ++round) {
@@ -98,7 +98,7 @@ TEST_CASE("the angle defect is that of the law of cosines", "[core][curvature][p
   }
 }
 
-TEST_CASE("the half turn of the assembly's plane keeps K and turns H",
+TEST_CASE("the half turn of the assembly's plane keeps K and flips H",
           "[core][curvature][property]") {
   const unsigned seed = 3;
   std::mt19937 random(seed);

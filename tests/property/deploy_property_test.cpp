@@ -104,8 +104,7 @@ TEST_CASE("every face stays congruent and on its hinge in all poses", "[core][de
   });
 }
 
-TEST_CASE("the nodes of a GLB composed along the tree are where the pattern is",
-          "[core][deploy][glb]") {
+TEST_CASE("the nodes of a GLB composed along the tree match the pattern", "[core][deploy][glb]") {
   for_designs(10, [](const Design& made, std::mt19937& random) {
     const Pattern& pattern = made.pattern;
     const double from = pi, to = std::uniform_real_distribution(0.0, 2.0)(random);

@@ -33,18 +33,14 @@ std::size_t strokes_of(const Toolpath& path, const EncodedProgram& program) {
 TEST_CASE("what the simulated cutter draws is the toolpath within half a machine unit",
           "[device][session]") {
   for (const char* name : {"cameo3", "cameo", "cameo4", "cameo5", "portrait3", "hpgl-generic"}) {
-    const Machine target = machine(name);
-    const Material paper = value(find_material("paper-220"));
     for (std::uint32_t seed = 0; seed < 20; ++seed) {
       CAPTURE(name, seed);
       std::mt19937 random(seed);
-      const Toolpath path = random_toolpath(random, 1 + seed * 3, 190, paper);
-      JobOptions job;
-      job.page_length_mm = 300;
-      const EncodedProgram program = value(encode(path, target, paper, job));
-      SimOptions sheet;
-      sheet.page_length_mm = 300;
-      SimTransport cable(cutter(target, sheet));
+      const SimJob job(machine(name), random, 1 + seed * 3, 300);
+      const Machine& target = job.machine;
+      const Toolpath& path = job.path;
+      const EncodedProgram& program = job.program;
+      SimTransport cable = job.cable();
       const SessionEnd end = run_session(cable, target, program);
       INFO((end.error ? message(*end.error) : std::string()));
       REQUIRE_FALSE(end.error);
@@ -99,20 +95,19 @@ CutStrokes compare(const Trace& trace, const std::vector<std::vector<PagePoint>>
 
 }  // namespace
 
-TEST_CASE("whatever goes wrong the ledger is true and nothing is cut twice", "[device][session]") {
+TEST_CASE("after any simulated fault the ledger is true and nothing is cut twice",
+          "[device][session]") {
   std::size_t failed = 0;
   std::size_t finished = 0;
   for (const char* name : {"cameo3", "cameo", "hpgl-generic"}) {
     Machine target = machine(name);
     target.buffer_bytes = 600;  // small, so that back-pressure and the buffer rule matter
-    const Material paper = value(find_material("paper-220"));
     for (std::uint32_t seed = 0; seed < 400; ++seed) {
       CAPTURE(name, seed);
       std::mt19937 random(seed);
-      const Toolpath path = random_toolpath(random, 60, 190, paper);
-      JobOptions job;
-      job.page_length_mm = 300;
-      const EncodedProgram program = value(encode(path, target, paper, job));
+      const SimJob job(target, random, 60, 300);
+      const Toolpath& path = job.path;
+      const EncodedProgram& program = job.program;
       std::vector<std::vector<PagePoint>> meant;
       std::vector<std::size_t> sent_as;  // the program's strokes that are not dots
       for (std::size_t k = 0; k < path.strokes.size(); ++k) {
@@ -121,8 +116,6 @@ TEST_CASE("whatever goes wrong the ledger is true and nothing is cut twice", "[d
         meant.push_back(std::move(line));
         sent_as.push_back(k);
       }
-      SimOptions sheet;
-      sheet.page_length_mm = 300;
       std::vector<SimFault> faults = random_faults(seed, 1 + seed % 2, program.bytes.size());
       // Nobody can see what a machine that answers nothing has thrown away.
       if (target.language == "hpgl")
@@ -132,7 +125,7 @@ TEST_CASE("whatever goes wrong the ledger is true and nothing is cut twice", "[d
         what += fmt::format("{} at byte {} path {} for {} s; ", name_of(fault.kind), fault.at_byte,
                             fault.at_path.value_or(0), fault.seconds);
       CAPTURE(what);
-      SimTransport cable(cutter(target, sheet), faults);
+      SimTransport cable = job.cable(faults);
       SessionOptions options;
       std::atomic<bool> stop{false};
       if (seed % 5 == 0) {  // a host that gives up somewhere on the way
@@ -174,7 +167,7 @@ TEST_CASE("whatever goes wrong the ledger is true and nothing is cut twice", "[d
   CHECK(finished > 200);
 }
 
-TEST_CASE("no bytes whatever make the simulated cutter crash hang or draw what nobody asked for",
+TEST_CASE("no bytes make the simulated cutter crash or hang or draw anything else",
           "[device][sim]") {
   const std::string letters = "MDOEHJLZFXCETGBSUWPK!\\&[0123456789,.-+ ;\x03\x1b\x04\x05\n";
   for (const char* name : {"cameo3", "cameo", "hpgl-generic"}) {

@@ -86,7 +86,7 @@ void check_service(ServiceBench& bench, const std::string& id) {
 
 }  // namespace
 
-TEST_CASE("no allocation that fails in the service loses a job or leaves a knife without one",
+TEST_CASE("a failed allocation in the service never loses a job or leaves a knife without one",
           "[daemon][memory][faults]") {
   struct Step {
     const char* name;
@@ -192,7 +192,7 @@ class FailingJournal final : public CutJournal {
 
 }  // namespace
 
-TEST_CASE("no allocation that fails at the cutter ends popcutd or makes the ledger untrue",
+TEST_CASE("a failed allocation at the cutter never ends popcutd or falsifies the ledger",
           "[daemon][memory][faults]") {
   std::mt19937 random(5);
   const Material paper = testing::value(find_material("paper-220"));

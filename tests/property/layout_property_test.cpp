@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "core/drawing/clean.hpp"
 #include "core/formats/fold/linework_graph.hpp"
 #include "core/layout/layout.hpp"
 #include "core/layout/piece_lines.hpp"
-#include "core/drawing/clean.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/random_pattern.hpp"
 
@@ -275,7 +275,7 @@ TEST_CASE("Pieces that are joined over their tabs have the freedoms of the whole
   CHECK(judged >= 8);
 }
 
-TEST_CASE("What a plan says of a piece gives its lines again", "[layout]") {
+TEST_CASE("A piece's lines can be restored from its plan", "[layout]") {
   std::mt19937 random(77);
   int split = 0;
   for (int round = 0; round < 25; ++round) {

@@ -117,7 +117,7 @@ TEST_CASE("an order is a permutation with reversals and obeys all bounds", "[cor
     }
 }
 
-TEST_CASE("an order is never dearer than the drawing's own within the same bounds",
+TEST_CASE("an order never costs more than the drawing's own within the same bounds",
           "[core][plan][order]") {
   std::mt19937 random(29);
   for (int round = 0; round < 40; ++round) {
@@ -136,7 +136,7 @@ TEST_CASE("an order is never dearer than the drawing's own within the same bound
   }
 }
 
-TEST_CASE("a good order stays one", "[core][plan][order]") {
+TEST_CASE("a good order stays good", "[core][plan][order]") {
   std::mt19937 random(31);
   for (int round = 0; round < 12; ++round) {
     CAPTURE(round);
@@ -163,7 +163,7 @@ TEST_CASE("a good order stays one", "[core][plan][order]") {
   }
 }
 
-TEST_CASE("what is kept is kept", "[core][plan][order]") {
+TEST_CASE("fixed strokes keep their order", "[core][plan][order]") {
   std::mt19937 random(37);
   const LineWork work = random_drawing(random, 80);
   const Ordered kept = order(work, {.method = OrderMethod::Keep});
@@ -175,7 +175,7 @@ TEST_CASE("what is kept is kept", "[core][plan][order]") {
   CHECK(outer_before_inner(work, kept.visits) >= outer_before_inner_by_hand(work, kept.visits));
 }
 
-TEST_CASE("a search that is ended early says so and still gives a valid order",
+TEST_CASE("a search that ends early reports it and still gives a valid order",
           "[core][plan][order]") {
   std::mt19937 random(41);
   for (int most : {0, 1, 2, 5, 20}) {
@@ -201,7 +201,7 @@ TEST_CASE("a search that is ended early says so and still gives a valid order",
   }
 }
 
-TEST_CASE("the best order is never dearer than the quick one however soon it is ended",
+TEST_CASE("the best order never costs more than the quick one even if it ends early",
           "[core][plan][order]") {
   std::mt19937 random(42);
   for (int most : {0, 1, 3, 10, 1'000'000}) {
@@ -247,8 +247,7 @@ TEST_CASE("without a mat the sheet only goes forward from band to band", "[core]
   CHECK(band > 3.0);
 }
 
-TEST_CASE("without a mat no cut goes round a sharp corner and none is lost",
-          "[core][plan][order]") {
+TEST_CASE("without a mat no cut turns a sharp corner and none is lost", "[core][plan][order]") {
   std::mt19937 random(47);
   for (int round = 0; round < 12; ++round) {
     CAPTURE(round);

@@ -6,26 +6,20 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/drawing/clean.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/pattern/pattern.hpp"
-#include "core/drawing/clean.hpp"
 #include "core/plan/knife/micro_cut.hpp"
 #include "core/plan/plan.hpp"
 #include "tests/support/linework_checks.hpp"
+#include "tests/support/random_numbers.hpp"
 
 using namespace popcut;
+using namespace popcut::testing;
 using namespace popcut::test;
 
 namespace {
-
-double uniform(std::mt19937& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
-
-int whole(std::mt19937& random, int low, int high) {
-  return std::uniform_int_distribution<int>(low, high)(random);
-}
 
 // An L with one mountain: nothing maps it onto itself, so every mirror shows. `u` is 60, `v` 40.
 Pattern letter() {
@@ -70,7 +64,7 @@ LineWork random_lines(std::mt19937& random, int n) {
 
 }  // namespace
 
-TEST_CASE("a pattern keeps its handedness onto the page and the sheet and turned",
+TEST_CASE("a pattern is never mirrored on the page or the sheet or when turned",
           "[core][plan][mirror]") {
   const LineWork page = linework_from_pattern(letter());
   // On the sheet the long arm ends at (u, v) = (60, 10) and the short one at (10, 40).
@@ -115,7 +109,8 @@ TEST_CASE("a pattern keeps its handedness onto the page and the sheet and turned
   check(*ideal_plotter(45, 65), false);
 }
 
-TEST_CASE("FOLD and pattern and SVG of one L agree on the page", "[core][plan][mirror]") {
+TEST_CASE("an L-shape has the same place on the page from FOLD and pattern and SVG",
+          "[core][plan][mirror]") {
   const auto fold = linework_from_fold(
       R"x({"frame_unit":"mm","vertices_coords":[[0,0],[40,0],[60,0],[60,20],[40,20],
     [20,20],[20,40],[0,40]],"edges_vertices":[[0,1],[1,2],[2,3],[3,4],[4,5],[5,6],[6,7],[7,0],[1,4]],
@@ -137,7 +132,7 @@ TEST_CASE("FOLD and pattern and SVG of one L agree on the page", "[core][plan][m
     }
 }
 
-TEST_CASE("dashes cover a fold evenly with lawful gaps and paper at both ends",
+TEST_CASE("dashes cover a fold evenly with valid gaps and paper at both ends",
           "[core][plan][dash]") {
   std::mt19937 random(7);
   for (int round = 0; round < 3000; ++round) {
@@ -172,7 +167,7 @@ TEST_CASE("dashes cover a fold evenly with lawful gaps and paper at both ends",
   }
 }
 
-TEST_CASE("lines that overlap on one straight line are cut to their union and nothing twice",
+TEST_CASE("overlapping collinear lines are cut as their union and nothing twice",
           "[core][plan][clean]") {
   std::mt19937 random(11);
   for (int round = 0; round < 60; ++round) {
@@ -242,7 +237,7 @@ TEST_CASE("cleaning keeps every place of a drawing and adds none", "[core][plan]
   }
 }
 
-TEST_CASE("what is planned lies inside of the area and adds up", "[core][plan]") {
+TEST_CASE("planned strokes lie inside the area and the totals add up", "[core][plan]") {
   std::mt19937 random(19);
   const Machine machine = *find_machine("cameo3");
   const Material paper = *find_material("paper-220");

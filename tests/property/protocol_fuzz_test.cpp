@@ -104,7 +104,7 @@ void check_any(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("any bytes can be read and none of them is lost", "[protocol][property]") {
+TEST_CASE("any bytes can be read and none is lost", "[protocol][property]") {
   Random random(1);
   for (int k = 0; k < 3000; ++k) {
     std::string noise(below(random, 300), '\0');

@@ -219,7 +219,7 @@ std::string read_in_pieces(Random& random, std::span<const std::byte> bytes, int
 
 }  // namespace
 
-TEST_CASE("every toolpath comes back from its program unit by unit", "[protocol][property]") {
+TEST_CASE("decoding a program gives its toolpath back unit by unit", "[protocol][property]") {
   std::size_t strokes = 0, dots = 0;
   const std::vector<Case> cases = all_cases();
   for (std::size_t k = 0; k < cases.size(); ++k) {
@@ -243,7 +243,8 @@ TEST_CASE("every toolpath comes back from its program unit by unit", "[protocol]
   CHECK(dots > 10);
 }
 
-TEST_CASE("a toolpath comes back on the page within half a unit", "[protocol][property]") {
+TEST_CASE("decoding a program gives its toolpath back on the page within half a unit",
+          "[protocol][property]") {
   for (const Case& c : all_cases()) {
     for (unsigned seed = 0; seed < 5; ++seed) {
       CAPTURE(seed, c.machine.language, c.machine.variant);
@@ -274,7 +275,7 @@ TEST_CASE("a toolpath comes back on the page within half a unit", "[protocol][pr
   }
 }
 
-TEST_CASE("a program read in pieces is the same program", "[protocol][property]") {
+TEST_CASE("reading a program in pieces gives the same program", "[protocol][property]") {
   const std::vector<Case> cases = all_cases();
   for (std::size_t k = 0; k < cases.size(); ++k) {
     Random random(static_cast<unsigned>(k));

@@ -142,7 +142,7 @@ void check_events(ServiceBench& bench) {
 
 }  // namespace
 
-TEST_CASE("a disk that is full from any write on stops new work and never a running cut",
+TEST_CASE("a disk that stays full after any write stops new work but never a running cut",
           "[daemon][faults]") {
   std::uint64_t writes = 0;
   {
@@ -281,7 +281,7 @@ TEST_CASE("after a failed sync or write nothing is written until a restart", "[d
   }
 }
 
-TEST_CASE("a power cut at any write loses nothing that was promised", "[daemon][faults]") {
+TEST_CASE("a power cut at any write loses nothing that was confirmed", "[daemon][faults]") {
   struct Cut {
     FaultVfs::Images images;
     std::string witness;

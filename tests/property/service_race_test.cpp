@@ -35,7 +35,7 @@ bool lawful_refusal(ProblemKind kind) {
 
 }  // namespace
 
-TEST_CASE("of 64 who press start or pause or cancel at once one wins each time", "[daemon][race]") {
+TEST_CASE("exactly one of 64 concurrent starts or pauses or cancels succeeds", "[daemon][race]") {
   ServiceBench bench;
   bench.planner.sheets = 1;
   for (int round = 0; round < 20; ++round) {
@@ -72,7 +72,7 @@ TEST_CASE("of 64 who press start or pause or cancel at once one wins each time",
   }
 }
 
-TEST_CASE("a hundred equal requests with one key make one job", "[daemon][race]") {
+TEST_CASE("a hundred identical requests with one key make one job", "[daemon][race]") {
   ServiceBench bench;
   const auto design = bench.add_design("{\"card\":1}").value();
   std::atomic<int> replayed{0};
@@ -111,7 +111,7 @@ TEST_CASE("a hundred equal requests with one key make one job", "[daemon][race]"
   CHECK(bench.on([](LiveService& s) { return s.jobs.list({}, {})->items.size(); }) == 2);
 }
 
-TEST_CASE("a request that failed leaves nothing behind its key", "[daemon][race]") {
+TEST_CASE("a failed request leaves nothing under its key", "[daemon][race]") {
   ServiceBench bench;
   const auto design = bench.add_design("{\"card\":1}").value();
   const auto send = [&](int status) {
@@ -132,7 +132,7 @@ TEST_CASE("a request that failed leaves nothing behind its key", "[daemon][race]
   CHECK(bench.on([](LiveService& s) { return s.jobs.list({}, {})->items.size(); }) == 1);
 }
 
-TEST_CASE("whatever happens in whatever order the rules of jobs hold", "[daemon][race]") {
+TEST_CASE("the rules of jobs hold for any sequence of events", "[daemon][race]") {
   // What the listeners saw of each job, to be checked against the rules.
   struct Seen {
     JobState state{JobState::Queued};

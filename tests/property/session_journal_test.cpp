@@ -13,25 +13,11 @@ using namespace popcut::testing;
 
 namespace {
 
-struct Job {
-  Machine target;
-  Toolpath path;
-  EncodedProgram program;
-
-  Job(const char* name, std::mt19937& random, std::size_t strokes) : target(machine(name)) {
-    target.buffer_bytes = 600;  // small, so that back-pressure and the buffer rule matter
-    const Material paper = value(find_material("paper-220"));
-    path = random_toolpath(random, strokes, 190, paper);
-    JobOptions job;
-    job.page_length_mm = 300;
-    program = value(encode(path, target, paper, job));
-  }
-  [[nodiscard]] SimTransport cable(std::vector<SimFault> faults = {}) const {
-    SimOptions sheet;
-    sheet.page_length_mm = 300;
-    return SimTransport(cutter(target, sheet), std::move(faults));
-  }
-};
+SimJob small_buffer_job(const char* name, std::mt19937& random, std::size_t strokes) {
+  Machine target = machine(name);
+  target.buffer_bytes = 600;  // small, so that back-pressure and the buffer rule matter
+  return {std::move(target), random, strokes, 300};
+}
 
 /// A journal that is kept in memory, and the cable between it and a cutter: no byte of a stroke
 /// that was not written down may as much as be offered.
@@ -99,14 +85,13 @@ constexpr std::uint64_t kNever = ~std::uint64_t{0};
 
 }  // namespace
 
-TEST_CASE("no byte of a stroke is sent before the journal has its intent whatever goes wrong",
-          "[device][journal]") {
+TEST_CASE("no byte of a stroke is sent before its intent is in the journal", "[device][journal]") {
   std::uint64_t calls = 0, strokes = 0, broken = 0;
   for (const char* name : {"cameo3", "cameo", "hpgl-generic"}) {
     for (std::uint32_t seed = 0; seed < 300; ++seed) {
       CAPTURE(name, seed);
       std::mt19937 random(seed);
-      const Job job(name, random, 40);
+      const SimJob job = small_buffer_job(name, random, 40);
       const bool faulty = seed % 3 != 0;
       SimTransport cable =
           job.cable(faulty ? random_faults(seed, 1 + seed % 2, job.program.bytes.size())
@@ -117,7 +102,7 @@ TEST_CASE("no byte of a stroke is sent before the journal has its intent whateve
       options.pause_limit_s = 60;
       const std::uint64_t fails_at = seed % 4 == 1 ? random() % 40 : kNever;
       witness.watch(options, fails_at);
-      const SessionEnd end = run_session(witness, job.target, job.program, options);
+      const SessionEnd end = run_session(witness, job.machine, job.program, options);
       CHECK(witness.wrong.empty());
       INFO(witness.wrong);
       calls += witness.calls;
@@ -141,7 +126,7 @@ TEST_CASE("no byte of a stroke is sent before the journal has its intent whateve
       CHECK_FALSE(cable.cutter().tool_down());
       CHECK(cable.cutter().trace().unknown.empty());
       const CutLines cut =
-          cut_lines(cable.cutter().trace(), MeantLines(job.path, job.target.unit_mm));
+          cut_lines(cable.cutter().trace(), MeantLines(job.path, job.machine.unit_mm));
       CHECK(cut.wrong.empty());
       CHECK(cut.begun == cut.whole);
     }
@@ -151,15 +136,14 @@ TEST_CASE("no byte of a stroke is sent before the journal has its intent whateve
               static_cast<double>(strokes) / 900);
 }
 
-TEST_CASE("from a first stroke on the cutter draws the rest with the settings that belong to it",
-          "[device][journal]") {
+TEST_CASE("resuming from a stroke draws the rest with its settings", "[device][journal]") {
   for (const char* name : {"cameo3", "cameo", "cameo4", "hpgl-generic"}) {
     for (std::uint32_t seed = 0; seed < 60; ++seed) {
       CAPTURE(name, seed);
       std::mt19937 random(seed);
-      const Job job(name, random, 30);
+      const SimJob job = small_buffer_job(name, random, 30);
       SimTransport whole = job.cable();
-      REQUIRE_FALSE(run_session(whole, job.target, job.program).error);
+      REQUIRE_FALSE(run_session(whole, job.machine, job.program).error);
       const std::size_t first = random() % job.program.strokes.size();
       CAPTURE(first);
       SimTransport cable = job.cable();
@@ -169,7 +153,7 @@ TEST_CASE("from a first stroke on the cutter draws the rest with the settings th
       witness.watch(options, kNever);
       std::uint64_t most_strokes = 0;
       options.progress = [&](const SessionProgress& p) { most_strokes = p.strokes; };
-      const SessionEnd end = run_session(witness, job.target, job.program, options);
+      const SessionEnd end = run_session(witness, job.machine, job.program, options);
       INFO((end.error ? message(*end.error) : std::string()));
       REQUIRE_FALSE(end.error);
       CHECK(witness.wrong.empty());
@@ -200,14 +184,13 @@ TEST_CASE("from a first stroke on the cutter draws the rest with the settings th
   }
 }
 
-TEST_CASE("a stroke that the program does not have is no place to go on from",
-          "[device][journal]") {
+TEST_CASE("resuming from a stroke that does not exist is refused", "[device][journal]") {
   std::mt19937 random(1);
-  const Job job("cameo3", random, 5);
+  const SimJob job = small_buffer_job("cameo3", random, 5);
   SimTransport cable = job.cable();
   SessionOptions options;
   options.first_stroke = 5;
-  const SessionEnd end = run_session(cable, job.target, job.program, options);
+  const SessionEnd end = run_session(cable, job.machine, job.program, options);
   REQUIRE(end.error);
   CHECK(end.error->kind == ErrorKind::OutOfRange);
   CHECK(cable.cutter().accepted_bytes() == 0);

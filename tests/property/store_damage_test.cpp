@@ -81,7 +81,7 @@ std::size_t read_all(ServiceBench& bench) {
 
 }  // namespace
 
-TEST_CASE("a damaged database is refused in words or read without harm", "[daemon][store]") {
+TEST_CASE("a damaged database is refused with a reason or read without harm", "[daemon][store]") {
   constexpr std::size_t kJobs = 40;
   ServiceBench bench;
   const auto design = bench.add_design("{\"card\":1}").value();

@@ -11,8 +11,10 @@
 #include "core/design/target/monotone_fit.hpp"
 #include "core/design/target/surface.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/slice_distance.hpp"
 
 using namespace popcut;
+using namespace popcut::testing;
 using namespace popcut::tests;
 
 namespace {
@@ -34,15 +36,6 @@ struct Falling {
     return fmt::format("x < {} ? z - {} : 1", d, profile());
   }
 };
-
-double apart(const SliceCurve& a, const SliceCurve& b) {
-  double most = std::max(std::abs(a.h() - b.h()), std::abs(a.d() - b.d()));
-  for (int k = 0; k <= 100; ++k) {
-    const CurveJet p = a.at(-1.0 + 0.02 * k);
-    most = std::max(most, b.nearest_distance({p.x, p.z}));
-  }
-  return most;
-}
 
 SliceCurve slice(const SurfaceSpec& spec, const SurfaceAssets& assets, double s) {
   const auto made = Surface::make(spec, TargetPlacement{}, FitMode::Exact, assets);
@@ -105,7 +98,7 @@ TEST_CASE("the same shape as profile and solid and grid and mesh has the same sl
   }
 }
 
-TEST_CASE("the fit of a noisy outline falls and is its own fit", "[core][fit]") {
+TEST_CASE("the fit of a noisy outline falls and is its own fit again", "[core][fit]") {
   constexpr unsigned kSeed = 52;
   std::mt19937 random(kSeed);
   for (int k = 0; k < 200; ++k) {

@@ -17,8 +17,10 @@
 #include "core/verify/motion/mobility.hpp"
 #include "core/verify/motion/motion.hpp"
 #include "core/verify/motion/opening.hpp"
+#include "tests/support/verify_drafts.hpp"
 
 using namespace popcut;
+using namespace popcut::tests;
 
 namespace {
 
@@ -42,30 +44,6 @@ std::string fold_of(const std::string& spec_text) {
   options.psi_rad = {kPi / 2.0, 1.1};
   REQUIRE(write_fold(made->pattern, options, fold));
   return fold.str();
-}
-
-/// Largest distance of a vertex between two poses, after the largest panel was laid on itself.
-double largest_difference(const verify::FoldModel& file, const verify::Sheet& sheet,
-                          const verify::Pose& opened, const verify::Pose& known) {
-  const auto panels = make_panels(file, sheet);
-  std::size_t largest_panel = 0;
-  for (std::size_t p = 1; p < sheet.panels; ++p) {
-    const auto size = [&](std::size_t q) {
-      const auto [a, b, c] = panels.anchors[q];
-      return norm(file.flat[b] - file.flat[a]) + norm(file.flat[c] - file.flat[a]);
-    };
-    if (size(p) > size(largest_panel)) largest_panel = p;
-  }
-  const auto from = measure(file, sheet, panels, opened).panel[largest_panel];
-  const auto to = measure(file, sheet, panels, known).panel[largest_panel];
-  double largest = 0.0;
-  for (std::size_t i = 0; i < opened.at.size(); ++i) {
-    const Vec3 p = opened.at[i] - from.origin;
-    const Vec3 moved = to.origin + dot(p, from.along_u) * to.along_u +
-                       dot(p, from.along_v) * to.along_v + dot(p, from.normal) * to.normal;
-    largest = std::max(largest, norm(moved - known.at[i]));
-  }
-  return largest;
 }
 
 struct Agreement {
@@ -137,7 +115,7 @@ TEST_CASE("closed form and general solver agree to 1e-9 mm on every rectangular 
   }
 }
 
-TEST_CASE("random splayed cards open from their assignments alone as the closed form says",
+TEST_CASE("random splayed cards open from their assignments alone as the closed form predicts",
           "[core][verify][splay][property]") {
   const unsigned seed = 20261121;
   std::mt19937 random(seed);

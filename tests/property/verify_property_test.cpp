@@ -13,7 +13,7 @@
 using namespace popcut;
 using namespace popcut::tests;
 
-TEST_CASE("a file with any bytes changed is judged without a crash", "[core][verify][property]") {
+TEST_CASE("a file with any bytes changed is verified without a crash", "[core][verify][property]") {
   const std::string sound = draft_of(CylinderCard{.levels = 2, .slices = 2}).text();
   const unsigned seed = 20261121;
   CAPTURE(seed);
@@ -54,7 +54,7 @@ TEST_CASE("a file with any bytes changed is judged without a crash", "[core][ver
   CHECK(read > 20);  // not everything may be refused before it is judged
 }
 
-TEST_CASE("flat files with numbers changed are opened or refused and always judged",
+TEST_CASE("flat files with changed numbers are opened or refused and always verified",
           "[core][verify][property]") {
   const unsigned seed = 20261122;
   CAPTURE(seed);

@@ -114,21 +114,21 @@ TEST_CASE("verify finds the slices of regions with their plain cuts and slices a
         units));
 }
 
-TEST_CASE("verify reads widths that the design chose off the pattern",
+TEST_CASE("verify measures the widths that the design chose",
           "[property][design][verify][target]") {
   check_agrees(
       R"j({"popcut":1,"surface":{"type":"revolution","radius":"sqrt(4-y^2)"},"scale_mm":40,
           "units_per_slice":5,"slices":30,"widths_mm":{"max_error_mm":0.2,"length_mm":50}})j");
 }
 
-TEST_CASE("verify looks past V-folds at the creases that they stand on",
+TEST_CASE("verify ignores V-folds and measures the creases below them",
           "[property][design][verify][target]") {
   check_agrees(
       R"j({"popcut":1,"surface":{"type":"profile","z":"75 - x"},"units_per_slice":3,"slices":5,
           "widths_mm":15,"splay":{"alpha":1.5}})j");
 }
 
-TEST_CASE("verify says so when pattern and target do not belong together",
+TEST_CASE("verify reports a pattern that does not belong to its target",
           "[property][design][verify][target]") {
   const auto spec = parse_design_spec(one(R"({"type":"revolution","radius":"50"})"));
   const auto made = design(*spec);

@@ -11,8 +11,8 @@
 
 namespace popcut::testing {
 
-/// A program at a terminal of its own, in a folder; standard output goes to the file `out` there.
-/// Users' tables are read from its `config/popcut`.
+/// A program at a terminal of its own, run in a folder. Its standard output goes to the file `out`
+/// there; users' tables are read from `config/popcut` there.
 class AtTerminal {
  public:
   AtTerminal(const std::string& program, const std::vector<std::string>& words,

@@ -15,7 +15,7 @@
 
 namespace popcut::testing {
 
-/// A request as the description of the interface says that it is made.
+/// A request as documented in the OpenAPI description.
 struct ContractCall {
   std::string method, route;  ///< "POST", "/v1/jobs/{id}/actions/arm"
   std::map<std::string, std::string> holes{};
@@ -26,8 +26,8 @@ struct ContractCall {
   bool keyed{true}, matched{true};    ///< false: without the header that is needed
 };
 
-/// Asks a popcutd, and holds every answer against the description that it serves itself: status,
-/// media type, schema, documented headers. Remembers what was produced.
+/// Sends requests to a popcutd and checks every answer against the description that it serves:
+/// status, media type, schema, documented headers. Remembers which answers were produced.
 class ContractCaller {
  public:
   using Pair = std::pair<std::string, int>;  ///< "POST /v1/jobs" and a status
@@ -69,12 +69,12 @@ class ContractCaller {
   std::set<std::string> problems_;
 };
 
-/// A revision as If-Match has it.
+/// A revision in the form of If-Match.
 [[nodiscard]] inline std::string quoted(const nlohmann::json& rev) {
   return "\"" + std::to_string(rev.get<std::int64_t>()) + "\"";
 }
 
-/// Every documented operation, as a call with the example of its body, about what is not there.
+/// Every documented operation as a call with its example body, on an id that does not exist.
 [[nodiscard]] std::vector<ContractCall> all_calls(const ContractCaller& caller);
 [[nodiscard]] bool documents(const ContractCaller& caller, const ContractCall& call, int status);
 

@@ -14,7 +14,7 @@
 
 namespace popcut::testing {
 
-/// A popcutd that lives through everything that its description knows.
+/// Drives a popcutd until it has produced every answer that its OpenAPI description documents.
 class ContractLife {
  public:
   ContractLife();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What popcutd answers where there is no room left: in its queue, and on its disk.
+// Part of tests/support/contract_life.hpp: answers when the queue or the disk is full.
 #include <chrono>
 #include <filesystem>
 #include <thread>

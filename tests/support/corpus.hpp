@@ -19,8 +19,8 @@ inline std::filesystem::path corpus_folder() {
   return std::filesystem::temp_directory_path() / "popcut-toolpath-corpus";
 }
 
-/// The synthetic drawings of the generator beside the repository, made once; empty where the
-/// generator, Python or numpy is absent.
+/// The synthetic drawings of the generator next to the repository, made once; empty if the
+/// generator, Python or numpy is missing.
 inline std::vector<std::filesystem::path> corpus() {
   namespace fs = std::filesystem;
   const fs::path generator = POPCUT_SOURCE_DIR "/../shared/data/drawings/gen_corpus.py";
@@ -46,7 +46,7 @@ inline std::vector<std::filesystem::path> corpus() {
   return files;
 }
 
-/// How busy the machine was in the last minute: with each measured time.
+/// The load of the machine in the last minute, printed with each measured time.
 inline std::string load() {
   std::ifstream file("/proc/loadavg");
   std::string one;

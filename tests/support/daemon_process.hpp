@@ -28,7 +28,7 @@ class DaemonProcess {
   [[nodiscard]] std::string socket() const { return (folder_ / "popcut.sock").string(); }
   [[nodiscard]] std::string state() const { return (folder_ / "state").string(); }
   [[nodiscard]] std::string config() const { return (folder_ / "popcutd.toml").string(); }
-  /// "http://127.0.0.1:PORT", as the log says it.
+  /// "http://127.0.0.1:PORT", from the log.
   [[nodiscard]] std::string url() const;
   [[nodiscard]] const TempFolder& folder() const { return folder_; }
   [[nodiscard]] pid_t pid() const { return pid_; }

@@ -1,28 +1,29 @@
 // SPDX-License-Identifier: MIT
-// For tests whose target knows POPCUT_PROGRAM and POPCUTD_PROGRAM.
 #pragma once
 
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/command_bench.hpp"
 #include "tests/support/daemon_process.hpp"
+#include "tests/support/timing.hpp"
 
 namespace popcut::testing {
 
-/// A daemon and people who talk with it.
+/// A popcutd of its own, and the built popcut as its client. The test's program defines
+/// POPCUT_PROGRAM and POPCUTD_PROGRAM.
 struct DaemonWithCli {
   explicit DaemonWithCli(double time_scale = 0, const std::string& more = "")
       : daemon(POPCUTD_PROGRAM, time_scale, more) {
     ::setenv("POPCUT_URL", daemon.socket().c_str(), 1);
     ::unsetenv("POPCUT_TOKEN");
   }
+  static constexpr std::chrono::milliseconds kBetweenRuns{50};
   DaemonProcess daemon;
 
   void open() {
@@ -31,30 +32,21 @@ struct DaemonWithCli {
     REQUIRE(serves);
   }
   [[nodiscard]] Ran popcut(std::vector<std::string> words) const {
-    words.insert(words.begin(), POPCUT_PROGRAM);
-    return run_program(words, daemon.folder().path());
+    return popcut_in(daemon.folder(), std::move(words));
   }
+  /// Repeats the command until it succeeds; the last run.
   [[nodiscard]] Ran until_done(const std::vector<std::string>& words) const {
-    const auto begun = std::chrono::steady_clock::now();
-    for (;;) {
-      Ran ran = popcut(words);
-      if (ran.exit == 0 || std::chrono::steady_clock::now() - begun > std::chrono::seconds(60))
-        return ran;
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    }
+    Ran ran;
+    (void)comes_true([&] { return (ran = popcut(words)).exit == 0; }, 60, kBetweenRuns);
+    return ran;
   }
   [[nodiscard]] nlohmann::json job(const std::string& id) const {
     return nlohmann::json::parse(popcut({"jobs", id, "--json"}).out);
   }
   [[nodiscard]] bool comes_to(const std::string& id, const std::string& state) const {
-    const auto begun = std::chrono::steady_clock::now();
-    while (job(id)["state"] != state) {
-      if (std::chrono::steady_clock::now() - begun > std::chrono::seconds(60)) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    }
-    return true;
+    return comes_true([&] { return job(id)["state"] == state; }, 60, kBetweenRuns);
   }
-  /// What the simulated knife did, newest sheet.
+  /// The trace of the newest sheet that was cut.
   [[nodiscard]] nlohmann::json trace() const {
     std::filesystem::path newest;
     for (const auto& entry : std::filesystem::directory_iterator(daemon.folder() / "trace"))

@@ -13,9 +13,9 @@
 namespace popcut::test {
 
 /// The least number of strokes that draw each line of `work` once, counted without the planner's
-/// code: an end within `snap` mm of a node is that node, vertices within a line are nodes where
-/// they are, equal edges of one operation count once, and a component of one operation takes half
-/// as many strokes as it has odd nodes, but at least one.
+/// code. An end within `snap` mm of a node is that node; inner vertices of lines are nodes; equal
+/// edges of one operation count once. A component of one operation takes half as many strokes as it
+/// has odd nodes, but at least one.
 class EulerCount {
  public:
   EulerCount(const LineWork& work, double snap) : snap_(snap) {

@@ -16,9 +16,9 @@
 
 namespace popcut::test {
 
-/// Cutters without cutters. A sheet that is handed over waits for the test to move it: `intend`,
-/// `settle`, `finish`. In `automatic` mode each cut runs through by itself on a thread of its own,
-/// and honours pause and cancel between strokes. What reaches a knife is written down in `knife`.
+/// Fake cutters. A sheet waits for the test to advance it with `intend`, `settle` and `finish`. In
+/// `automatic` mode each cut runs by itself on its own thread and obeys pause and cancel between
+/// strokes. `knife` records what reaches a knife.
 class FakeCutters final : public daemon::Cutters {
  public:
   /// One stroke at a knife: only after its intent was committed.

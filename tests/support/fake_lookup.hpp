@@ -7,7 +7,7 @@
 
 #include "daemon/service/service.hpp"
 
-/// What both parts of FakeService use.
+/// What both sources of FakeService use.
 namespace popcut::daemon::fake {
 
 constexpr TimeMs kNow = 1'795'255'200'123;  // 2026-11-21T10:00:00.123Z

@@ -17,7 +17,7 @@
 
 namespace popcut::test {
 
-/// The program that the fake planner makes of sheet `number`: strokes of ten bytes each.
+/// The fake planner's program for sheet `number`: strokes of ten bytes each.
 inline EncodedProgram fake_program(const std::string& seed, int number, int strokes) {
   EncodedProgram program;
   program.dialect = Dialect::Gpgl;
@@ -53,8 +53,8 @@ inline Result<EncodedProgram> read_fake_program(const std::string& folder, int s
   return program;
 }
 
-/// Plans anything at once, always the same way: `sheets` sheets of `strokes` strokes. A design
-/// whose file holds "bad" fails; one that holds "slow" waits for `release`.
+/// Plans any design at once as `sheets` sheets of `strokes` strokes. A design whose file contains
+/// "bad" fails; one that contains "slow" waits for `release`.
 class FakePlanner final : public daemon::Planner {
  public:
   int sheets{2};

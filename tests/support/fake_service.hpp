@@ -54,7 +54,7 @@ class FakeState {
     std::string sha256;
     Rendered rendered;
   };
-  /// Notes that a member was called; throws if it was told to.
+  /// Records that a member was called; throws if `throws` is set.
   void note(const char* name);
   std::optional<Problem> failure(const char* name);
   Job& changed(Job& job);

@@ -6,8 +6,8 @@
 
 namespace popcut::testing {
 
-/// What a test and the shim in the program under test share (a mapped file). The shim counts the
-/// program's calls; the test says at which count something happens. 0: never.
+/// Shared by a test and the shim in the program under test (a mapped file). The shim counts the
+/// program's calls; the test sets at which count something happens. 0: never.
 struct FaultControl {
   std::atomic<std::uint64_t> calls;       ///< writes and syncs of files, renames, ioctls
   std::atomic<std::uint64_t> kill_at;     ///< it dies before this one, or the next
@@ -24,7 +24,7 @@ struct FaultControl {
   std::atomic<std::uint64_t> blocked;     ///< a `Blocked`: who gets there does not come back
 };
 
-/// Where a thread stands still while `FaultControl::blocked` says so.
+/// Where a thread hangs while `FaultControl::blocked` names the place.
 enum Blocked : std::uint64_t {
   kNobody,
   kSyncs,   ///< fsync of the database: the service's thread

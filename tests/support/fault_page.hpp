@@ -13,7 +13,7 @@
 
 namespace popcut::testing {
 
-/// The page that the shim shares with this test.
+/// The memory page that the shim shares with this test.
 class FaultPage {
  public:
   explicit FaultPage(const std::string& path) : path_(path) {

@@ -9,7 +9,7 @@
 
 namespace popcut::tests {
 
-/// A FOLD file before it is text, for tests that build a pattern by hand and then spoil it.
+/// A FOLD file before it is text, for tests that build a pattern by hand and then break it.
 struct FoldDraft {
   struct Pose {
     double psi_rad{};

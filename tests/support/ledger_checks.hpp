@@ -14,7 +14,7 @@
 
 namespace popcut::testing {
 
-/// Points on a machine's grid, without repeats: what it can be asked to draw.
+/// The points on a machine's grid, without repeats.
 inline std::vector<PagePoint> grid_line(std::span<const PagePoint> points, double unit_mm) {
   std::vector<PagePoint> line;
   for (const PagePoint& p : points) {
@@ -24,7 +24,7 @@ inline std::vector<PagePoint> grid_line(std::span<const PagePoint> points, doubl
   return line;
 }
 
-/// What a cutter was to draw, stroke by stroke, without the strokes too short to be sent.
+/// What a cutter should draw, stroke by stroke, without strokes that are too short to be sent.
 struct MeantLines {
   std::vector<std::vector<PagePoint>> lines;
   std::vector<std::size_t> stroke;  ///< of the toolpath, one a line
@@ -39,14 +39,14 @@ struct MeantLines {
   }
 };
 
-/// How many of the meant lines a trace has: whole, and begun (a number below 0: see `wrong`).
+/// How many of the expected lines a trace has, complete and begun (below 0: see `wrong`).
 struct CutLines {
   std::size_t whole{};
   std::size_t begun{};
   std::string wrong;  ///< what was drawn that was not meant, or twice; empty if nothing
 };
 
-/// Every stroke of a trace must be the next of the meant lines, or its beginning.
+/// Every stroke of a trace must be the next of the expected lines, or its beginning.
 inline CutLines cut_lines(const Trace& trace, const MeantLines& meant) {
   CutLines cut;
   for (std::size_t k = 0; k < trace.strokes.size() && cut.wrong.empty(); ++k) {
@@ -64,8 +64,8 @@ inline CutLines cut_lines(const Trace& trace, const MeantLines& meant) {
   return cut;
 }
 
-/// What a ledger says that is not so; empty if all of it is true. `now` is the trace when the
-/// session ended, `later` what the cutter made of all that it had been sent.
+/// What is wrong in a ledger; empty if all of it is true. `now` is the trace when the session
+/// ended, `later` the trace after the cutter has executed everything that was sent.
 inline std::string untrue(const SessionEnd& end, const CutLines& now, const CutLines& later,
                           const MeantLines& meant) {
   if (!now.wrong.empty()) return now.wrong;

@@ -46,7 +46,7 @@ inline double turning(std::span<const PagePoint> line) {
   return sum;
 }
 
-/// A shared sample file, or empty where it is not there.
+/// A shared sample file; empty if it does not exist.
 inline std::string sample(const std::string& name) {
   std::ifstream file(std::string(POPCUT_SOURCE_DIR "/../shared/data/") + name, std::ios::binary);
   std::ostringstream text;

@@ -12,13 +12,13 @@ namespace popcut::tests {
 
 using Point = std::array<double, 3>;
 
-/// A sphere of rings and sectors about the origin, 2 sectors (rings - 1) triangles, closed.
+/// A closed sphere about the origin with 2 sectors (rings - 1) triangles.
 [[nodiscard]] TriangleMesh sphere_mesh(double radius, int rings, int sectors);
 /// An icosahedron refined `times` (each triangle into four), on a sphere.
 [[nodiscard]] TriangleMesh icosphere(double radius, int times);
 /// A torus about the z axis.
 [[nodiscard]] TriangleMesh torus(double big_radius, double small_radius, int sectors);
-/// A closed box between two corners; with `hole` the side at the largest x is left out.
+/// A closed box between two corners; with `hole`, without the side at the largest x.
 [[nodiscard]] TriangleMesh box_mesh(const Point& low, const Point& high, bool hole);
 /// The surface (x, y, z(x, y)) for x in [0, d(y)], y in [0, length]: open, as a shell is.
 [[nodiscard]] TriangleMesh shell_of(const std::function<Point(double, double)>& point, int across,

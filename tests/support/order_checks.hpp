@@ -8,7 +8,7 @@
 
 namespace popcut::test {
 
-/// Even-odd rule, by hand and slowly: nothing of this is the planner's own.
+/// Even-odd rule, slow and independent of the planner.
 inline bool lies_inside(std::span<const PagePoint> loop, const PagePoint& p) {
   int crossings = 0;
   for (std::size_t i = 0; i + 1 < loop.size(); ++i) {

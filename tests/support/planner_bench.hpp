@@ -23,6 +23,7 @@
 
 #include "daemon/planning/make_planner.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/timing.hpp"
 
 namespace popcut::testing {
 
@@ -31,7 +32,7 @@ using daemon::PlanningLimits;
 using daemon::PlanningOutcome;
 using daemon::PlanningTask;
 
-/// Where the planner's answers come in; waits for them as long as a test may.
+/// Collects the planner's answers; waits for them as long as a test may.
 class Outcomes {
  public:
   daemon::Planner::Done slot(const std::string& name) {
@@ -61,7 +62,7 @@ class Outcomes {
   std::vector<std::string> order_;
 };
 
-/// Processes that are children of this one, zombies too.
+/// Child processes of this one, including zombies.
 inline std::vector<int> children() {
   std::vector<int> pids;
   if (DIR* folder = ::opendir("/proc/self/task")) {
@@ -81,18 +82,6 @@ inline std::size_t open_descriptors() {
     ::closedir(folder);
   }
   return count;
-}
-
-/// Waits until a condition holds; false after a minute.
-template <typename Condition>
-bool comes_true(Condition condition, double seconds = 60) {
-  const auto until = std::chrono::steady_clock::now() +
-                     std::chrono::milliseconds(static_cast<std::int64_t>(1000 * seconds));
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > until) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
 }
 
 inline const PlanningFile* file_of(const PlanningOutcome& outcome, const std::string& name) {

@@ -7,7 +7,7 @@
 
 namespace popcut::testing {
 
-/// A fresh folder that goes with all its content when the value goes.
+/// A new folder; its destruction removes it with all its content.
 class TempFolder {
  public:
   TempFolder();
@@ -23,15 +23,15 @@ class TempFolder {
   std::filesystem::path path_;
 };
 
-/// How a program ended and what it said.
+/// How a program ended and what it printed.
 struct Ran {
   int exit{-1};  ///< exit code, or 128 + the signal that ended it
   std::string out, err;
   double wall_s{}, cpu_s{};
-  long peak_kb{};  ///< resident memory; not less than this process ever had
+  long peak_kb{};  ///< resident memory; at least the peak of this process
 };
 
-/// Limits for a program that is run to see it fail.
+/// Limits for a program that is expected to fail.
 struct Limits {
   long file_bytes{-1};    ///< largest file it may write; -1: no limit
   long memory_bytes{-1};  ///< address space; -1: no limit
@@ -43,6 +43,10 @@ struct Limits {
 
 [[nodiscard]] std::string text_of_file(const std::filesystem::path& path);
 void write_file(const std::filesystem::path& path, const std::string& text);
+/// True if `text` contains `words`.
+[[nodiscard]] inline bool says(const std::string& text, const std::string& words) {
+  return text.find(words) != std::string::npos;
+}
 /// Names of all files below `folder`, relative to it, sorted.
 [[nodiscard]] std::vector<std::string> files_below(const std::filesystem::path& folder);
 

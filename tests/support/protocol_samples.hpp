@@ -8,11 +8,11 @@
 #include <string>
 #include <string_view>
 
-#include "core/machines/machine.hpp"
 #include "core/drawing/toolpath.hpp"
+#include "core/machines/machine.hpp"
 #include "protocol/program.hpp"
 
-/// Machines, a material and a drawing that the tests of the protocol share.
+/// Machines, a material and a drawing for the tests of the protocol.
 namespace popcut::samples {
 
 /// A Cameo 3 with a mat of 12 x 12 inch.
@@ -62,8 +62,8 @@ inline Stroke& add_stroke(Toolpath& toolpath, std::initializer_list<PagePoint> p
   return toolpath.strokes.back();
 }
 
-/// Four squares of one inch in the corners of a page of 12 inch, with lead-in and overcut of 1 mm:
-/// what was cut in all captures of the Cameo 3.
+/// Four squares of one inch in the corners of a page of 12 inch, with lead-in and overcut of 1 mm,
+/// as in all captures of the Cameo 3.
 inline Toolpath four_squares() {
   Toolpath toolpath;
   for (const double y : {0.0, 279.4}) {

@@ -3,7 +3,7 @@
 
 namespace popcut::testing {
 
-/// A Cameo 3 and a paper a hundred times as fast as real ones; without a blade that swivels.
+/// A Cameo 3 and a paper a hundred times as fast as real ones, without a swivelling blade.
 inline constexpr const char* kQuickMachine = R"j({"popcut": 1, "machines": [{"name": "quick",
   "title": "A quick Cameo 3", "like": "cameo3",
   "speed_mm_s": {"min_step": 1, "max_step": 10, "per_step": 1000},

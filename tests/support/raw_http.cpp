@@ -276,13 +276,4 @@ std::string acting(std::string_view if_match) {
   return out;
 }
 
-bool comes_true(const std::function<bool()>& holds, double seconds) {
-  const auto until = Clock::now() + std::chrono::duration<double>(seconds);
-  while (!holds()) {
-    if (Clock::now() > until) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return true;
-}
-
 }  // namespace popcut::daemon

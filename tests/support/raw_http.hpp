@@ -16,6 +16,7 @@
 
 #include "daemon/http/server.hpp"
 #include "tests/support/fake_service.hpp"
+#include "tests/support/timing.hpp"
 
 namespace popcut::daemon {
 
@@ -28,7 +29,7 @@ struct WireResponse {
   [[nodiscard]] std::string problem() const;
 };
 
-/// A client that sends exactly the bytes it is told to.
+/// A client that sends exactly the given bytes.
 class RawConnection {
  public:
   explicit RawConnection(std::uint16_t port, bool six = false);
@@ -111,7 +112,6 @@ class LiveServer {
 /// Header lines of a request that acts: JSON, a key of its own, If-Match.
 [[nodiscard]] std::string acting(std::string_view if_match = "");
 
-/// Waits until `holds`, at most `seconds`.
-[[nodiscard]] bool comes_true(const std::function<bool()>& holds, double seconds = 60);
+using testing::comes_true;
 
 }  // namespace popcut::daemon

@@ -16,8 +16,8 @@
 
 namespace popcut::testing {
 
-/// What the simulated cutter got for one attempt at a sheet, as its own log says, which outlives
-/// popcutd. A last line that is not whole was never received.
+/// What the simulated cutter received for one attempt at a sheet, from its own log, which survives
+/// a killed popcutd. An incomplete last line was never received.
 struct Received {
   std::string attempt;
   std::vector<std::byte> bytes;
@@ -42,7 +42,7 @@ inline std::vector<Received> received_log(const std::filesystem::path& path) {
   return all;
 }
 
-/// Where the knife came down, a stroke each, as "x y" in hundredths of a millimetre.
+/// Where the knife came down for each stroke, as "x y" in hundredths of a millimetre.
 inline std::vector<std::string> places_of(const Trace& trace) {
   std::vector<std::string> places;
   for (const TraceStroke& stroke : trace.strokes) {
@@ -52,7 +52,7 @@ inline std::vector<std::string> places_of(const Trace& trace) {
   return places;
 }
 
-/// Where the knife comes down when a cutter is given these bytes and is left alone with them.
+/// Where the knife comes down when a cutter executes these bytes.
 inline std::vector<std::string> places_cut(const std::vector<std::byte>& bytes,
                                            const Machine& machine) {
   SimOptions around;
@@ -65,7 +65,7 @@ inline std::vector<std::string> places_cut(const std::vector<std::byte>& bytes,
   return places_of(cutter->trace());
 }
 
-/// Strokes `first .. last` of the ranges of a ledger.
+/// The strokes in a ledger's ranges.
 inline std::set<int> members_of(const nlohmann::json& ranges) {
   std::set<int> all;
   for (const nlohmann::json& range : ranges) {

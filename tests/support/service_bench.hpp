@@ -18,7 +18,7 @@
 
 namespace popcut::test {
 
-/// A folder that is gone with this.
+/// A folder that is removed with this object.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -46,7 +46,7 @@ inline void write_text(const std::string& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
-/// A service over a store in a scratch folder, with fakes for planner and cutters.
+/// A service with a store in a scratch folder and fakes for planner and cutters.
 class ServiceBench {
   ScratchFolder scratch_;
   std::vector<std::unique_ptr<daemon::ServiceThread>> buried_;

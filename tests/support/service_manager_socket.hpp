@@ -16,7 +16,7 @@
 
 namespace popcut::testing {
 
-/// Where a service manager listens to what popcutd says of itself.
+/// The socket on which a service manager receives popcutd's notifications.
 class ServiceManagerSocket {
  public:
   ServiceManagerSocket()

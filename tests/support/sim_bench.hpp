@@ -11,12 +11,13 @@
 
 #include <fmt/format.h>
 
+#include "device/session/session.hpp"
 #include "device/sim/sim_transport.hpp"
 #include "protocol/encode.hpp"
 
 namespace popcut::testing {
 
-/// Why a result is an error, for REQUIRE's report.
+/// The value of a result; REQUIRE reports its error.
 template <typename T>
 T value(Result<T> result) {
   const std::string why = result ? std::string() : message(result.error());
@@ -35,7 +36,7 @@ inline std::span<const std::byte> bytes(std::string_view text) {
   return std::as_bytes(std::span(text));
 }
 
-/// All replies that come in the next ten seconds, as text.
+/// All replies that arrive in the next ten seconds, as text.
 inline std::string replies(SimCutter& sim) {
   sim.run_until(sim.now() + std::chrono::seconds(10));
   std::string text;
@@ -76,6 +77,36 @@ inline Toolpath random_toolpath(std::mt19937& random, std::size_t strokes, doubl
     path.strokes.push_back(stroke);
   }
   return path;
+}
+
+/// A job on paper for a machine, and cables to the machine's simulation.
+struct SimJob {
+  Machine machine;
+  Toolpath path;
+  EncodedProgram program;
+  double page_length_mm{};  ///< of the job and the sheet; 0: the machine's
+
+  SimJob(Machine target, Toolpath strokes, double length_mm = 0)
+      : machine(std::move(target)), path(std::move(strokes)), page_length_mm(length_mm) {
+    JobOptions options;
+    options.page_length_mm = length_mm;
+    program = value(encode(path, machine, value(find_material("paper-220")), options));
+  }
+  /// A job of random strokes within 190 mm.
+  SimJob(Machine target, std::mt19937& random, std::size_t strokes, double length_mm = 0)
+      : SimJob(std::move(target),
+               random_toolpath(random, strokes, 190, value(find_material("paper-220"))),
+               length_mm) {}
+  [[nodiscard]] SimTransport cable(std::vector<SimFault> faults = {}) const {
+    SimOptions sheet;
+    sheet.page_length_mm = page_length_mm;
+    return SimTransport(cutter(machine, sheet), std::move(faults));
+  }
+};
+
+/// How many strokes have this fate.
+inline std::size_t count(const SessionEnd& end, StrokeFate fate) {
+  return static_cast<std::size_t>(std::count(end.fates.begin(), end.fates.end(), fate));
 }
 
 }  // namespace popcut::testing

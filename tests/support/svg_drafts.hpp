@@ -12,7 +12,7 @@
 
 namespace popcut::test {
 
-/// Small SVG drawings in a page of 100 x 100 mm, and what is read from them.
+/// Small SVG drawings on a page of 100 x 100 mm, and how they are read.
 inline constexpr const char* kPage = R"x(width="100mm" height="100mm" viewBox="0 0 100 100")x";
 
 inline std::string svg(const std::string& inner, const std::string& head = kPage) {

@@ -7,8 +7,8 @@
 
 namespace popcut::testing {
 
-/// A test must own one of these before anything of libusb is called. Its folder stands for /sys and
-/// /dev as long as it lives; programs started meanwhile see it too.
+/// A test must create one of these before it calls libusb. During its lifetime its folder replaces
+/// /sys and /dev, also for programs that the test starts.
 class UsbTestbed {
  public:
   UsbTestbed();

@@ -7,7 +7,7 @@
 
 namespace popcut::testing {
 
-/// What an emulated USB device is, as it stands in its descriptors and in sysfs.
+/// The descriptors and sysfs entries of an emulated USB device.
 struct UsbfsShape {
   std::uint16_t vendor{0x0b4d}, product{0x112f};  ///< Cameo 3
   std::string serial{"51053P"}, manufacturer{"Silhouette"}, name{"CAMEO 3"};
@@ -23,7 +23,7 @@ struct UsbfsShape {
   [[nodiscard]] std::string sysfs_path() const;
   /// Device and configuration descriptor as sysfs has them.
   [[nodiscard]] std::vector<std::uint8_t> descriptors() const;
-  /// What umockdev is told of the device. Without a line for the node, which is made by hand.
+  /// The device's description for umockdev, without its node, which is made by hand.
   [[nodiscard]] std::string sysfs_entry() const;
 };
 

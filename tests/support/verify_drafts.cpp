@@ -150,4 +150,27 @@ FoldDraft splayed_card(double alpha, double psi) {
   return draft;
 }
 
+double largest_difference(const verify::FoldFile& file, const verify::Sheet& sheet,
+                          const verify::Pose& opened, const verify::Pose& known) {
+  const auto panels = make_panels(file, sheet);
+  std::size_t largest_panel = 0;
+  for (std::size_t p = 1; p < sheet.panels; ++p) {
+    const auto size = [&](std::size_t q) {
+      const auto [a, b, c] = panels.anchors[q];
+      return norm(file.flat[b] - file.flat[a]) + norm(file.flat[c] - file.flat[a]);
+    };
+    if (size(p) > size(largest_panel)) largest_panel = p;
+  }
+  const auto from = measure(file, sheet, panels, opened).panel[largest_panel];
+  const auto to = measure(file, sheet, panels, known).panel[largest_panel];
+  double largest = 0.0;
+  for (std::size_t i = 0; i < opened.at.size(); ++i) {
+    const verify::Vec3 p = opened.at[i] - from.origin;
+    const verify::Vec3 moved = to.origin + dot(p, from.along_u) * to.along_u +
+                               dot(p, from.along_v) * to.along_v + dot(p, from.normal) * to.normal;
+    largest = std::max(largest, norm(moved - known.at[i]));
+  }
+  return largest;
+}
+
 }  // namespace popcut::tests

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/verify/motion/motion.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/fold_draft.hpp"
 
@@ -13,7 +14,7 @@ namespace popcut::tests {
 /// The report on a draft; a draft that cannot be read fails the test.
 [[nodiscard]] VerifyReport verified(const FoldDraft& draft, const VerifyOptions& options = {});
 
-/// All failures of one check, a line each.
+/// All failures of one check, one per line.
 [[nodiscard]] std::string failures(const VerifyReport& report, const std::string& name);
 
 [[nodiscard]] bool passes(const VerifyReport& report, const std::string& name);
@@ -24,11 +25,15 @@ namespace popcut::tests {
 [[nodiscard]] std::size_t edge_between(const FoldDraft& draft, std::size_t a, std::size_t b);
 
 /// One strip of paper, 10 wide, folded across at the places `at` by `turn_deg` each (+ valley),
-/// in one pose. The pose tells the opening of its driving fold, the first valley.
+/// in one pose. The pose gives the opening angle of its driving fold, the first valley.
 [[nodiscard]] FoldDraft folded_strip(const std::vector<double>& at,
                                      const std::vector<double>& turn_deg);
 
 /// A card with one V-fold on its crease (design reference, section 7): apex O, slit B-A-C.
 [[nodiscard]] FoldDraft splayed_card(double alpha, double psi);
+
+/// Largest distance of a vertex between two poses whose largest panels are laid on each other, mm.
+[[nodiscard]] double largest_difference(const verify::FoldFile& file, const verify::Sheet& sheet,
+                                        const verify::Pose& opened, const verify::Pose& known);
 
 }  // namespace popcut::tests

@@ -72,7 +72,7 @@ CurvatureTargets targets_at(const Case& made, const StackPoints& points) {
 
 }  // namespace
 
-TEST_CASE("without weights the augmented chains are the plain ones", "[core][curvature][chain]") {
+TEST_CASE("without weights the augmented chains equal the plain ones", "[core][curvature][chain]") {
   const Case made = barrel(5, 6);
   const auto solved = solve_chain_augmented(made.stack(), {}, {});
   REQUIRE(solved);
@@ -109,8 +109,7 @@ TEST_CASE("the augmented loss is the paper's sum", "[core][curvature][chain]") {
   CHECK(loss({0, 0, 0, 7}) == Approx(7 * 4e-4 * count));
 }
 
-TEST_CASE("targets that chains can have are reached by K and H and by the forms alike",
-          "[core][curvature][chain]") {
+TEST_CASE("reachable targets are reached by K and H and by the forms", "[core][curvature][chain]") {
   const Case made = barrel(6, 5);
   const StackPoints wanted = made.moved(0.15, 11);
   const CurvatureTargets targets = targets_at(made, wanted);

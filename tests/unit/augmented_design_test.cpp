@@ -56,7 +56,7 @@ void check_sound(const Design& made) {
 
 }  // namespace
 
-TEST_CASE("with curvature asked for a saddle and a sphere come nearer to it than plain chains do",
+TEST_CASE("requested curvature brings a saddle and a sphere nearer to it than plain chains",
           "[core][design][curvature]") {
   struct Row {
     const char* radius;
@@ -84,7 +84,7 @@ TEST_CASE("with curvature asked for a saddle and a sphere come nearer to it than
   check_sound(*made);
 }
 
-TEST_CASE("the fundamental forms can be asked for in place of the curvatures",
+TEST_CASE("the fundamental forms can be requested instead of the curvatures",
           "[core][design][curvature]") {
   const auto asked = [](const std::string& forms) {
     auto made = designed(spec_of(kSaddle, fmt::format(R"(,"curvature":{{{}}})", forms)));
@@ -126,7 +126,7 @@ TEST_CASE("targets vertex by vertex lead back to the chains that have them",
     CHECK(flat->report.slices[j].loss == Approx(plain->report.slices[j].loss).epsilon(1e-6));
 }
 
-TEST_CASE("the report says what became of curvature where a lattice does not keep the chains",
+TEST_CASE("the report gives the curvature of a lattice that does not keep the chains",
           "[core][design][curvature]") {
   const std::string asked = R"(,"curvature":{"K_area":-0.000625},"lattice":)";
   const auto said = [&](const std::string& lattice, const std::string& words) {
@@ -154,7 +154,7 @@ TEST_CASE("runs that are too small keep plain chains and the others are solved",
   check_sound(*made);
 }
 
-TEST_CASE("curvature that cannot be asked for is refused with its place",
+TEST_CASE("curvature that cannot be requested is refused with its place",
           "[core][design][curvature]") {
   struct Row {
     const char* curvature;

@@ -32,7 +32,7 @@ std::string told(int status, const std::string& body) {
 
 }  // namespace
 
-TEST_CASE("popcutd is looked for where the environment says", "[client]") {
+TEST_CASE("the client finds popcutd through the environment", "[client]") {
   const auto url = addresses(environment({{"POPCUT_URL", "http://[::1]:9000/"}}));
   REQUIRE(url);
   REQUIRE(url->size() == 1);
@@ -50,7 +50,7 @@ TEST_CASE("popcutd is looked for where the environment says", "[client]") {
   CHECK(token->front().text() == "http://127.0.0.1:8631");
 }
 
-TEST_CASE("an address that is none is told with one that is", "[client]") {
+TEST_CASE("an invalid address is refused with a valid example", "[client]") {
   for (const char* wrong : {"", "popcut.sock", "https://x", "http://", "http://a:0",
                             "http://a:99999", "http://a:8631/v1", "http://user@a", "ftp://x",
                             "http://[::1", "http://[::1:80", "http://::1", "http://a]", "http://[]",
@@ -70,7 +70,7 @@ TEST_CASE("an address that is none is told with one that is", "[client]") {
   CHECK(message(parse_address("http://[::1").error()).find("between [ and ]") != std::string::npos);
 }
 
-TEST_CASE("an event stream is read whole in whatever pieces it comes", "[client]") {
+TEST_CASE("an event stream is read completely in pieces of any size", "[client]") {
   const std::string stream =
       "\n: heartbeat\n\nid: 7\nevent: job\ndata: {\"a\":\ndata:1}\n\nevent:progress\r\n"
       "data: x\r\n\r\nid: 9\n\ndata\n\n";
@@ -102,7 +102,7 @@ TEST_CASE("an endless event is not kept", "[client]") {
   CHECK(reader.broken());
 }
 
-TEST_CASE("a problem of popcutd is one line that says what is right", "[client]") {
+TEST_CASE("a problem of popcutd becomes one line that says what would be right", "[client]") {
   CHECK(told(422, R"({"type":"https://popcut.invalid/p/validation","title":"Request is not valid",
       "status":422,"errors":[{"pointer":"/copies","code":"range","detail":"must be 1..1000"},
       {"pointer":"/materiel","code":"unknown_member","detail":"is not known; did you mean /material?"}]})") ==
@@ -124,7 +124,7 @@ TEST_CASE("a problem of popcutd is one line that says what is right", "[client]"
   CHECK(exit_code(error_from(infeasible, "a").kind) == 4);
 }
 
-TEST_CASE("a wrong value of an option is a wrong command line that repeats it", "[client]") {
+TEST_CASE("a wrong value of an option is a usage error that quotes it", "[client]") {
   const auto error = [](const char* fault, Subject subject, const nlohmann::json& sent) {
     HttpResponse response;
     response.status = 422;
@@ -163,7 +163,7 @@ TEST_CASE("a wrong value of an option is a wrong command line that repeats it", 
             .empty());
 }
 
-TEST_CASE("a problem speaks of what is typed and not of JSON", "[client]") {
+TEST_CASE("a problem names command-line options and not JSON members", "[client]") {
   CHECK(
       told(
           409,
@@ -196,7 +196,8 @@ TEST_CASE("a query's value is encoded", "[client]") {
   CHECK(percent_encoded("a b&c=\xC3\xA9") == "a%20b%26c%3D%C3%A9");
 }
 
-TEST_CASE("a token that no header can hold is refused before it is sent", "[client]") {
+TEST_CASE("a token with characters that no header allows is refused before it is sent",
+          "[client]") {
   CHECK(bearer_token(environment({}))->empty());
   CHECK(bearer_token(environment({{"POPCUT_TOKEN", "pc_1_2"}})) == "pc_1_2");
   for (const char* wrong : {"pc_\n", "pc_ 1", "pc_\x1b", "pc_\xC3\xA9"}) {
@@ -207,7 +208,7 @@ TEST_CASE("a token that no header can hold is refused before it is sent", "[clie
   }
 }
 
-TEST_CASE("a host that nobody knows is told so", "[client]") {
+TEST_CASE("an unknown host is reported", "[client]") {
   Api api(HttpClient({Address{{}, "cutter.invalid", 8631}}, ""));
   api.http().set_tries(0);
   const auto jobs = api.open_jobs();
@@ -216,7 +217,7 @@ TEST_CASE("a host that nobody knows is told so", "[client]") {
   CHECK(jobs.error().detail.rfind("the host cutter.invalid is not known", 0) == 0);
 }
 
-TEST_CASE("an absent popcutd is told with how to start it", "[client]") {
+TEST_CASE("an absent popcutd is reported with how to start it", "[client]") {
   Api api(HttpClient({Address{"/nonexistent/popcut.sock", {}, 0}}, ""));
   api.http().set_tries(0);
   const auto jobs = api.open_jobs();

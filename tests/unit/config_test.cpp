@@ -24,7 +24,7 @@ void refused(const std::string& text, const std::string& place, const std::strin
 
 }  // namespace
 
-TEST_CASE("an empty configuration is loopback with the limits of the manual", "[daemon][config]") {
+TEST_CASE("an empty configuration means loopback and the documented limits", "[daemon][config]") {
   const auto config = parse_config("");
   REQUIRE(config);
   CHECK(config->listen == std::vector<std::string>{"127.0.0.1:8631", "[::1]:8631"});
@@ -94,7 +94,7 @@ allow = ["localhost:9000"]
   CHECK(config->users[1].role == Role::Operator);
 }
 
-TEST_CASE("what is wrong in a configuration is told with line and column and what is right",
+TEST_CASE("an invalid configuration is refused with line and column and the valid form",
           "[daemon][config]") {
   refused("listn = []", "1:1: listn", "did you mean listen?");
   refused("[limits]\njson_dept = 3", "2:1: limits.json_dept", "did you mean json_depth?");
@@ -175,7 +175,7 @@ TEST_CASE("the printed configuration names every key with its default", "[daemon
   CHECK(a.stream_bytes == b.stream_bytes);
 }
 
-TEST_CASE("what a running popcutd takes is told apart from what needs a start",
+TEST_CASE("keys that apply while popcutd runs are distinguished from those that need a restart",
           "[daemon][config]") {
   const auto config = [](const std::string& text) { return parse_config(text).value(); };
   const Config running = config("[[device]]\nid = \"sim:cameo3\"\n");
@@ -220,7 +220,8 @@ processes = 2
           "must be a list of strings");
 }
 
-TEST_CASE("noise is never a configuration and never ends popcut", "[daemon][config]") {
+TEST_CASE("random text is never a valid configuration and never crashes popcut",
+          "[daemon][config]") {
   std::mt19937 random(20261121);
   const std::string seed = "listen=[\"127.0.0.1:1\"]\n[[device]]\nid=\"sim:cameo3\"\n[limits]\n";
   int lawful = 0;

@@ -6,10 +6,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/curvature/vertex_curvature.hpp"
 #include "core/figures/assembly.hpp"
 #include "core/figures/slice_figures.hpp"
 #include "core/figures/splay_patch.hpp"
-#include "core/curvature/vertex_curvature.hpp"
 
 using namespace popcut;
 
@@ -171,7 +171,7 @@ TEST_CASE("no nearer assembly has the K that was solved for", "[core][curvature]
   }
 }
 
-TEST_CASE("K and H together are solved for or said to be out of reach",
+TEST_CASE("K and H together are solved for or reported as out of reach",
           "[core][curvature][assembly]") {
   const auto saddle = solve_assembly({-1.0, 0.0, kQuarter});
   REQUIRE(saddle);
@@ -197,7 +197,7 @@ TEST_CASE("K and H together are solved for or said to be out of reach",
   CHECK_FALSE(solve_assembly({std::nan(""), std::nullopt, kQuarter}));
 }
 
-TEST_CASE("K = -1 needs lambda from 1.970045 on", "[core][curvature][assembly]") {
+TEST_CASE("K = -1 needs lambda of at least 1.970045", "[core][curvature][assembly]") {
   CHECK(assembly_lambda_for(-1.0) == Approx(1.970044753845).margin(1e-11));
   // Independent of the solver: below it K stays above -1 for every r, above it does not.
   const auto least = [](double lambda) {

@@ -8,10 +8,10 @@
 #include <catch2/catch.hpp>
 #include <pugixml.hpp>
 
+#include "core/drawing/linework.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 #include "core/formats/write/cricut_svg.hpp"
 #include "core/formats/write/dxf_writer.hpp"
-#include "core/formats/svg/svg_reader.hpp"
-#include "core/drawing/linework.hpp"
 #include "core/plan/knife/micro_cut.hpp"
 #include "tests/support/box_card.hpp"
 
@@ -123,7 +123,7 @@ TEST_CASE("a Cricut drawing is as large as the mat with each dash a solid path",
   CHECK(bounds(*back).height() == Approx(70));
 }
 
-TEST_CASE("a drawing that is too wide for the Cricut mat is turned and not mirrored",
+TEST_CASE("a drawing that is too wide for the Cricut mat is rotated and not mirrored",
           "[core][formats][cricut]") {
   LineWork work;
   work.append(Operation::Cut, std::vector<PagePoint>{{10, 10}, {210, 10}, {210, 40}});

@@ -102,7 +102,7 @@ TEST_CASE("angles of frames keep both ends to the digit", "[core][deploy]") {
   CHECK(opening_angles(1, 1, 1)->size() == 1);
 }
 
-TEST_CASE("senseless rows of angles are refused", "[core][deploy]") {
+TEST_CASE("invalid lists of angles are refused", "[core][deploy]") {
   for (const int frames : {0, -3, kMaxFrames + 1})
     CHECK(opening_angles(pi, 0, frames).error().kind == ErrorKind::Usage);
   CHECK_FALSE(opening_angles(4, 0, 2));
@@ -137,7 +137,7 @@ TEST_CASE("the ground is the root and every face hangs on its hinge", "[core][de
   }
 }
 
-TEST_CASE("a face that bends is found by its number", "[core][deploy]") {
+TEST_CASE("a face that bends is reported by its number", "[core][deploy]") {
   const Pattern card = box_card_pattern();
   const std::vector<double> psi{2.0};
   const auto table = pose_table(card, psi, [&](double angle, std::span<Vec3> places) {
@@ -149,8 +149,7 @@ TEST_CASE("a face that bends is found by its number", "[core][deploy]") {
   CHECK(table.error().place == "faces/1");
 }
 
-TEST_CASE("few keys are enough for parallel panels and none is left out for others",
-          "[core][deploy]") {
+TEST_CASE("parallel panels need few keyframes and others get all of them", "[core][deploy]") {
   const Pattern card = box_card_pattern();
   const auto angles = opening_angles(pi, 0, 61);
   CHECK(animation_keys(table_of(card, *angles)).size() == 4);
@@ -290,7 +289,7 @@ TEST_CASE("a GLB has a node a face in a hinge tree in metres and y up", "[core][
     CHECK(channel["target"]["path"] == "rotation");
 }
 
-TEST_CASE("a GLB of one pose stands still", "[core][deploy][glb]") {
+TEST_CASE("a GLB of one pose has no motion", "[core][deploy][glb]") {
   const Pattern card = box_card_pattern();
   for (const double thickness : {0.0, 0.5}) {
     const auto bytes = glb(card, table_of(card, {1.0}), {.thickness_mm = thickness});
@@ -317,7 +316,8 @@ TEST_CASE("a pattern comes back from its FOLD file with or without a right angle
   }
 }
 
-TEST_CASE("FOLD files that cannot be deployed say why", "[core][deploy][fold]") {
+TEST_CASE("FOLD files that cannot be deployed are refused with the reason",
+          "[core][deploy][fold]") {
   const Pattern card = box_card_pattern();
   CHECK(pattern_from_fold(fold_file(card, {pi})).error().place == "/file_frames");
   FoldFile bent = fold_file(card, {pi / 2, 1.1});
@@ -411,7 +411,8 @@ TEST_CASE("the paper's convention turns its falling y into z", "[core][deploy][c
   CHECK(stl.triangles[0][2] == std::array<float, 3>{1, 0.25F, 2.9F});
 }
 
-TEST_CASE("paper piles up where panels lie on each other when shut", "[core][deploy][thickness]") {
+TEST_CASE("the closed stack is as high as the panels that lie on each other",
+          "[core][deploy][thickness]") {
   // The box: top and front lie between wall and ground from 24.5 mm to 37.8 mm off the spine.
   const ShutStack stack = shut_stack(testing::box_card_strips(), 0.3);
   CHECK(stack.layers == 4);
@@ -426,7 +427,7 @@ TEST_CASE("paper piles up where panels lie on each other when shut", "[core][dep
   CHECK(thick->find("smallest panel") != std::string::npos);
 }
 
-TEST_CASE("posters and films refuse poses that cannot be drawn", "[core][deploy][poster]") {
+TEST_CASE("posters and animations refuse poses that cannot be drawn", "[core][deploy][poster]") {
   const Pattern card = box_card_pattern();
   std::ostringstream out;
   CHECK_FALSE(write_poster_svg(card, {}, {}, out));

@@ -67,7 +67,7 @@ TEST_CASE("with its card a structure has exactly one freedom for any number of u
   CHECK(d.report.pieces == 1);
 }
 
-TEST_CASE("without its card the loose ends add the freedoms that the theory counts",
+TEST_CASE("without its card the loose ends add the freedoms that the theory predicts",
           "[core][design]") {
   const int units = GENERATE(2, 3, 4, 5, 6);
   const int slices = GENERATE(2, 3, 4, 7);
@@ -108,7 +108,7 @@ TEST_CASE("every fold edge lies between two faces and every cut side borders one
   CHECK(d.report.faces + 1 + d.report.cuts + d.pattern.vertices.size() >= d.pattern.edges.size());
 }
 
-TEST_CASE("a sheet has the widths and places that the design reference gives", "[core][design]") {
+TEST_CASE("a sheet has the widths and places of the design reference", "[core][design]") {
   const Design d =
       made({"1", 5, 3, 0.1, "slices", R"(, "card": {"margin_mm": 12, "wall_mm": 130})"});
   CHECK_THAT(d.report.sheet_v_mm, Catch::WithinAbs(2 * 12 + 30 - 5, 1e-12));
@@ -191,7 +191,7 @@ TEST_CASE("a slice that stands alone is laid as two halves and has one freedom",
   CHECK(d.report.notes.size() == 1);
 }
 
-TEST_CASE("a target too steep for its neighbours keeps one freedom and says where it was merged",
+TEST_CASE("a target too steep for its neighbours keeps one freedom and reports the merged place",
           "[core][design]") {
   const auto lattice = GENERATE(as<std::string>{}, "slices", "branching", "levels");
   const Design d = made({"0.3 + 8*y^2", 9, 8, 0.1, lattice, ""});
@@ -211,7 +211,8 @@ TEST_CASE("a profile surface is designed as well as a revolution", "[core][desig
   CHECK(d->report.inner_error.max_mm < 0.5);
 }
 
-TEST_CASE("regions have their own units and radius and part by plain cuts", "[core][design]") {
+TEST_CASE("regions have their own units and radius and are separated by plain cuts",
+          "[core][design]") {
   const auto spec = parse_design_spec(
       R"({"popcut":1,"surface":{"type":"composite","radii":[60,25,40]},"regions":[
           {"units_per_slice":1,"slices":11,"width_mm":12},{"units_per_slice":2,"slices":26,"width_mm":4},
@@ -229,7 +230,7 @@ TEST_CASE("regions have their own units and radius and part by plain cuts", "[co
   CHECK_THAT(d->strips.x[d->strips.first_point(1) + 2], Catch::WithinAbs(r, 1e-9));
 }
 
-TEST_CASE("neighbouring regions with as many units are joined by a connector", "[core][design]") {
+TEST_CASE("neighbouring regions with equal units are joined by a connector", "[core][design]") {
   const auto spec = parse_design_spec(
       R"({"popcut":1,"regions":[{"radius":"50 + 5*y/L","units_per_slice":4,"slices":3,"width_mm":6},
           {"radius":"55 - 5*y/L","units_per_slice":4,"slices":3,"width_mm":9}]})");
@@ -285,7 +286,7 @@ TEST_CASE("contradictory regions are refused", "[core][spec]") {
   CHECK(spec.error().place == place);
 }
 
-TEST_CASE("what is wrong with a spec is said with its place", "[core][spec]") {
+TEST_CASE("an invalid spec is refused with the place", "[core][spec]") {
   struct Bad {
     const char* text;
     ErrorKind kind;
@@ -336,8 +337,7 @@ TEST_CASE("a spec nested without end is refused before it is parsed", "[core][sp
   CHECK_FALSE(parse_design_spec(std::string(200'000, '[')));
 }
 
-TEST_CASE("a radius that is no lawful radius is refused with its place along the spine",
-          "[core][spec]") {
+TEST_CASE("an invalid radius is refused with its place along the spine", "[core][spec]") {
   const auto [radius, kind, says] = GENERATE(table<std::string, ErrorKind, std::string>(
       {{"sqrt(", ErrorKind::Malformed, "does not parse"},
        {"foo + 1", ErrorKind::Malformed, "does not parse"},
@@ -354,7 +354,8 @@ TEST_CASE("a radius that is no lawful radius is refused with its place along the
   CHECK_THAT(result.error().detail, Catch::Contains(says));
 }
 
-TEST_CASE("a profile that rises or never lands is refused with its place", "[core][spec]") {
+TEST_CASE("a profile that rises or never reaches the ground is refused with its place",
+          "[core][spec]") {
   const auto [z, kind, says] = GENERATE(table<std::string, ErrorKind, std::string>(
       {{"1 + 0.5*sin(6*x) - 0.3*x", ErrorKind::Infeasible, "rises"},
        {"exp(-x)", ErrorKind::Infeasible, "above the ground"},
@@ -371,7 +372,7 @@ TEST_CASE("a profile that rises or never lands is refused with its place", "[cor
   CHECK_THAT(result.error().detail, Catch::Contains(says));
 }
 
-TEST_CASE("more units than fit say so instead of making slivers", "[core][design]") {
+TEST_CASE("more units than fit are refused instead of making slivers", "[core][design]") {
   const auto result = design(spec_of({"0.1", 40, 6, 0.1, "conformal", ""}));
   REQUIRE_FALSE(result);
   CHECK(result.error().kind == ErrorKind::Infeasible);

@@ -99,7 +99,7 @@ std::span<PagePoint> points_of(Toolpath& path, std::size_t stroke) {
 
 }  // namespace
 
-TEST_CASE("a sheet that was cut as planned is what was expected", "[device][expect]") {
+TEST_CASE("a sheet cut as planned matches the expected one", "[device][expect]") {
   const Bench bench;
   const Trace trace = bench.cut(bench.sheet.path);
   for (const Expected& expected : {bench.by_sheet(), bench.by_pattern()}) {
@@ -111,7 +111,7 @@ TEST_CASE("a sheet that was cut as planned is what was expected", "[device][expe
   }
 }
 
-TEST_CASE("two passes are expected where the material asks for them", "[device][expect]") {
+TEST_CASE("two passes are expected if the material needs them", "[device][expect]") {
   Bench bench;
   bench.material.cut.passes = 2;
   PlanOptions options;
@@ -162,7 +162,7 @@ TEST_CASE("a stray stroke is found", "[device][expect]") {
   path.points.push_back({30, 60});
   path.points.push_back({33, 60});
   path.strokes.push_back(stray);
-  fails(bench, path, "where nothing is to be drawn");
+  fails(bench, path, "where nothing should be drawn");
 }
 
 TEST_CASE("a cut that is one machine unit off is found", "[device][expect]") {
@@ -190,7 +190,7 @@ TEST_CASE("a mirrored sheet is found", "[device][expect]") {
   for (const bool left_right : {true, false}) {
     Toolpath path = bench.sheet.path;
     for (PagePoint& p : path.points) (left_right ? p.x : p.y) = 103 - (left_right ? p.x : p.y);
-    fails(bench, path, "where nothing is to be drawn");
+    fails(bench, path, "where nothing should be drawn");
   }
 }
 
@@ -230,7 +230,7 @@ TEST_CASE("a fold in short parts is found when each part is cut through", "[devi
   CHECK(result.failed == 1);
 }
 
-TEST_CASE("what is listed as lawful may be drawn and need not be", "[device][expect]") {
+TEST_CASE("allowed lines may be drawn or left out", "[device][expect]") {
   const Bench bench;
   Toolpath path = bench.sheet.path;
   Stroke mark = path.strokes.front();
@@ -240,12 +240,12 @@ TEST_CASE("what is listed as lawful may be drawn and need not be", "[device][exp
   path.points.push_back({33, 60});
   path.strokes.insert(path.strokes.begin(), mark);
   Expected expected = bench.by_sheet();
-  expected.also_lawful.append(Operation::Draw, std::vector<PagePoint>{{30, 60}, {35, 60}});
+  expected.also_allowed.append(Operation::Draw, std::vector<PagePoint>{{30, 60}, {35, 60}});
   CHECK(words(compare(bench.cut(path), expected)).empty());
   CHECK(words(compare(bench.cut(bench.sheet.path), expected)).empty());
 }
 
-TEST_CASE("what fell outside the window is told", "[device][expect]") {
+TEST_CASE("lines outside the window are reported", "[device][expect]") {
   Expected expected;
   expected.drawing.append(Operation::Cut, std::vector<PagePoint>{{300, 10}, {320, 10}});
   expected.drawing.dashed = true;

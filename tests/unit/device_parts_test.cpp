@@ -7,8 +7,8 @@
 #include "core/machines/motion.hpp"
 #include "device/compare/fold_chains.hpp"
 #include "device/compare/fold_check.hpp"
-#include "device/sim/motion.hpp"
 #include "device/compare/run_along.hpp"
+#include "device/sim/ride.hpp"
 #include "device/sim/window.hpp"
 
 using namespace popcut;
@@ -44,7 +44,7 @@ TEST_CASE("a leg is ridden as a trapezoid of speed", "[device][motion]") {
   CHECK(ride_first(std::span(&nothing, 1), 0, 100).seconds == 0);
 }
 
-TEST_CASE("corners are the slower the sharper", "[device][motion]") {
+TEST_CASE("sharper corners are slower", "[device][motion]") {
   Motion motion;
   motion.accel_mm_s2 = 1000;
   motion.corner_mm = 0.05;
@@ -72,7 +72,7 @@ TEST_CASE("a segment is clipped to the window with its edges", "[device][window]
   CHECK_FALSE(clip(window, {-3, 5}, {-3, 5}));
 }
 
-TEST_CASE("segments that run along each other are told from those that cross", "[device][expect]") {
+TEST_CASE("segments that overlap are distinguished from those that cross", "[device][expect]") {
   const Segment a{{0, 0}, {10, 0}};
   const double reach = 0.025;
   const auto part = run_along(a, {{8, 0.02}, {2, -0.02}}, reach);
@@ -87,7 +87,7 @@ TEST_CASE("segments that run along each other are told from those that cross", "
   CHECK_FALSE(run_along({{5, 5}, {5, 5}}, a, reach));
 }
 
-TEST_CASE("folds in parts are chained where they go straight on", "[device][expect]") {
+TEST_CASE("parts of a fold are chained where they continue straight", "[device][expect]") {
   const std::vector<FoldPart> parts{{{{0, 0}, {10, 0}}, 1},
                                     {{{20, 0}, {10, 0}}, 1},
                                     {{{20, 0}, {30, 0}}, 2},
@@ -101,7 +101,7 @@ TEST_CASE("folds in parts are chained where they go straight on", "[device][expe
   CHECK(chains[2].parts == std::vector<std::uint32_t>{3});
 }
 
-TEST_CASE("dashes are judged along their fold", "[device][expect]") {
+TEST_CASE("dashes are checked along their fold", "[device][expect]") {
   using Kind = FoldFault::Kind;
   CHECK_FALSE(fault(dashed({{0.5, 2}, {3, 4.5}, {5.5, 7}, {8, 9.5}})));
   CHECK(fault(dashed({{0.5, 2}, {5.5, 7}, {8, 9.5}})) == Kind::NotDashed);

@@ -69,26 +69,16 @@ class ScriptedTransport final : public Transport {
   nanoseconds now_{};
 };
 
-struct Bench {
-  Machine machine = testing::machine("cameo3");
-  Material material = value(find_material("paper-220"));
-  Toolpath path;
-  EncodedProgram program;
+struct Bench : SimJob {
+  explicit Bench(std::size_t strokes = 40, std::uint32_t seed = 7)
+      : Bench(strokes, std::mt19937(seed)) {}
 
-  explicit Bench(std::size_t strokes = 40, std::uint32_t seed = 7) {
-    std::mt19937 random(seed);
-    path = random_toolpath(random, strokes, 190, material);
-    program = value(encode(path, machine, material, {}));
+ private:
+  Bench(std::size_t strokes, std::mt19937 random)
+      : SimJob(testing::machine("cameo3"), random, strokes) {
     REQUIRE(program.dots.empty());
   }
-  [[nodiscard]] SimTransport cable(std::vector<SimFault> faults = {}) const {
-    return SimTransport(cutter(machine), std::move(faults));
-  }
 };
-
-std::size_t count(const SessionEnd& end, StrokeFate fate) {
-  return static_cast<std::size_t>(std::count(end.fates.begin(), end.fates.end(), fate));
-}
 
 ErrorKind kind(const SessionEnd& end) {
   REQUIRE(end.error);
@@ -102,7 +92,7 @@ Transport::WriteEnd timed_out(std::size_t taken) {
 
 }  // namespace
 
-TEST_CASE("a session ends when the machine has drained and says so", "[device][session]") {
+TEST_CASE("a session ends when the machine has drained and reports ready", "[device][session]") {
   const Bench bench;
   SimTransport cable = bench.cable();
   const SessionEnd end = run_session(cable, bench.machine, bench.program);
@@ -116,7 +106,7 @@ TEST_CASE("a session ends when the machine has drained and says so", "[device][s
   CHECK(end.seconds > cable.cutter().trace().seconds);
 }
 
-TEST_CASE("no query stands inside a command and nothing is sent twice", "[device][session]") {
+TEST_CASE("no query is sent inside a command and nothing is sent twice", "[device][session]") {
   const Bench bench;
   ScriptedTransport cable;
   int asked = 0;
@@ -141,7 +131,7 @@ TEST_CASE("no query stands inside a command and nothing is sent twice", "[device
   }
 }
 
-TEST_CASE("settings go before anything moves and the trailer after all has ended",
+TEST_CASE("settings are sent before any motion and the trailer after all of it",
           "[device][session]") {
   const Bench bench;
   ScriptedTransport cable;
@@ -178,7 +168,7 @@ TEST_CASE("without media the session is refused before anything is sent", "[devi
   CHECK(cable.cutter().trace().settings.empty());
 }
 
-TEST_CASE("one stray reply of no media does not end a cut", "[device][session]") {
+TEST_CASE("a single stray reply of no media does not end a cut", "[device][session]") {
   // Recorded: a single 2 between 1s in the middle of a cut (Portrait V1.00).
   const Bench bench;
   ScriptedTransport cable;
@@ -203,7 +193,7 @@ TEST_CASE("when the sheet comes out the session stops sending", "[device][sessio
   CHECK(count(end, StrokeFate::NotSent) > 0);
 }
 
-TEST_CASE("a pause on the panel is waited out and told", "[device][session]") {
+TEST_CASE("a pause on the panel is waited out and reported", "[device][session]") {
   const Bench bench;
   SimTransport cable =
       bench.cable({{bench.program.geometry.begin + 200, SimFault::Kind::Pause, 60}});
@@ -242,7 +232,7 @@ TEST_CASE("a cancel on the panel stops the sending within a second", "[device][s
   CHECK(cable.cutter().trace().strokes.size() == cut);
 }
 
-TEST_CASE("a cancel that was over before it was seen is not taken for done", "[device][session]") {
+TEST_CASE("a cancel that ended before it was noticed does not count as done", "[device][session]") {
   const Bench bench;
   ScriptedTransport cable;
   int asked = 0;
@@ -258,7 +248,8 @@ TEST_CASE("a cancel that was over before it was seen is not taken for done", "[d
   CHECK(count(end, StrokeFate::InDoubt) > 0);
 }
 
-TEST_CASE("silence nonsense and contradiction each end with their own error", "[device][session]") {
+TEST_CASE("missing and invalid and contradictory replies each have their own error",
+          "[device][session]") {
   const Bench bench;
   const auto run = [&](const std::function<std::optional<std::string>(int)>& reply) {
     ScriptedTransport cable;
@@ -287,7 +278,7 @@ TEST_CASE("silence nonsense and contradiction each end with their own error", "[
               }).error);
 }
 
-TEST_CASE("what came unasked is never taken for an answer", "[device][session]") {
+TEST_CASE("unsolicited bytes are never taken for an answer", "[device][session]") {
   const Bench bench;
   ScriptedTransport cable;
   int asked = 0;
@@ -309,7 +300,7 @@ TEST_CASE("what came unasked is never taken for an answer", "[device][session]")
   CHECK(done);
 }
 
-TEST_CASE("another model than the one meant is refused", "[device][session]") {
+TEST_CASE("another model than the expected one is refused", "[device][session]") {
   const Bench bench;
   ScriptedTransport cable;
   cable.identity = "Portrait V1.00    \x03";
@@ -333,7 +324,7 @@ TEST_CASE("an unplugged cutter ends the session with what is in doubt", "[device
   CHECK_FALSE(end.confirmed);
 }
 
-TEST_CASE("a machine that takes no data is given up in time and cancelled at once",
+TEST_CASE("a machine that takes no data times out and can be cancelled at once",
           "[device][session]") {
   const Bench bench;
   const std::uint64_t at = bench.program.geometry.begin + 150;
@@ -358,7 +349,7 @@ TEST_CASE("a machine that takes no data is given up in time and cancelled at onc
   CHECK(again.now() - asked < std::chrono::milliseconds(1300));
 }
 
-TEST_CASE("a machine that never comes to rest is given up", "[device][session]") {
+TEST_CASE("a machine that never becomes ready times out", "[device][session]") {
   const Bench bench;
   ScriptedTransport cable;
   int asked = 0;
@@ -397,7 +388,7 @@ TEST_CASE("a cancel from the host ends at the end of a stroke with the tool park
   CHECK(cable.now() - asked < std::chrono::seconds(25));
 }
 
-TEST_CASE("at most a window of motion is ahead of the machine and it never starves",
+TEST_CASE("at most one window of motion is sent ahead and the machine never starves",
           "[device][session]") {
   const Bench bench(150);
   SimTransport cable = bench.cable();
@@ -415,7 +406,7 @@ TEST_CASE("at most a window of motion is ahead of the machine and it never starv
   CHECK(cable.cutter().trace().starved_s < 0.05);
 }
 
-TEST_CASE("the machine may be slower or faster than its model", "[device][session]") {
+TEST_CASE("a session works with a machine slower or faster than its model", "[device][session]") {
   const Bench bench;
   for (const double factor : {0.3, 3.0}) {
     Machine real = bench.machine;
@@ -430,19 +421,12 @@ TEST_CASE("the machine may be slower or faster than its model", "[device][sessio
   }
 }
 
-TEST_CASE("a machine that answers nothing is paced by its model and never called certain",
+TEST_CASE("a machine that answers nothing is paced by its model and never reported as certain",
           "[device][session]") {
-  const Machine silent = machine("hpgl-generic");
-  const Material paper = value(find_material("paper-220"));
   std::mt19937 random(5);
-  const Toolpath path = random_toolpath(random, 40, 190, paper);
-  JobOptions job;
-  job.page_length_mm = 300;
-  const EncodedProgram program = value(encode(path, silent, paper, job));
-  SimOptions sheet;
-  sheet.page_length_mm = 300;
-  SimTransport cable(cutter(silent, sheet));
-  const SessionEnd end = run_session(cable, silent, program);
+  const SimJob job(machine("hpgl-generic"), random, 40, 300);
+  SimTransport cable = job.cable();
+  const SessionEnd end = run_session(cable, job.machine, job.program);
   REQUIRE_FALSE(end.error);
   CHECK_FALSE(end.confirmed);
   CHECK(count(end, StrokeFate::Certain) == 0);  // the whole job fits its buffer

@@ -45,7 +45,7 @@ TEST_CASE("each query is answered byte by byte as recorded", "[device][sim]") {
   CHECK(ask(sim, "U\x03") == "  6096,  6096\x03");
 }
 
-TEST_CASE("limits and speed are echoed as they were set", "[device][sim]") {
+TEST_CASE("limits and speed are returned as they were set", "[device][sim]") {
   SimCutter sim = cutter(machine("portrait"));
   CHECK(ask(sim, "FG\x03") == "Portrait V1.00    \x03");
   CHECK(ask(sim,
@@ -60,7 +60,7 @@ TEST_CASE("limits and speed are echoed as they were set", "[device][sim]") {
   CHECK(ask(sim, "TC\x03").empty());
 }
 
-TEST_CASE("newer machines name the tools in their holders", "[device][sim]") {
+TEST_CASE("newer machines report the tools in their holders", "[device][sim]") {
   SimCutter two = cutter(machine("cameo4"));
   CHECK(ask(two, "\x1b\x15") == "2,0\x03");
   SimCutter one = cutter(machine("portrait3"));
@@ -84,7 +84,7 @@ TEST_CASE("a machine that speaks HPGL answers nothing", "[device][sim]") {
   CHECK(ask(sim, "IN;OI;OS;PU0,0;\x1b\x05").empty());
 }
 
-TEST_CASE("the status is answered at once and says what the machine does", "[device][sim]") {
+TEST_CASE("the status query is answered at once with the machine's state", "[device][sim]") {
   SimCutter sim = cutter(machine("cameo3"));
   CHECK(status(sim) == '0');
   sim.accept(bytes(kLongLine));
@@ -98,7 +98,7 @@ TEST_CASE("the status is answered at once and says what the machine does", "[dev
   CHECK(status(sim) == '0');
 }
 
-TEST_CASE("another query waits until what was sent before it is done", "[device][sim]") {
+TEST_CASE("other queries wait until the commands before them are done", "[device][sim]") {
   SimCutter sim = cutter(machine("cameo3"));
   sim.accept(bytes(std::string(kLongLine) + "G\x03"));
   run_for(sim, 1);
@@ -106,7 +106,8 @@ TEST_CASE("another query waits until what was sent before it is done", "[device]
   CHECK(replies(sim) == "  6000,     0,    10\x03");
 }
 
-TEST_CASE("an empty machine says what it is but answers nothing out of turn", "[device][sim]") {
+TEST_CASE("a machine without media reports its name but keeps the order of its replies",
+          "[device][sim]") {
   SimOptions empty;
   empty.media = false;
   SimCutter sim = cutter(machine("cameo3"), empty);
@@ -135,7 +136,7 @@ TEST_CASE("without media nothing moves until a sheet is loaded", "[device][sim]"
   CHECK(sim.trace().strokes.size() == 1);
 }
 
-TEST_CASE("a pause holds the tool after the leg under way and a resume goes on", "[device][sim]") {
+TEST_CASE("a pause holds the tool after the current leg and a resume continues", "[device][sim]") {
   SimCutter sim = cutter(machine("cameo3"));
   sim.accept(
       bytes("M0,0\x03"
@@ -157,7 +158,7 @@ TEST_CASE("a pause holds the tool after the leg under way and a resume goes on",
   CHECK(sim.trace().strokes.size() == 1);
 }
 
-TEST_CASE("a cancel is taken only from a pause and throws the rest away", "[device][sim]") {
+TEST_CASE("a cancel works only during a pause and discards the rest", "[device][sim]") {
   SimCutter sim = cutter(machine("cameo3"));
   sim.accept(bytes(std::string("Z4000,4000\x03") + kLongLine));
   run_for(sim, 2);
@@ -207,7 +208,7 @@ TEST_CASE("the buffer takes no more than its size and drains as the tool moves",
   CHECK(sim.trace().points.size() == 51);
 }
 
-TEST_CASE("noise without an end never fills the buffer for good", "[device][sim]") {
+TEST_CASE("a command without an end never blocks the buffer", "[device][sim]") {
   Machine small = machine("cameo3");
   small.buffer_bytes = 64;
   SimCutter sim = cutter(small);
@@ -226,7 +227,7 @@ TEST_CASE("noise without an end never fills the buffer for good", "[device][sim]
   CHECK(sim.trace().unknown_count == 1);
 }
 
-TEST_CASE("what is not understood is kept and counted and never carried out", "[device][sim]") {
+TEST_CASE("unknown commands are kept and counted and never executed", "[device][sim]") {
   const Trace trace = value(simulate(bytes("M0,0\x03QQ5,5\x03W100,100,50\x03"
                                            "D200,0\x03"
                                            "D1,"),
@@ -261,8 +262,8 @@ TEST_CASE("force speed and tool are those sent for the holder in use", "[device]
   CHECK(trace.strokes[1].speed_mm_s == Approx(70));
   CHECK(trace.strokes[2].force_steps == Approx(33));
   REQUIRE(trace.remarks.size() == 2);
-  CHECK(trace.remarks[0] == "force 99: outside 1 to 33, taken as 33");
-  CHECK(trace.remarks[1] == "tool 5: the machine has 2, tool 2 stays");
+  CHECK(trace.remarks[0] == "force 99: outside 1 to 33, 33 was used");
+  CHECK(trace.remarks[1] == "tool 5: the machine has 2; tool 2 stays selected");
 }
 
 TEST_CASE("a line is clipped at the window and not dropped", "[device][sim]") {
@@ -305,7 +306,7 @@ TEST_CASE("the autoblade is tapped and the set up takes its second", "[device][s
   CHECK(busy("Z6096,6096\x03J1\x03TF5,1\x03", "cameo") == Approx(1.0));
 }
 
-TEST_CASE("lifting over corners takes time and rounding them less", "[device][sim]") {
+TEST_CASE("lifting at corners takes longer than rounding them", "[device][sim]") {
   const auto drawn = [](const std::string& settings, const char* line) {
     return value(simulate(bytes(settings + line), machine("cameo3"))).seconds;
   };
@@ -338,7 +339,7 @@ TEST_CASE("set origin and home shift what follows as the machine does", "[device
   CHECK(trace.points[trace.strokes[1].first].y == Approx(0));
 }
 
-TEST_CASE("wild numbers and lone commands neither crash nor hang", "[device][sim]") {
+TEST_CASE("extreme numbers and lone commands neither crash nor hang", "[device][sim]") {
   for (const char* program : {"M1e300,1e300\x03"
                               "D-1e300,5\x03"
                               "D0,0\x03",
@@ -367,7 +368,7 @@ TEST_CASE("wild numbers and lone commands neither crash nor hang", "[device][sim
   }
 }
 
-TEST_CASE("a machine that cannot be is refused", "[device][sim]") {
+TEST_CASE("an impossible machine is refused", "[device][sim]") {
   Machine stuck = machine("cameo3");
   stuck.motion.accel_mm_s2 = 0;
   CHECK(SimCutter::make(stuck).error().kind == ErrorKind::OutOfRange);

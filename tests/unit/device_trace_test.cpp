@@ -23,7 +23,7 @@ Trace two_strokes() {
 
 }  // namespace
 
-TEST_CASE("lengths of a trace are what the program commands", "[device][trace]") {
+TEST_CASE("lengths of a trace are those of the program", "[device][trace]") {
   const Trace trace = two_strokes();
   CHECK(trace.lifts == 2);
   CHECK(trace.cut_mm == Approx(10 + 10 + 310));
@@ -39,7 +39,7 @@ TEST_CASE("lengths of a trace are what the program commands", "[device][trace]")
   CHECK(points[2].y == Approx(20));
 }
 
-TEST_CASE("trace.json says all of it", "[device][trace]") {
+TEST_CASE("trace.json has all of the trace", "[device][trace]") {
   const Trace trace = two_strokes();
   const auto json = nlohmann::json::parse(trace_json(trace));
   CHECK(json["cut_mm"] == 330.0);
@@ -60,7 +60,7 @@ TEST_CASE("trace.json says all of it", "[device][trace]") {
   CHECK(summary["cut_mm"] == 330.0);
 }
 
-TEST_CASE("a trace of nothing is still a document", "[device][trace]") {
+TEST_CASE("an empty trace is still a valid document", "[device][trace]") {
   const Trace empty;
   CHECK(nlohmann::json::parse(trace_json(empty))["strokes"].empty());
   pugi::xml_document svg;

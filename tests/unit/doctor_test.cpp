@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "device/doctor.hpp"
+#include "tests/support/process.hpp"
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;
@@ -37,10 +38,6 @@ std::string told(const CutterFacts& facts, const Surroundings& around = member()
   return text;
 }
 
-bool says(const std::string& text, const std::string& words) {
-  return text.find(words) != std::string::npos;
-}
-
 }  // namespace
 
 TEST_CASE("a healthy cutter has no problems", "[device][doctor]") {
@@ -71,17 +68,16 @@ TEST_CASE("a cutter that does not answer shows the error and its remedy apart",
   CHECK(says(told(facts), "problem: the machine did not answer -> check its cable"));
 }
 
-TEST_CASE("CUPS that holds the printer port is named with how to take it away",
-          "[device][doctor]") {
+TEST_CASE("CUPS holding the printer port is named with the remedy", "[device][doctor]") {
   CutterFacts facts = cameo3();
   facts.said.reset();
   facts.holders = {"usb (812)"};
   const std::string text = told(facts);
-  CHECK(says(text, "problem: usb (812) has its printer port open; CUPS takes it for a printer"));
+  CHECK(says(text, "problem: usb (812) has its printer port open; CUPS uses it as a printer"));
   CHECK(says(text, "lpadmin -x"));
 }
 
-TEST_CASE("permission is explained by the steps that are still missing", "[device][doctor]") {
+TEST_CASE("a missing permission is explained by the missing steps", "[device][doctor]") {
   CutterFacts facts = cameo3();
   facts.said.reset();
   facts.use.state = UsbState::NoPermission;
@@ -98,25 +94,26 @@ TEST_CASE("permission is explained by the steps that are still missing", "[devic
   CHECK(says(told(facts), "plug the cutter in again"));
 }
 
-TEST_CASE("firmware and models that are not known are told apart", "[device][doctor]") {
+TEST_CASE("unknown firmware and unknown models are distinguished", "[device][doctor]") {
   CutterFacts facts = cameo3();
   facts.said = Answers{DeviceStatus::Ready, "CAMEO 3 V1.99    "};
   CHECK(says(told(facts),
-             "note: calls itself CAMEO 3, firmware V1.99; popcut was made with "
+             "note: calls itself CAMEO 3, firmware V1.99; popcut was tested with "
              "recordings of V1.60"));
   facts.said = Answers{DeviceStatus::Ready, "CAMEO 9 V1.00    "};
-  CHECK(says(told(facts), "problem: calls itself CAMEO 9, firmware V1.00, though"));
+  CHECK(says(told(facts), "problem: calls itself CAMEO 9, firmware V1.00, although"));
   facts.treated = true;
   CHECK_FALSE(says(told(facts), "problem"));
   facts = cameo3();
   facts.machine = machine("cameo4");  // whose identity was never recorded
   facts.said = Answers{DeviceStatus::Ready, "CAMEO 4 V1.30    "};
-  CHECK(says(told(facts), "note: calls itself CAMEO 4, firmware V1.30; popcut has not met"));
+  CHECK(says(told(facts),
+             "note: calls itself CAMEO 4, firmware V1.30; popcut has not been tested with"));
   facts.said = Answers{DeviceStatus::Ready, "\x01\x02"};
   CHECK(says(told(facts), "problem: it does not say what it is"));
 }
 
-TEST_CASE("a busy or empty machine that keeps its name to itself is no problem of its own",
+TEST_CASE("a busy or empty machine that does not send its name is not a problem",
           "[device][doctor]") {
   CutterFacts facts = cameo3();
   facts.said = Answers{DeviceStatus::NoMedia, ""};

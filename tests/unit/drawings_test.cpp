@@ -10,11 +10,11 @@
 #include <catch2/catch.hpp>
 #include <pugixml.hpp>
 
+#include "core/drawing/linework.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 #include "core/formats/write/deployed_svg.hpp"
 #include "core/formats/write/pdf_pattern.hpp"
 #include "core/formats/write/svg_pattern.hpp"
-#include "core/formats/svg/svg_reader.hpp"
-#include "core/drawing/linework.hpp"
 #include "tests/support/box_card.hpp"
 
 using namespace popcut;
@@ -107,7 +107,7 @@ TEST_CASE("a sheet without a card is drawn as far as its lines reach", "[core][f
   CHECK(std::string(svg.attribute("viewBox").value()) == "20 15.5 25 37.8");
 }
 
-TEST_CASE("a title cannot break out of a drawing", "[core][formats][svg]") {
+TEST_CASE("a title cannot inject markup into a drawing", "[core][formats][svg]") {
   Pattern pattern = testing::box_card_pattern();
   pattern.name = "</title><script>'&\"\x01";
   const auto document = parsed(pattern_svg(pattern));
@@ -132,7 +132,7 @@ TEST_CASE("cut.svg has every micro-cut as a solid path and cuts the outline last
   CHECK(std::string(svg.child("g").attribute("inkscape:label").value()) == "fold-mountain");
 }
 
-TEST_CASE("what is drawn reads back as the lines of the pattern", "[core][formats][svg]") {
+TEST_CASE("a drawing reads back as the lines of the pattern", "[core][formats][svg]") {
   const Pattern pattern = testing::box_card_pattern();
   const LineWork expected = linework_from_pattern(pattern);
   const auto same_lines = [&](const LineWork& read) {
@@ -183,7 +183,7 @@ TEST_CASE("a sheet larger than a PDF page is refused by name", "[core][formats][
   CHECK(pdf.error().detail.find("5140 x 100 mm") != std::string::npos);
 }
 
-TEST_CASE("a name with any bytes makes a sound PDF", "[core][formats][pdf]") {
+TEST_CASE("a name with any bytes gives a valid PDF", "[core][formats][pdf]") {
   Pattern pattern = testing::box_card_pattern();
   pattern.name = "(\\ \xc3\xa9 \xff)\n" + std::string(5000, 'x');
   CHECK(pattern_pdf(pattern));

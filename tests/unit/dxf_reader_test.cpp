@@ -5,9 +5,9 @@
 
 #include "core/formats/dxf/dxf_reader.hpp"
 #include "core/formats/dxf/dxf_tables.hpp"
-#include "core/formats/write/dxf_writer.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/fold/fold_writer.hpp"
+#include "core/formats/write/dxf_writer.hpp"
 #include "tests/support/box_card.hpp"
 #include "tests/support/linework_checks.hpp"
 
@@ -86,7 +86,7 @@ TEST_CASE("DXF line ends and comments and a byte order mark do not matter",
     CHECK(read(text).points == read(plain).points);
 }
 
-TEST_CASE("layer names say what DXF lines are for", "[core][formats][dxf]") {
+TEST_CASE("layer names give DXF lines their meaning", "[core][formats][dxf]") {
   const std::vector<std::pair<std::string, DxfMeaning>> cases{
       {"CUT", DxfMeaning::Cut},
       {"FOLD_M", DxfMeaning::FoldMountain},
@@ -125,7 +125,7 @@ TEST_CASE("layer names say what DXF lines are for", "[core][formats][dxf]") {
   CHECK(warned(work, "taken as valleys"));
 }
 
-TEST_CASE("colours of a DXF count only when they are asked for", "[core][formats][dxf]") {
+TEST_CASE("colours of a DXF are used only on request", "[core][formats][dxf]") {
   const std::string text = drawing(
       "0 LINE 8 A 62 1 11 1 0 LINE 8 A 62 5 11 2 0 LINE 8 A 62 3 11 4 "
       "0 LINE 8 A 11 8 0 LINE 8 A 62 2 11 16 "
@@ -143,7 +143,7 @@ TEST_CASE("colours of a DXF count only when they are asked for", "[core][formats
   CHECK(total_mm(read(text, options), Operation::Cut) == Approx(4 + 8 + 16 + 64));
 }
 
-TEST_CASE("DXF units are read and a missing one is said", "[core][formats][dxf]") {
+TEST_CASE("DXF units are read and a missing one is reported", "[core][formats][dxf]") {
   const auto length_in = [](const std::string& header) {
     return length(read(drawing(line_on("CUT", 10), section("HEADER", header))).points);
   };
@@ -179,7 +179,7 @@ TEST_CASE("DXF layers that are off or frozen or not plotted are left out and nam
   CHECK(warned(work, "1 invisible"));
 }
 
-TEST_CASE("names in old code pages are shown as they were", "[core][formats][dxf]") {
+TEST_CASE("names in old code pages are decoded", "[core][formats][dxf]") {
   CHECK(dxf_name("Gr\xfc\xdf"
                  "e \x80") == "Grüße €");
   CHECK(dxf_name("Grüße €") == "Grüße €");
@@ -275,7 +275,7 @@ TEST_CASE("blocks that insert themselves or swell are refused", "[core][formats]
   CHECK(fault(drawing("0 INSERT 2 D20", section("BLOCKS", deep))).empty());
 }
 
-TEST_CASE("what a DXF holds beside lines is named", "[core][formats][dxf]") {
+TEST_CASE("entities of a DXF that are not lines are named", "[core][formats][dxf]") {
   const LineWork work =
       read(drawing("0 POINT 10 1 20 1 0 TEXT 8 A 10 nonsense 1 hello 0 MTEXT 1 a "
                    "0 HATCH 10 0 91 1 0 DIMENSION 2 *D1 0 IMAGE 10 0 0 LINE 11 1"));

@@ -50,14 +50,14 @@ TEST_CASE("FOLD frames may inherit from later ones but not from themselves",
         "/file_frames/0/vertices_coords: has 1 vertices; what is inherited asks for vertex 2");
 }
 
-TEST_CASE("FOLD members that are null are not there and unknown ones are passed over",
+TEST_CASE("FOLD members that are null count as absent and unknown ones are ignored",
           "[core][formats][fold]") {
   CHECK(refused(kTriangle + R"(,"faces_vertices":null,"edges_assignment":null,"frame_unit":null,)"
                             R"("edges_faces":[[0,null]],"own:thing":{"a":[1]},"faceOrders":7)")
             .empty());
 }
 
-TEST_CASE("a FOLD error says where and what would be right", "[core][formats][fold]") {
+TEST_CASE("a FOLD error has the place and the valid form", "[core][formats][fold]") {
   CHECK(refused(kTriangle + "," + kTriangle) == "/vertices_coords: the member is given twice");
   CHECK(refused(R"("vertices_coords":[[0,0]],"edges_vertices":[[0,1.5]])") ==
         "/edges_vertices/0/1: is 1.5; the number of a vertex, 0 to 0, is needed");
@@ -77,7 +77,7 @@ TEST_CASE("a FOLD error says where and what would be right", "[core][formats][fo
   CHECK(refused(R"("vertices_coords":[[0,{}]])").find("/vertices_coords/0/1") == 0);
 }
 
-TEST_CASE("a border drawn a hundred thousand times is a slit once", "[core][formats][fold]") {
+TEST_CASE("a border drawn a hundred thousand times becomes one slit", "[core][formats][fold]") {
   std::string edges = "[0,1]", letters = "\"B\"";
   for (int i = 0; i < 100'000; ++i) edges += ",[0,1]", letters += ",\"B\"";
   const auto work = linework_from_fold(
@@ -104,7 +104,7 @@ TEST_CASE("JSON nested a million deep gets one clear error from every reader",
         std::string::npos);
 }
 
-TEST_CASE("a plane graph has a vertex where lines cross and an edge once",
+TEST_CASE("a plane graph has a vertex at each crossing and no edge twice",
           "[core][formats][graph]") {
   const std::vector<CreaseLine> lines{crease(0, 0, 10, 0, 'B'),   crease(10, 0, 10, 10, 'B'),
                                       crease(10, 10, 0, 10, 'B'), crease(0, 10, 0, 0, 'B'),

@@ -120,8 +120,7 @@ TEST_CASE("a sheet without a card has the same curvatures", "[core][curvature][p
   }
 }
 
-TEST_CASE("a sphere's pattern is a dome and a saddle's is none on the whole",
-          "[core][curvature][pattern]") {
+TEST_CASE("a sphere's pattern is a dome and a saddle's is not", "[core][curvature][pattern]") {
   const auto dome = fold_vertices_from_fold(fold_text(design_of("conformal", 6, 10)));
   REQUIRE(dome);
   for (const double psi : {kPi / 2, 1.1, 2.5}) {
@@ -240,7 +239,7 @@ TEST_CASE("strips that do not close are refused with the place", "[core][curvatu
   CHECK(found.error().place.rfind("fold at u ", 0) == 0);
 }
 
-TEST_CASE("the table has a row a pose and inner vertex", "[core][curvature][pattern]") {
+TEST_CASE("the table has one row per pose and inner vertex", "[core][curvature][pattern]") {
   const auto found = fold_vertices_from_fold(fold_text(design_of("conformal", 3, 5)));
   REQUIRE(found);
   std::ostringstream csv;

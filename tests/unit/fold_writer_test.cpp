@@ -48,7 +48,7 @@ TEST_CASE("a FOLD file reads back as the pattern number for number", "[core][for
   }
 }
 
-TEST_CASE("the key frame is the flat sheet with the fold angles of a right angle",
+TEST_CASE("the key frame is the flat sheet with the fold angles of a right opening angle",
           "[core][formats][fold]") {
   const Pattern pattern = testing::box_card_pattern();
   const json fold = written(pattern);
@@ -112,7 +112,7 @@ TEST_CASE("a name with quotes and line breaks stays one JSON string", "[core][fo
   CHECK(written(pattern)["file_title"] == "a \"b\"\n\\ \xc3\xa9 \xef\xbf\xbd");
 }
 
-TEST_CASE("FOLD refuses what JSON or a card cannot hold", "[core][formats][fold]") {
+TEST_CASE("FOLD refuses values that JSON or a card cannot represent", "[core][formats][fold]") {
   std::ostringstream out;
   Pattern pattern = testing::box_card_pattern();
   const auto over = write_fold(pattern, {"test", {1.0, 3.5}}, out);
@@ -125,7 +125,8 @@ TEST_CASE("FOLD refuses what JSON or a card cannot hold", "[core][formats][fold]
   CHECK(out.str().empty());
 }
 
-TEST_CASE("a FOLD with single cuts is the same drawing as the split one", "[core][formats][fold]") {
+TEST_CASE("a FOLD with unsplit cuts gives the same drawing as the split one",
+          "[core][formats][fold]") {
   const Pattern pattern = popcut::testing::box_card_pattern();
   FoldOptions options;
   std::ostringstream split, single;

@@ -47,8 +47,7 @@ std::string error_of(const Toolpath& toolpath, const Machine& machine,
 
 }  // namespace
 
-TEST_CASE("a square is drawn with the bytes that the Cameo 3 was seen to get",
-          "[protocol][gpgl][encode]") {
+TEST_CASE("a square has the bytes recorded for the Cameo 3", "[protocol][gpgl][encode]") {
   Toolpath square = four_squares();
   square.strokes.resize(1);
   const EncodedProgram program = encoded(square);
@@ -139,7 +138,7 @@ TEST_CASE("the Cameo 4 gets its accelerations and the Portrait 3 no holder",
   CHECK(readable(portrait.view(portrait.trailer)) == R"(L0|\0,0|M0,0|FN0|TB50,0|)");
 }
 
-TEST_CASE("a classic machine gets D and its defaults back", "[protocol][gpgl][encode]") {
+TEST_CASE("a classic machine draws with D and gets its defaults back", "[protocol][gpgl][encode]") {
   JobOptions options{.page_width_mm = 206, .page_length_mm = 277.9};
   options.window_left_mm = options.window_top_mm = 1.5;
   const EncodedProgram program =
@@ -156,7 +155,7 @@ TEST_CASE("fractions are written with two decimals", "[protocol][gpgl][encode]")
   const EncodedProgram program = encoded(line, one_holder("gpgl", "classic"), paper(), options);
   CHECK(readable(program.view(program.geometry)) == "M175.24,577.08|D678.70,884.60|D-20,0|");
   options.draw = DrawForm::Binary;
-  CHECK_THAT(error_of(line, cameo3(), paper(), options), Catch::Contains("draw with D"));
+  CHECK_THAT(error_of(line, cameo3(), paper(), options), Catch::Contains("use D"));
 }
 
 TEST_CASE("only settings that change are sent again between strokes", "[protocol][gpgl][encode]") {
@@ -178,7 +177,7 @@ TEST_CASE("only settings that change are sent again between strokes", "[protocol
   CHECK(stroke(5) == "J1|" + line);
 }
 
-TEST_CASE("settings without a holder are sent again with every other holder",
+TEST_CASE("settings without a holder number are sent again for each holder",
           "[protocol][gpgl][encode]") {
   Machine curio = cameo3();
   curio.variant = "classic";
@@ -299,10 +298,10 @@ TEST_CASE("what a machine cannot do is an error that names the stroke or the fie
   machine.unit_mm = 0;
   CHECK_THAT(error_of(one_line(), machine), Catch::Contains("/unit_mm"));
   machine.language = "gcode";
-  CHECK_THAT(error_of(one_line(), machine), Catch::Contains("gpgl and hpgl"));
+  CHECK_THAT(error_of(one_line(), machine), Catch::Contains("gpgl or hpgl"));
 }
 
-TEST_CASE("a depth that the machine has no blade for is not looked at",
+TEST_CASE("an autoblade depth is ignored on a machine without an autoblade",
           "[protocol][gpgl][encode]") {
   Material deep = paper();
   deep.autoblade_depth = 11;
@@ -364,7 +363,7 @@ TEST_CASE("a line too long for any binary form is drawn with D", "[protocol][gpg
   CHECK_THAT(text, Catch::StartsWith("M0,0|BE3") && Catch::EndsWith("|D375482,0|"));
 }
 
-TEST_CASE("an empty toolpath is a program that does nothing but park", "[protocol][gpgl][encode]") {
+TEST_CASE("an empty toolpath gives a program that only parks", "[protocol][gpgl][encode]") {
   const EncodedProgram program = encoded({});
   CHECK(program.geometry.begin == program.geometry.end);
   CHECK(moves(*decode_gpgl(program.view())).strokes.empty());

@@ -40,7 +40,7 @@ TEST_CASE("commands of GPGL end at ETX", "[protocol][gpgl][decode]") {
         "move 0,20; draw 0,0; force FX 10,1; orientation TB50 0");
 }
 
-TEST_CASE("a missing ETX is made good by the next letter", "[protocol][gpgl][decode]") {
+TEST_CASE("a missing ETX is tolerated before the next letter", "[protocol][gpgl][decode]") {
   CHECK(brief("HM1,2D3,4M5,6|") == "home H; move 1,2; draw 3,4; move 5,6");
   CHECK(brief("M1,2\\0,0Z10,20J1!5,1FX3|") ==
         "move 1,2; window near \\\\ 0,0; window far Z 10,20; tool J 1; speed ! 5,1; force FX 3");
@@ -101,7 +101,7 @@ TEST_CASE("each binary form holds deltas to its limit and no further", "[protoco
   }
 }
 
-TEST_CASE("binary forms have the bytes that their rule gives", "[protocol][gpgl][decode]") {
+TEST_CASE("binary forms have the bytes of their rule", "[protocol][gpgl][decode]") {
   // Worked out apart from this code, with whole numbers of any size.
   struct Row {
     Delta delta;
@@ -132,7 +132,8 @@ TEST_CASE("binary forms have the bytes that their rule gives", "[protocol][gpgl]
   }
 }
 
-TEST_CASE("a listing has a line a command and says what it leaves out", "[protocol][listing]") {
+TEST_CASE("a listing has one line per command and counts what it leaves out",
+          "[protocol][listing]") {
   CHECK(listing(read("J1|M1,2|D3,4,5,6,7.5,8||q\\\x80|D1"), 2) ==
         "       0  tool          J 1\n"
         "       3  move          1,2\n"
@@ -180,7 +181,7 @@ TEST_CASE("a lone ETX is an empty command", "[protocol][gpgl][decode]") {
   CHECK(brief("FC18,1,1||M0,0|") == "blade offset FC 18,1,1; empty; move 0,0");
 }
 
-TEST_CASE("what is not understood is kept with bytes and position", "[protocol][gpgl][decode]") {
+TEST_CASE("unknown commands are kept with bytes and position", "[protocol][gpgl][decode]") {
   const Program program = read("M1,2|qqq\x80 7|XY12,3|D1|D|D1,,2|FX|M1,2x3|D5,6|");
   CHECK(brief(program) ==
         "move 1,2; unknown qqq\\x80 7; unknown XY12,3; unknown D1; unknown D; unknown D1,,2; "
@@ -198,19 +199,18 @@ TEST_CASE("numbers have bounds", "[protocol][gpgl][decode]") {
   CHECK(brief("M" + digits + ",0|") == "unknown M" + digits + ",0");
 }
 
-TEST_CASE("curves that cannot be followed are unknown and not forgotten",
-          "[protocol][gpgl][decode]") {
+TEST_CASE("curves that cannot be followed are kept as unknown", "[protocol][gpgl][decode]") {
   CHECK(brief("BZ0,1,2,3,4,5,6,7,8|W1,2,3|Pa text, M1,2|&2,2,1|") ==
         "unknown BZ0,1,2,3,4,5,6,7,8; unknown W1,2,3; unknown Pa text, M1,2; unknown &2,2,1");
 }
 
-TEST_CASE("queries are told from settings by their number", "[protocol][gpgl][decode]") {
+TEST_CASE("queries are distinguished from settings by their number", "[protocol][gpgl][decode]") {
   CHECK(brief("FG|TB71|FQ0|FA|TC|[|U|TB99|TB51,400|") ==
         "query FG; query TB71; query FQ0; query FA; query TC; query [; query U; setting TB99; "
         "setting TB51 400");
 }
 
-TEST_CASE("an end within a command is told and what was whole is kept",
+TEST_CASE("a program that ends within a command is marked as truncated",
           "[protocol][gpgl][decode]") {
   for (const std::string rest : {"M3,", "BE1\x90\x91\x92", "\x1b", "F", "qq", "BE"}) {
     const Program program = read("M1,2|" + rest);
@@ -236,7 +236,7 @@ TEST_CASE("commands fed in pieces to an emptied program come out whole",
   CHECK(out == "mat TG 1; move 0,20; draw 20,20; force FX 3,1; ");
 }
 
-TEST_CASE("settings hold for their holder and a change parts a line", "[protocol][gpgl][decode]") {
+TEST_CASE("settings apply to their holder and a change splits a line", "[protocol][gpgl][decode]") {
   const PenMoves pen =
       moves(read("J1|FX10,1|FX20,2|!5,1|M0,0|D1,1|FX10,1|D2,2|FX11,1|D3,3|J2|M0,0|D9,9|J0|"));
   REQUIRE(pen.strokes.size() == 3);
@@ -255,7 +255,7 @@ TEST_CASE("an origin set within a program shifts what follows", "[protocol][gpgl
   CHECK(pen.points == std::vector<MachinePoint>{{10, 20}, {11, 21}, {12, 22}});
 }
 
-TEST_CASE("the language of a program is told from its first bytes", "[protocol][decode]") {
+TEST_CASE("the language of a program is guessed from its first bytes", "[protocol][decode]") {
   CHECK(guess_dialect(bytes_of(gpgl("FN0|TB50,0|M1,2|D3,4|"))) == Dialect::Gpgl);
   CHECK(guess_dialect(bytes_of("HM1,2D3,4M5,6D7,8")) == Dialect::Gpgl);
   CHECK(guess_dialect(bytes_of("\x1b\x04M10,10\x03")) == Dialect::Gpgl);
@@ -265,7 +265,7 @@ TEST_CASE("the language of a program is told from its first bytes", "[protocol][
   CHECK(guess_dialect({}) == Dialect::Gpgl);
 }
 
-TEST_CASE("a GPGL command without an end is not kept for ever", "[protocol][gpgl][decode]") {
+TEST_CASE("a GPGL command without an end is given up at a limit", "[protocol][gpgl][decode]") {
   GpglReader reader;
   Program program;
   reader.feed(bytes_of("BE1" + std::string(5 << 20, '\x90') + "\x03M1,2\x03"), program);

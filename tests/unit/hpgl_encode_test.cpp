@@ -41,7 +41,7 @@ TEST_CASE("an inch is 1016 units of HPGL", "[protocol][hpgl][encode][defects]") 
         "IN;PA;SP1;VS50;FS7;PU0,0;PD1016,0,1016,1016;PU400,400;PD800,400;PU0,0;SP0;IN;");
 }
 
-TEST_CASE("habits of HPGL machines change how a program is written", "[protocol][hpgl][encode]") {
+TEST_CASE("each HPGL habit changes how a program is written", "[protocol][hpgl][encode]") {
   JobOptions options;
   SECTION("moves by PA") {
     options.hpgl = HpglHabits{.move_by_pa = true};
@@ -93,16 +93,16 @@ TEST_CASE("a machine with y up counts from the end of the page", "[protocol][hpg
   CHECK_THAT(text_of(two_lines(), machine), Catch::Contains("give the length of the page"));
 }
 
-TEST_CASE("negative coordinates are refused for HPGL with the way out",
-          "[protocol][hpgl][encode]") {
+TEST_CASE("negative coordinates are refused for HPGL with the remedy", "[protocol][hpgl][encode]") {
   Toolpath toolpath = two_lines();
   toolpath.points[3] = {-3, -0.5};
   CHECK(text_of(toolpath, plotter()) ==
-        "/strokes/1: negative coordinates, which machines that speak HPGL do not take; move the "
-        "drawing by 3 mm in x and 0.5 mm in y of the machine");
+        "/strokes/1: negative coordinates, which HPGL machines do not take; move the drawing by "
+        "3 mm along the machine's x and 0.5 mm along its y");
 }
 
-TEST_CASE("a long HPGL line goes on in another PD below 1024 bytes", "[protocol][hpgl][encode]") {
+TEST_CASE("a long HPGL line is split into PD commands below 1024 bytes",
+          "[protocol][hpgl][encode]") {
   Toolpath toolpath;
   add_stroke(toolpath, {});
   for (int k = 0; k < 3000; ++k) toolpath.points.push_back({1000.0 + k, k % 5 * 100.0});
@@ -123,8 +123,7 @@ TEST_CASE("a long HPGL line goes on in another PD below 1024 bytes", "[protocol]
   }
 }
 
-TEST_CASE("an unknown variant of HPGL is refused with those that are known",
-          "[protocol][hpgl][encode]") {
+TEST_CASE("an unknown variant of HPGL is refused with the known ones", "[protocol][hpgl][encode]") {
   Machine machine = plotter();
   machine.variant = "dmpl";
   CHECK_THAT(text_of(two_lines(), machine), Catch::Contains("generic, pa, newline, plain"));
@@ -143,11 +142,11 @@ TEST_CASE("HPGL variants are words joined by plus signs", "[protocol][hpgl][enco
         "IN;PA;SP1;VS50;FS7;U0,0;D1016,0,1016,1016;U400,400;D800,400;U0,0;SP0;IN;");
   CHECK(written("camm1+plain") == "IN;SP1;M0,0;D1016,0,1016,1016;M400,400;D800,400;M0,0;SP0;IN;");
   CHECK(written("camm2") == written("generic"));
-  CHECK_THAT(written("pa+ud"), Catch::Contains("pa goes with PU and PD only"));
-  CHECK_THAT(written("generic+"), Catch::Contains("\"\" is no variant"));
+  CHECK_THAT(written("pa+ud"), Catch::Contains("pa needs PU and PD"));
+  CHECK_THAT(written("generic+"), Catch::Contains("\"\" is not a variant"));
 }
 
-TEST_CASE("every habit that a table may name is known to the encoder", "[protocol][hpgl][encode]") {
+TEST_CASE("the encoder knows every habit that a table may name", "[protocol][hpgl][encode]") {
   for (const std::string_view word : kHpglWords) {
     CAPTURE(word);
     CHECK(hpgl_habits(word));
@@ -155,7 +154,7 @@ TEST_CASE("every habit that a table may name is known to the encoder", "[protoco
   for (const std::string_view name : kGpglVariants) CHECK(find_gpgl_variant(name) != nullptr);
 }
 
-TEST_CASE("CAMM-GL takes negative coordinates and other HPGL only where it says so",
+TEST_CASE("CAMM-GL takes negative coordinates and other HPGL only if enabled",
           "[protocol][hpgl][encode]") {
   Toolpath toolpath = two_lines();
   toolpath.points[3] = {-3, -0.5};
@@ -168,7 +167,7 @@ TEST_CASE("CAMM-GL takes negative coordinates and other HPGL only where it says 
   CHECK_THAT(text_of(toolpath, machine), Catch::Contains("negative coordinates"));
 }
 
-TEST_CASE("the tool is lifted in the words of the program itself", "[protocol][encode]") {
+TEST_CASE("the tool is lifted with the command that the program uses", "[protocol][encode]") {
   const auto lifted = [](const Machine& machine) {
     return readable(bytes_of(lift_after(*encode(two_lines(), machine, paper()), 0)));
   };

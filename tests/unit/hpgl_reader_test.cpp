@@ -43,13 +43,13 @@ TEST_CASE("HPGL relative points are resolved", "[protocol][hpgl][decode]") {
         "move 10,10; setting PR; draw 11,11 13,13; draw 0,0; draw 5,5");
 }
 
-TEST_CASE("HPGL may be in small letters on lines and without semicolons",
+TEST_CASE("HPGL may be in lower case on several lines and without semicolons",
           "[protocol][hpgl][decode]") {
   CHECK(brief(read("in;\r\npu 1 2 pd3,4\nPU5,6PD7,8SP;")) ==
         "initialise IN; move 1,2; draw 3,4; move 5,6; draw 7,8; tool SP 0");
 }
 
-TEST_CASE("HPGL settings and queries are told apart", "[protocol][hpgl][decode]") {
+TEST_CASE("HPGL settings and queries are distinguished", "[protocol][hpgl][decode]") {
   CHECK(brief(read("VS40;FS12,1;VS;OI;!PG;;DF;\x1b.B\x1b.@;0:LT;")) ==
         "speed VS 40; force FS 12,1; setting VS; query OI; setting !PG; empty; setting DF; "
         "query \\x1b.B; setting \\x1b.@;0:; setting LT");
@@ -64,7 +64,8 @@ TEST_CASE("HPGL that changes geometry in other ways is unknown", "[protocol][hpg
   CHECK(program.commands[2].end == 31);
 }
 
-TEST_CASE("an end within an HPGL command is told", "[protocol][hpgl][decode]") {
+TEST_CASE("an HPGL program that ends within a command is marked as truncated",
+          "[protocol][hpgl][decode]") {
   for (const std::string rest : {"PD3,4", "P", "\x1b", "\x1b.", "\x1b.@1", "!P", "LBx"}) {
     const Program program = read("PU1,2;" + rest);
     CAPTURE(rest);
@@ -84,7 +85,7 @@ TEST_CASE("pen down without a point is a dot", "[protocol][hpgl][decode]") {
   CHECK(pen.strokes[1].count == 2);
 }
 
-TEST_CASE("CAMM-GL mode 1 and U and D are read among HPGL", "[protocol][hpgl][decode]") {
+TEST_CASE("CAMM-GL mode 1 and U and D are read within HPGL", "[protocol][hpgl][decode]") {
   CHECK(brief(read("H;M1,2;D3,4,5,6;I1,1;R-2,-3;I0,5;PU9,9;")) ==
         "home H; move 1,2; draw 3,4 5,6; draw 6,7; move 4,4; draw 4,9; move 9,9");
   CHECK(brief(read("U1,2;D3,4;U;D;d7,8u9,9;")) ==
@@ -93,7 +94,7 @@ TEST_CASE("CAMM-GL mode 1 and U and D are read among HPGL", "[protocol][hpgl][de
         "line type L 0; speed F 30; unknown C1,2,3,0,360; unknown A1,1");
 }
 
-TEST_CASE("a command without an end is not kept for ever", "[protocol][hpgl][decode]") {
+TEST_CASE("an HPGL command without an end is given up at a limit", "[protocol][hpgl][decode]") {
   HpglReader reader;
   Program program;
   const std::string piece(1 << 20, '~');

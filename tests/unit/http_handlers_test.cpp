@@ -84,7 +84,7 @@ TEST_CASE("each route has a handler and is found by its path", "[daemon][http][r
         std::vector<std::string>{"p", "7"});
 }
 
-TEST_CASE("what a client sends for a job reaches the service whole", "[daemon][http][handlers]") {
+TEST_CASE("every member of a job request reaches the service", "[daemon][http][handlers]") {
   FakeService fake;
   const Asked asked = ask(fake, Method::Post, "/v1/jobs", keyed(), R"({
     "plan": "01JD", "material": "paper-220", "device": "sim:cameo3", "copies": 3, "priority": -2,
@@ -108,7 +108,7 @@ TEST_CASE("what a client sends for a job reaches the service whole", "[daemon][h
   CHECK(asked.body.at("started").is_null());
 }
 
-TEST_CASE("the words of each action reach the service", "[daemon][http][handlers]") {
+TEST_CASE("the members of each action reach the service", "[daemon][http][handlers]") {
   FakeService fake;
   const std::string id = fake.add_job(JobState::Interrupted, "token:submitter").id;
   const auto act = [&](const std::string& action, const std::string& body) {
@@ -146,7 +146,8 @@ TEST_CASE("the words of each action reach the service", "[daemon][http][handlers
   CHECK(resume.skip_in_doubt);
 }
 
-TEST_CASE("who starts a knife names the revision that was seen", "[daemon][http][handlers]") {
+TEST_CASE("starting a knife requires the revision that the client saw",
+          "[daemon][http][handlers]") {
   FakeService fake;
   const std::string id = fake.add_job(JobState::Armed, "token:submitter").id;
   const std::string start = "/v1/jobs/" + id + "/actions/start";
@@ -162,7 +163,7 @@ TEST_CASE("who starts a knife names the revision that was seen", "[daemon][http]
   CHECK(ask(fake, Method::Post, start, keyed("\"1\""), "{}").response.status == 200);
 }
 
-TEST_CASE("submitters touch what is theirs and no more", "[daemon][http][handlers]") {
+TEST_CASE("submitters may change only their own jobs", "[daemon][http][handlers]") {
   FakeService fake;
   const std::string own = fake.add_job(JobState::Queued, "token:submitter").id;
   const std::string other = fake.add_job(JobState::Queued, "token:someone").id;
@@ -179,7 +180,8 @@ TEST_CASE("submitters touch what is theirs and no more", "[daemon][http][handler
   CHECK(ask(fake, Method::Delete, "/v1/jobs/" + other, {}, "", kOperator).response.status == 204);
 }
 
-TEST_CASE("pages go on where they ended and cursors are not made up", "[daemon][http][handlers]") {
+TEST_CASE("pages continue where they ended and invented cursors are refused",
+          "[daemon][http][handlers]") {
   FakeService fake;
   for (int i = 0; i < 25; ++i) fake.add_job(JobState::Queued, "a");
   std::string cursor;
@@ -207,7 +209,7 @@ TEST_CASE("pages go on where they ended and cursors are not made up", "[daemon][
   }
 }
 
-TEST_CASE("a fault tells what stands there and never a secret", "[daemon][http][handlers]") {
+TEST_CASE("a fault quotes the wrong value but never a secret", "[daemon][http][handlers]") {
   FakeService fake;
   const auto got = [&](const std::string& target, const std::string& body) {
     return ask(fake, Method::Post, target, keyed(), body).body.at("errors").at(0);
@@ -221,7 +223,7 @@ TEST_CASE("a fault tells what stands there and never a secret", "[daemon][http][
   CHECK_FALSE(got("/v1/session", R"({"one_shot":7})").contains("got"));
 }
 
-TEST_CASE("a cursor is that of one list", "[daemon][http][handlers]") {
+TEST_CASE("a cursor is valid for one list only", "[daemon][http][handlers]") {
   FakeService fake;
   for (int i = 0; i < 3; ++i) fake.add_job(JobState::Queued, "a");
   const std::string cursor =
@@ -236,7 +238,7 @@ TEST_CASE("a cursor is that of one list", "[daemon][http][handlers]") {
   }
 }
 
-TEST_CASE("a hold is held against a revision that was sent", "[daemon][http][handlers]") {
+TEST_CASE("a hold checks the revision that was sent", "[daemon][http][handlers]") {
   FakeService fake;
   const std::string id = fake.add_job(JobState::Ready, "a").id;
   const std::string body = R"({"job":")" + id + "\"}";
@@ -259,7 +261,7 @@ TEST_CASE("a test cut names its material and its job", "[daemon][http][handlers]
             .response.status == 422);
 }
 
-TEST_CASE("lists are asked for by state and owner and time", "[daemon][http][handlers]") {
+TEST_CASE("lists are filtered by state and owner and time", "[daemon][http][handlers]") {
   FakeService fake;
   const Asked list = ask(
       fake, Method::Get,
@@ -271,7 +273,7 @@ TEST_CASE("lists are asked for by state and owner and time", "[daemon][http][han
   CHECK(rfc3339(*fake.last_filter.since) == "2026-11-21T10:00:00.500Z");
 }
 
-TEST_CASE("moments are read and written in RFC 3339", "[daemon][http][time]") {
+TEST_CASE("times are read and written in RFC 3339", "[daemon][http][time]") {
   CHECK(rfc3339(0) == "1970-01-01T00:00:00.000Z");
   CHECK(rfc3339(-1) == "1969-12-31T23:59:59.999Z");
   CHECK(time_from("1970-01-02") == 86'400'000);
@@ -287,7 +289,7 @@ TEST_CASE("moments are read and written in RFC 3339", "[daemon][http][time]") {
   }
 }
 
-TEST_CASE("materials are put where they were seen or must be new", "[daemon][http][handlers]") {
+TEST_CASE("a material is replaced by revision or must be new", "[daemon][http][handlers]") {
   FakeService fake;
   const std::string at = "/v1/materials/card-300", row = R"({"force_gf": 200})";
   CHECK(ask(fake, Method::Put, at, {}, row).response.status == 428);
@@ -303,7 +305,7 @@ TEST_CASE("materials are put where they were seen or must be new", "[daemon][htt
   CHECK(ask(fake, Method::Put, at, {{"if-match", "\"2\""}}, "[]").response.status == 422);
 }
 
-TEST_CASE("usage comes as CSV that no spreadsheet runs", "[daemon][http][handlers]") {
+TEST_CASE("usage as CSV contains no spreadsheet formulas", "[daemon][http][handlers]") {
   FakeService fake;
   const Asked csv =
       ask(fake, Method::Get, "/v1/usage?by=owner&from=2026-01-01", {{"accept", "text/csv"}});
@@ -315,7 +317,7 @@ TEST_CASE("usage comes as CSV that no spreadsheet runs", "[daemon][http][handler
   CHECK(ask(fake, Method::Get, "/v1/usage?by=shoe").response.status == 422);
 }
 
-TEST_CASE("sheets and ledgers are told as ranges of strokes", "[daemon][http][handlers]") {
+TEST_CASE("sheets and ledgers are reported as ranges of strokes", "[daemon][http][handlers]") {
   FakeService fake;
   const std::string at = "/v1/jobs/" + fake.add_job(JobState::Interrupted, "a").id + "/sheets";
   CHECK(ask(fake, Method::Get, at).body.at("items").size() == 2);
@@ -336,7 +338,8 @@ TEST_CASE("the program of a sheet is found in either language", "[daemon][http][
   CHECK(ask(fake, Method::Get, "/v1/plans/P/sheets/2/program").response.status == 404);
 }
 
-TEST_CASE("a service that throws is a problem and no end", "[daemon][http][handlers]") {
+TEST_CASE("a service that throws gives a problem and does not end the server",
+          "[daemon][http][handlers]") {
   FakeService fake;
   fake.throws = true;
   const Asked thrown = ask(fake, Method::Get, "/v1/jobs");
@@ -367,7 +370,8 @@ TEST_CASE("each kind of problem has its status and type", "[daemon][http][handle
   }
 }
 
-TEST_CASE("what is not UTF-8 in the store does not stop an answer", "[daemon][http][handlers]") {
+TEST_CASE("text in the store that is not UTF-8 does not prevent an answer",
+          "[daemon][http][handlers]") {
   FakeService fake;
   Job& job = fake.add_job(JobState::Queued, "a");
   job.name = "bad \xFF name";

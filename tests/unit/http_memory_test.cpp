@@ -114,7 +114,7 @@ TEST_CASE("a request for which there is no memory is refused and answered once",
   }
 }
 
-TEST_CASE("reading a request stands that memory fails", "[daemon][http][memory]") {
+TEST_CASE("reading a request survives failed allocations", "[daemon][http][memory]") {
   const std::string bytes =
       "POST /v1/jobs HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n"
       "3\r\nabc\r\n0\r\n\r\n";

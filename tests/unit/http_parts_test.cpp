@@ -83,7 +83,7 @@ TEST_CASE("a request is read the same however it is cut into pieces", "[daemon][
   }
 }
 
-TEST_CASE("a body is counted while it comes and ended at its limit", "[daemon][http][wire]") {
+TEST_CASE("a body is counted while it arrives and cut off at its limit", "[daemon][http][wire]") {
   RequestReader reader(8192);
   reader.append("POST / HTTP/1.1\r\nHost: a\r\nContent-Length: 8\r\n\r\n12345678");
   REQUIRE(reader.read_head().value());
@@ -111,7 +111,7 @@ TEST_CASE("a line of a chunk that never ends is refused", "[daemon][http][wire]"
   CHECK(refused);
 }
 
-TEST_CASE("targets are taken apart and decoded", "[daemon][http][target]") {
+TEST_CASE("request targets are split and decoded", "[daemon][http][target]") {
   const Answer<Target> target = read_target("/v1/jobs/a%20b%C3%A4?name=x%26y+z&limit=5&flag");
   REQUIRE(target);
   CHECK(target->segments == std::vector<std::string>{"v1", "jobs", "a b\xC3\xA4"});
@@ -139,7 +139,7 @@ TEST_CASE("targets are taken apart and decoded", "[daemon][http][target]") {
   }
 }
 
-TEST_CASE("cursors come back as they went and nothing else is one", "[daemon][http][cursor]") {
+TEST_CASE("cursors are read back and anything else is refused", "[daemon][http][cursor]") {
   for (const char* place : {"0", "01JD0000000000000000000001", "sha256-abc", "a~b!c"})
     CHECK(decode_cursor(encode_cursor(place)) == place);
   for (const char* bad : {"", "A", "MQ", "MTA=", "MTA\n", "....", "Mg", "MTAA"})
@@ -148,7 +148,7 @@ TEST_CASE("cursors come back as they went and nothing else is one", "[daemon][ht
   CHECK_FALSE(decode_cursor(encode_cursor("a b")).has_value());
 }
 
-TEST_CASE("JSON is refused for depth and doubled members and what is no number",
+TEST_CASE("JSON is refused for depth and duplicate members and invalid numbers",
           "[daemon][http][json]") {
   CHECK(parse_body(std::string(32, '[') + std::string(32, ']'), 32).has_value());
   for (const std::string& bad : {std::string(33, '[') + std::string(33, ']'),
@@ -184,7 +184,7 @@ TEST_CASE("JSON is refused for depth and doubled members and what is no number",
   CHECK(parse_body(R"({"a": 1, x})", 32).error().detail.find("(byte 10)") != std::string::npos);
 }
 
-TEST_CASE("all that is wrong with a body is told at once", "[daemon][http][json]") {
+TEST_CASE("all faults of a body are reported at once", "[daemon][http][json]") {
   const auto faults =
       faults_of(R"({"copies":0,"nmae":"x","good":1,"a/b~c":2,"note":"\u0007","state":"armd"})",
                 [](FieldReader& fields) {
@@ -211,8 +211,7 @@ TEST_CASE("all that is wrong with a body is told at once", "[daemon][http][json]
   CHECK(at("/job") == "missing: is missing; must be the id of a job");
 }
 
-TEST_CASE("a list where an object is wanted is told as that and as nothing else",
-          "[daemon][http][json]") {
+TEST_CASE("a list instead of an object is reported as exactly that", "[daemon][http][json]") {
   const auto problem_of = [](const std::string& body) {
     Request request;
     request.body = body;
@@ -241,7 +240,7 @@ TEST_CASE("a list where an object is wanted is told as that and as nothing else"
   CHECK(problem_of(R"({"job":"a","tags":["a","b","c"]})").errors.at(0).code == "length");
 }
 
-TEST_CASE("numbers are whole and in range or a fault", "[daemon][http][json]") {
+TEST_CASE("numbers must be whole and in range", "[daemon][http][json]") {
   for (const char* bad : {"1.5", "1e3", "\"1\"", "true", "null", "[]", "-1", "11",
                           "18446744073709551615", "-9223372036854775808"}) {
     CAPTURE(bad);
@@ -255,7 +254,7 @@ TEST_CASE("numbers are whole and in range or a fault", "[daemon][http][json]") {
         }).empty());
 }
 
-TEST_CASE("options are words with texts or numbers or booleans", "[daemon][http][json]") {
+TEST_CASE("options have texts or numbers or booleans as values", "[daemon][http][json]") {
   std::map<std::string, std::string> options;
   const auto read = [&](FieldReader& fields) { options = read_options(fields, "options"); };
   CHECK(faults_of(R"({"options":{"mat":"free","at":"10,10","effort":3,"scale":1.5,"split":true}})",
@@ -269,7 +268,7 @@ TEST_CASE("options are words with texts or numbers or booleans", "[daemon][http]
     CHECK(faults_of(fmt::format(R"({{"options":{}}})", bad), read).size() == 1);
 }
 
-TEST_CASE("a principal has a burst and then a steady rate", "[daemon][http][rate]") {
+TEST_CASE("each client has a burst and then a steady rate", "[daemon][http][rate]") {
   RateLimit limit(20, 60);
   for (int i = 0; i < 60; ++i) CHECK_FALSE(limit.take("a", 100).has_value());
   CHECK(limit.take("a", 100) == 1);
@@ -291,7 +290,8 @@ TEST_CASE("failed logins are counted over a minute", "[daemon][http][rate]") {
   CHECK(logins.note("a", 60.6).has_value());
 }
 
-TEST_CASE("the ring of a client drops progress first and then gives up", "[daemon][http][ring]") {
+TEST_CASE("a client's event queue drops progress first and then ends the stream",
+          "[daemon][http][ring]") {
   EventRing ring(4, 1000);
   ring.push(frame(1, 10));
   ring.push(frame(0, 10, "a"));
@@ -321,7 +321,7 @@ TEST_CASE("the ring of a client drops progress first and then gives up", "[daemo
   CHECK(small.has_overflowed());
 }
 
-TEST_CASE("local users have the role of their table", "[daemon][http][users]") {
+TEST_CASE("local users have the configured roles", "[daemon][http][users]") {
   HttpUsers users;
   users.users[1000] = Role::Viewer;
   users.groups[50] = Role::Operator;
@@ -343,7 +343,7 @@ TEST_CASE("local users have the role of their table", "[daemon][http][users]") {
   CHECK(role(static_cast<uid_t>(-1), {}).error().kind == ProblemKind::Forbidden);
 }
 
-TEST_CASE("Host and Origin are held against the names of this daemon", "[daemon][http][names]") {
+TEST_CASE("Host and Origin are checked against the names of this daemon", "[daemon][http][names]") {
   Peer peer;
   peer.port = 8631;
   const Names names{{"cutter.lab:8631"}, {"https://cutter.lab"}};
@@ -406,7 +406,7 @@ TEST_CASE("a job is written as JSON whatever its texts and numbers hold",
   CHECK(read["copies"] == 1);
 }
 
-TEST_CASE("a reply is given once and never forgotten", "[daemon][http][message]") {
+TEST_CASE("a reply is sent exactly once", "[daemon][http][message]") {
   std::vector<int> given;
   const auto send = [&](const Response& response) { given.push_back(response.status); };
   {

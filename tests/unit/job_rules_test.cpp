@@ -58,7 +58,7 @@ TEST_CASE("every event does in every state what the manual says", "[daemon][jobs
   }
 }
 
-TEST_CASE("only start after arm and resume after pause lead to a cutting knife", "[daemon][jobs]") {
+TEST_CASE("a knife cuts only after arm and start or after pause and resume", "[daemon][jobs]") {
   for (const JobState state : all_states()) {
     for (const JobEvent event : all_events()) {
       const JobState next = state_after(state, step_of(state, event), 1, 2);
@@ -84,7 +84,7 @@ TEST_CASE("a finished sheet leads to the next one and after the last to done", "
   CHECK(state_after(JobState::Interrupted, Step::NextSheet, 1, 1) == JobState::Done);
 }
 
-TEST_CASE("what is lawful depends on hold and on what was asked before", "[daemon][jobs]") {
+TEST_CASE("the allowed actions depend on hold and on earlier requests", "[daemon][jobs]") {
   CHECK(step_of({.state = JobState::Ready, .held = true}, JobAction::Arm) == Step::Refused);
   CHECK(step_of({.state = JobState::Ready}, JobAction::Arm) == Step::ToArmed);
   CHECK(step_of({.state = JobState::Ready}, JobAction::ResumeFrom) == Step::Refused);
@@ -99,7 +99,7 @@ TEST_CASE("what is lawful depends on hold and on what was asked before", "[daemo
   CHECK(lawful == std::vector<JobAction>{JobAction::Pause, JobAction::Cancel});
 }
 
-TEST_CASE("a submitter may cancel an own job and nothing else", "[daemon][jobs]") {
+TEST_CASE("a submitter may cancel an own job and do nothing else", "[daemon][jobs]") {
   for (const JobAction action : all_actions()) {
     CHECK(role_for(action, false) == Role::Operator);
     CHECK(role_for(action, true) ==
@@ -116,7 +116,7 @@ TEST_CASE("names of states actions and roles are read back", "[daemon][jobs]") {
   CHECK(name_of(JobAction::ConfirmResult) == "confirm-result");
 }
 
-TEST_CASE("every kind of problem has a status a slug and a title of its own", "[daemon][jobs]") {
+TEST_CASE("every kind of problem has its own status and slug and title", "[daemon][jobs]") {
   std::set<std::string_view> slugs, titles;
   for (int kind = 0; kind <= static_cast<int>(ProblemKind::Internal); ++kind) {
     const auto one = static_cast<ProblemKind>(kind);
@@ -166,7 +166,7 @@ TEST_CASE("attempts at one blank add up to one ledger", "[daemon][jobs]") {
   CHECK(ledger.not_sent.at(0).last == 5);
 }
 
-TEST_CASE("resuming leaves no path out and cuts none twice unless a person says so",
+TEST_CASE("resuming skips no path and cuts none twice unless a person decides so",
           "[daemon][jobs]") {
   const ResumeFacts here{.strokes = 10, .same_device_session = true};
   const auto runs = merged_fates(10, {{{{0, 3}, C}, {{4, 5}, D}}});  // ccccdd....
@@ -191,8 +191,7 @@ TEST_CASE("resuming leaves no path out and cuts none twice unless a person says 
   CHECK(may_resume(runs, {.from_path = 4, .re_registered = true, .accept_double_cut = true}, away));
 }
 
-TEST_CASE("whatever the attempts were a lawful resume needs words for each doubtful path",
-          "[daemon][jobs]") {
+TEST_CASE("a valid resume needs a decision for each path in doubt", "[daemon][jobs]") {
   std::mt19937 random(20261121);
   for (int round = 0; round < 3000; ++round) {
     const std::int64_t strokes = 1 + static_cast<std::int64_t>(random() % 12);

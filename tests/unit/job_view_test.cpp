@@ -82,7 +82,7 @@ TEST_CASE("the live view has running knives first and shows how far they are", "
   CHECK(lines[4].find("done") != std::string::npos);
 }
 
-TEST_CASE("the view stands whatever it is given", "[cli][jobs]") {
+TEST_CASE("the view survives any input", "[cli][jobs]") {
   Json odd = job("ready");
   odd["name"] =
       "\x1b[31mred\x07\xc2\x9b"
@@ -104,7 +104,7 @@ TEST_CASE("the view stands whatever it is given", "[cli][jobs]") {
   for (const std::string& line : jobs_view({wide}, {15, false})) CHECK(line.size() <= 18);
 }
 
-TEST_CASE("a sheet that goes on says to leave it where it is", "[cli][jobs]") {
+TEST_CASE("a resumed sheet is shown with the advice to leave it in place", "[cli][jobs]") {
   Json again = job("ready");
   again["actions"] = {"arm"};
   again["segment"] = 2;
@@ -148,7 +148,7 @@ TEST_CASE("no command to type is cut off where the terminal is narrow", "[cli][j
   }
 }
 
-TEST_CASE("the ways out of an interruption stand one below the other", "[cli][jobs]") {
+TEST_CASE("the ways out of an interruption are listed one per line", "[cli][jobs]") {
   Json interrupted = job("interrupted");
   interrupted["actions"] = {"retry-sheet", "resume-from", "confirm-result", "cancel"};
   const auto lines = waiting_lines(waiting_for(interrupted), 2);
@@ -161,7 +161,7 @@ TEST_CASE("the ways out of an interruption stand one below the other", "[cli][jo
   }
 }
 
-TEST_CASE("a sheet that was not sent whole is not offered as whole", "[cli][jobs]") {
+TEST_CASE("a sheet that was not sent completely cannot be confirmed as complete", "[cli][jobs]") {
   Json interrupted = job("interrupted");
   interrupted["actions"] = {"retry-sheet", "confirm-result", "cancel"};
   const Json unsent{{"certain", {{0, 29}}}, {"not_sent", {{30, 199}}}};
@@ -176,7 +176,7 @@ TEST_CASE("a sheet that was not sent whole is not offered as whole", "[cli][jobs
   CHECK(joined(waiting_for(interrupted)).find(" good") != std::string::npos);
 }
 
-TEST_CASE("a reason that says the state stands for it", "[cli][jobs]") {
+TEST_CASE("a reason that implies the state replaces it", "[cli][jobs]") {
   Json ended = job("cancelled");
   ended["reason"] = "cancelled by uid:0";
   CHECK(job_summary(ended) == "cancelled by uid:0");
@@ -184,7 +184,7 @@ TEST_CASE("a reason that says the state stands for it", "[cli][jobs]") {
   CHECK(job_summary(ended) == "cancelled, wrong colour");
 }
 
-TEST_CASE("of a cancelled job no sheet is shown as being cut", "[cli][jobs]") {
+TEST_CASE("a cancelled job shows no sheet as being cut", "[cli][jobs]") {
   const std::vector<Json> sheets{{{"sheet", 1}, {"state", "done"}},
                                  {{"sheet", 2}, {"state", "cutting"}},
                                  {{"sheet", 3}, {"state", "waiting"}}};
@@ -205,7 +205,7 @@ TEST_CASE("a priority is shown where a job has one", "[cli][jobs]") {
   CHECK(joined(job_details(urgent, {})).find("priority   7") != std::string::npos);
 }
 
-TEST_CASE("the columns of a line are those that a terminal shows", "[cli]") {
+TEST_CASE("the width of a line is that on a terminal", "[cli]") {
   CHECK(columns_of("abc") == 3);
   CHECK(columns_of("\xC3\xA9") == 1);
   CHECK(columns_of("e\xCC\x81") == 1);         // a mark on the letter before
@@ -236,7 +236,7 @@ TEST_CASE("a progress line keeps to the width of the terminal", "[cli]") {
   }
 }
 
-TEST_CASE("a person is named where this computer knows them", "[cli][jobs]") {
+TEST_CASE("a person is shown by name if this computer knows it", "[cli][jobs]") {
   CHECK(person_name("token:workshop") == "token:workshop");
   CHECK(person_name("uid:") == "uid:");
   CHECK(person_name("uid:1x") == "uid:1x");

@@ -59,7 +59,7 @@ Error refusal(const std::string& fields) {
 
 }  // namespace
 
-TEST_CASE("squares after a small circle keep their whole overcut", "[core][plan][knife]") {
+TEST_CASE("squares after a small circle keep their full overcut", "[core][plan][knife]") {
   LineWork work;
   draw(work, Operation::Cut, ring({10, 10}, 0.3, 24));
   draw(work, Operation::Cut, {{20, 10}, {30, 10}, {30, 20}, {20, 20}, {20, 10}});
@@ -175,7 +175,7 @@ TEST_CASE("a line that leaves the area and comes back is cut as several strokes"
   for (const PagePoint& p : inside.points) CHECK((p.x >= 0.0 && p.x <= 100.0));
 }
 
-TEST_CASE("closed cuts go round as they are told", "[core][plan][knife]") {
+TEST_CASE("closed cuts start and overcut as configured", "[core][plan][knife]") {
   for (const CutDirection direction : {CutDirection::Clockwise, CutDirection::CounterClockwise}) {
     LineWork work;
     draw(work, Operation::Cut, {{20, 10}, {30, 10}, {30, 20}, {20, 20}, {20, 10}});
@@ -189,7 +189,7 @@ TEST_CASE("closed cuts go round as they are told", "[core][plan][knife]") {
   }
 }
 
-TEST_CASE("each further pass presses as much more as the material says", "[core][plan][knife]") {
+TEST_CASE("each further pass adds the material's extra force", "[core][plan][knife]") {
   const Material card = from_table(R"(, "cut": {"tool": 1, "force_gf": 140, "speed_mm_s": 20,
     "passes": 3, "force_step_gf": 70})");
   LineWork work;
@@ -203,7 +203,7 @@ TEST_CASE("each further pass presses as much more as the material says", "[core]
   CHECK(done->sheets[0].cut_mm == Approx(3 * 41));
 }
 
-TEST_CASE("folds are dashed or pressed or cut half through as asked", "[core][plan][knife]") {
+TEST_CASE("folds are dashed or pressed or half cut as requested", "[core][plan][knife]") {
   LineWork work;
   draw(work, Operation::FoldMountain, {{10, 10}, {60, 10}});
   draw(work, Operation::Cut, {{10, 30}, {60, 30}});
@@ -231,7 +231,7 @@ TEST_CASE("folds are dashed or pressed or cut half through as asked", "[core][pl
   CHECK(refused.error().place == "/options/folds");
 }
 
-TEST_CASE("wrong values of the knife in a table are named by their place", "[core][plan][tables]") {
+TEST_CASE("wrong knife values in a table are refused with their place", "[core][plan][tables]") {
   CHECK(refusal(R"(, "overcut_mm": -1)").place.find("/materials/0/overcut_mm") !=
         std::string::npos);
   CHECK(refusal(R"(, "swivel_above_deg": "much")").place.find("/materials/0/swivel_above_deg") !=
@@ -254,7 +254,8 @@ TEST_CASE("wrong values of the knife in a table are named by their place", "[cor
   CHECK(plan(work, machine("cameo3"), paper(), options).error().place == "/options/overcut");
 }
 
-TEST_CASE("times of the recorded jobs are met with blade and with pen", "[core][plan][motion]") {
+TEST_CASE("estimated times match the recorded jobs with blade and with pen",
+          "[core][plan][motion]") {
   // Captures of a Cameo 3, four squares of one inch with 1 mm before and behind the seam: seconds
   // from the last geometry write to the first 0, polled twice a second.
   Toolpath path;
@@ -276,7 +277,7 @@ TEST_CASE("times of the recorded jobs are met with blade and with pen", "[core][
   }
 }
 
-TEST_CASE("the picture of a plan names its lifts", "[core][plan]") {
+TEST_CASE("the picture of a plan shows its lifts", "[core][plan]") {
   LineWork work;
   for (int k = 0; k < 100; ++k) draw(work, Operation::Cut, {{10, 10.0 + k}, {60, 10.5 + k}});
   const auto done = plan(work, machine("cameo3"), paper(), {});

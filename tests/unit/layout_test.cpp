@@ -51,7 +51,7 @@ TEST_CASE("a drawing that fits stays one piece without seams", "[layout]") {
   CHECK(layout->least_sheets == 1);
 }
 
-TEST_CASE("a drawing that fits when turned is turned and not split", "[layout]") {
+TEST_CASE("a drawing that fits when rotated is rotated and not split", "[layout]") {
   const auto layout = lay_out(sheet(100, 50), on(60, 120));
   REQUIRE(layout);
   REQUIRE(layout->pieces.size() == 1);
@@ -60,7 +60,7 @@ TEST_CASE("a drawing that fits when turned is turned and not split", "[layout]")
   CHECK(t.xx == 0.0);
 }
 
-TEST_CASE("a seam follows a cut at no cost and glues only the rest", "[layout]") {
+TEST_CASE("a seam prefers cuts and glues only the rest", "[layout]") {
   LineWork work = sheet(200, 100);
   add(work, Operation::Cut, {{97, 15}, {97, 85}});
   const auto layout = lay_out(work, on(120, 110));
@@ -91,7 +91,7 @@ TEST_CASE("no seam runs along a fold or nearer to it than the narrowest panel", 
   CHECK((layout->runs[0].at < 60 || layout->runs[0].at > 140));
 }
 
-TEST_CASE("a piece of a drawing without outline has a border that closes", "[layout]") {
+TEST_CASE("a piece of a drawing without outline gets a closed border", "[layout]") {
   LineWork work;
   add(work, Operation::Cut, {{0, 0}, {200, 0}, {200, 60}, {0, 60}, {0, 0}});
   add(work, Operation::Cut, {{10, 30}, {190, 30}});
@@ -103,7 +103,7 @@ TEST_CASE("a piece of a drawing without outline has a border that closes", "[lay
       CHECK(piece.work.lines[l].operation == Operation::Cut);
 }
 
-TEST_CASE("a fold that a seam crosses parts its tabs", "[layout]") {
+TEST_CASE("a fold that a seam crosses splits its tabs", "[layout]") {
   LineWork work = sheet(200, 60);
   add(work, Operation::FoldMountain, {{0, 30}, {200, 30}});
   const auto layout = lay_out(work, on(120, 70));
@@ -160,7 +160,7 @@ TEST_CASE("a stepped seam goes where strips beside a line are too narrow for a t
   }
 }
 
-TEST_CASE("paper ends where its closed lines say so and is not glued beyond", "[layout]") {
+TEST_CASE("paper ends at its closed outline and is not glued beyond", "[layout]") {
   LineWork work;  // an L: 200 wide below, 60 wide above
   work.name = "L";
   add(work, Operation::Outline,
@@ -175,7 +175,7 @@ TEST_CASE("paper ends where its closed lines say so and is not glued beyond", "[
   CHECK(glued_from(*layout, 0, 60) == Approx(0.0));
 }
 
-TEST_CASE("a seam that was asked for is taken or refused with the nearest good one", "[layout]") {
+TEST_CASE("a requested seam is used or refused with the nearest valid one", "[layout]") {
   LineWork work = sheet(200, 100);
   add(work, Operation::FoldValley, {{70, 0}, {70, 100}});
   LayoutOptions options = on(150, 110);
@@ -250,7 +250,7 @@ TEST_CASE("seams are lettered A to Z then AA", "[layout]") {
   CHECK(seam_label(702) == "AAA");
 }
 
-TEST_CASE("letters are told apart upside down by the bar below them", "[layout]") {
+TEST_CASE("letters have a bar below them so that they differ upside down", "[layout]") {
   for (const char c : std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-.")) {
     CAPTURE(c);
     const auto strokes = single_stroke(std::string(1, c), 6.0);

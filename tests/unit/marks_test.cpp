@@ -44,7 +44,7 @@ struct PrintedSheet {
 
 }  // namespace
 
-TEST_CASE("marks are searched before the geometry and coordinates count from them",
+TEST_CASE("the search for marks precedes the geometry and coordinates count from them",
           "[protocol][marks]") {
   const PrintedSheet sheet;
   const std::string search = shown(sheet.program.bytes.substr(
@@ -55,7 +55,7 @@ TEST_CASE("marks are searched before the geometry and coordinates count from the
   CHECK(shown(sheet.program.bytes.substr(sheet.program.geometry.begin, 8)) == "M600,800");
 }
 
-TEST_CASE("the meaning of TB51 and TB53 can be turned round", "[protocol][marks]") {
+TEST_CASE("the meaning of TB51 and TB53 can be swapped", "[protocol][marks]") {
   MarkLayout marks = value(marks_for({304.8, 304.8}));
   marks.arm_first = false;
   CHECK_THAT(shown(mark_search(marks, machine("cameo3"))),
@@ -64,7 +64,7 @@ TEST_CASE("the meaning of TB51 and TB53 can be turned round", "[protocol][marks]
   CHECK_THAT(shown(mark_search(marks, machine("cameo5-alpha"))), Catch::Contains("TB124,"));
 }
 
-TEST_CASE("what cannot be cut between marks is refused", "[core][marks]") {
+TEST_CASE("strokes outside the marks are refused", "[core][marks]") {
   const MarkLayout marks = value(marks_for({304.8, 304.8}));
   CHECK(check_marks(marks, one_line({50, 40}, {70, 90})));
   const auto outside = check_marks(marks, one_line({50, 40}, {70, 290}));
@@ -86,7 +86,7 @@ TEST_CASE("what cannot be cut between marks is refused", "[core][marks]") {
   CHECK(hpgl.error().detail.find("registration marks") != std::string::npos);
 }
 
-TEST_CASE("a sheet that lies askew is cut where it was printed", "[device][marks]") {
+TEST_CASE("a shifted sheet is cut where it was printed", "[device][marks]") {
   const PrintedSheet sheet;
   for (const PagePoint shift : {PagePoint{0, 0}, PagePoint{1.2, -0.7}, PagePoint{-4, 5}}) {
     SimOptions around;
@@ -105,7 +105,7 @@ TEST_CASE("a sheet that lies askew is cut where it was printed", "[device][marks
   }
 }
 
-TEST_CASE("marks that are not found are told before anything is cut", "[device][marks]") {
+TEST_CASE("missing marks are reported before anything is cut", "[device][marks]") {
   const PrintedSheet sheet;
   SimOptions bare;
   bare.marks = false;
@@ -124,7 +124,7 @@ TEST_CASE("marks that are not found are told before anything is cut", "[device][
   }
 }
 
-TEST_CASE("a search without an answer ends in time", "[device][marks]") {
+TEST_CASE("a search for marks without an answer times out", "[device][marks]") {
   const PrintedSheet sheet;
   // Replies are lost from the end of the settings on.
   SimFault deaf{

@@ -5,11 +5,11 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/drawing/nesting.hpp"
+#include "core/geometry/point_tree.hpp"
 #include "core/machines/machine.hpp"
 #include "core/machines/motion.hpp"
-#include "core/drawing/nesting.hpp"
 #include "core/plan/order/order.hpp"
-#include "core/geometry/point_tree.hpp"
 #include "core/plan/order/tour_array.hpp"
 #include "core/plan/order/tour_blocks.hpp"
 #include "core/plan/order/tour_improve.hpp"
@@ -121,7 +121,7 @@ TEST_CASE("a tour in blocks and one in an array turn parts as the plainest one d
   }
 }
 
-TEST_CASE("near points are found as by looking at all of them", "[core][plan][order]") {
+TEST_CASE("near points are the same as by brute force", "[core][plan][order]") {
   std::mt19937 random(5);
   for (const int kind : {0, 1, 2, 3}) {
     std::vector<PagePoint> points;
@@ -170,7 +170,7 @@ TEST_CASE("two hops cost more seconds than one of their length", "[core][plan][o
   CHECK(cost(4) + cost(4) > cost(7.9) + cost(0.1));
 }
 
-TEST_CASE("the loops around a line are named from the innermost", "[core][plan][order]") {
+TEST_CASE("the loops around a line are listed from the innermost", "[core][plan][order]") {
   LineWork work;
   square(work, Operation::Cut, 0, 0, 100);           // 0
   square(work, Operation::Cut, 10, 10, 50);          // 1, in 0
@@ -194,7 +194,7 @@ TEST_CASE("the loops around a line are named from the innermost", "[core][plan][
   CHECK(depth == Lines{0, 1, 2, 1, 3, 0});
 }
 
-TEST_CASE("a long loop knows what it holds", "[core][plan][order]") {
+TEST_CASE("a long loop finds the strokes inside it", "[core][plan][order]") {
   // A comb with 500 teeth: points between the teeth are outside.
   LineWork work;
   std::vector<PagePoint> comb{{0, 0}};
@@ -211,7 +211,7 @@ TEST_CASE("a long loop knows what it holds", "[core][plan][order]") {
   CHECK(depth == std::vector<std::uint32_t>{0, 1, 0, 1});
 }
 
-TEST_CASE("what is inside is cut first and depths may mix", "[core][plan][order]") {
+TEST_CASE("inner strokes are cut first and depths may mix", "[core][plan][order]") {
   LineWork work;
   for (const double x : {0.0, 150.0}) {
     square(work, Operation::Cut, x, 0, 60);
@@ -225,8 +225,7 @@ TEST_CASE("what is inside is cut first and depths may mix", "[core][plan][order]
   CHECK(outer_before_inner_by_hand(work, done.visits) == 0);
 }
 
-TEST_CASE("what lies in the loop of an open stroke is cut before that stroke",
-          "[core][plan][order]") {
+TEST_CASE("strokes inside the loop of an open stroke are cut before it", "[core][plan][order]") {
   using Points = std::vector<PagePoint>;
   // A lollipop whose loop ends at a vertex, one whose loop ends on a straight line, one that
   // crosses itself, and a long one, whose pairs are found by place.
@@ -256,7 +255,7 @@ TEST_CASE("what lies in the loop of an open stroke is cut before that stroke",
   }
 }
 
-TEST_CASE("one stroke and none are ordered", "[core][plan][order]") {
+TEST_CASE("one stroke and no stroke can be ordered", "[core][plan][order]") {
   CHECK(order({}, {}).visits.empty());
   LineWork work;
   draw(work, Operation::Cut, {{50, 0}, {10, 0}});
@@ -274,7 +273,7 @@ TEST_CASE("one stroke and none are ordered", "[core][plan][order]") {
   CHECK(two.visits.back().start == 0);
 }
 
-TEST_CASE("coinciding and collinear strokes are ordered in no time", "[core][plan][order]") {
+TEST_CASE("coinciding and collinear strokes are ordered quickly", "[core][plan][order]") {
   LineWork same, row, rings;
   for (int i = 0; i < 3000; ++i) {
     draw(same, Operation::Cut, {{5, 5}, {5, 5}});

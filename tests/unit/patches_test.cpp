@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/design/strips/mobility.hpp"
 #include "core/design/patches.hpp"
+#include "core/design/strips/mobility.hpp"
 #include "core/design/strips/pattern_builder.hpp"
 #include "core/design/strips/same_place.hpp"
 
@@ -72,7 +72,7 @@ TEST_CASE("patches whose walls and grounds agree become one sheet", "[core][patc
   CHECK(whole.report.bridges.size() == 2);
 }
 
-TEST_CASE("patches with other walls keep their sheets and declare a seam on both",
+TEST_CASE("patches with different walls keep their sheets and declare a seam on both",
           "[core][patches]") {
   const auto made = assembled(tube(40, 3, 3, R"(,"card":{"wall_mm":60,"ground_mm":55})") + "," +
                               tube(40, 4, 3, R"(,"card":{"wall_mm":70,"ground_mm":50})"));
@@ -100,8 +100,7 @@ TEST_CASE("patches with other walls keep their sheets and declare a seam on both
   CHECK(made->joins.front().reason.find("walls are 60.0000 and 70.0000 mm") != std::string::npos);
 }
 
-TEST_CASE("a patch that asks for no card takes its neighbours' where that clears it",
-          "[core][patches]") {
+TEST_CASE("a patch without a card uses its neighbours' if it fits", "[core][patches]") {
   const auto made =
       assembled(tube(40, 3, 3, R"(,"card":{"wall_mm":47,"ground_mm":46})") + "," + tube(40, 4, 3));
   REQUIRE(made);
@@ -203,7 +202,7 @@ TEST_CASE("slices of any N are connected to slices of any other", "[core][bridge
     }
 }
 
-TEST_CASE("a plain cut stays where no connector is near the target", "[core][bridge]") {
+TEST_CASE("a plain cut stays if no connector is near the target", "[core][bridge]") {
   const Design d = designed(
       R"("regions":[{"units_per_slice":5,"slices":3,"width_mm":8,"radius":"20"},
                     {"units_per_slice":6,"slices":3,"width_mm":8,"radius":"70"}])");
@@ -225,7 +224,7 @@ TEST_CASE("regions take a width for each slice", "[core][regions]") {
   CHECK(widths == std::vector<double>{8, 10, 12, 6, 6});
 }
 
-TEST_CASE("contradictory regions are one error at their place", "[core][regions]") {
+TEST_CASE("contradictory regions give one error with the place", "[core][regions]") {
   struct Row {
     const char *fields, *place;
   };
@@ -258,7 +257,7 @@ TEST_CASE("contradictory regions are one error at their place", "[core][regions]
   CHECK(spec.error().place == row.place);
 }
 
-TEST_CASE("a region's width below what a knife can do is told by its region", "[core][regions]") {
+TEST_CASE("a region that is too narrow to cut is refused with its place", "[core][regions]") {
   const auto spec = parse_design_spec(
       R"({"popcut":1,"surface":{"type":"revolution","radius":"40"},"regions":[
          {"units_per_slice":3,"slices":2,"width_mm":8},
@@ -269,7 +268,7 @@ TEST_CASE("a region's width below what a knife can do is told by its region", "[
   CHECK(refused.error().place == "/regions/1");
 }
 
-TEST_CASE("places that differ by rounding become one and others keep their order",
+TEST_CASE("places that differ by rounding are merged and others keep their order",
           "[core][strips]") {
   std::vector<double> values{0.0, 54.57, 54.570000000000036, 12.0, 12.0 + 2e-9, 1e-10};
   std::vector<double*> places;
@@ -278,7 +277,7 @@ TEST_CASE("places that differ by rounding become one and others keep their order
   CHECK(values == std::vector<double>{0.0, 54.57, 54.57, 12.0, 12.0 + 2e-9, 1e-10});
 }
 
-TEST_CASE("neighbours that agree but for rounding are told apart by no slit", "[core][strips]") {
+TEST_CASE("neighbours that differ by rounding get no slit between them", "[core][strips]") {
   // A bump that is symmetric about the middle slice: slices 1 and 3 have radii that differ in the
   // last digits.
   const Design d = designed(
@@ -291,7 +290,8 @@ TEST_CASE("neighbours that agree but for rounding are told apart by no slit", "[
   }
 }
 
-TEST_CASE("long loose chains have the freedoms that the constraints leave", "[core][mobility]") {
+TEST_CASE("long loose chains have the degrees of freedom of their constraints",
+          "[core][mobility]") {
   // Counted by the singular values of the hinge constraints (popcut verify): 11, with a gap of 1e8.
   const Design d = designed(
       R"("units_per_slice":33,"slices":10,"widths_mm":1.091,"card":false,"min_panel_mm":0.00124,

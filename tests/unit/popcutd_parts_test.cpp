@@ -54,7 +54,7 @@ class Listener {
 
 }  // namespace
 
-TEST_CASE("popcutd's folders follow who runs it", "[daemon][paths]") {
+TEST_CASE("popcutd's folders depend on the user who runs it", "[daemon][paths]") {
   const auto user =
       default_paths(environment({{"HOME", "/home/a"}, {"XDG_RUNTIME_DIR", "/run/user/7"}}), false);
   REQUIRE(user);
@@ -79,7 +79,7 @@ TEST_CASE("popcutd's folders follow who runs it", "[daemon][paths]") {
   CHECK(nowhere.error().place == "--state");
 }
 
-TEST_CASE("the service manager hears what popcutd says", "[daemon][systemd]") {
+TEST_CASE("popcutd notifies the service manager", "[daemon][systemd]") {
   const testing::TempFolder folder;
   const std::string path = (folder / "notify").string();
   const Listener listener(path);
@@ -99,7 +99,7 @@ TEST_CASE("the service manager hears what popcutd says", "[daemon][systemd]") {
   CHECK_FALSE(alone.watchdog_s());
 }
 
-TEST_CASE("what is meant for another process is not taken", "[daemon][systemd]") {
+TEST_CASE("sockets for another process are not used", "[daemon][systemd]") {
   ::setenv("WATCHDOG_USEC", "1000000", 1);
   ::setenv("WATCHDOG_PID", "1", 1);
   ::setenv("LISTEN_FDS", "1", 1);
@@ -135,7 +135,8 @@ TEST_CASE("a change of a job is logged with its id and reason", "[daemon][log]")
   CHECK(change_line(event).empty());
 }
 
-TEST_CASE("who waits at a socket is told why popcutd does not start", "[daemon][systemd]") {
+TEST_CASE("clients waiting at a socket get the reason why popcutd does not start",
+          "[daemon][systemd]") {
   const testing::TempFolder folder;
   const int listening = ::socket(AF_UNIX, SOCK_STREAM, 0);
   sockaddr_un at{};
@@ -166,7 +167,7 @@ TEST_CASE("who waits at a socket is told why popcutd does not start", "[daemon][
   ::close(listening);
 }
 
-TEST_CASE("options stand over the configuration and both over the defaults", "[daemon][config]") {
+TEST_CASE("options override the configuration and both override the defaults", "[daemon][config]") {
   const testing::TempFolder folder;
   const std::string file = (folder / "popcutd.toml").string();
   testing::write_file(file,
@@ -205,7 +206,7 @@ TEST_CASE("options stand over the configuration and both over the defaults", "[d
   CHECK(wrong.error().place == file + ": 1:9: state");
 }
 
-TEST_CASE("what a device of the configuration names must be there", "[daemon][config]") {
+TEST_CASE("machines and materials of a configured device must exist", "[daemon][config]") {
   const testing::TempFolder folder;
   const std::string file = (folder / "popcutd.toml").string();
   const auto told = [&](const std::string& line) {
@@ -243,7 +244,7 @@ TEST_CASE("an option that names nothing is refused", "[daemon][config]") {
   }
 }
 
-TEST_CASE("a webhook calls only whom it may and signs what it says", "[daemon][webhook]") {
+TEST_CASE("a webhook calls only allowed addresses and signs its requests", "[daemon][webhook]") {
   const testing::TempFolder folder;
   const std::string secret = (folder / "secret").string();
   testing::write_file(secret, "0123456789abcdef0123456789abcdef\n");

@@ -18,8 +18,8 @@
 
 #include "device/port/device_id.hpp"
 #include "device/port/file_transport.hpp"
+#include "device/port/port_transport.hpp"
 #include "device/port/ports.hpp"
-#include "device/port/serial_transport.hpp"
 #include "device/session/session.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/sim_bench.hpp"
@@ -107,7 +107,7 @@ TEST_CASE("a serial port carries bytes both ways", "[device][serial]") {
   CHECK(kind(port->read(port->now())) == ErrorKind::Timeout);
 }
 
-TEST_CASE("a serial port that is full takes what fits and goes on from the exact byte",
+TEST_CASE("a full serial port takes what fits and continues at the exact byte",
           "[device][serial]") {
   const Pty pty;
   const auto port = value(PortTransport::open_serial(pty.path, {}));
@@ -150,7 +150,7 @@ TEST_CASE("software flow control holds the program back", "[device][serial]") {
   CHECK(pty.received(6) == "PD1,1;");
 }
 
-TEST_CASE("a serial port belongs to one program", "[device][serial]") {
+TEST_CASE("a serial port can be open in one program only", "[device][serial]") {
   const Pty pty;
   {
     const auto port = value(PortTransport::open_serial(pty.path, {}));
@@ -161,7 +161,7 @@ TEST_CASE("a serial port belongs to one program", "[device][serial]") {
   CHECK(PortTransport::open_serial(pty.path, {}));
 }
 
-TEST_CASE("a port that hangs up is gone for reading and writing", "[device][serial]") {
+TEST_CASE("a port that hangs up fails reading and writing", "[device][serial]") {
   Pty pty;
   const auto port = value(PortTransport::open_serial(pty.path, {}));
   std::thread pull([&] {
@@ -189,7 +189,7 @@ TEST_CASE("a printer port carries bytes both ways and hangs up", "[device][seria
   CHECK(kind(port->read(port->now() + 20s)) == ErrorKind::DeviceGone);
 }
 
-TEST_CASE("a port that cannot be opened says why and what would be right", "[device][serial]") {
+TEST_CASE("a port that cannot be opened is reported with reason and remedy", "[device][serial]") {
   const TempFolder folder;
   write_file(folder / "plain", "");
   const auto absent = PortTransport::open_serial("/dev/ttyUSB99", {});
@@ -197,17 +197,17 @@ TEST_CASE("a port that cannot be opened says why and what would be right", "[dev
   CHECK(absent.error().detail.find("popcut devices") != std::string::npos);
   const auto plain = PortTransport::open_serial((folder / "plain").string(), {});
   CHECK(kind(plain) == ErrorKind::Refused);
-  CHECK(plain.error().detail.find("no serial port") != std::string::npos);
+  CHECK(plain.error().detail.find("not a serial port") != std::string::npos);
   const auto printer = PortTransport::open_printer((folder / "plain").string());
   CHECK(kind(printer) == ErrorKind::Refused);
-  CHECK(printer.error().detail.find("no printer port") != std::string::npos);
+  CHECK(printer.error().detail.find("not a printer port") != std::string::npos);
   const Pty pty;
   const auto odd = PortTransport::open_serial(pty.path, {250'001, FlowControl::None});
   CHECK(kind(odd) == ErrorKind::Refused);
   CHECK(odd.error().detail.find("250001 baud") != std::string::npos);
 }
 
-TEST_CASE("a file takes the program whole or is not there", "[device][file]") {
+TEST_CASE("a file holds the complete program or does not exist", "[device][file]") {
   const TempFolder folder;
   const std::string path = (folder / "sheet.gpgl").string();
   {
@@ -230,22 +230,17 @@ TEST_CASE("a file takes the program whole or is not there", "[device][file]") {
   CHECK(kind(FileTransport::create((folder / "no/sheet").string())) == ErrorKind::Unwritable);
 }
 
-TEST_CASE("a session with a file streams the program alone and calls nothing cut",
+TEST_CASE("a session with a file streams only the program and reports nothing as cut",
           "[device][file][session]") {
   const TempFolder folder;
-  const Machine target = machine("cameo3");
-  const Material paper = value(find_material("paper-220"));
   std::mt19937 random(3);
-  const Toolpath path = random_toolpath(random, 50, 190, paper);
-  JobOptions job;
-  job.page_length_mm = 300;
-  const EncodedProgram program = value(encode(path, target, paper, job));
+  const SimJob job(machine("cameo3"), random, 50, 300);
   const std::string name = (folder / "sheet.gpgl").string();
   const auto file = value(FileTransport::create(name));
-  const SessionEnd end = run_session(*file, target, program);
+  const SessionEnd end = run_session(*file, job.machine, job.program);
   REQUIRE_FALSE(end.error);
   CHECK(file->finish());
-  CHECK(text_of_file(name) == program.bytes);
+  CHECK(text_of_file(name) == job.program.bytes);
   CHECK_FALSE(end.confirmed);
   for (const StrokeFate fate : end.fates) CHECK(fate != StrokeFate::Certain);
 }
@@ -273,7 +268,7 @@ TEST_CASE("programs that have a file open are named", "[device][doctor]") {
   CHECK(programs.front().find(fmt::format("({})", child)) != std::string::npos);
 }
 
-TEST_CASE("device ids are read or refused with what would be right", "[device][id]") {
+TEST_CASE("device ids are parsed or refused with the valid form", "[device][id]") {
   CHECK(value(parse_device_id("sim:cameo3")).name == "cameo3");
   CHECK(value(parse_device_id("usb:51053P")).name == "usb:51053P");
   CHECK(value(parse_device_id("file:a:b")).name == "a:b");

@@ -55,7 +55,7 @@ TEST_CASE("estimating and simulating a program sends nothing to a cutter", "[dev
   CHECK(cable.cutter().accepted_bytes() == 0);
 }
 
-TEST_CASE("machines with one holder are never told to choose one", "[protocol][traps]") {
+TEST_CASE("machines with one holder never get a command to choose one", "[protocol][traps]") {
   for (const char* name : {"portrait3", "portrait4", "cameo", "cameo2", "portrait"}) {
     CAPTURE(name);
     const EncodedProgram program = some_job(machine(name));
@@ -64,7 +64,7 @@ TEST_CASE("machines with one holder are never told to choose one", "[protocol][t
   }
 }
 
-TEST_CASE("no machine is left without being parked at the end", "[protocol][traps]") {
+TEST_CASE("every machine is parked at the end", "[protocol][traps]") {
   // A Cameo 2 that does not stand at the left refuses the next job.
   for (const Machine& each : value(all_machines())) {
     if (each.language != "gpgl") continue;
@@ -75,7 +75,7 @@ TEST_CASE("no machine is left without being parked at the end", "[protocol][trap
   }
 }
 
-TEST_CASE("nothing that calibrates a machine for good is ever sent", "[protocol][traps]") {
+TEST_CASE("no command that calibrates a machine permanently is ever sent", "[protocol][traps]") {
   for (const Machine& each : value(all_machines())) {
     CAPTURE(each.name);
     const EncodedProgram program = some_job(each, 5);
@@ -84,7 +84,7 @@ TEST_CASE("nothing that calibrates a machine for good is ever sent", "[protocol]
   }
 }
 
-TEST_CASE("no landscape orientation is sent that would park the head on the other side",
+TEST_CASE("the landscape orientation that parks the head on the other side is never sent",
           "[protocol][traps]") {
   for (const char* name : {"cameo", "cameo2", "cameo3", "cameo4", "portrait3"}) {
     const EncodedProgram program = some_job(machine(name), 5);
@@ -94,7 +94,7 @@ TEST_CASE("no landscape orientation is sent that would park the head on the othe
   }
 }
 
-TEST_CASE("the settings of a longer job are not waited for in between", "[device][traps]") {
+TEST_CASE("a long job does not wait for ready between its settings", "[device][traps]") {
   // One reference driver waits for ready after every kilobyte: the tool then stands still in the
   // middle of a line. Here the buffer never runs dry with the tool down.
   const Machine cameo = machine("cameo3");
@@ -116,7 +116,7 @@ TEST_CASE("the settings of a longer job are not waited for in between", "[device
   CHECK(cable.cutter().trace().strokes.size() == 1);
 }
 
-TEST_CASE("the longest deltas of each binary form go there and back", "[protocol][traps]") {
+TEST_CASE("the longest deltas of each binary form are written and read back", "[protocol][traps]") {
   for (const DeltaForm& form : kDeltaForms) {
     const std::int64_t most = form.half - 1;
     for (const std::int64_t feed : {-most, std::int64_t{0}, most})

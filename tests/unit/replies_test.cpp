@@ -5,7 +5,7 @@
 
 using namespace popcut;
 
-TEST_CASE("each status of a cutter is known and all else is never ready",
+TEST_CASE("each status of a cutter is known and any other reply is never ready",
           "[protocol][replies][defects]") {
   CHECK(parse_status("0\x03") == DeviceStatus::Ready);
   CHECK(parse_status("1\x03") == DeviceStatus::Moving);
@@ -33,7 +33,7 @@ TEST_CASE("an identity is a model and its firmware", "[protocol][replies]") {
     CHECK(parse_identity(bad).error().kind == ErrorKind::Malformed);
 }
 
-TEST_CASE("numbers in replies are blank padded", "[protocol][replies]") {
+TEST_CASE("numbers in replies may be padded with blanks", "[protocol][replies]") {
   const NumberPair window = parse_pair("  6100,  4120\x03").value();
   CHECK(window.first == 6100);
   CHECK(window.second == 4120);

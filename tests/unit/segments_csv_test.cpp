@@ -36,7 +36,7 @@ Rows written(const Strips& strips) {
 
 }  // namespace
 
-TEST_CASE("segments.csv has a row of twelve columns a panel along its centre line",
+TEST_CASE("segments.csv has one row of twelve columns per panel along its centre line",
           "[core][formats][csv]") {
   const Rows rows = written(testing::box_card_strips());
   REQUIRE(rows.size() == 8);
@@ -79,7 +79,7 @@ TEST_CASE("the published file has the columns that popcut writes", "[core][forma
   }
 }
 
-TEST_CASE("report.json has the manual's names with figures as they were computed",
+TEST_CASE("report.json has the documented names and the computed values",
           "[core][formats][report]") {
   DesignReport report;
   report.name = "ball";

@@ -11,7 +11,7 @@ using popcut::test::ServiceBench;
 using popcut::test::sheet_state;
 using popcut::test::shown;
 
-TEST_CASE("arming names the sheet the blank the device and the plan", "[daemon][service]") {
+TEST_CASE("arming names the sheet and the blank and the device and the plan", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   const auto arm = [&](ActionRequest request) {
@@ -35,7 +35,7 @@ TEST_CASE("arming names the sheet the blank the device and the plan", "[daemon][
   CHECK(shown(bench, ready).state == JobState::Armed);
 }
 
-TEST_CASE("an arm lives ten minutes by the clock that nobody sets", "[daemon][service]") {
+TEST_CASE("an armed job expires after ten minutes of monotonic time", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   REQUIRE(bench.act(ready.id, JobAction::Arm));
@@ -51,7 +51,7 @@ TEST_CASE("an arm lives ten minutes by the clock that nobody sets", "[daemon][se
   CHECK(bench.cutters.cuts() == 0);
 }
 
-TEST_CASE("an arm is used once", "[daemon][service]") {
+TEST_CASE("an armed job can be started once", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   bench.started(ready.id);
@@ -60,7 +60,7 @@ TEST_CASE("an arm is used once", "[daemon][service]") {
   CHECK(bench.cutters.cuts() == 1);
 }
 
-TEST_CASE("a restart takes back what was armed and keeps what was ready", "[daemon][service]") {
+TEST_CASE("a restart disarms armed jobs and keeps ready ones", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   REQUIRE(bench.act(ready.id, JobAction::Arm));
@@ -76,7 +76,7 @@ TEST_CASE("a restart takes back what was armed and keeps what was ready", "[daem
         std::string::npos);
 }
 
-TEST_CASE("unplugging takes back what was armed and asks for the device", "[daemon][service]") {
+TEST_CASE("unplugging disarms an armed job and asks for the device", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   REQUIRE(bench.on([&](LiveService& service) {
@@ -97,7 +97,7 @@ TEST_CASE("unplugging takes back what was armed and asks for the device", "[daem
   CHECK(bench.act(ready.id, JobAction::Arm));
 }
 
-TEST_CASE("a cutter that refuses the sheet leaves the blank to be started again",
+TEST_CASE("after a cutter refuses the sheet the same blank can be started again",
           "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
@@ -114,7 +114,7 @@ TEST_CASE("a cutter that refuses the sheet leaves the blank to be started again"
   CHECK(shown(bench, ready).sheet == 2);
 }
 
-TEST_CASE("a pause is told when the tool is up and resume goes on", "[daemon][service]") {
+TEST_CASE("a pause is reported when the tool is up and resume continues", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   bench.started(ready.id);
@@ -134,7 +134,7 @@ TEST_CASE("a pause is told when the tool is up and resume goes on", "[daemon][se
   CHECK(shown(bench, ready).sheet == 2);
 }
 
-TEST_CASE("a pause can be taken back before the stroke has ended", "[daemon][service]") {
+TEST_CASE("a pause can be withdrawn before the stroke has ended", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   bench.started(ready.id);
@@ -193,7 +193,7 @@ TEST_CASE("cancelling after the last stroke of the last sheet comes too late",
   CHECK(sheet_state(bench, second.id) == "done");
 }
 
-TEST_CASE("jobs that no knife has are cancelled at once", "[daemon][service]") {
+TEST_CASE("jobs that are not being cut are cancelled at once", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   CHECK(bench.act(ready.id, JobAction::Cancel)->state == JobState::Cancelled);
@@ -210,7 +210,7 @@ TEST_CASE("jobs that no knife has are cancelled at once", "[daemon][service]") {
   CHECK(bench.planner.cancelled == 1);
 }
 
-TEST_CASE("what ends a cut early is told by its kind", "[daemon][service]") {
+TEST_CASE("each cause that ends a cut early has its own reason", "[daemon][service]") {
   struct Row {
     ErrorKind kind;
     ErrorReason why;
@@ -273,7 +273,7 @@ TEST_CASE("a sheet with paths that were never sent cannot be confirmed", "[daemo
   CHECK(shown(bench, lost).outcome == "done with skipped sheets");
 }
 
-TEST_CASE("without the word of the device nothing is done", "[daemon][service]") {
+TEST_CASE("a cut is not done without the device's confirmation", "[daemon][service]") {
   ServiceBench bench;
   bench.planner.sheets = 1;
   const Job ready = bench.ready_job();
@@ -283,7 +283,7 @@ TEST_CASE("without the word of the device nothing is done", "[daemon][service]")
   CHECK(shown(bench, ready).state == JobState::Interrupted);
 }
 
-TEST_CASE("dots which are never sent do not keep a sheet from being done", "[daemon][service]") {
+TEST_CASE("dots are never sent and do not prevent a sheet from being done", "[daemon][service]") {
   ServiceBench bench;
   bench.planner.sheets = 1;
   bench.options.read_program = [](const std::string& folder, int sheet) {
@@ -300,7 +300,7 @@ TEST_CASE("dots which are never sent do not keep a sheet from being done", "[dae
   CHECK(shown(bench, ready).state == JobState::Done);
 }
 
-TEST_CASE("a crash while cutting leaves the paths on their way in doubt", "[daemon][service]") {
+TEST_CASE("a crash while cutting leaves the paths in transit in doubt", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   bench.started(ready.id);
@@ -327,7 +327,7 @@ TEST_CASE("a crash while cutting leaves the paths on their way in doubt", "[daem
                                    .accept_double_cut = true}));
 }
 
-TEST_CASE("a crash while paused interrupts too", "[daemon][service]") {
+TEST_CASE("a crash while paused interrupts the job too", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   bench.started(ready.id);
@@ -354,7 +354,7 @@ TEST_CASE("stopping popcutd interrupts its cuts at the ends of their strokes",
   CHECK(bench.act(other.id, JobAction::Start).error().kind == ProblemKind::Unavailable);
 }
 
-TEST_CASE("a program that is not the one that was planned is not cut", "[daemon][service]") {
+TEST_CASE("a program that differs from the planned one is not cut", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   const std::string file = bench.folder() + "/plans/" + ready.plan + "/sheet-1.gpgl";
@@ -387,7 +387,7 @@ TEST_CASE("roles decide who may do what to whose job", "[daemon][service]") {
   CHECK(as(bench.student, JobAction::Cancel));
 }
 
-TEST_CASE("who acts on what has changed meanwhile is told so", "[daemon][service]") {
+TEST_CASE("an action on an outdated revision is refused", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   REQUIRE(bench.act(ready.id, JobAction::Arm));
@@ -418,7 +418,7 @@ TEST_CASE("actions leave an audit trail with the person's name", "[daemon][servi
   CHECK(detail.find("double cut accepted") != std::string::npos);
 }
 
-TEST_CASE("what should follow a commit never follows another one", "[daemon][service]") {
+TEST_CASE("effects after a commit never run for another commit", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   REQUIRE(bench.act(ready.id, JobAction::Arm));

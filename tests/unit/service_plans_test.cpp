@@ -20,7 +20,7 @@ PlanRequest plan_request(const std::string& design, const std::string& material 
 
 }  // namespace
 
-TEST_CASE("a plan can be asked for without a job", "[daemon][service]") {
+TEST_CASE("a plan can be requested without a job", "[daemon][service]") {
   ServiceBench bench;
   const auto design = bench.add_design("{\"material\":\"pp-150\"}").value();
   const PlanRecord asked =
@@ -41,7 +41,7 @@ TEST_CASE("a plan can be asked for without a job", "[daemon][service]") {
   CHECK(plan().sha256.size() == 64);
 }
 
-TEST_CASE("a plan is taken back while it waits while it is made and when it is there",
+TEST_CASE("a plan can be deleted while it waits and runs and when it is done",
           "[daemon][service]") {
   ServiceBench bench;
   bench.options.plans_at_once = 1;
@@ -82,7 +82,7 @@ TEST_CASE("a plan is taken back while it waits while it is made and when it is t
   CHECK_FALSE(fs::exists(bench.folder() + "/plans/" + last));
 }
 
-TEST_CASE("no more plans wait than jobs may", "[daemon][service]") {
+TEST_CASE("the number of waiting plans is limited like that of jobs", "[daemon][service]") {
   ServiceBench bench(false);
   bench.options.queue_jobs = 2;
   REQUIRE(bench.start() == "");
@@ -101,7 +101,7 @@ TEST_CASE("no more plans wait than jobs may", "[daemon][service]") {
   CHECK(third.error().retry_after_s == 60);
 }
 
-TEST_CASE("a plan that a job is of is not taken back", "[daemon][service]") {
+TEST_CASE("a plan that a job uses cannot be deleted", "[daemon][service]") {
   ServiceBench bench;
   const auto design = bench.add_design("{\"card\":1}").value();
   const Job job = bench.wait_for(bench.create(design.id)->id, JobState::Ready);
@@ -112,7 +112,7 @@ TEST_CASE("a plan that a job is of is not taken back", "[daemon][service]") {
   CHECK(refused.error().detail.find(job.id) != std::string::npos);
 }
 
-TEST_CASE("a design that is removed takes its plans along", "[daemon][service]") {
+TEST_CASE("removing a design removes its plans", "[daemon][service]") {
   ServiceBench bench;
   const auto design = bench.add_design("{\"slow\":1}").value();
   const auto ask = [&](const std::string& material) {
@@ -142,8 +142,7 @@ TEST_CASE("a design that is removed takes its plans along", "[daemon][service]")
   CHECK(fs::is_empty(bench.folder() + "/plans"));
 }
 
-TEST_CASE("an option that there is not is told at once and with what was meant",
-          "[daemon][service]") {
+TEST_CASE("an unknown option is refused at once with a suggestion", "[daemon][service]") {
   ServiceBench bench;
   const auto design = bench.add_design("{\"card\":1}").value();
   const auto refused = [&](const char* name, const char* value) -> Problem {

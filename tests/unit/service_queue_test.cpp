@@ -42,7 +42,7 @@ Upload upload(ServiceBench& bench, const std::string& bytes) {
 
 }  // namespace
 
-TEST_CASE("the same bytes are one design and the same words one plan", "[daemon][service]") {
+TEST_CASE("equal bytes give one design and equal options one plan", "[daemon][service]") {
   ServiceBench bench;
   const auto first = bench.add_design("{\"card\":1}").value();
   CHECK(first.is_new);
@@ -98,8 +98,7 @@ TEST_CASE("a spec gets the assets that it names and no others", "[daemon][servic
   }) == ProblemKind::Forbidden);
 }
 
-TEST_CASE("a job that makes no sense is refused with everything that is wrong",
-          "[daemon][service]") {
+TEST_CASE("an invalid job is refused with all its faults", "[daemon][service]") {
   ServiceBench bench;
   const auto design = bench.add_design("{\"card\":1}").value();
   JobCreate request{.design = design.id, .plan = {}};
@@ -124,7 +123,7 @@ TEST_CASE("a job that makes no sense is refused with everything that is wrong",
   CHECK(queue(bench).empty());
 }
 
-TEST_CASE("limits on the queue and on sheets are kept", "[daemon][service]") {
+TEST_CASE("limits on the queue and on sheets are enforced", "[daemon][service]") {
   ServiceBench bench(false);
   bench.options.queue_jobs = 2;
   bench.options.sheets_per_job = 5;
@@ -145,7 +144,7 @@ TEST_CASE("limits on the queue and on sheets are kept", "[daemon][service]") {
   CHECK(failed.reason.find("2000 sheets") != std::string::npos);
 }
 
-TEST_CASE("copies are further sheets", "[daemon][service]") {
+TEST_CASE("copies become additional sheets", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job("{\"card\":1}", 3);
   CHECK(ready.sheets_total == 6);
@@ -164,7 +163,7 @@ TEST_CASE("copies are further sheets", "[daemon][service]") {
         ProblemKind::NotFound);
 }
 
-TEST_CASE("the queue goes by priority and by the order that people give it", "[daemon][service]") {
+TEST_CASE("the queue is ordered by priority and by people's moves", "[daemon][service]") {
   ServiceBench bench;
   const Job a = bench.ready_job();
   const Job b = bench.create(a.design).value();
@@ -195,7 +194,7 @@ TEST_CASE("the queue goes by priority and by the order that people give it", "[d
   CHECK(queue(bench).front() == a.id);
 }
 
-TEST_CASE("a held job is not armed until it is released", "[daemon][service]") {
+TEST_CASE("a held job cannot be armed until it is released", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   const auto hold = [&](bool held) {
@@ -211,7 +210,7 @@ TEST_CASE("a held job is not armed until it is released", "[daemon][service]") {
   }) == ProblemKind::Forbidden);
 }
 
-TEST_CASE("jobs find the devices that fit", "[daemon][service]") {
+TEST_CASE("jobs list the devices that fit", "[daemon][service]") {
   ServiceBench bench({"sim:a", "sim:b"}, false);
   bench.options.device_materials["sim:b"] = {"pp-150"};
   REQUIRE(bench.start() == "");
@@ -229,7 +228,7 @@ TEST_CASE("jobs find the devices that fit", "[daemon][service]") {
   CHECK(none.kind == ProblemKind::DeviceAbsent);
 }
 
-TEST_CASE("where two devices fit a person says which", "[daemon][service]") {
+TEST_CASE("a person chooses if two devices fit", "[daemon][service]") {
   ServiceBench bench({"sim:a", "sim:b"});
   const Job ready = bench.ready_job();
   const Job second = bench.create(ready.design).value();
@@ -269,7 +268,7 @@ TEST_CASE("a disabled device gets no sheets", "[daemon][service]") {
   }) == ProblemKind::Stale);
 }
 
-TEST_CASE("what became of a device is in the answer to the one who asked", "[daemon][service]") {
+TEST_CASE("the answer to a device action has the device's new state", "[daemon][service]") {
   ServiceBench bench;
   // As HTTP asks: within the transaction of the key.
   const auto answer = bench.on([&](LiveService& s) {
@@ -287,7 +286,7 @@ TEST_CASE("what became of a device is in the answer to the one who asked", "[dae
   CHECK(answer.rev == bench.on([&](LiveService& s) { return s.devices.find(bench.device)->rev; }));
 }
 
-TEST_CASE("a device that is set up for some materials takes no others", "[daemon][service]") {
+TEST_CASE("a device configured for some materials takes no others", "[daemon][service]") {
   ServiceBench bench({"sim:a", "sim:b"}, false);
   bench.options.device_materials["sim:a"] = {"pp-150"};
   REQUIRE(bench.start() == "");
@@ -314,7 +313,7 @@ TEST_CASE("a device that is set up for some materials takes no others", "[daemon
   CHECK(bench.act(paper.id, JobAction::Arm)->device == "sim:a");
 }
 
-TEST_CASE("a test cut is a job that a person arms like any other", "[daemon][service]") {
+TEST_CASE("a test cut is armed by a person like any other job", "[daemon][service]") {
   ServiceBench bench;
   const auto test = [&](const std::string& material) {
     return bench.on([&](LiveService& s) {
@@ -337,7 +336,7 @@ TEST_CASE("a test cut is a job that a person arms like any other", "[daemon][ser
   CHECK(test("").error().kind == ProblemKind::DeviceAbsent);
 }
 
-TEST_CASE("the queue goes by pages in the order in which jobs are offered", "[daemon][service]") {
+TEST_CASE("the queue is paged in its order", "[daemon][service]") {
   ServiceBench bench;
   const Job first = bench.ready_job();
   for (const int priority : {0, 5, -10, 0, 10, 0, -3, 5}) {
@@ -362,7 +361,7 @@ TEST_CASE("the queue goes by pages in the order in which jobs are offered", "[da
   }
 }
 
-TEST_CASE("lists go by pages in the order of ids and by what is asked for", "[daemon][service]") {
+TEST_CASE("lists are paged by id and filtered as requested", "[daemon][service]") {
   ServiceBench bench;
   const Job first = bench.ready_job();
   std::vector<std::string> ids{first.id};
@@ -396,7 +395,7 @@ TEST_CASE("lists go by pages in the order of ids and by what is asked for", "[da
   }) == ProblemKind::Validation);
 }
 
-TEST_CASE("only jobs that have ended are removed and their use stays", "[daemon][service]") {
+TEST_CASE("only finished jobs can be removed and their usage is kept", "[daemon][service]") {
   ServiceBench bench;
   bench.planner.sheets = 1;
   const Job ready = bench.ready_job();
@@ -419,7 +418,7 @@ TEST_CASE("only jobs that have ended are removed and their use stays", "[daemon]
   CHECK(bench.on([&](LiveService& s) { return s.operations.usage(1, 2, "device").empty(); }));
 }
 
-TEST_CASE("planning goes on after a crash and plans that were made are kept", "[daemon][service]") {
+TEST_CASE("planning continues after a crash and finished plans are kept", "[daemon][service]") {
   ServiceBench bench;
   const auto slow = bench.add_design("{\"slow\":1}").value();
   const Job waiting = bench.create(slow.id).value();
@@ -430,7 +429,7 @@ TEST_CASE("planning goes on after a crash and plans that were made are kept", "[
   CHECK(bench.wait_for(waiting.id, JobState::Ready).state == JobState::Ready);
 }
 
-TEST_CASE("a plan that fails fails its jobs and may be requested again", "[daemon][service]") {
+TEST_CASE("a failed plan fails its jobs and can be requested again", "[daemon][service]") {
   ServiceBench bench;
   bench.planner.sheets = 0;
   const auto design = bench.add_design("{\"card\":1}").value();

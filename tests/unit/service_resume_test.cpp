@@ -63,7 +63,7 @@ TEST_CASE("a retry takes a new blank and resuming the same one", "[daemon][servi
   CHECK(known.attempts.at(2).operator_name == bench.tutor.name);
 }
 
-TEST_CASE("a sheet stays registered only while its cutter was never away", "[daemon][service]") {
+TEST_CASE("a sheet stays registered only if its cutter was never unplugged", "[daemon][service]") {
   ServiceBench bench;
   const Job lost = broken(bench);
   bench.cutters.unplug(bench.device);
@@ -87,7 +87,7 @@ TEST_CASE("a sheet stays registered only while its cutter was never away", "[dae
   CHECK(bench.act(lost.id, request).value().segment == 2);
 }
 
-TEST_CASE("a sheet that goes on is not to be loaded anew", "[daemon][service]") {
+TEST_CASE("a resumed sheet does not need to be loaded again", "[daemon][service]") {
   ServiceBench bench;
   const Job lost = broken(bench);
   CHECK(lost.attention->text.find("load") == std::string::npos);
@@ -97,8 +97,7 @@ TEST_CASE("a sheet that goes on is not to be loaded anew", "[daemon][service]") 
   CHECK(bench.act(lost.id, JobAction::RetrySheet)->attention->text == "load sheet 1 of 2");
 }
 
-TEST_CASE("where a sheet lies is not known any more after a replug or a restart",
-          "[daemon][service]") {
+TEST_CASE("the position of a sheet is unknown after a replug or a restart", "[daemon][service]") {
   const bool restart = GENERATE(false, true);
   const char* const registration = GENERATE("kept", "re-registered");
   CAPTURE(restart, registration);
@@ -131,7 +130,7 @@ TEST_CASE("where a sheet lies is not known any more after a replug or a restart"
   CHECK(bench.cutters.first_stroke(bench.device) == 2);
 }
 
-TEST_CASE("another path can be chosen as long as the sheet was not started again",
+TEST_CASE("the path to resume from can be changed until the sheet is started",
           "[daemon][service]") {
   ServiceBench bench;
   const Job lost = broken(bench);
@@ -148,7 +147,7 @@ TEST_CASE("another path can be chosen as long as the sheet was not started again
   CHECK(bench.cutters.first_stroke(bench.device) == 2);
 }
 
-TEST_CASE("a sheet that came out of the machine is registered again", "[daemon][service]") {
+TEST_CASE("a sheet that came out of the machine must be registered again", "[daemon][service]") {
   ServiceBench bench;
   const Job lost = broken(bench, ErrorKind::Refused, "it is gone", ErrorReason::NoMedia);
   CHECK(lost.reason == "media_out");
@@ -156,7 +155,7 @@ TEST_CASE("a sheet that came out of the machine is registered again", "[daemon][
   CHECK(bench.act(lost.id, from_path_2("re-registered")));
 }
 
-TEST_CASE("a cutter set up for something else since is not started", "[daemon][service]") {
+TEST_CASE("a cutter reconfigured meanwhile is not started", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   REQUIRE(bench.act(ready.id, JobAction::Arm));
@@ -169,7 +168,7 @@ TEST_CASE("a cutter set up for something else since is not started", "[daemon][s
   CHECK(bench.cutters.cuts() == 0);
 }
 
-TEST_CASE("what is paused on a disabled cutter waits until it is enabled", "[daemon][service]") {
+TEST_CASE("a job paused on a disabled cutter waits until it is enabled", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
   bench.started(ready.id);

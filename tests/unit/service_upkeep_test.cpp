@@ -10,7 +10,7 @@ using namespace popcut::daemon;
 using popcut::test::ServiceBench;
 using popcut::test::write_text;
 
-TEST_CASE("tokens open doors until they are taken away", "[daemon][service]") {
+TEST_CASE("tokens give access until they are revoked", "[daemon][service]") {
   ServiceBench bench;
   const NewToken token =
       bench
@@ -49,7 +49,8 @@ TEST_CASE("tokens open doors until they are taken away", "[daemon][service]") {
   }) == ProblemKind::Forbidden);
 }
 
-TEST_CASE("a page's word opens one session and works for a minute", "[daemon][service]") {
+TEST_CASE("a page's one-time code opens one session and expires after a minute",
+          "[daemon][service]") {
   ServiceBench bench;
   const auto word = [&] {
     return bench.on([&](LiveService& s) { return s.access.create_one_shot(bench.tutor).value(); });
@@ -78,7 +79,7 @@ TEST_CASE("a page's word opens one session and works for a minute", "[daemon][se
   CHECK_FALSE(who());
 }
 
-TEST_CASE("materials can be changed and given back", "[daemon][service]") {
+TEST_CASE("materials can be changed and reset", "[daemon][service]") {
   ServiceBench bench;
   const auto put = [&](const std::string& id, std::int64_t rev, const std::string& json) {
     return bench.on([&](LiveService& s) { return s.materials.put(bench.admin, id, rev, json); });
@@ -111,7 +112,7 @@ TEST_CASE("materials can be changed and given back", "[daemon][service]") {
         ProblemKind::NotFound);
 }
 
-TEST_CASE("events are numbered without gaps and the old ones go", "[daemon][service]") {
+TEST_CASE("events are numbered without gaps and old ones are removed", "[daemon][service]") {
   ServiceBench bench;
   std::vector<Event> heard;
   std::mutex mutex;
@@ -163,7 +164,7 @@ TEST_CASE("events are numbered without gaps and the old ones go", "[daemon][serv
   CHECK(bench.on([](LiveService& s) { return s.operations.last_event(); }) > before);
 }
 
-TEST_CASE("ids and numbers go on when the clock was put back a year", "[daemon][service]") {
+TEST_CASE("ids and numbers keep growing when the clock is set back a year", "[daemon][service]") {
   ServiceBench bench;
   const Job first = bench.ready_job();
   bench.stop();
@@ -207,7 +208,7 @@ TEST_CASE("an admin backs the database up and checks it while nothing is cut",
   CHECK(later.find("popcut_stream_wait_seconds_longest 0.000000\n") == std::string::npos);
 }
 
-TEST_CASE("too little room on the disk refuses new work in words", "[daemon][service]") {
+TEST_CASE("too little disk space refuses new work with a reason", "[daemon][service]") {
   ServiceBench bench(false);
   bench.options.least_free_bytes = std::uint64_t{1} << 60;
   REQUIRE(bench.start() == "");
@@ -216,8 +217,7 @@ TEST_CASE("too little room on the disk refuses new work in words", "[daemon][ser
   CHECK(bench.on([](LiveService& s) { return s.operations.health().database; }));
 }
 
-TEST_CASE("a state folder that was moved away is told as that and not as a full disk",
-          "[daemon][service]") {
+TEST_CASE("a moved state folder is reported as such and not as a full disk", "[daemon][service]") {
   ServiceBench bench;
   const auto design = bench.add_design("{\"card\":1}").value();
   const std::string away = bench.folder() + "-away";
@@ -242,7 +242,7 @@ TEST_CASE("a state folder that was moved away is told as that and not as a full 
   CHECK(bench.wait_for(job.id, JobState::Ready).state == JobState::Ready);
 }
 
-TEST_CASE("what a running cut needs goes before what people ask", "[daemon][service]") {
+TEST_CASE("requests of a running cut precede those of people", "[daemon][service]") {
   ServiceThread thread;
   std::vector<int> order;
   std::mutex gate;

@@ -14,39 +14,25 @@ using std::chrono::nanoseconds;
 
 namespace {
 
-double in_seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
-
 /// A job of short strokes to and fro, so that a window of motion holds several.
-struct Job {
-  Machine machine;
+SimJob short_strokes(const char* name = "cameo3") {
+  const Material paper = value(find_material("paper-220"));
   Toolpath path;
-  EncodedProgram program;
-
-  explicit Job(const char* name = "cameo3") : machine(testing::machine(name)) {
-    const Material paper = value(find_material("paper-220"));
-    for (int k = 0; k < 200; ++k) {
-      Stroke stroke;
-      stroke.first = static_cast<std::uint32_t>(path.points.size());
-      stroke.count = 2;
-      stroke.tool = 1;
-      stroke.force_gf = paper.cut.force_gf;
-      stroke.speed_mm_s = paper.cut.speed_mm_s;
-      const int row = k / 20, column = row % 2 == 0 ? k % 20 : 19 - k % 20;
-      const double x = 5 + column * 9.0, y = 5 + row * 9.0;
-      path.points.push_back({x, y});
-      path.points.push_back({x + 4, y + 1});
-      path.strokes.push_back(stroke);
-    }
-    JobOptions job;
-    job.page_length_mm = 300;
-    program = value(encode(path, machine, paper, job));
+  for (int k = 0; k < 200; ++k) {
+    Stroke stroke;
+    stroke.first = static_cast<std::uint32_t>(path.points.size());
+    stroke.count = 2;
+    stroke.tool = 1;
+    stroke.force_gf = paper.cut.force_gf;
+    stroke.speed_mm_s = paper.cut.speed_mm_s;
+    const int row = k / 20, column = row % 2 == 0 ? k % 20 : 19 - k % 20;
+    const double x = 5 + column * 9.0, y = 5 + row * 9.0;
+    path.points.push_back({x, y});
+    path.points.push_back({x + 4, y + 1});
+    path.strokes.push_back(stroke);
   }
-  [[nodiscard]] SimTransport cable(std::vector<SimFault> faults = {}) const {
-    SimOptions sheet;
-    sheet.page_length_mm = 300;
-    return SimTransport(cutter(machine, sheet), std::move(faults));
-  }
-};
+  return {machine(name), std::move(path), 300};
+}
 
 /// A cable that notes when it last took more than a query.
 class Watched final : public Transport {
@@ -67,17 +53,13 @@ class Watched final : public Transport {
   SimTransport& cable_;
 };
 
-std::size_t count(const SessionEnd& end, StrokeFate fate) {
-  return static_cast<std::size_t>(std::count(end.fates.begin(), end.fates.end(), fate));
-}
-
 }  // namespace
 
-TEST_CASE("a pause from the host stops between strokes with the tool up and goes on",
+TEST_CASE("a pause from the host stops between strokes with the tool up and continues",
           "[device][session]") {
   for (const char* name : {"cameo3", "portrait", "hpgl-generic"}) {
     CAPTURE(name);
-    const Job job(name);
+    const SimJob job = short_strokes(name);
     double worst_s = 0;
     for (int ask = 0; ask < 12; ++ask) {
       CAPTURE(ask);
@@ -90,7 +72,7 @@ TEST_CASE("a pause from the host stops between strokes with the tool up and goes
       options.poll_s = 0.05;  // a fine clock for the figure
       options.pause = &pause;
       options.progress = [&](const SessionProgress& p) {
-        if (!asked && p.strokes_done >= 20 && in_seconds(cable.now()) > 12 + 0.37 * ask) {
+        if (!asked && p.strokes_done >= 20 && to_seconds(cable.now()) > 12 + 0.37 * ask) {
           pause = true;
           asked = cable.now();
         }
@@ -108,7 +90,7 @@ TEST_CASE("a pause from the host stops between strokes with the tool up and goes
       REQUIRE_FALSE(end.error);
       REQUIRE(held);
       CHECK(tool_up);
-      worst_s = std::max(worst_s, in_seconds(*held - *asked));
+      worst_s = std::max(worst_s, to_seconds(*held - *asked));
       // Then all of it is cut, once.
       const Trace& trace = cable.cutter().trace();
       CHECK(trace.strokes.size() == 200);
@@ -122,11 +104,11 @@ TEST_CASE("a pause from the host stops between strokes with the tool up and goes
   }
 }
 
-TEST_CASE("a machine that wants a newline after each command is sent all of its job",
+TEST_CASE("a machine that needs a newline after each command gets its whole job",
           "[device][session]") {
   for (const char* name : {"hpgl-clone", "hpgl-ud", "camm-1", "camm-2"}) {
     CAPTURE(name);
-    const Job job(name);
+    const SimJob job = short_strokes(name);
     SimTransport cable = job.cable();
     const SessionEnd end = run_session(cable, job.machine, job.program);
     REQUIRE_FALSE(end.error);
@@ -137,9 +119,9 @@ TEST_CASE("a machine that wants a newline after each command is sent all of its 
   }
 }
 
-TEST_CASE("what was cut before a pause of the host is certain while it lasts and after a cancel",
+TEST_CASE("strokes before a pause of the host are certain during it and after a cancel",
           "[device][session]") {
-  const Job job;
+  const SimJob job = short_strokes();
   SimTransport cable = job.cable();
   std::atomic<bool> pause{false}, cancel{false};
   SessionOptions options;
@@ -162,7 +144,7 @@ TEST_CASE("what was cut before a pause of the host is certain while it lasts and
 
 TEST_CASE("each way to stop is obeyed within one window and the rest is never sent",
           "[device][session]") {
-  const Job job;
+  const SimJob job = short_strokes();
   constexpr double kWindowS = 2;
   constexpr double kPollS = 0.5;
   using Kind = SimFault::Kind;
@@ -180,7 +162,7 @@ TEST_CASE("each way to stop is obeyed within one window and the rest is never se
     REQUIRE(end.error);
     CHECK(end.error->kind == ErrorKind::Refused);
     REQUIRE(cable.struck());
-    const double late = std::max(0.0, in_seconds(watched.last - *cable.struck()));
+    const double late = std::max(0.0, to_seconds(watched.last - *cable.struck()));
     std::printf("%s: the last byte was sent at most %.2f s later, %zu of 200 strokes not sent\n",
                 std::string(name_of(kind)).c_str(), late, count(end, StrokeFate::NotSent));
     CHECK(late <= kWindowS);
@@ -201,7 +183,7 @@ TEST_CASE("each way to stop is obeyed within one window and the rest is never se
     options.poll_s = 0.05;  // a fine clock for the figure
     options.cancel = &cancel;
     options.progress = [&](const SessionProgress& p) {
-      if (!cancel && p.strokes_done >= 20 && in_seconds(cable.now()) > 12 + 0.37 * ask)
+      if (!cancel && p.strokes_done >= 20 && to_seconds(cable.now()) > 12 + 0.37 * ask)
         cancel = true, asked = cable.now();
       const std::size_t cut = cable.cutter().trace().strokes.size();
       if (cut != strokes) tool_stopped = cable.now();
@@ -210,7 +192,7 @@ TEST_CASE("each way to stop is obeyed within one window and the rest is never se
     const SessionEnd end = run_session(cable, job.machine, job.program, options);
     REQUIRE_FALSE(end.error);
     CHECK(end.cancelled);
-    worst_s = std::max(worst_s, in_seconds(tool_stopped - asked));
+    worst_s = std::max(worst_s, to_seconds(tool_stopped - asked));
     CHECK(count(end, StrokeFate::InDoubt) == 0);
     CHECK(count(end, StrokeFate::NotSent) > 100);
   }

@@ -15,23 +15,19 @@ std::string error_of(std::string_view script) {
   return faults ? std::string("none") : message(faults.error());
 }
 
-struct Job {
-  Machine machine = testing::machine("cameo3");
-  EncodedProgram program;
-
-  Job() {
-    std::mt19937 random(7);
-    const Material paper = value(find_material("paper-220"));
-    program = value(encode(random_toolpath(random, 40, 190, paper), machine, paper, {}));
-  }
+struct Job : SimJob {
+  Job() : Job(std::mt19937(7)) {}
   [[nodiscard]] SessionEnd run(SimTransport& cable) const {
     return run_session(cable, machine, program);
   }
+
+ private:
+  explicit Job(std::mt19937 random) : SimJob(testing::machine("cameo3"), random, 40) {}
 };
 
 }  // namespace
 
-TEST_CASE("a fault script says what goes wrong and when", "[device][faults]") {
+TEST_CASE("a fault script lists faults and when they strike", "[device][faults]") {
   const auto faults = value(parse_faults(R"({"popcut": 1, "faults": [
     {"at_byte": 800, "kind": "nak", "seconds": 3.5},
     {"at_path": 12, "kind": "media out"},
@@ -44,7 +40,7 @@ TEST_CASE("a fault script says what goes wrong and when", "[device][faults]") {
   CHECK(faults[2].text == "Portrait V1.00    ");
 }
 
-TEST_CASE("a fault script that is not lawful is refused with its place", "[device][faults]") {
+TEST_CASE("an invalid fault script is refused with its place", "[device][faults]") {
   CHECK_THAT(error_of("{"), Catch::Contains("1:"));
   CHECK_THAT(error_of("[]"), Catch::Contains("an object"));
   CHECK_THAT(error_of(R"({"popcut": 1})"), Catch::Contains("neither"));
@@ -64,7 +60,7 @@ TEST_CASE("a fault script that is not lawful is refused with its place", "[devic
   CHECK_THAT(error_of(R"({"popcut": 1, "faults": [3]})"), Catch::Contains("/faults/0"));
 }
 
-TEST_CASE("faults drawn by chance are the same for the same seed", "[device][faults]") {
+TEST_CASE("random faults are the same for the same seed", "[device][faults]") {
   const auto draw = [](const char* text) { return value(parse_faults(text)); };
   const auto one = draw(R"({"popcut": 1, "random": {"seed": 7, "count": 20, "bytes": 9000}})");
   const auto two = draw(R"({"popcut": 1, "random": {"seed": 7, "count": 20, "bytes": 9000}})");
@@ -106,7 +102,8 @@ TEST_CASE("a stall ends the session and what may have arrived is in doubt", "[de
   CHECK(end.fates.back() == StrokeFate::NotSent);
 }
 
-TEST_CASE("plugging a cutter in again does not wake the session that lost it", "[device][faults]") {
+TEST_CASE("plugging a cutter in again does not revive the session that lost it",
+          "[device][faults]") {
   const Job job;
   const std::uint64_t at = job.program.geometry.begin + 400;
   SimTransport cable(cutter(job.machine),
@@ -121,8 +118,7 @@ TEST_CASE("plugging a cutter in again does not wake the session that lost it", "
   CHECK(cable.write(bytes("\x1b\x05"), cable.now() + std::chrono::seconds(1)).taken == 2);
 }
 
-TEST_CASE("a firmware that gives another name is refused before anything is sent",
-          "[device][faults]") {
+TEST_CASE("firmware with another name is refused before anything is sent", "[device][faults]") {
   const Job job;
   SimTransport cable(cutter(job.machine),
                      {{.kind = SimFault::Kind::WrongName, .text = "CURIO V1.20    "}});

@@ -43,7 +43,7 @@ class Guest {
 
 }  // namespace
 
-TEST_CASE("another program finds a cutter at the pseudo terminal", "[device][pty]") {
+TEST_CASE("another program can use the cutter at the pseudo terminal", "[device][pty]") {
   const Machine cameo = machine("cameo3");
   auto pty = SimPty::open(SimTransport(cutter(cameo)), 1000);
   if (!pty) {
@@ -73,7 +73,7 @@ TEST_CASE("another program finds a cutter at the pseudo terminal", "[device][pty
   CHECK(pty->cable().cutter().trace().cut_mm == Approx(7.0710678));
 }
 
-TEST_CASE("a full buffer holds the other program back at the terminal", "[device][pty]") {
+TEST_CASE("a full buffer blocks the other program at the terminal", "[device][pty]") {
   Machine small = machine("cameo3");
   small.buffer_bytes = 100;
   auto pty = SimPty::open(SimTransport(cutter(small)), 1);

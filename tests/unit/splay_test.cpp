@@ -69,7 +69,7 @@ TEST_CASE("the tip of a V-fold keeps its distances at every opening", "[core][sp
   }
 }
 
-TEST_CASE("the centre fold stands highest where alpha cos(psi/2) is one", "[core][splay]") {
+TEST_CASE("the centre fold is highest where alpha cos(psi/2) is one", "[core][splay]") {
   CHECK_THAT(splay_rad(1.0 / std::cos(0.4), 0.8), Catch::WithinAbs(kPi / 2, 1e-15));
   CHECK(splay_rad(3.0, 0.8) > kPi / 2);
   CHECK(splay_rad(3.0, kPi) < 1e-15);
@@ -122,7 +122,7 @@ TEST_CASE("the design reference's own splays give its own curvatures", "[core][s
              Catch::WithinAbs(-0.0608, 1e-4));
 }
 
-TEST_CASE("V-folds that do not fit are refused with what would", "[core][splay]") {
+TEST_CASE("V-folds that do not fit are refused with values that would", "[core][splay]") {
   const auto [splay, kind, place, says] =
       GENERATE(table<std::string, ErrorKind, std::string, std::string>(
           {{R"({"alpha":9})", ErrorKind::Infeasible, "/splay/alpha", "at most"},

@@ -35,7 +35,7 @@ std::int64_t tokens(Database& db) { return db.number("SELECT count(*) FROM mater
 
 }  // namespace
 
-TEST_CASE("digests and random words are what they should be", "[daemon][store]") {
+TEST_CASE("digests and random words have the right form", "[daemon][store]") {
   CHECK(sha256_hex("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   CHECK(sha256_hex("") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   Sha256 pieces;
@@ -69,7 +69,7 @@ TEST_CASE("ids sort by their time and grow even when the clock goes back", "[dae
   CHECK_FALSE(is_ulid("01ARYZ6S41TSV4RRFFQ69G5FAI"));
 }
 
-TEST_CASE("one process holds the state and the next is told so", "[daemon][store]") {
+TEST_CASE("one process owns the state and a second one is refused", "[daemon][store]") {
   const ScratchFolder scratch;
   auto first = open(scratch);
   REQUIRE(first);
@@ -99,7 +99,7 @@ TEST_CASE("files appear whole or not at all", "[daemon][store]") {
   CHECK_FALSE(read_whole(scratch.path() + "/link", 1 << 20));
 }
 
-TEST_CASE("what an earlier process left unfinished is cleared", "[daemon][store]") {
+TEST_CASE("unfinished files of an earlier process are removed", "[daemon][store]") {
   const ScratchFolder scratch;
   open(scratch)->reset();
   const std::string state = scratch.path() + "/state";
@@ -185,7 +185,7 @@ TEST_CASE("the schema itself keeps the rules that matter most", "[daemon][store]
   CHECK_THROWS_AS(attempt("01J0000000000000000000000D", "6"), StoreFault);
 }
 
-TEST_CASE("an older database is brought forward and a copy kept", "[daemon][store]") {
+TEST_CASE("an older database is migrated and a copy is kept", "[daemon][store]") {
   const ScratchFolder scratch;
   {
     auto store = open(scratch).value();
@@ -225,8 +225,7 @@ TEST_CASE("a migration that fails leaves the database as it was", "[daemon][stor
   CHECK((*store)->database().number("PRAGMA user_version") == 1);
 }
 
-TEST_CASE("a database that is gone or empty or another one is never silently new",
-          "[daemon][store]") {
+TEST_CASE("a missing or empty or foreign database is never replaced silently", "[daemon][store]") {
   const ScratchFolder scratch;
   const std::string path = scratch.path() + "/state/popcut.db";
   {
@@ -262,7 +261,7 @@ TEST_CASE("a database that is gone or empty or another one is never silently new
   CHECK(open(scratch));
 }
 
-TEST_CASE("a log that is missing or damaged in its middle is told", "[daemon][store]") {
+TEST_CASE("a log that is missing or damaged in its middle is reported", "[daemon][store]") {
   const ScratchFolder scratch;
   const std::string path = scratch.path() + "/state/popcut.db";
   {
@@ -298,8 +297,7 @@ TEST_CASE("a log that is missing or damaged in its middle is told", "[daemon][st
   CHECK(tokens(open(scratch).value()->database()) == 5);
 }
 
-TEST_CASE("what runs that were killed leave behind the last commit is no damage",
-          "[daemon][store]") {
+TEST_CASE("leftovers of killed runs after the last commit are not damage", "[daemon][store]") {
   const ScratchFolder scratch;
   const std::string log_path = scratch.path() + "/state/popcut.db-wal";
   constexpr std::size_t kFrameHeader = 24, kFrame = kFrameHeader + 4096;
@@ -341,7 +339,7 @@ TEST_CASE("what runs that were killed leave behind the last commit is no damage"
   CHECK(tokens(open(scratch).value()->database()) == 2);
 }
 
-TEST_CASE("a damaged database is copied aside once and salvage brings over the rest",
+TEST_CASE("a damaged database is copied aside once and salvage recovers the rest",
           "[daemon][store]") {
   const ScratchFolder scratch;
   const std::string state = scratch.path() + "/state";
@@ -381,8 +379,7 @@ TEST_CASE("a damaged database is copied aside once and salvage brings over the r
   CHECK(salvage(state).error().kind == popcut::ErrorKind::Refused);
 }
 
-TEST_CASE("a copy that was made in operation can be put in the place of the database",
-          "[daemon][store]") {
+TEST_CASE("a backup made in operation can replace the database", "[daemon][store]") {
   const ScratchFolder scratch;
   const fs::path state = scratch.path() + "/state";
   std::string copy;
@@ -400,7 +397,7 @@ TEST_CASE("a copy that was made in operation can be put in the place of the data
   CHECK(tokens((*opened)->database()) == 1);
 }
 
-TEST_CASE("what root salvages belongs to whose folder it is", "[daemon][store]") {
+TEST_CASE("files that root salvages belong to the folder's owner", "[daemon][store]") {
   if (::geteuid() != 0) {
     WARN("skipped: only root can give files away");
     return;
@@ -421,7 +418,7 @@ TEST_CASE("what root salvages belongs to whose folder it is", "[daemon][store]")
   }
 }
 
-TEST_CASE("salvage of what is no database changes nothing", "[daemon][store]") {
+TEST_CASE("salvage of a file that is not a database changes nothing", "[daemon][store]") {
   const ScratchFolder scratch;
   const std::string state = scratch.path() + "/state";
   open(scratch)->reset();

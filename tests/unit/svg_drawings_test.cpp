@@ -16,7 +16,7 @@
 using namespace popcut;
 using namespace popcut::test;
 
-TEST_CASE("dashes are cut whatever way they are written", "[core][formats][svg][dashes]") {
+TEST_CASE("dashes are cut in every notation", "[core][formats][svg][dashes]") {
   const std::string line = R"x(<path d="M0 0H10" stroke="red" )x";
   const std::vector<double> four_two{0, 4, 6, 10};
   for (const std::string& text : {
@@ -78,7 +78,7 @@ TEST_CASE("dashes repeat and begin as SVG says", "[core][formats][svg][dashes]")
               {0, 8, 16, 20});
 }
 
-TEST_CASE("dashes that nobody could cut are refused", "[core][formats][svg][dashes]") {
+TEST_CASE("dashes that cannot be cut are refused", "[core][formats][svg][dashes]") {
   const auto dashed = [](const std::string& list) {
     return svg("\n<path id='p' d='M0 0H10' stroke='red' stroke-dasharray='" + list + "'/>");
   };
@@ -94,7 +94,8 @@ TEST_CASE("dashes that nobody could cut are refused", "[core][formats][svg][dash
   CHECK(read(dashed("1e300")).lines.size() == 1);
 }
 
-TEST_CASE("folds and scores stay whole for the material to dash", "[core][formats][svg][dashes]") {
+TEST_CASE("folds and scores stay whole so that the material dashes them",
+          "[core][formats][svg][dashes]") {
   const LineWork work = read(svg(R"x(<g stroke="red" stroke-dasharray="2 1">
       <path d="M0 0H10" data-assignment="M"/><path d="M0 1H20" data-assignment="score"/></g>)x"));
   CHECK(total_mm(work, Operation::FoldMountain) == Approx(10));
@@ -269,7 +270,7 @@ TEST_CASE("frames in frames are scaled and placed", "[core][formats][svg]") {
   CHECK(Points(out.points.begin(), out.points.end()) == Points{{0, 0}, {5, 5}, {0, 0}, {10, 10}});
 }
 
-TEST_CASE("what leaves its frame is cut off at its border exactly", "[core][formats][svg]") {
+TEST_CASE("lines are clipped exactly at the border of their frame", "[core][formats][svg]") {
   using Points = std::vector<PagePoint>;
   const auto points = [](const std::string& inner) {
     const LineWork work = read(svg(inner));

@@ -7,8 +7,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/formats/svg/syntax/svg_colour.hpp"
 #include "core/formats/svg/svg_dash.hpp"
+#include "core/formats/svg/syntax/svg_colour.hpp"
 #include "core/plan/knife/micro_cut.hpp"
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/svg_drafts.hpp"
@@ -58,7 +58,7 @@ TEST_CASE("what is filled and not stroked is cut along its outline", "[core][for
   CHECK(read(svg("<path d='M0 0H10V10'/>"), "lightburn").lines.empty());
 }
 
-TEST_CASE("without names every solid stroke is a cut and every dashed one its dashes",
+TEST_CASE("without names a solid stroke is a cut and a dashed one is cut as dashes",
           "[core][formats][svg][profile]") {
   const std::string text =
       svg(R"x(<g fill="none"><path d="M0 0H6" stroke="red"/><path d="M0 1H6" stroke="#00f"/>
@@ -111,7 +111,7 @@ TEST_CASE("profiles give colours and classes and lines their meaning",
   CHECK(is_told(layers, "1 stroke is for nothing"));
 }
 
-TEST_CASE("users add profiles of their own", "[core][formats][svg][profile]") {
+TEST_CASE("users can add profiles", "[core][formats][svg][profile]") {
   const std::vector<std::string> tables{R"j({"popcut": 1, "svg_profiles": [
     {"name": "mine", "like": "popcut", "colours": "nearest", "labels": {"Kiss Cut": "score"},
      "rules": [{"colour": ["red", "#f80"], "line": "dashed", "use": "fold-mountain"},
@@ -169,7 +169,7 @@ TEST_CASE("colours are read in all their spellings", "[core][formats][svg]") {
     CHECK_FALSE(parse_svg_paint(wrong));
 }
 
-TEST_CASE("what is not applied is named with its place", "[core][formats][svg]") {
+TEST_CASE("features that are not applied are named with their place", "[core][formats][svg]") {
   const LineWork work = read(svg(R"x(
       <g clip-path="url(#c)"><path d="M0 0H1" stroke="url(#grad)" mask="url(#m)"/></g>
       <path id="f" d="M0 0H1" stroke="red" style="filter:url(#b)" marker-end="url(#arrow)"/>
@@ -191,7 +191,7 @@ TEST_CASE("what is not applied is named with its place", "[core][formats][svg]")
   CHECK(work.lines.size() == 3);
 }
 
-TEST_CASE("a document type is never fetched and only plain entities are put in place",
+TEST_CASE("a document type is never fetched and only plain entities are expanded",
           "[core][formats][svg][bad]") {
   const std::string drawing = svg("<path stroke='red' d='M0 0H&w;'/>");
   const auto with = [&](const std::string& doctype) {
@@ -246,8 +246,7 @@ TEST_CASE("a drawing in UTF-16 is read and a compressed one is refused",
   CHECK(error_of(svg(std::string(1, '\0'))).detail.find("is zero") != std::string::npos);
 }
 
-TEST_CASE("numbers that are no numbers are refused in one line with the element",
-          "[core][formats][svg][bad]") {
+TEST_CASE("invalid numbers are refused in one line with the element", "[core][formats][svg][bad]") {
   for (const char* inner :
        {"<path id='p' stroke='red' d='M0 0L1e308 1e308'/>",
         "<path id='p' stroke='red' d='M0 0Lnan 1'/>",
@@ -306,7 +305,7 @@ TEST_CASE("sizes are checked before memory is taken", "[core][formats][svg][bad]
   CHECK(SvgLimits{}.raised(4).points == 16'000'000);
 }
 
-TEST_CASE("curves follow the tolerance that is asked for", "[core][formats][svg]") {
+TEST_CASE("curves follow the requested tolerance", "[core][formats][svg]") {
   SvgReadOptions how;
   how.profile = *find_stroke_profile("plain");
   std::size_t last = 0;
@@ -326,7 +325,7 @@ TEST_CASE("curves follow the tolerance that is asked for", "[core][formats][svg]
   }
 }
 
-TEST_CASE("a prefix for SVG and elements of editors do not matter", "[core][formats][svg]") {
+TEST_CASE("a prefix for SVG and elements of editors are accepted", "[core][formats][svg]") {
   const LineWork work =
       read(R"x(<s:svg xmlns:s="http://www.w3.org/2000/svg" xmlns:sodipodi="x" width="9mm"
       height="9mm" viewBox="0 0 9 9"><s:title>T</s:title><sodipodi:namedview><g/></sodipodi:namedview>

@@ -49,7 +49,7 @@ TEST_CASE("polygons and indices of every kind in an OBJ are read and its other l
   CHECK(mesh->size() == 2);
 }
 
-TEST_CASE("a mesh file that is not whole or not lawful is refused with its place", "[core][mesh]") {
+TEST_CASE("an incomplete or invalid mesh file is refused with its place", "[core][mesh]") {
   const TriangleMesh ball = icosphere(1.0, 1);
   std::string stl = binary_stl(ball);
   CHECK(refused(read_mesh("m.stl", stl.substr(0, stl.size() - 20))).detail ==
@@ -131,8 +131,7 @@ TEST_CASE("a grid with gaps or text is refused with line and column", "[core][gr
   }
 }
 
-TEST_CASE("files that are cut off or changed anywhere are read or refused and never crash",
-          "[core][mesh][grid]") {
+TEST_CASE("truncated or changed files are read or refused and never crash", "[core][mesh][grid]") {
   const TriangleMesh ball = icosphere(1.0, 1);
   const std::string grid = ",0,10,20\n0,40,35,0\n10,42,36,0\n";
   std::mt19937 random(20261121);

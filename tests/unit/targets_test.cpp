@@ -14,8 +14,10 @@
 #include "core/design/target/surface.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/slice_distance.hpp"
 
 using namespace popcut;
+using namespace popcut::testing;
 using namespace popcut::tests;
 
 namespace {
@@ -37,16 +39,6 @@ Result<Surface> mesh_surface(const TriangleMesh& mesh, const TargetPlacement& pl
   return surface(MeshSpec{"part.stl"}, {{"part.stl", binary_stl(mesh)}}, placement, fit);
 }
 
-/// Largest distance of points of one curve from another.
-double apart(const SliceCurve& a, const SliceCurve& b) {
-  double most = std::max(std::abs(a.h() - b.h()), std::abs(a.d() - b.d()));
-  for (int k = 0; k <= 100; ++k) {
-    const CurveJet p = a.at(-1.0 + 0.02 * k);
-    most = std::max(most, b.nearest_distance({p.x, p.z}));
-  }
-  return most;
-}
-
 std::string spec_text(const std::string& surface_json, const std::string& more = "") {
   return fmt::format(R"({{"popcut": 1, "surface": {}, "units_per_slice": 4, "slices": 6,
                           "widths_mm": 8{}}})",
@@ -63,7 +55,7 @@ const std::string kMesh = R"({"type": "mesh", "file": "part.stl"})";
 
 }  // namespace
 
-TEST_CASE("a solid given by its sign has the same slices as the revolution that it is",
+TEST_CASE("a solid given by its sign has the same slices as the equal revolution",
           "[core][target]") {
   const auto solid = surface(ImplicitSpec{"x^2 + y^2 + z^2 - 1.05"}, {}, {60.0, {}, {}});
   const auto revolution = surface(RevolutionSpec{"sqrt(1.05 - y^2)"}, {}, {60.0, {}, {}});
@@ -121,7 +113,7 @@ TEST_CASE("slices at a mesh's own planes and corners are whole", "[core][target]
   }
 }
 
-TEST_CASE("what no falling curve reaches is refused or measured", "[core][target]") {
+TEST_CASE("parts that no falling curve reaches are refused or measured", "[core][target]") {
   // A ball that floats in the corner: only its outer quarter falls, and the nearest curve cuts some
   // of that off to come nearer to the rest that is seen.
   const TargetPlacement floating{1.0, {}, {30, 0, 30}};
@@ -150,7 +142,7 @@ TEST_CASE("a ring in the corner hides its inner side", "[core][target]") {
   CHECK(slice.fit.max_mm < 0.1);
 }
 
-TEST_CASE("a profile that rises is refused with its place and taken with its error",
+TEST_CASE("a rising profile is refused with its place or accepted with its error",
           "[core][target]") {
   const ProfileSpec wavy{"1 - x + 0.2*sin(4*pi*x)"};
   const auto refused = surface(wavy, {}, {50.0, {}, {}})->cut(10.0);
@@ -214,7 +206,7 @@ TEST_CASE("the proposed placement puts a half ball with its round side outward",
   CHECK(again->placement.translate_mm == proposed->placement.translate_mm);
 }
 
-TEST_CASE("the report of a mesh says what is out of reach", "[core][target]") {
+TEST_CASE("the report of a mesh names the parts out of reach", "[core][target]") {
   const DesignSpec spec = spec_of(kMesh, R"(, "fit": "nearest", "translate_mm": [28, 20, 28])");
   const auto made = design(spec, {{"part.stl", binary_stl(icosphere(30.0, 4))}});
   if (!made) FAIL(message(made.error()));
@@ -320,7 +312,7 @@ TEST_CASE("placement and fit of a spec are read or refused with their place", "[
   CHECK(contradictory.error().place == "/rotate_deg");
 }
 
-TEST_CASE("a chain with several minima takes the best of them and tells the spread",
+TEST_CASE("a chain with several minima takes the best one and reports the spread",
           "[core][chain]") {
   // Wiggles whose minima the design reference lists: with two waves and nine units a second one at
   // 2.81 times; with four the start at equal arcs ends 1 / 0.845 times above the best.

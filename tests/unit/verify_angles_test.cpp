@@ -66,7 +66,7 @@ TEST_CASE("a border that is called unassigned is named or noted", "[core][verify
   }
 }
 
-TEST_CASE("a vertex that no edge uses does not loosen the limits", "[core][verify]") {
+TEST_CASE("an unused vertex does not loosen the limits", "[core][verify]") {
   for (const double far : {0.0, 1e6}) {
     CAPTURE(far);
     FoldDraft draft = box_card();

@@ -122,7 +122,7 @@ TEST_CASE("a fold drawn as a row of dashes is one fold", "[core][verify]") {
   CHECK(has(verify_text(report), "folds are drawn in dashes: "));
 }
 
-TEST_CASE("windows fall out and loose slits inside a panel are tied to it", "[core][verify]") {
+TEST_CASE("windows fall out and loose slits inside a panel belong to it", "[core][verify]") {
   Drawing drawing = box_drawing();
   drawing
       .line(Operation::Cut, {{20, 5}, {30, 5}, {30, 15}, {20, 15}, {20, 5}})  // in the wall
@@ -139,7 +139,7 @@ TEST_CASE("windows fall out and loose slits inside a panel are tied to it", "[co
   CHECK(has(verify_text(report), "1 cuts outside the sheet are passed over"));
 }
 
-TEST_CASE("a piece with folds that a cut goes round is told as cut off", "[core][verify]") {
+TEST_CASE("a piece with folds inside a closed cut is reported as cut off", "[core][verify]") {
   Drawing drawing = box_drawing();
   drawing.line(Operation::Cut, {{20, 2}, {30, 2}, {30, 18}, {20, 18}, {20, 2}})
       .line(Operation::FoldValley, {{20, 10}, {30, 10}});
@@ -163,7 +163,7 @@ TEST_CASE("a FOLD file without faces gets those that its lines enclose", "[core]
   CHECK(traced.slits == listed.slits);
 }
 
-TEST_CASE("a drawing in which everything crosses everything comes to an end", "[core][verify]") {
+TEST_CASE("a drawing in which all lines cross is handled in finite time", "[core][verify]") {
   LineWork work;
   for (int k = 0; k < 500; ++k) {
     const double at = 0.3 * k;
@@ -178,7 +178,7 @@ TEST_CASE("a drawing in which everything crosses everything comes to an end", "[
   CHECK(has(message(report.error()), "more lines cross"));
 }
 
-TEST_CASE("drawings from elsewhere have the panels that are known of them", "[core][verify]") {
+TEST_CASE("drawings of other programs have the known numbers of panels", "[core][verify]") {
   if (!std::filesystem::exists(kSamples)) {
     WARN("skipped: no sample files beside the source");
     return;

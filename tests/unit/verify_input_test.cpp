@@ -132,7 +132,7 @@ TEST_CASE("indices and lengths that do not agree are named", "[core][verify]") {
   }
 }
 
-TEST_CASE("null fold angles and null assignments are passed over", "[core][verify]") {
+TEST_CASE("null fold angles and null assignments are ignored", "[core][verify]") {
   std::string text =
       replaced(box_card().text(), "\"edges_foldAngle\":[0", "\"edges_foldAngle\":[null");
   CHECK(verify_fold(text)->ok());
@@ -178,7 +178,7 @@ TEST_CASE("a folded form in the key frame is taken as a pose of the flat frame",
             "the key frame is a folded form; the flat sheet is /file_frames/2"));
 }
 
-TEST_CASE("sample files from elsewhere are read or refused as they deserve", "[core][verify]") {
+TEST_CASE("sample files of other programs are read or refused as expected", "[core][verify]") {
   if (!std::filesystem::exists(kSamples)) {
     WARN("skipped: no sample files beside the source");
     return;

@@ -46,25 +46,9 @@ FoldDraft without_poses(FoldDraft draft, bool keep_angles) {
   return draft;
 }
 
-/// The solver's pose, its vertices moved so that the panel of face 0 lies where it lies in `other`.
-double largest_difference(const verify::FoldModel& file, const verify::Sheet& sheet,
-                          const verify::Pose& pose, const verify::Pose& other) {
-  const auto panels = make_panels(file, sheet);
-  const auto from = measure(file, sheet, panels, pose).panel[0];
-  const auto to = measure(file, sheet, panels, other).panel[0];
-  double largest = 0.0;
-  for (std::size_t i = 0; i < pose.at.size(); ++i) {
-    const Vec3 p = pose.at[i] - from.origin;
-    const Vec3 moved = to.origin + dot(p, from.along_u) * to.along_u +
-                       dot(p, from.along_v) * to.along_v + dot(p, from.normal) * to.normal;
-    largest = std::max(largest, norm(moved - other.at[i]));
-  }
-  return largest;
-}
-
 }  // namespace
 
-TEST_CASE("a flat pattern is opened to the poses that its maker knows", "[core][verify]") {
+TEST_CASE("a flat pattern opens to its designed poses", "[core][verify]") {
   std::vector<FoldDraft> drafts{box_card(), draft_of(CylinderCard{.levels = 4, .slices = 3})};
   for (const double alpha : {0.3, 0.8, 1.4, 2.5}) {
     FoldDraft draft = splayed_card(alpha, 1.1);
@@ -96,7 +80,7 @@ TEST_CASE("a flat pattern is opened to the poses that its maker knows", "[core][
   }
 }
 
-TEST_CASE("a pattern without a deployed frame is judged in poses of its own", "[core][verify]") {
+TEST_CASE("a pattern without a deployed frame is checked in computed poses", "[core][verify]") {
   for (const bool flat_frame : {true, false}) {
     CAPTURE(flat_frame);
     FoldDraft draft = box_card();
@@ -114,7 +98,7 @@ TEST_CASE("a pattern without a deployed frame is judged in poses of its own", "[
   CHECK(has(verify_json(verified(box_card())), "\"opening\": null"));
 }
 
-TEST_CASE("a crossing that only opening shows is found", "[core][verify]") {
+TEST_CASE("a crossing that only occurs during opening is found", "[core][verify]") {
   // 40 right, 20 up, 20 left, 30 down, as soon as it is opened to a right angle.
   FoldDraft draft = folded_strip({0.0, 40.0, 60.0, 80.0, 110.0}, {90.0, 90.0, 90.0});
   const VerifyReport report = verified(without_poses(draft, true));
@@ -144,7 +128,8 @@ TEST_CASE("a flat-foldable vertex opens with the speeds of its half-angle tangen
   CHECK(report.opening->gap_mm < 1e-11);
 }
 
-TEST_CASE("assignments that no rigid motion obeys are told as the wrong branch", "[core][verify]") {
+TEST_CASE("assignments that no rigid motion follows are reported as the wrong branch",
+          "[core][verify]") {
   // Four valleys about a vertex: one of them must turn the other way.
   const VerifyReport report = verified(four_folds({0.0, 80.0, 170.0, 250.0}, "VVVV"));
   INFO(verify_text(report));
@@ -152,7 +137,7 @@ TEST_CASE("assignments that no rigid motion obeys are told as the wrong branch",
   CHECK(has(failures(report, "opening"), "wrong branch"));
 }
 
-TEST_CASE("folds that stay flat on the way are told", "[core][verify]") {
+TEST_CASE("folds that stay flat during the motion are reported", "[core][verify]") {
   // Two straight valleys that cross: either one folds, never both.
   const VerifyReport report = verified(four_folds({0.0, 90.0, 180.0, 270.0}, "VVVV"));
   INFO(verify_text(report));
@@ -160,7 +145,7 @@ TEST_CASE("folds that stay flat on the way are told", "[core][verify]") {
   CHECK(has(verify_text(report), "2 folds stay flat in the motion that was found"));
 }
 
-TEST_CASE("a sheet that cannot leave the flat state says so", "[core][verify]") {
+TEST_CASE("a sheet that cannot leave the flat state is reported", "[core][verify]") {
   SECTION("three folds about a vertex") {
     const VerifyReport report = verified(four_folds({0.0, 120.0, 240.0}, "VVM"));
     INFO(verify_text(report));
@@ -174,7 +159,7 @@ TEST_CASE("a sheet that cannot leave the flat state says so", "[core][verify]") 
   }
 }
 
-TEST_CASE("a fold that shuts early ends the motion and is no failure", "[core][verify]") {
+TEST_CASE("a fold that closes early ends the motion and is not a failure", "[core][verify]") {
   // The two short sectors fold onto each other long before the long fold is shut.
   const VerifyReport report = verified(four_folds({0.0, 80.0, 100.0, 230.0}, "VMVV"));
   INFO(verify_text(report));
@@ -262,7 +247,7 @@ TEST_CASE("a crossing is found between and beyond the poses that a file shows", 
   CHECK(has(verify_text(far), "of the whole motion, psi 3.12 to 0.02 rad"));
 }
 
-TEST_CASE("the motion of a splayed card is the closed form in every pose", "[core][verify]") {
+TEST_CASE("the motion of a splayed card equals the closed form in every pose", "[core][verify]") {
   const auto file = verify::read_fold_model(splayed_card(1.4, 2.5).text());
   REQUIRE(file);
   VerifyCheck check;

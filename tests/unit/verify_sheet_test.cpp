@@ -24,7 +24,8 @@ TEST_CASE("faces that overlap on the sheet are named with the area", "[core][ver
   CHECK(has(failures(report, "lines"), "without a vertex"));
 }
 
-TEST_CASE("a cut that parts the sheet is reported with what falls off", "[core][verify]") {
+TEST_CASE("a cut that splits the sheet is reported with the part that falls off",
+          "[core][verify]") {
   FoldDraft draft = box_card();
   for (std::size_t e = 0; e < draft.edges.size(); ++e) {
     const auto [a, b] = draft.edges[e];
@@ -36,7 +37,7 @@ TEST_CASE("a cut that parts the sheet is reported with what falls off", "[core][
   CHECK(has(failures(report, "pieces"), "2 faces are cut off from the rest of the sheet"));
 }
 
-TEST_CASE("a cut drawn as one edge parts its faces and a border between two is named",
+TEST_CASE("a cut drawn as one edge separates its faces and a border between two is named",
           "[core][verify]") {
   for (const char letter : {'B', 'C'}) {
     CAPTURE(letter);
@@ -93,7 +94,7 @@ TEST_CASE("a line outside the sheet and a doubled cut are named", "[core][verify
   CHECK(has(found, "/edges_vertices/" + std::to_string(draft.edges.size() - 1)));
 }
 
-TEST_CASE("a fold that a vertex interrupts must end there", "[core][verify]") {
+TEST_CASE("a fold must end at a vertex that interrupts it", "[core][verify]") {
   FoldDraft draft = folded_strip({0.0, 10.0, 20.0}, {70.0});
   // A slit from the rim of face 0 ends on the middle of the fold, which knows nothing of it.
   const std::size_t rim = draft.flat.size();
@@ -108,7 +109,7 @@ TEST_CASE("a fold that a vertex interrupts must end there", "[core][verify]") {
   CHECK(has(failures(verified(draft), "lines"), "lies inside this fold; it must end there"));
 }
 
-TEST_CASE("a notch that a cut makes into one face is lawful", "[core][verify]") {
+TEST_CASE("a cut may make a notch into one face", "[core][verify]") {
   FoldDraft draft = folded_strip({0.0, 10.0, 20.0}, {70.0});
   const std::size_t rim = draft.flat.size();
   draft.flat.push_back({0.0, 5.0});

@@ -43,7 +43,8 @@ TEST_CASE("a lattice on a card has exactly one freedom", "[core][verify]") {
   }
 }
 
-TEST_CASE("a lattice without a card has the loose ends that theory counts", "[core][verify]") {
+TEST_CASE("a lattice without a card has the loose ends that the theory predicts",
+          "[core][verify]") {
   for (int levels = 2; levels <= 5; ++levels) {
     for (int slices = 2; slices <= 4; ++slices) {
       CAPTURE(levels, slices);
@@ -73,7 +74,7 @@ TEST_CASE("dense and sparse counting agree on a chain of many freedoms", "[core]
   }
 }
 
-TEST_CASE("more freedoms than demanded fail with both numbers", "[core][verify]") {
+TEST_CASE("more freedoms than requested fail with both numbers", "[core][verify]") {
   const VerifyReport report = verified(
       draft_of(CylinderCard{.levels = 3, .slices = 2, .card = false}), {.degrees_of_freedom = 1});
   CHECK_FALSE(report.ok());

@@ -16,7 +16,7 @@
 #include "device/doctor.hpp"
 #include "device/port/device_id.hpp"
 #include "device/port/ports.hpp"
-#include "device/port/serial_transport.hpp"
+#include "device/port/port_transport.hpp"
 #include "device/usb/usb_bus.hpp"
 
 namespace popcut::cli {

@@ -10,7 +10,7 @@
 
 #include "daemon/files/user_tables.hpp"
 #include "device/port/file_transport.hpp"
-#include "device/port/serial_transport.hpp"
+#include "device/port/port_transport.hpp"
 #include "device/sim/sim_transport.hpp"
 #include "device/usb/usb_bus.hpp"
 #include "device/usb/usb_error.hpp"

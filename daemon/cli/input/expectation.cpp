@@ -105,7 +105,7 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
       if (tool.is_number_integer() && tool >= 1 && tool <= 15)
         facts.blade_tools = static_cast<std::uint16_t>(facts.blade_tools | 1u << tool.get<int>());
   for (const char* list : {"/overcuts", "/lead_ins", "/marks", "/labels"})
-    if (auto read = read_lawful(json, sheet + list, facts.also_lawful); !read)
+    if (auto read = read_lawful(json, sheet + list, facts.also_allowed); !read)
       return tl::unexpected(read.error());
   return facts;
 }
@@ -165,10 +165,10 @@ void add_knife(const KnifeWork& knife, Expected& expected) {
     const double mm = overcut_for(round_mm(points, knife.rounds), knife.overcut_mm);
     part.clear();
     append_head(points, mm, part);
-    expected.also_lawful.append(Operation::Cut, part);
+    expected.also_allowed.append(Operation::Cut, part);
     part.clear();
     append_tail(points, mm, part);
-    expected.also_lawful.append(Operation::Cut, part);
+    expected.also_allowed.append(Operation::Cut, part);
   }
 }
 
@@ -187,7 +187,7 @@ Result<Expectation> read_expectation(const std::string& file, const std::optiona
   auto input = read_drawing(file, SvgProfile::Popcut);
   if (!input) return tl::unexpected(input.error());
   Expectation out;
-  if (plan) out.expected.also_lawful = plan->also_lawful;
+  if (plan) out.expected.also_allowed = plan->also_allowed;
   if (input->drawing.dashed) {
     // A sheet stands where it is cut, dash by dash.
     out.expected.drawing = std::move(input->drawing);

@@ -8,7 +8,7 @@
 
 using namespace popcut;
 
-TEST_CASE("the built-in tables hold every machine and material of the manual",
+TEST_CASE("the built-in tables have every documented machine and material",
           "[core][plan][tables]") {
   for (const char* name : {"cameo", "cameo2", "cameo3", "cameo4", "cameo5", "portrait", "portrait2",
                            "portrait3", "portrait4", "curio", "hpgl-generic"}) {
@@ -28,7 +28,7 @@ TEST_CASE("the built-in tables hold every machine and material of the manual",
   CHECK(paper->dashes.clearance_mm == 0.5);
 }
 
-TEST_CASE("the Cameo 3 is as its recordings show it", "[core][plan][tables]") {
+TEST_CASE("the Cameo 3's row matches its recordings", "[core][plan][tables]") {
   const auto machine = find_machine("cameo3");
   REQUIRE(machine);
   CHECK(machine->identity == "CAMEO 3 V1.60    ");
@@ -62,8 +62,7 @@ TEST_CASE("no two built-in machines share a name or a USB id", "[core][plan][tab
   }
 }
 
-TEST_CASE("a user's row takes the place of a built-in one and can start from another",
-          "[core][plan][tables]") {
+TEST_CASE("a user's row replaces a built-in one and can extend another", "[core][plan][tables]") {
   const std::string table = R"({"popcut": 1,
     "machines": [{"name": "workshop", "like": "cameo3", "title": "Ours", "length_mm": 6000}],
     "materials": [{"name": "paper-220", "like": "paper-220", "autoblade_depth": 7}]})";
@@ -89,7 +88,7 @@ TEST_CASE("a wrong name or field is answered with the nearest right one", "[core
   CHECK(field.error().detail.find("did you mean width_mm?") != std::string::npos);
 }
 
-TEST_CASE("a user's table that is not lawful is refused with its place", "[core][plan][tables]") {
+TEST_CASE("an invalid user's table is refused with its place", "[core][plan][tables]") {
   const auto place = [](const std::string& table) {
     const auto machines = all_machines({table});
     REQUIRE_FALSE(machines);

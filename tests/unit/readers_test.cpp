@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 
 #include "core/formats/fold/fold_reader.hpp"
-#include "core/formats/svg/syntax/svg_path.hpp"
 #include "core/formats/svg/svg_reader.hpp"
+#include "core/formats/svg/syntax/svg_path.hpp"
 #include "core/formats/svg/syntax/svg_transform.hpp"
 #include "tests/support/linework_checks.hpp"
 
@@ -93,7 +93,7 @@ TEST_CASE("transforms are applied from the inside out", "[core][formats][svg]") 
   CHECK_FALSE(parse_svg_transform("sqew(1)"));
 }
 
-TEST_CASE("shapes come out in millimetres", "[core][formats][svg]") {
+TEST_CASE("shapes are converted to millimetres", "[core][formats][svg]") {
   const LineWork work = read(svg(R"x(<g stroke="black" transform="translate(5 5)">
       <rect x="0" y="0" width="10" height="20"/><circle cx="50" cy="50" r="10"/>
       <line x1="0" y1="0" x2="3" y2="4"/><polyline points="0,0 1,0 1,1"/>
@@ -117,7 +117,7 @@ TEST_CASE("shapes come out in millimetres", "[core][formats][svg]") {
   CHECK(length(round.points) == Approx(60 - 16 + 4 * M_PI).epsilon(2e-3));
 }
 
-TEST_CASE("assignments and layers and profiles say what a line is for", "[core][formats][svg]") {
+TEST_CASE("assignments and layers and profiles give a line its meaning", "[core][formats][svg]") {
   const std::string text =
       svg(R"x(<g inkscape:groupmode="layer" inkscape:label="fold-valley" stroke="#000">
       <path d="M0 0H1"/><path d="M0 1H2" data-assignment="M"/><path d="M0 1H2" data-assignment="F"/></g>
@@ -148,7 +148,8 @@ TEST_CASE("lines dashed by their style are cut as those dashes", "[core][formats
       svg(R"x(<path d="M0 0H10" stroke="red" stroke-dasharray="1e-9"/>)x"), SvgProfile::Plain));
 }
 
-TEST_CASE("what cannot be cut is named with its number and its place", "[core][formats][svg]") {
+TEST_CASE("elements that cannot be cut are named with their number and place",
+          "[core][formats][svg]") {
   const LineWork work = read(svg(R"x(<text id="t">hello</text>
       <image/><image/><use href="#a"/><defs><path d="M0 0H9" stroke="red"/></defs>)x"));
   CHECK(work.lines.empty());
@@ -196,7 +197,7 @@ TEST_CASE("FOLD vertices are turned onto the page and never mirrored", "[core][f
   CHECK(fold[1] == PagePoint{10, 10});
 }
 
-TEST_CASE("two borders on one line are a slit and cut once", "[core][formats][fold]") {
+TEST_CASE("two borders on one line become a slit that is cut once", "[core][formats][fold]") {
   // A 4 x 2 sheet with a slit from (1,1) to (3,1): its sides have vertices 6 and 7 of their own and
   // are divided differently.
   const auto work = linework_from_fold(R"x({"frame_unit": "mm",
@@ -216,7 +217,7 @@ TEST_CASE("two borders on one line are a slit and cut once", "[core][formats][fo
   CHECK(total_mm(*hole, Operation::Cut) == Approx(60));
 }
 
-TEST_CASE("FOLD edges keep what they are for", "[core][formats][fold]") {
+TEST_CASE("FOLD edges keep their meaning", "[core][formats][fold]") {
   const auto work = linework_from_fold(
       R"x({"frame_unit": "mm", "vertices_coords": [[0,0],[0,1],[0,3],[0,6],[0,10],[0,15]],
     "edges_vertices": [[0,1],[1,2],[2,3],[3,4],[4,5]],
@@ -228,7 +229,7 @@ TEST_CASE("FOLD edges keep what they are for", "[core][formats][fold]") {
   CHECK(work->warnings.size() == 3);
 }
 
-TEST_CASE("a FOLD file that is not sound is refused with its place", "[core][formats][fold]") {
+TEST_CASE("an invalid FOLD file is refused with its place", "[core][formats][fold]") {
   CHECK(place_of("{") == "line 1, column 1");
   CHECK(place_of("[]") == "/");
   CHECK(place_of(R"x({"vertices_coord": []})x") == "/vertices_coords");
@@ -259,8 +260,7 @@ TEST_CASE("a FOLD file that is not sound is refused with its place", "[core][for
   CHECK_FALSE(linework_from_fold(std::string(1'000'000, '[')));
 }
 
-TEST_CASE("sample drawings from elsewhere are read or refused as they should be",
-          "[core][formats]") {
+TEST_CASE("sample drawings of other programs are read or refused as expected", "[core][formats]") {
   if (sample("fold/fold_simple.fold").empty()) {
     WARN("skipped: the sample drawings are not here");
     return;

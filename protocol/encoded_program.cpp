@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
+#include "protocol/encoded_program.hpp"
+
 #include <string_view>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "protocol/decode.hpp"
-#include "protocol/encode.hpp"
 
 namespace popcut {
 namespace {
 
-/// The bytes of a stroke before its way to its first point: settings, and in HPGL the pen's lift.
+/// The bytes of a stroke before the move to its first point: settings, and in HPGL the pen's lift.
 Result<std::string_view> settings_of(const EncodedProgram& program, ByteRange stroke) {
   const Result<Program> read = decode(program.dialect, program.view(stroke));
   if (!read) return tl::unexpected(read.error());
@@ -24,8 +23,8 @@ Result<std::string_view> settings_of(const EncodedProgram& program, ByteRange st
   return std::string_view(program.bytes).substr(stroke.begin, end);
 }
 
-/// Blocks of settings in the order in which each was sent last. Later ones win over earlier ones,
-/// so that a block that comes again need not be sent the first time.
+/// Blocks of settings in the order in which each was last sent. A later block overrides earlier
+/// ones, so a repeated block is needed only once.
 Result<std::vector<std::string_view>> settings_before(const EncodedProgram& program,
                                                       std::size_t first) {
   std::vector<std::string_view> blocks;
@@ -42,6 +41,25 @@ Result<std::vector<std::string_view>> settings_before(const EncodedProgram& prog
 }
 
 }  // namespace
+
+std::string lift_after(const EncodedProgram& program, std::size_t index) {
+  const ByteRange range = program.strokes.at(index);
+  if (range.begin == range.end) return {};
+  const Result<Program> read = decode(program.dialect, program.view(range));
+  if (!read || read->points.empty()) return {};
+  // A stroke begins with a move to a point, so its last point is absolute.
+  const MachinePoint end = read->points.back();
+  if (program.dialect == Dialect::Gpgl) return fmt::format("M{},{}{}", end.a, end.b, kEtx);
+  // In the words of the program itself.
+  for (const Command& command : read->commands) {
+    if (command.verb != Verb::Move) continue;
+    const char first = program.bytes[range.begin + command.begin];
+    if (first == 'U') return "U;";
+    if (first == 'M') return fmt::format("M{},{};", end.a, end.b);
+    break;
+  }
+  return "PU;";
+}
 
 Result<EncodedProgram> rest_of(const EncodedProgram& program, std::size_t first) {
   const std::size_t strokes = program.strokes.size();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "device/port/serial_transport.hpp"
+#include "device/port/port_transport.hpp"
 
-#include <utility>  // Boost 1.74's asio forgets it
+#include <utility>  // missing in Boost 1.74's asio
 
 #include <fcntl.h>
 #include <grp.h>
@@ -52,7 +52,7 @@ Error open_error(const std::string& path, const error_code& code) {
       const std::string group = group_of(path);
       return {ErrorKind::Refused, path,
               group.empty() || group == "root"
-                  ? "no permission to use this port; ask for access to it"
+                  ? "no permission to use this port; ask an administrator for access"
                   : fmt::format("no permission to use this port; join the group {0} (sudo usermod "
                                 "-aG {0} $USER, then log in again)",
                                 group)};
@@ -60,13 +60,13 @@ Error open_error(const std::string& path, const error_code& code) {
     case EBUSY:
     case EWOULDBLOCK:
       return {ErrorKind::Refused, path,
-              "another program uses this port; end that one first (a CUPS queue, maybe)"};
+              "another program uses this port; stop that program first (it may be a CUPS queue)"};
     case ENOENT:
       return {ErrorKind::DeviceGone, path,
               "there is no such port; 'popcut devices' lists what is plugged in"};
     case ENOTTY:
     case EINVAL:
-      return {ErrorKind::Refused, path, "is no serial port; /dev/ttyUSB0 is one"};
+      return {ErrorKind::Refused, path, "is not a serial port; give one such as /dev/ttyUSB0"};
     default:
       return {ErrorKind::DeviceGone, path,
               fmt::format("cannot be opened ({}); check cable and power", code.message())};
@@ -75,7 +75,7 @@ Error open_error(const std::string& path, const error_code& code) {
 
 }  // namespace
 
-/// What serial and printer ports have in common for a transport: all of it ends at a deadline.
+/// What serial and printer ports have in common; every call ends at a deadline.
 class PortTransport::Port {
  public:
   explicit Port(std::string name) : path(std::move(name)) {}
@@ -90,7 +90,7 @@ class PortTransport::Port {
   virtual Moved write_some(asio::const_buffer bytes, Clock::time_point until) = 0;
   virtual Moved read_some(asio::mutable_buffer room, Clock::time_point until) = 0;
   virtual int descriptor() = 0;
-  /// How many bytes the kernel still has, of `most` that it was given.
+  /// How many of the `most` bytes given to the kernel it has not sent yet.
   virtual std::size_t queued(std::size_t most) = 0;
   [[nodiscard]] virtual std::size_t piece_bytes() const = 0;
 
@@ -150,7 +150,7 @@ class SerialPort final : public StreamPort<asio::serial_port> {
 class PrinterPort final : public StreamPort<asio::posix::stream_descriptor> {
  public:
   using StreamPort::StreamPort;
-  /// The driver sends one piece after the other and takes the next when the last is through.
+  /// The driver accepts the next piece when the last one was sent.
   std::size_t queued(std::size_t most) override {
     pollfd port{descriptor(), POLLOUT, 0};
     return ::poll(&port, 1, 0) > 0 ? 0 : most;
@@ -158,7 +158,7 @@ class PrinterPort final : public StreamPort<asio::posix::stream_descriptor> {
   [[nodiscard]] std::size_t piece_bytes() const override { return 1024; }
 };
 
-/// Nobody else may open it as long as it is ours.
+/// Locks the port against other programs.
 error_code lock(int descriptor) {
   if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return {};
   return {errno, boost::system::system_category()};
@@ -189,9 +189,10 @@ Result<std::unique_ptr<PortTransport>> PortTransport::open_serial(const std::str
   if (code) return tl::unexpected(open_error(path, code));
   port->stream.set_option(asio::serial_port_base::baud_rate(settings.baud), code);
   if (code)
-    return fail(ErrorKind::Refused, path,
-                fmt::format("does not do {} baud; cutters use 9600, some 19200, 38400 or 115200",
-                            settings.baud));
+    return fail(
+        ErrorKind::Refused, path,
+        fmt::format("does not support {} baud; cutters use 9600, some 19200, 38400 or 115200",
+                    settings.baud));
   static_cast<void>(::ioctl(port->descriptor(), TIOCEXCL));
   return std::unique_ptr<PortTransport>(new PortTransport(std::move(port)));
 }
@@ -205,8 +206,9 @@ Result<std::unique_ptr<PortTransport>> PortTransport::open_printer(const std::st
   const bool device = ::fstat(descriptor, &node) == 0 && S_ISCHR(node.st_mode);
   if (!device) {
     ::close(descriptor);
-    return fail(ErrorKind::Refused, path,
-                "is no printer port; /dev/usb/lp0 is one, and file:NAME writes a file");
+    return fail(
+        ErrorKind::Refused, path,
+        "is not a printer port; give one such as /dev/usb/lp0, or file:NAME to write a file");
   }
   port->stream.assign(descriptor);
   if (const error_code code = lock(descriptor)) return tl::unexpected(open_error(path, code));
@@ -273,7 +275,7 @@ Result<std::vector<std::byte>> PortTransport::read(Deadline until) {
     if (hung_up || (moved.code && !late && moved.code != asio::error::eof))
       return tl::unexpected(gone());
     if (late || Clock::now() >= at(until))
-      return fail(ErrorKind::Timeout, port_->path, "no reply came in time");
+      return fail(ErrorKind::Timeout, port_->path, "no reply arrived in time");
     std::this_thread::sleep_for(milliseconds(5));  // a printer port may say "nothing" at once
   }
 }

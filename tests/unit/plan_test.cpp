@@ -49,7 +49,7 @@ TEST_CASE("a doubled line is cut once", "[core][plan][clean]") {
   CHECK(once.lines.size() == 1);
 }
 
-TEST_CASE("a fold that lies on a cut is taken away there", "[core][plan][clean]") {
+TEST_CASE("a fold that lies on a cut is removed there", "[core][plan][clean]") {
   LineWork work;
   draw(work, Operation::FoldMountain, {{0, 5}, {20, 5}});
   draw(work, Operation::Cut, {{5, 5}, {12, 5}});
@@ -141,7 +141,7 @@ TEST_CASE("a cut that meets a fold in its middle keeps its clearance", "[core][p
   CHECK(dashes >= 10);
 }
 
-TEST_CASE("folds keep clear of each of very many cuts", "[core][plan][dash]") {
+TEST_CASE("folds keep clear of each of many cuts", "[core][plan][dash]") {
   LineWork work;
   for (int i = 0; i < 40; ++i)
     draw(work, Operation::FoldValley, {{0, 2.0 * i}, {40, 2.0 * i + 0.5}});
@@ -167,7 +167,7 @@ TEST_CASE("folds keep clear of each of very many cuts", "[core][plan][dash]") {
   for (std::size_t i = 0; i < 40; ++i) CHECK(dashes_mm[i] == Approx(0.62 * 34.0).epsilon(0.05));
 }
 
-TEST_CASE("folds too short for a dash are told and left uncut", "[core][plan][dash]") {
+TEST_CASE("folds too short for a dash are reported and left uncut", "[core][plan][dash]") {
   LineWork work;
   draw(work, Operation::FoldMountain, {{3, 4}, {4.2, 4}});
   const Dashed dashed = micro_cut(work, paper().dashes);
@@ -245,7 +245,7 @@ TEST_CASE("clipping cuts each segment exactly at the border", "[core][plan][shee
   }
 }
 
-TEST_CASE("a closed line that is clipped goes on through its seam", "[core][plan][sheet]") {
+TEST_CASE("a clipped closed line continues through its start point", "[core][plan][sheet]") {
   LineWork work;
   draw(work, Operation::Cut, {{50, 20}, {50, 40}, {150, 40}, {150, 20}, {50, 20}});
   const LineWork part = clipped(work, {100.0, 100.0});
@@ -256,7 +256,7 @@ TEST_CASE("a closed line that is clipped goes on through its seam", "[core][plan
   CHECK(closed(inside.points_of(inside.lines[0])));
 }
 
-TEST_CASE("a drawing is placed where it is asked for", "[core][plan][sheet]") {
+TEST_CASE("a drawing is placed as requested", "[core][plan][sheet]") {
   PlanOptions options;
   options.place.at = PagePoint{20, 30};
   const auto done = plan(card(), cameo3(), paper(), options);
@@ -286,7 +286,7 @@ TEST_CASE("sizes of mats are read with their units", "[core][plan][sheet]") {
   CHECK(choose_mat(cameo3(), "400x400").error().kind == ErrorKind::OutOfRange);
 }
 
-TEST_CASE("moves take their time by acceleration and corners", "[core][plan][motion]") {
+TEST_CASE("times of moves follow acceleration and corners", "[core][plan][motion]") {
   Motion motion;
   motion.accel_mm_s2 = 100;
   motion.travel_mm_s = 50;
@@ -306,7 +306,7 @@ TEST_CASE("moves take their time by acceleration and corners", "[core][plan][mot
   CHECK(path_seconds(square, 50, motion) < 0.8);
 }
 
-TEST_CASE("the recorded job takes about as long as it took", "[core][plan][motion]") {
+TEST_CASE("the estimate for the recorded job is about its recorded time", "[core][plan][motion]") {
   // Four one inch squares in the corners of a page with 1 mm of overcut at both ends: 20.4 s at
   // speed 5, 16.8 s at speed 10, 15.4 s at speed 10 with a pen, which is not turned at corners.
   const auto seconds = [](double speed_mm_s) {
@@ -325,7 +325,7 @@ TEST_CASE("the recorded job takes about as long as it took", "[core][plan][motio
   CHECK(seconds(100) == Approx(15.4).epsilon(0.05));
 }
 
-TEST_CASE("what a machine cannot do is fitted to it with a warning", "[core][plan]") {
+TEST_CASE("values beyond a machine are adjusted with a warning", "[core][plan]") {
   Material strong = paper();
   strong.cut.force_gf = 500;
   strong.cut.tool = 2;
@@ -338,7 +338,7 @@ TEST_CASE("what a machine cannot do is fitted to it with a warning", "[core][pla
   }
 }
 
-TEST_CASE("a second pass goes back along an open cut and round a closed one", "[core][plan]") {
+TEST_CASE("a second pass returns along an open cut and goes round a closed one", "[core][plan]") {
   LineWork work;
   draw(work, Operation::Cut, {{10, 10}, {20, 10}});
   draw(work, Operation::Outline, {{0, 0}, {50, 0}, {50, 50}, {0, 50}, {0, 0}});
@@ -410,7 +410,7 @@ TEST_CASE("the sheet's picture can be read back stroke by stroke", "[core][plan]
   CHECK(linework_from_svg(assembly_svg(*done), SvgProfile::Plain));
 }
 
-TEST_CASE("a roll is as long as what is cut from it", "[core][plan][sheet]") {
+TEST_CASE("the used length of a roll is that of the drawing", "[core][plan][sheet]") {
   const auto done = plan(card(), *find_machine("hpgl-generic"), paper(), {});
   REQUIRE(done);
   CHECK(done->sheets[0].area_mm[0] == 600.0);

@@ -10,41 +10,42 @@
 
 namespace popcut {
 
-/// Who says stop when a buffer is full.
+/// How the receiver stops the sender when its buffer is full.
 enum class FlowControl : std::uint8_t {
-  None,     ///< nobody: only what is sent slowly enough arrives
-  RtsCts,   ///< wires of the cable
-  XonXoff,  ///< bytes 0x11 and 0x13
+  None,     ///< not at all: data sent too fast is lost
+  RtsCts,   ///< by wires of the cable
+  XonXoff,  ///< by the bytes 0x11 and 0x13
 };
 
-/// How a serial port is spoken to: 8 bits, no parity, one stop bit.
+/// Settings of a serial port, besides 8 bits, no parity, one stop bit.
 struct SerialSettings {
   std::uint32_t baud{9600};
   FlowControl flow{FlowControl::None};
 };
 
-/// A port of the kernel that takes bytes: a serial one (also USB adapters and CDC-ACM devices), or
-/// a printer's (`/dev/usb/lp0`). On the steady clock.
+/// A serial port of the kernel (also USB adapters and CDC-ACM devices) or a printer port
+/// (`/dev/usb/lp0`). On the steady clock.
 ///
-/// Few bytes at a time are handed to the kernel, and no more until those are on their way, so that
-/// `in_transit` stays small: what the kernel took will be sent, must not be sent again, but is not
-/// at the cutter yet. Errors of `write` and `read`:
+/// It hands few bytes at a time to the kernel, and no more until those are sent. So `in_transit`
+/// stays small: bytes that the kernel will send and that must not be sent again, but that the
+/// cutter does not have yet. Errors of `write` and `read`:
 /// - Timeout     the deadline passed
 /// - DeviceGone  the port hung up or failed: cable or adapter unplugged
 class PortTransport final : public Transport {
  public:
-  /// Opens a serial port for popcut alone.
+  /// Opens a serial port exclusively.
   ///
-  /// @retval DeviceGone  no such port, or nothing behind it
-  /// @retval Refused     no permission; another program has it; no such speed; no serial port
+  /// @retval DeviceGone  there is no such port, or nothing is connected to it
+  /// @retval Refused     no permission; used by another program; unsupported speed; not a serial
+  /// port
   [[nodiscard]] static Result<std::unique_ptr<PortTransport>> open_serial(
       const std::string& path, const SerialSettings& settings);
-  /// Opens a printer port for popcut alone. Errors as above.
+  /// Opens a printer port exclusively. Errors as above.
   [[nodiscard]] static Result<std::unique_ptr<PortTransport>> open_printer(const std::string& path);
 
   PortTransport(const PortTransport&) = delete;
   PortTransport& operator=(const PortTransport&) = delete;
-  /// Waits up to five seconds for what is still on its way: ports drop it when they are closed.
+  /// Waits up to five seconds for bytes in transit: closing a port drops them.
   ~PortTransport() override;
 
   [[nodiscard]] WriteEnd write(std::span<const std::byte> bytes, Deadline until) override;
@@ -58,12 +59,12 @@ class PortTransport final : public Transport {
 
  private:
   explicit PortTransport(std::unique_ptr<Port> port);
-  /// Waits until what was handed over is on its way; false at the deadline.
+  /// Waits until the kernel has sent what it was handed; false at the deadline.
   bool settle(Deadline until);
   [[nodiscard]] Error gone() const;
 
   std::unique_ptr<Port> port_;
-  std::size_t handed_over_{};  ///< by the last write to the kernel, maybe still there
+  std::size_t handed_over_{};  ///< bytes of the last write to the kernel, maybe not sent yet
 };
 
 }  // namespace popcut

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What comes before the geometry: who the machine is, its settings, the marks.
+// Part of device/session/session_run.hpp: what comes before the geometry. Which machine it is, its
+// settings, the registration marks.
 #include <fmt/format.h>
 
 #include "device/session/session_run.hpp"
@@ -7,16 +8,17 @@
 namespace popcut {
 
 Result<void> SessionRun::connect() {
-  tell(SessionPhase::Connecting);
+  report(SessionPhase::Connecting);
   if (!answers_) return {};
   Result<std::optional<DeviceStatus>> status = std::nullopt;
   for (int i = 0; i < options_.tries && status && !*status; ++i) status = inquirer_.status();
   if (!status) return tl::unexpected(status.error());
   if (!*status)
-    return fail(ErrorKind::Timeout, "",
-                fmt::format("the machine took no query for {:g} s; is it switched on, and not busy "
-                            "with another program?",
-                            options_.reply_s * options_.tries));
+    return fail(
+        ErrorKind::Timeout, "",
+        fmt::format("the machine accepted no query for {:g} s; check that it is switched on and "
+                    "not busy with another program",
+                    options_.reply_s * options_.tries));
   if (*status == DeviceStatus::NoMedia)
     return tl::unexpected(
         refused("no media in the machine; load a sheet, then start again", ErrorReason::NoMedia));
@@ -41,31 +43,31 @@ Result<void> SessionRun::check_identity() {
   }
   if (!said && said.error().kind == ErrorKind::Timeout)
     return fail(ErrorKind::Timeout, "",
-                "the machine gave its status but not its name; switch it off and on");
+                "the machine reported its status but not its name; switch it off and on");
   if (!said)
     return tl::unexpected(
         refused("the machine's name cannot be read; check that it is a " + machine_.title));
   const Result<Identity> meant = parse_identity(machine_.identity);
   if (meant && meant->model != said->model)
     return tl::unexpected(
-        refused(fmt::format("the machine says it is a {}, not a {}; give its "
+        refused(fmt::format("the machine reports that it is a {}, not a {}; give its "
                             "name with --machine",
                             said->model, meant->model)));
   return {};
 }
 
 Result<void> SessionRun::settings() {
-  tell(SessionPhase::Settings);
+  report(SessionPhase::Settings);
   for (const ByteRange& block : program_.setup)
     if (const Result<void> sent = send(block, accepted_); !sent) return sent;
   return wait_ready(plan_.setup_s);
 }
 
-/// Registration marks: the machine searches them and answers once, without being asked. Until then
-/// nothing else is asked, since replies do not say what they answer.
+/// Registration marks: the machine searches for them and answers once, without a query. Until then
+/// no query is sent, since replies do not say what they answer.
 Result<void> SessionRun::search() {
   if (program_.search.begin == program_.search.end) return {};
-  tell(SessionPhase::Searching);
+  report(SessionPhase::Searching);
   if (!answers_) return send(program_.search, accepted_);  // a file
   constexpr double kLongestS = 40;
   if (const Result<void> clean = inquirer_.forget(); !clean) return clean;
@@ -76,24 +78,24 @@ Result<void> SessionRun::search() {
     if (reply || reply.error().kind != ErrorKind::Timeout) break;
     if (cancel_asked() || give_up_asked()) {
       end_.cancelled = true;
-      return tl::unexpected(
-          refused("cancelled while the machine searched the registration marks; nothing was cut"));
+      return tl::unexpected(refused(
+          "cancelled while the machine searched for the registration marks; nothing was cut"));
     }
-    tell(SessionPhase::Searching);
+    report(SessionPhase::Searching);
   }
   if (!reply && reply.error().kind == ErrorKind::Timeout)
     return fail(
         ErrorKind::Timeout, "",
-        fmt::format("the machine did not say within {:g} s whether it found the registration "
+        fmt::format("the machine did not report within {:g} s whether it found the registration "
                     "marks; nothing was cut",
                     kLongestS));
   if (!reply) return tl::unexpected(reply.error());
   const Result<double> found = parse_number(*reply);
   if (!found || *found != 0)
-    return tl::unexpected(
-        refused("the registration marks were not found, and nothing was cut; see that the sheet is "
-                "printed at 100 %, lies as the plan says, and has its square at the upper left",
-                ErrorReason::NoMarks));
+    return tl::unexpected(refused(
+        "the registration marks were not found, and nothing was cut; check that the sheet is "
+        "printed at 100 %, lies as the plan says, and has its square at the upper left",
+        ErrorReason::NoMarks));
   return wait_ready(plan_.setup_s);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "device/sim/motion.hpp"
+#include "device/sim/ride.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ namespace popcut {
 Ride ride_first(std::span<const Leg> ahead, double entry_mm_s, double accel_mm_s2) {
   const Leg& leg = ahead.front();
   if (!(leg.length_mm > 0) || !(leg.speed_mm_s > 0) || !(accel_mm_s2 > 0)) return {0, 0};
-  // Backwards from rest at the end of what is known: how fast each corner may be left.
+  // Backwards from rest at the end of the last known leg: how fast each corner may be left.
   double exit = 0;
   for (std::size_t i = ahead.size() - 1; i > 0; --i) {
     const Leg& later = ahead[i];

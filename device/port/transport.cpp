@@ -1,8 +1,0 @@
-// SPDX-License-Identifier: MIT
-#include "device/port/transport.hpp"
-
-namespace popcut {
-
-Transport::~Transport() = default;
-
-}  // namespace popcut

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/result.hpp"
+#include "protocol/program.hpp"
+
+namespace popcut {
+
+/// Bytes `begin .. end` of a program.
+struct ByteRange {
+  std::uint64_t begin{};
+  std::uint64_t end{};
+  friend constexpr auto operator<=>(const ByteRange&, const ByteRange&) = default;
+};
+
+/// A program as it is sent: `setup` blocks, `search`, `geometry`, `trailer`, with nothing between
+/// them. A session waits until the device is ready after the setup, the geometry and the trailer.
+///
+/// Every range ends at the end of a command. The strokes' ranges follow each other without gaps
+/// and fill the geometry: a stroke's bytes are the settings that changed before it, the move with
+/// the tool up to its start, and its lines. A program contains no queries.
+struct EncodedProgram {
+  Dialect dialect{};
+  std::string bytes;
+  std::vector<ByteRange> setup;
+  ByteRange geometry;
+  ByteRange trailer;
+  std::vector<ByteRange> strokes;   ///< one per stroke of the toolpath, in its order
+  std::vector<std::uint32_t> dots;  ///< strokes whose points all round to one unit: not sent,
+                                    ///< their range is empty; the caller reports them
+  /// The search for registration marks, if there are any. The machine answers it once; send nothing
+  /// more until it has answered that it found them.
+  ByteRange search{};
+
+  [[nodiscard]] std::span<const std::byte> view(ByteRange range) const {
+    return std::as_bytes(std::span(bytes)).subspan(range.begin, range.end - range.begin);
+  }
+  [[nodiscard]] std::span<const std::byte> view() const { return std::as_bytes(std::span(bytes)); }
+};
+
+/// The bytes that lift the tool at the end of stroke `index`, for a pause between strokes: a move
+/// to the position it is at. Empty for a dot.
+[[nodiscard]] std::string lift_after(const EncodedProgram& program, std::size_t index);
+
+/// The rest of a program from stroke `first` on, as a program of its own: the whole setup, the
+/// settings that earlier strokes changed, the search for marks if there is one, the strokes from
+/// `first` on (each begins with a move, tool up), and the trailer. Its stroke 0 is `first`.
+///
+/// @retval OutOfRange  there is no such stroke
+/// @retval Malformed   a stroke before it cannot be read
+[[nodiscard]] Result<EncodedProgram> rest_of(const EncodedProgram& program, std::size_t first);
+
+}  // namespace popcut

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+#include <vector>
+
+namespace popcut::testing {
+
+[[nodiscard]] inline double seconds_since(std::chrono::steady_clock::time_point begun) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+}
+
+/// How long `work()` takes.
+[[nodiscard]] double seconds_of(const auto& work) {
+  const auto begun = std::chrono::steady_clock::now();
+  work();
+  return seconds_since(begun);
+}
+
+/// The median of how long `work()` takes.
+[[nodiscard]] double median_of(int runs, const auto& work) {
+  std::vector<double> times;
+  for (int k = 0; k < runs; ++k) times.push_back(seconds_of(work));
+  std::nth_element(times.begin(), times.begin() + runs / 2, times.end());
+  return times[static_cast<std::size_t>(runs / 2)];
+}
+
+/// Waits until `holds()` is true, asking every `step`; false if it is not within `seconds`.
+template <typename Condition>
+[[nodiscard]] bool comes_true(Condition holds, double seconds = 60,
+                              std::chrono::milliseconds step = std::chrono::milliseconds(2)) {
+  const auto begun = std::chrono::steady_clock::now();
+  while (!holds()) {
+    if (seconds_since(begun) > seconds) return false;
+    std::this_thread::sleep_for(step);
+  }
+  return true;
+}
+
+}  // namespace popcut::testing
