@@ -5,17 +5,17 @@
 
 #include <fmt/format.h>
 
-#include "core/text/json_fields.hpp"
 #include "core/machines/machine.hpp"
-#include "core/text/near_names.hpp"
-#include "core/text/read_object.hpp"
 #include "core/machines/table.hpp"
 #include "core/machines/tables.hpp"
+#include "core/text/json_fields.hpp"
+#include "core/text/near_names.hpp"
+#include "core/text/read_object.hpp"
 
 namespace popcut {
 namespace {
 
-constexpr double kMaxLength = 100'000.0;  // mm; nothing that is cut is longer than 100 m
+constexpr double kMaxLength = 100'000.0;  // mm; no sheet is longer than 100 m
 
 SteppedScale read_scale(JsonFields& fields) {
   SteppedScale scale;
@@ -45,7 +45,7 @@ std::vector<Mat> read_mats(JsonFields& fields) {
   std::vector<Mat> mats;
   const nlohmann::json* list = fields.value("mats");
   if (list == nullptr || !list->is_array()) {
-    fields.add_error(ErrorKind::Malformed, fields.pointer("mats"), "a list of mats is needed");
+    fields.add_error(ErrorKind::Malformed, fields.pointer("mats"), "must be a list of mats");
     return mats;
   }
   for (std::size_t i = 0; i < list->size(); ++i) {
@@ -72,7 +72,7 @@ void read_place(JsonFields& fields, Machine& machine) {
   machine.y_up = fields.boolean("y_up", false);
 }
 
-// A variant of GPGL, or habits of an HPGL machine: words joined by "+".
+// A variant of GPGL, or the variants of an HPGL machine: words joined by "+".
 void read_variant(JsonFields& fields, Machine& machine) {
   machine.variant = fields.text("variant", {});
   const bool hpgl = machine.language == "hpgl";
@@ -83,10 +83,10 @@ void read_variant(JsonFields& fields, Machine& machine) {
     more = word.size() < rest.size();
     if (more) rest.remove_prefix(word.size() + 1);
     if (std::find(known.begin(), known.end(), word) != known.end()) continue;
-    fields.add_error(
-        ErrorKind::OutOfRange, fields.pointer("variant"),
-        fmt::format("\"{}\" is no variant of {}; {}{}", word.substr(0, 40), hpgl ? "HPGL" : "GPGL",
-                    fmt::join(known, ", "), hpgl ? " are known, joined by +" : " are known"));
+    fields.add_error(ErrorKind::OutOfRange, fields.pointer("variant"),
+                     fmt::format("\"{}\" is not a variant of {}; use {}{}", word.substr(0, 40),
+                                 hpgl ? "HPGL" : "GPGL", fmt::join(known, ", "),
+                                 hpgl ? " (join several with +)" : ""));
     return;
   }
 }

@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "core/text/json_fields.hpp"
 #include "core/machines/machine.hpp"
-#include "core/text/near_names.hpp"
-#include "core/text/read_object.hpp"
 #include "core/machines/table.hpp"
 #include "core/machines/tables.hpp"
+#include "core/text/json_fields.hpp"
+#include "core/text/near_names.hpp"
+#include "core/text/read_object.hpp"
 
 namespace popcut {
 namespace {
@@ -51,7 +51,7 @@ void read_folds(JsonFields& fields, Material& material) {
                        (material.folds == FoldMode::Light && !material.light);
   if (missing)
     fields.add_error(ErrorKind::Malformed, fields.pointer("folds"),
-                     fmt::format("is {0}, which needs the settings \"{0}\" of this material",
+                     fmt::format("is {0}, but this material has no settings \"{0}\"; add them",
                                  fold_mode_name(material.folds)));
 }
 

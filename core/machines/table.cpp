@@ -21,21 +21,20 @@ TableRow* find_row(std::vector<TableRow>& rows, std::string_view name) {
   return found == rows.end() ? nullptr : &*found;
 }
 
-// Starts from the row that `row` is like, with the fields of `row` over it.
+// The row that `row` names in "like", with the fields of `row` written over it.
 Result<TableRow> inherited(TableRow row, std::vector<TableRow>& rows) {
   const auto like = row.row.find("like");
   if (like == row.row.end()) return row;
   const std::string place = row.pointer + "/like";
-  if (!like->is_string())
-    return fail(ErrorKind::Malformed, place, "the name of another row is due");
+  if (!like->is_string()) return fail(ErrorKind::Malformed, place, "must name another row");
   const std::string base_name = like->get<std::string>();
   const TableRow* base = find_row(rows, base_name);
   if (base == nullptr) {
     std::vector<std::string> names;
     for (const TableRow& other : rows) names.push_back(other.name);
-    return fail(ErrorKind::Malformed, place,
-                fmt::format("no row {} stands before this one; {}", base_name,
-                            suggestion(base_name, names)));
+    return fail(
+        ErrorKind::Malformed, place,
+        fmt::format("no earlier row is called {}; {}", base_name, suggestion(base_name, names)));
   }
   nlohmann::json merged = base->row;
   merged.erase("source");
@@ -48,8 +47,9 @@ Result<TableRow> inherited(TableRow row, std::vector<TableRow>& rows) {
 Result<void> append(std::vector<TableRow>& rows, std::string_view list, std::string_view text,
                     int table) {
   if (text.size() > kMaxTableBytes)
-    return fail(ErrorKind::Malformed, "",
-                fmt::format("the table has {} bytes; at most {}", text.size(), kMaxTableBytes));
+    return fail(
+        ErrorKind::Malformed, "",
+        fmt::format("the table has {} bytes; the limit is {}", text.size(), kMaxTableBytes));
   const auto json = parse_json(text, 16);
   if (!json) return tl::unexpected(json.error());
   JsonFields fields(*json, "");
@@ -61,16 +61,16 @@ Result<void> append(std::vector<TableRow>& rows, std::string_view list, std::str
   const auto found = json->find(std::string(list));
   if (found == json->end()) return {};
   const std::string pointer = "/" + std::string(list);
-  if (!found->is_array()) return fail(ErrorKind::Malformed, pointer, "an array of rows is due");
+  if (!found->is_array()) return fail(ErrorKind::Malformed, pointer, "must be an array of rows");
   if (found->size() > kMaxRows)
     return fail(ErrorKind::Malformed, pointer,
-                fmt::format("{} rows; at most {}", found->size(), kMaxRows));
+                fmt::format("has {} rows; the limit is {}", found->size(), kMaxRows));
   for (std::size_t i = 0; i < found->size(); ++i) {
     TableRow row{"", fmt::format("{}/{}", pointer, i), table, (*found)[i]};
     JsonFields head(row.row, row.pointer);
     row.name = head.text("name", std::nullopt);
     if (row.name.empty())
-      head.add_error(ErrorKind::Malformed, row.pointer + "/name", "is empty; a word is needed");
+      head.add_error(ErrorKind::Malformed, row.pointer + "/name", "is empty; give the row a name");
     for (const auto& field : row.row.items()) head.value(field.key());
     if (auto named = head.finish(); !named) return named;
     auto whole_row = inherited(std::move(row), rows);

@@ -9,10 +9,10 @@
 
 #include "core/formats/svg/syntax/svg_colour.hpp"
 #include "core/formats/svg/syntax/svg_units.hpp"
-#include "core/text/json_fields.hpp"
-#include "core/text/near_names.hpp"
 #include "core/machines/table.hpp"
 #include "core/machines/tables.hpp"
+#include "core/text/json_fields.hpp"
+#include "core/text/near_names.hpp"
 
 namespace popcut {
 namespace {
@@ -39,7 +39,8 @@ std::uint32_t read_colour(JsonFields& fields, const nlohmann::json& value,
   const auto paint =
       value.is_string() ? parse_svg_paint(value.get_ref<const std::string&>()) : std::nullopt;
   if (paint && paint->kind == SvgPaint::Kind::Colour) return paint->rgb;
-  fields.add_error(ErrorKind::Malformed, place, "is no colour; one as #ff0000 or red is needed");
+  fields.add_error(ErrorKind::Malformed, place,
+                   "is not a colour; write one such as #ff0000 or red");
   return 0;
 }
 
@@ -59,8 +60,9 @@ StrokeRule read_rule(JsonFields& fields) {
   if (line < 3) rule.line = static_cast<LineStyle>(line);
   rule.css_class = fields.text("class", "");
   if (!fields.has("use"))
-    fields.add_error(ErrorKind::Malformed, fields.pointer("use"),
-                     "is missing; cut, outline, score, fold-mountain, fold-valley, draw or ignore");
+    fields.add_error(
+        ErrorKind::Malformed, fields.pointer("use"),
+        "is missing; use cut, outline, score, fold-mountain, fold-valley, draw or ignore");
   rule.use = read_use(fields, "use");
   return rule;
 }
@@ -70,12 +72,11 @@ void read_rules(JsonFields& fields, StrokeProfile& profile) {
   const nlohmann::json* list = fields.value("rules");
   if (list == nullptr || !list->is_array() || list->size() > kMostRules)
     return fields.add_error(ErrorKind::Malformed, fields.pointer("rules"),
-                            fmt::format("a list of at most {} rules is needed", kMostRules));
+                            fmt::format("must be a list of at most {} rules", kMostRules));
   for (std::size_t i = 0; i < list->size(); ++i) {
     const nlohmann::json& row = (*list)[i];
     const std::string place = fmt::format("{}/{}", fields.pointer("rules"), i);
-    if (!row.is_object())
-      return fields.add_error(ErrorKind::Malformed, place, "an object is needed");
+    if (!row.is_object()) return fields.add_error(ErrorKind::Malformed, place, "must be an object");
     JsonFields inner(row, place);
     profile.rules.push_back(read_rule(inner));
     if (const auto whole = inner.finish(); !whole)
@@ -87,8 +88,9 @@ void read_labels(JsonFields& fields, StrokeProfile& profile) {
   if (!fields.has("labels")) return;
   const nlohmann::json* labels = fields.value("labels");
   if (labels == nullptr || !labels->is_object())
-    return fields.add_error(ErrorKind::Malformed, fields.pointer("labels"),
-                            "an object of label and use is needed, as {\"kiss cut\": \"score\"}");
+    return fields.add_error(
+        ErrorKind::Malformed, fields.pointer("labels"),
+        "must be an object of labels and uses such as {\"kiss cut\": \"score\"}");
   JsonFields inner(*labels, fields.pointer("labels"));
   for (const auto& label : labels->items())
     profile.labels[plain_label(label.key())] = read_use(inner, label.key());

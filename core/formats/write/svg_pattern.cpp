@@ -14,12 +14,12 @@ struct Layer {
   EdgeRole role;
   std::string_view label;
   std::string_view colour;
-  std::string_view dashes;  // to look at
+  std::string_view dashes;  // for display only
   std::string_view assignment;
   std::string_view fold_angle;
 };
 
-// In the order of cutting: nothing may shift before it is cut.
+// In cutting order: no part may move before it is cut.
 constexpr std::array<Layer, 4> kLayers{{
     {EdgeRole::Mountain, "fold-mountain", "#ff0000", "3 1 0.5 1", "M", "-90"},
     {EdgeRole::Valley, "fold-valley", "#0000ff", "2 1", "V", "90"},
@@ -27,8 +27,7 @@ constexpr std::array<Layer, 4> kLayers{{
     {EdgeRole::Outline, "outline", "#000000", "", "B", "0"},
 }};
 
-/// The part of the page that is drawn: the sheet from its corner, or, without a card, what the
-/// lines cover.
+/// The drawn part of the page: the sheet from its corner; without a card, the bounds of the lines.
 struct Page {
   double x{}, y{}, width{}, height{};
 };

@@ -10,9 +10,9 @@
 namespace popcut {
 namespace {
 
-constexpr std::uint32_t kLargestArray = 1500;  // stops; blocks are quicker beyond
+constexpr std::uint32_t kLargestArray = 1500;  // stops; beyond this, blocks are faster
 
-// Steele, Lea and Flood 2014 (splitmix64): small, and the same everywhere.
+// Steele, Lea and Flood 2014 (splitmix64): small, and gives the same numbers on every machine.
 class Chance {
  public:
   explicit Chance(std::uint64_t seed) : state_(seed) {}

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "core/verify/sheet/cell_grid.hpp"
 #include "core/verify/motion/crossing.hpp"
+#include "core/verify/sheet/cell_grid.hpp"
 
 namespace popcut::verify {
 namespace {
@@ -29,8 +29,8 @@ bool apart(const Box& a, const Box& b, double slack) {
          b.low.y > a.high.y + slack || a.low.z > b.high.z + slack || b.low.z > a.high.z + slack;
 }
 
-/// Where a line cuts a polygon, when corners within `slack` of the line count as lying on the side
-/// `lean` of it. `off` is each corner's distance from the line, `along` its place along it.
+/// Where a line cuts a polygon, if corners within `slack` of the line count as lying on its side
+/// `lean`. `off` holds each corner's distance from the line, `along` its position along the line.
 std::vector<Interval> cut_leaning(const std::vector<double>& off, const std::vector<double>& along,
                                   double slack, bool lean) {
   const auto side = [&](std::size_t k) { return std::abs(off[k]) <= slack ? lean : off[k] > 0.0; };
@@ -82,7 +82,7 @@ class FacesInSpace {
 
   enum class Relation { Apart, Cross, SamePlane };
 
-  /// How face `g` lies to face `f`. `where` is a point of the crossing.
+  /// How face `g` lies relative to face `f`. `where` gets a point of the crossing.
   Relation relation(std::uint32_t f, std::uint32_t g, Vec3& where) const {
     if (apart(boxes_[f], boxes_[g], slack_)) return Relation::Apart;
     std::vector<double> g_off;
@@ -120,8 +120,8 @@ class FacesInSpace {
     return low >= -slack_ || high <= slack_ ? Straddle::Beside : Straddle::Through;
   }
 
-  /// The stretches of the line that lie strictly inside face `f`: those that stay in it wherever
-  /// the line is nudged to.
+  /// The stretches of the line that stay strictly inside face `f`, even if the line shifts by the
+  /// slack.
   std::vector<Interval> interior(std::uint32_t f, const std::vector<double>& off, Vec3 line) const {
     std::vector<double> along;
     for (const std::uint32_t v : face_of(file_, f)) along.push_back(dot(line, pose_.at[v]));
@@ -146,7 +146,7 @@ class FacesInSpace {
   std::vector<Box> boxes_;
 };
 
-/// Area that two faces in one plane share, seen in the plane of `f`.
+/// The area that two faces in one plane share, measured in the plane of `f`.
 double shared_area(const Triangles& triangles, const Pose& pose, const RigidMotion& plane,
                    std::uint32_t f, std::uint32_t g, double& reach) {
   const auto corners = [&](std::uint32_t t) {
@@ -185,7 +185,7 @@ void check_faces_apart(const FoldFile& file, const Sheet& sheet, const Triangles
     all.high = {std::max(all.high.x, b.high.x), std::max(all.high.y, b.high.y),
                 std::max(all.high.z, b.high.z)};
   }
-  // Faces are sorted into cells seen along the direction in which the structure is thinnest.
+  // Sorts faces into cells, seen along the direction in which the structure is thinnest.
   const Vec3 size = all.high - all.low;
   const int thin = size.x <= size.y && size.x <= size.z ? 0 : size.y <= size.z ? 1 : 2;
   const auto seen = [&](Vec3 p) {
@@ -213,10 +213,10 @@ void check_faces_apart(const FoldFile& file, const Sheet& sheet, const Triangles
         const double shared = shared_area(triangles, pose, space.motion(f), f, g, reach);
         if (shared <= 4.0 * slack_mm * (reach + slack_mm) || !reported.emplace(f, g).second) return;
         check.fail(fmt::format("/faces_vertices/{}", g),
-                   fmt::format("faces {} and {} lie on each other over {:.6g} mm2 in {}", f, g,
-                               shared, pose_name(pose)));
+                   fmt::format("faces {} and {} overlap by {:.6g} mm2 in {}", f, g, shared,
+                               pose_name(pose)));
       });
-  if (!complete) check.not_judged("too many faces lie in one place to be compared");
+  if (!complete) check.not_judged("too many faces lie in one place to compare them");
 }
 
 }  // namespace popcut::verify

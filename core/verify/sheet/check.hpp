@@ -8,19 +8,19 @@
 
 namespace popcut {
 
-/// One thing that does not hold: where (JSON pointer into the FOLD file) and what.
+/// A failure: where (JSON pointer into the FOLD file) and what.
 struct VerifyFailure {
   std::string place;
   std::string detail;
 };
 
-/// One question asked of a pattern. It lists the first `kListed` failures and counts the rest.
+/// One check of a pattern. It lists the first `kListed` failures and counts the rest.
 struct VerifyCheck {
   static constexpr std::size_t kListed = 20;
 
-  std::string name;    ///< one word or two, stable: a script may look for it
+  std::string name;    ///< stable, so that scripts can look for it
   std::string detail;  ///< the figures, in a sentence
-  bool ran{true};      ///< false: it could not be asked, and `detail` says why
+  bool ran{true};      ///< false: the check could not run, and `detail` says why
   std::size_t failed{};
   std::vector<VerifyFailure> failures;
 
@@ -29,11 +29,11 @@ struct VerifyCheck {
     ++failed;
     if (failures.size() < kListed) failures.push_back({std::move(place), std::move(what)});
   }
-  /// Says that it was not judged, unless something was found before it was given up.
+  /// Marks the check as not made, unless it has already found a failure.
   void not_judged(std::string why) {
     if (failed > 0) return;
     ran = false;
-    detail = "not judged: " + std::move(why);
+    detail = "not checked: " + std::move(why);
   }
 };
 

@@ -7,8 +7,8 @@
 namespace popcut::verify {
 namespace {
 
-/// The part of a polygon that is left, as a ring of corners, and its reflex corners in buckets
-/// along the polygon's longer direction.
+/// The remaining part of a polygon as a ring of corners, with its reflex corners in buckets along
+/// the polygon's longer direction.
 class Ring {
  public:
   Ring(std::span<const Vec2> points, std::span<const std::uint32_t> polygon)
@@ -46,7 +46,7 @@ class Ring {
   [[nodiscard]] Triangle corner(std::uint32_t i) const {
     return {polygon_[prev_[i]], polygon_[i], polygon_[next_[i]]};
   }
-  /// Twice the area of the corner's triangle, negative where it is reflex.
+  /// Twice the area of the corner's triangle; negative for a reflex corner.
   [[nodiscard]] double turn(std::uint32_t i) const {
     return cross(at(i) - at(prev_[i]), at(next_[i]) - at(i));
   }
@@ -55,7 +55,7 @@ class Ring {
     return std::abs(turn(i)) <= sliver_ * longest;
   }
 
-  /// True when no reflex corner lies in the triangle at convex corner `i`; corners on its rim
+  /// Whether no reflex corner lies in the triangle at convex corner `i`. Corners on its border
   /// count unless `loose`.
   [[nodiscard]] bool is_ear(std::uint32_t i, bool loose) {
     const Vec2 a = at(prev_[i]);
@@ -87,7 +87,7 @@ class Ring {
     --left_;
     for (const std::uint32_t k : {prev_[i], next_[i]}) {
       if (reflex_[k] != 0 && turn(k) >= 0.0) reflex_[k] = 0;
-      // Next to a notch without width, a corner can turn reflex when the notch goes.
+      // Next to a zero-width notch, a corner can become reflex when the notch is removed.
       if (reflex_[k] == 0 && turn(k) < 0.0) {
         reflex_[k] = 1;
         bucket_[slot(at(k))].push_back(k);
@@ -128,7 +128,7 @@ bool triangulate(std::span<const Vec2> points, std::span<const std::uint32_t> po
   if (polygon.size() < 3) return false;
   Ring ring(points, polygon);
   std::uint32_t start = 0;
-  // Notches without width go first, from their tips: no ear may reach over them.
+  // Remove zero-width notches first, from their tips, because no ear may reach over them.
   for (std::size_t waited = 0; ring.left() > 2 && waited <= ring.left();) {
     if (ring.is_sliver(start)) {
       ring.clip(start);
@@ -151,7 +151,7 @@ bool triangulate(std::span<const Vec2> points, std::span<const std::uint32_t> po
         covered += turn;
       }
       ring.clip(i);
-      i = ring.next(ring.next(i));  // leave the neighbour: fans make slivers
+      i = ring.next(ring.next(i));  // skip the neighbour, because fans make slivers
       waited = 0;
       loose = false;
       continue;
@@ -167,7 +167,7 @@ bool triangulate(std::span<const Vec2> points, std::span<const std::uint32_t> po
 }
 
 double common_area(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b) {
-  // Clips `a` by the three sides of `b`: a triangle gains at most one corner a side.
+  // Clips `a` by the three sides of `b`: each side adds at most one corner.
   std::array<Vec2, 6> shape{a[0], a[1], a[2]};
   std::size_t count = 3;
   for (std::size_t side = 0; side < 3 && count > 0; ++side) {

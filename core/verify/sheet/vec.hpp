@@ -33,7 +33,7 @@ struct Vec3 {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 [[nodiscard]] inline double norm(Vec3 a) { return std::sqrt(dot(a, a)); }
-/// `a` at length 1; the zero vector stays zero.
+/// `a` scaled to length 1; the zero vector stays zero.
 [[nodiscard]] inline Vec3 unit(Vec3 a) {
   const double length = norm(a);
   return length > 0.0 ? (1.0 / length) * a : Vec3{};
