@@ -8,12 +8,12 @@
 namespace popcut {
 namespace {
 
-constexpr std::int32_t kNone = -1;
+constexpr std::int32_t kNoLine = -1;
 
 /// Which folds meet at a vertex: straight ones by role and side, and slanting valleys.
 struct Joint {
-  std::int32_t lower[2]{kNone, kNone};   ///< valley, mountain that ends here, coming from lower v
-  std::int32_t higher[2]{kNone, kNone};  ///< that begins here
+  std::int32_t lower[2]{kNoLine, kNoLine};   ///< valley, mountain that ends here, coming from lower v
+  std::int32_t higher[2]{kNoLine, kNoLine};  ///< that begins here
   int slanting{};
   double slope{};  ///< |du/dv| of the slanting valleys, the steepest
 };
@@ -68,11 +68,11 @@ class LineCollector {
 
   /// Joins straight folds of one role that share a vertex.
   void chain() {
-    for (Straight& s : straight_) s.has_before = joints_[s.from].lower[s.mountain] != kNone;
+    for (Straight& s : straight_) s.has_before = joints_[s.from].lower[s.mountain] != kNoLine;
     for (const Straight& first : straight_) {
       if (first.has_before) continue;
       std::uint32_t end = first.to;
-      while (joints_[end].higher[first.mountain] != kNone) {
+      while (joints_[end].higher[first.mountain] != kNoLine) {
         end = straight_[static_cast<std::size_t>(joints_[end].higher[first.mountain])].to;
       }
       lines_.push_back({u(first.from), v(first.from), v(end), first.mountain, false, std::nullopt});
@@ -84,7 +84,7 @@ class LineCollector {
   /// and two slanting valleys go out.
   void note_v_fold(std::uint32_t from, std::uint32_t to) {
     const auto apex_at = [&](const Joint& joint, std::int32_t crease) {
-      return joint.slanting == 2 && crease != kNone;
+      return joint.slanting == 2 && crease != kNoLine;
     };
     const bool forward = apex_at(joints_[from], joints_[from].lower[0]);
     const bool backward = apex_at(joints_[to], joints_[to].higher[0]);

@@ -12,7 +12,7 @@
 namespace popcut {
 namespace {
 
-constexpr std::int32_t kNone = -1;
+constexpr std::int32_t kNoVertex = -1;
 constexpr double kTolerance = 1e-6;  // of the sheet's size, for what is meant to be equal
 
 /// A line across one strip, with where its two panels are within the strip's own staircase.
@@ -33,7 +33,7 @@ struct Connector {
 
 /// Where a mountain is among the connectors: its place in the list of the one or two it crosses.
 struct Link {
-  std::int32_t connector[2]{kNone, kNone};
+  std::int32_t connector[2]{kNoVertex, kNoVertex};
   std::uint32_t at[2]{};
 };
 
@@ -183,7 +183,7 @@ class VertexFinder {
       for (std::uint32_t k = 0; k < folds.size(); ++k) {
         if (!lines_[folds[k].line].mountain) continue;
         Link& link = links_[folds[k].line];
-        const int end = link.connector[0] == kNone ? 0 : 1;
+        const int end = link.connector[0] == kNoVertex ? 0 : 1;
         link.connector[end] = static_cast<std::int32_t>(c);
         link.at[end] = k;
       }
@@ -192,7 +192,7 @@ class VertexFinder {
 
   /// The other connector that the mountain at `k` of connector `c` runs into, and its place there.
   struct Beyond {
-    std::int32_t connector{kNone};
+    std::int32_t connector{kNoVertex};
     std::uint32_t at{};
   };
   [[nodiscard]] Beyond beyond(std::uint32_t c, std::size_t k) const {
@@ -219,7 +219,7 @@ class VertexFinder {
       for (std::size_t k = 0; k < here.folds.size(); ++k) {
         if (!lines_[here.folds[k].line].mountain) continue;
         const Beyond there = beyond(c, k);
-        if (there.connector == kNone) continue;
+        if (there.connector == kNoVertex) continue;
         const auto next = static_cast<std::uint32_t>(there.connector);
         Connector& other = connectors_[next];
         if (other.placed) continue;
@@ -242,7 +242,7 @@ class VertexFinder {
       for (std::size_t k = 0; k < here.folds.size(); ++k) {
         if (!lines_[here.folds[k].line].mountain) continue;
         const Beyond there = beyond(c, k);
-        if (there.connector == kNone) continue;
+        if (there.connector == kNoVertex) continue;
         const Connector& other = connectors_[static_cast<std::uint32_t>(there.connector)];
         const double off_x =
             here.shift_x + here.folds[k].x - other.shift_x - other.folds[there.at].x;
@@ -334,7 +334,7 @@ class VertexFinder {
       for (const bool after : {false, true}) {
         if (after ? k + 1 >= folds.size() : k == 0) continue;
         const Beyond there = beyond(c, after ? k + 1 : k - 1);
-        if (there.connector == kNone) continue;
+        if (there.connector == kNoVertex) continue;
         const auto next = static_cast<std::uint32_t>(there.connector);
         const std::size_t at = after ? there.at - std::size_t{1} : there.at + std::size_t{1};
         if (at >= connectors_[next].folds.size()) continue;  // also none before the first

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/angle.hpp"
+
 namespace popcut {
 namespace {
 
@@ -61,7 +63,6 @@ ShutStack shut_stack(const Strips& strips, double thickness_mm) {
 
 std::optional<std::string> thickness_warning(const ShutStack& stack, double thickness_mm) {
   constexpr double kMostOpenRad = 5 * std::numbers::pi / 180, kSmallestInThicknesses = 3;
-  constexpr double kDegrees = 180 / std::numbers::pi;
   std::string said;
   if (stack.stays_open_rad > kMostOpenRad) {
     said = fmt::format(

@@ -59,18 +59,6 @@ std::optional<SliceFit> try_slices(const TriangleMesh& mesh, double from_mm, dou
 
 }  // namespace
 
-MeshBox box_of(const TriangleMesh& mesh) {
-  MeshBox box;
-  box.low.fill(std::numeric_limits<double>::infinity());
-  box.high.fill(-std::numeric_limits<double>::infinity());
-  for (std::size_t k = 0; k < mesh.corners.size(); ++k) {
-    const double value = static_cast<double>(mesh.corners[k]);
-    box.low[k % 3] = std::min(box.low[k % 3], value);
-    box.high[k % 3] = std::max(box.high[k % 3], value);
-  }
-  return box;
-}
-
 Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const SurfaceAssets& assets,
                                             Stand stand) {
   if (!spec.patches.empty())

@@ -15,7 +15,7 @@ namespace {
 constexpr double kStraight = 0.9962;          // cosine of 5 degrees
 constexpr double kStraightTolerance = 0.001;  // mm; far below one step of a machine
 constexpr std::size_t kFewEnds = 12;          // at a node: up to this many, all pairs are compared
-constexpr std::uint32_t kNone = 0xFFFFFFFF;
+constexpr std::uint32_t kNoNode = 0xFFFFFFFF;
 
 // Walks over pieces as disjoint sets: the walk of each piece, and whether that walk is closed.
 class Walks {
@@ -47,7 +47,7 @@ class Walks {
 class Joiner {
  public:
   Joiner(const std::vector<Piece>& pieces, std::span<const PagePoint> nodes)
-      : pieces_(pieces), nodes_(nodes), partner_(2 * pieces.size(), kNone), walks_(pieces.size()) {
+      : pieces_(pieces), nodes_(nodes), partner_(2 * pieces.size(), kNoNode), walks_(pieces.size()) {
     list_ends();
   }
 
@@ -58,7 +58,7 @@ class Joiner {
   // Where a closed walk passes a node of another walk, merges the two.
   void merge_closed() {
     for (std::uint32_t e = 0; e < partner_.size(); ++e)
-      if (partner_[e] == kNone) walks_.mark_open(e / 2);
+      if (partner_[e] == kNoNode) walks_.mark_open(e / 2);
     for_each_meeting([&](std::span<std::uint32_t> ends) {
       if (ends.size() > 2 && !is_fold(piece(ends[0]).operation)) merge_at(ends);
     });
@@ -166,7 +166,7 @@ class Joiner {
     std::stable_sort(pairs.begin(), pairs.begin() + static_cast<std::ptrdiff_t>(count),
                      [](const Pair& p, const Pair& q) { return p.onward > q.onward; });
     for (std::size_t i = 0; i < count; ++i)
-      if (partner_[pairs[i].e] == kNone && partner_[pairs[i].f] == kNone)
+      if (partner_[pairs[i].e] == kNoNode && partner_[pairs[i].f] == kNoNode)
         link(pairs[i].e, pairs[i].f);
   }
 
@@ -188,7 +188,7 @@ class Joiner {
     const auto take = [&](std::size_t i) { free[i] = (i + 1) % round.size(); };
     std::size_t left = round.size();
     for (std::size_t i = 0; i < round.size() && left > 1; ++i) {
-      if (partner_[round[i].second] != kNone) continue;
+      if (partner_[round[i].second] != kNoNode) continue;
       take(i);
       const double opposite =
           std::remainder(round[i].first + std::numbers::pi, 2 * std::numbers::pi);
@@ -221,16 +221,16 @@ class Joiner {
   // Merges two walks, one of them closed: e continues to f or to f's former partner, whichever is
   // straighter. A loose end stays loose, or passes this on.
   void exchange(std::uint32_t e, std::uint32_t f) {
-    if (partner_[f] == kNone) std::swap(e, f);  // a closed walk has no loose end
+    if (partner_[f] == kNoNode) std::swap(e, f);  // a closed walk has no loose end
     const std::uint32_t e2 = partner_[e], f2 = partner_[f];
     const auto straight = [&](std::uint32_t a, std::uint32_t b) {
-      return a == kNone || b == kNone ? 0.0 : onward(a, b);
+      return a == kNoNode || b == kNoNode ? 0.0 : onward(a, b);
     };
     const bool crossed = straight(e, f2) + straight(e2, f) > straight(e, f) + straight(e2, f2);
     const std::uint32_t to = crossed ? f2 : f, rest = crossed ? f : f2;
     link(e, to);
-    if (e2 == kNone)
-      partner_[rest] = kNone;
+    if (e2 == kNoNode)
+      partner_[rest] = kNoNode;
     else
       link(e2, rest);
   }
@@ -238,7 +238,7 @@ class Joiner {
   // The first end of the walk that enters a piece at `e`.
   [[nodiscard]] std::uint32_t first_end(std::uint32_t e) const {
     const std::uint32_t start = e;
-    while (partner_[e] != kNone) {
+    while (partner_[e] != kNoNode) {
       e = partner_[e] ^ 1u;
       if (e == start) break;
     }
@@ -248,7 +248,7 @@ class Joiner {
   // Follows the links from end `e`, first through its piece.
   void walk(std::uint32_t e, std::vector<std::uint8_t>& done, std::vector<PagePoint>& line) const {
     line.assign(1, point(e));
-    while (e != kNone && done[e / 2] == 0) {
+    while (e != kNoNode && done[e / 2] == 0) {
       done[e / 2] = 1;
       line.push_back(point(e ^ 1u));
       e = partner_[e ^ 1u];

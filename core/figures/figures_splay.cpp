@@ -8,11 +8,11 @@
 #include "core/figures/figures.hpp"
 #include "core/curvature/samples.hpp"
 #include "core/figures/splay_patch.hpp"
+#include "core/geometry/angle.hpp"
 
 namespace popcut::figures {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 
 void add_angles(PaperFigures& out) {
   const Samples psi{0.0, 1.0, 141}, alpha{0.0, 4.0, 141};  // psi over pi

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/geometry/angle.hpp"
 #include "core/geometry/overlap.hpp"
 
 namespace popcut {
@@ -86,7 +87,6 @@ class LineBins {
   }
 
  private:
-  static constexpr double kPi = 3.141592653589793;
   static constexpr double kRadians = 0.005;
   static constexpr std::int64_t kAngles = 629;  // bins over half a turn
   static constexpr float kMostTurn = 0.0045F;   // 0.02 mm on 5 mm, and rounding

@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 
+#include "core/layout/line_index.hpp"
+
 namespace popcut {
 namespace {
-
-constexpr double kOn = 1e-6;  // mm
 
 // The parts of an outline along v that lie on none of the part's seams.
 std::vector<std::array<double, 2>> free_of_seams(const Pattern& part, const SheetLine& line) {

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "core/layout/line_index.hpp"
 #include "core/layout/marks.hpp"
 #include "core/layout/packing.hpp"
 #include "core/layout/pieces.hpp"
@@ -19,7 +20,6 @@ namespace popcut {
 namespace {
 
 constexpr double kMargin = 10.0;  // mm around the pieces on a sheet, where there is room
-constexpr double kOn = 1e-6;      // mm
 constexpr int kMostRounds = 60;   // of searching again after a tab found no room
 constexpr std::size_t kMostPieces = 10'000;
 constexpr std::size_t kLarge =

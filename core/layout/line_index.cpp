@@ -8,7 +8,6 @@
 namespace popcut {
 namespace {
 
-constexpr double kOn = 1e-6;  // mm; lines this near to a seam lie on it
 // How far beside a seam to look for slivers, mm: wider than any min_panel_mm.
 constexpr double kBeside = 1.0;
 

@@ -12,6 +12,9 @@
 
 namespace popcut {
 
+/// What lies closer to a line than this lies on it, mm.
+inline constexpr double kOn = 1e-6;
+
 /// Everything that a straight seam meets along its way.
 struct SeamScan {
   std::vector<SeamStretch> covered;  ///< where a cut or an outline runs along it, merged and sorted

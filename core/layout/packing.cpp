@@ -8,7 +8,7 @@
 namespace popcut {
 namespace {
 
-constexpr double kFits = 1e-6;           // mm; rounding errors up to this size still fit
+constexpr double kRounding = 1e-6;           // mm; rounding errors up to this size still fit
 constexpr std::size_t kOpenSheets = 32;  // older sheets are most likely full
 
 // The lower edge of the used area of a sheet, from left to right.
@@ -27,11 +27,11 @@ class Skyline {
     Spot best;
     for (std::size_t i = 0; i < steps_.size(); ++i) {
       const double x = steps_[i].x;
-      if (x + width > area_[0] + kFits) break;
+      if (x + width > area_[0] + kRounding) break;
       double y = steps_[i].y;
-      for (std::size_t j = i + 1; j < steps_.size() && steps_[j].x < x + width - kFits; ++j)
+      for (std::size_t j = i + 1; j < steps_.size() && steps_[j].x < x + width - kRounding; ++j)
         y = std::max(y, steps_[j].y);
-      if (y + height > area_[1] + kFits || y + height >= best.top) continue;
+      if (y + height > area_[1] + kRounding || y + height >= best.top) continue;
       best = {x, y, y + height, i};
     }
     return best;
@@ -41,13 +41,13 @@ class Skyline {
     const double end = spot.x + width;
     double under = steps_[spot.step].y;
     std::size_t j = spot.step;
-    for (; j < steps_.size() && steps_[j].x < end - kFits; ++j) under = steps_[j].y;
+    for (; j < steps_.size() && steps_[j].x < end - kRounding; ++j) under = steps_[j].y;
     const auto first = steps_.begin() + static_cast<std::ptrdiff_t>(spot.step);
     const auto last = steps_.begin() + static_cast<std::ptrdiff_t>(j);
     const auto at = steps_.erase(first, last);
     const auto put = steps_.insert(at, {spot.x, spot.y + height});
-    const bool at_next = put + 1 != steps_.end() && (put + 1)->x <= end + kFits;
-    if (!at_next && end < area_[0] - kFits) steps_.insert(put + 1, {end, under});
+    const bool at_next = put + 1 != steps_.end() && (put + 1)->x <= end + kRounding;
+    if (!at_next && end < area_[0] - kRounding) steps_.insert(put + 1, {end, under});
   }
 
  private:
@@ -76,7 +76,7 @@ std::vector<PackedBox> pack(const std::vector<std::array<double, 2>>& sizes,
     const auto place = [&](std::size_t s) {
       const Skyline::Spot straight = sheets[s].find(w, h), turned = sheets[s].find(h, w);
       if (!straight.found() && !turned.found()) return false;
-      const bool turn = turned.top < straight.top - kFits;
+      const bool turn = turned.top < straight.top - kRounding;
       const Skyline::Spot& spot = turn ? turned : straight;
       sheets[s].take(spot, turn ? h : w, turn ? w : h);
       packed[box] = {static_cast<std::uint32_t>(s), spot.x, spot.y, turn};

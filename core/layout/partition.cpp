@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/layout/line_index.hpp"
+
 namespace popcut {
 namespace {
-
-constexpr double kOn = 1e-6;  // mm
 
 class Runs {
  public:

@@ -8,9 +8,9 @@ namespace popcut {
 namespace {
 
 constexpr double kNear = 1e-5;  // mm; a plan rounds its numbers to 1e-6
-constexpr double kBeside = 1e-3;
+constexpr double kSameLine = 1e-3;
 
-PagePoint between(const PagePoint& a, const PagePoint& b, double k) {
+PagePoint point_between(const PagePoint& a, const PagePoint& b, double k) {
   return {a.x + k * (b.x - a.x), a.y + k * (b.y - a.y)};
 }
 
@@ -77,7 +77,7 @@ class PieceLines {
   }
 
   [[nodiscard]] bool on_seam(const PagePoint& a, const PagePoint& b) const {
-    const PagePoint middle = between(a, b, 0.5);
+    const PagePoint middle = point_between(a, b, 0.5);
     return std::any_of(seams_.begin(), seams_.end(), [&](const auto& seam) {
       const Foot fa = foot(a, seam[0], seam[1]), fb = foot(b, seam[0], seam[1]);
       const double along = foot(middle, seam[0], seam[1]).along;
@@ -106,14 +106,14 @@ class PieceLines {
     double from = -1.0;  // start of the part inside that is not added yet
     for (std::size_t i = 1; i < at_.size(); ++i) {
       if ((at_[i] - at_[i - 1]) * l <= kNear) continue;
-      const PagePoint p = between(a, b, at_[i - 1]), q = between(a, b, at_[i]);
-      const bool here = in_share(between(p, q, 0.5)) && !on_seam(p, q);
+      const PagePoint p = point_between(a, b, at_[i - 1]), q = point_between(a, b, at_[i]);
+      const bool here = in_share(point_between(p, q, 0.5)) && !on_seam(p, q);
       if (here && from < 0.0) from = at_[i - 1];
       if (here) continue;
-      if (from >= 0.0) put(operation, between(a, b, from), p);
+      if (from >= 0.0) put(operation, point_between(a, b, from), p);
       from = -1.0;
     }
-    if (from >= 0.0) put(operation, between(a, b, from), b);
+    if (from >= 0.0) put(operation, point_between(a, b, from), b);
   }
 
   // Where the drawing cuts along a seam anyway, the cut is part of this piece's border if its side
@@ -131,7 +131,7 @@ class PieceLines {
     lines_.scan(line, low, high, 0.0, scan);
     for (const SeamStretch& cut : scan.covered) {
       const double middle = (cut.from + cut.to) / 2;
-      for (const double side : {-kBeside, kBeside}) {
+      for (const double side : {-kSameLine, kSameLine}) {
         const PagePoint beside = line.point(middle, side);
         if (in_share(beside) && lines_.is_paper(beside))
           put(border(), line.point(cut.from, 0), line.point(cut.to, 0));
@@ -161,7 +161,7 @@ class PieceLines {
     const auto straight = [&](double until) {
       if (until - reached > kNear)
         out_.append(border(),
-                    std::array{between(from, to, reached / l), between(from, to, until / l)});
+                    std::array{point_between(from, to, reached / l), point_between(from, to, until / l)});
     };
     for (const Root& root : roots) {
       straight(root.from);

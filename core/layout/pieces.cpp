@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/layout/line_index.hpp"
+
 namespace popcut {
 namespace {
-
-constexpr double kOn = 1e-6;  // mm
 
 PagePoint between(const PagePoint& a, const PagePoint& b, double k) {
   if (k <= 0.0) return a;

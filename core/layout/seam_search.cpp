@@ -7,13 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "core/layout/line_index.hpp"
 #include "core/layout/step_search.hpp"
 
 namespace popcut {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kOn = 1e-6;
 constexpr double kFoldCrossed = 8.0, kCutCrossed = 4.0;  // cost in mm of glue: a crossing,
 constexpr double kPiece = 300.0;                         // one more piece,
 constexpr double kUneven = 20.0;                         // a nearly empty piece

@@ -13,7 +13,7 @@
 namespace popcut {
 namespace {
 
-constexpr double kMargin = 10.0;  // mm around a drawing that popcut places
+constexpr double kDrawingMargin = 10.0;  // mm around a drawing that popcut places
 constexpr double kFits = 1e-6;    // mm; rounding errors up to this size still fit
 
 bool read_number(std::string_view& text, double& out) {
@@ -23,8 +23,8 @@ bool read_number(std::string_view& text, double& out) {
   return true;
 }
 
-// The margin on each side of `size` in `room`, at most kMargin.
-double margin(double size, double room) { return std::clamp((room - size) / 2, 0.0, kMargin); }
+// The margin on each side of `size` in `room`, at most kDrawingMargin.
+double margin(double size, double room) { return std::clamp((room - size) / 2, 0.0, kDrawingMargin); }
 
 bool inside(const Box& box, const std::array<double, 2>& reach) {
   return box.x0 >= -kFits && box.y0 >= -kFits && box.x1 <= reach[0] + kFits &&

@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/layout/line_index.hpp"
+
 namespace popcut {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kOn = 1e-6;
 constexpr double kPiece = 300.0;  // cost in mm of glue: one more piece,
 constexpr double kStep = 6.0;     // a step
 constexpr std::size_t kMostStrips = 20'000;

@@ -8,13 +8,13 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/angle.hpp"
 #include "core/verify/judge.hpp"
 
 namespace popcut::verify {
 namespace {
 
 constexpr double kRightAngle_rad = std::numbers::pi / 2.0;
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// The pose to which the key frame's fold angles belong: the right angle, else the best fitting
 /// pose that inherits them. Among the solver's poses it is the one with the listed driving angle; a

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/angle.hpp"
 #include "core/verify/judge.hpp"
 #include "core/verify/motion/crossing.hpp"
 #include "core/verify/motion/sweep.hpp"
@@ -17,7 +18,6 @@ namespace {
 
 /// The preferred opening angle for counting degrees of freedom.
 constexpr double kGenericPsi_rad = 1.1;
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kSweepStep_rad = std::numbers::pi / 90.0;
 
 /// The name of an edge for the file's author.

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/angle.hpp"
 #include "core/verify/judge.hpp"
 #include "core/verify/motion/opening.hpp"
 #include "core/verify/sheet/fold_model.hpp"
@@ -24,14 +25,16 @@ using namespace verify;
 
 void check_target(const Subject& subject, const Target& target, VerifyReport& report) {
   VerifyCheck check = named("target");
-  measure_target(subject.file, target, report, check);
+  if (const auto distances = measure_target(subject.file, target, check)) {
+    report.target_inner = distances->inner;
+    report.target_all = distances->all;
+  }
   report.checks.push_back(std::move(check));
 }
 
 /// The opening angles at which to stop: spread over the motion, including the right angle and one
 /// beyond it; only up to the listed angle if that is wider open.
 std::vector<double> poses_to_open(double listed_deg) {
-  constexpr double kPi = std::numbers::pi;
   std::vector<double> psi{2.6, 2.1, kPi / 2.0, 1.1};
   if (!(listed_deg > 1.0 && listed_deg < 179.0)) return psi;
   const double last = kPi - listed_deg * kPi / 180.0;

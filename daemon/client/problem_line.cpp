@@ -5,17 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text/json_fields.hpp"
+#include "daemon/client/api.hpp"
 #include "daemon/client/command_words.hpp"
 
 namespace popcut::client {
 namespace {
 
 using Json = nlohmann::json;
-
-std::string text_of(const Json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
 
 std::string kind_of(const Json& problem) {
   const std::string type = text_of(problem, "type");

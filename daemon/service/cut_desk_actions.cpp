@@ -8,7 +8,7 @@
 namespace popcut::daemon {
 namespace {
 
-Problem wrong(const std::string& pointer, const char* code, std::string advice) {
+Problem wrong_value(const std::string& pointer, const char* code, std::string advice) {
   return {ProblemKind::Validation, pointer + " is not valid", {{pointer, code, std::move(advice)}}};
 }
 
@@ -44,15 +44,15 @@ std::string why_none(const DeviceBook& devices, const PlanRow& plan) {
 
 Answer<void> CutDesk::check_words(const JobRow& row, const ActionWish& wish) const {
   if (needs_sheet(wish.action) && !wish.sheet)
-    return tl::unexpected(wrong("/sheet", "missing", fmt::format("must be {}", row.sheet)));
+    return tl::unexpected(wrong_value("/sheet", "missing", fmt::format("must be {}", row.sheet)));
   if (const auto fine = check_text(wish.reason, 2000, "/reason"); !fine)
     return tl::unexpected(fine.error());
   if (wish.action == JobAction::ConfirmResult && !wish.good)
-    return tl::unexpected(wrong("/good", "missing", "must be true or false"));
+    return tl::unexpected(wrong_value("/good", "missing", "must be true or false"));
   if (wish.action != JobAction::ResumeFrom) return {};
-  if (!wish.from_path) return tl::unexpected(wrong("/from_path", "missing", "must be a path"));
+  if (!wish.from_path) return tl::unexpected(wrong_value("/from_path", "missing", "must be a path"));
   if (wish.registration != "kept" && wish.registration != "re-registered")
-    return tl::unexpected(wrong("/registration", wish.registration.empty() ? "missing" : "value",
+    return tl::unexpected(wrong_value("/registration", wish.registration.empty() ? "missing" : "value",
                                 "must be \"kept\" or \"re-registered\""));
   return {};
 }
@@ -167,7 +167,7 @@ Answer<std::string> CutDesk::choose_device(const JobRow& row, const ActionWish& 
     });
   if (fitting.size() != 1)
     return tl::unexpected(
-        wrong("/device", "missing",
+        wrong_value("/device", "missing",
               fitting.empty()
                   ? std::string("all that fit are busy; say which one")
                   : fmt::format("say in which the sheet lies: {}", fmt::join(fitting, ", "))));

@@ -10,6 +10,7 @@
 #include "core/design/chain/chain.hpp"
 #include "core/design/design.hpp"
 #include "core/design/placement.hpp"
+#include "core/design/target/placement_map.hpp"
 #include "core/design/target/surface.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "tests/support/meshes.hpp"

@@ -17,7 +17,7 @@ namespace popcut {
 namespace {
 
 /// Slices `begin .. end` between two plain cuts.
-struct Stretch {
+struct UnitRun {
   std::size_t begin{}, end{};
   int units{};
   [[nodiscard]] std::size_t inner() const {
@@ -26,8 +26,8 @@ struct Stretch {
   }
 };
 
-std::vector<Stretch> stretches_of(const Slicing& slicing) {
-  std::vector<Stretch> out;
+std::vector<UnitRun> stretches_of(const Slicing& slicing) {
+  std::vector<UnitRun> out;
   for (std::size_t j = 0; j < slicing.curves.size(); ++j) {
     if (j == 0 || slicing.cut_after[j - 1]) out.push_back({j, j, slicing.units[j]});
     out.back().end = j + 1;
@@ -113,7 +113,7 @@ double norm(double ss, double st, double tt) {
 }
 
 /// K, H and the forms at all inner vertices of a run's points, against their targets.
-void measure_points(const Stretch& run, const Slicing& slicing, const AugmentedSpec& spec,
+void measure_points(const UnitRun& run, const Slicing& slicing, const AugmentedSpec& spec,
                     std::size_t target, Tallies& tallies) {
   const auto at = [&](std::size_t j, std::size_t i) {
     const std::size_t k = slicing.chain_first[j] + i;
@@ -141,7 +141,7 @@ void measure_points(const Stretch& run, const Slicing& slicing, const AugmentedS
     }
 }
 
-Result<void> solve_run(const Stretch& run, const AugmentedSpec& spec, std::size_t target,
+Result<void> solve_run(const UnitRun& run, const AugmentedSpec& spec, std::size_t target,
                        Slicing& slicing, CurvatureReport& report) {
   const std::size_t count = run.end - run.begin;
   const SliceStack stack{std::span(slicing.curves).subspan(run.begin, count),
@@ -179,8 +179,8 @@ std::optional<double> between(const std::vector<double>& list, std::ptrdiff_t le
 Result<void> augment_chains(const AugmentedSpec& spec, Slicing& slicing) {
   CurvatureReport report;
   report.first_target.assign(slicing.curves.size(), -1);
-  const std::vector<Stretch> runs = stretches_of(slicing);
-  for (const Stretch& run : runs) {
+  const std::vector<UnitRun> runs = stretches_of(slicing);
+  for (const UnitRun& run : runs) {
     if (run.inner() == 0) report.slices_left_out += static_cast<int>(run.end - run.begin);
     for (std::size_t j = run.begin + 1; run.inner() > 0 && j + 1 < run.end; ++j) {
       report.first_target[j] = static_cast<std::ptrdiff_t>(report.vertices);
@@ -199,7 +199,7 @@ Result<void> augment_chains(const AugmentedSpec& spec, Slicing& slicing) {
                     report.vertices, kMostAugmented));
   if (auto ok = check_lengths(spec, report.vertices); !ok) return ok;
   Tallies plain, reached;
-  for (const Stretch& run : runs) {
+  for (const UnitRun& run : runs) {
     if (run.inner() == 0) continue;
     const auto target = static_cast<std::size_t>(report.first_target[run.begin + 1]);
     measure_points(run, slicing, spec, target, plain);

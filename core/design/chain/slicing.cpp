@@ -40,13 +40,13 @@ Result<void> check_widths(const std::vector<double>& widths_mm,
 
 /// A region's stretch of the target. Its own surface is told places from the region's start, the
 /// common one from slice 0.
-struct Stretch {
+struct RegionCut {
   const Surface* surface{};
   double origin_mm{};
   int first{}, count{}, units{};
 };
 
-Result<void> cut_slice(const Stretch& stretch, double s, double min_panel_mm, int j, Slicing& out) {
+Result<void> cut_slice(const RegionCut& stretch, double s, double min_panel_mm, int j, Slicing& out) {
   auto cut = stretch.surface->cut(s - stretch.origin_mm);
   if (!cut) return tl::unexpected(cut.error());
   out.fits.push_back(cut->fit);
@@ -93,8 +93,8 @@ Result<void> solve_chains(const DesignSpec& spec, Slicing& out) {
 }
 
 /// The target where a patch ends and its neighbour begins.
-void add_edges(const Stretch& first, const Stretch& last, Slicing& out) {
-  const auto add = [&](const Stretch& stretch, double s, const SliceCurve& own) {
+void add_edges(const RegionCut& first, const RegionCut& last, Slicing& out) {
+  const auto add = [&](const RegionCut& stretch, double s, const SliceCurve& own) {
     auto curve = stretch.surface->slice(s - stretch.origin_mm);
     out.edges.push_back(curve ? std::move(*curve) : own);
   };
@@ -125,11 +125,11 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
     return tl::unexpected(lawful.error());
   std::vector<Surface> own;
   own.reserve(regions.size());
-  std::vector<Stretch> stretches;
+  std::vector<RegionCut> stretches;
   double s = 0.0;
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const RegionSpec& region = regions[r];
-    Stretch stretch{common ? &*common : nullptr, 0.0, out.slices(), region.slices,
+    RegionCut stretch{common ? &*common : nullptr, 0.0, out.slices(), region.slices,
                     region.units_per_slice};
     double length = 0.0;
     for (int k = 0; k < region.slices; ++k) {
@@ -152,7 +152,7 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
     stretches.push_back(stretch);
   }
   for (std::size_t r = 0; r < stretches.size(); ++r) {
-    const Stretch& here = stretches[r];
+    const RegionCut& here = stretches[r];
     for (int j = here.first; j < here.first + here.count; ++j) {
       const auto k = static_cast<std::size_t>(j);
       if (auto cut = cut_slice(here, out.s_mm[k], spec.min_panel_mm, j, out); !cut)
@@ -163,7 +163,7 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
       // A connector across a border belongs to the region that it lies in.
       const bool beyond =
           last_here && stretches[r + 1].origin_mm > 0.0 && between > stretches[r + 1].origin_mm;
-      const Stretch& owner = beyond ? stretches[r + 1] : here;
+      const RegionCut& owner = beyond ? stretches[r + 1] : here;
       const bool cut_here = last_here && stretches[r + 1].units != here.units;
       out.cut_after.push_back(cut_here);
       out.between_s_mm.push_back(between);

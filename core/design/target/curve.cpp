@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/geometry/angle.hpp"
+
 namespace popcut {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 
 constexpr int kSplinePieces = 512;
 constexpr double kTurn = 0.02;  ///< changes of slope below this are facets or rounding, not turns

@@ -6,10 +6,11 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/angle.hpp"
+
 namespace popcut {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 
 double radians(double degrees) { return degrees * kPi / 180; }
 

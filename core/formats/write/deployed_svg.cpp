@@ -39,15 +39,15 @@ struct Camera {
 };
 
 /// A place on a face: designed (x, z) at the v of a slab's border.
-struct SectionPoint {
+struct SlabPoint {
   double x{}, z{};
 };
 
 /// The part of a face between two borders of a slab, bounded by two edges of the face.
 struct Piece {
   std::uint32_t face{};
-  SectionPoint low_a, high_a;  ///< of the one edge, at the slab's lower and upper v
-  SectionPoint low_b, high_b;
+  SlabPoint low_a, high_a;  ///< of the one edge, at the slab's lower and upper v
+  SlabPoint low_b, high_b;
 };
 
 /// A part of an edge, drawn with the slab that it bounds or crosses.
@@ -68,7 +68,7 @@ struct Slabs {
   }
 };
 
-SectionPoint at_v(const PatternVertex& a, const PatternVertex& b, double v) {
+SlabPoint at_v(const PatternVertex& a, const PatternVertex& b, double v) {
   const double t = (v - a.v) / (b.v - a.v);
   return {a.x + t * (b.x - a.x), a.z + t * (b.z - a.z)};
 }
@@ -77,7 +77,7 @@ SectionPoint at_v(const PatternVertex& a, const PatternVertex& b, double v) {
 struct Crossing {
   std::size_t slab;
   double u_middle;
-  SectionPoint low, high;
+  SlabPoint low, high;
 };
 
 void add_face(const Pattern& pattern, std::uint32_t f, Slabs& slabs) {
@@ -88,7 +88,7 @@ void add_face(const Pattern& pattern, std::uint32_t f, Slabs& slabs) {
     const PatternVertex* b = &pattern.vertices[corners[(i + 1) % corners.size()]];
     if (a->v > b->v) std::swap(a, b);
     for (std::size_t s = slabs.index(a->v); s < slabs.index(b->v); ++s) {
-      const SectionPoint low = at_v(*a, *b, slabs.v[s]), high = at_v(*a, *b, slabs.v[s + 1]);
+      const SlabPoint low = at_v(*a, *b, slabs.v[s]), high = at_v(*a, *b, slabs.v[s + 1]);
       crossings.push_back({s, low.x - low.z + high.x - high.z, low, high});
     }
   }
@@ -112,7 +112,7 @@ void add_edge(const Pattern& pattern, const PatternEdge& edge, Slabs& slabs) {
   }
   if (a.v > b.v) std::swap(a, b);
   for (std::size_t s = slabs.index(a.v); s < slabs.index(b.v); ++s) {
-    const SectionPoint low = at_v(a, b, slabs.v[s]), high = at_v(a, b, slabs.v[s + 1]);
+    const SlabPoint low = at_v(a, b, slabs.v[s]), high = at_v(a, b, slabs.v[s + 1]);
     slabs.strokes[s].push_back(
         {{low.x, low.z, slabs.v[s]}, {high.x, high.z, slabs.v[s + 1]}, fold});
   }

@@ -10,15 +10,15 @@
 namespace popcut {
 namespace {
 
-struct Layer {
+struct DxfLayer {
   std::string_view name;
   int colour;  // AutoCAD's index
 };
 
-constexpr std::array<Layer, 4> kLayers{{{"CUT", 7}, {"FOLD_M", 1}, {"FOLD_V", 5}, {"MARK", 8}}};
+constexpr std::array<DxfLayer, 4> kDxfLayers{{{"CUT", 7}, {"FOLD_M", 1}, {"FOLD_V", 5}, {"MARK", 8}}};
 
 // In cutting order: no part may move before it is cut.
-constexpr std::array<EdgeRole, 4> kOrder{EdgeRole::Mountain, EdgeRole::Valley, EdgeRole::Slit,
+constexpr std::array<EdgeRole, 4> kDxfOrder{EdgeRole::Mountain, EdgeRole::Valley, EdgeRole::Slit,
                                          EdgeRole::Outline};
 
 std::string_view layer_of(EdgeRole role) {
@@ -91,8 +91,8 @@ void put_tables(Groups& groups) {
   groups.put(0, "ENDTAB");
   groups.put(0, "TABLE");
   groups.put(2, "LAYER");
-  groups.put(70, static_cast<int>(kLayers.size()));
-  for (const Layer& layer : kLayers) {
+  groups.put(70, static_cast<int>(kDxfLayers.size()));
+  for (const DxfLayer& layer : kDxfLayers) {
     groups.put(0, "LAYER");
     groups.put(2, layer.name);
     groups.put(70, 0);
@@ -111,7 +111,7 @@ void write_pattern_dxf(const Pattern& pattern, std::ostream& out) {
   put_tables(groups);
   groups.put(0, "SECTION");
   groups.put(2, "ENTITIES");
-  for (const EdgeRole role : kOrder) {
+  for (const EdgeRole role : kDxfOrder) {
     for (const SheetLine& line : pattern.lines) {
       if (line.role != role) continue;
       groups.put(0, "LINE");

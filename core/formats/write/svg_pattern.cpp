@@ -10,7 +10,7 @@
 namespace popcut {
 namespace {
 
-struct Layer {
+struct SvgLayer {
   EdgeRole role;
   std::string_view label;
   std::string_view colour;
@@ -20,7 +20,7 @@ struct Layer {
 };
 
 // In cutting order: no part may move before it is cut.
-constexpr std::array<Layer, 4> kLayers{{
+constexpr std::array<SvgLayer, 4> kSvgLayers{{
     {EdgeRole::Mountain, "fold-mountain", "#ff0000", "3 1 0.5 1", "M", "-90"},
     {EdgeRole::Valley, "fold-valley", "#0000ff", "2 1", "V", "90"},
     {EdgeRole::Slit, "cut", "#000000", "", "C", "0"},
@@ -67,7 +67,7 @@ void put_head(TextSink& text, const Pattern& pattern, std::string_view attribute
   text("\">\n<title>", xml_escaped(pattern.name), "</title>\n");
 }
 
-void put_line(TextSink& text, const SheetLine& line, const Layer& layer) {
+void put_line(TextSink& text, const SheetLine& line, const SvgLayer& layer) {
   text.put("<path d=\"M");
   text.put_rounded(line.v0);
   text.put(",");
@@ -80,7 +80,7 @@ void put_line(TextSink& text, const SheetLine& line, const Layer& layer) {
        "\" data-foldAngle=\"", layer.fold_angle, "\"/>\n");
 }
 
-void put_layer(TextSink& text, const Layer& layer, bool dashed,
+void put_layer(TextSink& text, const SvgLayer& layer, bool dashed,
                std::initializer_list<std::span<const SheetLine>> sources) {
   text("<g inkscape:groupmode=\"layer\" inkscape:label=\"", layer.label, "\" id=\"", layer.label,
        "\" fill=\"none\" stroke=\"", layer.colour, "\" stroke-width=\"0.25\"");
@@ -99,7 +99,7 @@ void put_layer(TextSink& text, const Layer& layer, bool dashed,
 void write_pattern_svg(const Pattern& pattern, std::ostream& out) {
   TextSink text(out);
   put_head(text, pattern, "");
-  for (const Layer& layer : kLayers) put_layer(text, layer, true, {pattern.lines});
+  for (const SvgLayer& layer : kSvgLayers) put_layer(text, layer, true, {pattern.lines});
   text.put("</svg>\n");
 }
 
@@ -107,7 +107,7 @@ void write_cut_svg(const Pattern& pattern, std::span<const SheetLine> micro_cuts
                    std::ostream& out) {
   TextSink text(out);
   put_head(text, pattern, " data-popcut=\"dashes\"");
-  for (const Layer& layer : kLayers) {
+  for (const SvgLayer& layer : kSvgLayers) {
     const bool fold = layer.role == EdgeRole::Mountain || layer.role == EdgeRole::Valley;
     put_layer(text, layer, false, {fold ? micro_cuts : std::span<const SheetLine>(pattern.lines)});
   }

@@ -14,7 +14,6 @@
 namespace popcut::verify {
 namespace {
 
-constexpr std::size_t kEnough = 1000;
 
 struct Box {
   Vec3 low, high;

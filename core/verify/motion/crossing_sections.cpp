@@ -17,7 +17,6 @@ namespace {
 
 constexpr std::size_t kMostEntries = 60'000'000;
 constexpr std::uint64_t kPairBudget = 400'000'000;
-constexpr std::size_t kEnough = 1000;
 
 /// A side of a face along the folds, where it passes a slab: there the face begins or ends.
 struct Entry {

@@ -7,10 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/angle.hpp"
+
 namespace popcut::verify {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 std::span<const std::uint32_t> vertices_of(const Panels& panels, std::size_t p) {
   return std::span(panels.vertices).subspan(panels.first[p], panels.first[p + 1] - panels.first[p]);

@@ -9,13 +9,12 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/angle.hpp"
 #include "core/verify/motion/rigid.hpp"
 
 namespace popcut::verify {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kDegrees = 180.0 / kPi;
 constexpr double kFirstStep_rad = 0.15;
 constexpr double kLongestStep_rad = 0.25;
 constexpr double kShortestStep_rad = 1e-3;

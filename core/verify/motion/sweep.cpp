@@ -9,18 +9,18 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/angle.hpp"
 #include "core/verify/motion/opening.hpp"
 #include "core/verify/motion/rigid.hpp"
 
 namespace popcut::verify {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// The flat and the shut state are branch points; the motion is followed up to here.
 constexpr double kNearFlat_rad = 0.02;
-constexpr double kNearShut_rad = kPi - 0.02;
-constexpr double kShortestStep_rad = 1e-4;
-constexpr double kMostWork = 4e6;  ///< work limit per sheet: unknowns times Gauss-Newton steps
+constexpr double kLastAngle_rad = kPi - 0.02;
+constexpr double kShortestSweep_rad = 1e-4;
+constexpr double kMostSweepWork = 4e6;  ///< work limit per sheet: unknowns times Gauss-Newton steps
 constexpr double kIterationsPerPose = 5.0;
 
 struct Place {
@@ -44,7 +44,7 @@ class Walker {
   }
   [[nodiscard]] const Place& now() const { return now_; }
   [[nodiscard]] bool spent() const {
-    return static_cast<double>(solver_.unknowns() * solver_.iterations()) > kMostWork;
+    return static_cast<double>(solver_.unknowns() * solver_.iterations()) > kMostSweepWork;
   }
 
   /// Moves to a driving angle. If it cannot, `why` gets the reason.
@@ -60,7 +60,7 @@ class Walker {
         continue;
       }
       step = 0.5 * std::abs(next - now_.driven_rad);
-      if (step >= kShortestStep_rad && !spent()) continue;
+      if (step >= kShortestSweep_rad && !spent()) continue;
       why = spent() ? "it takes too many steps"
                     : fmt::format("hinges would open by {:.2g} mm beyond it", gap);
       return false;
@@ -121,8 +121,8 @@ Sweep sweep_motion(const FoldFile& file, const Sheet& sheet, const PoseMotion& s
   walker.begin(start.panel);
   const double begun_rad = walker.now().driven_rad;
   const double poses =
-      kMostWork / (kIterationsPerPose * static_cast<double>(solver.unknowns() + 1));
-  const double step = std::max(step_rad, (kNearShut_rad - kNearFlat_rad) / std::max(poses, 4.0));
+      kMostSweepWork / (kIterationsPerPose * static_cast<double>(solver.unknowns() + 1));
+  const double step = std::max(step_rad, (kLastAngle_rad - kNearFlat_rad) / std::max(poses, 4.0));
   // 1. From the pose towards the flat sheet.
   std::string ignored;
   for (double at = begun_rad - step;; at -= step) {
@@ -138,9 +138,9 @@ Sweep sweep_motion(const FoldFile& file, const Sheet& sheet, const PoseMotion& s
   sweep.poses.push_back(
       pose_of(file, sheet, walker.now().state, kPi - walker.now().driven_rad, "moved"));
   for (double at = begun_rad + step;; at += step) {
-    const bool last = at >= kNearShut_rad;
-    if (begun_rad >= kNearShut_rad) break;
-    if (!walker.reach(last ? kNearShut_rad : at, sweep.stopped)) break;
+    const bool last = at >= kLastAngle_rad;
+    if (begun_rad >= kLastAngle_rad) break;
+    if (!walker.reach(last ? kLastAngle_rad : at, sweep.stopped)) break;
     sweep.poses.push_back(
         pose_of(file, sheet, walker.now().state, kPi - walker.now().driven_rad, "moved"));
     if (last) break;

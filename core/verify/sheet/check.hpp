@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 namespace popcut {
 
@@ -13,6 +16,17 @@ struct VerifyFailure {
   std::string place;
   std::string detail;
 };
+
+/// Where a face or an edge stands in a FOLD file.
+[[nodiscard]] inline std::string face_place(std::uint32_t f) {
+  return fmt::format("/faces_vertices/{}", f);
+}
+[[nodiscard]] inline std::string edge_place(std::uint32_t e) {
+  return fmt::format("/edges_vertices/{}", e);
+}
+
+/// After so many failures of one kind the search for more ends.
+inline constexpr std::size_t kEnough = 1000;
 
 /// One check of a pattern. It lists the first `kListed` failures and counts the rest.
 struct VerifyCheck {

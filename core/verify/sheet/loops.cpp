@@ -6,13 +6,13 @@
 namespace popcut::verify {
 namespace {
 
-constexpr std::int32_t kNone = -1;
+constexpr std::int32_t kNoHinge = -1;
 
 /// Walks around vertices and along borders, side by side.
 class Walker {
  public:
   Walker(const FoldFile& file, const Sheet& sheet)
-      : file_(file), sheet_(sheet), hinge_of_edge_(file.edges.size(), kNone) {
+      : file_(file), sheet_(sheet), hinge_of_edge_(file.edges.size(), kNoHinge) {
     for (std::uint32_t h = 0; h < sheet.hinges.size(); ++h)
       hinge_of_edge_[sheet.hinges[h].edge] = static_cast<std::int32_t>(h);
     loops_.first.push_back(0);
@@ -73,7 +73,7 @@ class Walker {
   std::uint32_t cross(std::uint32_t side) {
     const auto twin = static_cast<std::uint32_t>(sheet_.side_twin[side]);
     const std::int32_t h = hinge_of_edge_[static_cast<std::size_t>(sheet_.side_edge[side])];
-    if (h != kNone) {
+    if (h != kNoHinge) {
       const auto hinge = static_cast<std::uint32_t>(h);
       loops_.crossings.push_back({hinge, sheet_.hinges[hinge].left == sheet_.side_face[twin]});
     }

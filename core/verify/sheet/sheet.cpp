@@ -72,9 +72,6 @@ class EdgeIndex {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> entries_;
 };
 
-std::string edge_place(std::uint32_t e) { return fmt::format("/edges_vertices/{}", e); }
-std::string face_place(std::uint32_t f) { return fmt::format("/faces_vertices/{}", f); }
-
 const char* kind(Assignment a) {
   switch (a) {
     case Assignment::Mountain:

@@ -16,7 +16,6 @@ namespace popcut::verify {
 namespace {
 
 /// Number of overlaps after which the search stops.
-constexpr std::size_t kEnough = 1000;
 
 /// Factor of the pair budget: most pairs of triangles are separated by a quick test.
 constexpr std::uint64_t kPatience = 16;
@@ -33,8 +32,6 @@ bool beside(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b) {
   return false;
 }
 
-std::string face_place(std::uint32_t f) { return fmt::format("/faces_vertices/{}", f); }
-std::string edge_place(std::uint32_t e) { return fmt::format("/edges_vertices/{}", e); }
 std::string show(Vec2 p) { return fmt::format("({:.6g}, {:.6g})", p.u, p.v); }
 
 /// For each edge, a bit for a face on its left and a bit for a face on its right.

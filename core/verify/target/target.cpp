@@ -151,20 +151,20 @@ FoldVertex unposed(Vec3 p, double psi_rad) {
   return {p.x - z * std::cos(psi_rad), z};
 }
 
-void measure_target(const FoldFile& file, const Target& target, VerifyReport& report,
-                    VerifyCheck& check) {
+std::optional<TargetDistances> measure_target(const FoldFile& file, const Target& target,
+                                              VerifyCheck& check) {
   const Pose* pose = pose_to_measure(file);
   if (pose == nullptr) {
     check.fail(
         "/file_frames",
         "no frame states its opening angle; add frame_popcut:psi_rad to measure the distance "
         "from the target");
-    return;
+    return std::nullopt;
   }
   const auto stations = find_stations(file, *pose, target);
   if (!stations) {
     check.fail("", stations.error().detail);
-    return;
+    return std::nullopt;
   }
   std::vector<TargetStation> connectors;
   for (const auto& connector : stations->connectors) connectors.push_back(connector.at);
@@ -185,12 +185,11 @@ void measure_target(const FoldFile& file, const Target& target, VerifyReport& re
         "no fold of the pattern lies on a slice or connector of the spec; is it the spec of this "
         "pattern?");
   }
-  report.target_inner = inner;
-  report.target_all = all;
   check.detail = fmt::format(
       "{} inner fold vertices: rms {:.3g} mm, max {:.3g} mm; {} with the ends: rms {:.3g} mm, "
       "max {:.3g} mm",
       inner.vertices, inner.rms_mm, inner.max_mm, all.vertices, all.rms_mm, all.max_mm);
+  return TargetDistances{inner, all};
 }
 
 }  // namespace popcut::verify

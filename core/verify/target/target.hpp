@@ -2,11 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/result.hpp"
+#include "core/verify/sheet/check.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/target/target_distance.hpp"
 #include "core/verify/target/target_surface.hpp"
@@ -62,10 +64,11 @@ struct TargetStations {
                                                    const Target& target);
 
 /// Measures the fold vertices, where a connector's valley folds cross it: the inner ones, and all
-/// of them including the ends at wall and ground. Sets `target_inner` and `target_all` of the
-/// report. `check` fails if the pattern does not show them.
-void measure_target(const FoldFile& file, const Target& target, VerifyReport& report,
-                    VerifyCheck& check);
+/// of them including the ends at wall and ground. `check` fails if the pattern does not show them.
+/// @return none if the pattern allows no measurement at all
+[[nodiscard]] std::optional<TargetDistances> measure_target(const FoldFile& file,
+                                                            const Target& target,
+                                                            VerifyCheck& check);
 
 /// Inverts the pose: the point (X, Z) from (X + Z cos psi, v, Z sin psi).
 struct FoldVertex {

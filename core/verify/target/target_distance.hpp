@@ -12,4 +12,10 @@ struct TargetDistance {
   double max_mm{};
 };
 
+/// The distances of a pattern: of its inner fold vertices, and of all with the ends at wall and
+/// ground.
+struct TargetDistances {
+  TargetDistance inner, all;
+};
+
 }  // namespace popcut

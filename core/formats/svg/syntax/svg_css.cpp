@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/formats/svg/syntax/svg_scan.hpp"
 #include "core/formats/svg/syntax/svg_units.hpp"
 
 namespace popcut {
@@ -16,7 +17,6 @@ constexpr int kMostNested = 8;          // blocks in blocks
 constexpr std::size_t kMostParts = 32;  // of one selector
 constexpr std::string_view kBlank = " \t\r\n\f";
 
-bool is_blank(char c) { return kBlank.find(c) != kNone; }
 bool is_name(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
          c == '_' || static_cast<unsigned char>(c) >= 0x80;

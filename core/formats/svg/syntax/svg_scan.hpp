@@ -5,6 +5,11 @@
 
 namespace popcut {
 
+/// White space of SVG and CSS.
+[[nodiscard]] inline bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f';
+}
+
 /// Reads SVG's small languages (path data, transforms, point lists) from left to right.
 class SvgScan {
  public:

@@ -7,7 +7,7 @@ foreach(name ${names})
   string(APPEND rows "    {\"${name}\", R\"popcut(${text})popcut\"},\n")
 endforeach()
 file(WRITE "${OUT}" "// Made from examples/*.json by embed_examples.cmake
-#include \"daemon/cli/examples.hpp\"
+#include \"daemon/cli/help/examples.hpp\"
 
 namespace popcut::cli {
 
