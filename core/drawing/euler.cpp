@@ -47,7 +47,10 @@ class Walks {
 class Joiner {
  public:
   Joiner(const std::vector<Piece>& pieces, std::span<const PagePoint> nodes)
-      : pieces_(pieces), nodes_(nodes), partner_(2 * pieces.size(), kNoNode), walks_(pieces.size()) {
+      : pieces_(pieces),
+        nodes_(nodes),
+        partner_(2 * pieces.size(), kNoNode),
+        walks_(pieces.size()) {
     list_ends();
   }
 

@@ -8,7 +8,7 @@
 namespace popcut {
 namespace {
 
-constexpr double kRounding = 1e-6;           // mm; rounding errors up to this size still fit
+constexpr double kRounding = 1e-6;       // mm; rounding errors up to this size still fit
 constexpr std::size_t kOpenSheets = 32;  // older sheets are most likely full
 
 // The lower edge of the used area of a sheet, from left to right.

@@ -160,8 +160,8 @@ class PieceLines {
     double reached = 0.0;
     const auto straight = [&](double until) {
       if (until - reached > kNear)
-        out_.append(border(),
-                    std::array{point_between(from, to, reached / l), point_between(from, to, until / l)});
+        out_.append(border(), std::array{point_between(from, to, reached / l),
+                                         point_between(from, to, until / l)});
     };
     for (const Root& root : roots) {
       straight(root.from);

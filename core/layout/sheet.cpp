@@ -14,7 +14,7 @@ namespace popcut {
 namespace {
 
 constexpr double kDrawingMargin = 10.0;  // mm around a drawing that popcut places
-constexpr double kFits = 1e-6;    // mm; rounding errors up to this size still fit
+constexpr double kFits = 1e-6;           // mm; rounding errors up to this size still fit
 
 bool read_number(std::string_view& text, double& out) {
   const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), out);
@@ -24,7 +24,9 @@ bool read_number(std::string_view& text, double& out) {
 }
 
 // The margin on each side of `size` in `room`, at most kDrawingMargin.
-double margin(double size, double room) { return std::clamp((room - size) / 2, 0.0, kDrawingMargin); }
+double margin(double size, double room) {
+  return std::clamp((room - size) / 2, 0.0, kDrawingMargin);
+}
 
 bool inside(const Box& box, const std::array<double, 2>& reach) {
   return box.x0 >= -kFits && box.y0 >= -kFits && box.x1 <= reach[0] + kFits &&

@@ -11,7 +11,6 @@
 namespace popcut {
 namespace {
 
-
 double radians(double degrees) { return degrees * kPi / 180; }
 
 /// Seen from above, with y down.

@@ -15,11 +15,12 @@ struct DxfLayer {
   int colour;  // AutoCAD's index
 };
 
-constexpr std::array<DxfLayer, 4> kDxfLayers{{{"CUT", 7}, {"FOLD_M", 1}, {"FOLD_V", 5}, {"MARK", 8}}};
+constexpr std::array<DxfLayer, 4> kDxfLayers{
+    {{"CUT", 7}, {"FOLD_M", 1}, {"FOLD_V", 5}, {"MARK", 8}}};
 
 // In cutting order: no part may move before it is cut.
 constexpr std::array<EdgeRole, 4> kDxfOrder{EdgeRole::Mountain, EdgeRole::Valley, EdgeRole::Slit,
-                                         EdgeRole::Outline};
+                                            EdgeRole::Outline};
 
 std::string_view layer_of(EdgeRole role) {
   if (role == EdgeRole::Mountain) return "FOLD_M";

@@ -14,7 +14,6 @@
 namespace popcut::verify {
 namespace {
 
-
 struct Box {
   Vec3 low, high;
 };

@@ -12,7 +12,6 @@
 namespace popcut::verify {
 namespace {
 
-
 std::span<const std::uint32_t> vertices_of(const Panels& panels, std::size_t p) {
   return std::span(panels.vertices).subspan(panels.first[p], panels.first[p + 1] - panels.first[p]);
 }

@@ -262,7 +262,8 @@ bool FoldSax::key(string_t& name) {
     in_frames_ = true;
   }
   if (column_ != nullptr && column_->present) {
-    return stop(ErrorKind::Malformed, owner.place + "/" + name, "the member occurs twice; remove one");
+    return stop(ErrorKind::Malformed, owner.place + "/" + name,
+                "the member occurs twice; remove one");
   }
   return true;
 }
