@@ -135,9 +135,9 @@ DrawnSegments segments_of(const LineWork& work, const Snapping& snapping) {
 
 // What remains of each segment after stronger and longer ones have taken their places. Segments
 // that share no part with another stay whole and are not examined.
-class Taker {
+class OverlapRemover {
  public:
-  Taker(const DrawnSegments& segments, Snapping& snapping)
+  OverlapRemover(const DrawnSegments& segments, Snapping& snapping)
       : edges_(segments.edges),
         kinds_(segments.kinds),
         snapping_(snapping),
@@ -192,7 +192,7 @@ class Taker {
   static constexpr std::int32_t kNothing = -1, kWhole = -2;  ///< in `first_`
 
   /// A part of a segment between two nodes.
-  struct Left {
+  struct Remainder {
     NodeEdge edge;
     std::int32_t next{-1};  ///< the next part of the same segment
   };
@@ -280,7 +280,7 @@ class Taker {
   std::optional<CollinearIndex> index_;
   std::vector<CollinearIndex::Covered> covered_;
   std::vector<std::int32_t> first_;  ///< per segment: its first part in `left_`
-  std::vector<Left> left_;
+  std::vector<Remainder> left_;
   std::int32_t last_{-1};
   std::size_t contradictions_{};
 };
@@ -315,10 +315,10 @@ LineWork clean(LineWork&& work, const CleanOptions& options) {
     const DrawnSegments segments = segments_of(work, snapping);
     work = {};
     snapping.forget_points();
-    Taker taker(segments, snapping);
-    taker.run();
-    pieces = taker.pieces();
-    contradictions = taker.contradictions();
+    OverlapRemover remover(segments, snapping);
+    remover.run();
+    pieces = remover.pieces();
+    contradictions = remover.contradictions();
     nodes = std::move(snapping.nodes()).take_points();
   }
   join(pieces, nodes, out);

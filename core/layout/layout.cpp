@@ -147,7 +147,7 @@ std::vector<BannedSeam> place_tabs(std::vector<SeamRun>& runs, LineIndex& lines,
 }
 
 // One way to lay out the drawing: the direction of the straight seams, and how pieces lie.
-struct Way {
+struct Arrangement {
   bool swap{};
   SeamSearch search;
   Result<FoundSeams> found{tl::unexpect, Error{}};
@@ -164,7 +164,7 @@ struct Laid {
   std::vector<Tab> tabs;
 };
 
-// Tries all ways, cheapest first, until one has room for all of its tabs.
+// Tries all arrangements, cheapest first, until one has room for all of its tabs.
 class Search {
  public:
   Search(const LineWork& drawing, const LayoutOptions& options)
@@ -172,27 +172,29 @@ class Search {
         reach_(options.tabs.depth_mm + options.tabs.clearance_mm + 8.0),
         lines_{LineIndex(drawing, reach_), LineIndex(swapped(drawing), reach_)} {}
 
-  /// Valid layouts: one for each way of laying out a small drawing, only the cheapest for a large
-  /// one.
+  /// Valid layouts: one for each way of laying out a small drawing, only the cheapest for a
+  /// large one.
   Result<std::vector<Laid>> run() {
-    std::vector<Way> ways = all_ways();
+    std::vector<Arrangement> arrangements = all_arrangements();
     std::optional<Error> asked;
-    for (Way& way : ways) {
-      way.found = way.search.find();
-      if (!way.found && way.found.error().place.rfind("--", 0) == 0) asked = way.found.error();
+    for (Arrangement& arrangement : arrangements) {
+      arrangement.found = arrangement.search.find();
+      if (!arrangement.found && arrangement.found.error().place.rfind("--", 0) == 0)
+        asked = arrangement.found.error();
     }
-    std::stable_sort(ways.begin(), ways.end(),
-                     [](const Way& a, const Way& b) { return a.cost() < b.cost(); });
-    const std::size_t wanted = lines_[0].segments().size() > kLarge ? 1 : ways.size();
+    std::stable_sort(
+        arrangements.begin(), arrangements.end(),
+        [](const Arrangement& a, const Arrangement& b) { return a.cost() < b.cost(); });
+    const std::size_t wanted = lines_[0].segments().size() > kLarge ? 1 : arrangements.size();
     std::vector<Laid> all;
-    for (std::size_t i = 0; i < ways.size() && all.size() < wanted; ++i) {
-      Way& way = ways[i];
-      if (!way.found) continue;
-      if (way.found->partition.pieces() > kMostPieces)
+    for (std::size_t i = 0; i < arrangements.size() && all.size() < wanted; ++i) {
+      Arrangement& arrangement = arrangements[i];
+      if (!arrangement.found) continue;
+      if (arrangement.found->partition.pieces() > kMostPieces)
         return fail(ErrorKind::Infeasible, "",
                     fmt::format("the drawing would need {} pieces, more than {}; use a larger mat",
-                                way.found->partition.pieces(), kMostPieces));
-      if (auto laid = settle(way)) all.push_back(std::move(*laid));
+                                arrangement.found->partition.pieces(), kMostPieces));
+      if (auto laid = settle(arrangement)) all.push_back(std::move(*laid));
     }
     if (!all.empty()) return all;
     if (asked) return tl::unexpected(*asked);
@@ -215,25 +217,25 @@ class Search {
   LineIndex& index(bool swap) { return lines_[swap ? 1 : 0]; }
 
  private:
-  LineIndex& index(const Way& way) { return index(way.swap); }
+  LineIndex& index(const Arrangement& arrangement) { return index(arrangement.swap); }
 
   // Searches again until every stretch has its tabs.
-  std::optional<Laid> settle(Way& way) {
-    for (int round = 0; round < kMostRounds && way.found; ++round) {
-      Laid laid{way.swap, way.cost(), way.found->partition, {}, {}};
-      laid.runs = seam_runs(laid.partition, index(way), options_.min_panel_mm);
-      const auto banned = place_tabs(laid.runs, index(way), options_.tabs, laid.tabs);
+  std::optional<Laid> settle(Arrangement& arrangement) {
+    for (int round = 0; round < kMostRounds && arrangement.found; ++round) {
+      Laid laid{arrangement.swap, arrangement.cost(), arrangement.found->partition, {}, {}};
+      laid.runs = seam_runs(laid.partition, index(arrangement), options_.min_panel_mm);
+      const auto banned = place_tabs(laid.runs, index(arrangement), options_.tabs, laid.tabs);
       if (banned.empty()) return laid;
-      way.search.ban(banned);
-      way.found = way.search.find();
+      arrangement.search.ban(banned);
+      arrangement.found = arrangement.search.find();
     }
     return std::nullopt;
   }
 
-  std::vector<Way> all_ways() {
+  std::vector<Arrangement> all_arrangements() {
     const double width = options_.area_mm[0] - options_.origin.x;
     const double height = options_.area_mm[1] - options_.origin.y;
-    std::vector<Way> ways;
+    std::vector<Arrangement> arrangements;
     const bool small = lines_[0].segments().size() <= kLarge;
     for (const int kind : {0, 1, 2, 3, 4, 5, 6, 7}) {
       const bool swap = (kind & 1) != 0, turn = (kind & 2) != 0, full = (kind & 4) != 0;
@@ -248,9 +250,9 @@ class Search {
                                 {},
                                 swap,
                                 full};
-      ways.push_back({swap, SeamSearch(index(swap), limits)});
+      arrangements.push_back({swap, SeamSearch(index(swap), limits)});
     }
-    return ways;
+    return arrangements;
   }
 
   const LayoutOptions& options_;
@@ -429,12 +431,12 @@ Result<Layout> lay_out(const LineWork& drawing, const LayoutOptions& options) {
   });
   if (!asked) return tl::unexpected(asked.error());
   Search search(drawing, options);
-  auto ways = search.run();
-  if (!ways) return tl::unexpected(ways.error());
+  auto layouts = search.run();
+  if (!layouts) return tl::unexpected(layouts.error());
   std::optional<Layout> best;
   Error error;
   double cost = 0.0;
-  for (Laid& laid : *ways) {
+  for (Laid& laid : *layouts) {
     auto layout = finish(drawing, options, search, laid);
     if (!layout) {
       error = layout.error();

@@ -64,8 +64,8 @@ struct Layout {
   std::vector<PieceSeam> seams;
   std::vector<Tab> tabs;
   std::vector<LayoutSheet> sheets;
-  std::vector<std::vector<std::uint32_t>>
-      steps;                     ///< glueing order; each step has seams glued together
+  /// Glueing order; each step has seams glued together.
+  std::vector<std::vector<std::uint32_t>> steps;
   double glue_mm{};              ///< total length to glue
   std::uint32_t least_sheets{};  ///< lower bound of the number of sheets: box area over sheet area
   std::vector<std::string> warnings;

@@ -69,8 +69,8 @@ class LineIndex {
   [[nodiscard]] Slices slices(bool by_x, const std::vector<std::uint32_t>& which,
                               double reach) const;
 
-  std::vector<Operation>
-      operations_;  ///< declared before the segments, whose construction fills it
+  /// Declared before the segments, whose construction fills it.
+  std::vector<Operation> operations_;
   std::vector<Segment> segments_;
   Box box_;
   std::array<Slices, 2> slices_;  ///< by x, by y

@@ -20,8 +20,7 @@ struct Motion {
   double corner_mm{};         ///< junction deviation that sets the speed through corners
   double drop_s{}, lift_s{};  ///< tool down, tool up
   double setup_s{};           ///< from sending the settings until the machine is ready
-  double trailer_s{};  ///< from the end of the program until the machine is ready, without the move
-                       ///< home
+  double trailer_s{};         ///< from the end of the program until ready, without the move home
   double autoblade_reset_s{}, autoblade_tap_s{};  ///< the reset, and each of its (10 - depth) taps
   double swivel_mm_s{20.0};  ///< speed of the tip where the firmware turns the blade at a corner
   double spread{0.25};       ///< relative error of estimated times: 0.25 is 25 %

@@ -15,8 +15,8 @@ namespace popcut {
 
 struct VerifyOptions {
   std::optional<std::size_t> degrees_of_freedom{};  ///< required number; none: only 0 fails
-  std::optional<std::string>
-      target_spec{};  ///< text of a design spec: measures the distance from its target
+  /// Text of a design spec: measures the distance from its target.
+  std::optional<std::string> target_spec{};
   /// For a drawing without faces on a page (x = v, y = u): reports places as x and y.
   bool page{false};
   std::string target_file{};  ///< content of the file that the spec names (`target_file_of`)

@@ -198,7 +198,8 @@ void check_faces_apart(const FoldFile& file, const Sheet& sheet, const Triangles
   const CellGrid grid(file.faces(), slack_mm, corners);
   const bool complete =
       grid.each_pair(4 * pair_budget(file.faces()), [&](std::uint32_t f, std::uint32_t g) {
-        if (sheet.panel_of_face[f] == sheet.panel_of_face[g] || reported.size() > kEnough) return;
+        if (sheet.panel_of_face[f] == sheet.panel_of_face[g] || reported.size() > kMostReported)
+          return;
         Vec3 where;
         const auto relation = space.relation(f, g, where);
         if (relation == FacesInSpace::Relation::Cross && reported.emplace(f, g).second) {

@@ -215,7 +215,8 @@ bool check_sections(const FoldFile& file, const Sheet& sheet, Vec2 axis, const P
         each_near_pair(segments, slack_mm, budget, [&](const Segment& a, const Segment& b) {
           const Contact found = contact(a, b, slack_mm);
           const auto [f, g] = std::minmax(a.face, b.face);
-          if (found == Contact::None || reported.size() > kEnough || !reported.emplace(f, g).second)
+          if (found == Contact::None || reported.size() > kMostReported ||
+              !reported.emplace(f, g).second)
             return;
           const Vec3 where = motion.panel[a.panel](0.5 * (a.u0 + a.u1) * square + v * axis);
           check.fail(fmt::format("/faces_vertices/{}", g),

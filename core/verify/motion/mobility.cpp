@@ -210,8 +210,8 @@ Sparse loop_constraints(const FoldFile& file, const Sheet& sheet, const PoseMoti
   // 2. Six rows per loop.
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(6 * loops.crossings.size());
-  std::vector<std::pair<Vec3, Vec3>>
-      axis;  // position, and the direction in which it turns the rest of the loop
+  // Position, and the direction in which it turns the rest of the loop.
+  std::vector<std::pair<Vec3, Vec3>> axis;
   int row = 0;
   for (std::size_t k = 0; k < loops.size(); ++k) {
     axis.clear();

@@ -42,8 +42,7 @@ struct PoseMotion {
   std::vector<RigidMotion> panel;       ///< one per panel
   std::vector<double> hinge_angle_deg;  ///< one per hinge of the sheet: + valley, - mountain
   double isometry_mm{};    ///< largest change of an edge's length or of a panel's shape
-  double hinge_gap_mm{};   ///< largest distance between the two places that panels give an end of a
-                           ///< fold
+  double hinge_gap_mm{};   ///< largest distance between the places two panels give a fold end
   double sharpest_deg{};   ///< largest absolute fold angle
   double least_generic{};  ///< smallest |sin| of a fold angle between two panels
   bool bent{};             ///< some fold is neither flat nor shut

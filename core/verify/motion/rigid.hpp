@@ -18,12 +18,12 @@ namespace popcut::verify {
 struct RigidSheet {
   std::vector<HingeLine> lines;
   std::vector<PanelFrame> frames;
-  std::vector<std::uint8_t>
-      held;  ///< one per panel: whether it stays in place; one panel of each piece does
-  std::vector<std::uint32_t>
-      order;  ///< panels, each after the one that it hangs on; held panels first
-  std::vector<std::int32_t>
-      hangs_on;       ///< one per panel: the line on which it hangs; -1 for held panels
+  /// One per panel: whether it stays in place; one panel of each piece does.
+  std::vector<std::uint8_t> held;
+  /// Panels, each after the one that it hangs on; held panels first.
+  std::vector<std::uint32_t> order;
+  /// One per panel: the line on which it hangs; -1 for held panels.
+  std::vector<std::int32_t> hangs_on;
   double reach_mm{};  ///< size of the whole sheet
 };
 

@@ -26,7 +26,7 @@ struct VerifyFailure {
 }
 
 /// After so many failures of one kind the search for more ends.
-inline constexpr std::size_t kEnough = 1000;
+inline constexpr std::size_t kMostReported = 1000;
 
 /// One check of a pattern. It lists the first `kListed` failures and counts the rest.
 struct VerifyCheck {

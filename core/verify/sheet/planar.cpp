@@ -376,7 +376,7 @@ std::vector<DrawnEdge> drawn_edges(const FoldFile& file) {
 
 Result<void> planarise(FoldFile& file) {
   std::vector<DrawnEdge> lines = drawn_edges(file);
-  const DashEnd dashes = join_dashes(lines);
+  const JoinedDashes dashes = join_dashes(lines);
   Vec2 low = lines.front().from, high = low;
   for (const DrawnEdge& line : lines) {
     for (const Vec2 p : {line.from, line.to}) {

@@ -17,7 +17,7 @@ struct DrawnEdge {
 };
 
 /// What joining dashes did.
-struct DashEnd {
+struct JoinedDashes {
   double gap_mm{};         ///< usual gap between two dashes; 0: folds are not dashed
   std::size_t joined{};    ///< number of gaps closed
   std::size_t extended{};  ///< number of ends extended to the next line
@@ -26,7 +26,7 @@ struct DashEnd {
 /// Joins folds that are drawn as rows of dashes. Fills the gaps between dashes in one line that are
 /// no wider than usual and that nothing else touches. Extends the ends of the rows to the first
 /// line that they meet within such a gap. Does not change drawings whose folds are not dashed.
-[[nodiscard]] DashEnd join_dashes(std::vector<DrawnEdge>& edges);
+[[nodiscard]] JoinedDashes join_dashes(std::vector<DrawnEdge>& edges);
 
 /// Makes a sheet from a file without faces: a planar graph of its lines, and faces.
 ///

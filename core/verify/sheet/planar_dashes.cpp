@@ -107,8 +107,8 @@ std::optional<double> first_hit(Vec2 at, Vec2 out, double reach, Vec2 p, Vec2 q)
 
 }  // namespace
 
-DashEnd join_dashes(std::vector<DrawnEdge>& edges) {
-  DashEnd result;
+JoinedDashes join_dashes(std::vector<DrawnEdge>& edges) {
+  JoinedDashes result;
   const std::vector<FoldEnd> ends = ends_of_folds(edges);
   std::vector<Link> links = links_of(edges, ends);
   if (static_cast<double>(links.size()) < kShareInRows * static_cast<double>(ends.size()) / 2.0)
@@ -161,7 +161,7 @@ DashEnd join_dashes(std::vector<DrawnEdge>& edges) {
           if (t) hit[ray - rays] = std::min(hit[ray - rays], *t);
         }
       });
-  if (!all) return DashEnd{};
+  if (!all) return JoinedDashes{};
   std::vector<std::uint8_t> linked(ends.size(), 0);
   for (std::size_t l = 0; l < links.size(); ++l) {
     if (touched[l] != 0) continue;

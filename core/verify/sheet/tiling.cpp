@@ -18,7 +18,7 @@ namespace {
 /// Number of overlaps after which the search stops.
 
 /// Factor of the pair budget: most pairs of triangles are separated by a quick test.
-constexpr std::uint64_t kPatience = 16;
+constexpr std::uint64_t kPairBudgetFactor = 16;
 
 /// Whether a side of the counter-clockwise triangle `a` has all of `b` on its outer side.
 bool beside(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b) {
@@ -151,9 +151,9 @@ Tiling check_tiling(const FoldFile& file, const Sheet& sheet, const Triangles& t
   const auto face_of_triangle = [&](std::uint32_t t) { return triangles.face[t]; };
   const CellGrid grid(triangles.corners.size(), slack_mm, corners);
   const bool all = grid.each_pair_of_groups(
-      kPatience * pair_budget(triangles.corners.size()), face_of_triangle,
+      kPairBudgetFactor * pair_budget(triangles.corners.size()), face_of_triangle,
       [&](std::uint32_t i, std::uint32_t j) {
-        if (overlaps.size() > kEnough) return;
+        if (overlaps.size() > kMostReported) return;
         const auto a = corners(i);
         const auto b = corners(j);
         if (beside(a, b) || beside(b, a)) return;
@@ -209,7 +209,8 @@ void check_lines(const FoldFile& file, const Sheet& sheet, double slack_mm, Veri
   };
   std::set<std::pair<std::uint32_t, std::uint32_t>> reported;
   const auto once = [&](std::uint32_t e, std::uint32_t f) {
-    return reported.size() <= kEnough && reported.emplace(std::min(e, f), std::max(e, f)).second;
+    return reported.size() <= kMostReported &&
+           reported.emplace(std::min(e, f), std::max(e, f)).second;
   };
   const auto vertex_inside = [&](std::uint32_t e, const Meeting& m, std::uint32_t f) {
     if (file.assignment[e] == Assignment::Border || !once(e, f)) return;
