@@ -9,6 +9,7 @@ inline constexpr double kOverlapTolerance =
     0.01;  ///< mm; a segment this close along a line lies on it
 inline constexpr double kSnapTolerance = 0.05;  ///< mm; line ends closer than this are joined
 
+/// Options of `clean`.
 struct CleanOptions {
   double snap_mm{kSnapTolerance};  ///< 0 to `kMostSnap`; 0: only points equal to 0.001 mm
 };

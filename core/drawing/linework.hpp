@@ -39,7 +39,9 @@ struct LineWork {
 inline constexpr std::size_t kMaxDrawnPoints = 20'000'000;  ///< of one drawing
 inline constexpr double kMaxCoordinate = 100'000.0;         ///< mm; coordinates go up to 100 m
 
+/// The bounding box of all lines, mm; empty if there are none.
 [[nodiscard]] Box bounds(const LineWork& work);
+/// FoldMountain and FoldValley.
 [[nodiscard]] bool is_fold(Operation operation);
 /// Cut and Outline: lines that go through the paper along their whole length.
 [[nodiscard]] bool is_cut(Operation operation);

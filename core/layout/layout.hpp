@@ -53,11 +53,13 @@ struct SheetPiece {
   std::uint32_t first_mark{};    ///< from this line on, `work` holds ticks and letters
 };
 
+/// One sheet: its pieces, and how much of it they use.
 struct LayoutSheet {
   std::array<double, 2> used_mm{};  ///< width and length used, from the area's corner
   std::vector<std::uint32_t> pieces;
 };
 
+/// A drawing split into pieces, with its seams and sheets.
 struct Layout {
   std::vector<SheetPiece> pieces;
   std::vector<SeamRun> runs;

@@ -31,6 +31,7 @@ struct SearchLimits {
   bool full{false};     ///< true: full pieces and a rest; false: pieces of equal size
 };
 
+/// The cheapest seams and their cost.
 struct FoundSeams {
   Partition partition;
   double cost{};  ///< mm of glue, plus the cost of crossings and pieces

@@ -40,6 +40,7 @@ struct Placement {
   }
 };
 
+/// Where to place a drawing.
 struct PlaceOptions {
   std::optional<PagePoint> at{};  ///< upper left corner of the drawing on the sheet, mm
   bool clip{false};               ///< drop what lies outside the area
@@ -53,6 +54,7 @@ struct PlaceOptions {
 [[nodiscard]] Result<Placement> place(const LineWork& work, const std::array<double, 2>& reach,
                                       const PlaceOptions& options);
 
+/// The drawing with all points moved by `placement`.
 [[nodiscard]] LineWork placed(LineWork work, const Placement& placement);
 
 /// The part of the drawing within [room, width - room] x [room, length - room]. Each line is cut

@@ -8,6 +8,7 @@
 
 namespace popcut {
 
+/// Stepped seams across a column and their cost in mm of glue.
 struct SteppedRows {
   std::vector<StepSeam> seams;
   double cost{std::numeric_limits<double>::infinity()};

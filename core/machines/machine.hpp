@@ -123,8 +123,10 @@ struct Material {
 /// @retval Malformed   a user's table is not valid; place is a JSON pointer
 [[nodiscard]] Result<Machine> find_machine(std::string_view name,
                                            const std::vector<std::string>& user_tables = {});
+/// The same for materials.
 [[nodiscard]] Result<Material> find_material(std::string_view name,
                                              const std::vector<std::string>& user_tables = {});
+/// All rows: the built-in ones, replaced and extended by those of `user_tables`.
 [[nodiscard]] Result<std::vector<Machine>> all_machines(
     const std::vector<std::string>& user_tables = {});
 [[nodiscard]] Result<std::vector<Material>> all_materials(

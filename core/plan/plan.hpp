@@ -24,6 +24,7 @@ enum class LabelTool {
   None,
 };
 
+/// Options of `plan`. Lengths are mm.
 struct PlanOptions {
   std::string mat{};  ///< name or size, see `choose_mat`; empty: the machine's own
   PlaceOptions place{};
@@ -60,6 +61,7 @@ struct PlannedSheet {
   [[nodiscard]] const Toolpath& sent_path() const { return sent ? *sent : path; }
 };
 
+/// A plan of one or more sheets, with what it was made from.
 struct Plan {
   std::string name;
   Machine machine;

@@ -44,6 +44,7 @@ struct Subject {
 /// "WHAT near" a place on the sheet, in the coordinates of the file's author.
 [[nodiscard]] std::string near_place(const Subject& subject, const char* what, Vec2 p);
 
+/// An empty check with a name.
 [[nodiscard]] VerifyCheck named(const char* name);
 
 /// The pose in which to count degrees of freedom: one with bent folds, preferably without folds

@@ -13,6 +13,7 @@
 
 namespace popcut {
 
+/// Options of `verify_fold`.
 struct VerifyOptions {
   std::optional<std::size_t> degrees_of_freedom{};  ///< required number; none: only 0 fails
   /// Text of a design spec: measures the distance from its target.

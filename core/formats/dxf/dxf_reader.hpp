@@ -16,6 +16,7 @@ enum class DxfColours {
   Lightburn,   ///< red mountain, blue valley, others cut
 };
 
+/// Options and limits for reading a drawing.
 struct DxfOptions {
   DxfColours colours{DxfColours::Ignored};
   double tolerance_mm{0.02};            ///< largest distance between a curve and its chords

@@ -14,6 +14,7 @@ namespace popcut {
 [[nodiscard]] DxfFrame insert_frame(const DxfEntity& insert, const DxfVec& base, double across,
                                     double up);
 
+/// What became of an entity that was outlined.
 enum class DxfShape {
   Flat,
   Tilted,  ///< the extrusion is neither up nor down

@@ -34,6 +34,7 @@ enum class DxfMeaning : std::uint8_t {
 inline constexpr std::size_t kMostDxfNames =
     100'000;  ///< limit for each of layers, line types, blocks
 
+/// A layer of the LAYER table.
 struct DxfLayer {
   std::string name;  ///< for messages
   std::string linetype{"CONTINUOUS"};
@@ -47,6 +48,7 @@ struct DxfLinetype {
   std::vector<double> elements;
 };
 
+/// A block of the BLOCKS section.
 struct DxfBlock {
   std::string name;  ///< for messages
   DxfVec base;

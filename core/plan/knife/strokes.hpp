@@ -55,6 +55,8 @@ struct DrawnStrokes {
   Toolpath path;
   std::uint16_t blade_tools{};  ///< bit n: tool holder n holds a blade
 };
+
+/// Makes the strokes of `visits` with the tool settings of each operation.
 [[nodiscard]] DrawnStrokes make_strokes(const Dashed& dashed, const std::vector<Visit>& visits,
                                         StrokeSettings& settings);
 
@@ -85,6 +87,8 @@ struct KnifeMarks {
     return std::span(points).subspan(mark.first, mark.count);
   }
 };
+
+/// Overcuts and entry rotations of the strokes, for drawing them.
 [[nodiscard]] KnifeMarks knife_marks(const Toolpath& drawn, const KnifeWork& knife);
 
 }  // namespace popcut

@@ -16,6 +16,7 @@ enum class OrderMethod { Quick, Best, Keep };
 /// Called now and then with the share of the work that is done, 0 to 1. Returns false to stop now.
 using KeepGoing = std::function<bool(double done)>;
 
+/// Options of `order`.
 struct OrderOptions {
   OrderMethod method{OrderMethod::Quick};
   double effort{1.0};     ///< search effort of Best: multiplies its moves, see `order_moves`
@@ -43,6 +44,7 @@ struct Visit {
   std::uint32_t count{0};  ///< number of points of a part that begins at `start`; 0: the whole line
 };
 
+/// An order of strokes and its cost.
 struct Ordered {
   std::vector<Visit> visits;
   double cost{};      ///< of the moves between strokes, including from the start and to the end
@@ -77,6 +79,7 @@ struct Ordered {
 /// Sets `out` to the points of a visit in the order in which they are made.
 void points_of_visit(const LineWork& work, const Visit& visit, std::vector<PagePoint>& out);
 
+/// Where the tool goes down, and where it goes up, in page mm.
 [[nodiscard]] PagePoint entry(const LineWork& work, const Visit& visit);
 [[nodiscard]] PagePoint leave(const LineWork& work, const Visit& visit);
 

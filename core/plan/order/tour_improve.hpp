@@ -8,11 +8,13 @@
 
 namespace popcut {
 
+/// Options of `improve_tour`.
 struct ImproveOptions {
   std::uint64_t kicks{0};  ///< random disturbances to try after the first local search
   std::uint64_t seed{1};
 };
 
+/// What `improve_tour` did.
 struct Improved {
   std::uint64_t kicks{0};  ///< disturbances tried
   bool finished{true};     ///< false: `keep_going` stopped it early

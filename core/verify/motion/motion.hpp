@@ -35,6 +35,7 @@ struct Panels {
   std::vector<std::array<std::uint32_t, 3>> anchors;
 };
 
+/// Collects the vertices of each panel of a sheet.
 [[nodiscard]] Panels make_panels(const FoldFile& file, const Sheet& sheet);
 
 /// What a pose does to the sheet.

@@ -31,6 +31,7 @@ struct PanelFrame {
   std::size_t hinges{};
 };
 
+/// The frames of `panels` panels, by index.
 [[nodiscard]] std::vector<PanelFrame> panel_frames(const std::vector<HingeLine>& lines,
                                                    std::size_t panels);
 

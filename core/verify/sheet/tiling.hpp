@@ -17,6 +17,7 @@ struct Triangles {
   std::vector<std::uint32_t> face;  ///< one per triangle
 };
 
+/// Sizes of the flat sheet.
 struct Tiling {
   double sheet_u_mm{}, sheet_v_mm{};  ///< extent of the flat sheet
   double area_mm2{};                  ///< sum of the faces' areas

@@ -29,6 +29,7 @@ struct SvgMeasure {
 /// Parses a finite number and its unit (in any case), with nothing after it.
 [[nodiscard]] std::optional<SvgLength> parse_svg_length(std::string_view text);
 
+/// `length` in user units.
 [[nodiscard]] double user_units(const SvgLength& length, const SvgMeasure& measure);
 
 /// The text without spaces before and after.
