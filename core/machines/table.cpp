@@ -6,7 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "core/text/json_fields.hpp"
+#include "core/text/field_reader.hpp"
+#include "core/text/json_text.hpp"
 #include "core/text/near_names.hpp"
 
 namespace popcut {
@@ -21,7 +22,7 @@ TableRow* find_row(std::vector<TableRow>& rows, std::string_view name) {
   return found == rows.end() ? nullptr : &*found;
 }
 
-// The row that `row` names in "like", with the fields of `row` written over it.
+// Starts from the row that `row` is like, with the fields of `row` over it.
 Result<TableRow> inherited(TableRow row, std::vector<TableRow>& rows) {
   const auto like = row.row.find("like");
   if (like == row.row.end()) return row;
@@ -47,12 +48,11 @@ Result<TableRow> inherited(TableRow row, std::vector<TableRow>& rows) {
 Result<void> append(std::vector<TableRow>& rows, std::string_view list, std::string_view text,
                     int table) {
   if (text.size() > kMaxTableBytes)
-    return fail(
-        ErrorKind::Malformed, "",
-        fmt::format("the table has {} bytes; the limit is {}", text.size(), kMaxTableBytes));
+    return fail(ErrorKind::Malformed, "",
+                fmt::format("has {} bytes; must have at most {}", text.size(), kMaxTableBytes));
   const auto json = parse_json(text, 16);
   if (!json) return tl::unexpected(json.error());
-  JsonFields fields(*json, "");
+  FieldReader fields(*json, "");
   fields.integer("popcut", std::nullopt, 1, 1);
   fields.value("machines");
   fields.value("materials");
@@ -61,16 +61,16 @@ Result<void> append(std::vector<TableRow>& rows, std::string_view list, std::str
   const auto found = json->find(std::string(list));
   if (found == json->end()) return {};
   const std::string pointer = "/" + std::string(list);
-  if (!found->is_array()) return fail(ErrorKind::Malformed, pointer, "must be an array of rows");
+  if (!found->is_array()) return fail(ErrorKind::Malformed, pointer, "must be a list of rows");
   if (found->size() > kMaxRows)
     return fail(ErrorKind::Malformed, pointer,
-                fmt::format("has {} rows; the limit is {}", found->size(), kMaxRows));
+                fmt::format("has {} rows; must have at most {}", found->size(), kMaxRows));
   for (std::size_t i = 0; i < found->size(); ++i) {
     TableRow row{"", fmt::format("{}/{}", pointer, i), table, (*found)[i]};
-    JsonFields head(row.row, row.pointer);
+    FieldReader head(row.row, row.pointer);
     row.name = head.text("name", std::nullopt);
     if (row.name.empty())
-      head.add_error(ErrorKind::Malformed, row.pointer + "/name", "is empty; give the row a name");
+      head.refuse("name", ErrorKind::Malformed, "is empty; give the row a name");
     for (const auto& field : row.row.items()) head.value(field.key());
     if (auto named = head.finish(); !named) return named;
     auto whole_row = inherited(std::move(row), rows);
