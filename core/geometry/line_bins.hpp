@@ -10,7 +10,8 @@
 
 namespace popcut {
 
-inline constexpr double kLongSegment = 5.0;  ///< mm; from here on segments are found by their line
+inline constexpr double kLongSegment =
+    5.0;  ///< mm; from this length on, segments are found by their line
 
 /// The line that a segment lies on: its direction from 0 to pi, its distance from the middle of the
 /// drawing (to the left of that direction), and where it begins and ends, from the foot of the
@@ -61,7 +62,7 @@ class LineBins {
       if (std::abs(a - middle) > 1 && a >= 0 && a < kAngles) continue;
       const std::int64_t angle = (a + kAngles) % kAngles;
       LongLine seen = line;
-      if (a != angle) {  // round the half turn the other way is ahead
+      if (a != angle) {  // beyond half a turn the direction reverses
         const double radians = static_cast<double>(line.radians) + (a < 0 ? kPi : -kPi);
         seen = {static_cast<float>(radians), -line.offset, -line.to, -line.from};
       }
@@ -78,7 +79,7 @@ class LineBins {
   [[nodiscard]] bool may_share(const LongLine& seen, const LongLine& other) const {
     const float turn = other.radians - seen.radians;
     if (std::abs(turn) > kMostTurn) return false;
-    const float shift = other.offset * turn;  // the foot of the middle is not the same on both
+    const float shift = other.offset * turn;  // the two lines have different feet
     const float from = std::max(seen.from, other.from - shift);
     const float to = std::min(seen.to, other.to - shift);
     if (from > to + slack_) return false;
@@ -101,17 +102,17 @@ class LineBins {
   [[nodiscard]] std::int64_t along_of(float mm) const {
     return static_cast<std::int64_t>(std::floor(static_cast<double>(mm) / along_mm_));
   }
-  // Bins beside each other across and along are so in number too.
+  // Keys of neighbouring bins across and along are consecutive numbers.
   [[nodiscard]] static std::uint64_t key(std::int64_t angle, std::int64_t offset) {
     return mixed(static_cast<std::uint64_t>(angle)) + static_cast<std::uint64_t>(offset) * kAlongs;
   }
 
-  static constexpr std::uint64_t kAlongs = 128;  // more than there are along a line
+  static constexpr std::uint64_t kAlongs = 128;  // more than the bins along a line
 
   PagePoint middle_;
   double bin_mm_, along_mm_;
-  float near_, slack_;  ///< with what floats and small angles leave out
-  float drift_;         ///< along, between lines that share a part
+  float near_, slack_;  ///< with allowance for rounding and small angles
+  float drift_;         ///< shift along the line between segments that share a part
 };
 
 }  // namespace popcut

@@ -9,16 +9,17 @@
 
 namespace popcut {
 
-/// The places where lines of a drawing meet: a point that is asked for becomes a node, or the node
-/// that is there already. Nodes never move, so nothing is moved twice.
+/// The places where lines of a drawing meet: a point becomes a new node, or an existing one nearby.
+/// Nodes never move, so no point moves twice.
 class NodeIndex {
  public:
   static constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
-  /// `reach`: the largest distance at which two points may be one, mm.
+  /// @param reach  the largest distance at which two points may be the same, mm
   NodeIndex(double reach, std::size_t expected);
 
-  /// The nearest node within `within` (at most `reach`) of `p` for which `take(node)` holds.
+  /// The nearest node within `within` (at most `reach`) of `p` for which `take(node)` is true; or
+  /// kNone.
   template <typename Take>
   [[nodiscard]] std::uint32_t find(const PagePoint& p, double within, Take&& take) const;
   [[nodiscard]] std::uint32_t find(const PagePoint& p, double within) const {

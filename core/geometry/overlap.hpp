@@ -16,30 +16,31 @@ struct Segment {
   PagePoint b;
 };
 
-/// The part of `s` (of length `l`) that lies on `other` to `tolerance`, mm along it; false if none.
+/// Finds the part of `s` (of length `l`) that lies on `other` within `tolerance`: `from` and `to`
+/// in mm along `s`. Returns false if there is none.
 [[nodiscard]] bool overlap(const Segment& s, double l, const Segment& other, double tolerance,
                            double& from, double& to);
 
-/// Finds which parts of a segment lie on others: a hash of grid cells and directions, filled as one
-/// goes. Two segments overlap where one's projection falls on the other and both ends of that part
-/// lie within `tolerance` of it; so lines that cross never do.
+/// Finds which parts of a segment lie on inserted segments, with a hash of grid cells and
+/// directions. Two segments overlap where one projects onto the other and both ends of that part
+/// lie within `tolerance` of it. So crossing lines never overlap.
 class OverlapIndex {
  public:
-  /// `cell` is the size of a grid cell in mm: see `cell_for`.
+  /// @param cell  size of a grid cell in mm; see `cell_for`
   OverlapIndex(double cell, double tolerance, std::size_t expected);
 
-  /// A cell size at which `segments` take O(n) cells in all.
+  /// A cell size with which `segments` take O(n) cells in total.
   [[nodiscard]] static double cell_for(std::span<const Segment> segments);
 
   void insert(const Segment& segment, std::uint32_t id);
 
   struct Covered {
-    double from{}, to{};  ///< mm along the asking segment
+    double from{}, to{};  ///< mm along the queried segment
     std::uint32_t by{};   ///< id of the segment that covers it
   };
-  /// All parts of `segment` on inserted segments, sorted by `from`; id `not_this` is passed over.
+  /// All parts of `segment` that lie on inserted segments, sorted by `from`; ignores id `not_this`.
   void covered(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out);
-  /// The same, appended and not sorted.
+  /// The same, appended to `out` and not sorted.
   void find(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out);
 
  private:
@@ -51,10 +52,10 @@ class OverlapIndex {
   double tolerance_;
   std::vector<std::int32_t> head_;
   std::vector<std::pair<std::uint32_t, std::int32_t>>
-      entries_;  ///< index into segments_, next entry
+      entries_;  ///< index into segments_, and the next entry
   std::vector<Segment> segments_;
   std::vector<std::uint32_t> ids_;
-  std::vector<std::uint32_t> seen_;  ///< query number that looked at the segment last
+  std::vector<std::uint32_t> seen_;  ///< last query that looked at each segment
   std::uint32_t query_{};
 };
 
