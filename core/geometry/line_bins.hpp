@@ -10,12 +10,12 @@
 
 namespace popcut {
 
-inline constexpr double kLongSegment =
-    5.0;  ///< mm; from this length on, segments are found by their line
+/// From this length in mm on, segments are found by their line.
+inline constexpr double kLongSegment = 5.0;
 
-/// The line that a segment lies on: its direction from 0 to pi, its distance from the middle of the
-/// drawing (to the left of that direction), and where it begins and ends, from the foot of the
-/// middle on it.
+/// The line that a segment lies on: its direction (0 to pi), its distance from the middle of the
+/// drawing (to the left of that direction), and where the segment begins and ends, measured from
+/// the foot of the perpendicular from the middle. In mm and radians.
 struct LongLine {
   float radians{}, offset{}, from{}, to{};
 };
@@ -28,14 +28,15 @@ struct LongLine {
   return key ^ (key >> 32);
 }
 
-/// Sorts long segments by the lines that they lie on, so that those that may share a part are in
-/// one bin or in bins beside each other: of 0.005 rad, of the tolerance and half a percent of the
-/// drawing across, and of twice the usual length along. Segments of 5 mm or more that share a part
-/// differ by less (see `overlap`).
+/// Sorts long segments into bins by the lines that they lie on, so that segments that may share a
+/// part are in the same bin or in neighbouring bins. A bin spans 0.005 rad in direction, the
+/// tolerance plus half a percent of the drawing across, and twice the usual length along. Segments
+/// of 5 mm or more that share a part differ by less (see `overlap`).
 class LineBins {
  public:
-  /// `middle` and `reach`: the middle of the drawing, and how far it goes from there; `usual_mm`:
-  /// the mean length of its long segments.
+  /// @param middle    the middle of the drawing
+  /// @param reach     how far the drawing goes from there, mm
+  /// @param usual_mm  the mean length of its long segments
   LineBins(const PagePoint& middle, double reach, double usual_mm, double tolerance);
 
   [[nodiscard]] LongLine line_of(const Segment& segment) const;
@@ -52,12 +53,13 @@ class LineBins {
     return key(angle_of(line), offset_of(line)) + static_cast<std::uint64_t>(along_of(line.from));
   }
 
-  /// Calls `visit(bin, seen)` for all bins that hold what may share a part with `line`; `seen` is
-  /// the line as it is seen from there, for `may_share`. What lies in several bins is met as often.
+  /// Calls `visit(bin, seen)` for all bins with segments that may share a part with `line`. `seen`
+  /// is the line as seen from that bin, for `may_share`. A segment in several bins is visited
+  /// several times.
   template <typename Visit>
   void each_near(const LongLine& line, Visit&& visit) const {
     const std::int64_t middle = angle_of(line);
-    // The last bin is narrower than the others: beside it two are looked at.
+    // The last bin is narrower than the others, so two bins beside it are searched.
     for (std::int64_t a = middle - 2; a <= middle + 2; ++a) {
       if (std::abs(a - middle) > 1 && a >= 0 && a < kAngles) continue;
       const std::int64_t angle = (a + kAngles) % kAngles;
@@ -74,8 +76,8 @@ class LineBins {
     }
   }
 
-  /// Whether two lines come within the tolerance of each other at both ends of what they have in
-  /// common; sometimes true where they only nearly do.
+  /// Whether two lines are within the tolerance of each other at both ends of their common part.
+  /// Sometimes true if they only nearly are.
   [[nodiscard]] bool may_share(const LongLine& seen, const LongLine& other) const {
     const float turn = other.radians - seen.radians;
     if (std::abs(turn) > kMostTurn) return false;
