@@ -5,8 +5,8 @@
 
 namespace popcut {
 
-inline constexpr double kOverlapTolerance =
-    0.01;  ///< mm; a segment this close along a line lies on it
+/// A segment this close along a line lies on it, mm.
+inline constexpr double kOverlapTolerance = 0.01;
 inline constexpr double kSnapTolerance = 0.05;  ///< mm; line ends closer than this are joined
 
 /// Options of `clean`.

@@ -22,8 +22,8 @@ namespace {
 constexpr double kMargin = 10.0;  // mm around the pieces on a sheet, where there is room
 constexpr int kMostRounds = 60;   // of searching again after a tab found no room
 constexpr std::size_t kMostPieces = 10'000;
-constexpr std::size_t kLarge =
-    20'000;  // segments; of larger drawings only the cheapest layout is finished
+// Number of segments above which only the cheapest layout is finished.
+constexpr std::size_t kLarge = 20'000;
 
 LineWork swapped(LineWork work) {
   for (PagePoint& p : work.points) std::swap(p.x, p.y);

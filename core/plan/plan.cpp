@@ -15,8 +15,8 @@
 namespace popcut {
 namespace {
 
-constexpr double kRollMargin =
-    10.0;  // mm of roll left after the drawing; more than any blade's offset
+// Roll left after the drawing, mm; more than any blade's offset.
+constexpr double kRollMargin = 10.0;
 
 // The name of the machine's first mat that holds all of a drawing of this size; empty if none does.
 std::string mat_for(const Machine& machine, const Box& box) {

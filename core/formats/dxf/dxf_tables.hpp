@@ -31,8 +31,8 @@ enum class DxfMeaning : std::uint8_t {
 /// nothing to cut. A fold wins over a cut, because a wrong cut cannot be undone.
 [[nodiscard]] DxfMeaning dxf_meaning(std::string_view layer);
 
-inline constexpr std::size_t kMostDxfNames =
-    100'000;  ///< limit for each of layers, line types, blocks
+/// Limit for each of layers, line types and blocks.
+inline constexpr std::size_t kMostDxfNames = 100'000;
 
 /// A layer of the LAYER table.
 struct DxfLayer {
