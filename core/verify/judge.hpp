@@ -25,11 +25,11 @@ struct Limits {
 };
 
 /// Limits for a file, by the size of what its edges draw (ignoring vertices without edges).
-[[nodiscard]] Limits limits_of(const FoldFile& file);
+[[nodiscard]] Limits limits_of(const FoldModel& file);
 
 /// A pattern, with everything known about it so far.
 struct Subject {
-  FoldFile file;
+  FoldModel file;
   bool page{};  ///< a drawing: report places as x and y
   Limits limits;
   Sheet sheet;

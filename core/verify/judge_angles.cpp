@@ -97,7 +97,7 @@ void check_opening_angles(const Subject& subject, VerifyCheck& check) {
 
 void judge_angles(const Subject& subject, VerifyReport& report) {
   VerifyCheck check = named("fold_angles");
-  const FoldFile& file = subject.file;
+  const FoldModel& file = subject.file;
   std::size_t compared = 0;
   const auto compare = [&](std::size_t k, const std::vector<double>& angle_deg) {
     ++compared;

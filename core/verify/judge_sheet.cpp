@@ -50,7 +50,7 @@ void note_unassigned_borders(const Subject& subject, VerifyReport& report) {
 
 }  // namespace
 
-Limits limits_of(const FoldFile& file) {
+Limits limits_of(const FoldModel& file) {
   if (file.from_popcut) return {};
   double reach = 0.0;
   const Vec2 origin = file.flat[file.edges.front()[0]];
@@ -65,8 +65,8 @@ Limits limits_of(const FoldFile& file) {
 }
 
 std::string near_place(const Subject& subject, const char* what, Vec2 p) {
-  return subject.page ? fmt::format("{} near x {:.2f}, y {:.2f} mm", what, p.v, p.u)
-                      : fmt::format("{} near ({:.6g}, {:.6g}) mm", what, p.u, p.v);
+  return subject.page ? fmt::format("{} near x {:.2f}, y {:.2f} mm", what, p.y(), p.x())
+                      : fmt::format("{} near ({:.6g}, {:.6g}) mm", what, p.x(), p.y());
 }
 
 VerifyCheck named(const char* name) {

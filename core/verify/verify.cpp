@@ -71,7 +71,7 @@ void open(Subject& subject) {
 
 /// Replaces places in a drawing, whose author knows no numbers of edges and faces, by coordinates.
 void name_places(const Subject& subject, VerifyReport& report) {
-  const FoldFile& file = subject.file;
+  const FoldModel& file = subject.file;
   for (VerifyCheck& check : report.checks) {
     for (VerifyFailure& failure : check.failures) {
       std::size_t index = 0;
@@ -110,7 +110,7 @@ Result<VerifyReport> verify_fold(std::string_view text, const VerifyOptions& opt
     if (!read) return tl::unexpected<Error>(within("target", std::move(read.error())));
     target = std::move(*read);
   }
-  auto read = read_fold(text);
+  auto read = read_fold_model(text);
   if (!read) return tl::unexpected<Error>(std::move(read.error()));
   Subject subject;
   subject.file = std::move(*read);

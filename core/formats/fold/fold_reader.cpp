@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "core/text/fold_text.hpp"
 #include "core/text/near_names.hpp"
-#include "core/verify/sheet/fold_text.hpp"
 
 namespace popcut {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "core/drawing/linework.hpp"
 #include "core/result.hpp"
-#include "core/verify/sheet/fold_text.hpp"
+#include "core/text/fold_text.hpp"
 
 namespace popcut {
 

@@ -13,7 +13,7 @@ namespace popcut::verify {
 
 /// The direction of all folds of a sheet made of rectangular units: every edge is parallel or
 /// perpendicular to it, and every fold is parallel. None for any other sheet.
-[[nodiscard]] std::optional<Vec2> common_fold_direction(const FoldFile& file, const Sheet& sheet,
+[[nodiscard]] std::optional<Vec2> common_fold_direction(const FoldModel& file, const Sheet& sheet,
                                                         double slack_mm);
 
 /// Whether the panels of a pose lie in only two directions, so that the pose belongs to the affine
@@ -24,13 +24,13 @@ namespace popcut::verify {
 /// neighbouring `v` where something begins or ends, the pose is a single section, a set of line
 /// segments. These may meet only where the sheet is folded or cut across. O(n log n).
 /// @return false if it gave up because of the number of segments; then it has added nothing
-[[nodiscard]] bool check_sections(const FoldFile& file, const Sheet& sheet, Vec2 axis,
+[[nodiscard]] bool check_sections(const FoldModel& file, const Sheet& sheet, Vec2 axis,
                                   const PoseMotion& motion, double slack_mm, VerifyCheck& check);
 
 /// Checks that the faces of any sheet do not cross in one pose. Two faces fail if one passes
 /// through the other by more than `slack_mm`, or if both lie in one plane and overlap. In a shut
 /// pose, stacks of faces are valid and only faces that pass through others fail.
-void check_faces_apart(const FoldFile& file, const Sheet& sheet, const Triangles& triangles,
+void check_faces_apart(const FoldModel& file, const Sheet& sheet, const Triangles& triangles,
                        const Pose& pose, const PoseMotion& motion, double slack_mm,
                        VerifyCheck& check);
 

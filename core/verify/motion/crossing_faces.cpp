@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/cell_grid.hpp"
 #include "core/verify/motion/crossing.hpp"
-#include "core/verify/sheet/cell_grid.hpp"
 
 namespace popcut::verify {
 namespace {
@@ -23,8 +23,9 @@ struct Interval {
 };
 
 bool apart(const Box& a, const Box& b, double slack) {
-  return a.low.x > b.high.x + slack || b.low.x > a.high.x + slack || a.low.y > b.high.y + slack ||
-         b.low.y > a.high.y + slack || a.low.z > b.high.z + slack || b.low.z > a.high.z + slack;
+  return a.low.x() > b.high.x() + slack || b.low.x() > a.high.x() + slack ||
+         a.low.y() > b.high.y() + slack || b.low.y() > a.high.y() + slack ||
+         a.low.z() > b.high.z() + slack || b.low.z() > a.high.z() + slack;
 }
 
 /// Where a line cuts a polygon, if corners within `slack` of the line count as lying on its side
@@ -57,17 +58,18 @@ std::vector<Interval> common(const std::vector<Interval>& a, const std::vector<I
 /// One pose's faces as planar polygons in space.
 class FacesInSpace {
  public:
-  FacesInSpace(const FoldFile& file, const Sheet& sheet, const Pose& pose, const PoseMotion& motion,
-               double slack)
+  FacesInSpace(const FoldModel& file, const Sheet& sheet, const Pose& pose,
+               const PoseMotion& motion, double slack)
       : file_(file), sheet_(sheet), pose_(pose), motion_(motion), slack_(slack) {
     boxes_.reserve(file.faces());
     for (std::size_t f = 0; f < file.faces(); ++f) {
       Box box{pose.at[face_of(file, f)[0]], pose.at[face_of(file, f)[0]]};
       for (const std::uint32_t v : face_of(file, f)) {
         const Vec3 p = pose.at[v];
-        box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
-        box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y),
-                    std::max(box.high.z, p.z)};
+        box.low = {std::min(box.low.x(), p.x()), std::min(box.low.y(), p.y()),
+                   std::min(box.low.z(), p.z())};
+        box.high = {std::max(box.high.x(), p.x()), std::max(box.high.y(), p.y()),
+                    std::max(box.high.z(), p.z())};
       }
       boxes_.push_back(box);
     }
@@ -136,7 +138,7 @@ class FacesInSpace {
     return s * (a - b * c) * n + s * (b - a * c) * m + t * line;
   }
 
-  const FoldFile& file_;
+  const FoldModel& file_;
   const Sheet& sheet_;
   const Pose& pose_;
   const PoseMotion& motion_;
@@ -171,28 +173,28 @@ double shared_area(const Triangles& triangles, const Pose& pose, const RigidMoti
 
 }  // namespace
 
-void check_faces_apart(const FoldFile& file, const Sheet& sheet, const Triangles& triangles,
+void check_faces_apart(const FoldModel& file, const Sheet& sheet, const Triangles& triangles,
                        const Pose& pose, const PoseMotion& motion, double slack_mm,
                        VerifyCheck& check) {
   const FacesInSpace space(file, sheet, pose, motion, slack_mm);
   Box all = space.box(0);
   for (std::size_t f = 1; f < file.faces(); ++f) {
     const Box& b = space.box(f);
-    all.low = {std::min(all.low.x, b.low.x), std::min(all.low.y, b.low.y),
-               std::min(all.low.z, b.low.z)};
-    all.high = {std::max(all.high.x, b.high.x), std::max(all.high.y, b.high.y),
-                std::max(all.high.z, b.high.z)};
+    all.low = {std::min(all.low.x(), b.low.x()), std::min(all.low.y(), b.low.y()),
+               std::min(all.low.z(), b.low.z())};
+    all.high = {std::max(all.high.x(), b.high.x()), std::max(all.high.y(), b.high.y()),
+                std::max(all.high.z(), b.high.z())};
   }
   // Sorts faces into cells, seen along the direction in which the structure is thinnest.
   const Vec3 size = all.high - all.low;
-  const int thin = size.x <= size.y && size.x <= size.z ? 0 : size.y <= size.z ? 1 : 2;
+  const int thin = size.x() <= size.y() && size.x() <= size.z() ? 0 : size.y() <= size.z() ? 1 : 2;
   const auto seen = [&](Vec3 p) {
-    return thin == 0 ? Vec2{p.y, p.z} : thin == 1 ? Vec2{p.x, p.z} : Vec2{p.x, p.y};
+    return thin == 0 ? Vec2{p.y(), p.z()} : thin == 1 ? Vec2{p.x(), p.z()} : Vec2{p.x(), p.y()};
   };
   const auto corners = [&](std::size_t f) {
     const Vec2 a = seen(space.box(f).low);
     const Vec2 c = seen(space.box(f).high);
-    return std::array<Vec2, 4>{a, Vec2{c.u, a.v}, c, Vec2{a.u, c.v}};
+    return std::array<Vec2, 4>{a, Vec2{c.x(), a.y()}, c, Vec2{a.x(), c.y()}};
   };
   std::set<std::pair<std::uint32_t, std::uint32_t>> reported;
   const CellGrid grid(file.faces(), slack_mm, corners);
@@ -205,7 +207,7 @@ void check_faces_apart(const FoldFile& file, const Sheet& sheet, const Triangles
         if (relation == FacesInSpace::Relation::Cross && reported.emplace(f, g).second) {
           check.fail(fmt::format("/faces_vertices/{}", g),
                      fmt::format("faces {} and {} cross near ({:.6g}, {:.6g}, {:.6g}) in {}", f, g,
-                                 where.x, where.y, where.z, pose_name(pose)));
+                                 where.x(), where.y(), where.z(), pose_name(pose)));
         }
         if (relation != FacesInSpace::Relation::SamePlane || motion.shut) return;
         double reach = 0.0;

@@ -50,10 +50,10 @@ Contact contact(const Segment& a, const Segment& b, double slack) {
   // other.
   std::array<Vec2, 4> on{};
   std::size_t count = 0;
-  for (const Vec2 p : {a.from, a.to}) {
+  for (const Vec2& p : {a.from, a.to}) {
     if (distance(p, b) <= slack) on[count++] = p;
   }
-  for (const Vec2 p : {b.from, b.to}) {
+  for (const Vec2& p : {b.from, b.to}) {
     if (distance(p, a) <= slack) on[count++] = p;
   }
   for (std::size_t k = 1; k < count; ++k) {
@@ -74,10 +74,10 @@ Contact contact(const Segment& a, const Segment& b, double slack) {
 
 /// The distinct positions of vertices along the folds, ascending; those within `slack` count as
 /// one.
-std::vector<double> levels(const FoldFile& file, Vec2 axis, double slack) {
+std::vector<double> levels(const FoldModel& file, Vec2 axis, double slack) {
   std::vector<double> all;
   all.reserve(file.flat.size());
-  for (const Vec2 p : file.flat) all.push_back(dot(p, axis));
+  for (const Vec2& p : file.flat) all.push_back(dot(p, axis));
   std::sort(all.begin(), all.end());
   std::vector<double> distinct;
   for (const double v : all) {
@@ -99,8 +99,8 @@ struct Section {
 };
 
 Section section_of(Vec3 axis) {
-  Vec3 across = Vec3{1.0, 0.0, 0.0} - axis.x * axis;
-  if (norm(across) < 0.1) across = Vec3{0.0, 0.0, 1.0} - axis.z * axis;
+  Vec3 across = Vec3{1.0, 0.0, 0.0} - axis.x() * axis;
+  if (norm(across) < 0.1) across = Vec3{0.0, 0.0, 1.0} - axis.z() * axis;
   across = unit(across);
   return {across, cross(across, axis)};
 }
@@ -110,9 +110,9 @@ const char* words(Contact contact) {
 }
 
 /// The sides of faces along the folds, slab by slab; none if there are too many.
-std::optional<std::vector<Entry>> slab_entries(const FoldFile& file, const Sheet& sheet, Vec2 axis,
+std::optional<std::vector<Entry>> slab_entries(const FoldModel& file, const Sheet& sheet, Vec2 axis,
                                                const std::vector<double>& level, double slack) {
-  const Vec2 square{axis.v, -axis.u};
+  const Vec2 square{axis.y(), -axis.x()};
   std::vector<Entry> entries;
   for (std::uint32_t s = 0; s < sheet.side_face.size(); ++s) {
     const Vec2 from = file.flat[file.face_vertices[s]];
@@ -126,7 +126,7 @@ std::optional<std::vector<Entry>> slab_entries(const FoldFile& file, const Sheet
     }
   }
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-    return std::tuple(a.slab, a.face, a.u) < std::tuple(b.slab, b.face, b.u);
+    return std::tuple(a.slab, a.face, a.x()) < std::tuple(b.slab, b.face, b.x());
   });
   return entries;
 }
@@ -136,11 +136,11 @@ std::optional<std::vector<Entry>> slab_entries(const FoldFile& file, const Sheet
 template <typename Visit>
 bool each_near_pair(std::vector<Segment>& segments, double slack, std::uint64_t& budget,
                     Visit visit) {
-  const auto low = [](const Segment& s) { return std::min(s.from.u, s.to.u); };
+  const auto low = [](const Segment& s) { return std::min(s.from.x(), s.to.x()); };
   std::sort(segments.begin(), segments.end(),
             [&](const Segment& a, const Segment& b) { return low(a) < low(b); });
   for (std::size_t a = 0; a < segments.size(); ++a) {
-    const double high = std::max(segments[a].from.u, segments[a].to.u) + slack;
+    const double high = std::max(segments[a].from.x(), segments[a].to.x()) + slack;
     for (std::size_t b = a + 1; b < segments.size() && low(segments[b]) <= high; ++b) {
       if (budget == 0) return false;
       --budget;
@@ -152,7 +152,7 @@ bool each_near_pair(std::vector<Segment>& segments, double slack, std::uint64_t&
 
 }  // namespace
 
-std::optional<Vec2> common_fold_direction(const FoldFile& file, const Sheet& sheet,
+std::optional<Vec2> common_fold_direction(const FoldModel& file, const Sheet& sheet,
                                           double slack_mm) {
   std::optional<Vec2> axis;
   for (const Hinge& hinge : sheet.hinges) {
@@ -171,9 +171,9 @@ std::optional<Vec2> common_fold_direction(const FoldFile& file, const Sheet& she
 }
 
 bool in_two_directions(const Sheet& sheet, const PoseMotion& motion, Vec2 axis) {
-  const Vec2 square{axis.v, -axis.u};
+  const Vec2 square{axis.y(), -axis.x()};
   const auto direction = [&](std::size_t p) {
-    return square.u * motion.panel[p].along_u + square.v * motion.panel[p].along_v;
+    return square.x() * motion.panel[p].along_u + square.y() * motion.panel[p].along_v;
   };
   std::optional<Vec3> second;
   const Vec3 first = direction(0);
@@ -186,14 +186,14 @@ bool in_two_directions(const Sheet& sheet, const PoseMotion& motion, Vec2 axis) 
   return true;
 }
 
-bool check_sections(const FoldFile& file, const Sheet& sheet, Vec2 axis, const PoseMotion& motion,
+bool check_sections(const FoldModel& file, const Sheet& sheet, Vec2 axis, const PoseMotion& motion,
                     double slack_mm, VerifyCheck& check) {
-  const Vec2 square{axis.v, -axis.u};
+  const Vec2 square{axis.y(), -axis.x()};
   const std::vector<double> level = levels(file, axis, slack_mm);
   const auto entries = slab_entries(file, sheet, axis, level, slack_mm);
   if (!entries) return false;
   const Section section =
-      section_of(unit(axis.u * motion.panel[0].along_u + axis.v * motion.panel[0].along_v));
+      section_of(unit(axis.x() * motion.panel[0].along_u + axis.y() * motion.panel[0].along_v));
   std::set<std::pair<std::uint32_t, std::uint32_t>> reported;
   std::vector<Segment> segments;
   std::uint64_t budget = kPairBudget;
@@ -207,7 +207,7 @@ bool check_sections(const FoldFile& file, const Sheet& sheet, Vec2 axis, const P
       const Entry& to = (*entries)[i + 1];
       const std::uint32_t panel = sheet.panel_of_face[from.face];
       const auto at = [&](double u) { return section(motion.panel[panel](u * square + v * axis)); };
-      segments.push_back({at(from.u), at(to.u), from.u, to.u, from.face, panel});
+      segments.push_back({at(from.x()), at(to.x()), from.x(), to.x(), from.face, panel});
     }
     while (i < entries->size() && (*entries)[i].slab == slab) ++i;
     // 2. No two of them meet, except where the sheet continues from one to the other.
@@ -221,7 +221,7 @@ bool check_sections(const FoldFile& file, const Sheet& sheet, Vec2 axis, const P
           const Vec3 where = motion.panel[a.panel](0.5 * (a.u0 + a.u1) * square + v * axis);
           check.fail(fmt::format("/faces_vertices/{}", g),
                      fmt::format("faces {} and {} {} near ({:.6g}, {:.6g}, {:.6g})", f, g,
-                                 words(found), where.x, where.y, where.z));
+                                 words(found), where.x(), where.y(), where.z()));
         });
     if (!all) return false;
   }

@@ -27,7 +27,7 @@ constexpr double kClearGap = 100.0;
 constexpr std::size_t kShown = 12;
 
 Vec3 any_across(Vec3 axis) {
-  const Vec3 other = std::abs(axis.x) < 0.5 ? Vec3{1.0, 0.0, 0.0} : Vec3{0.0, 1.0, 0.0};
+  const Vec3 other = std::abs(axis.x()) < 0.5 ? Vec3{1.0, 0.0, 0.0} : Vec3{0.0, 1.0, 0.0};
   return unit(cross(axis, other));
 }
 
@@ -53,12 +53,12 @@ Sparse constraints(const std::vector<HingeLine>& lines, const std::vector<PanelF
         if (value != 0.0) entries.emplace_back(row + r, column + c, value);
       };
       // velocity of the middle: v + w x arm
-      put(0, 1, arm.z), put(0, 2, -arm.y), put(0, 3, sign);
-      put(1, 0, -arm.z), put(1, 2, arm.x), put(1, 4, sign);
-      put(2, 0, arm.y), put(2, 1, -arm.x), put(2, 5, sign);
+      put(0, 1, arm.z()), put(0, 2, -arm.y()), put(0, 3, sign);
+      put(1, 0, -arm.z()), put(1, 2, arm.x()), put(1, 4, sign);
+      put(2, 0, arm.y()), put(2, 1, -arm.x()), put(2, 5, sign);
       for (int k = 0; k < 2; ++k) {
         const Vec3 n = (sign * lever / size) * normals[static_cast<std::size_t>(k)];
-        put(3 + k, 0, n.x), put(3 + k, 1, n.y), put(3 + k, 2, n.z);
+        put(3 + k, 0, n.x()), put(3 + k, 1, n.y()), put(3 + k, 2, n.z());
       }
     }
     row += 5;
@@ -176,7 +176,7 @@ void split_sparse(const Sparse& jacobian, double noise, Mobility& result) {
 /// The constraints on the speeds of the hinge lines: each loop of panels must close. Angular
 /// velocities around it sum to zero, and so do their moments about the loop's middle, which are
 /// scaled by the loop's size.
-Sparse loop_constraints(const FoldFile& file, const Sheet& sheet, const PoseMotion& pose,
+Sparse loop_constraints(const FoldModel& file, const Sheet& sheet, const PoseMotion& pose,
                         const std::vector<HingeLine>& lines, const Loops& loops, double& least_mm) {
   // 1. The line that each fold belongs to, and whether the fold runs against it.
   struct OfLine {
@@ -238,7 +238,7 @@ Sparse loop_constraints(const FoldFile& file, const Sheet& sheet, const PoseMoti
       const auto& [at, way] = axis[i];
       const Vec3 moment = (1.0 / size) * cross(at - middle, way);
       int r = row;
-      for (const double value : {way.x, way.y, way.z, moment.x, moment.y, moment.z})
+      for (const double value : {way.x(), way.y(), way.z(), moment.x(), moment.y(), moment.z()})
         entries.emplace_back(r++, line, value);
     }
     row += 6;
@@ -262,8 +262,8 @@ Sparse hinge_constraints(const Sheet& sheet, const PoseMotion& pose,
 
 }  // namespace
 
-Mobility mobility(const FoldFile& file, const Sheet& sheet, const PoseMotion& pose, double noise_mm,
-                  MobilityForm form) {
+Mobility mobility(const FoldModel& file, const Sheet& sheet, const PoseMotion& pose,
+                  double noise_mm, MobilityForm form) {
   Mobility result;
   const std::vector<HingeLine> lines = hinge_lines(file, sheet);
   result.hinges = lines.size();

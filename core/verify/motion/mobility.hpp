@@ -47,7 +47,7 @@ enum class MobilityForm {
 /// six times as many unknowns.
 ///
 /// @param noise_mm  how far the pose deviates from rigid panels on closed hinges
-[[nodiscard]] Mobility mobility(const FoldFile& file, const Sheet& sheet, const PoseMotion& pose,
+[[nodiscard]] Mobility mobility(const FoldModel& file, const Sheet& sheet, const PoseMotion& pose,
                                 double noise_mm, MobilityForm form = MobilityForm::Loops);
 
 }  // namespace popcut::verify

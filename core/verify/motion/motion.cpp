@@ -17,7 +17,7 @@ std::span<const std::uint32_t> vertices_of(const Panels& panels, std::size_t p) 
 }
 
 /// Three vertices of a panel far apart: one, the farthest from it, the farthest from their line.
-std::array<std::uint32_t, 3> far_apart(const FoldFile& file,
+std::array<std::uint32_t, 3> far_apart(const FoldModel& file,
                                        std::span<const std::uint32_t> vertices) {
   const auto farthest = [&](auto measure) {
     return *std::max_element(vertices.begin(), vertices.end(),
@@ -34,7 +34,7 @@ std::array<std::uint32_t, 3> far_apart(const FoldFile& file,
   return {a, b, c};
 }
 
-RigidMotion motion_of(const FoldFile& file, const std::array<std::uint32_t, 3>& anchors,
+RigidMotion motion_of(const FoldModel& file, const std::array<std::uint32_t, 3>& anchors,
                       const Pose& pose) {
   const auto [a, b, c] = anchors;
   const Vec2 flat_a = file.flat[a];
@@ -42,29 +42,29 @@ RigidMotion motion_of(const FoldFile& file, const std::array<std::uint32_t, 3>& 
   const double length = norm(along);
   const Vec2 e1 = (length > 0.0 ? 1.0 / length : 0.0) * along;
   const double side = cross(e1, file.flat[c] - flat_a) < 0.0 ? -1.0 : 1.0;
-  const Vec2 e2{-e1.v, e1.u};
+  const Vec2 e2{-e1.y(), e1.x()};
   // The same frame in space: the first axis towards b, the second towards c's side.
   const Vec3 f1 = unit(pose.at[b] - pose.at[a]);
   const Vec3 toward = pose.at[c] - pose.at[a];
   const Vec3 f2 = side * unit(toward - dot(toward, f1) * f1);
   RigidMotion motion;
-  motion.along_u = e1.u * f1 + e2.u * f2;
-  motion.along_v = e1.v * f1 + e2.v * f2;
+  motion.along_u = e1.x() * f1 + e2.x() * f2;
+  motion.along_v = e1.y() * f1 + e2.y() * f2;
   motion.normal = cross(f1, f2);
-  motion.origin = pose.at[a] - flat_a.u * motion.along_u - flat_a.v * motion.along_v;
+  motion.origin = pose.at[a] - flat_a.x() * motion.along_u - flat_a.y() * motion.along_v;
   return motion;
 }
 
-double edge_change(const FoldFile& file, const Pose& pose, std::size_t e) {
+double edge_change(const FoldModel& file, const Pose& pose, std::size_t e) {
   const auto [a, b] = file.edges[e];
   return norm(pose.at[b] - pose.at[a]) - norm(file.flat[b] - file.flat[a]);
 }
 
 /// Fold angle about a hinge in degrees: positive if the faces turn towards their face side.
-double angle_about(const FoldFile& file, const Hinge& hinge, const RigidMotion& left,
+double angle_about(const FoldModel& file, const Hinge& hinge, const RigidMotion& left,
                    const RigidMotion& right) {
   const Vec2 way = file.flat[hinge.to] - file.flat[hinge.from];
-  const Vec3 axis = unit(way.u * left.along_u + way.v * left.along_v);
+  const Vec3 axis = unit(way.x() * left.along_u + way.y() * left.along_v);
   return kDegrees *
          std::atan2(dot(cross(right.normal, left.normal), axis), dot(left.normal, right.normal));
 }
@@ -89,7 +89,7 @@ std::string pose_name(const Pose& pose) {
   return pose.psi_rad ? fmt::format("{} (psi {:.4f})", frame, *pose.psi_rad) : frame;
 }
 
-Panels make_panels(const FoldFile& file, const Sheet& sheet) {
+Panels make_panels(const FoldModel& file, const Sheet& sheet) {
   Panels panels;
   panels.first.assign(sheet.panels + 1, 0);
   for (std::size_t f = 0; f < file.faces(); ++f) {
@@ -109,7 +109,7 @@ Panels make_panels(const FoldFile& file, const Sheet& sheet) {
   return panels;
 }
 
-PoseMotion measure(const FoldFile& file, const Sheet& sheet, const Panels& panels,
+PoseMotion measure(const FoldModel& file, const Sheet& sheet, const Panels& panels,
                    const Pose& pose) {
   PoseMotion result;
   result.least_generic = 1.0;
@@ -150,7 +150,7 @@ PoseMotion measure(const FoldFile& file, const Sheet& sheet, const Panels& panel
   return result;
 }
 
-void check_isometry(const FoldFile& file, const Sheet& sheet, const Pose& pose,
+void check_isometry(const FoldModel& file, const Sheet& sheet, const Pose& pose,
                     const PoseMotion& motion, double limit_mm, VerifyCheck& check) {
   if (motion.isometry_mm > limit_mm) {
     for (std::uint32_t e = 0; e < file.edges.size(); ++e) {
@@ -188,7 +188,7 @@ void check_isometry(const FoldFile& file, const Sheet& sheet, const Pose& pose,
   }
 }
 
-double check_fold_angles(const FoldFile& file, const Sheet& sheet, const Pose& pose,
+double check_fold_angles(const FoldModel& file, const Sheet& sheet, const Pose& pose,
                          const PoseMotion& motion, const std::vector<double>& angle_deg,
                          double limit_deg, VerifyCheck& check) {
   double largest = 0.0;
@@ -213,7 +213,7 @@ double check_fold_angles(const FoldFile& file, const Sheet& sheet, const Pose& p
   return largest;
 }
 
-void check_assignments(const FoldFile& file, const Sheet& sheet, const Pose& pose,
+void check_assignments(const FoldModel& file, const Sheet& sheet, const Pose& pose,
                        const PoseMotion& motion, double limit_deg, VerifyCheck& check) {
   for (std::size_t h = 0; h < sheet.hinges.size(); ++h) {
     const std::uint32_t e = sheet.hinges[h].edge;

@@ -20,7 +20,7 @@ struct RigidMotion {
   Vec3 along_v{0.0, 1.0, 0.0};
   Vec3 normal{0.0, 0.0, 1.0};
 
-  [[nodiscard]] Vec3 operator()(Vec2 p) const { return origin + p.u * along_u + p.v * along_v; }
+  [[nodiscard]] Vec3 operator()(Vec2 p) const { return origin + p.x() * along_u + p.y() * along_v; }
 };
 
 /// Extrapolates the motion by `by` steps past `to`, where the last step came from `from`, with
@@ -36,7 +36,7 @@ struct Panels {
 };
 
 /// Collects the vertices of each panel of a sheet.
-[[nodiscard]] Panels make_panels(const FoldFile& file, const Sheet& sheet);
+[[nodiscard]] Panels make_panels(const FoldModel& file, const Sheet& sheet);
 
 /// What a pose does to the sheet.
 struct PoseMotion {
@@ -59,24 +59,24 @@ inline constexpr double kFlatOrShut_deg = 0.01;
 /// Measures a pose: the rigid motion of every panel, and how far the pose deviates from rigid
 /// panels on closed hinges. Fold angles come from the panels' normals: the angle from the right
 /// face's normal to the left face's normal about the fold, with FOLD's sign.
-[[nodiscard]] PoseMotion measure(const FoldFile& file, const Sheet& sheet, const Panels& panels,
+[[nodiscard]] PoseMotion measure(const FoldModel& file, const Sheet& sheet, const Panels& panels,
                                  const Pose& pose);
 
 /// Checks that every panel is rigid and every hinge closed. Names edges whose length changes, and
 /// faces that are bent or sheared, by more than `limit_mm`.
-void check_isometry(const FoldFile& file, const Sheet& sheet, const Pose& pose,
+void check_isometry(const FoldModel& file, const Sheet& sheet, const Pose& pose,
                     const PoseMotion& motion, double limit_mm, VerifyCheck& check);
 
 /// Checks that the fold angles that the file lists for a pose agree with the pose, in size and
 /// sign. `angle_deg` has one entry per edge; NaN is not compared.
 /// @return the largest deviation in degrees
-double check_fold_angles(const FoldFile& file, const Sheet& sheet, const Pose& pose,
+double check_fold_angles(const FoldModel& file, const Sheet& sheet, const Pose& pose,
                          const PoseMotion& motion, const std::vector<double>& angle_deg,
                          double limit_deg, VerifyCheck& check);
 
 /// Checks that mountains and valleys turn the way they are assigned. (A flat crease that bends is a
 /// panel that bends: `check_isometry` finds it.)
-void check_assignments(const FoldFile& file, const Sheet& sheet, const Pose& pose,
+void check_assignments(const FoldModel& file, const Sheet& sheet, const Pose& pose,
                        const PoseMotion& motion, double limit_deg, VerifyCheck& check);
 
 }  // namespace popcut::verify

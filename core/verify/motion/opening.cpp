@@ -32,7 +32,7 @@ struct LineHint {
   double speed{1.0};  ///< relative tangent of half its fold angle, > 0; 0: stays flat
 };
 
-std::vector<LineHint> hints_of(const FoldFile& file, const Sheet& sheet, const RigidSheet& rigid) {
+std::vector<LineHint> hints_of(const FoldModel& file, const Sheet& sheet, const RigidSheet& rigid) {
   std::vector<LineHint> hints(rigid.lines.size());
   for (std::size_t k = 0; k < hints.size(); ++k) {
     const std::uint32_t e = sheet.hinges[rigid.lines[k].hinge].edge;
@@ -48,7 +48,7 @@ std::vector<LineHint> hints_of(const FoldFile& file, const Sheet& sheet, const R
 }
 
 /// The lines by length, longest first; valleys before other lines of the same length.
-std::vector<std::size_t> drivers_of(const FoldFile& file, const Sheet& sheet,
+std::vector<std::size_t> drivers_of(const FoldModel& file, const Sheet& sheet,
                                     const std::vector<HingeLine>& lines) {
   std::vector<std::size_t> order(lines.size());
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
@@ -274,7 +274,7 @@ std::string Follower::shut_line() const {
   for (std::size_t k = 0; k < rigid_.lines.size(); ++k) {
     if (k != driver_ && std::abs(now_.tangent[k]) >= std::tan(0.5 * kNearShut_rad)) {
       const Vec2 at = 0.5 * (rigid_.lines[k].from + rigid_.lines[k].to);
-      return fmt::format("the fold near ({:.4g}, {:.4g}) is shut", at.u, at.v);
+      return fmt::format("the fold near ({:.4g}, {:.4g}) is shut", at.x(), at.y());
     }
   }
   return {};
@@ -318,7 +318,7 @@ bool Follower::reach(double driven_rad, std::string& why) {
   return true;
 }
 
-Opening follow(const FoldFile& file, const Sheet& sheet, const RigidSheet& rigid,
+Opening follow(const FoldModel& file, const Sheet& sheet, const RigidSheet& rigid,
                const std::vector<LineHint>& hints, std::size_t driver,
                std::span<const double> psi_rad, double slack_mm) {
   Opening opening;
@@ -355,7 +355,7 @@ Opening follow(const FoldFile& file, const Sheet& sheet, const RigidSheet& rigid
 
 }  // namespace
 
-Opening open_sheet(const FoldFile& file, const Sheet& sheet, std::span<const double> psi_rad,
+Opening open_sheet(const FoldModel& file, const Sheet& sheet, std::span<const double> psi_rad,
                    double slack_mm) {
   Opening best;
   best.reached_psi_rad = kPi;
@@ -379,7 +379,7 @@ Opening open_sheet(const FoldFile& file, const Sheet& sheet, std::span<const dou
   return best;
 }
 
-std::optional<std::uint32_t> driving_hinge(const FoldFile& file, const Sheet& sheet) {
+std::optional<std::uint32_t> driving_hinge(const FoldModel& file, const Sheet& sheet) {
   const std::vector<HingeLine> lines = hinge_lines(file, sheet);
   if (lines.empty()) return {};
   return lines[drivers_of(file, sheet, lines).front()].hinge;

@@ -47,11 +47,11 @@ struct Opening {
 ///
 /// @param psi_rad   opening angles to stop at, descending, between 0 and pi (both excluded)
 /// @param slack_mm  gaps up to this size count as closed: how exact the drawing is
-[[nodiscard]] Opening open_sheet(const FoldFile& file, const Sheet& sheet,
+[[nodiscard]] Opening open_sheet(const FoldModel& file, const Sheet& sheet,
                                  std::span<const double> psi_rad, double slack_mm);
 
 /// The driving line that `open_sheet` tries first, as one of its folds (an index into
 /// `Sheet::hinges`). None if no two panels turn against each other.
-[[nodiscard]] std::optional<std::uint32_t> driving_hinge(const FoldFile& file, const Sheet& sheet);
+[[nodiscard]] std::optional<std::uint32_t> driving_hinge(const FoldModel& file, const Sheet& sheet);
 
 }  // namespace popcut::verify

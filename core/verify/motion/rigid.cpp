@@ -19,7 +19,7 @@ constexpr int kRowsOfLine = 6;
 constexpr double kLargestTurn_rad = 0.5;  ///< limit per panel and step
 
 Vec3 turned(const RigidMotion& motion, Vec2 way) {
-  return way.u * motion.along_u + way.v * motion.along_v;
+  return way.x() * motion.along_u + way.y() * motion.along_v;
 }
 
 Vec2 middle_of(const HingeLine& line) { return 0.5 * (line.from + line.to); }
@@ -68,7 +68,7 @@ double gap_mm(const HingeLine& line, const RigidState& state) {
 
 }  // namespace
 
-RigidSheet rigid_sheet(const FoldFile& file, const Sheet& sheet, std::uint32_t held) {
+RigidSheet rigid_sheet(const FoldModel& file, const Sheet& sheet, std::uint32_t held) {
   RigidSheet result;
   result.lines = hinge_lines(file, sheet);
   result.frames = panel_frames(result.lines, sheet.panels);
@@ -105,7 +105,7 @@ RigidSheet rigid_sheet(const FoldFile& file, const Sheet& sheet, std::uint32_t h
     }
   }
   for (const HingeLine& line : result.lines) {
-    for (const Vec2 p : {line.from, line.to})
+    for (const Vec2& p : {line.from, line.to})
       result.reach_mm = std::max(result.reach_mm, norm(p - result.lines.front().from));
   }
   return result;
@@ -181,7 +181,7 @@ Vector RigidSolver::Parts::residual(const RigidState& state,
     const Vec3 apart = left(middle_of(line)) - right(middle_of(line));
     const Vec2 way = direction_of(line);
     const Vec3 askew = lever(line) * (turned(left, way) - turned(right, way));
-    for (const double value : {apart.x, apart.y, apart.z, askew.x, askew.y, askew.z})
+    for (const double value : {apart.x(), apart.y(), apart.z(), askew.x(), askew.y(), askew.z()})
       off[row++] = value;
   }
   for (const AngleGoal& goal : goals) {
@@ -197,9 +197,11 @@ Sparse RigidSolver::Parts::jacobian(const RigidState& state, std::span<const Ang
   int row = 0;
   // The columns of a panel: its angular velocity times its size, then the velocity of its middle.
   const auto put_cross = [&](int r, int c, double scale, Vec3 v) {  // scale * (w x v)
-    entries.emplace_back(r, c + 1, scale * v.z), entries.emplace_back(r, c + 2, -scale * v.y);
-    entries.emplace_back(r + 1, c, -scale * v.z), entries.emplace_back(r + 1, c + 2, scale * v.x);
-    entries.emplace_back(r + 2, c, scale * v.y), entries.emplace_back(r + 2, c + 1, -scale * v.x);
+    entries.emplace_back(r, c + 1, scale * v.z()), entries.emplace_back(r, c + 2, -scale * v.y());
+    entries.emplace_back(r + 1, c, -scale * v.z()),
+        entries.emplace_back(r + 1, c + 2, scale * v.x());
+    entries.emplace_back(r + 2, c, scale * v.y()),
+        entries.emplace_back(r + 2, c + 1, -scale * v.x());
   };
   for (const HingeLine& line : sheet.lines) {
     for (const auto& [p, sign] : {std::pair(line.left, 1.0), std::pair(line.right, -1.0)}) {
@@ -219,9 +221,9 @@ Sparse RigidSolver::Parts::jacobian(const RigidState& state, std::span<const Ang
       if (column[p] < 0) continue;
       const double scale = sign * goal.weight * lever(line) / sheet.frames[p].size_mm;
       const Vec3 axis = scale * turned(state[line.left], direction_of(line));
-      entries.emplace_back(row, column[p], axis.x);
-      entries.emplace_back(row, column[p] + 1, axis.y);
-      entries.emplace_back(row, column[p] + 2, axis.z);
+      entries.emplace_back(row, column[p], axis.x());
+      entries.emplace_back(row, column[p] + 1, axis.y());
+      entries.emplace_back(row, column[p] + 2, axis.z());
     }
     ++row;
   }
@@ -302,7 +304,7 @@ RigidSolver::End RigidSolver::correct(RigidState& state, std::span<const AngleGo
   return end;
 }
 
-Pose pose_of(const FoldFile& file, const Sheet& sheet, const RigidState& state, double psi_rad,
+Pose pose_of(const FoldModel& file, const Sheet& sheet, const RigidState& state, double psi_rad,
              std::string_view how) {
   Pose pose;
   pose.place = fmt::format("{} to psi {:.4f}", how, psi_rad);
@@ -310,7 +312,7 @@ Pose pose_of(const FoldFile& file, const Sheet& sheet, const RigidState& state, 
   pose.opened = true;
   pose.at.resize(file.flat.size());
   for (std::size_t i = 0; i < file.flat.size(); ++i)
-    pose.at[i] = {file.flat[i].u, file.flat[i].v, 0.0};
+    pose.at[i] = {file.flat[i].x(), file.flat[i].y(), 0.0};
   for (std::size_t f = 0; f < file.faces(); ++f) {
     for (const std::uint32_t v : face_of(file, f))
       pose.at[v] = state[sheet.panel_of_face[f]](file.flat[v]);

@@ -28,7 +28,7 @@ struct RigidSheet {
 };
 
 /// @param held  the panel that stays in place; in other pieces, the first panel does
-[[nodiscard]] RigidSheet rigid_sheet(const FoldFile& file, const Sheet& sheet, std::uint32_t held);
+[[nodiscard]] RigidSheet rigid_sheet(const FoldModel& file, const Sheet& sheet, std::uint32_t held);
 
 using RigidState = std::vector<RigidMotion>;
 
@@ -46,7 +46,7 @@ using RigidState = std::vector<RigidMotion>;
 /// The places of the vertices in a state, as a pose made by popcut.
 ///
 /// @param how  verb for the pose's place: "opened", "moved"
-[[nodiscard]] Pose pose_of(const FoldFile& file, const Sheet& sheet, const RigidState& state,
+[[nodiscard]] Pose pose_of(const FoldModel& file, const Sheet& sheet, const RigidState& state,
                            double psi_rad, std::string_view how);
 
 /// Requires that a line fold by an angle. A small weight only pulls the line towards it.

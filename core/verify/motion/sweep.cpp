@@ -105,7 +105,7 @@ class Walker {
 
 }  // namespace
 
-Sweep sweep_motion(const FoldFile& file, const Sheet& sheet, const PoseMotion& start,
+Sweep sweep_motion(const FoldModel& file, const Sheet& sheet, const PoseMotion& start,
                    double step_rad, double slack_mm) {
   Sweep sweep;
   const auto hinge = driving_hinge(file, sheet);

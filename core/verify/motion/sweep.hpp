@@ -27,7 +27,7 @@ struct Sweep {
 /// @param start     a pose in which some fold is neither flat nor shut, and its effect on the
 ///                  panels
 /// @param slack_mm  gaps up to this size count as closed: how exact the drawing is
-[[nodiscard]] Sweep sweep_motion(const FoldFile& file, const Sheet& sheet, const PoseMotion& start,
+[[nodiscard]] Sweep sweep_motion(const FoldModel& file, const Sheet& sheet, const PoseMotion& start,
                                  double step_rad, double slack_mm);
 
 }  // namespace popcut::verify

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "core/verify/sheet/fold_text.hpp"
+#include "core/text/fold_text.hpp"
 
 namespace popcut::verify {
 namespace {
@@ -102,7 +102,7 @@ Result<std::uint32_t> vertex_index(double number, std::size_t vertices, const st
                           static_cast<long>(vertices) - 1));
 }
 
-Result<void> read_edges(const FrameText& frame, FoldFile& file) {
+Result<void> read_edges(const FrameText& frame, FoldModel& file) {
   const FoldColumn& column = frame.edges_vertices;
   const std::string place = frame.place + "/edges_vertices";
   file.edges.reserve(column.rows());
@@ -127,7 +127,7 @@ Result<void> read_edges(const FrameText& frame, FoldFile& file) {
   return {};
 }
 
-Result<void> read_assignments(const FrameText& frame, FoldFile& file) {
+Result<void> read_assignments(const FrameText& frame, FoldModel& file) {
   static constexpr std::string_view kLetters = "BMVFUCJ";
   const FoldColumn& column = frame.edges_assignment;
   const std::string place = frame.place + "/edges_assignment";
@@ -171,7 +171,7 @@ Result<std::vector<double>> fold_angles(const FrameText& frame, std::size_t edge
   return angle;
 }
 
-Result<void> read_faces(const FrameText& frame, FoldFile& file) {
+Result<void> read_faces(const FrameText& frame, FoldModel& file) {
   const FoldColumn& column = frame.faces_vertices;
   const std::string place = frame.place + "/faces_vertices";
   file.face_first.assign(1, 0);
@@ -200,14 +200,15 @@ Result<void> read_faces(const FrameText& frame, FoldFile& file) {
 /// Largest distance of a point from the first one, in mm.
 double reach(const std::vector<Vec3>& points) {
   double size = 0.0;
-  for (const Vec3& p : points) size = std::max({size, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  for (const Vec3& p : points)
+    size = std::max({size, std::abs(p.x()), std::abs(p.y()), std::abs(p.z())});
   return size;
 }
 
 bool is_flat(const std::vector<Vec3>& points) {
   const double slack = 1e-9 * reach(points);
   return std::all_of(points.begin(), points.end(),
-                     [&](const Vec3& p) { return std::abs(p.z - points.front().z) <= slack; });
+                     [&](const Vec3& p) { return std::abs(p.z() - points.front().z()) <= slack; });
 }
 
 /// All data about a file's frames except geometry.
@@ -247,7 +248,7 @@ Result<Pose> read_pose(const Frames& frames, std::size_t k, double key_scale, st
 }
 
 /// All frames that show the key frame's sheet in space, the key frame first.
-Result<std::vector<Pose>> read_poses(const Frames& frames, double scale, FoldFile& file) {
+Result<std::vector<Pose>> read_poses(const Frames& frames, double scale, FoldModel& file) {
   std::vector<Pose> poses;
   for (std::size_t k = 0; k < frames.text.size(); ++k) {
     const FrameText& text = frames.text[k];
@@ -270,7 +271,7 @@ Result<std::vector<Pose>> read_poses(const Frames& frames, double scale, FoldFil
 }
 
 /// Moves the pose that is the flat sheet from `poses` to `file.flat`.
-Result<void> choose_flat(const Frames& frames, std::vector<Pose> poses, FoldFile& file) {
+Result<void> choose_flat(const Frames& frames, std::vector<Pose> poses, FoldModel& file) {
   std::size_t chosen = kNone;
   for (std::size_t i = 0; i < poses.size() && chosen == kNone; ++i) {
     const auto text = std::find_if(frames.text.begin(), frames.text.end(),
@@ -289,7 +290,7 @@ Result<void> choose_flat(const Frames& frames, std::vector<Pose> poses, FoldFile
                          poses[chosen].place);
   }
   for (std::size_t i = 0; i < file.flat.size(); ++i) {
-    file.flat[i] = {poses[chosen].at[i].x, poses[chosen].at[i].y};
+    file.flat[i] = {poses[chosen].at[i].x(), poses[chosen].at[i].y()};
   }
   poses[0].fold_angle_deg.clear();  // these belong to the pattern, not to this pose
   poses.erase(poses.begin() + static_cast<std::ptrdiff_t>(chosen));
@@ -299,7 +300,7 @@ Result<void> choose_flat(const Frames& frames, std::vector<Pose> poses, FoldFile
 
 }  // namespace
 
-Result<FoldFile> read_fold(std::string_view text) {
+Result<FoldModel> read_fold_model(std::string_view text) {
   auto frame_texts = read_fold_text(text);
   if (!frame_texts) return tl::unexpected<Error>(frame_texts.error());
   auto parent = parents(*frame_texts);
@@ -315,7 +316,7 @@ Result<FoldFile> read_fold(std::string_view text) {
   const auto scale = millimetres(key);
   if (!scale) return tl::unexpected<Error>(scale.error());
 
-  FoldFile file;
+  FoldModel file;
   file.flat.resize(key.vertices_coords.rows());
   file.faces_given = key.faces_vertices.present;
   if (key.unit.empty() || key.unit == "unit")

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/geometry/vec.hpp"
 #include "core/result.hpp"
-#include "core/verify/sheet/vec.hpp"
 
 namespace popcut::verify {
 
@@ -36,7 +36,7 @@ struct Pose {
 
 /// A FOLD file for verify: a flat sheet and its poses. Indices are in range and numbers finite;
 /// nothing else is guaranteed yet.
-struct FoldFile {
+struct FoldModel {
   std::vector<Vec2> flat;  ///< one per vertex, mm
   std::vector<std::array<std::uint32_t, 2>> edges;
   std::vector<Assignment> assignment;  ///< one per edge
@@ -64,6 +64,6 @@ inline constexpr double kMaxCoordinate_mm = 1e7;
 ///
 /// @retval Malformed   not JSON, a member of a wrong type, or something missing
 /// @retval OutOfRange  an index or number that is not valid, or no frame is a flat sheet
-[[nodiscard]] Result<FoldFile> read_fold(std::string_view text);
+[[nodiscard]] Result<FoldModel> read_fold_model(std::string_view text);
 
 }  // namespace popcut::verify

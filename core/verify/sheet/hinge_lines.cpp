@@ -21,7 +21,7 @@ bool in_one_line(const HingeLine& line, const HingeLine& other) {
 
 }  // namespace
 
-std::vector<HingeLine> hinge_lines(const FoldFile& file, const Sheet& sheet) {
+std::vector<HingeLine> hinge_lines(const FoldModel& file, const Sheet& sheet) {
   std::vector<HingeLine> all;
   for (std::uint32_t h = 0; h < sheet.hinges.size(); ++h) {
     const Hinge& hinge = sheet.hinges[h];
@@ -40,7 +40,7 @@ std::vector<HingeLine> hinge_lines(const FoldFile& file, const Sheet& sheet) {
                                    [&](const HingeLine& line) { return in_one_line(line, hinge); });
     if (same != lines.end()) {
       const Vec2 way = same->to - same->from;
-      for (const Vec2 end : {hinge.from, hinge.to}) {
+      for (const Vec2& end : {hinge.from, hinge.to}) {
         if (dot(way, end - same->from) < 0.0) same->from = end;
         if (dot(way, end - same->to) > 0.0) same->to = end;
       }
@@ -64,7 +64,7 @@ std::vector<PanelFrame> panel_frames(const std::vector<HingeLine>& lines, std::s
   }
   for (const HingeLine& line : lines) {
     for (const std::uint32_t p : {line.left, line.right}) {
-      for (const Vec2 end : {line.from, line.to}) {
+      for (const Vec2& end : {line.from, line.to}) {
         frames[p].size_mm = std::max(frames[p].size_mm, norm(end - frames[p].middle));
       }
     }

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/geometry/vec.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/sheet/sheet.hpp"
-#include "core/verify/sheet/vec.hpp"
 
 namespace popcut::verify {
 
@@ -21,7 +21,7 @@ struct HingeLine {
 
 /// The hinge lines of a sheet, sorted by their panels. Two lines already lock two panels, so at
 /// most three are kept for any two panels.
-[[nodiscard]] std::vector<HingeLine> hinge_lines(const FoldFile& file, const Sheet& sheet);
+[[nodiscard]] std::vector<HingeLine> hinge_lines(const FoldModel& file, const Sheet& sheet);
 
 /// The point of a panel at which its velocity is measured (the mean of its hinges' middles), and
 /// the panel's size.

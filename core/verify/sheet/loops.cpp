@@ -11,7 +11,7 @@ constexpr std::int32_t kNoHinge = -1;
 /// Walks around vertices and along borders, side by side.
 class Walker {
  public:
-  Walker(const FoldFile& file, const Sheet& sheet)
+  Walker(const FoldModel& file, const Sheet& sheet)
       : file_(file), sheet_(sheet), hinge_of_edge_(file.edges.size(), kNoHinge) {
     for (std::uint32_t h = 0; h < sheet.hinges.size(); ++h)
       hinge_of_edge_[sheet.hinges[h].edge] = static_cast<std::int32_t>(h);
@@ -94,7 +94,7 @@ class Walker {
     } while (side != start);
   }
 
-  const FoldFile& file_;
+  const FoldModel& file_;
   const Sheet& sheet_;
   std::vector<std::int32_t> hinge_of_edge_;
   Loops loops_;
@@ -102,7 +102,7 @@ class Walker {
 
 }  // namespace
 
-std::optional<Loops> loops_of(const FoldFile& file, const Sheet& sheet) {
+std::optional<Loops> loops_of(const FoldModel& file, const Sheet& sheet) {
   if (std::any_of(sheet.side_edge.begin(), sheet.side_edge.end(),
                   [](std::int32_t e) { return e < 0; }))
     return {};

@@ -27,6 +27,6 @@ struct Loops {
 
 /// None if the sheet is inconsistent: its number of loops is not hinges minus faces plus pieces, as
 /// it is for a planar sheet (Euler).
-[[nodiscard]] std::optional<Loops> loops_of(const FoldFile& file, const Sheet& sheet);
+[[nodiscard]] std::optional<Loops> loops_of(const FoldModel& file, const Sheet& sheet);
 
 }  // namespace popcut::verify

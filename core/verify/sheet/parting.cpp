@@ -32,7 +32,7 @@ class Fans {
 
 }  // namespace
 
-std::size_t part_at_cuts(FoldFile& file, const Sheet& sheet) {
+std::size_t part_at_cuts(FoldModel& file, const Sheet& sheet) {
   const std::size_t corners = file.face_vertices.size();
   Fans fans(corners);
   for (std::uint32_t s = 0; s < corners; ++s) {

@@ -11,6 +11,6 @@ namespace popcut::verify {
 /// vertex keep their numbers; copies come after them. A slit that is connected at both ends stays
 /// one edge. The file's poses get the copies too.
 /// @return number of added vertices
-std::size_t part_at_cuts(FoldFile& file, const Sheet& sheet);
+std::size_t part_at_cuts(FoldModel& file, const Sheet& sheet);
 
 }  // namespace popcut::verify

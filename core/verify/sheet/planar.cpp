@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "core/verify/sheet/cell_grid.hpp"
+#include "core/geometry/cell_grid.hpp"
 #include "core/verify/sheet/sheet.hpp"
 
 namespace popcut::verify {
@@ -29,8 +29,8 @@ class PointIndex {
   PointIndex(Vec2 low, double tolerance) : low_(low), tolerance_(tolerance) {}
 
   std::uint32_t add(Vec2 p) {
-    const auto column = static_cast<std::int64_t>(std::floor((p.u - low_.u) / tolerance_));
-    const auto row = static_cast<std::int64_t>(std::floor((p.v - low_.v) / tolerance_));
+    const auto column = static_cast<std::int64_t>(std::floor((p.x() - low_.x()) / tolerance_));
+    const auto row = static_cast<std::int64_t>(std::floor((p.y() - low_.y()) / tolerance_));
     for (std::int64_t i = column - 1; i <= column + 1; ++i) {
       for (std::int64_t j = row - 1; j <= row + 1; ++j) {
         const auto [from, to] = cells_.equal_range(key(i, j));
@@ -239,18 +239,18 @@ std::size_t tie_islands(Graph& graph, double tolerance) {
   for (std::uint32_t v = 0; v < n; ++v) {
     if (used[v] == 0) continue;
     std::uint32_t& at = tip[root(v)];
-    if (at == 0xffffffffU || graph.points[v].u < graph.points[at].u) at = v;
+    if (at == 0xffffffffU || graph.points[v].x() < graph.points[at].x()) at = v;
   }
   std::vector<std::uint32_t> tips;
   for (std::uint32_t v = 0; v < n; ++v)
     if (tip[v] != 0xffffffffU) tips.push_back(tip[v]);
   if (tips.size() < 2) return 0;
   // Edges by rows of v.
-  double low = graph.points[tips[0]].v, high = low;
-  for (const Vec2 p : graph.points) low = std::min(low, p.v), high = std::max(high, p.v);
+  double low = graph.points[tips[0]].y(), high = low;
+  for (const Vec2& p : graph.points) low = std::min(low, p.y()), high = std::max(high, p.y());
   double heights = 0.0;
   for (const GraphEdge& edge : graph.edges)
-    heights += std::abs(graph.points[edge.a].v - graph.points[edge.b].v);
+    heights += std::abs(graph.points[edge.a].y() - graph.points[edge.b].y());
   const double most_rows =  // a few entries per edge
       8.0 * static_cast<double>(graph.edges.size()) * (high - low) / std::max(heights, 1e-300);
   const auto rows = static_cast<std::size_t>(std::clamp(most_rows, 1.0, 4096.0));
@@ -261,7 +261,7 @@ std::size_t tie_islands(Graph& graph, double tolerance) {
   std::vector<std::vector<std::uint32_t>> row(rows);
   for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
     const auto [from, to] = std::minmax(
-        {row_of(graph.points[graph.edges[e].a].v), row_of(graph.points[graph.edges[e].b].v)});
+        {row_of(graph.points[graph.edges[e].a].y()), row_of(graph.points[graph.edges[e].b].y())});
     for (std::size_t r = from; r <= to; ++r) row[r].push_back(e);
   }
   struct Tie {
@@ -272,16 +272,16 @@ std::size_t tie_islands(Graph& graph, double tolerance) {
   std::size_t work = 0;
   for (const std::uint32_t v : tips) {
     const Vec2 p = graph.points[v];
-    work += row[row_of(p.v)].size();
+    work += row[row_of(p.y())].size();
     if (work > kMostTieWork) break;
     Tie best{v, 0xffffffffU, {}};
-    for (const std::uint32_t e : row[row_of(p.v)]) {
+    for (const std::uint32_t e : row[row_of(p.y())]) {
       const Vec2 a = graph.points[graph.edges[e].a];
       const Vec2 b = graph.points[graph.edges[e].b];
-      if ((a.v < p.v) == (b.v < p.v)) continue;
-      const Vec2 at = a + ((p.v - a.v) / (b.v - a.v)) * (b - a);
-      if (at.u >= p.u || root(graph.edges[e].a) == root(v)) continue;
-      if (best.edge == 0xffffffffU || at.u > best.at.u) best = {v, e, at};
+      if ((a.y() < p.y()) == (b.y() < p.y())) continue;
+      const Vec2 at = a + ((p.y() - a.y()) / (b.y() - a.y())) * (b - a);
+      if (at.x() >= p.x() || root(graph.edges[e].a) == root(v)) continue;
+      if (best.edge == 0xffffffffU || at.x() > best.at.x()) best = {v, e, at};
     }
     if (best.edge != 0xffffffffU) ties.push_back(best);
   }
@@ -312,7 +312,7 @@ std::size_t tie_islands(Graph& graph, double tolerance) {
 }
 
 /// Removes edges that bound no face, except folds, which the user must see.
-std::size_t drop_idle(FoldFile& file) {
+std::size_t drop_idle(FoldModel& file) {
   VerifyCheck scratch;
   const Sheet sheet = make_sheet(file, scratch);
   std::vector<std::uint8_t> used(file.edges.size(), 0);
@@ -338,7 +338,7 @@ std::size_t drop_idle(FoldFile& file) {
 }
 
 /// Pieces without folds, except the largest, are not part of the sheet: cuts surround them.
-std::size_t drop_offcuts(FoldFile& file) {
+std::size_t drop_offcuts(FoldModel& file) {
   VerifyCheck scratch;
   const Sheet sheet = make_sheet(file, scratch);
   std::vector<double> size(sheet.pieces, 0.0);
@@ -361,7 +361,7 @@ std::size_t drop_offcuts(FoldFile& file) {
   return dropped;
 }
 
-std::vector<DrawnEdge> drawn_edges(const FoldFile& file) {
+std::vector<DrawnEdge> drawn_edges(const FoldModel& file) {
   std::vector<DrawnEdge> lines;
   lines.reserve(file.edges.size());
   for (std::size_t e = 0; e < file.edges.size(); ++e) {
@@ -374,14 +374,14 @@ std::vector<DrawnEdge> drawn_edges(const FoldFile& file) {
 
 }  // namespace
 
-Result<void> planarise(FoldFile& file) {
+Result<void> planarise(FoldModel& file) {
   std::vector<DrawnEdge> lines = drawn_edges(file);
   const JoinedDashes dashes = join_dashes(lines);
   Vec2 low = lines.front().from, high = low;
   for (const DrawnEdge& line : lines) {
-    for (const Vec2 p : {line.from, line.to}) {
-      low = {std::min(low.u, p.u), std::min(low.v, p.v)};
-      high = {std::max(high.u, p.u), std::max(high.v, p.v)};
+    for (const Vec2& p : {line.from, line.to}) {
+      low = {std::min(low.x(), p.x()), std::min(low.y(), p.y())};
+      high = {std::max(high.x(), p.x()), std::max(high.y(), p.y())};
     }
   }
   // 1. The smallest tolerance that leaves the fewest loose folds.

@@ -37,6 +37,6 @@ struct JoinedDashes {
 /// holes. Afterwards indices differ from the file's (`drawn`), and `notes` says what was done.
 ///
 /// @retval OutOfRange  too many lines cross
-[[nodiscard]] Result<void> planarise(FoldFile& file);
+[[nodiscard]] Result<void> planarise(FoldModel& file);
 
 }  // namespace popcut::verify

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/verify/sheet/cell_grid.hpp"
+#include "core/geometry/cell_grid.hpp"
 #include "core/verify/sheet/planar.hpp"
 
 namespace popcut::verify {

@@ -43,7 +43,7 @@ class Groups {
 /// Edges by their two ends.
 class EdgeIndex {
  public:
-  explicit EdgeIndex(const FoldFile& file) {
+  explicit EdgeIndex(const FoldModel& file) {
     entries_.reserve(file.edges.size());
     for (std::uint32_t e = 0; e < file.edges.size(); ++e) {
       entries_.emplace_back(key(file.edges[e][0], file.edges[e][1]), e);
@@ -94,7 +94,7 @@ const char* kind(Assignment a) {
 /// The two sides of an edge, running with it and against it; -1: none.
 using Sides = std::array<std::int32_t, 2>;
 
-std::vector<Sides> sides_of_edges(const FoldFile& file, const EdgeIndex& index, Sheet& sheet,
+std::vector<Sides> sides_of_edges(const FoldModel& file, const EdgeIndex& index, Sheet& sheet,
                                   VerifyCheck& check) {
   std::vector<Sides> sides(file.edges.size(), Sides{-1, -1});
   const std::size_t count = file.face_vertices.size();
@@ -130,7 +130,8 @@ std::vector<Sides> sides_of_edges(const FoldFile& file, const EdgeIndex& index, 
   return sides;
 }
 
-void link(const FoldFile& file, const std::vector<Sides>& sides, Sheet& sheet, VerifyCheck& check) {
+void link(const FoldModel& file, const std::vector<Sides>& sides, Sheet& sheet,
+          VerifyCheck& check) {
   for (std::uint32_t e = 0; e < file.edges.size(); ++e) {
     const Assignment a = file.assignment[e];
     const int used = (sides[e][0] >= 0 ? 1 : 0) + (sides[e][1] >= 0 ? 1 : 0);
@@ -175,7 +176,7 @@ void link(const FoldFile& file, const std::vector<Sides>& sides, Sheet& sheet, V
 
 }  // namespace
 
-double area(const FoldFile& file, std::size_t f) {
+double area(const FoldModel& file, std::size_t f) {
   const auto corners = face_of(file, f);
   const Vec2 origin = file.flat[corners[0]];
   double twice = 0.0;
@@ -185,7 +186,7 @@ double area(const FoldFile& file, std::size_t f) {
   return 0.5 * twice;
 }
 
-Sheet make_sheet(const FoldFile& file, VerifyCheck& check) {
+Sheet make_sheet(const FoldModel& file, VerifyCheck& check) {
   Sheet sheet;
   const EdgeIndex index(file);
   index.each_repeat([&](std::uint32_t e, std::uint32_t again) {
@@ -207,7 +208,7 @@ Sheet make_sheet(const FoldFile& file, VerifyCheck& check) {
   return sheet;
 }
 
-std::vector<double> border_loops(const FoldFile& file, const Sheet& sheet) {
+std::vector<double> border_loops(const FoldModel& file, const Sheet& sheet) {
   std::vector<double> loops;
   std::vector<std::uint8_t> seen(sheet.side_twin.size(), 0);
   for (std::uint32_t start = 0; start < seen.size(); ++start) {
@@ -230,7 +231,7 @@ std::vector<double> border_loops(const FoldFile& file, const Sheet& sheet) {
   return loops;
 }
 
-void trace_faces(FoldFile& file) {
+void trace_faces(FoldModel& file) {
   // Half-edge 2e runs with edge e, 2e + 1 against it. The half-edges that leave a vertex are sorted
   // by angle. After arriving by h, the one clockwise of its twin keeps the face on the left.
   const std::size_t halves = 2 * file.edges.size();
@@ -244,7 +245,7 @@ void trace_faces(FoldFile& file) {
   for (std::uint32_t h = 0; h < halves; ++h) {
     leaving[fill[from(h)]++] = h;
     const Vec2 way = file.flat[from(h ^ 1U)] - file.flat[from(h)];
-    angle[h] = std::atan2(way.v, way.u);
+    angle[h] = std::atan2(way.y(), way.x());
   }
   std::vector<std::uint32_t> clockwise(halves);
   for (std::size_t vertex = 0; vertex < file.flat.size(); ++vertex) {

@@ -34,32 +34,32 @@ struct Sheet {
   std::size_t pieces{};
 
   /// The next side around the face of `side`.
-  [[nodiscard]] std::uint32_t next(const FoldFile& file, std::uint32_t side) const {
+  [[nodiscard]] std::uint32_t next(const FoldModel& file, std::uint32_t side) const {
     const std::uint32_t face = side_face[side];
     return side + 1 == file.face_first[face + 1] ? file.face_first[face] : side + 1;
   }
 };
 
 /// Vertices of face `f`.
-[[nodiscard]] inline std::span<const std::uint32_t> face_of(const FoldFile& file, std::size_t f) {
+[[nodiscard]] inline std::span<const std::uint32_t> face_of(const FoldModel& file, std::size_t f) {
   return std::span(file.face_vertices)
       .subspan(file.face_first[f], file.face_first[f + 1] - file.face_first[f]);
 }
 
 /// Signed area of face `f` on the flat sheet in mm^2, positive if counter-clockwise.
-[[nodiscard]] double area(const FoldFile& file, std::size_t f);
+[[nodiscard]] double area(const FoldModel& file, std::size_t f);
 
 /// Gives a file without faces the faces that its edges enclose, by turning left along the planar
 /// graph. Holes surrounded by folds become faces. If edges of the drawing cross without a vertex,
 /// the faces will fail the tiling check.
-void trace_faces(FoldFile& file);
+void trace_faces(FoldModel& file);
 
 /// Finds which faces are connected. Inconsistencies go into `check`, named by edge and face: a fold
 /// beside only one face, an edge used twice in the same direction, a side that is not an edge.
-[[nodiscard]] Sheet make_sheet(const FoldFile& file, VerifyCheck& check);
+[[nodiscard]] Sheet make_sheet(const FoldModel& file, VerifyCheck& check);
 
 /// Signed areas in mm^2 of the loops of borders and cuts: each piece has one positive outer loop,
 /// holes are negative, a slit has area 0.
-[[nodiscard]] std::vector<double> border_loops(const FoldFile& file, const Sheet& sheet);
+[[nodiscard]] std::vector<double> border_loops(const FoldModel& file, const Sheet& sheet);
 
 }  // namespace popcut::verify

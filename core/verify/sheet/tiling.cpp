@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "core/verify/sheet/cell_grid.hpp"
+#include "core/geometry/cell_grid.hpp"
 
 namespace popcut::verify {
 namespace {
@@ -32,10 +32,10 @@ bool beside(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b) {
   return false;
 }
 
-std::string show(Vec2 p) { return fmt::format("({:.6g}, {:.6g})", p.u, p.v); }
+std::string show(Vec2 p) { return fmt::format("({:.6g}, {:.6g})", p.x(), p.y()); }
 
 /// For each edge, a bit for a face on its left and a bit for a face on its right.
-std::vector<std::uint8_t> faces_beside(const FoldFile& file, const Sheet& sheet) {
+std::vector<std::uint8_t> faces_beside(const FoldModel& file, const Sheet& sheet) {
   std::vector<std::uint8_t> beside(file.edges.size(), 0);
   for (std::size_t s = 0; s < sheet.side_edge.size(); ++s) {
     if (sheet.side_edge[s] < 0) continue;
@@ -53,7 +53,7 @@ struct Meeting {
 };
 
 /// How edge `f` meets edge `e`; `VertexInside` looks only for ends of f inside e.
-Meeting meet(const FoldFile& file, std::uint32_t e, std::uint32_t f, double slack) {
+Meeting meet(const FoldModel& file, std::uint32_t e, std::uint32_t f, double slack) {
   const auto [e0, e1] = file.edges[e];
   const auto [f0, f1] = file.edges[f];
   const Vec2 a = file.flat[e0];
@@ -90,7 +90,7 @@ Meeting meet(const FoldFile& file, std::uint32_t e, std::uint32_t f, double slac
 
 /// Whether `e` and `f` can be the two sides of one slit: borders with their faces on opposite
 /// sides.
-bool slit_sides(const FoldFile& file, const std::vector<std::uint8_t>& beside, std::uint32_t e,
+bool slit_sides(const FoldModel& file, const std::vector<std::uint8_t>& beside, std::uint32_t e,
                 std::uint32_t f) {
   if (file.assignment[e] != Assignment::Border || file.assignment[f] != Assignment::Border)
     return false;
@@ -106,7 +106,7 @@ const char* line_name(Assignment a) {
 
 }  // namespace
 
-Triangles check_faces(const FoldFile& file, VerifyCheck& check) {
+Triangles check_faces(const FoldModel& file, VerifyCheck& check) {
   Triangles result;
   result.first.assign(1, 0);
   for (std::uint32_t f = 0; f < file.faces(); ++f) {
@@ -129,17 +129,17 @@ Triangles check_faces(const FoldFile& file, VerifyCheck& check) {
   return result;
 }
 
-Tiling check_tiling(const FoldFile& file, const Sheet& sheet, const Triangles& triangles,
+Tiling check_tiling(const FoldModel& file, const Sheet& sheet, const Triangles& triangles,
                     double slack_mm, VerifyCheck& check) {
   Tiling tiling;
   const Vec2 start = file.flat[file.face_vertices.front()];
   Vec2 low = start, high = start;
   for (const std::uint32_t v : file.face_vertices) {
-    low = {std::min(low.u, file.flat[v].u), std::min(low.v, file.flat[v].v)};
-    high = {std::max(high.u, file.flat[v].u), std::max(high.v, file.flat[v].v)};
+    low = {std::min(low.x(), file.flat[v].x()), std::min(low.y(), file.flat[v].y())};
+    high = {std::max(high.x(), file.flat[v].x()), std::max(high.y(), file.flat[v].y())};
   }
-  tiling.sheet_u_mm = high.u - low.u;
-  tiling.sheet_v_mm = high.v - low.v;
+  tiling.sheet_u_mm = high.x() - low.x();
+  tiling.sheet_v_mm = high.y() - low.y();
 
   // 1. No two faces overlap: their triangles share no significant area.
   const auto corners = [&](std::size_t t) {
@@ -202,7 +202,7 @@ Tiling check_tiling(const FoldFile& file, const Sheet& sheet, const Triangles& t
   return tiling;
 }
 
-void check_lines(const FoldFile& file, const Sheet& sheet, double slack_mm, VerifyCheck& check) {
+void check_lines(const FoldModel& file, const Sheet& sheet, double slack_mm, VerifyCheck& check) {
   const std::vector<std::uint8_t> beside = faces_beside(file, sheet);
   const auto ends = [&](std::size_t e) {
     return std::array<Vec2, 2>{file.flat[file.edges[e][0]], file.flat[file.edges[e][1]]};

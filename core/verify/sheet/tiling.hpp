@@ -29,16 +29,16 @@ struct Tiling {
 
 /// Checks that every face is a simple, counter-clockwise polygon. Returns the faces as triangles,
 /// without those of faces that fail.
-[[nodiscard]] Triangles check_faces(const FoldFile& file, VerifyCheck& check);
+[[nodiscard]] Triangles check_faces(const FoldModel& file, VerifyCheck& check);
 
 /// Checks that the faces tile the sheet: no two overlap, and their areas add up to what the outer
 /// border encloses minus the holes. Two faces overlap if they share more area than lines off by
 /// `slack_mm` would cause.
-[[nodiscard]] Tiling check_tiling(const FoldFile& file, const Sheet& sheet,
+[[nodiscard]] Tiling check_tiling(const FoldModel& file, const Sheet& sheet,
                                   const Triangles& triangles, double slack_mm, VerifyCheck& check);
 
 /// Checks the lines of the sheet: no two edges cross, no vertex lies inside a fold, and no two
 /// edges run along each other, except the two sides of a slit.
-void check_lines(const FoldFile& file, const Sheet& sheet, double slack_mm, VerifyCheck& check);
+void check_lines(const FoldModel& file, const Sheet& sheet, double slack_mm, VerifyCheck& check);
 
 }  // namespace popcut::verify

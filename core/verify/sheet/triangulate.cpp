@@ -24,12 +24,12 @@ class Ring {
     Vec2 low = at(0);
     Vec2 high = low;
     for (std::uint32_t i = 1; i < n; ++i) {
-      low = {std::min(low.u, at(i).u), std::min(low.v, at(i).v)};
-      high = {std::max(high.u, at(i).u), std::max(high.v, at(i).v)};
+      low = {std::min(low.x(), at(i).x()), std::min(low.y(), at(i).y())};
+      high = {std::max(high.x(), at(i).x()), std::max(high.y(), at(i).y())};
     }
-    along_v_ = high.v - low.v > high.u - low.u;
-    low_ = along_v_ ? low.v : low.u;
-    const double length = along_v_ ? high.v - low.v : high.u - low.u;
+    along_v_ = high.y() - low.y() > high.x() - low.x();
+    low_ = along_v_ ? low.y() : low.x();
+    const double length = along_v_ ? high.y() - low.y() : high.x() - low.x();
     per_mm_ = length > 0.0 ? static_cast<double>(n) / length : 0.0;
     sliver_ = 1e-14 * norm(high - low);
     bucket_.resize(n + 1);
@@ -97,9 +97,9 @@ class Ring {
 
  private:
   [[nodiscard]] Vec2 at(std::uint32_t i) const { return points_[polygon_[i]]; }
-  [[nodiscard]] static bool same(Vec2 a, Vec2 b) { return a.u == b.u && a.v == b.v; }
+  [[nodiscard]] static bool same(Vec2 a, Vec2 b) { return a.x() == b.x() && a.y() == b.y(); }
   [[nodiscard]] std::size_t slot(Vec2 p) const {
-    return static_cast<std::size_t>(std::max(0.0, ((along_v_ ? p.v : p.u) - low_) * per_mm_));
+    return static_cast<std::size_t>(std::max(0.0, ((along_v_ ? p.y() : p.x()) - low_) * per_mm_));
   }
 
   std::span<const Vec2> points_;

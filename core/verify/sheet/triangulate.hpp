@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/verify/sheet/vec.hpp"
+#include "core/geometry/vec.hpp"
 
 namespace popcut::verify {
 

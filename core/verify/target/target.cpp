@@ -11,7 +11,7 @@
 namespace popcut::verify {
 namespace {
 
-const Pose* pose_to_measure(const FoldFile& file) {
+const Pose* pose_to_measure(const FoldModel& file) {
   const Pose* best = nullptr;
   for (const Pose& pose : file.poses) {
     if (!pose.psi_rad || !(std::sin(*pose.psi_rad) > 0.1)) continue;
@@ -37,11 +37,11 @@ using Folds = std::vector<std::vector<FoldVertex>>;
 
 /// The valley folds of each strip as (X, Z), each place once. Only folds along the spine: V-folds
 /// run across, and split the crease that they are on.
-Folds valleys_in(const FoldFile& file, const Pose& pose,
+Folds valleys_in(const FoldModel& file, const Pose& pose,
                  const std::vector<TargetStation>& stations) {
   Folds found(stations.size());
   double reach = 0.0;
-  for (const Vec2 p : file.flat) reach = std::max({reach, std::abs(p.u), std::abs(p.v)});
+  for (const Vec2& p : file.flat) reach = std::max({reach, std::abs(p.u), std::abs(p.v)});
   const double same = 1e-9 * reach;
   for (std::size_t e = 0; e < file.edges.size(); ++e) {
     if (file.assignment[e] != Assignment::Valley) continue;
@@ -151,7 +151,7 @@ FoldVertex unposed(Vec3 p, double psi_rad) {
   return {p.x - z * std::cos(psi_rad), z};
 }
 
-std::optional<TargetDistances> measure_target(const FoldFile& file, const Target& target,
+std::optional<TargetDistances> measure_target(const FoldModel& file, const Target& target,
                                               VerifyCheck& check) {
   const Pose* pose = pose_to_measure(file);
   if (pose == nullptr) {

@@ -60,13 +60,13 @@ struct TargetStations {
 /// with the plain cuts that the pattern shows. Also finds the widths if the design chose them.
 ///
 /// @retval CheckFailed  the sheet's strips are not those of the spec
-[[nodiscard]] Result<TargetStations> find_stations(const FoldFile& file, const Pose& pose,
+[[nodiscard]] Result<TargetStations> find_stations(const FoldModel& file, const Pose& pose,
                                                    const Target& target);
 
 /// Measures the fold vertices, where a connector's valley folds cross it: the inner ones, and all
 /// of them including the ends at wall and ground. `check` fails if the pattern does not show them.
 /// @return none if the pattern allows no measurement at all
-[[nodiscard]] std::optional<TargetDistances> measure_target(const FoldFile& file,
+[[nodiscard]] std::optional<TargetDistances> measure_target(const FoldModel& file,
                                                             const Target& target,
                                                             VerifyCheck& check);
 

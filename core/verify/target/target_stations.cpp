@@ -13,8 +13,8 @@ namespace {
 /// The strips' borders on the sheet: positions along the spine that have vertices.
 class Borders {
  public:
-  Borders(const FoldFile& file, const Pose& pose) : file_(file), pose_(pose) {
-    for (const Vec2 p : file.flat) v_.push_back(p.v);
+  Borders(const FoldModel& file, const Pose& pose) : file_(file), pose_(pose) {
+    for (const Vec2& p : file.flat) v_.push_back(p.y());
     std::sort(v_.begin(), v_.end());
     same_ = 1e-7 * (v_.empty() ? 0.0 : v_.back() - v_.front());
     std::size_t kept = 0;
@@ -59,7 +59,7 @@ class Borders {
       bool wall = true, ground = true;
       for (std::uint32_t k = file_.face_first[f]; k < file_.face_first[f + 1]; ++k) {
         const std::uint32_t at = file_.face_vertices[k];
-        low = std::min(low, file_.flat[at].v), high = std::max(high, file_.flat[at].v);
+        low = std::min(low, file_.flat[at].y()), high = std::max(high, file_.flat[at].y());
         const auto [on_wall, on_ground] = on_card(at);
         wall = wall && on_wall, ground = ground && on_ground;
       }
@@ -73,14 +73,14 @@ class Borders {
     }
     for (std::size_t e = 0; e < file_.edges.size(); ++e) {
       const auto [a, b] = file_.edges[e];
-      const double v = file_.flat[a].v;
-      if (!joins(file_.assignment[e]) || std::abs(v - file_.flat[b].v) > same_) continue;
+      const double v = file_.flat[a].y();
+      if (!joins(file_.assignment[e]) || std::abs(v - file_.flat[b].y()) > same_) continue;
       const auto at_a = on_card(a), at_b = on_card(b);
       if (!(at_a[0] && at_b[0]) && !(at_a[1] && at_b[1])) joined_[index(v)] = 1;
     }
   }
 
-  const FoldFile& file_;
+  const FoldModel& file_;
   const Pose& pose_;
   std::vector<double> v_;
   double same_{}, reach_{};
@@ -199,7 +199,8 @@ std::vector<TargetSlice> shown_slices(int units, double begin_mm, double end_mm,
 
 }  // namespace
 
-Result<TargetStations> find_stations(const FoldFile& file, const Pose& pose, const Target& target) {
+Result<TargetStations> find_stations(const FoldModel& file, const Pose& pose,
+                                     const Target& target) {
   Borders borders(file, pose);
   if (borders.empty()) return fail(ErrorKind::CheckFailed, "", "the pattern has no vertices");
   const double begin = borders.first() + target.margin_mm, end = borders.last() - target.margin_mm;

@@ -9,7 +9,7 @@
 
 #include "core/result.hpp"
 
-namespace popcut::verify {
+namespace popcut {
 
 /// One array of a frame, flattened. Null entries are NaN.
 struct FoldColumn {
@@ -66,4 +66,4 @@ inline constexpr std::size_t kMaxFoldFrames = 10'000;
 [[nodiscard]] Result<std::vector<FrameText>> read_fold_text(std::string_view text,
                                                             const FoldLimits& limits = {});
 
-}  // namespace popcut::verify
+}  // namespace popcut

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/verify/sheet/fold_text.hpp"
+#include "core/text/fold_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-namespace popcut::verify {
+namespace popcut {
 namespace {
 
 using Json = nlohmann::json;
@@ -337,4 +337,4 @@ Result<std::vector<FrameText>> read_fold_text(std::string_view text, const FoldL
   return sax.take();
 }
 
-}  // namespace popcut::verify
+}  // namespace popcut

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "core/verify/sheet/vec.hpp"
+#include "core/geometry/vec.hpp"
 
-namespace popcut::verify {
+namespace popcut {
 
 /// Limit of candidate pairs among `shapes`; drawings with more are too dense to check. Sound
 /// drawings need some tens per shape.
@@ -33,22 +33,22 @@ class CellGrid {
     for (std::size_t i = 0; i < shapes; ++i) {
       const auto shape = corners(i);
       Vec2 least = *shape.begin(), most = least;
-      for (const Vec2 p : shape) {
-        least = {std::min(least.u, p.u), std::min(least.v, p.v)};
-        most = {std::max(most.u, p.u), std::max(most.v, p.v)};
+      for (const Vec2& p : shape) {
+        least = {std::min(least.x(), p.x()), std::min(least.y(), p.y())};
+        most = {std::max(most.x(), p.x()), std::max(most.y(), p.y())};
       }
-      low_ = {std::min(low_.u, least.u), std::min(low_.v, least.v)};
-      high_ = {std::max(high_.u, most.u), std::max(high_.v, most.v)};
-      along_u += most.u - least.u;
-      along_v += most.v - least.v;
+      low_ = {std::min(low_.x(), least.x()), std::min(low_.y(), least.y())};
+      high_ = {std::max(high_.x(), most.x()), std::max(high_.y(), most.y())};
+      along_u += most.x() - least.x();
+      along_v += most.y() - least.y();
     }
     // Cells have the shapes' own proportions, so that thin parallel strips do not share a cell.
     const double n = static_cast<double>(shapes);
     const auto size = [&](double sum, double side) {
       return std::max({sum / n, side / std::sqrt(4.0 * n + 16.0) / 4.0, side / 30'000.0, 1e-12});
     };
-    cell_u_ = size(along_u, high_.u - low_.u + 4.0 * slack_mm);
-    cell_v_ = size(along_v, high_.v - low_.v + 4.0 * slack_mm);
+    cell_u_ = size(along_u, high_.x() - low_.x() + 4.0 * slack_mm);
+    cell_v_ = size(along_v, high_.y() - low_.y() + 4.0 * slack_mm);
     while (!build(shapes, corners)) cell_u_ *= 1.5, cell_v_ *= 1.5;
   }
 
@@ -82,8 +82,8 @@ class CellGrid {
  private:
   template <typename Corners>
   bool build(std::size_t shapes, Corners corners) {
-    columns_ = 1 + static_cast<std::size_t>((high_.u - low_.u + 2.0 * slack_) / cell_u_);
-    rows_ = 1 + static_cast<std::size_t>((high_.v - low_.v + 2.0 * slack_) / cell_v_);
+    columns_ = 1 + static_cast<std::size_t>((high_.x() - low_.x() + 2.0 * slack_) / cell_u_);
+    rows_ = 1 + static_cast<std::size_t>((high_.y() - low_.y() + 2.0 * slack_) / cell_v_);
     if (columns_ * rows_ > 16 * shapes + 1024) return false;
     first_.assign(columns_ * rows_ + 1, 0);
     std::size_t entries = 0;
@@ -109,30 +109,30 @@ class CellGrid {
   /// Visits the cells that a convex shape reaches into, column by column.
   template <typename Shape, typename Visit>
   void each_cell(const Shape& shape, Visit visit) const {
-    double from = high_.u;
-    double to = low_.u;
-    for (const Vec2 p : shape) from = std::min(from, p.u), to = std::max(to, p.u);
-    const std::size_t last = index(to - low_.u + slack_, cell_u_, columns_);
-    for (std::size_t column = index(from - low_.u - slack_, cell_u_, columns_); column <= last;
+    double from = high_.x();
+    double to = low_.x();
+    for (const Vec2& p : shape) from = std::min(from, p.x()), to = std::max(to, p.x());
+    const std::size_t last = index(to - low_.x() + slack_, cell_u_, columns_);
+    for (std::size_t column = index(from - low_.x() - slack_, cell_u_, columns_); column <= last;
          ++column) {
-      const double left = low_.u + cell_u_ * static_cast<double>(column) - 2.0 * slack_;
+      const double left = low_.x() + cell_u_ * static_cast<double>(column) - 2.0 * slack_;
       const double right = left + cell_u_ + 2.0 * slack_;
-      double low = high_.v;
-      double high = low_.v;
+      double low = high_.y();
+      double high = low_.y();
       const auto* corner = &*shape.begin();
       for (std::size_t k = 0; k < shape.size(); ++k) {
         const Vec2 p = corner[k];
         const Vec2 q = corner[(k + 1) % shape.size()];
-        const double width = q.u - p.u;
+        const double width = q.x() - p.x();
         for (const double u : {left, right}) {
-          if (width == 0.0 || (u - p.u) * (u - q.u) > 0.0) continue;
-          const double v = p.v + (u - p.u) / width * (q.v - p.v);
+          if (width == 0.0 || (u - p.x()) * (u - q.x()) > 0.0) continue;
+          const double v = p.y() + (u - p.x()) / width * (q.y() - p.y());
           low = std::min(low, v), high = std::max(high, v);
         }
-        if (p.u >= left && p.u <= right) low = std::min(low, p.v), high = std::max(high, p.v);
+        if (p.x() >= left && p.x() <= right) low = std::min(low, p.y()), high = std::max(high, p.y());
       }
-      const std::size_t top = index(high - low_.v + slack_, cell_v_, rows_);
-      for (std::size_t row = index(low - low_.v - slack_, cell_v_, rows_); row <= top; ++row) {
+      const std::size_t top = index(high - low_.y() + slack_, cell_v_, rows_);
+      for (std::size_t row = index(low - low_.y() - slack_, cell_v_, rows_); row <= top; ++row) {
         visit(row * columns_ + column);
       }
     }
@@ -144,4 +144,4 @@ class CellGrid {
   std::vector<std::uint32_t> first_, item_;
 };
 
-}  // namespace popcut::verify
+}  // namespace popcut
