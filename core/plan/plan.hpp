@@ -5,61 +5,63 @@
 #include <string>
 #include <vector>
 
-#include "core/layout/layout.hpp"
 #include "core/drawing/clean.hpp"
 #include "core/drawing/linework.hpp"
+#include "core/layout/layout.hpp"
+#include "core/layout/sheet.hpp"
 #include "core/machines/machine.hpp"
+#include "core/plan/knife/strokes.hpp"
 #include "core/plan/marks.hpp"
 #include "core/plan/order/order.hpp"
-#include "core/layout/sheet.hpp"
-#include "core/plan/knife/strokes.hpp"
 
 namespace popcut {
 
-/// What draws ticks and letters on pieces of an oversized drawing.
+/// What draws the tick marks and letters on the pieces of a split drawing.
 enum class LabelTool {
-  Auto,  ///< the pen where the machine has a holder for it, else the knife
+  Auto,  ///< the pen if the machine has a holder for it, else the knife
   Pen,
   Cut,  ///< as rows of short cuts
   None,
 };
 
+/// Options of `plan`. Lengths are mm.
 struct PlanOptions {
   std::string mat{};  ///< name or size, see `choose_mat`; empty: the machine's own
   PlaceOptions place{};
-  OrderOptions order{};  ///< its `cost` is the machine's
+  OrderOptions order{};  ///< `plan` sets its `cost` from the machine
   CleanOptions clean{};
   KnifeOptions knife{};
-  bool split{true};  ///< a drawing that is too large is split; else it is refused
-  std::vector<double> seams_x{}, seams_y{};  ///< seams that were asked for, drawing mm
+  bool split{true};  ///< true: split a drawing that is too large; false: refuse it
+  std::vector<double> seams_x{}, seams_y{};  ///< requested seams, drawing mm
   LabelTool labels{LabelTool::Auto};
-  bool keep_lines{false};  ///< the sheet keeps its lines as they were before folds were dashed
+  bool keep_lines{false};  ///< keep each sheet's lines from before folds are dashed
 };
 
-/// One sheet: what the cutter does, in order, and its figures.
+/// One planned sheet: what the cutter does, in order, and figures about it.
 struct PlannedSheet {
   Mat mat;
-  std::array<double, 2> area_mm{};  ///< what can be reached, along carriage and feed
-  Toolpath path;                    ///< strokes in order, as they are drawn
-  std::optional<Toolpath> sent;     ///< the same with overcuts and blade offset, if that differs
+  std::array<double, 2> area_mm{};  ///< reachable area, along carriage and feed
+  Toolpath path;                    ///< strokes in order, as drawn
+  std::optional<Toolpath> sent;     ///< the same with overcuts and blade offset, if it differs
   KnifeWork knife;
-  std::optional<LineWork> lines;      ///< cleaned, folds whole; only where they are to be kept
-  Placement transform;                ///< pattern page -> sheet; of a sheet of one piece
-  std::vector<std::uint32_t> pieces;  ///< of the plan's layout; empty where nothing was split
-  double cut_mm{}, fold_mm{};         ///< tool down, as sent
-  double fold_line_mm{};              ///< folds before dashing
+  std::optional<LineWork> lines;      ///< cleaned lines with whole folds; set if `keep_lines`
+  Placement transform;                ///< pattern page -> sheet; of the sheet's first piece
+  std::vector<std::uint32_t> pieces;  ///< indices into the layout's pieces; empty: not split
+  double cut_mm{}, fold_mm{};         ///< length with the tool down, as sent
+  double fold_line_mm{};              ///< length of folds before dashing
   double travel_mm{}, travel_input_mm{}, home_mm{};
-  std::uint64_t order_moves{};  ///< that the search for a short way tried
-  bool order_finished{true};    ///< false: it was ended early
+  std::uint64_t order_moves{};  ///< moves that the search for a short order tried
+  bool order_finished{true};    ///< false: the search was stopped early
   std::size_t paths{};          ///< lines of the drawing after cleaning
   double seconds{};
   std::array<double, 2> seconds_range{};
-  std::optional<MarkLayout> registration{};  ///< of a printed sheet, which whoever prints it sets
+  std::optional<MarkLayout> registration{};  ///< of a printed sheet; the caller sets it
 
-  /// What the program has to hold, stroke for stroke.
+  /// The strokes of the program that is sent, one for one.
   [[nodiscard]] const Toolpath& sent_path() const { return sent ? *sent : path; }
 };
 
+/// A plan of one or more sheets, with what it was made from.
 struct Plan {
   std::string name;
   Machine machine;
@@ -69,20 +71,19 @@ struct Plan {
   std::uint64_t seed{};
   FoldMode folds{FoldMode::Perforate};
   double snap_mm{};
-  std::optional<Layout> layout{};  ///< where the drawing was split
-  LineWork whole{};                ///< then the drawing, cleaned
+  std::optional<Layout> layout{};  ///< set if the drawing was split
+  LineWork whole{};                ///< set if the drawing was split: the cleaned drawing
 };
 
-/// Drawing to ordered strokes: placed on the mat (or split into pieces that are, see `lay_out`),
-/// cleaned, folds dashed, put in order, with force, speed and tool from the material within what
-/// the machine can; closed cuts get their overcut, and the blade's offset is taken into account
-/// where the machine's firmware does not.
+/// Turns a drawing into ordered strokes. Steps: place it on the mat (or split it into pieces that
+/// fit, see `lay_out`), clean it, dash the folds, order the strokes. The material gives force,
+/// speed and tool, within the limits of the machine. Closed cuts get their overcut. The blade
+/// offset is compensated unless the machine's firmware does it.
 ///
-/// @retval Infeasible  it does not fit; the detail has both sizes in mm
-/// @retval OutOfRange  there is nothing to cut, or far too much; the mat is larger than the
-/// machine;
-///                     an option is out of its range, or the material cannot be folded so
-/// @retval Usage       the mat is not known
+/// @retval Infeasible  the drawing does not fit; the detail has both sizes in mm
+/// @retval OutOfRange  nothing to cut, or far too much; the mat is larger than the machine; an
+///                     option is out of range; the material has no settings for this kind of fold
+/// @retval Usage       unknown mat
 [[nodiscard]] Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& material,
                                 const PlanOptions& options);
 

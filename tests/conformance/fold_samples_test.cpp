@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/formats/fold/fold_reader.hpp"
 #include "core/drawing/planar_graph.hpp"
+#include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "tests/support/linework_checks.hpp"
 
@@ -166,9 +166,10 @@ TEST_CASE("FOLD samples that are wrong are refused with their place and what is 
   const auto names = read_fold(sample("fold/re_invalid-key-names.fold"));
   REQUIRE_FALSE(names);
   CHECK(message(names.error()) ==
-        "/vertices_coords: is missing; is \"vertices_coord\" meant to be it?");
+        "/vertices_coords: is missing; is \"vertices_coord\" a misspelling of it?");
   const auto lengths = read_fold(sample("fold/re_invalid-mismatch-length.fold"));
   REQUIRE_FALSE(lengths);
-  CHECK(message(lengths.error()) ==
-        "/edges_assignment: has 5 entries; edges_vertices has 4, and both must be equally long");
+  CHECK(
+      message(lengths.error()) ==
+      "/edges_assignment: has 5 entries, but edges_vertices has 4; both must have the same length");
 }

@@ -152,7 +152,7 @@ TEST_CASE("a sheet with registration marks is cut where the marks are found", "[
   const Ran small = bench.run(
       {"cut", "--test", "--marks", "--machine", "cameo3", "--mat", "70x70", "--direct", "--yes"});
   CHECK(small.exit == 4);
-  CHECK(says(small.err, "has no room for registration marks"));
+  CHECK(says(small.err, "is too small for registration marks"));
   refused({"--mark-form", "wide"}, 2, "--mark-form: wide is not known");
 }
 

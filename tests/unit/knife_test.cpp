@@ -6,8 +6,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/plan/knife/blade.hpp"
 #include "core/machines/motion.hpp"
+#include "core/plan/knife/blade.hpp"
 #include "core/plan/knife/overcut.hpp"
 #include "core/plan/plan.hpp"
 #include "core/plan/plan_json.hpp"
@@ -162,7 +162,7 @@ TEST_CASE("the axis of a turned blade stays in the area", "[core][plan][knife]")
   options.split = false;
   const auto tight = plan(work, machine("hpgl-generic"), paper(), options);
   REQUIRE_FALSE(tight);
-  CHECK(tight.error().detail.find("0.25 mm must stay free") != std::string::npos);
+  CHECK(tight.error().detail.find("blade's offset needs 0.25 mm") != std::string::npos);
 }
 
 TEST_CASE("a line that leaves the area and comes back is cut as several strokes",

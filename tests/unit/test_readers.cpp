@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 
 #include "core/formats/fold/fold_reader.hpp"
-#include "core/formats/svg/syntax/svg_path.hpp"
 #include "core/formats/svg/svg_reader.hpp"
+#include "core/formats/svg/syntax/svg_path.hpp"
 #include "core/formats/svg/syntax/svg_transform.hpp"
 #include "tests/support/linework_checks.hpp"
 
@@ -159,7 +159,7 @@ TEST_CASE("what cannot be cut is named with its number and its place", "[core][f
         std::string::npos);
   CHECK(all.find("2 <image> cannot be read and are left out; the first at line 2") !=
         std::string::npos);
-  CHECK(all.find("1 <use> of something that is not there") != std::string::npos);
+  CHECK(all.find("1 <use> of a missing element") != std::string::npos);
 }
 
 TEST_CASE("a drawing that cannot be read is refused with line and column", "[core][formats][svg]") {
