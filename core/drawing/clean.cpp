@@ -14,22 +14,23 @@
 namespace popcut {
 namespace {
 
-constexpr double kSame = 0.001;  // mm; vertices of different lines this near are one
+constexpr double kSame = 0.001;  // mm; vertices of different lines this near are the same
 constexpr std::uint32_t kNone = NodeIndex::kNone;
 
-/// The straight parts of the drawn lines, in the order of the drawing.
+/// The straight parts of the lines, in drawing order.
 struct DrawnSegments {
   struct Kind {
     Operation operation{};
-    bool joins_next{false};  ///< the next segment goes on from its end
-    bool loops{false};       ///< the last of a closed line: the first one goes on from its end
+    bool joins_next{false};  ///< the next segment continues from its end
+    bool loops{
+        false};  ///< last segment of a closed line: the line's first segment continues from its end
   };
   std::vector<NodeEdge> edges;
   std::vector<Kind> kinds;
 };
 
-// The vertices of a drawing as nodes: those within lines first, then the ends, which go to a node
-// that is near.
+// Turns the vertices of a drawing into nodes: first the vertices within lines, then line ends,
+// which snap to a node nearby.
 class Snapping {
  public:
   Snapping(const LineWork& work, double snap)
@@ -43,7 +44,7 @@ class Snapping {
   [[nodiscard]] NodeIndex& nodes() { return nodes_; }
   [[nodiscard]] const NodeIndex& nodes() const { return nodes_; }
   [[nodiscard]] double reach() const { return snap_; }
-  /// The nodes of the points are not asked for any more.
+  /// Frees the nodes of the points, which are not needed any more.
   void forget_points() { node_of_ = std::vector<std::uint32_t>(); }
 
  private:
@@ -60,7 +61,7 @@ class Snapping {
     if (ring) node_of_[line.first + points.size() - 1] = node_of_[line.first];
   }
 
-  // An end goes to the nearest node, but not back along its own line.
+  // Snaps an end to the nearest node, but not back along its own line.
   void set_ends(const LineWork& work, const DrawnLine& line) {
     const std::size_t first = line.first, last = first + line.count - 1;
     if (node_of_[first] != kNone) return;  // closed
@@ -75,7 +76,7 @@ class Snapping {
     }
   }
 
-  // Nodes that the line from `end` to `other` passes within twice the snap from its end.
+  // Collects the nodes that the line from `end` to `other` passes within twice the snap of its end.
   void list_just_before(const LineWork& work, std::size_t end, std::size_t other) {
     just_before_.clear();
     double way = 0.0;
@@ -132,11 +133,11 @@ DrawnSegments segments_of(const LineWork& work, const Snapping& snapping) {
   return out;
 }
 
-// What is left of each segment once the stronger and the longer ones have taken their places. Those
-// that share no part with another one stay whole and are not looked at.
-class Taker {
+// What remains of each segment after stronger and longer ones have taken their places. Segments
+// that share no part with another stay whole and are not examined.
+class OverlapRemover {
  public:
-  Taker(const DrawnSegments& segments, Snapping& snapping)
+  OverlapRemover(const DrawnSegments& segments, Snapping& snapping)
       : edges_(segments.edges),
         kinds_(segments.kinds),
         snapping_(snapping),
@@ -160,12 +161,12 @@ class Taker {
 
   [[nodiscard]] std::size_t contradictions() const { return contradictions_; }
 
-  /// The pieces, in the order of the drawing.
+  /// The pieces, in drawing order.
   [[nodiscard]] std::vector<Piece> pieces() const {
     std::vector<Piece> pieces;
     pieces.reserve(edges_.size() + left_.size());
-    std::int32_t before = -1;      // piece that ends where segment s begins
-    std::int32_t line_first = -1;  // piece that the line begins with
+    std::int32_t before = -1;      // the piece that ends where segment s begins
+    std::int32_t line_first = -1;  // the line's first piece
     bool begins = true;
     for (std::uint32_t s = 0; s < edges_.size(); ++s) {
       std::int32_t first = -1, last = -1;  // pieces at its ends
@@ -191,7 +192,7 @@ class Taker {
   static constexpr std::int32_t kNothing = -1, kWhole = -2;  ///< in `first_`
 
   /// A part of a segment between two nodes.
-  struct Left {
+  struct Remainder {
     NodeEdge edge;
     std::int32_t next{-1};  ///< the next part of the same segment
   };
@@ -254,7 +255,7 @@ class Taker {
     (last_ < 0 ? first_[s] : left_[static_cast<std::size_t>(last_)].next) = index;
     last_ = index;
     left_.push_back({{a, b}, -1});
-    index_->insert({p, q}, s);  // as drawn: its direction tells what lies along it
+    index_->insert({p, q}, s);  // as drawn: the index compares directions
   }
 
   static PagePoint at(const Segment& segment, double l, double t) {
@@ -265,7 +266,7 @@ class Taker {
             segment.a.y + f * (segment.b.y - segment.a.y)};
   }
 
-  // Where a part ends because a line takes the place from there on, a node of that line is near.
+  // If a part ends because a line takes over from there, a node of that line is near.
   std::uint32_t node_near(const PagePoint& p) {
     const double reach = std::min(snapping_.reach(), 2 * kOverlapTolerance);
     const std::uint32_t found = snapping_.nodes().find(p, reach);
@@ -278,8 +279,8 @@ class Taker {
   std::vector<std::uint32_t> order_;  ///< crowded segments
   std::optional<CollinearIndex> index_;
   std::vector<CollinearIndex::Covered> covered_;
-  std::vector<std::int32_t> first_;  ///< of a segment: its first part in `left_`
-  std::vector<Left> left_;
+  std::vector<std::int32_t> first_;  ///< per segment: its first part in `left_`
+  std::vector<Remainder> left_;
   std::int32_t last_{-1};
   std::size_t contradictions_{};
 };
@@ -314,16 +315,17 @@ LineWork clean(LineWork&& work, const CleanOptions& options) {
     const DrawnSegments segments = segments_of(work, snapping);
     work = {};
     snapping.forget_points();
-    Taker taker(segments, snapping);
-    taker.run();
-    pieces = taker.pieces();
-    contradictions = taker.contradictions();
+    OverlapRemover remover(segments, snapping);
+    remover.run();
+    pieces = remover.pieces();
+    contradictions = remover.contradictions();
     nodes = std::move(snapping.nodes()).take_points();
   }
   join(pieces, nodes, out);
   if (contradictions > 0)
-    out.warnings.push_back(fmt::format(
-        "{} places are both mountain and valley; they are folded as mountain", contradictions));
+    out.warnings.push_back(
+        fmt::format("{} places are both mountain and valley folds; they are made mountain folds",
+                    contradictions));
   return out;
 }
 

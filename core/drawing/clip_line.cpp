@@ -6,7 +6,7 @@
 namespace popcut {
 namespace {
 
-// The part of a..b within the area, as parameters in 0..1 (Liang and Barsky 1984).
+// The part of a..b within the area, as parameters t0, t1 in 0..1 (Liang and Barsky 1984).
 bool clip_segment(const PagePoint& a, const PagePoint& b, const Box& area, double& t0, double& t1) {
   t0 = 0.0;
   t1 = 1.0;
@@ -48,7 +48,7 @@ void clip_line(std::span<const PagePoint> line, Operation operation, const Box& 
       run.clear();
     }
   }
-  // A closed line that was cut open goes on through its seam.
+  // A closed line that was cut open continues through its seam.
   const bool through_seam = closed(line) && run.size() > 1 && out.lines.size() > first_line &&
                             out.points[out.lines[first_line].first] == run.back();
   if (through_seam) {

@@ -8,8 +8,8 @@
 
 namespace popcut {
 
-/// Appends the parts of `line` that lie in `area`, cut exactly at its border; a closed line that is
-/// cut open goes on through its seam. `run` is for work and need not be kept.
+/// Appends the parts of `line` inside `area`, cut exactly at its border. A closed line that is cut
+/// open continues through its seam. `run` is a reusable buffer.
 void clip_line(std::span<const PagePoint> line, Operation operation, const Box& area,
                std::vector<PagePoint>& run, LineWork& out);
 

@@ -32,7 +32,7 @@ CollinearIndex::Sizes CollinearIndex::sizes_of(std::span<const Segment> all) {
   const double n = static_cast<double>(all.size());
   const double mean =
       sizes.shorts > 0 ? short_mm / static_cast<double>(sizes.shorts) : kLongSegment;
-  // Long segments look through the cells of the short ones too: eight cells each on average.
+  // Queries of long segments also visit the cells of short ones: eight cells each on average.
   sizes.short_cell = std::max({2.0 * mean, (short_mm + long_mm) / (8.0 * n), 0.1});
   if (sizes.longs > 0) sizes.usual_long = long_mm / static_cast<double>(sizes.longs);
   sizes.long_cell = std::max(long_mm / (8.0 * n), kLongSegment);
@@ -85,7 +85,7 @@ void CollinearIndex::covered_by_long(const Segment& segment, std::uint32_t not_t
 void CollinearIndex::covered(const Segment& segment, std::uint32_t not_this,
                              std::vector<Covered>& out) {
   out.clear();
-  shorts_.find(segment, not_this, out);  // parts of long ones too
+  shorts_.find(segment, not_this, out);  // also finds parts of long queries
   if (is_long(segment))
     covered_by_long(segment, not_this, out);
   else

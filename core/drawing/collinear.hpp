@@ -10,19 +10,20 @@
 
 namespace popcut {
 
-/// Finds which parts of a segment lie on others, for segments of any lengths, filled as one goes.
+/// Finds which parts of a segment lie on other segments, of any lengths, while segments are
+/// inserted.
 ///
-/// Short ones are found by place (`OverlapIndex`). Long ones would fill its cells: they are found
-/// by the line that they lie on (`LineBins`).
+/// Short segments are found by place (`OverlapIndex`). Long ones would fill its cells, so they are
+/// found by the line that they lie on (`LineBins`).
 class CollinearIndex {
  public:
   using Covered = OverlapIndex::Covered;
 
-  /// `all`: every segment that may come, for the sizes of cells.
+  /// @param all  all segments that will be used, to choose cell sizes
   CollinearIndex(std::span<const Segment> all, double tolerance);
 
   void insert(const Segment& segment, std::uint32_t id);
-  /// All parts of `segment` on inserted segments, sorted by `from`; id `not_this` is passed over.
+  /// All parts of `segment` that lie on inserted segments, sorted by `from`; ignores id `not_this`.
   void covered(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out);
 
  private:
@@ -46,9 +47,9 @@ class CollinearIndex {
     LongLine line;
     std::uint64_t bin{};
     std::uint32_t segment{};  ///< index into segments_
-    std::int32_t next{};      ///< entry of the same slot
+    std::int32_t next{};      ///< next entry of the same slot
   };
-  std::vector<std::int32_t> head_;  ///< of long segments, by line
+  std::vector<std::int32_t> head_;  ///< long segments, by line
   std::vector<Entry> lines_;
   std::vector<Segment> segments_;
   std::vector<std::uint32_t> ids_;

@@ -15,8 +15,9 @@ namespace {
 
 constexpr std::uint32_t kDirections = 8;  // over half a turn
 
-// Bin of the direction, 14 to 30 degrees wide: neighbours hold what may lie along it, for edges of
-// 0.1 mm or more. Of shorter ones some are missed: they are no longer than a knife is wide.
+// The bin of a direction, 14 to 30 degrees wide: the neighbouring bins hold all edges of 0.1 mm or
+// more that may overlap. Some overlaps of shorter edges are missed; those are shorter than a blade
+// is wide.
 std::uint32_t direction_of(const Segment& s) {
   double dx = s.b.x - s.a.x, dy = s.b.y - s.a.y;
   if (dy < 0.0) {
@@ -25,11 +26,12 @@ std::uint32_t direction_of(const Segment& s) {
   }
   const double sum = std::abs(dx) + dy;
   if (!(sum > 0.0)) return 0;
-  const double turn = dx >= 0.0 ? dy / sum : 2.0 - dy / sum;  // 0 to 2 over half a turn
+  const double turn =
+      dx >= 0.0 ? dy / sum : 2.0 - dy / sum;  // 0 to 2 over half a turn of the direction
   return std::min(static_cast<std::uint32_t>(turn * (kDirections / 2)), kDirections - 1);
 }
 
-// Whether a part of `s` may lie on `t` or the other way round: `overlap` without its finer points.
+// Whether a part of `s` may lie on `t` or vice versa: a coarse version of `overlap`.
 bool may_share(const Segment& s, const Segment& t, double tolerance) {
   const double sx = s.b.x - s.a.x, sy = s.b.y - s.a.y, square = sx * sx + sy * sy;
   const auto along = [&](const PagePoint& p) { return (p.x - s.a.x) * sx + (p.y - s.a.y) * sy; };
@@ -38,8 +40,8 @@ bool may_share(const Segment& s, const Segment& t, double tolerance) {
   if (std::max(t0, t1) <= 0.0 || std::min(t0, t1) >= square) return false;
   double h0 = aside(t.a), h1 = aside(t.b);
   const double l = std::sqrt(square);
-  // What lies within the tolerance of `t` may lie a little farther from `s` where both are short,
-  // for then they may be turned by twice the tolerance a length.
+  // A part of `s` within the tolerance of `t` may be a little farther from `s` if both are short,
+  // because they may differ in direction by twice the tolerance per length.
   const double shorter = std::min(l, distance(t.a, t.b));
   const double near = tolerance * (1.0 + std::min(1.0, 4.0 * tolerance / shorter)) * l;
   if (std::min(h0, h1) > near || std::max(h0, h1) < -near) return false;
@@ -54,7 +56,7 @@ bool may_share(const Segment& s, const Segment& t, double tolerance) {
   return std::abs(h0 + slope * (from - t0)) <= near && std::abs(h0 + slope * (to - t0)) <= near;
 }
 
-// The edges of a drawing, and what of them has been found crowded.
+// The edges of a drawing, and which of them are known to be crowded.
 struct Edges {
   std::span<const NodeEdge> edges;
   std::span<const PagePoint> nodes;
@@ -62,7 +64,7 @@ struct Edges {
   std::vector<std::uint8_t> crowded;
 
   [[nodiscard]] Segment at(std::uint32_t e) const { return {nodes[edges[e].a], nodes[edges[e].b]}; }
-  // Marks both; true if they may share a part.
+  // Marks both edges if they may share a part, and returns whether they do.
   bool meet(std::uint32_t e, const Segment& s, std::uint32_t other) {
     if (other == e || !may_share(s, at(other), tolerance)) return false;
     crowded[e] = crowded[other] = 1;
@@ -86,7 +88,7 @@ class ByPlace {
           }
         }) {}
 
-  // Looks at what lies near edge `e` until it is crowded.
+  // Examines what lies near edge `e` until the edge is crowded.
   void look(Edges& edges, std::uint32_t e) const {
     const Segment s = edges.at(e);
     const std::uint32_t direction = direction_of(s);
@@ -99,7 +101,8 @@ class ByPlace {
   }
 
  private:
-  // The directions of one cell lie beside each other, turned so that blocks on each other differ.
+  // The directions of a cell are adjacent in memory; their rotation differs for cells of different
+  // blocks.
   [[nodiscard]] std::size_t slot(std::uint64_t cell, std::uint32_t direction) const {
     return (cell + ((direction + (cell >> 40)) & (kDirections - 1))) & (count_ - 1);
   }
@@ -109,7 +112,8 @@ class ByPlace {
     walk_cells(s, cell_, reach,
                [&](std::int64_t x, std::int64_t y) { return visit(place_of(x, y)); });
   }
-  // Cells of a block of 8 x 8 lie beside each other: what is drawn nearby is near in memory too.
+  // The cells of a block of 8 x 8 are adjacent in memory, so that lines drawn nearby are near in
+  // memory too.
   static std::uint64_t place_of(std::int64_t x, std::int64_t y) {
     const std::uint64_t block = mixed(static_cast<std::uint64_t>(x >> 3) * 0x9E3779B97F4A7C15ULL ^
                                       static_cast<std::uint64_t>(y >> 3) * 0xC2B2AE3D27D4EB4FULL);
@@ -133,8 +137,8 @@ class ByLine {
           }
         }) {}
 
-  // Looks at what lies near each edge until it is crowded; slot by slot, for what is near then lies
-  // in slots that were just read.
+  // Examines what lies near each edge until the edge is crowded. Goes slot by slot, because near
+  // edges lie in slots that were just read.
   void look_at_all(Edges& edges) const {
     for (std::size_t s = 0; s < slots_.size(); ++s)
       for (const Item& item : slots_[s])
@@ -187,7 +191,7 @@ std::vector<std::uint8_t> crowded_edges(std::span<const NodeEdge> list,
   const auto mean = [](double mm, const std::vector<std::uint32_t>& of) {
     return of.empty() ? kLongSegment : mm / static_cast<double>(of.size());
   };
-  {  // Long edges pass through eight cells of short ones on average, or fewer.
+  {  // On average, long edges pass through at most eight cells of short ones.
     const ByPlace by_place(
         edges, shorts,
         std::max({2.0 * mean(short_mm, shorts), (short_mm + long_mm) / (8.0 * n), 0.1}));

@@ -15,11 +15,11 @@ namespace popcut {
 namespace {
 
 constexpr double kStraight = 0.9962;          // cosine of 5 degrees
-constexpr double kStraightTolerance = 0.001;  // mm; far below a machine's step
-constexpr std::size_t kFewEnds = 12;          // at a node: all pairs of them can be looked at
+constexpr double kStraightTolerance = 0.001;  // mm; far below one step of a machine
+constexpr std::size_t kFewEnds = 12;          // at a node: up to this many, all pairs are compared
 constexpr std::uint32_t kNoNode = 0xFFFFFFFF;
 
-// Walks over pieces as sets: which walk a piece is part of, and whether that walk is closed.
+// Walks over pieces as disjoint sets: the walk of each piece, and whether that walk is closed.
 class Walks {
  public:
   explicit Walks(std::size_t pieces) : sets_(pieces), open_(pieces, 0) {}
@@ -37,7 +37,7 @@ class Walks {
   std::vector<std::uint8_t> open_;
 };
 
-// Ends are numbered 2 piece (its start) and 2 piece + 1 (its end).
+// Ends have numbers: 2 piece is its start, 2 piece + 1 its end.
 class Joiner {
  public:
   Joiner(const std::vector<Piece>& pieces, std::span<const PagePoint> nodes)
@@ -52,7 +52,7 @@ class Joiner {
     for_each_meeting([&](std::span<std::uint32_t> ends) { pair_ends(ends); });
   }
 
-  // Where a closed walk passes a node that another walk passes too, the two become one.
+  // Where a closed walk passes a node of another walk, merges the two.
   void merge_closed() {
     for (std::uint32_t e = 0; e < partner_.size(); ++e)
       if (partner_[e] == kNoNode) walks_.mark_open(e / 2);
@@ -79,14 +79,14 @@ class Joiner {
   }
   [[nodiscard]] const PagePoint& point(std::uint32_t e) const { return nodes_[node(e)]; }
 
-  // All ends by node (a counting sort).
+  // Lists all ends by node (counting sort).
   void list_ends() {
     ends_ = Buckets<std::uint32_t>(nodes_.size(), [&](auto&& put) {
       for (std::uint32_t e = 0; e < partner_.size(); ++e) put(node(e), e);
     });
   }
 
-  // The ends of one operation that meet in one node, for all nodes.
+  // Visits the ends of one operation that meet in a node, for all nodes.
   template <typename Visit>
   void for_each_meeting(Visit&& visit) {
     for (std::size_t n = 0; n < ends_.size(); ++n) {
@@ -105,14 +105,14 @@ class Joiner {
     }
   }
 
-  // Unit direction in which the piece leaves at its end `e`.
+  // Unit direction in which the piece leaves its end `e`.
   [[nodiscard]] PagePoint leaving(std::uint32_t e) const {
     const PagePoint& to = point(e);
     const PagePoint& from = point(e ^ 1u);
     const double l = distance(from, to);
     return {(to.x - from.x) / l, (to.y - from.y) / l};
   }
-  // 1 where the walk goes straight on from end `e` to end `f`, -1 where it turns back.
+  // 1 if the walk continues straight from end `e` to end `f`, -1 if it turns back.
   [[nodiscard]] double onward(std::uint32_t e, std::uint32_t f) const {
     const PagePoint u = leaving(e), w = leaving(f);
     return -(u.x * w.x + u.y * w.y);
@@ -141,7 +141,7 @@ class Joiner {
     }
   }
 
-  // The straightest pair first; of equals the one that was drawn as one line.
+  // Pairs the straightest ends first; among equals, those drawn as one line.
   void pair_few(std::span<const std::uint32_t> ends, bool fold) {
     struct Pair {
       double onward{};
@@ -163,7 +163,7 @@ class Joiner {
         link(pairs[i].e, pairs[i].f);
   }
 
-  // Each end with the free one whose direction is nearest to its opposite.
+  // Pairs each end with the free end whose direction is nearest to its opposite.
   void pair_many(std::span<const std::uint32_t> ends, bool fold) {
     std::vector<std::pair<double, std::uint32_t>> round;
     round.reserve(ends.size());
@@ -172,7 +172,7 @@ class Joiner {
       round.emplace_back(std::atan2(u.y, u.x), e);
     }
     std::sort(round.begin(), round.end());
-    std::vector<std::size_t> free(round.size());  // next free one from here on, round the circle
+    std::vector<std::size_t> free(round.size());  // next free end from here on, around the circle
     for (std::size_t i = 0; i < free.size(); ++i) free[i] = i;
     const auto next_free = [&](std::size_t i) {
       while (free[i] != i) i = free[i] = free[free[i]];
@@ -202,7 +202,7 @@ class Joiner {
     }
   }
 
-  // Changes the pairs of a node until no closed walk passes it beside another one.
+  // Changes the pairs of a node until no closed walk passes it beside another walk.
   void merge_at(std::span<const std::uint32_t> ends) {
     const std::uint32_t base = ends.front();
     for (const std::uint32_t e : ends) {
@@ -211,8 +211,8 @@ class Joiner {
     }
   }
 
-  // Two walks, one of them closed, become one: e goes on to f, or to the end that f went on to,
-  // whichever is straighter. A loose end stays loose, or hands that on.
+  // Merges two walks, one of them closed: e continues to f or to f's former partner, whichever is
+  // straighter. A loose end stays loose, or passes this on.
   void exchange(std::uint32_t e, std::uint32_t f) {
     if (partner_[f] == kNoNode) std::swap(e, f);  // a closed walk has no loose end
     const std::uint32_t e2 = partner_[e], f2 = partner_[f];
@@ -228,7 +228,7 @@ class Joiner {
       link(e2, rest);
   }
 
-  // The end at which the walk that enters a piece at `e` begins.
+  // The first end of the walk that enters a piece at `e`.
   [[nodiscard]] std::uint32_t first_end(std::uint32_t e) const {
     const std::uint32_t start = e;
     while (partner_[e] != kNoNode) {
@@ -238,7 +238,7 @@ class Joiner {
     return e;
   }
 
-  // Follows the links from end `e`, into its piece first.
+  // Follows the links from end `e`, first through its piece.
   void walk(std::uint32_t e, std::vector<std::uint8_t>& done, std::vector<PagePoint>& line) const {
     line.assign(1, point(e));
     while (e != kNoNode && done[e / 2] == 0) {
@@ -300,8 +300,8 @@ void join_loops(std::span<const Segment> edges, double tolerance, LineWork& out)
   joiner.trace(out);
 }
 
-// A vertex may go while some direction from the last kept one passes all that were dropped since
-// within the tolerance: the cone of such directions only narrows (Sklansky and Gonzalez 1980).
+// Drops a vertex while one direction from the last kept vertex passes all dropped ones within the
+// tolerance: the cone of such directions only narrows (Sklansky and Gonzalez 1980).
 std::vector<PagePoint> without_straight_vertices(std::span<const PagePoint> line,
                                                  double tolerance) {
   std::vector<PagePoint> kept;

@@ -20,35 +20,38 @@ struct DrawnLine {
   std::uint32_t count{};
 };
 
-/// A drawing as flat polylines in page mm (x right, y down), folds not yet dashed.
+/// A drawing as flat polylines in page mm (x right, y down). Folds are not dashed yet.
 struct LineWork {
   std::string name;
   std::vector<PagePoint> points;
   std::vector<DrawnLine> lines;
   std::vector<std::string> warnings;
-  bool has_page{false};  ///< the drawing's place on its page means something (SVG)
-  bool dashed{false};    ///< its folds are dashes already: they are cut as they stand
+  bool has_page{false};  ///< the drawing's place on its page matters (SVG)
+  bool dashed{false};    ///< its folds are dashes already: cut them as they are
 
   [[nodiscard]] std::span<const PagePoint> points_of(const DrawnLine& line) const {
     return std::span(points).subspan(line.first, line.count);
   }
-  /// Appends a line; fewer than two points are left out.
+  /// Appends a line. Ignores lines of fewer than two points.
   void append(Operation operation, std::span<const PagePoint> line);
 };
 
 inline constexpr std::size_t kMaxDrawnPoints = 20'000'000;  ///< of one drawing
-inline constexpr double kMaxCoordinate = 100'000.0;         ///< mm; nothing is longer than 100 m
+inline constexpr double kMaxCoordinate = 100'000.0;         ///< mm; coordinates go up to 100 m
 
+/// The bounding box of all lines, mm; empty if there are none.
 [[nodiscard]] Box bounds(const LineWork& work);
+/// FoldMountain and FoldValley.
 [[nodiscard]] bool is_fold(Operation operation);
-/// Cut and Outline: what goes through the paper along its whole length.
+/// Cut and Outline: lines that go through the paper along their whole length.
 [[nodiscard]] bool is_cut(Operation operation);
 
-/// The lines of a pattern on its page: x = v, y = u, a rotation as seen from the pop-up side
-/// (design reference, section 2). Mountain, Valley, Slit and Outline keep what they are.
+/// The lines of a pattern on its page: x = v, y = u. This is a rotation as seen from the pop-up
+/// side (design reference, section 2). Mountain, Valley, Slit and Outline keep their meaning.
 [[nodiscard]] LineWork linework_from_pattern(const Pattern& pattern);
 
-/// "draw", "score", "fold-mountain", "fold-valley", "cut", "outline": layers and reports.
+/// "draw", "score", "fold-mountain", "fold-valley", "cut", "outline": names of layers, also in
+/// reports.
 [[nodiscard]] const char* operation_name(Operation operation);
 
 }  // namespace popcut

@@ -25,7 +25,8 @@ double area_of(std::span<const PagePoint> loop) {
   return std::abs(twice) / 2;
 }
 
-// The middle of the longest piece: a point of the line that is least likely to lie on another one.
+// The middle of the longest segment: the point of the line that is least likely to lie on another
+// line.
 PagePoint probe(std::span<const PagePoint> line) {
   std::size_t longest = 1;
   double most = -1.0;
@@ -39,7 +40,7 @@ PagePoint probe(std::span<const PagePoint> line) {
   return {(line[longest - 1].x + line[longest].x) / 2, (line[longest - 1].y + line[longest].y) / 2};
 }
 
-// A closed line that is asked whether it holds points. Long ones keep their segments by rows.
+// A closed line that can tell whether it contains a point. Long lines keep their segments by rows.
 class Loop {
  public:
   Loop(std::span<const PagePoint> points, std::uint32_t line)
@@ -49,11 +50,11 @@ class Loop {
   [[nodiscard]] std::uint32_t line() const { return line_; }
   [[nodiscard]] const Box& box() const { return box_; }
   [[nodiscard]] double area() const { return area_; }
-  // Whether a box has room in its own; what sticks out is not inside.
+  // Whether box `b` fits in this loop's box; what sticks out is not inside.
   [[nodiscard]] bool has_room_for(const Box& b) const {
     return b.x0 >= box_.x0 && b.x1 <= box_.x1 && b.y0 >= box_.y0 && b.y1 <= box_.y1;
   }
-  // Of two loops the one that is greater is outside.
+  // Of two loops, the larger one is outside.
   [[nodiscard]] bool outside(const Loop& other) const {
     return area_ != other.area_ ? area_ > other.area_ : line_ > other.line_;
   }
@@ -154,7 +155,7 @@ std::uint64_t hash_of(std::uint64_t z) {
 
 class Finder {
  public:
-  // `inner`: whether the loops of strokes that meet themselves count, too.
+  // `inner`: whether loops of strokes that meet themselves count too.
   Finder(const LineWork& work, const std::vector<std::uint8_t>& counts, bool inner)
       : work_(work),
         counts_(counts),
@@ -182,7 +183,7 @@ class Finder {
     return loops_[q].outside(loops_[p]);
   }
 
-  // All loops outside of a line, the innermost first.
+  // All loops around a line, the innermost first.
   std::vector<std::uint32_t> holders(std::uint32_t line) {
     std::vector<std::uint32_t> all;
     visit_holders(line, [&](std::uint32_t l) {
@@ -197,7 +198,7 @@ class Finder {
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
   std::vector<Loop> find(bool inner) {
-    std::vector<std::uint32_t> line_of;  // of the loops within strokes
+    std::vector<std::uint32_t> line_of;  // per loop within a stroke
     for (std::uint32_t i = 0; inner && i < work_.lines.size(); ++i) {
       if (counts_[i] != 0) append_stroke_loops(work_.points_of(work_.lines[i]), within_);
       line_of.resize(within_.ends.size(), i);
@@ -211,7 +212,7 @@ class Finder {
     }
     return loops;
   }
-  // Of the loops of a line the largest one says what it lies inside of.
+  // The largest of a line's loops decides what the line lies inside of.
   void add(std::vector<Loop>& loops, std::span<const PagePoint> points, std::uint32_t line) {
     std::uint32_t& own = loop_of_[line];
     const auto number = static_cast<std::uint32_t>(loops.size());
@@ -262,7 +263,7 @@ Nesting nesting(const LineWork& work, const std::vector<std::uint8_t>& counts) {
     if (l != Around{}.innermost) {
       const std::uint32_t line = finder.line_of(l);
       out.holders.push_back(line);
-      // The loops around the innermost one are those around this line, unless lines cross.
+      // The loops around the innermost loop are also around this line, unless lines cross.
       if ((around[line].hash ^ hash_of(l)) != around[i].hash) {
         std::vector<std::uint32_t> known = finder.holders(line), others;
         known.insert(known.begin(), l);

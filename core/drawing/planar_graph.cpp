@@ -56,7 +56,7 @@ int strength(char assignment) {
   return place == std::string_view::npos ? 1 : static_cast<int>(place);
 }
 
-/// Finds where lines stop each other.
+/// Finds the places where lines stop each other.
 class Crossings {
  public:
   Crossings(const std::vector<Segment>& lines, double tolerance, Weld& weld)
@@ -113,7 +113,7 @@ class Crossings {
   std::vector<std::array<std::uint32_t, 2>> ends_;
 };
 
-/// Edges between the stops of each line, each pair of vertices once.
+/// Adds edges between the stops of each line, each pair of vertices once.
 void add_edges(std::vector<Stop>& stops, std::span<const CreaseLine> lines,
                std::span<const std::uint32_t> line_of, PlanarGraph& graph) {
   std::sort(stops.begin(), stops.end(), [](const Stop& a, const Stop& b) {
@@ -139,12 +139,12 @@ void add_edges(std::vector<Stop>& stops, std::span<const CreaseLine> lines,
   }
 }
 
-/// Half edges: 2 e goes from the first vertex of edge e to its second, 2 e + 1 back.
+/// Half edges: 2 e goes from the first to the second vertex of edge e, 2 e + 1 back.
 std::uint32_t tail(const PlanarGraph& graph, std::uint32_t half) {
   return graph.edges[half / 2].at(half % 2);
 }
 
-/// For each half edge the next one of the face to its left.
+/// For each half edge, the next one of the face to its left.
 std::vector<std::uint32_t> next_halves(const PlanarGraph& graph) {
   const auto halves = static_cast<std::uint32_t>(2 * graph.edges.size());
   std::vector<double> angle(halves);
@@ -161,7 +161,8 @@ std::vector<std::uint32_t> next_halves(const PlanarGraph& graph) {
   for (std::size_t begin = 0; begin < order.size();) {
     std::size_t end = begin;
     while (end < order.size() && tail(graph, order[end]) == tail(graph, order[begin])) ++end;
-    // Coming in against a half edge, the face to the left goes on with the one before it.
+    // When the walk arrives at a vertex, the face to the left continues with the previous half edge
+    // there.
     for (std::size_t i = begin; i < end; ++i)
       next[order[i] ^ 1U] = order[i == begin ? end - 1 : i - 1];
     begin = end;
@@ -217,7 +218,8 @@ Result<PlanarGraph> planar_graph(std::span<const CreaseLine> lines, double toler
     const Segment& s = lines[i].segment;
     for (const PagePoint& p : {s.a, s.b})
       if (!(std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate))
-        return fail(ErrorKind::OutOfRange, "", "a line lies more than 100 m from the origin");
+        return fail(ErrorKind::OutOfRange, "",
+                    "a line lies more than 100 m from the origin; move it closer");
     if (distance(s.a, s.b) <= tolerance) continue;
     segments.push_back(s);
     line_of.push_back(static_cast<std::uint32_t>(i));
@@ -227,7 +229,7 @@ Result<PlanarGraph> planar_graph(std::span<const CreaseLine> lines, double toler
   Weld weld(tolerance, 2 * segments.size());
   Crossings crossings(segments, tolerance, weld);
   if (!crossings.find())
-    return fail(ErrorKind::OutOfRange, "", "the lines cross too often; is it a crease pattern?");
+    return fail(ErrorKind::OutOfRange, "", "the lines cross too often; is this a crease pattern?");
   graph.vertices = weld.take();
   add_edges(crossings.stops, lines, line_of, graph);
   trace_faces(graph);
@@ -235,16 +237,16 @@ Result<PlanarGraph> planar_graph(std::span<const CreaseLine> lines, double toler
 }
 
 PlanarGraph split_cuts(const PlanarGraph& graph) {
-  // 1. A corner of a face is a half edge with that face to its left, by its tail. Two corners at a
-  // vertex are one fan when the edge between them is not cut.
+  // 1. A corner of a face is its half edge that leaves the vertex. Two corners at a vertex belong
+  // to one fan if the edge between them is not cut.
   std::vector<std::uint32_t> next = next_halves(graph);
   DisjointSets fans(next.size());
   for (std::uint32_t h = 0; h < next.size(); ++h) {
     const bool inside = graph.edge_faces[h / 2][0] >= 0 && graph.edge_faces[h / 2][1] >= 0;
-    // The corner of h at its tail, and that of the face on its other side: next of its twin.
+    // The corner of h at its tail, and the corner of the face on the other side: next of its twin.
     if (inside && !opens(graph.assignments[h / 2])) fans.join(h, next[h ^ 1U]);
   }
-  // 2. One vertex a fan that has a face.
+  // 2. One vertex per fan that has a face.
   PlanarGraph out;
   constexpr std::uint32_t kNone = ~std::uint32_t{0};
   std::vector<std::uint32_t> vertex(next.size(), kNone);
@@ -256,7 +258,7 @@ PlanarGraph split_cuts(const PlanarGraph& graph) {
     }
     return v;
   };
-  // 3. Edges: a cut one a side, others once. The end of h is the tail of the next half edge.
+  // 3. Edges: a cut gives one per side, others one. The end of h is the tail of the next half edge.
   out.faces.resize(graph.faces.size());
   for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
     const bool open = opens(graph.assignments[e]);

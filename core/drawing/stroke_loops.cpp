@@ -13,12 +13,12 @@
 namespace popcut {
 namespace {
 
-constexpr double kMeet = 0.002;           // mm; twice what a dropped straight vertex may be off
-constexpr std::size_t kFewSegments = 24;  // all pairs of them are looked at
+constexpr double kMeet = 0.002;           // mm; twice the tolerance of dropped vertices
+constexpr std::size_t kFewSegments = 24;  // up to this many, all pairs are compared
 constexpr std::size_t kPairsEach = 64;
 
-// A place on a stroke: the vertex `segment` where `part` is 0, else beyond it. Places of one number
-// are the same point.
+// A place on a stroke: the vertex `segment` if `part` is 0, else a point after it. Places with the
+// same number are the same point.
 struct Place {
   std::uint32_t segment{};
   double part{};
@@ -35,7 +35,7 @@ class Meetings {
     join_crossings();
   }
 
-  // All places along the stroke; of those that meet, all have the number of one.
+  // All places along the stroke. Places that meet have the same number.
   [[nodiscard]] std::vector<Place> along() {
     std::vector<Place> all = places_;
     for (Place& place : all) place.number = sets_.find(place.number);
@@ -57,7 +57,7 @@ class Meetings {
     std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
       return std::tie(stroke_[a].x, stroke_[a].y, a) < std::tie(stroke_[b].x, stroke_[b].y, b);
     });
-    std::uint32_t first = order.front();  // of those that are equal
+    std::uint32_t first = order.front();  // among equal places
     for (std::size_t i = 1; i < order.size(); ++i)
       if (stroke_[order[i]] == stroke_[first])
         unite(first, order[i]);
@@ -87,7 +87,7 @@ class Meetings {
     }
   }
 
-  // The number of a place; one within `kMeet` of a vertex is that vertex.
+  // The number of a place; a place within `kMeet` of a vertex is that vertex.
   std::uint32_t place_at(std::uint32_t segment, double part, double l) {
     if (part * l <= kMeet) return segment;
     if ((1.0 - part) * l <= kMeet) return segment + 1;
@@ -98,7 +98,7 @@ class Meetings {
     return number;
   }
 
-  // Joins the places at which two segments that do not follow each other meet, if they do.
+  // Joins the places where two segments that are not neighbours meet.
   void cross(std::uint32_t i, std::uint32_t k) {
     const PagePoint &a = stroke_[i], &b = stroke_[i + 1], &c = stroke_[k], &d = stroke_[k + 1];
     if (std::max(a.x, b.x) + kMeet < std::min(c.x, d.x) ||
@@ -108,7 +108,8 @@ class Meetings {
       return;
     const double ux = b.x - a.x, uy = b.y - a.y, wx = d.x - c.x, wy = d.y - c.y;
     const double lu = std::hypot(ux, uy), lw = std::hypot(wx, wy), turn = ux * wy - uy * wx;
-    if (!(std::abs(turn) > 1e-6 * lu * lw)) return;  // along each other: their vertices say it
+    if (!(std::abs(turn) > 1e-6 * lu * lw))
+      return;  // parallel: their vertices tell where they meet
     const double s = ((c.x - a.x) * wy - (c.y - a.y) * wx) / turn;
     const double t = ((c.x - a.x) * uy - (c.y - a.y) * ux) / turn;
     const double s_over = std::max({0.0, -s, s - 1.0}) * lu;
@@ -131,7 +132,8 @@ void append_stroke_loops(std::span<const PagePoint> stroke, StrokeLoops& out) {
   if (!meetings.any()) return;
   constexpr std::uint32_t kNowhere = 0xffffffffu;
   const std::vector<Place> all = meetings.along();
-  std::vector<std::uint32_t> height(all.size(), kNowhere);  // by number: where on the way it is
+  std::vector<std::uint32_t> height(all.size(),
+                                    kNowhere);  // per number: its index on the current path
   std::vector<const Place*> way;
   for (const Place& place : all) {
     const std::uint32_t at = height[place.number];

@@ -9,8 +9,8 @@
 
 namespace popcut {
 
-/// What a stroke is for. The order of the enumerators is the order of cutting: nothing may shift
-/// before it is cut, so the sheet's own outline comes last (design reference, section 8).
+/// What a stroke is for, in cutting order. The sheet's own outline comes last, because no part of
+/// the sheet may move before it is cut (design reference, section 8).
 enum class Operation : std::uint8_t { Draw, Score, FoldMountain, FoldValley, Cut, Outline };
 
 /// One path with the tool down: points `first .. first + count` of its `Toolpath`.
@@ -18,13 +18,13 @@ struct Stroke {
   Operation operation{};
   std::uint32_t first{};
   std::uint32_t count{};  ///< at least 2; a closed stroke repeats its first point at the end
-  std::uint32_t line{};   ///< the line of the drawing it came from
+  std::uint32_t line{};   ///< the line of the drawing that it came from
   std::uint8_t tool{1};   ///< tool holder, from 1
   double force_gf{};
   double speed_mm_s{};
 };
 
-/// Ordered strokes for one sheet. Flat: all points of all strokes in one array.
+/// Ordered strokes for one sheet, with all points in one array.
 struct Toolpath {
   std::vector<PagePoint> points;
   std::vector<Stroke> strokes;

@@ -11,8 +11,8 @@
 
 namespace popcut {
 
-/// Pairs that may come together among `shapes` before they count as hopelessly dense: sound
-/// drawings need some tens a shape.
+/// Limit of candidate pairs among `shapes`; drawings with more are too dense to check. Sound
+/// drawings need some tens per shape.
 [[nodiscard]] constexpr std::uint64_t pair_budget(std::size_t shapes) {
   return 1'000'000 + 500 * static_cast<std::uint64_t>(shapes);
 }
@@ -24,8 +24,8 @@ namespace popcut {
 /// answers for one segment after the other, in square cells, and takes no polygons.
 class CellGrid {
  public:
-  /// `corners(i)` gives the corners of shape `i` (two for a segment) as something that has
-  /// begin, end and size; `slack_mm` is added around each shape.
+  /// `corners(i)` returns the corners of shape `i` (two for a segment) as a range with begin, end
+  /// and size. `slack_mm` is added around each shape.
   template <typename Corners>
   CellGrid(std::size_t shapes, double slack_mm, Corners corners) : slack_(slack_mm) {
     if (shapes == 0) return;
@@ -44,7 +44,7 @@ class CellGrid {
       along_u += most.x() - least.x();
       along_v += most.y() - least.y();
     }
-    // Cells have the shapes' own proportions: thin strips side by side must not share one.
+    // Cells have the shapes' own proportions, so that thin parallel strips do not share a cell.
     const double n = static_cast<double>(shapes);
     const auto size = [&](double sum, double side) {
       return std::max({sum / n, side / std::sqrt(4.0 * n + 16.0) / 4.0, side / 30'000.0, 1e-12});
@@ -55,20 +55,20 @@ class CellGrid {
   }
 
   /// Calls `visit(i, j)`, i < j, for every two shapes that share a cell, perhaps more than once.
-  /// Gives up when more than `budget` pairs come together.
+  /// Gives up and returns false after more than `budget` pairs.
   template <typename Visit>
   [[nodiscard]] bool each_pair(std::uint64_t budget, Visit visit) const {
     return each_pair_of_groups(
         budget, [](std::uint32_t i) { return i; }, visit);
   }
 
-  /// The same for shapes of different groups: `group(i)` is one number for a run of shapes. Shapes
-  /// of one group may crowd a cell at no cost.
+  /// The same for shapes of different groups: `group(i)` is one number per run of shapes. Pairs
+  /// within a group do not count.
   template <typename Group, typename Visit>
   [[nodiscard]] bool each_pair_of_groups(std::uint64_t budget, Group group, Visit visit) const {
     for (std::size_t c = 0; c + 1 < first_.size(); ++c) {
       const auto inside = std::span(item_).subspan(first_[c], first_[c + 1] - first_[c]);
-      std::size_t past = 0;  // of the run that shape i belongs to
+      std::size_t past = 0;  // end of the run that shape i belongs to
       for (std::size_t i = 0; i < inside.size(); ++i) {
         past = std::max(past, i + 1);
         while (past < inside.size() && group(inside[past]) == group(inside[i])) ++past;
@@ -108,7 +108,7 @@ class CellGrid {
     return std::min(count - 1, static_cast<std::size_t>(std::max(0.0, (offset + slack_) / cell)));
   }
 
-  /// Cells that a convex shape reaches into, column by column.
+  /// Visits the cells that a convex shape reaches into, column by column.
   template <typename Shape, typename Visit>
   void each_cell(const Shape& shape, Visit visit) const {
     double from = high_.x();

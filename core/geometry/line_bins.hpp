@@ -10,11 +10,12 @@
 
 namespace popcut {
 
-inline constexpr double kLongSegment = 5.0;  ///< mm; from here on segments are found by their line
+/// From this length in mm on, segments are found by their line.
+inline constexpr double kLongSegment = 5.0;
 
-/// The line that a segment lies on: its direction from 0 to pi, its distance from the middle of the
-/// drawing (to the left of that direction), and where it begins and ends, from the foot of the
-/// middle on it.
+/// The line that a segment lies on: its direction (0 to pi), its distance from the middle of the
+/// drawing (to the left of that direction), and where the segment begins and ends, measured from
+/// the foot of the perpendicular from the middle. In mm and radians.
 struct LongLine {
   float radians{}, offset{}, from{}, to{};
 };
@@ -34,8 +35,9 @@ struct LongLine {
 /// and what crosses there is not asked for.
 class LineBins {
  public:
-  /// `middle` and `reach`: the middle of the drawing, and how far it goes from there; `usual_mm`:
-  /// the mean length of its long segments.
+  /// @param middle    the middle of the drawing
+  /// @param reach     how far the drawing goes from there, mm
+  /// @param usual_mm  the mean length of its long segments
   LineBins(const PagePoint& middle, double reach, double usual_mm, double tolerance);
 
   [[nodiscard]] LongLine line_of(const Segment& segment) const;
@@ -52,17 +54,18 @@ class LineBins {
     return key(angle_of(line), offset_of(line)) + static_cast<std::uint64_t>(along_of(line.from));
   }
 
-  /// Calls `visit(bin, seen)` for all bins that hold what may share a part with `line`; `seen` is
-  /// the line as it is seen from there, for `may_share`. What lies in several bins is met as often.
+  /// Calls `visit(bin, seen)` for all bins with segments that may share a part with `line`. `seen`
+  /// is the line as seen from that bin, for `may_share`. A segment in several bins is visited
+  /// several times.
   template <typename Visit>
   void each_near(const LongLine& line, Visit&& visit) const {
     const std::int64_t middle = angle_of(line);
-    // The last bin is narrower than the others: beside it two are looked at.
+    // The last bin is narrower than the others, so two bins beside it are searched.
     for (std::int64_t a = middle - 2; a <= middle + 2; ++a) {
       if (std::abs(a - middle) > 1 && a >= 0 && a < kAngles) continue;
       const std::int64_t angle = (a + kAngles) % kAngles;
       LongLine seen = line;
-      if (a != angle) {  // round the half turn the other way is ahead
+      if (a != angle) {  // beyond half a turn the direction reverses
         const double radians = static_cast<double>(line.radians) + (a < 0 ? kPi : -kPi);
         seen = {static_cast<float>(radians), -line.offset, -line.to, -line.from};
       }
@@ -74,12 +77,12 @@ class LineBins {
     }
   }
 
-  /// Whether two lines come within the tolerance of each other at both ends of what they have in
-  /// common; sometimes true where they only nearly do.
+  /// Whether two lines are within the tolerance of each other at both ends of their common part.
+  /// Sometimes true if they only nearly are.
   [[nodiscard]] bool may_share(const LongLine& seen, const LongLine& other) const {
     const float turn = other.radians - seen.radians;
     if (std::abs(turn) > kMostTurn) return false;
-    const float shift = other.offset * turn;  // the foot of the middle is not the same on both
+    const float shift = other.offset * turn;  // the two lines have different feet
     const float from = std::max(seen.from, other.from - shift);
     const float to = std::min(seen.to, other.to - shift);
     if (from > to + slack_) return false;
@@ -102,17 +105,17 @@ class LineBins {
   [[nodiscard]] std::int64_t along_of(float mm) const {
     return static_cast<std::int64_t>(std::floor(static_cast<double>(mm) / along_mm_));
   }
-  // Bins beside each other across and along are so in number too.
+  // Keys of neighbouring bins across and along are consecutive numbers.
   [[nodiscard]] static std::uint64_t key(std::int64_t angle, std::int64_t offset) {
     return mixed(static_cast<std::uint64_t>(angle)) + static_cast<std::uint64_t>(offset) * kAlongs;
   }
 
-  static constexpr std::uint64_t kAlongs = 128;  // more than there are along a line
+  static constexpr std::uint64_t kAlongs = 128;  // more than the bins along a line
 
   PagePoint middle_;
   double bin_mm_, along_mm_;
-  float near_, slack_;  ///< with what floats and small angles leave out
-  float drift_;         ///< along, between lines that share a part
+  float near_, slack_;  ///< with allowance for rounding and small angles
+  float drift_;         ///< shift along the line between segments that share a part
 };
 
 }  // namespace popcut

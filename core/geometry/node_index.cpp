@@ -16,7 +16,8 @@ std::int64_t NodeIndex::cell(double value) const {
   return static_cast<std::int64_t>(std::floor(value / cell_));
 }
 
-// Cells of a block of 8 x 8 lie beside each other: what is drawn nearby is near in memory too.
+// The cells of a block of 8 x 8 are adjacent in memory, so that points drawn nearby are near in
+// memory too.
 std::size_t NodeIndex::slot(std::int64_t cx, std::int64_t cy) const {
   std::uint64_t h = static_cast<std::uint64_t>(cx >> 3) * 0x9E3779B97F4A7C15ULL;
   h ^= static_cast<std::uint64_t>(cy >> 3) * 0xC2B2AE3D27D4EB4FULL;

@@ -17,10 +17,11 @@ class NodeIndex {
  public:
   static constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
-  /// `reach`: the largest distance at which two points may be one, mm.
+  /// @param reach  the largest distance at which two points may be the same, mm
   NodeIndex(double reach, std::size_t expected);
 
-  /// The nearest node within `within` (at most `reach`) of `p` for which `take(node)` holds.
+  /// The nearest node within `within` (at most `reach`) of `p` for which `take(node)` is true; or
+  /// kNone.
   template <typename Take>
   [[nodiscard]] std::uint32_t find(const PagePoint& p, double within, Take&& take) const;
   [[nodiscard]] std::uint32_t find(const PagePoint& p, double within) const {

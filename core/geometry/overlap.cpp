@@ -12,8 +12,8 @@ namespace popcut {
 namespace {
 
 constexpr int kDirections = 15;      // bins of 12 degrees over a half turn
-constexpr double kParallel = 0.001;  // slope between lines that share a part of both,
-constexpr double kAside = 0.004;     // and mm by which an end may have been moved aside
+constexpr double kParallel = 0.001;  // slope up to which lines may share a part,
+constexpr double kAside = 0.004;     // and mm by which snapping may have moved an end aside
 
 int direction_of(const Segment& s) {
   double angle = std::atan2(s.b.y - s.a.y, s.b.x - s.a.x);
@@ -39,7 +39,7 @@ bool overlap(const Segment& s, double l, const Segment& other, double tolerance,
   to = std::min(t1, l);
   if (to - from < std::min(tolerance, 0.5 * l)) return false;
   const double slope = (h1 - h0) / (t1 - t0);
-  // Lines that cross at a small angle share no more than a point of their length.
+  // Lines that cross at a small angle share only a point.
   const bool whole = (from <= 0.0 && to >= l) || (from <= t0 && to >= t1);
   const double other_l = distance(other.a, other.b);
   if (!whole && std::abs(slope) > kParallel + kAside / std::min(l, other_l)) return false;

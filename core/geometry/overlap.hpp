@@ -22,21 +22,21 @@ namespace popcut {
 /// lines that cross never do.
 class OverlapIndex {
  public:
-  /// `cell` is the size of a grid cell in mm: see `cell_for`.
+  /// @param cell  size of a grid cell in mm; see `cell_for`
   OverlapIndex(double cell, double tolerance, std::size_t expected);
 
-  /// A cell size at which `segments` take O(n) cells in all.
+  /// A cell size with which `segments` take O(n) cells in total.
   [[nodiscard]] static double cell_for(std::span<const Segment> segments);
 
   void insert(const Segment& segment, std::uint32_t id);
 
   struct Covered {
-    double from{}, to{};  ///< mm along the asking segment
+    double from{}, to{};  ///< mm along the queried segment
     std::uint32_t by{};   ///< id of the segment that covers it
   };
-  /// All parts of `segment` on inserted segments, sorted by `from`; id `not_this` is passed over.
+  /// All parts of `segment` that lie on inserted segments, sorted by `from`; ignores id `not_this`.
   void covered(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out);
-  /// The same, appended and not sorted.
+  /// The same, appended to `out` and not sorted.
   void find(const Segment& segment, std::uint32_t not_this, std::vector<Covered>& out);
 
  private:
@@ -46,10 +46,10 @@ class OverlapIndex {
   double tolerance_;
   std::vector<std::int32_t> head_;
   std::vector<std::pair<std::uint32_t, std::int32_t>>
-      entries_;  ///< index into segments_, next entry
+      entries_;  ///< index into segments_, and the next entry
   std::vector<Segment> segments_;
   std::vector<std::uint32_t> ids_;
-  std::vector<std::uint32_t> seen_;  ///< query number that looked at the segment last
+  std::vector<std::uint32_t> seen_;  ///< last query that looked at each segment
   std::uint32_t query_{};
 };
 

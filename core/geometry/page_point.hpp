@@ -14,7 +14,7 @@ struct PagePoint {
   friend constexpr auto operator<=>(const PagePoint&, const PagePoint&) = default;
 };
 
-/// An axis-parallel box in page mm; `empty()` until something was added.
+/// An axis-parallel box in page mm; `empty()` until a point was added.
 struct Box {
   double x0{1e300}, y0{1e300}, x1{-1e300}, y1{-1e300};
   [[nodiscard]] bool empty() const { return x0 > x1; }
@@ -26,11 +26,11 @@ struct Box {
 /// Distance of two points, mm.
 [[nodiscard]] inline double distance(const PagePoint& a, const PagePoint& b) {
   const double dx = b.x - a.x, dy = b.y - a.y;
-  return std::sqrt(dx * dx + dy * dy);  // coordinates are bounded: nothing overflows
+  return std::sqrt(dx * dx + dy * dy);  // coordinates are bounded, so this cannot overflow
 }
 /// Length of an open polyline, mm.
 [[nodiscard]] double length(std::span<const PagePoint> line);
-/// Whether its last point repeats its first.
+/// Whether its last point equals its first.
 [[nodiscard]] bool closed(std::span<const PagePoint> line);
 
 }  // namespace popcut

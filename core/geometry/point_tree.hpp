@@ -24,9 +24,9 @@ class PointTree {
 
   PointTree(std::span<const PagePoint> points, std::span<const std::uint32_t> tags);
 
-  /// The nearest tags to point `i`, as many as `out` has room for (at most `kMostNear`), each once
-  /// with its nearest point, for which `take(tag)` holds; nearest first.
-  /// @return how many there are
+  /// Finds the nearest tags to point `i` for which `take(tag)` is true, nearest first, as many as
+  /// fit in `out` (at most `kMostNear`). Each tag occurs once, with its nearest point.
+  /// @return number of tags found
   template <typename Take>
   std::size_t nearest(std::uint32_t i, std::span<Near> out, Take&& take) const {
     Search search{sorted_[place_[i]], place_[i], out, 0};
@@ -41,7 +41,7 @@ class PointTree {
     std::uint32_t tag;
     std::uint32_t number;
   };
-  struct Split {  // what halves a range of entries, numbered as a heap: the root is 1
+  struct Split {  // halves a range of entries; numbered like a heap, with the root 1
     double at{};
     bool by_y{};
   };
@@ -67,7 +67,7 @@ class PointTree {
 
   void halve(std::size_t node, std::uint32_t low, std::uint32_t high);
 
-  // The range [low, high) is a leaf, or two halves of which the one with the point comes first.
+  // The range [low, high) is a leaf, or two halves; the half that contains the point comes first.
   template <typename Take>
   void descend(std::size_t node, std::uint32_t low, std::uint32_t high, Search& search,
                Take& take) const {
@@ -84,7 +84,8 @@ class PointTree {
     const std::uint32_t middle = low + (high - low) / 2;
     const Split& split = splits_[node];
     const double over = (split.by_y ? search.from.y : search.from.x) - split.at;
-    // Points on the splitting coordinate may lie on either side: one's own place says which.
+    // Points on the splitting coordinate may be on either side; the query point's own index
+    // decides.
     const bool own = search.place >= low && search.place < high;
     const bool left = own ? search.place < middle : over < 0.0;
     const std::size_t near = 2 * node + (left ? 0 : 1), far = near ^ 1u;

@@ -18,8 +18,8 @@ SegmentGrid::SegmentGrid(std::span<const Segment> segments, double reach, bool f
     total += distance(s.a, s.b);
   }
   if (segments.empty()) box = {0.0, 0.0, 0.0, 0.0};
-  // As many cells as segments, but none so small that the lines take more than 8 cells on average;
-  // in a fine grid a million, and 16 million entries.
+  // As many cells as segments, but large enough that a line takes at most 8 cells on average. A
+  // fine grid has up to a million cells and 16 million entries.
   const double n = static_cast<double>(segments.size()) + 1.0;
   const double cells = fine ? std::max(n, 1e6) : n, entries = fine ? std::max(8 * n, 16e6) : 8 * n;
   cell_ = std::max({std::sqrt(box.width() * box.height() / cells), total / entries, 2.0 * reach,

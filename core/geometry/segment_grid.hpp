@@ -17,14 +17,14 @@ namespace popcut {
 /// (tests/bench/spatial_bench).
 class SegmentGrid {
  public:
-  /// `reach`: how near is near, in mm. `fine`: cells of twice the reach also where segments are
-  /// long, up to 16 million entries.
+  /// @param reach  how far is near, mm
+  /// @param fine   cells of twice the reach even if segments are long, up to 16 million entries
   SegmentGrid(std::span<const Segment> segments, double reach, bool fine = false);
 
-  /// Indices of all segments whose cells lie within reach of `segment`, each once.
+  /// The indices of all segments in cells within reach of `segment`, each once.
   void near(const Segment& segment, std::vector<std::uint32_t>& out);
 
-  /// Calls `cell(centre, items)` for each cell within reach of `segment` that holds any.
+  /// Calls `cell(centre, items)` for each non-empty cell within reach of `segment`.
   template <typename Cell>
   void each_cell(const Segment& segment, Cell&& cell) const {
     visit(segment, reach_, [&](std::size_t c) {

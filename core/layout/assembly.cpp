@@ -36,7 +36,7 @@ class Drawing {
     const Box box = bounds(drawing_);
     const double size = std::max(box.width(), box.height());
     text_ = std::clamp(std::min(size / 45, std::min(box.width(), box.height()) / 20), 3.5, 60.0);
-    // The steps stand beside the drawing, or under a wide one.
+    // The steps stand beside the drawing; below it if it is wide.
     const bool under = box.width() > 1.6 * box.height();
     const double list = (static_cast<double>(layout_.steps.size() + 3) * 1.5 + 1) * text_;
     const double width = box.width() + (under ? 2 : 30) * text_;
@@ -48,7 +48,7 @@ class Drawing {
         fmt::format("width=\"{2:.3f}mm\" height=\"{3:.3f}mm\" "
                     "viewBox=\"{0:.3f} {1:.3f} {2:.3f} {3:.3f}\" font-family=\"sans-serif\"",
                     box.x0 - text_, box.y0 - text_, width, height),
-        drawing_.name + ": how the pieces come together");
+        drawing_.name + ": how to glue the pieces together");
     out_ += fmt::format(
         "<rect x=\"{:.3f}\" y=\"{:.3f}\" width=\"{:.3f}\" height=\"{:.3f}\" "
         "fill=\"white\"/>\n",
@@ -64,8 +64,7 @@ class Drawing {
   }
 
  private:
-  // Each piece's share of the paper in its own tint. What closes in the drawing says where paper
-  // is.
+  // Fills each piece's part of the paper with its own tint. Closed lines tell where the paper is.
   void pieces() {
     std::string paper;
     for (const DrawnLine& line : drawing_.lines) {
@@ -93,7 +92,7 @@ class Drawing {
     }
   }
 
-  // The middle of a piece's share, which its number is written on.
+  // The bounding box of a piece's part; its number stands in the middle.
   [[nodiscard]] Box share(std::uint32_t i) const {
     Box box;
     for (const PagePoint& p : layout_.pieces[i].share) box.add(p);
@@ -135,7 +134,7 @@ class Drawing {
     out_ +=
         fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"#2ca02c\" stroke-width=\"{:.3f}\"/>\n",
                     path, size / 700);
-    // Each seam's letter where its longest run has its middle.
+    // Each seam's letter stands at the middle of its longest run.
     std::vector<const SeamRun*> longest(layout_.seams.size(), nullptr);
     for (const SeamRun& run : layout_.runs) {
       if (run.uncut.empty() && run.covered.empty()) continue;
@@ -181,7 +180,7 @@ class Drawing {
     }
     y += 1.5 * text_;
     text(x, y, 0.9 * text_, "start",
-         fmt::format("{:.0f} mm, {} tabs (green): under the other piece", layout_.glue_mm,
+         fmt::format("{:.0f} mm to glue; {} tabs (green) go under the other piece", layout_.glue_mm,
                      layout_.tabs.size()));
   }
 

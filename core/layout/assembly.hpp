@@ -7,8 +7,9 @@
 
 namespace popcut {
 
-/// How the pieces come together, to look at: the whole drawing with each piece in its own tint, its
-/// number and sheet, seams with their letters, tabs, and the steps of glueing beside it. In mm.
+/// Draws how to glue the pieces together, in mm: the whole drawing with each piece in its own tint,
+/// with its number and sheet, the seams with their letters, the tabs, and a list of the glueing
+/// steps.
 [[nodiscard]] std::string assembly_svg(const Layout& layout, const LineWork& drawing);
 
 }  // namespace popcut

@@ -10,7 +10,7 @@
 namespace popcut {
 namespace {
 
-// What of an outline along v remains beside the part's seams.
+// The parts of an outline along v that lie on none of the part's seams.
 std::vector<std::array<double, 2>> free_of_seams(const Pattern& part, const SheetLine& line) {
   std::vector<std::array<double, 2>> free{{std::min(line.u0, line.u1), std::max(line.u0, line.u1)}};
   if (line.role != EdgeRole::Outline || std::abs(line.v0 - line.v1) > kOn) return free;
@@ -32,7 +32,7 @@ std::vector<std::array<double, 2>> free_of_seams(const Pattern& part, const Shee
 JoinedParts join_parts(const std::vector<const Pattern*>& parts) {
   JoinedParts out;
   for (const Pattern* part : parts) {
-    Pattern placed;  // only its lines are asked for
+    Pattern placed;  // only its lines are used
     placed.lines.reserve(part->lines.size());
     const double u = part->place.u_mm, v = part->place.v_mm;
     for (SheetLine line : part->lines) {

@@ -20,16 +20,17 @@ namespace popcut {
 namespace {
 
 constexpr double kMargin = 10.0;  // mm around the pieces on a sheet, where there is room
-constexpr int kMostRounds = 60;   // of searching again after tabs found no room
+constexpr int kMostRounds = 60;   // of searching again after a tab found no room
 constexpr std::size_t kMostPieces = 10'000;
-constexpr std::size_t kLarge = 20'000;  // segments; with more only the cheapest way is laid
+// Number of segments above which only the cheapest layout is finished.
+constexpr std::size_t kLarge = 20'000;
 
 LineWork swapped(LineWork work) {
   for (PagePoint& p : work.points) std::swap(p.x, p.y);
   return work;
 }
 
-// Tabs that were placed, by cells, so that new ones can keep clear of them.
+// The placed tabs in a grid of cells, so that new tabs can keep clear of them.
 class PlacedTabs {
  public:
   PlacedTabs(const TabShape& shape, const std::vector<Tab>& tabs)
@@ -68,10 +69,10 @@ class PlacedTabs {
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
 };
 
-// The seam that has to go because `stretch` of `run` finds no room for a tab.
+// The seam to ban because `stretch` of `run` has no room for a tab.
 BannedSeam ban_for(const SeamRun& run, const SeamStretch& stretch, const Box& box,
                    const TabShape& shape) {
-  // Where another seam ends on this one it is that one that leaves too little.
+  // Where another seam ends on this one, it is that other seam which leaves too little room.
   const double low = run.vertical ? box.y0 : box.x0, high = run.vertical ? box.y1 : box.x1;
   const bool first = stretch.from <= run.from + kOn && run.from > low + kOn;
   const bool last = stretch.to >= run.to - kOn && run.to < high - kOn;
@@ -81,8 +82,9 @@ BannedSeam ban_for(const SeamRun& run, const SeamStretch& stretch, const Box& bo
   return {run.vertical, run.at, stretch.from, stretch.to, run.vertical ? kOn : 0.3};
 }
 
-// Tabs on one side of a stretch that keep clear of those placed: over its whole length, or drawn
-// back from its ends, where another seam's tabs may lie. Their least depth, 0 for none.
+// Places tabs on one side of a stretch, clear of those already placed: over its whole length, or
+// with space at its ends, where another seam's tabs may lie. Returns the least depth of these tabs,
+// 0 if one has no room.
 double fit_beside(TabFitter& fitter, const PlacedTabs& placed, const SeamRun& run,
                   const SeamStretch& stretch, int side, const TabShape& shape,
                   std::vector<Tab>& out) {
@@ -99,8 +101,8 @@ double fit_beside(TabFitter& fitter, const PlacedTabs& placed, const SeamRun& ru
   return 0.0;
 }
 
-// Gives every stretch of every run its tabs, the short ones first since they have least choice.
-// Returns the seams that have to go where some find no room.
+// Places tabs on every stretch of every run, the short ones first because they have the least
+// choice. Returns the seams to ban because a stretch has no room.
 std::vector<BannedSeam> place_tabs(std::vector<SeamRun>& runs, LineIndex& lines,
                                    const TabShape& shape, std::vector<Tab>& tabs) {
   struct Task {
@@ -144,8 +146,8 @@ std::vector<BannedSeam> place_tabs(std::vector<SeamRun>& runs, LineIndex& lines,
   return banned;
 }
 
-// One way to lay the drawing: which seams are straight from edge to edge, and how pieces lie.
-struct Way {
+// One way to lay out the drawing: the direction of the straight seams, and how pieces lie.
+struct Arrangement {
   bool swap{};
   SeamSearch search;
   Result<FoundSeams> found{tl::unexpect, Error{}};
@@ -162,7 +164,7 @@ struct Laid {
   std::vector<Tab> tabs;
 };
 
-// Tries all ways, cheapest first, until one has room for all of its tabs.
+// Tries all arrangements, cheapest first, until one has room for all of its tabs.
 class Search {
  public:
   Search(const LineWork& drawing, const LayoutOptions& options)
@@ -170,26 +172,29 @@ class Search {
         reach_(options.tabs.depth_mm + options.tabs.clearance_mm + 8.0),
         lines_{LineIndex(drawing, reach_), LineIndex(swapped(drawing), reach_)} {}
 
-  /// Lawful layouts: one for each way of laying a small drawing, the cheapest two of a large one.
+  /// Valid layouts: one for each way of laying out a small drawing, only the cheapest for a
+  /// large one.
   Result<std::vector<Laid>> run() {
-    std::vector<Way> ways = all_ways();
+    std::vector<Arrangement> arrangements = all_arrangements();
     std::optional<Error> asked;
-    for (Way& way : ways) {
-      way.found = way.search.find();
-      if (!way.found && way.found.error().place.starts_with("/options/")) asked = way.found.error();
+    for (Arrangement& arrangement : arrangements) {
+      arrangement.found = arrangement.search.find();
+      if (!arrangement.found && arrangement.found.error().place.starts_with("/options/"))
+        asked = arrangement.found.error();
     }
-    std::stable_sort(ways.begin(), ways.end(),
-                     [](const Way& a, const Way& b) { return a.cost() < b.cost(); });
-    const std::size_t wanted = lines_[0].segments().size() > kLarge ? 1 : ways.size();
+    std::stable_sort(
+        arrangements.begin(), arrangements.end(),
+        [](const Arrangement& a, const Arrangement& b) { return a.cost() < b.cost(); });
+    const std::size_t wanted = lines_[0].segments().size() > kLarge ? 1 : arrangements.size();
     std::vector<Laid> all;
-    for (std::size_t i = 0; i < ways.size() && all.size() < wanted; ++i) {
-      Way& way = ways[i];
-      if (!way.found) continue;
-      if (way.found->partition.pieces() > kMostPieces)
+    for (std::size_t i = 0; i < arrangements.size() && all.size() < wanted; ++i) {
+      Arrangement& arrangement = arrangements[i];
+      if (!arrangement.found) continue;
+      if (arrangement.found->partition.pieces() > kMostPieces)
         return fail(ErrorKind::Infeasible, "",
-                    fmt::format("would take {} pieces; at most {}, on a larger mat",
-                                way.found->partition.pieces(), kMostPieces));
-      if (auto laid = settle(way)) all.push_back(std::move(*laid));
+                    fmt::format("the drawing would need {} pieces, more than {}; use a larger mat",
+                                arrangement.found->partition.pieces(), kMostPieces));
+      if (auto laid = settle(arrangement)) all.push_back(std::move(*laid));
     }
     if (!all.empty()) return all;
     if (asked) return tl::unexpected(*asked);
@@ -200,37 +205,37 @@ class Search {
         !with_asked                ? ""
         : options_.seams_y.empty() ? "/options/seam-x"
                                    : "/options/seam-y",
-        fmt::format("no seams{} part it into pieces of at most {:.1f} x {:.1f} mm with room "
-                    "for a tab of {:g} mm (at least {:g}) on every stretch; {}a larger mat, "
-                    "or a material with smaller tabs",
-                    with_asked ? " beside those asked for" : "",
-                    options_.area_mm[0] - options_.origin.x,
-                    options_.area_mm[1] - options_.origin.y, tabs.depth_mm, tabs.min_depth_mm,
-                    with_asked ? "other places for them, " : ""));
+        fmt::format(
+            "no seams{} split the drawing into pieces of at most {:.1f} x {:.1f} mm with room "
+            "for a tab of {:g} mm (at least {:g}) on every stretch; use {}a larger mat, "
+            "or a material with smaller tabs",
+            with_asked ? " besides the requested ones" : "",
+            options_.area_mm[0] - options_.origin.x, options_.area_mm[1] - options_.origin.y,
+            tabs.depth_mm, tabs.min_depth_mm, with_asked ? "other seams, " : ""));
   }
 
   LineIndex& index(bool swap) { return lines_[swap ? 1 : 0]; }
 
  private:
-  LineIndex& index(const Way& way) { return index(way.swap); }
+  LineIndex& index(const Arrangement& arrangement) { return index(arrangement.swap); }
 
-  // Looks again until every stretch has its tabs.
-  std::optional<Laid> settle(Way& way) {
-    for (int round = 0; round < kMostRounds && way.found; ++round) {
-      Laid laid{way.swap, way.cost(), way.found->partition, {}, {}};
-      laid.runs = seam_runs(laid.partition, index(way), options_.min_panel_mm);
-      const auto banned = place_tabs(laid.runs, index(way), options_.tabs, laid.tabs);
+  // Searches again until every stretch has its tabs.
+  std::optional<Laid> settle(Arrangement& arrangement) {
+    for (int round = 0; round < kMostRounds && arrangement.found; ++round) {
+      Laid laid{arrangement.swap, arrangement.cost(), arrangement.found->partition, {}, {}};
+      laid.runs = seam_runs(laid.partition, index(arrangement), options_.min_panel_mm);
+      const auto banned = place_tabs(laid.runs, index(arrangement), options_.tabs, laid.tabs);
       if (banned.empty()) return laid;
-      way.search.ban(banned);
-      way.found = way.search.find();
+      arrangement.search.ban(banned);
+      arrangement.found = arrangement.search.find();
     }
     return std::nullopt;
   }
 
-  std::vector<Way> all_ways() {
+  std::vector<Arrangement> all_arrangements() {
     const double width = options_.area_mm[0] - options_.origin.x;
     const double height = options_.area_mm[1] - options_.origin.y;
-    std::vector<Way> ways;
+    std::vector<Arrangement> arrangements;
     const bool small = lines_[0].segments().size() <= kLarge;
     for (const int kind : {0, 1, 2, 3, 4, 5, 6, 7}) {
       const bool swap = (kind & 1) != 0, turn = (kind & 2) != 0, full = (kind & 4) != 0;
@@ -245,9 +250,9 @@ class Search {
                                 {},
                                 swap,
                                 full};
-      ways.push_back({swap, SeamSearch(index(swap), limits)});
+      arrangements.push_back({swap, SeamSearch(index(swap), limits)});
     }
-    return ways;
+    return arrangements;
   }
 
   const LayoutOptions& options_;
@@ -262,8 +267,7 @@ void unswap(Laid& laid, std::vector<LineWork>& works) {
     for (PagePoint& p : tab.corners) std::swap(p.x, p.y);
 }
 
-// The pieces with their lines; those that hold nothing, parts of the box beyond the paper, are left
-// out.
+// Makes the pieces with their lines. Drops pieces without any, which lie beyond the paper.
 std::vector<SheetPiece> make_pieces(std::vector<LineWork>& works, Laid& laid) {
   std::vector<SheetPiece> pieces;
   std::vector<std::uint32_t> to;
@@ -308,7 +312,7 @@ void name_seams(Layout& layout) {
   for (const PieceSeam& seam : layout.seams) layout.glue_mm += seam.glue_mm;
 }
 
-// Within columns one seam after the other, then column to column all seams at once.
+// Glues the pieces of each column one after the other, then the columns to each other.
 void order_glueing(Layout& layout) {
   std::map<std::uint32_t, std::vector<std::uint32_t>> between;
   for (std::uint32_t s = 0; s < layout.seams.size(); ++s) {
@@ -331,19 +335,20 @@ Result<void> put_on_sheets(Layout& layout, const LayoutOptions& options) {
     const double w = box.width(), h = box.height();
     const auto fits = [&](double x, double y) { return x <= area[0] + kOn && y <= area[1] + kOn; };
     if (!fits(w, h) && !fits(h, w))
-      return fail(ErrorKind::Infeasible, "",
-                  fmt::format("piece {} with its tabs is {:.1f} x {:.1f} mm, the area holds {:.1f} "
-                              "x {:.1f} mm; a larger mat, or shallower tabs",
-                              i + 1, w, h, area[0], area[1]));
+      return fail(
+          ErrorKind::Infeasible, "",
+          fmt::format("piece {} with its tabs is {:.1f} x {:.1f} mm, but the area holds {:.1f} "
+                      "x {:.1f} mm; use a larger mat or shallower tabs",
+                      i + 1, w, h, area[0], area[1]));
     sizes.push_back({w, h});
   }
   std::vector<PackedBox> packed = pack(sizes, area, options.spacing_mm);
-  // Sheets are numbered as their first pieces are.
+  // Sheets are numbered in the order of their first pieces.
   std::map<std::uint32_t, std::uint32_t> number;
   for (PackedBox& box : packed)
     box.sheet =
         number.try_emplace(box.sheet, static_cast<std::uint32_t>(number.size())).first->second;
-  // What is left of a sheet becomes margin, up to kMargin on each side.
+  // Free space on a sheet becomes margin, up to kMargin on each side.
   std::vector<std::array<double, 2>> margins;
   for (std::size_t i = 0; i < packed.size(); ++i) {
     const PackedBox& at = packed[i];
@@ -373,28 +378,29 @@ Result<void> put_on_sheets(Layout& layout, const LayoutOptions& options) {
 Result<void> check(const LayoutOptions& options) {
   for (const double side : options.area_mm)
     if (!(side >= 1.0 && side <= kMaxCoordinate))
-      return fail(ErrorKind::OutOfRange, "", fmt::format("an area {:g} mm wide is none", side));
+      return fail(ErrorKind::OutOfRange, "",
+                  fmt::format("an area cannot be {:g} mm wide; use 1 mm to 100 m", side));
   if (options.area_mm[0] - options.origin.x < 1.0 || options.area_mm[1] - options.origin.y < 1.0)
     return fail(
         ErrorKind::Infeasible, "/options/at",
-        fmt::format("{:g},{:g} leaves nothing of the {:.1f} x {:.1f} mm that can be cut",
+        fmt::format("{:g},{:g} leaves nothing of the {:.1f} x {:.1f} mm area; use a smaller offset",
                     options.origin.x, options.origin.y, options.area_mm[0], options.area_mm[1]));
   return check_tab_shape(options.tabs, "/tabs");
 }
 
-// Seams that were asked for lie on the drawing.
+// Checks that the requested seams lie on the drawing.
 Result<void> check_asked(const std::vector<double>& seams, double extent, const char* option,
                          const char* axis) {
   for (const double mm : seams)
     if (!(mm > kOn && mm < extent - kOn))
-      return fail(ErrorKind::OutOfRange, option,
-                  fmt::format("{0} = {1:g} mm is not on the drawing, which goes from 0 to {2:.1f} "
-                              "mm; a place between",
-                              axis, mm, extent));
+      return fail(
+          ErrorKind::OutOfRange, option,
+          fmt::format("{0} = {1:g} mm is outside the drawing; use a value between 0 and {2:.1f} mm",
+                      axis, mm, extent));
   return {};
 }
 
-// The pieces of one way with borders, marks and places.
+// Finishes the pieces of one layout: borders, marks, places on sheets.
 Result<Layout> finish(const LineWork& drawing, const LayoutOptions& options, Search& search,
                       Laid& laid) {
   std::vector<LineWork> works = split_lines(laid.swap ? swapped(drawing) : drawing, laid.partition);
@@ -418,19 +424,19 @@ Result<Layout> finish(const LineWork& drawing, const LayoutOptions& options, Sea
 }  // namespace
 
 Result<Layout> lay_out(const LineWork& drawing, const LayoutOptions& options) {
-  if (auto lawful = check(options); !lawful) return tl::unexpected(lawful.error());
+  if (auto valid = check(options); !valid) return tl::unexpected(valid.error());
   const Box box = bounds(drawing);
   auto asked = check_asked(options.seams_x, box.width(), "/options/seam-x", "x").and_then([&] {
     return check_asked(options.seams_y, box.height(), "/options/seam-y", "y");
   });
   if (!asked) return tl::unexpected(asked.error());
   Search search(drawing, options);
-  auto ways = search.run();
-  if (!ways) return tl::unexpected(ways.error());
+  auto layouts = search.run();
+  if (!layouts) return tl::unexpected(layouts.error());
   std::optional<Layout> best;
   Error error;
   double cost = 0.0;
-  for (Laid& laid : *ways) {
+  for (Laid& laid : *layouts) {
     auto layout = finish(drawing, options, search, laid);
     if (!layout) {
       error = layout.error();

@@ -8,7 +8,7 @@
 namespace popcut {
 namespace {
 
-// A seam looks for slivers beside it: a millimetre is more than any narrowest panel.
+// How far beside a seam to look for slivers, mm: wider than any min_panel_mm.
 constexpr double kBeside = 1.0;
 
 std::vector<Segment> segments_of(const LineWork& work, std::vector<Operation>& operations) {
@@ -26,7 +26,7 @@ std::vector<Segment> segments_of(const LineWork& work, std::vector<Operation>& o
   return segments;
 }
 
-// Segments of lines that close: they say where the paper ends.
+// Segments of closed lines: these bound the paper.
 std::vector<std::uint32_t> borders_of(const LineWork& work) {
   std::vector<std::uint32_t> borders;
   std::uint32_t next = 0;
@@ -99,7 +99,7 @@ void LineIndex::sort_slices(bool by_x, Slices& slices) const {
   }
 }
 
-// All segments of the line's slice that may lie over `from`..`to`.
+// Visits all segments in the slice of the line that may lie over `from`..`to`.
 template <typename Visit>
 void LineIndex::visit(const AxisLine& line, double from, double to, Visit&& visit) const {
   const Slices& slices = slices_[line.vertical ? 0 : 1];
@@ -145,7 +145,7 @@ void LineIndex::scan(const AxisLine& line, double from, double to, double min_pa
     const double t0 = std::min(t_of(s.a), t_of(s.b)), t1 = std::max(t_of(s.a), t_of(s.b));
     if (t1 < from - kOn || t0 > to + kOn) return;
     const double overlap = std::min(t1, to) - std::max(t0, from);
-    if (n1 - n0 <= kOn) {  // beside the seam or on it
+    if (n1 - n0 <= kOn) {  // parallel to the seam
       if (n0 > min_panel_mm || n1 < -min_panel_mm || overlap <= kOn) return;
       if (std::abs(n0) > kOn)
         out.sliver_mm += overlap;
@@ -187,12 +187,12 @@ double LineIndex::free_depth(const AxisLine& line, double from, double to, int s
     if (tb <= from + kOn || ta >= to - kOn) {
       if (tb < from - kOn || ta > to + kOn || tb - ta > kOn) continue;
     }
-    // The part of it over the root.
+    // The part of the segment that lies over the root.
     const double k0 = tb > ta ? std::clamp((from - ta) / (tb - ta), 0.0, 1.0) : 0.0;
     const double k1 = tb > ta ? std::clamp((to - ta) / (tb - ta), 0.0, 1.0) : 1.0;
     const double m0 = na + k0 * (nb - na), m1 = na + k1 * (nb - na);
     const double n1 = std::max(m0, m1);
-    if (n1 <= kOn) continue;  // on the other side, or on the seam itself
+    if (n1 <= kOn) continue;  // on the other side of the seam, or on it
     depth = std::min(depth, std::max(0.0, std::min(m0, m1)));
   }
   return depth;

@@ -16,35 +16,35 @@ namespace popcut {
 /// What lies closer to a line than this lies on it, mm.
 inline constexpr double kOn = 1e-6;
 
-/// Everything that a straight seam meets on its way.
+/// Everything that a straight seam meets along its way.
 struct SeamScan {
   std::vector<SeamStretch> covered;  ///< where a cut or an outline runs along it, merged and sorted
   std::vector<double> breaks;        ///< where lines end on it or cross it, sorted
-  double fold_mm{};                  ///< folds that run along it: unlawful
-  double sliver_mm{};                ///< lines beside it, nearer than the narrowest panel: unlawful
+  double fold_mm{};                  ///< length of folds along it; a valid seam has none
+  double sliver_mm{};  ///< length of lines closer than the narrowest panel; a valid seam has none
   std::uint32_t folds_crossed{}, cuts_crossed{};
 };
 
-/// The lines of a drawing, ready for questions that seams ask. Lines drawn with a pen do not count.
+/// An index of a drawing's lines for the search of seams and tabs. Ignores lines drawn with a pen.
 class LineIndex {
  public:
-  /// `reach_mm`: how far tabs look around themselves.
+  /// @param reach_mm  how far around themselves tabs look for lines
   LineIndex(const LineWork& work, double reach_mm);
 
-  /// What the line meets between `from` and `to`.
+  /// Finds what the line meets between `from` and `to`.
   void scan(const AxisLine& line, double from, double to, double min_panel_mm, SeamScan& out) const;
 
-  /// How far one can go from the line to `side` over `from`..`to` until the first line, at most
-  /// `most` mm.
+  /// The distance from the line to the first other line on `side` over `from`..`to`, at most `most`
+  /// mm.
   [[nodiscard]] double free_depth(const AxisLine& line, double from, double to, int side,
                                   double most);
 
-  /// Whether the sheet is there: inside an odd number of closed lines, or, where the drawing has
-  /// none, inside its box.
+  /// Whether `p` is on the paper: inside an odd number of closed lines, or inside the drawing's box
+  /// if it has no closed lines.
   [[nodiscard]] bool is_paper(const PagePoint& p) const;
 
-  /// The segments that reach into the strip between two lines along y (`by_x`) or x, touching it
-  /// included, each once. O(k) for what lies in and near the strip.
+  /// The segments that reach into or touch the strip between two lines along y (`by_x`) or along x,
+  /// each once. O(k) for k segments in and near the strip.
   [[nodiscard]] std::vector<std::uint32_t> between(bool by_x, double from, double to) const;
 
   [[nodiscard]] const Box& box() const { return box_; }
@@ -52,8 +52,9 @@ class LineIndex {
   [[nodiscard]] Operation operation(std::size_t i) const { return operations_[i]; }
 
  private:
-  // Segments by slices of one coordinate: a seam looks into one. Within a slice the long ones come
-  // first, the others by where they begin along it, with how far any up to there reaches.
+  // Segments sorted into slices of one coordinate; a seam looks into a single slice. In each slice
+  // the long segments come first. The others are sorted by where they begin; each knows how far the
+  // segments up to it reach.
   struct Slices {
     IntervalBins items;
     std::vector<std::uint32_t> first_short;
@@ -65,7 +66,8 @@ class LineIndex {
   [[nodiscard]] Slices slices(bool by_x, const std::vector<std::uint32_t>& which,
                               double reach) const;
 
-  std::vector<Operation> operations_;  ///< before the segments, which are made with them
+  /// Declared before the segments, whose construction fills it.
+  std::vector<Operation> operations_;
   std::vector<Segment> segments_;
   Box box_;
   std::array<Slices, 2> slices_;  ///< by x, by y

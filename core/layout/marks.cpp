@@ -10,10 +10,10 @@
 namespace popcut {
 namespace {
 
-constexpr double kTick = 2.5;  // mm into the panel
+constexpr double kTick = 2.5;  // length in mm, into the panel
 constexpr double kLeastTick = 0.8;
 constexpr std::array kHeights{5.0, 4.0, 3.0, 2.2};  // of letters, mm
-constexpr double kMarkDash = 0.7, kMarkGap = 0.5;   // of marks that the knife makes, mm
+constexpr double kMarkDash = 0.7, kMarkGap = 0.5;   // mm; dashes of marks that the knife cuts
 constexpr double kGap = 1.0;                        // between seam and letters
 
 struct Place {
@@ -26,7 +26,7 @@ class Marks {
   Marks(Layout& layout, LineIndex& lines, double clearance_mm)
       : layout_(layout), lines_(lines), clearance_mm_(clearance_mm) {}
 
-  // Ticks near both ends of a long stretch, or one in its middle. Both sides or none.
+  // Draws ticks near both ends of a long stretch, or one in its middle. Draws both sides or none.
   bool tick(const Place& place) {
     const double length = place.stretch.to - place.stretch.from;
     bool any = false;
@@ -48,7 +48,7 @@ class Marks {
   }
   static bool has_two(const Place& place) { return place.stretch.to - place.stretch.from >= 24.0; }
 
-  // The seam's letter on both sides of the stretch.
+  // Draws the seam's letter on both sides of the stretch.
   bool letter(const Place& place, const std::string& label) {
     const SeamRun& run = *place.run;
     const std::string low = fmt::format("{}{}", run.lower + 1, label);
@@ -82,13 +82,14 @@ class Marks {
       const double need = kGap + size.y + clearance_mm_;
       if (lines_.free_depth(line, middle - size.x / 2, middle + size.x / 2, side, need) < need)
         continue;
-      // Upright beside a seam along x; read from below beside one along y.
+      // Letters stand upright beside a seam along x; beside a seam along y you read them from
+      // below.
       const double bar = size.y - height;
       for (std::vector<PagePoint> stroke : single_stroke(text, height)) {
         for (PagePoint& p : stroke) {
           const double along = p.x - size.x / 2;
           const double across = (side > 0 ? kGap + height : -(kGap + bar)) + p.y;
-          // Along y the text is turned by a quarter against the clock: up is towards smaller x.
+          // Along y the text turns by 90 degrees counter-clockwise: up is towards smaller x.
           p = place.run->vertical ? PagePoint{line.at + across, middle - along}
                                   : PagePoint{middle + along, line.at + across};
         }
@@ -118,7 +119,7 @@ void cut_marks(Layout& layout) {
         const PagePoint &a = points[i - 1], &b = points[i];
         const double l_mm = distance(a, b);
         if (l_mm <= kMarkGap) continue;
-        // Half a gap at both ends: the paper holds at corners.
+        // Leave half a gap at both ends so that the paper holds at corners.
         const double n = std::max(1.0, std::round(l_mm / (kMarkDash + kMarkGap)));
         const double share = l_mm / n;
         for (int k = 0; k < static_cast<int>(n); ++k) {
@@ -160,7 +161,7 @@ void add_marks(Layout& layout, LineIndex& lines, double clearance_mm) {
     const auto letter = std::find_if(of_seam.begin(), of_seam.end(), [&](const Place& place) {
       return marks.letter(place, layout.seams[s].label);
     });
-    // Where the letter stands there is room for ticks beside it only on a long stretch.
+    // Ticks fit beside a letter only on a long stretch.
     std::size_t ticked = 0;
     for (auto place = of_seam.begin(); place != of_seam.end(); ++place)
       if (ticked < 2 && (place != letter || of_seam.size() == 1 || Marks::has_two(*place)) &&
@@ -171,11 +172,11 @@ void add_marks(Layout& layout, LineIndex& lines, double clearance_mm) {
   }
   if (unlabelled > 0)
     layout.warnings.push_back(
-        fmt::format("{} of {} seams have no room for their letter; see assembly.svg", unlabelled,
+        fmt::format("{} of {} seams have no room for a letter; assembly.svg shows them", unlabelled,
                     layout.seams.size()));
   if (unticked > 0)
     layout.warnings.push_back(
-        fmt::format("{} of {} seams have no room for ticks", unticked, layout.seams.size()));
+        fmt::format("{} of {} seams have no room for tick marks", unticked, layout.seams.size()));
 }
 
 }  // namespace popcut

@@ -6,12 +6,13 @@
 
 namespace popcut {
 
-/// Draws on both sides of each seam ticks that meet where the pieces are glued, and the number of
-/// the piece with the seam's letter ("2B"), where no line is in their way. What finds no room is
-/// told in the warnings. `tabs` lie on one side: letters stand on the panels, ticks too.
+/// Draws marks on both sides of each seam, clear of all lines: ticks that meet when you glue the
+/// pieces, and the number of the piece with the seam's letter ("2B"). A warning counts the seams
+/// without room. Marks stand on the panels, not on the tabs. `clearance_mm` is the free space
+/// around each mark.
 void add_marks(Layout& layout, LineIndex& lines, double clearance_mm);
 
-/// Makes the marks rows of short cuts, for machines without a pen.
+/// Turns the marks into rows of short cuts, for machines without a pen.
 void cut_marks(Layout& layout);
 
 /// "A", "B", ... "Z", "AA", "AB", ...

@@ -8,10 +8,10 @@
 namespace popcut {
 namespace {
 
-constexpr double kRounding = 1e-6;       // mm of rounding that still fit
-constexpr std::size_t kOpenSheets = 32;  // older ones are full in all likelihood
+constexpr double kRounding = 1e-6;       // mm; rounding errors up to this size still fit
+constexpr std::size_t kOpenSheets = 32;  // older sheets are most likely full
 
-// The lower edge of what is free on a sheet, from left to right.
+// The lower edge of the used area of a sheet, from left to right.
 class Skyline {
  public:
   explicit Skyline(const std::array<double, 2>& area) : area_(area), steps_{{0.0, 0.0}} {}
@@ -22,7 +22,7 @@ class Skyline {
     [[nodiscard]] bool found() const { return top < std::numeric_limits<double>::infinity(); }
   };
 
-  // Where a box of this size ends up highest; `x` the least among equals.
+  // Where a box of this size ends up highest on the sheet; of equal places the leftmost.
   [[nodiscard]] Spot find(double width, double height) const {
     Spot best;
     for (std::size_t i = 0; i < steps_.size(); ++i) {
@@ -62,7 +62,7 @@ class Skyline {
 
 std::vector<PackedBox> pack(const std::vector<std::array<double, 2>>& sizes,
                             const std::array<double, 2>& area, double spacing) {
-  // Each box with its spacing, on an area that is wider by one.
+  // Each box grows by the spacing, and so does the area.
   const std::array<double, 2> grown{area[0] + spacing, area[1] + spacing};
   std::vector<std::uint32_t> order(sizes.size());
   std::iota(order.begin(), order.end(), 0u);

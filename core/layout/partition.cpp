@@ -24,7 +24,7 @@ class Runs {
   }
 
  private:
-  // The y at which rows of a column meet its side at `x`.
+  // The y at which the rows of a column meet its side at `x`.
   static std::vector<double> meetings(const std::vector<StepSeam>& rows, bool right_side) {
     std::vector<double> ys;
     ys.reserve(rows.size());
@@ -55,7 +55,7 @@ class Runs {
       while (j < seam.y.size() && seam.y[j] == seam.y[i]) ++j;
       add(false, seam.y[i], seam.x[i], seam.x[j], above, below);
       if (j < seam.y.size()) {
-        // Down a step the upper piece is to the right, up a step to the left.
+        // At a step down the upper piece is to the right; at a step up, to the left.
         const bool down = seam.y[j] > seam.y[i];
         add(true, seam.x[j], std::min(seam.y[i], seam.y[j]), std::max(seam.y[i], seam.y[j]),
             down ? below : above, down ? above : below);
@@ -111,7 +111,7 @@ std::vector<PagePoint> Partition::share(std::size_t column, std::size_t row) con
   const auto corner = [&](double x, double y) {
     const PagePoint p{x, y};
     const std::size_t n = polygon.size();
-    // A seam that goes straight on has no corner there.
+    // A seam that goes straight on has no corner here.
     if (n > 1 && polygon[n - 1].y == y && polygon[n - 2].y == y) polygon.pop_back();
     if (polygon.empty() || polygon.back() != p) polygon.push_back(p);
   };

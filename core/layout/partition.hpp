@@ -9,38 +9,40 @@
 
 namespace popcut {
 
-/// A seam across a column: at `y[i]` from `x[i]` to `x[i + 1]`. Where y changes it steps along x.
+/// A seam across a column: at height `y[i]` from `x[i]` to `x[i + 1]`. Where y changes, the seam
+/// steps.
 struct StepSeam {
   std::vector<double> x;
   std::vector<double> y;
   [[nodiscard]] double at(double x_mm) const;
 };
 
-/// A drawing's box cut into columns at `xs` (its own sides too), each into rows at its seams.
+/// A drawing's box cut into columns at `xs` (including its own sides); seams cut each column into
+/// rows.
 struct Partition {
   std::vector<double> xs;
-  std::vector<std::vector<StepSeam>> rows;  ///< of each column, downwards
+  std::vector<std::vector<StepSeam>> rows;  ///< the seams of each column, downwards
   double top{}, bottom{};
 
   [[nodiscard]] std::size_t pieces() const;
-  /// The piece in which a point lies that is on no seam.
+  /// The piece that contains `p`, which must lie on no seam.
   [[nodiscard]] std::uint32_t piece_at(const PagePoint& p) const;
   [[nodiscard]] std::uint32_t piece(std::size_t column, std::size_t row) const;
-  /// What of the box belongs to a piece: a polygon along its sides and seams.
+  /// A piece's part of the box: a polygon along its sides and seams.
   [[nodiscard]] std::vector<PagePoint> share(std::size_t column, std::size_t row) const;
-  void index();  ///< after a change of `xs` or `rows`
+  void index();  ///< call after each change of `xs` or `rows`
 
  private:
   std::vector<std::uint32_t> first_;
 };
 
-/// All straight runs of all seams, with what is cut along them already and the stretches that have
-/// to be glued. Each run lies between two pieces.
+/// All straight runs of all seams, each between two pieces, with the stretches that are already cut
+/// and the stretches to glue.
 [[nodiscard]] std::vector<SeamRun> seam_runs(const Partition& partition, const LineIndex& lines,
                                              double min_panel_mm);
 
-/// The stretches of paper along the line that no cut follows, parted where lines end on it or cross
-/// it.
+/// Appends the stretches of paper along the line that no cut follows. They end where lines end on
+/// the line or cross it.
 void uncut_stretches(const LineIndex& lines, const AxisLine& line, double from, double to,
                      const SeamScan& scan, std::vector<SeamStretch>& out);
 

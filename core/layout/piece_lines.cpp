@@ -7,7 +7,7 @@
 namespace popcut {
 namespace {
 
-constexpr double kNear = 1e-5;  // mm; a plan's numbers are rounded to 1e-6
+constexpr double kNear = 1e-5;  // mm; a plan rounds its numbers to 1e-6
 constexpr double kSameLine = 1e-3;
 
 PagePoint point_between(const PagePoint& a, const PagePoint& b, double k) {
@@ -50,7 +50,7 @@ class PieceLines {
   }
 
  private:
-  // A move's inverse is its transpose.
+  // The inverse of a rigid move is its transpose.
   [[nodiscard]] PagePoint back(const PagePoint& p) const {
     const Placement& t = piece_.to_sheet;
     const double x = p.x - t.x0, y = p.y - t.y0;
@@ -67,7 +67,7 @@ class PieceLines {
       const PagePoint &a = piece_.share[i], &b = piece_.share[(i + 1) % n];
       if (a.y == b.y && std::abs(p.y - a.y) <= kNear && p.x >= std::min(a.x, b.x) - kNear &&
           p.x <= std::max(a.x, b.x) + kNear)
-        return true;  // on its side
+        return true;  // on a side of the polygon
       if (a.x == b.x && std::abs(p.x - a.x) <= kNear && p.y >= std::min(a.y, b.y) - kNear &&
           p.y <= std::max(a.y, b.y) + kNear)
         return true;
@@ -86,7 +86,7 @@ class PieceLines {
     });
   }
 
-  // The parts of a segment within the share, but for what runs along a seam.
+  // Adds the parts of a segment within the piece, except what runs along a seam.
   void clip(Operation operation, const PagePoint& a, const PagePoint& b) {
     if (std::max(a.x, b.x) < box_.x0 - kNear || std::min(a.x, b.x) > box_.x1 + kNear ||
         std::max(a.y, b.y) < box_.y0 - kNear || std::min(a.y, b.y) > box_.y1 + kNear)
@@ -103,7 +103,7 @@ class PieceLines {
     }
     std::sort(at_.begin(), at_.end());
     const double l = distance(a, b);
-    double from = -1.0;  // of the part within it that is not put yet
+    double from = -1.0;  // start of the part inside that is not added yet
     for (std::size_t i = 1; i < at_.size(); ++i) {
       if ((at_[i] - at_[i - 1]) * l <= kNear) continue;
       const PagePoint p = point_between(a, b, at_[i - 1]), q = point_between(a, b, at_[i]);
@@ -116,11 +116,12 @@ class PieceLines {
     if (from >= 0.0) put(operation, point_between(a, b, from), b);
   }
 
-  // What is cut along a seam anyway is part of this piece's border where its side is paper.
+  // Where the drawing cuts along a seam anyway, the cut is part of this piece's border if its side
+  // is paper.
   void covered(const std::array<PagePoint, 2>& seam) {
     AxisLine line{std::abs(seam[0].x - seam[1].x) <= kNear, 0.0};
     line.at = line.vertical ? seam[0].x : seam[0].y;
-    for (const PagePoint& corner : piece_.share)  // those are not rounded
+    for (const PagePoint& corner : piece_.share)  // the corners are not rounded
       if (const double at = line.vertical ? corner.x : corner.y; std::abs(at - line.at) <= kNear)
         line.at = at;
     const auto t_of = [&](const PagePoint& p) { return line.vertical ? p.y : p.x; };
@@ -138,7 +139,7 @@ class PieceLines {
     }
   }
 
-  // A stretch that is glued: along the seam, and round the tabs that stand on it.
+  // Adds a glued stretch: along the seam, and around the tabs on it.
   void glued(const PagePoint& from, const PagePoint& to) {
     const double l = distance(from, to);
     if (!(l > 0.0)) return;

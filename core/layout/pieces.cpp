@@ -47,7 +47,7 @@ class Splitter {
     end(line.operation);
   }
 
-  // Where a..b meets seams, as parts of its length; 0 and 1 too.
+  // Where a..b meets seams, as fractions of its length, including 0 and 1.
   void crossings(const PagePoint& a, const PagePoint& b) {
     at_.assign({0.0, 1.0});
     const double x0 = std::min(a.x, b.x), x1 = std::max(a.x, b.x);

@@ -7,14 +7,14 @@
 
 namespace popcut {
 
-/// The drawing parted at the seams: each line in the pieces it runs through, in the drawing's own
-/// coordinates. What runs along a seam is left to `add_borders`.
+/// Splits the drawing at the seams: for each piece the parts of lines inside it, in drawing mm.
+/// Leaves out what runs along a seam; `add_borders` adds it.
 [[nodiscard]] std::vector<LineWork> split_lines(const LineWork& drawing,
                                                 const Partition& partition);
 
-/// Adds each piece's border along its seams: the cuts that are there anyway, straight lines, and
-/// the way round its tabs. `tabs` are those of all runs, in order. `border` is what the drawing's
-/// own border is, so that the two join to closed lines, inside of which all is cut first.
+/// Adds each piece's border along its seams: existing cuts, straight lines, and the way around its
+/// tabs. `tabs` holds the tabs of all runs in order. `border` is the operation of the drawing's own
+/// border, so that both join into closed lines; then everything inside them is cut first.
 void add_borders(const std::vector<SeamRun>& runs, const std::vector<Tab>& tabs,
                  const LineIndex& lines, Operation border, std::vector<LineWork>& pieces);
 

@@ -14,11 +14,12 @@ namespace popcut {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kFoldCrossed = 8.0, kCutCrossed = 4.0;  // mm of glue that a crossing is worth
-constexpr double kPiece = 300.0;                         // and one more piece
-constexpr double kUneven = 20.0;                         // and a piece that is nearly empty
+constexpr double kFoldCrossed = 8.0, kCutCrossed = 4.0;  // cost in mm of glue: a crossing,
+constexpr double kPiece = 300.0;                         // one more piece,
+constexpr double kUneven = 20.0;                         // a nearly empty piece
 
-// Positions at which a seam over `from`..`to` may run: every cut along it, and a grid between.
+// Positions where a seam over `from`..`to` may run: every cut along it, and a grid between the
+// cuts.
 std::vector<double> candidates(const LineIndex& lines, bool vertical, double low, double high,
                                double from, double to) {
   std::vector<double> at;
@@ -36,8 +37,8 @@ std::vector<double> candidates(const LineIndex& lines, bool vertical, double low
   return at;
 }
 
-// Where `low`..`high` is parted so that no part with its tabs is longer than `most`. `tabs_low` and
-// `tabs_high`: what its ends need for tabs of their own.
+// Splits `low`..`high` so that no part with its tabs is longer than `most`. `tabs_low` and
+// `tabs_high` are what its ends need for their own tabs.
 double part(const std::vector<double>& at, const std::vector<double>& costs, double low,
             double high, double most, double depth, double tabs_low, double tabs_high, bool full,
             std::vector<double>& chosen) {
@@ -75,15 +76,15 @@ double part(const std::vector<double>& at, const std::vector<double>& costs, dou
   return best[n];
 }
 
-Error unlawful(const char* name, double asked, double nearest) {
+Error invalid_seam(const char* name, double asked, double nearest) {
   return {
       ErrorKind::Infeasible, fmt::format("/options/seam-{}", name),
-      fmt::format("{0} = {1:g} mm runs along a fold, or leaves no room for a tab; {2}", name, asked,
-                  nearest < kNever ? fmt::format("the nearest that does not is {:.3f}", nearest)
-                                   : std::string("no other place is lawful either"))};
+      fmt::format("{0} = {1:g} mm runs along a fold or leaves no room for a tab; {2}", name, asked,
+                  nearest < kNever ? fmt::format("the nearest valid place is {:.3f}", nearest)
+                                   : std::string("no other place is valid either"))};
 }
 
-// Stretches parted further at `ys`.
+// Splits the stretches at `ys`.
 void part_at(std::vector<SeamStretch>& stretches, const std::vector<double>& ys) {
   for (const double y : ys) {
     const auto at = std::find_if(stretches.begin(), stretches.end(), [&](const SeamStretch& s) {
@@ -99,7 +100,7 @@ void part_at(std::vector<SeamStretch>& stretches, const std::vector<double>& ys)
 
 }  // namespace
 
-bool ColumnEnds::lawful(bool right_side, double y) const {
+bool ColumnEnds::allows(bool right_side, double y) const {
   const std::vector<SeamStretch>& stretches = right_side ? right : left;
   const auto after = std::upper_bound(stretches.begin(), stretches.end(), y,
                                       [](double at, const SeamStretch& s) { return at < s.from; });
@@ -139,14 +140,14 @@ SeamSearch::Lines SeamSearch::priced(bool vertical, double from, double to,
   out.costs.reserve(out.at.size());
   const bool needed = high - low > (vertical ? limits_.width_mm : limits_.height_mm);
   for (const double at : out.at) {
-    const bool lawful = !ends || (ends->lawful(false, at) && ends->lawful(true, at));
-    out.costs.push_back(needed && lawful ? seam_cost(*lines_, limits_, {vertical, at}, from, to)
-                                         : kNever);
+    const bool valid = !ends || (ends->allows(false, at) && ends->allows(true, at));
+    out.costs.push_back(needed && valid ? seam_cost(*lines_, limits_, {vertical, at}, from, to)
+                                        : kNever);
   }
   return out;
 }
 
-// Straight seams that reach from `from` to `to`, those asked for among them.
+// Straight seams from `from` to `to`, including the requested ones.
 Result<SeamSearch::Chosen> SeamSearch::straight(bool vertical, const Lines& lines, double from,
                                                 double to) {
   const Box& box = lines_->box();
@@ -170,7 +171,7 @@ Result<SeamSearch::Chosen> SeamSearch::straight(bool vertical, const Lines& line
         part(some, prices, start, end, most, depth, start_tab, end_tab, limits_.full, all.at);
   };
   for (double a : asked) {
-    a += low;  // they are told from the drawing's edge
+    a += low;  // requested seams count from the drawing's edge
     const double cost = seam_cost(*lines_, limits_, {vertical, a}, from, to);
     if (cost == kNever) {
       double nearest = kNever;
@@ -179,7 +180,7 @@ Result<SeamSearch::Chosen> SeamSearch::straight(bool vertical, const Lines& line
             seam_cost(*lines_, limits_, {vertical, other}, from, to) < kNever)
           nearest = other;
       return tl::unexpected(
-          unlawful(vertical != limits_.swapped ? "x" : "y", a - low, nearest - low));
+          invalid_seam(vertical != limits_.swapped ? "x" : "y", a - low, nearest - low));
     }
     stage(a, depth);
     all.at.push_back(a);
@@ -242,7 +243,9 @@ Result<FoundSeams> SeamSearch::find() {
   const auto columns = straight(true, *columns_, box.y0, box.y1);
   if (!columns) return tl::unexpected(columns.error());
   if (columns->cost == kNever)
-    return fail(ErrorKind::Infeasible, "", "no lawful seam leaves pieces that are narrow enough");
+    return fail(
+        ErrorKind::Infeasible, "",
+        "no valid seams give pieces that are narrow enough; use a larger mat or smaller tabs");
   found.cost = columns->cost;
   std::vector<double>& xs = found.partition.xs;
   xs = {box.x0};
@@ -260,7 +263,9 @@ Result<FoundSeams> SeamSearch::find() {
       known = known_.end() - 1;
     }
     if (known->cost == kNever)
-      return fail(ErrorKind::Infeasible, "", "no lawful seam leaves pieces that are short enough");
+      return fail(
+          ErrorKind::Infeasible, "",
+          "no valid seams give pieces that are short enough; use a larger mat or smaller tabs");
     found.cost += known->cost;
     found.partition.rows.push_back(known->seams);
     met.clear();

@@ -8,53 +8,55 @@
 
 namespace popcut {
 
-/// A seam that turned out to be unlawful when all tabs were placed: not to be taken again.
+/// A seam that turned out to be invalid when all tabs were placed; the search must not use it
+/// again.
 struct BannedSeam {
   bool vertical{};
   double at{}, from{}, to{};
-  double reach_mm{};  ///< beside `at` that is banned too
+  double reach_mm{};  ///< how far beside `at` the ban reaches
   [[nodiscard]] bool bans(const AxisLine& line, double a, double b) const {
     return vertical == line.vertical && line.at >= at - reach_mm && line.at <= at + reach_mm &&
            from < b && to > a;
   }
 };
 
-/// What the search has to keep to.
+/// What the search must respect.
 struct SearchLimits {
-  double width_mm{}, height_mm{};  ///< of the largest piece, tabs included
+  double width_mm{}, height_mm{};  ///< size of the largest piece including its tabs
   TabShape tabs;
   double min_panel_mm{};
   std::vector<double> asked_x, asked_y;
   std::vector<BannedSeam> banned;
-  bool swapped{false};  ///< x and y of the drawing have changed places, for what errors say
-  bool full{false};     ///< rather full pieces and a rest than pieces of one size
+  bool swapped{false};  ///< x and y of the drawing are swapped; errors swap them back
+  bool full{false};     ///< true: full pieces and a rest; false: pieces of equal size
 };
 
+/// The cheapest seams and their cost.
 struct FoundSeams {
   Partition partition;
-  double cost{};  ///< mm of glue, with what crossings and pieces are worth in it
+  double cost{};  ///< mm of glue, plus the cost of crossings and pieces
 };
 
-/// What the sides of a column ask of the rows that meet them: the stretches that are glued there.
+/// What the sides of a column require of the rows that meet them: the stretches glued there.
 struct ColumnEnds {
   std::vector<SeamStretch> left, right;
-  double least_mm{};  ///< no stretch may be parted into less
-  [[nodiscard]] bool lawful(bool right_side, double y) const;
+  double least_mm{};  ///< shortest stretch that a row may leave
+  [[nodiscard]] bool allows(bool right_side, double y) const;
 };
 
-/// What a straight seam costs, in mm of glue; infinite where it is unlawful.
+/// Cost of a straight seam in mm of glue; infinite if it is not valid.
 [[nodiscard]] double seam_cost(LineIndex& lines, const SearchLimits& limits, const AxisLine& line,
                                double from, double to);
 
-/// Finds the cheapest seams that leave no piece larger than the limits: columns by dynamic
-/// programming over candidate lines (all cuts parallel to them and a grid), then rows in each
-/// column, straight, or stepped along existing cuts where that is cheaper or nothing else is
-/// lawful. Asked again after a ban it looks again only where that changes something.
+/// Finds the cheapest seams that leave no piece larger than the limits. Dynamic programming over
+/// candidate lines (all parallel cuts and a grid) finds the columns, then the rows of each column.
+/// Rows are straight, or they step along existing cuts where that is cheaper or the only valid way.
+/// After a ban, `find` searches only where the ban changes something.
 class SeamSearch {
  public:
   SeamSearch(LineIndex& lines, SearchLimits limits) : lines_(&lines), limits_(std::move(limits)) {}
 
-  /// @retval Infeasible  there are none; the detail says in which direction
+  /// @retval Infeasible  there are no valid seams; the detail names the direction
   [[nodiscard]] Result<FoundSeams> find();
   void ban(const std::vector<BannedSeam>& seams);
 
@@ -64,7 +66,7 @@ class SeamSearch {
   };
   struct Column {
     double left{}, right{};
-    std::vector<double> met;  ///< y of the rows of the column before, where they end
+    std::vector<double> met;  ///< y where the rows of the previous column end
     std::vector<StepSeam> seams;
     double cost{};
   };

@@ -13,8 +13,8 @@
 namespace popcut {
 namespace {
 
-constexpr double kDrawingMargin = 10.0;  // mm around a drawing that is placed for its user
-constexpr double kFits = 1e-6;           // mm of rounding that still fit
+constexpr double kDrawingMargin = 10.0;  // mm around a drawing that popcut places
+constexpr double kFits = 1e-6;           // mm; rounding errors up to this size still fit
 
 bool read_number(std::string_view& text, double& out) {
   const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), out);
@@ -23,7 +23,7 @@ bool read_number(std::string_view& text, double& out) {
   return true;
 }
 
-// Margin on both sides of `size` in `room`, at most kDrawingMargin.
+// The margin on each side of `size` in `room`, at most kDrawingMargin.
 double margin(double size, double room) {
   return std::clamp((room - size) / 2, 0.0, kDrawingMargin);
 }
@@ -33,7 +33,7 @@ bool inside(const Box& box, const std::array<double, 2>& reach) {
          box.y1 <= reach[1] + kFits;
 }
 
-/// Whether two words are the same but for capitals.
+/// Whether two words are equal, ignoring case.
 bool same_word(std::string_view a, std::string_view b) {
   const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -47,7 +47,7 @@ bool is_mat_name(const Mat& mat, std::string_view word) { return same_word(mat.n
 Result<std::array<double, 2>> parse_size_mm(std::string_view text) {
   const auto wrong = [&] {
     return fail(ErrorKind::Usage, "/options/mat",
-                fmt::format("{} is not a size; WIDTHxLENGTH as in 300x200 (mm) or 12x12in",
+                fmt::format("{} is not a size; give WIDTHxLENGTH such as 300x200 (mm) or 12x12in",
                             text.substr(0, 40)));
   };
   std::string_view rest = text;
@@ -79,13 +79,17 @@ Result<Mat> choose_mat(const Machine& machine, std::string_view wanted) {
   }
   const auto size = parse_size_mm(wanted);
   if (!size)
-    return fail(ErrorKind::Usage, "/options/mat",
-                fmt::format("{} knows no mat {}; {}, or a size such as 300x200 (mm) or 12x12in",
-                            machine.name, wanted.substr(0, 40), suggestion(wanted, names)));
+    return fail(
+        ErrorKind::Usage, "/options/mat",
+        names.empty()
+            ? fmt::format("{} has no named mats; give a size such as 210x297 (mm) or 12x12in",
+                          machine.name)
+            : fmt::format("{} has no mat {}; {} (or give a size such as 300x200 or 12x12in)",
+                          machine.name, wanted.substr(0, 40), suggestion(wanted, names)));
   if ((*size)[0] > machine.width_mm + kFits || (*size)[1] > machine.length_mm + kFits)
     return fail(
         ErrorKind::OutOfRange, "/options/mat",
-        fmt::format("{:.1f} x {:.1f} mm is larger than {}, which takes {:.1f} x {:.1f} mm",
+        fmt::format("{:.1f} x {:.1f} mm is too large for {}; use at most {:.1f} x {:.1f} mm",
                     (*size)[0], (*size)[1], machine.name, machine.width_mm, machine.length_mm));
   return Mat{std::string(wanted), 0, (*size)[0], (*size)[1]};
 }
@@ -119,7 +123,7 @@ Result<Placement> place(const LineWork& work, const std::array<double, 2>& reach
   const auto moved_to = [&](double x, double y) {
     return Placement{1, 0, x - box.x0, 0, 1, y - box.y0};
   };
-  // (x, y) -> (-y, x): a quarter turn, then to where its corner is to be.
+  // A quarter turn (x, y) -> (-y, x), then a shift of the corner to its place.
   const auto turned_to = [&](double x, double y) {
     return Placement{0, -1, x + box.y1, 1, 0, y - box.x0};
   };
@@ -133,17 +137,18 @@ Result<Placement> place(const LineWork& work, const std::array<double, 2>& reach
     if (fits(w, h))
       return fail(
           ErrorKind::Infeasible, "/options/at",
-          fmt::format("a drawing of {:.1f} x {:.1f} mm at {:g},{:g} reaches over the {:.1f} x "
-                      "{:.1f} mm that can be cut; at most {:.1f},{:.1f}",
+          fmt::format("a drawing of {:.1f} x {:.1f} mm at {:g},{:g} does not fit in the {:.1f} x "
+                      "{:.1f} mm that can be cut; use at most {:.1f},{:.1f}",
                       w, h, at.x, at.y, reach[0], reach[1], reach[0] - w, reach[1] - h));
   } else {
     if (work.has_page && (options.clip || inside(box, reach))) return Placement{};
     if (fits(w, h) || options.clip) return moved_to(margin(w, reach[0]), margin(h, reach[1]));
     if (fits(h, w)) return turned_to(margin(h, reach[0]), margin(w, reach[1]));
   }
-  return fail(ErrorKind::Infeasible, "",
-              fmt::format("pattern is {:.1f} x {:.1f} mm, the area holds {:.1f} x {:.1f} mm", w, h,
-                          reach[0], reach[1]));
+  return fail(
+      ErrorKind::Infeasible, "",
+      fmt::format("the pattern is {:.1f} x {:.1f} mm, but the area holds {:.1f} x {:.1f} mm", w, h,
+                  reach[0], reach[1]));
 }
 
 LineWork placed(LineWork work, const Placement& placement) {

@@ -10,28 +10,28 @@
 
 namespace popcut {
 
-/// Whether `word` is the mat's name, whatever its capitals ("12X12").
+/// Whether `word` is the mat's name, ignoring case ("12X12").
 [[nodiscard]] bool is_mat_name(const Mat& mat, std::string_view word);
 
-/// Width and length in mm: "300x200", "300x200mm", "12x12in", "30.5x30.5cm".
+/// Parses width and length: "300x200", "300x200mm", "12x12in", "30.5x30.5cm". Result in mm.
 ///
-/// @retval Usage  it is none of these, or a side is not between 1 mm and 100 m
+/// @retval Usage  not a size, or a side is not between 1 mm and 100 m
 [[nodiscard]] Result<std::array<double, 2>> parse_size_mm(std::string_view text);
 
-/// The mat that `wanted` names on `machine`: one of its mats by name, or a size of its own (mat
-/// code 0: none is told). Empty: the first of the machine's mats, or its whole area.
+/// Finds the mat that `wanted` means on `machine`: one of its mats by name, or a size (mat code 0:
+/// popcut sends no mat). Empty: the machine's first mat, or its whole area.
 ///
-/// @retval Usage       neither a name nor a size
+/// @retval Usage       neither a known name nor a size
 /// @retval OutOfRange  larger than the machine
 [[nodiscard]] Result<Mat> choose_mat(const Machine& machine, std::string_view wanted);
 
-/// An ideal plotter of a size: GPGL in 0.05 mm units, nothing of a real machine in its way.
+/// An ideal plotter of the given size: GPGL in 0.05 mm units without the limits of a real machine.
 [[nodiscard]] Result<Machine> ideal_plotter(double width_mm, double length_mm);
 
-/// What of the mat the tool can reach, mm along carriage and feed.
+/// The part of the mat that the tool can reach, mm along carriage and feed.
 [[nodiscard]] std::array<double, 2> reach_mm(const Machine& machine, const Mat& mat);
 
-/// A rigid move of the page onto the sheet: (x, y) -> (xx x + xy y + x0, yx x + yy y + y0).
+/// A rigid move from the page to the sheet: (x, y) -> (xx x + xy y + x0, yx x + yy y + y0).
 struct Placement {
   double xx{1}, xy{0}, x0{0};
   double yx{0}, yy{1}, y0{0};
@@ -40,23 +40,25 @@ struct Placement {
   }
 };
 
+/// Where to place a drawing.
 struct PlaceOptions {
-  std::optional<PagePoint> at{};  ///< upper left corner of the drawing on the sheet
-  bool clip{false};               ///< what lies outside of the area will be cut off
+  std::optional<PagePoint> at{};  ///< upper left corner of the drawing on the sheet, mm
+  bool clip{false};               ///< drop what lies outside the area
 };
 
-/// Where the drawing goes on an area of `reach`. A drawing with a page of its own stays where it is
-/// if it lies inside; else it is put with up to 10 mm of margin, turned by 90 degrees only where it
-/// fits only so. Never mirrored: the determinant is always +1.
+/// Places the drawing on an area of `reach` mm. A drawing with its own page stays where it is if it
+/// lies inside the area. Other drawings get a margin of up to 10 mm, and a turn by 90 degrees only
+/// if they fit no other way. Never mirrored: the determinant is always +1.
 ///
-/// @retval Infeasible  it does not fit (and is not to be clipped); the detail has both sizes
+/// @retval Infeasible  does not fit and `clip` is not set; the detail has both sizes
 [[nodiscard]] Result<Placement> place(const LineWork& work, const std::array<double, 2>& reach,
                                       const PlaceOptions& options);
 
+/// The drawing with all points moved by `placement`.
 [[nodiscard]] LineWork placed(LineWork work, const Placement& placement);
 
-/// The drawing within [room, width - room] x [room, length - room]: each line is cut exactly at the
-/// border, and what is left of it goes on as lines of their own. What runs along the border is
+/// The part of the drawing within [room, width - room] x [room, length - room]. Each line is cut
+/// exactly at the border; what remains becomes separate lines. Lines along the border count as
 /// inside.
 [[nodiscard]] LineWork clipped(const LineWork& work, const std::array<double, 2>& reach,
                                double room = 0.0);

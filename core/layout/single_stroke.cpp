@@ -6,15 +6,16 @@
 namespace popcut {
 namespace {
 
-constexpr double kColumns = 4, kRows = 6, kAdvance = 6;  // of the raster on which glyphs are drawn
-constexpr double kBar = 1.5;                             // below the baseline, in raster steps
+constexpr double kColumns = 4, kRows = 6,
+                 kAdvance = 6;  // of the raster of a glyph, with the space after it
+constexpr double kBar = 1.5;    // raster steps below the baseline
 
 struct Glyph {
   char name;
-  std::string_view strokes;  // column and row from the lower left; a blank lifts
+  std::string_view strokes;  // column and row from the lower left; a space lifts the pen
 };
 
-// Drawn for popcut on a raster of 4 x 6 with straight strokes only.
+// Drawn for popcut on a raster of 4 x 6, with straight strokes only.
 constexpr std::array<Glyph, 38> kGlyphs{{
     {'0', "010516364541301001 0145"},
     {'1', "152620 1030"},

@@ -10,15 +10,15 @@ namespace popcut {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kPiece = 300.0;  // mm of glue that one more piece is worth
-constexpr double kStep = 6.0;     // and a step
+constexpr double kPiece = 300.0;  // cost in mm of glue: one more piece,
+constexpr double kStep = 6.0;     // a step
 constexpr std::size_t kMostStrips = 20'000;
 
 struct Span {
   double from{}, to{};
 };
 
-// A strip between two neighbouring lines along y, with what lies across it.
+// A strip between two neighbouring lines along y, and what lies in it.
 struct Strip {
   double left{}, right{};
   std::vector<Span> across;      // y of every line in it, sorted by `from`
@@ -55,7 +55,7 @@ std::vector<Strip> strips_of(const LineIndex& lines, double left, double right) 
     strips[i].left = at[i];
     strips[i].right = at[i + 1];
   }
-  const auto strip_at = [&](double x) {  // the first whose right side lies beyond x
+  const auto strip_at = [&](double x) {  // the first strip whose right side lies beyond x
     const auto k = std::upper_bound(at.begin() + 1, at.end() - 1, x + kOn) - at.begin() - 1;
     return static_cast<std::size_t>(std::max<std::ptrdiff_t>(k, 0));
   };
@@ -95,7 +95,7 @@ class Steps {
     return strips_.size() > 1 && strips_.size() <= kMostStrips;
   }
 
-  // The cheapest way within the band; empty `y` where there is none.
+  // The cheapest way within the band; `y` is empty if there is none.
   StepSeam across(double low, double high, double& cost) {
     const std::size_t count =
         std::clamp<std::size_t>(static_cast<std::size_t>((high - low) / 0.5) + 1, 1, 400);
@@ -104,7 +104,7 @@ class Steps {
       ys_[j] = count == 1
                    ? (low + high) / 2
                    : low + (high - low) * static_cast<double>(j) / static_cast<double>(count - 1);
-    // Two states a height: tabs below, tabs above. What is glued in one stretch has one side.
+    // Two states per height: tabs below, tabs above. A glued stretch has its tabs on one side.
     std::vector<double> best(2 * count, 0.0), next(2 * count);
     std::vector<std::uint32_t> from(strips_.size() * 2 * count);
     since_.assign(count, strips_.front().left);
@@ -116,8 +116,8 @@ class Steps {
       }
       price(strips_[i], next);
       for (std::size_t j = 0; j < count; ++j)
-        if ((i == 0 && !ends_.lawful(false, ys_[j])) ||
-            (i + 1 == strips_.size() && !ends_.lawful(true, ys_[j])))
+        if ((i == 0 && !ends_.allows(false, ys_[j])) ||
+            (i + 1 == strips_.size() && !ends_.allows(true, ys_[j])))
           next[j] = next[count + j] = kNever;
       for (std::size_t j = 0; j < best.size(); ++j) best[j] += next[j];
     }
@@ -138,13 +138,13 @@ class Steps {
   }
 
  private:
-  // What each height costs in a strip: its width, where a tab finds room below or above.
+  // The cost of each height in a strip: the strip's width where a tab has room below or above.
   void price(const Strip& strip, std::vector<double>& out) {
     const std::size_t count = ys_.size();
     const double width = strip.right - strip.left;
     const double need = limits_.tabs.min_depth_mm + limits_.tabs.clearance_mm;
     const double full = limits_.tabs.depth_mm + limits_.tabs.clearance_mm;
-    double reached = -1e300;  // end of all lines that begin above
+    double reached = -1e300;  // lower end of all lines that begin above
     std::size_t next = 0;
     for (std::size_t j = 0; j < count; ++j) {
       const double y = ys_[j];
@@ -157,19 +157,19 @@ class Steps {
         out[j] = out[count + j] = above > kOn && below > kOn ? 0.0 : kNever;
         continue;
       }
-      const bool lawful = above >= limits_.min_panel_mm && below >= limits_.min_panel_mm &&
-                          std::max(above, below) >= need && !banned(strip, y);
+      const bool valid = above >= limits_.min_panel_mm && below >= limits_.min_panel_mm &&
+                         std::max(above, below) >= need && !banned(strip, y);
       const auto with = [&](double room) {
-        return lawful && room >= need ? width * (1.3 - 0.3 * std::min(1.0, room / full)) : kNever;
+        return valid && room >= need ? width * (1.3 - 0.3 * std::min(1.0, room / full)) : kNever;
       };
       out[j] = with(below);
       out[count + j] = with(above);
     }
   }
 
-  // A stretch of glue ends where a line runs along the strip's right side: at that height no way is
-  // lawful whose stretch, over one strip or several, was too short for a tab. Ways change their
-  // height only where stretches end, so that each has been at one height all along.
+  // A glued stretch ends where a line runs along the strip's right side. At that height no path is
+  // valid whose stretch, over one or more strips, was too short for a tab. Paths change their
+  // height only where stretches end, so each has been at one height since its stretch began.
   void end_stretches(const Strip& strip, bool last, std::vector<double>& best) {
     const std::size_t count = ys_.size();
     std::size_t next = 0;
@@ -190,7 +190,7 @@ class Steps {
     });
   }
 
-  // From one strip to the next: straight on, or along a cut to any height that it reaches.
+  // From one strip to the next: straight on, or along a cut to any height that the cut reaches.
   void step_over(const Strip& before, std::vector<double>& best, std::uint32_t* from) const {
     const std::size_t count = ys_.size();
     for (std::size_t j = 0; j < best.size(); ++j) from[j] = static_cast<std::uint32_t>(j);
@@ -224,8 +224,8 @@ class Steps {
   const ColumnEnds& ends_;
   std::vector<Strip> strips_;
   std::vector<double> ys_;
-  std::vector<double> since_;  // where the stretch at each height begins
-  std::vector<bool> paper_;    // whether there is any at each height of the strip
+  std::vector<double> since_;  // start of the stretch at each height
+  std::vector<bool> paper_;    // whether each height of the strip has paper
 };
 
 }  // namespace
@@ -241,8 +241,8 @@ SteppedRows find_stepped(LineIndex& lines, const SearchLimits& limits, const Col
   if (inner <= 0.0) return found;
   const auto least = static_cast<std::size_t>(std::ceil(height / inner - 1e-9));
   for (std::size_t count = std::max<std::size_t>(least, 2); count <= least + 3; ++count) {
-    // A band for each seam, such that no two that follow each other can be more than `inner` apart:
-    // about equal shares, or full pieces as far as they go.
+    // One band per seam; two neighbouring seams can never be more than `inner` apart. The bands
+    // make about equal pieces, or full pieces and a rest.
     const double share = limits.full ? 0.8 * inner : height / static_cast<double>(count);
     const double half = limits.full ? 0.1 * inner : (inner - share) / 2;
     const double shift = limits.full ? half : 0.0;

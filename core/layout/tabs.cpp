@@ -9,10 +9,9 @@
 namespace popcut {
 namespace {
 
-constexpr double kLeastTop = 1.0;  // mm; a narrower trapezoid is made a triangle
+constexpr double kLeastTop = 1.0;  // mm; a tab with a narrower top becomes a triangle
 
-// Whether some line square to an edge of `a` has all of `a` on one side and all of `b` on the
-// other, at least `gap` apart.
+// Whether a line perpendicular to an edge of `a` separates `a` from `b` by at least `gap`.
 bool parted(const Tab& a, const Tab& b, double gap) {
   for (std::size_t i = 0; i < 4; ++i) {
     const PagePoint& p = a.corners[i];

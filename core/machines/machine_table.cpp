@@ -13,7 +13,7 @@
 namespace popcut {
 namespace {
 
-constexpr double kMaxLength = 100'000.0;  // mm; nothing that is cut is longer than 100 m
+constexpr double kMaxLength = 100'000.0;  // mm; no sheet is longer than 100 m
 
 SteppedScale read_scale(FieldReader& fields) {
   SteppedScale scale;
@@ -58,7 +58,7 @@ void read_place(FieldReader& fields, Machine& machine) {
   machine.y_up = fields.boolean("y_up", false);
 }
 
-// A variant of GPGL, or habits of an HPGL machine: words joined by "+".
+// A variant of GPGL, or the variants of an HPGL machine: words joined by "+".
 void read_variant(FieldReader& fields, Machine& machine) {
   machine.variant = fields.text("variant", {});
   const bool hpgl = machine.language == "hpgl";
@@ -70,9 +70,9 @@ void read_variant(FieldReader& fields, Machine& machine) {
     if (more) rest.remove_prefix(word.size() + 1);
     if (std::find(known.begin(), known.end(), word) != known.end()) continue;
     fields.refuse("variant", ErrorKind::OutOfRange,
-                  fmt::format("\"{}\" is not a variant of {}; {}{}", word.substr(0, 40),
+                  fmt::format("\"{}\" is not a variant of {}; use {}{}", word.substr(0, 40),
                               hpgl ? "HPGL" : "GPGL", fmt::join(known, ", "),
-                              hpgl ? " are known, joined by +" : " are known"));
+                              hpgl ? " (join several with +)" : ""));
     return;
   }
 }

@@ -49,7 +49,7 @@ void read_folds(FieldReader& fields, Material& material) {
                        (material.folds == FoldMode::Light && !material.light);
   if (missing)
     fields.refuse("folds", ErrorKind::Malformed,
-                  fmt::format("is {0}, which needs the settings \"{0}\" of this material",
+                  fmt::format("is {0}, but this material has no settings \"{0}\"; add them",
                               fold_mode_name(material.folds)));
 }
 

@@ -12,9 +12,9 @@ namespace popcut {
 namespace {
 
 constexpr double kSamePlace = 1e-9;       // mm
-constexpr double kSwivelTurnCos = 0.866;  // turns beyond 30 degrees are corners for the firmware
+constexpr double kSwivelTurnCos = 0.866;  // cos 30 degrees: the firmware stops at sharper turns
 
-// A path's speeds, kept from stroke to stroke so that nothing is allocated for each.
+// The speeds along a path. The buffer is reused for all strokes, so none of them allocates.
 class PathTimer {
  public:
   explicit PathTimer(const Motion& motion) : motion_(motion) {}

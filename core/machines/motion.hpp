@@ -8,46 +8,46 @@
 
 namespace popcut {
 
-/// The one model of how machines move: times of plans and the simulated cutter both use it.
+/// How machines move. Plans take their times from this model and the simulated cutter moves by it.
 
-/// Fastest way through a corner so that the path leaves it by at most c = `corner_mm`: v^2 = a c s
-/// / (1 - s), s the sine of half the angle between the legs (junction deviation). Infinite straight
-/// on, 0 where the way turns back.
+/// Highest speed through a corner at which the path stays within c = `corner_mm` of it (junction
+/// deviation): v^2 = a c s / (1 - s), with s the sine of half the angle between the legs. Infinite
+/// for a straight line, 0 where the path turns back. In mm/s.
 ///
 /// @param turn_cos  cosine of the change of direction: 1 straight on, -1 back
 [[nodiscard]] double corner_speed(double turn_cos, const Motion& motion);
 
-/// Seconds over `mm` from speed `entry` to speed `exit`, at most `most`, all in mm/s: speed up,
-/// hold, slow down. The two ends must be within reach of each other.
+/// Seconds to cover `mm` while going from speed `entry` to speed `exit`, never faster than `most`
+/// (all mm/s): accelerate, hold, brake. `exit` must be reachable from `entry` within `mm`.
 [[nodiscard]] double leg_seconds(double mm, double entry, double exit, double most,
                                  double accel_mm_s2);
 
-/// Seconds that the firmware takes to turn a blade of this offset at a corner: turns beyond 30
-/// degrees stop the tool and swing its tip round; 0 below.
+/// Seconds that the firmware takes to turn a blade of this offset at a corner. At turns of more
+/// than 30 degrees it stops the tool and swings the blade's tip round; at others this is 0.
 [[nodiscard]] double swivel_seconds(double turn_cos, double blade_offset_mm, const Motion& motion);
 
-/// Cosine of the change of direction at q on the way p, q, r; 1 where two of them are one.
+/// Cosine of the change of direction at q on the path p, q, r; 1 if two of these points coincide.
 [[nodiscard]] double turn_cos(const PagePoint& p, const PagePoint& q, const PagePoint& r);
 
-/// Seconds for a path that starts and ends at rest, at most `speed_mm_s` fast.
+/// Seconds for a path that starts and ends at rest and never exceeds `speed_mm_s`.
 ///
-/// Constant acceleration a; corners at `corner_speed`, at a stop where the firmware turns a blade
-/// of `swivel_offset_mm` (0: none). One backward pass v_i = min(corner_i, sqrt(v_(i+1)^2 + 2 a
-/// l_i)) and one forward pass make it O(n).
+/// Acceleration a is constant. The path passes corners at `corner_speed` and stops where the
+/// firmware turns a blade of `swivel_offset_mm` (0: none). O(n): one backward pass v_i =
+/// min(corner_i, sqrt(v_(i+1)^2 + 2 a l_i)), then one forward pass.
 [[nodiscard]] double path_seconds(std::span<const PagePoint> path, double speed_mm_s,
                                   const Motion& motion, double swivel_offset_mm = 0.0);
 
 /// Seconds for a straight move of `mm` with the tool up, from rest to rest.
 [[nodiscard]] double travel_seconds(double mm, const Motion& motion);
 
-/// Blades that the firmware turns at corners.
+/// The blades that the firmware turns at corners.
 struct FirmwareSwivel {
   double offset_mm{};
   std::uint16_t blade_tools{};  ///< bit n: tool holder n holds a blade
 };
 
-/// Seconds for all strokes of `path` with the ways between them, tool down and up each time;
-/// without the way from and to home.
+/// Seconds for all strokes of `path` and the moves between them. Each stroke includes lowering and
+/// lifting the tool. The moves from and to home are not included.
 [[nodiscard]] double strokes_seconds(const Toolpath& path, const Motion& motion,
                                      const FirmwareSwivel& swivel = {});
 

@@ -33,9 +33,9 @@ Result<TableRow> inherited(TableRow row, std::vector<TableRow>& rows) {
   if (base == nullptr) {
     std::vector<std::string> names;
     for (const TableRow& other : rows) names.push_back(other.name);
-    return fail(ErrorKind::Malformed, place,
-                fmt::format("there is no row {} before this one; {}", base_name,
-                            suggestion(base_name, names)));
+    return fail(
+        ErrorKind::Malformed, place,
+        fmt::format("no earlier row is called {}; {}", base_name, suggestion(base_name, names)));
   }
   nlohmann::json merged = base->row;
   merged.erase("source");
@@ -69,7 +69,8 @@ Result<void> append(std::vector<TableRow>& rows, std::string_view list, std::str
     TableRow row{"", fmt::format("{}/{}", pointer, i), table, (*found)[i]};
     FieldReader head(row.row, row.pointer);
     row.name = head.text("name", std::nullopt);
-    if (row.name.empty()) head.refuse("name", ErrorKind::Malformed, "is empty; must be a word");
+    if (row.name.empty())
+      head.refuse("name", ErrorKind::Malformed, "is empty; give the row a name");
     for (const auto& field : row.row.items()) head.value(field.key());
     if (auto named = head.finish(); !named) return named;
     auto whole_row = inherited(std::move(row), rows);

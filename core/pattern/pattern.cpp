@@ -26,7 +26,7 @@ std::vector<std::array<double, 3>> posed_vertices(const Pattern& pattern, double
   out.reserve(pattern.vertices.size());
   for (const PatternVertex& p : pattern.vertices) out.push_back(posed(p, psi_rad));
   for (const VFold& fold : pattern.v_folds) {
-    // From the apex along the crease, and up on the bisector of the two panels.
+    // From the apex along the crease, and up along the bisector of the two panels.
     const double theta = splay_rad(fold.alpha, psi_rad);
     const double up = fold.length_mm * std::sin(theta);
     const auto& o = out[fold.apex];

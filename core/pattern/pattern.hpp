@@ -11,22 +11,22 @@ namespace popcut {
 
 /// What an edge of a pattern is.
 enum class EdgeRole : std::uint8_t {
-  Mountain,  ///< fold, horizontal then vertical going outward; FOLD angle -(pi - psi)
-  Valley,    ///< fold, vertical then horizontal (the spine too); FOLD angle +(pi - psi)
+  Mountain,  ///< fold from horizontal to vertical going outward; FOLD angle -(pi - psi)
+  Valley,    ///< fold from vertical to horizontal, also the spine; FOLD angle +(pi - psi)
   Slit,      ///< one side of a cut inside the sheet
   Outline,   ///< the sheet's own border
 };
 
-/// A vertex of the pattern by its place in the designed (psi = pi/2) pose, in mm. The same three
-/// numbers give the sheet and every pose (design reference, section 2): on the sheet it lies at
-/// `(u, v) = (x + (wall - z), v)`, deployed at `(x + z cos psi, v, z sin psi)`.
+/// A vertex of the pattern by its place in the designed pose (psi = pi/2), in mm. The same three
+/// numbers give its place on the sheet and in every pose (design reference, section 2): on the
+/// sheet it is at `(u, v) = (x + (wall - z), v)`, opened to psi at `(x + z cos psi, v, z sin psi)`.
 struct PatternVertex {
   double x{};
   double z{};
   double v{};
 };
 
-/// An edge between two vertices, with the faces to its left and right in `(u, v)`, -1 for none.
+/// An edge between two vertices, and the faces to its left and right in `(u, v)`; -1: none.
 struct PatternEdge {
   std::uint32_t from{};
   std::uint32_t to{};
@@ -35,26 +35,26 @@ struct PatternEdge {
   EdgeRole role{};
 };
 
-/// A straight line on the sheet, in mm: what a person cuts or folds, each once.
+/// A straight line on the sheet, in mm, to cut or fold. Each line occurs once.
 struct SheetLine {
   double u0{}, v0{};
   double u1{}, v1{};
   EdgeRole role{};
 };
 
-/// A V-fold on a valley crease (design reference, section 7): from the apex O two triangles reach
+/// A V-fold on a valley crease (design reference, section 7): two triangles reach from the apex O
 /// `length_mm` along the crease to its tip A and `alpha` times that to either side.
 struct VFold {
   std::uint32_t apex{};    ///< O, on the crease
-  std::uint32_t tip{};     ///< A as the triangles have it; it leaves the crease when the card opens
+  std::uint32_t tip{};     ///< A on the triangles; it leaves the crease when the card opens
   std::uint32_t edge_b{};  ///< fold O-B on the upright panel
   std::uint32_t edge_c{};  ///< fold O-C on the level panel
   double length_mm{};      ///< w
   double alpha{};          ///< tan of the splay angle
 };
 
-/// A stretch of the sheet's own edge that is glued to another pattern's (design reference, section
-/// 5): the line from (u0_mm, v_mm) to (u1_mm, v_mm), a margin on either side of it.
+/// A stretch of the sheet's own edge that is glued to another pattern (design reference, section
+/// 5): the line from (u0_mm, v_mm) to (u1_mm, v_mm), with a margin on either side of it.
 struct Seam {
   std::int32_t id{};     ///< number of the seam, the same on both patterns
   std::int32_t other{};  ///< index of the pattern on the other side
@@ -62,27 +62,28 @@ struct Seam {
   double u0_mm{}, u1_mm{};
 };
 
-/// Where the corner (u, v) = (0, 0) of a pattern lies in a whole that is put together from several.
+/// Where the corner (u, v) = (0, 0) of a pattern lies in the whole made of several patterns.
 struct PatternPlace {
   double u_mm{}, v_mm{};
 };
 
-/// A single-sheet cut-fold pattern, flat and in split form: along a cut each side has vertices of
-/// its own, so that faces on either side can part. Vertices where a cut ends are shared.
+/// A single-sheet cut-and-fold pattern, flat and in split form: each side of a cut has its own
+/// vertices, so that the faces on both sides can separate. The sides share the vertices where a cut
+/// ends.
 struct Pattern {
   std::string name;
   double wall_mm{};    ///< H: the spine lies at u = wall_mm
   double ground_mm{};  ///< D: with a card the sheet is [0, H + D] x [0, width_mm]
   double width_mm{};   ///< W, along the spine
-  bool card{true};     ///< false: the union of the strips, without wall and ground
+  bool card{true};     ///< false: only the strips, without wall and ground
   std::vector<PatternVertex> vertices;
   std::vector<PatternEdge> edges;
   std::vector<std::uint32_t> face_first;     ///< faces + 1 offsets into `face_vertices`
   std::vector<std::uint32_t> face_vertices;  ///< counter-clockwise in (u, v)
   std::vector<VFold> v_folds;
-  std::vector<Seam> seams;  ///< none where the pattern is the whole
+  std::vector<Seam> seams;  ///< empty if the pattern is the whole
   PatternPlace place;
-  std::vector<SheetLine> lines;  ///< folds, slits and the outline, each line once, unsplit
+  std::vector<SheetLine> lines;  ///< folds, slits and the outline, each once and not split
 
   [[nodiscard]] std::size_t faces() const { return face_first.empty() ? 0 : face_first.size() - 1; }
   [[nodiscard]] std::span<const std::uint32_t> face(std::size_t i) const {
@@ -92,22 +93,24 @@ struct Pattern {
   [[nodiscard]] double u(const PatternVertex& p) const { return p.x + (wall_mm - p.z); }
 };
 
-/// Where `p` lies when the card is opened to `psi_rad` (pi is flat, pi/2 the designed shape, 0
-/// shut), as (x, v, z) in mm: main text eq. 1 summed over the chain. Not for the tip of a V-fold.
+/// Where `p` lies when the card is opened to `psi_rad` (pi: flat, pi/2: the designed shape, 0:
+/// shut), as (x, v, z) in mm: main text eq. 1 summed over the chain. Not valid for the tip of a
+/// V-fold.
 [[nodiscard]] std::array<double, 3> posed(const PatternVertex& p, double psi_rad);
 
-/// All vertices at `psi_rad`, the tips of V-folds where they have popped to.
+/// All vertices at `psi_rad`, including the tips of V-folds in their popped positions; (x, v, z) in
+/// mm.
 [[nodiscard]] std::vector<std::array<double, 3>> posed_vertices(const Pattern& pattern,
                                                                 double psi_rad);
 
 /// The angle between a V-fold's centre fold and its crease at `psi_rad`, in rad: 2 atan(alpha
-/// cos(psi/2)), section 7 (S3 has it as an arc tangent of a quotient, which jumps at pi/2).
+/// cos(psi/2)), section 7. (S3 gives it as an arc tangent of a quotient, which jumps at pi/2.)
 [[nodiscard]] double splay_rad(double alpha, double psi_rad);
 
 /// FOLD angle of an edge in degrees at `psi_rad`: + for a valley, - for a mountain, 0 for a border.
 [[nodiscard]] double fold_angle_deg(EdgeRole role, double psi_rad);
 
-/// FOLD angles of all edges: those of the V-folds' side folds are 2 atan(sqrt(1 + alpha^2)
+/// FOLD angles of all edges in degrees. The side folds of V-folds have 2 atan(sqrt(1 + alpha^2)
 /// cot(psi/2)).
 [[nodiscard]] std::vector<double> fold_angles_deg(const Pattern& pattern, double psi_rad);
 

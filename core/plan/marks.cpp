@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kInsetMm = 10;
 constexpr double kFarInsetMm = 30;
-constexpr double kLeastMm = 60;  // arms of 20 mm from both sides, and some room
+constexpr double kLeastMm = 60;  // two arms of 20 mm and space between them
 
 Result<void> check_shape(const MarkLayout& m) {
   const bool finite = std::isfinite(m.left_mm) && std::isfinite(m.top_mm) &&
@@ -23,10 +23,11 @@ Result<void> check_shape(const MarkLayout& m) {
   const bool marks = m.arm_mm > 0 && m.line_mm > 0 && m.line_mm < m.arm_mm && m.square_mm > 0 &&
                      m.square_mm <= m.arm_mm && m.search_mm >= 0 && m.search_mm < 100;
   if (finite && sized && marks) return {};
-  return fail(ErrorKind::OutOfRange, "marks",
-              fmt::format("a rectangle of {:g} x {:g} mm with arms of {:g} mm; it must be at least "
-                          "twice as long as the arms",
-                          m.width_mm, m.height_mm, m.arm_mm));
+  return fail(
+      ErrorKind::OutOfRange, "marks",
+      fmt::format("the marks' rectangle is {:g} x {:g} mm with arms of {:g} mm; make both sides at "
+                  "least twice as long as the arms",
+                  m.width_mm, m.height_mm, m.arm_mm));
 }
 
 }  // namespace
@@ -39,14 +40,14 @@ Result<MarkLayout> marks_for(std::array<double, 2> page_mm) {
   if (marks.width_mm >= kLeastMm && marks.height_mm >= kLeastMm) return marks;
   return fail(
       ErrorKind::Infeasible, "marks",
-      fmt::format("a page of {:g} x {:g} mm has no room for registration marks; it takes {:g} "
+      fmt::format("a page of {:g} x {:g} mm is too small for registration marks; use at least {:g} "
                   "x {:g} mm",
                   page_mm[0], page_mm[1], kLeastMm + 2 * kInsetMm,
                   kLeastMm + kInsetMm + kFarInsetMm));
 }
 
 Result<void> check_marks(const MarkLayout& marks, const Toolpath& path) {
-  if (auto lawful = check_shape(marks); !lawful) return lawful;
+  if (auto valid = check_shape(marks); !valid) return valid;
   const double right = marks.left_mm + marks.width_mm;
   const double bottom = marks.top_mm + marks.height_mm;
   const auto hits = [](PagePoint p, double x0, double y0, double x1, double y1) {
@@ -60,8 +61,8 @@ Result<void> check_marks(const MarkLayout& marks, const Toolpath& path) {
       if (p.x < marks.left_mm - kNoise || p.x > right + kNoise || p.y < marks.top_mm - kNoise ||
           p.y > bottom + kNoise)
         return fail(ErrorKind::Infeasible, place,
-                    fmt::format("({:.1f}, {:.1f}) mm lies outside the registration marks, where "
-                                "nothing is cut; they go from ({:g}, {:g}) to ({:g}, {:g}) mm",
+                    fmt::format("({:.1f}, {:.1f}) mm lies outside the registration marks; keep all "
+                                "lines between ({:g}, {:g}) and ({:g}, {:g}) mm",
                                 p.x, p.y, marks.left_mm, marks.top_mm, right, bottom));
       const bool on_mark =
           hits(p, marks.left_mm, marks.top_mm, marks.left_mm + square, marks.top_mm + square) ||

@@ -15,10 +15,12 @@
 namespace popcut {
 namespace {
 
-constexpr double kRollMargin = 10.0;  // mm of roll after the drawing, more than any blade's offset
-constexpr double kBandMm = 20.0, kCornerDeg = 60.0;  // without a mat
+// How a job without a mat is ordered.
+constexpr double kBandMm = 20.0, kCornerDeg = 60.0;
+// Roll left after the drawing, mm; more than any blade's offset.
+constexpr double kRollMargin = 10.0;
 
-// The name of a mat of the machine that holds a drawing of this size whole; empty: none does.
+// The name of the machine's first mat that holds all of a drawing of this size; empty if none does.
 std::string mat_for(const Machine& machine, const Box& box) {
   for (const Mat& other : machine.mats) {
     const auto reach = reach_mm(machine, other);
@@ -29,49 +31,50 @@ std::string mat_for(const Machine& machine, const Box& box) {
   return {};
 }
 
-// The error of `place` with what the user can do about it.
+// Adds to the error of `place` what the user can do about it.
 Error with_advice(Error error, const Machine& machine, const Mat& mat, const Box& box,
                   const PlanOptions& options) {
   if (error.kind != ErrorKind::Infeasible || options.place.at) return error;
-  std::string advice = "leave `no-split` out to split it, ";
+  std::string advice = "omit `no-split` to split it, ";
   if (const std::string other = mat_for(machine, box); !other.empty())
     advice += fmt::format("use `mat` {}, ", other);
-  advice += "scale it down, take a larger machine, or cut off what lies outside with `clip`";
+  advice += "scale it down, use a larger machine, or use `clip` to drop what lies outside";
   const auto reach = reach_mm(machine, mat);
-  error.detail =
-      fmt::format("pattern is {:.1f} x {:.1f} mm, the {} mat{} holds {:.1f} x {:.1f} mm; {}",
-                  box.width(), box.height(), machine.name, mat.name.empty() ? "" : " " + mat.name,
-                  reach[0], reach[1], advice);
+  error.detail = fmt::format(
+      "the pattern is {:.1f} x {:.1f} mm, but the {} mat{} holds {:.1f} x {:.1f} mm; {}",
+      box.width(), box.height(), machine.name, mat.name.empty() ? "" : " " + mat.name, reach[0],
+      reach[1], advice);
   return error;
 }
 
 Result<void> check_amount(const LineWork& work, const DashShape& shape) {
   if (work.lines.empty())
     return fail(ErrorKind::OutOfRange, "",
-                fmt::format("the drawing has no line to cut or fold; one at least is due{}{}",
-                            work.warnings.empty() ? "" : "; what it has: ",
+                fmt::format("the drawing has no line to cut or fold; it needs at least one{}{}",
+                            work.warnings.empty() ? "" : "; while reading: ",
                             fmt::join(work.warnings, "; ")));
   if (work.points.size() > kMaxDrawnPoints)
-    return fail(
-        ErrorKind::OutOfRange, "",
-        fmt::format("the drawing has {} points; at most {}", work.points.size(), kMaxDrawnPoints));
+    return fail(ErrorKind::OutOfRange, "",
+                fmt::format("the drawing has {} points; the limit is {}", work.points.size(),
+                            kMaxDrawnPoints));
   double folds = 0.0;
   for (const PagePoint& p : work.points)
     if (!(std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate))
-      return fail(
-          ErrorKind::OutOfRange, "",
-          fmt::format("a point lies at {:g},{:g} mm; at most 100 m from the origin", p.x, p.y));
+      return fail(ErrorKind::OutOfRange, "",
+                  fmt::format("a point lies at {:g},{:g} mm; it must be within 100 m of the origin",
+                              p.x, p.y));
   for (const DrawnLine& line : work.lines)
     if (is_fold(line.operation)) folds += length(work.points_of(line));
   const double dashes = folds / (shape.dash_mm + shape.gap_mm);
   if (dashes > static_cast<double>(kMaxDrawnPoints) / 2)
     return fail(
         ErrorKind::OutOfRange, "",
-        fmt::format("{:.0f} m of folds make more dashes than can be planned", folds / 1000));
+        fmt::format("{:.0f} m of folds give too many dashes; draw fewer folds or use longer dashes",
+                    folds / 1000));
   return {};
 }
 
-// Moves a drawing that comes nearer to the border than `room` away from it; false where it cannot.
+// Moves a drawing so that it stays `room` away from the border; false if it does not fit.
 bool keep_room(Placement& placement, const LineWork& drawing, const std::array<double, 2>& reach,
                double room) {
   Box box;
@@ -82,7 +85,7 @@ bool keep_room(Placement& placement, const LineWork& drawing, const std::array<d
   return true;
 }
 
-// Where the drawing goes. The axis of a blade that popcut turns goes beyond what its tip cuts.
+// Places the drawing. Where popcut turns the blade, the axis moves beyond what the tip cuts.
 Result<Placement> find_place(const LineWork& drawing, const Machine& machine, const Mat& mat,
                              const PlanOptions& options, const std::array<double, 2>& reach,
                              double room) {
@@ -92,14 +95,16 @@ Result<Placement> find_place(const LineWork& drawing, const Machine& machine, co
   if (room > 0.0 && !options.place.clip && !keep_room(*placement, drawing, reach, room))
     return fail(
         ErrorKind::Infeasible, "",
-        fmt::format("pattern is {:.1f} x {:.1f} mm; {:.2f} mm must stay free all round for "
-                    "the offset of the blade, so the area holds {:.1f} x {:.1f} mm; scale "
-                    "it down, or take a larger area",
-                    box.width(), box.height(), room, reach[0] - 2 * room, reach[1] - 2 * room));
+        fmt::format(
+            "the pattern is {:.1f} x {:.1f} mm, but the area holds {:.1f} x {:.1f} mm, because "
+            "the blade's offset needs {:.2f} mm all around; scale the pattern down, or use a "
+            "larger area",
+            box.width(), box.height(), reach[0] - 2 * room, reach[1] - 2 * room, room));
   return placement;
 }
 
-// Folds as dashes, or as they stand where they are pressed or cut half through, or dashes already.
+// Replaces folds by dashes. Leaves them whole where they are pressed, cut half through, or dashed
+// already.
 Dashed folded(LineWork work, const DashShape& shape, FoldMode mode) {
   const bool any = std::any_of(work.lines.begin(), work.lines.end(),
                                [](const DrawnLine& line) { return is_fold(line.operation); });
@@ -120,8 +125,8 @@ Result<FoldMode> fold_mode(const Material& material, const PlanOptions& options)
       (mode == FoldMode::Score && !material.score) || (mode == FoldMode::Light && !material.light);
   if (missing)
     return fail(ErrorKind::OutOfRange, "/options/folds",
-                fmt::format("material {0} has no settings \"{1}\"; add them to your table of "
-                            "materials, or use `folds` perforate",
+                fmt::format("material {0} has no settings \"{1}\"; add them to your material "
+                            "table, or use `folds` perforate",
                             material.name, fold_mode_name(mode)));
   return mode;
 }
@@ -139,15 +144,15 @@ Ordered ordered_for(const LineWork& work, const Machine& machine, const PlanOpti
   sheet.order_finished = ordered.finished;
   if (!ordered.finished)
     warnings.push_back(fmt::format(
-        "the search for a short way was ended after {} of {} moves; on another machine, or with "
+        "the search for a short order stopped after {} of {} moves; on another machine, or with "
         "more time, the order may differ",
         ordered.moves, ordered.moves_wanted));
   if (const std::size_t late =
           how.method == OrderMethod::Keep ? outer_before_inner(work, ordered.visits) : 0;
       late > 0)
     warnings.push_back(fmt::format(
-        "the order is kept as drawn: {} strokes come after the closed line around them, which may "
-        "have moved by then",
+        "the order is kept as drawn: {} strokes come after the closed line around them, so the "
+        "paper inside may have moved by then",
         late));
   return ordered;
 }
@@ -177,7 +182,7 @@ void measure(PlannedSheet& sheet, const Machine& machine, const Material& materi
   sheet.seconds_range = {sheet.seconds * (1 - motion.spread), sheet.seconds * (1 + motion.spread)};
 }
 
-// Sheet by sheet, from lines in their places to strokes in order.
+// Plans sheet by sheet: from placed lines to strokes in order.
 class Planner {
  public:
   Planner(LineWork&& drawing, const Machine& machine, const Material& material,
@@ -200,7 +205,7 @@ class Planner {
   Result<Plan> run() {
     const std::array<double, 2> reach = reach_mm(out_.machine, mat_);
     const auto placement = find_place(drawing_, out_.machine, mat_, options_, reach, room_);
-    // Seams that were asked for are made even where the drawing would fit.
+    // Requested seams are made even if the drawing would fit.
     const bool asked = !options_.seams_x.empty() || !options_.seams_y.empty();
     const bool too_large = !placement && placement.error().kind == ErrorKind::Infeasible &&
                            placement.error().place.empty();
@@ -212,7 +217,8 @@ class Planner {
   }
 
  private:
-  // On a roll the sheet is as long as what is cut from it; so a y-up machine starts at its origin.
+  // On a roll the sheet is as long as what is cut from it, so a machine with y up starts at its
+  // origin.
   [[nodiscard]] double sheet_length(double reach, double used) const {
     const bool roll = out_.machine.mats.empty() && options_.mat.empty();
     return roll ? std::min(reach, std::ceil(used) + kRollMargin) : reach;
@@ -229,7 +235,7 @@ class Planner {
 
   Result<void> split(const std::array<double, 2>& reach) {
     LineWork work = clean(drawing_, options_.clean);
-    out_.warnings = work.warnings;  // the drawing's own and what cleaning adds
+    out_.warnings = work.warnings;  // the drawing's own warnings and those of cleaning
     LayoutOptions how;
     const PagePoint at = options_.place.at.value_or(PagePoint{});
     how.area_mm = {reach[0] - room_, reach[1] - room_};
@@ -245,7 +251,8 @@ class Planner {
       cut_marks(*layout);
     out_.warnings.insert(out_.warnings.end(), layout->warnings.begin(), layout->warnings.end());
     if (const std::string other = mat_for(out_.machine, bounds(work)); !other.empty())
-      out_.warnings.push_back(fmt::format("this drawing fits on one sheet with `mat` {}", other));
+      out_.warnings.push_back(
+          fmt::format("the drawing fits whole on `mat` {}, without splitting", other));
     std::vector<std::uint32_t> piece_of;
     for (std::uint32_t k = 0; k < layout->sheets.size(); ++k) {
       PlannedSheet sheet;
@@ -271,7 +278,7 @@ class Planner {
     const Dashed dashed = folded(std::move(work), out_.material.dashes, out_.folds);
     if (dashed.work.lines.empty())
       return fail(ErrorKind::OutOfRange, "",
-                  "nothing is left to cut; is all of it outside of the area?");
+                  "nothing is left to cut; is the whole drawing outside the area?");
     out_.warnings.insert(out_.warnings.end(), dashed.work.warnings.begin(),
                          dashed.work.warnings.end());
     sheet.fold_line_mm = dashed.fold_line_mm;

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Nanometres are plenty; more digits only make files that differ between machines.
+// Round to nanometres: more digits would only make files differ between machines.
 double rounded(double mm) { return std::round(mm * 1e6) / 1e6; }
 
 Json blade_tools(const KnifeWork& knife) {
@@ -25,7 +25,7 @@ Json blade_tools(const KnifeWork& knife) {
   return tools;
 }
 
-// Runs of one operation in the order of cutting.
+// Runs of consecutive strokes of one operation, in the order of cutting.
 Json operations(const Toolpath& path) {
   Json list = Json::array();
   for (std::size_t i = 0; i < path.strokes.size();) {
@@ -49,14 +49,14 @@ Json operations(const Toolpath& path) {
 
 Json transform_json(const Placement& t) { return {{t.xx, t.xy, t.x0}, {t.yx, t.yy, t.y0}}; }
 
-// What of the pattern is a piece's, in its own mm, without tabs.
+// A piece's part of the pattern without tabs, in pattern mm.
 Json share_json(const SheetPiece& piece) {
   Json list = Json::array();
   for (const PagePoint& p : piece.share) list.push_back({p.x, p.y});
   return list;
 }
 
-// Where a printed sheet's registration marks stand.
+// The registration marks of a printed sheet.
 Json registration_json(const std::optional<MarkLayout>& marks) {
   if (!marks) return {};
   return {{"left_mm", marks->left_mm},     {"top_mm", marks->top_mm},
@@ -65,7 +65,7 @@ Json registration_json(const std::optional<MarkLayout>& marks) {
           {"square_mm", marks->square_mm}, {"corners", marks->four_corners ? 4 : 3}};
 }
 
-// The pieces of a sheet, numbered from 1 over the whole plan.
+// The pieces of a sheet. Numbers count from 1 over the whole plan.
 Json pieces_json(const Plan& plan, const PlannedSheet& sheet) {
   Json list = Json::array();
   if (!plan.layout) list.push_back({{"piece", 1}, {"transform", transform_json(sheet.transform)}});
@@ -116,7 +116,7 @@ Json points_json(std::span<const PagePoint> points, const Placement& to_sheet) {
   return list;
 }
 
-// Lists that may be long are written an entry a line.
+// Writes long lists with one entry per line.
 std::string lines(const std::vector<Json>& entries) {
   std::string text = "[";
   for (const Json& entry : entries) {
@@ -126,7 +126,7 @@ std::string lines(const std::vector<Json>& entries) {
   return text + (entries.empty() ? "]" : "\n      ]");
 }
 
-// What splitting put on a sheet, in sheet mm.
+// Marks and borders that splitting put on a sheet, in sheet mm.
 struct SplitLists {
   std::vector<Json> tabs, seams, marks;
 };
@@ -168,7 +168,7 @@ SplitLists split_lists(const Layout& layout, const PlannedSheet& sheet) {
   return out;
 }
 
-// How the pieces come together.
+// How to glue the pieces together.
 void add_layout(const Layout& layout, Json& json) {
   Json seams = Json::array(), steps = Json::array();
   for (const PieceSeam& seam : layout.seams)
@@ -185,7 +185,7 @@ void add_layout(const Layout& layout, Json& json) {
                     {"seams", std::move(seams)},          {"steps", std::move(steps)}};
 }
 
-// There may be a hundred thousand: they are written without a tree of values.
+// There may be a hundred thousand entries, so they are written without building a JSON tree.
 std::string entries(const KnifeMarks& marks, const std::vector<KnifeMarks::Mark>& list) {
   std::string text = "[";
   for (const KnifeMarks::Mark& mark : list) {

@@ -7,7 +7,7 @@
 
 namespace popcut {
 
-/// `plan.json` of a plan: sheets with their figures in mm and seconds, warnings and seed.
+/// The text of `plan.json`: sheets with their figures in mm and seconds, warnings, and the seed.
 /// `transform` is [[xx, xy, x0], [yx, yy, y0]], from the pattern's page (x = v, y = u, mm) to the
 /// sheet.
 [[nodiscard]] std::string plan_json(const Plan& plan);

@@ -14,9 +14,9 @@
 namespace popcut {
 namespace {
 
-constexpr std::size_t kSteps = 48;       // of colour
+constexpr std::size_t kSteps = 48;       // number of colours
 constexpr double kLegendMm = 64.0;       // width
-constexpr double kLeastHeightMm = 90.0;  // that the legend takes
+constexpr double kLeastHeightMm = 90.0;  // needed by the legend
 
 using Out = std::back_insert_iterator<std::string>;
 
@@ -32,7 +32,7 @@ std::string colour_at(double t) {
   return fmt::format("#{:02x}{:02x}{:02x}", channel(0), channel(1), channel(2));
 }
 
-// Hundredths of a millimetre, without trailing zeros.
+// Appends `mm` rounded to 0.01, without trailing zeros.
 void put(std::string& svg, double mm) {
   const long long hundredths = std::llround(mm * 100);
   if (hundredths < 0) svg += '-';
@@ -101,7 +101,8 @@ void put_legend(std::string& svg, const PlannedSheet& sheet, const std::string& 
   put_text(svg, x + 8, 14 + bar, fmt::format("stroke {}, cut last", n));
   put_text(svg, x, 62, fmt::format("{} lifts", n));
   put_text(svg, x, 68, fmt::format("cut {:.0f} mm, folds {:.0f} mm", sheet.cut_mm, sheet.fold_mm));
-  put_text(svg, x, 74, fmt::format("travel {:.0f} mm (thin grey)", sheet.travel_mm));
+  put_text(svg, x, 74,
+           fmt::format("travel with the tool up {:.0f} mm (thin grey)", sheet.travel_mm));
   put_text(svg, x, 80, clock(sheet.seconds));
   put_text(svg, x, 86,
            fmt::format("{} to {}", clock(sheet.seconds_range[0]), clock(sheet.seconds_range[1])));

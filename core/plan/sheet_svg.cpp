@@ -82,7 +82,7 @@ std::string sheet_svg(const PlannedSheet& sheet, const std::string& title) {
 
 std::string assembly_svg(const Plan& plan) {
   if (plan.layout) return assembly_svg(*plan.layout, plan.whole);
-  constexpr double kBetween = 10.0;  // mm between sheets and for their names
+  constexpr double kBetween = 10.0;  // mm between sheets, with room for their names
   std::array<double, 2> size{kBetween, 0.0};
   for (const PlannedSheet& sheet : plan.sheets) {
     size[0] += sheet.area_mm[0] + kBetween;

@@ -7,14 +7,14 @@
 
 namespace popcut {
 
-/// What will be cut on one sheet, true to scale in mm: every stroke, each dash too, is a path of
-/// its own in the order of cutting (`data-order`), in a layer of its operation with
-/// `data-assignment` (M, V, C for cuts, B for the outline; score and draw by name). No line is
-/// dashed by its style. The root says `data-popcut="dashes"`: folds are dashes already.
+/// What will be cut on one sheet, true to scale in mm. Every stroke and every dash is its own path,
+/// in the order of cutting (`data-order`), in the layer of its operation and with `data-assignment`
+/// (M, V, C for cuts, B for the outline; score and draw by name). Paths have no dashed style. The
+/// root element has `data-popcut="dashes"`: the folds are dashes already.
 [[nodiscard]] std::string sheet_svg(const PlannedSheet& sheet, const std::string& title);
 
-/// How the sheets come together: what `assembly_svg` of a layout draws, or for one whole sheet its
-/// outline and its folds as lines, with its name and its place on the mat. To look at, not to cut.
+/// A picture of how the sheets come together, not for cutting: `assembly_svg` of the layout, or for
+/// an unsplit drawing each sheet's outline and folds with its name and its place on the mat.
 [[nodiscard]] std::string assembly_svg(const Plan& plan);
 
 }  // namespace popcut

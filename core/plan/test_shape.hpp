@@ -5,8 +5,8 @@
 
 namespace popcut {
 
-/// What is cut to try a material: a square of 10 mm with a triangle in it, that must fall out
-/// whole, and a fold of 10 mm beside it, that must bend and hold.
+/// A test cut for a material: a square of 10 mm with a triangle inside, which must fall out in one
+/// piece, and beside it a fold of 10 mm, which must bend without tearing.
 [[nodiscard]] LineWork test_shape();
 
 }  // namespace popcut

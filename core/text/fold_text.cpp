@@ -18,7 +18,7 @@ constexpr std::size_t kMaxClasses = 100;
 constexpr std::size_t kMaxOtherNames = 50;
 constexpr std::size_t kMaxTitle = 1000;
 
-/// What kind of value a member holds.
+/// The kind of value that a member holds.
 enum class Form { Skip, Frames, Rows, Angles, Letters, Classes, Unit, Title, Parent, Psi, Inherit };
 
 Form form_of(const std::string& key, bool top) {
@@ -46,7 +46,7 @@ FoldColumn* column_of(FrameText& frame, const std::string& key) {
 }
 
 /// Receives the parser's events and sorts them into columns. `value_depth_` is the depth of the
-/// object that holds the member being read: its value's outer list opens at that depth.
+/// object with the current member: the member's outer list opens at that depth.
 class FoldSax : public nlohmann::json_sax<Json> {
  public:
   FoldSax(std::string_view text, const FoldLimits& limits)
@@ -55,7 +55,7 @@ class FoldSax : public nlohmann::json_sax<Json> {
   }
 
   bool null() override {
-    const bool whole = is_column() && level() == 0;  // a member that is null is not there
+    const bool whole = is_column() && level() == 0;  // a member that is null counts as missing
     if (whole || form_ == Form::Unit || form_ == Form::Title) return done();
     return scalar(kNull, "null");
   }
@@ -64,7 +64,7 @@ class FoldSax : public nlohmann::json_sax<Json> {
       frame().inherit = value;
       return done();
     }
-    return form_ == Form::Skip ? scalar(0.0, "") : wrong("a truth value");
+    return form_ == Form::Skip ? scalar(0.0, "") : wrong("true or false");
   }
   bool number_integer(number_integer_t value) override {
     return scalar(static_cast<double>(value), "a number");
@@ -119,7 +119,7 @@ class FoldSax : public nlohmann::json_sax<Json> {
   std::string key_;
   FoldColumn* column_{nullptr};
   Form form_{Form::Skip};
-  std::size_t owner_{0};  ///< the frame that the member being read belongs to
+  std::size_t owner_{0};  ///< the frame of the current member
   int depth_{0};
   int value_depth_{0};
   std::size_t numbers_{0};
@@ -142,7 +142,7 @@ bool FoldSax::wrong(const char* found) {
   const char* right = "an object";
   switch (form_) {
     case Form::Skip:
-      return depth_ > 0 || stop(ErrorKind::Malformed, "/", "a FOLD file is an object");
+      return depth_ > 0 || stop(ErrorKind::Malformed, "/", "a FOLD file must be an object");
     case Form::Frames:
       right = depth_ <= 1 ? "a list of frames" : "a frame (an object)";
       break;
@@ -172,8 +172,7 @@ bool FoldSax::wrong(const char* found) {
       right = "true or false";
       break;
   }
-  return stop(ErrorKind::Malformed, place(),
-              fmt::format("{} stands here; it must be {}", found, right));
+  return stop(ErrorKind::Malformed, place(), fmt::format("is {}; it must be {}", found, right));
 }
 
 bool FoldSax::scalar(double value, const char* found) {
@@ -259,11 +258,12 @@ bool FoldSax::key(string_t& name) {
     owner.other_names.push_back(name);
   if (form_ == Form::Frames) {
     if (frames_.size() > 1)
-      return stop(ErrorKind::Malformed, "/file_frames", "the member is given twice");
+      return stop(ErrorKind::Malformed, "/file_frames", "the member occurs twice; remove one");
     in_frames_ = true;
   }
   if (column_ != nullptr && column_->present) {
-    return stop(ErrorKind::Malformed, owner.place + "/" + name, "the member is given twice");
+    return stop(ErrorKind::Malformed, owner.place + "/" + name,
+                "the member occurs twice; remove one");
   }
   return true;
 }
@@ -322,16 +322,15 @@ bool FoldSax::parse_error(std::size_t position, const std::string&,
     reason.erase(0, from + 2);
   if (reason.size() > 160) reason.resize(160);
   return stop(ErrorKind::Malformed, fmt::format("line {}, column {}", line, column),
-              "the text is not JSON: " + reason);
+              "is not JSON: " + reason);
 }
 
 }  // namespace
 
 Result<std::vector<FrameText>> read_fold_text(std::string_view text, const FoldLimits& limits) {
   if (text.size() > limits.bytes) {
-    return fail(
-        ErrorKind::OutOfRange, "",
-        fmt::format("the text has {} bytes; at most {} are read", text.size(), limits.bytes));
+    return fail(ErrorKind::OutOfRange, "",
+                fmt::format("the text has {} bytes; the limit is {}", text.size(), limits.bytes));
   }
   FoldSax sax(text, limits);
   if (!Json::sax_parse(text, &sax)) return tl::unexpected<Error>(std::move(sax.error));

@@ -11,13 +11,13 @@
 
 namespace popcut {
 
-/// One array of a frame as it stands in the file, in flat form. Null entries are NaN.
+/// One array of a frame, flattened. Null entries are NaN.
 struct FoldColumn {
   bool present{false};
-  std::vector<double> number;            ///< all numbers, in order; an assignment is its letter
-  std::vector<std::uint32_t> row_first;  ///< lists of lists: where each row begins
+  std::vector<double> number;            ///< all numbers in order; assignments as letters
+  std::vector<std::uint32_t> row_first;  ///< for lists of lists: where each row begins
 
-  /// Rows of a list of lists.
+  /// Number of rows of a list of lists.
   [[nodiscard]] std::size_t rows() const { return row_first.size(); }
   [[nodiscard]] std::size_t row_begin(std::size_t row) const { return row_first[row]; }
   [[nodiscard]] std::size_t row_end(std::size_t row) const {
@@ -31,25 +31,25 @@ struct FrameText {
   FoldColumn vertices_coords;
   FoldColumn edges_vertices;
   FoldColumn edges_assignment;
-  FoldColumn edges_fold_angle;  ///< `edges_foldAngle`, or `edges_foldAngles` as 1.0 named it
+  FoldColumn edges_fold_angle;  ///< `edges_foldAngle`, or `edges_foldAngles` of FOLD 1.0
   FoldColumn faces_vertices;
   std::vector<std::string> classes;
   std::string unit;
   std::string title;                     ///< `frame_title`
   std::string file_title;                ///< of the key frame only
-  std::vector<std::string> other_names;  ///< members that are not FOLD's, the first few
+  std::vector<std::string> other_names;  ///< the first few members that are not FOLD's
   std::optional<double> parent;
   std::optional<double> psi_rad;  ///< `frame_popcut:psi_rad`
   bool inherit{false};
 };
 
-/// What a FOLD file may take; checked before the memory is taken.
+/// Limits on a FOLD file, checked before the memory is allocated.
 struct FoldLimits {
   std::size_t bytes{std::size_t{1} << 28};  ///< of the text
-  std::size_t numbers{32'000'000};          ///< numbers, and rows, of all members
-  std::size_t frame_bytes{400u << 20};      ///< of all frames in memory, with what they inherit
+  std::size_t numbers{32'000'000};          ///< numbers and rows, over all members
+  std::size_t frame_bytes{400u << 20};      ///< memory of all frames, with inherited members
 
-  /// All of them times `factor`.
+  /// All limits times `factor`.
   [[nodiscard]] FoldLimits raised(unsigned factor) const {
     return {bytes * factor, numbers * factor, frame_bytes * factor};
   }
@@ -64,8 +64,8 @@ inline constexpr std::size_t kMaxFoldFrames = 10'000;
 /// Reads without building a tree of it: memory stays within a few times
 /// the text. Frame 0 is the key frame, the others are `file_frames` in order.
 ///
-/// @retval Malformed   not JSON (with line and column), nested too deep, or a member that has
-///                     another type than FOLD 1.2 gives it (with JSON pointer)
+/// @retval Malformed   not JSON (with line and column), nested too deep, or a member of another
+///                     type than in FOLD 1.2 (with JSON pointer)
 /// @retval OutOfRange  over a limit, or more than `kMaxFoldFrames` frames
 [[nodiscard]] Result<std::vector<FrameText>> read_fold_text(std::string_view text,
                                                             const FoldLimits& limits = {});

@@ -16,47 +16,48 @@
 
 namespace popcut::verify {
 
-/// How far numbers may be off. Popcut writes enough digits for a millionth of a millimetre; files
-/// from elsewhere are rounded, so they are measured against their own size.
+/// How far numbers may be off. popcut writes enough digits for a millionth of a millimetre. Files
+/// from other programs are rounded, so their limits depend on their size.
 struct Limits {
-  double slack_mm{1e-6};  ///< places closer than this are the same
+  double slack_mm{1e-6};  ///< points closer than this are the same
   double isometry_mm{1e-6};
   double angle_deg{1e-4};
 };
 
-/// Limits for a file, by the size of what its edges draw (vertices of no edge do not count).
+/// Limits for a file, by the size of what its edges draw (ignoring vertices without edges).
 [[nodiscard]] Limits limits_of(const FoldModel& file);
 
-/// A pattern with all that is known about it so far.
+/// A pattern, with everything known about it so far.
 struct Subject {
   FoldModel file;
-  bool page{};  ///< places of a drawing are told as x and y
+  bool page{};  ///< a drawing: report places as x and y
   Limits limits;
   Sheet sheet;
   Panels panels;
   Triangles triangles;
-  std::vector<PoseMotion> motions;      ///< one a pose
-  std::optional<Opening> opening;       ///< where the file had no opened pose
-  std::optional<std::size_t> count_in;  ///< the pose in which freedoms are counted
+  std::vector<PoseMotion> motions;      ///< one per pose
+  std::optional<Opening> opening;       ///< set if the file had no opened pose
+  std::optional<std::size_t> count_in;  ///< the pose in which to count degrees of freedom
   Mobility mobility;                    ///< in that pose
 };
 
-/// "WHAT near" a place on the sheet, in the words of who drew it.
+/// "WHAT near" a place on the sheet, in the coordinates of the file's author.
 [[nodiscard]] std::string near_place(const Subject& subject, const char* what, Vec2 p);
 
+/// An empty check with a name.
 [[nodiscard]] VerifyCheck named(const char* name);
 
-/// The bent pose to count freedoms in: no fold near flat or shut first, then the nearest to 1.1
-/// rad.
+/// The pose in which to count degrees of freedom: one with bent folds, preferably without folds
+/// near flat or shut, then the one nearest to psi = 1.1 rad.
 [[nodiscard]] std::optional<std::size_t> pose_to_count_in(const Subject& subject);
 
-/// The fold angle in degrees that the key frame lists for the driving fold, without its sign, where
-/// it says how far the pattern opens: more than 1 and less than 179.
+/// The size of the driving fold's angle in the key frame, in degrees. None unless it says how far
+/// the pattern opens: more than 1 and less than 179.
 [[nodiscard]] std::optional<double> listed_drive_deg(const Subject& subject);
 
-/// `faces` has what making the sheet found. Adds the checks `pieces`, `faces`, `lines`, `tiling`.
+/// Adds the checks `pieces`, `faces`, `lines`, `tiling`. `faces` holds what `make_sheet` found.
 void judge_flat_sheet(Subject& subject, VerifyCheck faces, VerifyReport& report);
-/// How the pattern was opened, where it had to be. Adds `opening`.
+/// Adds `opening`: how the pattern was opened, if that was necessary.
 void judge_opening(const Subject& subject, VerifyReport& report);
 /// Adds `isometry`.
 void judge_motion(const Subject& subject, VerifyReport& report);

@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kRightAngle_rad = std::numbers::pi / 2.0;
 
-/// The pose whose fold angles the key frame lists: the right angle, else of those that inherit them
-/// the one that fits best. Of poses that the solver made, the one with the listed driving angle; a
-/// sheet of several freedoms need not go there.
+/// The pose to which the key frame's fold angles belong: the right angle, else the best fitting
+/// pose that inherits them. Among the solver's poses it is the one with the listed driving angle; a
+/// sheet with several degrees of freedom may not pass it.
 std::optional<std::size_t> pose_of_key_angles(const Subject& subject) {
   std::optional<std::size_t> best;
   if (subject.opening) {
@@ -49,7 +49,7 @@ std::optional<std::size_t> pose_of_key_angles(const Subject& subject) {
   return best;
 }
 
-/// The size of the fold angle that half of the folds' length has or falls short of, in degrees.
+/// The length-weighted median of the folds' absolute angles, in degrees.
 double middle_angle_deg(const Subject& subject, const PoseMotion& motion) {
   std::vector<std::pair<double, double>> folds;  // angle and length
   double whole = 0.0;
@@ -68,8 +68,8 @@ double middle_angle_deg(const Subject& subject, const PoseMotion& motion) {
   return 0.0;
 }
 
-/// Do frames that tell their opening angle show it? It is pi less the angle of the driving fold,
-/// and on a lattice less that of most of its folds.
+/// Checks the opening angles that frames state. The opening angle is pi minus the driving fold's
+/// angle; on a lattice, minus the angle of most folds.
 void check_opening_angles(const Subject& subject, VerifyCheck& check) {
   const auto driver = driving_hinge(subject.file, subject.sheet);
   if (!driver) return;
@@ -77,18 +77,19 @@ void check_opening_angles(const Subject& subject, VerifyCheck& check) {
     const Pose& pose = subject.file.poses[k];
     if (!pose.psi_rad || pose.opened) continue;
     const PoseMotion& motion = subject.motions[k];
-    const double told_deg = (std::numbers::pi - *pose.psi_rad) * kDegrees;
+    const double stated_deg = (std::numbers::pi - *pose.psi_rad) * kDegrees;
     const double shown_deg = std::abs(motion.hinge_angle_deg[*driver]);
     const double limit = subject.limits.angle_deg;
-    if (std::abs(shown_deg - told_deg) <= limit ||
-        std::abs(middle_angle_deg(subject, motion) - told_deg) <= limit) {
+    if (std::abs(shown_deg - stated_deg) <= limit ||
+        std::abs(middle_angle_deg(subject, motion) - stated_deg) <= limit) {
       continue;
     }
-    check.fail(pose.place + "/frame_popcut:psi_rad",
-               fmt::format("{:.6g} rad is told, but the driving fold, edge {}, is opened to {:.6g} "
-                           "rad",
-                           *pose.psi_rad, subject.sheet.hinges[*driver].edge,
-                           std::numbers::pi - shown_deg / kDegrees));
+    check.fail(
+        pose.place + "/frame_popcut:psi_rad",
+        fmt::format("the frame states {:.6g} rad, but the driving fold, edge {}, is open to {:.6g} "
+                    "rad",
+                    *pose.psi_rad, subject.sheet.hinges[*driver].edge,
+                    std::numbers::pi - shown_deg / kDegrees));
   }
 }
 
@@ -110,10 +111,11 @@ void judge_angles(const Subject& subject, VerifyReport& report) {
       const bool wrong = (file.assignment[e] == Assignment::Mountain && angle > 0.0) ||
                          (file.assignment[e] == Assignment::Valley && angle < 0.0);
       if (!wrong) continue;
-      check.fail(fmt::format("/edges_foldAngle/{}", e),
-                 fmt::format(
-                     "{:.6g} degrees are listed for a {}; valleys are positive, mountains negative",
-                     angle, angle > 0.0 ? "mountain" : "valley"));
+      check.fail(
+          fmt::format("/edges_foldAngle/{}", e),
+          fmt::format(
+              "{:.6g} degrees are listed for a {}; valleys must be positive, mountains negative",
+              angle, angle > 0.0 ? "mountain" : "valley"));
     }
     if (const auto k = pose_of_key_angles(subject)) {
       Pose key = file.poses[*k];
@@ -130,7 +132,7 @@ void judge_angles(const Subject& subject, VerifyReport& report) {
   }
   for (std::size_t k = 0; k < file.poses.size(); ++k) {
     if (!file.poses[k].fold_angle_deg.empty()) compare(k, file.poses[k].fold_angle_deg);
-    // Poses that the solver went through on one way turn alike: the last one tells.
+    // The solver's poses turn alike along one motion: the last one is enough.
     if (subject.opening && k + 1 < file.poses.size()) continue;
     check_assignments(file, subject.sheet, file.poses[k], subject.motions[k],
                       subject.limits.angle_deg, check);
@@ -138,11 +140,11 @@ void judge_angles(const Subject& subject, VerifyReport& report) {
   check_opening_angles(subject, check);
   check.detail = fmt::format(
       "{} listed sets of fold angles agree with their poses within {:.2g} degrees; folds "
-      "turn as assigned",
+      "turn the way they are assigned",
       compared, report.fold_angle_deg);
   if (!check.ok())
-    check.detail = fmt::format("{} wrong; listed angles are up to {:.6g} degrees off", check.failed,
-                               report.fold_angle_deg);
+    check.detail = fmt::format("{} wrong; listed angles differ by up to {:.6g} degrees",
+                               check.failed, report.fold_angle_deg);
   report.checks.push_back(std::move(check));
 }
 

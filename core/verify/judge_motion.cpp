@@ -16,19 +16,19 @@
 namespace popcut::verify {
 namespace {
 
-/// The opening at which freedoms are counted by preference.
+/// The preferred opening angle for counting degrees of freedom.
 constexpr double kGenericPsi_rad = 1.1;
 constexpr double kSweepStep_rad = std::numbers::pi / 90.0;
 
-/// An edge in the words of who drew it.
+/// The name of an edge for the file's author.
 std::string edge_name(const Subject& subject, std::uint32_t e) {
   if (!subject.file.drawn) return fmt::format("edge {}", e);
   const auto [a, b] = subject.file.edges[e];
   return near_place(subject, "the line", 0.5 * (subject.file.flat[a] + subject.file.flat[b]));
 }
 
-/// Looks for crossings over the whole motion of a sheet with one freedom, from nearly flat to
-/// nearly shut, and says how far that was.
+/// Looks for crossings over the whole motion of a sheet with one degree of freedom, from nearly
+/// flat to nearly shut. Returns how far that was, for the report.
 std::string judge_sweep(const Subject& subject, double slack_mm, VerifyCheck& check,
                         VerifyReport& report) {
   const Sweep sweep =
@@ -41,10 +41,11 @@ std::string judge_sweep(const Subject& subject, double slack_mm, VerifyCheck& ch
     if (!check.ok()) break;
   }
   if (!sweep.stopped.empty())
-    report.notes.push_back(fmt::format("the motion was followed to psi {:.4f} rad only: {}",
-                                       sweep.to_psi_rad, sweep.stopped));
-  return fmt::format(" and in {} of the whole motion, psi {:.3g} to {:.3g} rad", sweep.poses.size(),
-                     sweep.from_psi_rad, sweep.to_psi_rad);
+    report.notes.push_back(
+        fmt::format("the motion was followed only to the opening angle psi {:.4f} rad: {}",
+                    sweep.to_psi_rad, sweep.stopped));
+  return fmt::format(" and in {} of the whole motion, psi from {:.3g} to {:.3g} rad",
+                     sweep.poses.size(), sweep.from_psi_rad, sweep.to_psi_rad);
 }
 
 }  // namespace
@@ -76,7 +77,7 @@ void judge_opening(const Subject& subject, VerifyReport& report) {
   VerifyCheck check = named("opening");
   if (!subject.opening) {
     check.ran = false;
-    check.detail = "not needed: the file shows the pattern opened";
+    check.detail = "not needed: the file has an opened pose";
     report.checks.push_back(std::move(check));
     return;
   }
@@ -91,31 +92,30 @@ void judge_opening(const Subject& subject, VerifyReport& report) {
     check.detail = "the flat sheet could not be opened";
   } else {
     check.detail = fmt::format(
-        "opened by continuation to psi {:.4f} rad: {} steps, {} Gauss-Newton iterations, driven by "
-        "{} and what is in line with it ({:.4g} mm), guess from {}; hinges closed within "
+        "opened step by step to psi {:.4f} rad: {} steps, {} Gauss-Newton iterations, driven by "
+        "{} and the folds in line with it ({:.4g} mm), first guess from {}; hinges closed within "
         "{:.2g} mm",
         opening.reached_psi_rad, opening.steps, opening.iterations,
         edge_name(subject, opening.driver_edge), opening.driver_length_mm, opening.guess,
         opening.gap_mm);
     if (opening.reversed > 0)
-      check.fail(place,
-                 fmt::format("wrong branch: no rigid motion was found on which all folds turn "
-                             "as they are assigned; on the best one {} turn the other way",
-                             opening.reversed));
+      check.fail(place, fmt::format("wrong branch: found no rigid motion in which all folds turn "
+                                    "as assigned; in the best one {} turn the other way",
+                                    opening.reversed));
     const bool short_of_list = listed && (std::numbers::pi - opening.reached_psi_rad) * kDegrees <
                                              std::min(*listed, 90.0) - 1e-6;
     if (!opening.stopped.empty() && short_of_list)
-      check.fail(place, fmt::format("a fold angle of {:.6g} degrees is listed; {}", *listed,
+      check.fail(place, fmt::format("the file lists a fold angle of {:.6g} degrees; {}", *listed,
                                     opening.stopped));
     else if (!opening.stopped.empty())
-      report.notes.push_back(fmt::format("the motion ends at psi {:.4f} rad: {}",
+      report.notes.push_back(fmt::format("the motion ends at the opening angle psi {:.4f} rad: {}",
                                          opening.reached_psi_rad, opening.stopped));
   }
   if (subject.count_in && subject.mobility.degrees_of_freedom > 1) {
-    report.notes.push_back(
-        fmt::format("the pattern has {} freedoms: it was opened along one of many ways, the least "
-                    "motion that follows the assignments",
-                    subject.mobility.degrees_of_freedom));
+    report.notes.push_back(fmt::format(
+        "the pattern has {} degrees of freedom: of the many ways to open it, this is the "
+        "least motion that follows the assignments",
+        subject.mobility.degrees_of_freedom));
   }
   for (const std::string& note : opening.notes) report.notes.push_back(note);
   report.checks.push_back(std::move(check));
@@ -137,7 +137,7 @@ void judge_motion(const Subject& subject, VerifyReport& report) {
   report.poses = subject.motions.size();
   if (subject.motions.empty()) {
     check.ran = false;
-    check.detail = "not measured: there is no pose";
+    check.detail = "not measured: the file has no pose";
   }
   report.checks.push_back(std::move(check));
 }
@@ -146,7 +146,7 @@ void judge_freedoms(const Subject& subject, const VerifyOptions& options, Verify
   VerifyCheck check = named("degrees_of_freedom");
   if (!subject.count_in) {
     check.ran = false;
-    check.detail = "not counted: there is no pose that is neither flat nor shut";
+    check.detail = "not counted: all poses are flat or shut";
     report.checks.push_back(std::move(check));
     return;
   }
@@ -166,18 +166,20 @@ void judge_freedoms(const Subject& subject, const VerifyOptions& options, Verify
       m.hinges, m.largest_zero, m.smallest_nonzero, m.gap);
   const std::string& place = subject.file.poses[pose].place;
   if (!m.clear)
-    check.fail(place, "the singular values leave no clear gap: the freedoms cannot be told");
+    check.fail(
+        place,
+        "the singular values leave no clear gap, so the degrees of freedom cannot be counted");
   if (motion.least_generic < 0.01) {
     report.notes.push_back(
-        "freedoms were counted in a pose with flat or shut folds, where there can be "
-        "more than on the way to it");
+        "degrees of freedom were counted in a pose with flat or shut folds, which can have "
+        "more than the poses before it");
   }
   const auto wanted = options.degrees_of_freedom;
   if (wanted && *wanted != m.degrees_of_freedom) {
-    check.fail(place, fmt::format("{} degrees of freedom where {} {} demanded",
-                                  m.degrees_of_freedom, *wanted, *wanted == 1 ? "is" : "are"));
+    check.fail(place, fmt::format("{} degrees of freedom, but {} {} required", m.degrees_of_freedom,
+                                  *wanted, *wanted == 1 ? "is" : "are"));
   } else if (!wanted && m.degrees_of_freedom == 0) {
-    check.fail(place, "the pattern is rigid in this pose: it has no degree of freedom");
+    check.fail(place, "the pattern is rigid in this pose: it has no degrees of freedom");
   }
   report.checks.push_back(std::move(check));
 }
@@ -203,13 +205,14 @@ void judge_crossing(const Subject& subject, VerifyReport& report) {
     check_faces_apart(subject.file, subject.sheet, subject.triangles, subject.file.poses[k], motion,
                       slack, check);
     if (motion.shut) {
-      report.notes.push_back(fmt::format("{} has shut folds: the order of its layers is not judged",
-                                         pose_name(subject.file.poses[k])));
+      report.notes.push_back(
+          fmt::format("{} has shut folds: the order of its layers is not checked",
+                      pose_name(subject.file.poses[k])));
     }
   }
   if (looked_at == 0) {
     check.ran = false;
-    check.detail = "not looked for: no opened pose keeps the lengths of the sheet";
+    check.detail = "not checked: no opened pose keeps the lengths of the sheet";
     report.checks.push_back(std::move(check));
     return;
   }
@@ -221,9 +224,10 @@ void judge_crossing(const Subject& subject, VerifyReport& report) {
   if (!affine && check.ok() && subject.count_in && subject.mobility.degrees_of_freedom == 1)
     swept = judge_sweep(subject, slack, check, report);
   report.crossing_method = affine ? "exact" : "sampled";
-  check.detail = affine ? std::string("no face meets another: exact, for every 0 < psi < pi")
-                        : fmt::format("no face passes through another: sampled in {} pose{}{}",
-                                      looked_at, looked_at == 1 ? "" : "s", swept);
+  check.detail =
+      affine ? std::string("no face meets another: exact, for every opening angle 0 < psi < pi")
+             : fmt::format("no face passes through another: checked in {} pose{}{}", looked_at,
+                           looked_at == 1 ? "" : "s", swept);
   if (!check.ok()) check.detail = fmt::format("{} wrong", check.failed);
   report.checks.push_back(std::move(check));
 }

@@ -33,7 +33,7 @@ void check_pieces(const Subject& subject, VerifyReport& report) {
   report.checks.push_back(std::move(check));
 }
 
-/// Unassigned edges of an assigned pattern with a face on one side are taken as borders; says so.
+/// Adds a note if unassigned edges of an assigned pattern with a face on one side count as borders.
 void note_unassigned_borders(const Subject& subject, VerifyReport& report) {
   if (!subject.file.assigned || subject.file.from_popcut) return;
   std::vector<std::uint8_t> sides(subject.file.edges.size(), 0);
@@ -44,8 +44,8 @@ void note_unassigned_borders(const Subject& subject, VerifyReport& report) {
     count += sides[e] == 1 && subject.file.assignment[e] == Assignment::Unassigned ? 1 : 0;
   if (count == 0) return;
   report.notes.push_back(fmt::format(
-      "{} unassigned edge{} with a face on one side only count{} as border; B is their letter",
-      count, count == 1 ? "" : "s", count == 1 ? "s" : ""));
+      "{} unassigned edge{} with a face on one side only count{} as border; assign B to {}", count,
+      count == 1 ? "" : "s", count == 1 ? "s" : "", count == 1 ? "it" : "them"));
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ Limits limits_of(const FoldModel& file) {
   for (const auto& edge : file.edges) {
     for (const std::uint32_t v : edge) reach = std::max(reach, norm(file.flat[v] - origin));
   }
-  // A drawing is as exact as the hand that drew it: panels give a little.
+  // A drawing is only as exact as its author made it: allow panels to give a little.
   const double drawn_mm = file.drawn ? 3e-4 * reach : 0.0;
   return {.slack_mm = 1e-6 * reach,
           .isometry_mm = std::max({1e-5 * reach, 2.0 * file.moved_mm, drawn_mm}),

@@ -32,8 +32,8 @@ void check_target(const Subject& subject, const Target& target, VerifyReport& re
   report.checks.push_back(std::move(check));
 }
 
-/// Poses through which a sheet is opened: spread over the motion, the right angle among them and
-/// one past it; up to the listed angle where that is wider open.
+/// The opening angles at which to stop: spread over the motion, including the right angle and one
+/// beyond it; only up to the listed angle if that is wider open.
 std::vector<double> poses_to_open(double listed_deg) {
   std::vector<double> psi{2.6, 2.1, kPi / 2.0, 1.1};
   if (!(listed_deg > 1.0 && listed_deg < 179.0)) return psi;
@@ -52,11 +52,12 @@ void measure_poses(Subject& subject) {
     subject.motions.push_back(measure(subject.file, subject.sheet, subject.panels, pose));
 }
 
-/// Parts the sheet along its cuts, opens it by the solver and adds the poses to those of the file.
+/// Separates the sheet along its cuts, opens it with the solver, and adds the poses to those of the
+/// file.
 void open(Subject& subject) {
   if (part_at_cuts(subject.file, subject.sheet) > 0) {
-    VerifyCheck told_before;
-    subject.sheet = make_sheet(subject.file, told_before);
+    VerifyCheck reported_before;
+    subject.sheet = make_sheet(subject.file, reported_before);
   }
   double listed_deg = 0.0;
   if (const auto driver = driving_hinge(subject.file, subject.sheet);
@@ -68,8 +69,7 @@ void open(Subject& subject) {
   measure_poses(subject);
 }
 
-/// Edges and faces of a drawing have no numbers that its maker knows: they are told by where they
-/// lie.
+/// Replaces places in a drawing, whose author knows no numbers of edges and faces, by coordinates.
 void name_places(const Subject& subject, VerifyReport& report) {
   const FoldModel& file = subject.file;
   for (VerifyCheck& check : report.checks) {
@@ -117,7 +117,7 @@ Result<VerifyReport> verify_fold(std::string_view text, const VerifyOptions& opt
   subject.page = options.page;
   if (!subject.file.faces_given && subject.file.poses.empty()) {
     if (auto done = planarise(subject.file); !done) return tl::unexpected<Error>(done.error());
-    subject.file.notes.emplace_back("no faces are listed: they were traced along the lines");
+    subject.file.notes.emplace_back("the drawing lists no faces: they were traced along its lines");
   } else if (!subject.file.faces_given) {
     trace_faces(subject.file);
     subject.file.notes.emplace_back("the file lists no faces: they were traced along its edges");
@@ -125,7 +125,7 @@ Result<VerifyReport> verify_fold(std::string_view text, const VerifyOptions& opt
   subject.limits = limits_of(subject.file);
   if (subject.file.faces() == 0) {
     return fail(ErrorKind::OutOfRange, "/faces_vertices",
-                "the edges enclose no face; there is no sheet");
+                "the edges enclose no face, so there is no sheet; close the outline");
   }
 
   VerifyCheck faces = named("faces");

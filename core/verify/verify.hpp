@@ -13,52 +13,54 @@
 
 namespace popcut {
 
+/// Options of `verify_fold`.
 struct VerifyOptions {
-  std::optional<std::size_t> degrees_of_freedom{};  ///< demanded; else only 0 fails
-  std::optional<std::string> target_spec{};  ///< text of a design spec: adds the distance from it
-  /// A drawing without faces lies on a page, x = v, y = u: places are told as x and y.
+  std::optional<std::size_t> degrees_of_freedom{};  ///< required number; none: only 0 fails
+  /// Text of a design spec: measures the distance from its target.
+  std::optional<std::string> target_spec{};
+  /// For a drawing without faces on a page (x = v, y = u): reports places as x and y.
   bool page{false};
-  std::string target_file{};  ///< bytes of the file that the spec names (`target_file_of`)
+  std::string target_file{};  ///< content of the file that the spec names (`target_file_of`)
 };
 
 /// How a pattern without an opened pose was opened.
 struct OpeningFigures {
-  std::size_t driver_edge{};  ///< a fold of the line whose angle is pi - psi
+  std::size_t driver_edge{};  ///< a fold of the driving line, whose angle is pi - psi
   double driver_length_mm{};
   double reached_psi_rad{};
   std::size_t steps{}, iterations{};
-  double gap_mm{};  ///< largest gap that is left in a hinge
+  double gap_mm{};  ///< largest remaining gap in a hinge
 };
 
-/// What a pattern is and whether it holds. Figures that could not be measured stay zero; the check
-/// they belong to says why.
+/// What a pattern is and whether it is sound. Figures that could not be measured stay zero; their
+/// check says why.
 struct VerifyReport {
   std::vector<VerifyCheck> checks;
   std::vector<std::string> notes;
 
   std::size_t vertices{}, edges{};
   std::size_t fold_faces{};  ///< faces as the file lists them
-  std::size_t faces{};       ///< rigid faces: those joined over flat creases count once
+  std::size_t faces{};       ///< rigid faces: faces joined over flat creases count once
   std::size_t hinges{};      ///< lines about which rigid faces turn
   std::size_t pieces{};
-  std::size_t poses{};  ///< frames that were measured, or poses that it was opened to
+  std::size_t poses{};  ///< poses measured, from frames or from opening
   std::optional<OpeningFigures> opening;
   double sheet_u_mm{}, sheet_v_mm{};
   double area_mm2{};
   std::size_t slits{}, holes{};
 
-  double isometry_mm{};     ///< largest change of a length in any pose
-  double hinge_gap_mm{};    ///< largest gap that opens in a fold in any pose
+  double isometry_mm{};     ///< largest change of a length, over all poses
+  double hinge_gap_mm{};    ///< largest gap in a fold, over all poses
   double fold_angle_deg{};  ///< largest deviation of a listed fold angle
 
   std::optional<std::size_t> degrees_of_freedom;
-  double pose_psi_rad{};  ///< opening of the pose in which they were counted, 0 if not told
-  double largest_zero{};  ///< singular values on both sides of the gap
+  double pose_psi_rad{};  ///< opening angle of the pose of the count; 0: unknown
+  double largest_zero{};  ///< the singular values on both sides of the gap
   double smallest_nonzero{};
   double gap{};
   std::vector<double> smallest_singular_values;
 
-  std::string crossing_method;  ///< "exact", "sampled", or empty where it was not looked for
+  std::string crossing_method;  ///< "exact", "sampled", or empty: not checked
   std::optional<TargetDistance> target_inner, target_all;
 
   [[nodiscard]] bool ok() const;
@@ -78,19 +80,18 @@ struct VerifyReport {
 /// in its JSON). Its reader of FOLD files (`verify::FoldModel`), its targets and its solver are its
 /// own.
 ///
-/// @retval Malformed, OutOfRange  the file cannot be read or shows no sheet; likewise for the
-/// target
-///                                spec
+/// @retval Malformed, OutOfRange  the file cannot be read or has no sheet; the same for the target
+///         spec
 [[nodiscard]] Result<VerifyReport> verify_fold(std::string_view text,
                                                const VerifyOptions& options = {});
 
-/// The mesh or grid file that the spec's surface names, or empty.
+/// The mesh or grid file that the spec's surface names; empty if none.
 [[nodiscard]] std::string target_file_of(std::string_view spec_json);
 
-/// The report for a person: a line a check, with the first failures and a count of the others.
+/// The report as text: one line per check, with its first failures and a count of the others.
 [[nodiscard]] std::string verify_text(const VerifyReport& report);
 
-/// The report as one JSON document; lengths in mm, angles as their names say.
+/// The report as a JSON document; lengths in mm, angles in the unit of their name.
 [[nodiscard]] std::string verify_json(const VerifyReport& report);
 
 }  // namespace popcut

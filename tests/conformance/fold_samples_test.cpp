@@ -165,9 +165,10 @@ TEST_CASE("invalid FOLD samples are refused with the place and the valid form",
   const auto names = read_fold(sample("fold/re_invalid-key-names.fold"));
   REQUIRE_FALSE(names);
   CHECK(message(names.error()) ==
-        "/vertices_coords: is missing; is \"vertices_coord\" meant to be it?");
+        "/vertices_coords: is missing; is \"vertices_coord\" a misspelling of it?");
   const auto lengths = read_fold(sample("fold/re_invalid-mismatch-length.fold"));
   REQUIRE_FALSE(lengths);
-  CHECK(message(lengths.error()) ==
-        "/edges_assignment: has 5 entries; edges_vertices has 4, and both must be equally long");
+  CHECK(
+      message(lengths.error()) ==
+      "/edges_assignment: has 5 entries, but edges_vertices has 4; both must have the same length");
 }

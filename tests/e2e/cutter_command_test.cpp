@@ -139,7 +139,7 @@ TEST_CASE("a sheet with registration marks is cut relative to the marks that are
   const Ran small = bench.popcut(
       {"cut", "--test", "--marks", "--machine", "cameo3", "--mat", "70x70", "--direct", "--yes"});
   CHECK(small.exit == 4);
-  CHECK(says(small.err, "has no room for registration marks"));
+  CHECK(says(small.err, "is too small for registration marks"));
   refused({"--mark-form", "wide"}, 2, "--mark-form: is \"wide\"; one of arm, line");
 }
 

@@ -70,7 +70,7 @@ TEST_CASE("verify opens a pattern without frames and says how", "[cli][e2e][veri
   const Ran ran = popcut_in(folder, {"verify", "flat.fold", "--dof", "1"});
   CAPTURE(ran.out, ran.err);
   CHECK(ran.exit == 0);
-  CHECK(ran.out.find("opened by continuation to psi 1.1000 rad") != std::string::npos);
+  CHECK(ran.out.find("opened step by step to psi 1.1000 rad") != std::string::npos);
   CHECK(ran.out.find("driven by edge") != std::string::npos);
 }
 

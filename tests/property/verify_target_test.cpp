@@ -141,7 +141,7 @@ TEST_CASE("verify reports a pattern that does not belong to its target",
   const auto other = verify_fold(fold.str(), options);
   REQUIRE(other);
   CHECK_FALSE(other->ok());
-  CHECK(verify_text(*other).find("they do not belong together") != std::string::npos);
+  CHECK(verify_text(*other).find("is it the spec of this pattern?") != std::string::npos);
 
   const auto refused = [&](const std::string& surface, const std::string& bytes) {
     options.target_spec = one(surface), options.target_file = bytes;
@@ -153,13 +153,13 @@ TEST_CASE("verify reports a pattern that does not belong to its target",
   using Catch::Matchers::Contains;
   const std::string grid = R"({"type":"grid","file":"h.csv"})",
                     mesh = R"({"type":"mesh","file":"m.stl"})";
-  CHECK_THAT(refused(grid, ",0,10\n0,5,\n80,5,0\n"), Contains("line 2: column 3 is no number"));
-  CHECK_THAT(refused(grid, ",0,10\n0,5,0\n0,5,0\n"), Contains("does not grow"));
+  CHECK_THAT(refused(grid, ",0,10\n0,5,\n80,5,0\n"), Contains("line 2: column 3 is not a number"));
+  CHECK_THAT(refused(grid, ",0,10\n0,5,0\n0,5,0\n"), Contains("does not increase"));
   CHECK_THAT(refused(grid, ""), Contains("two or more values"));
   CHECK_THAT(refused(mesh, "solid\nvertex 1 2\n"), Contains("line 2: three numbers"));
   CHECK_THAT(refused(mesh, ""), Contains("no triangle"));
   CHECK_THAT(refused(R"({"type":"mesh","file":"m.obj"})", "v 0 0 0\nf 1 2 3\n"),
              Contains("line 2: a face names"));
-  CHECK_THAT(refused(R"({"type":"blob"})", ""), Contains("\"blob\" is not known"));
+  CHECK_THAT(refused(R"({"type":"blob"})", ""), Contains("\"blob\" is unknown"));
   CHECK_THAT(refused(R"({"type":"implicit","f":"x+"})", ""), Contains("/surface/f"));
 }

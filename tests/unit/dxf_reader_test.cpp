@@ -122,7 +122,7 @@ TEST_CASE("layer names give DXF lines their meaning", "[core][formats][dxf]") {
   CHECK(total_mm(work, Operation::FoldValley) == Approx(4 + 32));
   CHECK(total_mm(work, Operation::Draw) == Approx(8));
   CHECK(total_mm(work, Operation::Score) == Approx(16));
-  CHECK(warned(work, "taken as valleys"));
+  CHECK(warned(work, "become valley folds"));
 }
 
 TEST_CASE("colours of a DXF are used only on request", "[core][formats][dxf]") {
@@ -153,11 +153,11 @@ TEST_CASE("DXF units are read and a missing one is reported", "[core][formats][d
   CHECK(length_in("9 $ACADVER 1 AC1015 9 $INSUNITS 70 6 9 $MEASUREMENT 70 0") == Approx(10000));
   CHECK(length_in("9 $MEASUREMENT 70 0") == Approx(254));
   CHECK(length_in("9 $INSUNITS 70 0 9 $MEASUREMENT 70 1") == Approx(10));
-  CHECK(warned(read(drawing(line_on("CUT", 1), "")), "one unit is taken as 1 mm"));
+  CHECK(warned(read(drawing(line_on("CUT", 1), "")), "1 unit is read as 1 mm"));
   CHECK(warned(read(drawing(line_on("CUT", 1), section("HEADER", "9 $MEASUREMENT 70 0"))),
-               "one unit is taken as 1 inch"));
+               "1 unit is read as 1 inch"));
   CHECK(fault(drawing(line_on("CUT", 1), section("HEADER", "9 $INSUNITS 70 mm"))) ==
-        "line 8: \"mm\" is no whole number (group code 70)");
+        "line 8: \"mm\" is not a whole number (group code 70)");
 }
 
 TEST_CASE("DXF layers that are off or frozen or not plotted are left out and named",
@@ -206,8 +206,8 @@ TEST_CASE("dashed DXF lines are cut as whole dashes with paper at both ends",
   CHECK(work.points_of(work.lines[9])[1].x == Approx(31 - 3.1 / 6));
   CHECK(total_mm(work, Operation::FoldMountain) == Approx(31));
   CHECK(total_mm(work, Operation::FoldValley) == Approx(5 + 7));
-  CHECK(warned(work, "2 lines are of a dashed line type and are cut as those dashes"));
-  CHECK(warned(work, "2 lines are of a dashed line type whose dashes the file does not give"));
+  CHECK(warned(work, "2 lines have a dashed line type; their dashes are cut"));
+  CHECK(warned(work, "2 lines have a dashed line type whose dashes are not in the file"));
   // Dashes go round the corners of a polyline.
   const LineWork bent = read(drawing(
       "0 LWPOLYLINE 8 A 6 DASHED 90 3 70 0 10 0 20 0 10 1.5 20 0 10 1.5 20 1.5", kMm + tables));
@@ -259,8 +259,8 @@ TEST_CASE("blocks that insert themselves or swell are refused", "[core][formats]
   }
   DxfOptions small;
   small.most_lines = 100'000;
-  CHECK(fault(drawing("0 INSERT 2 X10", section("BLOCKS", bomb)), small).find("repeat too much") !=
-        std::string::npos);
+  CHECK(fault(drawing("0 INSERT 2 X10", section("BLOCKS", bomb)), small)
+            .find("repeats blocks too often") != std::string::npos);
   small.most_points = 1000;
   CHECK(fault(drawing("0 INSERT 2 X0 70 100 71 100", section("BLOCKS", bomb)), small)
             .find("more than 1000 points") != std::string::npos);
@@ -324,20 +324,21 @@ TEST_CASE("splines by fit points go through them", "[core][formats][dxf]") {
 }
 
 TEST_CASE("a faulty DXF is refused with its line and what would be right", "[core][formats][dxf]") {
-  CHECK(fault("") == "line 1: this is no DXF: there is no section in it; 0 SECTION is needed");
-  CHECK(fault("hello\nworld\n").find("line 1: \"hello\" is no group code") == 0);
+  CHECK(fault("") == "line 1: this is not a DXF file: it has no section (0 SECTION)");
+  CHECK(fault("hello\nworld\n").find("line 1: \"hello\" is not a group code") == 0);
   CHECK(fault("AutoCAD Binary DXF\r\n\x1a").find("line 1: is a binary DXF") == 0);
-  CHECK(fault(groups("0 LINE 8 0")).find("line 2: \"LINE\" stands outside of a section") == 0);
+  CHECK(fault(groups("0 LINE 8 0")).find("line 2: \"LINE\" is outside of any section") == 0);
   const std::string whole = drawing(line_on("CUT", 5));
   CHECK(fault(whole.substr(0, whole.size() - 6)).empty());  // only EOF is gone
   CHECK(fault(whole.substr(0, whole.size() - 15))
-            .find("does not end (0 ENDSEC); is the file whole?") != std::string::npos);
+            .find("does not end (0 ENDSEC); is the file complete?") != std::string::npos);
   CHECK(fault(whole.substr(0, whole.find("11\n") + 3)).find("ends after a group code") !=
         std::string::npos);
-  CHECK(fault(drawing("0 LINE 10 abc")).find("line 18: \"abc\" is no number (group code 10)") == 0);
+  CHECK(fault(drawing("0 LINE 10 abc")).find("line 18: \"abc\" is not a number (group code 10)") ==
+        0);
   for (const char* wrong : {"nan", "inf", "1e999", "1,5", "0x10", "--1", "1.5.2"}) {
     CAPTURE(wrong);
-    CHECK(fault(drawing(std::string("0 LINE 10 ") + wrong)).find("is no number") !=
+    CHECK(fault(drawing(std::string("0 LINE 10 ") + wrong)).find("is not a number") !=
           std::string::npos);
   }
   CHECK(fault(drawing("0 LINE 10 1e308 11 0")).find("more than 100 m") != std::string::npos);
@@ -350,7 +351,7 @@ TEST_CASE("a faulty DXF is refused with its line and what would be right", "[cor
   CHECK(fault(drawing("0 SPLINE 71 40 10 0 20 0")).find("degree 40; 1 to 11") != std::string::npos);
   CHECK(fault(drawing("0 SPLINE 71 1 40 0 40 0 40 1 40 1 41 1 41 -1 10 0 20 0 10 1 20 0"))
             .find("weight of -1") != std::string::npos);
-  CHECK(fault(drawing("99999 LINE")).find("no group code") != std::string::npos);
+  CHECK(fault(drawing("99999 LINE")).find("not a group code") != std::string::npos);
   CHECK(fault(section("BLOCKS", "0 BLOCK 2 A 0 LINE")).find("does not end (0 ENDBLK)") !=
         std::string::npos);
 }

@@ -43,11 +43,12 @@ TEST_CASE("FOLD frames may inherit from later ones but not from themselves",
                             R"({"frame_parent":1,"frame_inherit":true}])")
             .find("frame_parent: the frame inherits from itself") != std::string::npos);
   CHECK(refused(kTriangle + R"(,"file_frames":[{"frame_inherit":true}])") ==
-        "/file_frames/0/frame_parent: a frame that inherits needs the number of another frame, 0 "
-        "to 1");
+        "/file_frames/0/frame_parent: must be the number of another frame, 0 to 1, because "
+        "this frame inherits");
   CHECK(refused(kTriangle + R"(,"file_frames":[{"frame_parent":0,"frame_inherit":true,)"
                             R"("vertices_coords":[[0,0]]}])") ==
-        "/file_frames/0/vertices_coords: has 1 vertices; what is inherited asks for vertex 2");
+        "/file_frames/0/vertices_coords: has 1 vertices, but the inherited edges or faces use "
+        "vertex 2");
 }
 
 TEST_CASE("FOLD members that are null count as absent and unknown ones are ignored",
@@ -57,19 +58,21 @@ TEST_CASE("FOLD members that are null count as absent and unknown ones are ignor
             .empty());
 }
 
-TEST_CASE("a FOLD error has the place and the valid form", "[core][formats][fold]") {
-  CHECK(refused(kTriangle + "," + kTriangle) == "/vertices_coords: the member is given twice");
+TEST_CASE("a FOLD error says where and what would be right", "[core][formats][fold]") {
+  CHECK(refused(kTriangle + "," + kTriangle) ==
+        "/vertices_coords: the member occurs twice; remove one");
   CHECK(refused(R"("vertices_coords":[[0,0]],"edges_vertices":[[0,1.5]])") ==
-        "/edges_vertices/0/1: is 1.5; the number of a vertex, 0 to 0, is needed");
+        "/edges_vertices/0/1: is 1.5; give the number of a vertex, 0 to 0");
   CHECK(refused(R"("vertices_coords":[],"edges_vertices":[[0,1]])") ==
         "/edges_vertices/0/0: is 0; there are no vertices");
   CHECK(refused(R"("vertices_coords":[[0,0,0,0]])") ==
-        "/vertices_coords/0: has 4 numbers; two or three coordinates are needed");
-  CHECK(refused(kTriangle + R"(,"edges_vertices":[[0]])").find("given twice") != std::string::npos);
+        "/vertices_coords/0: has 4 numbers; give two or three coordinates");
+  CHECK(refused(kTriangle + R"(,"edges_vertices":[[0]])").find("occurs twice") !=
+        std::string::npos);
   CHECK(refused(R"("vertices_coords":[[0,0]],"edges_vertices":[[0]])") ==
         "/edges_vertices/0: has 1 entries; an edge needs two vertices");
   CHECK(refused(kTriangle + R"(,"faces_vertices":[[0,1,9]])") ==
-        "/faces_vertices/0/2: is 9; the number of a vertex, 0 to 2, is needed");
+        "/faces_vertices/0/2: is 9; give the number of a vertex, 0 to 2");
   CHECK(refused(kTriangle + R"(,"edges_foldAngle":[0,0,999])").find("/edges_foldAngle/2") == 0);
   CHECK(refused(kTriangle + R"(,"edges_foldAngles":[0])").find("has 1 entries") !=
         std::string::npos);

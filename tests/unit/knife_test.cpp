@@ -162,7 +162,7 @@ TEST_CASE("the axis of a turned blade stays in the area", "[core][plan][knife]")
   options.no_split = true;
   const auto tight = plan(work, machine("hpgl-generic"), paper(), options);
   REQUIRE_FALSE(tight);
-  CHECK(tight.error().detail.find("0.25 mm must stay free") != std::string::npos);
+  CHECK(tight.error().detail.find("blade's offset needs 0.25 mm") != std::string::npos);
 }
 
 TEST_CASE("a line that leaves the area and comes back is cut as several strokes",

@@ -189,7 +189,7 @@ TEST_CASE("a requested seam is used or refused with the nearest valid one", "[la
   CHECK(refused.error().kind == ErrorKind::Infeasible);
   CHECK(refused.error().place == "/options/seam-x");
   CHECK_THAT(refused.error().detail, Catch::Contains("along a fold"));
-  CHECK_THAT(refused.error().detail, Catch::Contains("nearest that does not is"));
+  CHECK_THAT(refused.error().detail, Catch::Contains("nearest valid place is"));
 }
 
 TEST_CASE("impossible tabs and areas are refused before anything is laid", "[layout]") {

@@ -160,7 +160,7 @@ TEST_CASE("elements that cannot be cut are named with their number and place",
         std::string::npos);
   CHECK(all.find("2 <image> cannot be read and are left out; the first at line 2") !=
         std::string::npos);
-  CHECK(all.find("1 <use> of something that is not there") != std::string::npos);
+  CHECK(all.find("1 <use> of a missing element") != std::string::npos);
 }
 
 TEST_CASE("a drawing that cannot be read is refused with line and column", "[core][formats][svg]") {

@@ -60,7 +60,7 @@ TEST_CASE("dashes repeat and begin as SVG says", "[core][formats][svg][dashes]")
   check_spans(dashes(R"x(stroke-dasharray="20")x"), {0, 10});
   const LineWork dots = dashes(R"x(stroke-dasharray="0 2" stroke-linecap="round")x");
   CHECK(dots.lines.empty());
-  CHECK(is_told(dots, "1 line is dashed into dots"));
+  CHECK(is_told(dots, "1 line consists of dots"));
   // Each part of a path begins anew, and curves and closed lines are dashed along their length.
   const LineWork parts =
       read(svg(R"x(<path d="M0 0H5M0 5H5" stroke="red" stroke-dasharray="4 2"/>)x"));
@@ -153,14 +153,13 @@ TEST_CASE("style sheets that are not understood are named", "[core][formats][svg
       @supports (x:y){path{stroke:red}} path{stroke:var(--c);transform:scale(2)}</style>
       <path d="M0 0H5" stroke="red"/>)x"));
   CHECK(work.lines.size() == 1);
-  CHECK(is_told(work,
-                "1 selector of a style sheet is not known and is passed over; at \"path + path\""));
+  CHECK(is_told(work, "1 selector of a style sheet is unknown and ignored; at \"path + path\""));
   CHECK(is_told(work, "1 block of a style sheet"));
-  CHECK(is_told(work, "1 style sheet of another file is not read"));
+  CHECK(is_told(work, "1 style sheet in another file is not read"));
   CHECK(is_told(work, "\"var(--c)\""));
   CHECK(is_told(work, "1 style sets a shape or a transform"));
   CHECK(is_told(read("<?xml version='1.0'?><?xml-stylesheet href='a.css'?>" + svg("")),
-                "1 style sheet of another file"));
+                "1 style sheet in another file"));
 }
 
 TEST_CASE("hidden layers are left out and named", "[core][formats][svg]") {
@@ -211,7 +210,7 @@ TEST_CASE("use draws what it names where it says", "[core][formats][svg][use]") 
   const LineWork other = read(svg(R"x(<use href="http://a/b.svg#c"/><use href="b.svg#c"/>
       <use href="#nowhere" id="u"/>)x"));
   CHECK(is_told(other, "2 <use> of other files are left out"));
-  CHECK(is_told(other, "1 <use> of something that is not there is left out; at line 2 (id \"u\")"));
+  CHECK(is_told(other, "1 <use> of a missing element is left out; at line 2 (id \"u\")"));
 }
 
 TEST_CASE("a use of itself and a use bomb are refused", "[core][formats][svg][use]") {
@@ -219,8 +218,9 @@ TEST_CASE("a use of itself and a use bomb are refused", "[core][formats][svg][us
       error_of(svg("\n<g id='a'><use href='#b'/></g><g id='b'><use href='#a'/></g>"));
   CHECK(circle.kind == ErrorKind::Malformed);
   CHECK(circle.place.rfind("line 2, column", 0) == 0);
-  CHECK(circle.detail.find("uses itself") != std::string::npos);
-  CHECK(error_of(svg("<use id='u' href='#u'/>")).detail.find("uses itself") != std::string::npos);
+  CHECK(circle.detail.find("refers to itself") != std::string::npos);
+  CHECK(error_of(svg("<use id='u' href='#u'/>")).detail.find("refers to itself") !=
+        std::string::npos);
   const auto bomb = [](const std::string& core) {
     std::string text = "<defs><g id='g0'>" + core + "</g>";
     for (int i = 1; i <= 40; ++i) {
@@ -231,7 +231,7 @@ TEST_CASE("a use of itself and a use bomb are refused", "[core][formats][svg][us
   };
   SvgLimits small;
   small.steps = 1'000'000;
-  CHECK(error_of(bomb("<path/>"), small).detail.find("too much work") != std::string::npos);
+  CHECK(error_of(bomb("<path/>"), small).detail.find("repeats too much") != std::string::npos);
   CHECK(error_of(bomb(""), small).kind == ErrorKind::OutOfRange);
   CHECK(error_of(bomb(""), small).reason == ErrorReason::TooMuch);
   CHECK(circle.reason == ErrorReason::None);

@@ -47,7 +47,7 @@ TEST_CASE("what is filled and not stroked is cut along its outline", "[core][for
   CHECK(total_mm(work, Operation::Cut) == Approx(20 + std::sqrt(200.0)));  // closed
   CHECK(is_told(
       work, "1 shape has a fill but no stroke and is cut along its outline; at line 2 (id \"f\")"));
-  CHECK(is_told(work, "2 shapes filled white or as large as the page are taken for background"));
+  CHECK(is_told(work, "2 shapes filled white or as large as the page count as background"));
   CHECK(is_told(work, "2 shapes have neither stroke nor fill"));
   // Where lines have names, what has none is no cut; named fills are what they are called.
   const LineWork named = read(svg(R"x(<path d="M0 0H10V10"/><path d="M0 0H7" stroke="red"/>
@@ -108,7 +108,7 @@ TEST_CASE("profiles give colours and classes and lines their meaning",
            "papercraft");
   CHECK(total_mm(layers, Operation::FoldValley) == Approx(1));
   CHECK(total_mm(layers, Operation::FoldMountain) == Approx(2));
-  CHECK(is_told(layers, "1 stroke is for nothing"));
+  CHECK(is_told(layers, "1 stroke is neither a cut nor a fold"));
 }
 
 TEST_CASE("users can add profiles", "[core][formats][svg][profile]") {
@@ -176,15 +176,15 @@ TEST_CASE("features that are not applied are named with their place", "[core][fo
       <path d="M0 0H1" stroke="red" transform="scale(0 1)"/><rect stroke="red" width="0" height="2"/>
       <path d="M0 0H1" stroke="red" data-assignment="Q"/>
       <foreignObject/><script/><text display="none">x</text>)x"));
-  CHECK(
-      is_told(work, "1 element has a clip path, which is not applied: it is cut whole; at line 2"));
+  CHECK(is_told(
+      work, "1 element has a clip path, which popcut does not apply: it is cut whole; at line 2"));
   CHECK(is_told(work, "1 element has a mask"));
-  CHECK(is_told(work, "1 element has a filter, which is not applied; at line 3 (id \"f\")"));
+  CHECK(is_told(work, "1 element has a filter, which popcut does not apply; at line 3 (id \"f\")"));
   CHECK(is_told(work, "1 line has markers"));
   CHECK(is_told(work, "1 stroke is painted with a gradient"));
-  CHECK(is_told(work, "1 shape or group is squashed to nothing"));
+  CHECK(is_told(work, "1 shape or group has no size after its transform"));
   CHECK(is_told(work, "1 shape has no size"));
-  CHECK(is_told(work, "1 data-assignment is not known and is passed over; at line 5: \"Q\""));
+  CHECK(is_told(work, "1 data-assignment is unknown and ignored; at line 5: \"Q\""));
   CHECK(is_told(work, "1 <foreignObject>"));
   CHECK(is_told(work, "1 <script>"));
   CHECK_FALSE(is_told(work, "<text>"));
@@ -218,7 +218,8 @@ TEST_CASE("a document type is never fetched and only plain entities are expanded
   const auto of_size = [](std::size_t n) {
     return "<!DOCTYPE svg [<!ENTITY w '1'><!ENTITY a '" + std::string(n, 'x') + "'>]>";
   };
-  CHECK(error_of(with(of_size(257))).detail.find("257 bytes; at most 256") != std::string::npos);
+  CHECK(error_of(with(of_size(257))).detail.find("the SVG has 257 bytes; the limit is 256") !=
+        std::string::npos);
   CHECK(read(with(of_size(256))).lines.size() == 1);
   SvgLimits small;
   small.bytes = 100'000;

@@ -125,7 +125,7 @@ TEST_CASE("a user's HPGL machine names its habits as words joined by plus signs"
     const auto refused = with(wrong);
     REQUIRE_FALSE(refused);
     CHECK_THAT(refused.error().place, Catch::Contains("/machines/0/variant"));
-    CHECK_THAT(refused.error().detail, Catch::Contains("camm2 are known, joined by +"));
+    CHECK_THAT(refused.error().detail, Catch::Contains("camm2 (join several with +)"));
   }
   const auto machines = all_machines();
   REQUIRE(machines);

@@ -33,7 +33,7 @@ TEST_CASE("an opening angle that the pose does not show is named", "[core][verif
     INFO(verify_text(report));
     CHECK_FALSE(report.ok());
     CHECK(has(failures(report, "fold_angles"), "/file_frames/2/frame_popcut:psi_rad"));
-    CHECK(has(failures(report, "fold_angles"), "is opened to 1.1 rad"));
+    CHECK(has(failures(report, "fold_angles"), "is open to 1.1 rad"));
   }
   CHECK(verified(box_card()).ok());
 }
@@ -55,7 +55,7 @@ TEST_CASE("a border that is called unassigned is named or noted", "[core][verify
   SECTION("in popcut's own file it fails") {
     const VerifyReport report = verified(draft);
     CHECK(has(failures(report, "faces"), "/edges_vertices/" + std::to_string(border)));
-    CHECK(has(failures(report, "faces"), "unassigned edge has a face on one side only"));
+    CHECK(has(failures(report, "faces"), "unassigned edge has only one face"));
   }
   SECTION("elsewhere it counts as a border and the report says so") {
     const auto report = verify_fold(foreign(draft));

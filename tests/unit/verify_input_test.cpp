@@ -53,8 +53,8 @@ TEST_CASE("text that is not JSON is refused with line and column", "[core][verif
   CHECK(has(refused(replaced(text, "[0,0]", "[NaN,0]")), "is not JSON"));
   CHECK(has(refused(replaced(text, "[0,0]", "[1e999,0]")), "is not JSON"));
   CHECK(has(refused(replaced(text, "[0,0]", "[1e300,0]")), "/vertices_coords/0/0"));
-  CHECK(has(refused("[1,2,3]"), "a FOLD file is an object"));
-  CHECK(has(refused("3"), "a FOLD file is an object"));
+  CHECK(has(refused("[1,2,3]"), "a FOLD file must be an object"));
+  CHECK(has(refused("3"), "a FOLD file must be an object"));
 }
 
 TEST_CASE("brackets nested without end are refused", "[core][verify]") {
@@ -77,9 +77,10 @@ TEST_CASE("members of a wrong type are named by JSON pointer", "[core][verify]")
       has(refused(replaced(text, "[0,0]", "[0,[0]]")), "/vertices_coords/0/1: a list stands here"));
   CHECK(has(refused(replaced(text, "[0,0]", "7")), "/vertices_coords/0: a number stands here"));
   CHECK(has(refused(replaced(text, "[0,0]", "[0]")),
-            "/vertices_coords/0: a vertex with 1 coordinates"));
+            "/vertices_coords/0: a vertex has 1 coordinates"));
   CHECK(has(refused(replaced(text, "\"F\"", "7")), "/edges_assignment/"));
-  CHECK(has(refused(replaced(text, "\"F\"", "\"Q\"")), "it must be one of B M V F U C J"));
+  CHECK(has(refused(replaced(text, "\"F\"", "\"Q\"")),
+            "unknown assignment; use B, M, V, F, U, C or J"));
   CHECK(has(refused(replaced(text, "\"frame_unit\":\"mm\"", "\"frame_unit\":\"ell\"")),
             "/frame_unit: unknown unit"));
   CHECK(has(refused(replaced(text, "\"frame_parent\":0", "\"frame_parent\":9")),

@@ -52,7 +52,7 @@ TEST_CASE("a cut drawn as one edge separates its faces and a border between two 
     const VerifyReport report = verified(draft);
     INFO(verify_text(report));
     CHECK(report.ok() == (letter == 'C'));
-    CHECK(has(failures(report, "faces"), "a border has one face") == (letter == 'B'));
+    CHECK(has(failures(report, "faces"), "the border has two faces") == (letter == 'B'));
     CHECK(report.faces == 5);  // the wall's margin is a flap of its own now
     CHECK(report.hinges == 5);
     CHECK(report.degrees_of_freedom == 2U);
@@ -63,7 +63,7 @@ TEST_CASE("a missing face leaves folds with one face", "[core][verify]") {
   FoldDraft draft = box_card();
   draft.faces.erase(draft.faces.begin() + 3);
   const VerifyReport report = verified(draft);
-  CHECK(has(failures(report, "faces"), "has a face on one side only"));
+  CHECK(has(failures(report, "faces"), "has only one face"));
 }
 
 TEST_CASE("a face that runs clockwise is named", "[core][verify]") {
@@ -106,7 +106,7 @@ TEST_CASE("a fold must end at a vertex that interrupts it", "[core][verify]") {
   draft.assignment += 'C';
   draft.key_angle_deg.push_back(0.0);
   draft.poses[0].angle_deg.push_back(0.0);
-  CHECK(has(failures(verified(draft), "lines"), "lies inside this fold; it must end there"));
+  CHECK(has(failures(verified(draft), "lines"), "lies inside this fold; split the line there"));
 }
 
 TEST_CASE("a cut may make a notch into one face", "[core][verify]") {

@@ -78,7 +78,7 @@ TEST_CASE("more freedoms than requested fail with both numbers", "[core][verify]
   const VerifyReport report = verified(
       draft_of(CylinderCard{.levels = 3, .slices = 2, .card = false}), {.degrees_of_freedom = 1});
   CHECK_FALSE(report.ok());
-  CHECK(has(failures(report, "degrees_of_freedom"), "5 degrees of freedom where 1 is demanded"));
+  CHECK(has(failures(report, "degrees_of_freedom"), "5 degrees of freedom, but 1 is required"));
 }
 
 TEST_CASE("a card with a splayed unit is isometric with one freedom", "[core][verify]") {
@@ -144,9 +144,8 @@ TEST_CASE("a listed fold angle that the pose does not make is named", "[core][ve
         edge_between(draft, vertex_at(draft, 40.0, 0.0), vertex_at(draft, 40.0, 10.0));
     draft.key_angle_deg[spine] = 45.0;
     const VerifyReport report = verified(draft);
-    CHECK(
-        has(failures(report, "fold_angles"), "/edges_foldAngle/" + std::to_string(spine) +
-                                                 ": 45 degrees are listed, but the fold makes 90"));
+    CHECK(has(failures(report, "fold_angles"), "/edges_foldAngle/" + std::to_string(spine) +
+                                                   ": 45 degrees are listed, but the fold has 90"));
   }
 }
 
@@ -184,7 +183,7 @@ TEST_CASE("faces that lie on each other in a pose are found", "[core][verify]") 
     draft.flat[0][0] -= slant;
     draft.poses[0].at[0][0] -= slant;
     const VerifyReport report = verified(draft);
-    CHECK(has(failures(report, "crossing"), "faces 0 and 4 lie on each other"));
+    CHECK(has(failures(report, "crossing"), "faces 0 and 4 overlap"));
   }
 }
 

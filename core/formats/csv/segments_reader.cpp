@@ -29,7 +29,7 @@ Result<Row> parse_row(std::string_view text, std::size_t line) {
   const auto found = static_cast<std::size_t>(std::count(text.begin(), text.end(), ',')) + 1;
   if (found != kColumns) {
     return wrong(ErrorKind::Malformed, line,
-                 fmt::format("has {} columns; {} are needed, with commas between: x1 to width",
+                 fmt::format("has {} columns; give {} columns, separated by commas: x1 to width",
                              found, kColumns));
   }
   Row row{};
@@ -40,8 +40,8 @@ Result<Row> parse_row(std::string_view text, std::size_t line) {
     const auto [stop, error] = std::from_chars(field.data(), field.data() + field.size(), row[c]);
     if (error != std::errc() || stop != field.data() + field.size() || !std::isfinite(row[c])) {
       return wrong(ErrorKind::Malformed, line,
-                   fmt::format("column {} ({}) is '{}'; a finite number is needed", c + 1,
-                               kNames[c], field.substr(0, 20)));
+                   fmt::format("column {} ({}) is '{}'; give a finite number", c + 1, kNames[c],
+                               field.substr(0, 20)));
     }
   }
   return row;
@@ -56,25 +56,25 @@ Result<SegmentPanel> panel_of(const Row& row, std::size_t line, SegmentConventio
   const double size = std::max({std::abs(panel.x0), std::abs(panel.z0), std::abs(panel.x1),
                                 std::abs(panel.z1), std::abs(panel.v), std::abs(panel.width)});
   if (!(size <= kMost))
-    return wrong(ErrorKind::OutOfRange, line, "has a place farther than 100 m from the origin");
+    return wrong(ErrorKind::OutOfRange, line, "has a coordinate more than 100 m from the origin");
   if (!(panel.width > 0)) {
-    return wrong(
-        ErrorKind::OutOfRange, line,
-        fmt::format("column 12 (width) is {}; a panel needs a positive width", panel.width));
+    return wrong(ErrorKind::OutOfRange, line,
+                 fmt::format("column 12 (width) is {}; it must be positive", panel.width));
   }
   constexpr double kRounding = 1e-9;
   if (std::abs(v(3) - v(0)) > kRounding * size) {
     return wrong(ErrorKind::OutOfRange, line,
-                 fmt::format("runs from {} to {} along the spine; a panel's line stays at one "
-                             "place there{}",
+                 fmt::format("runs from {} to {} along the spine; a panel's line must stay at one "
+                             "place along it{}",
                              v(0), v(3),
                              paper ? ""
-                                   : " (a file of the paper's code needs "
+                                   : " (for a file of the paper's code, use "
                                      "--convention paper)"));
   }
   if (std::min(std::abs(panel.x1 - panel.x0), std::abs(panel.z1 - panel.z0)) > kRounding * size) {
-    return wrong(ErrorKind::OutOfRange, line,
-                 "is neither level nor upright; panels are parallel to the ground or to the wall");
+    return wrong(
+        ErrorKind::OutOfRange, line,
+        "is neither level nor upright; panels must be parallel to the ground or to the wall");
   }
   return panel;
 }
@@ -91,7 +91,8 @@ Result<std::vector<SegmentPanel>> read_segments_csv(std::string_view text,
     text.remove_prefix(std::min(text.size(), std::max(text.find('\n'), text.find('\n') + 1)));
     if (row_text.empty() || (line == 1 && row_text.starts_with("x1"))) continue;
     if (panels.size() == kMaxSegments)
-      return wrong(ErrorKind::OutOfRange, line, fmt::format("more than {} rows", kMaxSegments));
+      return wrong(ErrorKind::OutOfRange, line,
+                   fmt::format("the file has more than {} rows; split it", kMaxSegments));
     const auto row = parse_row(row_text, line);
     if (!row) return tl::unexpected(row.error());
     const auto panel = panel_of(*row, line, convention);
@@ -99,7 +100,7 @@ Result<std::vector<SegmentPanel>> read_segments_csv(std::string_view text,
     panels.push_back(*panel);
   }
   if (panels.empty())
-    return wrong(ErrorKind::Malformed, 1, "there is no row; twelve numbers a row are needed");
+    return wrong(ErrorKind::Malformed, 1, "the file has no rows; each row needs twelve numbers");
   return panels;
 }
 

@@ -14,7 +14,7 @@ namespace {
 constexpr double kMostChords = 20'000;  // of one arc
 constexpr int kMostHalvings = 14;       // of one knot span
 
-constexpr std::size_t kMostSplineWork = 200'000'000;  // control points times order cubed
+constexpr std::size_t kMostSplineWork = 200'000'000;  // limit of control points times order cubed
 
 /// A control point of a rational curve: (w x, w y, w).
 struct Weighted {
@@ -36,7 +36,7 @@ double off_chord(const PagePoint& p, const PagePoint& a, const PagePoint& b) {
   return std::hypot(p.x - a.x - t * dx, p.y - a.y - t * dy);
 }
 
-/// Where the points of halved Bezier curves go, all but the first.
+/// Receives the points of halved Bezier curves, except the first.
 struct Sink {
   double tolerance;
   std::size_t most;
@@ -57,7 +57,7 @@ void halve(const Bezier& curve, std::size_t degree, int depth, const Sink& sink)
     left[r] = right[0];
     for (std::size_t i = 0; i + r < degree; ++i) right[i] = between(right[i], right[i + 1], 0.5);
   }
-  // The last pass leaves the right half reversed in place: right[i] is its i-th point already.
+  // The last pass leaves the right half reversed in place: right[i] is already its i-th point.
   halve(left, degree, depth + 1, sink);
   halve(right, degree, depth + 1, sink);
 }
@@ -192,7 +192,7 @@ void flatten_turn(const PagePoint& c, const PagePoint& a, const PagePoint& b, do
 }
 
 std::optional<DxfVec> bulge_centre(const DxfVec& p, const DxfVec& q, double bulge) {
-  constexpr double kStraight = 1e-9;  // off by less than 0.1 um on a chord of 100 m
+  constexpr double kStraight = 1e-9;  // error below 0.1 um on a chord of 100 m
   if (!(std::abs(bulge) > kStraight) || (p.x == q.x && p.y == q.y)) return std::nullopt;
   const double f = (1 / bulge - bulge) / 4;
   return DxfVec{(p.x + q.x) / 2 - f * (q.y - p.y), (p.y + q.y) / 2 + f * (q.x - p.x), p.z};
@@ -201,8 +201,7 @@ std::optional<DxfVec> bulge_centre(const DxfVec& p, const DxfVec& q, double bulg
 std::string check_spline(DxfSpline& spline) {
   const std::size_t n = spline.control.size();
   if (spline.degree < 1 || spline.degree > kMostSplineDegree)
-    return fmt::format("the spline is of degree {}; 1 to {} are read", spline.degree,
-                       kMostSplineDegree);
+    return fmt::format("the spline has degree {}; use 1 to {}", spline.degree, kMostSplineDegree);
   const auto p = static_cast<std::size_t>(spline.degree);
   if (n < p + 1)
     return fmt::format("the spline has {} control points; degree {} needs at least {}", n, p,
@@ -216,15 +215,15 @@ std::string check_spline(DxfSpline& spline) {
     return fmt::format("the spline has {} knots; {} control points of degree {} need {}",
                        spline.knots.size(), n, p, n + p + 1);
   if (!std::is_sorted(spline.knots.begin(), spline.knots.end()))
-    return "the spline's knots go down; they must not";
+    return "the spline's knots decrease; they must not";
   if (!(spline.knots[n] > spline.knots[p]))
-    return "the spline's knots are all one; they must go up";
+    return "the spline's knots are all equal; they must increase";
   if (!spline.weights.empty() && spline.weights.size() != n)
     return fmt::format("the spline has {} weights; {} control points need as many",
                        spline.weights.size(), n);
   for (const double w : spline.weights)
     if (!(w >= 1e-9 && w <= 1e9))
-      return fmt::format("the spline has a weight of {:g}; one above 0 is needed", w);
+      return fmt::format("the spline has a weight of {:g}; weights must be above 0", w);
   return {};
 }
 
@@ -251,7 +250,8 @@ void flatten_fit(std::vector<PagePoint> fit, std::optional<PagePoint> from_tange
   const std::size_t n = fit.size();
   if (n < 2) return;
   const bool round = closed && n > 2;
-  // A closed one is laid around itself a few times: what an end does dies away by 0.27 a point.
+  // A closed curve is repeated around itself a few times: the influence of an end decays by 0.27
+  // per point.
   constexpr std::size_t kAround = 24;
   std::vector<PagePoint> p;
   if (round)

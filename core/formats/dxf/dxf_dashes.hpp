@@ -12,20 +12,20 @@ namespace popcut {
 /// A line type as parts of its period.
 struct DxfDashes {
   struct Part {
-    double from{}, to{};  ///< share of the period, 0..1
+    double from{}, to{};  ///< fraction of the period, 0..1
   };
-  std::vector<Part> dashes;  ///< half of the last gap stands before the first
+  std::vector<Part> dashes;  ///< half of the last gap comes before the first dash
   double period{};           ///< in drawing units
 };
 
-/// The dashes of a line type's elements (above 0 a dash, below a gap, 0 a dot, which nothing can
-/// be cut from); no dashes if it has not both, dashes and gaps.
+/// The dashes of a line type's elements (above 0 a dash, below 0 a gap, 0 a dot, which cannot be
+/// cut). Empty unless there are both dashes and gaps.
 [[nodiscard]] DxfDashes dxf_dashes(std::span<const double> elements);
 
 /// How many periods of `period` (mm) a line of `length` gets: at least one.
 [[nodiscard]] double dxf_periods(double length, double period);
 
-/// Calls `put(points)` for each dash of `line`, `periods` of them end to end.
+/// Calls `put(points)` for each dash of `line`, with `periods` periods end to end.
 template <typename Put>
 bool each_dash(std::span<const PagePoint> line, const DxfDashes& dashes, double periods, Put put) {
   const double l = length(line) / periods;  // of one period

@@ -25,7 +25,7 @@ void clear(DxfEntity& e) {
 
 double& part(DxfVec& p, int code) { return code < 20 ? p.x : code < 30 ? p.y : p.z; }
 
-/// The vector that repeated groups of this code go to, if the type of the entity has one.
+/// The vector that collects repeated groups of this code, if the entity's type has one.
 bool repeated(DxfEntity& e, int code, double value) {
   if (e.type == "LWPOLYLINE") {
     if (code == 10) e.vertices.push_back({{value, 0, 0}, 0});

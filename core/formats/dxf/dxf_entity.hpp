@@ -12,29 +12,30 @@
 
 namespace popcut {
 
-/// A corner of a polyline: `bulge` is the tangent of a quarter of the angle of the arc to the next.
+/// A corner of a polyline. `bulge` is the tangent of a quarter of the angle of the arc to the next
+/// corner.
 struct DxfVertex {
   DxfVec at;
   double bulge{};
 };
 
-/// One entity as it stands. Which members mean something depends on its type.
+/// One entity as read. Its type decides which members are meaningful.
 struct DxfEntity {
   std::string_view type;
   std::size_t line{};
   std::string_view layer{"0"}, linetype{"BYLAYER"}, block;
-  int colour{256};         ///< AutoCAD's index; 256 that of the layer, 0 that of the insert
+  int colour{256};         ///< AutoCAD's index; 256: the layer's colour, 0: the insert's
   int rgb{-1};             ///< 420
-  bool paper{}, hidden{};  ///< on a paper layout (67); invisible (60)
+  bool paper{}, hidden{};  ///< on a paper layout (code 67); invisible (code 60)
   double linetype_scale{1.0};
   double elevation{};
   std::optional<DxfVec> extrusion;
   DxfVec p10, p11, p12, p13;
   std::array<double, 10> real{};      ///< codes 40 to 49
-  std::array<bool, 10> given{};       ///< those of `real` that are there
+  std::array<bool, 10> given{};       ///< which entries of `real` are set
   double from_deg{}, to_deg{};        ///< 50, 51
   std::array<int, 10> flag{};         ///< codes 70 to 79
-  bool tangent_from{}, tangent_to{};  ///< 12, 13 are there
+  bool tangent_from{}, tangent_to{};  ///< whether codes 12, 13 are set
   std::vector<DxfVertex> vertices;    ///< LWPOLYLINE
   std::vector<double> knots, weights;
   std::vector<DxfVec> control, fit;  ///< SPLINE
@@ -46,11 +47,12 @@ struct DxfEntity {
 
 inline constexpr std::size_t kMostInDxfEntity = 4'000'000;  ///< vertices, knots or points
 
-/// Reads the entity whose group 0 `cursor` stands on; the cursor ends at the next group 0, or at
-/// the end of the text or a fault: then false. Numbers are read only if `numbers` says so. What
-/// programs attach (102 { ... }, 101, 1000 and above) is passed over.
+/// Reads the entity that begins at the group 0 under `cursor`. The cursor ends at the next group 0;
+/// at the end of the text or at a fault it returns false. Parses numbers only if `numbers`. Ignores
+/// what programs attach (102 { ... }, 101, 1000 and above).
 ///
-/// `out` is filled anew; its vectors keep their memory. More than `kMostInDxfEntity` is a fault.
+/// Overwrites `out`, whose vectors keep their memory. More than `kMostInDxfEntity` items are a
+/// fault.
 bool read_dxf_entity(DxfCursor& cursor, bool numbers, DxfEntity& out);
 
 }  // namespace popcut

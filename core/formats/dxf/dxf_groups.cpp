@@ -59,13 +59,14 @@ bool DxfCursor::next() {
     if (!line(code)) return false;
     if (!parse(code, group_.code) || group_.code < kLeastCode || group_.code > kMostCode) {
       if (code.empty() && text_.find_first_not_of(" \t\r\n\x1a", at_) == std::string_view::npos)
-        return false;  // blank lines after the last group
+        return false;  // only blank lines follow
       return refuse(line_,
-                    fmt::format("\"{}\" is no group code; a whole number of 0 to {} is needed "
-                                "here, is a line missing above?",
+                    fmt::format("\"{}\" is not a group code; use a whole number from 0 to {} "
+                                "here; is a line missing above?",
                                 dxf_shown(code), kMostCode));
     }
-    if (!line(group_.value)) return refuse(line_, "the file ends after a group code; is it whole?");
+    if (!line(group_.value))
+      return refuse(line_, "the file ends after a group code; is it complete?");
   } while (group_.code == kComment);
   group_.line = line_;
   return true;
@@ -74,8 +75,8 @@ bool DxfCursor::next() {
 bool DxfCursor::real(double& value) {
   if (parse(group_.value, value) && std::isfinite(value)) return true;
   return refuse(group_.line,
-                fmt::format("\"{}\" is no number (group code {}); a finite number with a "
-                            "decimal point is needed",
+                fmt::format("\"{}\" is not a number (group code {}); write a finite number with a "
+                            "decimal point",
                             dxf_shown(group_.value), group_.code));
 }
 
@@ -86,7 +87,7 @@ bool DxfCursor::integer(int& value) {
     value = std::abs(wide) < 2e9 ? static_cast<int>(wide) : 0;
     return true;
   }
-  return refuse(group_.line, fmt::format("\"{}\" is no whole number (group code {})",
+  return refuse(group_.line, fmt::format("\"{}\" is not a whole number (group code {})",
                                          dxf_shown(group_.value), group_.code));
 }
 

@@ -10,11 +10,11 @@
 
 namespace popcut {
 
-/// One pair of lines of a DXF file: what kind of value it is, and the value without outer spaces.
+/// One pair of lines of a DXF file: the kind of value, and the value without outer spaces.
 struct DxfGroup {
   int code{};
   std::string_view value;
-  std::size_t line{};  ///< of the value, from 1
+  std::size_t line{};  ///< line of the value, from 1
 
   [[nodiscard]] bool is(int its_code, std::string_view its_value) const {
     return code == its_code && value == its_value;
@@ -27,21 +27,22 @@ struct DxfGroup {
 /// The beginning of `text` for an error message: printable, at most 40 characters.
 [[nodiscard]] std::string dxf_shown(std::string_view text);
 
-/// Walks over the groups of an ASCII DXF text, comments (999) left out. Lines end in LF or CR LF,
-/// or in CR where there is no LF at all. Takes no memory; `text` must outlive it.
+/// Walks over the groups of an ASCII DXF text and skips comments (999). Lines end in LF or CR LF,
+/// or in CR if the text has no LF. Allocates nothing; `text` must outlive it.
 class DxfCursor {
  public:
   explicit DxfCursor(std::string_view text);
 
-  /// Goes to the next group; false at the end of the text or at a fault, which `error` then has.
+  /// Moves to the next group. Returns false at the end of the text or at a fault, which `error`
+  /// then holds.
   bool next();
   [[nodiscard]] const DxfGroup& group() const { return group_; }
   [[nodiscard]] const std::optional<Error>& error() const { return error_; }
 
-  /// The value of the present group as a number; false, and a fault, if it is none.
+  /// The current group's value as a number. Returns false and sets a fault if it is not one.
   bool real(double& value);
   bool integer(int& value);
-  /// Sets a fault at a line, unless there is one; always false.
+  /// Sets a fault at a line unless there is one already; always returns false.
   bool refuse(std::size_t line, std::string detail, ErrorKind kind = ErrorKind::Malformed);
 
  private:

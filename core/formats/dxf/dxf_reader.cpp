@@ -24,9 +24,9 @@ namespace {
 constexpr double kMostDashes = 1e6;  // of one line
 constexpr int kMostInArray = 32767;  // rows or columns of an INSERT
 constexpr std::size_t kMostNamed = 8;
-constexpr std::size_t kLinesOfInsert = 20;  // what one is counted as, besides those it reads
+constexpr std::size_t kLinesOfInsert = 20;  // cost of an INSERT, plus the lines that it reads
 
-/// What an entity of a block takes from its insert, and where it lies.
+/// What an entity of a block takes from its INSERT, and where it lies.
 struct Place {
   DxfFrame frame;
   std::string_view layer{"0"};
@@ -35,7 +35,7 @@ struct Place {
   int rgb{-1};
 };
 
-/// A layer, what became of it, and its line type.
+/// A layer, how many of its entities were left out, and its line type.
 struct LayerUse {
   DxfLayer layer;
   std::size_t left_out{};
@@ -89,7 +89,7 @@ class DxfReader {
       cursor.next();
       if (!entities(cursor, place, 0)) return tl::unexpected(*error_);
     }
-    tell();
+    add_warnings();
     return std::move(work_);
   }
 
@@ -99,7 +99,7 @@ class DxfReader {
     return false;
   }
 
-  /// Draws from the group that `cursor` stands on to the end of the section or block.
+  /// Draws from the current group to the end of the section or block.
   bool entities(DxfCursor& cursor, const Place& place, std::size_t depth) {
     DxfEntity entity;
     bool more = true;
@@ -119,7 +119,7 @@ class DxfReader {
 
   bool pay(std::size_t lines, std::size_t line) {
     if (lines > lines_left_)
-      return stop(line, "the inserts repeat too much; explode the blocks or draw fewer",
+      return stop(line, "the drawing repeats blocks too often; explode the blocks or insert fewer",
                   ErrorKind::OutOfRange);
     lines_left_ -= lines;
     return true;
@@ -131,7 +131,7 @@ class DxfReader {
     const bool splined = (polyline.flag[0] & 4) != 0;
     while (cursor.group().is(0, "VERTEX")) {
       if (!read_dxf_entity(cursor, true, vertex)) return false;
-      const bool frame = splined && (vertex.flag[0] & 16) != 0;  // of the spline, not on it
+      const bool frame = splined && (vertex.flag[0] & 16) != 0;  // control point of a spline
       if (!frame) polyline.vertices.push_back({vertex.p10, vertex.real_or(42, 0.0)});
       if (polyline.vertices.size() > kMostInDxfEntity)
         return cursor.refuse(polyline.line, "the POLYLINE has too many vertices; split it",
@@ -200,12 +200,14 @@ class DxfReader {
       return stop(entity.line, fmt::format("the block \"{}\" inserts itself; remove this INSERT",
                                            dxf_shown(block.name)));
     if (depth >= options_.most_deep)
-      return stop(entity.line, fmt::format("inserts lie more than {} deep", options_.most_deep),
-                  ErrorKind::OutOfRange);
+      return stop(
+          entity.line,
+          fmt::format("blocks are nested more than {} deep; explode some", options_.most_deep),
+          ErrorKind::OutOfRange);
     const int columns = std::max(entity.flag[0], 1), rows = std::max(entity.flag[1], 1);
     if (columns > kMostInArray || rows > kMostInArray)
       return stop(entity.line,
-                  fmt::format("the INSERT has {} columns and {} rows; at most {} of each are read",
+                  fmt::format("the INSERT has {} columns and {} rows; use at most {} of each",
                               columns, rows, kMostInArray),
                   ErrorKind::OutOfRange);
     path_.push_back(&block);
@@ -277,7 +279,7 @@ class DxfReader {
     return by_colour(own.colour, own.rgb, options_.colours);
   }
 
-  /// Appends `line_`, as the dashes of its line type if that has any.
+  /// Appends `line_`, as dashes if its line type has any.
   bool dashed(Operation operation, const std::string& linetype, const DxfEntity& entity) {
     const auto found = dashes_.find(linetype);
     const bool known = found != dashes_.end();
@@ -295,7 +297,8 @@ class DxfReader {
     if (!(periods * static_cast<double>(dashes.dashes.size()) <= kMostDashes))
       return stop(
           entity.line,
-          fmt::format("the dashes of line type {} are too fine for this line", dxf_shown(linetype)),
+          fmt::format("the dashes of line type {} are too fine for this line; make them longer",
+                      dxf_shown(linetype)),
           ErrorKind::OutOfRange);
     if (!(all > 0.0)) return true;
     ++dashed_;
@@ -306,13 +309,14 @@ class DxfReader {
 
   bool append(Operation operation, std::span<const PagePoint> line, std::size_t at) {
     if (work_.points.size() + line.size() > options_.most_points)
-      return stop(at, fmt::format("the drawing has more than {} points", options_.most_points),
-                  ErrorKind::OutOfRange);
+      return stop(
+          at, fmt::format("the drawing has more than {} points; split it", options_.most_points),
+          ErrorKind::OutOfRange);
     work_.append(operation, line);
     return true;
   }
 
-  void tell() {
+  void add_warnings() {
     const auto say = [&](std::size_t count, const char* what) {
       if (count > 0) work_.warnings.push_back(fmt::format("{} {}", count, what));
     };
@@ -324,20 +328,20 @@ class DxfReader {
       work_.warnings.push_back(
           fmt::format("{} insert{} of the block \"{}\", which is not in the file, {} left out",
                       count, count == 1 ? "" : "s", name, count == 1 ? "is" : "are"));
-    tell_layers();
+    add_layer_warnings();
     say(paper_, "entities on a paper layout are left out; only the model space is cut");
     say(hidden_, "invisible entities are left out");
-    say(tilted_, "entities are tilted in space and are cut as seen from above");
-    say(by_colour_, "lines are left out, since their colour is for nothing that is cut or folded");
+    say(tilted_, "entities are tilted in space; they are cut as seen from above");
+    say(by_colour_, "lines are left out because their colour means neither cut nor fold");
     say(sideless_,
-        "folds are on layers that do not say mountain or valley; they are taken as valleys");
-    say(dashed_, "lines are of a dashed line type and are cut as those dashes");
+        "folds are on layers that do not name mountain or valley; they become valley folds");
+    say(dashed_, "lines have a dashed line type; their dashes are cut");
     say(unclear_,
-        "lines are of a dashed line type whose dashes the file does not give; they are "
-        "folded (valley)");
+        "lines have a dashed line type whose dashes are not in the file; they become "
+        "valley folds");
   }
 
-  void tell_layers() {
+  void add_layer_warnings() {
     std::vector<const LayerUse*> left_out;
     for (const auto& [key, use] : layers_)
       if (use.left_out > 0) left_out.push_back(&use);
@@ -348,7 +352,7 @@ class DxfReader {
       const char* why = layer.frozen ? "is frozen"
                         : layer.off  ? "is off"
                         : layer.meaning == DxfMeaning::Ignore
-                            ? "says by its name that it is not cut"
+                            ? "has a name that means not to cut it"
                             : "is not plotted";
       work_.warnings.push_back(fmt::format("the layer \"{}\" {}; {} of its entities {} left out",
                                            layer.name, why, left_out[i]->left_out,
@@ -388,10 +392,10 @@ DxfOptions DxfOptions::raised(unsigned factor) const {
 Result<LineWork> linework_from_dxf(std::string_view text, const DxfOptions& options) {
   if (text.size() > options.most_bytes)
     return tl::unexpected(too_much(
-        fmt::format("{} bytes of DXF; at most {} are read", text.size(), options.most_bytes)));
+        fmt::format("the DXF has {} bytes; the limit is {}", text.size(), options.most_bytes)));
   if (text.substr(0, 18) == "AutoCAD Binary DXF")
     return fail(ErrorKind::Malformed, "line 1",
-                "is a binary DXF; save it as ASCII DXF, R12 or 2000 for instance");
+                "is a binary DXF; save it as ASCII DXF, for example R12 or 2000");
   if (text.size() > 6 && text.substr(0, 4) == "AC10" && text[6] == '\0')
     return fail(ErrorKind::Malformed, "line 1", "is a DWG; save it as ASCII DXF");
   auto tables = read_dxf_tables(text);

@@ -9,37 +9,38 @@
 
 namespace popcut {
 
-/// Whether colours say what lines on layers of no known name are for.
+/// What colours mean for lines on layers with unknown names.
 enum class DxfColours {
-  Ignored,     ///< all are cut
-  OrigamiSim,  ///< red mountain, blue valley, green cut, black or white outline, others nothing
+  Ignored,     ///< cut all lines
+  OrigamiSim,  ///< red mountain, blue valley, green cut, black or white outline, others left out
   Lightburn,   ///< red mountain, blue valley, others cut
 };
 
+/// Options and limits for reading a drawing.
 struct DxfOptions {
   DxfColours colours{DxfColours::Ignored};
-  double tolerance_mm{0.02};            ///< between a curve and its chords
+  double tolerance_mm{0.02};            ///< largest distance between a curve and its chords
   std::size_t most_bytes{256u << 20};   ///< of the file
-  std::size_t most_points{10'000'000};  ///< of the drawing, curves flattened
-  std::size_t most_lines{50'000'000};   ///< of text read again for inserts
-  std::size_t most_deep{32};            ///< inserts within inserts
+  std::size_t most_points{10'000'000};  ///< of the drawing, with curves as chords
+  std::size_t most_lines{50'000'000};   ///< lines of text read, counting repeats for inserts
+  std::size_t most_deep{32};            ///< nesting depth of inserts
 
-  /// All that is counted times `factor`; the file and its points stay below 2^31.
+  /// All limits times `factor`, except the depth. The file and its points stay below 2^31.
   [[nodiscard]] DxfOptions raised(unsigned factor) const;
 };
 
-/// The lines of an ASCII DXF drawing (R9 to R2018) in page mm: x to the right, y turned down.
+/// Reads the lines of an ASCII DXF drawing (R9 to R2018), in page mm: x to the right, y down.
 ///
-/// Read are LINE, LWPOLYLINE, POLYLINE, ARC, CIRCLE, ELLIPSE and SPLINE of the model space, also
-/// through INSERTs of blocks; all else is named in the warnings. Names of layers say what a line is
-/// for (`dxf_meaning`): on others it is cut. Lines of a dashed line type are cut as these dashes,
-/// a whole number of periods with a gap at both ends; where the file does not say how long the
-/// dashes are, they are folds (valley). Layers that are off, frozen or not plotted are left out and
-/// named. Solids are seen from above.
+/// Reads LINE, LWPOLYLINE, POLYLINE, ARC, CIRCLE, ELLIPSE and SPLINE of the model space, also
+/// through INSERTs of blocks. Warnings name everything else. The name of a layer decides what its
+/// lines are for (`dxf_meaning`); lines on layers with other names are cut. Lines of a dashed line
+/// type are cut as dashes, with a whole number of periods and a gap at both ends; if the file does
+/// not define the dashes, the lines become valley folds. Layers that are off, frozen or not plotted
+/// are left out, with a warning. Solids are seen from above.
 ///
-/// @retval Malformed   no ASCII DXF, truncated, a wrong group, a block that inserts itself; place
-///                     is the line
-/// @retval OutOfRange  larger than `options` allow, or farther than 100 m from the origin
+/// @retval Malformed   not an ASCII DXF, truncated, an invalid group, or a block that inserts
+///                     itself; place is the line
+/// @retval OutOfRange  larger than `options` allow, or more than 100 m from the origin
 [[nodiscard]] Result<LineWork> linework_from_dxf(std::string_view text,
                                                  const DxfOptions& options = {});
 

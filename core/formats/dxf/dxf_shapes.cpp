@@ -13,10 +13,10 @@ namespace {
 
 double radians(double degrees) { return degrees * kPi / 180; }
 
-/// From above, y turned down.
+/// Seen from above, with y down.
 PagePoint seen(const DxfVec& p) { return {p.x, -p.y}; }
 
-/// Draws into one line, in a frame.
+/// Appends to a line, in a frame.
 class Pen {
  public:
   Pen(const DxfFrame& frame, double tolerance, std::vector<PagePoint>& line)
@@ -47,7 +47,7 @@ class Pen {
   std::vector<PagePoint>& line_;
 };
 
-/// The angle from one to the other, above 0 and at most a full turn.
+/// The angle from one to the other: above 0 and at most a full turn.
 double span_of(double from, double to) {
   double span = std::fmod(to - from, 2 * kPi);
   if (span <= 1e-12) span += 2 * kPi;
@@ -85,7 +85,7 @@ void polyline(const DxfEntity& entity, Pen& pen, std::vector<PagePoint>& line) {
 void circle(const DxfEntity& entity, Pen& pen, std::string& wrong) {
   const double r = entity.real_or(40, 0.0);
   if (r < 0.0) {
-    wrong = fmt::format("the {} has a radius of {:g}; one above 0 is needed", entity.type, r);
+    wrong = fmt::format("the {} has a radius of {:g}; it must be above 0", entity.type, r);
     return;
   }
   if (r == 0.0) return;
@@ -98,7 +98,8 @@ void circle(const DxfEntity& entity, Pen& pen, std::string& wrong) {
 void ellipse(const DxfEntity& entity, Pen& pen, std::string& wrong) {
   const double ratio = entity.real_or(40, 1.0);
   if (!(std::abs(ratio) <= 1e6)) {
-    wrong = fmt::format("the ELLIPSE has axes in a ratio of {:g}; one of up to 1 is needed", ratio);
+    wrong = fmt::format("the ELLIPSE has an axis ratio of {:g}; it must be above 0 and at most 1",
+                        ratio);
     return;
   }
   const DxfVec& major = entity.p11;
@@ -108,7 +109,7 @@ void ellipse(const DxfEntity& entity, Pen& pen, std::string& wrong) {
   if (!unit(major)) return;
   const double from = entity.real_or(41, 0.0), to = entity.real_or(42, 2 * kPi);
   if (!(std::abs(from) < 1e6 && std::abs(to) < 1e6)) {
-    wrong = "the ELLIPSE begins or ends at a wild angle; radians of 0 to 2 pi are needed";
+    wrong = "the ELLIPSE begins or ends at an invalid angle; use radians from 0 to 2 pi";
     return;
   }
   const bool full = std::abs(std::abs(to - from) - 2 * kPi) < 1e-9;
@@ -135,7 +136,7 @@ void spline(const DxfEntity& entity, const DxfFrame& frame, double tolerance, st
     flatten_fit(std::move(fit), tangent(entity.tangent_from, entity.p12),
                 tangent(entity.tangent_to, entity.p13), round, tolerance, most, line);
   } else {
-    wrong = "the SPLINE has neither control points nor two fit points";
+    wrong = "the SPLINE needs control points or at least two fit points";
   }
   const double gap =
       line.empty() ? 0.0

@@ -52,7 +52,7 @@ constexpr std::array<std::uint16_t, 32> kWindows{
 
 unsigned byte_of(char c) { return static_cast<unsigned char>(c); }
 
-/// How many bytes the lawful UTF-8 character at `i` has; 0 if there is none.
+/// The number of bytes of the valid UTF-8 character at `i`; 0 if it is not valid.
 std::size_t utf8_length(std::string_view text, std::size_t i) {
   const unsigned lead = byte_of(text[i]);
   const std::size_t n = lead < 0x80                    ? 1
@@ -100,7 +100,7 @@ class TableReader {
       if (!group.is(0, "SECTION")) {
         if (!sections || group.code == 0)
           return wrong(
-              fmt::format("\"{}\" stands outside of a section; 0 SECTION is needed here, is "
+              fmt::format("\"{}\" is outside of any section; expected 0 SECTION; is "
                           "this a DXF file?",
                           dxf_shown(group.value)));
         continue;
@@ -111,12 +111,13 @@ class TableReader {
     if (cursor_.error()) return tl::unexpected(*cursor_.error());
     if (!sections)
       return fail(ErrorKind::Malformed, dxf_line(1),
-                  "this is no DXF: there is no section in it; 0 SECTION is needed");
+                  "this is not a DXF file: it has no section (0 SECTION)");
     if (tables_.entities.empty())
       return fail(ErrorKind::Malformed, dxf_line(cursor_.group().line),
-                  "there is no section ENTITIES; is the file whole?");
+                  "there is no ENTITIES section; is the file complete?");
     if (!ended)
-      tables_.warnings.emplace_back("the file does not end in EOF; its sections are whole, though");
+      tables_.warnings.emplace_back(
+          "the file does not end with EOF, but all its sections are complete");
     settle_unit();
     return std::move(tables_);
   }
@@ -137,7 +138,7 @@ class TableReader {
 
   bool section() {
     if (!cursor_.next() || cursor_.group().code != 2)
-      return stop("a section needs its name (group code 2) first");
+      return stop("a section must begin with its name (group code 2)");
     const std::string name(dxf_key(cursor_.group().value));
     if (name == "ENTITIES") tables_.entities.push_back(cursor_);
     bool ended = false;
@@ -149,22 +150,23 @@ class TableReader {
       const bool named = group.is(0, "LAYER") || group.is(0, "LTYPE");
       if (name == "TABLES" && named) {
         if (!record(group.value == "LAYER")) return false;
-        continue;  // at the group 0 after it
+        continue;  // the cursor is at the group 0 after it
       }
       if (name == "HEADER" && group.code == 9 && !variable()) return false;
       if (name == "BLOCKS" && group.is(0, "BLOCK") && !block()) return false;
       more_ = ended || cursor_.next();
     }
     if (cursor_.error()) return false;
-    return ended || stop(fmt::format("the section {} does not end (0 ENDSEC); is the file whole?",
-                                     dxf_shown(name)));
+    return ended ||
+           stop(fmt::format("the section {} does not end (0 ENDSEC); is the file complete?",
+                            dxf_shown(name)));
   }
 
   bool variable() {
     const std::string_view name = cursor_.group().value;
     const bool integer = name == "$INSUNITS" || name == "$MEASUREMENT";
     if (!integer && name != "$LTSCALE") return true;
-    if (!cursor_.next()) return true;  // the section has no end then, which its caller says
+    if (!cursor_.next()) return true;  // the caller reports the missing end
     if (name == "$INSUNITS") return cursor_.integer(insunits_.emplace());
     if (name == "$MEASUREMENT") return cursor_.integer(measurement_.emplace());
     double scale = 1.0;
@@ -209,7 +211,7 @@ class TableReader {
     return !cursor_.error();
   }
 
-  /// Goes to the ENDBLK of the block that begins here.
+  /// Moves to the ENDBLK of the block that begins here.
   bool block() {
     std::string key;
     DxfBlock one{{}, {}, cursor_, false};
@@ -237,13 +239,14 @@ class TableReader {
           break;
       }
     }
-    // The cursor of the block begins anew at its head, whose groups the reader of entities skips.
+    // The block's cursor is at the beginning of the block; the reader of entities skips its first
+    // groups.
     while (!cursor_.group().is(0, "ENDBLK")) {
       if (cursor_.group().is(0, "ENDSEC") || cursor_.group().is(0, "BLOCK"))
         return stop(fmt::format("the block \"{}\" does not end (0 ENDBLK)", dxf_shown(key)));
       if (!cursor_.next())
         return cursor_.error() ? false
-                               : stop("a block does not end (0 ENDBLK); is the file whole?");
+                               : stop("a block does not end (0 ENDBLK); is the file complete?");
     }
     tables_.blocks.try_emplace(std::move(key), std::move(one));
     return tables_.blocks.size() <= kMostDxfNames ||
@@ -261,13 +264,13 @@ class TableReader {
     const bool inch = measurement_ == 0;
     if (inch) tables_.unit_mm = 25.4, tables_.unit_name = "inch";
     tables_.warnings.push_back(
-        fmt::format("no unit of length is given ($INSUNITS); one unit is taken as 1 {}{}",
+        fmt::format("the file gives no unit of length ($INSUNITS); 1 unit is read as 1 {}{}",
                     tables_.unit_name, inch ? " ($MEASUREMENT is English)" : ""));
   }
 
   DxfCursor cursor_;
   DxfTables tables_;
-  bool more_{false};  ///< `cursor_` stands on a group
+  bool more_{false};  ///< `cursor_` is on a group
   std::optional<int> insunits_, measurement_;
   std::optional<Error> error_;
 };

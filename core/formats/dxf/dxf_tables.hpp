@@ -7,34 +7,36 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/drawing/toolpath.hpp"
 #include "core/formats/dxf/dxf_curves.hpp"
 #include "core/formats/dxf/dxf_groups.hpp"
-#include "core/drawing/toolpath.hpp"
 
 namespace popcut {
 
-/// What a layer's name says its lines are for.
+/// What a layer's name says about its lines.
 enum class DxfMeaning : std::uint8_t {
   Unknown,
   Ignore,
   Draw,
   Score,
-  Fold,  ///< a fold, of no side
+  Fold,  ///< a fold of unknown side
   FoldMountain,
   FoldValley,
   Cut,
   Outline,
 };
 
-/// By the words in a layer's name, whatever their case: CUT, SLIT, OUTLINE, SCORE, ENGRAVE, MARK,
-/// FOLD, CREASE, MOUNTAIN, VALLEY, FOLD_M, FOLD_V and the like; "no cut", GUIDE and DEFPOINTS are
-/// for nothing. A fold wins over a cut, since paper that is cut through cannot be mended.
+/// Decides by the words in a layer's name, ignoring case: CUT, SLIT, OUTLINE, SCORE, ENGRAVE, MARK,
+/// FOLD, CREASE, MOUNTAIN, VALLEY, FOLD_M, FOLD_V and the like. "no cut", GUIDE and DEFPOINTS mean
+/// nothing to cut. A fold wins over a cut, because a wrong cut cannot be undone.
 [[nodiscard]] DxfMeaning dxf_meaning(std::string_view layer);
 
-inline constexpr std::size_t kMostDxfNames = 100'000;  ///< layers, line types, blocks, each
+/// Limit for each of layers, line types and blocks.
+inline constexpr std::size_t kMostDxfNames = 100'000;
 
+/// A layer of the LAYER table.
 struct DxfLayer {
-  std::string name;  ///< as it may be shown
+  std::string name;  ///< for messages
   std::string linetype{"CONTINUOUS"};
   DxfMeaning meaning{};
   int colour{7};
@@ -46,14 +48,15 @@ struct DxfLinetype {
   std::vector<double> elements;
 };
 
+/// A block of the BLOCKS section.
 struct DxfBlock {
-  std::string name;  ///< as it may be shown
+  std::string name;  ///< for messages
   DxfVec base;
-  DxfCursor at;  ///< stands before its first entity
+  DxfCursor at;  ///< just before its first entity
   bool external{};
 };
 
-/// What stands before the entities, and where they are. Keys are names in capitals.
+/// The tables before the entities, and where entities begin. Keys are names in capitals.
 struct DxfTables {
   double unit_mm{1.0};
   std::string unit_name{"mm"};  ///< for messages
@@ -62,19 +65,20 @@ struct DxfTables {
   std::unordered_map<std::string, DxfLayer> layers;
   std::unordered_map<std::string, DxfLinetype> linetypes;
   std::unordered_map<std::string, DxfBlock> blocks;
-  std::vector<DxfCursor> entities;  ///< each stands before the first entity of such a section
+  std::vector<DxfCursor> entities;  ///< just before the first entity of each ENTITIES section
 };
 
-/// A name in capitals (ASCII only), as the keys of `DxfTables` are.
+/// A name in capitals (ASCII only): the keys of `DxfTables`.
 [[nodiscard]] std::string dxf_key(std::string_view name);
 
-/// A name that can be shown: UTF-8 as it stands, other bytes as Windows-1252 has them.
+/// A name for messages: valid UTF-8 unchanged, other bytes read as Windows-1252.
 [[nodiscard]] std::string dxf_name(std::string_view name);
 
-/// Walks over the whole text once: its sections are closed, its groups are groups; header, layers,
-/// line types and blocks are kept.
+/// Walks over the whole text once. Checks that sections are closed and groups are valid. Keeps the
+/// header, layers, line types and blocks.
 ///
-/// @retval Malformed   no sections, a section that does not end, a wrong group; place is the line
+/// @retval Malformed   no sections, a section that does not end, or an invalid group; place is the
+///                     line
 /// @retval OutOfRange  more than 100 000 layers, line types or blocks
 [[nodiscard]] Result<DxfTables> read_dxf_tables(std::string_view text);
 

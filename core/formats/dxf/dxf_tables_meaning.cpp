@@ -45,8 +45,8 @@ constexpr std::array kWords{Word{"NO", DxfMeaning::Ignore},
 bool letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
 bool small(char c) { return c >= 'a' && c <= 'z'; }
 
-/// The words of "Valley_Folds 2", "valleyFold2": runs of letters, a capital after a small one
-/// begins another.
+/// Splits "Valley_Folds 2" or "valleyFold2" into words: runs of letters; a capital after a
+/// lower-case letter begins a new word.
 std::vector<std::string> words_of(std::string_view name) {
   std::vector<std::string> words;
   for (std::size_t i = 0; i < name.size() && words.size() < 32; ++i) {

@@ -21,8 +21,8 @@ std::size_t bytes_of(const FoldFrame& frame) {
          4 * corners;
 }
 
-/// Takes what one frame of the file says into a frame that may have inherited; the first fault
-/// stays.
+/// Reads the members of one frame into a frame that may have inherited others. Keeps the first
+/// fault.
 class FrameReader {
  public:
   FrameReader(const FrameText& text, FoldFrame& frame) : text_(text), frame_(frame) {}
@@ -57,20 +57,20 @@ class FrameReader {
       const std::size_t begin = column.row_begin(i), count = column.row_end(i) - begin;
       if (count < 2 || count > 3)
         return fail(ErrorKind::Malformed, at(fmt::format("/vertices_coords/{}", i)),
-                    fmt::format("has {} numbers; two or three coordinates are needed", count));
+                    fmt::format("has {} numbers; give two or three coordinates", count));
       std::array<double, 3> p{};
       for (std::size_t c = 0; c < count; ++c) {
         p.at(c) = column.number[begin + c];
         if (!std::isfinite(p.at(c)))
           return fail(ErrorKind::OutOfRange, at(fmt::format("/vertices_coords/{}/{}", i, c)),
-                      "is no finite number; a coordinate is needed");
+                      "is not a finite number; give a coordinate");
       }
       frame_.vertices.push_back(p);
     }
     return {};
   }
 
-  /// The vertex that entry `n` of row `i` names.
+  /// The vertex that entry `n` of row `i` refers to.
   Result<std::uint32_t> index(const FoldColumn& column, const char* key, std::size_t i,
                               std::size_t n) const {
     const double value = column.number[column.row_begin(i) + n];
@@ -79,8 +79,8 @@ class FrameReader {
       return static_cast<std::uint32_t>(value);
     return fail(ErrorKind::OutOfRange, at(fmt::format("/{}/{}/{}", key, i, n)),
                 count == 0 ? fmt::format("is {:g}; there are no vertices", value)
-                           : fmt::format("is {:g}; the number of a vertex, 0 to {}, is needed",
-                                         value, count - 1));
+                           : fmt::format("is {:g}; give the number of a vertex, 0 to {}", value,
+                                         count - 1));
   }
 
   Result<void> edges() {
@@ -106,7 +106,7 @@ class FrameReader {
     return {};
   }
 
-  /// A frame that inherits edges or faces but brings vertices of its own must have enough of them.
+  /// A frame that inherits edges or faces but has its own vertices must have enough of them.
   Result<void> recheck() const {
     std::uint32_t most = 0;
     for (const auto& edge : frame_.edges) most = std::max({most, edge[0], edge[1]});
@@ -115,15 +115,16 @@ class FrameReader {
         for (const std::uint32_t v : face) most = std::max(most, v);
     if (most < frame_.vertices.size() || (frame_.edges.empty() && most == 0)) return {};
     return fail(ErrorKind::OutOfRange, at("/vertices_coords"),
-                fmt::format("has {} vertices; what is inherited asks for vertex {}",
+                fmt::format("has {} vertices, but the inherited edges or faces use vertex {}",
                             frame_.vertices.size(), most));
   }
 
   Result<void> same_length(const FoldColumn& column, const char* key) const {
     if (column.number.size() == frame_.edges.size()) return {};
-    return fail(ErrorKind::Malformed, at(fmt::format("/{}", key)),
-                fmt::format("has {} entries; edges_vertices has {}, and both must be equally long",
-                            column.number.size(), frame_.edges.size()));
+    return fail(
+        ErrorKind::Malformed, at(fmt::format("/{}", key)),
+        fmt::format("has {} entries, but edges_vertices has {}; both must have the same length",
+                    column.number.size(), frame_.edges.size()));
   }
 
   Result<void> assignments() {
@@ -135,7 +136,7 @@ class FrameReader {
       if (letter >= 'a' && letter <= 'z') letter = static_cast<char>(letter - 'a' + 'A');
       if (std::string_view("BMVFUCJ").find(letter) == std::string_view::npos)
         return fail(ErrorKind::Malformed, at(fmt::format("/edges_assignment/{}", i)),
-                    "is no assignment; one of B, M, V, F, U, C, J is needed");
+                    "is not an assignment; use B, M, V, F, U, C or J");
       frame_.assignments[i] = letter;
     }
     return {};
@@ -153,7 +154,7 @@ class FrameReader {
       }
       if (!(std::abs(degrees) <= 360.0))
         return fail(ErrorKind::OutOfRange, at(fmt::format("/edges_foldAngle/{}", i)),
-                    fmt::format("is {:g} degrees; one of -180 to 180 is needed", degrees));
+                    fmt::format("is {:g} degrees; use -180 to 180", degrees));
       frame_.fold_angles_deg[i] = degrees;
     }
     return {};
@@ -180,7 +181,7 @@ class FrameReader {
   FoldFrame& frame_;
 };
 
-/// The frame that frame `i` inherits from, kNone for none.
+/// The frame that frame `i` inherits from; kNone if it does not inherit.
 Result<std::size_t> parent_of(const std::vector<FrameText>& texts, std::size_t i) {
   const FrameText& text = texts[i];
   if (!text.inherit) return kNone;
@@ -188,12 +189,13 @@ Result<std::size_t> parent_of(const std::vector<FrameText>& texts, std::size_t i
   if (parent >= 0.0 && parent < static_cast<double>(texts.size()) && parent == std::floor(parent) &&
       parent != static_cast<double>(i))
     return static_cast<std::size_t>(parent);
-  return fail(ErrorKind::Malformed, text.place + "/frame_parent",
-              fmt::format("a frame that inherits needs the number of another frame, 0 to {}",
-                          texts.size() - 1));
+  return fail(
+      ErrorKind::Malformed, text.place + "/frame_parent",
+      fmt::format("must be the number of another frame, 0 to {}, because this frame inherits",
+                  texts.size() - 1));
 }
 
-/// Reads the frames so that each comes after the one that it inherits from.
+/// Reads the frames in an order in which each comes after the frame that it inherits from.
 class FrameOrder {
  public:
   FrameOrder(const std::vector<FrameText>& texts, FoldFile& file, std::size_t most_bytes)
@@ -204,7 +206,7 @@ class FrameOrder {
     for (std::size_t at = i; at != kNone && state_[at] != State::Read;) {
       if (state_[at] == State::Under)
         return fail(ErrorKind::Malformed, texts_[at].place + "/frame_parent",
-                    "the frame inherits from itself by way of others; one must not inherit");
+                    "the frame inherits from itself through other frames; break the circle");
       state_[at] = State::Under;
       const auto parent = parent_of(texts_, at);
       if (!parent) return tl::unexpected(parent.error());
@@ -234,7 +236,7 @@ class FrameOrder {
   [[nodiscard]] tl::unexpected<Error> too_large(std::size_t i) const {
     return fail(
         ErrorKind::OutOfRange, texts_[i].place,
-        fmt::format("the frames together need more than {} MB; leave some out", most_bytes_ >> 20));
+        fmt::format("the frames together need more than {} MB; remove some", most_bytes_ >> 20));
   }
 
   const std::vector<FrameText>& texts_;
@@ -253,8 +255,8 @@ Result<FoldFile> read_fold(std::string_view text, const FoldLimits& limits) {
   if (!key.vertices_coords.present && !key.inherit) {
     const std::string near = nearest_word("vertices_coords", key.other_names);
     return fail(ErrorKind::Malformed, "/vertices_coords",
-                near.empty() ? "is missing; the vertices' coordinates are needed"
-                             : fmt::format("is missing; is \"{}\" meant to be it?", near));
+                near.empty() ? "is missing; a FOLD file needs the coordinates of its vertices"
+                             : fmt::format("is missing; is \"{}\" a misspelling of it?", near));
   }
   FoldFile file;
   file.title = key.file_title;

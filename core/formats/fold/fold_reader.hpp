@@ -17,42 +17,42 @@ namespace popcut {
 /// One frame of a FOLD file as it stands, with what it inherits filled in.
 struct FoldFrame {
   std::string title;
-  std::string unit;                             ///< frame_unit, "unit" where none is given
+  std::string unit;                             ///< frame_unit; "unit" if the file gives none
   bool folded_form{};                           ///< frame_classes has foldedForm
-  std::optional<double> psi_rad;                ///< frame_popcut:psi_rad, where it is a number
-  std::vector<std::array<double, 3>> vertices;  ///< z = 0 where two coordinates are given
+  std::optional<double> psi_rad;                ///< frame_popcut:psi_rad, if it is a number
+  std::vector<std::array<double, 3>> vertices;  ///< z = 0 for vertices with two coordinates
   std::vector<std::array<std::uint32_t, 2>> edges;
-  std::vector<char> assignments;        ///< B M V F U C J, U where none is given
-  std::vector<double> fold_angles_deg;  ///< one an edge, 0 where none is given
+  std::vector<char> assignments;        ///< B M V F U C J; U if not given
+  std::vector<double> fold_angles_deg;  ///< one per edge; 0 if not given
   std::vector<std::vector<std::uint32_t>> faces;
 };
 
-/// A FOLD file: the key frame, then those of `file_frames`.
+/// A FOLD file: first the key frame, then the frames of `file_frames`.
 struct FoldFile {
   std::string title;  ///< file_title
   std::vector<FoldFrame> frames;
 };
 
-/// Reads FOLD 1.0 to 1.2. Tolerant of null entries, unknown keys, missing faces, assignments and
-/// angles, `edges_foldAngles` (1.0); strict about indices, lengths and numbers.
+/// Reads FOLD 1.0 to 1.2. Accepts null entries, unknown keys, missing faces, assignments and
+/// angles, and `edges_foldAngles` (1.0). Rejects invalid indices, lengths and numbers.
 ///
-/// @retval Malformed   not JSON, or not of FOLD's form; place is a JSON pointer or line and column
-/// @retval OutOfRange  an index or number that is not lawful, or over a limit
+/// @retval Malformed   not JSON or not FOLD; place is a JSON pointer, or line and column
+/// @retval OutOfRange  an index or number is not valid, or over a limit
 [[nodiscard]] Result<FoldFile> read_fold(std::string_view text, const FoldLimits& limits = {});
 
-/// The first frame that lies flat in z, frames that are no folded form first (a model folded flat
-/// lies flat, too); null if there is none.
+/// The first frame that is flat in z, or null. Frames that are not a folded form come first,
+/// because a model folded flat is flat too.
 [[nodiscard]] const FoldFrame* flat_frame(const FoldFile& file);
 
-/// How many mm one unit of `frame_unit` is; 1 for "unit", 0 for a word that is not known.
+/// The size of one `frame_unit` in mm; 1 for "unit", 0 for an unknown word.
 [[nodiscard]] double fold_unit_mm(const std::string& unit);
 
-/// The lines of the first flat frame, in page mm: x = second coordinate, y = first, which is a
-/// rotation as seen from +Z, so that mountain and valley keep their side. M and V are folds; C, and
-/// B edges that lie on each other (split form), a cut, once; other B edges the outline, or a cut
-/// where they bound a hole. F, J and flat U edges are left out.
+/// The lines of the first flat frame, in page mm: x = second coordinate, y = first coordinate. This
+/// is a rotation as seen from +Z, so mountains and valleys keep their side. M and V become folds. C
+/// becomes a cut, and so do B edges that lie on each other (split form), once. Other B edges become
+/// the outline, or a cut if they bound a hole. F, J and flat U edges are left out.
 ///
-/// @retval Malformed, OutOfRange  as `read_fold`; no frame lies flat in z; coordinates beyond 100 m
+/// @retval Malformed, OutOfRange  as `read_fold`; no frame is flat in z; coordinates beyond 100 m
 [[nodiscard]] Result<LineWork> linework_from_fold(std::string_view text,
                                                   const FoldLimits& limits = {});
 

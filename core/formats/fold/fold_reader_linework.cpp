@@ -6,16 +6,16 @@
 
 #include <fmt/format.h>
 
-#include "core/formats/fold/fold_reader.hpp"
 #include "core/drawing/clean.hpp"
 #include "core/drawing/euler.hpp"
 #include "core/drawing/nesting.hpp"
+#include "core/formats/fold/fold_reader.hpp"
 #include "core/geometry/overlap.hpp"
 
 namespace popcut {
 namespace {
 
-constexpr std::size_t kMostOverlaps = 20'000'000;  // pairs of border edges on one line
+constexpr std::size_t kMostOverlaps = 20'000'000;  // limit of pairs of overlapping border edges
 
 bool flat(const FoldFrame& frame) {
   if (frame.vertices.empty() || frame.edges.empty()) return false;
@@ -28,7 +28,7 @@ bool flat(const FoldFrame& frame) {
   return high - low <= 1e-6 * std::max(size, 1.0);
 }
 
-/// The parts of 0..length that no interval of `taken` (sorted by its start) covers.
+/// The parts of 0..length that no interval of `taken` (sorted by start) covers.
 std::vector<std::pair<double, double>> free_parts(const std::vector<OverlapIndex::Covered>& taken,
                                                   double length) {
   std::vector<std::pair<double, double>> parts;
@@ -41,7 +41,7 @@ std::vector<std::pair<double, double>> free_parts(const std::vector<OverlapIndex
   return parts;
 }
 
-/// Of border edges between the same points two are kept, the sides of a slit, if there are two.
+/// Of border edges between the same points, keeps at most two: the sides of a slit.
 void keep_pairs(std::vector<Segment>& borders) {
   for (Segment& s : borders)
     if (s.b < s.a) std::swap(s.a, s.b);
@@ -55,8 +55,8 @@ void keep_pairs(std::vector<Segment>& borders) {
   borders.resize(kept);
 }
 
-// Splits each border edge where another one lies on it: there a slit, which the first of the two
-// draws, elsewhere the sheet's edge.
+// Splits each border edge where another one lies on it. The common part is a slit, drawn once; the
+// other parts are the sheet's edge.
 bool add_borders(std::vector<Segment> borders, LineWork& work) {
   keep_pairs(borders);
   OverlapIndex index(OverlapIndex::cell_for(borders), kOverlapTolerance, borders.size());
@@ -77,7 +77,7 @@ bool add_borders(std::vector<Segment> borders, LineWork& work) {
     overlaps += covered.size();
     if (overlaps > kMostOverlaps) return false;
     for (const auto& [from, to] : free_parts(covered, l)) edge.push_back({at(from), at(to)});
-    // What is free of all, and of those before: what remains is the slit's first side.
+    // Subtract all other edges for the outline, and the earlier ones for the slit's first side.
     slit.clear();
     double t = 0.0;
     for (const auto& part : covered) {
@@ -103,20 +103,20 @@ bool add_borders(std::vector<Segment> borders, LineWork& work) {
   return true;
 }
 
-struct Surprises {
+struct UncutEdges {
   std::size_t flat{}, joined{}, unassigned{}, by_angle{};
-  void tell(std::vector<std::string>& warnings) const {
+  void add_warnings(std::vector<std::string>& warnings) const {
     const auto say = [&](std::size_t count, const char* what) {
       if (count > 0) warnings.push_back(fmt::format("{} {}", count, what));
     };
     say(flat, "flat creases (F) are not cut");
     say(joined, "joins (J) are not cut");
     say(unassigned, "edges have no assignment (U) and no fold angle; they are not cut");
-    say(by_angle, "unassigned edges are folds by the sign of their angle");
+    say(by_angle, "unassigned edges become folds by the sign of their fold angle");
   }
 };
 
-// Clockwise faces mean that the drawing is seen from its back.
+// Clockwise faces mean that the drawing shows the back of the sheet.
 bool seen_from_back(const FoldFrame& frame) {
   double area = 0.0;
   for (const auto& face : frame.faces)
@@ -157,22 +157,23 @@ Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& lim
   const FoldFrame* frame = flat_frame(*file);
   if (frame == nullptr)
     return fail(ErrorKind::Malformed, "/vertices_coords",
-                "no frame with edges lies flat; the flat crease pattern is needed");
+                "no frame with edges is flat; add the flat crease pattern");
   const double mm = fold_unit_mm(frame->unit);
   if (mm == 0.0)
     return fail(
         ErrorKind::Malformed, "/frame_unit",
-        fmt::format("is {}; one of mm, cm, m, in, pt, um, nm, unit", frame->unit.substr(0, 20)));
+        fmt::format("is {}; use mm, cm, m, in, pt, um, nm or unit", frame->unit.substr(0, 20)));
   LineWork work;
   work.name = frame->title;
   if (frame->unit.empty() || frame->unit == "unit")
     work.warnings.emplace_back(
-        "no unit of length is given (frame_unit); one unit is taken as 1 mm");
+        "the file gives no unit of length (frame_unit); 1 unit is read as 1 mm");
   if (seen_from_back(*frame))
     work.warnings.emplace_back(
-        "faces wind clockwise: the drawing shows its back, where mountain is valley");
+        "faces run clockwise: the drawing shows the back of the sheet, where mountains look like "
+        "valleys");
   std::vector<Segment> borders;
-  Surprises surprises;
+  UncutEdges uncut;
   for (std::size_t e = 0; e < frame->edges.size(); ++e) {
     const auto point = [&](std::uint32_t v) {
       return PagePoint{mm * frame->vertices[v][1], mm * frame->vertices[v][0]};
@@ -198,21 +199,21 @@ Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& lim
         borders.push_back(s);
         break;
       case 'F':
-        ++surprises.flat;
+        ++uncut.flat;
         break;
       case 'J':
-        ++surprises.joined;
+        ++uncut.joined;
         break;
       default:
         if (angle != 0.0)
           work.append(angle > 0 ? Operation::FoldValley : Operation::FoldMountain, ends);
-        ++(angle != 0.0 ? surprises.by_angle : surprises.unassigned);
+        ++(angle != 0.0 ? uncut.by_angle : uncut.unassigned);
     }
   }
   if (!add_borders(std::move(borders), work))
     return fail(ErrorKind::OutOfRange, "/edges_vertices",
-                "border edges lie upon each other too often; each side of a cut is drawn once");
-  surprises.tell(work.warnings);
+                "too many border edges overlap; draw each side of a cut once");
+  uncut.add_warnings(work.warnings);
   return work;
 }
 

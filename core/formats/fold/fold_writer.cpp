@@ -33,7 +33,7 @@ std::string_view role_name(EdgeRole role) {
   return "null";
 }
 
-/// `"key": [item, item, ...]`, several items a line.
+/// Writes `"key": [item, item, ...]` with several items per line.
 template <typename PutItem>
 void put_list(TextSink& text, std::string_view key, std::size_t count, PutItem put_item) {
   constexpr std::size_t kItemsALine = 16;
@@ -92,7 +92,7 @@ void put_deployed_frame(TextSink& text, const Pattern& pattern, double psi_rad) 
   text.put("}");
 }
 
-/// What is glued to other patterns, and where this one lies in the whole: keys of popcut's own.
+/// Popcut's own keys: seams to other patterns, and this pattern's place in the whole.
 void put_seams(TextSink& text, const Pattern& pattern) {
   if (pattern.seams.empty()) return;
   text(",\n\"popcut:place_mm\": [", pattern.place.u_mm, ",", pattern.place.v_mm, "]");
@@ -113,7 +113,7 @@ Result<void> check(const Pattern& pattern, const FoldOptions& options) {
   for (std::size_t i = 0; i < options.psi_rad.size(); ++i) {
     if (!(options.psi_rad[i] >= 0.0 && options.psi_rad[i] <= std::numbers::pi)) {
       return fail(ErrorKind::OutOfRange, fmt::format("fold frame {}", i),
-                  fmt::format("{} rad is no opening angle; give one of 0 (shut) to pi (flat)",
+                  fmt::format("{} rad is not an opening angle; give 0 (shut) to pi (flat)",
                               options.psi_rad[i]));
     }
   }
@@ -134,7 +134,7 @@ char letter_of(EdgeRole role) {
   return 'B';
 }
 
-/// Which faces are paper: one more B crossed from outside is in, the next one out again.
+/// Which faces are paper: crossing one more B edge from outside goes in, the next one out again.
 std::vector<bool> paper_faces(const PlanarGraph& graph) {
   enum : std::int8_t { Unknown, Paper, Hole };
   std::vector<std::int8_t> kind(graph.faces.size(), Unknown);
@@ -167,7 +167,7 @@ std::vector<bool> paper_faces(const PlanarGraph& graph) {
   return paper;
 }
 
-/// The pattern's edges as a plane graph of (u, v): both sides of a slit become one edge.
+/// The pattern's edges as a planar graph in (u, v): both sides of a slit become one edge.
 Result<PlanarGraph> flat_graph(const Pattern& pattern) {
   constexpr double kSame = 1e-6;  // mm
   std::vector<CreaseLine> lines;

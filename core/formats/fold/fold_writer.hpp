@@ -11,34 +11,35 @@
 
 namespace popcut {
 
-/// What a FOLD file holds besides the pattern.
+/// Options for the content of a FOLD file.
 struct FoldOptions {
   std::string creator{"popcut"};
   /// Opening angles of the deployed frames, in rad: pi is flat, pi/2 the designed shape, 0 shut.
   std::vector<double> psi_rad{std::numbers::pi, std::numbers::pi / 2, 1.1};
-  /// Cuts as two borders B with vertices of their own, or as single edges C.
+  /// true: cuts are pairs of borders B with their own vertices; false: single edges C.
   bool split_cuts{true};
 };
 
-/// Writes `pattern` as FOLD 1.2 (edemaine/fold, doc/spec.md), as a stream: no copy is made of it.
+/// Writes `pattern` as FOLD 1.2 (edemaine/fold, doc/spec.md), streaming, without a copy of it.
 ///
-/// The key frame is the flat sheet, `(u, v)` in mm, with the fold angles of the pi/2 pose. Then one
-/// frame an opening angle, which inherits all but `vertices_coords` (three numbers, from `posed`)
-/// and `edges_foldAngle`, and names its angle in `frame_popcut:psi_rad`. Split form: cuts are two
-/// borders B with vertices of their own, told from the sheet's outline by `edges_popcut:role`
-/// ("mountain", "valley", "slit", "outline"). Numbers read back as the same doubles.
+/// The key frame is the flat sheet, `(u, v)` in mm, with the fold angles of the pi/2 pose. One
+/// frame per opening angle follows. It inherits everything except `vertices_coords` (three numbers,
+/// from `posed`) and `edges_foldAngle`, and gives its angle in `frame_popcut:psi_rad`. In split
+/// form a cut is two borders B with their own vertices; `edges_popcut:role` ("mountain", "valley",
+/// "slit", "outline") distinguishes them from the sheet's outline. Numbers read back as the same
+/// doubles.
 ///
-/// A pattern with seams has them in `popcut:seams` (id, the other part's number, v_mm, u_mm from
-/// and to) and its corner in the whole in `popcut:place_mm`.
+/// A pattern with seams lists them in `popcut:seams` (id, the other part's number, v_mm, u_mm from
+/// and to) and gives its corner in the whole in `popcut:place_mm`.
 ///
-/// `edges_faces` has the left face first and one entry along a border. A failing stream is left
-/// failed for the caller to see.
+/// `edges_faces` lists the left face first, and has one entry along a border. If the stream fails
+/// it stays failed; the caller checks it.
 ///
 /// Without `split_cuts` each cut is one edge C between vertices that both sides share, and the
-/// frame has the attribute "cuts" (FOLD 1.2, optional there). Sides that part cannot be told then,
-/// so there are no deployed frames.
+/// frame has the attribute "cuts" (FOLD 1.2, optional there). Then the two sides cannot have
+/// different places, so there are no deployed frames.
 ///
-/// @retval Internal    a coordinate is not finite, since JSON has no word for it
+/// @retval Internal    a coordinate is not finite, which JSON cannot express
 /// @retval OutOfRange  an opening angle is outside 0..pi; `place` is its index in the list
 [[nodiscard]] Result<void> write_fold(const Pattern& pattern, const FoldOptions& options,
                                       std::ostream& out);

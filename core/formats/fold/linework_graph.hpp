@@ -7,10 +7,10 @@
 
 namespace popcut {
 
-/// A drawing as a FOLD file without faces: one edge a straight line, as it is drawn, for verify to
-/// make a sheet of. The frame is (u, v) = (page y, page x) in mm, seen from the pop-up side. Cuts
-/// and outlines are C (tracing the faces tells which of them are borders), folds M and V, scores U;
-/// what is only drawn is left out.
+/// Writes a drawing as a FOLD file without faces, one edge per straight line, for verify to trace.
+/// The frame is (u, v) = (page y, page x) in mm, seen from the pop-up side. Cuts and outlines are C
+/// (tracing the faces finds the borders among them), folds M and V, scores U. Pen lines are left
+/// out.
 [[nodiscard]] std::string fold_from_linework(const LineWork& work);
 
 }  // namespace popcut

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kBetween = ", \t\r\n\f";
 
-// Builds the lines of `out` point by point; a part without length is taken back.
+// Builds the lines of `out` point by point; drops parts without length.
 class Parts {
  public:
   explicit Parts(SvgLines& out) : out_(out), first_(out.points.size()) {}
@@ -68,7 +68,7 @@ bool cut_into_dashes(std::span<const PagePoint> line, const SvgDashes& dashes, s
   std::size_t at = 0;
   double phase = dashes.offset;
   while (phase > 0.0 && phase >= lengths[at] && at + 1 < lengths.size()) phase -= lengths[at++];
-  double left = std::max(0.0, lengths[at] - phase);  // of the present dash or gap
+  double left = std::max(0.0, lengths[at] - phase);  // length left of the current dash or gap
   Parts parts(out);
   if (at % 2 == 0) parts.add(line.front());
   for (std::size_t i = 1; i < line.size(); ++i) {

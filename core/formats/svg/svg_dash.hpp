@@ -12,25 +12,25 @@
 
 namespace popcut {
 
-inline constexpr std::size_t kMaxDashNumbers = 1000;  ///< of one stroke-dasharray
+inline constexpr std::size_t kMaxDashNumbers = 1000;  ///< limit of one stroke-dasharray
 
-/// A stroke-dasharray: lengths or percentages, with commas or blanks between them. Empty: solid,
-/// which `none` is, and what SVG does not allow (a negative or unreadable number). None: there are
-/// more than `kMaxDashNumbers`.
+/// Parses a stroke-dasharray: lengths or percentages, separated by commas or spaces. An empty list
+/// means a solid line: `none`, or an invalid list (a negative or unreadable number). No value: more
+/// than `kMaxDashNumbers` numbers.
 [[nodiscard]] std::optional<std::vector<SvgLength>> parse_svg_dashes(std::string_view text);
 
-/// Dashes and gaps in turn, an even number of them, in user units. Empty: solid.
+/// Alternating lengths of dashes and gaps, an even number, in user units. Empty: solid.
 struct SvgDashes {
   std::vector<double> lengths;
-  double offset{};  ///< where in the pattern a line begins
+  double offset{};  ///< where in the dash pattern a line begins
 };
 
-/// SVG 2, section 13.5.6: an odd list is taken twice, a sum of zero is solid.
+/// Resolves a dash list by SVG 2, section 13.5.6: an odd list is repeated, a sum of zero is solid.
 [[nodiscard]] SvgDashes svg_dashes(std::span<const SvgLength> list, const SvgLength& offset,
                                    const SvgMeasure& measure);
 
-/// Adds the parts of `line` that `dashes` draw to `out`. Dashes without length (dots) are left
-/// out. Every dash and every gap takes one of `steps`; false when they do not suffice.
+/// Appends the parts of `line` that `dashes` draw. Leaves out dashes without length (dots). Each
+/// dash and each gap uses up one of `steps`; returns false if there are not enough steps.
 [[nodiscard]] bool cut_into_dashes(std::span<const PagePoint> line, const SvgDashes& dashes,
                                    std::size_t& steps, SvgLines& out);
 

@@ -38,7 +38,7 @@ std::uint32_t read_colour(FieldReader& fields, const nlohmann::json& value,
   const auto paint =
       value.is_string() ? parse_svg_paint(value.get_ref<const std::string&>()) : std::nullopt;
   if (paint && paint->kind == SvgPaint::Kind::Colour) return paint->rgb;
-  fields.refuse(place, ErrorKind::Malformed, "is not a colour; must be one such as #ff0000 or red");
+  fields.refuse(place, ErrorKind::Malformed, "is not a colour; write one such as #ff0000 or red");
   return 0;
 }
 
@@ -56,8 +56,9 @@ StrokeRule read_rule(FieldReader& fields) {
   if (line < 3) rule.line = static_cast<LineStyle>(line);
   rule.css_class = fields.text("class", "");
   if (!fields.has("use"))
-    fields.refuse("use", ErrorKind::Malformed,
-                  "is missing; cut, outline, score, fold-mountain, fold-valley, draw or ignore");
+    fields.refuse(
+        "use", ErrorKind::Malformed,
+        "is missing; use cut, outline, score, fold-mountain, fold-valley, draw or ignore");
   rule.use = read_use(fields, "use");
   return rule;
 }
@@ -67,7 +68,7 @@ void read_labels(FieldReader& fields, StrokeProfile& profile) {
   if (labels == nullptr) return;
   if (!labels->is_object())
     return fields.refuse("labels", ErrorKind::Malformed,
-                         "must be an object of label and use, such as {\"kiss cut\": \"score\"}");
+                         "must be an object of labels and uses such as {\"kiss cut\": \"score\"}");
   FieldReader inner = fields.nested(*labels, "labels");
   for (const auto& label : labels->items())
     profile.labels[plain_label(label.key())] = read_use(inner, label.key());

@@ -14,54 +14,56 @@
 
 namespace popcut {
 
-/// What a stroke is for; none: it is left out.
+/// What a stroke is for; none: ignore it.
 using StrokeUse = std::optional<Operation>;
 
-/// How a stroke is drawn: without gaps, with dashes, or with dashes of two lengths in turn
+/// How a stroke is drawn: without gaps, with dashes, or with dashes of two alternating lengths
 /// (dash-dot).
 enum class LineStyle : std::uint8_t { Solid, Dashed, DashDot };
 
-/// One rule of a profile: all that it names must hold. `Dashed` holds for dash-dot lines too.
+/// One rule of a profile. All conditions that it names must hold. `Dashed` includes dash-dot lines.
 struct StrokeRule {
-  std::vector<std::uint32_t> colours;  ///< 0xRRGGBB, one of them; empty: any
+  std::vector<std::uint32_t> colours;  ///< 0xRRGGBB, any one of these; empty: all colours
   std::optional<LineStyle> line;
-  std::string css_class;  ///< one of the element's own classes; empty: any
+  std::string css_class;  ///< one of the element's own classes; empty: no condition
   StrokeUse use;
 };
 
-/// How a drawing says what its lines are for (a row of svg_profiles.json): `data-assignment` and
-/// layer labels where `names` holds, then the first rule that fits, then `otherwise`.
+/// How a drawing says what its lines are for (a row of svg_profiles.json): by `data-assignment` and
+/// layer labels if `names`, else by the first rule that fits, else `otherwise`.
 struct StrokeProfile {
   std::string name, title;
   bool names{true};
-  bool nearest{false};  ///< a stroke has the nearest of the rules' colours, else only the same one
-  std::map<std::string, StrokeUse, std::less<>> labels;  ///< names of layers, see `plain_label`
+  bool nearest{
+      false};  ///< true: match the nearest of the rules' colours; false: only the exact colour
+  std::map<std::string, StrokeUse, std::less<>> labels;  ///< layer labels, see `plain_label`
   std::vector<StrokeRule> rules;
   StrokeUse otherwise{Operation::Cut};
-  StrokeUse fills;  ///< the outline of what is filled and has no stroke
+  StrokeUse fills;  ///< the outline of shapes with a fill and no stroke
 };
 
-/// The built-in profiles and then those of the users' tables, which win.
+/// The built-in profiles, then those of the users' tables. A user's profile replaces a built-in one
+/// of the same name.
 ///
-/// @retval Malformed  a table is not of the form; place is a JSON pointer
+/// @retval Malformed  a table is not valid; place is a JSON pointer
 [[nodiscard]] Result<std::vector<StrokeProfile>> all_stroke_profiles(
     const std::vector<std::string>& user_tables = {});
 
-/// @retval Usage  no profile is called `name`; place is /options/svg-profile
+/// @retval Usage  no profile has this name; place is /options/svg-profile
 [[nodiscard]] Result<StrokeProfile> find_stroke_profile(
     std::string_view name, const std::vector<std::string>& user_tables = {});
 
-/// A label as it is compared: lower case, blanks and underscores as hyphens.
+/// A label in the form used for comparison: lower case, spaces and underscores as hyphens.
 [[nodiscard]] std::string plain_label(std::string_view label);
 
-/// What a layer's label means, if the profile knows it.
+/// What a layer's label means; none if the profile does not know it.
 [[nodiscard]] std::optional<StrokeUse> use_of_label(const StrokeProfile& profile,
                                                     std::string_view label);
 
-/// What a `data-assignment` means: B M V C F U J (FOLD), or an operation's name.
+/// What a `data-assignment` means: B M V C F U J (FOLD), or the name of an operation.
 [[nodiscard]] std::optional<StrokeUse> use_of_assignment(std::string_view word);
 
-/// What the first rule that fits says; none fits: nothing.
+/// What the first rule that fits says; none if no rule fits.
 [[nodiscard]] std::optional<StrokeUse> use_of_stroke(const StrokeProfile& profile,
                                                      std::uint32_t rgb, LineStyle line,
                                                      std::string_view classes);

@@ -8,7 +8,7 @@
 namespace popcut {
 namespace {
 
-constexpr std::size_t kToldColours = 8;
+constexpr std::size_t kMostListedColours = 8;
 
 LineStyle line_style(const SvgDashes& dashes) {
   const auto& d = dashes.lengths;
@@ -45,7 +45,7 @@ std::optional<SvgPurpose> SvgPurposes::of(const SvgElement& e, const SvgStyle& s
   if (style.stroke.kind == SvgPaint::Kind::Server) notes_.add(SvgNote::PaintServer, here);
   if (const auto ruled = use_of_stroke(profile_, rgb, line_style(dashes), e.classes))
     return SvgPurpose{*ruled, false};
-  if (colours_.size() < kToldColours &&
+  if (colours_.size() < kMostListedColours &&
       std::find(colours_.begin(), colours_.end(), rgb) == colours_.end())
     colours_.push_back(rgb);
   return SvgPurpose{profile_.otherwise, false};
@@ -56,9 +56,9 @@ std::string SvgPurposes::colour_warning() const {
   std::string list;
   for (const std::uint32_t rgb : colours_) list += (list.empty() ? "" : ", ") + colour_text(rgb);
   return fmt::format(
-      "strokes have {} colours ({}), and none has a name: all are cut; if the colours have a "
+      "strokes have {} colours ({}) and no names: all are cut; if the colours have a "
       "meaning, use `svg-profile` origami-sim, lightburn or one of your own",
-      colours_.size() == kToldColours ? "many" : std::to_string(colours_.size()), list);
+      colours_.size() == kMostListedColours ? "many" : std::to_string(colours_.size()), list);
 }
 
 }  // namespace popcut

@@ -15,8 +15,8 @@
 #include "core/formats/svg/svg_sheets.hpp"
 #include "core/formats/svg/svg_strokes.hpp"
 #include "core/formats/svg/svg_style.hpp"
-#include "core/formats/svg/syntax/svg_transform.hpp"
 #include "core/formats/svg/svg_viewport.hpp"
+#include "core/formats/svg/syntax/svg_transform.hpp"
 #include "core/text/too_much.hpp"
 
 namespace popcut {
@@ -26,7 +26,7 @@ bool is_one_of(std::string_view name, std::initializer_list<std::string_view> na
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// Elements that draw nothing where they stand.
+// Elements that draw nothing where they are defined.
 bool is_definition(std::string_view name) {
   return is_one_of(name, {"defs", "title", "desc", "metadata", "symbol", "clipPath", "mask",
                           "marker", "pattern", "linearGradient", "radialGradient", "meshgradient",
@@ -73,7 +73,7 @@ class SvgReader {
     else if (auto done = children(root, place, style); !done)
       return tl::unexpected(done.error());
     settle_fills();
-    tell();
+    add_warnings();
     return std::move(work_);
   }
 
@@ -93,17 +93,17 @@ class SvgReader {
     return wrong(node, Error{kind, "", std::move(detail)});
   }
 
-  // Takes work off the budget. Where it is used up, something repeats far too often.
+  // Uses up work. If none is left, something in the drawing repeats far too often.
   Result<void> spend(const pugi::xml_node& node, std::size_t steps) {
     if (steps < steps_) {
       steps_ -= steps;
       return {};
     }
     steps_ = 0;
-    return wrong(node, too_much("the drawing takes too much work here; repeat less by <use>"));
+    return wrong(node, too_much("the drawing repeats too much here; use fewer <use> elements"));
   }
 
-  // User units of the root to mm on the page.
+  // Finds the map from user units of the root to mm on the page.
   Result<void> read_page(const pugi::xml_node& root, Place& place) {
     bool has_unit = false;
     const auto size = [&](const char* name) -> std::optional<double> {
@@ -114,8 +114,9 @@ class SvgReader {
     };
     const auto width = size("width"), height = size("height");
     if (!has_unit)
-      work_.warnings.push_back(fmt::format(
-          "no unit of length is given; {:g} user units are taken as one inch", options_.dpi));
+      work_.warnings.push_back(
+          fmt::format("the drawing gives no unit of length; {:g} user units are read as one inch",
+                      options_.dpi));
     if ((width && !(*width > 0.0)) || (height && !(*height > 0.0)))
       return wrong(root, "width and height must be positive");
     place.to_page = {user_mm_, 0, 0, user_mm_, 0, 0};
@@ -123,7 +124,7 @@ class SvgReader {
     page_mm_ = {width.value_or(0.0), height.value_or(0.0)};
     if (!root.attribute("viewBox")) return {};
     const auto box = parse_svg_view_box(root.attribute("viewBox").value());
-    if (!box) return wrong(root, "viewBox: four numbers are needed");
+    if (!box) return wrong(root, "viewBox: must be four numbers");
     const auto& v = *box;
     if (!(v[2] > 0.0 && v[3] > 0.0))
       return wrong(root, "viewBox: its width and height must be positive");
@@ -139,7 +140,8 @@ class SvgReader {
     if (place.depth > options_.limits.depth)
       return wrong(
           parent,
-          fmt::format("groups or <use> more than {} deep; ungroup some", options_.limits.depth),
+          fmt::format("groups or <use> elements are nested more than {} deep; ungroup some",
+                      options_.limits.depth),
           ErrorKind::OutOfRange);
     for (const pugi::xml_node& node : parent.children()) {
       if (node.type() != pugi::node_element) continue;
@@ -170,9 +172,10 @@ class SvgReader {
     if (e.has_transform) {
       const auto own = parse_svg_transform(e.transform);
       if (!own)
-        return wrong(node, fmt::format("the transform \"{}\" cannot be read; matrix, translate, "
-                                       "scale, rotate, skewX, skewY with numbers are",
-                                       e.transform.substr(0, 60)));
+        return wrong(node,
+                     fmt::format("the transform \"{}\" cannot be read; use matrix, translate, "
+                                 "scale, rotate, skewX or skewY with numbers",
+                                 e.transform.substr(0, 60)));
       place.to_page = outer.to_page * *own;
     }
     if (is_shape) return shape(e, place, style);
@@ -189,7 +192,7 @@ class SvgReader {
     if (style.filtered) notes_.add(SvgNote::Filtered, here);
   }
 
-  // The first child of a <switch> that needs nothing that popcut has not.
+  // The first child of a <switch> that requires nothing popcut lacks.
   Result<void> chosen(const pugi::xml_node& parent, const Place& place, const SvgStyle& style) {
     for (const pugi::xml_node& node : parent.children()) {
       if (node.type() != pugi::node_element) continue;
@@ -229,8 +232,7 @@ class SvgReader {
     if (const auto attribute = node.attribute("viewBox")) {
       const auto view = parse_svg_view_box(attribute.value());
       if (!view || (*view)[2] < 0.0 || (*view)[3] < 0.0)
-        return wrong(node,
-                     "viewBox: four numbers are needed, a width and height that are positive");
+        return wrong(node, "viewBox: must be four numbers with a positive width and height");
       if ((*view)[2] == 0.0 || (*view)[3] == 0.0) {
         notes_.add(SvgNote::Empty, here);
         return {};
@@ -271,11 +273,12 @@ class SvgReader {
       return {};
     }
     if (std::find(used_.begin(), used_.end(), *target) != used_.end())
-      return wrong(e.node,
-                   fmt::format("<use> of {} uses itself; break the circle", href.substr(0, 60)));
+      return wrong(e.node, fmt::format("<use> of {} refers to itself; break the circle",
+                                       href.substr(0, 60)));
     if (place.depth > options_.limits.depth)
       return wrong(e.node,
-                   fmt::format("<use> more than {} deep; ungroup some", options_.limits.depth),
+                   fmt::format("<use> elements are nested more than {} deep; ungroup some",
+                               options_.limits.depth),
                    ErrorKind::OutOfRange);
     std::array<double, 2> at{};
     for (std::size_t i = 0; i < 2; ++i) {
@@ -324,7 +327,7 @@ class SvgReader {
     }
     const double scale = place.to_page.largest_scale();
     if (!std::isfinite(scale))
-      return wrong(e.node, "the transform is too large; numbers below 1e100 are needed",
+      return wrong(e.node, "the transform is too large; use numbers below 1e100",
                    ErrorKind::OutOfRange);
     if (!place.to_page.inverse()) {
       notes_.add(SvgNote::Squashed, here);
@@ -366,7 +369,7 @@ class SvgReader {
     const auto here = [&] { return where(e.node); };
     SvgTransform to_page = place.to_page;
     if (style.non_scaling) {
-      // The pen stays on the page: dashes are user units of the page.
+      // Dashes are lengths on the page: the pen does not scale with the shape.
       lines_ = moved(lines_, to_page);
       to_page = {};
       for (double& length : dashes.lengths) length *= user_mm_;
@@ -383,7 +386,7 @@ class SvgReader {
     return add(e, place, dashed_, to_page, operation);
   }
 
-  // The outline of a fill; whether it is kept is known at the end, when it has no name.
+  // The outline of a fill. Only at the end is it known whether fills without a name are kept.
   Result<void> add_fill(const SvgElement& e, const Place& place, const SvgStyle& style,
                         Operation operation) {
     const bool named = style.has_assignment || style.has_layer;
@@ -419,7 +422,7 @@ class SvgReader {
     if (purposes_.has_names()) remove_lines(work_, fills_);
   }
 
-  void tell() {
+  void add_warnings() {
     for (std::string& sentence : notes_.sentences()) work_.warnings.push_back(std::move(sentence));
     if (std::string warning = purposes_.colour_warning(); !warning.empty())
       work_.warnings.push_back(std::move(warning));
@@ -476,12 +479,12 @@ Result<LineWork> linework_from_svg(std::string text, const SvgReadOptions& optio
       ready->text.data(), ready->text.size(), pugi::parse_cdata | pugi::parse_escapes);
   if (!parsed)
     return fail(ErrorKind::Malformed, svg_place(*ready, parsed.offset),
-                fmt::format("not XML: {}; is the file whole?", parsed.description()));
+                fmt::format("not XML: {}; is the file complete?", parsed.description()));
   for (const pugi::xml_node& root : document.children())
     if (root.type() == pugi::node_element && is_svg(root.name()))
       return SvgReader(*ready, options).read(root, has_sheets);
   return fail(ErrorKind::Malformed, "line 1, column 1",
-              "no <svg> at the top; is this an SVG file?");
+              "the root element is not <svg>; is this an SVG file?");
 }
 
 Result<LineWork> linework_from_svg(std::string_view text, SvgProfile profile) {

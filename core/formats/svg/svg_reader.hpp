@@ -4,41 +4,41 @@
 #include <string>
 #include <string_view>
 
+#include "core/drawing/linework.hpp"
 #include "core/formats/svg/svg_profile.hpp"
 #include "core/formats/svg/syntax/svg_text.hpp"
-#include "core/drawing/linework.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
 
-/// The built-in profiles that popcut's own drawings are read back with.
+/// The built-in profiles for reading the formats that popcut writes.
 enum class SvgProfile { Popcut, OrigamiSim, Lightburn, Cricut, Plain };
 
 /// "popcut", "origami-sim", "lightburn", "cricut", "plain".
 [[nodiscard]] const char* svg_profile_name(SvgProfile profile);
 
-/// How a drawing is read.
+/// Options for reading a drawing.
 struct SvgReadOptions {
   StrokeProfile profile;
-  double tolerance_mm{0.02};  ///< between a curve and its chords, positive
-  double dpi{96};             ///< user units (px) to the inch, positive
+  double tolerance_mm{0.02};  ///< largest distance between a curve and its chords, positive
+  double dpi{96};             ///< user units (px) per inch, positive
   SvgLimits limits;
 };
 
-/// The strokes of an SVG drawing in page mm. Read are paths, basic shapes, `use` with symbols, and
+/// Reads the strokes of an SVG drawing, in page mm: paths, basic shapes, `use` with symbols, and
 /// nested <svg>, with transforms, viewBoxes, units, style sheets and inheritance; docs/drawings.md
-/// has the whole list. What is not read is named in the warnings, with the number and the first.
+/// has the full list. Warnings name what it does not read, with the number and the first place.
 ///
-/// A stroke is what its `data-assignment` says, else the label of its layer, else what the profile
-/// says of its colour and line. Cuts that are dashed by their style are cut as those dashes; folds
-/// and scores stay whole. Nothing but `text` is ever read.
+/// A stroke means what its `data-assignment` says, else the label of its layer, else what the
+/// profile says about its colour and line. Cuts with a dashed style are cut as dashes; folds and
+/// scores stay whole. Reads only `text`, never another file.
 ///
-/// @retval Malformed   not XML or not SVG; a path, length or transform that cannot be read; a `use`
-///                     of itself; a DOCTYPE with more than plain entities. Place: line, column, id
-/// @retval OutOfRange  over a limit, or farther than 100 m from the origin
+/// @retval Malformed   not XML or not SVG; an unreadable path, length or transform; a `use` of
+///                     itself; a DOCTYPE with more than plain entities. Place: line, column, id
+/// @retval OutOfRange  over a limit, or more than 100 m from the origin
 [[nodiscard]] Result<LineWork> linework_from_svg(std::string text, const SvgReadOptions& options);
 
-/// The same with a built-in profile and the usual options.
+/// The same with a built-in profile and default options.
 [[nodiscard]] Result<LineWork> linework_from_svg(std::string_view text, SvgProfile profile);
 
 }  // namespace popcut

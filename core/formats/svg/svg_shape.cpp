@@ -92,7 +92,7 @@ class Outliner {
  private:
   static tl::unexpected<Error> wrong_points(const SvgScan& scan, std::string_view text) {
     return fail(ErrorKind::Malformed, "",
-                fmt::format("points: pairs of numbers are needed, at character {} of {}",
+                fmt::format("points: must be pairs of numbers; see character {} of {}",
                             scan.position() + 1, text.size()));
   }
   double number(const char* name, double otherwise, double whole) {
@@ -135,7 +135,7 @@ Result<double> svg_attribute(const pugi::xml_node& node, const char* name, doubl
   const auto length = parse_svg_length(text);
   if (!length)
     return fail(ErrorKind::Malformed, "",
-                fmt::format("{} is \"{}\"; a length as 12, 12mm or 5% is needed", name,
+                fmt::format("{} is \"{}\"; write a length such as 12, 12mm or 5%", name,
                             text.substr(0, 40)));
   return user_units(*length, measure);
 }

@@ -10,7 +10,7 @@
 
 namespace popcut {
 
-/// Visits `root` and all elements below it in their order, without recursion.
+/// Visits `root` and all elements below it in document order, without recursion.
 template <typename Visit>
 void each_svg_element(const pugi::xml_node& root, Visit visit) {
   pugi::xml_node node = root;
@@ -26,9 +26,9 @@ void each_svg_element(const pugi::xml_node& root, Visit visit) {
   }
 }
 
-/// Reads all <style> elements of a document; what is not understood is noted.
+/// Reads all <style> elements of a document; adds a note for what it does not understand.
 ///
-/// @retval OutOfRange  too many selectors; place is that of the <style>
+/// @retval OutOfRange  too many selectors; place is that of the <style> element
 [[nodiscard]] Result<void> read_svg_sheets(const SvgText& text, const pugi::xml_node& root,
                                            CssSheets& sheets, SvgNotes& notes);
 

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "core/text/too_much.hpp"
 #include "core/drawing/clip_line.hpp"
+#include "core/text/too_much.hpp"
 
 namespace popcut {
 namespace {
@@ -31,7 +31,7 @@ Result<std::size_t> SvgStrokes::add(const SvgLines& lines, const SvgTransform& t
       const PagePoint q = to_page(p);
       if (!(std::abs(q.x) <= kMaxCoordinate && std::abs(q.y) <= kMaxCoordinate))
         return fail(ErrorKind::OutOfRange, "",
-                    "lies more than 100 m from the origin; move or scale it");
+                    "is more than 100 m from the origin; move or scale it");
       if (work_.points.size() == first || work_.points.back() != q) work_.points.push_back(q);
     }
     const std::size_t count = work_.points.size() - first;
@@ -55,8 +55,9 @@ Result<void> SvgStrokes::dash(const SvgLines& lines, const SvgDashes& dashes, st
         out.points.size() > most_points_)
       return fail(
           ErrorKind::OutOfRange, "",
-          fmt::format("a line has {:.3g} dashes and gaps, too many to cut; make them longer",
-                      count));
+          fmt::format(
+              "a line has {:.3g} dashes and gaps, which are too many to cut; make them longer",
+              count));
   }
   return {};
 }

@@ -5,15 +5,15 @@
 #include <span>
 #include <vector>
 
+#include "core/drawing/linework.hpp"
 #include "core/formats/svg/svg_dash.hpp"
 #include "core/formats/svg/syntax/svg_path.hpp"
 #include "core/formats/svg/syntax/svg_transform.hpp"
-#include "core/drawing/linework.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
 
-/// The frame of a nested <svg> or <symbol>, which hides what leaves it.
+/// The frame of a nested <svg> or <symbol>, which hides what is outside it.
 struct SvgClip {
   SvgTransform to_page, from_page;
   Box box;                  ///< in the frame's own units
@@ -25,20 +25,21 @@ class SvgStrokes {
  public:
   SvgStrokes(LineWork& work, std::size_t most_points) : work_(work), most_points_(most_points) {}
 
-  /// Adds each line; those without length are left out. Returns how many were added.
+  /// Adds each line except those without length. Returns how many it added.
   ///
-  /// @retval OutOfRange  too many points, or farther than 100 m from the origin
+  /// @retval OutOfRange  too many points, or more than 100 m from the origin
   [[nodiscard]] Result<std::size_t> add(const SvgLines& lines, const SvgTransform& to_page,
                                         Operation operation);
 
-  /// The dashes of each line; `dashes` and `lines` are measured alike. Work is taken off `steps`.
+  /// Appends the dashes of each line to `out`. `dashes` and `lines` have the same unit. Work is
+  /// taken from `steps`.
   ///
   /// @retval OutOfRange  the dashes are too fine for a line
   [[nodiscard]] Result<void> dash(const SvgLines& lines, const SvgDashes& dashes,
                                   std::size_t& steps, SvgLines& out) const;
 
-  /// Cuts off what of the lines from `first` on leaves the frame or one around it. Returns how many
-  /// lines lost something.
+  /// Removes from the lines from number `first` on what is outside the frame or a frame around it.
+  /// Returns how many lines lost something.
   std::size_t clip(const SvgClip& frame, std::size_t first);
 
  private:
@@ -46,13 +47,13 @@ class SvgStrokes {
   std::size_t most_points_;
 };
 
-/// Lines on the page: each point of `lines` moved by `to_page`.
+/// Lines on the page: each point of `lines` mapped by `to_page`.
 [[nodiscard]] SvgLines moved(const SvgLines& lines, const SvgTransform& to_page);
 
-/// Takes closed lines that enclose no area away: a fill does not show them.
+/// Removes closed lines without area, which a fill does not show.
 void remove_thin_lines(SvgLines& lines);
 
-/// Takes the lines `which` (rising) out of `work`.
+/// Removes the lines with the numbers `which` (ascending) from `work`.
 void remove_lines(LineWork& work, std::span<const std::size_t> which);
 
 }  // namespace popcut

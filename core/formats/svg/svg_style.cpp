@@ -29,12 +29,12 @@ enum class SvgStyleReader::Property : std::uint8_t {
   Marker,
   Overflow,
   VectorEffect,
-  Geometry,  ///< what popcut reads from attributes only
+  Geometry,  ///< read from attributes only
 };
 
 namespace {
 
-// Zero, as a number or in per cent.
+// Whether a value is zero, as a number or a percentage.
 std::optional<bool> is_zero(std::string_view value) {
   const auto length = parse_svg_length(value);
   if (!length ||
@@ -124,7 +124,7 @@ bool SvgStyleReader::set_dashes(SvgStyle& style, std::string_view value) {
     if (!solid) dash_lists_.push_back(std::move(*list));
     known = known_dashes_.emplace(value, index).first;
   }
-  // A list that cannot be read is passed over, and what is inherited stays.
+  // An unreadable list is ignored; the inherited value stays.
   if (known->second == 0) return same_word(value, "none");
   style.dashes = known->second;
   return true;
@@ -132,7 +132,7 @@ bool SvgStyleReader::set_dashes(SvgStyle& style, std::string_view value) {
 
 bool SvgStyleReader::set_font(double& font, std::string_view value, double inherited) const {
   const auto length = parse_svg_length(value);
-  if (!length) return true;  // large, smaller ...: only em and ex are measured by it
+  if (!length) return true;  // large, smaller ...: only em and ex depend on the font size
   font = user_units(*length, {user_mm_, inherited, inherited});
   return true;
 }

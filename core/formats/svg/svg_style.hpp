@@ -10,37 +10,37 @@
 
 #include <pugixml.hpp>
 
+#include "core/formats/svg/svg_profile.hpp"
 #include "core/formats/svg/syntax/svg_colour.hpp"
 #include "core/formats/svg/syntax/svg_css.hpp"
 #include "core/formats/svg/syntax/svg_notes.hpp"
-#include "core/formats/svg/svg_profile.hpp"
 #include "core/formats/svg/syntax/svg_text.hpp"
 #include "core/formats/svg/syntax/svg_units.hpp"
 
 namespace popcut {
 
-/// An element with those of its attributes that are asked for most.
+/// An element, with its most used attributes.
 struct SvgElement {
   pugi::xml_node node;
-  std::string_view name;  ///< without the prefix of SVG; empty: of another namespace
+  std::string_view name;  ///< without the SVG prefix; empty: another namespace
   std::string_view id, classes, style, transform, d, href, assignment, label;
   bool has_transform{false};
   bool is_layer{false};  ///< an Inkscape layer
 };
 
-/// What an element inherits and sets of its looks and its meaning.
+/// An element's inherited and own style and meaning.
 struct SvgStyle {
   SvgPaint stroke;
   SvgPaint fill{SvgPaint::Kind::Colour, 0};
-  std::uint32_t colour{};  ///< what currentColor is
+  std::uint32_t colour{};  ///< value of currentColor
   std::uint32_t dashes{};  ///< for `SvgStyleReader::dashes`; 0: solid
   SvgLength dash_offset;
   double font{16.0};  ///< user units
   bool hidden{false}, transparent{false}, stroke_clear{false}, fill_clear{false};
   bool marked{false}, non_scaling{false};
   bool has_assignment{false}, has_layer{false};
-  StrokeUse assignment;  ///< `data-assignment` of it or of the nearest ancestor that has one
-  StrokeUse layer;       ///< of the nearest layer whose label the profile knows
+  StrokeUse assignment;  ///< `data-assignment` of the element or its nearest ancestor with one
+  StrokeUse layer;       ///< meaning of the nearest layer whose label the profile knows
 
   // Not inherited.
   bool display_none{false}, clipped{false}, masked{false}, filtered{false}, overflows{false};
@@ -49,19 +49,18 @@ struct SvgStyle {
 /// "line 7 (id "a")" of a node.
 [[nodiscard]] std::string svg_where(const SvgText& text, const pugi::xml_node& node);
 
-/// Reads elements and works their styles out: attributes, style sheets by specificity, `style`, and
-/// what of these is !important.
+/// Reads elements and computes their styles from attributes, style sheets by specificity, `style`,
+/// and !important declarations.
 class SvgStyleReader {
  public:
-  /// `user_mm` is a user unit; work is taken off `steps`.
+  /// @param user_mm  size of a user unit; work is taken from `steps`
   SvgStyleReader(const SvgText& text, const StrokeProfile& profile, double user_mm, SvgNotes& notes,
                  std::size_t& steps)
       : text_(text), profile_(profile), user_mm_(user_mm), notes_(notes), steps_(steps) {}
 
-  /// The element `node`, and in `style` its style, whose parent has `inherited`. What takes more
-  /// than the steps that are left is not done; they are zero then.
-  ///
-  /// @retval OutOfRange  a stroke-dasharray of too many numbers
+  /// Reads the element `node` and computes its `style`; its parent has `inherited`. Does not do
+  /// work beyond the remaining steps, which are then zero.
+  /// @retval OutOfRange  a stroke-dasharray with too many numbers
   [[nodiscard]] Result<SvgElement> read(const pugi::xml_node& node, std::string_view prefix,
                                         const SvgStyle& inherited, SvgStyle& style);
 

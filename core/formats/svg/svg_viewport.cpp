@@ -9,7 +9,7 @@
 namespace popcut {
 namespace {
 
-// The share of the spare room that lies before the drawing: Min, Mid or Max.
+// The fraction of the spare room that lies before the drawing: Min, Mid or Max.
 std::optional<double> share(std::string_view word) {
   if (word == "Min") return 0.0;
   if (word == "Mid") return 0.5;

@@ -12,8 +12,8 @@ namespace popcut {
 /// A viewBox: least x, least y, width and height; four finite numbers.
 [[nodiscard]] std::optional<std::array<double, 4>> parse_svg_view_box(std::string_view text);
 
-/// How a viewBox of positive size fills a frame at the origin: preserveAspectRatio (xMidYMid meet
-/// where `aspect` is empty or cannot be read).
+/// The transform by which a viewBox of positive size fills a frame at the origin, by
+/// preserveAspectRatio (xMidYMid meet if `aspect` is empty or unreadable).
 [[nodiscard]] SvgTransform fit_svg_view_box(const std::array<double, 4>& box, double width,
                                             double height, std::string_view aspect);
 

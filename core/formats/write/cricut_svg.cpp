@@ -21,7 +21,7 @@ struct Group {
   Operation first, last;
 };
 
-// One group a colour, in the order of cutting.
+// One group per colour, in cutting order.
 constexpr std::array<Group, 4> kGroups{{
     {"mark", "#00a651", Operation::Draw, Operation::Score},
     {"fold-mountain", "#ff0000", Operation::FoldMountain, Operation::FoldMountain},
@@ -34,7 +34,7 @@ struct Placing {
   Box box;
   bool turned{};
 
-  /// Clockwise by 90 degrees where turned: a rotation, so nothing is mirrored.
+  /// Turned clockwise by 90 degrees if needed: a rotation, so nothing is mirrored.
   [[nodiscard]] PagePoint at(const PagePoint& p) const {
     if (turned) return {box.y1 - p.y, p.x - box.x0};
     return {p.x - box.x0, p.y - box.y0};
@@ -82,10 +82,11 @@ Result<void> write_cricut_svg(const LineWork& dashed, const CricutMat& mat, std:
   };
   const bool upright = fits(box.width(), box.height());
   if (!upright && !fits(box.height(), box.width())) {
-    return fail(ErrorKind::Infeasible, "cricut",
-                fmt::format("the drawing is {:.1f} x {:.1f} mm; the mat takes {:.1f} x {:.1f} mm "
-                            "({:g} x {:g} in)",
-                            box.width(), box.height(), width, height, mat.width_in, mat.height_in));
+    return fail(
+        ErrorKind::Infeasible, "cricut",
+        fmt::format("the drawing is {:.1f} x {:.1f} mm, but the mat holds {:.1f} x {:.1f} mm "
+                    "({:g} x {:g} in)",
+                    box.width(), box.height(), width, height, mat.width_in, mat.height_in));
   }
   const Placing placing{box, !upright};
   TextSink text(out);

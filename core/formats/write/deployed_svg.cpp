@@ -41,14 +41,14 @@ struct SlabPoint {
   double x{}, z{};
 };
 
-/// The part of a face inside one slab between two borders, bounded by two edges of the face.
+/// The part of a face between two borders of a slab, bounded by two edges of the face.
 struct Piece {
   std::uint32_t face{};
   SlabPoint low_a, high_a;  ///< of the one edge, at the slab's lower and upper v
   SlabPoint low_b, high_b;
 };
 
-/// A piece of an edge, drawn with the slab it bounds or crosses.
+/// A part of an edge, drawn with the slab that it bounds or crosses.
 struct Stroke3 {
   PatternVertex from, to;
   bool fold{};
@@ -59,7 +59,7 @@ struct Slabs {
   std::vector<double> v;
   std::vector<std::vector<Piece>> pieces;
   std::vector<std::vector<Stroke3>> strokes;
-  std::vector<std::vector<std::uint32_t>> v_folds;  ///< those whose triangles end in the slab
+  std::vector<std::vector<std::uint32_t>> v_folds;  ///< V-folds whose triangles end in the slab
 
   [[nodiscard]] std::size_t index(double at) const {
     return static_cast<std::size_t>(std::lower_bound(v.begin(), v.end(), at) - v.begin());
@@ -102,7 +102,7 @@ void add_face(const Pattern& pattern, std::uint32_t f, Slabs& slabs) {
 void add_edge(const Pattern& pattern, const PatternEdge& edge, Slabs& slabs) {
   PatternVertex a = pattern.vertices[edge.from], b = pattern.vertices[edge.to];
   const bool fold = edge.role == EdgeRole::Mountain || edge.role == EdgeRole::Valley;
-  if (a.v == b.v) {  // along a slab's border: drawn with the face it belongs to
+  if (a.v == b.v) {  // along a slab's border: drawn with its face
     const bool face_above = (pattern.u(b) > pattern.u(a)) == (edge.left >= 0);
     const std::size_t border = slabs.index(a.v);
     const std::size_t slab = face_above || border == 0 ? border : border - 1;
@@ -125,7 +125,7 @@ Slabs cut_into_slabs(const Pattern& pattern) {
   slabs.pieces.resize(slabs.v.size() - 1);
   slabs.strokes.resize(slabs.v.size() - 1);
   slabs.v_folds.resize(slabs.v.size() - 1);
-  // The triangles of V-folds leave their panels: they are painted over their strip at the end.
+  // The triangles of V-folds leave their panels, so they are painted over their strip at the end.
   std::vector<std::uint8_t> is_tip(pattern.vertices.size(), 0);
   for (const VFold& fold : pattern.v_folds) is_tip[fold.tip] = 1;
   const auto leaves = [&](std::uint32_t vertex) { return is_tip[vertex] != 0; };
@@ -143,8 +143,8 @@ Slabs cut_into_slabs(const Pattern& pattern) {
   return slabs;
 }
 
-/// The colour of each face: warm paper for the structure, a cooler one for the card behind it,
-/// lighter the more it faces the lamp.
+/// The colour of each face: warm paper for the structure, a cooler tone for the card behind it,
+/// lighter the more the face turns towards the lamp.
 std::vector<std::string> face_colours(const Pattern& pattern, double psi_rad) {
   const Vec3 lamp{0.42, 0.30, 0.86};  // unit length
   const Vec3 structure{255, 226, 178}, plain{238, 243, 247};
@@ -237,7 +237,7 @@ class Picture {
       put_point("L", {piece.high_b.x, piece.high_b.z, high});
       put_point("L", {piece.high_a.x, piece.high_a.z, high});
       const std::string& colour = colours[piece.face];
-      // The stroke closes the hair that antialiasing leaves between two pieces of one face.
+      // The stroke hides the thin line that antialiasing leaves between two pieces of a face.
       text_("Z\" fill=\"", colour, "\" stroke=\"", colour, "\" stroke-width=\"0.9\"/>\n");
     }
   }
@@ -249,7 +249,7 @@ class Picture {
           std::round(y * kHundredths) / kHundredths);
   }
 
-  /// The two triangles of a V-fold where they have popped to, the one away from the eye first.
+  /// The two triangles of a V-fold in their popped positions, the one away from the eye first.
   void put_v_fold(const VFold& fold) {
     const Vec3 &o = places_[fold.apex], &tip = places_[fold.tip];
     const Vec3& b = places_[pattern_.edges[fold.edge_b].to];

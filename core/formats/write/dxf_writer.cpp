@@ -18,7 +18,7 @@ struct DxfLayer {
 constexpr std::array<DxfLayer, 4> kDxfLayers{
     {{"CUT", 7}, {"FOLD_M", 1}, {"FOLD_V", 5}, {"MARK", 8}}};
 
-// In the order of cutting: nothing may shift before it is cut.
+// In cutting order: no part may move before it is cut.
 constexpr std::array<EdgeRole, 4> kDxfOrder{EdgeRole::Mountain, EdgeRole::Valley, EdgeRole::Slit,
                                             EdgeRole::Outline};
 
@@ -27,7 +27,7 @@ std::string_view layer_of(EdgeRole role) {
   return role == EdgeRole::Valley ? "FOLD_V" : "CUT";
 }
 
-/// Groups of a code on one line and its value on the next.
+/// Writes groups: a code on one line and its value on the next.
 class Groups {
  public:
   explicit Groups(std::ostream& out) : text_(out) {}

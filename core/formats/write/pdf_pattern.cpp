@@ -24,7 +24,7 @@ struct Style {
 
 HPDF_REAL real(double value) { return static_cast<HPDF_REAL>(value); }
 
-/// The sheet on the page: points, y up, from the page's lower left corner.
+/// The sheet's place on the page: points, y up, from the page's lower left corner.
 struct Placement {
   double height_mm;
   [[nodiscard]] static HPDF_REAL x(double v) { return real((kPdfMarginMm + v) * kPointsPerMm); }
@@ -47,12 +47,12 @@ void draw_lines(HPDF_Page page, const Pattern& pattern, const Placement& at, con
   if (any) HPDF_Page_Stroke(page);
 }
 
-/// `text` in the characters that the built-in fonts have; others become a question mark.
+/// `text` in characters of the built-in fonts; others become question marks.
 std::string plain(const std::string& text) {
   std::string ascii;
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
-    if ((byte & 0xC0u) == 0x80u) continue;  // the rest of a UTF-8 sequence
+    if ((byte & 0xC0u) == 0x80u) continue;  // continuation byte of UTF-8
     ascii += byte < 0x20 || byte > 0x7e ? '?' : c;
   }
   constexpr std::size_t kLongest = 120;
@@ -65,7 +65,7 @@ void write_text(HPDF_Page page, double x_mm, double y_mm, const std::string& tex
   HPDF_Page_EndText(page);
 }
 
-/// A bar with end ticks below the sheet and its length in words.
+/// Draws a bar with end ticks below the sheet, and its length as text.
 void draw_bar(HPDF_Page page, double sheet_width_mm) {
   const double length_mm = sheet_width_mm >= 100.0 ? 100.0 : sheet_width_mm >= 50.0 ? 50.0 : 10.0;
   constexpr double kBarMm = 8.0, kTickMm = 1.5;
@@ -102,7 +102,7 @@ void draw(HPDF_Doc pdf, const Pattern& pattern, double width_mm, double height_m
   write_text(page, kPdfMarginMm, height_mm - 10.0, plain(pattern.name));
 }
 
-/// The finished document, out of the library's own stream.
+/// The finished document, from the library's memory stream.
 std::string saved(HPDF_Doc pdf) {
   std::string bytes;
   if (HPDF_SaveToStream(pdf) != HPDF_OK) return bytes;
@@ -131,13 +131,13 @@ Result<std::string> pattern_pdf(const Pattern& pattern) {
   if (!(width_mm <= kLargestPageMm && height_mm <= kLargestPageMm)) {
     return fail(ErrorKind::Infeasible, "pdf",
                 fmt::format("a page of {:.0f} x {:.0f} mm is larger than PDF allows; make the "
-                            "pattern smaller than {:.0f} mm or leave pdf out of the formats",
+                            "pattern smaller than {:.0f} mm, or omit pdf from the formats",
                             width_mm, height_mm, kLargestPageMm - 2 * kPdfMarginMm));
   }
   HPDF_STATUS first_error = HPDF_OK;
   const std::unique_ptr<_HPDF_Doc_Rec, decltype(&HPDF_Free)> pdf(
       HPDF_New(remember_error, &first_error), &HPDF_Free);
-  if (!pdf) return fail(ErrorKind::Internal, "pdf", "the PDF library cannot be started");
+  if (!pdf) return fail(ErrorKind::Internal, "pdf", "the PDF library did not start");
   draw(pdf.get(), pattern, width_mm, height_mm);
   std::string bytes = saved(pdf.get());
   if (first_error != HPDF_OK || bytes.empty()) {

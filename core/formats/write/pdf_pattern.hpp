@@ -8,15 +8,15 @@
 
 namespace popcut {
 
-inline constexpr double kPdfMarginMm = 15.0;  ///< white around the sheet; the bar stands in it
+inline constexpr double kPdfMarginMm = 15.0;  ///< white margin around the sheet; holds the bar
 
-/// Draws a pattern at true scale on one PDF page, the sheet's size and `kPdfMarginMm` around it, as
-/// `write_pattern_svg` does (page x = v, y = u downward; mountain red dash-dot, valley blue dashed,
-/// slits and outline black), with its name above and a bar of 100 mm below (50 or 10 mm where the
-/// sheet is narrower): measure it on the print before paper is lost.
+/// Draws a pattern at true scale on one PDF page: the sheet with `kPdfMarginMm` around it, in the
+/// style of `write_pattern_svg` (page x = v, y = u downward; mountain red dash-dot, valley blue
+/// dashed, slits and outline black). Its name stands above, and below it a bar of 100 mm (50 or 10
+/// mm if the sheet is narrower). Measure the bar on the print before you cut.
 ///
-/// @return the bytes of the file, the same for the same pattern
-/// @retval Infeasible  the page would be larger than a PDF page can be (5080 mm)
+/// @return the bytes of the file; the same pattern gives the same bytes
+/// @retval Infeasible  the page would be larger than PDF allows (5080 mm)
 /// @retval Internal    the PDF library failed; the detail has its code
 [[nodiscard]] Result<std::string> pattern_pdf(const Pattern& pattern);
 

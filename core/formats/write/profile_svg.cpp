@@ -17,7 +17,7 @@ struct Colour {
   std::string_view stroke;
 };
 
-// LightBurn's palette, where each colour is a layer of its own.
+// LightBurn's palette, in which each colour is a layer.
 constexpr std::array<Colour, 6> kLightburn{{{Operation::Draw, "#00e000"},
                                             {Operation::Score, "#00e000"},
                                             {Operation::FoldMountain, "#ff0000"},

@@ -125,7 +125,7 @@ Json joins(const PatchAssembly& assembly) {
   return list;
 }
 
-/// Each seam with its line on both of its parts.
+/// Each seam, with its line on both of its parts.
 Json seams(const PatchAssembly& assembly) {
   Json list = Json::array();
   for (std::size_t p = 0; p < assembly.parts.size(); ++p)

@@ -8,18 +8,19 @@
 
 namespace popcut {
 
-/// The text of `report.json`: the fields of the report by their manual names, each with its unit in
-/// its name, in a fixed order. `units_per_slice` is a number, or a list when regions differ; a
-/// figure that is not finite is null.
+/// The text of `report.json`: the fields of the report by their names in the manual, each with its
+/// unit in the name, in a fixed order. `units_per_slice` is a number, or a list if regions differ.
+/// A figure that is not finite is null.
 [[nodiscard]] std::string report_json(const DesignReport& report);
 
-/// The report of an assembly. One design is as above. Patches add `patches` (name, part, slices,
-/// v_mm from and to in the whole), `joins` (the two patches from 0, sheet or seam and why, the
-/// misfit of their profiles and where it is) and `seams` (the line on both parts); where they are
-/// several parts, counted from 1, `parts` has the report, folder and place of each.
+/// The report of an assembly. A single design is reported as above. Patches add `patches` (name,
+/// part, slices, v_mm from and to in the whole), `joins` (the two patches, counted from 0; sheet or
+/// seam, and why; the misfit of their profiles and where it is) and `seams` (the line on both
+/// parts). If there are several parts, counted from 1, `parts` has the report, folder and place of
+/// each.
 [[nodiscard]] std::string report_json(const PatchAssembly& assembly);
 
-/// The folder of a part (from 0) below that of the whole: "part-01".
+/// The folder of part number `part` (from 0) inside the folder of the whole: "part-01".
 [[nodiscard]] std::string part_folder(std::size_t part);
 
 }  // namespace popcut

@@ -17,12 +17,12 @@ struct SvgLayer {
   EdgeRole role;
   std::string_view label;
   std::string_view colour;
-  std::string_view dashes;  // to look at
+  std::string_view dashes;  // for display only
   std::string_view assignment;
   std::string_view fold_angle;
 };
 
-// In the order of cutting: nothing may shift before it is cut.
+// In cutting order: no part may move before it is cut.
 constexpr std::array<SvgLayer, 4> kSvgLayers{{
     {EdgeRole::Mountain, "fold-mountain", "#ff0000", "3 1 0.5 1", "M", "-90"},
     {EdgeRole::Valley, "fold-valley", "#0000ff", "2 1", "V", "90"},
@@ -30,8 +30,7 @@ constexpr std::array<SvgLayer, 4> kSvgLayers{{
     {EdgeRole::Outline, "outline", "#000000", "", "B", "0"},
 }};
 
-/// The part of the page that is drawn: the sheet from its corner, or, without a card, what the
-/// lines cover.
+/// The drawn part of the page: the sheet from its corner; without a card, the bounds of the lines.
 struct Page {
   double x{}, y{}, width{}, height{};
 };

@@ -10,8 +10,8 @@ namespace popcut {
 namespace {
 
 constexpr double kSamePlace = 1e-9;  // mm
-constexpr double kAligned = 1e-3;    // rad; a blade that trails so straight goes on straight
-constexpr double kSampleStep = 0.1;  // of the offset, while the blade turns in
+constexpr double kAligned = 1e-3;  // rad; a heading this close to the direction counts as straight
+constexpr double kSampleStep = 0.1;  // as a fraction of the offset, while the blade turns
 
 PagePoint ahead(const PagePoint& p, const PagePoint& direction, double by) {
   return {p.x + by * direction.x, p.y + by * direction.y};
@@ -21,8 +21,8 @@ double angle_between(const PagePoint& u, const PagePoint& w) {
   return std::atan2(u.x * w.y - u.y * w.x, u.x * w.x + u.y * w.y);
 }
 
-// The axis swings about the tip at `centre` from heading u to heading w: chords, without the first
-// point.
+// Appends the arc of the axis around the tip at `centre` from heading u to heading w as chords,
+// without its first point.
 void append_swing(const PagePoint& centre, const PagePoint& u, double angle, const Blade& blade,
                   std::vector<PagePoint>& axis) {
   const double ratio = std::min(blade.arc_tolerance_mm / blade.offset_mm, 1.0);
@@ -57,7 +57,7 @@ std::size_t append_axis_path(std::span<const PagePoint> tip, Blade& blade,
     } else if (std::abs(turn) > blade.swivel_above_rad) {
       append_swing(from, blade.heading, turn, blade, axis);
     } else if (std::abs(turn) > kAligned) {
-      axis.push_back(ahead(from, u, blade.offset_mm));  // one chord of that arc
+      axis.push_back(ahead(from, u, blade.offset_mm));  // part of the arc
     }
     axis.push_back(ahead(tip[i], u, blade.offset_mm));
     blade.heading = u;
@@ -75,14 +75,14 @@ std::vector<PagePoint> tip_path(std::span<const PagePoint> axis, Blade& blade) {
     if (l <= kSamePlace) continue;
     const PagePoint u{(axis[i].x - axis[i - 1].x) / l, (axis[i].y - axis[i - 1].y) / l};
     const double start = angle_between(u, blade.heading);
-    // A heading straight against the way would stand for ever: any hair turns it.
+    // A heading exactly against the direction would never turn; the smallest deviation turns it.
     const double half = std::tan(std::clamp(start, -3.1, 3.1) / 2);
     const auto heading_at = [&](double s) {
       const double q = 2 * std::atan(half * std::exp(-s / d));
       return PagePoint{std::cos(q) * u.x - std::sin(q) * u.y,
                        std::sin(q) * u.x + std::cos(q) * u.y};
     };
-    // Sampled until it trails straight, which takes d ln(tan(start/2) / tan(aligned/2)).
+    // Sample until the blade trails straight, which takes d ln(tan(start/2) / tan(aligned/2)).
     const double turning = std::abs(half) > kAligned / 2
                                ? std::min(l, d * std::log(2 * std::abs(half) / kAligned))
                                : 0.0;

@@ -14,16 +14,16 @@
 namespace popcut {
 namespace {
 
-constexpr double kTouch = 0.05;    // mm between a fold and a cut that meet
-constexpr double kSteepest = 0.5;  // sine; below it the clearance grows no more
-constexpr double kCorner = 0.98;   // cosine; a sharper turn of a fold gets clearance
+constexpr double kTouch = 0.05;    // mm; a fold and a cut this near meet
+constexpr double kSteepest = 0.5;  // sine; at smaller angles the clearance stops growing
+constexpr double kCorner = 0.98;   // cosine; sharper turns of a fold get clearance
 constexpr double kSlack = 1e-9;
-constexpr std::size_t kManyCuts = 1000;  // a finer grid pays
-constexpr std::size_t kFewCuts = 4;      // of a cell, that are met at once
+constexpr std::size_t kManyCuts = 1000;  // from here on a finer grid is worth its cost
+constexpr std::size_t kFewCuts = 4;      // cuts of a cell that are looked at first
 
 struct CutPiece {
   Segment segment;
-  bool ends_at_a{}, ends_at_b{};  ///< an end of its whole stroke
+  bool ends_at_a{}, ends_at_b{};  ///< whether a, b is an end of the whole stroke
 };
 
 std::vector<CutPiece> cut_pieces(const LineWork& work) {
@@ -40,7 +40,7 @@ std::vector<CutPiece> cut_pieces(const LineWork& work) {
   return pieces;
 }
 
-// Stretches of a fold that keep their paper, in mm along it.
+// The stretches of a fold that keep their paper, in mm along the fold.
 class Clearances {
  public:
   Clearances(const std::vector<CutPiece>& cuts, double clearance)
@@ -74,7 +74,7 @@ class Clearances {
     for (const CutPiece& cut : cuts) out.push_back(cut.segment);
     return out;
   }
-  // Many cuts often meet a fold in one place: what the last stretch holds already is passed over.
+  // Often many cuts meet a fold in one place; skip those that the last stretch already covers.
   static void keep(std::vector<Dash>& kept, double at, double half) {
     const Dash stretch{at - half, at + half};
     if (!kept.empty() && kept.back().from <= stretch.from && kept.back().to >= stretch.to) return;
@@ -85,8 +85,8 @@ class Clearances {
     return dot < kCorner * distance(a, b) * distance(b, c);
   }
 
-  // Where cuts are many, some of each cell are met first: mostly these keep all that the others
-  // would keep, too.
+  // Where there are many cuts, look at a few of each cell first: these mostly keep everything that
+  // the others would keep.
   void meet_cuts(const Segment& piece, double l, double t, std::vector<Dash>& kept) {
     ++query_;
     const std::size_t first = kept.size();
@@ -113,7 +113,7 @@ class Clearances {
     }
   }
 
-  // Joins the stretches from `first` on where they overlap, in order.
+  // Joins overlapping stretches from `first` on, in order.
   static void merge_from(std::vector<Dash>& kept, std::size_t first) {
     const auto begin = kept.begin() + static_cast<std::ptrdiff_t>(first);
     std::sort(begin, kept.end(), [](const Dash& a, const Dash& b) { return a.from < b.from; });
@@ -157,15 +157,15 @@ class Clearances {
   double clearance_;
   SegmentGrid grid_;
   struct Rest {
-    double at{};  ///< along the fold, of the middle of a cell
+    double at{};  ///< middle of a cell, along the fold
     std::span<const std::uint32_t> cuts;
   };
-  std::vector<std::uint32_t> seen_;  ///< query that met the cut last
+  std::vector<std::uint32_t> seen_;  ///< last query that looked at the cut
   std::uint32_t query_{};
   std::vector<Rest> rest_;
 };
 
-// The part of a line between two lengths along it.
+// Appends the part of a line between two lengths along it.
 void part_of(std::span<const PagePoint> line, const Dash& dash, std::vector<PagePoint>& out) {
   out.clear();
   double t = 0.0;
@@ -184,27 +184,26 @@ void part_of(std::span<const PagePoint> line, const Dash& dash, std::vector<Page
   }
 }
 
-// What the warnings say about folds that could not be dashed as the material asks.
-struct Bare {
+// Folds that could not be dashed as the material asks, for the warning.
+struct UncutFolds {
   std::size_t count{};
   double longest_mm{};
   PagePoint where;
 };
 
-void tell(const Bare& bare, const DashShape& shape, std::vector<std::string>& warnings) {
-  if (bare.count == 0) return;
-  warnings.push_back(
-      fmt::format("{} stretches of folds are too short for a dash of {} mm between clearances of "
-                  "{} mm and stay "
-                  "uncut; the longest is {:.2f} mm, at {:.2f},{:.2f} mm",
-                  bare.count, shape.min_dash_mm, shape.clearance_mm, bare.longest_mm, bare.where.x,
-                  bare.where.y));
+void warn_of_uncut(const UncutFolds& uncut, const DashShape& shape,
+                   std::vector<std::string>& warnings) {
+  if (uncut.count == 0) return;
+  warnings.push_back(fmt::format(
+      "{} stretches of folds stay uncut: they are too short for a dash of {} mm between "
+      "clearances of {} mm; the longest is {:.2f} mm, at {:.2f},{:.2f} mm",
+      uncut.count, shape.min_dash_mm, shape.clearance_mm, uncut.longest_mm, uncut.where.x,
+      uncut.where.y));
 }
 
-// Dashes between the kept stretches. `bare` learns of places without any that are longer than a
-// gap.
+// Puts dashes between the kept stretches. `uncut` counts places longer than a gap that get no dash.
 void dash_between(std::span<const PagePoint> fold, double l, const std::vector<Dash>& kept,
-                  const DashShape& shape, std::vector<Dash>& dashes, Bare& bare) {
+                  const DashShape& shape, std::vector<Dash>& dashes, UncutFolds& uncut) {
   dashes.clear();
   double free_from = 0.0;
   for (const Dash& stretch : kept) {
@@ -217,10 +216,10 @@ void dash_between(std::span<const PagePoint> fold, double l, const std::vector<D
     const double paper_to = i < dashes.size() ? dashes[i].from : l;
     const bool none = dashes.empty();
     if (none || paper_to - paper_from > std::max(shape.gap_mm, 2 * shape.clearance_mm) + kSlack) {
-      ++bare.count;
-      if (paper_to - paper_from > bare.longest_mm) {
-        bare.longest_mm = paper_to - paper_from;
-        bare.where = fold.front();
+      ++uncut.count;
+      if (paper_to - paper_from > uncut.longest_mm) {
+        uncut.longest_mm = paper_to - paper_from;
+        uncut.where = fold.front();
       }
     }
     paper_from = i < dashes.size() ? dashes[i].to : l;
@@ -268,7 +267,7 @@ Dashed micro_cut(const LineWork& work, const DashShape& shape) {
   Clearances clearances(cuts, shape.clearance_mm);
   std::vector<Dash> kept, dashes;
   std::vector<PagePoint> points;
-  Bare bare;
+  UncutFolds uncut;
   for (std::uint32_t i = 0; i < work.lines.size(); ++i) {
     const DrawnLine& line = work.lines[i];
     const auto fold = work.points_of(line);
@@ -276,7 +275,7 @@ Dashed micro_cut(const LineWork& work, const DashShape& shape) {
     if (is_fold(line.operation)) out.fold_line_mm += length(fold);
     if (dash_it) {
       clearances.find(fold, kept);
-      dash_between(fold, length(fold), kept, shape, dashes, bare);
+      dash_between(fold, length(fold), kept, shape, dashes, uncut);
       for (const Dash& dash : dashes) {
         part_of(fold, dash, points);
         out.work.append(line.operation, points);
@@ -286,7 +285,7 @@ Dashed micro_cut(const LineWork& work, const DashShape& shape) {
     }
     out.line.resize(out.work.lines.size(), i);
   }
-  tell(bare, shape, out.work.warnings);
+  warn_of_uncut(uncut, shape, out.work.warnings);
   return out;
 }
 

@@ -45,7 +45,7 @@ void append_tail(std::span<const PagePoint> points, double mm, std::vector<PageP
 void append_with_overcut(std::span<const PagePoint> points, double overcut_mm,
                          std::vector<PagePoint>& out) {
   append_tail(points, overcut_mm, out);
-  out.pop_back();  // the seam comes again
+  out.pop_back();  // the tail repeats the seam
   out.insert(out.end(), points.begin(), points.end() - 1);
   append_head(points, overcut_mm, out);
 }

@@ -8,22 +8,22 @@
 
 namespace popcut {
 
-/// How far a closed path is cut beyond its seam at either end: `wanted_mm`, but no more than a
-/// quarter of its way round (`round_mm`). Each path has its own.
+/// How far to cut a closed path past its seam at either end: `wanted_mm`, but at most a quarter of
+/// its length `round_mm`.
 [[nodiscard]] double overcut_for(double round_mm, double wanted_mm);
 
-/// Whether lines of this kind are overcut: closed cuts and outlines.
+/// Whether such a line gets an overcut: closed cuts and outlines do.
 [[nodiscard]] bool takes_overcut(Operation operation, std::span<const PagePoint> points);
 
-/// The first `mm` of a line, or the last ones (in the line's own direction).
+/// Appends the first or the last `mm` of a line, in the line's direction.
 void append_head(std::span<const PagePoint> points, double mm, std::vector<PagePoint>& out);
 void append_tail(std::span<const PagePoint> points, double mm, std::vector<PagePoint>& out);
 
-/// A closed path that begins `overcut_mm` before its seam and ends as far behind it.
+/// Appends a closed path that begins `overcut_mm` before its seam and ends as far past it.
 void append_with_overcut(std::span<const PagePoint> points, double overcut_mm,
                          std::vector<PagePoint>& out);
 
-/// One round of a closed path that goes round `passes` times.
+/// Length of one round of a closed path that has `passes` rounds, mm.
 [[nodiscard]] double round_mm(std::span<const PagePoint> points, int passes);
 
 }  // namespace popcut

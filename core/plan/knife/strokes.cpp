@@ -59,7 +59,7 @@ double StrokeSettings::force_gf(const ToolSettings& tool, int pass) const {
 
 void StrokeSettings::fit(ToolSettings& tool, const char* kind) {
   if (tool.tool > machine_.tool_holders) {
-    warnings_.push_back(fmt::format("{} asks for tool {}, {} has {}; tool 1 is used", kind,
+    warnings_.push_back(fmt::format("{} needs tool {}, but {} has only {}; using tool 1", kind,
                                     tool.tool, machine_.name, machine_.tool_holders));
     tool.tool = 1;
   }
@@ -73,8 +73,8 @@ void StrokeSettings::fit_scale(double& value, const SteppedScale& scale, const c
   const double low = scale.min_step * scale.per_step, high = scale.max_step * scale.per_step;
   const double fitted = std::clamp(value, low, high);
   if (fitted != value)
-    warnings_.push_back(fmt::format("{} {} of {:g} {} is beyond {}; {:g} {} is used", kind, what,
-                                    value, unit, machine_.name, fitted, unit));
+    warnings_.push_back(fmt::format("{} {} of {:g} {} is out of range of {}; using {:g} {}", kind,
+                                    what, value, unit, machine_.name, fitted, unit));
   value = fitted;
 }
 
@@ -83,7 +83,7 @@ void turn_round(LineWork& work, CutDirection direction) {
   for (const DrawnLine& line : work.lines) {
     const auto points = work.points_of(line);
     if (!takes_overcut(line.operation, points)) continue;
-    double area = 0.0;  // positive where it goes clockwise on a page whose y points down
+    double area = 0.0;  // positive: clockwise on a page whose y points down
     for (std::size_t i = 1; i < points.size(); ++i)
       area += (points[i - 1].x - points[0].x) * (points[i].y - points[0].y) -
               (points[i].x - points[0].x) * (points[i - 1].y - points[0].y);

@@ -13,24 +13,25 @@
 
 namespace popcut {
 
-/// Which way round closed cuts and outlines go, as seen on the sheet.
+/// The direction of closed cuts and outlines, as seen on the sheet.
 enum class CutDirection : std::uint8_t { Any, Clockwise, CounterClockwise };
 
-/// What a plan may change of the material's own habits with the knife.
+/// Options of a plan that override the material's knife settings.
 struct KnifeOptions {
   std::optional<FoldMode> folds{};
   std::optional<double> overcut_mm{};
   CutDirection direction{CutDirection::Any};
 };
 
-/// Tool, force and speed of each kind of stroke, within what the machine can; it warns once a kind.
+/// Tool, force and speed of each kind of stroke, within the limits of the machine. Warns once per
+/// kind.
 class StrokeSettings {
  public:
-  /// @param warnings  outlives this
+  /// @param warnings  must outlive this object
   StrokeSettings(const Machine& machine, const Material& material, FoldMode folds,
                  std::vector<std::string>& warnings);
   const ToolSettings& of(Operation operation);
-  /// The force of a further pass (from 0), within what the machine can.
+  /// The force of pass number `pass` (from 0), within the limits of the machine, in gf.
   [[nodiscard]] double force_gf(const ToolSettings& tool, int pass) const;
 
  private:
@@ -44,35 +45,37 @@ class StrokeSettings {
   std::array<bool, 4> checked_{};
 };
 
-/// The same drawing, its closed cuts and outlines all one way round.
+/// Makes all closed cuts and outlines go in the same direction.
 void turn_round(LineWork& work, CutDirection direction);
 
-/// Strokes in the order of `visits`, as they are drawn. Further passes go round a closed line
-/// without lifting, and back along an open one; where each pass has a force of its own every pass
-/// is a stroke.
+/// Strokes in the order of `visits`, as drawn. Further passes of a closed line follow without
+/// lifting; those of an open line go back along it. If each pass has its own force, every pass is a
+/// separate stroke.
 struct DrawnStrokes {
   Toolpath path;
   std::uint16_t blade_tools{};  ///< bit n: tool holder n holds a blade
 };
+
+/// Makes the strokes of `visits` with the tool settings of each operation.
 [[nodiscard]] DrawnStrokes make_strokes(const Dashed& dashed, const std::vector<Visit>& visits,
                                         StrokeSettings& settings);
 
-/// What the knife adds to strokes: see `overcut.hpp` and `blade.hpp`.
+/// What the knife adds to strokes; see `overcut.hpp` and `blade.hpp`.
 struct KnifeWork {
   double overcut_mm{};
-  int rounds{1};             ///< that a closed cut goes round in one stroke
-  double blade_offset_mm{};  ///< that popcut compensates; 0 where the firmware does
+  int rounds{1};             ///< rounds of a closed cut in one stroke
+  double blade_offset_mm{};  ///< offset that popcut compensates; 0: the firmware does
   double swivel_above_rad{};
   std::uint16_t blade_tools{};
 
   [[nodiscard]] bool blade(int tool) const { return (blade_tools >> tool & 1) != 0; }
 };
 
-/// The strokes as they are sent, one for one; none where they are sent as they are drawn.
+/// The strokes as they are sent, one for one; none if they are sent as drawn.
 [[nodiscard]] std::optional<Toolpath> sent_strokes(const Toolpath& drawn, const KnifeWork& knife);
 
-/// What is cut or passed beside the drawing: overcuts as the tip cuts them, entry rotations as the
-/// axis goes.
+/// What the knife does besides the drawing: overcuts as the tip cuts them, and entry rotations as
+/// the axis moves.
 struct KnifeMarks {
   struct Mark {
     std::uint32_t stroke{}, first{}, count{};  ///< points `first .. first + count`
@@ -84,6 +87,8 @@ struct KnifeMarks {
     return std::span(points).subspan(mark.first, mark.count);
   }
 };
+
+/// Overcuts and entry rotations of the strokes, for drawing them.
 [[nodiscard]] KnifeMarks knife_marks(const Toolpath& drawn, const KnifeWork& knife);
 
 }  // namespace popcut

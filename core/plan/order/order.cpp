@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint32_t kOutlines = 4;  // the last of `cutting_groups`
 constexpr std::uint64_t kQuickMoves = 3000;
 
-// Which closed lines hold which lines, of cuts among cuts and of outlines among outlines.
+// Which closed lines hold which lines: cuts among cuts, outlines among outlines.
 Nesting nesting_of_cuts(const LineWork& work) {
   Nesting all;
   all.first.assign(work.lines.size() + 1, 0);
@@ -34,7 +34,7 @@ Nesting nesting_of_cuts(const LineWork& work) {
   return all;
 }
 
-// Lines as they are, but for those that have to wait for what lies inside them.
+// Appends the lines in their order; a line that holds others comes after them.
 void append_own(const Nesting& nesting, const std::vector<std::uint32_t>& lines,
                 std::vector<std::uint32_t>& waits, std::vector<Visit>& out) {
   for (const std::uint32_t line : lines)
@@ -51,8 +51,8 @@ void append_own(const Nesting& nesting, const std::vector<std::uint32_t>& lines,
   }
 }
 
-// The bands along the feed by where lines end, but not before that of what lies inside them;
-// outlines in one band behind all others.
+// Assigns lines to bands along the feed by where they end, but never before the lines inside them.
+// Outlines form one band after all others.
 std::vector<std::uint32_t> bands(const LineWork& work, const Nesting& nesting, double band_mm) {
   std::vector<std::uint32_t> band(work.lines.size(), 0);
   if (!(band_mm > 0.0)) return band;
@@ -74,7 +74,7 @@ std::vector<std::uint32_t> bands(const LineWork& work, const Nesting& nesting, d
   return band;
 }
 
-// Groups that come one after the other; in each the lines are as drawn.
+// Groups that are cut one after the other; in each group the lines are in drawing order.
 std::vector<OrderGroup> groups_of(const LineWork& work, const Nesting& nesting,
                                   const OrderOptions& options) {
   const std::vector<std::uint32_t> kind = cutting_groups(work);
@@ -95,7 +95,7 @@ std::vector<OrderGroup> groups_of(const LineWork& work, const Nesting& nesting,
   return groups;
 }
 
-// Each group's share of the moves that are tried.
+// Shares the moves to try among the groups.
 void share_moves(std::vector<OrderGroup>& groups, std::uint64_t moves) {
   double lines = 0.0;
   for (const OrderGroup& group : groups) lines += static_cast<double>(group.lines.size());
@@ -113,7 +113,7 @@ std::vector<Visit> own_order(const LineWork& work, const Nesting& nesting,
   return out;
 }
 
-// Moves the seam of each closed line to where the way in and out costs least, of all its vertices.
+// Moves the seam of each closed line to the vertex where the way in and out costs least.
 void settle_seams(const LineWork& work, const OrderOptions& options, std::vector<Visit>& visits) {
   for (std::size_t i = 0; i < visits.size(); ++i) {
     Visit& visit = visits[i];
@@ -141,7 +141,7 @@ const PagePoint& last_point(std::span<const PagePoint> points, const Visit& visi
   return closed(points) ? points[visit.start] : points.back();
 }
 
-// Group by group, each from where the last one ends. What each group's order is goes to its
+// Orders group by group, each from where the last one ends. Stores each group's order in its
 // `known`.
 Ordered order_groups(const LineWork& work, const Nesting& nesting, std::vector<OrderGroup>& groups,
                      const OrderOptions& options, const KeepGoing& keep_going) {
@@ -175,7 +175,7 @@ Ordered order_groups(const LineWork& work, const Nesting& nesting, std::vector<O
   return out;
 }
 
-// Best goes on from what Quick finds, which no clock ends; so it is never dearer.
+// Best improves the order that Quick finds, which no clock interrupts; so Best never costs more.
 void make_better(const LineWork& work, const Nesting& nesting, std::vector<OrderGroup>& groups,
                  const OrderOptions& options, Ordered& quick) {
   share_moves(groups, order_moves(work.lines.size(), options.effort));

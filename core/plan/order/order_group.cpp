@@ -12,13 +12,14 @@ namespace {
 
 constexpr std::uint32_t kMostDoors = 32;
 
-// The number of a vertex that is door `d` of a closed line of `vertices` vertices.
+// The vertex at door `d` of a closed line with `vertices` vertices.
 std::uint32_t door_vertex(std::uint32_t d, std::uint32_t vertices) {
   if (vertices <= kMostDoors) return d;
   return static_cast<std::uint32_t>(std::uint64_t{d} * vertices / kMostDoors);
 }
 
-// Numbers of lines so that near ones have near numbers: along a Z curve through their first points.
+// Numbers the lines along a Z curve through their first points, so that near lines get near
+// numbers.
 std::vector<std::uint32_t> along_the_page(const LineWork& work,
                                           const std::vector<std::uint32_t>& lines) {
   Box box;
@@ -102,7 +103,7 @@ class Group {
             group.moves,  improved.finished};
   }
 
-  // Goes on from the order that is known.
+  // Improves the known order.
   Ordered improve(const OrderGroup& group, const OrderOptions& options,
                   const KeepGoing& keep_going) {
     TourOrder best{{0}, std::vector<std::uint8_t>(stops_.size(), 0)};
@@ -186,7 +187,7 @@ class Group {
     return order;
   }
 
-  // More neighbours where they cost little, or where some are the same stroke twice.
+  // Takes more neighbours where they cost little, or where some are the same stroke twice.
   [[nodiscard]] std::uint32_t neighbours(const OrderOptions& options) const {
     if (!stops_.doors.empty()) return 10;
     if (line_of_.size() <= 3000) return 8;
@@ -198,7 +199,7 @@ class Group {
       if (stops_.has_doors(s)) stops_.choose_seam(s, seams[s]);
   }
 
-  // The greedy order forwards or backwards, whichever waits less for what lies inside.
+  // The greedy order, forwards or backwards: whichever breaks the inner-first rule less.
   TourOrder first_order(const NearNodes& near) {
     TourOrder forward = greedy_tour(stops_, near);
     TourOrder backward = forward;
@@ -210,7 +211,7 @@ class Group {
     return tour_cost(stops_, forward) <= tour_cost(stops_, backward) ? forward : backward;
   }
 
-  // Puts each seam to where the way in and out is shortest, one after the other.
+  // Puts each seam in turn where the way in and out is shortest.
   void sweep_seams(const TourOrder& order) {
     if (stops_.doors.empty()) return;
     const auto enter = [&](std::size_t i) {
@@ -252,7 +253,7 @@ class Group {
   }
 
   const LineWork& work_;
-  std::vector<std::uint32_t> line_of_;  // of stop 1, 2, ..
+  std::vector<std::uint32_t> line_of_;  // of stops 1, 2, ...
   std::vector<std::uint32_t>& stop_of_;
   TourStops stops_;
 };

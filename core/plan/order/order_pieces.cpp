@@ -9,13 +9,13 @@ namespace {
 
 constexpr std::size_t kMostPieces = 64;
 
-// Whether the way p, q, r turns at q by more than the angle of this cosine.
+// Whether the path p, q, r turns at q by more than the angle with this cosine.
 bool sharp(const PagePoint& p, const PagePoint& q, const PagePoint& r, double cosine) {
   const double ux = q.x - p.x, uy = q.y - p.y, wx = r.x - q.x, wy = r.y - q.y;
   return ux * wx + uy * wy < cosine * std::hypot(ux, uy) * std::hypot(wx, wy);
 }
 
-// The vertices at which a line is split, in order.
+// The vertices at which to split a line, in order.
 std::vector<std::uint32_t> corners(std::span<const PagePoint> points, double cosine) {
   std::vector<std::uint32_t> at;
   const auto n = static_cast<std::uint32_t>(points.size());
@@ -23,20 +23,20 @@ std::vector<std::uint32_t> corners(std::span<const PagePoint> points, double cos
   for (std::uint32_t i = 1; i + 1 < n; ++i)
     if (sharp(points[i - 1], points[i], points[i + 1], cosine)) at.push_back(i);
   if (closed(points) && at.size() == 1) {
-    // One piece would be a closed line again, which may be entered anywhere.
+    // With one part, the line would be closed again and could start anywhere.
     const std::uint32_t other = (at[0] + (n - 1) / 2) % (n - 1);
     at.insert(other < at[0] ? at.begin() : at.end(), other);
   }
   return at;
 }
 
-// The pieces of a line between its corners.
+// Appends the parts of a line between its corners.
 void append_pieces(const LineWork& work, std::uint32_t line, std::vector<std::uint32_t> at,
                    LinePieces& out) {
   const auto points = work.points_of(work.lines[line]);
   const auto last = static_cast<std::uint32_t>(points.size()) - 1;
   if (closed(points)) {
-    at.push_back(at.front() + last);  // once round
+    at.push_back(at.front() + last);  // all the way round
   } else {
     at.insert(at.begin(), 0);
     at.push_back(last);

@@ -8,28 +8,29 @@
 
 namespace popcut {
 
-/// A drawing whose cuts end at their sharp corners.
+/// A drawing whose cuts are split at their sharp corners.
 struct LinePieces {
   struct Origin {
-    std::uint32_t line{};   ///< of the drawing
-    std::uint32_t first{};  ///< its vertex at which the piece begins
+    std::uint32_t line{};   ///< index of the line in the drawing
+    std::uint32_t first{};  ///< the vertex of that line where the part begins
     bool whole{true};
   };
   LineWork work;
-  std::vector<Origin> origin;              ///< by line of `work`
-  std::vector<std::uint32_t> first_piece;  ///< by line of the drawing, and one more
+  std::vector<Origin> origin;              ///< per line of `work`
+  std::vector<std::uint32_t> first_piece;  ///< per line of the drawing, and one more
 
-  /// A visit of a piece as one of the drawing.
+  /// The visit of a part as a visit of the drawing's line.
   [[nodiscard]] Visit visit_of(const Visit& visit) const;
 };
 
-/// Splits cuts and outlines where they turn by more than `corner_deg`, a closed one into two pieces
-/// at least. Closed ones without such a corner, folds and drawn lines stay whole, and so do closed
-/// ones with over 64 corners that hold others, since each piece has to wait for each of these.
+/// Splits cuts and outlines where they turn by more than `corner_deg`, closed ones into at least
+/// two parts. These stay whole: closed lines without such a corner, folds, drawn lines, and closed
+/// lines with more than 64 corners that hold others (each part would have to wait for all of
+/// these).
 [[nodiscard]] LinePieces split_at_corners(const LineWork& work, const Nesting& nesting,
                                           double corner_deg);
 
-/// What is around a line is around its pieces, with all of its own.
+/// The nesting of the parts: each part is inside the lines that its line is inside of.
 [[nodiscard]] Nesting nesting_of_pieces(const LinePieces& pieces, const Nesting& nesting);
 
 }  // namespace popcut

@@ -8,12 +8,13 @@
 
 namespace popcut {
 
-/// A round tour of stops 0 .. n-1 that are entered at one end and left at the other, in one array.
-/// Everything takes O(1) but `reverse`, which takes as long as the shorter of the two parts.
+/// A round tour in one array. Its stops 0 .. n-1 each have two ends: the tour enters at one and
+/// leaves at the other. All operations are O(1) except `reverse`, which is linear in the shorter of
+/// the two parts.
 class ArrayTour {
  public:
   /// @param sequence  each stop once
-  /// @param flipped   by stop: entered at its second end
+  /// @param flipped   per stop: whether the tour enters at its second end
   ArrayTour(std::span<const std::uint32_t> sequence, std::span<const std::uint8_t> flipped)
       : at_(sequence.begin(), sequence.end()),
         position_(sequence.size()),
@@ -33,9 +34,9 @@ class ArrayTour {
   [[nodiscard]] bool flipped(std::uint32_t stop) const { return flipped_[stop] != 0; }
   [[nodiscard]] std::uint32_t position(std::uint32_t stop) const { return position_[stop]; }
 
-  /// Turns the part from `first` on to `last` round, or, which is the same round tour, all else.
+  /// Reverses the part from `first` to `last`, or all the rest, which gives the same round tour.
   ///
-  /// @return whether it was the part itself: `reverse(last, first)` takes it back, otherwise
+  /// @return whether it reversed the part itself: then `reverse(last, first)` undoes it, otherwise
   ///         `reverse(first, last)` does
   bool reverse(std::uint32_t first, std::uint32_t last) {
     const std::uint32_t n = size();
@@ -58,7 +59,7 @@ class ArrayTour {
   }
 
  private:
-  // Swaps the stops at i and j, both turned.
+  // Swaps the stops at i and j and flips both.
   void put(std::uint32_t i, std::uint32_t j) {
     const std::uint32_t a = at_[i], b = at_[j];
     at_[i] = b;

@@ -45,12 +45,13 @@ void BlockTour::gather() {
   lay_out(scratch_);
 }
 
-// Swaps stops inwards from both ends of a short part, whatever blocks they lie in.
+// Reverses a short part by swapping stops from both ends inwards, across blocks.
 void BlockTour::swap_stops(std::uint32_t first, std::uint32_t last, std::uint32_t count) {
   for (; count > 1; count -= 2) {
     const std::uint32_t after = next(first), before = prev(last);
     const Place a = place_[first], b = place_[last];
-    // A stop's mark is relative to its block; both are turned, and may change to another block.
+    // A stop's mark is relative to its block. Both stops flip, and both may change to another
+    // block.
     const std::uint8_t change = 1u ^ blocks_[a.block].turned ^ blocks_[b.block].turned;
     flipped_[first] ^= change;
     flipped_[last] ^= change;
@@ -64,13 +65,13 @@ void BlockTour::swap_stops(std::uint32_t first, std::uint32_t last, std::uint32_
   if (count == 1) flipped_[first] ^= 1u;
 }
 
-// Splits the block of `stop` so that a block begins, in tour order, with it.
+// Splits the block of `stop` so that in tour order a block begins with it.
 void BlockTour::start_block_at(std::uint32_t stop) {
   const Place p = place_[stop];
   Block& block = blocks_[p.block];
   if (front(block) == stop) return;
   const auto added = static_cast<std::uint32_t>(blocks_.size());
-  Block later = block;  // what comes later in tour order: the new block
+  Block later = block;  // the new block: what comes later in tour order
   if (block.turned == 0) {
     later.begin = block.end = p.at;
   } else {
@@ -85,11 +86,11 @@ void BlockTour::start_block_at(std::uint32_t stop) {
     ++blocks_[order_[r]].rank;
 }
 
-// Turns the blocks of ranks from .. to (to < from: round the end of the list).
+// Reverses the blocks of ranks from .. to (to < from: across the end of the list).
 void BlockTour::turn_blocks(std::uint32_t from, std::uint32_t to) {
   const auto n = static_cast<std::uint32_t>(order_.size());
   const std::uint32_t count = (to >= from ? to - from : to + n - from) + 1;
-  // What the part holds before the list's end may change if it goes round that end.
+  // If the part goes across the end of the list, the number of blocks before that end may change.
   const std::uint32_t first = to >= from ? from : 0, last = to >= from ? to : n - 1;
   std::uint32_t position = blocks_[order_[first]].position;
   for (std::uint32_t k = 0; k < count; ++k) {

@@ -7,10 +7,10 @@
 
 namespace popcut {
 
-/// A round tour as `ArrayTour`, in blocks of about sqrt(n) stops that can be turned by a mark and
-/// are listed in tour order, so that `reverse` takes O(sqrt n): the ends of the part become ends
-/// of blocks, then the list of its blocks is turned. When splitting has made twice as many blocks
-/// as at first, the tour is laid out anew, O(n) once in O(sqrt n) calls.
+/// A round tour like `ArrayTour`, kept in a list of about sqrt(n) blocks in tour order, each of
+/// which a mark can reverse. So `reverse` takes O(sqrt n): it splits blocks at the ends of the
+/// part, then reverses the list of the part's blocks. When splitting has doubled the number of
+/// blocks, the tour is laid out again: O(n) once per O(sqrt n) calls.
 class BlockTour {
  public:
   BlockTour(std::span<const std::uint32_t> sequence, std::span<const std::uint8_t> flipped);
@@ -40,7 +40,7 @@ class BlockTour {
     return b.position + (b.turned == 0 ? p.at - b.begin : b.end - 1 - p.at);
   }
 
-  /// As `ArrayTour::reverse`.
+  /// Like `ArrayTour::reverse`.
   bool reverse(std::uint32_t first, std::uint32_t last);
 
  private:
@@ -48,9 +48,9 @@ class BlockTour {
     std::uint32_t block, at;
   };
   struct Block {
-    std::uint32_t begin{}, end{};  // of `at_`
-    std::uint32_t rank{};          // place in `order_`
-    std::uint32_t position{};      // of its first stop
+    std::uint32_t begin{}, end{};  // range in `at_`
+    std::uint32_t rank{};          // index in `order_`
+    std::uint32_t position{};      // position of its first stop
     std::uint8_t turned{};
   };
 

@@ -10,12 +10,12 @@
 namespace popcut {
 namespace {
 
-constexpr std::uint32_t kLargestArray = 1500;  // stops; blocks are quicker beyond
+constexpr std::uint32_t kLargestArray = 1500;  // stops; beyond this, blocks are faster
 
-// Steele, Lea and Flood 2014 (splitmix64): small, and the same everywhere.
-class Chance {
+// Steele, Lea and Flood 2014 (splitmix64): small, and gives the same numbers on every machine.
+class SplitMix64 {
  public:
-  explicit Chance(std::uint64_t seed) : state_(seed) {}
+  explicit SplitMix64(std::uint64_t seed) : state_(seed) {}
   std::uint32_t below(std::uint32_t n) {
     state_ += 0x9e3779b97f4a7c15u;
     std::uint64_t z = state_;
@@ -40,7 +40,7 @@ Improved improve(TourStops& stops, const NearNodes& near, TourOrder& order,
   search.keep();
   const std::uint32_t n = stops.size();
   const std::uint32_t longest = std::min(30u, (n - 1) / 3);
-  Chance chance(options.seed);
+  SplitMix64 random(options.seed);
   const auto always = [] { return true; };
   for (std::uint64_t kick = 0; result.finished && n >= 8 && kick < options.kicks; ++kick) {
     if (kick % 256 == 0 && keep_going) {
@@ -50,7 +50,7 @@ Improved improve(TourStops& stops, const NearNodes& near, TourOrder& order,
     ++result.kicks;
     const double before = search.gained();
     const double cost =
-        search.disturb(chance.below(n), 1 + chance.below(longest), 1 + chance.below(longest));
+        search.disturb(random.below(n), 1 + random.below(longest), 1 + random.below(longest));
     if (cost == std::numeric_limits<double>::infinity()) continue;
     search.descend(always);
     if (search.gained() < before - 1e-12)

@@ -8,24 +8,26 @@
 
 namespace popcut {
 
+/// Options of `improve_tour`.
 struct ImproveOptions {
-  std::uint64_t kicks{0};  ///< disturbances to try after the first descent
+  std::uint64_t kicks{0};  ///< random disturbances to try after the first local search
   std::uint64_t seed{1};
 };
 
+/// What `improve_tour` did.
 struct Improved {
-  std::uint64_t kicks{0};  ///< tried
-  bool finished{true};     ///< false: `keep_going` ended it early
+  std::uint64_t kicks{0};  ///< disturbances tried
+  bool finished{true};     ///< false: `keep_going` stopped it early
 };
 
-/// Makes the tour cheaper and never dearer, and keeps the precedence of the stops if `order` does.
+/// Makes the tour cheaper, never dearer. Keeps the precedence of the stops if `order` does.
 ///
 /// Local search: sequential exchanges of two or three links whose first new link leads to a near
-/// node (Lin and Kernighan 1973, with depth 3), moves of a closed stroke to a place near by with
-/// the best of its doors, and changes of seams; nodes that found nothing rest until a neighbour
-/// changes. Then disturbances: two short pieces, one after the other, change places, the local
-/// search repairs around them, and the result is kept if it is no dearer, else taken back
-/// (Johnson and McGeoch 1997, iterated local search with segment lengths of at most 30).
+/// node (Lin and Kernighan 1973, with depth 3), moves of a closed stroke to a place nearby through
+/// its best door, and changes of seams. Nodes without an improvement rest until a neighbour
+/// changes. Then come random disturbances: two short consecutive pieces swap places and the local
+/// search repairs around them. The result is kept if it costs no more, else undone (Johnson and
+/// McGeoch 1997, iterated local search with segments of at most 30 stops).
 Improved improve_tour(TourStops& stops, const NearNodes& near, TourOrder& order,
                       const ImproveOptions& options, const KeepGoing& keep_going);
 

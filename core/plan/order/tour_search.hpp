@@ -14,8 +14,8 @@ namespace popcut {
 
 /// Local search on a tour; see `improve_tour`. `Tour` is `ArrayTour` or `BlockTour`.
 ///
-/// A link joins two nodes of consecutive stops; each node has exactly one, to its mate. A node is
-/// a stop's exit if the tour, as stored, leaves the stop there.
+/// A link joins two nodes of consecutive stops. Each node has exactly one link, to its mate. A node
+/// is an exit if the tour, as stored, leaves its stop there.
 template <typename Tour>
 class TourSearch {
  public:
@@ -29,7 +29,7 @@ class TourSearch {
       if (!stops.later.empty() && !stops.later_than(s).empty()) bound_.push_back(s);
   }
 
-  /// What has been gained since the start.
+  /// The cost saved since the start.
   [[nodiscard]] double gained() const { return gained_; }
 
   void wake(std::uint32_t stop) {
@@ -37,7 +37,7 @@ class TourSearch {
     wake_node(2 * stop + 1);
   }
 
-  /// Improves until all nodes rest, or until `go_on()`, asked now and then, says no.
+  /// Improves until all nodes rest, or until `go_on()`, called now and then, returns false.
   template <typename GoOn>
   bool descend(GoOn&& go_on) {
     for (std::uint32_t count = 0; awake_ > 0; ++count) {
@@ -52,13 +52,13 @@ class TourSearch {
     return true;
   }
 
-  /// What is done from now on can be taken back.
+  /// Marks the state to which `take_back` returns.
   void keep() {
     done_.clear();
     takes_note_ = true;
   }
 
-  /// Takes back everything since the last `keep`, when `gained` was what is given.
+  /// Undoes everything since the last `keep`, when `gained` had the given value.
   void take_back(double gained) {
     gained_ = gained;
     settled_ = NearNodes::kNone;
@@ -74,8 +74,8 @@ class TourSearch {
     done_.clear();
   }
 
-  /// Lets two pieces, of `p` and `q` stops and one after the other from `first` on, change places.
-  /// @return what it costs, or infinity if it may not be done
+  /// Swaps two consecutive pieces, of `p` and `q` stops, that start at `first`.
+  /// @return the added cost, or infinity if precedence forbids it
   double disturb(std::uint32_t first, std::uint32_t p, std::uint32_t q) {
     Links t;
     t[0] = exit(tour_.prev(first));
@@ -113,7 +113,7 @@ class TourSearch {
 
  private:
   static constexpr double kWorthwhile = 1e-9;
-  // Nodes t0-t1, t2-t3, t4-t5 are links that go; t1-t2, t3-t4 and t5-t0 (or t3-t0) come.
+  // Links t0-t1, t2-t3 and t4-t5 are removed; t1-t2, t3-t4 and t5-t0 (or t3-t0) are added.
   using Links = std::array<std::uint32_t, 6>;
   enum class Swap { Turn, TurnTwice, Pieces, TurnBoth };
   struct Done {
@@ -143,7 +143,8 @@ class TourSearch {
     const bool part = tour_.reverse(from, to);
     if (takes_note_) done_.push_back({from, to, part ? Done::Part : Done::Rest});
   }
-  // As seen by t0, which is an exit by definition: from the stop of `n` on to that of `m`.
+  // Reverses from the stop of `n` to the stop of `m`, as seen from t0, which is an exit by
+  // definition.
   void turn(std::uint32_t t0, std::uint32_t n, std::uint32_t m) {
     if (is_exit(t0))
       reverse(n / 2, m / 2);
@@ -176,7 +177,7 @@ class TourSearch {
 
   bool improve_at(std::uint32_t t0) {
     const std::uint32_t stop = t0 / 2;
-    if (stops_.has_doors(stop) && settled_ != stop) {  // its other node was just looked at
+    if (stops_.has_doors(stop) && settled_ != stop) {  // its other node was just handled
       if (improve_seam(stop) || improve_place(stop)) return true;
       settled_ = stop;
     }
@@ -212,7 +213,7 @@ class TourSearch {
     if (t[2] == t[0]) return false;
     t[3] = mate(t[2]);
     const double g2 = g1 + stops_.between(t[2], t[3]);
-    const bool enters = is_exit(t[2]) != forward;  // as t0 sees it
+    const bool enters = is_exit(t[2]) != forward;  // as seen from t0
     if (enters) {
       const double gain = g2 - stops_.between(t[3], t[0]);
       if (gain > kWorthwhile) {
@@ -239,7 +240,7 @@ class TourSearch {
     t[5] = mate(n);
     const double gain = g3 + stops_.between(t[4], t[5]) - stops_.between(t[5], t[0]);
     if (gain <= kWorthwhile) return false;
-    // Stops from t1 on, as t0 sees it.
+    // Stops from t1 on, as seen from t0.
     const std::uint32_t begin = tour_.position(t[1] / 2), size = tour_.size();
     const auto from_t1 = [&](std::uint32_t node) {
       const std::uint32_t at = tour_.position(node / 2);
@@ -259,7 +260,7 @@ class TourSearch {
     return true;
   }
 
-  // Node of a closed stop at its cheapest door between two nodes: the cost, and the door.
+  // The cheapest door of a closed stop between two nodes: its cost and its number.
   [[nodiscard]] std::pair<double, std::uint32_t> best_door(std::uint32_t stop, std::uint32_t before,
                                                            std::uint32_t after) const {
     std::pair<double, std::uint32_t> best{std::numeric_limits<double>::infinity(), 0};
@@ -292,7 +293,7 @@ class TourSearch {
     return true;
   }
 
-  // Moves a closed stop into a link of a near node, with the best door for it.
+  // Moves a closed stop into a link of a near node, through the best door for it.
   bool improve_place(std::uint32_t stop) {
     const std::uint32_t enter = entry(stop), leave = exit(stop);
     const std::uint32_t before = mate(enter), after = mate(leave);
@@ -304,7 +305,7 @@ class TourSearch {
       const std::uint32_t n = row[k];
       const std::uint32_t m = mate(n);
       if (m / 2 == stop) continue;
-      // Hardly any door is nearer to n than this, wherever the seams are: it is not worth a look.
+      // Hardly any door is closer to n than this, wherever the seams are: skip the stop.
       const double least =
           stops_.cost(static_cast<double>(near_.mm[std::size_t{enter} * near_.each + k]));
       if (saved + stops_.between(n, m) - least <= kWorthwhile) continue;
@@ -322,14 +323,14 @@ class TourSearch {
     return false;
   }
 
-  // -- Precedence. Places on the way: home is at 0.
+  // -- Precedence. Places along the tour; home is at 0.
 
   [[nodiscard]] std::uint32_t place(std::uint32_t stop) const {
     const std::uint32_t home = tour_.position(0), at = tour_.position(stop), n = tour_.size();
     if (!tour_.flipped(0)) return at >= home ? at - home : at + n - home;
     return home >= at ? home - at : home + n - at;
   }
-  // A link that goes, along the way: it is left by `out` and entered by `in`.
+  // A link to remove, in tour direction: the tour leaves it at `out` and enters it at `in`.
   struct Cut {
     std::uint32_t at, out, in;
   };
@@ -337,14 +338,15 @@ class TourSearch {
     if (is_exit(n) == tour_.flipped(0)) std::swap(n, m);
     return {place(n / 2), n, m};
   }
-  // Stops behind cut `p` up to cut `q`.
+  // Stops after cut `p` up to cut `q`.
   struct Piece {
     std::uint32_t after, last, first_stop;
     [[nodiscard]] std::uint32_t size() const { return last - after; }
     [[nodiscard]] bool holds(std::uint32_t place) const { return place > after && place <= last; }
   };
 
-  // Calls `breaks(stop)` for the stops of a piece that may be bound, until one says yes.
+  // Calls `breaks(stop)` for the stops of a piece that have precedence rules, until one returns
+  // true.
   template <typename Breaks>
   [[nodiscard]] bool any(const Piece& piece, Breaks&& breaks) const {
     if (bound_.size() < piece.size()) {
@@ -360,7 +362,7 @@ class TourSearch {
     }
     return false;
   }
-  // Whether one stop of `p` must come before one of `q`.
+  // Whether a stop of `p` must come before a stop of `q`.
   [[nodiscard]] bool binds(const Piece& p, const Piece& q) const {
     if (bound_.size() < std::min(p.size(), q.size()) || p.size() <= q.size())
       return any(p, [&](std::uint32_t s) {
@@ -375,7 +377,8 @@ class TourSearch {
     });
   }
 
-  // Whether the exchange of two or three links keeps each stop before those that must be later.
+  // Whether the exchange of two or three links keeps each stop before the stops that must follow
+  // it.
   [[nodiscard]] bool allowed(const Links& t, int links) const {
     if (bound_.empty()) return true;
     std::array<Cut, 3> c{cut(t[0], t[1]), cut(t[2], t[3]), {}};
@@ -405,12 +408,12 @@ class TourSearch {
   const NearNodes& near_;
   Tour tour_;
   std::vector<std::uint8_t> waiting_;
-  std::vector<std::uint32_t> queue_;  // a ring: a node waits in it once at most
+  std::vector<std::uint32_t> queue_;  // a ring; each node is in it at most once
   std::size_t head_{0}, awake_{0};
   std::vector<Done> done_;
   bool takes_note_{false};
-  std::vector<std::uint32_t> bound_;         // stops that something must come after
-  std::uint32_t settled_{NearNodes::kNone};  // closed stop whose seam and place were best just now
+  std::vector<std::uint32_t> bound_;         // stops that must come before others
+  std::uint32_t settled_{NearNodes::kNone};  // closed stop whose seam and place were just optimised
   double gained_{0.0};
 };
 

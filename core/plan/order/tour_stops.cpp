@@ -9,11 +9,11 @@
 namespace popcut {
 namespace {
 
-// Doors of a stop that are looked at for what is near.
+// Number of doors per stop that the search for neighbours uses.
 constexpr std::uint32_t kMostPlaces = 6, kPlacesOfMany = 3, kMany = 3000;
 
-// Places where the tool may go down: both ends of open stops, some doors of closed ones, which have
-// one tag.
+// Places where the tool may go down: both ends of open stops, and some doors of closed stops, which
+// share one tag.
 struct Places {
   std::vector<PagePoint> points;
   std::vector<std::uint32_t> tags;
@@ -41,7 +41,7 @@ struct Places {
   }
 };
 
-// Up to `each` tags near to a node, over all of its doors.
+// Up to `each` tags near a node, over all of its doors.
 class NearList {
  public:
   explicit NearList(std::size_t each) : each_(each) {}
@@ -126,10 +126,10 @@ NearNodes near_nodes(const TourStops& stops, std::uint32_t each) {
 
 TourOrder with_precedence(const TourStops& stops, const TourOrder& order) {
   if (stops.later.empty()) return order;
-  std::vector<std::uint32_t> waits(stops.size());  // for how many stops it still has to wait
+  std::vector<std::uint32_t> waits(stops.size());  // how many stops must still come before it
   for (std::uint32_t s = 0; s < stops.size(); ++s)
     waits[s] = static_cast<std::uint32_t>(stops.earlier_than(s).size());
-  std::vector<std::uint8_t> due(stops.size(), 0);  // its turn in `order` has come
+  std::vector<std::uint8_t> due(stops.size(), 0);  // `order` has reached it
   TourOrder out{{}, order.flipped};
   out.sequence.reserve(order.sequence.size());
   for (const std::uint32_t stop : order.sequence) {

@@ -6,25 +6,26 @@
 #include <span>
 #include <vector>
 
-#include "core/plan/order/travel_cost.hpp"
 #include "core/drawing/toolpath.hpp"
+#include "core/plan/order/travel_cost.hpp"
 
 namespace popcut {
 
-/// Strokes as a tour sees them. Stop 0 is home, where the way begins and ends; every other stop has
-/// two ends, node 2 s and node 2 s + 1. A stop with doors is a closed stroke: both of its nodes are
-/// at the door that is its seam at present.
+/// Strokes as a tour sees them. Stop 0 is home, where the tour begins and ends. Every other stop
+/// has two ends: node 2 s and node 2 s + 1. A stop with doors is a closed stroke; both of its nodes
+/// are at the door that is currently its seam.
 struct TourStops {
   std::vector<PagePoint> node;
-  std::vector<std::uint32_t> first_door;  ///< by stop, and one more: into `doors`; may be empty
+  std::vector<std::uint32_t> first_door;  ///< per stop, and one more: into `doors`; may be empty
   std::vector<PagePoint> doors;
-  std::vector<std::uint32_t> seam;  ///< by stop: into `doors`; may be empty
-  /// By stop, and one more: into `later`, the stops that must come after it; may be empty.
+  std::vector<std::uint32_t> seam;  ///< per stop: into `doors`; may be empty
+  /// Per stop, and one more: into `later`, the stops that must come after it; may be empty.
   std::vector<std::uint32_t> first_later;
   std::vector<std::uint32_t> later;
-  std::vector<std::uint32_t> first_earlier;  ///< the same the other way round
+  std::vector<std::uint32_t> first_earlier;  ///< the stops that must come before it
   std::vector<std::uint32_t> earlier;
-  bool free_start{false}, free_end{false};  ///< the way begins, ends anywhere: home costs nothing
+  bool free_start{false},
+      free_end{false};  ///< the tour may start, end anywhere: that move costs nothing
   TravelCost cost;
 
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(node.size() / 2); }
@@ -38,7 +39,7 @@ struct TourStops {
     return std::span(earlier).subspan(first_earlier[stop],
                                       first_earlier[stop + 1] - first_earlier[stop]);
   }
-  /// Node 1 is where home is left, node 0 where it is reached.
+  /// Node 1 is where the tour leaves home, node 0 where it returns.
   [[nodiscard]] bool is_free(std::uint32_t n) const {
     return n < 2 && (n == 1 ? free_start : free_end);
   }
@@ -56,38 +57,38 @@ struct TourStops {
   }
 };
 
-/// An order of all stops, home first, and whether each is entered at its second end.
+/// An order of all stops, home first, and whether the tour enters each at its second end.
 struct TourOrder {
   std::vector<std::uint32_t> sequence;
-  std::vector<std::uint8_t> flipped;  ///< by stop
+  std::vector<std::uint8_t> flipped;  ///< per stop
 };
 
-/// What `order` costs, home to home.
+/// The cost of `order`, from home to home.
 [[nodiscard]] double tour_cost(const TourStops& stops, const TourOrder& order);
 
-/// Whether each stop comes after those that must be earlier.
+/// Whether each stop comes after those that must come before it.
 [[nodiscard]] bool keeps_precedence(const TourStops& stops, const TourOrder& order);
 
-/// Nodes near to each node, nearest first: `near(n)`; ended early by `kNone`.
+/// The nodes near each node, nearest first: `near(n)`. Shorter lists end with `kNone`.
 struct NearNodes {
   static constexpr std::uint32_t kNone = 0xffffffffu;
   std::uint32_t each{0};
   std::vector<std::uint32_t> nodes;
-  std::vector<float> mm;  ///< their distances, from door to door
+  std::vector<float> mm;  ///< their distances in mm, from door to door
   [[nodiscard]] std::span<const std::uint32_t> near(std::uint32_t n) const {
     return std::span(nodes).subspan(std::size_t{n} * each, each);
   }
 };
 
-/// The `each` (at most 12) nodes nearest to each node, not of the same stop. O(n log n).
+/// The `each` (at most 12) nearest nodes of each node, without those of its own stop. O(n log n).
 [[nodiscard]] NearNodes near_nodes(const TourStops& stops, std::uint32_t each);
 
-/// A tour from the shortest links: always the shortest that joins two loose ends of different
-/// pieces, among near nodes first, then among the ends of what is left. O(n log n).
+/// A tour made greedily: repeatedly adds the shortest link that joins loose ends of different
+/// pieces, first among near nodes, then among the remaining ends. O(n log n).
 [[nodiscard]] TourOrder greedy_tour(const TourStops& stops, const NearNodes& near);
 
-/// The order changed so that each stop that comes too early waits until all that must be earlier
-/// than it are done, and comes at once then. O(n).
+/// The order with delays: a stop that comes too early waits until all stops that must precede it
+/// are done, and then follows at once. O(n).
 [[nodiscard]] TourOrder with_precedence(const TourStops& stops, const TourOrder& order);
 
 }  // namespace popcut

@@ -39,7 +39,7 @@ class Greedy {
     std::uint32_t a, b;
   };
 
-  // Each pair of near nodes once.
+  // Visits each pair of near nodes once.
   template <typename Visit>
   void visit_pairs(const NearNodes& near, Visit&& visit) const {
     for (std::uint32_t n = 0; n < stops_.node.size(); ++n) {
@@ -52,7 +52,7 @@ class Greedy {
     }
   }
 
-  // A loose end of the stop of `n`: of a closed one either node will do.
+  // A loose end of the stop of `n`: of a closed stop, either node.
   [[nodiscard]] std::uint32_t loose_end(std::uint32_t n) const {
     if (mate_[n] == kNone) return n;
     return stops_.has_doors(n / 2) && mate_[n ^ 1u] == kNone ? n ^ 1u : kNone;
@@ -100,7 +100,7 @@ class Greedy {
     }
   }
 
-  // What is loose at the end: the two ends of one piece, and home if it is nowhere.
+  // Joins the last loose ends: the two ends of the one piece, and home if it is not linked yet.
   void close() {
     std::vector<std::uint32_t> ends;
     for (std::uint32_t n = 0; n < mate_.size(); ++n)
@@ -126,7 +126,7 @@ class Greedy {
   }
 
   const TourStops& stops_;
-  std::vector<std::uint32_t> mate_, far_end_;  // far_end_: of the piece that a loose end ends
+  std::vector<std::uint32_t> mate_, far_end_;  // far_end_: the other end of a loose end's piece
   std::vector<Link> links_;
 };
 

@@ -7,11 +7,11 @@
 
 namespace popcut {
 
-/// What a move of the lifted tool costs: seconds of the machine, or millimetres.
+/// Cost of a move of the lifted tool: seconds on the machine, or millimetres.
 ///
-/// From rest to rest with acceleration a, at most v fast: 2 sqrt(d/a) up to d = v^2/a, beyond it
-/// d/v + v/a. Concave, so that a sum of short moves is dearer than its length says. Lift and drop
-/// are the same for each stroke: they do not matter for the order.
+/// From rest to rest with acceleration a and top speed v: 2 sqrt(d/a) up to d = v^2/a, beyond it
+/// d/v + v/a. This is concave: many short moves cost more than one move of the same length. Lifting
+/// and lowering cost the same for each stroke and do not affect the order.
 struct TravelCost {
   double knee_mm{0.0};        ///< v^2/a
   double root_s{0.0};         ///< 2/sqrt(a)

@@ -11,25 +11,25 @@
 
 namespace popcut::verify {
 
-/// Direction of all folds, for a sheet made of rectangular units: every edge is parallel to it or
-/// square to it, and every fold parallel. Nothing for any other sheet.
+/// The direction of all folds of a sheet made of rectangular units: every edge is parallel or
+/// perpendicular to it, and every fold is parallel. None for any other sheet.
 [[nodiscard]] std::optional<Vec2> common_fold_direction(const FoldModel& file, const Sheet& sheet,
                                                         double slack_mm);
 
-/// True when the panels of a pose lie in two directions only, so that the pose belongs to the
-/// affine family `x e1 + z e2(psi)`: embedded in one member is embedded in all (0 < psi < pi).
+/// Whether the panels of a pose lie in only two directions, so that the pose belongs to the affine
+/// family `x e1 + z e2(psi)`: if one member has no crossing, no member has one (0 < psi < pi).
 [[nodiscard]] bool in_two_directions(const Sheet& sheet, const PoseMotion& motion, Vec2 axis);
 
-/// Do the faces of a sheet of rectangular units keep apart in a pose? Exact: between two
-/// neighbouring `v` where something begins or ends, the pose is one section, a set of line
-/// segments, and those may meet only where the sheet is folded or cut across. O(n log n).
-/// @return false when it gave up for the number of segments; nothing is said then
+/// Checks that the faces of a sheet of rectangular units do not meet in a pose. Exact: between two
+/// neighbouring `v` where something begins or ends, the pose is a single section, a set of line
+/// segments. These may meet only where the sheet is folded or cut across. O(n log n).
+/// @return false if it gave up because of the number of segments; then it has added nothing
 [[nodiscard]] bool check_sections(const FoldModel& file, const Sheet& sheet, Vec2 axis,
                                   const PoseMotion& motion, double slack_mm, VerifyCheck& check);
 
-/// Do the faces of any sheet keep apart in one pose? Two faces fail when one passes through the
-/// other by more than `slack_mm`, or both lie in one plane and overlap there. In a shut pose stacks
-/// of faces are lawful and only faces that pass through others fail.
+/// Checks that the faces of any sheet do not cross in one pose. Two faces fail if one passes
+/// through the other by more than `slack_mm`, or if both lie in one plane and overlap. In a shut
+/// pose, stacks of faces are valid and only faces that pass through others fail.
 void check_faces_apart(const FoldModel& file, const Sheet& sheet, const Triangles& triangles,
                        const Pose& pose, const PoseMotion& motion, double slack_mm,
                        VerifyCheck& check);

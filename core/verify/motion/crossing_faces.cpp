@@ -25,8 +25,8 @@ bool apart(const Box& a, const Box& b, double slack) {
          (b.min().array() > a.max().array() + slack).any();
 }
 
-/// Where a line cuts a polygon, when corners within `slack` of the line count as lying on the side
-/// `lean` of it. `off` is each corner's distance from the line, `along` its place along it.
+/// Where a line cuts a polygon, if corners within `slack` of the line count as lying on its side
+/// `lean`. `off` holds each corner's distance from the line, `along` its position along the line.
 std::vector<Interval> cut_leaning(const std::vector<double>& off, const std::vector<double>& along,
                                   double slack, bool lean) {
   const auto side = [&](std::size_t k) { return std::abs(off[k]) <= slack ? lean : off[k] > 0.0; };
@@ -73,7 +73,7 @@ class FacesInSpace {
 
   enum class Relation { Apart, Cross, SamePlane };
 
-  /// How face `g` lies to face `f`. `where` is a point of the crossing.
+  /// How face `g` lies relative to face `f`. `where` gets a point of the crossing.
   Relation relation(std::uint32_t f, std::uint32_t g, Vec3& where) const {
     if (apart(boxes_[f], boxes_[g], slack_)) return Relation::Apart;
     std::vector<double> g_off;
@@ -111,8 +111,8 @@ class FacesInSpace {
     return low >= -slack_ || high <= slack_ ? Straddle::Beside : Straddle::Through;
   }
 
-  /// The stretches of the line that lie strictly inside face `f`: those that stay in it wherever
-  /// the line is nudged to.
+  /// The stretches of the line that stay strictly inside face `f`, even if the line shifts by the
+  /// slack.
   std::vector<Interval> interior(std::uint32_t f, const std::vector<double>& off, Vec3 line) const {
     std::vector<double> along;
     for (const std::uint32_t v : face_of(file_, f)) along.push_back(dot(line, pose_.at[v]));
@@ -137,7 +137,7 @@ class FacesInSpace {
   std::vector<Box> boxes_;
 };
 
-/// Area that two faces in one plane share, seen in the plane of `f`.
+/// The area that two faces in one plane share, measured in the plane of `f`.
 double shared_area(const Triangles& triangles, const Pose& pose, const RigidMotion& plane,
                    std::uint32_t f, std::uint32_t g, double& reach) {
   const auto corners = [&](std::uint32_t t) {
@@ -170,7 +170,7 @@ void check_faces_apart(const FoldModel& file, const Sheet& sheet, const Triangle
   const FacesInSpace space(file, sheet, pose, motion, slack_mm);
   Box all = space.box(0);
   for (std::size_t f = 1; f < file.faces(); ++f) all.extend(space.box(f));
-  // Faces are sorted into cells seen along the direction in which the structure is thinnest.
+  // Sorts faces into cells, seen along the direction in which the structure is thinnest.
   const Vec3 size = all.sizes();
   const int thin = size.x() <= size.y() && size.x() <= size.z() ? 0 : size.y() <= size.z() ? 1 : 2;
   const auto seen = [&](Vec3 p) {
@@ -185,7 +185,8 @@ void check_faces_apart(const FoldModel& file, const Sheet& sheet, const Triangle
   const CellGrid grid(file.faces(), slack_mm, corners);
   const bool complete =
       grid.each_pair(4 * pair_budget(file.faces()), [&](std::uint32_t f, std::uint32_t g) {
-        if (sheet.panel_of_face[f] == sheet.panel_of_face[g] || reported.size() > kEnough) return;
+        if (sheet.panel_of_face[f] == sheet.panel_of_face[g] || reported.size() > kMostReported)
+          return;
         Vec3 where;
         const auto relation = space.relation(f, g, where);
         if (relation == FacesInSpace::Relation::Cross && reported.emplace(f, g).second) {
@@ -198,10 +199,10 @@ void check_faces_apart(const FoldModel& file, const Sheet& sheet, const Triangle
         const double shared = shared_area(triangles, pose, space.motion(f), f, g, reach);
         if (shared <= 4.0 * slack_mm * (reach + slack_mm) || !reported.emplace(f, g).second) return;
         check.fail(fmt::format("/faces_vertices/{}", g),
-                   fmt::format("faces {} and {} lie on each other over {:.6g} mm2 in {}", f, g,
-                               shared, pose_name(pose)));
+                   fmt::format("faces {} and {} overlap by {:.6g} mm2 in {}", f, g, shared,
+                               pose_name(pose)));
       });
-  if (!complete) check.not_judged("too many faces lie in one place to be compared");
+  if (!complete) check.not_judged("too many faces lie in one place to compare them");
 }
 
 }  // namespace popcut::verify

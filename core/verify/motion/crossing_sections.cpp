@@ -18,16 +18,16 @@ namespace {
 constexpr std::size_t kMostEntries = 60'000'000;
 constexpr std::uint64_t kPairBudget = 400'000'000;
 
-/// A side of a face that runs along the folds, where it passes one slab: the face begins or ends.
+/// A side of a face along the folds, where it passes a slab: there the face begins or ends.
 struct Entry {
   std::uint32_t slab{};
   std::uint32_t face{};
   double across{};  ///< of the folds
 };
 
-/// What a face is in a section: a line segment.
+/// A face in a section: a line segment.
 struct Segment {
-  Vec2 from, to;  ///< in the section's own coordinates
+  Vec2 from, to;  ///< in section coordinates, mm
   double u0{}, u1{};
   std::uint32_t face{}, panel{};
 };
@@ -46,7 +46,8 @@ bool meets_on_sheet(const Segment& a, const Segment& b, double slack) {
 }
 
 Contact contact(const Segment& a, const Segment& b, double slack) {
-  // The ends of each that lie on the other: two places mean that they run along each other.
+  // The ends of each segment that lie on the other. Two such places mean that they run along each
+  // other.
   std::array<Vec2, 4> on{};
   std::size_t count = 0;
   for (const Vec2& p : {a.from, a.to}) {
@@ -71,7 +72,8 @@ Contact contact(const Segment& a, const Segment& b, double slack) {
   return proper ? Contact::Cross : Contact::None;
 }
 
-/// The places along the folds where any vertex lies, ascending, those within `slack` as one.
+/// The distinct positions of vertices along the folds, ascending; those within `slack` count as
+/// one.
 std::vector<double> levels(const FoldModel& file, Vec2 axis, double slack) {
   std::vector<double> all;
   all.reserve(file.flat.size());
@@ -90,7 +92,7 @@ std::size_t level_of(const std::vector<double>& levels, double v, double slack) 
          1;
 }
 
-/// Section coordinates of a pose: two directions square to the folds.
+/// Section coordinates of a pose: two directions perpendicular to the folds.
 struct Section {
   Vec3 across, up;
   [[nodiscard]] Vec2 operator()(Vec3 p) const { return {dot(p, across), dot(p, up)}; }
@@ -104,12 +106,10 @@ Section section_of(Vec3 axis) {
 }
 
 const char* words(Contact contact) {
-  return contact == Contact::Cross   ? "cross"
-         : contact == Contact::Touch ? "touch"
-                                     : "lie on each other";
+  return contact == Contact::Cross ? "cross" : contact == Contact::Touch ? "touch" : "overlap";
 }
 
-/// The sides of faces that run along the folds, slab by slab; nothing when there are too many.
+/// The sides of faces along the folds, slab by slab; none if there are too many.
 std::optional<std::vector<Entry>> slab_entries(const FoldModel& file, const Sheet& sheet, Vec2 axis,
                                                const std::vector<double>& level, double slack) {
   const Vec2 square{axis.y(), -axis.x()};
@@ -131,8 +131,8 @@ std::optional<std::vector<Entry>> slab_entries(const FoldModel& file, const Shee
   return entries;
 }
 
-/// Calls `visit(a, b)` for segments whose extents across the section meet, sorting them on the way.
-/// @return false when `budget` pairs are used up
+/// Calls `visit(a, b)` for segments whose extents across the section meet. Sorts the segments.
+/// @return false if more than `budget` pairs were visited
 template <typename Visit>
 bool each_near_pair(std::vector<Segment>& segments, double slack, std::uint64_t& budget,
                     Visit visit) {
@@ -198,7 +198,7 @@ bool check_sections(const FoldModel& file, const Sheet& sheet, Vec2 axis, const 
   std::vector<Segment> segments;
   std::uint64_t budget = kPairBudget;
   for (std::size_t i = 0; i < entries->size();) {
-    // 1. The faces of one slab, each from a side where it begins to one where it ends.
+    // 1. The faces of one slab, each from a side where it begins to a side where it ends.
     const std::uint32_t slab = (*entries)[i].slab;
     const double v = 0.5 * (level[slab] + level[slab + 1]);
     segments.clear();
@@ -211,12 +211,13 @@ bool check_sections(const FoldModel& file, const Sheet& sheet, Vec2 axis, const 
           {at(from.across), at(to.across), from.across, to.across, from.face, panel});
     }
     while (i < entries->size() && (*entries)[i].slab == slab) ++i;
-    // 2. No two of them meet, but where the sheet goes on from one to the other.
+    // 2. No two of them meet, except where the sheet continues from one to the other.
     const bool all =
         each_near_pair(segments, slack_mm, budget, [&](const Segment& a, const Segment& b) {
           const Contact found = contact(a, b, slack_mm);
           const auto [f, g] = std::minmax(a.face, b.face);
-          if (found == Contact::None || reported.size() > kEnough || !reported.emplace(f, g).second)
+          if (found == Contact::None || reported.size() > kMostReported ||
+              !reported.emplace(f, g).second)
             return;
           const Vec3 where = motion.panel[a.panel](0.5 * (a.u0 + a.u1) * square + v * axis);
           check.fail(fmt::format("/faces_vertices/{}", g),

@@ -31,7 +31,7 @@ Vec3 any_across(Vec3 axis) {
   return unit(cross(axis, other));
 }
 
-/// The hinge constraints: rows are equations, columns the twists of all panels but `held`.
+/// The hinge constraints: rows are equations, columns the twists of all panels except `held`.
 Sparse constraints(const std::vector<HingeLine>& lines, const std::vector<PanelFrame>& frames,
                    const PoseMotion& pose, std::uint32_t held) {
   std::vector<Eigen::Triplet<double>> entries;
@@ -70,12 +70,12 @@ Sparse constraints(const std::vector<HingeLine>& lines, const std::vector<PanelF
 
 std::vector<double> ascending(const Eigen::VectorXd& values, Eigen::Index columns) {
   std::vector<double> result(values.data(), values.data() + values.size());
-  result.resize(static_cast<std::size_t>(columns), 0.0);  // fewer equations than unknowns
+  result.resize(static_cast<std::size_t>(columns), 0.0);  // there are fewer equations than unknowns
   std::sort(result.begin(), result.end());
   return result;
 }
 
-/// Splits ascending singular values at their widest gap, counting from what rounding can give.
+/// Splits ascending singular values at their widest gap, starting above the rounding error `noise`.
 void split(const std::vector<double>& values, double noise, Mobility& result) {
   double widest = 0.0;
   std::size_t zeros = 0;
@@ -99,7 +99,7 @@ void split(const std::vector<double>& values, double noise, Mobility& result) {
                                                               values.size(), zeros + kShown)));
 }
 
-/// Orthonormal columns that span those of `x`.
+/// Orthonormal columns with the same span as those of `x`.
 Matrix orthonormal(const Matrix& x) {
   const Eigen::HouseholderQR<Matrix> qr(x);
   return qr.householderQ() * Matrix::Identity(x.rows(), x.cols());
@@ -110,7 +110,7 @@ class SmallestSingularValues {
  public:
   explicit SmallestSingularValues(const Sparse& jacobian) : jacobian_(jacobian) {
     Sparse normal = jacobian.transpose() * jacobian;
-    // A shift far below any singular value that counts, far above rounding, makes it definite.
+    // A shift far below any relevant singular value and far above rounding makes it definite.
     Sparse shift(normal.rows(), normal.cols());
     shift.setIdentity();
     normal += 1e-12 * shift;
@@ -118,7 +118,7 @@ class SmallestSingularValues {
   }
   [[nodiscard]] bool sound() const { return factor_.info() == Eigen::Success; }
 
-  /// The `count` smallest singular values, ascending; the largest of them are only upper bounds.
+  /// The `count` smallest singular values, ascending; the largest of these are only upper bounds.
   [[nodiscard]] std::vector<double> smallest(Eigen::Index count, double noise) const {
     std::mt19937 random(20261121);
     std::normal_distribution<double> normal;
@@ -153,7 +153,7 @@ class SmallestSingularValues {
   Eigen::SimplicialLLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> factor_;
 };
 
-/// Widens the block until the gap lies inside it, as far as memory allows.
+/// Enlarges the block until it contains the gap, as far as memory allows.
 void split_sparse(const Sparse& jacobian, double noise, Mobility& result) {
   const SmallestSingularValues solver(jacobian);
   if (!solver.sound()) {
@@ -173,12 +173,12 @@ void split_sparse(const Sparse& jacobian, double noise, Mobility& result) {
   }
 }
 
-/// The freedoms as speeds of the hinge lines: rows ask that a loop of panels closes. Angular
-/// velocities about it add up to nothing, and so do their moments about the loop's middle, which
-/// are scaled by the loop's size.
+/// The constraints on the speeds of the hinge lines: each loop of panels must close. Angular
+/// velocities around it sum to zero, and so do their moments about the loop's middle, which are
+/// scaled by the loop's size.
 Sparse loop_constraints(const FoldModel& file, const Sheet& sheet, const PoseMotion& pose,
                         const std::vector<HingeLine>& lines, const Loops& loops, double& least_mm) {
-  // 1. The line that a fold belongs to, and whether it turns against it.
+  // 1. The line that each fold belongs to, and whether the fold runs against it.
   struct OfLine {
     std::int32_t line{-1};
     double sign{1.0};
@@ -207,10 +207,11 @@ Sparse loop_constraints(const FoldModel& file, const Sheet& sheet, const PoseMot
       of_line[h].sign = (line.left == left ? 1.0 : -1.0) * (dot(way, to - from) > 0.0 ? 1.0 : -1.0);
     }
   }
-  // 2. Six rows a loop.
+  // 2. Six rows per loop.
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(6 * loops.crossings.size());
-  std::vector<std::pair<Vec3, Vec3>> axis;  // where, and which way it turns the rest of the loop
+  // Position, and the direction in which it turns the rest of the loop.
+  std::vector<std::pair<Vec3, Vec3>> axis;
   int row = 0;
   for (std::size_t k = 0; k < loops.size(); ++k) {
     axis.clear();
@@ -247,7 +248,7 @@ Sparse loop_constraints(const FoldModel& file, const Sheet& sheet, const PoseMot
   return jacobian;
 }
 
-/// The freedoms as velocities of the panels, where loops cannot be told: rows ask that hinges stay
+/// The constraints on the velocities of the panels, for sheets without loops: hinges must stay
 /// closed.
 Sparse hinge_constraints(const Sheet& sheet, const PoseMotion& pose,
                          const std::vector<HingeLine>& lines, double& least_mm) {
@@ -275,7 +276,7 @@ Mobility mobility(const FoldModel& file, const Sheet& sheet, const PoseMotion& p
   const Sparse jacobian = loops ? loop_constraints(file, sheet, pose, lines, *loops, least_mm)
                                 : hinge_constraints(sheet, pose, lines, least_mm);
   result.unknowns = static_cast<std::size_t>(jacobian.cols());
-  if (jacobian.rows() == 0) {  // a tree of panels: every hinge turns as it likes
+  if (jacobian.rows() == 0) {  // a tree of panels: every hinge turns freely
     result.degrees_of_freedom = loops ? lines.size() : result.unknowns;
     result.clear = true;
     return result;

@@ -43,7 +43,7 @@ RigidMotion motion_of(const FoldModel& file, const std::array<std::uint32_t, 3>&
   const Vec2 e1 = (length > 0.0 ? 1.0 / length : 0.0) * along;
   const double side = cross(e1, file.flat[c] - flat_a) < 0.0 ? -1.0 : 1.0;
   const Vec2 e2{-e1.y(), e1.x()};
-  // The same frame in space: first axis toward b, second toward c's side.
+  // The same frame in space: the first axis towards b, the second towards c's side.
   const Vec3 f1 = unit(pose.at[b] - pose.at[a]);
   const Vec3 toward = pose.at[c] - pose.at[a];
   const Vec3 f2 = side * unit(toward - dot(toward, f1) * f1);
@@ -60,7 +60,7 @@ double edge_change(const FoldModel& file, const Pose& pose, std::size_t e) {
   return norm(pose.at[b] - pose.at[a]) - norm(file.flat[b] - file.flat[a]);
 }
 
-/// Fold angle about a hinge in degrees: + when the faces turn toward their face side.
+/// Fold angle about a hinge in degrees: positive if the faces turn towards their face side.
 double angle_about(const FoldModel& file, const Hinge& hinge, const RigidMotion& left,
                    const RigidMotion& right) {
   const Vec2 way = file.flat[hinge.to] - file.flat[hinge.from];
@@ -121,7 +121,7 @@ PoseMotion measure(const FoldModel& file, const Sheet& sheet, const Panels& pane
     }
     result.panel.push_back(motion);
   }
-  // An edge that bounds no face is carried by none where the solver made the pose.
+  // In the solver's poses, an edge without a face has no panel that carries it.
   for (std::size_t s = 0; pose.opened && s < sheet.side_edge.size(); ++s) {
     if (sheet.side_edge[s] < 0) continue;
     const auto e = static_cast<std::size_t>(sheet.side_edge[s]);
@@ -169,7 +169,7 @@ void check_isometry(const FoldModel& file, const Sheet& sheet, const Pose& pose,
       }
       if (worst <= limit_mm) continue;
       check.fail(fmt::format("/faces_vertices/{}", f),
-                 fmt::format("the face is bent or sheared in {}: a vertex is {:.3g} mm off",
+                 fmt::format("the face is bent or sheared in {}: a vertex is off by {:.3g} mm",
                              pose_name(pose), worst));
     }
   }
@@ -201,14 +201,14 @@ double check_fold_angles(const FoldModel& file, const Sheet& sheet, const Pose& 
     if (off <= limit_deg) continue;
     check.fail(
         fmt::format("{}/edges_foldAngle/{}", pose.fold_angle_deg.empty() ? "" : pose.place, e),
-        fmt::format("{:.6g} degrees are listed, but the fold makes {:.6g} in {}", listed,
+        fmt::format("{:.6g} degrees are listed, but the fold has {:.6g} in {}", listed,
                     motion.hinge_angle_deg[h], pose_name(pose)));
   }
   for (std::uint32_t e = 0; e < file.edges.size(); ++e) {
     if (holds(file.assignment[e]) || std::isnan(angle_deg[e]) || angle_deg[e] == 0.0) continue;
     check.fail(
         fmt::format("{}/edges_foldAngle/{}", pose.fold_angle_deg.empty() ? "" : pose.place, e),
-        fmt::format("{:.6g} degrees are listed for a border or a cut; they have 0", angle_deg[e]));
+        fmt::format("{:.6g} degrees are listed for a border or a cut; list 0", angle_deg[e]));
   }
   return largest;
 }

@@ -22,33 +22,32 @@ constexpr double kNearShut_rad = kPi - 0.02;
 constexpr double kLargestListed_deg = 178.0;
 constexpr std::size_t kDrivers = 3;
 constexpr std::size_t kRandomGuesses = 4;
-/// Unknowns times Gauss-Newton steps that are spent on one sheet.
+/// Work limit per sheet: unknowns times Gauss-Newton steps.
 constexpr double kMostWork = 4e6;
-constexpr std::size_t kLeastIterations = 16;  ///< however large the sheet is
+constexpr std::size_t kLeastIterations = 16;  ///< even for the largest sheet
 
-/// What is known of a line before it moves.
-struct LineWish {
-  int sign{};         ///< +1 valley, -1 mountain, 0 not said
-  double speed{1.0};  ///< tan of half its fold angle over that of the others, > 0; 0 stays flat
+/// What the file says about a line's motion.
+struct LineHint {
+  int sign{};         ///< +1 valley, -1 mountain, 0 unknown
+  double speed{1.0};  ///< relative tangent of half its fold angle, > 0; 0: stays flat
 };
 
-std::vector<LineWish> wishes_of(const FoldModel& file, const Sheet& sheet,
-                                const RigidSheet& rigid) {
-  std::vector<LineWish> wishes(rigid.lines.size());
-  for (std::size_t k = 0; k < wishes.size(); ++k) {
+std::vector<LineHint> hints_of(const FoldModel& file, const Sheet& sheet, const RigidSheet& rigid) {
+  std::vector<LineHint> hints(rigid.lines.size());
+  for (std::size_t k = 0; k < hints.size(); ++k) {
     const std::uint32_t e = sheet.hinges[rigid.lines[k].hinge].edge;
     const double angle_deg = file.fold_angle_deg.empty() ? NAN : file.fold_angle_deg[e];
-    LineWish& wish = wishes[k];
-    if (file.assignment[e] == Assignment::Valley) wish.sign = 1;
-    if (file.assignment[e] == Assignment::Mountain) wish.sign = -1;
+    LineHint& hint = hints[k];
+    if (file.assignment[e] == Assignment::Valley) hint.sign = 1;
+    if (file.assignment[e] == Assignment::Mountain) hint.sign = -1;
     if (std::isnan(angle_deg)) continue;
-    if (wish.sign == 0 && angle_deg != 0.0) wish.sign = angle_deg > 0.0 ? 1 : -1;
-    wish.speed = std::tan(0.5 * std::min(std::abs(angle_deg), kLargestListed_deg) / kDegrees);
+    if (hint.sign == 0 && angle_deg != 0.0) hint.sign = angle_deg > 0.0 ? 1 : -1;
+    hint.speed = std::tan(0.5 * std::min(std::abs(angle_deg), kLargestListed_deg) / kDegrees);
   }
-  return wishes;
+  return hints;
 }
 
-/// Lines by length, the longest first, valleys before others that are as long.
+/// The lines by length, longest first; valleys before other lines of the same length.
 std::vector<std::size_t> drivers_of(const FoldModel& file, const Sheet& sheet,
                                     const std::vector<HingeLine>& lines) {
   std::vector<std::size_t> order(lines.size());
@@ -57,7 +56,7 @@ std::vector<std::size_t> drivers_of(const FoldModel& file, const Sheet& sheet,
   for (const HingeLine& line : lines) longest = std::max(longest, norm(line.to - line.from));
   const auto rank = [&](std::size_t k) {
     const Assignment a = file.assignment[sheet.hinges[lines[k].hinge].edge];
-    // Lengths in steps of a thousandth of the longest, so that rounding does not choose.
+    // Compare lengths in steps of a thousandth of the longest, so that rounding does not decide.
     const double length = std::round(1e3 * norm(lines[k].to - lines[k].from) / longest);
     const int kind = a == Assignment::Valley ? 0 : a == Assignment::Mountain ? 1 : 2;
     return std::tuple(-length, kind, k);
@@ -69,40 +68,40 @@ std::vector<std::size_t> drivers_of(const FoldModel& file, const Sheet& sheet,
   return order;
 }
 
-/// Half-angle tangents to angles.
+/// Converts half-angle tangents to angles.
 std::vector<double> angles_of(const std::vector<double>& tangent) {
   std::vector<double> angle(tangent.size());
   for (std::size_t k = 0; k < angle.size(); ++k) angle[k] = 2.0 * std::atan(tangent[k]);
   return angle;
 }
 
-/// A guess of the way out of the flat state: half-angle tangents of all lines, the driver's 1.
+/// A guess of how the sheet leaves the flat state: half-angle tangents of all lines, with 1 for the
+/// driver.
 struct Guess {
   std::string name;
   std::vector<double> tangent;
 };
 
-std::vector<Guess> guesses_for(const std::vector<LineWish>& wishes, std::size_t driver,
+std::vector<Guess> guesses_for(const std::vector<LineHint>& hints, std::size_t driver,
                                bool has_angles) {
-  const double lead = wishes[driver].sign == 0 ? 1.0 : wishes[driver].sign;
+  const double lead = hints[driver].sign == 0 ? 1.0 : hints[driver].sign;
   std::vector<Guess> guesses;
   const auto add = [&](std::string name, auto speed) {
-    std::vector<double> tangent(wishes.size());
+    std::vector<double> tangent(hints.size());
     for (std::size_t k = 0; k < tangent.size(); ++k) tangent[k] = speed(k);
     tangent[driver] = lead;
     guesses.push_back({std::move(name), std::move(tangent)});
   };
-  const double of_driver = wishes[driver].speed > 1e-3 ? wishes[driver].speed : 1.0;
+  const double of_driver = hints[driver].speed > 1e-3 ? hints[driver].speed : 1.0;
   if (has_angles)
-    add("the listed fold angles", [&](std::size_t k) {
-      return wishes[k].sign * std::min(wishes[k].speed / of_driver, 50.0);
-    });
-  add("the assignments", [&](std::size_t k) { return 1.0 * wishes[k].sign; });
+    add("the listed fold angles",
+        [&](std::size_t k) { return hints[k].sign * std::min(hints[k].speed / of_driver, 50.0); });
+  add("the assignments", [&](std::size_t k) { return 1.0 * hints[k].sign; });
   std::mt19937 random(20261121);
   for (std::size_t round = 0; round < kRandomGuesses; ++round) {
     std::uniform_real_distribution<double> power(-1.2, 1.2);
     add("the assignments, with random speeds", [&](std::size_t k) {
-      const double sign = wishes[k].sign != 0 ? wishes[k].sign : random() % 2 == 0 ? 1.0 : -1.0;
+      const double sign = hints[k].sign != 0 ? hints[k].sign : random() % 2 == 0 ? 1.0 : -1.0;
       return sign * std::exp(power(random));
     });
   }
@@ -112,22 +111,22 @@ std::vector<Guess> guesses_for(const std::vector<LineWish>& wishes, std::size_t 
 /// A pose on the way.
 struct Point {
   RigidState state;
-  double driven_rad{};  ///< size of the driving fold angle
+  double driven_rad{};  ///< absolute driving fold angle
   std::vector<double> tangent;
 };
 
-/// Follows one driving line.
+/// Follows the motion of one driving line.
 class Follower {
  public:
-  Follower(const RigidSheet& rigid, const std::vector<LineWish>& wishes, RigidSolver& solver,
+  Follower(const RigidSheet& rigid, const std::vector<LineHint>& hints, RigidSolver& solver,
            std::size_t driver, double slack_mm)
-      : rigid_(rigid), wishes_(wishes), solver_(solver), driver_(driver), slack_mm_(slack_mm) {
-    lead_ = wishes[driver].sign == 0 ? 1.0 : wishes[driver].sign;
+      : rigid_(rigid), hints_(hints), solver_(solver), driver_(driver), slack_mm_(slack_mm) {
+    lead_ = hints[driver].sign == 0 ? 1.0 : hints[driver].sign;
   }
 
-  /// Leaves the flat state; `why` says why not.
+  /// Leaves the flat state. If it cannot, `why` gets the reason.
   bool leave(bool has_angles, std::string& guess_name, std::string& why);
-  /// Goes on to a fold angle of the driver.
+  /// Continues to a fold angle of the driver. If it cannot, `why` gets the reason.
   bool reach(double driven_rad, std::string& why);
 
   [[nodiscard]] const Point& now() const { return now_; }
@@ -135,14 +134,14 @@ class Follower {
   [[nodiscard]] std::size_t steps() const { return steps_; }
   [[nodiscard]] std::size_t unfolded() const { return unfolded_; }
   [[nodiscard]] std::size_t reversed() const { return reversed_; }
-  /// The sheet has cost all the work that one may cost.
+  /// Whether the work limit of a sheet is used up.
   [[nodiscard]] bool spent() const {
     return static_cast<double>(solver_.unknowns() * solver_.iterations()) > kMostWork &&
            solver_.iterations() > kLeastIterations;
   }
 
  private:
-  /// How well a pose near the flat state keeps to the assignments.
+  /// How well a pose near the flat state follows the assignments.
   struct Fit {
     std::size_t reversed{}, unfolded{};
     [[nodiscard]] std::size_t worst() const { return reversed * 1000 + unfolded; }
@@ -154,7 +153,7 @@ class Follower {
   [[nodiscard]] std::string shut_line() const;
 
   const RigidSheet& rigid_;
-  const std::vector<LineWish>& wishes_;
+  const std::vector<LineHint>& hints_;
   RigidSolver& solver_;
   std::size_t driver_;
   double slack_mm_;
@@ -164,7 +163,8 @@ class Follower {
   std::size_t steps_{}, unfolded_{}, reversed_{};
 };
 
-/// Panels folded by a guess and drawn onto the closed hinges, leaning toward it less and less.
+/// Folds the panels by a guess and pulls them onto closed hinges, with less and less weight on the
+/// guess.
 RigidState Follower::drawn(const Guess& guess, double driven_rad) {
   std::vector<double> tangent = guess.tangent;
   for (double& t : tangent) t *= std::tan(0.5 * driven_rad);
@@ -191,10 +191,10 @@ RigidState Follower::drawn(const Guess& guess, double driven_rad) {
 Follower::Fit Follower::fit_of(const std::vector<double>& angle_rad, double driven_rad) const {
   Fit fit;
   for (std::size_t k = 0; k < angle_rad.size(); ++k) {
-    if (wishes_[k].sign == 0) continue;
-    const double turn = wishes_[k].sign * angle_rad[k];
+    if (hints_[k].sign == 0) continue;
+    const double turn = hints_[k].sign * angle_rad[k];
     if (turn < -1e-3 * driven_rad) ++fit.reversed;
-    if (std::abs(turn) <= 1e-3 * driven_rad && wishes_[k].speed > 1e-6) ++fit.unfolded;
+    if (std::abs(turn) <= 1e-3 * driven_rad && hints_[k].speed > 1e-6) ++fit.unfolded;
   }
   return fit;
 }
@@ -209,7 +209,7 @@ void Follower::accept(RigidState state, double driven_rad, double gap) {
 }
 
 bool Follower::leave(bool has_angles, std::string& guess_name, std::string& why) {
-  const auto guesses = guesses_for(wishes_, driver_, has_angles);
+  const auto guesses = guesses_for(hints_, driver_, has_angles);
   double least_gap = INFINITY;
   std::optional<std::pair<RigidState, double>> best;
   Fit best_fit;
@@ -236,11 +236,10 @@ bool Follower::leave(bool has_angles, std::string& guess_name, std::string& why)
   }
   if (!best) {
     why = fmt::format(
-        "the flat sheet cannot be left with rigid panels: with the driving fold at {:.1f} degrees, "
+        "the flat sheet does not open with rigid panels: with the driving fold at {:.1f} degrees, "
         "hinges stay open by {:.2g} mm",
         kFirstStep_rad * kDegrees, least_gap);
-    if (!std::isfinite(least_gap))
-      why = "the flat sheet cannot be left: the driving fold is locked";
+    if (!std::isfinite(least_gap)) why = "the flat sheet does not open: the driving fold is locked";
     return false;
   }
   unfolded_ = best_fit.unfolded;
@@ -250,7 +249,8 @@ bool Follower::leave(bool has_angles, std::string& guess_name, std::string& why)
 }
 
 RigidState Follower::predicted(double driven_rad, std::vector<double>& tangent) const {
-  // 1. Half-angle tangents against the driver's, along the last two poses or from the flat state.
+  // 1. Half-angle tangents relative to the driver's, along the last two poses or from the flat
+  // state.
   const double lead = std::tan(0.5 * driven_rad);
   const double last = std::tan(0.5 * now_.driven_rad);
   const bool two = !before_.tangent.empty();
@@ -262,7 +262,7 @@ RigidState Follower::predicted(double driven_rad, std::vector<double>& tangent) 
   RigidState by_tree = state_from_tree(rigid_, angles_of(tangent));
   const double gap = largest_gap_mm(rigid_, by_tree);
   if (gap <= slack_mm_ || !two) return by_tree;
-  // 2. Or each panel's own motion, where angles add up to too much along the tree.
+  // 2. Or each panel's own motion, if angle errors add up too much along the tree.
   RigidState by_panel = now_.state;
   const double step = (driven_rad - now_.driven_rad) / (now_.driven_rad - before_.driven_rad);
   for (std::size_t p = 0; p < by_panel.size(); ++p)
@@ -308,10 +308,10 @@ bool Follower::reach(double driven_rad, std::string& why) {
     step = 0.5 * std::abs(next - now_.driven_rad);
     if (step < kShortestStep_rad || spent()) {
       why = fmt::format(
-          "with the driving fold at {:.2f} degrees it goes no further: hinges would "
-          "open by {:.2g} mm",
+          "the driving fold stops at {:.2f} degrees, because hinges would "
+          "open by {:.2g} mm beyond it",
           now_.driven_rad * kDegrees, end.gap_mm);
-      if (spent()) why = "it was given up for the number of steps that it takes";
+      if (spent()) why = "it takes too many steps";
       return false;
     }
   }
@@ -319,7 +319,7 @@ bool Follower::reach(double driven_rad, std::string& why) {
 }
 
 Opening follow(const FoldModel& file, const Sheet& sheet, const RigidSheet& rigid,
-               const std::vector<LineWish>& wishes, std::size_t driver,
+               const std::vector<LineHint>& hints, std::size_t driver,
                std::span<const double> psi_rad, double slack_mm) {
   Opening opening;
   const HingeLine& line = rigid.lines[driver];
@@ -327,7 +327,7 @@ Opening follow(const FoldModel& file, const Sheet& sheet, const RigidSheet& rigi
   opening.driver_length_mm = norm(line.to - line.from);
   opening.reached_psi_rad = kPi;
   RigidSolver solver(rigid);
-  Follower follower(rigid, wishes, solver, driver, slack_mm);
+  Follower follower(rigid, hints, solver, driver, slack_mm);
   if (follower.leave(!file.fold_angle_deg.empty(), opening.guess, opening.stopped)) {
     for (const double psi : psi_rad) {
       if (!follower.reach(kPi - psi, opening.stopped)) break;
@@ -335,7 +335,7 @@ Opening follow(const FoldModel& file, const Sheet& sheet, const RigidSheet& rigi
       opening.poses.push_back(pose_of(file, sheet, follower.now().state, psi, "opened"));
     }
     opening.reached_psi_rad = kPi - follower.now().driven_rad;
-    // Even where it stops early, the last pose shows what the sheet does.
+    // If it stops early, the last pose still shows what the sheet does.
     if (!opening.stopped.empty() &&
         (opening.poses.empty() || *opening.poses.back().psi_rad - opening.reached_psi_rad > 0.01)) {
       opening.gap_mm = std::max(opening.gap_mm, follower.gap_mm());
@@ -345,7 +345,7 @@ Opening follow(const FoldModel& file, const Sheet& sheet, const RigidSheet& rigi
     opening.reversed = follower.reversed();
     if (follower.unfolded() > 0)
       opening.notes.push_back(
-          fmt::format("{} folds stay flat in the motion that was found", follower.unfolded()));
+          fmt::format("{} folds stay flat in this motion", follower.unfolded()));
   }
   opening.steps = follower.steps();
   opening.iterations = solver.iterations();
@@ -361,15 +361,15 @@ Opening open_sheet(const FoldModel& file, const Sheet& sheet, std::span<const do
   best.reached_psi_rad = kPi;
   const std::vector<HingeLine> lines = hinge_lines(file, sheet);
   if (lines.empty()) {
-    best.stopped = "no two rigid faces turn against each other: there is no fold between them";
+    best.stopped = "the sheet does not open: no two rigid faces have a fold between them";
     return best;
   }
   bool first = true;
   for (const std::size_t driver : drivers_of(file, sheet, lines)) {
     const RigidSheet rigid =
         rigid_sheet(file, sheet, std::min(lines[driver].left, lines[driver].right));
-    const std::vector<LineWish> wishes = wishes_of(file, sheet, rigid);
-    Opening opening = follow(file, sheet, rigid, wishes, driver, psi_rad, slack_mm);
+    const std::vector<LineHint> hints = hints_of(file, sheet, rigid);
+    Opening opening = follow(file, sheet, rigid, hints, driver, psi_rad, slack_mm);
     const bool spent = opening.spent;
     const bool farther = opening.reached_psi_rad < best.reached_psi_rad;
     if (first || farther) best = std::move(opening);

@@ -15,43 +15,43 @@ namespace popcut::verify {
 
 /// How a flat sheet was opened.
 struct Opening {
-  std::vector<Pose> poses;      ///< one an opening angle that was reached, in the order asked for
+  std::vector<Pose> poses;      ///< one per requested opening angle that was reached, in order
   std::uint32_t driver_edge{};  ///< a fold of the driving line
-  double driver_length_mm{};    ///< of the whole driving line
-  double gap_mm{};              ///< largest gap that is left in any of the poses
-  double reached_psi_rad{};     ///< smallest opening angle that was reached, pi for none
-  std::size_t steps{}, iterations{};  ///< of continuation; Gauss-Newton, all together
-  std::string guess;                  ///< what the way out of the flat state was guessed from
-  std::string stopped;                ///< why it went no further; empty when it reached the last
-  std::size_t reversed{};  ///< folds that turn against their assignment on the branch taken
-  bool spent{};            ///< the sheet is so large that not all was tried
+  double driver_length_mm{};    ///< length of the whole driving line
+  double gap_mm{};              ///< largest remaining gap in any of the poses
+  double reached_psi_rad{};     ///< smallest opening angle reached; pi: none
+  std::size_t steps{}, iterations{};  ///< continuation steps; Gauss-Newton iterations in total
+  std::string guess;                  ///< source of the first guess
+  std::string stopped;                ///< why it stopped; empty if it reached the last angle
+  std::size_t reversed{};             ///< folds that turn against their assignment
+  bool spent{};                       ///< the sheet is too large to try everything
   std::vector<std::string> notes;
 };
 
-/// Opens a flat sheet by continuation: rigid panels, closed hinges.
+/// Opens a flat sheet by continuation, with rigid panels and closed hinges.
 ///
-/// The opening angle psi is pi less the fold angle at the driving line: the longest hinge line (all
-/// folds between the same two panels in one line; on a card that is the spine, which reaches from
-/// margin to margin), a valley rather than a mountain where two are equally long; where the motion
-/// along it ends early, the next longest ones are tried and the one that goes farthest is kept.
+/// The opening angle psi is pi minus the fold angle at the driving line: the longest hinge line
+/// (all folds between the same two panels in one line; on a card this is the spine, from margin to
+/// margin). A valley is preferred among lines of equal length. If the motion along that line ends
+/// early, the next longest lines are tried, and the one that goes farthest is kept.
 ///
-/// The flat state is a branch point: its first-order motions are more than its motions. It is left
-/// by a finite step in the direction that the assignments give (signs; the half-angle tangents of
-/// `fold_angle_deg` as speeds, else equal ones, else a few random ones): panels are folded by that
-/// guess, drawn onto the closed hinges while leaning toward it less and less, then corrected with
-/// the driving angle alone. The first branch on which every mountain and valley turns its way is
-/// taken. From there psi goes on in steps: half-angle tangents are extrapolated (exact for vertices
-/// of four folds that fold flat), Gauss-Newton corrects; a step is halved when the correction fails
-/// or lands far from what was extrapolated. Where there is more than one freedom the correction is
-/// the least motion from the extrapolated pose.
+/// The flat state is a branch point: it has more first-order motions than motions. It is left by a
+/// finite step in the direction that the assignments give: signs, with the half-angle tangents of
+/// `fold_angle_deg` as speeds, else equal speeds, else a few random ones. Panels are folded by that
+/// guess, pulled onto closed hinges with less and less weight on the guess, then corrected with the
+/// driving angle alone. The first branch on which every mountain and valley turns its way is taken.
+/// From there psi goes on in steps: half-angle tangents are extrapolated (exact for flat-foldable
+/// vertices of four folds) and Gauss-Newton corrects. A step is halved if the correction fails or
+/// lands far from the extrapolation. With more than one degree of freedom, the correction is the
+/// least motion from the extrapolated pose.
 ///
-/// @param psi_rad   opening angles to stop at, descending, within 0 and pi (both excluded)
+/// @param psi_rad   opening angles to stop at, descending, between 0 and pi (both excluded)
 /// @param slack_mm  gaps up to this size count as closed: how exact the drawing is
 [[nodiscard]] Opening open_sheet(const FoldModel& file, const Sheet& sheet,
                                  std::span<const double> psi_rad, double slack_mm);
 
-/// The driving line that `open_sheet` tries first, by one of its folds (an index into
-/// `Sheet::hinges`); nothing where no two panels turn against each other.
+/// The driving line that `open_sheet` tries first, as one of its folds (an index into
+/// `Sheet::hinges`). None if no two panels turn against each other.
 [[nodiscard]] std::optional<std::uint32_t> driving_hinge(const FoldModel& file, const Sheet& sheet);
 
 }  // namespace popcut::verify

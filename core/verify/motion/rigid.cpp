@@ -18,7 +18,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 using Vector = Eigen::VectorXd;
 
 constexpr int kRowsOfLine = 6;
-constexpr double kLargestTurn_rad = 0.5;  ///< of a panel in one step
+constexpr double kLargestTurn_rad = 0.5;  ///< limit per panel and step
 
 Vec3 turned(const RigidMotion& motion, Vec2 way) {
   return way.x() * motion.along_u + way.y() * motion.along_v;
@@ -31,7 +31,7 @@ Vec2 direction_of(const HingeLine& line) {
   return (1.0 / norm(way)) * way;
 }
 
-/// `v` turned about `axis` (its length is the angle in radians).
+/// `v` rotated about `axis`, whose length is the angle in radians.
 Vec3 rotated(Vec3 v, Vec3 axis) {
   const double angle = norm(axis);
   if (angle < 1e-300) return v;
@@ -40,14 +40,14 @@ Vec3 rotated(Vec3 v, Vec3 axis) {
          (1.0 - std::cos(angle)) * dot(k, v) * k;
 }
 
-/// The same motion with exactly orthonormal directions.
+/// Makes the directions of a motion exactly orthonormal.
 void straighten(RigidMotion& motion) {
   motion.along_u = unit(motion.along_u);
   motion.along_v = unit(motion.along_v - dot(motion.along_v, motion.along_u) * motion.along_u);
   motion.normal = cross(motion.along_u, motion.along_v);
 }
 
-/// Turns a motion about its own image of `middle`, then moves it.
+/// Rotates a motion about its own image of `middle`, then translates it.
 void apply(RigidMotion& motion, Vec2 middle, Vec3 turn, Vec3 move) {
   const Vec3 at = motion(middle) + move;
   motion.along_u = rotated(motion.along_u, turn);
@@ -81,7 +81,7 @@ RigidSheet rigid_sheet(const FoldModel& file, const Sheet& sheet, std::uint32_t 
       put(result.lines[k].right, k);
     }
   });
-  // Breadth first, so that panels hang on the held one by few lines.
+  // Breadth first, so that few lines connect each panel to the held one.
   result.held.assign(panels, 0);
   result.hangs_on.assign(panels, -1);
   std::vector<std::uint8_t> seen(panels, 0);
@@ -122,7 +122,7 @@ RigidState state_from_tree(const RigidSheet& sheet, std::span<const double> angl
     const HingeLine& line = sheet.lines[k];
     const bool is_left = line.left == p;
     const RigidMotion& base = state[is_left ? line.right : line.left];
-    // The left panel turns by + angle about the line against the right one.
+    // The left panel turns by +angle about the line relative to the right one.
     const Vec3 axis = (is_left ? angle_rad[k] : -angle_rad[k]) * turned(base, direction_of(line));
     const Vec2 pivot = middle_of(line);
     RigidMotion motion = base;
@@ -147,7 +147,7 @@ double largest_gap_mm(const RigidSheet& sheet, const RigidState& state) {
 
 struct RigidSolver::Parts {
   const RigidSheet& sheet;
-  std::vector<int> column;  ///< one a panel, -1 for held ones
+  std::vector<int> column;  ///< one per panel; -1 for held panels
   int columns{};
   std::size_t iterations{};
   bool ordered{false};
@@ -194,7 +194,7 @@ Vector RigidSolver::Parts::residual(const RigidState& state,
 Sparse RigidSolver::Parts::jacobian(const RigidState& state, std::span<const AngleGoal> goals) {
   entries.clear();
   int row = 0;
-  // The columns of a panel: its angular velocity times its size, then its middle's velocity.
+  // The columns of a panel: its angular velocity times its size, then the velocity of its middle.
   const auto put_cross = [&](int r, int c, double scale, Vec3 v) {  // scale * (w x v)
     entries.emplace_back(r, c + 1, scale * v.z()), entries.emplace_back(r, c + 2, -scale * v.y());
     entries.emplace_back(r + 1, c, -scale * v.z()),
@@ -271,7 +271,7 @@ std::size_t RigidSolver::unknowns() const { return static_cast<std::size_t>(part
 RigidSolver::End RigidSolver::correct(RigidState& state, std::span<const AngleGoal> goals,
                                       std::size_t most, double shift) {
   End end;
-  // Rounding of coordinates leaves about this much in a row.
+  // Rounding of coordinates causes about this much in a row.
   const double closed = 2e-15 * parts_->sheet.reach_mm;
   double before = 0.0;
   std::size_t idle = 0;

@@ -14,39 +14,42 @@
 
 namespace popcut::verify {
 
-/// Rigid panels on hinge lines: what the solver moves. A state is one `RigidMotion` a panel.
+/// Rigid panels on hinge lines, for the solver. A state is one `RigidMotion` per panel.
 struct RigidSheet {
   std::vector<HingeLine> lines;
   std::vector<PanelFrame> frames;
-  std::vector<std::uint8_t> held;      ///< one a panel: one of each piece stays where it is
-  std::vector<std::uint32_t> order;    ///< panels, each after the one it hangs on; held ones first
-  std::vector<std::int32_t> hangs_on;  ///< one a panel: the line by which it does, -1 for held ones
-  double reach_mm{};                   ///< size of the whole
+  /// One per panel: whether it stays in place; one panel of each piece does.
+  std::vector<std::uint8_t> held;
+  /// Panels, each after the one that it hangs on; held panels first.
+  std::vector<std::uint32_t> order;
+  /// One per panel: the line on which it hangs; -1 for held panels.
+  std::vector<std::int32_t> hangs_on;
+  double reach_mm{};  ///< size of the whole sheet
 };
 
-/// @param held  the panel that stays; of other pieces, the first one does
+/// @param held  the panel that stays in place; in other pieces, the first panel does
 [[nodiscard]] RigidSheet rigid_sheet(const FoldModel& file, const Sheet& sheet, std::uint32_t held);
 
 using RigidState = std::vector<RigidMotion>;
 
-/// The state in which every line is folded by `angle_rad` as far as panels hang on each other in a
-/// tree; all other lines stay open.
+/// The state in which every line of the tree of panels is folded by `angle_rad`. Hinges of lines
+/// outside the tree may open.
 [[nodiscard]] RigidState state_from_tree(const RigidSheet& sheet, std::span<const double> angle_rad,
                                          const RigidMotion& held = {});
 
-/// Fold angles in radians, one a line: + valley, - mountain, within -pi and pi.
+/// Fold angles in radians, one per line: + valley, - mountain, within -pi and pi.
 [[nodiscard]] std::vector<double> fold_angles_rad(const RigidSheet& sheet, const RigidState& state);
 
 /// Largest distance in mm between the two places that panels give an end of a line.
 [[nodiscard]] double largest_gap_mm(const RigidSheet& sheet, const RigidState& state);
 
-/// The vertices where a state puts them, as a pose that popcut made itself.
+/// The places of the vertices in a state, as a pose made by popcut.
 ///
-/// @param how  the word for it in the pose's place: "opened", "moved"
+/// @param how  verb for the pose's place: "opened", "moved"
 [[nodiscard]] Pose pose_of(const FoldModel& file, const Sheet& sheet, const RigidState& state,
                            double psi_rad, std::string_view how);
 
-/// Asks that a line fold by an angle. Lines that only lean toward theirs have a small weight.
+/// Requires that a line fold by an angle. A small weight only pulls the line towards it.
 struct AngleGoal {
   std::size_t line{};
   double angle_rad{};
@@ -55,11 +58,11 @@ struct AngleGoal {
 
 /// Closes the hinges of a state by Gauss-Newton steps.
 ///
-/// Unknowns are the twists of all panels that are not held (angular velocity scaled by the panel's
-/// size, velocity of its middle), equations that both panels of a line agree on its middle and its
-/// direction. The Jacobian is sparse and of full column rank where the goals pin all freedoms;
-/// where they do not, a shift of the normal matrix makes the step the shortest one. The normal
-/// matrix is factored by a sparse Cholesky whose ordering is computed once.
+/// The unknowns are the twists of all panels that are not held (angular velocity scaled by the
+/// panel's size, velocity of its middle). The equations are that both panels of a line agree on its
+/// middle and its direction. The Jacobian is sparse. It has full column rank if the goals fix all
+/// degrees of freedom; otherwise a shift of the normal matrix makes the step the shortest one. A
+/// sparse Cholesky factorises the normal matrix, with an ordering that is computed once.
 class RigidSolver {
  public:
   explicit RigidSolver(const RigidSheet& sheet);
@@ -68,17 +71,17 @@ class RigidSolver {
   RigidSolver& operator=(RigidSolver&&) noexcept;
 
   struct End {
-    double gap_mm{};        ///< largest gap that is left
-    double goal_off_rad{};  ///< largest deviation from a goal of weight 1
+    double gap_mm{};        ///< largest remaining gap
+    double goal_off_rad{};  ///< largest deviation from a goal with weight 1
     std::size_t iterations{};
   };
-  /// Moves `state` until hinges are closed to rounding, nothing improves, or `most` steps are done.
-  /// @param shift  what is added to the normal matrix: pure number, 1e-12 changes nothing
+  /// Moves `state` until hinges are closed up to rounding, nothing improves, or after `most` steps.
+  /// @param shift  added to the normal matrix; dimensionless, 1e-12 has no effect
   [[nodiscard]] End correct(RigidState& state, std::span<const AngleGoal> goals, std::size_t most,
                             double shift = 1e-12);
-  /// Gauss-Newton steps done so far, of all calls.
+  /// Gauss-Newton steps so far, over all calls.
   [[nodiscard]] std::size_t iterations() const;
-  /// Unknowns.
+  /// Number of unknowns.
   [[nodiscard]] std::size_t unknowns() const;
 
  private:

@@ -16,11 +16,11 @@
 namespace popcut::verify {
 namespace {
 
-/// The flat and the shut state are branch points: the motion is followed up to here.
+/// The flat and the shut state are branch points; the motion is followed up to here.
 constexpr double kNearFlat_rad = 0.02;
 constexpr double kLastAngle_rad = kPi - 0.02;
 constexpr double kShortestSweep_rad = 1e-4;
-constexpr double kMostSweepWork = 4e6;  ///< unknowns times Gauss-Newton steps of one sheet
+constexpr double kMostSweepWork = 4e6;  ///< work limit per sheet: unknowns times Gauss-Newton steps
 constexpr double kIterationsPerPose = 5.0;
 
 struct Place {
@@ -29,7 +29,7 @@ struct Place {
   std::vector<double> angle_rad;
 };
 
-/// Follows the one motion of a sheet in one direction.
+/// Follows the single motion of a sheet in one direction.
 class Walker {
  public:
   Walker(const RigidSheet& rigid, RigidSolver& solver, std::size_t driver, double sign,
@@ -47,7 +47,7 @@ class Walker {
     return static_cast<double>(solver_.unknowns() * solver_.iterations()) > kMostSweepWork;
   }
 
-  /// Goes to a driving angle; says why not.
+  /// Moves to a driving angle. If it cannot, `why` gets the reason.
   bool reach(double driven_rad, std::string& why) {
     double step = std::abs(driven_rad - now_.driven_rad);
     while (std::abs(driven_rad - now_.driven_rad) > 1e-12) {
@@ -61,7 +61,7 @@ class Walker {
       }
       step = 0.5 * std::abs(next - now_.driven_rad);
       if (step >= kShortestSweep_rad && !spent()) continue;
-      why = spent() ? "it takes too many steps to follow"
+      why = spent() ? "it takes too many steps"
                     : fmt::format("hinges would open by {:.2g} mm beyond it", gap);
       return false;
     }
@@ -71,7 +71,7 @@ class Walker {
  private:
   void note_angles(Place& place) const { place.angle_rad = fold_angles_rad(rigid_, place.state); }
 
-  /// The pose at a driving angle near by, or nothing: not closed, or on another branch.
+  /// The pose at a nearby driving angle; none if hinges do not close or it is on another branch.
   std::optional<Place> stepped(double driven_rad, double& gap_mm) {
     Place place;
     place.driven_rad = driven_rad;
@@ -123,7 +123,7 @@ Sweep sweep_motion(const FoldModel& file, const Sheet& sheet, const PoseMotion& 
   const double poses =
       kMostSweepWork / (kIterationsPerPose * static_cast<double>(solver.unknowns() + 1));
   const double step = std::max(step_rad, (kLastAngle_rad - kNearFlat_rad) / std::max(poses, 4.0));
-  // 1. From the pose toward the flat sheet.
+  // 1. From the pose towards the flat sheet.
   std::string ignored;
   for (double at = begun_rad - step;; at -= step) {
     const bool last = at <= kNearFlat_rad;
@@ -133,7 +133,7 @@ Sweep sweep_motion(const FoldModel& file, const Sheet& sheet, const PoseMotion& 
     if (last) break;
   }
   std::reverse(sweep.poses.begin(), sweep.poses.end());
-  // 2. From the pose on until the sheet is shut.
+  // 2. From the pose until the sheet is shut.
   walker.begin(start.panel);
   sweep.poses.push_back(
       pose_of(file, sheet, walker.now().state, kPi - walker.now().driven_rad, "moved"));

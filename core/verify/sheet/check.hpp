@@ -11,7 +11,7 @@
 
 namespace popcut {
 
-/// One thing that does not hold: where (JSON pointer into the FOLD file) and what.
+/// A failure: where (JSON pointer into the FOLD file) and what.
 struct VerifyFailure {
   std::string place;
   std::string detail;
@@ -26,15 +26,15 @@ struct VerifyFailure {
 }
 
 /// After so many failures of one kind the search for more ends.
-inline constexpr std::size_t kEnough = 1000;
+inline constexpr std::size_t kMostReported = 1000;
 
-/// One question asked of a pattern. It lists the first `kListed` failures and counts the rest.
+/// One check of a pattern. It lists the first `kListed` failures and counts the rest.
 struct VerifyCheck {
   static constexpr std::size_t kListed = 20;
 
-  std::string name;    ///< one word or two, stable: a script may look for it
+  std::string name;    ///< stable, so that scripts can look for it
   std::string detail;  ///< the figures, in a sentence
-  bool ran{true};      ///< false: it could not be asked, and `detail` says why
+  bool ran{true};      ///< false: the check could not run, and `detail` says why
   std::size_t failed{};
   std::vector<VerifyFailure> failures;
 
@@ -43,11 +43,11 @@ struct VerifyCheck {
     ++failed;
     if (failures.size() < kListed) failures.push_back({std::move(place), std::move(what)});
   }
-  /// Says that it was not judged, unless something was found before it was given up.
+  /// Marks the check as not made, unless it has already found a failure.
   void not_judged(std::string why) {
     if (failed > 0) return;
     ran = false;
-    detail = "not judged: " + std::move(why);
+    detail = "not checked: " + std::move(why);
   }
 };
 

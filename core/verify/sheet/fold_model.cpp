@@ -17,7 +17,7 @@ bool has_class(const FrameText& frame, const char* name) {
   return std::find(frame.classes.begin(), frame.classes.end(), name) != frame.classes.end();
 }
 
-/// Parent of each frame from which it inherits, `kNone` where it stands alone.
+/// The frame from which each frame inherits; `kNone` if it does not inherit.
 Result<std::vector<std::size_t>> parents(const std::vector<FrameText>& frames) {
   std::vector<std::size_t> parent(frames.size(), kNone);
   for (std::size_t k = 1; k < frames.size(); ++k) {
@@ -47,7 +47,7 @@ Result<std::vector<std::size_t>> parents(const std::vector<FrameText>& frames) {
   return parent;
 }
 
-/// The frame that gives `member` of frame `k`, itself or an ancestor; `kNone` if there is none.
+/// The frame that defines `member` for frame `k`: itself or an ancestor; `kNone` if there is none.
 std::size_t owner(const std::vector<FrameText>& frames, const std::vector<std::size_t>& parent,
                   std::size_t k, FoldColumn FrameText::*member) {
   while (k != kNone && !(frames[k].*member).present) k = parent[k];
@@ -76,7 +76,7 @@ Result<std::vector<Vec3>> coordinates(const FrameText& frame, double scale) {
     const std::size_t count = column.row_end(i) - begin;
     if (count != 2 && count != 3) {
       return fail(ErrorKind::OutOfRange, fmt::format("{}/vertices_coords/{}", frame.place, i),
-                  fmt::format("a vertex with {} coordinates; 2 or 3 are right", count));
+                  fmt::format("a vertex has {} coordinates; give 2 or 3", count));
     }
     double xyz[3] = {0.0, 0.0, 0.0};
     for (std::size_t k = 0; k < count; ++k) {
@@ -110,7 +110,7 @@ Result<void> read_edges(const FrameText& frame, FoldModel& file) {
     const std::size_t begin = column.row_begin(e);
     if (column.row_end(e) - begin != 2) {
       return fail(ErrorKind::OutOfRange, fmt::format("{}/{}", place, e),
-                  "an edge joins two vertices");
+                  "an edge must join two vertices");
     }
     std::array<std::uint32_t, 2> ends{};
     for (std::size_t k = 0; k < 2; ++k) {
@@ -134,7 +134,7 @@ Result<void> read_assignments(const FrameText& frame, FoldModel& file) {
   file.assignment.assign(file.edges.size(), Assignment::Unassigned);
   if (!column.present) {
     file.notes.emplace_back(
-        "the file assigns no folds: every edge between two faces counts as one");
+        "the file assigns no folds: every edge between two faces counts as a fold");
     return {};
   }
   file.assigned = true;
@@ -148,7 +148,7 @@ Result<void> read_assignments(const FrameText& frame, FoldModel& file) {
     const std::size_t which = kLetters.find(letter);
     if (which == std::string_view::npos) {
       return fail(ErrorKind::OutOfRange, fmt::format("{}/{}", place, e),
-                  "unknown assignment; it must be one of B M V F U C J");
+                  "unknown assignment; use B, M, V, F, U, C or J");
     }
     file.assignment[e] = static_cast<Assignment>(which);
   }
@@ -164,9 +164,8 @@ Result<std::vector<double>> fold_angles(const FrameText& frame, std::size_t edge
   }
   for (std::size_t e = 0; e < edges; ++e) {
     if (std::abs(angle[e]) > 180.0) {
-      return fail(
-          ErrorKind::OutOfRange, fmt::format("{}/{}", place, e),
-          fmt::format("a fold angle of {} degrees; it must be within -180 and 180", angle[e]));
+      return fail(ErrorKind::OutOfRange, fmt::format("{}/{}", place, e),
+                  fmt::format("a fold angle of {} degrees; use -180 to 180", angle[e]));
     }
   }
   return angle;
@@ -182,7 +181,7 @@ Result<void> read_faces(const FrameText& frame, FoldModel& file) {
     const std::size_t count = column.row_end(f) - begin;
     if (count < 3) {
       return fail(ErrorKind::OutOfRange, fmt::format("{}/{}", place, f),
-                  fmt::format("a face with {} vertices; it needs 3", count));
+                  fmt::format("a face has {} vertices; it needs at least 3", count));
     }
     for (std::size_t k = 0; k < count; ++k) {
       const auto index = vertex_index(column.number[begin + k], file.flat.size(), place, f, k);
@@ -198,7 +197,7 @@ Result<void> read_faces(const FrameText& frame, FoldModel& file) {
   return {};
 }
 
-/// How far a set of points reaches, in mm.
+/// Largest distance of a point from the first one, in mm.
 double reach(const std::vector<Vec3>& points) {
   double size = 0.0;
   for (const Vec3& p : points)
@@ -212,13 +211,13 @@ bool is_flat(const std::vector<Vec3>& points) {
                      [&](const Vec3& p) { return std::abs(p.z() - points.front().z()) <= slack; });
 }
 
-/// Everything about a file's frames that is not geometry.
+/// All data about a file's frames except geometry.
 struct Frames {
   std::vector<FrameText> text;
   std::vector<std::size_t> parent;
 };
 
-/// True when frame `k` speaks of the key frame's edges and faces (or names none).
+/// Whether frame `k` uses the key frame's edges and faces (or has none of its own).
 bool same_sheet(const Frames& frames, std::size_t k, std::size_t vertices) {
   if (frames.text[k].vertices_coords.rows() != vertices) return false;
   for (const auto member : {&FrameText::edges_vertices, &FrameText::faces_vertices}) {
@@ -248,7 +247,7 @@ Result<Pose> read_pose(const Frames& frames, std::size_t k, double key_scale, st
   return pose;
 }
 
-/// All frames that show the key frame's sheet somewhere in space, the key frame first.
+/// All frames that show the key frame's sheet in space, the key frame first.
 Result<std::vector<Pose>> read_poses(const Frames& frames, double scale, FoldModel& file) {
   std::vector<Pose> poses;
   for (std::size_t k = 0; k < frames.text.size(); ++k) {
@@ -260,7 +259,7 @@ Result<std::vector<Pose>> read_poses(const Frames& frames, double scale, FoldMod
                     fmt::format("{} vertices, but the key frame that it inherits has {}",
                                 text.vertices_coords.rows(), file.flat.size()));
       }
-      file.notes.push_back(text.place + " has vertices or faces of its own and is passed over");
+      file.notes.push_back(text.place + " has its own vertices or faces and is ignored");
       continue;
     }
     auto pose = read_pose(frames, k, scale, file.edges.size());
@@ -271,7 +270,7 @@ Result<std::vector<Pose>> read_poses(const Frames& frames, double scale, FoldMod
   return poses;
 }
 
-/// Moves the frame that is the flat sheet out of `poses` into `file.flat`.
+/// Moves the pose that is the flat sheet from `poses` to `file.flat`.
 Result<void> choose_flat(const Frames& frames, std::vector<Pose> poses, FoldModel& file) {
   std::size_t chosen = kNone;
   for (std::size_t i = 0; i < poses.size() && chosen == kNone; ++i) {
@@ -283,8 +282,8 @@ Result<void> choose_flat(const Frames& frames, std::vector<Pose> poses, FoldMode
   }
   if (chosen == kNone) {
     return fail(ErrorKind::OutOfRange, "/vertices_coords",
-                "the key frame is a folded form, not a flat sheet, and no other frame is a flat "
-                "creasePattern; verify needs the flat sheet");
+                "the key frame is a folded form and no other frame is a flat creasePattern; "
+                "verify needs the flat sheet");
   }
   if (chosen != 0) {
     file.notes.push_back("the key frame is a folded form; the flat sheet is " +
@@ -293,7 +292,7 @@ Result<void> choose_flat(const Frames& frames, std::vector<Pose> poses, FoldMode
   for (std::size_t i = 0; i < file.flat.size(); ++i) {
     file.flat[i] = {poses[chosen].at[i].x(), poses[chosen].at[i].y()};
   }
-  poses[0].fold_angle_deg.clear();  // they are the pattern's, not this pose's
+  poses[0].fold_angle_deg.clear();  // these belong to the pattern, not to this pose
   poses.erase(poses.begin() + static_cast<std::ptrdiff_t>(chosen));
   file.poses = std::move(poses);
   return {};
@@ -321,7 +320,7 @@ Result<FoldModel> read_fold_model(std::string_view text) {
   file.flat.resize(key.vertices_coords.rows());
   file.faces_given = key.faces_vertices.present;
   if (key.unit.empty() || key.unit == "unit")
-    file.notes.emplace_back("no unit given: lengths are taken as mm");
+    file.notes.emplace_back("the file gives no unit; lengths are read as mm");
   if (auto read = read_edges(key, file); !read) return tl::unexpected<Error>(read.error());
   if (auto read = read_assignments(key, file); !read) return tl::unexpected<Error>(read.error());
   if (key.edges_fold_angle.present) {

@@ -33,7 +33,7 @@ std::vector<HingeLine> hinge_lines(const FoldModel& file, const Sheet& sheet) {
     return panels_of(p) < panels_of(q);
   });
   std::vector<HingeLine> lines;
-  std::size_t first = 0;  // of the lines between the panels at hand
+  std::size_t first = 0;  // first line between the current two panels
   for (const HingeLine& hinge : all) {
     if (lines.empty() || panels_of(lines.back()) != panels_of(hinge)) first = lines.size();
     const auto same = std::find_if(lines.begin() + static_cast<std::ptrdiff_t>(first), lines.end(),

@@ -18,7 +18,7 @@ class Walker {
     loops_.first.push_back(0);
   }
 
-  /// Around each vertex that no border reaches.
+  /// Around each vertex that is not on a border.
   void around_vertices() {
     std::vector<std::uint8_t> seen(sheet_.side_twin.size(), 0);
     for (std::uint32_t start = 0; start < seen.size(); ++start) {
@@ -37,7 +37,7 @@ class Walker {
     }
   }
 
-  /// Along each border but the outer ones: those with the largest area of their piece.
+  /// Along each border except the outer ones: those with the largest area of their piece.
   void along_borders() {
     struct Border {
       std::uint32_t start{}, piece{};
@@ -69,7 +69,7 @@ class Walker {
  private:
   void close() { loops_.first.push_back(static_cast<std::uint32_t>(loops_.crossings.size())); }
 
-  /// Goes over the fold at `side` and gives the side that leaves the same vertex beyond it.
+  /// Crosses the fold at `side` and returns the side beyond it that leaves the same vertex.
   std::uint32_t cross(std::uint32_t side) {
     const auto twin = static_cast<std::uint32_t>(sheet_.side_twin[side]);
     const std::int32_t h = hinge_of_edge_[static_cast<std::size_t>(sheet_.side_edge[side])];
@@ -106,7 +106,7 @@ std::optional<Loops> loops_of(const FoldModel& file, const Sheet& sheet) {
   if (std::any_of(sheet.side_edge.begin(), sheet.side_edge.end(),
                   [](std::int32_t e) { return e < 0; }))
     return {};
-  std::size_t ties = 0;  // sides that join a face to itself
+  std::size_t ties = 0;  // sides where a face borders itself
   for (std::size_t s = 0; s < sheet.side_twin.size(); ++s) {
     if (sheet.side_twin[s] < 0) continue;
     const auto twin = static_cast<std::size_t>(sheet.side_twin[s]);

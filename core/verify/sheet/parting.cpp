@@ -20,9 +20,9 @@ std::size_t part_at_cuts(FoldModel& file, const Sheet& sheet) {
   // 1. The first fan of a vertex keeps it, the others get copies.
   constexpr std::uint32_t kNone = 0xffffffffU;
   const std::size_t before = file.flat.size();
-  std::vector<std::uint32_t> keeps(before, kNone);  // root of the fan that keeps the vertex
+  std::vector<std::uint32_t> keeps(before, kNone);  // the root of the fan that keeps the vertex
   std::vector<std::uint32_t> vertex(corners);
-  std::vector<std::uint32_t> origin;  // of each copy
+  std::vector<std::uint32_t> origin;  // original vertex of each copy
   std::vector<std::uint32_t> copy_of_root(corners, kNone);
   for (std::uint32_t s = 0; s < corners; ++s) {
     const std::uint32_t v = file.face_vertices[s];
@@ -43,7 +43,7 @@ std::size_t part_at_cuts(FoldModel& file, const Sheet& sheet) {
     file.flat.push_back(file.flat[v]);
     for (Pose& pose : file.poses) pose.at.push_back(pose.at[v]);
   }
-  // 2. Edges follow their faces; the second side of a cut becomes an edge of its own.
+  // 2. Edges follow their faces; the second side of a cut becomes a separate edge.
   const std::size_t edges = file.edges.size();
   std::vector<std::uint8_t> placed(edges, 0);
   for (std::uint32_t s = 0; s < corners; ++s) {

@@ -6,11 +6,11 @@
 
 namespace popcut::verify {
 
-/// Parts a sheet along its cuts: where the faces around a vertex do not hang together there, each
-/// group of them gets a vertex of its own, and a cut drawn as one edge becomes two borders. The
-/// faces and the first copies keep their numbers, copies come after them; a slit that both its ends
-/// hold together stays one edge. Poses of the file are given the copies too.
-/// @return how many vertices were added
+/// Separates a sheet along its cuts. Each group of connected faces around a vertex gets its own
+/// vertex, and a cut drawn as one edge becomes two borders. Faces and the first group at each
+/// vertex keep their numbers; copies come after them. A slit that is connected at both ends stays
+/// one edge. The file's poses get the copies too.
+/// @return number of added vertices
 std::size_t part_at_cuts(FoldModel& file, const Sheet& sheet);
 
 }  // namespace popcut::verify

@@ -19,10 +19,11 @@
 namespace popcut::verify {
 namespace {
 
-constexpr double kLargestShare = 3e-3;  ///< of the drawing, by which ends may miss each other
+constexpr double kLargestShare =
+    3e-3;  ///< of the drawing's size: largest gap between ends that belong together
 constexpr double kSmallestShare = 1e-7;
 constexpr std::size_t kCrossingsAnEdge = 50;
-constexpr std::size_t kMostTieWork = 300'000'000;  ///< edges looked at for islands
+constexpr std::size_t kMostTieWork = 300'000'000;  ///< limit of edges examined for islands
 
 /// Points closer than a tolerance are one: the nearest that is there.
 class PointIndex {
@@ -42,7 +43,7 @@ class PointIndex {
   }
 
   std::vector<Vec2> points;
-  double moved{};  ///< largest distance over which a point was moved
+  double moved{};  ///< largest distance that a point was moved
 
  private:
   double tolerance_;
@@ -63,21 +64,22 @@ struct Graph {
   bool complete{true};
 };
 
-/// Which of two lines in one place stays: cuts before folds before flat creases.
+/// Which of two overlapping lines stays: cuts before folds before flat creases.
 int weight(Assignment kind) {
   if (!holds(kind)) return 3;
   if (kind == Assignment::Mountain || kind == Assignment::Valley) return 2;
   return kind == Assignment::Unassigned ? 1 : 0;
 }
 
-/// Puts points on the edges where others meet or cross them.
+/// Splits edges where others meet or cross them.
 class Splitter {
  public:
   Splitter(PointIndex& index, const std::vector<GraphEdge>& edges, double tolerance)
       : index_(index), edges_(edges), tolerance_(tolerance), on_(edges.size()) {}
 
   bool run(std::size_t& crossings) {
-    const std::vector<Vec2> ends = index_.points;  // crossings are added to the index meanwhile
+    const std::vector<Vec2> ends =
+        index_.points;  // a copy: crossings are added to the index meanwhile
     const auto corners = [&](std::size_t e) {
       return std::array<Vec2, 2>{ends[edges_[e].a], ends[edges_[e].b]};
     };
@@ -130,7 +132,7 @@ class Splitter {
     on_[f].push_back(at);
   }
 
-  /// Ends of `f` that lie on `e`; true when there are any, ends that both share among them.
+  /// Finds ends of `f` that lie on `e`; returns whether there are any, including shared ends.
   bool touch(std::uint32_t e, std::uint32_t f) {
     const auto [a, b] = ends(e);
     const Vec2 way = b - a;
@@ -210,7 +212,7 @@ Graph graph_of(const std::vector<DrawnEdge>& lines, double tolerance) {
   return graph;
 }
 
-/// Ties parts of the drawing that lie free to the line on their left (toward smaller u) by a flat
+/// Connects separate parts of the drawing to the line on their left (towards smaller u) by a flat
 /// edge.
 std::size_t tie_islands(Graph& graph, double tolerance) {
   const std::size_t n = graph.points.size();
@@ -259,7 +261,7 @@ std::size_t tie_islands(Graph& graph, double tolerance) {
     }
     if (best.edge != 0xffffffffU) ties.push_back(best);
   }
-  // Split the edges that are met, from their far ends.
+  // Splits the edges that ties meet, starting from their far ends.
   std::sort(ties.begin(), ties.end(), [&](const Tie& x, const Tie& y) {
     const Vec2 a = graph.points[graph.edges[x.edge].a];
     return std::pair(x.edge, x.edge == y.edge ? -norm(x.at - a) : 0.0) <
@@ -285,7 +287,7 @@ std::size_t tie_islands(Graph& graph, double tolerance) {
   return ties.size();
 }
 
-/// Leaves out edges that bound no face, save folds: those are for the user to see.
+/// Removes edges that bound no face, except folds, which the user must see.
 std::size_t drop_idle(FoldModel& file) {
   VerifyCheck scratch;
   const Sheet sheet = make_sheet(file, scratch);
@@ -311,7 +313,7 @@ std::size_t drop_idle(FoldModel& file) {
   return cuts;
 }
 
-/// Pieces without a fold, all but the largest, are no part of the sheet: cuts go round them.
+/// Pieces without folds, except the largest, are not part of the sheet: cuts surround them.
 std::size_t drop_offcuts(FoldModel& file) {
   VerifyCheck scratch;
   const Sheet sheet = make_sheet(file, scratch);
@@ -350,19 +352,18 @@ std::vector<DrawnEdge> drawn_edges(const FoldModel& file) {
 
 Result<void> planarise(FoldModel& file) {
   std::vector<DrawnEdge> lines = drawn_edges(file);
-  const DashEnd dashes = join_dashes(lines);
+  const JoinedDashes dashes = join_dashes(lines);
   Eigen::AlignedBox2d box;
   for (const DrawnEdge& line : lines) box.extend(line.from).extend(line.to);
-  // 1. The smallest tolerance with which the fewest folds end nowhere.
+  // 1. The smallest tolerance that leaves the fewest loose folds.
   const double reach = std::max(norm(box.sizes()), 1e-9);
   std::optional<Graph> best;
   for (double share = kSmallestShare; share <= kLargestShare * 1.001; share *= std::sqrt(10.0)) {
     Graph graph = graph_of(lines, share * reach);
     if (!graph.complete) {
       if (best) break;
-      return fail(
-          ErrorKind::OutOfRange, "/edges_vertices",
-          "more lines cross or lie in one place than can be told apart; draw each line once");
+      return fail(ErrorKind::OutOfRange, "/edges_vertices",
+                  "too many lines cross or overlap in one place; draw each line once");
     }
     if (!best || graph.loose_folds < best->loose_folds) best = std::move(graph);
     if (best->loose_folds == 0) break;
@@ -382,24 +383,23 @@ Result<void> planarise(FoldModel& file) {
   const std::size_t outside = drop_idle(file);
   file.drawn = true;
   file.moved_mm = best->moved_mm;
-  // 3. What was done.
+  // 3. Notes on what was done.
   const auto note = [&](std::size_t count, std::string text) {
     if (count > 0) file.notes.push_back(std::move(text));
   };
   note(dashes.joined,
-       fmt::format("folds are drawn in dashes: {} gaps of about {:.3g} mm were closed; a "
-                   "fold too short for a dash is not in such a drawing",
+       fmt::format("folds are drawn as dashes: {} gaps of about {:.3g} mm were closed; "
+                   "folds too short for a dash are missing from such a drawing",
                    dashes.joined, dashes.gap_mm));
   note(best->moved_mm > 1e-6 * reach ? 1 : 0,
-       fmt::format("ends of lines that missed each other were moved by up to {:.2g} mm",
+       fmt::format("line ends that did not quite meet were moved by up to {:.2g} mm",
                    best->moved_mm));
-  note(best->crossings,
-       fmt::format("{} places where lines cross were made vertices", best->crossings));
+  note(best->crossings, fmt::format("{} crossings of lines became vertices", best->crossings));
   note(best->doubled, fmt::format("{} lines are drawn twice and count once", best->doubled));
-  note(islands, fmt::format("{} parts of the drawing lie free inside a face", islands));
-  note(offcuts,
-       fmt::format("{} areas that cuts go all the way round fall out: they are holes", offcuts));
-  note(outside, fmt::format("{} cuts outside the sheet are passed over", outside));
+  note(islands, fmt::format("{} parts of the drawing lie inside a face without touching its border",
+                            islands));
+  note(offcuts, fmt::format("{} areas surrounded by cuts fall out and are holes", offcuts));
+  note(outside, fmt::format("{} cuts outside the sheet are ignored", outside));
   return {};
 }
 

@@ -11,11 +11,12 @@
 namespace popcut::verify {
 namespace {
 
-constexpr double kWidestGap_mm = 4.0;  ///< dashes farther apart are no row
+constexpr double kWidestGap_mm = 4.0;  ///< dashes farther apart do not form a row
 constexpr double kInLine = 0.02;       ///< sine between dashes of one row
-constexpr double kWider = 1.4;         ///< gaps vary this much about the usual one
+constexpr double kWider = 1.4;         ///< largest gap, relative to the usual gap
 constexpr double kTouch_mm = 0.01;
-constexpr double kShareInRows = 0.5;  ///< of all fold lines, for a drawing to count as dashed
+constexpr double kShareInRows =
+    0.5;  ///< share of all fold lines from which a drawing counts as dashed
 
 bool is_fold(const DrawnEdge& edge) {
   return edge.kind == Assignment::Mountain || edge.kind == Assignment::Valley;
@@ -46,7 +47,7 @@ std::vector<FoldEnd> ends_of_folds(const std::vector<DrawnEdge>& edges) {
   return ends;
 }
 
-/// Is `b` the end of the next dash of the row that `a` ends? Gives the gap.
+/// Whether `b` begins the next dash of the row that `a` ends. Returns the gap.
 std::optional<double> gap_between(const FoldEnd& a, const FoldEnd& b) {
   const Vec2 way = b.at - a.at;
   const double gap = norm(way);
@@ -57,7 +58,7 @@ std::optional<double> gap_between(const FoldEnd& a, const FoldEnd& b) {
   return gap;
 }
 
-/// The nearest other end that goes on with the row, for each end; mutual ones only.
+/// For each end, the nearest other end that continues the row; only mutual ones.
 std::vector<Link> links_of(const std::vector<DrawnEdge>& edges, const std::vector<FoldEnd>& ends) {
   std::vector<std::pair<double, std::uint32_t>> next(ends.size(), {kWidestGap_mm, 0});
   std::vector<std::uint8_t> touched(ends.size(), 0);
@@ -85,14 +86,14 @@ std::vector<Link> links_of(const std::vector<DrawnEdge>& edges, const std::vecto
   return links;
 }
 
-/// Where a ray from `at` along `out` (unit) first meets a segment, within `reach`; parallel ones do
-/// not count.
+/// Where a ray from `at` along `out` (unit) first meets a segment, within `reach`; parallel
+/// segments do not count.
 std::optional<double> first_hit(Vec2 at, Vec2 out, double reach, Vec2 p, Vec2 q) {
   const double side_p = cross(out, p - at);
   const double side_q = cross(out, q - at);
   const double apart = side_p - side_q;
   if (std::abs(apart) < kInLine * norm(q - p)) {
-    // In line with the ray: its nearer end.
+    // In line with the ray: the nearer end of the segment.
     if (std::abs(side_p) > kTouch_mm) return {};
     const double t = std::min(dot(out, p - at), dot(out, q - at));
     return t > kTouch_mm && t <= reach ? std::optional(t) : std::nullopt;
@@ -106,8 +107,8 @@ std::optional<double> first_hit(Vec2 at, Vec2 out, double reach, Vec2 p, Vec2 q)
 
 }  // namespace
 
-DashEnd join_dashes(std::vector<DrawnEdge>& edges) {
-  DashEnd result;
+JoinedDashes join_dashes(std::vector<DrawnEdge>& edges) {
+  JoinedDashes result;
   const std::vector<FoldEnd> ends = ends_of_folds(edges);
   std::vector<Link> links = links_of(edges, ends);
   if (static_cast<double>(links.size()) < kShareInRows * static_cast<double>(ends.size()) / 2.0)
@@ -139,7 +140,7 @@ DashEnd join_dashes(std::vector<DrawnEdge>& edges) {
   const CellGrid grid(rays + ends.size(), kTouch_mm, corners);
   const bool all =
       grid.each_pair(pair_budget(rays + ends.size()), [&](std::uint32_t i, std::uint32_t j) {
-        if (i >= drawn && j < rays) return;  // two gaps
+        if (i >= drawn && j < rays) return;  // both are gaps
         if (i < drawn && j >= drawn && j < rays) {
           if (of_link(j - drawn, i) || touched[j - drawn] != 0) return;
           const auto gap = corners(j);
@@ -160,7 +161,7 @@ DashEnd join_dashes(std::vector<DrawnEdge>& edges) {
           if (t) hit[ray - rays] = std::min(hit[ray - rays], *t);
         }
       });
-  if (!all) return DashEnd{};
+  if (!all) return JoinedDashes{};
   std::vector<std::uint8_t> linked(ends.size(), 0);
   for (std::size_t l = 0; l < links.size(); ++l) {
     if (touched[l] != 0) continue;

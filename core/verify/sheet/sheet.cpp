@@ -30,7 +30,7 @@ class EdgeIndex {
     return at != entries_.end() && at->first == key(a, b) ? static_cast<std::int32_t>(at->second)
                                                           : -1;
   }
-  /// Calls `visit(e, f)` for edges `f` that repeat an earlier edge `e`.
+  /// Calls `visit(e, f)` for each edge `f` that repeats an earlier edge `e`.
   template <typename Visit>
   void each_repeat(Visit visit) const {
     for (std::size_t i = 1; i < entries_.size(); ++i) {
@@ -65,7 +65,7 @@ const char* kind(Assignment a) {
   return "unassigned edge";
 }
 
-/// The two sides that an edge has, running with it and against it; -1 for none.
+/// The two sides of an edge, running with it and against it; -1: none.
 using Sides = std::array<std::int32_t, 2>;
 
 std::vector<Sides> sides_of_edges(const FoldModel& file, const EdgeIndex& index, Sheet& sheet,
@@ -85,15 +85,16 @@ std::vector<Sides> sides_of_edges(const FoldModel& file, const EdgeIndex& index,
       const std::int32_t e = index.find(a, b);
       sheet.side_edge[s] = e;
       if (e < 0) {
-        check.fail(face_place(f), fmt::format("its side from vertex {} to {} is no edge", a, b));
+        check.fail(face_place(f),
+                   fmt::format("its side from vertex {} to {} is not an edge", a, b));
         continue;
       }
       const auto edge = static_cast<std::uint32_t>(e);
       const std::size_t way = file.edges[edge][0] == a ? 0 : 1;
       if (sides[edge][way] >= 0) {
         const std::uint32_t other = sheet.side_face[static_cast<std::uint32_t>(sides[edge][way])];
-        check.fail(edge_place(edge), fmt::format("faces {} and {} both lie on the same side of it; "
-                                                 "a face overlaps another or runs the wrong way",
+        check.fail(edge_place(edge), fmt::format("faces {} and {} are both on the same side of it; "
+                                                 "one overlaps the other or runs the wrong way",
                                                  other, f));
         continue;
       }
@@ -109,23 +110,23 @@ void link(const FoldModel& file, const std::vector<Sides>& sides, Sheet& sheet,
     const Assignment a = file.assignment[e];
     const int used = (sides[e][0] >= 0 ? 1 : 0) + (sides[e][1] >= 0 ? 1 : 0);
     if (used == 0) {
-      check.fail(edge_place(e), fmt::format("the {} bounds no face; it lies outside the sheet or "
-                                            "within a face",
+      check.fail(edge_place(e), fmt::format("the {} bounds no face; it is outside the sheet or "
+                                            "inside a face",
                                             kind(a)));
     } else if (used == 1 && holds(a) && (a != Assignment::Unassigned || file.from_popcut)) {
       const auto s = static_cast<std::uint32_t>(std::max(sides[e][0], sides[e][1]));
-      check.fail(edge_place(e),
-                 fmt::format("the {} has a face on one side only, face {}; a face is "
-                             "missing, or it is a border",
-                             kind(a), sheet.side_face[s]));
+      check.fail(edge_place(e), fmt::format("the {} has only one face, face {}; add the missing "
+                                            "face, or make it a border (B)",
+                                            kind(a), sheet.side_face[s]));
     }
     if (used == 2 && a == Assignment::Border && !file.drawn) {
       const auto left = static_cast<std::uint32_t>(sides[e][0]);
       const auto right = static_cast<std::uint32_t>(sides[e][1]);
-      check.fail(edge_place(e),
-                 fmt::format("the border has faces {} and {} on both sides; a border has one face, "
-                             "a cut between two is C, a fold M or V",
-                             sheet.side_face[left], sheet.side_face[right]));
+      check.fail(
+          edge_place(e),
+          fmt::format("the border has two faces, {} and {}; use C for a cut between two faces, "
+                      "M or V for a fold",
+                      sheet.side_face[left], sheet.side_face[right]));
     }
     if (used != 2 || !holds(a)) continue;
     const auto left = static_cast<std::uint32_t>(sides[e][0]);
@@ -134,10 +135,11 @@ void link(const FoldModel& file, const std::vector<Sides>& sides, Sheet& sheet,
     sheet.side_twin[right] = sides[e][0];
     const Hinge hinge{e, file.edges[e][0], file.edges[e][1], sheet.side_face[left],
                       sheet.side_face[right]};
-    if (hinge.left == hinge.right && joins(a)) continue;  // ties a hole to the rim of its face
+    if (hinge.left == hinge.right && joins(a))
+      continue;  // connects a hole to the border of its face
     if (hinge.left == hinge.right) {
       check.fail(edge_place(e),
-                 fmt::format("the {} has face {} on both sides; a fold must part two "
+                 fmt::format("the {} has face {} on both sides; a fold must separate two "
                              "faces",
                              kind(a), hinge.left));
       continue;
@@ -163,8 +165,8 @@ Sheet make_sheet(const FoldModel& file, VerifyCheck& check) {
   const EdgeIndex index(file);
   index.each_repeat([&](std::uint32_t e, std::uint32_t again) {
     check.fail(edge_place(again),
-               fmt::format("it joins the same vertices as edge {}; each line of the "
-                           "sheet is one edge",
+               fmt::format("it joins the same vertices as edge {}; list each line of the "
+                           "sheet once",
                            e));
   });
   const std::vector<Sides> sides = sides_of_edges(file, index, sheet, check);
@@ -187,7 +189,7 @@ std::vector<double> border_loops(const FoldModel& file, const Sheet& sheet) {
     if (sheet.side_twin[start] >= 0 || seen[start] != 0) continue;
     const Vec2 origin = file.flat[file.face_vertices[start]];
     double twice = 0.0;
-    // Along the border, and at each of its vertices across the folds to the next border side.
+    // Along the border; at each of its vertices across the folds to the next border side.
     for (std::uint32_t side = start; seen[side] == 0;) {
       seen[side] = 1;
       std::uint32_t after = sheet.next(file, side);
@@ -204,9 +206,8 @@ std::vector<double> border_loops(const FoldModel& file, const Sheet& sheet) {
 }
 
 void trace_faces(FoldModel& file) {
-  // Half-edge 2e runs with edge e, 2e + 1 against it. Around each vertex the ones that leave it are
-  // put in order of angle; after arriving by h, the next one clockwise from its twin keeps the
-  // face on the left.
+  // Half-edge 2e runs with edge e, 2e + 1 against it. The half-edges that leave a vertex are sorted
+  // by angle. After arriving by h, the one clockwise of its twin keeps the face on the left.
   const std::size_t halves = 2 * file.edges.size();
   const auto from = [&](std::size_t h) { return file.edges[h / 2][h % 2]; };
   Buckets<std::uint32_t> leaving(file.flat.size(), [&](auto&& put) {

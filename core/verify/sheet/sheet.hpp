@@ -11,7 +11,7 @@
 
 namespace popcut::verify {
 
-/// A fold: where two faces hang together. Going `from` to `to`, `left` is on the left hand.
+/// A fold between two connected faces. Going from `from` to `to`, `left` is on the left.
 struct Hinge {
   std::uint32_t edge{};
   std::uint32_t from{};
@@ -20,20 +20,20 @@ struct Hinge {
   std::uint32_t right{};
 };
 
-/// How the faces of a pattern hang together, by its sides (one a corner of a face, running to the
-/// next corner). Two sides are twins when the faces hang together there. Along a cut no sides are
-/// twins, even where the file draws a cut as one edge: that is the surgery that parts the faces.
+/// How the faces of a pattern are connected, by their sides. A side belongs to a corner of a face
+/// and runs to the next corner. Two sides are twins if the faces are connected there. Sides along a
+/// cut have no twins, even if the file draws the cut as one edge: this is what separates the faces.
 struct Sheet {
-  std::vector<std::uint32_t> side_face;  ///< one a side; sides count as `face_vertices` does
-  std::vector<std::int32_t> side_edge;   ///< -1 where no edge joins its two vertices
-  std::vector<std::int32_t> side_twin;   ///< -1 at a border or a cut
+  std::vector<std::uint32_t> side_face;  ///< one per side; sides are numbered like `face_vertices`
+  std::vector<std::int32_t> side_edge;   ///< -1: no edge joins its two vertices
+  std::vector<std::int32_t> side_twin;   ///< -1: a border or a cut
   std::vector<Hinge> hinges;
-  std::vector<std::uint32_t> panel_of_face;  ///< faces that hang together rigidly are one panel
+  std::vector<std::uint32_t> panel_of_face;  ///< rigidly connected faces are one panel
   std::size_t panels{};
   std::vector<std::uint32_t> piece_of_face;
   std::size_t pieces{};
 
-  /// The side after `side` around its face.
+  /// The next side around the face of `side`.
   [[nodiscard]] std::uint32_t next(const FoldModel& file, std::uint32_t side) const {
     const std::uint32_t face = side_face[side];
     return side + 1 == file.face_first[face + 1] ? file.face_first[face] : side + 1;
@@ -46,20 +46,20 @@ struct Sheet {
       .subspan(file.face_first[f], file.face_first[f + 1] - file.face_first[f]);
 }
 
-/// Signed area of face `f` on the flat sheet in mm^2, positive for a counter-clockwise one.
+/// Signed area of face `f` on the flat sheet in mm^2, positive if counter-clockwise.
 [[nodiscard]] double area(const FoldModel& file, std::size_t f);
 
-/// Gives a file without faces the ones that its edges enclose: the left turns of the planar graph.
-/// Holes come out as faces when folds surround them; a drawing whose edges cross unmarked gives
-/// faces that the tiling check refuses.
+/// Gives a file without faces the faces that its edges enclose, by turning left along the planar
+/// graph. Holes surrounded by folds become faces. If edges of the drawing cross without a vertex,
+/// the faces will fail the tiling check.
 void trace_faces(FoldModel& file);
 
-/// Finds what hangs together. What is inconsistent goes into `check`, named by edge and face: a
-/// fold beside one face only, an edge used twice the same way, a side that is no edge.
+/// Finds which faces are connected. Inconsistencies go into `check`, named by edge and face: a fold
+/// beside only one face, an edge used twice in the same direction, a side that is not an edge.
 [[nodiscard]] Sheet make_sheet(const FoldModel& file, VerifyCheck& check);
 
-/// Signed areas in mm^2 of the loops that the sheet's borders and cuts make: each piece has one
-/// positive outer loop, holes are negative, a slit has none.
+/// Signed areas in mm^2 of the loops of borders and cuts: each piece has one positive outer loop,
+/// holes are negative, a slit has area 0.
 [[nodiscard]] std::vector<double> border_loops(const FoldModel& file, const Sheet& sheet);
 
 }  // namespace popcut::verify

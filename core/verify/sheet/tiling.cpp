@@ -15,12 +15,12 @@
 namespace popcut::verify {
 namespace {
 
-/// Overlaps that are collected before the search for more is given up.
+/// Number of overlaps after which the search stops.
 
-/// Most pairs of triangles are told apart at once, so more of them can be looked at.
-constexpr std::uint64_t kPatience = 16;
+/// Factor of the pair budget: most pairs of triangles are separated by a quick test.
+constexpr std::uint64_t kPairBudgetFactor = 16;
 
-/// True when a side of the counter-clockwise triangle `a` has all of `b` on its outer side.
+/// Whether a side of the counter-clockwise triangle `a` has all of `b` on its outer side.
 bool beside(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b) {
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec2 way = a[(k + 1) % 3] - a[k];
@@ -34,7 +34,7 @@ bool beside(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b) {
 
 std::string show(Vec2 p) { return fmt::format("({:.6g}, {:.6g})", p.x(), p.y()); }
 
-/// How an edge's faces lie: a bit for a face on its left, and one for a face on its right.
+/// For each edge, a bit for a face on its left and a bit for a face on its right.
 std::vector<std::uint8_t> faces_beside(const FoldModel& file, const Sheet& sheet) {
   std::vector<std::uint8_t> beside(file.edges.size(), 0);
   for (std::size_t s = 0; s < sheet.side_edge.size(); ++s) {
@@ -49,10 +49,10 @@ std::vector<std::uint8_t> faces_beside(const FoldModel& file, const Sheet& sheet
 struct Meeting {
   enum class Kind { None, Crosses, RunsAlong, VertexInside } kind{Kind::None};
   Vec2 at{};
-  std::uint32_t vertex{};  ///< of the second edge, inside the first
+  std::uint32_t vertex{};  ///< an end of the second edge, inside the first edge
 };
 
-/// How edge `f` meets edge `e`; `VertexInside` looks for ends of f inside e only.
+/// How edge `f` meets edge `e`; `VertexInside` looks only for ends of f inside e.
 Meeting meet(const FoldModel& file, std::uint32_t e, std::uint32_t f, double slack) {
   const auto [e0, e1] = file.edges[e];
   const auto [f0, f1] = file.edges[f];
@@ -88,8 +88,8 @@ Meeting meet(const FoldModel& file, std::uint32_t e, std::uint32_t f, double sla
   return {Meeting::Kind::Crosses, c + (side_c / (side_c - side_d)) * (d - c), 0};
 }
 
-/// True when `e` and `f` can be the two sides of one slit: borders with their faces away from
-/// each other.
+/// Whether `e` and `f` can be the two sides of one slit: borders with their faces on opposite
+/// sides.
 bool slit_sides(const FoldModel& file, const std::vector<std::uint8_t>& beside, std::uint32_t e,
                 std::uint32_t f) {
   if (file.assignment[e] != Assignment::Border || file.assignment[f] != Assignment::Border)
@@ -113,9 +113,10 @@ Triangles check_faces(const FoldModel& file, VerifyCheck& check) {
     const double size = area(file, f);
     const std::size_t before = result.corners.size();
     if (size < 0.0) {
-      check.fail(face_place(f), fmt::format("the face runs clockwise (area {:.6g} mm2); faces run "
-                                            "counter-clockwise",
-                                            size));
+      check.fail(face_place(f),
+                 fmt::format("the face runs clockwise (area {:.6g} mm2); faces must run "
+                             "counter-clockwise",
+                             size));
     } else if (size == 0.0) {
       check.fail(face_place(f), "the face has no area");
     } else if (!triangulate(file.flat, face_of(file, f), result.corners)) {
@@ -140,7 +141,7 @@ Tiling check_tiling(const FoldModel& file, const Sheet& sheet, const Triangles& 
   tiling.sheet_u_mm = high.x() - low.x();
   tiling.sheet_v_mm = high.y() - low.y();
 
-  // 1. No two faces overlap: their triangles share no area to speak of.
+  // 1. No two faces overlap: their triangles share no significant area.
   const auto corners = [&](std::size_t t) {
     const Triangle& c = triangles.corners[t];
     return std::array<Vec2, 3>{file.flat[c[0]], file.flat[c[1]], file.flat[c[2]]};
@@ -150,9 +151,9 @@ Tiling check_tiling(const FoldModel& file, const Sheet& sheet, const Triangles& 
   const auto face_of_triangle = [&](std::uint32_t t) { return triangles.face[t]; };
   const CellGrid grid(triangles.corners.size(), slack_mm, corners);
   const bool all = grid.each_pair_of_groups(
-      kPatience * pair_budget(triangles.corners.size()), face_of_triangle,
+      kPairBudgetFactor * pair_budget(triangles.corners.size()), face_of_triangle,
       [&](std::uint32_t i, std::uint32_t j) {
-        if (overlaps.size() > kEnough) return;
+        if (overlaps.size() > kMostReported) return;
         const auto a = corners(i);
         const auto b = corners(j);
         if (beside(a, b) || beside(b, a)) return;
@@ -170,7 +171,7 @@ Tiling check_tiling(const FoldModel& file, const Sheet& sheet, const Triangles& 
                fmt::format("it overlaps face {} by {:.6g} mm2", faces.first, common));
   }
 
-  // 2. Their areas sum up to the sheet's.
+  // 2. Their areas add up to the sheet's.
   for (std::size_t f = 0; f < file.faces(); ++f) tiling.area_mm2 += std::abs(area(file, f));
   for (const double loop : border_loops(file, sheet)) {
     const double nothing = 4.0 * slack_mm * (tiling.sheet_u_mm + tiling.sheet_v_mm);
@@ -189,14 +190,15 @@ Tiling check_tiling(const FoldModel& file, const Sheet& sheet, const Triangles& 
   if (std::abs(missing) > std::min(lines, 1e-6 * tiling.area_mm2)) {
     check.fail(
         "/faces_vertices",
-        fmt::format("the faces have {:.6f} mm2, but the border encloses {:.6f} mm2 less {:.6f} "
+        fmt::format("the faces have {:.6f} mm2, but the border encloses {:.6f} mm2 minus {:.6f} "
                     "mm2 of holes",
                     tiling.area_mm2, tiling.outline_mm2, tiling.holes_mm2));
   }
   check.detail = fmt::format("{} faces of {:.6g} mm2 tile {:.6g} x {:.6g} mm, {} slits, {} holes",
                              file.faces(), tiling.area_mm2, tiling.sheet_u_mm, tiling.sheet_v_mm,
                              tiling.slits, tiling.holes);
-  if (!all) check.not_judged("too many faces lie in one place to be compared; their areas agree");
+  if (!all)
+    check.not_judged("too many faces lie in one place to compare them; their total area is right");
   return tiling;
 }
 
@@ -207,12 +209,14 @@ void check_lines(const FoldModel& file, const Sheet& sheet, double slack_mm, Ver
   };
   std::set<std::pair<std::uint32_t, std::uint32_t>> reported;
   const auto once = [&](std::uint32_t e, std::uint32_t f) {
-    return reported.size() <= kEnough && reported.emplace(std::min(e, f), std::max(e, f)).second;
+    return reported.size() <= kMostReported &&
+           reported.emplace(std::min(e, f), std::max(e, f)).second;
   };
   const auto vertex_inside = [&](std::uint32_t e, const Meeting& m, std::uint32_t f) {
     if (file.assignment[e] == Assignment::Border || !once(e, f)) return;
-    check.fail(edge_place(e), fmt::format("vertex {} at {} lies inside this {}; it must end there",
-                                          m.vertex, show(m.at), line_name(file.assignment[e])));
+    check.fail(edge_place(e),
+               fmt::format("vertex {} at {} lies inside this {}; split the line there", m.vertex,
+                           show(m.at), line_name(file.assignment[e])));
   };
   const CellGrid grid(file.edges.size(), slack_mm, ends);
   const bool all =
@@ -224,11 +228,10 @@ void check_lines(const FoldModel& file, const Sheet& sheet, double slack_mm, Ver
                      fmt::format("it crosses edge {} at {} without a vertex", e, show(m.at)));
         } else if (m.kind == Meeting::Kind::RunsAlong || back.kind == Meeting::Kind::RunsAlong) {
           if (slit_sides(file, beside, e, f) || !once(e, f)) return;
-          check.fail(
-              edge_place(f),
-              fmt::format("the {} runs along the {} of edge {} at {}; each line may be drawn once",
-                          line_name(file.assignment[f]), line_name(file.assignment[e]), e,
-                          show(m.kind == Meeting::Kind::RunsAlong ? m.at : back.at)));
+          check.fail(edge_place(f),
+                     fmt::format("the {} runs along the {} of edge {} at {}; draw each line once",
+                                 line_name(file.assignment[f]), line_name(file.assignment[e]), e,
+                                 show(m.kind == Meeting::Kind::RunsAlong ? m.at : back.at)));
         } else if (m.kind == Meeting::Kind::VertexInside) {
           vertex_inside(e, m, f);
         } else if (back.kind == Meeting::Kind::VertexInside) {
@@ -239,9 +242,9 @@ void check_lines(const FoldModel& file, const Sheet& sheet, double slack_mm, Ver
   std::size_t borders = 0;
   for (const Assignment a : file.assignment) ++(holds(a) ? folds : borders);
   check.detail = fmt::format(
-      "{} folds, {} borders and sides of cuts; none crosses or doubles another", folds, borders);
+      "{} folds, {} borders and sides of cuts; no line crosses or repeats another", folds, borders);
   if (!check.ok()) check.detail = fmt::format("{} wrong", check.failed);
-  if (!all) check.not_judged("too many edges lie in one place to be compared");
+  if (!all) check.not_judged("too many edges lie in one place to compare them");
 }
 
 }  // namespace popcut::verify

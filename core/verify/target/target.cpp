@@ -22,7 +22,7 @@ const Pose* pose_to_measure(const FoldModel& file) {
 
 void add(TargetDistance& to, double distance_mm) {
   ++to.vertices;
-  to.rms_mm += distance_mm * distance_mm;  // the sum of squares, until it is closed
+  to.rms_mm += distance_mm * distance_mm;  // sum of squares until `closed`
   to.max_mm = std::max(to.max_mm, distance_mm);
 }
 
@@ -35,8 +35,8 @@ TargetDistance closed(TargetDistance sum) {
 
 using Folds = std::vector<std::vector<FoldVertex>>;
 
-/// The valley folds of each strip as (X, Z), each place once. Only those along the spine: V-folds
-/// run across, and cut the crease that they stand on in two.
+/// The valley folds of each strip as (X, Z), each place once. Only folds along the spine: V-folds
+/// run across, and split the crease that they are on.
 Folds valleys_in(const FoldModel& file, const Pose& pose,
                  const std::vector<TargetStation>& stations) {
   Folds found(stations.size());
@@ -59,7 +59,7 @@ Folds valleys_in(const FoldModel& file, const Pose& pose,
   const double near = 1e-7 * reach;
   for (std::vector<FoldVertex>& folds : found) {
     std::sort(folds.begin(), folds.end(), [](const FoldVertex& p, const FoldVertex& q) {
-      return p.x - p.z < q.x - q.z;  // along a falling strip this rises
+      return p.x - p.z < q.x - q.z;  // increases along a falling strip
     });
     const auto last = std::unique(folds.begin(), folds.end(), [&](const auto& p, const auto& q) {
       return std::hypot(p.x - q.x, p.z - q.z) <= near;
@@ -69,7 +69,7 @@ Folds valleys_in(const FoldModel& file, const Pose& pose,
   return found;
 }
 
-/// The outermost fold on the wall and on the ground among those at one station; negative for none.
+/// The outermost fold on the wall and on the ground at one station; negative: none.
 CurveEnds outermost(const std::vector<FoldVertex>& folds, double on_card) {
   CurveEnds ends{-1.0, -1.0};
   for (const FoldVertex& p : folds) {
@@ -79,8 +79,8 @@ CurveEnds outermost(const std::vector<FoldVertex>& folds, double on_card) {
   return ends;
 }
 
-/// How far a connector's end is from the target's end on the slice that it came from: the one
-/// beside it that ends at the same place.
+/// How far a connector's end is from the target's end on the slice that it came from: the
+/// neighbouring slice that ends at the same place.
 double end_error(double end, double left, double right, double left_target, double right_target,
                  double same) {
   const double from_left = std::abs(end - left_target);
@@ -110,7 +110,7 @@ class Measurement {
     }
   }
 
-  /// The ends of a connector against the target's on the two slices beside it.
+  /// The ends of a connector against the target's ends on the two slices beside it.
   void ends(const std::vector<FoldVertex>& folds,
             std::array<const std::vector<FoldVertex>*, 2> beside, std::array<double, 2> s_mm) {
     const CurveEnds here = outermost(folds, on_card_);
@@ -127,7 +127,7 @@ class Measurement {
     }
   }
 
-  TargetDistance inner, all;  ///< with sums of squares, see `closed`
+  TargetDistance inner, all;  ///< sums of squares until `closed`
 
  private:
   bool take(double off, double s_mm) {
@@ -155,9 +155,10 @@ std::optional<TargetDistances> measure_target(const FoldModel& file, const Targe
                                               VerifyCheck& check) {
   const Pose* pose = pose_to_measure(file);
   if (pose == nullptr) {
-    check.fail("/file_frames",
-               "no frame tells its opening angle in frame_popcut:psi_rad; the distance from the "
-               "target needs it");
+    check.fail(
+        "/file_frames",
+        "no frame states its opening angle; add frame_popcut:psi_rad to measure the distance "
+        "from the target");
     return std::nullopt;
   }
   const auto stations = find_stations(file, *pose, target);
@@ -181,8 +182,8 @@ std::optional<TargetDistances> measure_target(const FoldModel& file, const Targe
   if (all.vertices == 0) {
     check.fail(
         "",
-        "no fold of the pattern lies on a slice or connector of the spec; they do not belong "
-        "together");
+        "no fold of the pattern lies on a slice or connector of the spec; is it the spec of this "
+        "pattern?");
   }
   check.detail = fmt::format(
       "{} inner fold vertices: rms {:.3g} mm, max {:.3g} mm; {} with the ends: rms {:.3g} mm, "

@@ -15,31 +15,31 @@
 
 namespace popcut::verify {
 
-/// A slice of the spec, as far as its place on the sheet depends on it.
+/// A slice of the spec: what decides its place on the sheet.
 struct TargetSlice {
   double width_mm{};
   int units{};
-  bool cut_after{};  ///< a plain cut follows, no connector
+  bool cut_after{};  ///< a plain cut follows instead of a connector
 };
 
 /// A target surface and its slices (design reference, section 3).
 struct Target {
   std::unique_ptr<TargetSurface> surface;
-  std::vector<TargetSlice> slices;  ///< empty: the widths were chosen by the design
-  int chosen_units{};               ///< of all slices, where the widths were chosen
+  std::vector<TargetSlice> slices;  ///< empty: the design chose the widths
+  int chosen_units{};               ///< units of all slices, if the design chose the widths
   double margin_mm{};
 };
 
-/// Reads from a design spec what the distance needs: the surface (every kind, regions and composite
-/// too), its placement, the slices with their widths and `card`. Other members are not looked at.
-/// `file_bytes` are those of `target_file_of`, where it names one.
+/// Reads from a design spec what the distance needs: the surface (of any kind, including regions
+/// and composites), its placement, the slices with their widths, and `card`. Ignores other members.
+/// `file_bytes` is the content of the file named by `target_file_of`, if there is one.
 ///
-/// @retval Malformed   not JSON, a wrong type, an expression or a file that cannot be read
-/// @retval OutOfRange  a number that is not lawful, a kind of surface that is not known
+/// @retval Malformed   not JSON, a wrong type, or an expression or file that cannot be read
+/// @retval OutOfRange  a number that is not valid, or an unknown kind of surface
 [[nodiscard]] Result<Target> read_target(std::string_view spec_json,
                                          const std::string& file_bytes = {});
 
-/// A slice or connector: its strip on the sheet and the place of its middle on the target.
+/// A slice or connector: its strip on the sheet, and the place of its middle on the target.
 struct TargetStation {
   double begin_mm{}, end_mm{};
   double s_mm{};
@@ -47,8 +47,8 @@ struct TargetStation {
 
 /// All strips of a pattern that belong to the target, along the spine.
 struct TargetStations {
-  std::vector<TargetStation> slices;  ///< a slice that stands alone is there twice, as two halves
-  /// A connector, or the slice itself where it has none, and the slices beside it.
+  std::vector<TargetStation> slices;  ///< a slice without neighbours occurs twice, as two halves
+  /// A connector (or the slice itself if it has none) and the slices beside it.
   struct Connector {
     TargetStation at;
     std::size_t left{}, right{};
@@ -56,21 +56,21 @@ struct TargetStations {
   std::vector<Connector> connectors;
 };
 
-/// Finds the strips on the sheet: from the spec's widths where the sheet is as wide as they say,
-/// else with the plain cuts that the pattern shows; and the widths too where the design chose them.
+/// Finds the strips on the sheet: by the spec's widths if the sheet is as wide as they say, else
+/// with the plain cuts that the pattern shows. Also finds the widths if the design chose them.
 ///
 /// @retval CheckFailed  the sheet's strips are not those of the spec
 [[nodiscard]] Result<TargetStations> find_stations(const FoldModel& file, const Pose& pose,
                                                    const Target& target);
 
 /// Measures the fold vertices, where a connector's valley folds cross it: the inner ones, and all
-/// with the ends at wall and ground. `check` fails when the pattern does not show them; nothing is
-/// returned where not even that can be looked for.
+/// of them including the ends at wall and ground. `check` fails if the pattern does not show them.
+/// @return none if the pattern allows no measurement at all
 [[nodiscard]] std::optional<TargetDistances> measure_target(const FoldModel& file,
                                                             const Target& target,
                                                             VerifyCheck& check);
 
-/// Undoes the pose: the point (X, Z) from (X + Z cos psi, v, Z sin psi).
+/// Inverts the pose: the point (X, Z) from (X + Z cos psi, v, Z sin psi).
 struct FoldVertex {
   double x{}, z{};
 };

@@ -61,7 +61,8 @@ Result<TargetTriangles> read_binary_stl(const std::string& name, const std::stri
   if (auto fits = room(name, count); !fits) return tl::unexpected<Error>(fits.error());
   TargetTriangles out;
   out.corners.resize(9 * count);
-  for (std::size_t t = 0; t < count; ++t)  // after 84 bytes of head and 12 of a normal each
+  for (std::size_t t = 0; t < count;
+       ++t)  // after 84 bytes of header, and 12 of normal per triangle
     std::memcpy(out.corners.data() + 9 * t, bytes.data() + 84 + 50 * t + 12, 36);
   for (const float value : out.corners)
     if (!std::isfinite(value))
@@ -75,11 +76,11 @@ Result<TargetTriangles> read_text_stl(const std::string& name, std::string_view 
     std::string_view rest = next_line(text);
     if (next_word(rest) != "vertex") continue;
     std::array<float, 3> p{};
-    if (!three_numbers(rest, p)) return wrong(name, line, "three numbers are needed after vertex");
+    if (!three_numbers(rest, p)) return wrong(name, line, "give three numbers after vertex");
     out.corners.insert(out.corners.end(), p.begin(), p.end());
     if (auto fits = room(name, out.size()); !fits) return tl::unexpected<Error>(fits.error());
   }
-  if (out.corners.size() % 9 != 0) return wrong(name, 0, "the last facet is cut off");
+  if (out.corners.size() % 9 != 0) return wrong(name, 0, "the last facet is incomplete");
   return out;
 }
 
@@ -92,7 +93,7 @@ Result<TargetTriangles> read_obj(const std::string& name, std::string_view text)
     if (word == "v") {
       points.emplace_back();
       if (!three_numbers(rest, points.back()))
-        return wrong(name, line, "three numbers are needed after v");
+        return wrong(name, line, "give three numbers after v");
     }
     if (word != "f") continue;
     std::vector<std::size_t> face;
@@ -101,7 +102,7 @@ Result<TargetTriangles> read_obj(const std::string& name, std::string_view text)
       const double count = static_cast<double>(points.size());
       const double k = index ? (*index < 0.0 ? count + *index : *index - 1.0) : -1.0;
       if (!(k >= 0.0) || k >= count)
-        return wrong(name, line, "a face names a point that is not there");
+        return wrong(name, line, "a face uses a point that does not exist");
       face.push_back(static_cast<std::size_t>(k));
     }
     for (std::size_t k = 2; k < face.size(); ++k)
@@ -125,7 +126,7 @@ bool is_binary_stl(const std::string& bytes) {
   return bytes.size() == 84 + 50 * static_cast<std::size_t>(count);
 }
 
-/// The rows of a table of numbers; the very first cell may hold anything.
+/// The rows of a table of numbers; the first cell may hold anything.
 struct Table {
   std::vector<double> x, y, z;
 };
@@ -149,10 +150,10 @@ Result<Table> read_table(const std::string& name, std::string_view text) {
       if (line == 1 && column == 0) continue;
       const auto value = number(next_word(cell));
       if (!value || !next_word(cell).empty())
-        return wrong(name, line, fmt::format("column {} is no number", column + 1));
+        return wrong(name, line, fmt::format("column {} is not a number", column + 1));
       auto& list = line == 1 ? table.x : column == 0 ? table.y : table.z;
       if (&list != &table.z && !list.empty() && !(*value > list.back()))
-        return wrong(name, line, fmt::format("column {} does not grow", column + 1));
+        return wrong(name, line, fmt::format("column {} does not increase", column + 1));
       list.push_back(*value);
     }
     if (line > 1 && column != table.x.size() + 1)
@@ -161,7 +162,7 @@ Result<Table> read_table(const std::string& name, std::string_view text) {
       return tl::unexpected<Error>(fits.error());
   }
   if (table.x.size() < 2 || table.y.size() < 2)
-    return wrong(name, 0, "two or more values of x and of y are needed");
+    return wrong(name, 0, "the grid needs at least two values of x and of y");
   return table;
 }
 
@@ -171,8 +172,7 @@ Result<TargetTriangles> read_target_mesh(const std::string& name, const std::str
   auto read = is_obj(name)           ? read_obj(name, bytes)
               : is_binary_stl(bytes) ? read_binary_stl(name, bytes)
                                      : read_text_stl(name, bytes);
-  if (read && read->size() == 0)
-    return wrong(name, 0, "no triangle is in it; an STL or OBJ file is needed");
+  if (read && read->size() == 0) return wrong(name, 0, "has no triangles; give an STL or OBJ file");
   return read;
 }
 

@@ -23,7 +23,7 @@ double distance(const Piece& piece, double x, double z) {
   return std::hypot(vx - t * ux, vz - t * uz);
 }
 
-/// Pieces of one section, in columns of equal width by their x.
+/// The pieces of one section, in columns of equal width by their x.
 class SectionIndex {
  public:
   SectionIndex() = default;
@@ -36,7 +36,7 @@ class SectionIndex {
       high = std::max({high, p.a[0], p.b[0]});
       sum += std::abs(p.b[0] - p.a[0]);
     }
-    // As wide as a mean piece, so that a piece is in three columns on average at most.
+    // Columns are as wide as the mean piece, so a piece is in at most three columns on average.
     const double count = static_cast<double>(pieces_.size());
     width_ = std::max({sum / count, (high - low_) / count, 1e-12});
     const std::size_t columns = 1 + static_cast<std::size_t>((high - low_) / width_);
@@ -83,7 +83,7 @@ class SectionIndex {
   std::vector<std::uint32_t> item_;
 };
 
-/// Keeps of a piece what lies in the corner; false where that is nothing, or lies on wall or
+/// Keeps the part of a piece inside the corner; false if there is none or it lies on wall or
 /// ground.
 bool clip(Piece& piece, double touch_mm) {
   for (const std::size_t axis : {0u, 1u}) {
@@ -157,8 +157,8 @@ class Mesh : public TargetSurface {
     return offset <= 0.0 ? 0 : std::min(first_.size() - 2, static_cast<std::size_t>(offset));
   }
 
-  /// The section, kept until another is asked for. The surface's own first and last plane are cut
-  /// a billionth of its length inside.
+  /// The section at `s_mm`, cached until another one is needed. The surface's own first and last
+  /// plane are cut a billionth of its length inside.
   [[nodiscard]] const SectionIndex& section(double s_mm) const {
     if (s_mm == last_s_) return last_;
     last_s_ = s_mm;

@@ -34,8 +34,8 @@ Result<Json> parse_spec(std::string_view text) {
     return !deep;
   };
   Json spec = Json::parse(text, watch, false);
-  if (deep || spec.is_discarded()) return wrong("", "the spec is not JSON, or nested too deep");
-  if (!spec.is_object()) return wrong("/", "a design spec is an object");
+  if (deep || spec.is_discarded()) return wrong("", "the spec is not JSON, or is nested too deep");
+  if (!spec.is_object()) return wrong("/", "a design spec must be an object");
   return spec;
 }
 
@@ -47,11 +47,11 @@ Result<double> number_at(const Json& spec, const std::string& pointer,
     if (otherwise) return *otherwise;
     return wrong(pointer, "missing; verify needs it to find the slices");
   }
-  if (!spec.at(at).is_number()) return wrong(pointer, "it must be a number");
+  if (!spec.at(at).is_number()) return wrong(pointer, "must be a number");
   const double value = spec.at(at).get<double>();
   if (!(value >= low && value <= high))
     return fail(ErrorKind::OutOfRange, pointer,
-                fmt::format("it is {:g}; a number from {:g} to {:g} is needed", value, low, high));
+                fmt::format("is {:g}; use a number from {:g} to {:g}", value, low, high));
   return value;
 }
 
@@ -65,7 +65,7 @@ Result<TargetPlacement> read_placement(const Json& spec) {
     if (!spec.contains(member)) continue;
     const std::string place = std::string("/") + member;
     if (!spec[member].is_array() || spec[member].size() != 3)
-      return wrong(place, "it must be a list of three numbers");
+      return wrong(place, "must be a list of three numbers");
     for (std::size_t k = 0; k < 3; ++k) {
       const auto value = number_at(spec, fmt::format("{}/{}", place, k), std::nullopt);
       if (!value) return tl::unexpected<Error>(value.error());
@@ -81,7 +81,7 @@ Result<TargetFormula> formula_at(const Json& object, const char* member, const s
                                  std::optional<double> length = std::nullopt) {
   const std::string at = fmt::format("{}/{}", place, member);
   if (!object.contains(member) || !object[member].is_string())
-    return wrong(at, "it must be an expression");
+    return wrong(at, "must be an expression");
   auto formula = read_formula(object[member].get<std::string>(), length);
   if (!formula) return wrong(at, formula.error().detail);
   return formula;
@@ -90,11 +90,11 @@ Result<TargetFormula> formula_at(const Json& object, const char* member, const s
 Result<Surface> read_surface(const Json& surface, const TargetPlacement& placement,
                              const std::string& file_bytes) {
   if (!surface.is_object() || !surface.contains("type") || !surface["type"].is_string())
-    return wrong("/surface", "it must be an object with a type");
+    return wrong("/surface", "must be an object with a type");
   const std::string type = surface["type"].get<std::string>();
   if (type == "grid" || type == "mesh") {
     if (!surface.contains("file") || !surface["file"].is_string())
-      return wrong("/surface/file", "it must be the name of a file");
+      return wrong("/surface/file", "must be the name of a file");
     const std::string name = surface["file"].get<std::string>();
     auto triangles =
         type == "grid" ? read_target_grid(name, file_bytes) : read_target_mesh(name, file_bytes);
@@ -104,8 +104,8 @@ Result<Surface> read_surface(const Json& surface, const TargetPlacement& placeme
   const bool revolution = type == "revolution", profile = type == "profile";
   if (!revolution && !profile && type != "implicit")
     return fail(ErrorKind::OutOfRange, "/surface/type",
-                fmt::format("\"{}\" is not known; revolution, profile, implicit, grid, mesh or "
-                            "composite is needed",
+                fmt::format("\"{}\" is unknown; use revolution, profile, implicit, grid, mesh or "
+                            "composite",
                             type.substr(0, 40)));
   auto formula = formula_at(surface, revolution ? "radius" : profile ? "z" : "f", "/surface");
   if (!formula) return tl::unexpected<Error>(formula.error());
@@ -120,7 +120,7 @@ Result<std::array<TargetFormula, 3>> composite_radii(const Json& surface,
   const Json& radii = surface.contains("radii") ? surface["radii"] : Json();
   if (!radii.is_array() || radii.size() != 3 || !radii[0].is_number() || !radii[1].is_number() ||
       !radii[2].is_number())
-    return wrong("/surface/radii", "they must be three numbers");
+    return wrong("/surface/radii", "must be three numbers");
   if (lengths.size() != 3) return wrong("/regions", "a composite surface needs three");
   const double r1 = radii[0].get<double>(), r2 = radii[1].get<double>(),
                r3 = radii[2].get<double>();
@@ -160,7 +160,7 @@ Result<void> read_widths(const Json& spec, Target& target) {
   return {};
 }
 
-/// The slices of the regions; where each begins and how long it is.
+/// The slices of the regions: where each begins and how long it is.
 struct RegionPlaces {
   std::vector<double> origin_mm, middle_mm, length_mm;
 };
@@ -168,7 +168,7 @@ struct RegionPlaces {
 Result<RegionPlaces> read_regions(const Json& regions, Target& target) {
   RegionPlaces out;
   if (!regions.is_array() || regions.empty() || regions.size() > 1000)
-    return wrong("/regions", "it must be a list of 1 to 1000 regions");
+    return wrong("/regions", "must be a list of 1 to 1000 regions");
   double s = 0.0;
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const Json& region = regions[r];
@@ -185,7 +185,7 @@ Result<RegionPlaces> read_regions(const Json& regions, Target& target) {
       return wrong(place + "/widths_mm",
                    fmt::format("{} widths for {} slices", region["widths_mm"].size(), count));
     if (target.slices.size() + count > kMostSlices)
-      return wrong(place, "more than a million slices in all");
+      return wrong(place, "the spec has more than a million slices");
     if (!target.slices.empty())
       target.slices.back().cut_after = target.slices.back().units != static_cast<int>(*units);
     double length = 0.0;
@@ -209,7 +209,7 @@ Result<RegionPlaces> read_regions(const Json& regions, Target& target) {
   return out;
 }
 
-/// One surface for all, or the regions' own.
+/// One surface for all regions, or one per region.
 Result<Surface> read_stretches(const Json& spec, const RegionPlaces& places,
                                const TargetPlacement& placement, const std::string& file_bytes) {
   const Json& regions = spec["regions"];
@@ -232,7 +232,9 @@ Result<Surface> read_stretches(const Json& spec, const RegionPlaces& places,
   std::vector<TargetStretch> stretches;
   for (std::size_t r = 0; r < regions.size(); ++r) {
     if (!composite && !regions[r].contains("radius")) {
-      if (!common) return wrong(fmt::format("/regions/{}/radius", r), "missing, as is /surface");
+      if (!common)
+        return wrong(fmt::format("/regions/{}/radius", r),
+                     "missing; give a radius here or a /surface");
       stretches.push_back({places.middle_mm[r], 0.0, common});
       continue;
     }
@@ -253,7 +255,7 @@ Result<Target> read_target(std::string_view spec_json, const std::string& file_b
   if (!spec) return tl::unexpected<Error>(spec.error());
   if (spec->contains("patches"))
     return fail(ErrorKind::OutOfRange, "/patches",
-                "verify measures one patch at a time; give it the spec of that patch alone");
+                "verify measures one patch at a time; give the spec of that patch alone");
   const auto placement = read_placement(*spec);
   if (!placement) return tl::unexpected<Error>(placement.error());
   const bool plain =

@@ -8,9 +8,9 @@
 namespace popcut::verify {
 namespace {
 
-constexpr double kMost = 1e4;  ///< a solid's reach, in units of the surface
+constexpr double kMost = 1e4;  ///< largest size of a solid, in units of the surface
 
-/// The border of a solid, by its sign.
+/// The border of a solid, found by the sign of its function.
 class Solid : public TargetSurface {
  public:
   Solid(TargetFormula f, const TargetPlacement& placement)
@@ -50,7 +50,7 @@ class Solid : public TargetSurface {
     double s, x, z;
     bool here;
 
-    /// Whether the point in this direction lies in the corner, on the other side of the border.
+    /// Whether the point in this direction is in the corner and on the other side of the border.
     [[nodiscard]] bool differs(double angle, double r) const {
       const double px = x + r * std::cos(angle), pz = z + r * std::sin(angle);
       return px >= 0.0 && pz >= 0.0 && solid.inside(s, px, pz) != here;
@@ -63,7 +63,7 @@ class Solid : public TargetSurface {
       }
       return far;
     }
-    /// Turns towards the nearest place of the border.
+    /// Turns towards the nearest point of the border.
     [[nodiscard]] double narrowed(double angle, double best, double step) const {
       for (int k = 0; k < 26; ++k) {
         bool better = false;
@@ -78,7 +78,7 @@ class Solid : public TargetSurface {
     }
   };
 
-  /// The farthest place of the solid on the wall, or on the ground.
+  /// The farthest point of the solid on the wall or on the ground.
   [[nodiscard]] double end(double s, bool wall) const {
     const auto within = [&](double a) { return wall ? inside(s, 0.0, a) : inside(s, a, 0.0); };
     double in = -1.0, out = -1.0;

@@ -10,7 +10,7 @@
 namespace popcut::verify {
 namespace {
 
-/// The strips' borders on the sheet: places along the spine that have vertices.
+/// The strips' borders on the sheet: positions along the spine that have vertices.
 class Borders {
  public:
   Borders(const FoldModel& file, const Pose& pose) : file_(file), pose_(pose) {
@@ -37,8 +37,8 @@ class Borders {
   }
   [[nodiscard]] const std::vector<double>& all() const { return v_; }
 
-  /// Whether panels are joined across the border at `v`, other than those of wall and ground: the
-  /// mark of a connector, which a plain cut lacks.
+  /// Whether panels other than those of wall and ground connect across the border at `v`. This
+  /// marks a connector; a plain cut has no such panels.
   [[nodiscard]] bool joined(double v) {
     if (joined_.empty()) find_joined();
     const std::size_t k = index(v);
@@ -52,7 +52,7 @@ class Borders {
       const FoldVertex p = unposed(pose_.at[k], *pose_.psi_rad);
       return std::array{std::abs(p.x) <= 1e-9 * reach_, std::abs(p.z) <= 1e-9 * reach_};
     };
-    // A face is in one piece, so it goes through every border between its ends.
+    // A face is one piece, so it goes through every border between its ends.
     std::vector<int> opens(v_.size() + 2);
     for (std::size_t f = 0; f < file_.faces(); ++f) {
       double low = v_.back(), high = v_.front();
@@ -87,15 +87,15 @@ class Borders {
   std::vector<std::uint8_t> joined_;
 };
 
-/// Lays the slices out from left to right; the stations and where the last strip ends.
+/// Lays out the slices from left to right: the stations, and where the last strip ends.
 struct LaidOut {
   TargetStations stations;
   double end_mm{};
 };
 
-/// With `borders`, a plain cut across which panels are joined is a bridge: a connector between
-/// slices whose levels do not pair, half as wide as the slice strips beside it together. Bridges
-/// are not measured, for they follow the target only where planes of both sides let them.
+/// With `borders`, a plain cut across which panels connect is a bridge: a connector between slices
+/// whose levels do not pair, half as wide as the two slice strips beside it together. Bridges are
+/// not measured, because they follow the target only where planes of both sides allow it.
 LaidOut lay_out(const std::vector<TargetSlice>& slices, double begin_mm,
                 Borders* borders = nullptr) {
   const auto is_alone = [&](std::size_t j) {
@@ -146,7 +146,7 @@ LaidOut lay_out(const std::vector<TargetSlice>& slices, double begin_mm,
   return out;
 }
 
-/// The plain cuts that the pattern has beyond those of the spec.
+/// The slices with the plain cuts that the pattern has beyond those of the spec.
 std::vector<TargetSlice> with_shown_cuts(std::vector<TargetSlice> slices, double begin_mm,
                                          Borders& borders) {
   double v = begin_mm;
@@ -158,8 +158,8 @@ std::vector<TargetSlice> with_shown_cuts(std::vector<TargetSlice> slices, double
       continue;
     }
     const bool starts = j == 0 || slices[j - 1].cut_after || slices[j - 1].units == 1;
-    // A slice alone is laid as halves: its first strip is half as wide, a connector follows, and
-    // behind its last one nothing is joined.
+    // A slice without neighbours has two halves: its first strip is half as wide, a connector
+    // follows, and nothing connects after the last one.
     if (starts && borders.at(v + 0.25 * w) && borders.joined(v + 0.25 * w) &&
         !borders.joined(v + 0.75 * w)) {
       slice.cut_after = true;
@@ -173,7 +173,7 @@ std::vector<TargetSlice> with_shown_cuts(std::vector<TargetSlice> slices, double
   return slices;
 }
 
-/// The widths that the strips between the margins show, slice and connector in turn.
+/// The widths of the strips between the margins, alternating slice and connector.
 std::vector<TargetSlice> shown_slices(int units, double begin_mm, double end_mm, Borders& borders) {
   std::vector<TargetSlice> out;
   std::vector<double> width;
@@ -215,8 +215,8 @@ Result<TargetStations> find_stations(const FoldModel& file, const Pose& pose,
   const LaidOut cut = lay_out(with_shown_cuts(slices, begin, borders), begin);
   if (std::abs(cut.end_mm - end) <= same) return cut.stations;
   return fail(ErrorKind::CheckFailed, "",
-              fmt::format("the strips reach over {:.6g} mm of the spine and those of the spec over "
-                          "{:.6g} mm; they do not belong together",
+              fmt::format("the pattern's strips cover {:.6g} mm of the spine, those of the spec "
+                          "{:.6g} mm; is it the spec of this pattern?",
                           end - begin, laid.end_mm - begin));
 }
 

@@ -24,7 +24,7 @@ class Expression {
     parser_.DefineConst("pi", std::numbers::pi);
     parser_.DefineConst("e", std::numbers::e);
     parser_.SetExpr(text);
-    (void)parser_.Eval();  // throws on what it cannot read
+    (void)parser_.Eval();  // throws if it cannot parse the expression
   }
   Expression(const Expression&) = delete;
   Expression& operator=(const Expression&) = delete;
@@ -35,7 +35,7 @@ class Expression {
     z_ = z;
     try {
       return parser_.Eval();
-    } catch (const mu::Parser::exception_type&) {  // some functions tell their domain's end so
+    } catch (const mu::Parser::exception_type&) {  // some functions throw outside their domain
       return std::numeric_limits<double>::quiet_NaN();
     }
   }
@@ -45,7 +45,7 @@ class Expression {
   mu::Parser parser_;
 };
 
-/// y of the surface at a place along the spine, for an upright one.
+/// The surface's y at a position along the spine, for an upright placement.
 double upright_y(const TargetPlacement& placement, double s_mm) {
   return (s_mm - placement.translate_mm[1]) / placement.scale_mm;
 }
@@ -73,7 +73,7 @@ class Revolution : public TargetSurface {
   TargetPlacement placement_;
 };
 
-/// A profile z(x, y), for x from 0 to where it comes down to 0.
+/// A profile z(x, y), for x from 0 to where it reaches 0.
 class Profile : public TargetSurface {
  public:
   Profile(TargetFormula z, const TargetPlacement& placement)
@@ -85,8 +85,8 @@ class Profile : public TargetSurface {
     };
     const double end = ground_end(y);
     if (!(end > 0.0)) return -1.0;
-    // Sampled, then narrowed about the nearest sample. Near the ground the curve can be steep, so
-    // samples thicken towards both ends.
+    // Sampled, then narrowed around the nearest sample. The curve can be steep near the ground, so
+    // samples are denser towards both ends.
     constexpr int kSamples = 400;
     const auto at = [&](double t) { return end * 0.5 * (1.0 - std::cos(std::numbers::pi * t)); };
     int nearest = 0;
@@ -110,7 +110,7 @@ class Profile : public TargetSurface {
   }
 
  private:
-  /// Smallest x > 0 at which the profile is down at 0; negative if it never is.
+  /// The smallest x > 0 at which the profile reaches 0; negative if it never does.
   [[nodiscard]] double ground_end(double y) const {
     const double height = z_(0.0, y, 0.0);
     if (!(height > 0.0)) return -1.0;
@@ -135,7 +135,7 @@ class Profile : public TargetSurface {
   double scale_;
 };
 
-/// One surface after the other along the spine.
+/// Several surfaces, one after the other along the spine.
 class Stretched : public TargetSurface {
  public:
   explicit Stretched(std::vector<TargetStretch> stretches) : stretches_(std::move(stretches)) {}
@@ -199,7 +199,7 @@ std::array<double, 3> PlacedFrame::to_surface(const std::array<double, 3>& p) co
 
 namespace {
 
-/// A "=" that is no part of ==, !=, <= or >=: the parser would set a variable by it.
+/// Whether there is a "=" that is not part of ==, !=, <= or >=: the parser would set a variable.
 bool assigns(const std::string& text) {
   for (std::size_t k = 0; k < text.size(); ++k) {
     if (text[k] != '=') continue;
@@ -216,9 +216,8 @@ bool assigns(const std::string& text) {
 
 Result<TargetFormula> read_formula(const std::string& expression, std::optional<double> length) {
   if (assigns(expression))
-    return fail(
-        ErrorKind::Malformed, "",
-        "the expression sets a variable by \"=\"; write a formula without it (== compares)");
+    return fail(ErrorKind::Malformed, "",
+                "the expression sets a variable with \"=\"; remove it, or use == to compare");
   try {
     auto shared = std::make_shared<Expression>(expression, length);
     return [shared](double x, double y, double z) { return (*shared)(x, y, z); };

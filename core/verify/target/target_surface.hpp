@@ -12,7 +12,7 @@
 
 namespace popcut::verify {
 
-/// Where a target's curve meets the wall (height) and the ground (offset), in mm; negative where it
+/// Where a target's curve meets the wall (height) and the ground (offset), in mm; negative if it
 /// does not.
 struct CurveEnds {
   double wall{};
@@ -23,23 +23,24 @@ struct CurveEnds {
 class TargetSurface {
  public:
   virtual ~TargetSurface() = default;
-  /// Distance of the point (x, z) from the target's curve at `s_mm`, within that plane; negative
-  /// where the target has no curve there.
+  /// Distance of the point (x, z) from the target's curve in the plane at `s_mm`; negative if the
+  /// target has no curve there.
   [[nodiscard]] virtual double distance_mm(double s_mm, double x_mm, double z_mm) const = 0;
   [[nodiscard]] virtual CurveEnds ends_mm(double s_mm) const = 0;
 };
 
-/// How a surface stands in the corner: its point q is at `R_z R_y R_x (scale_mm q) + translate_mm`.
+/// How a surface is placed in the corner: its point q is at `R_z R_y R_x (scale_mm q) +
+/// translate_mm`.
 struct TargetPlacement {
   double scale_mm{1.0};
   std::array<double, 3> rotate_deg{};
   std::array<double, 3> translate_mm{};
 
-  /// No turn, and no shift but along the spine.
+  /// Not turned, and shifted only along the spine.
   [[nodiscard]] bool upright() const;
 };
 
-/// The placement as a map.
+/// The placement as a map between surface and corner coordinates.
 class PlacedFrame {
  public:
   explicit PlacedFrame(const TargetPlacement& placement);
@@ -55,54 +56,56 @@ class PlacedFrame {
 /// A formula of x, y and z, in units of the surface.
 using TargetFormula = std::function<double(double, double, double)>;
 
-/// Reads an expression of x, y, z and (where there is one) the region's length L.
+/// Parses an expression of x, y, z and (if given) the region's length L.
 ///
-/// @retval Malformed  it cannot be read
+/// @retval Malformed  it cannot be parsed
 [[nodiscard]] Result<TargetFormula> read_formula(const std::string& expression,
                                                  std::optional<double> length);
 
-/// Quarter circles about the spine, `radius(0, y, 0)`.
+/// Quarter circles about the spine, of radius `radius(0, y, 0)`.
 [[nodiscard]] std::unique_ptr<TargetSurface> revolution_target(TargetFormula radius,
                                                                const TargetPlacement& placement);
 /// A profile: the height is `z(x, y, 0)`.
 [[nodiscard]] std::unique_ptr<TargetSurface> profile_target(TargetFormula z,
                                                             const TargetPlacement& placement);
-/// The border of what is inside, `f(x, y, z) < 0`; not a number is outside. Found by signs alone:
-/// the nearest place where the sign changes, on growing circles, then narrowed along and across.
+/// The border of the solid `f(x, y, z) < 0`; NaN is outside. Found by signs alone: searches growing
+/// circles for the nearest place where the sign changes, then narrows along and across.
 [[nodiscard]] std::unique_ptr<TargetSurface> solid_target(TargetFormula f,
                                                           const TargetPlacement& placement);
 
-/// Triangles as a file has them: nine coordinates each.
+/// Triangles of a file: nine coordinates each.
 struct TargetTriangles {
   std::vector<float> corners;
   [[nodiscard]] std::size_t size() const { return corners.size() / 9; }
 };
 
-/// Reads binary and text STL, and OBJ (`name` tells which).
+/// Reads binary and text STL, and OBJ (decided by `name`).
 ///
-/// @retval Malformed   broken or without faces
-/// @retval OutOfRange  more than ten million triangles, a coordinate that is not finite
+/// @retval Malformed   invalid or without faces
+/// @retval OutOfRange  more than ten million triangles, or a coordinate that is not finite
 [[nodiscard]] Result<TargetTriangles> read_target_mesh(const std::string& name,
                                                        const std::string& bytes);
-/// Reads heights over a grid from CSV (x values in the first row, y values in the first column);
-/// each cell is two triangles that share the diagonal from the least to the largest x and y.
+/// Reads heights over a grid from CSV (x values in the first row, y values in the first column).
+/// Each cell becomes two triangles that share the diagonal from the smallest to the largest x and
+/// y.
 ///
-/// @retval Malformed  a cell that is no number, a row of another length, x or y that do not grow
+/// @retval Malformed  a cell that is not a number, a row of a different length, or x or y that do
+///                    not increase
 [[nodiscard]] Result<TargetTriangles> read_target_grid(const std::string& name,
                                                        const std::string& bytes);
 
-/// The sections of triangles: a plane's nearest piece counts, whether it is seen from outside or
-/// not. Ends are where the section reaches wall and ground.
+/// The sections of triangles: the nearest piece in a plane counts, whether or not it is visible
+/// from outside. The ends are where the section reaches wall and ground.
 [[nodiscard]] std::unique_ptr<TargetSurface> mesh_target(TargetTriangles triangles,
                                                          const TargetPlacement& placement);
 
-/// A stretch of the spine with a surface of its own, told places from `origin_mm`.
+/// A stretch of the spine with its own surface, whose positions count from `origin_mm`.
 struct TargetStretch {
-  double begin_mm{};  ///< it holds from here on
+  double begin_mm{};  ///< where the stretch begins
   double origin_mm{};
   std::shared_ptr<const TargetSurface> surface;
 };
-/// Stretch by stretch along the spine; `stretches` rise.
+/// Surfaces of stretches along the spine; `stretches` must be sorted by `begin_mm`.
 [[nodiscard]] std::unique_ptr<TargetSurface> stretched_target(std::vector<TargetStretch> stretches);
 
 }  // namespace popcut::verify

@@ -11,18 +11,18 @@ namespace popcut {
 /// What a stroke or a fill is painted with.
 struct SvgPaint {
   enum class Kind : std::uint8_t {
-    None,     ///< nothing is painted
+    None,     ///< not painted
     Colour,   ///< `rgb`
     Current,  ///< the colour of `color`
-    Server,   ///< a gradient or pattern; `rgb` is the colour that stands in for it
+    Server,   ///< a gradient or pattern; `rgb` is its fallback colour
   };
   Kind kind{Kind::None};
   std::uint32_t rgb{};  ///< 0xRRGGBB
   friend bool operator==(const SvgPaint&, const SvgPaint&) = default;
 };
 
-/// A paint of SVG: none, a CSS colour (names, #hex, rgb(), hsl(), currentColor), or url(#id) with
-/// or without a colour after it. What is wholly transparent is none.
+/// Parses a paint: none, a CSS colour (names, #hex, rgb(), hsl(), currentColor), or url(#id) with
+/// or without a fallback colour. A fully transparent paint is none. No value: not a paint.
 [[nodiscard]] std::optional<SvgPaint> parse_svg_paint(std::string_view text);
 
 /// "#rrggbb".

@@ -21,7 +21,7 @@ bool is_name(char c) {
          c == '_' || static_cast<unsigned char>(c) >= 0x80;
 }
 
-// The first of `ends` from `at` on that is in no quotes and no brackets; the size if there is none.
+// The first of `ends` from `at` on, outside quotes and brackets; the size if there is none.
 std::size_t find_outside(std::string_view text, std::size_t at, std::string_view ends) {
   int round = 0, square = 0;
   for (; at < text.size(); ++at) {
@@ -45,7 +45,7 @@ std::size_t find_outside(std::string_view text, std::size_t at, std::string_view
   return text.size();
 }
 
-// Past the brace that closes the one before `at`.
+// The position after the brace that closes the one before `at`.
 std::size_t past_block(std::string_view text, std::size_t at) {
   for (int depth = 1; at < text.size();) {
     at = find_outside(text, at, "{}");
@@ -114,7 +114,7 @@ bool is_that(const CssCompound& part, const pugi::xml_node& node) {
                      [&](const CssAttribute& test) { return holds(test, node); });
 }
 
-// Whether parts 0 .. `count` - 1 fit, the last of them `node`. Where steps run out: no.
+// Whether parts 0 .. `count` - 1 match, the last of them `node`. Without steps left: no.
 bool fits(const CssRule& rule, std::size_t count, pugi::xml_node node, std::size_t& steps) {
   if (steps == 0 || !is_that(rule.parts[count - 1], node)) return false;
   --steps;
@@ -155,7 +155,7 @@ class SelectorReader {
   }
 
  private:
-  // A name, its escapes undone.
+  // A name with its escapes resolved.
   std::string_view name() {
     const std::size_t from = at_;
     while (at_ < text_.size() && is_name(text_[at_])) ++at_;
@@ -170,7 +170,8 @@ class SelectorReader {
     texts_.push_back(std::move(plain));
     return texts_.back();
   }
-  // After a backslash: up to six hexadecimal digits and a blank, or the character itself.
+  // The character after a backslash: up to six hexadecimal digits and a space, or the character
+  // itself.
   char escaped() {
     const auto digit = [](char c) {
       if (c >= '0' && c <= '9') return c - '0';
@@ -245,7 +246,7 @@ class SelectorReader {
     return name();
   }
 
-  // Those of people's hands never hold on paper.
+  // Pseudo-classes for interaction (:hover) never match on paper.
   bool pseudo(CssCompound& part, CssRule& rule) {
     ++at_;
     const std::string_view word = name();
@@ -422,8 +423,8 @@ bool CssSheets::find(const pugi::xml_node& node, std::string_view type, std::str
   try_key(by_type_, type);
   try_bucket(others_);
   const auto from = found.begin() + static_cast<std::ptrdiff_t>(first);
-  // Rules lie in the order of the sheets, so their addresses break ties. A class that an element
-  // names twice finds its rules twice, which changes nothing.
+  // Rules are in the order of the sheets, so their addresses break ties. An element that names a
+  // class twice finds its rules twice, which has no effect.
   std::sort(from, found.end(), [](const CssRule* a, const CssRule* b) {
     return a->specificity != b->specificity ? a->specificity < b->specificity : a < b;
   });

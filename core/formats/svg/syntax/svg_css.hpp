@@ -21,25 +21,25 @@ struct CssDeclaration {
   bool important{false};
 };
 
-/// Takes the first declaration off `rest`, quotes and brackets respected; false at the end. What
-/// is no declaration is passed over.
+/// Removes the first declaration from `rest`, respecting quotes and brackets; returns false at the
+/// end. Skips what is not a declaration.
 [[nodiscard]] bool next_declaration(std::string_view& rest, CssDeclaration& out);
-/// The text with blanks for its comments.
+/// The text with spaces in place of its comments.
 [[nodiscard]] std::string without_css_comments(std::string_view text);
 
-/// `name`, `name=value` and the like between brackets of a selector.
+/// An attribute condition in brackets, such as `name` or `name=value`.
 struct CssAttribute {
   std::string_view name, value;
-  char test{};  ///< 0 (is there), '=', or the character before '=': ~ | ^ $ *
+  char test{};  ///< 0: it exists; '='; or the character before '=': ~ | ^ $ *
 };
 
-/// What one element must be: `path.cut#a[data-x]`.
+/// Conditions on one element: `path.cut#a[data-x]`.
 struct CssCompound {
   std::string_view type, id;  ///< empty: any
   std::vector<std::string_view> classes;
   std::vector<CssAttribute> attributes;
   bool is_root{false};
-  bool child{false};  ///< it is the parent of the next one, not only an ancestor
+  bool child{false};  ///< must be the parent of the next part, not just an ancestor
 };
 
 /// One selector with its declarations.
@@ -54,13 +54,13 @@ class CssSheets {
  public:
   static constexpr std::size_t kMostSelectors = 50'000;
 
-  /// Reads one sheet. What it does not know is passed over and counted.
+  /// Reads one sheet. Skips and counts what it does not know.
   ///
   /// @retval OutOfRange  more than `kMostSelectors` in all sheets
   [[nodiscard]] Result<void> add(std::string_view text);
 
-  /// Adds the rules that fit `node` to `found`, weakest first. Comparisons are taken off `steps`;
-  /// false when they do not suffice.
+  /// Appends the rules that match `node` to `found`, weakest first. Each comparison uses up one of
+  /// `steps`; returns false if there are not enough.
   [[nodiscard]] bool find(const pugi::xml_node& node, std::string_view type, std::string_view id,
                           std::string_view classes, std::size_t& steps,
                           std::vector<const CssRule*>& found) const;
@@ -69,13 +69,13 @@ class CssSheets {
   [[nodiscard]] std::size_t unknown_selectors() const { return unknown_selectors_; }
   [[nodiscard]] std::size_t unknown_blocks() const { return unknown_blocks_; }  ///< @media ...
   [[nodiscard]] std::size_t imports() const { return imports_; }
-  /// The first selector or block that is not known.
+  /// The first unknown selector or block.
   [[nodiscard]] const std::string& first_unknown() const { return first_unknown_; }
 
  private:
   friend class CssSheetReader;
   using Bucket = std::vector<std::uint32_t>;
-  std::deque<std::string> texts_;  ///< what all views point into
+  std::deque<std::string> texts_;  ///< storage behind all string views
   std::vector<CssRule> rules_;
   std::unordered_map<std::string_view, Bucket> by_id_, by_class_, by_type_;
   Bucket others_;

@@ -15,11 +15,11 @@ struct Wording {
 Wording wording(SvgNote note) {
   switch (note) {
     case SvgNote::Dashed:
-      return {"line is dashed by its style and is cut as those dashes",
-              "lines are dashed by their style and are cut as those dashes", ""};
+      return {"line has a dashed style and is cut as dashes",
+              "lines have a dashed style and are cut as dashes", ""};
     case SvgNote::Dots:
-      return {"line is dashed into dots without length, which cannot be cut",
-              "lines are dashed into dots without length, which cannot be cut",
+      return {"line consists of dots without length, which cannot be cut",
+              "lines consist of dots without length, which cannot be cut",
               "give the dashes a length"};
     case SvgNote::FillCut:
       return {"shape has a fill but no stroke and is cut along its outline",
@@ -29,40 +29,41 @@ Wording wording(SvgNote note) {
               "shapes have a fill but no stroke and are left out",
               "give them a stroke, or use `svg-profile` plain"};
     case SvgNote::FillBackground:
-      return {"shape filled white or as large as the page is taken for background and left out",
-              "shapes filled white or as large as the page are taken for background and left out",
+      return {"shape filled white or as large as the page counts as background and is left out",
+              "shapes filled white or as large as the page count as background and are left out",
               "give them a stroke to cut them"};
     case SvgNote::FillUnnamed:
       return {
-          "shape with a fill but no stroke and no name is left out, for other lines have names",
-          "shapes with a fill but no stroke and no name are left out, for other lines have names",
+          "shape with a fill but no stroke and no name is left out because other lines have names",
+          "shapes with a fill but no stroke and no name are left out because other lines have "
+          "names",
           "give them a stroke or a data-assignment, or use `svg-profile` plain"};
     case SvgNote::Invisible:
       return {"shape has neither stroke nor fill and is left out",
               "shapes have neither stroke nor fill and are left out", "give them a stroke"};
     case SvgNote::LeftOut:
-      return {"stroke is for nothing that is cut or folded and is left out",
-              "strokes are for nothing that is cut or folded and are left out",
-              "`svg-profile` says what colours and names mean"};
+      return {"stroke is neither a cut nor a fold and is left out",
+              "strokes are neither cuts nor folds and are left out",
+              "see `svg-profile` for the meaning of colours and names"};
     case SvgNote::Hidden:
       return {"hidden layer, group or shape is left out",
               "hidden layers, groups or shapes are left out", "show them to cut them"};
     case SvgNote::Squashed:
-      return {"shape or group is squashed to nothing by its transform",
-              "shapes or groups are squashed to nothing by their transforms", ""};
+      return {"shape or group has no size after its transform",
+              "shapes or groups have no size after their transforms", ""};
     case SvgNote::Empty:
       return {"shape has no size and is left out", "shapes have no size and are left out", ""};
     case SvgNote::Clipped:
-      return {"element has a clip path, which is not applied: it is cut whole",
-              "elements have a clip path, which is not applied: they are cut whole",
+      return {"element has a clip path, which popcut does not apply: it is cut whole",
+              "elements have a clip path, which popcut does not apply: they are cut whole",
               "apply the clip in the editor"};
     case SvgNote::Masked:
-      return {"element has a mask, which is not applied: it is cut whole",
-              "elements have a mask, which is not applied: they are cut whole",
+      return {"element has a mask, which popcut does not apply: it is cut whole",
+              "elements have a mask, which popcut does not apply: they are cut whole",
               "apply the mask in the editor"};
     case SvgNote::Filtered:
-      return {"element has a filter, which is not applied",
-              "elements have a filter, which is not applied", ""};
+      return {"element has a filter, which popcut does not apply",
+              "elements have a filter, which popcut does not apply", ""};
     case SvgNote::Marked:
       return {"line has markers (arrow heads), which are left out",
               "lines have markers (arrow heads), which are left out", "turn them into paths"};
@@ -71,37 +72,36 @@ Wording wording(SvgNote note) {
               "strokes are painted with gradients or patterns and are read as plain lines",
               "give them a colour"};
     case SvgNote::OutOfFrame:
-      return {"line leaves the frame of its <svg> or <symbol> and is cut inside it only",
-              "lines leave the frame of their <svg> or <symbol> and are cut inside it only",
+      return {"line leaves the frame of its <svg> or <symbol> and is cut only inside it",
+              "lines leave the frame of their <svg> or <symbol> and are cut only inside it",
               "set overflow=\"visible\" there to cut them whole"};
     case SvgNote::ForeignUse:
-      return {"<use> of another file is left out, for nothing is fetched",
-              "<use> of other files are left out, for nothing is fetched",
+      return {"<use> of another file is left out because popcut fetches nothing",
+              "<use> of other files are left out because popcut fetches nothing",
               "copy it into the drawing"};
     case SvgNote::MissingUse:
-      return {"<use> of something that is not there is left out",
-              "<use> of something that is not there are left out", ""};
+      return {"<use> of a missing element is left out", "<use> of missing elements are left out",
+              ""};
     case SvgNote::ForeignSheet:
-      return {"style sheet of another file is not read, for nothing is fetched",
-              "style sheets of other files are not read, for nothing is fetched",
+      return {"style sheet in another file is not read because popcut fetches nothing",
+              "style sheets in other files are not read because popcut fetches nothing",
               "put it into a <style> element"};
     case SvgNote::Selector:
-      return {"selector of a style sheet is not known and is passed over",
-              "selectors of style sheets are not known and are passed over",
-              "type, .class, #id, [attribute], descendant and child are"};
+      return {"selector of a style sheet is unknown and ignored",
+              "selectors of style sheets are unknown and ignored",
+              "use type, .class, #id, [attribute], descendant or child selectors"};
     case SvgNote::SheetBlock:
-      return {"block of a style sheet is not known and is passed over",
-              "blocks of style sheets are not known and are passed over", ""};
+      return {"block of a style sheet is unknown and ignored",
+              "blocks of style sheets are unknown and ignored", ""};
     case SvgNote::Value:
-      return {"style is not understood and is passed over",
-              "styles are not understood and are passed over", ""};
+      return {"style cannot be read and is ignored", "styles cannot be read and are ignored", ""};
     case SvgNote::SheetGeometry:
-      return {"style sets a shape or a transform, which is read from attributes only",
-              "styles set a shape or a transform, which are read from attributes only",
+      return {"style sets a shape or a transform, which popcut reads from attributes only",
+              "styles set a shape or a transform, which popcut reads from attributes only",
               "write them as attributes"};
     case SvgNote::Assignment:
-      return {"data-assignment is not known and is passed over",
-              "data-assignments are not known and are passed over", "B M V C F U J are"};
+      return {"data-assignment is unknown and ignored", "data-assignments are unknown and ignored",
+              "use B, M, V, C, F, U or J"};
     case SvgNote::Count_:
       break;
   }

@@ -10,8 +10,7 @@
 
 namespace popcut {
 
-/// What of a drawing is not read as it is drawn, or is read in a way that its author may not
-/// expect.
+/// What popcut does not read as drawn, or reads in a way that the author may not expect.
 enum class SvgNote {
   Dashed,
   Dots,
@@ -41,17 +40,17 @@ enum class SvgNote {
   Count_,
 };
 
-/// Counts what is to be told, and where each was met first.
+/// Counts notes, and remembers where each first occurred.
 class SvgNotes {
  public:
-  /// `where` is asked only the first time.
+  /// Calls `where` only for the first note of a kind.
   template <typename Where>
   void add(SvgNote note, const Where& where, std::size_t count = 1) {
     Entry& entry = entries_[static_cast<std::size_t>(note)];
     if (entry.count == 0) entry.first = where();
     entry.count += count;
   }
-  /// An element that cannot be read.
+  /// Adds an element that cannot be read.
   template <typename Where>
   void add_element(std::string_view name, const Where& where) {
     auto found = elements_.find(name);
@@ -62,7 +61,7 @@ class SvgNotes {
     if (found->second.count == 0) found->second.first = where();
     ++found->second.count;
   }
-  /// One sentence a kind: what, how many, where the first one is, what would be right.
+  /// One sentence per kind: how many, what, where the first one is, and how to fix it.
   [[nodiscard]] std::vector<std::string> sentences() const;
 
  private:

@@ -27,14 +27,15 @@ class PathReader {
       if (std::isalpha(static_cast<unsigned char>(c)) != 0) {
         command = c;
         scan_.skip();
-        if (!moved_ && command != 'M' && command != 'm') return wrong("path data begins with M");
+        if (!moved_ && command != 'M' && command != 'm')
+          return wrong("path data must begin with M");
       } else if (command == 0 || command == 'Z' || command == 'z') {
-        return wrong("a command is needed");
+        return wrong("expected a path command");
       }
       if (!draw(command)) return wrong("this cannot be read as path data");
       if (lines_.points.size() > most_points_)
         return tl::unexpected(
-            too_much(fmt::format("this path has more than {} points", most_points_)));
+            too_much(fmt::format("the path has more than {} points", most_points_)));
       // Further pairs after a move are lines.
       if (command == 'M') command = 'L';
       if (command == 'm') command = 'l';
@@ -53,7 +54,7 @@ class PathReader {
                 fmt::format("{} at character {} (\"{}\")", what, at + 1, near));
   }
 
-  // A point; of a relative command from where the pen is.
+  // Reads a point; for a relative command, relative to the pen.
   bool point(bool relative, PagePoint& p) {
     if (!scan_.number(p.x) || !scan_.number(p.y)) return false;
     if (relative) p = {p.x + pen_.at().x, p.y + pen_.at().y};
@@ -135,7 +136,7 @@ class PathReader {
   SvgPen pen_;
   const SvgLines& lines_;
   std::size_t most_points_;
-  PagePoint control_;  ///< last control point, of S and T
+  PagePoint control_;  ///< last control point, for S and T
   char before_{0};
   bool moved_{false};
 };

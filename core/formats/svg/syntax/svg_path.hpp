@@ -6,15 +6,15 @@
 #include <string_view>
 #include <vector>
 
-#include "core/result.hpp"
 #include "core/drawing/toolpath.hpp"
+#include "core/result.hpp"
 
 namespace popcut {
 
 /// Polylines in user units, one after the other. A closed one repeats its first point.
 struct SvgLines {
   std::vector<PagePoint> points;
-  std::vector<std::uint32_t> ends;  ///< of each line, past its last point
+  std::vector<std::uint32_t> ends;  ///< per line: one past its last point
 
   [[nodiscard]] std::size_t size() const { return ends.size(); }
   [[nodiscard]] std::span<const PagePoint> operator[](std::size_t i) const {
@@ -27,15 +27,14 @@ struct SvgLines {
   }
 };
 
-/// Draws with SVG's pen: curves become chords that stay within `tolerance` of them.
+/// Draws lines and curves with SVG's pen; chords stay within `tolerance` of their curves.
 ///
-/// A curve of second derivative at most m is within tolerance of n chords for n = sqrt(m / (8
-/// tolerance)); m is 2 d for a quadratic and 6 d for a cubic Bezier with second differences at most
-/// d. An arc of radius r takes chords of the angle 2 acos(1 - tolerance / r).
+/// A curve with second derivative at most m is within tolerance of n chords for n = sqrt(m / (8
+/// tolerance)). With second differences at most d, m is 2 d for a quadratic and 6 d for a cubic
+/// Bezier. An arc of radius r takes chords of the angle 2 acos(1 - tolerance / r).
 class SvgPen {
  public:
-  /// Draws into `lines` after what is there; `closes` also closes what is left open, as a fill
-  /// does.
+  /// Appends to `lines`. `closes` also closes open lines, as a fill does.
   SvgPen(double tolerance, SvgLines& lines, bool closes = false)
       : tolerance_(tolerance), lines_(lines), closes_(closes) {}
 
@@ -45,7 +44,7 @@ class SvgPen {
   void cubic(const PagePoint& control0, const PagePoint& control1, const PagePoint& to);
   void arc(double rx, double ry, double turn_deg, bool large, bool sweep, const PagePoint& to);
   void close();
-  /// Ends the last line. Nothing is in `lines` for certain before.
+  /// Ends the last line. Only then are all points in `lines`.
   void finish();
 
   [[nodiscard]] const PagePoint& at() const { return at_; }
@@ -59,16 +58,16 @@ class SvgPen {
   bool down_{false};
 };
 
-/// Follows path data (all commands, absolute and relative, repeated and run together) and adds its
-/// lines to `lines`; `closes` as for `SvgPen`.
+/// Parses path data (all commands, absolute and relative, repeated and without separators) and
+/// appends its lines to `lines`; `closes` as for `SvgPen`.
 ///
-/// @retval Malformed   it is not path data; the detail says at which character
-/// @retval OutOfRange  `lines` has more than `most_points` points
+/// @retval Malformed   not path data; the detail gives the character
+/// @retval OutOfRange  more than `most_points` points in `lines`
 [[nodiscard]] Result<void> read_svg_path(std::string_view data, double tolerance,
                                          std::size_t most_points, SvgLines& lines,
                                          bool closes = false);
 
-/// The lines of path data, see `read_svg_path`.
+/// The lines of path data; see `read_svg_path`.
 [[nodiscard]] Result<SvgLines> parse_svg_path(std::string_view data, double tolerance,
                                               std::size_t most_points);
 

@@ -7,23 +7,23 @@
 
 namespace popcut {
 
-/// Reads SVG's little languages (path data, transforms, point lists) from left to right.
+/// Reads SVG's small languages (path data, transforms, point lists) from left to right.
 class SvgScan {
  public:
   explicit SvgScan(std::string_view text) : text_(text) {}
 
   [[nodiscard]] bool at_end();
-  /// The next character after blanks, 0 at the end; not taken.
+  /// The next character after spaces, without consuming it; 0 at the end.
   [[nodiscard]] char peek();
   void skip() { ++at_; }
   [[nodiscard]] std::size_t position() const { return at_; }
-  /// A finite number, with blanks and at most one comma before it.
+  /// Reads a finite number after spaces and at most one comma.
   [[nodiscard]] bool number(double& out);
-  /// A flag of an arc: 0 or 1, which need no separator.
+  /// Reads a flag of an arc: 0 or 1, which need no separator.
   [[nodiscard]] bool flag(bool& out);
-  /// Whether a number can begin here (after blanks and a comma).
+  /// Whether a number can begin here (after spaces and a comma).
   [[nodiscard]] bool number_follows();
-  /// Letters up to the next that is none.
+  /// Reads letters up to the next other character.
   [[nodiscard]] std::string_view word();
 
  private:

@@ -18,7 +18,7 @@ constexpr std::size_t kMostEntities = 64;
 constexpr std::size_t kMostEntityBytes = 256;
 constexpr std::string_view kXmlBlanks = " \t\r\n";
 constexpr const char* kEntityRule =
-    "only plain <!ENTITY name \"text\"> are read there; take the rest of the DOCTYPE out";
+    "use only plain <!ENTITY name \"text\"> and remove the rest of the DOCTYPE";
 
 struct Entity {
   std::string name, value;
@@ -45,7 +45,7 @@ void append_utf8(std::string& out, std::uint32_t c) {
   }
 }
 
-// UTF-16 of either byte order; half a surrogate pair becomes U+FFFD.
+// UTF-16 of either byte order to UTF-8; half a surrogate pair becomes U+FFFD.
 std::string from_utf16(std::string_view text, bool big) {
   const auto unit = [&](std::size_t i) {
     const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
@@ -112,7 +112,7 @@ class DoctypeReader {
  public:
   DoctypeReader(std::string_view text, std::size_t at) : text_(text), at_(at + 9) {}
 
-  /// The first byte after it.
+  /// Returns the position of the first byte after it.
   Result<std::size_t> read(std::vector<Entity>& entities) {
     char quote = 0;
     for (; at_ < text_.size(); ++at_) {
@@ -130,7 +130,7 @@ class DoctypeReader {
         break;
       }
     }
-    return wrong("the DOCTYPE does not end; is the file whole?");
+    return wrong("the DOCTYPE does not end; is the file complete?");
   }
 
  private:
@@ -142,11 +142,11 @@ class DoctypeReader {
   }
   void blanks() { at_ = std::min(text_.find_first_not_of(kXmlBlanks, at_), text_.size()); }
 
-  // Up to and with the closing bracket.
+  // Reads up to and including the closing bracket.
   Result<void> subset(std::vector<Entity>& entities) {
     while (true) {
       blanks();
-      if (at_ >= text_.size()) return wrong("the DOCTYPE does not end; is the file whole?");
+      if (at_ >= text_.size()) return wrong("the DOCTYPE does not end; is the file complete?");
       if (text_[at_] == ']') return {};
       if (text_.substr(at_, 4) == "<!--") {
         at_ = std::min(*past_marked(text_, at_), text_.size());
@@ -156,14 +156,14 @@ class DoctypeReader {
         if (!entity) return tl::unexpected(entity.error());
         if (entities.size() == kMostEntities)
           return wrong(
-              fmt::format("the DOCTYPE declares more than {} entities; write their text in "
-                          "their place",
+              fmt::format("the DOCTYPE declares more than {} entities; replace them by their "
+                          "text",
                           kMostEntities),
               ErrorKind::OutOfRange);
         entities.push_back(std::move(*entity));
       } else {
         return wrong(
-            fmt::format("the DOCTYPE declares something that is no entity; {}", kEntityRule));
+            fmt::format("the DOCTYPE declares something other than an entity; {}", kEntityRule));
       }
     }
   }
@@ -178,16 +178,16 @@ class DoctypeReader {
     const char quote = at_ < text_.size() ? text_[at_] : '\0';
     if (entity.name.empty() || (quote != '"' && quote != '\''))
       return wrong(
-          fmt::format("an entity of the DOCTYPE is a parameter or lies in another file, "
-                      "which is never fetched; {}",
+          fmt::format("an entity of the DOCTYPE is a parameter or is in another file, "
+                      "which popcut never fetches; {}",
                       kEntityRule));
     const std::size_t close = text_.find(quote, at_ + 1);
     if (close == std::string_view::npos)
-      return wrong("the DOCTYPE does not end; is the file whole?");
+      return wrong("the DOCTYPE does not end; is the file complete?");
     const std::string_view value = text_.substr(at_ + 1, close - at_ - 1);
     if (value.size() > kMostEntityBytes)
-      return wrong(fmt::format("the entity {} has {} bytes; at most {} are read, write its text in "
-                               "its place",
+      return wrong(fmt::format("the entity {} has {} bytes, but the limit is {}; replace it by its "
+                               "text",
                                entity.name.substr(0, 40), value.size(), kMostEntityBytes),
                    ErrorKind::OutOfRange);
     if (value.find_first_of("&<") != std::string_view::npos)
@@ -199,7 +199,7 @@ class DoctypeReader {
       else if (c == '\'')
         entity.value += "&apos;";
       else
-        entity.value += c == '\n' || c == '\r' ? ' ' : c;  // lines are counted afterwards
+        entity.value += c == '\n' || c == '\r' ? ' ' : c;  // keep the line count
     }
     at_ = close + 1;
     blanks();
@@ -224,7 +224,7 @@ Result<std::string> with_entities(std::string_view text, std::size_t from,
     if (out.size() > most_bytes)
       return fail(
           ErrorKind::OutOfRange, "",
-          fmt::format("more than {} bytes of SVG with its entities in place; write a smaller "
+          fmt::format("more than {} bytes of SVG after replacing its entities; write a smaller "
                       "file",
                       most_bytes));
     at = next;
@@ -269,7 +269,7 @@ Result<void> remove_doctype(SvgText& svg, const SvgLimits& limits) {
   return {};
 }
 
-// What the tree will take: pugixml has 64 bytes a node and 40 an attribute.
+// Memory that the tree will take: pugixml uses 64 bytes per node and 40 per attribute.
 std::size_t tree_bytes(std::string_view text) {
   std::size_t nodes = 0;
   for (std::size_t at = text.find('<'); at < text.size(); at = text.find('<', at + 1)) {
@@ -294,21 +294,22 @@ SvgLimits SvgLimits::raised(unsigned factor) const {
 Result<SvgText> prepare_svg_text(std::string text, const SvgLimits& limits) {
   if (text.size() > limits.bytes)
     return tl::unexpected(
-        too_much(fmt::format("{} bytes of SVG; at most {} are read", text.size(), limits.bytes)));
+        too_much(fmt::format("the SVG has {} bytes; the limit is {}", text.size(), limits.bytes)));
   SvgText svg;
   svg.text = std::move(text);
   if (auto done = to_utf8(svg.text); !done) return tl::unexpected(done.error());
   const std::size_t nul = svg.text.find('\0');
   if (nul != std::string::npos)
-    return fail(ErrorKind::Malformed, "",
-                fmt::format("byte {} is zero, which no text has; is this an SVG file?", nul + 1));
+    return fail(
+        ErrorKind::Malformed, "",
+        fmt::format("byte {} is zero, which text never contains; is this an SVG file?", nul + 1));
   if (auto done = remove_doctype(svg, limits); !done) return tl::unexpected(done.error());
   const auto newlines =
       static_cast<std::size_t>(std::count(svg.text.begin(), svg.text.end(), '\n'));
   const std::size_t need = tree_bytes(svg.text) + 4 * newlines;
   if (need > limits.tree_bytes)
     return tl::unexpected(
-        too_much(fmt::format("its elements would take {} MB; at most {} are taken", need >> 20,
+        too_much(fmt::format("its elements would take {} MB of memory; the limit is {}", need >> 20,
                              limits.tree_bytes >> 20)));
   svg.lines.reserve(newlines);
   for (std::size_t at = svg.text.find('\n'); at < svg.text.size(); at = svg.text.find('\n', at + 1))

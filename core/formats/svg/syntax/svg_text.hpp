@@ -10,35 +10,36 @@
 
 namespace popcut {
 
-/// What a drawing may take. All are checked before the memory or the time is taken.
+/// Limits on a drawing. Each is checked before the memory or time is spent.
 struct SvgLimits {
-  std::size_t bytes{100'000'000};      ///< of the file, and of it with its entities in place
-  std::size_t tree_bytes{400u << 20};  ///< of the document as a tree
+  std::size_t bytes{100'000'000};      ///< of the file, before and after replacing its entities
+  std::size_t tree_bytes{400u << 20};  ///< memory of the document as a tree
   std::size_t points{4'000'000};       ///< of all lines
-  std::size_t steps{200'000'000};  ///< characters, elements and comparisons, repeats by `use` too
-  int depth{200};                  ///< groups in groups, and `use` of `use`
+  std::size_t steps{
+      200'000'000};  ///< characters, elements and comparisons, also in repeats by `use`
+  int depth{200};    ///< nesting of groups and of `use`
 
-  /// All but the depth times `factor`; points stay below 2^31.
+  /// All limits times `factor`, except the depth; points stay below 2^31.
   [[nodiscard]] SvgLimits raised(unsigned factor) const;
 };
 
-/// The text of a drawing, ready to become a tree.
+/// The text of a drawing, ready for the XML parser.
 struct SvgText {
-  std::string text;                  ///< UTF-8; the DOCTYPE is blank, entities are in place
-  std::vector<std::uint32_t> lines;  ///< where each line but the first begins
+  std::string text;                  ///< UTF-8; the DOCTYPE blanked, entities replaced
+  std::vector<std::uint32_t> lines;  ///< where each line except the first begins
   bool has_foreign_sheet{false};     ///< an xml-stylesheet refers to another file
 };
 
-/// Checks the size, turns UTF-16 into UTF-8, and takes the DOCTYPE away. Nothing is ever fetched.
-/// Entities of its internal subset are put in place: at most 64 of 256 bytes each, plain text.
+/// Checks the size, converts UTF-16 to UTF-8, and removes the DOCTYPE. Replaces the entities of its
+/// internal subset: at most 64, of 256 bytes each, plain text. Never fetches anything.
 ///
 /// @retval Malformed   compressed, binary, or declarations that are not plain entities
 /// @retval OutOfRange  over a limit
 [[nodiscard]] Result<SvgText> prepare_svg_text(std::string text, const SvgLimits& limits);
 
-/// "line 3, column 7" of a byte.
+/// "line 3, column 7" of a byte offset.
 [[nodiscard]] std::string svg_place(const SvgText& text, std::ptrdiff_t offset);
-/// The line of a byte, from 1.
+/// The line of a byte offset, from 1.
 [[nodiscard]] std::size_t svg_line(const SvgText& text, std::ptrdiff_t offset);
 
 }  // namespace popcut

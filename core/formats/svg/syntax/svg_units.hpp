@@ -14,26 +14,27 @@ struct SvgLength {
   enum class Unit : std::uint8_t {
     User,     ///< a bare number or px: user units
     Mm,       ///< mm cm in pt pc Q, in mm
-    Percent,  ///< of a size of the viewport
-    Em,       ///< em (ex is half of one), of the font size
+    Percent,  ///< percentage of a size of the viewport
+    Em,       ///< em, relative to the font size (ex is half an em)
   };
   double value{};
   Unit unit{Unit::User};
 };
 
-/// What lengths are measured by.
+/// What relative lengths refer to.
 struct SvgMeasure {
-  double user_mm{25.4 / 96};  ///< a user unit (a CSS pixel)
-  double whole{};             ///< what 100 % are, in user units
+  double user_mm{25.4 / 96};  ///< size of a user unit (a CSS pixel)
+  double whole{};             ///< what 100 % is, in user units
   double font{16.0};          ///< font size in user units
 };
 
-/// A finite number and its unit (in either case), with nothing after it.
+/// Parses a finite number and its unit (in any case), with nothing after it.
 [[nodiscard]] std::optional<SvgLength> parse_svg_length(std::string_view text);
 
+/// `length` in user units.
 [[nodiscard]] double user_units(const SvgLength& length, const SvgMeasure& measure);
 
-/// Whether two words are one, ASCII letters in either case.
+/// Whether two words are equal, ignoring the case of ASCII letters.
 [[nodiscard]] bool same_word(std::string_view a, std::string_view b);
 
 }  // namespace popcut
