@@ -40,7 +40,7 @@ Improved improve(TourStops& stops, const NearNodes& near, TourOrder& order,
   search.keep();
   const std::uint32_t n = stops.size();
   const std::uint32_t longest = std::min(30u, (n - 1) / 3);
-  SplitMix64 random(options.seed);
+  SplitMix64 generator(options.seed);
   const auto always = [] { return true; };
   for (std::uint64_t kick = 0; result.finished && n >= 8 && kick < options.kicks; ++kick) {
     if (kick % 256 == 0 && keep_going) {
@@ -49,8 +49,8 @@ Improved improve(TourStops& stops, const NearNodes& near, TourOrder& order,
     }
     ++result.kicks;
     const double before = search.gained();
-    const double cost =
-        search.disturb(random.below(n), 1 + random.below(longest), 1 + random.below(longest));
+    const double cost = search.disturb(generator.below(n), 1 + generator.below(longest),
+                                       1 + generator.below(longest));
     if (cost == std::numeric_limits<double>::infinity()) continue;
     search.descend(always);
     if (search.gained() < before - 1e-12)
