@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -10,19 +9,15 @@
 #include <vector>
 
 #include "core/result.hpp"
+#include "daemon/model/metrics.hpp"
 
 namespace popcut::daemon {
 
 /// What went over the line to one cutter. From any thread.
 class LineFigures {
  public:
-  /// Upper bounds of the buckets of `write_buckets`, in seconds; the last has none.
-  static constexpr std::array<double, 8> kBounds{0.001, 0.005, 0.02, 0.1, 0.5, 2, 5, 20};
-
   struct Shown {
-    std::array<std::uint64_t, kBounds.size() + 1> write_buckets{};
-    std::uint64_t writes{};
-    double write_seconds{};
+    Histogram writes{{0.001, 0.005, 0.02, 0.1, 0.5, 2, 5, 20}};
     std::map<std::string, std::uint64_t> errors{};  ///< by kind
   };
 

@@ -69,10 +69,11 @@ std::string_view slug_of(ProblemKind kind) { return row_of(kind).slug; }
 std::string_view title_of(ProblemKind kind) { return row_of(kind).title; }
 int status_of(ProblemKind kind) { return row_of(kind).status; }
 
-Problem invalid_value(const std::string& pointer, std::string code, std::string advice) {
-  return {ProblemKind::Validation,
-          pointer + " is not valid",
-          {{pointer, std::move(code), std::move(advice)}}};
+Problem invalid_value(const std::string& pointer, std::string code, std::string advice,
+                      std::string detail) {
+  if (detail.empty()) detail = pointer + " is not valid";
+  return {
+      ProblemKind::Validation, std::move(detail), {{pointer, std::move(code), std::move(advice)}}};
 }
 
 Problem problem_from(const Error& error) {

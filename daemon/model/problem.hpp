@@ -67,8 +67,9 @@ using Answer = tl::expected<T, Problem>;
 }
 
 /// One invalid value: 422 with its pointer, code and what would be right.
+/// `detail` is "POINTER is not valid" if it is empty.
 [[nodiscard]] Problem invalid_value(const std::string& pointer, std::string code,
-                                    std::string advice);
+                                    std::string advice, std::string detail = {});
 
 /// "validation", "state-conflict", ...: the last part of the type's URI.
 [[nodiscard]] std::string_view slug_of(ProblemKind kind);

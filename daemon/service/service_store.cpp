@@ -19,14 +19,6 @@ ServiceStore::ServiceStore(Store& store, const ServiceOptions& options)
   db().committed = [this](double seconds) { figures_.commits.add(seconds); };
 }
 
-void ServiceStore::Durations::add(double s) {
-  const auto bucket = std::lower_bound(kBounds.begin(), kBounds.end(), s) - kBounds.begin();
-  ++buckets.at(static_cast<std::size_t>(bucket));
-  ++count;
-  seconds += s;
-  longest_s = std::max(longest_s, s);
-}
-
 void ServiceStore::forget_after(const Marks& marks) {
   after_.resize(marks.after);
   events_.resize(marks.events);

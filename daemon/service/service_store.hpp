@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "daemon/digest/digest.hpp"
+#include "daemon/model/metrics.hpp"
 #include "daemon/model/problem.hpp"
 #include "daemon/service/service_options.hpp"
 #include "daemon/store/store.hpp"
@@ -104,18 +104,10 @@ class ServiceStore {
 
   [[nodiscard]] Problem problem_of(const StoreFault& fault) const;
 
-  /// How long something took each time, in buckets.
-  struct Durations {
-    /// Upper bounds of the buckets, in seconds; one more is without end.
-    static constexpr std::array<double, 6> kBounds{0.001, 0.003, 0.01, 0.03, 0.1, 1};
-    std::array<std::uint64_t, kBounds.size() + 1> buckets{};
-    std::uint64_t count{};
-    double seconds{}, longest_s{};
-    void add(double s);
-  };
   struct Figures {
-    Durations commits;
-    Durations stream_waits;  ///< of a cutter's stream, until what it intends is on the disk
+    Histogram commits{{0.001, 0.003, 0.01, 0.03, 0.1, 1}};
+    /// Of a cutter's stream, until what it intends is on the disk.
+    Histogram stream_waits{{0.001, 0.003, 0.01, 0.03, 0.1, 1}};
   };
   [[nodiscard]] const Figures& figures() const { return figures_; }
   void note_stream_wait(double seconds) { figures_.stream_waits.add(seconds); }

@@ -178,12 +178,6 @@ std::vector<JobRow> JobTable::waiting_for(const std::string& plan, JobState stat
   return rows_of(db_.rows(kWaiting, plan, name_of(state), limit));
 }
 
-std::string JobTable::next_plan() {
-  Rows rows = db_.rows(
-      "SELECT plan FROM job WHERE state='queued' ORDER BY priority DESC, position LIMIT 1");
-  return rows.next() ? rows.text(0) : std::string();
-}
-
 std::optional<JobRow> JobTable::on_device(const std::string& device) {
   return first_of(db_.rows(kOnDevice, device));
 }

@@ -67,8 +67,6 @@ class JobTable {
                                           const std::optional<QueuePlace>& after, int limit);
   /// Those whose plan is awaited.
   [[nodiscard]] std::vector<JobRow> waiting_for(const std::string& plan, JobState state, int limit);
-  /// The plan of the first job in the queue whose plan nobody makes yet, or empty.
-  [[nodiscard]] std::string next_plan();
   /// The armed, cutting or paused job of a device.
   [[nodiscard]] std::optional<JobRow> on_device(const std::string& device);
   [[nodiscard]] std::int64_t last_position();

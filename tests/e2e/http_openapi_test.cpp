@@ -383,7 +383,7 @@ TEST_CASE("each member of each documented body is read and no other", "[daemon][
       CHECK(refused(without).find(fmt::format("\"pointer\":\"/{}\",\"code\":\"missing\"",
                                               name.get<std::string>())) != std::string::npos);
     }
-    CHECK(refused(json::array()).find("as an object") != std::string::npos);
+    CHECK(refused(json::array()).find("must be an object") != std::string::npos);
   }
 }
 

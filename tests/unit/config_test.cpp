@@ -217,7 +217,7 @@ processes = 2
   CHECK(config("[[device]]\nid = \"sim:cameo3\"\nmaterials = [\"pp-150\"]").devices[0].materials ==
         std::vector<std::string>{"pp-150"});
   refused("[[device]]\nid = \"sim:cameo3\"\nmaterials = \"pp-150\"", "3:13: device.materials",
-          "must be a list of strings");
+          "must be a list of texts");
 }
 
 TEST_CASE("random text is never a valid configuration and never crashes popcut",

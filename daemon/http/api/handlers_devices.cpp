@@ -84,7 +84,7 @@ void put_material(const Request& request, Service& service, const HandlerContext
   if (!row) return reply(problem_response(row.error(), request));
   if (!row->is_object())
     return reply(problem_response(
-        validation({{"", "type", "must be a material, as an object {...}"}}), request));
+        validation({{"", "type", "must be an object with the fields of a material"}}), request));
   const std::string& id = request.params[0];
   if (!is_material_id(id))
     return reply(problem_response(

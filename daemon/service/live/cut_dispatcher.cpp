@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "daemon/service/live/running_cut.hpp"
+#include "daemon/service/repositories/reports.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -287,11 +288,9 @@ Answer<void> CutDispatcher::confirm(JobRow& row, const ActionRequest& request) {
         row, fmt::format("paths {}..{} were not cut, so the sheet is not finished; resume from "
                          "there, retry the sheet or skip it",
                          ledger->not_sent.front().first, ledger->not_sent.front().last)));
-  parts_.store.db().run(
-      "INSERT INTO usage(time, owner, operator, device, material, job, k, seconds, cut_mm, sheets) "
-      "VALUES(?, ?, ?, ?, ?, ?, ?, 0, 0, 1)",
-      parts_.store.now(), row.owner, row.operator_name, row.device, row.material, row.id,
-      row.sheet);
+  record_usage(
+      parts_.store, row,
+      {.operator_name = row.operator_name, .device = row.device, .sheet = row.sheet, .sheets = 1});
   parts_.devices.count_sheet(row.device, 0, true);
   parts_.jobs.finish_sheet(row, "done", "confirmed");
   return {};

@@ -75,8 +75,6 @@ class CutDispatcher : public Cutting {
   void progressed(Cut& cut, const SessionProgress& progress);
   void ended(const std::shared_ptr<Cut>& cut, const SessionEnd& end);
   [[nodiscard]] Answer<void> record_end(Cut& cut, const SessionEnd& end);
-  void take_end(Cut& cut, const SessionEnd& end, JobRow& row, const std::vector<FateRun>& runs,
-                const std::string& end_kind);
 
   Parts parts_;
   std::map<std::string, std::shared_ptr<Cut>> cuts_;  ///< by job

@@ -7,6 +7,7 @@
 
 #include "daemon/service/live/cut_verdict.hpp"
 #include "daemon/service/live/running_cut.hpp"
+#include "daemon/service/repositories/reports.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -371,11 +372,13 @@ Answer<void> CutDispatcher::record_end(Cut& cut, const SessionEnd& end) {
                         ? 0
                         : (cut.plan.cut_mm + cut.plan.fold_mm) * static_cast<double>(certain) /
                               static_cast<double>(cut.strokes);
-  parts_.store.db().run(
-      "INSERT INTO usage(time, owner, operator, device, material, job, k, seconds, cut_mm, sheets) "
-      "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-      now, row->owner, cut.operator_name, cut.device, cut.material, cut.job, cut.sheet, end.seconds,
-      mm, verdict.complete ? 1 : 0);
+  record_usage(parts_.store, *row,
+               {.operator_name = cut.operator_name,
+                .device = cut.device,
+                .sheet = cut.sheet,
+                .seconds = end.seconds,
+                .cut_mm = mm,
+                .sheets = verdict.complete ? 1 : 0});
   parts_.devices.count_sheet(cut.device, mm, verdict.complete);
 
   JobRepository& jobs = parts_.jobs;

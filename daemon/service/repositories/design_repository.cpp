@@ -53,8 +53,8 @@ const std::string* file_of(const PlanningOutcome& outcome, std::string_view name
 Answer<void> check_text(const std::string& text, std::size_t most, const std::string& pointer,
                         bool lines_allowed) {
   const auto wrong = [&](const char* code, std::string advice) {
-    return tl::unexpected(Problem{
-        ProblemKind::Validation, pointer + " is not valid", {{pointer, code, std::move(advice)}}});
+    return tl::unexpected(
+        invalid_value(pointer, code, std::move(advice), pointer + " is not valid"));
   };
   if (text.size() > most) return wrong("range", fmt::format("must be at most {} bytes", most));
   for (std::size_t i = 0; i < text.size(); ++i) {

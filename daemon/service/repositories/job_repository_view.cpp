@@ -7,6 +7,14 @@
 #include "daemon/service/repositories/job_repository.hpp"
 
 namespace popcut::daemon {
+namespace {
+
+Problem bad_cursor() {
+  return invalid_value("?cursor", "format", "must be the next_cursor of the previous page",
+                       "the cursor is not valid");
+}
+
+}  // namespace
 
 JobFacts JobRepository::facts_of(const JobRow& row) {
   return {.state = row.state,
@@ -120,11 +128,7 @@ Answer<void> JobRepository::check_rev(const JobRow& row, std::int64_t if_match) 
 }
 
 Answer<Page<Job>> JobRepository::list(const JobFilter& filter, const PageRequest& request) {
-  if (!request.cursor.empty() && !is_ulid(request.cursor))
-    return tl::unexpected(
-        Problem{ProblemKind::Validation,
-                "the cursor is not valid",
-                {{"?cursor", "format", "must be the next_cursor of the previous page"}}});
+  if (!request.cursor.empty() && !is_ulid(request.cursor)) return tl::unexpected(bad_cursor());
   return parts_.store.look([&]() -> Answer<Page<Job>> {
     Page<Job> page;
     std::vector<JobRow> rows = jobs_.list(filter, request.cursor, request.limit + 1);
@@ -141,11 +145,7 @@ Answer<Page<Job>> JobRepository::queue(const std::string& device, const PageRequ
   std::optional<QueuePlace> after;
   if (!request.cursor.empty()) {
     after = queue_place_from(request.cursor);
-    if (!after)
-      return tl::unexpected(
-          Problem{ProblemKind::Validation,
-                  "the cursor is not valid",
-                  {{"?cursor", "format", "must be the next_cursor of the previous page"}}});
+    if (!after) return tl::unexpected(bad_cursor());
   }
   return parts_.store.look([&]() -> Answer<Page<Job>> {
     Page<Job> page;

@@ -43,14 +43,12 @@ Answer<std::string> checked_row(const std::string& id, const std::string& json,
   auto parsed = parse_json(json, 32);
   if (!parsed) return tl::unexpected(problem_from(parsed.error()));
   if (!parsed->is_object())
-    return tl::unexpected(Problem{ProblemKind::Validation,
-                                  "a material must be a JSON object",
-                                  {{"", "type", "must be an object"}}});
+    return tl::unexpected(
+        invalid_value("", "type", "must be an object", "a material must be a JSON object"));
   nlohmann::json row = std::move(*parsed);
   if (row.contains("name") && row["name"] != id)
-    return tl::unexpected(Problem{ProblemKind::Validation,
-                                  "the name differs from the one in the path",
-                                  {{"/name", "value", fmt::format("must be {:?} or absent", id)}}});
+    return tl::unexpected(invalid_value("/name", "value", fmt::format("must be {:?} or absent", id),
+                                        "the name differs from the one in the path"));
   row["name"] = id;
   nlohmann::json table;
   table["popcut"] = 1;
@@ -120,10 +118,9 @@ Answer<MaterialRecord> MaterialRepository::put(const Principal& who, const std::
   if (who.role < Role::Admin)
     return refuse(ProblemKind::Forbidden, "only an admin may change materials");
   if (!is_name(id))
-    return tl::unexpected(
-        Problem{ProblemKind::Validation,
-                "the material's name is not valid",
-                {{"/name", "format", "must be 1 to 60 characters of a-z 0-9 - _ ."}}});
+    return tl::unexpected(invalid_value("/name", "format",
+                                        "must be 1 to 60 characters of a-z 0-9 - _ .",
+                                        "the material's name is not valid"));
   return store_.change([&]() -> Answer<MaterialRecord> {
     const Answer<MaterialRecord> before = find(id);
     if (before && if_match != before->rev) return tl::unexpected(stale(before->rev));

@@ -90,10 +90,9 @@ Answer<PlanningQueue::Machine> PlanningQueue::machine_for(const std::string& dev
       return tl::unexpected(parts_.devices.unknown(device, "/device"));
     const std::string of_device = parts_.devices.machine_of(device);
     if (!name.empty() && !of_device.empty() && name != of_device)
-      return tl::unexpected(
-          Problem{ProblemKind::Validation,
-                  "device and machine do not match",
-                  {{"/machine", "value", fmt::format("{} is a {}", device, of_device)}}});
+      return tl::unexpected(invalid_value("/machine", "value",
+                                          fmt::format("{} is a {}", device, of_device),
+                                          "device and machine do not match"));
     if (name.empty()) name = of_device;
   }
   if (name.empty()) name = parts_.devices.first_machine();
@@ -101,6 +100,13 @@ Answer<PlanningQueue::Machine> PlanningQueue::machine_for(const std::string& dev
   return parts_.materials.machine_row(name).map([&](const std::string& json) {
     return Machine{name, json};
   });
+}
+
+Answer<MaterialRecord> PlanningQueue::material_named(const std::string& name) {
+  Answer<MaterialRecord> found = parts_.materials.find(name);
+  if (found || found.error().kind != ProblemKind::NotFound) return found;
+  const std::string detail = found.error().detail;
+  return tl::unexpected(invalid_value("/material", "unknown", detail, detail));
 }
 
 Answer<PlanRecord> PlanningQueue::request(const Principal& who, const PlanRequest& request) {
@@ -123,21 +129,14 @@ Answer<PlanRow> PlanningQueue::plan_for(const PlanRequest& request) {
   const Answer<Design> design = parts_.designs.find(request.design);
   if (!design) {
     if (design.error().kind != ProblemKind::NotFound) return tl::unexpected(design.error());
-    return tl::unexpected(
-        Problem{ProblemKind::Validation,
-                design.error().detail,
-                {{"/design", "unknown", "must be the id of an uploaded design"}}});
+    return tl::unexpected(invalid_value(
+        "/design", "unknown", "must be the id of an uploaded design", design.error().detail));
   }
   std::string material =
       request.material.empty() ? parts_.designs.own_material(*design) : request.material;
   if (material.empty()) material = kUsualMaterial;
-  const Answer<MaterialRecord> row = parts_.materials.find(material);
-  if (!row) {
-    if (row.error().kind != ProblemKind::NotFound) return tl::unexpected(row.error());
-    return tl::unexpected(Problem{ProblemKind::Validation,
-                                  row.error().detail,
-                                  {{"/material", "unknown", row.error().detail}}});
-  }
+  const Answer<MaterialRecord> row = material_named(material);
+  if (!row) return tl::unexpected(row.error());
   const Answer<Machine> machine = machine_for(request.device, request.machine);
   if (!machine) return tl::unexpected(machine.error());
   std::map<std::string, std::string> options = request.options;
@@ -164,14 +163,8 @@ Answer<PlanRow> PlanningQueue::plan_for(const PlanRequest& request) {
 
 Answer<PlanRow> PlanningQueue::test_plan_for(const std::string& device,
                                              const std::string& material) {
-  const Answer<MaterialRecord> row =
-      parts_.materials.find(material.empty() ? kUsualMaterial : material);
-  if (!row) {
-    if (row.error().kind != ProblemKind::NotFound) return tl::unexpected(row.error());
-    return tl::unexpected(Problem{ProblemKind::Validation,
-                                  row.error().detail,
-                                  {{"/material", "unknown", row.error().detail}}});
-  }
+  const Answer<MaterialRecord> row = material_named(material.empty() ? kUsualMaterial : material);
+  if (!row) return tl::unexpected(row.error());
   const Answer<Machine> machine = machine_for(device, "");
   if (!machine) return tl::unexpected(machine.error());
   return find_or_add({.id = {},

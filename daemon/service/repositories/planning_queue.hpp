@@ -64,6 +64,8 @@ class PlanningQueue : public Plans {
     std::string name, json;
   };
   [[nodiscard]] Answer<Machine> machine_for(const std::string& device, const std::string& machine);
+  /// @retval Validation  there is no such material
+  [[nodiscard]] Answer<MaterialRecord> material_named(const std::string& name);
   [[nodiscard]] Answer<PlanRow> find_or_add(PlanRow row);
   [[nodiscard]] std::string next();
   bool start(const std::string& id);

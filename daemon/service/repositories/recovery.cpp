@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "daemon/service/repositories/reports.hpp"
+
 namespace popcut::daemon {
 namespace {
 
@@ -23,11 +25,8 @@ void close_attempts(ServiceStore& store, JobRepository& jobs) {
       if (run.fate != PathFate::NotSent) row->paths_sent += count;
     }
     jobs.table().update(*row);
-    store.db().run(
-        "INSERT INTO usage(time, owner, operator, device, material, job, k, seconds, cut_mm, "
-        "sheets) VALUES(?, ?, ?, ?, ?, ?, ?, 0, 0, 0)",
-        store.now(), row->owner, open.operator_name, open.device, row->material, row->id,
-        open.sheet);
+    record_usage(store, *row,
+                 {.operator_name = open.operator_name, .device = open.device, .sheet = open.sheet});
   }
 }
 

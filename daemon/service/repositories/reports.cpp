@@ -6,26 +6,18 @@
 
 #include <fmt/format.h>
 
-#include "daemon/devices/metric_label.hpp"
 #include "daemon/jobs/rules.hpp"
+#include "daemon/model/metrics.hpp"
 
 namespace popcut::daemon {
 namespace {
 
 void put_durations(std::string& text, std::string_view name, std::string_view help,
-                   const ServiceStore::Durations& durations) {
-  const auto out = std::back_inserter(text);
-  fmt::format_to(out, "# TYPE {0} histogram\n# HELP {0} {1}\n", name, help);
-  std::uint64_t below = 0;
-  for (std::size_t i = 0; i < durations.buckets.size(); ++i) {
-    below += durations.buckets.at(i);
-    const std::string bound = i < ServiceStore::Durations::kBounds.size()
-                                  ? fmt::format("{}", ServiceStore::Durations::kBounds.at(i))
-                                  : "+Inf";
-    fmt::format_to(out, "{}_bucket{{le=\"{}\"}} {}\n", name, bound, below);
-  }
-  fmt::format_to(out, "{0}_sum {1:.6f}\n{0}_count {2}\n", name, durations.seconds, durations.count);
-  fmt::format_to(out, "# TYPE {0}_longest gauge\n{0}_longest {1:.6f}\n", name, durations.longest_s);
+                   const Histogram& durations) {
+  text += fmt::format("# TYPE {0} histogram\n# HELP {0} {1}\n", name, help);
+  durations.append(text, name, "");
+  text +=
+      fmt::format("# TYPE {0}_longest gauge\n{0}_longest {1:.6f}\n", name, durations.longest_s());
 }
 
 }  // namespace
@@ -48,6 +40,14 @@ std::vector<UsageRow> usage_by(Database& database, std::optional<TimeMs> from,
   return all;
 }
 
+void record_usage(ServiceStore& store, const JobRow& job, const SheetUse& use) {
+  store.db().run(
+      "INSERT INTO usage(time, owner, operator, device, material, job, k, seconds, cut_mm, sheets) "
+      "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      store.now(), job.owner, use.operator_name, use.device, job.material, job.id, use.sheet,
+      use.seconds, use.cut_mm, use.sheets);
+}
+
 std::string metrics_text(ServiceStore& store, JobTable& jobs,
                          const std::vector<DeviceRecord>& devices) {
   std::string text;
@@ -60,11 +60,12 @@ std::string metrics_text(ServiceStore& store, JobTable& jobs,
       "SELECT min(created) FROM (SELECT created FROM job WHERE state='queued' ORDER BY id LIMIT "
       "1)");
   fmt::format_to(out,
-                 "# TYPE popcut_queue_oldest_seconds gauge\npopcut_queue_oldest_seconds {:.3f}\n",
+                 "# TYPE popcut_queue_oldest_seconds gauge\n# HELP popcut_queue_oldest_seconds Age "
+                 "of the oldest queued job.\npopcut_queue_oldest_seconds {:.3f}\n",
                  oldest == 0 ? 0.0 : static_cast<double>(store.now() - oldest) / 1000);
   fmt::format_to(out,
-                 "# TYPE popcut_sheets counter\n# HELP popcut_sheets Sheets by how they "
-                 "ended.\n");
+                 "# TYPE popcut_sheets counter\n# HELP popcut_sheets Sheets by "
+                 "outcome.\n");
   for (const DeviceRecord& device : devices)
     fmt::format_to(out, "popcut_sheets_total{{device=\"{}\",outcome=\"done\"}} {}\n",
                    metric_label(device.id), device.sheets_done);

@@ -15,6 +15,16 @@ namespace popcut::daemon {
 [[nodiscard]] std::vector<UsageRow> usage_by(Database& database, std::optional<TimeMs> from,
                                              std::optional<TimeMs> to, const std::string& by);
 
+/// What a sheet of a job took of a device.
+struct SheetUse {
+  std::string operator_name, device;
+  int sheet{};
+  double seconds{}, cut_mm{};
+  int sheets{};  ///< finished: 1 or 0
+};
+/// Notes the use, in a transaction.
+void record_usage(ServiceStore& store, const JobRow& job, const SheetUse& use);
+
 /// Lines of OpenMetrics about jobs, devices and the store; no names of jobs or people.
 [[nodiscard]] std::string metrics_text(ServiceStore& store, JobTable& jobs,
                                        const std::vector<DeviceRecord>& devices);
