@@ -20,7 +20,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/at_terminal.hpp"
-#include "tests/support/daemon_bench.hpp"
+#include "tests/support/daemon_with_cli.hpp"
 #include "tests/support/raw_http.hpp"
 
 using namespace popcut::testing;
@@ -31,9 +31,9 @@ namespace {
 const std::string kUnit = POPCUT_SOURCE_DIR "/examples/unit.json";
 
 /// A popcutd and its client, with users' tables of their own.
-struct Desk : DaemonBench {
+struct Desk : DaemonWithCli {
   explicit Desk(const std::string& more = "", double time_scale = 0)
-      : DaemonBench(time_scale, more) {
+      : DaemonWithCli(time_scale, more) {
     ::setenv("XDG_CONFIG_HOME", (daemon.folder() / "config").c_str(), 1);
   }
   ~Desk() { ::unsetenv("XDG_CONFIG_HOME"); }

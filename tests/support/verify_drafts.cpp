@@ -150,7 +150,7 @@ FoldDraft splayed_card(double alpha, double psi) {
   return draft;
 }
 
-double largest_difference(const verify::FoldFile& file, const verify::Sheet& sheet,
+double largest_difference(const verify::FoldModel& file, const verify::Sheet& sheet,
                           const verify::Pose& opened, const verify::Pose& known) {
   const auto panels = make_panels(file, sheet);
   std::size_t largest_panel = 0;
@@ -165,8 +165,8 @@ double largest_difference(const verify::FoldFile& file, const verify::Sheet& she
   const auto to = measure(file, sheet, panels, known).panel[largest_panel];
   double largest = 0.0;
   for (std::size_t i = 0; i < opened.at.size(); ++i) {
-    const verify::Vec3 p = opened.at[i] - from.origin;
-    const verify::Vec3 moved = to.origin + dot(p, from.along_u) * to.along_u +
+    const Vec3 p = opened.at[i] - from.origin;
+    const Vec3 moved = to.origin + dot(p, from.along_u) * to.along_u +
                                dot(p, from.along_v) * to.along_v + dot(p, from.normal) * to.normal;
     largest = std::max(largest, norm(moved - known.at[i]));
   }

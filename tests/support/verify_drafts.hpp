@@ -33,7 +33,7 @@ namespace popcut::tests {
 [[nodiscard]] FoldDraft splayed_card(double alpha, double psi);
 
 /// Largest distance of a vertex between two poses whose largest panels are laid on each other, mm.
-[[nodiscard]] double largest_difference(const verify::FoldFile& file, const verify::Sheet& sheet,
+[[nodiscard]] double largest_difference(const verify::FoldModel& file, const verify::Sheet& sheet,
                                         const verify::Pose& opened, const verify::Pose& known);
 
 }  // namespace popcut::tests
