@@ -309,7 +309,7 @@ class VertexFinder {
   }
 
   /// On a splayed lattice the fold vertices are tips. A crease without a V-fold (alpha = 0) has its
-  /// vertex where such a tip would lie flat, so that all lie alike (design reference, section 7).
+  /// vertex where such a tip would lie flat, so that all lie alike (docs/geometry.md, section 7).
   static void move_plain_to_tips(std::vector<FoldVertex>& vertices) {
     const auto splayed = std::find_if(vertices.begin(), vertices.end(),
                                       [](const FoldVertex& p) { return p.v_fold.has_value(); });

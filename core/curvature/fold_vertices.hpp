@@ -12,7 +12,7 @@
 
 namespace popcut {
 
-/// The V-fold on a valley crease (design reference, section 7): apex O, centre fold OA of length
+/// The V-fold on a valley crease (docs/geometry.md, section 7): apex O, centre fold OA of length
 /// `w_mm` along the crease, in the direction of `sign` along v.
 struct CreaseVFold {
   double apex_v_mm{};

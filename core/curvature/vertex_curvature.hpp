@@ -9,7 +9,7 @@ namespace popcut {
 /// A point in space as (x, v, z), mm.
 using Point3 = std::array<double, 3>;
 
-/// Curvature of a surface of triangles at one vertex (design reference, section 6; S1).
+/// Curvature of a surface of triangles at one vertex (docs/geometry.md, section 6; S1).
 struct VertexCurvature {
   double K{};       ///< angle defect 2 pi - sum of the angles at the vertex, rad (Gauss-Bonnet)
   double K_area{};  ///< K / A, 1/mm^2: the Gaussian curvature that compares with a smooth surface's

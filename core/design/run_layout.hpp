@@ -29,7 +29,7 @@ struct RunLayout {
 [[nodiscard]] RunLayout lay_runs(const Slicing& sliced, const std::vector<std::uint8_t>& cut_after,
                                  const DesignSpec& spec);
 
-/// Fills the planes of every run by one method (design reference, section 3).
+/// Fills the planes of every run by one method (docs/geometry.md, section 4).
 ///
 /// @retval Infeasible  the conformal lattice has no lawful planes
 [[nodiscard]] Result<void> fill_planes(RunLayout& layout, LatticeMethod method);

@@ -12,7 +12,7 @@
 
 namespace popcut {
 
-/// The five-unit assembly of the main text, Fig. 1B, in unit widths (design reference, section 6):
+/// The five-unit assembly of the main text, Fig. 1B, in unit widths (docs/geometry.md, section 6):
 /// the middle unit's fold vertex v0 = (r cos phi, 0, r sin phi) with the ring v1 = (lambda, 1, 1 +
 /// lambda), v2 = (1, -1, 2), v3 = (1 + lambda, -1, lambda), v4 = (2, 1, 1), as (x, v, z).
 ///

@@ -9,7 +9,7 @@
 namespace popcut {
 
 /// Angle theta of a V-fold's centre OA with its crease at the opening angle `psi_rad`, from 0 to
-/// pi: `2 atan2(alpha cos(psi/2), 1)` (design reference, section 7). That is the main text's
+/// pi: `2 atan2(alpha cos(psi/2), 1)` (docs/geometry.md, section 7). That is the main text's
 /// `atan(2 a / (1 - a^2))`, a = alpha cos(psi/2), on the branch that stays continuous where a > 1.
 [[nodiscard]] double splay_angle_rad(double alpha, double psi_rad);
 

@@ -29,7 +29,7 @@ namespace popcut::tests {
 [[nodiscard]] FoldDraft folded_strip(const std::vector<double>& at,
                                      const std::vector<double>& turn_deg);
 
-/// A card with one V-fold on its crease (design reference, section 7): apex O, slit B-A-C.
+/// A card with one V-fold on its crease (docs/geometry.md, section 7): apex O, slit B-A-C.
 [[nodiscard]] FoldDraft splayed_card(double alpha, double psi);
 
 /// Largest distance of a vertex between two poses whose largest panels are laid on each other, mm.

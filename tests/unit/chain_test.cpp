@@ -41,7 +41,7 @@ SliceCurve profile(const std::string& z) {
 }  // namespace
 
 TEST_CASE("the chain on a quarter circle has the published losses", "[core][chain]") {
-  // Computed once with a 40-digit Newton iteration; the values are those of the design reference.
+  // Computed once with a 40-digit Newton iteration; docs/geometry.md, section 3, has the values.
   const auto [units, loss] = GENERATE(table<int, double>({{3, 0.277447270102},
                                                           {5, 0.127341317150},
                                                           {9, 0.058602580716},

@@ -127,7 +127,7 @@ TEST_CASE("the assembly has the prototype's K and H at r = 2.5", "[core][curvatu
   }
 }
 
-// Targets and their minimisers from the design reference, section 6, and the same prototype.
+// Targets and their minimisers from docs/geometry.md, section 6, and the same prototype.
 TEST_CASE("solving for K takes the nearest assembly and names its mirror",
           "[core][curvature][assembly]") {
   struct Golden {

@@ -105,8 +105,9 @@ TEST_CASE("a single sheet goes from positive through zero to negative curvature"
   CHECK(solved->K_rad[2] <= -0.05 + 1e-9);
 }
 
-TEST_CASE("the design reference's own splays give its own curvatures", "[core][splay]") {
-  // Section 7: pitch 2.2 w along, a = 1.15 w max(alpha); centre 0.7, along 0, across 2.18294652.
+TEST_CASE("the splays of the geometry reference give its curvatures", "[core][splay]") {
+  // docs/geometry.md, section 7: pitch 2.2 w along, a = 1.15 w max(alpha); centre 0.7, along 0,
+  // across 2.18294652.
   const double across = 2.1829465169852584, w = 10.0, a = 1.15 * w * across;
   const auto spec = parse_design_spec(fmt::format(
       R"({{"popcut":1,"surface":{{"type":"profile","z":"{} - x"}},"units_per_slice":4,"slices":4,"widths_mm":22}})",

@@ -314,8 +314,8 @@ TEST_CASE("placement and fit of a spec are read or refused with their place", "[
 
 TEST_CASE("a chain with several minima takes the best one and reports the spread",
           "[core][chain]") {
-  // Wiggles whose minima the design reference lists: with two waves and nine units a second one at
-  // 2.81 times; with four the start at equal arcs ends 1 / 0.845 times above the best.
+  // Wiggles whose minima docs/geometry.md, section 3, lists: with two waves and nine units a second
+  // one at 2.81 times; with four the start at equal arcs ends 1 / 0.845 times above the best.
   const auto solved = [](int waves, int units) {
     const auto curve =
         surface(ProfileSpec{fmt::format("1 - x + 0.95*sin({0}*pi*x)/({0}*pi)", 2 * waves)});

@@ -17,7 +17,7 @@ struct ChainFigures {
   double spread{};  ///< largest of them over the smallest, less 1: 0 for a single minimum
 };
 
-/// L of design reference, section 3 (S2.A): squares of the differences of neighbouring steps plus
+/// L of docs/geometry.md, section 3 (S2.A): squares of the differences of neighbouring steps plus
 /// squares of the steps' distance from the even ones, over `x.size() - 1` units from (0, h) to (d,
 /// 0).
 [[nodiscard]] double chain_loss(std::span<const double> x, std::span<const double> z);

@@ -14,7 +14,7 @@
 
 namespace popcut {
 
-/// The slices of a design with their chains, before any lattice (design reference, section 3). All
+/// The slices of a design with their chains, before any lattice (docs/geometry.md, section 3). All
 /// lists have one entry a slice but for the chains, which follow each other.
 struct Slicing {
   std::vector<double> s_mm;      ///< middle of the slice along the target

@@ -29,7 +29,7 @@ struct RunTarget {
   [[nodiscard]] double mean_step() const;
 };
 
-/// The planes of a run: one number a slice and level (design reference, section 4). Slice `j` holds
+/// The planes of a run: one number a slice and level (docs/geometry.md, section 4). Slice `j` holds
 /// the height Z of level `i` where i + j is even, else the offset X. X = 0 is the wall and Z = 0
 /// the ground: a plane with that value has ended there.
 struct Planes {
@@ -70,7 +70,7 @@ struct ConformalEffort {
 };
 
 /// Popcut's own: pulls every connector vertex onto the surface by Gauss-Newton with log barriers
-/// (design reference, section 4), the smallest step at least `min_panel_mm`.
+/// (docs/geometry.md, section 4), the smallest step at least `min_panel_mm`.
 ///
 /// @param give_up_over_mean  stop early, with what there is, once exactness would need a longer
 /// step
@@ -80,7 +80,7 @@ struct ConformalEffort {
     const RunTarget& target, std::optional<double> give_up_over_mean = std::nullopt,
     ConformalEffort* effort = nullptr);
 
-/// Exact in O(units): levels end and begin at wall and ground (design reference, section 4).
+/// Exact in O(units): levels end and begin at wall and ground (docs/geometry.md, section 4).
 [[nodiscard]] Planes lattice_levels(const RunTarget& target);
 
 }  // namespace popcut

@@ -21,7 +21,7 @@ struct Step {
   int plus{-1}, minus{-1};
 };
 
-/// The minimisation of design reference, section 4, over the planes of one run. The unknowns are
+/// The minimisation of docs/geometry.md, section 4, over the planes of one run. The unknowns are
 /// ordered slice by slice; all terms are built from connector steps, connector vertices and ends.
 class Conformal {
  public:

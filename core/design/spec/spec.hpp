@@ -35,7 +35,7 @@ struct CurvatureTarget {
   double margin_rad{0.05};
 };
 
-/// V-folds on the connectors' valley creases (design reference, section 7).
+/// V-folds on the connectors' valley creases (docs/geometry.md, section 7).
 struct SplaySpec {
   std::optional<double> uniform{};         ///< one alpha for all creases
   std::vector<std::vector<double>> alpha;  ///< else inner levels x connectors, 0 for no V-fold

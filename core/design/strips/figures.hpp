@@ -31,7 +31,7 @@ struct LatticeFigures {
   double gap_mm{};  ///< largest distance of a target point from the nearest fold vertex
 };
 
-/// Measures a lattice as it is laid, after merging (design reference, section 4: "exact is not yet
+/// Measures a lattice as it is laid, after merging (docs/geometry.md, section 4: "exact is not yet
 /// good"). Fold vertices are the middles of the connectors' valley folds with their wall and ground
 /// ends; a lattice without connectors has those of its slices.
 [[nodiscard]] LatticeFigures measure(const FigureInput& input);

@@ -37,7 +37,7 @@ Crease crease_of(const Strips& strips, const SplaySpec& splay, int level, int co
   return {};
 }
 
-/// The tip of a V-fold of splay `alpha` at `psi_rad` (design reference, section 7).
+/// The tip of a V-fold of splay `alpha` at `psi_rad` (docs/geometry.md, section 7).
 Point3 tip_of(const Crease& crease, double alpha, double psi_rad) {
   const auto o = posed({crease.x, crease.z, crease.apex_v_mm}, psi_rad);
   const double theta = splay_rad(alpha, psi_rad), up = crease.length_mm * std::sin(theta);

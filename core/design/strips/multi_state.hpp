@@ -24,7 +24,7 @@ struct MultiState {
 /// Finds alphas for the middle vertex of the lattice and its four neighbours (the two along the
 /// crease alike, the two across alike) by NLopt's SLSQP from several starts: smallest sum of
 /// squares subject to the targets and to what fits the panels (main text, "Multi-state structures";
-/// design reference, section 7). All other creases stay plain.
+/// docs/geometry.md, section 7). All other creases stay plain.
 ///
 /// @retval OutOfRange  the lattice has fewer than three inner levels or three connectors
 /// @retval Infeasible  no alphas that fit reach the targets; the detail says how near they come

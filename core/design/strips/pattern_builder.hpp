@@ -24,7 +24,7 @@ struct BuiltPattern {
   std::vector<Hinge> hinges;             ///< one a fold line
 };
 
-/// Turns strips into faces, folds and cuts (design reference, section 4): panels of neighbouring
+/// Turns strips into faces, folds and cuts (docs/geometry.md, section 4): panels of neighbouring
 /// strips in the same plane are joined where they overlap, and cut along the rest of their edge.
 /// O(panels).
 ///

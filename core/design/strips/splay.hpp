@@ -8,7 +8,7 @@
 
 namespace popcut {
 
-/// Puts V-folds on the valley creases of the connectors (design reference, section 7; main text,
+/// Puts V-folds on the valley creases of the connectors (docs/geometry.md, section 7; main text,
 /// "Multi-state structures"). `alpha[i - 1][k]` is the splay of level i of connector k, 0 for none.
 ///
 /// Each V-fold lies in the middle of its connector, its apex toward the first slice: the crease

@@ -50,7 +50,7 @@ struct LaidStrips {
   std::vector<int> unlawful;        ///< laid slices after which no lawful connector exists
 };
 
-/// Lays the runs as strips of monotone staircases (design reference, section 4).
+/// Lays the runs as strips of monotone staircases (docs/geometry.md, section 4).
 ///
 /// Where a step of a strip would be shorter than `min_panel_mm`, or go the wrong way, a level is
 /// left out there. Slice strips come first, since a connector can

@@ -12,7 +12,7 @@
 namespace popcut {
 
 /// A target surface, seen by the design as its slices: for each place s along the spine (mm) the
-/// curve that the plane v = s cuts out of it (design reference, section 3).
+/// curve that the plane v = s cuts out of it (docs/geometry.md, section 3).
 ///
 /// A slice is an error of its own: OutOfRange where the surface is not finite and positive there,
 /// Infeasible where it is not in the corner or (FitMode::Exact) its curve does not fall from the

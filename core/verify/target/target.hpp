@@ -22,7 +22,7 @@ struct TargetSlice {
   bool cut_after{};  ///< a plain cut follows instead of a connector
 };
 
-/// A target surface and its slices (design reference, section 3).
+/// A target surface and its slices (docs/geometry.md, section 3).
 struct Target {
   std::unique_ptr<TargetSurface> surface;
   std::vector<TargetSlice> slices;  ///< empty: the design chose the widths
