@@ -167,7 +167,7 @@ double twice_area(const std::vector<Vec3>& corners) {
   return twice;
 }
 
-/// Appends one face. False when it is no simple polygon.
+/// Appends one face. False when it is not a simple polygon.
 bool add_face(std::vector<Vec3> corners, FaceTriangles& out) {
   corners = true_corners(std::move(corners));
   if (corners.size() < 3) return false;
@@ -197,7 +197,7 @@ Result<FaceTriangles> triangulate_faces(const Pattern& pattern) {
       corners.push_back(flat_place(pattern, pattern.vertices[i]));
     if (!add_face(std::move(corners), out)) {
       return fail(ErrorKind::OutOfRange, fmt::format("faces/{}", f),
-                  "is no simple polygon with an area; faces may not cross themselves");
+                  "is not a simple polygon with an area; a face must not cross itself");
     }
     out.first_corner.push_back(static_cast<std::uint32_t>(out.corner.size()));
     out.first_triangle.push_back(static_cast<std::uint32_t>(out.triangle.size()));

@@ -22,10 +22,10 @@ struct BridgeAim {
 struct BridgedStrips {
   Strips strips;
   std::vector<BridgeReport> made;
-  std::vector<std::size_t> refused;  ///< indices of the aims for which no connector is lawful
+  std::vector<std::size_t> refused;  ///< indices of the aims for which no connector is valid
 };
 
-/// Puts a connector, called a bridge, at each aim where one is lawful (design reference, section 4:
+/// Puts a connector, called a bridge, at each aim where one is valid (design reference, section 4:
 /// "a connector is made wherever one is lawful").
 ///
 /// What a connector needs is less than paired levels: a monotone staircase from the wall to the
