@@ -55,9 +55,9 @@ Anchor anchor_of(const Work& work, std::size_t f) {
 Result<void> check_angles(std::span<const double> psi_rad) {
   for (std::size_t k = 0; k < psi_rad.size(); ++k) {
     if (!(psi_rad[k] >= 0 && psi_rad[k] <= std::numbers::pi)) {
-      return fail(
-          ErrorKind::OutOfRange, fmt::format("pose {}", k),
-          fmt::format("{} rad is no opening angle; give one of 0 (shut) to pi (flat)", psi_rad[k]));
+      return fail(ErrorKind::OutOfRange, fmt::format("pose {}", k),
+                  fmt::format("{} rad is not an opening angle; must be from 0 (shut) to pi (flat)",
+                              psi_rad[k]));
     }
     const bool turns = k >= 2 && (psi_rad[k] > psi_rad[k - 1]) != (psi_rad[1] > psi_rad[0]);
     if (k >= 1 && (turns || psi_rad[k] == psi_rad[k - 1])) {
@@ -275,7 +275,7 @@ Result<std::vector<double>> opening_angles(double from_rad, double to_rad, int f
   for (const double psi : {from_rad, to_rad}) {
     if (!(psi >= 0 && psi <= std::numbers::pi)) {
       return wrong(
-          fmt::format("{} rad is no opening angle; give one of 0 (shut) to pi (flat)", psi));
+          fmt::format("{} rad is not an opening angle; must be from 0 (shut) to pi (flat)", psi));
     }
   }
   if (frames > 1 && from_rad == to_rad) {

@@ -256,7 +256,7 @@ Result<Pattern> pattern_from_fold(const FoldFile& file) {
   const FoldFrame& flat = *sources->flat;
   const double mm = fold_unit_mm(flat.unit);
   if (mm == 0)
-    return fail(ErrorKind::Malformed, "/frame_unit", "is no unit of length that is known; mm is");
+    return fail(ErrorKind::Malformed, "/frame_unit", "is not a known unit of length; use mm");
   double size = 1e-9;
   auto vertices = designed_places(*sources, mm, size);
   if (!vertices) return tl::unexpected(vertices.error());

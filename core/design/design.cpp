@@ -67,8 +67,8 @@ class Designer {
         if (std::exchange(bridging_, false)) continue;
         return fail(
             ErrorKind::Infeasible, "/units_per_slice",
-            fmt::format("the structure would have {} degrees of freedom, and no plain cut mends "
-                        "it; use fewer units or a smaller min_panel_mm",
+            fmt::format("the structure would have {} degrees of freedom, and adding cuts does "
+                        "not fix it; use fewer units or a smaller min_panel_mm",
                         tight->second.degrees_of_freedom));
       }
       if (tight->second.pieces != 1)
@@ -139,7 +139,7 @@ class Designer {
     return out;
   }
 
-  /// Bridges between the runs, where they are lawful.
+  /// Bridges between the runs, where they are valid.
   void bridge(const RunLayout& layout, Laid& laid) const {
     std::vector<BridgeAim> aims;
     const Strips& strips = laid.strips.strips;
@@ -174,7 +174,7 @@ class Designer {
     laid.figures = measure(input);
   }
 
-  /// Strips with their figures; none where a connector is unlawful.
+  /// Strips with their figures; none where a connector is not valid.
   Result<Laid> lay_measured(const RunLayout& layout) const {
     auto laid = lay_strips(layout);
     if (laid && laid->strips.unlawful.empty()) add_figures(layout, *laid);
@@ -245,7 +245,7 @@ class Designer {
            conformal.inner_error.rms_mm > 0.5 * slices.inner_error.rms_mm;
   }
 
-  /// Plain cuts where no connector is lawful; whether any was made.
+  /// Plain cuts where no connector is valid; whether any was made.
   bool cut_unlawful(const LaidStrips& strips) {
     bool any = false;
     for (const int slice : strips.unlawful)
@@ -345,7 +345,7 @@ class Designer {
             j, j + 1, units, bridges[b].left_planes, bridges[b].right_planes, bridges[b].off_mm));
       else if (changes)
         notes_.push_back(
-            fmt::format("plain cut between slices {} and {}, {}: no connector is lawful there", j,
+            fmt::format("plain cut between slices {} and {}, {}: no valid connector exists there", j,
                         j + 1, units));
       if (bridged) ++b;
     }

@@ -31,7 +31,7 @@ struct RunLayout {
 
 /// Fills the planes of every run by one method (docs/geometry.md, section 4).
 ///
-/// @retval Infeasible  the conformal lattice has no lawful planes
+/// @retval Infeasible  the conformal lattice has no valid planes
 [[nodiscard]] Result<void> fill_planes(RunLayout& layout, LatticeMethod method);
 
 /// Marks loose panels of slice strips, to be left out when the strips are laid again; where there

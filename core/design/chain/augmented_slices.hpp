@@ -34,7 +34,7 @@ struct PlacedPlanes {
 void measure_lattice(const AugmentedSpec& spec, const std::vector<PlacedPlanes>& runs,
                      CurvatureReport& report);
 
-/// What became of the wish, in sentences for the report.
+/// What became of the requested curvature, in sentences for the report.
 [[nodiscard]] std::vector<std::string> curvature_notes(const CurvatureReport& report,
                                                        LatticeMethod method);
 

@@ -38,7 +38,7 @@ Result<void> check_widths(const std::vector<double>& widths_mm,
   return {};
 }
 
-/// A region's stretch of the target. Its own surface is told places from the region's start, the
+/// A region's stretch of the target. Its own surface takes places from the region's start, the
 /// common one from slice 0.
 struct RegionCut {
   const Surface* surface{};

@@ -19,7 +19,7 @@ struct JoinedStrips {
 /// Lays the strips of patches, each in a card of its own, side by side in one card of height
 /// `wall_mm` and depth `ground_mm`. The margins between them are left out, so that the patches'
 /// outer slices stand beside each other with a plain cut between: joined in wall and ground, which
-/// are the same planes, and cut along the rest. Planes and slices are numbered anew. O(panels).
+/// are the same planes, and cut along the rest. Planes and slices are numbered again. O(panels).
 ///
 /// A plain cut takes no freedom and gives none, so that patches with one freedom each have one
 /// together.

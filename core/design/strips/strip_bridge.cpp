@@ -51,7 +51,7 @@ class Bridge {
     mean_step_ = 2.0 * (curve_.d() + curve_.h()) / std::max(2, left + right);
   }
 
-  /// The corners of the best staircase, empty where none is lawful.
+  /// The corners of the best staircase, empty where none is valid.
   std::vector<Corner> solve() {
     place_corners();
     const double all = curve_.d() + curve_.h();
@@ -139,7 +139,7 @@ class Bridge {
               [](const Corner& a, const Corner& b) { return a.x - a.z < b.x - b.z; });
   }
 
-  /// The sides that the two panels from corner a to corner b join, 0 where they are not lawful.
+  /// The sides that the two panels from corner a to corner b join, 0 where they are not valid.
   [[nodiscard]] std::uint8_t joins(const Corner& a, const Corner& b) const {
     if (a.height < 0 || b.offset < 0 || b.x - a.x < least_ || a.z - b.z < least_) return 0;
     const Plane &level = height(a), &upright = offset(b);

@@ -22,11 +22,11 @@ struct BridgeAim {
 struct BridgedStrips {
   Strips strips;
   std::vector<BridgeReport> made;
-  std::vector<std::size_t> refused;  ///< indices of the aims for which no connector is lawful
+  std::vector<std::size_t> refused;  ///< indices of the aims for which no connector is valid
 };
 
-/// Puts a connector, called a bridge, at each aim where one is lawful (docs/geometry.md, section 4:
-/// "a connector is made wherever one is lawful").
+/// Puts a connector, called a bridge, at each aim where one is valid (docs/geometry.md, section 4:
+/// "a connector is made wherever one is valid").
 ///
 /// What a connector needs is less than paired levels: a monotone staircase from the wall to the
 /// ground each of whose panels lies in a plane of the left or of the right strip and overlaps that

@@ -36,7 +36,7 @@ struct CardFrame {
   double margin_mm{};  ///< width of the margin strips; 0: none
 };
 
-/// What the strips need to be told beyond their planes.
+/// What the strips need beyond their planes.
 struct StripOptions {
   CardFrame frame;
   double min_panel_mm{};
@@ -47,7 +47,7 @@ struct StripOptions {
 struct LaidStrips {
   Strips strips;
   std::vector<MergedPlace> merged;  ///< levels left out, with the reason
-  std::vector<int> unlawful;        ///< laid slices after which no lawful connector exists
+  std::vector<int> unlawful;        ///< laid slices after which no valid connector exists
 };
 
 /// Lays the runs as strips of monotone staircases (docs/geometry.md, section 4).

@@ -23,7 +23,7 @@ class Surface {
   ///
   /// @param assets  contents of the file that the surface names; not kept
   /// @retval Malformed   the expression does not parse, the file is absent or not of its kind
-  /// @retval OutOfRange  a value in the file is not lawful, or the file is too large
+  /// @retval OutOfRange  a value in the file is not valid, or the file is too large
   /// @retval Infeasible  no part of the mesh is in the corner
   [[nodiscard]] static Result<Surface> make(const SurfaceSpec& spec,
                                             const TargetPlacement& placement, FitMode fit,
