@@ -8,7 +8,7 @@
 namespace popcut {
 
 // Places in space are (x, v, z), mm: right-handed, x away from the wall, v along the spine, z up
-// (design reference, section 2).
+// (docs/geometry.md, section 2).
 
 /// A rotation as a unit quaternion; its coefficients are (x, y, z, w), in the order that glTF has.
 using Turn = Eigen::Quaterniond;

@@ -47,7 +47,7 @@ inline constexpr double kMaxCoordinate = 100'000.0;         ///< mm; coordinates
 [[nodiscard]] bool is_cut(Operation operation);
 
 /// The lines of a pattern on its page: x = v, y = u. This is a rotation as seen from the pop-up
-/// side (design reference, section 2). Mountain, Valley, Slit and Outline keep their meaning.
+/// side (docs/geometry.md, section 2). Mountain, Valley, Slit and Outline keep their meaning.
 [[nodiscard]] LineWork linework_from_pattern(const Pattern& pattern);
 
 /// "draw", "score", "fold-mountain", "fold-valley", "cut", "outline": names of layers, also in

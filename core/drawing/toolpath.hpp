@@ -10,7 +10,7 @@
 namespace popcut {
 
 /// What a stroke is for, in cutting order. The sheet's own outline comes last, because no part of
-/// the sheet may move before it is cut (design reference, section 8).
+/// the sheet may move before it is cut (docs/geometry.md, section 8).
 enum class Operation : std::uint8_t { Draw, Score, FoldMountain, FoldValley, Cut, Outline };
 
 /// One path with the tool down: points `first .. first + count` of its `Toolpath`.

@@ -74,7 +74,7 @@ struct Layout {
 };
 
 /// Splits a drawing that is larger than the area into pieces with glue tabs, and packs the pieces
-/// on as few sheets as it can (design reference, section 8).
+/// on as few sheets as it can (docs/geometry.md, section 8).
 ///
 /// Seams in one direction are straight from edge to edge. Seams in the other direction run between
 /// them, straight or in steps. Both directions and both orientations of the pieces are tried.

@@ -18,7 +18,7 @@ enum class EdgeRole : std::uint8_t {
 };
 
 /// A vertex of the pattern by its place in the designed pose (psi = pi/2), in mm. The same three
-/// numbers give its place on the sheet and in every pose (design reference, section 2): on the
+/// numbers give its place on the sheet and in every pose (docs/geometry.md, section 2): on the
 /// sheet it is at `(u, v) = (x + (wall - z), v)`, opened to psi at `(x + z cos psi, v, z sin psi)`.
 struct PatternVertex {
   double x{};
@@ -42,7 +42,7 @@ struct SheetLine {
   EdgeRole role{};
 };
 
-/// A V-fold on a valley crease (design reference, section 7): two triangles reach from the apex O
+/// A V-fold on a valley crease (docs/geometry.md, section 7): two triangles reach from the apex O
 /// `length_mm` along the crease to its tip A and `alpha` times that to either side.
 struct VFold {
   std::uint32_t apex{};    ///< O, on the crease
@@ -53,7 +53,7 @@ struct VFold {
   double alpha{};          ///< tan of the splay angle
 };
 
-/// A stretch of the sheet's own edge that is glued to another pattern (design reference, section
+/// A stretch of the sheet's own edge that is glued to another pattern (docs/geometry.md, section
 /// 5): the line from (u0_mm, v_mm) to (u1_mm, v_mm), with a margin on either side of it.
 struct Seam {
   std::int32_t id{};     ///< number of the seam, the same on both patterns

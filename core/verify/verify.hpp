@@ -68,7 +68,7 @@ struct VerifyReport {
   [[nodiscard]] std::size_t failed() const;
 };
 
-/// Recomputes from a FOLD file alone what a pattern must satisfy (design reference, section 4):
+/// Recomputes from a FOLD file alone what a pattern must satisfy (docs/geometry.md, section 4):
 /// one connected piece, faces that tile the sheet, no doubled or crossing lines, isometric and
 /// closed in every pose that the file holds, fold angles and assignments that agree with the poses,
 /// the degrees of freedom in a pose that is neither flat nor shut, and no face through another.
