@@ -23,6 +23,7 @@
 #include "daemon/client/api.hpp"
 #include "tests/bench/http_load.hpp"
 #include "tests/support/daemon_process.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace popcut;
 using namespace popcut::testing;
@@ -94,7 +95,7 @@ struct CutFigures {
 
 class Bench {
  public:
-  Bench() : daemon_(POPCUT_DAEMON, kTimeScale, "connections = 200\n") {}
+  Bench() : daemon_(popcutd_program(), kTimeScale, "connections = 200\n") {}
 
   void start() {
     REQUIRE(daemon_.start());

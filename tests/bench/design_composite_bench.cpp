@@ -13,6 +13,7 @@
 #include "core/design/strips/multi_state.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace popcut;
 
@@ -31,7 +32,7 @@ double median_of(int runs, const auto& work) {
 }
 
 DesignSpec example(const std::string& name) {
-  std::ifstream file(POPCUT_SOURCE_DIR "/examples/" + name + ".json");
+  std::ifstream file(popcut::testing::source_file("examples/") + name + ".json");
   std::stringstream text;
   text << file.rdbuf();
   const auto spec = parse_design_spec(text.str());

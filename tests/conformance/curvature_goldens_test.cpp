@@ -13,6 +13,7 @@
 #include "core/figures/assembly.hpp"
 #include "core/figures/slice_figures.hpp"
 #include "core/figures/splay_patch.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace popcut;
 using nlohmann::json;
@@ -21,7 +22,7 @@ namespace {
 
 std::optional<json> golden(const std::string& name) {
   const std::filesystem::path path =
-      std::filesystem::path(POPCUT_SOURCE_DIR "/../shared/data/paper") / name;
+      std::filesystem::path(popcut::testing::source_file("../shared/data/paper")) / name;
   std::ifstream in(path);
   if (!in) {
     WARN("skipped: no " << name);

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "device/sim/simulate.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/sim_bench.hpp"
 
 using namespace popcut;
@@ -19,7 +20,7 @@ using namespace popcut::testing;
 
 namespace {
 
-const std::filesystem::path kCaptures{POPCUT_SOURCE_DIR "/../shared/captures"};
+const std::filesystem::path kCaptures{source_file("../shared/captures")};
 const std::string kEnquiry = "\x1b\x05";
 
 struct Transfer {

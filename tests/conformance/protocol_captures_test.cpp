@@ -15,6 +15,7 @@
 #include "protocol/encode.hpp"
 #include "protocol/moves.hpp"
 #include "protocol/replies.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/protocol_samples.hpp"
 
 using namespace popcut;
@@ -24,7 +25,7 @@ using namespace popcut::samples;
 // (V1.00) and a Cameo 1 or 2. The recordings are not part of this repository.
 namespace {
 
-const std::filesystem::path kFolder = POPCUT_SOURCE_DIR "/../shared/captures";
+const std::filesystem::path kFolder = popcut::testing::source_file("../shared/captures");
 
 std::optional<std::string> capture(const std::string& name) {
   std::ifstream file(kFolder / name, std::ios::binary);

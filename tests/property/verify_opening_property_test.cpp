@@ -17,6 +17,7 @@
 #include "core/verify/motion/mobility.hpp"
 #include "core/verify/motion/motion.hpp"
 #include "core/verify/motion/opening.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace popcut;
 
@@ -25,7 +26,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 std::string example(const std::string& name) {
-  std::ifstream in(POPCUT_SOURCE_DIR "/examples/" + name + ".json");
+  std::ifstream in(popcut::testing::source_file("examples/") + name + ".json");
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();

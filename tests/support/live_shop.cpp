@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "tests/support/paths.hpp"
 #include "tests/support/received_log.hpp"
 
 namespace popcut::testing {
@@ -32,7 +33,7 @@ bool happens(const std::function<bool()>& holds, double seconds) {
 }
 
 LiveShop::LiveShop(double time_scale, const std::string& more)
-    : daemon_(POPCUT_DAEMON, time_scale, more) {}
+    : daemon_(popcutd_program(), time_scale, more) {}
 
 void LiveShop::open(const std::vector<std::string>& environment) {
   if (!daemon_.start(environment)) give_up("popcutd does not serve: " + daemon_.log());

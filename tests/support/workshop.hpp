@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// For tests whose target knows POPCUT_PROGRAM and POPCUTD_PROGRAM.
+// For tests whose target knows popcut_program() and popcutd_program().
 #pragma once
 
 #include <chrono>
@@ -13,13 +13,14 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/daemon_process.hpp"
+#include "tests/support/paths.hpp"
 
 namespace popcut::testing {
 
 /// A daemon and people who talk with it.
 struct Workshop {
   explicit Workshop(double time_scale = 0, const std::string& more = "")
-      : daemon(POPCUTD_PROGRAM, time_scale, more) {
+      : daemon(popcutd_program(), time_scale, more) {
     ::setenv("POPCUT_URL", daemon.socket().c_str(), 1);
     ::unsetenv("POPCUT_TOKEN");
   }
@@ -31,7 +32,7 @@ struct Workshop {
     REQUIRE(serves);
   }
   [[nodiscard]] Ran popcut(std::vector<std::string> words) const {
-    words.insert(words.begin(), POPCUT_PROGRAM);
+    words.insert(words.begin(), popcut_program());
     return run_program(words, daemon.folder().path());
   }
   [[nodiscard]] Ran until_done(const std::vector<std::string>& words) const {
