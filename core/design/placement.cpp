@@ -13,7 +13,7 @@
 
 #include "core/design/target/placement_map.hpp"
 #include "core/design/target/surface_kinds.hpp"
-#include "core/text/json_fields.hpp"
+#include "core/text/json_text.hpp"
 
 namespace popcut {
 namespace {

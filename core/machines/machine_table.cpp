@@ -5,19 +5,18 @@
 
 #include <fmt/format.h>
 
-#include "core/text/json_fields.hpp"
 #include "core/machines/machine.hpp"
-#include "core/text/near_names.hpp"
-#include "core/text/read_object.hpp"
 #include "core/machines/table.hpp"
 #include "core/machines/tables.hpp"
+#include "core/text/field_reader.hpp"
+#include "core/text/near_names.hpp"
 
 namespace popcut {
 namespace {
 
 constexpr double kMaxLength = 100'000.0;  // mm; nothing that is cut is longer than 100 m
 
-SteppedScale read_scale(JsonFields& fields) {
+SteppedScale read_scale(FieldReader& fields) {
   SteppedScale scale;
   scale.min_step = fields.integer("min_step", {}, 0, 100'000);
   scale.max_step = fields.integer("max_step", {}, scale.min_step, 100'000);
@@ -25,7 +24,7 @@ SteppedScale read_scale(JsonFields& fields) {
   return scale;
 }
 
-Motion read_motion(JsonFields& fields) {
+Motion read_motion(FieldReader& fields) {
   Motion motion;
   motion.accel_mm_s2 = fields.number("accel_mm_s2", {}, 1.0, 1e6);
   motion.travel_mm_s = fields.number("travel_mm_s", {}, 1.0, 1e5);
@@ -41,39 +40,27 @@ Motion read_motion(JsonFields& fields) {
   return motion;
 }
 
-std::vector<Mat> read_mats(JsonFields& fields) {
-  std::vector<Mat> mats;
-  const nlohmann::json* list = fields.value("mats");
-  if (list == nullptr || !list->is_array()) {
-    fields.add_error(ErrorKind::Malformed, fields.pointer("mats"), "a list of mats is needed");
-    return mats;
-  }
-  for (std::size_t i = 0; i < list->size(); ++i) {
-    JsonFields row((*list)[i], fmt::format("{}/{}", fields.pointer("mats"), i));
-    Mat mat;
-    mat.name = row.text("name", {});
-    mat.code = row.integer("code", {}, 0, 1000);
-    mat.width_mm = row.number("width_mm", {}, 1.0, kMaxLength);
-    mat.length_mm = row.number("length_mm", {}, 1.0, kMaxLength);
-    if (const auto whole = row.finish(); !whole)
-      fields.add_error(whole.error().kind, whole.error().place, whole.error().detail);
-    mats.push_back(std::move(mat));
-  }
-  return mats;
+Mat read_mat(FieldReader& fields) {
+  Mat mat;
+  mat.name = fields.text("name", {});
+  mat.code = fields.integer("code", {}, 0, 1000);
+  mat.width_mm = fields.number("width_mm", {}, 1.0, kMaxLength);
+  mat.length_mm = fields.number("length_mm", {}, 1.0, kMaxLength);
+  return mat;
 }
 
-void read_place(JsonFields& fields, Machine& machine) {
+void read_place(FieldReader& fields, Machine& machine) {
   machine.unit_mm = fields.number("unit_mm", {}, 1e-4, 1.0);
   machine.width_mm = fields.number("width_mm", {}, 1.0, kMaxLength);
   machine.length_mm = fields.number("length_mm", {}, 1.0, kMaxLength);
   machine.margin_left_mm = fields.number("margin_left_mm", {}, -100.0, machine.width_mm / 2);
   machine.margin_top_mm = fields.number("margin_top_mm", {}, -100.0, machine.length_mm / 2);
-  machine.mats = read_mats(fields);
+  fields.objects("mats", [&](FieldReader& mat) { machine.mats.push_back(read_mat(mat)); });
   machine.y_up = fields.boolean("y_up", false);
 }
 
 // A variant of GPGL, or habits of an HPGL machine: words joined by "+".
-void read_variant(JsonFields& fields, Machine& machine) {
+void read_variant(FieldReader& fields, Machine& machine) {
   machine.variant = fields.text("variant", {});
   const bool hpgl = machine.language == "hpgl";
   const auto known = hpgl ? std::span<const std::string_view>(kHpglWords) : kGpglVariants;
@@ -83,17 +70,17 @@ void read_variant(JsonFields& fields, Machine& machine) {
     more = word.size() < rest.size();
     if (more) rest.remove_prefix(word.size() + 1);
     if (std::find(known.begin(), known.end(), word) != known.end()) continue;
-    fields.add_error(
-        ErrorKind::OutOfRange, fields.pointer("variant"),
-        fmt::format("\"{}\" is no variant of {}; {}{}", word.substr(0, 40), hpgl ? "HPGL" : "GPGL",
-                    fmt::join(known, ", "), hpgl ? " are known, joined by +" : " are known"));
+    fields.refuse("variant", ErrorKind::OutOfRange,
+                  fmt::format("\"{}\" is not a variant of {}; {}{}", word.substr(0, 40),
+                              hpgl ? "HPGL" : "GPGL", fmt::join(known, ", "),
+                              hpgl ? " are known, joined by +" : " are known"));
     return;
   }
 }
 
 Result<Machine> read_machine(const TableRow& row) {
   Machine machine;
-  JsonFields fields(row.row, row.pointer);
+  FieldReader fields(row.row, row.pointer);
   machine.name = fields.text("name", {});
   machine.title = fields.text("title", {});
   fields.value("source");
@@ -105,9 +92,9 @@ Result<Machine> read_machine(const TableRow& row) {
   machine.autoblade = fields.boolean("autoblade", false);
   machine.firmware_blade_offset = fields.boolean("firmware_blade_offset", true);
   machine.blade_offset_mm = fields.number("blade_offset_mm", 0.0, 0.0, 5.0);
-  read_object(fields, "force_gf", machine.force_gf, read_scale);
-  read_object(fields, "speed_mm_s", machine.speed_mm_s, read_scale);
-  read_object(fields, "motion", machine.motion, read_motion);
+  fields.object("force_gf", [&](FieldReader& inner) { machine.force_gf = read_scale(inner); });
+  fields.object("speed_mm_s", [&](FieldReader& inner) { machine.speed_mm_s = read_scale(inner); });
+  fields.object("motion", [&](FieldReader& inner) { machine.motion = read_motion(inner); });
   machine.buffer_bytes =
       static_cast<std::uint32_t>(fields.integer("buffer_bytes", {}, 64, 1 << 30));
   machine.usb_vendor = static_cast<std::uint16_t>(fields.integer("usb_vendor", 0, 0, 0xFFFF));

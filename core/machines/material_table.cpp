@@ -5,17 +5,16 @@
 
 #include <fmt/format.h>
 
-#include "core/text/json_fields.hpp"
 #include "core/machines/machine.hpp"
-#include "core/text/near_names.hpp"
-#include "core/text/read_object.hpp"
 #include "core/machines/table.hpp"
 #include "core/machines/tables.hpp"
+#include "core/text/field_reader.hpp"
+#include "core/text/near_names.hpp"
 
 namespace popcut {
 namespace {
 
-DashShape read_dashes(JsonFields& fields) {
+DashShape read_dashes(FieldReader& fields) {
   DashShape dashes;
   dashes.dash_mm = fields.number("dash_mm", {}, 0.05, 100.0);
   dashes.gap_mm = fields.number("gap_mm", {}, 0.05, 100.0);
@@ -24,7 +23,7 @@ DashShape read_dashes(JsonFields& fields) {
   return dashes;
 }
 
-ToolSettings read_tool(JsonFields& fields, ToolTip usual) {
+ToolSettings read_tool(FieldReader& fields, ToolTip usual) {
   ToolSettings tool;
   tool.tool = fields.integer("tool", {}, 1, 8);
   tool.force_gf = fields.number("force_gf", {}, 0.0, 10'000.0);
@@ -36,26 +35,26 @@ ToolSettings read_tool(JsonFields& fields, ToolTip usual) {
   return tool;
 }
 
-std::optional<ToolSettings> read_optional_tool(JsonFields& fields, const char* name,
+std::optional<ToolSettings> read_optional_tool(FieldReader& fields, const char* name,
                                                ToolTip usual) {
   const nlohmann::json* given = fields.value(name);
   if (given == nullptr || given->is_null()) return std::nullopt;
-  ToolSettings tool;
-  read_object(fields, name, tool, [&](JsonFields& inner) { return read_tool(inner, usual); });
+  std::optional<ToolSettings> tool;
+  fields.object(name, [&](FieldReader& inner) { tool = read_tool(inner, usual); });
   return tool;
 }
 
-void read_folds(JsonFields& fields, Material& material) {
+void read_folds(FieldReader& fields, Material& material) {
   material.folds = static_cast<FoldMode>(fields.word("folds", 0, {"perforate", "score", "light"}));
   const bool missing = (material.folds == FoldMode::Score && !material.score) ||
                        (material.folds == FoldMode::Light && !material.light);
   if (missing)
-    fields.add_error(ErrorKind::Malformed, fields.pointer("folds"),
-                     fmt::format("is {0}, which needs the settings \"{0}\" of this material",
-                                 fold_mode_name(material.folds)));
+    fields.refuse("folds", ErrorKind::Malformed,
+                  fmt::format("is {0}, which needs the settings \"{0}\" of this material",
+                              fold_mode_name(material.folds)));
 }
 
-TabShape read_tabs(JsonFields& fields) {
+TabShape read_tabs(FieldReader& fields) {
   constexpr double kDegree = 0.017453292519943295;
   TabShape tabs;
   tabs.depth_mm = fields.number("depth_mm", tabs.depth_mm, 0.5, 200.0);
@@ -70,17 +69,17 @@ TabShape read_tabs(JsonFields& fields) {
 
 Result<Material> read_material(const TableRow& row) {
   Material material;
-  JsonFields fields(row.row, row.pointer);
+  FieldReader fields(row.row, row.pointer);
   material.name = fields.text("name", {});
   material.title = fields.text("title", {});
   fields.value("source");
   material.thickness_mm = fields.number("thickness_mm", {}, 0.001, 20.0);
-  read_object(fields, "dashes", material.dashes, read_dashes);
-  const auto read_blade = [](JsonFields& inner) { return read_tool(inner, ToolTip::Blade); };
-  read_object(fields, "cut", material.cut, read_blade);
-  read_object(fields, "fold", material.fold, read_blade);
-  read_object(fields, "draw", material.draw,
-              [](JsonFields& inner) { return read_tool(inner, ToolTip::Pen); });
+  fields.object("dashes", [&](FieldReader& inner) { material.dashes = read_dashes(inner); });
+  const auto read_blade = [](FieldReader& inner) { return read_tool(inner, ToolTip::Blade); };
+  fields.object("cut", [&](FieldReader& inner) { material.cut = read_blade(inner); });
+  fields.object("fold", [&](FieldReader& inner) { material.fold = read_blade(inner); });
+  fields.object("draw",
+                [&](FieldReader& inner) { material.draw = read_tool(inner, ToolTip::Pen); });
   material.score = read_optional_tool(fields, "score", ToolTip::Stylus);
   material.light = read_optional_tool(fields, "light", ToolTip::Blade);
   read_folds(fields, material);
@@ -88,8 +87,7 @@ Result<Material> read_material(const TableRow& row) {
   material.swivel_above_deg = fields.number("swivel_above_deg", 15.0, 1.0, 90.0);
   material.blade_offset_mm = fields.number("blade_offset_mm", {}, 0.0, 5.0);
   material.autoblade_depth = fields.integer("autoblade_depth", {}, 0, 10);
-  if (const nlohmann::json* tabs = fields.value("tabs"); tabs != nullptr)
-    read_object(fields, "tabs", material.tabs, read_tabs);
+  fields.optional_object("tabs", [&](FieldReader& inner) { material.tabs = read_tabs(inner); });
   if (const auto whole = fields.finish(); !whole)
     return tl::unexpected(in_table(row, whole.error()));
   return material;

@@ -6,7 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "core/text/json_fields.hpp"
+#include "core/text/field_reader.hpp"
+#include "core/text/json_text.hpp"
 #include "core/text/near_names.hpp"
 
 namespace popcut {
@@ -26,15 +27,14 @@ Result<TableRow> inherited(TableRow row, std::vector<TableRow>& rows) {
   const auto like = row.row.find("like");
   if (like == row.row.end()) return row;
   const std::string place = row.pointer + "/like";
-  if (!like->is_string())
-    return fail(ErrorKind::Malformed, place, "the name of another row is due");
+  if (!like->is_string()) return fail(ErrorKind::Malformed, place, "must name another row");
   const std::string base_name = like->get<std::string>();
   const TableRow* base = find_row(rows, base_name);
   if (base == nullptr) {
     std::vector<std::string> names;
     for (const TableRow& other : rows) names.push_back(other.name);
     return fail(ErrorKind::Malformed, place,
-                fmt::format("no row {} stands before this one; {}", base_name,
+                fmt::format("there is no row {} before this one; {}", base_name,
                             suggestion(base_name, names)));
   }
   nlohmann::json merged = base->row;
@@ -49,10 +49,10 @@ Result<void> append(std::vector<TableRow>& rows, std::string_view list, std::str
                     int table) {
   if (text.size() > kMaxTableBytes)
     return fail(ErrorKind::Malformed, "",
-                fmt::format("the table has {} bytes; at most {}", text.size(), kMaxTableBytes));
+                fmt::format("has {} bytes; must have at most {}", text.size(), kMaxTableBytes));
   const auto json = parse_json(text, 16);
   if (!json) return tl::unexpected(json.error());
-  JsonFields fields(*json, "");
+  FieldReader fields(*json, "");
   fields.integer("popcut", std::nullopt, 1, 1);
   fields.value("machines");
   fields.value("materials");
@@ -61,16 +61,15 @@ Result<void> append(std::vector<TableRow>& rows, std::string_view list, std::str
   const auto found = json->find(std::string(list));
   if (found == json->end()) return {};
   const std::string pointer = "/" + std::string(list);
-  if (!found->is_array()) return fail(ErrorKind::Malformed, pointer, "an array of rows is due");
+  if (!found->is_array()) return fail(ErrorKind::Malformed, pointer, "must be a list of rows");
   if (found->size() > kMaxRows)
     return fail(ErrorKind::Malformed, pointer,
-                fmt::format("{} rows; at most {}", found->size(), kMaxRows));
+                fmt::format("has {} rows; must have at most {}", found->size(), kMaxRows));
   for (std::size_t i = 0; i < found->size(); ++i) {
     TableRow row{"", fmt::format("{}/{}", pointer, i), table, (*found)[i]};
-    JsonFields head(row.row, row.pointer);
+    FieldReader head(row.row, row.pointer);
     row.name = head.text("name", std::nullopt);
-    if (row.name.empty())
-      head.add_error(ErrorKind::Malformed, row.pointer + "/name", "is empty; a word is needed");
+    if (row.name.empty()) head.refuse("name", ErrorKind::Malformed, "is empty; must be a word");
     for (const auto& field : row.row.items()) head.value(field.key());
     if (auto named = head.finish(); !named) return named;
     auto whole_row = inherited(std::move(row), rows);

@@ -1,11 +1,41 @@
 // SPDX-License-Identifier: MIT
 #include "core/text/near_names.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
-#include "core/text/json_fields.hpp"
-
 namespace popcut {
+namespace {
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t up = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      diagonal = up;
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+std::string nearest_word(std::string_view wrong, const std::vector<std::string>& names) {
+  constexpr std::size_t kLongest = 64;
+  std::string best;
+  std::size_t best_distance = std::max<std::size_t>(2, wrong.size() / 3) + 1;
+  if (wrong.size() > kLongest) return best;
+  for (const std::string& name : names) {
+    const std::size_t distance = edit_distance(wrong, name);
+    if (distance < best_distance) best_distance = distance, best = name;
+  }
+  return best;
+}
 
 std::string suggestion(std::string_view wrong, const std::vector<std::string>& names) {
   const std::string near = nearest_word(wrong, names);

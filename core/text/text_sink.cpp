@@ -2,12 +2,12 @@
 #include "core/text/text_sink.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "core/text/utf8.hpp"
 
 namespace popcut {
 
@@ -41,28 +41,11 @@ void TextSink::put_rounded(double number) {
 
 namespace {
 
-/// Bytes of the character that `text` begins with where XML 1.0 can hold it: UTF-8 as Unicode
-/// defines it (no surrogates, nothing longer than need be), without U+FFFE and U+FFFF. Else 0.
+/// Bytes of the character that `text` begins with where XML 1.0 can hold it: UTF-8 without U+FFFE
+/// and U+FFFF. Else 0.
 std::size_t xml_character(std::string_view text) {
-  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
-  const unsigned char lead = byte(0);
-  const std::size_t length = lead < 0x80   ? 1
-                             : lead < 0xc2 ? 0
-                             : lead < 0xe0 ? 2
-                             : lead < 0xf0 ? 3
-                             : lead < 0xf5 ? 4
-                                           : 0;
-  if (length == 0 || text.size() < length) return 0;
-  std::uint32_t code = length == 1 ? lead : lead & (0x7fU >> length);
-  for (std::size_t k = 1; k < length; ++k) {
-    if ((byte(k) & 0xc0) != 0x80) return 0;
-    code = code << 6 | (byte(k) & 0x3fU);
-  }
-  constexpr std::array<std::uint32_t, 5> kLeast{0, 0, 0x80, 0x800, 0x10000};
-  const bool surrogate = code >= 0xd800 && code < 0xe000;
-  if (code < kLeast[length] || code > 0x10ffff || surrogate || code == 0xfffe || code == 0xffff)
-    return 0;
-  return length;
+  const CodePoint first = code_point(text, 0);
+  return first.value == 0xfffe || first.value == 0xffff ? 0 : first.length;
 }
 
 }  // namespace

@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
-#include "core/text/json_data.hpp"
 #include "core/drawing/clean.hpp"
 #include "core/plan/knife/overcut.hpp"
+#include "core/text/json_text.hpp"
 #include "daemon/cli/drawing_input.hpp"
-#include "daemon/files/output_folder.hpp"
 #include "daemon/cli/split_facts.hpp"
+#include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
 namespace {

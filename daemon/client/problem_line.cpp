@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/text/json_fields.hpp"
+#include "core/text/json_text.hpp"
 #include "daemon/client/api.hpp"
 #include "daemon/client/command_words.hpp"
 
@@ -62,7 +62,6 @@ Error invalid(const Json& problem, const std::string& place, const std::string& 
   if (code == "infeasible") error.kind = ErrorKind::Infeasible;
   if (code == "malformed") error.kind = ErrorKind::Malformed;
   if (!text_of(first, "detail").empty()) error.detail = text_of(first, "detail");
-  if (code == "unknown_member") error.detail = fmt::format("is not known; {}", error.detail);
   if (list->size() > 1) error.detail += fmt::format(" (and {} more)", list->size() - 1);
   if (subject == Subject::CommandLine || pointer.rfind('?', 0) == 0) {
     error.detail = in_command_words(error.detail);

@@ -7,10 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <concepts>
 
 #include <fmt/format.h>
 
-#include "daemon/config/toml_fields.hpp"
+#include "daemon/config/toml_document.hpp"
 #include "device/port/device_id.hpp"
 
 namespace popcut::daemon {
@@ -21,56 +22,75 @@ constexpr double kDay = 86'400;
 
 const std::vector<std::string> kRoles{"viewer", "submitter", "operator", "admin"};
 
-Result<void> read_log(TomlFields& fields, LogConfig& log) {
+// A key that is absent leaves `value` as it is.
+void read(FieldReader& fields, const char* key, double& value, double low, double high) {
+  value = fields.number(key, value, low, high);
+}
+template <std::integral Integer>
+void read(FieldReader& fields, const char* key, Integer& value, std::int64_t low,
+          std::int64_t high) {
+  if (const auto found = fields.optional_integer(key, low, high))
+    value = static_cast<Integer>(*found);
+}
+void read(FieldReader& fields, const char* key, std::string& value) {
+  value = fields.text(key, value, {.controls = TextRule::Controls::None});
+}
+void read(FieldReader& fields, const char* key, bool& value) { value = fields.boolean(key, value); }
+void read(FieldReader& fields, const char* key, std::vector<std::string>& value) {
+  if (auto found = fields.optional_texts(key)) value = std::move(*found);
+}
+void read(FieldReader& fields, const char* key, std::string& value,
+          const std::vector<std::string>& words) {
+  if (const auto found = fields.optional_word(key, words)) value = words[*found];
+}
+
+void read_log(FieldReader& fields, LogConfig& log) {
   std::string form = log.form == LogForm::Json ? "json" : "text";
-  fields.word("form", form, {"text", "json"});
+  read(fields, "form", form, {"text", "json"});
   log.form = form == "json" ? LogForm::Json : LogForm::Text;
-  fields.word("level", log.level, {"debug", "info", "warning", "error"});
-  return fields.finish();
+  read(fields, "level", log.level, {"debug", "info", "warning", "error"});
 }
 
-Result<void> read_limits(TomlFields& fields, Config& config) {
+void read_limits(FieldReader& fields, Config& config) {
   HttpLimits& limits = config.limits;
-  fields.integer("header_bytes", limits.header_bytes, 1024, 64 << 10);
-  fields.integer("json_bytes", limits.json_bytes, 1024, 64 * kMib);
-  fields.integer("json_depth", limits.json_depth, 4, 64);
-  fields.integer("design_bytes", limits.design_bytes, 1024, 1024 * kMib);
-  fields.integer("asset_bytes", limits.asset_bytes, 1024, 4096 * kMib);
-  fields.integer("connections", limits.connections, 4, 10'000);
-  fields.integer("reserved_connections", limits.reserved_connections, 1, 100);
-  fields.integer("streams", limits.streams, 1, 1000);
-  fields.integer("uploads", limits.uploads, 1, 1000);
-  fields.number("rate_per_s", limits.rate_per_s, 0.1, 1e6);
-  fields.number("rate_burst", limits.rate_burst, 1, 1e6);
-  fields.integer("failed_logins_per_minute", limits.failed_logins_per_minute, 1, 1000);
-  fields.number("header_s", limits.header_s, 0.1, 600);
-  fields.number("body_s", limits.body_s, 0.1, 3600);
-  fields.number("body_bytes_per_s", limits.body_bytes_per_s, 1, 1e9);
-  fields.number("idle_s", limits.idle_s, 0.1, 3600);
-  fields.number("answer_s", limits.answer_s, 1, 3600);
-  fields.number("design_answer_s", limits.design_answer_s, 1, 86'400);
-  fields.number("heartbeat_s", limits.heartbeat_s, 0.1, 3600);
-  fields.integer("stream_events", limits.stream_events, 16, 100'000);
-  fields.integer("stream_bytes", limits.stream_bytes, 4096, 64 * kMib);
-  fields.integer("queue_jobs", config.queue_jobs, 1, 10'000'000);
-  fields.integer("sheets_per_job", config.sheets_per_job, 1, 1'000'000);
-  return fields.finish();
+  read(fields, "header_bytes", limits.header_bytes, 1024, 64 << 10);
+  read(fields, "json_bytes", limits.json_bytes, 1024, 64 * kMib);
+  read(fields, "json_depth", limits.json_depth, 4, 64);
+  read(fields, "design_bytes", limits.design_bytes, 1024, 1024 * kMib);
+  read(fields, "asset_bytes", limits.asset_bytes, 1024, 4096 * kMib);
+  read(fields, "connections", limits.connections, 4, 10'000);
+  read(fields, "reserved_connections", limits.reserved_connections, 1, 100);
+  read(fields, "streams", limits.streams, 1, 1000);
+  read(fields, "uploads", limits.uploads, 1, 1000);
+  read(fields, "rate_per_s", limits.rate_per_s, 0.1, 1e6);
+  read(fields, "rate_burst", limits.rate_burst, 1, 1e6);
+  read(fields, "failed_logins_per_minute", limits.failed_logins_per_minute, 1, 1000);
+  read(fields, "header_s", limits.header_s, 0.1, 600);
+  read(fields, "body_s", limits.body_s, 0.1, 3600);
+  read(fields, "body_bytes_per_s", limits.body_bytes_per_s, 1, 1e9);
+  read(fields, "idle_s", limits.idle_s, 0.1, 3600);
+  read(fields, "answer_s", limits.answer_s, 1, 3600);
+  read(fields, "design_answer_s", limits.design_answer_s, 1, 86'400);
+  read(fields, "heartbeat_s", limits.heartbeat_s, 0.1, 3600);
+  read(fields, "stream_events", limits.stream_events, 16, 100'000);
+  read(fields, "stream_bytes", limits.stream_bytes, 4096, 64 * kMib);
+  read(fields, "queue_jobs", config.queue_jobs, 1, 10'000'000);
+  read(fields, "sheets_per_job", config.sheets_per_job, 1, 1'000'000);
 }
 
-Result<void> read_planner(TomlFields& fields, PlannerConfig& planner) {
-  fields.integer("processes", planner.processes, 1, 64);
-  fields.number("cpu_s", planner.cpu_s, 1, kDay);
-  fields.number("wall_s", planner.wall_s, 1, kDay);
+void read_planner(FieldReader& fields, PlannerConfig& planner) {
+  read(fields, "processes", planner.processes, 1, 64);
+  read(fields, "cpu_s", planner.cpu_s, 1, kDay);
+  read(fields, "wall_s", planner.wall_s, 1, kDay);
   std::int64_t memory_mib = static_cast<std::int64_t>(planner.memory_bytes) / kMib;
   std::int64_t output_mib = static_cast<std::int64_t>(planner.output_bytes) / kMib;
-  fields.integer("memory_mib", memory_mib, 64, 1 << 20);
-  fields.integer("output_mib", output_mib, 1, 64 << 10);
+  read(fields, "memory_mib", memory_mib, 64, 1 << 20);
+  read(fields, "output_mib", output_mib, 1, 64 << 10);
   planner.memory_bytes = static_cast<std::uint64_t>(memory_mib * kMib);
   planner.output_bytes = static_cast<std::uint64_t>(output_mib * kMib);
-  return fields.finish();
 }
 
-void check_device_id(TomlFields& fields, const DeviceConfig& device) {
+void check_device_id(FieldReader& fields, const DeviceConfig& device) {
   if (device.id.empty())
     return fields.refuse("id", ErrorKind::Malformed,
                          "is missing; as in id = \"sim:cameo3\" or id = \"usb:51053P\"");
@@ -93,23 +113,21 @@ void check_device_id(TomlFields& fields, const DeviceConfig& device) {
                               device.id));
 }
 
-Result<void> read_device(TomlFields& fields, std::vector<DeviceConfig>& devices) {
+void read_device(FieldReader& fields, std::vector<DeviceConfig>& devices) {
   DeviceConfig device;
-  fields.text("id", device.id);
-  fields.text("machine", device.machine);
-  fields.text("treat_as", device.treat_as);
-  fields.boolean("enabled", device.enabled);
-  fields.texts("materials", device.materials);
-  fields.number("time_scale", device.time_scale, 0, 1e6);
-  fields.text("faults", device.faults);
-  fields.text("trace", device.trace);
+  read(fields, "id", device.id);
+  read(fields, "machine", device.machine);
+  read(fields, "treat_as", device.treat_as);
+  read(fields, "enabled", device.enabled);
+  read(fields, "materials", device.materials);
+  read(fields, "time_scale", device.time_scale, 0, 1e6);
+  read(fields, "faults", device.faults);
+  read(fields, "trace", device.trace);
   check_device_id(fields, device);
   for (const DeviceConfig& other : devices)
     if (other.id == device.id)
       fields.refuse("id", ErrorKind::OutOfRange, fmt::format("{} is there twice", device.id));
-  if (auto done = fields.finish(); !done) return done;
   devices.push_back(std::move(device));
-  return {};
 }
 
 std::optional<std::uint32_t> uid_of(const std::string& name) {
@@ -130,16 +148,16 @@ std::optional<std::uint32_t> gid_of(const std::string& name) {
   return row.gr_gid;
 }
 
-Result<void> read_user(TomlFields& fields, std::vector<UserRule>& users) {
+void read_user(FieldReader& fields, std::vector<UserRule>& users) {
   UserRule rule;
   std::string user, group, role;
   std::int64_t uid = -1, gid = -1;
   constexpr std::int64_t kMostId = 4'294'967'294;
-  fields.text("user", user);
-  fields.text("group", group);
-  fields.integer("uid", uid, 0, kMostId);
-  fields.integer("gid", gid, 0, kMostId);
-  fields.word("role", role, kRoles);
+  read(fields, "user", user);
+  read(fields, "group", group);
+  read(fields, "uid", uid, 0, kMostId);
+  read(fields, "gid", gid, 0, kMostId);
+  read(fields, "role", role, kRoles);
   const int named = static_cast<int>(!user.empty()) + static_cast<int>(!group.empty()) +
                     static_cast<int>(uid >= 0) + static_cast<int>(gid >= 0);
   if (named != 1)
@@ -155,20 +173,18 @@ Result<void> read_user(TomlFields& fields, std::vector<UserRule>& users) {
   if (!group.empty() && !(rule.gid = gid_of(group)))
     fields.refuse("group", ErrorKind::OutOfRange,
                   fmt::format("\"{}\" is no group of this computer", group));
-  if (auto done = fields.finish(); !done) return done;
   rule.name = !user.empty()    ? user
               : !group.empty() ? "@" + group
               : rule.uid       ? fmt::format("uid {}", *rule.uid)
                                : fmt::format("gid {}", *rule.gid);
   rule.role = static_cast<Role>(std::find(kRoles.begin(), kRoles.end(), role) - kRoles.begin());
   users.push_back(std::move(rule));
-  return {};
 }
 
-Result<void> read_webhook(TomlFields& fields, WebhookConfig& webhook) {
-  fields.text("url", webhook.url);
-  fields.text("secret_file", webhook.secret_file);
-  fields.texts("allow", webhook.allow);
+void read_webhook(FieldReader& fields, WebhookConfig& webhook) {
+  read(fields, "url", webhook.url);
+  read(fields, "secret_file", webhook.secret_file);
+  read(fields, "allow", webhook.allow);
   if (!webhook.url.empty() && webhook.url.rfind("http://", 0) != 0)
     fields.refuse("url", ErrorKind::OutOfRange,
                   "must begin with http://; for https put a proxy of your own before it");
@@ -178,7 +194,6 @@ Result<void> read_webhook(TomlFields& fields, WebhookConfig& webhook) {
   if (!webhook.url.empty() && webhook.allow.empty())
     fields.refuse("allow", ErrorKind::Malformed,
                   "is missing: the hosts that may be called, as in allow = [\"localhost:9000\"]");
-  return fields.finish();
 }
 
 /// Whether two devices differ in what is taken at the start.
@@ -266,15 +281,16 @@ Result<Config> parse_config(std::string_view text) {
                 fmt::format("is not TOML: {}", error.description()));
   }
   Config config;
-  TomlFields fields(parsed, "");
-  fields.boolean("allow_remote", config.allow_remote);
-  fields.texts("listen", config.listen);
+  const TomlDocument document(parsed);
+  FieldReader fields(document.root(), "", document);
+  read(fields, "allow_remote", config.allow_remote);
+  read(fields, "listen", config.listen);
   config.listen_given = fields.has("listen");
   for (const std::string& address : config.listen)
     if (const auto lawful = parse_listen(address, config.allow_remote); !lawful)
       fields.refuse("listen", lawful.error().kind, lawful.error().detail);
-  fields.text("socket", config.socket);
-  fields.text("state", config.state);
+  read(fields, "socket", config.socket);
+  read(fields, "state", config.state);
   for (const auto& [key, value] : {std::pair{"socket", &config.socket}, {"state", &config.state}})
     if (fields.has(key) && value->empty())
       fields.refuse(key, ErrorKind::OutOfRange, "is empty; name a path, or leave it out");
@@ -283,14 +299,14 @@ Result<Config> parse_config(std::string_view text) {
                   fmt::format("has {} characters, and a socket's path has {} at most; name a "
                               "shorter one",
                               config.socket.size(), kLongestSocket));
-  fields.texts("allowed_hosts", config.allowed_hosts);
-  fields.texts("allowed_origins", config.allowed_origins);
-  fields.table("log", [&](TomlFields& log) { return read_log(log, config.log); });
-  fields.tables("device", [&](TomlFields& one) { return read_device(one, config.devices); });
-  fields.table("limits", [&](TomlFields& some) { return read_limits(some, config); });
-  fields.table("planner", [&](TomlFields& some) { return read_planner(some, config.planner); });
-  fields.tables("user", [&](TomlFields& one) { return read_user(one, config.users); });
-  fields.table("webhook", [&](TomlFields& some) { return read_webhook(some, config.webhook); });
+  read(fields, "allowed_hosts", config.allowed_hosts);
+  read(fields, "allowed_origins", config.allowed_origins);
+  fields.optional_object("log", [&](FieldReader& log) { read_log(log, config.log); });
+  fields.optional_objects("device", [&](FieldReader& one) { read_device(one, config.devices); });
+  fields.optional_object("limits", [&](FieldReader& some) { read_limits(some, config); });
+  fields.optional_object("planner", [&](FieldReader& some) { read_planner(some, config.planner); });
+  fields.optional_objects("user", [&](FieldReader& one) { read_user(one, config.users); });
+  fields.optional_object("webhook", [&](FieldReader& some) { read_webhook(some, config.webhook); });
   if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
   return config;
 }

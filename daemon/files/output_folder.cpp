@@ -17,7 +17,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/text/json_fields.hpp"
+#include "core/text/json_text.hpp"
 
 namespace popcut::cli {
 namespace {

@@ -43,7 +43,7 @@ enum class ProblemKind : std::uint8_t {
 struct RequestFault {
   std::string pointer;  ///< JSON pointer into the body, "?name" of a query, or "line:column"
   std::string code;     ///< "range", "unknown_member", "type", "missing", ...
-  std::string detail;   ///< what would be right: "must be 1..1000", "did you mean /material?"
+  std::string detail;   ///< "is 0; must be a whole number from 1 to 1000"
   std::string got{};    ///< what stands there, as JSON, where it is short; empty: not told
 };
 

@@ -8,7 +8,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/text/json_fields.hpp"
+#include "core/text/field_reader.hpp"
+#include "core/text/json_text.hpp"
 #include "daemon/digest/digest.hpp"
 
 namespace popcut::planning {
@@ -24,23 +25,23 @@ std::vector<std::uint64_t> ends_of(const std::vector<ByteRange>& blocks) {
 }
 
 /// Reads a list of whole numbers; each is at least the one before, from `low` to `high`.
-Result<std::vector<std::uint64_t>> rising(JsonFields& fields, const char* key, std::uint64_t low,
+Result<std::vector<std::uint64_t>> rising(FieldReader& fields, const char* key, std::uint64_t low,
                                           std::uint64_t high) {
   const nlohmann::json* list = fields.value(key);
   const std::string place = fields.pointer(key);
   if (list == nullptr || !list->is_array())
-    return fail(ErrorKind::Malformed, place, "a list of whole numbers is needed");
+    return fail(ErrorKind::Malformed, place, "must be a list of whole numbers");
   std::vector<std::uint64_t> values;
   values.reserve(list->size());
   for (const nlohmann::json& value : *list) {
     const std::string at = fmt::format("{}/{}", place, values.size());
     if (!value.is_number_unsigned())
-      return fail(ErrorKind::Malformed, at, "a whole number is needed");
+      return fail(ErrorKind::Malformed, at, "must be a whole number");
     const auto number = value.get<std::uint64_t>();
     const std::uint64_t least = values.empty() ? low : values.back();
     if (number < least || number > high)
       return fail(ErrorKind::OutOfRange, at,
-                  fmt::format("is {}; {} to {} is lawful there", number, least, high));
+                  fmt::format("is {}; must be {} to {}", number, least, high));
     values.push_back(number);
   }
   return values;
@@ -56,7 +57,7 @@ std::vector<ByteRange> blocks_from(std::uint64_t begin, const std::vector<std::u
   return blocks;
 }
 
-Result<void> read_blocks(JsonFields& fields, EncodedProgram& program) {
+Result<void> read_blocks(FieldReader& fields, EncodedProgram& program) {
   const std::uint64_t size = program.bytes.size();
   const auto setup = rising(fields, "setup", 0, size);
   if (!setup) return tl::unexpected(setup.error());
@@ -66,7 +67,7 @@ Result<void> read_blocks(JsonFields& fields, EncodedProgram& program) {
   if (search == nullptr || !search->is_number_unsigned() ||
       search->get<std::uint64_t>() < after_setup || search->get<std::uint64_t>() > size)
     return fail(ErrorKind::OutOfRange, fields.pointer("search"),
-                fmt::format("a whole number from {} to {} is needed", after_setup, size));
+                fmt::format("must be a whole number from {} to {}", after_setup, size));
   program.search = {after_setup, search->get<std::uint64_t>()};
   const auto strokes = rising(fields, "strokes", program.search.end, size);
   if (!strokes) return tl::unexpected(strokes.error());
@@ -77,7 +78,7 @@ Result<void> read_blocks(JsonFields& fields, EncodedProgram& program) {
 }
 
 /// Dots are the strokes without bytes, all of them.
-Result<void> read_dots(JsonFields& fields, EncodedProgram& program) {
+Result<void> read_dots(FieldReader& fields, EncodedProgram& program) {
   const auto dots = rising(fields, "dots", 0, program.strokes.size());
   if (!dots) return tl::unexpected(dots.error());
   for (const std::uint64_t dot : *dots) program.dots.push_back(static_cast<std::uint32_t>(dot));
@@ -121,11 +122,9 @@ Result<EncodedProgram> read_program(std::string_view index, std::string bytes) {
   if (!parsed) return tl::unexpected(parsed.error());
   EncodedProgram program;
   program.bytes = std::move(bytes);
-  JsonFields fields(*parsed, "");
+  FieldReader fields(*parsed, "");
   fields.integer("popcut", std::nullopt, 1, 1);
-  program.dialect = static_cast<Dialect>(fields.word("dialect", 0, {"gpgl", "hpgl"}));
-  if (!fields.has("dialect"))
-    fields.add_error(ErrorKind::Malformed, "/dialect", "is missing; gpgl or hpgl is needed");
+  program.dialect = static_cast<Dialect>(fields.word("dialect", {}, {"gpgl", "hpgl"}));
   const nlohmann::json* size = fields.value("bytes");
   const std::string sha256 = fields.text("sha256", std::nullopt);
   for (const char* list : {"setup", "search", "strokes", "dots"}) fields.value(list);

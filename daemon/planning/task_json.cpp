@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/planning/task_json.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/text/json_fields.hpp"
+#include "core/text/field_reader.hpp"
+#include "core/text/json_text.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -34,17 +36,12 @@ Json sheet_json(const daemon::SheetPlan& sheet) {
           {"program_sha256", sheet.program_sha256}};
 }
 
-std::array<double, 2> read_pair(JsonFields& fields, const char* key) {
-  const nlohmann::json* pair = fields.value(key);
-  if (pair == nullptr || !pair->is_array() || pair->size() != 2 || !(*pair)[0].is_number() ||
-      !(*pair)[1].is_number()) {
-    fields.add_error(ErrorKind::Malformed, fields.pointer(key), "two numbers are needed");
-    return {};
-  }
-  return {(*pair)[0].get<double>(), (*pair)[1].get<double>()};
+std::array<double, 2> read_pair(FieldReader& fields, const char* key) {
+  const std::vector<double> pair = fields.numbers(key, 2);
+  return {pair[0], pair[1]};
 }
 
-daemon::SheetPlan read_sheet(JsonFields& fields) {
+daemon::SheetPlan read_sheet(FieldReader& fields) {
   daemon::SheetPlan sheet;
   sheet.number = fields.integer("number", {}, 1, 1'000'000);
   sheet.paths = fields.integer("paths", {}, 0, 1 << 30);
@@ -58,19 +55,10 @@ daemon::SheetPlan read_sheet(JsonFields& fields) {
   return sheet;
 }
 
-std::vector<std::string> read_texts(JsonFields& fields, const char* key) {
-  std::vector<std::string> texts;
-  const nlohmann::json* list = fields.value(key);
-  const bool lawful = list != nullptr && list->is_array();
-  if (!lawful)
-    fields.add_error(ErrorKind::Malformed, fields.pointer(key), "a list of texts is needed");
-  for (std::size_t i = 0; lawful && i < list->size(); ++i) {
-    const nlohmann::json& text = (*list)[i];
-    if (text.is_string())
-      texts.push_back(text.get_ref<const std::string&>().substr(0, kMostText));
-    else
-      fields.add_error(ErrorKind::Malformed, fields.pointer(key), "a list of texts is needed");
-  }
+std::vector<std::string> read_texts(FieldReader& fields, const char* key) {
+  fields.need(key, "must be a list of texts");
+  std::vector<std::string> texts = fields.optional_texts(key).value_or(std::vector<std::string>());
+  for (std::string& text : texts) text.resize(std::min(text.size(), kMostText));
   return texts;
 }
 
@@ -88,21 +76,17 @@ std::string task_json(const WorkerTask& task) {
 Result<WorkerTask> read_task(std::string_view json) {
   const auto parsed = parse_json(json, 4);
   if (!parsed) return tl::unexpected(parsed.error());
-  JsonFields fields(*parsed, "");
+  FieldReader fields(*parsed, "");
   WorkerTask task;
   task.kind = static_cast<daemon::PlanningTask::Kind>(fields.integer("kind", {}, 0, 2));
   task.design_kind = fields.text("design_kind", {});
   task.machine_json = fields.text("machine", {});
   task.material_json = fields.text("material", {});
   task.profile_json = fields.text("profile", {});
-  const nlohmann::json* options = fields.value("options");
-  if (options != nullptr && options->is_object())
-    for (const auto& [name, value] : options->items()) {
-      if (value.is_string())
-        task.options[name] = value.get<std::string>();
-      else
-        fields.add_error(ErrorKind::Malformed, "/options/" + name, "a text is needed");
-    }
+  fields.optional_object("options", [&](FieldReader& options) {
+    for (const auto& [name, value] : parsed->at("options").items())
+      task.options[name] = options.text(name, {});
+  });
   if (const auto whole = fields.finish(); !whole) return tl::unexpected(whole.error());
   return task;
 }
@@ -120,20 +104,14 @@ std::string outcome_json(const PlanningOutcome& outcome) {
 Result<PlanningOutcome> read_outcome(std::string_view json) {
   const auto parsed = parse_json(json, 8);
   if (!parsed) return tl::unexpected(parsed.error());
-  JsonFields fields(*parsed, "");
+  FieldReader fields(*parsed, "");
   PlanningOutcome outcome;
   outcome.design_kind = fields.text("design_kind", {});
   outcome.assets = read_texts(fields, "assets");
   outcome.warnings = read_texts(fields, "warnings");
   outcome.sha256 = fields.text("sha256", {});
-  const nlohmann::json* sheets = fields.value("sheets");
-  if (sheets == nullptr || !sheets->is_array())
-    return fail(ErrorKind::Malformed, "/sheets", "a list of sheets is needed");
-  for (std::size_t i = 0; i < sheets->size(); ++i) {
-    JsonFields row((*sheets)[i], fmt::format("/sheets/{}", i));
-    outcome.sheets.push_back(read_sheet(row));
-    if (const auto whole = row.finish(); !whole) return tl::unexpected(whole.error());
-  }
+  fields.objects("sheets",
+                 [&](FieldReader& sheet) { outcome.sheets.push_back(read_sheet(sheet)); });
   if (const auto whole = fields.finish(); !whole) return tl::unexpected(whole.error());
   return outcome;
 }
@@ -147,7 +125,7 @@ std::string error_json(const Error& error) {
 Error read_error(std::string_view json) {
   const auto parsed = parse_json(json, 2);
   if (!parsed) return {ErrorKind::Internal, "worker", "its error cannot be read"};
-  JsonFields fields(*parsed, "");
+  FieldReader fields(*parsed, "");
   Error error;
   error.kind = static_cast<ErrorKind>(
       fields.integer("kind", {}, 0, static_cast<int>(ErrorKind::Unwritable)));

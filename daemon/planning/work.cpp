@@ -8,11 +8,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/text/json_fields.hpp"
 #include "core/plan/marks.hpp"
 #include "core/plan/plan_json.hpp"
 #include "core/plan/sheet_svg.hpp"
 #include "core/plan/test_shape.hpp"
+#include "core/text/json_text.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/planning/content_kind.hpp"
 #include "daemon/planning/plan_job.hpp"

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/text/json_fields.hpp"
+#include "core/text/json_text.hpp"
 #include "daemon/store/plan_table.hpp"
 
 namespace popcut::daemon {

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/text/json_fields.hpp"
 #include "core/machines/machine.hpp"
-#include "core/text/near_names.hpp"
 #include "core/machines/table.hpp"
 #include "core/machines/tables.hpp"
+#include "core/text/json_text.hpp"
+#include "core/text/near_names.hpp"
 
 namespace popcut::daemon {
 namespace {

@@ -8,7 +8,8 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "core/text/json_fields.hpp"
+#include "core/text/field_reader.hpp"
+#include "core/text/json_text.hpp"
 
 namespace popcut {
 namespace {
@@ -28,18 +29,17 @@ bool has_text(Kind kind) { return kind == Kind::Garbage || kind == Kind::WrongNa
 Result<SimFault> fault_from(const nlohmann::json& json, const std::string& pointer) {
   if (!json.is_object())
     return fail(ErrorKind::OutOfRange, pointer,
-                "a fault is an object, as in {\"at_byte\": 800, \"kind\": \"stall\"}");
-  JsonFields fields(json, pointer);
+                "must be an object such as {\"at_byte\": 800, \"kind\": \"stall\"}");
+  FieldReader fields(json, pointer);
   SimFault fault;
   if (!fields.has("kind"))
-    fields.add_error(ErrorKind::OutOfRange, fields.pointer("kind"),
-                     fmt::format("is missing; one of {} is needed", fmt::join(kKinds, ", ")));
+    fields.refuse("kind", ErrorKind::OutOfRange,
+                  fmt::format("is missing; must be one of {}", fmt::join(kKinds, ", ")));
   const std::vector<std::string> kinds(kKinds.begin(), kKinds.end());
   fault.kind = static_cast<Kind>(fields.word("kind", 0, kinds));
   const bool path = fields.has("at_path");
   if (path && fields.has("at_byte"))
-    fields.add_error(ErrorKind::OutOfRange, fields.pointer("at_path"),
-                     "at_path and at_byte both; give one of them");
+    fields.refuse("at_path", ErrorKind::OutOfRange, "contradicts at_byte; give one of them");
   if (path)
     fault.at_path = static_cast<std::uint64_t>(fields.number("at_path", 1, 1, kFarthest));
   else
@@ -48,9 +48,9 @@ Result<SimFault> fault_from(const nlohmann::json& json, const std::string& point
   if (has_text(fault.kind)) {
     fault.text = fields.text("text", std::nullopt);
     if (fault.text.size() > kLongestText)
-      fields.add_error(
-          ErrorKind::OutOfRange, fields.pointer("text"),
-          fmt::format("{} bytes; at most {} are taken", fault.text.size(), kLongestText));
+      fields.refuse(
+          "text", ErrorKind::OutOfRange,
+          fmt::format("has {} bytes; must have at most {}", fault.text.size(), kLongestText));
   }
   if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
   return fault;
@@ -59,8 +59,8 @@ Result<SimFault> fault_from(const nlohmann::json& json, const std::string& point
 Result<std::vector<SimFault>> by_chance(const nlohmann::json& json) {
   if (!json.is_object())
     return fail(ErrorKind::OutOfRange, "/random",
-                "an object is needed, as in {\"seed\": 7, \"count\": 2, \"bytes\": 9000}");
-  JsonFields fields(json, "/random");
+                "must be an object such as {\"seed\": 7, \"count\": 2, \"bytes\": 9000}");
+  FieldReader fields(json, "/random");
   const int seed = fields.integer("seed", std::nullopt, 0, 2147483647);
   const int count = fields.integer("count", 1, 1, static_cast<int>(kMostFaults));
   const double bytes = fields.number("bytes", std::nullopt, 1, kFarthest);
@@ -78,16 +78,16 @@ Result<std::vector<SimFault>> parse_faults(std::string_view text) {
   if (!json) return tl::unexpected(json.error());
   if (!json->is_object())
     return fail(ErrorKind::OutOfRange, "",
-                "a fault script is an object, as in {\"popcut\": 1, \"faults\": []}");
-  JsonFields fields(*json, "");
+                "must be an object such as {\"popcut\": 1, \"faults\": []}");
+  FieldReader fields(*json, "");
   fields.integer("popcut", std::nullopt, 1, 1);
   const nlohmann::json* const list = fields.value("faults");
   const nlohmann::json* const random = fields.value("random");
   if (list != nullptr && (!list->is_array() || list->size() > kMostFaults))
-    fields.add_error(ErrorKind::OutOfRange, "/faults",
-                     fmt::format("a list of at most {} faults is needed", kMostFaults));
+    fields.refuse("faults", ErrorKind::OutOfRange,
+                  fmt::format("must be a list of at most {} faults", kMostFaults));
   if (list == nullptr && random == nullptr)
-    fields.add_error(ErrorKind::OutOfRange, "", "neither \"faults\" nor \"random\"; give one");
+    fields.refuse({ErrorKind::OutOfRange, "", "has neither \"faults\" nor \"random\"; give one"});
   if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
   std::vector<SimFault> faults;
   if (list != nullptr) {

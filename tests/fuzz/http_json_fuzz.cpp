@@ -6,6 +6,7 @@
 
 #include "daemon/http/api/json_body.hpp"
 
+using namespace popcut;
 using namespace popcut::daemon;
 
 namespace {
@@ -31,18 +32,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (depth_of(*body) > 32) std::abort();
   const nlohmann::json copy = *body;
   if (http::parse_body(copy.dump(), 32).value() != copy) std::abort();
-  std::vector<RequestFault> faults;
-  http::Members members(*body, faults);
+  FieldReader fields(*body, "", http::body_notation());
   for (const char* name : {"design", "name", "note"})
-    static_cast<void>(members.text(name, 120, true));
-  static_cast<void>(members.integer("copies", 1, 1000));
-  static_cast<void>(members.boolean("good"));
-  static_cast<void>(members.word("registration", {"kept", "re-registered"}));
-  static_cast<void>(members.texts("tags", 20, 40));
-  static_cast<void>(members.options("options"));
-  members.require("design", "is needed");
-  members.finish();
-  for (const RequestFault& fault : faults)
+    static_cast<void>(fields.optional_text(name, http::lines_or_empty(120)));
+  static_cast<void>(fields.optional_integer("copies", 1, 1000));
+  static_cast<void>(fields.optional_boolean("good"));
+  static_cast<void>(fields.optional_word("registration", {"kept", "re-registered"}));
+  static_cast<void>(fields.optional_texts("tags", 20, http::line(40)));
+  static_cast<void>(http::read_options(fields, "options"));
+  fields.need("design", "is needed");
+  static_cast<void>(fields.finish());
+  for (const FieldFault& fault : fields.faults())
     if (fault.code.empty() || fault.detail.empty()) std::abort();
   return 0;
 }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "daemon/http/api/routes.hpp"
+#include "core/text/utf8.hpp"
 #include "daemon/http/api/target.hpp"
 
 using namespace popcut::daemon;
@@ -23,7 +24,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (segment.find_first_of(std::string_view("\\\0\r\n", 4)) != std::string::npos) std::abort();
     const bool may_have = is_device && &segment == &parts[2];
     if (!may_have && segment.find('/') != std::string::npos) std::abort();
-    if (segment == "." || segment == ".." || !http::is_utf8(segment)) std::abort();
+    if (segment == "." || segment == ".." || !popcut::is_utf8(segment)) std::abort();
   }
   for (const auto& [name, value] : target->query)
     if (name.empty() || value.find('\0') != std::string::npos) std::abort();

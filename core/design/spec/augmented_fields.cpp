@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/text/json_fields.hpp"
+#include "core/text/field_reader.hpp"
 
 namespace popcut {
 namespace {
@@ -97,12 +97,12 @@ Result<std::vector<std::array<double, 3>>> forms(const json* value, const char* 
 /// Weights are 1 for what is asked for, and lawful for nothing else.
 Result<void> parse_weights(const json* value, AugmentedSpec& spec) {
   const json none = json::object();
-  JsonFields fields(value ? *value : none, std::string(kPlace) + "/weights");
+  FieldReader fields(value ? *value : none, std::string(kPlace) + "/weights");
   const auto read = [&](const char* name, bool asked, double& weight) {
     if (!asked && fields.has(name))
-      fields.add_error(ErrorKind::Malformed, fields.pointer(name),
-                       fmt::format("weighs what is not asked for; give {}/{} too", kPlace,
-                                   name == std::string("K") ? "K_area" : name));
+      fields.refuse(name, ErrorKind::Malformed,
+                    fmt::format("weighs what is not asked for; give {}/{} too", kPlace,
+                                name == std::string("K") ? "K_area" : name));
     weight = fields.number(name, asked ? 1.0 : 0.0, 0.0, kMostWeight);
   };
   read("K", !spec.K_area.empty(), spec.weight_K);
@@ -118,7 +118,7 @@ Result<void> parse_weights(const json* value, AugmentedSpec& spec) {
 }  // namespace
 
 Result<AugmentedSpec> parse_augmented(const json& value) {
-  JsonFields fields(value, kPlace);
+  FieldReader fields(value, kPlace);
   const json* const weights = fields.value("weights");
   auto K_area = numbers(fields.value("K_area"), "K_area");
   auto H = numbers(fields.value("H"), "H");

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "core/text/json_fields.hpp"
+#include "core/text/field_reader.hpp"
 
 namespace popcut {
 namespace {
@@ -74,7 +74,7 @@ Result<void> check_size(const DesignSpec& whole) {
 }  // namespace
 
 Result<DesignSpec> parse_patches(const json& root, ParseDesign parse_one) {
-  JsonFields fields(root, "");
+  FieldReader fields(root, "");
   DesignSpec whole;
   (void)fields.integer("popcut", std::nullopt, 1, 1);
   whole.name = fields.text("name", whole.name);

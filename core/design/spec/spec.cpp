@@ -9,7 +9,8 @@
 #include "core/design/spec/augmented_fields.hpp"
 #include "core/design/spec/patches_spec.hpp"
 #include "core/design/target/surface_fields.hpp"
-#include "core/text/json_fields.hpp"
+#include "core/text/field_reader.hpp"
+#include "core/text/json_text.hpp"
 
 namespace popcut {
 namespace {
@@ -26,7 +27,7 @@ Result<std::optional<CardSpec>> parse_card(const json* value) {
         ErrorKind::Malformed, "/card",
         fmt::format("is {}; false or an object with wall_mm, ground_mm, margin_mm is needed",
                     json_type(*value)));
-  JsonFields fields(*value, "/card");
+  FieldReader fields(*value, "/card");
   CardSpec card;
   if (fields.has("wall_mm")) card.wall_mm = fields.number("wall_mm", 0.0, 0.0, kMaxLength, true);
   if (fields.has("ground_mm"))
@@ -77,7 +78,7 @@ Result<std::vector<CurvatureTarget>> parse_targets(const json& value) {
   std::vector<CurvatureTarget> targets;
   for (std::size_t k = 0; k < value.size(); ++k) {
     const std::string place = fmt::format("/splay/targets/{}", k);
-    JsonFields fields(value[k], place);
+    FieldReader fields(value[k], place);
     CurvatureTarget target;
     target.psi_rad = fields.number("psi_rad", std::nullopt, 0.0, std::numbers::pi, true);
     if (fields.has("K"))
@@ -97,7 +98,7 @@ Result<std::vector<CurvatureTarget>> parse_targets(const json& value) {
 }
 
 Result<SplaySpec> parse_splay(const json& value, double min_panel_mm) {
-  JsonFields fields(value, "/splay");
+  FieldReader fields(value, "/splay");
   SplaySpec splay;
   constexpr double kMostAlpha = 1000.0;
   const auto lawful = [](const json& a) {
@@ -142,7 +143,7 @@ Result<SplaySpec> parse_splay(const json& value, double min_panel_mm) {
 /// The paper's composite (S2.F): three stretches whose radius runs R1 -> R2 -> R3 -> R2 by its
 /// three formulas, each over the length L of its own region.
 Result<std::vector<std::string>> composite_radii(const json& surface) {
-  JsonFields fields(surface, "/surface");
+  FieldReader fields(surface, "/surface");
   (void)fields.text("type", "composite");
   const json* radii = fields.value("radii");
   if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
@@ -171,7 +172,7 @@ Result<void> parse_regions(const json& value, DesignSpec& spec) {
                                              : json_type(value)));
   long slices = 0;
   for (std::size_t r = 0; r < value.size(); ++r) {
-    JsonFields fields(value[r], fmt::format("/regions/{}", r));
+    FieldReader fields(value[r], fmt::format("/regions/{}", r));
     RegionSpec region;
     region.units_per_slice = fields.integer("units_per_slice", std::nullopt, 1, kMaxUnitsPerSlice);
     region.slices = fields.integer("slices", std::nullopt, 1, kMaxSlices);
@@ -205,7 +206,7 @@ Result<void> parse_regions(const json& value, DesignSpec& spec) {
 
 /// The target and its slices: `surface` with `regions`, or with `units_per_slice`, `slices` and
 /// `widths_mm` for one region.
-Result<void> parse_target(const json& root, JsonFields& fields, DesignSpec& spec) {
+Result<void> parse_target(const json& root, FieldReader& fields, DesignSpec& spec) {
   const json* surface = fields.value("surface");
   const json* regions = fields.value("regions");
   const json* widths = fields.value("widths_mm");
@@ -222,7 +223,7 @@ Result<void> parse_target(const json& root, JsonFields& fields, DesignSpec& spec
   }
   if (auto done = fields.finish(); !done) return done;
   if (!regions && widths && widths->is_object()) {
-    JsonFields adaptive(*widths, "/widths_mm");
+    FieldReader adaptive(*widths, "/widths_mm");
     AdaptiveWidths asked;
     asked.max_error_mm = adaptive.number("max_error_mm", std::nullopt, 0.0, kMaxLength, true);
     if (adaptive.has("length_mm"))
@@ -293,7 +294,7 @@ Result<DesignSpec> parse_design_spec(std::string_view json_text) {
 namespace {
 
 Result<DesignSpec> parse_design(const json& root) {
-  JsonFields fields(root, "");
+  FieldReader fields(root, "");
   DesignSpec spec;
   (void)fields.integer("popcut", std::nullopt, 1, 1);
   spec.name = fields.text("name", spec.name);

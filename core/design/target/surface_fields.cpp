@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "core/text/json_fields.hpp"
+#include "core/text/field_reader.hpp"
 
 namespace popcut {
 namespace {
@@ -15,39 +15,39 @@ using nlohmann::json;
 constexpr double kMaxLength = 1e5;  ///< 100 m: no sheet is larger
 constexpr std::size_t kMostNameBytes = 1024;
 
-std::string file_name(JsonFields& fields) {
+std::string file_name(FieldReader& fields) {
   std::string name = fields.text("file", std::nullopt);
   if (fields.has("file") &&
       (name.empty() || name.size() > kMostNameBytes || name.find('\0') != std::string::npos))
-    fields.add_error(
-        ErrorKind::OutOfRange, fields.pointer("file"),
+    fields.refuse(
+        "file", ErrorKind::OutOfRange,
         fmt::format("is no file name; one of 1 to {} characters is needed", kMostNameBytes));
   return name;
 }
 
-std::array<double, 3> triple(JsonFields& fields, const char* key, double most) {
+std::array<double, 3> triple(FieldReader& fields, const char* key, double most) {
   std::array<double, 3> out{};
   const json* value = fields.value(key);
   if (!value) return out;
   if (!value->is_array() || value->size() != 3) {
-    fields.add_error(ErrorKind::Malformed, fields.pointer(key),
-                     fmt::format("is {}; a list of three numbers [x, y, z] is needed",
-                                 value->is_array() ? fmt::format("a list of {}", value->size())
-                                                   : json_type(*value)));
+    fields.refuse(key, ErrorKind::Malformed,
+                  fmt::format("is {}; a list of three numbers [x, y, z] is needed",
+                              value->is_array() ? fmt::format("a list of {}", value->size())
+                                                : json_type(*value)));
     return out;
   }
   for (std::size_t k = 0; k < 3; ++k) {
     const json& got = (*value)[k];
-    const std::string place = fmt::format("{}/{}", fields.pointer(key), k);
+    const std::string place = fmt::format("{}/{}", key, k);
     if (!got.is_number()) {
-      fields.add_error(ErrorKind::Malformed, place,
-                       fmt::format("is {}; a number is needed", json_type(got)));
+      fields.refuse(place, ErrorKind::Malformed,
+                    fmt::format("is {}; a number is needed", json_type(got)));
       return out;
     }
     out[k] = got.get<double>();
     if (!(std::abs(out[k]) <= most))
-      fields.add_error(
-          ErrorKind::OutOfRange, place,
+      fields.refuse(
+          place, ErrorKind::OutOfRange,
           fmt::format("is {:g}; a number from {:g} to {:g} is needed", out[k], -most, most));
   }
   return out;
@@ -69,10 +69,10 @@ json kind_schema(const char* type, const char* field, const char* about_kind,
 Result<SurfaceSpec> parse_surface(const json& value, const std::string& pointer) {
   static const std::vector<std::string> kinds{"revolution", "profile", "implicit",
                                               "grid",       "mesh",    "composite"};
-  JsonFields fields(value, pointer);
+  FieldReader fields(value, pointer);
   if (value.is_object() && !value.contains("type"))
-    fields.add_error(ErrorKind::Malformed, fields.pointer("type"),
-                     fmt::format("is missing; one of {} is needed", fmt::join(kinds, ", ")));
+    fields.refuse("type", ErrorKind::Malformed,
+                  fmt::format("is missing; one of {} is needed", fmt::join(kinds, ", ")));
   SurfaceSpec surface;
   switch (fields.word("type", 0, kinds)) {
     case 0:
@@ -91,14 +91,14 @@ Result<SurfaceSpec> parse_surface(const json& value, const std::string& pointer)
       surface = MeshSpec{file_name(fields)};
       break;
     default:
-      fields.add_error(ErrorKind::OutOfRange, fields.pointer("type"),
-                       "is \"composite\", which stands only at the top of a spec");
+      fields.refuse("type", ErrorKind::OutOfRange,
+                    "is \"composite\", which stands only at the top of a spec");
   }
   if (auto done = fields.finish(); !done) return tl::unexpected(done.error());
   return surface;
 }
 
-TargetPlacement parse_placement(JsonFields& fields) {
+TargetPlacement parse_placement(FieldReader& fields) {
   TargetPlacement placement;
   placement.scale_mm = fields.number("scale_mm", 1.0, 0.0, kMaxLength, true);
   placement.rotate_deg = triple(fields, "rotate_deg", 3600.0);

@@ -8,7 +8,7 @@
 
 namespace popcut {
 
-class JsonFields;
+class FieldReader;
 
 /// Reads the `surface` of a design spec; `pointer` is where it stands ("/surface").
 ///
@@ -18,7 +18,7 @@ class JsonFields;
                                                 const std::string& pointer);
 
 /// Reads `scale_mm`, `rotate_deg`, `translate_mm` of a spec; errors are kept by `fields`.
-[[nodiscard]] TargetPlacement parse_placement(JsonFields& fields);
+[[nodiscard]] TargetPlacement parse_placement(FieldReader& fields);
 
 /// The JSON Schema of a `surface`.
 [[nodiscard]] nlohmann::json surface_schema();

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "core/text/json_fields.hpp"
+#include "core/text/near_names.hpp"
 #include "core/verify/sheet/fold_text.hpp"
 
 namespace popcut {

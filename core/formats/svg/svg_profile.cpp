@@ -9,10 +9,10 @@
 
 #include "core/formats/svg/syntax/svg_colour.hpp"
 #include "core/formats/svg/syntax/svg_units.hpp"
-#include "core/text/json_fields.hpp"
-#include "core/text/near_names.hpp"
 #include "core/machines/table.hpp"
 #include "core/machines/tables.hpp"
+#include "core/text/field_reader.hpp"
+#include "core/text/near_names.hpp"
 
 namespace popcut {
 namespace {
@@ -30,82 +30,61 @@ StrokeUse use_at(std::size_t index) {
   return static_cast<Operation>(index);
 }
 
-StrokeUse read_use(JsonFields& fields, const std::string& key) {
+StrokeUse read_use(FieldReader& fields, const std::string& key) {
   return use_at(fields.word(key, use_words().size() - 1, use_words()));
 }
 
-std::uint32_t read_colour(JsonFields& fields, const nlohmann::json& value,
+std::uint32_t read_colour(FieldReader& fields, const nlohmann::json& value,
                           const std::string& place) {
   const auto paint =
       value.is_string() ? parse_svg_paint(value.get_ref<const std::string&>()) : std::nullopt;
   if (paint && paint->kind == SvgPaint::Kind::Colour) return paint->rgb;
-  fields.add_error(ErrorKind::Malformed, place, "is no colour; one as #ff0000 or red is needed");
+  fields.refuse(place, ErrorKind::Malformed, "is not a colour; must be one such as #ff0000 or red");
   return 0;
 }
 
-StrokeRule read_rule(JsonFields& fields) {
+StrokeRule read_rule(FieldReader& fields) {
   StrokeRule rule;
-  if (fields.has("colour"))
-    if (const nlohmann::json* colour = fields.value("colour")) {
-      if (colour->is_array())
-        for (std::size_t i = 0; i < colour->size(); ++i)
-          rule.colours.push_back(
-              read_colour(fields, (*colour)[i], fmt::format("{}/{}", fields.pointer("colour"), i)));
-      else
-        rule.colours.push_back(read_colour(fields, *colour, fields.pointer("colour")));
-    }
+  if (const nlohmann::json* colour = fields.value("colour")) {
+    if (colour->is_array())
+      for (std::size_t i = 0; i < colour->size(); ++i)
+        rule.colours.push_back(read_colour(fields, (*colour)[i], fmt::format("colour/{}", i)));
+    else
+      rule.colours.push_back(read_colour(fields, *colour, "colour"));
+  }
   const std::vector<std::string> lines{"solid", "dashed", "dash-dot", "any"};
   const std::size_t line = fields.word("line", 3, lines);
   if (line < 3) rule.line = static_cast<LineStyle>(line);
   rule.css_class = fields.text("class", "");
   if (!fields.has("use"))
-    fields.add_error(ErrorKind::Malformed, fields.pointer("use"),
-                     "is missing; cut, outline, score, fold-mountain, fold-valley, draw or ignore");
+    fields.refuse("use", ErrorKind::Malformed,
+                  "is missing; cut, outline, score, fold-mountain, fold-valley, draw or ignore");
   rule.use = read_use(fields, "use");
   return rule;
 }
 
-void read_rules(JsonFields& fields, StrokeProfile& profile) {
-  if (!fields.has("rules")) return;
-  const nlohmann::json* list = fields.value("rules");
-  if (list == nullptr || !list->is_array() || list->size() > kMostRules)
-    return fields.add_error(ErrorKind::Malformed, fields.pointer("rules"),
-                            fmt::format("a list of at most {} rules is needed", kMostRules));
-  for (std::size_t i = 0; i < list->size(); ++i) {
-    const nlohmann::json& row = (*list)[i];
-    const std::string place = fmt::format("{}/{}", fields.pointer("rules"), i);
-    if (!row.is_object())
-      return fields.add_error(ErrorKind::Malformed, place, "an object is needed");
-    JsonFields inner(row, place);
-    profile.rules.push_back(read_rule(inner));
-    if (const auto whole = inner.finish(); !whole)
-      fields.add_error(whole.error().kind, whole.error().place, whole.error().detail);
-  }
-}
-
-void read_labels(JsonFields& fields, StrokeProfile& profile) {
-  if (!fields.has("labels")) return;
+void read_labels(FieldReader& fields, StrokeProfile& profile) {
   const nlohmann::json* labels = fields.value("labels");
-  if (labels == nullptr || !labels->is_object())
-    return fields.add_error(ErrorKind::Malformed, fields.pointer("labels"),
-                            "an object of label and use is needed, as {\"kiss cut\": \"score\"}");
-  JsonFields inner(*labels, fields.pointer("labels"));
+  if (labels == nullptr) return;
+  if (!labels->is_object())
+    return fields.refuse("labels", ErrorKind::Malformed,
+                         "must be an object of label and use, such as {\"kiss cut\": \"score\"}");
+  FieldReader inner = fields.nested(*labels, "labels");
   for (const auto& label : labels->items())
     profile.labels[plain_label(label.key())] = read_use(inner, label.key());
-  if (const auto whole = inner.finish(); !whole)
-    fields.add_error(whole.error().kind, whole.error().place, whole.error().detail);
 }
 
 Result<StrokeProfile> read_profile(const TableRow& row) {
   StrokeProfile profile;
-  JsonFields fields(row.row, row.pointer);
+  FieldReader fields(row.row, row.pointer);
   profile.name = fields.text("name", {});
   profile.title = fields.text("title", "");
   fields.value("source");
   profile.names = fields.boolean("names", true);
   profile.nearest = fields.word("colours", 0, {"same", "nearest"}) == 1;
   read_labels(fields, profile);
-  read_rules(fields, profile);
+  fields.optional_objects(
+      "rules", [&](FieldReader& rule) { profile.rules.push_back(read_rule(rule)); }, kMostRules);
   profile.otherwise = use_at(fields.word("otherwise", 4, use_words()));
   profile.fills = read_use(fields, "fills");
   if (const auto whole = fields.finish(); !whole)

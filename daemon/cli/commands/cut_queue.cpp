@@ -9,12 +9,11 @@
 #include <nlohmann/json.hpp>
 
 #include "core/design/spec/spec.hpp"
-#include "core/text/json_fields.hpp"
 #include "core/text/shown_text.hpp"
 #include "daemon/cli/view/job_follow.hpp"
 #include "daemon/cli/view/job_view.hpp"
-#include "daemon/files/output_folder.hpp"
 #include "daemon/client/api.hpp"
+#include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "core/text/json_fields.hpp"
+#include "core/text/near_names.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/json_body.hpp"
 

@@ -17,14 +17,13 @@ struct TokenWish {
   std::optional<int> lifetime_s;
 };
 
-TokenWish read_token_wish(Members& members) {
+TokenWish read_token_wish(FieldReader& fields) {
   TokenWish wish;
-  members.require("name", "a token needs a name, for those who read the list of tokens");
-  members.require("role", "must be one of viewer, submitter, operator, admin");
-  wish.name = members.text("name", 120).value_or("");
-  const auto role = members.word("role", {"viewer", "submitter", "operator", "admin"});
-  wish.role = role_from(role.value_or("")).value_or(Role::Viewer);
-  if (const auto life = members.integer("lifetime_s", 60, kLongestLife_s))
+  fields.need("name", "give a name, for those who read the list of tokens");
+  wish.name = fields.text("name", "", line(120));
+  wish.role =
+      static_cast<Role>(fields.word("role", {}, {"viewer", "submitter", "operator", "admin"}));
+  if (const auto life = fields.optional_integer("lifetime_s", 60, kLongestLife_s))
     wish.lifetime_s = static_cast<int>(*life);
   return wish;
 }
@@ -33,7 +32,7 @@ TokenWish read_token_wish(Members& members) {
 
 void create_one_shot(const Request& request, Service& service, const Shop& shop, Reply reply) {
   const auto body =
-      read_body_as<bool>(request, shop.limits.json_depth, [](Members&) { return true; });
+      read_body_as<bool>(request, shop.limits.json_depth, [](FieldReader&) { return true; });
   if (!body) return reply(problem_response(body.error(), request));
   const Answer<std::string> word = service.create_one_shot(request.principal);
   if (!word) return reply(problem_response(word.error(), request));
@@ -42,9 +41,9 @@ void create_one_shot(const Request& request, Service& service, const Shop& shop,
 
 void open_session(const Request& request, Service& service, const Shop& shop, Reply reply) {
   const auto word =
-      read_body_as<std::string>(request, shop.limits.json_depth, [](Members& members) {
-        members.require("one_shot", "must be the word that 'popcut open' was given");
-        return members.text("one_shot", 200).value_or("");
+      read_body_as<std::string>(request, shop.limits.json_depth, [](FieldReader& fields) {
+        fields.need("one_shot", "must be the word that 'popcut open' was given");
+        return fields.text("one_shot", "", line(200));
       });
   if (!word) return reply(problem_response(word.error(), request));
   const Answer<NewToken> token = service.open_session(*word);

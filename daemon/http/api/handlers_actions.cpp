@@ -17,51 +17,53 @@ std::optional<int> small(const std::optional<std::int64_t>& value) {
   return value ? std::optional<int>(static_cast<int>(*value)) : std::nullopt;
 }
 
-void read_sheet(Members& members, ActionWish& wish, bool required) {
-  if (required) members.require("sheet", "must be the number of the sheet, from 1");
-  wish.sheet = small(members.integer("sheet", 1, kMostSheets));
+void read_sheet(FieldReader& fields, ActionWish& wish, bool required) {
+  if (required) fields.need("sheet", "must be the number of the sheet, from 1");
+  wish.sheet = small(fields.optional_integer("sheet", 1, kMostSheets));
 }
 
-void read_arm(Members& members, ActionWish& wish) {
-  read_sheet(members, wish, true);
-  wish.blank = small(members.integer("blank", 1, kMostBlanks));
-  wish.device = members.text("device", 64).value_or("");
-  wish.plan_sha256 = members.text("plan_sha256", 64).value_or("");
+void read_arm(FieldReader& fields, ActionWish& wish) {
+  read_sheet(fields, wish, true);
+  wish.blank = small(fields.optional_integer("blank", 1, kMostBlanks));
+  wish.device = fields.text("device", "", line(64));
+  wish.plan_sha256 = fields.text("plan_sha256", "", line(64));
 }
 
-void read_resume_from(Members& members, ActionWish& wish) {
-  members.require("from_path", "must be the stroke to go on from, counted from 0");
-  members.require("registration", "must be one of kept, re-registered");
-  wish.from_path = members.integer("from_path", 0, kMostPaths);
-  wish.registration = members.word("registration", {"kept", "re-registered"}).value_or("");
-  wish.accept_double_cut = members.boolean("i_accept_double_cut").value_or(false);
-  wish.skip_in_doubt = members.boolean("skip_in_doubt").value_or(false);
+void read_resume_from(FieldReader& fields, ActionWish& wish) {
+  fields.need("from_path", "must be the stroke to go on from, counted from 0");
+  fields.need("registration", "must be one of kept, re-registered");
+  wish.from_path = fields.optional_integer("from_path", 0, kMostPaths);
+  const std::vector<std::string> registrations{"kept", "re-registered"};
+  if (const auto word = fields.optional_word("registration", registrations))
+    wish.registration = registrations[*word];
+  wish.accept_double_cut = fields.boolean("i_accept_double_cut", false);
+  wish.skip_in_doubt = fields.boolean("skip_in_doubt", false);
 }
 
-ActionWish read_action(Members& members, JobAction action) {
+ActionWish read_action(FieldReader& fields, JobAction action) {
   ActionWish wish;
   wish.action = action;
   switch (action) {
     case JobAction::Arm:
-      read_arm(members, wish);
+      read_arm(fields, wish);
       break;
     case JobAction::Start:
-      read_sheet(members, wish, false);
+      read_sheet(fields, wish, false);
       break;
     case JobAction::Cancel:
-      wish.reason = members.text("reason", 200).value_or("");
+      wish.reason = fields.text("reason", "", line(200));
       break;
     case JobAction::ConfirmResult:
-      read_sheet(members, wish, true);
-      members.require("good", "must be true or false: is the sheet usable?");
-      wish.good = members.boolean("good");
+      read_sheet(fields, wish, true);
+      fields.need("good", "must be true or false: is the sheet usable?");
+      wish.good = fields.optional_boolean("good");
       break;
     case JobAction::RetrySheet:
     case JobAction::SkipSheet:
-      read_sheet(members, wish, true);
+      read_sheet(fields, wish, true);
       break;
     case JobAction::ResumeFrom:
-      read_resume_from(members, wish);
+      read_resume_from(fields, wish);
       break;
     case JobAction::Disarm:
     case JobAction::Pause:
@@ -75,9 +77,9 @@ ActionWish read_action(Members& members, JobAction action) {
 
 void act_on_job(const Request& request, Service& service, JobAction action, const Shop& shop,
                 const Reply& reply) {
-  const auto wish =
-      read_body_as<ActionWish>(request, shop.limits.json_depth,
-                               [action](Members& members) { return read_action(members, action); });
+  const auto wish = read_body_as<ActionWish>(
+      request, shop.limits.json_depth,
+      [action](FieldReader& fields) { return read_action(fields, action); });
   if (!wish) return reply(problem_response(wish.error(), request));
   const bool any_rev =
       action == JobAction::Pause || action == JobAction::Cancel || action == JobAction::Disarm;

@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/text/utf8.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/handlers.hpp"
 #include "daemon/http/api/json_body.hpp"
 #include "daemon/http/api/render.hpp"
-#include "daemon/http/api/target.hpp"
 
 namespace popcut::daemon::http::handle {
 namespace {
@@ -48,12 +48,12 @@ std::optional<std::string> sheet_name(const Request& request, const Reply& reply
   return std::nullopt;
 }
 
-PlanWish read_plan_wish(Members& members) {
+PlanWish read_plan_wish(FieldReader& fields) {
   PlanWish wish;
-  wish.material = members.text("material", 64).value_or("");
-  wish.device = members.text("device", 64).value_or("");
-  wish.machine = members.text("machine", 64).value_or("");
-  wish.options = members.options("options");
+  wish.material = fields.text("material", "", line(64));
+  wish.device = fields.text("device", "", line(64));
+  wish.machine = fields.text("machine", "", line(64));
+  wish.options = read_options(fields, "options");
   return wish;
 }
 

@@ -43,9 +43,8 @@ void act_on_device(const Request& request, Service& service, const Shop& shop, R
   DeviceWish wish;
   wish.action = request.path().substr(request.path().rfind('/') + 1);
   const auto body =
-      read_body_as<std::string>(request, shop.limits.json_depth, [&wish](Members& members) {
-        return wish.action == "test-cut" ? members.text("material", 64).value_or("")
-                                         : std::string();
+      read_body_as<std::string>(request, shop.limits.json_depth, [&wish](FieldReader& fields) {
+        return wish.action == "test-cut" ? fields.text("material", "", line(64)) : std::string();
       });
   if (!body) return reply(problem_response(body.error(), request));
   wish.material = *body;

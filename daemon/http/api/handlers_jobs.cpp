@@ -12,33 +12,33 @@
 namespace popcut::daemon::http::handle {
 namespace {
 
-JobCreate read_job(Members& members) {
+JobCreate read_job(FieldReader& fields) {
   JobCreate wish;
-  wish.design = members.text("design", 80).value_or("");
-  wish.plan = members.text("plan", 80).value_or("");
-  if (members.has("design") == members.has("plan"))
-    members.fault(members.has("plan") ? "plan" : "design", "one_of",
-                  "name a design or a plan, one of the two");
-  wish.material = members.text("material", 64).value_or("");
-  wish.device = members.text("device", 64).value_or("");
-  wish.options = members.options("options");
-  wish.copies = static_cast<int>(members.integer("copies", 1, 1000).value_or(1));
-  wish.priority = static_cast<int>(members.integer("priority", -10, 10).value_or(0));
-  wish.name = members.text_or_empty("name", 120).value_or("");
-  wish.note = members.text_or_empty("note", 2000, true).value_or("");
-  wish.tags = members.texts("tags", 20, 40);
+  wish.design = fields.text("design", "", line(80));
+  wish.plan = fields.text("plan", "", line(80));
+  if (fields.has("design") == fields.has("plan"))
+    fields.refuse(fields.has("plan") ? "plan" : "design", ErrorKind::Malformed,
+                  "must be the only one: give a design or a plan", "one_of");
+  wish.material = fields.text("material", "", line(64));
+  wish.device = fields.text("device", "", line(64));
+  wish.options = read_options(fields, "options");
+  wish.copies = fields.integer("copies", 1, 1, 1000);
+  wish.priority = fields.integer("priority", 0, -10, 10);
+  wish.name = fields.text("name", "", line_or_empty(120));
+  wish.note = fields.text("note", "", lines_or_empty(2000));
+  wish.tags = fields.optional_texts("tags", 20, line(40)).value_or(std::vector<std::string>());
   // No cutter feeds itself so that it could go on alone.
-  static_cast<void>(members.word("on_sheet_done", {"wait"}));
+  fields.word("on_sheet_done", 0, {"wait"});
   return wish;
 }
 
-JobPatch read_patch(Members& members) {
+JobPatch read_patch(FieldReader& fields) {
   JobPatch patch;
-  if (const auto priority = members.integer("priority", -10, 10))
+  if (const auto priority = fields.optional_integer("priority", -10, 10))
     patch.priority = static_cast<int>(*priority);
-  patch.name = members.text_or_empty("name", 120);
-  patch.note = members.text_or_empty("note", 2000, true);
-  patch.device = members.text_or_empty("device", 64);
+  patch.name = fields.optional_text("name", line_or_empty(120));
+  patch.note = fields.optional_text("note", lines_or_empty(2000));
+  patch.device = fields.optional_text("device", line_or_empty(64));
   return patch;
 }
 
@@ -78,9 +78,9 @@ std::optional<int> sheet_number(const Request& request, const Reply& reply) {
   return number;
 }
 
-std::string read_job_id(Members& members) {
-  members.require("job", "must be the id of a job");
-  return members.text("job", 64).value_or("");
+std::string read_job_id(FieldReader& fields) {
+  fields.need("job", "must be the id of a job");
+  return fields.text("job", "", line(64));
 }
 
 // The job that a body names, held against an If-Match if there is one.
@@ -219,10 +219,10 @@ void move_job(const Request& request, Service& service, const Shop& shop, Reply 
   struct Move {
     std::string job, before;
   };
-  const auto wish = read_body_as<Move>(request, shop.limits.json_depth, [](Members& members) {
+  const auto wish = read_body_as<Move>(request, shop.limits.json_depth, [](FieldReader& fields) {
     Move move;
-    move.job = read_job_id(members);
-    move.before = members.text("before", 64).value_or("");
+    move.job = read_job_id(fields);
+    move.before = fields.text("before", "", line(64));
     return move;
   });
   if (!wish) return reply(problem_response(wish.error(), request));

@@ -94,7 +94,8 @@ namespace {
 struct Nothing {};
 
 Answer<Nothing> read_nothing(const Request& request, const Shop& shop) {
-  return read_body_as<Nothing>(request, shop.limits.json_depth, [](Members&) { return Nothing{}; });
+  return read_body_as<Nothing>(request, shop.limits.json_depth,
+                               [](FieldReader&) { return Nothing{}; });
 }
 
 }  // namespace

@@ -2,9 +2,10 @@
 #include "daemon/http/api/target.hpp"
 
 #include <algorithm>
-#include <cstdint>
 
 #include <fmt/format.h>
+
+#include "core/text/utf8.hpp"
 
 namespace popcut::daemon::http {
 namespace {
@@ -14,30 +15,6 @@ int hex_value(char c) {
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;
   if (c >= 'A' && c <= 'F') return c - 'A' + 10;
   return -1;
-}
-
-// The code point at `i` and its length; length 0: not UTF-8.
-struct CodePoint {
-  std::uint32_t value{};
-  std::size_t length{};
-};
-
-CodePoint code_point(std::string_view text, std::size_t i) {
-  const auto byte = [&](std::size_t k) {
-    return k < text.size() ? std::uint32_t{static_cast<unsigned char>(text[k])} : 0u;
-  };
-  const std::uint32_t first = byte(i);
-  if (first < 0x80) return {first, 1};
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4) return {};
-  std::uint32_t value = first & (0xFFu >> (length + 1));
-  for (std::size_t k = 1; k < length; ++k) {
-    if ((byte(i + k) & 0xC0u) != 0x80u) return {};
-    value = value << 6 | (byte(i + k) & 0x3Fu);
-  }
-  const bool overlong = (length == 3 && value < 0x800) || (length == 4 && value < 0x10000);
-  if (overlong || value > 0x10FFFF || (value >= 0xD800 && value <= 0xDFFF)) return {};
-  return {value, length};
 }
 
 Answer<std::vector<std::string>> read_path(std::string_view path) {
@@ -82,30 +59,6 @@ Answer<std::vector<std::pair<std::string, std::string>>> read_query(std::string_
 }
 
 }  // namespace
-
-bool is_utf8(std::string_view text) {
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = code_point(text, i).length;
-    if (length == 0) return false;
-    i += length;
-  }
-  return true;
-}
-
-bool has_controls(std::string_view text, bool lines) {
-  for (std::size_t i = 0; i < text.size();) {
-    const CodePoint point = code_point(text, i);
-    if (point.length == 0) return true;
-    const std::uint32_t c = point.value;
-    const bool is_line = lines && (c == '\n' || c == '\t');
-    if ((c < 0x20 && !is_line) || (c >= 0x7F && c < 0xA0)) return true;
-    // Marks that turn the direction of text, and the line separators.
-    if (c == 0x2028 || c == 0x2029 || (c >= 0x202A && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069))
-      return true;
-    i += point.length;
-  }
-  return false;
-}
 
 Answer<std::string> percent_decoded(std::string_view text) {
   std::string out;

@@ -27,11 +27,4 @@ struct Target {
 /// hexadecimal digits, or the result is not UTF-8 without control characters.
 [[nodiscard]] Answer<std::string> percent_decoded(std::string_view text);
 
-/// True if `text` is well-formed UTF-8: no overlong forms, no surrogates, up to U+10FFFF.
-[[nodiscard]] bool is_utf8(std::string_view text);
-
-/// True if UTF-8 `text` has a control character: C0, DEL, C1, or what changes the direction of
-/// text. Tabs and line feeds pass if `lines` is set.
-[[nodiscard]] bool has_controls(std::string_view text, bool lines = false);
-
 }  // namespace popcut::daemon::http

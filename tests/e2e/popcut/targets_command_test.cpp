@@ -136,7 +136,7 @@ TEST_CASE("targets that cannot be used are refused in one line", "[cli][e2e][tar
   check_refused(design(grid), 3, "gap.csv: line 2, column 3: is empty");
   json contradictory = mesh_spec("hole.stl");
   contradictory["surface"]["f"] = "x";
-  check_refused(design(contradictory), 3, "/surface/f: is no field that popcut knows");
+  check_refused(design(contradictory), 3, "/surface/f: is not known");
   const Ran place = bench.popcut({"design", "spec.json", "--place", "sideways"});
   CHECK(place.exit == 2);
 }

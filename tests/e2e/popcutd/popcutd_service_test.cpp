@@ -141,7 +141,7 @@ TEST_CASE("what needs a person ends popcutd with 78", "[popcutd][e2e]") {
   const Ran config = run_program({popcutd_program(), "--config", wrong, "--check-config"}, "/");
   CHECK(config.exit == 78);
   CHECK(config.err == "popcutd: " + wrong +
-                          ": 2:1: limits.json_dept: is not a key that popcutd knows; did you mean "
+                          ": 2:1: limits.json_dept: is not known; did you mean "
                           "json_depth?\n");
   CHECK(run_program({popcutd_program(), "--config", shop.daemon.config(), "--check-config"}, "/")
             .exit == 0);

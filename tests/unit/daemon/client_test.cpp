@@ -105,7 +105,7 @@ TEST_CASE("an endless event is not kept", "[client]") {
 TEST_CASE("a problem of popcutd is one line that says what is right", "[client]") {
   CHECK(told(422, R"({"type":"https://popcut.invalid/p/validation","title":"Request is not valid",
       "status":422,"errors":[{"pointer":"/copies","code":"range","detail":"must be 1..1000"},
-      {"pointer":"/materiel","code":"unknown_member","detail":"did you mean /material?"}]})") ==
+      {"pointer":"/materiel","code":"unknown_member","detail":"is not known; did you mean /material?"}]})") ==
         "--copies: must be 1..1000 (and 1 more)");
   CHECK(told(409, R"({"type":"https://popcut.invalid/p/state-conflict","title":"Not now",
       "detail":"sheet 2 is not the current one","state":"ready",
@@ -115,7 +115,7 @@ TEST_CASE("a problem of popcutd is one line that says what is right", "[client]"
   CHECK(told(401, R"({"type":"x/unauthenticated","detail":"who are you"})").find("POPCUT_TOKEN") !=
         std::string::npos);
   CHECK(told(422, R"({"type":"p/validation","errors":[{"pointer":"/materiel",
-      "code":"unknown_member","detail":"did you mean /material?"}]})") ==
+      "code":"unknown_member","detail":"is not known; did you mean /material?"}]})") ==
         "job 01J: /materiel: is not known; did you mean --material?");
   HttpResponse infeasible;
   infeasible.status = 422;

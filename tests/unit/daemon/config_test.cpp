@@ -98,7 +98,8 @@ TEST_CASE("what is wrong in a configuration is told with line and column and wha
           "[daemon][config]") {
   refused("listn = []", "1:1: listn", "did you mean listen?");
   refused("[limits]\njson_dept = 3", "2:1: limits.json_dept", "did you mean json_depth?");
-  refused("[limits]\njson_depth = 3", "2:14: limits.json_depth", "must be 4 to 64");
+  refused("[limits]\njson_depth = 3", "2:14: limits.json_depth",
+          "must be a whole number from 4 to 64");
   refused("[limits]\njson_depth = \"3\"", "2:14: limits.json_depth", "must be a whole number");
   refused("[limits]\nrate_per_s = nan", "2:14: limits.rate_per_s", "must be");
   refused("limits = 3", "1:10: limits", "must be a table, [limits]");

@@ -16,17 +16,18 @@
 #include "daemon/http/rate_limit.hpp"
 #include "daemon/http/wire.hpp"
 
+using namespace popcut;
 using namespace popcut::daemon;
 using namespace popcut::daemon::http;
 
 namespace {
 
 std::vector<RequestFault> faults_of(const std::string& body,
-                                    const std::function<void(Members&)>& read) {
+                                    const std::function<void(FieldReader&)>& read) {
   Request request;
   request.body = body;
-  const auto answer = read_body_as<int>(request, 32, [&](Members& members) {
-    read(members);
+  const auto answer = read_body_as<int>(request, 32, [&](FieldReader& fields) {
+    read(fields);
     return 0;
   });
   return answer ? std::vector<RequestFault>{} : answer.error().errors;
@@ -186,14 +187,14 @@ TEST_CASE("JSON is refused for depth and doubled members and what is no number",
 TEST_CASE("all that is wrong with a body is told at once", "[daemon][http][json]") {
   const auto faults =
       faults_of(R"({"copies":0,"nmae":"x","good":1,"a/b~c":2,"note":"\u0007","state":"armd"})",
-                [](Members& members) {
-                  (void)members.integer("copies", 1, 1000);
-                  (void)members.text("name", 120);
-                  (void)members.boolean("good");
-                  (void)members.text("note", 2000, true);
-                  (void)members.word("state", {"armed", "ready"});
-                  members.require("job", "must be the id of a job");
-                  (void)members.text("job", 64);
+                [](FieldReader& fields) {
+                  (void)fields.optional_integer("copies", 1, 1000);
+                  (void)fields.optional_text("name", line(120));
+                  (void)fields.optional_boolean("good");
+                  (void)fields.optional_text("note", lines_or_empty(2000));
+                  (void)fields.optional_word("state", {"armed", "ready"});
+                  fields.need("job", "must be the id of a job");
+                  (void)fields.optional_text("job", line(64));
                 });
   const auto at = [&](const std::string& pointer) {
     for (const RequestFault& fault : faults)
@@ -201,13 +202,13 @@ TEST_CASE("all that is wrong with a body is told at once", "[daemon][http][json]
     return std::string("none");
   };
   CHECK(faults.size() == 7);
-  CHECK(at("/copies") == "range: must be 1..1000");
-  CHECK(at("/nmae") == "unknown_member: did you mean /name?");
-  CHECK(at("/good") == "type: must be true or false");
-  CHECK(at("/a~1b~0c").starts_with("unknown_member: must be one of copies, name"));
-  CHECK(at("/note") == "characters: must not have control characters");
-  CHECK(at("/state") == "word: did you mean armed?");
-  CHECK(at("/job") == "missing: must be the id of a job");
+  CHECK(at("/copies") == "range: is 0; must be a whole number from 1 to 1000");
+  CHECK(at("/nmae") == "unknown_member: is not known; did you mean /name?");
+  CHECK(at("/good") == "type: is a number; must be true or false");
+  CHECK(at("/a~1b~0c").starts_with("unknown_member: is not known; the fields here are copies,"));
+  CHECK(at("/note") == "characters: has a control character; leave it out");
+  CHECK(at("/state") == "word: is \"armd\"; must be one of armed, ready; did you mean armed?");
+  CHECK(at("/job") == "missing: is missing; must be the id of a job");
 }
 
 TEST_CASE("a list where an object is wanted is told as that and as nothing else",
@@ -215,28 +216,28 @@ TEST_CASE("a list where an object is wanted is told as that and as nothing else"
   const auto problem_of = [](const std::string& body) {
     Request request;
     request.body = body;
-    const auto read = read_body_as<int>(request, 32, [](Members& members) {
-      members.require("job", "must be the id of a job");
-      (void)members.text("job", 64);
-      (void)members.integer("copies", 1, 9);
-      (void)members.options("options");
-      (void)members.texts("tags", 2, 9);
+    const auto read = read_body_as<int>(request, 32, [](FieldReader& fields) {
+      fields.need("job", "must be the id of a job");
+      (void)fields.optional_text("job", line(64));
+      (void)fields.optional_integer("copies", 1, 9);
+      (void)read_options(fields, "options");
+      (void)fields.optional_texts("tags", 2, line(9));
       return 0;
     });
     return read ? Problem{} : read.error();
   };
   const Problem list = problem_of("[]");
-  CHECK(list.detail == "the body must be an object {...}, not a list");
+  CHECK(list.detail == "the body is a list; must be an object");
   REQUIRE(list.errors.size() == 1);
   CHECK(list.errors.at(0).pointer.empty());
-  CHECK(problem_of("null").detail == "the body must be an object {...}, not null");
-  CHECK(problem_of(R"({"job":{}})").detail == "/job must be a text, not an object");
+  CHECK(problem_of("null").detail == "the body is null; must be an object");
+  CHECK(problem_of(R"({"job":{}})").detail == "/job is an object; must be a text");
   CHECK(problem_of(R"({"job":"a","copies":[]})").detail ==
-        "/copies must be a whole number, not a list");
+        "/copies is a list; must be a whole number from 1 to 9");
   CHECK(problem_of(R"({"job":"a","options":[]})").detail ==
-        "/options must be an object of at most 32 options, not a list");
+        "/options is a list; must be an object");
   CHECK(problem_of(R"({"job":"a","tags":{}})").detail ==
-        "/tags must be a list of at most 2 texts, not an object");
+        "/tags is an object; must be a list of at most 2 texts");
   CHECK(problem_of(R"({"job":"a","tags":["a","b","c"]})").errors.at(0).code == "length");
 }
 
@@ -244,19 +245,19 @@ TEST_CASE("numbers are whole and in range or a fault", "[daemon][http][json]") {
   for (const char* bad : {"1.5", "1e3", "\"1\"", "true", "null", "[]", "-1", "11",
                           "18446744073709551615", "-9223372036854775808"}) {
     CAPTURE(bad);
-    const auto faults = faults_of(fmt::format(R"({{"n":{}}})", bad), [](Members& members) {
-      CHECK_FALSE(members.integer("n", 0, 10).has_value());
+    const auto faults = faults_of(fmt::format(R"({{"n":{}}})", bad), [](FieldReader& fields) {
+      CHECK_FALSE(fields.optional_integer("n", 0, 10).has_value());
     });
     CHECK(faults.size() == 1);
   }
-  CHECK(faults_of(R"({"n":10})", [](Members& members) {
-          CHECK(members.integer("n", 0, 10) == 10);
+  CHECK(faults_of(R"({"n":10})", [](FieldReader& fields) {
+          CHECK(fields.optional_integer("n", 0, 10) == 10);
         }).empty());
 }
 
 TEST_CASE("options are words with texts or numbers or booleans", "[daemon][http][json]") {
   std::map<std::string, std::string> options;
-  const auto read = [&](Members& members) { options = members.options("options"); };
+  const auto read = [&](FieldReader& fields) { options = read_options(fields, "options"); };
   CHECK(faults_of(R"({"options":{"mat":"free","at":"10,10","effort":3,"scale":1.5,"split":true}})",
                   read)
             .empty());

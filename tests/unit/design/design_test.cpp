@@ -294,7 +294,7 @@ TEST_CASE("what is wrong with a spec is said with its place", "[core][spec]") {
   };
   const auto bad = GENERATE(values<Bad>({
       {R"({"popcut":1,"surface":{"type":"revolution","radius":"60"},"units_per_slice":4,"slices":4,"widths_mm":5,"widht":3})",
-       ErrorKind::Malformed, "/widht", "no field"},
+       ErrorKind::Malformed, "/widht", "not known"},
       {R"({"popcut":1,"surface":{"type":"revolution","radius":"60"},"unit_per_slice":4,"slices":4,"widths_mm":5})",
        ErrorKind::Malformed, "/units_per_slice", "missing"},
       {R"({"popcut":1,"surface":{"type":"revolution","radius":"60"},"units_per_slice":"4","slices":4,"widths_mm":5})",
@@ -316,7 +316,7 @@ TEST_CASE("what is wrong with a spec is said with its place", "[core][spec]") {
       {R"({"popcut":2,"surface":{"type":"revolution","radius":"60"},"units_per_slice":4,"slices":4,"widths_mm":5})",
        ErrorKind::OutOfRange, "/popcut", "from 1 to 1"},
       {R"({"popcut":1,"surface":{"type":"revolution","radius":"60"},"units_per_slice":4,"slices":4,"widths_mm":1e400})",
-       ErrorKind::OutOfRange, "line 1, column 102", "1e400 is larger"},
+       ErrorKind::OutOfRange, "line 1, column 102", "1e400 is too large"},
       {"{\"popcut\":1,\n \"surface\":", ErrorKind::Malformed, "line 2", "too early"},
       {"{\"popcut\":1, \"popcut\":1}", ErrorKind::Malformed, "/popcut", "twice"},
       {R"({"a":[1,[],{"b":{"x/y":{"k":2},"x/y":3}}]})", ErrorKind::Malformed, "/a/2/b/x~1y",

@@ -5,8 +5,7 @@
 
 #include "core/drawing/planar_graph.hpp"
 #include "core/formats/fold/fold_reader.hpp"
-#include "core/text/json_data.hpp"
-#include "core/text/json_fields.hpp"
+#include "core/text/json_text.hpp"
 #include "tests/support/linework_checks.hpp"
 
 using namespace popcut;
