@@ -15,6 +15,8 @@
 #include "core/figures/splay_patch.hpp"
 #include "tests/support/paths.hpp"
 
+namespace curvature_goldens_test {
+
 using namespace popcut;
 using nlohmann::json;
 
@@ -126,3 +128,5 @@ TEST_CASE("splay angles and patches are the golden ones", "[core][curvature][gol
     CHECK(curvature_of(best, row[0].get<double>() * kPi).K ==
           Approx(row[1].get<double>()).margin(1e-12));
 }
+
+}  // namespace curvature_goldens_test

@@ -19,6 +19,8 @@
 #include "core/deploy/stl.hpp"
 #include "tests/support/paths.hpp"
 
+namespace deploy_paper_test {
+
 using namespace popcut;
 
 namespace {
@@ -78,3 +80,5 @@ TEST_CASE("the meshes published with the paper come out vertex for vertex", "[co
     CHECK(off < 2e-6);
   }
 }
+
+}  // namespace deploy_paper_test

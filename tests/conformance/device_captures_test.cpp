@@ -15,6 +15,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace device_captures_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 
@@ -267,3 +269,5 @@ TEST_CASE("the simulated cutter answers in the forms of the recorded replies", "
     }
   if (std::filesystem::exists(kCaptures)) CHECK(compared > 500);
 }
+
+}  // namespace device_captures_test

@@ -7,6 +7,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 
+namespace dxf_ezdxf_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -71,3 +73,5 @@ TEST_CASE("every entity of every DXF version lies where ezdxf has it",
     CHECK(length(own) == Approx(length(other)).epsilon(4e-3));
   }
 }
+
+}  // namespace dxf_ezdxf_test

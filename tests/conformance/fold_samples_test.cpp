@@ -7,6 +7,8 @@
 #include "core/formats/svg/svg_reader.hpp"
 #include "tests/support/linework_checks.hpp"
 
+namespace fold_samples_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -172,3 +174,5 @@ TEST_CASE("FOLD samples that are wrong are refused with their place and what is 
   CHECK(message(lengths.error()) ==
         "/edges_assignment: has 5 entries; edges_vertices has 4, and both must be equally long");
 }
+
+}  // namespace fold_samples_test

@@ -18,6 +18,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/protocol_samples.hpp"
 
+namespace protocol_captures_test {
+
 using namespace popcut;
 using namespace popcut::samples;
 
@@ -212,3 +214,5 @@ TEST_CASE("recorded replies are read as the values that they were", "[protocol][
     }
   }
 }
+
+}  // namespace protocol_captures_test

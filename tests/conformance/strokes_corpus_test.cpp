@@ -9,6 +9,8 @@
 #include "tests/support/euler_count.hpp"
 #include "tests/support/linework_checks.hpp"
 
+namespace strokes_corpus_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -38,3 +40,5 @@ TEST_CASE("lifts equal the Euler minimum on every file of the corpus", "[core][p
     CHECK(kept >= drawn * 0.9995 - 1.0);
   }
 }
+
+}  // namespace strokes_corpus_test

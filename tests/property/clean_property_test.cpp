@@ -11,6 +11,8 @@
 #include "tests/support/euler_count.hpp"
 #include "tests/support/linework_checks.hpp"
 
+namespace clean_property_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -191,3 +193,5 @@ TEST_CASE("planned strokes are the cleaned lines in another order and direction"
     }
   }
 }
+
+}  // namespace clean_property_test

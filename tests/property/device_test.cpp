@@ -9,6 +9,8 @@
 #include "device/sim/simulate.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace device_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 
@@ -204,3 +206,5 @@ TEST_CASE("no bytes whatever make the simulated cutter crash hang or draw what n
     }
   }
 }
+
+}  // namespace device_test

@@ -14,6 +14,8 @@
 #include "core/plan/plan.hpp"
 #include "tests/support/linework_checks.hpp"
 
+namespace plan_property_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -323,3 +325,5 @@ TEST_CASE("no drawing crashes or hangs its reader", "[core][formats][fuzz]") {
   }
   CHECK(good > 100);
 }
+
+}  // namespace plan_property_test

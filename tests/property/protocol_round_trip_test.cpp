@@ -12,6 +12,8 @@
 #include "protocol/moves.hpp"
 #include "tests/support/protocol_samples.hpp"
 
+namespace protocol_round_trip_test {
+
 using namespace popcut;
 using namespace popcut::samples;
 
@@ -289,3 +291,5 @@ TEST_CASE("a program read in pieces is the same program", "[protocol][property]"
     }
   }
 }
+
+}  // namespace protocol_round_trip_test

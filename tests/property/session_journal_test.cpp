@@ -8,6 +8,8 @@
 #include "tests/support/ledger_checks.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace session_journal_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 
@@ -213,3 +215,5 @@ TEST_CASE("a stroke that the program does not have is no place to go on from",
   CHECK(cable.cutter().accepted_bytes() == 0);
   CHECK(end.fates == std::vector<StrokeFate>(5, StrokeFate::NotSent));
 }
+
+}  // namespace session_journal_test

@@ -12,6 +12,8 @@
 #include "core/design/target/surface.hpp"
 #include "tests/support/meshes.hpp"
 
+namespace targets_property_test {
+
 using namespace popcut;
 using namespace popcut::tests;
 
@@ -218,3 +220,5 @@ TEST_CASE("a mesh slice meets exactly the triangles that span its plane", "[core
     CHECK(slicer.cut(s).open_ends.size() + 10 >= 2 * spanning);
   }
 }
+
+}  // namespace targets_property_test

@@ -19,6 +19,8 @@
 #include "core/verify/motion/opening.hpp"
 #include "tests/support/paths.hpp"
 
+namespace verify_opening_property_test {
+
 using namespace popcut;
 
 namespace {
@@ -157,3 +159,5 @@ TEST_CASE("random splayed cards open from their assignments alone as the closed 
     CHECK(found.freedoms_by_loops == 1);
   }
 }
+
+}  // namespace verify_opening_property_test

@@ -12,6 +12,8 @@
 #include "core/verify/verify.hpp"
 #include "tests/support/meshes.hpp"
 
+namespace verify_target_test {
+
 using namespace popcut;
 
 namespace {
@@ -163,3 +165,5 @@ TEST_CASE("verify says so when pattern and target do not belong together",
   CHECK_THAT(refused(R"({"type":"blob"})", ""), Contains("\"blob\" is not known"));
   CHECK_THAT(refused(R"({"type":"implicit","f":"x+"})", ""), Contains("/surface/f"));
 }
+
+}  // namespace verify_target_test

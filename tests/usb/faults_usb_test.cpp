@@ -12,6 +12,8 @@
 #include "tests/support/usb_cutter.hpp"
 #include "tests/support/usbfs_device.hpp"
 
+namespace faults_usb_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using namespace std::chrono_literals;
@@ -214,3 +216,5 @@ TEST_CASE("a cutter that was away for a moment only is not taken for one that st
   CHECK(fresh.accepted_bytes() == 0);
   CHECK(bench.wrong(id, cutter) == "");
 }
+
+}  // namespace faults_usb_test

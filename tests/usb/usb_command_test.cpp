@@ -16,6 +16,8 @@
 #include "tests/support/usb_cutter.hpp"
 #include "tests/support/usbfs_device.hpp"
 
+namespace usb_command_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using namespace std::chrono_literals;
@@ -295,3 +297,5 @@ TEST_CASE("the udev rule that ships names every vendor of the table", "[cli][usb
     if (machine.usb_vendor != 0)
       CHECK(says(rule, fmt::format("ATTR{{idVendor}}==\"{:04x}\"", machine.usb_vendor)));
 }
+
+}  // namespace usb_command_test

@@ -17,6 +17,8 @@
 #include "tests/support/usb_cutter.hpp"
 #include "tests/support/usbfs_device.hpp"
 
+namespace usb_session_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using namespace std::chrono_literals;
@@ -348,3 +350,5 @@ TEST_CASE("whatever fails on the bus the ledger is true and nothing is cut twice
   CHECK(failed > 0);
   CHECK(done > 0);
 }
+
+}  // namespace usb_session_test

@@ -15,6 +15,8 @@
 #include "tests/support/sim_bench.hpp"
 #include "tests/support/usbfs_device.hpp"
 
+namespace usb_transport_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using namespace std::chrono_literals;
@@ -457,3 +459,5 @@ TEST_CASE("a hundred plugs in a row leave no file open", "[device][usb]") {
   for (int i = 0; i < 6000 && open_files() > before + 1; ++i) std::this_thread::sleep_for(10ms);
   CHECK(open_files() <= before + 1);
 }
+
+}  // namespace usb_transport_test

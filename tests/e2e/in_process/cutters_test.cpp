@@ -15,6 +15,8 @@
 #include "tests/support/received_log.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace cutters_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using daemon::Cutters;
@@ -402,3 +404,5 @@ TEST_CASE("a configuration that cannot be is refused with the device it is about
   refused({{.id = "sim:cameo3", .faults = "/nowhere/faults.json"}}, "/nowhere/faults.json");
   refused({{.id = "sim:cameo3", .trace = "/proc/none/trace"}}, "/proc/none/trace");
 }
+
+}  // namespace cutters_test

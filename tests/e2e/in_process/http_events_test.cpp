@@ -10,6 +10,8 @@
 
 #include "tests/support/raw_http.hpp"
 
+namespace http_events_test {
+
 using namespace popcut::daemon;
 
 namespace {
@@ -213,3 +215,5 @@ TEST_CASE("a token that is deleted ends its streams", "[daemon][http][events]") 
   CHECK(server.fetch("DELETE", "/v1/tokens/viewer").status == 204);
   CHECK(connection.closes());
 }
+
+}  // namespace http_events_test

@@ -5,6 +5,8 @@
 
 #include "tests/support/raw_http.hpp"
 
+namespace http_front_door_test {
+
 using namespace popcut::daemon;
 
 namespace {
@@ -357,3 +359,5 @@ TEST_CASE("a body is asked for only when the request may have it", "[daemon][htt
   CHECK(bad.receive().status == 413);
   CHECK(bad.closes());
 }
+
+}  // namespace http_front_door_test

@@ -19,6 +19,8 @@
 
 #include "tests/support/raw_http.hpp"
 
+namespace http_limits_test {
+
 using namespace popcut::daemon;
 
 namespace {
@@ -433,3 +435,5 @@ TEST_CASE("a second server on the same socket is refused and a stale one is take
   connection.send("GET /v1/meta HTTP/1.1\r\nHost: a\r\n\r\n");
   CHECK(connection.receive().status == 200);
 }
+
+}  // namespace http_limits_test

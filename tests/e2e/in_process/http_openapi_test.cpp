@@ -14,6 +14,8 @@
 #include "tests/support/json_schema.hpp"
 #include "tests/support/raw_http.hpp"
 
+namespace http_openapi_test {
+
 using namespace popcut::daemon;
 using nlohmann::json;
 using popcut::JsonSchema;
@@ -392,3 +394,5 @@ TEST_CASE("the served description is the one in the repository", "[daemon][http]
   const json meta = json::parse(server.fetch("GET", "/v1/meta", "viewer").body);
   CHECK(served.headers.at("etag") == "\"" + meta.at("schema_sha256").get<std::string>() + "\"");
 }
+
+}  // namespace http_openapi_test

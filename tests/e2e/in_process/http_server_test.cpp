@@ -14,6 +14,8 @@
 #include "daemon/http/api/routes.hpp"
 #include "tests/support/raw_http.hpp"
 
+namespace http_server_test {
+
 using namespace popcut::daemon;
 
 namespace {
@@ -248,3 +250,5 @@ TEST_CASE("what users upload goes out as bytes to be saved", "[daemon][http][upl
   CHECK(server.fetch("HEAD", at + "/content", "viewer").headers.at("content-length") ==
         std::to_string(evil.size()));
 }
+
+}  // namespace http_server_test

@@ -11,6 +11,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/planner_bench.hpp"
 
+namespace planner_limits_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using nlohmann::json;
@@ -340,3 +342,5 @@ TEST_CASE("hostile designs meet a limit and a running cut never notices", "[daem
   CHECK((*cutters)->alive());
   CHECK(comes_true([] { return children().empty(); }));
 }
+
+}  // namespace planner_limits_test

@@ -15,6 +15,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/planner_bench.hpp"
 
+namespace planner_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using nlohmann::json;
@@ -373,3 +375,5 @@ TEST_CASE("frames come through in pieces of any size and nonsense is refused",
     CHECK(taken <= all.size());
   }
 }
+
+}  // namespace planner_test

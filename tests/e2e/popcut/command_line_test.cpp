@@ -10,6 +10,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 
+namespace command_line_test {
+
 using namespace popcut::testing;
 
 namespace {
@@ -167,3 +169,5 @@ TEST_CASE("a full standard output is told", "[cli][e2e]") {
     check_one_line(ran);
   }
 }
+
+}  // namespace command_line_test

@@ -10,6 +10,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 
+namespace curvature_command_test {
+
 using namespace popcut::testing;
 using nlohmann::json;
 
@@ -176,3 +178,5 @@ TEST_CASE("wrong words for curvature end with one clear line", "[cli][e2e][curva
   CHECK(large.exit == 2);
   CHECK(one_clear_line(large));
 }
+
+}  // namespace curvature_command_test

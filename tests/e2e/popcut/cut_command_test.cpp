@@ -11,6 +11,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 
+namespace cut_command_test {
+
 using namespace popcut::testing;
 
 namespace {
@@ -208,3 +210,5 @@ TEST_CASE("devices lists a simulated one for each machine", "[cli][e2e]") {
   const auto machines = nlohmann::json::parse(bench.run({"machines", "--json"}).out);
   CHECK(json["devices"].size() == machines["machines"].size());
 }
+
+}  // namespace cut_command_test

@@ -11,6 +11,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 
+namespace cutter_command_test {
+
 using namespace popcut::testing;
 using nlohmann::json;
 
@@ -250,3 +252,5 @@ TEST_CASE("a cutter at a pseudo terminal is cut on through a serial port", "[cli
   CHECK(trace["cut_mm"].get<double>() ==
         Approx(sheet["cut_mm"].get<double>() + sheet["fold_mm"].get<double>()).epsilon(0.01));
 }
+
+}  // namespace cutter_command_test

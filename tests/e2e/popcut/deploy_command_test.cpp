@@ -10,6 +10,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 
+namespace deploy_command_test {
+
 using namespace popcut::testing;
 using nlohmann::json;
 using Names = std::vector<std::string>;
@@ -211,3 +213,5 @@ TEST_CASE("the Khronos validator finds no fault in any animation", "[cli][e2e][g
     CHECK(report["info"]["animationCount"] == 1);
   }
 }
+
+}  // namespace deploy_command_test

@@ -14,6 +14,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 
+namespace design_command_test {
+
 using namespace popcut::testing;
 using nlohmann::json;
 using Names = std::vector<std::string>;
@@ -276,3 +278,5 @@ TEST_CASE("running out of memory is one line and exit code 1", "[cli][e2e][desig
   check_refused(ran, 1, "internal fault: ");
 #endif
 }
+
+}  // namespace design_command_test

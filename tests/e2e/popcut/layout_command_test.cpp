@@ -10,6 +10,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 
+namespace layout_command_test {
+
 using namespace popcut::testing;
 using nlohmann::json;
 
@@ -180,3 +182,5 @@ TEST_CASE("patches with a declared seam are planned as pieces that are glued the
   }
   bench.refused({"plan", "two.json", "-o", "other", "--no-split"}, 4, "--no-split forbids");
 }
+
+}  // namespace layout_command_test

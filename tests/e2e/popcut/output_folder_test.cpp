@@ -13,6 +13,8 @@
 #include "daemon/files/output_folder.hpp"
 #include "tests/support/process.hpp"
 
+namespace output_folder_test {
+
 using namespace popcut;
 using cli::OutputFolder;
 using testing::files_below;
@@ -212,3 +214,5 @@ TEST_CASE("angles are read as people write them", "[cli][angles]") {
     CHECK_FALSE(cli::parse_opening_angles(text));
   }
 }
+
+}  // namespace output_folder_test

@@ -11,6 +11,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 
+namespace patches_command_test {
+
 using namespace popcut::testing;
 using nlohmann::json;
 namespace fs = std::filesystem;
@@ -111,3 +113,5 @@ TEST_CASE("patches that do not fit are refused in one line", "[cli][e2e][patches
   check_refused(bench.popcut({"design", "spec.json", "-o", "out"}), 4,
                 "/patches/1/card: patches 0 and 1 cannot be one sheet");
 }
+
+}  // namespace patches_command_test

@@ -11,6 +11,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 
+namespace plan_command_test {
+
 using namespace popcut::testing;
 using nlohmann::json;
 using Names = std::vector<std::string>;
@@ -128,3 +130,5 @@ TEST_CASE("the tables are listed for people and programs", "[cli][e2e][plan]") {
   const json materials = json::parse(bench.popcut({"materials", "--json"}).out);
   CHECK(materials["materials"][0]["dashes"]["dash_mm"] == 1.5);
 }
+
+}  // namespace plan_command_test

@@ -10,6 +10,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 
+namespace svg_command_test {
+
 using namespace popcut::testing;
 using nlohmann::json;
 
@@ -185,3 +187,5 @@ TEST_CASE("a DXF drawing is planned and its sheet is what the program cuts", "[c
     }
   }
 }
+
+}  // namespace svg_command_test

@@ -11,6 +11,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 
+namespace targets_command_test {
+
 using namespace popcut::testing;
 using nlohmann::json;
 using Names = std::vector<std::string>;
@@ -140,3 +142,5 @@ TEST_CASE("targets that cannot be used are refused in one line", "[cli][e2e][tar
   const Ran place = bench.popcut({"design", "spec.json", "--place", "sideways"});
   CHECK(place.exit == 2);
 }
+
+}  // namespace targets_command_test

@@ -10,6 +10,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 
+namespace verify_command_test {
+
 using namespace popcut::testing;
 using nlohmann::json;
 using popcut::tests::box_card;
@@ -156,3 +158,5 @@ TEST_CASE("every shipped example is designed and verified as sound", "[cli][e2e]
     }
   }
 }
+
+}  // namespace verify_command_test

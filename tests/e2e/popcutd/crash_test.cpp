@@ -24,6 +24,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/received_log.hpp"
 
+namespace crash_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using client::Api;
@@ -488,3 +490,5 @@ TEST_CASE("killed at each call of its start popcutd starts the next time", "[dae
   crash.check_database();
   crash.report("killed at its start", static_cast<int>(calls / step));
 }
+
+}  // namespace crash_test

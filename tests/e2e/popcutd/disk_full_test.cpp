@@ -20,6 +20,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/received_log.hpp"
 
+namespace disk_full_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using client::HttpClient;
@@ -235,3 +237,5 @@ TEST_CASE("a disk that is full at any write of a job stops new work and never wh
   std::printf("\n");
   CHECK(refusals[507] > 0);
 }
+
+}  // namespace disk_full_test

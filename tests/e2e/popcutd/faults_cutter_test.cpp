@@ -11,6 +11,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/service_manager_socket.hpp"
 
+namespace faults_cutter_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using Json = nlohmann::json;
@@ -308,3 +310,5 @@ TEST_CASE("a name is text and never a path or an escape sequence", "[popcutd][fa
   }
   CHECK_FALSE(std::filesystem::exists("/tmp/popcut-evil"));
 }
+
+}  // namespace faults_cutter_test

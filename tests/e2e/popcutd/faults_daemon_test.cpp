@@ -23,6 +23,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/service_manager_socket.hpp"
 
+namespace faults_daemon_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using Json = nlohmann::json;
@@ -367,3 +369,5 @@ TEST_CASE("a link among the state folders is refused and nothing behind it is to
   shop.open();
   CHECK(shop.get("/readyz")["ready"] == true);
 }
+
+}  // namespace faults_daemon_test

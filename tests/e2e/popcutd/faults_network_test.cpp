@@ -18,6 +18,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/raw_http.hpp"
 
+namespace faults_network_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using daemon::RawConnection;
@@ -272,3 +274,5 @@ TEST_CASE("what comes after all descriptors are taken waits and is served again"
   CHECK(ledger.value("not_sent", Json::array({1})).empty());
 }
 #endif
+
+}  // namespace faults_network_test

@@ -24,6 +24,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/raw_http.hpp"
 
+namespace popcutd_command_test {
+
 using namespace popcut::testing;
 using Json = nlohmann::json;
 
@@ -422,3 +424,5 @@ TEST_CASE("SIGHUP takes what does not disturb a cut and names the rest", "[popcu
   CHECK(check.exit == 0);
   CHECK(says(check.out, "SIGHUP takes of it: log.level"));
 }
+
+}  // namespace popcutd_command_test

@@ -11,6 +11,8 @@
 #include "tests/support/contract_life.hpp"
 #include "tests/support/paths.hpp"
 
+namespace popcutd_openapi_test {
+
 using namespace popcut::testing;
 using popcut::daemon::RawConnection;
 using popcut::daemon::WireResponse;
@@ -110,3 +112,5 @@ TEST_CASE("the real daemon produces every documented answer of every route",
     CHECK(all.problems().contains(slug) == (slug != "idempotency-in-progress"));
   }
 }
+
+}  // namespace popcutd_openapi_test

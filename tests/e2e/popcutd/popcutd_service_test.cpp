@@ -24,6 +24,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/workshop.hpp"
 
+namespace popcutd_service_test {
+
 using namespace popcut::testing;
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
@@ -284,3 +286,5 @@ TEST_CASE("sockets of systemd are served and no others", "[popcutd][e2e]") {
   CHECK(ran.exit == 0);
   CHECK_FALSE(fs::exists(shop.daemon.socket()));
 }
+
+}  // namespace popcutd_service_test

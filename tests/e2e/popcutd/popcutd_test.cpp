@@ -18,6 +18,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/workshop.hpp"
 
+namespace popcutd_test {
+
 using namespace popcut::testing;
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
@@ -263,3 +265,5 @@ TEST_CASE("the view of jobs has all of them and each change", "[popcutd][e2e]") 
   CHECK(shop.popcut({"events", "--job", one, "--json"}).out.find("\"planning\"") !=
         std::string::npos);
 }
+
+}  // namespace popcutd_test

@@ -11,6 +11,8 @@
 #include "daemon/client/problem_line.hpp"
 #include "daemon/client/sse_reader.hpp"
 
+namespace client_test {
+
 using namespace popcut;
 using namespace popcut::client;
 
@@ -224,3 +226,5 @@ TEST_CASE("an absent popcutd is told with how to start it", "[client]") {
   CHECK(jobs.error().place == "/nonexistent/popcut.sock");
   CHECK(jobs.error().detail.find("'popcutd'") != std::string::npos);
 }
+
+}  // namespace client_test

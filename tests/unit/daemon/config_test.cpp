@@ -8,6 +8,8 @@
 #include "daemon/config/default_text.hpp"
 #include "tests/support/process.hpp"
 
+namespace config_test {
+
 using namespace popcut;
 using namespace popcut::daemon;
 
@@ -237,3 +239,5 @@ TEST_CASE("noise is never a configuration and never ends popcut", "[daemon][conf
   CHECK_FALSE(parse_config("x = " + std::string(100'000, '[')));
   CHECK_FALSE(parse_config(std::string((1 << 20) + 1, ' ')));
 }
+
+}  // namespace config_test

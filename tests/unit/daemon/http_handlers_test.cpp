@@ -12,6 +12,8 @@
 #include "daemon/http/api/target.hpp"
 #include "tests/support/fake_service.hpp"
 
+namespace http_handlers_test {
+
 using namespace popcut::daemon;
 using namespace popcut::daemon::http;
 using nlohmann::json;
@@ -375,3 +377,5 @@ TEST_CASE("what is not UTF-8 in the store does not stop an answer", "[daemon][ht
   CHECK(asked.response.status == 200);
   CHECK(asked.body.at("name") == "bad \xEF\xBF\xBD name");
 }
+
+}  // namespace http_handlers_test

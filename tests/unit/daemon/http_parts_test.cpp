@@ -16,6 +16,8 @@
 #include "daemon/http/rate_limit.hpp"
 #include "daemon/http/wire.hpp"
 
+namespace http_parts_test {
+
 using namespace popcut;
 using namespace popcut::daemon;
 using namespace popcut::daemon::http;
@@ -419,3 +421,5 @@ TEST_CASE("a reply is given once and never forgotten", "[daemon][http][message]"
   { const Reply dropped(send); }
   CHECK(given == std::vector<int>{200, 500});
 }
+
+}  // namespace http_parts_test

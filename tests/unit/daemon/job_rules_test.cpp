@@ -10,6 +10,8 @@
 #include "daemon/jobs/rules.hpp"
 #include "daemon/model/problem.hpp"
 
+namespace job_rules_test {
+
 using namespace popcut::daemon;
 
 namespace {
@@ -221,3 +223,5 @@ TEST_CASE("whatever the attempts were a lawful resume needs words for each doubt
     if (fates.substr(from).find_first_of("cd") != std::string::npos) CHECK(wish.accept_double_cut);
   }
 }
+
+}  // namespace job_rules_test

@@ -13,6 +13,8 @@
 #include "daemon/cli/view/job_view.hpp"
 #include "daemon/cli/view/progress_bar.hpp"
 
+namespace job_view_test {
+
 using namespace popcut::cli;
 using Json = nlohmann::json;
 
@@ -245,3 +247,5 @@ TEST_CASE("a person is named where this computer knows them", "[cli][jobs]") {
   const std::string id = "uid:" + std::to_string(::getuid());
   CHECK(person_name(id) == (me == nullptr ? id : std::string(me->pw_name) + " (" + id + ")"));
 }
+
+}  // namespace job_view_test

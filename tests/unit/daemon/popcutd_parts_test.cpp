@@ -18,6 +18,8 @@
 #include "daemon/popcutd/webhook.hpp"
 #include "tests/support/process.hpp"
 
+namespace popcutd_parts_test {
+
 using namespace popcut;
 using namespace popcut::daemon;
 
@@ -268,3 +270,5 @@ TEST_CASE("a webhook calls only whom it may and signs what it says", "[daemon][w
   config.secret_file = secret;
   CHECK_FALSE(webhook_target(config));
 }
+
+}  // namespace popcutd_parts_test

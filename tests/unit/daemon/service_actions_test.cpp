@@ -3,6 +3,8 @@
 
 #include "tests/support/service_bench.hpp"
 
+namespace service_actions_test {
+
 using namespace popcut;
 using namespace popcut::daemon;
 using popcut::test::broken;
@@ -440,3 +442,5 @@ TEST_CASE("what should follow a commit never follows another one", "[daemon][ser
   CHECK(bench.cutters.cuts() == 1);
   bench.cutters.complete(bench.device);
 }
+
+}  // namespace service_actions_test

@@ -3,6 +3,8 @@
 
 #include "tests/support/service_bench.hpp"
 
+namespace service_jobs_test {
+
 using namespace popcut;
 using namespace popcut::daemon;
 using popcut::test::ServiceBench;
@@ -40,3 +42,5 @@ TEST_CASE("a job goes from its design through all sheets to done", "[daemon][ser
   CHECK(usage[0].sheets == 2);
   CHECK(usage[0].cut_mm == Approx(300));
 }
+
+}  // namespace service_jobs_test

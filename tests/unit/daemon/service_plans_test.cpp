@@ -6,6 +6,8 @@
 
 #include "tests/support/service_bench.hpp"
 
+namespace service_plans_test {
+
 using namespace popcut;
 using namespace popcut::daemon;
 using popcut::test::ServiceBench;
@@ -160,3 +162,5 @@ TEST_CASE("an option that there is not is told at once and with what was meant",
   CHECK(refused("clip", "perhaps").errors.at(0).detail.find("true or false") != std::string::npos);
   CHECK(bench.planner.started == 1);  // the check of the design
 }
+
+}  // namespace service_plans_test

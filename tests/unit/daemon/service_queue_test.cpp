@@ -6,6 +6,8 @@
 
 #include "tests/support/service_bench.hpp"
 
+namespace service_queue_test {
+
 using namespace popcut;
 using namespace popcut::daemon;
 using popcut::test::ServiceBench;
@@ -432,3 +434,5 @@ TEST_CASE("a plan that fails fails its jobs and may be wished for again", "[daem
   CHECK(create(bench, {.design = {}, .plan = job.plan}).error().errors.at(0).pointer == "/plan");
   CHECK(create(bench, {.design = {}, .plan = again.plan})->state == JobState::Ready);
 }
+
+}  // namespace service_queue_test

@@ -4,6 +4,8 @@
 
 #include "tests/support/service_bench.hpp"
 
+namespace service_resume_test {
+
 using namespace popcut;
 using namespace popcut::daemon;
 using popcut::test::broken;
@@ -189,3 +191,5 @@ TEST_CASE("what is paused on a disabled cutter waits until it is enabled", "[dae
   CHECK(bench.act(ready.id, JobAction::Resume));
   bench.cutters.complete(bench.device);
 }
+
+}  // namespace service_resume_test

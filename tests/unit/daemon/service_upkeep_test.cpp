@@ -5,6 +5,8 @@
 
 #include "tests/support/service_bench.hpp"
 
+namespace service_upkeep_test {
+
 using namespace popcut;
 using namespace popcut::daemon;
 using popcut::test::ServiceBench;
@@ -259,3 +261,5 @@ TEST_CASE("what a running cut needs goes before what people ask", "[daemon][serv
   CHECK_FALSE(thread.post(ServiceThread::Lane::Cutting, [] {}));
   CHECK_FALSE(thread.run(ServiceThread::Lane::Cutting, [] {}));
 }
+
+}  // namespace service_upkeep_test

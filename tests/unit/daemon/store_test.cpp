@@ -11,6 +11,8 @@
 #include "daemon/store/ulid.hpp"
 #include "tests/support/service_bench.hpp"
 
+namespace store_test {
+
 using namespace popcut;
 using namespace popcut::daemon;
 using popcut::test::ScratchFolder;
@@ -430,3 +432,5 @@ TEST_CASE("salvage of what is no database changes nothing", "[daemon][store]") {
   CHECK(read_whole(state + "/popcut.db", 1 << 20).value() == std::string(8192, '\x5A'));
   CHECK_FALSE(open(scratch));
 }
+
+}  // namespace store_test

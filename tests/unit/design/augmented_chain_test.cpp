@@ -8,6 +8,8 @@
 #include "core/design/chain/augmented_chain.hpp"
 #include "core/design/chain/chain.hpp"
 
+namespace augmented_chain_test {
+
 using namespace popcut;
 
 namespace {
@@ -186,3 +188,5 @@ TEST_CASE("wrong targets of augmented chains are refused in one line", "[core][c
   const std::vector<double> falling{3, 2, 1, 0};
   CHECK(refused({made.curves, falling, 4}, {}, {}));
 }
+
+}  // namespace augmented_chain_test

@@ -16,6 +16,8 @@
 #include "core/formats/write/report_json.hpp"
 #include "core/verify/verify.hpp"
 
+namespace augmented_design_test {
+
 using namespace popcut;
 
 namespace {
@@ -218,3 +220,5 @@ TEST_CASE("an expression that assigns is refused with the column", "[core][desig
     CHECK(Expression::parse(lawful, {"x", "y"}));
   }
 }
+
+}  // namespace augmented_design_test

@@ -12,6 +12,8 @@
 #include "core/design/target/surface.hpp"
 #include "tests/support/paths.hpp"
 
+namespace chain_test {
+
 using namespace popcut;
 
 namespace {
@@ -163,3 +165,5 @@ TEST_CASE("steep and slender powers have a minimum that rounding does not hide",
     }
   }
 }
+
+}  // namespace chain_test

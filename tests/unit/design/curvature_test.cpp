@@ -11,6 +11,8 @@
 #include "core/figures/slice_figures.hpp"
 #include "core/figures/splay_patch.hpp"
 
+namespace curvature_test {
+
 using namespace popcut;
 
 namespace {
@@ -249,3 +251,5 @@ TEST_CASE("the loss of a quarter circle falls in proportion to the spacing",
   CHECK(log_log_slope(spacing, loss) == Approx(1.0).margin(0.01));
   CHECK(loss.back() * 1000 == Approx(kPi * kPi / 4 - 2).epsilon(1e-4));
 }
+
+}  // namespace curvature_test

@@ -27,6 +27,8 @@
 #include "tests/support/box_card.hpp"
 #include "tests/support/glb_scene.hpp"
 
+namespace deploy_test {
+
 using namespace popcut;
 using namespace std::numbers;
 using testing::box_card_pattern;
@@ -438,3 +440,5 @@ TEST_CASE("posters and films refuse poses that cannot be drawn", "[core][deploy]
     ++poses;
   CHECK(poses == 4);  // the page and three pictures
 }
+
+}  // namespace deploy_test

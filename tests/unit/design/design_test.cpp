@@ -8,6 +8,8 @@
 
 #include "core/design/design.hpp"
 
+namespace design_test {
+
 using namespace popcut;
 
 namespace {
@@ -384,3 +386,5 @@ TEST_CASE("a wall lower than the structure is refused with the height it needs",
   CHECK(result.error().place == "/card/wall_mm");
   CHECK_THAT(result.error().detail, Catch::Contains("100.5"));
 }
+
+}  // namespace design_test

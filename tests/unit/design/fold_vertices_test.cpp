@@ -15,6 +15,8 @@
 #include "core/formats/fold/fold_writer.hpp"
 #include "tests/support/fold_draft.hpp"
 
+namespace fold_vertices_test {
+
 using namespace popcut;
 
 namespace {
@@ -250,3 +252,5 @@ TEST_CASE("the table has a row a pose and inner vertex", "[core][curvature][patt
   CHECK(static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) ==
         1 + 3 * inner_count(*found));
 }
+
+}  // namespace fold_vertices_test

@@ -10,6 +10,8 @@
 #include "core/design/strips/pattern_builder.hpp"
 #include "core/design/strips/same_place.hpp"
 
+namespace patches_test {
+
 using namespace popcut;
 
 namespace {
@@ -298,3 +300,5 @@ TEST_CASE("long loose chains have the freedoms that the constraints leave", "[co
          "surface":{"type":"revolution","radius":"5.884+-0.3098*y"},"lattice":"conformal")");
   CHECK(d.report.degrees_of_freedom == 11);
 }
+
+}  // namespace patches_test

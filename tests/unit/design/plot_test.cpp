@@ -9,6 +9,8 @@
 #include "core/figures/paper_figures.hpp"
 #include "core/figures/plot.hpp"
 
+namespace plot_test {
+
 using namespace popcut;
 
 namespace {
@@ -101,3 +103,5 @@ TEST_CASE("the paper's figures are all drawn and all their statements hold",
     if (file.name.ends_with(".svg")) CHECK(document.load_string(file.content.c_str()));
   }
 }
+
+}  // namespace plot_test

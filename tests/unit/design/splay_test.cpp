@@ -12,6 +12,8 @@
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
 
+namespace splay_test {
+
 using namespace popcut;
 
 namespace {
@@ -146,3 +148,5 @@ TEST_CASE("V-folds that do not fit are refused with what would", "[core][splay]"
   CHECK(d.error().place == place);
   CHECK_THAT(d.error().detail, Catch::Contains(says));
 }
+
+}  // namespace splay_test

@@ -11,6 +11,8 @@
 #include "core/design/target/surface_grid.hpp"
 #include "tests/support/meshes.hpp"
 
+namespace target_readers_test {
+
 using namespace popcut;
 using namespace popcut::tests;
 
@@ -160,3 +162,5 @@ TEST_CASE("files that are cut off or changed anywhere are read or refused and ne
     }
   }
 }
+
+}  // namespace target_readers_test

@@ -15,6 +15,8 @@
 #include "core/formats/write/report_json.hpp"
 #include "tests/support/meshes.hpp"
 
+namespace targets_test {
+
 using namespace popcut;
 using namespace popcut::tests;
 
@@ -344,3 +346,5 @@ TEST_CASE("a chain with several minima takes the best of them and tells the spre
   CHECK(circle->spread == 0.0);
   CHECK(circle->iterations <= 8);
 }
+
+}  // namespace targets_test

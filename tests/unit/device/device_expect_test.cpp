@@ -9,6 +9,8 @@
 #include "device/compare/expect.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace device_expect_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 
@@ -259,3 +261,5 @@ TEST_CASE("what fell outside the window is told", "[device][expect]") {
   CHECK(result.failed == 1);
   CHECK(words(result).find("15.200 mm fell outside") != std::string::npos);
 }
+
+}  // namespace device_expect_test

@@ -11,6 +11,8 @@
 #include "device/sim/motion.hpp"
 #include "device/sim/window.hpp"
 
+namespace device_parts_test {
+
 using namespace popcut;
 
 namespace {
@@ -118,3 +120,5 @@ TEST_CASE("dashes are judged along their fold", "[device][expect]") {
   under.cut = {{6.9, 10}};
   CHECK_FALSE(fault(under));
 }
+
+}  // namespace device_parts_test

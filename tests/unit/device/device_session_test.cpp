@@ -11,6 +11,8 @@
 #include "device/session/session.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace device_session_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using std::chrono::nanoseconds;
@@ -478,3 +480,5 @@ TEST_CASE("a schedule covers every command of the geometry in order", "[device][
     CHECK(std::any_of(plan.geometry.begin(), plan.geometry.end(),
                       [&](const TimedCommand& c) { return c.end_byte == stroke.end; }));
 }
+
+}  // namespace device_session_test

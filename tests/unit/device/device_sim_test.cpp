@@ -6,6 +6,8 @@
 #include "device/sim/simulate.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace device_sim_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 
@@ -378,3 +380,5 @@ TEST_CASE("a machine that cannot be is refused", "[device][sim]") {
   foreign.language = "klingon";
   CHECK(SimCutter::make(foreign).error().kind == ErrorKind::OutOfRange);
 }
+
+}  // namespace device_sim_test

@@ -6,6 +6,8 @@
 #include "device/sim/simulate.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace device_trace_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 
@@ -89,3 +91,5 @@ TEST_CASE("cut.svg has a colour for each force and grey for what was clipped", "
   CHECK(travel == 1);
   CHECK(std::string(root.child("title").text().get()).find("<b>&\"mine\"") != std::string::npos);
 }
+
+}  // namespace device_trace_test

@@ -4,6 +4,8 @@
 #include "device/doctor.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace doctor_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 
@@ -129,3 +131,5 @@ TEST_CASE("an empty bus gets advice and ports that may hold a vinyl cutter", "[d
   CHECK_FALSE(says(nothing_found({}).remedy, "vinyl"));
   CHECK(says(nothing_found({"serial:/dev/ttyUSB0"}).remedy, "--device serial:/dev/ttyUSB0"));
 }
+
+}  // namespace doctor_test

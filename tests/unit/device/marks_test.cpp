@@ -6,6 +6,8 @@
 #include "device/session/session.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace marks_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 
@@ -155,3 +157,5 @@ TEST_CASE("the test shape is small and has a fold and two closed cuts", "[core][
   CHECK(closed(shape.points_of(shape.lines[1])));
   CHECK(closed(shape.points_of(shape.lines[2])));
 }
+
+}  // namespace marks_test

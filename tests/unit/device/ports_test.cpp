@@ -24,6 +24,8 @@
 #include "tests/support/process.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace ports_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using namespace std::chrono_literals;
@@ -299,3 +301,5 @@ TEST_CASE("device ids are read or refused with what would be right", "[device][i
     CHECK(id.error().detail.find("; ") != std::string::npos);
   }
 }
+
+}  // namespace ports_test

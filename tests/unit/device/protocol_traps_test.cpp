@@ -12,6 +12,8 @@
 #include "protocol/decode.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace protocol_traps_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 
@@ -141,3 +143,5 @@ TEST_CASE("the longest deltas of each binary form go there and back", "[protocol
   CHECK(kDeltaForms[2].half - 1 == 375481);
   CHECK(shortest_form(375482, 0) == nullptr);
 }
+
+}  // namespace protocol_traps_test

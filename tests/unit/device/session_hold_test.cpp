@@ -8,6 +8,8 @@
 #include "device/session/session.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace session_hold_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using std::chrono::nanoseconds;
@@ -217,3 +219,5 @@ TEST_CASE("each way to stop is obeyed within one window and the rest is never se
   std::printf("host cancel: the last stroke ended at most %.2f s later\n", worst_s);
   CHECK(worst_s <= kWindowS);
 }
+
+}  // namespace session_hold_test

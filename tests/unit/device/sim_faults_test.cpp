@@ -5,6 +5,8 @@
 #include "device/sim/sim_faults.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace sim_faults_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 
@@ -132,3 +134,5 @@ TEST_CASE("a firmware that gives another name is refused before anything is sent
   CHECK(end.error->detail.find("CURIO") != std::string::npos);
   CHECK(cable.cutter().trace().settings.empty());
 }
+
+}  // namespace sim_faults_test

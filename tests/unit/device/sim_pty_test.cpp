@@ -10,6 +10,8 @@
 #include "device/sim/sim_pty.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace sim_pty_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using std::chrono::milliseconds;
@@ -114,3 +116,5 @@ TEST_CASE("a cut cable hangs the terminal up", "[device][pty]") {
   CHECK_FALSE(pty->serve(milliseconds(0)));
   CHECK_FALSE(SimPty::open(SimTransport(cutter(machine("cameo3"))), 0));
 }
+
+}  // namespace sim_pty_test

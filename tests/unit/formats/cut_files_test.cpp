@@ -15,6 +15,8 @@
 #include "core/plan/knife/micro_cut.hpp"
 #include "tests/support/box_card.hpp"
 
+namespace cut_files_test {
+
 using namespace popcut;
 
 namespace {
@@ -142,3 +144,5 @@ TEST_CASE("a drawing that is too wide for the Cricut mat is turned and not mirro
   CHECK(large.error().kind == ErrorKind::Infeasible);
   CHECK(out.str().empty());
 }
+
+}  // namespace cut_files_test

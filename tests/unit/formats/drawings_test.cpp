@@ -17,6 +17,8 @@
 #include "core/formats/write/svg_pattern.hpp"
 #include "tests/support/box_card.hpp"
 
+namespace drawings_test {
+
 using namespace popcut;
 
 namespace {
@@ -212,3 +214,5 @@ TEST_CASE("the deployed picture paints every face and stays in its frame",
     }
   }
 }
+
+}  // namespace drawings_test

@@ -11,6 +11,8 @@
 #include "tests/support/box_card.hpp"
 #include "tests/support/linework_checks.hpp"
 
+namespace dxf_reader_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -391,3 +393,5 @@ TEST_CASE("popcut's own DXF reads back to the cuts and folds of its FOLD", "[cor
         CHECK(near < 1e-3);  // the DXF is rounded
       }
 }
+
+}  // namespace dxf_reader_test

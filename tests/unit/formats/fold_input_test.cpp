@@ -8,6 +8,8 @@
 #include "core/text/json_text.hpp"
 #include "tests/support/linework_checks.hpp"
 
+namespace fold_input_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -136,3 +138,5 @@ TEST_CASE("a slit that ends inside a face is opened and keeps its tip", "[core][
   CHECK(split.vertices.size() == 7);  // its mouth is two vertices, its tip one
   CHECK(std::count(split.assignments.begin(), split.assignments.end(), 'B') == 7);
 }
+
+}  // namespace fold_input_test

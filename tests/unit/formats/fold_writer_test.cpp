@@ -13,6 +13,8 @@
 #include "tests/support/box_card.hpp"
 #include "tests/support/linework_checks.hpp"
 
+namespace fold_writer_test {
+
 using namespace popcut;
 using nlohmann::json;
 
@@ -158,3 +160,5 @@ TEST_CASE("a FOLD with single cuts is the same drawing as the split one", "[core
     CHECK(popcut::test::total_mm(*one, operation) ==
           Approx(popcut::test::total_mm(*two, operation)));
 }
+
+}  // namespace fold_writer_test

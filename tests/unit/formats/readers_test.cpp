@@ -7,6 +7,8 @@
 #include "core/formats/svg/syntax/svg_transform.hpp"
 #include "tests/support/linework_checks.hpp"
 
+namespace readers_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -292,3 +294,5 @@ TEST_CASE("sample drawings from elsewhere are read or refused as they should be"
     CHECK(total_mm(*work, Operation::FoldValley) > 0);
   }
 }
+
+}  // namespace readers_test

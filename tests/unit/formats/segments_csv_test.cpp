@@ -13,6 +13,8 @@
 #include "tests/support/box_card.hpp"
 #include "tests/support/paths.hpp"
 
+namespace segments_csv_test {
+
 using namespace popcut;
 
 namespace {
@@ -113,3 +115,5 @@ TEST_CASE("report.json has the manual's names with figures as they were computed
   report.units_per_slice = {1, 2, 3};
   CHECK(nlohmann::json::parse(report_json(report))["units_per_slice"] == nlohmann::json{1, 2, 3});
 }
+
+}  // namespace segments_csv_test

@@ -13,6 +13,8 @@
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/svg_drafts.hpp"
 
+namespace svg_drawings_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -289,3 +291,5 @@ TEST_CASE("what leaves its frame is cut off at its border exactly", "[core][form
   CHECK(points("<svg width='4' height='40'><svg width='10' height='10'><path stroke='red' "
                "d='M1 1H20M0 30H9'/></svg></svg>") == Points{{1, 1}, {4, 1}});
 }
+
+}  // namespace svg_drawings_test

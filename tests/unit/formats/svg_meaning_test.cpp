@@ -13,6 +13,8 @@
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/svg_drafts.hpp"
 
+namespace svg_meaning_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -340,3 +342,5 @@ TEST_CASE("a prefix for SVG and elements of editors do not matter", "[core][form
   CHECK(length(choice.points) == Approx(4));
   CHECK(choice.warnings.empty());
 }
+
+}  // namespace svg_meaning_test

@@ -14,6 +14,8 @@
 #include "core/plan/plan_svg.hpp"
 #include "tests/support/linework_checks.hpp"
 
+namespace knife_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -285,3 +287,5 @@ TEST_CASE("the picture of a plan names its lifts", "[core][plan]") {
   CHECK(svg.find("many &amp; more") != std::string::npos);
   CHECK(svg.find("stroke 100, cut last") != std::string::npos);
 }
+
+}  // namespace knife_test

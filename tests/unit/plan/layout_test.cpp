@@ -11,6 +11,8 @@
 #include "core/layout/packing.hpp"
 #include "core/layout/single_stroke.hpp"
 
+namespace layout_test {
+
 using namespace popcut;
 
 namespace {
@@ -301,3 +303,5 @@ TEST_CASE("the assembly names every piece and every seam", "[layout]") {
   for (const PieceSeam& seam : layout->seams)
     CHECK_THAT(svg, Catch::Contains(">" + seam.label + "</text>"));
 }
+
+}  // namespace layout_test

@@ -16,6 +16,8 @@
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/order_checks.hpp"
 
+namespace order_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -295,3 +297,5 @@ TEST_CASE("the number of moves grows with the effort and the root of the size",
   CHECK(order_moves(1'000'000, 1.0) == 2'000'000);
   CHECK(order_moves(0, 1.0) == 0);
 }
+
+}  // namespace order_test

@@ -13,6 +13,8 @@
 #include "core/plan/sheet_svg.hpp"
 #include "tests/support/linework_checks.hpp"
 
+namespace plan_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -415,3 +417,5 @@ TEST_CASE("a roll is as long as what is cut from it", "[core][plan][sheet]") {
   CHECK(done->sheets[0].area_mm[0] == 600.0);
   CHECK(done->sheets[0].area_mm[1] == 140.0);
 }
+
+}  // namespace plan_test

@@ -6,6 +6,8 @@
 
 #include "core/machines/machine.hpp"
 
+namespace tables_test {
+
 using namespace popcut;
 
 TEST_CASE("the built-in tables hold every machine and material of the manual",
@@ -133,3 +135,5 @@ TEST_CASE("a user's HPGL machine names its habits as words joined by plus signs"
   CHECK(std::count_if(machines->begin(), machines->end(),
                       [](const Machine& m) { return m.language == "hpgl"; }) >= 6);
 }
+
+}  // namespace tables_test

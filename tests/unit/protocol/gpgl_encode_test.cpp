@@ -10,6 +10,8 @@
 #include "protocol/moves.hpp"
 #include "tests/support/protocol_samples.hpp"
 
+namespace gpgl_encode_test {
+
 using namespace popcut;
 using namespace popcut::samples;
 
@@ -369,3 +371,5 @@ TEST_CASE("an empty toolpath is a program that does nothing but park", "[protoco
   CHECK(program.geometry.begin == program.geometry.end);
   CHECK(moves(*decode_gpgl(program.view())).strokes.empty());
 }
+
+}  // namespace gpgl_encode_test

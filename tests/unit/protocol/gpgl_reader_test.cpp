@@ -7,6 +7,8 @@
 #include "protocol/moves.hpp"
 #include "tests/support/protocol_samples.hpp"
 
+namespace gpgl_reader_test {
+
 using namespace popcut;
 using namespace popcut::samples;
 
@@ -275,3 +277,5 @@ TEST_CASE("a GPGL command without an end is not kept for ever", "[protocol][gpgl
   CHECK(program.commands[2].verb == Verb::Move);
   CHECK(program.points.size() == 1);
 }
+
+}  // namespace gpgl_reader_test

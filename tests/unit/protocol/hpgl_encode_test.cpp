@@ -7,6 +7,8 @@
 #include "protocol/moves.hpp"
 #include "tests/support/protocol_samples.hpp"
 
+namespace hpgl_encode_test {
+
 using namespace popcut;
 using namespace popcut::samples;
 
@@ -180,3 +182,5 @@ TEST_CASE("the tool is lifted in the words of the program itself", "[protocol][e
   CHECK(lifted(machine) == readable(bytes_of("M1016,1016;")));
   CHECK(lifted(cameo3()) == readable(bytes_of("M508,508\x03")));
 }
+
+}  // namespace hpgl_encode_test

@@ -6,6 +6,8 @@
 #include "protocol/moves.hpp"
 #include "tests/support/protocol_samples.hpp"
 
+namespace hpgl_reader_test {
+
 using namespace popcut;
 using namespace popcut::samples;
 
@@ -109,3 +111,5 @@ TEST_CASE("a command without an end is not kept for ever", "[protocol][hpgl][dec
   reader.feed(bytes_of("PD" + std::string(5 << 20, '1') + ";PU1,2;"), after);
   CHECK(after.commands.back().verb == Verb::Move);
 }
+
+}  // namespace hpgl_reader_test

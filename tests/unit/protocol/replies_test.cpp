@@ -3,6 +3,8 @@
 
 #include "protocol/replies.hpp"
 
+namespace replies_test {
+
 using namespace popcut;
 
 TEST_CASE("each status of a cutter is known and all else is never ready",
@@ -60,3 +62,5 @@ TEST_CASE("tools and positions are read from their replies", "[protocol][replies
   CHECK(at.second == 300);
   CHECK_FALSE(parse_position("100,300"));
 }
+
+}  // namespace replies_test

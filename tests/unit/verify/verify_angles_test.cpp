@@ -8,6 +8,8 @@
 #include "tests/support/fold_draft.hpp"
 #include "tests/support/verify_drafts.hpp"
 
+namespace verify_angles_test {
+
 using namespace popcut;
 using namespace popcut::tests;
 
@@ -84,3 +86,5 @@ TEST_CASE("a vertex that no edge uses does not loosen the limits", "[core][verif
     CHECK(has(failures(*report, "isometry"), "/file_frames/2"));
   }
 }
+
+}  // namespace verify_angles_test

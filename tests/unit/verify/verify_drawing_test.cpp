@@ -17,6 +17,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/verify_drafts.hpp"
 
+namespace verify_drawing_test {
+
 using namespace popcut;
 using namespace popcut::tests;
 
@@ -209,3 +211,5 @@ TEST_CASE("drawings from elsewhere have the panels that are known of them", "[co
     CHECK(report->opening->reached_psi_rad == Approx(1.1));
   }
 }
+
+}  // namespace verify_drawing_test

@@ -12,6 +12,8 @@
 #include "tests/support/fold_draft.hpp"
 #include "tests/support/paths.hpp"
 
+namespace verify_input_test {
+
 using namespace popcut;
 using namespace popcut::tests;
 
@@ -211,3 +213,5 @@ TEST_CASE("sample files from elsewhere are read or refused as they deserve", "[c
   CHECK(panels->fold_angle_deg < 1e-9);
   CHECK(panels->ok());
 }
+
+}  // namespace verify_input_test

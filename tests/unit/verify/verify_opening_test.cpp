@@ -14,6 +14,8 @@
 #include "tests/support/fold_draft.hpp"
 #include "tests/support/verify_drafts.hpp"
 
+namespace verify_opening_test {
+
 using namespace popcut;
 using namespace popcut::tests;
 
@@ -282,3 +284,5 @@ TEST_CASE("the motion of a splayed card is the closed form in every pose", "[cor
     CHECK(largest_difference(*file, sheet, moved, known->poses.back()) < 1e-9);
   }
 }
+
+}  // namespace verify_opening_test

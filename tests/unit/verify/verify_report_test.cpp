@@ -9,6 +9,8 @@
 #include "tests/support/fold_draft.hpp"
 #include "tests/support/verify_drafts.hpp"
 
+namespace verify_report_test {
+
 using namespace popcut;
 using namespace popcut::tests;
 
@@ -67,3 +69,5 @@ TEST_CASE("the report is one JSON document with every figure", "[core][verify]")
     CHECK(has(json, member));
   }
 }
+
+}  // namespace verify_report_test

@@ -9,6 +9,8 @@
 #include "tests/support/fold_draft.hpp"
 #include "tests/support/verify_drafts.hpp"
 
+namespace verify_sheet_test {
+
 using namespace popcut;
 using namespace popcut::tests;
 
@@ -133,3 +135,5 @@ TEST_CASE("a notch that a cut makes into one face is lawful", "[core][verify]") 
     CHECK(report->area_mm2 == Approx(200.0));
   }
 }
+
+}  // namespace verify_sheet_test

@@ -9,6 +9,8 @@
 #include "tests/support/fold_draft.hpp"
 #include "tests/support/verify_drafts.hpp"
 
+namespace verify_test {
+
 using namespace popcut;
 using namespace popcut::tests;
 
@@ -205,3 +207,5 @@ TEST_CASE("a target's formula that sets a variable is refused", "[core][verify]"
   CHECK(with("y >= 3 ? 20 : 25"));
   CHECK(with("y == 3 ? 20 : 25"));
 }
+
+}  // namespace verify_test
