@@ -25,6 +25,8 @@
 #include "tests/support/daemon_process.hpp"
 #include "tests/support/paths.hpp"
 
+namespace daemon_bench {
+
 using namespace popcut;
 using namespace popcut::testing;
 using client::Api;
@@ -410,3 +412,5 @@ TEST_CASE("popcutd with ten thousand jobs while a knife moves", "[bench]") {
   say("\n  resident memory after all that", after.resident, "MB", 150);
   say("  its own alone", after.own, "MB");
 }
+
+}  // namespace daemon_bench

@@ -16,6 +16,8 @@
 #include "core/design/lattice/lattice.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 
+namespace design_bench {
+
 using namespace popcut;
 
 namespace {
@@ -170,3 +172,5 @@ TEST_CASE("time of a Gauss-Newton step over the units", "[bench]") {
                1e6 * seconds / effort.steps / effort.unknowns);
   }
 }
+
+}  // namespace design_bench

@@ -15,6 +15,8 @@
 #include "core/verify/verify.hpp"
 #include "tests/support/paths.hpp"
 
+namespace design_composite_bench {
+
 using namespace popcut;
 
 namespace {
@@ -108,3 +110,5 @@ TEST_CASE("chains with curvature asked for", "[bench]") {
         report.figures.front().miss.rms);
   }
 }
+
+}  // namespace design_composite_bench

@@ -13,6 +13,8 @@
 #include "core/design/target/surface_kinds.hpp"
 #include "tests/support/meshes.hpp"
 
+namespace design_slicing_bench {
+
 using namespace popcut;
 
 namespace {
@@ -70,3 +72,5 @@ TEST_CASE("slicing a mesh of a million triangles", "[bench]") { slice_sphere(1'0
 TEST_CASE("slicing a mesh of nearly ten million triangles", "[bench]") {
   slice_sphere(9'900'000, 200);
 }
+
+}  // namespace design_slicing_bench

@@ -22,6 +22,8 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 
+namespace plan_bench {
+
 using namespace popcut;
 
 namespace {
@@ -176,3 +178,5 @@ TEST_CASE("dashing 2 000 folds among 2 000 cuts that all cross them", "[.][bench
   CHECK(micro_cut(work, {}).work.lines.size() >= 2000);
   stages.done("micro-cut");
 }
+
+}  // namespace plan_bench

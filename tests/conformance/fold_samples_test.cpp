@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/formats/fold/fold_reader.hpp"
 #include "core/drawing/planar_graph.hpp"
+#include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "tests/support/linework_checks.hpp"
 

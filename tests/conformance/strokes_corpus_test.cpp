@@ -3,8 +3,8 @@
 // the cases say so and pass.
 #include <catch2/catch.hpp>
 
-#include "core/formats/svg/svg_reader.hpp"
 #include "core/drawing/clean.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 #include "tests/support/corpus.hpp"
 #include "tests/support/euler_count.hpp"
 #include "tests/support/linework_checks.hpp"

@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "daemon/http/api/routes.hpp"
 #include "core/text/utf8.hpp"
+#include "daemon/http/api/routes.hpp"
 #include "daemon/http/api/target.hpp"
 
 using namespace popcut::daemon;

@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "core/drawing/clean.hpp"
 #include "core/formats/fold/linework_graph.hpp"
 #include "core/layout/layout.hpp"
 #include "core/layout/piece_lines.hpp"
-#include "core/drawing/clean.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/random_pattern.hpp"
 

@@ -6,10 +6,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/drawing/clean.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/pattern/pattern.hpp"
-#include "core/drawing/clean.hpp"
 #include "core/plan/knife/micro_cut.hpp"
 #include "core/plan/plan.hpp"
 #include "tests/support/linework_checks.hpp"
