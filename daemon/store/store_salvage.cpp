@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-tl::unexpected<OpenTrouble> trouble(OpenTrouble::Kind kind, std::string detail) {
+tl::unexpected<OpenTrouble> open_trouble(OpenTrouble::Kind kind, std::string detail) {
   return tl::unexpected<OpenTrouble>(OpenTrouble{kind, std::move(detail)});
 }
 
@@ -63,7 +63,7 @@ Salvage::Table bring_over(Database& from, Database& to, const std::string& table
   return report;
 }
 
-int version_of(Database& damaged) {
+int damaged_version_of(Database& damaged) {
   try {
     return static_cast<int>(damaged.number("PRAGMA user_version"));
   } catch (const StoreFault&) {
@@ -124,16 +124,16 @@ Result<std::string> set_aside(const std::string& database, const std::string& ba
 tl::expected<Salvage, OpenTrouble> salvage(const std::string& path) {
   auto folder = StateFolder::open(path);
   if (!folder)
-    return trouble(folder.error().kind == ErrorKind::Refused ? OpenTrouble::Kind::Locked
-                                                             : OpenTrouble::Kind::Io,
-                   message(folder.error()));
+    return open_trouble(folder.error().kind == ErrorKind::Refused ? OpenTrouble::Kind::Locked
+                                                                  : OpenTrouble::Kind::Io,
+                        message(folder.error()));
   const std::string original = (*folder)->at("popcut.db");
   const std::string fresh = original + ".salvaged";
   std::error_code error;
   if (!fs::exists(original, error))
-    return trouble(OpenTrouble::Kind::Io, original + ": is not there; nothing to salvage");
+    return open_trouble(OpenTrouble::Kind::Io, original + ": is not there; nothing to salvage");
   const Result<std::string> aside = set_aside(original, (*folder)->at("backups"));
-  if (!aside) return trouble(OpenTrouble::Kind::Io, message(aside.error()));
+  if (!aside) return open_trouble(OpenTrouble::Kind::Io, message(aside.error()));
   Salvage report{.tables = {}, .original = *aside};
   // Reading writes a log's index beside the file, so a copy of the copy is read.
   const std::string reading = (*folder)->at("incoming/salvage");
@@ -142,22 +142,22 @@ tl::expected<Salvage, OpenTrouble> salvage(const std::string& path) {
     for (const char* suffix : {"", "-wal", "-journal"}) remove_tree(fresh + suffix);
     Database from({.path = reading + "/popcut.db", .create = false, .exclusive_wal = false});
     Database to({.path = fresh});
-    const int version = version_of(from);
+    const int version = damaged_version_of(from);
     const int newest = migrations().back().version;
     if (version > newest)
-      return trouble(OpenTrouble::Kind::TooNew, original + ": was written by a later popcutd");
+      return open_trouble(OpenTrouble::Kind::TooNew, original + ": was written by a later popcutd");
     build_schema(to, migrations(), version < 1 ? newest : version);
     report.tables = bring_all(from, to);
   } catch (const StoreFault& fault) {
     const bool damage = fault.kind() == FaultKind::Corrupt;
-    return trouble(
+    return open_trouble(
         damage ? OpenTrouble::Kind::Corrupt : OpenTrouble::Kind::Io,
         fmt::format("{}: {}{}", original, fault.what(),
                     damage ? "; nothing can be read of it, put a copy from backups in its "
                              "place"
                            : ""));
   } catch (const fs::filesystem_error& fault) {
-    return trouble(OpenTrouble::Kind::Io, fault.what());
+    return open_trouble(OpenTrouble::Kind::Io, fault.what());
   }
   remove_tree(reading);
   const bool nothing = std::all_of(report.tables.begin(), report.tables.end(),
@@ -165,9 +165,9 @@ tl::expected<Salvage, OpenTrouble> salvage(const std::string& path) {
   if (nothing) {
     remove_tree(fresh);
     remove_tree(fresh + "-wal");
-    return trouble(OpenTrouble::Kind::Corrupt, original +
-                                                   ": nothing can be read of it; put a copy from " +
-                                                   (*folder)->at("backups") + " in its place");
+    return open_trouble(OpenTrouble::Kind::Corrupt,
+                        original + ": nothing can be read of it; put a copy from " +
+                            (*folder)->at("backups") + " in its place");
   }
   remove_tree(fresh + "-wal");
   // The damaged one lies in backups. Between these steps popcutd would find its database gone and
@@ -178,7 +178,7 @@ tl::expected<Salvage, OpenTrouble> salvage(const std::string& path) {
   Result<void> done = keep_file(fresh, original);
   if (done) remove_tree((*folder)->at("database-state"));
   give_to_owner(path);
-  if (!done) return trouble(OpenTrouble::Kind::Io, message(done.error()));
+  if (!done) return open_trouble(OpenTrouble::Kind::Io, message(done.error()));
   return report;
 }
 
