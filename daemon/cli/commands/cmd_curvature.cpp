@@ -13,16 +13,17 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/curvature/pattern_curvature.hpp"
 #include "core/figures/assembly.hpp"
 #include "core/figures/paper_figures.hpp"
-#include "core/curvature/pattern_curvature.hpp"
-#include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/options/angles.hpp"
+#include "daemon/cli/options/samples_option.hpp"
 #include "daemon/files/output_file.hpp"
 #include "daemon/files/output_folder.hpp"
-#include "daemon/cli/options/samples_option.hpp"
 
 namespace popcut::cli {
+namespace curvature_command {
 namespace {
 
 constexpr std::size_t kMostRows = 10'000'000;  // of a table that is streamed
@@ -258,8 +259,10 @@ CLI::Option* add_phi(CLI::App* command, Options& options) {
 }
 
 }  // namespace
+}  // namespace curvature_command
 
 void register_curvature(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace curvature_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("curvature", kHelp);
   command->require_subcommand(0, 1);

@@ -20,19 +20,20 @@
 #include "core/plan/test_shape.hpp"
 #include "core/text/shown_text.hpp"
 #include "daemon/cli/command.hpp"
-#include "daemon/cli/cut_device.hpp"
 #include "daemon/cli/commands/cut_queue.hpp"
+#include "daemon/cli/cut_device.hpp"
 #include "daemon/cli/expectation.hpp"
 #include "daemon/cli/fault_file.hpp"
 #include "daemon/cli/options/option_value.hpp"
-#include "daemon/files/output_folder.hpp"
-#include "daemon/cli/view/pause_key.hpp"
 #include "daemon/cli/options/plan_job.hpp"
+#include "daemon/cli/view/pause_key.hpp"
 #include "daemon/cli/view/progress_bar.hpp"
+#include "daemon/files/output_folder.hpp"
 #include "device/compare/expect.hpp"
 #include "device/session/session.hpp"
 
 namespace popcut::cli {
+namespace cut_command {
 namespace {
 
 struct Options {
@@ -356,8 +357,10 @@ constexpr const char* kHelp =
     "  file:NAME                          # writes the program, cuts nothing";
 
 }  // namespace
+}  // namespace cut_command
 
 void register_cut(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace cut_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("cut", kHelp);
   add_plan_options(*command, options->job);

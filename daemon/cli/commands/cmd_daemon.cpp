@@ -11,12 +11,13 @@
 
 #include "core/text/shown_text.hpp"
 #include "daemon/cli/command.hpp"
-#include "daemon/cli/view/job_follow.hpp"
 #include "daemon/cli/options/option_value.hpp"
+#include "daemon/cli/view/job_follow.hpp"
 #include "daemon/client/api.hpp"
 #include "daemon/store/store.hpp"
 
 namespace popcut::cli {
+namespace daemon_command {
 namespace {
 
 using client::Api;
@@ -386,8 +387,10 @@ void add_db(CLI::App& app, const Globals& globals, Run& run) {
 }
 
 }  // namespace
+}  // namespace daemon_command
 
 void register_daemon(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace daemon_command;
   add_events(app, globals, run);
   add_token(app, globals, run);
   add_usage(app, globals, run);

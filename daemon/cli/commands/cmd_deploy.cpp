@@ -11,8 +11,8 @@
 
 #include "core/deploy/segments_pattern.hpp"
 #include "core/deploy/unfold_frames.hpp"
-#include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/csv/segments_reader.hpp"
+#include "core/formats/fold/fold_reader.hpp"
 #include "core/machines/machine.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
@@ -20,6 +20,7 @@
 #include "daemon/files/user_tables.hpp"
 
 namespace popcut::cli {
+namespace deploy_command {
 namespace {
 
 struct Options {
@@ -165,8 +166,10 @@ constexpr const char* kHelp =
     "psi = 0 to pi/2.";
 
 }  // namespace
+}  // namespace deploy_command
 
 void register_deploy(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace deploy_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("deploy", kHelp);
   command->add_option("FILE", options->file, "A FOLD file or a twelve-column CSV");

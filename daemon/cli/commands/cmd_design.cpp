@@ -16,29 +16,30 @@
 
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/design/patches.hpp"
+#include "core/drawing/linework.hpp"
+#include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/write/cricut_svg.hpp"
 #include "core/formats/write/deployed_svg.hpp"
 #include "core/formats/write/dxf_writer.hpp"
-#include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/write/pdf_pattern.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "core/formats/write/segments_csv.hpp"
 #include "core/formats/write/svg_pattern.hpp"
-#include "core/drawing/linework.hpp"
 #include "core/machines/machine.hpp"
 #include "core/plan/knife/micro_cut.hpp"
 #include "core/text/shown_text.hpp"
-#include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
 #include "daemon/cli/help/examples.hpp"
+#include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/options/option_value.hpp"
-#include "daemon/files/output_folder.hpp"
 #include "daemon/cli/spec_assets.hpp"
+#include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "daemon/planning/design_files.hpp"
 
 namespace popcut::cli {
+namespace design_command {
 namespace {
 
 struct Options {
@@ -400,8 +401,10 @@ constexpr const char* kHelp =
     "DIR's other files stay; files of the last run that this one does not write are removed.";
 
 }  // namespace
+}  // namespace design_command
 
 void register_design(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace design_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("design", kHelp);
   command->add_option("SPEC", options->spec, "What to make, a JSON file (see --schema)");

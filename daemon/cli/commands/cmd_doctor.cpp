@@ -13,13 +13,14 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/help/udev_rule.hpp"
 #include "daemon/files/user_tables.hpp"
-#include "device/port/device_id.hpp"
 #include "device/doctor.hpp"
+#include "device/port/device_id.hpp"
 #include "device/port/ports.hpp"
 #include "device/port/serial_transport.hpp"
 #include "device/usb/usb_bus.hpp"
 
 namespace popcut::cli {
+namespace doctor_command {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -190,8 +191,10 @@ constexpr const char* kHelp =
     "a cutter is ready to cut, with 5 if none is.";
 
 }  // namespace
+}  // namespace doctor_command
 
 void register_doctor(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace doctor_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("doctor", kHelp);
   command->add_option("DEVICE", options->device, "Only this one; 'popcut devices' lists them");

@@ -14,13 +14,14 @@
 #include <CLI/CLI.hpp>
 
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/help/terminal_text.hpp"
+#include "daemon/cli/person_name.hpp"
 #include "daemon/cli/view/job_follow.hpp"
 #include "daemon/cli/view/job_view.hpp"
-#include "daemon/cli/person_name.hpp"
-#include "daemon/cli/help/terminal_text.hpp"
 #include "daemon/client/api.hpp"
 
 namespace popcut::cli {
+namespace jobs_command {
 namespace {
 
 using client::Api;
@@ -234,8 +235,10 @@ constexpr const char* kHelp =
     "prints a line for\neach change, with --json one document a line.";
 
 }  // namespace
+}  // namespace jobs_command
 
 void register_jobs(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace jobs_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("jobs", kHelp);
   command->add_option("JOB", options->job, "An id, or the beginning of one");

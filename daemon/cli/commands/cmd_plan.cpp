@@ -10,11 +10,12 @@
 #include "core/plan/sheet_svg.hpp"
 #include "core/text/shown_text.hpp"
 #include "daemon/cli/command.hpp"
-#include "daemon/files/output_folder.hpp"
 #include "daemon/cli/options/plan_job.hpp"
 #include "daemon/cli/profile_sheets.hpp"
+#include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
+namespace plan_command {
 namespace {
 
 struct Options {
@@ -90,8 +91,10 @@ constexpr const char* kHelp =
     "Folds become dashes, each line is cut once, folds first and the outline last.";
 
 }  // namespace
+}  // namespace plan_command
 
 void register_plan(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace plan_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("plan", kHelp);
   add_plan_options(*command, options->job);

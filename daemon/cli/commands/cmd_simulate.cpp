@@ -11,16 +11,17 @@
 
 #include "core/text/shown_text.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/commands/simulate_pty.hpp"
 #include "daemon/cli/expectation.hpp"
 #include "daemon/cli/fault_file.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/files/output_folder.hpp"
-#include "daemon/cli/commands/simulate_pty.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "device/sim/simulate.hpp"
 #include "protocol/decode.hpp"
 
 namespace popcut::cli {
+namespace simulate_command {
 namespace {
 
 struct Options {
@@ -162,8 +163,10 @@ constexpr const char* kHelp =
     "else drawn, each coordinate within half a step of the machine; exit 6 if that does not hold.";
 
 }  // namespace
+}  // namespace simulate_command
 
 void register_simulate(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace simulate_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("simulate", kHelp);
   const auto text = [&](const char* name, std::string& value, const char* help, const char* shown) {
