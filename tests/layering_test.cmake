@@ -37,6 +37,10 @@ expect(layer "core/a.hpp: includes daemon/b.hpp: the layers are"
   core/a.hpp "#include \"daemon/b.hpp\"" daemon/b.hpp "")
 expect(wall "core/verify/a.hpp: includes core/design/b.hpp: it judges"
   core/verify/a.hpp "#include \"core/design/b.hpp\"" core/design/b.hpp "")
+expect(judge "core/plan/a.hpp: includes core/verify/sheet/b.hpp: nothing in core rests on"
+  core/plan/a.hpp "#include \"core/verify/sheet/b.hpp\"" core/verify/sheet/b.hpp "")
+expect(judges ""
+  core/verify/motion/a.hpp "#include \"core/verify/sheet/b.hpp\"" core/verify/sheet/b.hpp "")
 expect(library "daemon/http/a.hpp: includes <sqlite3.h>: only daemon/store may"
   daemon/http/a.hpp "#include <sqlite3.h>")
 expect(threads "core/a.hpp: includes <thread>: core has no" core/a.hpp "#include <thread>")
