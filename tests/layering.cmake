@@ -1,37 +1,237 @@
-# core <- protocol <- device <- daemon: a directory includes itself and the ones to its left.
-# Inside core, verify stands alone: it shares no code with what generates patterns.
-set(allowed_core "core")
-set(allowed_protocol "core|protocol")
-set(allowed_device "core|protocol|device")
-set(allowed_daemon "core|protocol|device|daemon")
+# Which folder may know which, and where a file lies. -DROOT=folder with core, protocol, ... in it.
+cmake_minimum_required(VERSION 3.20)
+
+# The one table: a folder and all below it : what it does not include : why.
+# A folder may always include itself and what lies below it; what a row forbids to a whole layer is
+# not forbidden to itself.
+set(walls
+  "core : (protocol|device|daemon)/ : the layers are core, protocol, device, daemon"
+  "protocol : (device|daemon)/ : the layers are core, protocol, device, daemon"
+  "device : daemon/ : the layers are core, protocol, device, daemon"
+  "core/text : core/[a-z]+/ : it serves all of core"
+  "core/geometry : core/[a-z]+/ : it serves all of core"
+  "core/pattern : core/(curvature|deploy|design|drawing|figures|formats|layout|machines|plan|verify)/ : a pattern is a value"
+  "core/drawing : core/(curvature|deploy|design|figures|formats|layout|machines|plan|verify)/ : lines come before what is done with them"
+  "core/machines : core/(curvature|deploy|design|figures|formats|layout|plan|verify)/ : a machine is a row of a table"
+  "core/curvature : core/(deploy|design|drawing|figures|layout|machines|plan|verify)/ : it computes for design"
+  "core/design : core/(deploy|figures|formats|layout|machines|plan|verify)/ : a design knows no file and no machine"
+  "core/formats : core/(deploy|figures|layout|plan)/ : files are read and written, not planned"
+  "core/layout : core/(curvature|deploy|design|figures|formats|plan|verify)/ : a sheet is laid out from lines"
+  "core/plan : core/(curvature|deploy|design|figures|formats|pattern|verify)/ : a plan is made from lines"
+  "core/verify : core/(curvature|deploy|design|drawing|figures|formats|layout|machines|pattern|plan)/ : it judges a pattern from its file and shares only core/geometry and core/text with what makes patterns"
+  "core : core/verify/ : nothing in core rests on what judges it"
+  "core : core/figures/ : the paper's figures serve its readers only"
+  "protocol : core/(curvature|deploy|design|figures|formats|pattern|verify)/ : bytes come from a plan"
+  "device : core/(curvature|deploy|design|figures|formats|pattern|verify)/ : a cutter gets a plan"
+  "device/port : (core/[a-z]+|protocol|device/[a-z]+)/ : a port carries bytes"
+  "device/sim : device/(compare|session|usb)/ : the simulated cutter is a machine"
+  "device/usb : (protocol|device/(compare|session|sim))/ : a port carries bytes"
+  "device/session : device/(compare|usb)/ : a session speaks to a port"
+  "daemon/model : (core/[a-z]+|protocol|device|daemon/[a-z]+)/ : the model is plain values"
+  "daemon/jobs : (core/[a-z]+|protocol|device|daemon/(cli|client|config|devices|http|planning|popcutd|service|store))/ : the rules of jobs need values only"
+  "daemon/store : (protocol|device|daemon/(cli|client|config|devices|http|planning|popcutd|service))/ : it stores what it is given"
+  "daemon/planning : (device|daemon/(cli|client|config|devices|http|popcutd|service|store))/ : a worker has the plan's inputs only"
+  "daemon/devices : daemon/(cli|client|http|planning|popcutd|service|store)/ : a cutter knows no jobs"
+  "daemon/service : daemon/(cli|client|config|http|popcutd)/ : HTTP asks the service"
+  "daemon/http : (device|daemon/(cli|client|config|devices|planning|popcutd|store))/ : it speaks to the service's interface"
+  "daemon/client : (protocol|device|daemon/[a-z]+)/ : it knows popcutd by HTTP only"
+  "daemon/cli : daemon/(config|devices|http|jobs|popcutd|service)/ : it knows popcutd by the client"
+  "core : <(thread|mutex|fstream|iostream|filesystem|spdlog/.*)> : core has no files, threads and logs"
+  "protocol : <(thread|mutex|fstream|iostream|filesystem|spdlog/.*)> : bytes in, values out")
+# Libraries that one place uses: their header : the folders that may include it.
+set(libraries
+  "sqlite3[.]h : daemon/store"
+  "libusb.* : device/usb"
+  "boost/asio.* : daemon|device/port"
+  "boost/beast.* : daemon/(client|http)"
+  "spdlog/.* : daemon/(http|popcutd)"
+  "CLI/.* : daemon/(cli|popcut|popcutd)"
+  "hpdf[.]h : core/formats/write"
+  "tiny_gltf[.]h : core/deploy"
+  "toml.* : daemon/config")
+set(most_files 32)  # sources and headers of a folder
+
 set(wrong "")
-foreach(layer core protocol device daemon)
-  file(GLOB_RECURSE files ${ROOT}/${layer}/*.hpp ${ROOT}/${layer}/*.cpp)
-  foreach(file ${files})
-    file(STRINGS ${file} includes REGEX "^ *#include \"")
-    foreach(line ${includes})
-      if(NOT line MATCHES "#include \"(${allowed_${layer}})/")
-        string(APPEND wrong "${file}: ${line}: ${layer} may include only ${allowed_${layer}}\n")
+file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/core/*.[ch]pp ${ROOT}/protocol/*.[ch]pp
+     ${ROOT}/device/*.[ch]pp ${ROOT}/daemon/*.[ch]pp)
+set(folders "")
+foreach(file ${files})
+  get_filename_component(folder ${file} DIRECTORY)
+  list(APPEND folders ${folder})
+  list(APPEND "files_of_${folder}" ${file})
+  file(STRINGS ${ROOT}/${file} lines REGEX "^ *#include [<\"]")
+  foreach(line ${lines})
+    string(REGEX REPLACE "^ *#include ([<\"][^>\"]+[>\"]).*" "\\1" header "${line}")
+    string(REGEX REPLACE "^\"(.*)\"$" "\\1" header "${header}")
+    list(APPEND "includes_of_${folder}" "${header}")
+    set("by_${folder}_${header}" ${file})  # one that does
+  endforeach()
+endforeach()
+list(REMOVE_DUPLICATES folders)
+
+# 1. Walls.
+foreach(folder ${folders})
+  list(REMOVE_DUPLICATES "includes_of_${folder}")
+  foreach(wall ${walls})
+    string(REGEX MATCH "^(.*) : (.*) : (.*)$" matched "${wall}")
+    set(who "${CMAKE_MATCH_1}")
+    set(what "${CMAKE_MATCH_2}")
+    set(why "${CMAKE_MATCH_3}")
+    if(NOT "${folder}/" MATCHES "^${who}/")
+      continue()
+    endif()
+    set(layer OFF)
+    if(who MATCHES "^[a-z]+$")
+      set(layer ON)
+      if("${folder}/" MATCHES "^${what}")
+        continue()  # what a row forbids to a layer may include itself
       endif()
-      if(file MATCHES "/core/verify/" AND NOT line MATCHES "core/(verify|geometry|text)/|core/result.hpp")
-        string(APPEND wrong "${file}: ${line}: verify shares no code with the generator\n")
-      elseif(file MATCHES "/core/" AND line MATCHES "core/verify/" AND NOT file MATCHES "/core/verify/")
-        string(APPEND wrong "${file}: ${line}: nothing in core rests on what judges it\n")
+    endif()
+    foreach(header ${includes_of_${folder}})
+      string(REGEX REPLACE "/[^/]*$" "/" its_folder "${header}")
+      if("${header}" MATCHES "^${what}" AND NOT its_folder MATCHES "^${folder}/" AND
+         (layer OR NOT its_folder MATCHES "^${who}/"))
+        string(APPEND wrong "${by_${folder}_${header}}: includes ${header}: ${why}\n")
+      endif()
+    endforeach()
+  endforeach()
+  foreach(library ${libraries})
+    string(REGEX MATCH "^(.*) : (.*)$" matched "${library}")
+    set(what "${CMAKE_MATCH_1}")
+    set(who "${CMAKE_MATCH_2}")
+    foreach(header ${includes_of_${folder}})
+      if("${header}" MATCHES "^<${what}>$" AND NOT "${folder}/" MATCHES "^(${who})/")
+        string(APPEND wrong "${by_${folder}_${header}}: includes ${header}: only ${who} may\n")
       endif()
     endforeach()
   endforeach()
 endforeach()
+
+# 2. Circles: folders that include no other one that is left are taken away, again and again; what
+# stays is a circle or leads to one.
+foreach(folder ${folders})
+  set("next_of_${folder}" "")
+  foreach(header ${includes_of_${folder}})
+    get_filename_component(other "${header}" DIRECTORY)
+    if(NOT other STREQUAL folder AND other IN_LIST folders)
+      list(APPEND "next_of_${folder}" ${other})
+      set("by_${folder}_${other}" "${by_${folder}_${header}}: includes ${header}")
+    endif()
+  endforeach()
+  list(REMOVE_DUPLICATES "next_of_${folder}")
+endforeach()
+set(left ${folders})
+set(before "")
+while(NOT "${left}" STREQUAL "${before}")
+  set(before "${left}")
+  foreach(folder ${before})
+    set(goes_on OFF)
+    foreach(other ${next_of_${folder}})
+      if(other IN_LIST left)
+        set(goes_on ON)
+      endif()
+    endforeach()
+    if(NOT goes_on)
+      list(REMOVE_ITEM left ${folder})
+    endif()
+  endforeach()
+endwhile()
+if(left)  # walk on until a folder comes again
+  list(GET left 0 folder)
+  set(walk "")
+  while(NOT folder IN_LIST walk)
+    list(APPEND walk ${folder})
+    foreach(other ${next_of_${folder}})
+      if(other IN_LIST left)
+        set(folder ${other})
+        break()
+      endif()
+    endforeach()
+  endwhile()
+  list(FIND walk ${folder} begin)
+  list(SUBLIST walk ${begin} -1 circle)
+  list(APPEND circle ${folder})
+  list(JOIN circle " -> " shown)
+  string(APPEND wrong "circle of folders: ${shown}\n")
+  list(POP_FRONT circle from)
+  foreach(to ${circle})
+    string(APPEND wrong "  ${by_${from}_${to}}\n")
+    set(from ${to})
+  endforeach()
+endif()
+
+# 3. The header of a source can be guessed: it has its name, or the source is a part of the header
+# whose name it begins with (cut_desk_arm.cpp, cut_desk.hpp), or it says '// Part of path.hpp.'
+# Commands are declared in command.hpp.
+foreach(file ${files})
+  if(NOT file MATCHES "[.]cpp$" OR file MATCHES "/main[.]cpp$|/commands/cmd_[a-z_]+[.]cpp$")
+    continue()
+  endif()
+  string(REGEX REPLACE "[.]cpp$" "" stem ${file})
+  set(found OFF)
+  set(name ${stem})
+  while(NOT found)
+    set(header ${name}.hpp)
+    if(header IN_LIST files)
+      set(found ON)
+    endif()
+    string(REGEX REPLACE "_[^_/]*$" "" shorter ${name})
+    if(shorter STREQUAL name)
+      break()
+    endif()
+    set(name ${shorter})
+  endwhile()
+  if(NOT found)
+    file(STRINGS ${ROOT}/${file} lines LIMIT_COUNT 6 REGEX "// Part of [a-z_/]+[.]hpp")
+    if("${lines}" MATCHES "// Part of ([a-z_/]+[.]hpp)")
+      set(part_of ${CMAKE_MATCH_1})
+      if(part_of IN_LIST files)
+        set(found ON)
+      endif()
+    endif()
+  endif()
+  if(NOT found)
+    string(APPEND wrong "${file}: no header of its name; name it after its header (HEADER_part.cpp) or write '// Part of path.hpp.' in its first lines\n")
+  endif()
+endforeach()
+
+# 4. Crowded folders, those of the tests too; tests/support is a stock that nobody looks through.
+file(GLOB_RECURSE test_files RELATIVE ${ROOT} ${ROOT}/tests/*.[ch]pp)
+list(FILTER test_files EXCLUDE REGEX "^tests/support/")
+foreach(file ${test_files})
+  get_filename_component(folder ${file} DIRECTORY)
+  list(APPEND test_folders ${folder})
+  list(APPEND "files_of_${folder}" ${file})
+endforeach()
+list(REMOVE_DUPLICATES test_folders)
+set(counts "")
+foreach(folder ${folders} ${test_folders})
+  list(LENGTH "files_of_${folder}" count)
+  if(folder IN_LIST folders)
+    list(APPEND counts ${count})
+  endif()
+  if(count GREATER most_files)
+    string(APPEND wrong "${folder}: ${count} sources and headers; ${most_files} are as many as one looks through\n")
+  endif()
+endforeach()
+list(SORT counts COMPARE NATURAL)
+list(LENGTH counts count)
+math(EXPR middle "${count} / 2")
+list(GET counts ${middle} median)
+list(GET counts -1 largest)
+message(STATUS "${count} folders; files in a folder: median ${median}, largest ${largest}")
+
 # One name, one type: two headers that define it in the same namespace are a fault that no compiler
 # tells, since each unit sees only one of them.
 foreach(layer core protocol device daemon)
   file(GLOB_RECURSE headers ${ROOT}/${layer}/*.hpp)
   foreach(file ${headers})
-    file(STRINGS ${file} lines REGEX "^(namespace [a-z_:]+ {|(struct|class|enum class) [A-Za-z0-9_]+( : [^;]*)?( final)? {)")
+    file(STRINGS ${file} lines REGEX "^(namespace [a-z_:]+ {|(struct|class|enum class) [A-Za-z0-9_]+( : [^;]*)?( final)? {|using [A-Za-z0-9_]+ = )")
     set(space "")
     foreach(line ${lines})
       if(line MATCHES "^namespace ([a-z_:]+)")
         set(space ${CMAKE_MATCH_1})
-      elseif(line MATCHES "^(struct|class|enum class) ([A-Za-z0-9_]+)")
+      elseif(line MATCHES "^(struct|class|enum class|using) ([A-Za-z0-9_]+)")
         string(REPLACE ":" "_" key "type_${space}_${CMAKE_MATCH_2}")
         if(DEFINED ${key})
           string(APPEND wrong "${file}: ${CMAKE_MATCH_2} is also defined in ${${key}}\n")
@@ -67,7 +267,7 @@ endif()
 foreach(file ${files})
   file(READ ${file} text)
   # SQL put together: only from constants, in these files.
-  if(NOT file MATCHES "/store/(salvage|store|database|schema)[.]cpp$")
+  if(NOT file MATCHES "/store/((store_)?salvage|store|database|schema)[.]cpp$")
     string(REGEX MATCHALL "fmt::format\\([ \n]*\"(SELECT|INSERT|UPDATE|DELETE)[^\"]*\"[^;]*;" built "${text}")
     foreach(one ${built})
       if(NOT one MATCHES "kColumns|\n? *column\\)")

@@ -23,12 +23,12 @@ using Vec = std::array<double, 3>;
 /// The 24 turns by right angles, each once, in degrees.
 std::vector<Vec> right_turns() {
   std::vector<Vec> out;
-  std::vector<Turn> seen;
+  std::vector<TurnMatrix> seen;
   for (int x = 0; x < 4; ++x)
     for (int y = 0; y < 4; ++y)
       for (int z = 0; z < 4; ++z) {
         const Vec degrees{90.0 * x, 90.0 * y, 90.0 * z};
-        const Turn turn = turn_of(degrees);
+        const TurnMatrix turn = turn_of(degrees);
         if (std::find(seen.begin(), seen.end(), turn) != seen.end()) continue;
         seen.push_back(turn);
         out.push_back(degrees);

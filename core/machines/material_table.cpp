@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Part of core/machines/machine.hpp.
 #include <algorithm>
 #include <array>
 #include <optional>

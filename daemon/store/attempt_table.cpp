@@ -10,7 +10,7 @@ namespace {
   "id, job, k, blank, segment, first_stroke, strokes, device, device_session, operator, " \
   "plan_sha256, invocation, created, started_at, ended, end_kind, bytes_taken, last_status"
 
-std::vector<AttemptRow> rows_of(Rows rows) {
+std::vector<AttemptRow> attempt_rows(Rows rows) {
   std::vector<AttemptRow> all;
   while (rows.next()) {
     AttemptRow row;
@@ -37,7 +37,7 @@ std::vector<AttemptRow> rows_of(Rows rows) {
   return all;
 }
 
-AttemptTable::SheetRow sheet_of(const Rows& rows) {
+AttemptTable::SheetRow sheet_row(const Rows& rows) {
   return {.sheet = rows.small(0),
           .blank = rows.small(1),
           .segment = rows.small(2),
@@ -101,13 +101,13 @@ void AttemptTable::crash(const std::string& attempt, TimeMs now) {
 }
 
 std::vector<AttemptRow> AttemptTable::of_sheet(const std::string& job, int sheet) {
-  return rows_of(db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS
-                          " FROM attempt WHERE job=? AND k=? ORDER BY id",
-                          job, sheet));
+  return attempt_rows(db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS
+                               " FROM attempt WHERE job=? AND k=? ORDER BY id",
+                               job, sheet));
 }
 
 std::vector<AttemptRow> AttemptTable::open() {
-  return rows_of(
+  return attempt_rows(
       db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS " FROM attempt WHERE ended IS NULL ORDER BY id"));
 }
 
@@ -135,7 +135,7 @@ std::vector<AttemptTable::SheetRow> AttemptTable::sheets(const std::string& job)
   std::vector<SheetRow> all;
   Rows rows = db_.rows(
       "SELECT k, blank, segment, state, started, finished FROM sheet WHERE job=? ORDER BY k", job);
-  while (rows.next()) all.push_back(sheet_of(rows));
+  while (rows.next()) all.push_back(sheet_row(rows));
   return all;
 }
 
@@ -144,7 +144,7 @@ std::optional<AttemptTable::SheetRow> AttemptTable::sheet(const std::string& job
       db_.rows("SELECT k, blank, segment, state, started, finished FROM sheet WHERE job=? AND k=?",
                job, sheet);
   if (!rows.next()) return std::nullopt;
-  return sheet_of(rows);
+  return sheet_row(rows);
 }
 
 void AttemptTable::arm(const ArmRow& row) {

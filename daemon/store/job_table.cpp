@@ -79,13 +79,13 @@ JobRow row_of(const Rows& rows) {
   return row;
 }
 
-std::vector<JobRow> rows_of(Rows rows) {
+std::vector<JobRow> job_rows(Rows rows) {
   std::vector<JobRow> all;
   while (rows.next()) all.push_back(row_of(rows));
   return all;
 }
 
-std::optional<JobRow> first_of(Rows rows) {
+std::optional<JobRow> first_job(Rows rows) {
   if (!rows.next()) return std::nullopt;
   return row_of(rows);
 }
@@ -115,7 +115,7 @@ void JobTable::update(JobRow& row) {
   ++row.rev;
 }
 
-std::optional<JobRow> JobTable::find(std::string_view id) { return first_of(db_.rows(kFind, id)); }
+std::optional<JobRow> JobTable::find(std::string_view id) { return first_job(db_.rows(kFind, id)); }
 
 std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& after, int limit) {
   // Each state is a run of an index in the order of ids; a page is the first of all these runs.
@@ -141,7 +141,7 @@ std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& a
                              : !filter.device.empty() ? 4
                              : !filter.owner.empty()  ? 3
                                                       : 2;
-    std::vector<JobRow> run = rows_of(db_.rows_list(sql, std::span(values).first(used)));
+    std::vector<JobRow> run = job_rows(db_.rows_list(sql, std::span(values).first(used)));
     std::move(run.begin(), run.end(), std::back_inserter(all));
   }
   std::sort(all.begin(), all.end(), [](const JobRow& a, const JobRow& b) { return a.id < b.id; });
@@ -171,15 +171,15 @@ std::vector<JobRow> JobTable::queue(const std::string& device,
                                     const std::optional<QueuePlace>& after, int limit) {
   constexpr int kAboveAll = 1000;
   const QueuePlace from = after.value_or(QueuePlace{kAboveAll, 0, {}});
-  return rows_of(db_.rows(kQueue, device, limit, from.priority, from.position, from.id));
+  return job_rows(db_.rows(kQueue, device, limit, from.priority, from.position, from.id));
 }
 
 std::vector<JobRow> JobTable::waiting_for(const std::string& plan, JobState state, int limit) {
-  return rows_of(db_.rows(kWaiting, plan, name_of(state), limit));
+  return job_rows(db_.rows(kWaiting, plan, name_of(state), limit));
 }
 
 std::optional<JobRow> JobTable::on_device(const std::string& device) {
-  return first_of(db_.rows(kOnDevice, device));
+  return first_job(db_.rows(kOnDevice, device));
 }
 
 std::int64_t JobTable::last_position() { return db_.number("SELECT max(position) FROM job"); }

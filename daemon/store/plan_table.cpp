@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kStates{"pending", "planned", "failed"};
 
-std::optional<PlanRow> first_of(Rows rows) {
+std::optional<PlanRow> first_plan(Rows rows) {
   if (!rows.next()) return std::nullopt;
   int at = 0;
   PlanRow row;
@@ -40,7 +40,7 @@ std::optional<PlanRow> first_of(Rows rows) {
   return row;
 }
 
-SheetPlan sheet_of(const Rows& rows) {
+SheetPlan sheet_plan(const Rows& rows) {
   SheetPlan sheet;
   sheet.number = rows.small(0);
   sheet.paths = rows.small(1);
@@ -98,13 +98,13 @@ void PlanTable::finish(const PlanRow& row, const std::vector<SheetPlan>& sheets)
 }
 
 std::optional<PlanRow> PlanTable::find(std::string_view id) {
-  return first_of(db_.rows("SELECT " POPCUT_PLAN_COLUMNS " FROM plan WHERE id=?", id));
+  return first_plan(db_.rows("SELECT " POPCUT_PLAN_COLUMNS " FROM plan WHERE id=?", id));
 }
 
 std::optional<PlanRow> PlanTable::find_key(std::string_view key) {
-  return first_of(db_.rows("SELECT " POPCUT_PLAN_COLUMNS
-                           " FROM plan WHERE key=? AND state IN ('pending', 'planned')",
-                           key));
+  return first_plan(db_.rows("SELECT " POPCUT_PLAN_COLUMNS
+                             " FROM plan WHERE key=? AND state IN ('pending', 'planned')",
+                             key));
 }
 
 std::vector<std::string> PlanTable::pending(int limit) {
@@ -118,7 +118,7 @@ std::vector<SheetPlan> PlanTable::sheets(std::string_view plan) {
   std::vector<SheetPlan> all;
   Rows rows = db_.rows(
       "SELECT " POPCUT_SHEET_COLUMNS " FROM plan_sheet WHERE plan=? ORDER BY number", plan);
-  while (rows.next()) all.push_back(sheet_of(rows));
+  while (rows.next()) all.push_back(sheet_plan(rows));
   return all;
 }
 
@@ -126,7 +126,7 @@ std::optional<SheetPlan> PlanTable::sheet(std::string_view plan, int number) {
   Rows rows = db_.rows("SELECT " POPCUT_SHEET_COLUMNS " FROM plan_sheet WHERE plan=? AND number=?",
                        plan, number);
   if (!rows.next()) return std::nullopt;
-  return sheet_of(rows);
+  return sheet_plan(rows);
 }
 
 }  // namespace popcut::daemon

@@ -23,6 +23,9 @@
 #include "daemon/client/api.hpp"
 #include "tests/bench/http_load.hpp"
 #include "tests/support/daemon_process.hpp"
+#include "tests/support/paths.hpp"
+
+namespace daemon_bench {
 
 using namespace popcut;
 using namespace popcut::testing;
@@ -94,7 +97,7 @@ struct CutFigures {
 
 class Bench {
  public:
-  Bench() : daemon_(POPCUT_DAEMON, kTimeScale, "connections = 200\n") {}
+  Bench() : daemon_(popcutd_program(), kTimeScale, "connections = 200\n") {}
 
   void start() {
     REQUIRE(daemon_.start());
@@ -409,3 +412,5 @@ TEST_CASE("popcutd with ten thousand jobs while a knife moves", "[bench]") {
   say("\n  resident memory after all that", after.resident, "MB", 150);
   say("  its own alone", after.own, "MB");
 }
+
+}  // namespace daemon_bench

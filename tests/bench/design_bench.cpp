@@ -17,6 +17,8 @@
 #include "core/formats/fold/fold_writer.hpp"
 #include "tests/support/timing.hpp"
 
+namespace design_bench {
+
 using namespace popcut;
 using namespace popcut::testing;
 
@@ -159,3 +161,5 @@ TEST_CASE("time of a Gauss-Newton step over the units", "[bench]") {
                1e6 * seconds / effort.steps / effort.unknowns);
   }
 }
+
+}  // namespace design_bench

@@ -13,6 +13,7 @@
 #include "core/design/strips/multi_state.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/timing.hpp"
 
 using namespace popcut;
@@ -21,7 +22,7 @@ using namespace popcut::testing;
 namespace {
 
 DesignSpec example(const std::string& name) {
-  std::ifstream file(POPCUT_SOURCE_DIR "/examples/" + name + ".json");
+  std::ifstream file(source_file("examples/") + name + ".json");
   std::stringstream text;
   text << file.rdbuf();
   const auto spec = parse_design_spec(text.str());

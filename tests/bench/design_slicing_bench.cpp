@@ -14,6 +14,8 @@
 #include "tests/support/meshes.hpp"
 #include "tests/support/timing.hpp"
 
+namespace design_slicing_bench {
+
 using namespace popcut;
 using namespace popcut::testing;
 
@@ -66,3 +68,5 @@ TEST_CASE("slicing a mesh of a million triangles", "[bench]") { slice_sphere(1'0
 TEST_CASE("slicing a mesh of nearly ten million triangles", "[bench]") {
   slice_sphere(9'900'000, 200);
 }
+
+}  // namespace design_slicing_bench

@@ -3,10 +3,12 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/formats/write/deployed_svg.hpp"
 #include "core/formats/fold/fold_writer.hpp"
+#include "core/formats/write/deployed_svg.hpp"
 #include "core/formats/write/svg_pattern.hpp"
 #include "tests/support/box_card.hpp"
+
+namespace formats_bench {
 
 using namespace popcut;
 
@@ -28,3 +30,5 @@ TEST_CASE("writing a pattern of 200 000 faces and 800 000 vertices", "[.][bench]
     return out.str().size();
   };
 }
+
+}  // namespace formats_bench

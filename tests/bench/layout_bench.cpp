@@ -7,9 +7,11 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/layout/layout.hpp"
 #include "core/drawing/clean.hpp"
+#include "core/layout/layout.hpp"
 #include "tests/support/random_pattern.hpp"
+
+namespace layout_bench {
 
 using namespace popcut;
 
@@ -76,3 +78,5 @@ TEST_CASE("splitting and packing", "[bench]") {
     lay("lattice of 50 units", large, faces, with(610, 914));
   }
 }
+
+}  // namespace layout_bench

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/formats/svg/svg_reader.hpp"
 #include "core/drawing/clean.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 #include "core/plan/knife/micro_cut.hpp"
 #include "core/plan/plan.hpp"
 #include "core/plan/plan_json.hpp"
@@ -19,7 +19,10 @@
 #include "core/plan/sheet_svg.hpp"
 #include "protocol/encode.hpp"
 #include "tests/support/corpus.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
+
+namespace plan_bench {
 
 using namespace popcut;
 
@@ -119,7 +122,8 @@ TEST_CASE("from a drawing's file to a program", "[.][bench][plan]") {
   write_rings(folder / "dodecagons.svg", 100'000, 12);
   const bool corpus = !test::corpus().empty();
   if (!corpus) WARN("skipped: the files of the generator of drawings, which is not here");
-  const long bare = run_program({POPCUT_PROGRAM, "--version"}, folder.path()).peak_kb;
+  const long bare =
+      run_program({popcut::testing::popcut_program(), "--version"}, folder.path()).peak_kb;
   std::string table = fmt::format(
       "popcut plan FILE --machine cameo3, load {}; memory beyond that of --version, {} KB\n{:<12}"
       "{:>8}{:>9}{:>9}{:>11}{:>11}{:>9}\n",
@@ -129,8 +133,8 @@ TEST_CASE("from a drawing's file to a program", "[.][bench][plan]") {
     const bool own = file.vpype_s == 0;
     if (!own && !corpus) continue;
     const auto drawing = (own ? folder.path() : test::corpus_folder()) / (file.name + ".svg");
-    const auto ran = run_program({POPCUT_PROGRAM, "plan", drawing.string(), "-o", folder / "out",
-                                  "--machine", "cameo3", "-q"},
+    const auto ran = run_program({popcut::testing::popcut_program(), "plan", drawing.string(), "-o",
+                                  folder / "out", "--machine", "cameo3", "-q"},
                                  folder.path());
     CHECK(ran.exit == 0);
     const double each = 1024.0 * static_cast<double>(ran.peak_kb - bare) / file.strokes;
@@ -174,3 +178,5 @@ TEST_CASE("dashing 2 000 folds among 2 000 cuts that all cross them", "[.][bench
   CHECK(micro_cut(work, {}).work.lines.size() >= 2000);
   stages.done("micro-cut");
 }
+
+}  // namespace plan_bench

@@ -8,6 +8,8 @@
 
 #include "tests/support/service_bench.hpp"
 
+namespace service_bench {
+
 using namespace popcut;
 using namespace popcut::daemon;
 using popcut::test::ServiceBench;
@@ -83,3 +85,5 @@ TEST_CASE("ten thousand jobs", "[daemon]") {
   bench.cutters.complete(bench.device);
   CHECK(bench.job(job.id).sheet == 2);
 }
+
+}  // namespace service_bench

@@ -14,6 +14,8 @@
 #include "protocol/decode.hpp"
 #include "protocol/encode.hpp"
 
+namespace stream_bench {
+
 using namespace popcut;
 
 namespace {
@@ -107,3 +109,5 @@ TEST_CASE("a million segments are written and streamed", "[bench]") {
     CHECK(trace.starved_s == 0.0);
   }
 }
+
+}  // namespace stream_bench

@@ -16,6 +16,8 @@
 #include "tests/support/corpus.hpp"
 #include "tests/support/order_checks.hpp"
 
+namespace toolpath_bench {
+
 using namespace popcut;
 
 namespace {
@@ -188,3 +190,5 @@ TEST_CASE("planning time grows as n log n", "[.][bench][toolpath]") {
   WARN(table);
   CHECK(most < 4.0 * least);  // caches cost something
 }
+
+}  // namespace toolpath_bench

@@ -10,6 +10,8 @@
 #include "core/verify/verify.hpp"
 #include "tests/support/fold_draft.hpp"
 
+namespace verify_bench {
+
 using namespace popcut;
 using namespace popcut::tests;
 
@@ -84,3 +86,5 @@ TEST_CASE("time to verify a 100 x 200 lattice", "[.][bench][verify]") { report_t
 TEST_CASE("time to verify a 5 x 10 lattice", "[.][bench][verify]") { report_time(5, 10); }
 TEST_CASE("time to verify a 20 x 60 lattice", "[.][bench][verify]") { report_time(20, 60); }
 TEST_CASE("time to verify a 50 x 200 lattice", "[.][bench][verify]") { report_time(50, 200); }
+
+}  // namespace verify_bench

@@ -13,6 +13,9 @@
 #include "core/figures/assembly.hpp"
 #include "core/figures/slice_figures.hpp"
 #include "core/figures/splay_patch.hpp"
+#include "tests/support/paths.hpp"
+
+namespace curvature_goldens_test {
 
 using namespace popcut;
 using nlohmann::json;
@@ -21,7 +24,7 @@ namespace {
 
 std::optional<json> golden(const std::string& name) {
   const std::filesystem::path path =
-      std::filesystem::path(POPCUT_SOURCE_DIR "/../shared/data/paper") / name;
+      std::filesystem::path(popcut::testing::source_file("../shared/data/paper")) / name;
   std::ifstream in(path);
   if (!in) {
     WARN("skipped: no " << name);
@@ -125,3 +128,5 @@ TEST_CASE("splay angles and patches equal the golden values", "[core][curvature]
     CHECK(curvature_of(best, row[0].get<double>() * kPi).K ==
           Approx(row[1].get<double>()).margin(1e-12));
 }
+
+}  // namespace curvature_goldens_test

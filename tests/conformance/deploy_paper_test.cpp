@@ -17,6 +17,9 @@
 #include "core/deploy/segments_pattern.hpp"
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/deploy/stl.hpp"
+#include "tests/support/paths.hpp"
+
+namespace deploy_paper_test {
 
 using namespace popcut;
 
@@ -24,7 +27,7 @@ namespace {
 
 // The table and four meshes published with the paper (its code repository, sample of the inverted
 // sphere); they are not shipped with popcut.
-const std::string kPublished = POPCUT_SOURCE_DIR "/../shared/data/paper/inverted_sphere";
+const std::string kPublished = popcut::testing::source_file("../shared/data/paper/inverted_sphere");
 
 std::string text_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -78,3 +81,5 @@ TEST_CASE("the meshes published with the paper are reproduced vertex for vertex"
     CHECK(off < 2e-6);
   }
 }
+
+}  // namespace deploy_paper_test

@@ -12,14 +12,17 @@
 #include <nlohmann/json.hpp>
 
 #include "device/sim/simulate.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/sim_bench.hpp"
+
+namespace device_captures_test {
 
 using namespace popcut;
 using namespace popcut::testing;
 
 namespace {
 
-const std::filesystem::path kCaptures{POPCUT_SOURCE_DIR "/../shared/captures"};
+const std::filesystem::path kCaptures{source_file("../shared/captures")};
 const std::string kEnquiry = "\x1b\x05";
 
 struct Transfer {
@@ -267,3 +270,5 @@ TEST_CASE("the simulated cutter replies in the recorded formats", "[device][sim]
     }
   if (std::filesystem::exists(kCaptures)) CHECK(compared > 500);
 }
+
+}  // namespace device_captures_test

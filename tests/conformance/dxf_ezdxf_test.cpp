@@ -4,7 +4,10 @@
 
 #include "core/formats/dxf/dxf_reader.hpp"
 #include "tests/support/linework_checks.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
+
+namespace dxf_ezdxf_test {
 
 using namespace popcut;
 using namespace popcut::test;
@@ -42,7 +45,7 @@ TEST_CASE("every entity of every DXF version lies where ezdxf has it",
   CAPTURE(version);
   const popcut::testing::TempFolder folder;
   const auto made = popcut::testing::run_program(
-      {"/usr/bin/python3", POPCUT_SOURCE_DIR "/tests/support/make_dxf.py", version,
+      {"/usr/bin/python3", popcut::testing::source_file("tests/support/make_dxf.py"), version,
        (folder / "all.dxf").string()},
       folder.path());
   if (made.exit == 127 || made.out.rfind("skip", 0) == 0) {
@@ -70,3 +73,5 @@ TEST_CASE("every entity of every DXF version lies where ezdxf has it",
     CHECK(length(own) == Approx(length(other)).epsilon(4e-3));
   }
 }
+
+}  // namespace dxf_ezdxf_test

@@ -7,6 +7,8 @@
 #include "core/formats/svg/svg_reader.hpp"
 #include "tests/support/linework_checks.hpp"
 
+namespace fold_samples_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -172,3 +174,5 @@ TEST_CASE("invalid FOLD samples are refused with the place and the valid form",
       message(lengths.error()) ==
       "/edges_assignment: has 5 entries, but edges_vertices has 4; both must have the same length");
 }
+
+}  // namespace fold_samples_test

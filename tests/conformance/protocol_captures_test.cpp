@@ -15,7 +15,10 @@
 #include "protocol/encode.hpp"
 #include "protocol/moves.hpp"
 #include "protocol/replies.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/protocol_samples.hpp"
+
+namespace protocol_captures_test {
 
 using namespace popcut;
 using namespace popcut::samples;
@@ -24,7 +27,7 @@ using namespace popcut::samples;
 // (V1.00) and a Cameo 1 or 2. The recordings are not part of this repository.
 namespace {
 
-const std::filesystem::path kFolder = POPCUT_SOURCE_DIR "/../shared/captures";
+const std::filesystem::path kFolder = popcut::testing::source_file("../shared/captures");
 
 std::optional<std::string> capture(const std::string& name) {
   std::ifstream file(kFolder / name, std::ios::binary);
@@ -208,3 +211,5 @@ TEST_CASE("recorded replies are read with their known values", "[protocol][confo
     }
   }
 }
+
+}  // namespace protocol_captures_test

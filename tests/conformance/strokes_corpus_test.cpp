@@ -3,11 +3,13 @@
 // the cases say so and pass.
 #include <catch2/catch.hpp>
 
-#include "core/formats/svg/svg_reader.hpp"
 #include "core/drawing/clean.hpp"
+#include "core/formats/svg/svg_reader.hpp"
 #include "tests/support/corpus.hpp"
 #include "tests/support/euler_count.hpp"
 #include "tests/support/linework_checks.hpp"
+
+namespace strokes_corpus_test {
 
 using namespace popcut;
 using namespace popcut::test;
@@ -38,3 +40,5 @@ TEST_CASE("lifts equal the Euler minimum on every file of the corpus", "[core][p
     CHECK(kept >= drawn * 0.9995 - 1.0);
   }
 }
+
+}  // namespace strokes_corpus_test

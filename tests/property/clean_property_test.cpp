@@ -12,6 +12,8 @@
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/random_numbers.hpp"
 
+namespace clean_property_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using namespace popcut::test;
@@ -186,3 +188,5 @@ TEST_CASE("planned strokes are the cleaned lines in any order and direction",
     }
   }
 }
+
+}  // namespace clean_property_test

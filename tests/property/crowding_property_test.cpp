@@ -8,6 +8,8 @@
 #include "core/drawing/crowding.hpp"
 #include "core/geometry/overlap.hpp"
 
+namespace crowding_property_test {
+
 using namespace popcut;
 
 namespace {
@@ -79,3 +81,5 @@ TEST_CASE("all edges that overlap another are checked again", "[core][plan][clea
   CHECK(marked < 2 * sharing);
   CHECK(marked < all);
 }
+
+}  // namespace crowding_property_test

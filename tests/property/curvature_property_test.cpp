@@ -11,6 +11,8 @@
 #include "core/curvature/vertex_curvature.hpp"
 #include "core/figures/assembly.hpp"
 
+namespace curvature_property_test {
+
 using namespace popcut;
 
 namespace {
@@ -141,3 +143,5 @@ TEST_CASE("forward differentiation gives the slopes of curvature", "[core][curva
     REQUIRE(c.area.by[0] == Approx((up.A - down.A) / (2 * h)).margin(1e-7));
   }
 }
+
+}  // namespace curvature_property_test

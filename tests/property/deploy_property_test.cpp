@@ -19,6 +19,8 @@
 #include "core/formats/fold/fold_writer.hpp"
 #include "tests/support/glb_scene.hpp"
 
+namespace deploy_property_test {
+
 using namespace popcut;
 using namespace std::numbers;
 using testing::GlbScene;
@@ -229,3 +231,5 @@ TEST_CASE("a FOLD file with any bytes changed is deployed or refused", "[core][d
   CHECK(read > 20);
   CHECK(deployed > 0);
 }
+
+}  // namespace deploy_property_test

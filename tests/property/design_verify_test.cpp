@@ -11,6 +11,8 @@
 #include "core/verify/verify.hpp"
 #include "tests/support/random_lattice.hpp"
 
+namespace design_verify_test {
+
 using namespace popcut;
 
 TEST_CASE("random lattices pass through FOLD and verify with one freedom and no crossing",
@@ -40,3 +42,5 @@ TEST_CASE("random lattices pass through FOLD and verify with one freedom and no 
   }
   CHECK(made > 120);
 }
+
+}  // namespace design_verify_test

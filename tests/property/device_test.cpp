@@ -9,6 +9,8 @@
 #include "device/sim/simulate.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace device_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 
@@ -197,3 +199,5 @@ TEST_CASE("no bytes make the simulated cutter crash or hang or draw anything els
     }
   }
 }
+
+}  // namespace device_test

@@ -14,6 +14,8 @@
 #include "core/verify/verify.hpp"
 #include "tests/support/random_pattern.hpp"
 
+namespace layout_property_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -359,3 +361,5 @@ TEST_CASE("Pieces with tabs glue together to the drawing they were split from", 
   CHECK(split >= 30);
   CHECK(refused <= 15);
 }
+
+}  // namespace layout_property_test

@@ -9,6 +9,8 @@
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/order_checks.hpp"
 
+namespace order_property_test {
+
 using namespace popcut;
 using namespace popcut::test;
 
@@ -288,3 +290,5 @@ TEST_CASE("without a mat no cut turns a sharp corner and none is lost", "[core][
     }
   }
 }
+
+}  // namespace order_property_test

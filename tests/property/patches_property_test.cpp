@@ -13,6 +13,8 @@
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
 
+namespace patches_property_test {
+
 using namespace popcut;
 
 namespace {
@@ -181,3 +183,5 @@ TEST_CASE("no slit and no joint is narrower than the smallest panel", "[property
   }
   CHECK(made > 50);
 }
+
+}  // namespace patches_property_test

@@ -15,6 +15,8 @@
 #include "tests/support/linework_checks.hpp"
 #include "tests/support/random_numbers.hpp"
 
+namespace plan_property_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using namespace popcut::test;
@@ -318,3 +320,5 @@ TEST_CASE("no drawing crashes or hangs its reader", "[core][formats][fuzz]") {
   }
   CHECK(good > 100);
 }
+
+}  // namespace plan_property_test

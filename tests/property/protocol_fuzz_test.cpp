@@ -11,6 +11,8 @@
 #include "protocol/replies.hpp"
 #include "tests/support/protocol_samples.hpp"
 
+namespace protocol_fuzz_test {
+
 using namespace popcut;
 using namespace popcut::samples;
 
@@ -146,3 +148,5 @@ TEST_CASE("a program cut off anywhere keeps all that came before", "[protocol][p
     if (part.truncated) REQUIRE(part.commands.back().begin == at);
   }
 }
+
+}  // namespace protocol_fuzz_test

@@ -12,6 +12,8 @@
 #include "protocol/moves.hpp"
 #include "tests/support/protocol_samples.hpp"
 
+namespace protocol_round_trip_test {
+
 using namespace popcut;
 using namespace popcut::samples;
 
@@ -290,3 +292,5 @@ TEST_CASE("reading a program in pieces gives the same program", "[protocol][prop
     }
   }
 }
+
+}  // namespace protocol_round_trip_test

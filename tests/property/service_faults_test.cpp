@@ -10,6 +10,8 @@
 #include "tests/support/fault_vfs.hpp"
 #include "tests/support/service_bench.hpp"
 
+namespace service_faults_test {
+
 using namespace popcut;
 using namespace popcut::daemon;
 using popcut::test::FakeCutters;
@@ -342,3 +344,5 @@ TEST_CASE("a power cut at any write loses nothing that was confirmed", "[daemon]
   }
   WARN(cuts.size() << " power cuts");
 }
+
+}  // namespace service_faults_test

@@ -10,6 +10,8 @@
 
 #include "tests/support/service_bench.hpp"
 
+namespace service_race_test {
+
 using namespace popcut;
 using namespace popcut::daemon;
 using popcut::test::ServiceBench;
@@ -267,3 +269,5 @@ TEST_CASE("the rules of jobs hold for any sequence of events", "[daemon][race]")
   }
   CHECK(checked >= 20);
 }
+
+}  // namespace service_race_test

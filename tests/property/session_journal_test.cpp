@@ -8,6 +8,8 @@
 #include "tests/support/ledger_checks.hpp"
 #include "tests/support/sim_bench.hpp"
 
+namespace session_journal_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 
@@ -196,3 +198,5 @@ TEST_CASE("resuming from a stroke that does not exist is refused", "[device][jou
   CHECK(cable.cutter().accepted_bytes() == 0);
   CHECK(end.fates == std::vector<StrokeFate>(5, StrokeFate::NotSent));
 }
+
+}  // namespace session_journal_test

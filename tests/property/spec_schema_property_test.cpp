@@ -13,6 +13,9 @@
 
 #include "core/design/spec/spec.hpp"
 #include "tests/support/json_schema.hpp"
+#include "tests/support/paths.hpp"
+
+namespace spec_schema_property_test {
 
 using namespace popcut;
 using nlohmann::json;
@@ -22,7 +25,7 @@ namespace {
 /// The shipped examples, and specs with every field that these have not.
 std::vector<json> sound_specs() {
   std::vector<json> specs;
-  for (const auto& file : std::filesystem::directory_iterator(POPCUT_SOURCE_DIR "/examples"))
+  for (const auto& file : std::filesystem::directory_iterator(popcut::testing::source_file("examples")))
     if (file.path().extension() == ".json") {
       std::ifstream in(file.path());
       specs.push_back(json::parse(in));
@@ -183,3 +186,5 @@ TEST_CASE("each field of the schema says what it means", "[core][spec][schema]")
   };
   check(json::parse(design_spec_schema()), "");
 }
+
+}  // namespace spec_schema_property_test

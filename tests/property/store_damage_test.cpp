@@ -6,6 +6,8 @@
 
 #include "tests/support/service_bench.hpp"
 
+namespace store_damage_test {
+
 using namespace popcut;
 using namespace popcut::daemon;
 using popcut::test::ServiceBench;
@@ -137,3 +139,5 @@ TEST_CASE("a damaged database is refused with a reason or read without harm", "[
   fs::remove_all(killed);
   fs::remove_all(ended);
 }
+
+}  // namespace store_damage_test

@@ -13,6 +13,8 @@
 #include "tests/support/meshes.hpp"
 #include "tests/support/slice_distance.hpp"
 
+namespace targets_property_test {
+
 using namespace popcut;
 using namespace popcut::testing;
 using namespace popcut::tests;
@@ -211,3 +213,5 @@ TEST_CASE("a mesh slice meets exactly the triangles that span its plane", "[core
     CHECK(slicer.cut(s).open_ends.size() + 10 >= 2 * spanning);
   }
 }
+
+}  // namespace targets_property_test

@@ -17,7 +17,10 @@
 #include "core/verify/motion/mobility.hpp"
 #include "core/verify/motion/motion.hpp"
 #include "core/verify/motion/opening.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/verify_drafts.hpp"
+
+namespace verify_opening_property_test {
 
 using namespace popcut;
 using namespace popcut::tests;
@@ -27,7 +30,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 std::string example(const std::string& name) {
-  std::ifstream in(POPCUT_SOURCE_DIR "/examples/" + name + ".json");
+  std::ifstream in(popcut::testing::source_file("examples/") + name + ".json");
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
@@ -134,3 +137,5 @@ TEST_CASE("random splayed cards open from their assignments alone as the closed 
     CHECK(found.freedoms_by_loops == 1);
   }
 }
+
+}  // namespace verify_opening_property_test

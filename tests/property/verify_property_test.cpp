@@ -10,6 +10,8 @@
 #include "core/verify/verify.hpp"
 #include "tests/support/fold_draft.hpp"
 
+namespace verify_property_test {
+
 using namespace popcut;
 using namespace popcut::tests;
 
@@ -201,3 +203,5 @@ TEST_CASE("triangles of a comb make up its area and none overlaps another",
     CHECK(sum == Approx(whole));
   }
 }
+
+}  // namespace verify_property_test

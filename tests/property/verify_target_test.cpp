@@ -12,6 +12,8 @@
 #include "core/verify/verify.hpp"
 #include "tests/support/meshes.hpp"
 
+namespace verify_target_test {
+
 using namespace popcut;
 
 namespace {
@@ -163,3 +165,5 @@ TEST_CASE("verify reports a pattern that does not belong to its target",
   CHECK_THAT(refused(R"({"type":"blob"})", ""), Contains("\"blob\" is unknown"));
   CHECK_THAT(refused(R"({"type":"implicit","f":"x+"})", ""), Contains("/surface/f"));
 }
+
+}  // namespace verify_target_test

@@ -8,14 +8,15 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/paths.hpp"
 #include "tests/support/process.hpp"
 
 namespace popcut::testing {
 
-/// Runs the built popcut in `folder`. The test's program defines POPCUT_PROGRAM.
+/// Runs the built popcut in `folder`. The test's program defines popcut_program().
 [[nodiscard]] inline Ran popcut_in(const TempFolder& folder, std::vector<std::string> arguments,
                                    const Limits& limits = {}) {
-  arguments.insert(arguments.begin(), POPCUT_PROGRAM);
+  arguments.insert(arguments.begin(), popcut_program());
   return run_program(arguments, folder.path(), limits);
 }
 

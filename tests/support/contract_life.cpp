@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tests/support/contract_life.hpp"
+#include "tests/support/paths.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -18,7 +19,8 @@ using daemon::WireResponse;
 using nlohmann::json;
 
 ContractLife::ContractLife()
-    : daemon_(POPCUTD_PROGRAM, 0, configuration()), page_((daemon_.folder() / "control").string()) {
+    : daemon_(popcutd_program(), 0, configuration()),
+      page_((daemon_.folder() / "control").string()) {
   page_.calm();
   const bool serves = daemon_.start(page_.environment());
   INFO(daemon_.log());
@@ -140,7 +142,7 @@ json ContractLife::plan_until(const json& body, const std::string& state) {
 }
 
 void ContractLife::make_design_and_plans() {
-  const std::string sphere = text_of_file(POPCUT_SOURCE_DIR "/examples/sphere.json");
+  const std::string sphere = text_of_file(source_file("examples/sphere.json"));
   const auto upload = [&](const std::string& bytes, int status) {
     const WireResponse stored =
         ask({.method = "POST", .route = "/v1/designs", .query = "?name=ball", .body = bytes});

@@ -12,6 +12,8 @@
 #include <system_error>
 #include <vector>
 
+#include "tests/support/paths.hpp"
+
 namespace popcut::test {
 
 /// Where the synthetic drawings are kept for all tests and benchmarks of this machine.
@@ -23,7 +25,7 @@ inline std::filesystem::path corpus_folder() {
 /// generator, Python or numpy is missing.
 inline std::vector<std::filesystem::path> corpus() {
   namespace fs = std::filesystem;
-  const fs::path generator = POPCUT_SOURCE_DIR "/../shared/data/drawings/gen_corpus.py";
+  const fs::path generator = popcut::testing::source_file("../shared/data/drawings/gen_corpus.py");
   if (!fs::exists(corpus_folder())) {
     if (!fs::exists(generator)) return {};
     // Made aside, then renamed: several tests may run at once.

@@ -11,15 +11,16 @@
 
 #include "tests/support/command_bench.hpp"
 #include "tests/support/daemon_process.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/timing.hpp"
 
 namespace popcut::testing {
 
 /// A popcutd of its own, and the built popcut as its client. The test's program defines
-/// POPCUT_PROGRAM and POPCUTD_PROGRAM.
+/// popcut_program() and popcutd_program().
 struct DaemonWithCli {
   explicit DaemonWithCli(double time_scale = 0, const std::string& more = "")
-      : daemon(POPCUTD_PROGRAM, time_scale, more) {
+      : daemon(popcutd_program(), time_scale, more) {
     ::setenv("POPCUT_URL", daemon.socket().c_str(), 1);
     ::unsetenv("POPCUT_TOKEN");
   }

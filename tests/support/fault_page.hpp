@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/support/fault_control.hpp"
+#include "tests/support/paths.hpp"
 
 namespace popcut::testing {
 
@@ -36,7 +37,7 @@ class FaultPage {
     shared_->clock_s = 0;
   }
   [[nodiscard]] std::vector<std::string> environment() const {
-    return {"LD_PRELOAD=" POPCUT_FAULT_SHIM, std::string(kFaultControl) + "=" + path_,
+    return {"LD_PRELOAD=" + std::string(fault_shim()), std::string(kFaultControl) + "=" + path_,
             "ASAN_OPTIONS=verify_asan_link_order=0:detect_leaks=0"};
   }
 

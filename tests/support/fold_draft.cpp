@@ -10,10 +10,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/geometry/angle.hpp"
+
 namespace popcut::tests {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kWall = -1;
 constexpr int kGround = -2;
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/drawing/linework.hpp"
+#include "tests/support/paths.hpp"
 
 namespace popcut::test {
 
@@ -48,7 +49,7 @@ inline double turning(std::span<const PagePoint> line) {
 
 /// A shared sample file; empty if it does not exist.
 inline std::string sample(const std::string& name) {
-  std::ifstream file(std::string(POPCUT_SOURCE_DIR "/../shared/data/") + name, std::ios::binary);
+  std::ifstream file(popcut::testing::source_file("../shared/data/") + name, std::ios::binary);
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();

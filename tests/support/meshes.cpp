@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/angle.hpp"
+
 namespace popcut::tests {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 void add(TriangleMesh& mesh, const Point& a, const Point& b, const Point& c) {
   for (const Point& p : {a, b, c})

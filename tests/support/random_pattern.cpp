@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tests/support/random_pattern.hpp"
+#include "tests/support/paths.hpp"
 
 #include <fstream>
 #include <sstream>
@@ -45,7 +46,7 @@ LineWork lattice_linework(int units, int slices, double width_mm, double size_mm
 }
 
 LineWork example_linework(const std::string& name, std::size_t& faces) {
-  std::ifstream file(std::string(POPCUT_SOURCE_DIR) + "/examples/" + name + ".json");
+  std::ifstream file(popcut::testing::source_file("examples/") + name + ".json");
   std::stringstream text;
   text << file.rdbuf();
   return designed(text.str(), faces);

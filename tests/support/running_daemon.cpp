@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "tests/support/paths.hpp"
 #include "tests/support/running_daemon.hpp"
 
 #include <chrono>
@@ -32,7 +33,7 @@ bool happens(const std::function<bool()>& holds, double seconds) {
 }
 
 RunningDaemon::RunningDaemon(double time_scale, const std::string& more)
-    : daemon_(POPCUT_DAEMON, time_scale, more) {}
+    : daemon_(popcutd_program(), time_scale, more) {}
 
 void RunningDaemon::open(const std::vector<std::string>& environment) {
   if (!daemon_.start(environment)) give_up("popcutd does not serve: " + daemon_.log());

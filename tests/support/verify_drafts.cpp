@@ -9,12 +9,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/geometry/angle.hpp"
+
 namespace popcut::tests {
-namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-}  // namespace
+namespace {}  // namespace
 
 VerifyReport verified(const FoldDraft& draft, const VerifyOptions& options) {
   const auto report = verify_fold(draft.text(), options);

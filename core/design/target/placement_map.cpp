@@ -25,8 +25,8 @@ std::array<double, 2> cos_sin(double degrees) {
   return {std::cos(angle), std::sin(angle)};
 }
 
-Turn product(const Turn& a, const Turn& b) {
-  Turn out{};
+TurnMatrix product(const TurnMatrix& a, const TurnMatrix& b) {
+  TurnMatrix out{};
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j)
       for (std::size_t k = 0; k < 3; ++k) out[i][j] += a[i][k] * b[k][j];
@@ -35,13 +35,13 @@ Turn product(const Turn& a, const Turn& b) {
 
 }  // namespace
 
-Turn turn_of(const Vec& degrees) {
+TurnMatrix turn_of(const Vec& degrees) {
   const auto [cx, sx] = cos_sin(degrees[0]);
   const auto [cy, sy] = cos_sin(degrees[1]);
   const auto [cz, sz] = cos_sin(degrees[2]);
-  const Turn x{{{1, 0, 0}, {0, cx, -sx}, {0, sx, cx}}};
-  const Turn y{{{cy, 0, sy}, {0, 1, 0}, {-sy, 0, cy}}};
-  const Turn z{{{cz, -sz, 0}, {sz, cz, 0}, {0, 0, 1}}};
+  const TurnMatrix x{{{1, 0, 0}, {0, cx, -sx}, {0, sx, cx}}};
+  const TurnMatrix y{{{cy, 0, sy}, {0, 1, 0}, {-sy, 0, cy}}};
+  const TurnMatrix z{{{cz, -sz, 0}, {sz, cz, 0}, {0, 0, 1}}};
   return product(z, product(y, x));
 }
 

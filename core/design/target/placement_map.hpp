@@ -10,10 +10,10 @@
 namespace popcut {
 
 /// A rotation as a matrix of rows.
-using Turn = std::array<std::array<double, 3>, 3>;
+using TurnMatrix = std::array<std::array<double, 3>, 3>;
 
 /// R_z R_y R_x for angles about x, y and z in degrees; exact for multiples of 90 degrees.
-[[nodiscard]] Turn turn_of(const std::array<double, 3>& degrees);
+[[nodiscard]] TurnMatrix turn_of(const std::array<double, 3>& degrees);
 
 /// No turn, and no shift but along the spine: the slices of an upright surface stay its own.
 [[nodiscard]] bool stays_upright(const TargetPlacement& placement);

@@ -22,6 +22,7 @@
 #include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
+namespace curvature_command {
 namespace {
 
 constexpr std::size_t kMostRows = 10'000'000;  // of a table that is streamed
@@ -259,8 +260,10 @@ CLI::Option* add_phi(CLI::App* command, Options& options) {
 }
 
 }  // namespace
+}  // namespace curvature_command
 
 void register_curvature(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace curvature_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("curvature", kHelp);
   command->require_subcommand(0, 1);

@@ -30,6 +30,7 @@
 #include "device/session/session.hpp"
 
 namespace popcut::cli {
+namespace cut_command {
 namespace {
 
 struct Options {
@@ -334,8 +335,10 @@ constexpr const char* kHelp =
     "  file:NAME                          # writes the program to a file, cuts nothing";
 
 }  // namespace
+}  // namespace cut_command
 
 void register_cut(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace cut_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("cut", kHelp);
   add_plan_arguments(*command, options->plan);

@@ -17,6 +17,7 @@
 #include "daemon/store/salvage.hpp"
 
 namespace popcut::cli {
+namespace daemon_command {
 namespace {
 
 using client::Api;
@@ -390,8 +391,10 @@ void add_db(CLI::App& app, const Globals& globals, Run& run) {
 }
 
 }  // namespace
+}  // namespace daemon_command
 
 void register_daemon(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace daemon_command;
   add_events(app, globals, run);
   add_token(app, globals, run);
   add_usage(app, globals, run);

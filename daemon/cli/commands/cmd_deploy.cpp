@@ -20,6 +20,7 @@
 #include "daemon/files/user_tables.hpp"
 
 namespace popcut::cli {
+namespace deploy_command {
 namespace {
 
 struct Options {
@@ -168,8 +169,10 @@ constexpr const char* kHelp =
     "psi = 0 to pi/2.";
 
 }  // namespace
+}  // namespace deploy_command
 
 void register_deploy(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace deploy_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("deploy", kHelp);
   command->add_option("FILE", options->file,

@@ -39,6 +39,7 @@
 #include "daemon/planning/design_files.hpp"
 
 namespace popcut::cli {
+namespace design_command {
 namespace {
 
 struct Options {
@@ -410,8 +411,10 @@ constexpr const char* kHelp =
     "A second run removes files of the first that it does not write; other files in DIR stay.";
 
 }  // namespace
+}  // namespace design_command
 
 void register_design(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace design_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("design", kHelp);
   command->add_option("SPEC", options->spec, "The design: a JSON file; --schema prints its format");

@@ -20,6 +20,7 @@
 #include "device/usb/usb_bus.hpp"
 
 namespace popcut::cli {
+namespace doctor_command {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -189,8 +190,10 @@ constexpr const char* kHelp =
     "cutter is ready, 5 if none is.";
 
 }  // namespace
+}  // namespace doctor_command
 
 void register_doctor(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace doctor_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("doctor", kHelp);
   command->add_option("DEVICE", options->device,

@@ -11,6 +11,7 @@
 #include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
+namespace figures_command {
 namespace {
 
 Result<void> run_figures(const std::string& folder_name, const Globals& globals) {
@@ -56,8 +57,10 @@ constexpr const char* kHelp =
     "code 6 if one does not.";
 
 }  // namespace
+}  // namespace figures_command
 
 void register_figures(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace figures_command;
   auto folder = std::make_shared<std::string>();
   CLI::App* const command = app.add_subcommand("figures", kHelp);
   command->add_option("-o,--output", *folder, "Folder for the files; created if it does not exist")

@@ -13,6 +13,7 @@
 #include "daemon/client/api.hpp"
 
 namespace popcut::cli {
+namespace job_actions_command {
 namespace {
 
 using client::Api;
@@ -293,8 +294,10 @@ void add_change(CLI::App& app, const Globals& globals, Run& run) {
 }
 
 }  // namespace
+}  // namespace job_actions_command
 
 void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace job_actions_command;
   const auto fresh = [] { return std::make_shared<Options>(); };
   auto options = fresh();
   CLI::App* command = add(app, globals, run, {"arm", kArmHelp, arm}, options);

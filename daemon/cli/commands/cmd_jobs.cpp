@@ -21,6 +21,7 @@
 #include "daemon/client/api.hpp"
 
 namespace popcut::cli {
+namespace jobs_command {
 namespace {
 
 using client::Api;
@@ -234,8 +235,10 @@ constexpr const char* kHelp =
     "terminal, --watch prints a line for each change; with --json, one JSON document a line.";
 
 }  // namespace
+}  // namespace jobs_command
 
 void register_jobs(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace jobs_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("jobs", kHelp);
   command->add_option("JOB", options->job, "Id of a job, or its first letters");

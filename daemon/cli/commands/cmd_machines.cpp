@@ -13,6 +13,7 @@
 #include "device/usb/usb_bus.hpp"
 
 namespace popcut::cli {
+namespace machines_command {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -222,8 +223,10 @@ void add_devices(CLI::App& app, const Globals& globals, Run& run) {
 }
 
 }  // namespace
+}  // namespace machines_command
 
 void register_machines(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace machines_command;
   app.add_subcommand("machines", kMachinesHelp)->callback([&globals, &run] {
     run = [&globals] { return list_machines(globals); };
   });

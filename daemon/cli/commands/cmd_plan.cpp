@@ -15,6 +15,7 @@
 #include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
+namespace plan_command {
 namespace {
 
 struct Options {
@@ -95,8 +96,10 @@ constexpr const char* kHelp =
     "program.";
 
 }  // namespace
+}  // namespace plan_command
 
 void register_plan(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace plan_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("plan", kHelp);
   add_plan_arguments(*command, options->plan);

@@ -21,6 +21,7 @@
 #include "protocol/decode.hpp"
 
 namespace popcut::cli {
+namespace simulate_command {
 namespace {
 
 struct Options {
@@ -163,8 +164,10 @@ constexpr const char* kHelp =
     "machine. Exit code 6 if a check fails.";
 
 }  // namespace
+}  // namespace simulate_command
 
 void register_simulate(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace simulate_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("simulate", kHelp);
   const auto text = [&](const char* name, std::string& value, const char* help, const char* shown) {

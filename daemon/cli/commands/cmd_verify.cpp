@@ -20,6 +20,7 @@
 #include "daemon/files/user_tables.hpp"
 
 namespace popcut::cli {
+namespace verify_command {
 namespace {
 
 struct Options {
@@ -119,8 +120,10 @@ constexpr const char* kHelp =
     "Exit code 0 if all checks pass, 3 if the file cannot be read, 6 with the list of what fails.";
 
 }  // namespace
+}  // namespace verify_command
 
 void register_verify(CLI::App& app, const Globals& globals, Run& run) {
+  using namespace verify_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("verify", kHelp);
   command->add_option("PATTERN", options->pattern, "A FOLD file or an SVG drawing")->required();

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Part of daemon/cli/help/help_words.hpp.
 #include <fmt/format.h>
 
 #include "daemon/cli/help/help_words.hpp"

@@ -1,0 +1,440 @@
+// SPDX-License-Identifier: MIT
+// What one client can take: limits of number, time and size; who may come over which socket.
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <filesystem>
+#include <sstream>
+#include <thread>
+
+#include <fmt/format.h>
+#include <spdlog/logger.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <catch2/catch.hpp>
+
+#include "tests/support/raw_http.hpp"
+
+namespace http_limits_test {
+
+using namespace popcut::daemon;
+
+namespace {
+
+const std::string kSvg = "Content-Type: image/svg+xml\r\n";
+
+std::string new_job(LiveServer& server, JobState state = JobState::Ready) {
+  std::string id;
+  server.ask([&](FakeService& fake) { id = fake.add_job(state, "token:submitter").id; });
+  return id;
+}
+
+}  // namespace
+
+TEST_CASE("the defaults of all limits are as documented", "[daemon][http][limits]") {
+  const HttpLimits limits;
+  CHECK(limits.header_bytes == 8192);
+  CHECK(limits.json_bytes == 262'144);
+  CHECK(limits.json_depth == 32);
+  CHECK(limits.design_bytes == 33'554'432);
+  CHECK(limits.asset_bytes == 268'435'456);
+  CHECK(limits.connections == 64);
+  CHECK(limits.streams == 16);
+  CHECK(limits.rate_per_s == 20);
+  CHECK(limits.rate_burst == 60);
+  CHECK(limits.failed_logins_per_minute == 5);
+  CHECK(limits.header_s == 10);
+  CHECK(limits.body_s == 30);
+  CHECK(limits.body_bytes_per_s == 1024);
+  CHECK(limits.idle_s == 60);
+  CHECK(limits.heartbeat_s == 15);
+  CHECK(limits.stream_events == 256);
+  CHECK(limits.stream_bytes == 262'144);
+}
+
+TEST_CASE("the server enforces the default limits", "[daemon][http][limits]") {
+  LiveServer server([](HttpOptions& options) { options.limits = HttpLimits{}; });
+  SECTION("a burst of 60 and 20 a second for each principal") {
+    RawConnection connection = server.connect();
+    std::string all;
+    for (int i = 0; i < 400; ++i) all += server.request("GET", "/v1/devices", "viewer");
+    const auto begun = std::chrono::steady_clock::now();
+    connection.send(all);
+    int fine = 0;
+    WireResponse last;
+    for (int i = 0; i < 400; ++i) {
+      last = connection.receive();
+      if (last.status != 200) break;
+      ++fine;
+    }
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
+    CHECK(fine >= 60);
+    CHECK(fine <= 61 + 20 * took.count());
+    CHECK(last.status == 429);
+    CHECK(last.problem() == "rate");
+    CHECK(last.headers.at("retry-after") == "1");
+    // Others are not touched by it, and neither is what stops a knife.
+    CHECK(server.fetch("GET", "/v1/devices", "operator").status == 200);
+    const std::string id = new_job(server, JobState::Cutting);
+    CHECK(server.fetch("GET", "/v1/jobs/" + id, "viewer").status == 200);
+  }
+  SECTION("five failed logins a minute") {
+    // Who sends what cannot be read guesses no secret.
+    for (const char* body : {"{", "[]", "{}", R"({"one_shot":7})", "{", "{", "{"})
+      CHECK(server.fetch("POST", "/v1/session", "", "Content-Type: application/json\r\n", body)
+                .status < 423);
+    for (int i = 0; i < 5; ++i)
+      CHECK(server.fetch("GET", "/v1/jobs", "", "Authorization: Bearer pc_none_0123\r\n").status ==
+            401);
+    const WireResponse sixth =
+        server.fetch("GET", "/v1/jobs", "", "Authorization: Bearer pc_none_0123\r\n");
+    CHECK(sixth.status == 429);
+    CHECK(std::stoi(sixth.headers.at("retry-after")) <= 60);
+    // Who has a token is not locked out by who has none.
+    CHECK(server.fetch("GET", "/v1/jobs", "viewer").status == 200);
+    CHECK(server
+              .fetch("POST", "/v1/session", "", "Content-Type: application/json\r\n",
+                     R"({"one_shot":"guessed-word"})")
+              .status == 429);
+  }
+  SECTION("a head of 8 KiB") {
+    const std::string head = server.request("GET", "/v1/jobs");
+    const std::string filler = "X-Filler: " + std::string(8192 - head.size() - 12, 'x') + "\r\n";
+    CHECK(server.fetch("GET", "/v1/jobs", "admin", filler).status == 200);
+    CHECK(server.fetch("GET", "/v1/jobs", "admin", "X" + filler).status == 413);
+  }
+  SECTION("a body of 256 KiB and 32 deep") {
+    const std::string deep = R"({"design":)" + std::string(40, '[') + std::string(40, ']') + "}";
+    CHECK(server.fetch("POST", "/v1/jobs", "submitter", acting(), deep).problem() ==
+          "malformed-json");
+    const std::string wide = R"({"design":")" + std::string(262'144 - 13, 'a') + "\"}";
+    CHECK(server.fetch("POST", "/v1/jobs", "submitter", acting(), wide).status == 422);
+    CHECK(server.fetch("POST", "/v1/jobs", "submitter", acting(), wide + " ").status == 413);
+  }
+}
+
+TEST_CASE("deeply nested JSON is refused and the server survives", "[daemon][http][limits]") {
+  LiveServer server;
+  for (const int depth : {33, 1000, 100'000}) {
+    const std::string bomb = std::string(static_cast<std::size_t>(depth), '[') +
+                             std::string(static_cast<std::size_t>(depth), ']');
+    const WireResponse response = server.fetch("POST", "/v1/jobs", "submitter", acting(), bomb);
+    CHECK(response.status == 400);
+    CHECK(response.problem() == "malformed-json");
+  }
+  CHECK(server.fetch("GET", "/metrics").body.find("popcut_http_rejected_total{why=\"depth\"} 3") !=
+        std::string::npos);
+}
+
+TEST_CASE("slow and silent clients lose their connection", "[daemon][http][slow]") {
+  LiveServer server([](HttpOptions& options) {
+    options.limits.header_s = 0.3;
+    options.limits.body_s = 0.3;
+    options.limits.idle_s = 0.6;
+  });
+  SECTION("who says nothing") {
+    RawConnection connection = server.connect();
+    CHECK(connection.closes());
+  }
+  SECTION("who sends a head byte by byte") {
+    RawConnection connection = server.connect();
+    bool is_open = true;
+    for (int i = 0; i < 6000 && is_open; ++i) {
+      is_open = connection.send(i == 0 ? "GET /healthz HTTP/1.1\r\nX-A: " : "x");
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    CHECK_FALSE(is_open);
+  }
+  SECTION("who sends a body byte by byte") {
+    RawConnection connection = server.connect();
+    connection.send(
+        server.request("POST", "/v1/designs", "submitter", kSvg + "Content-Length: 5000\r\n"));
+    bool is_open = true;
+    for (int i = 0; i < 6000 && is_open; ++i) {
+      is_open = connection.send("x");
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    CHECK_FALSE(is_open);
+    CHECK(comes_true([&] { return server.spools() == 0; }));
+  }
+  SECTION("who keeps a connection and asks nothing") {
+    RawConnection connection = server.connect();
+    connection.send(server.request("GET", "/healthz", ""));
+    CHECK(connection.receive().status == 200);
+    CHECK(connection.closes());
+  }
+  SECTION("a body that comes slowly and fast enough is read") {
+    LiveServer patient([](HttpOptions& options) {
+      options.limits.body_s = 0.3;
+      options.limits.body_bytes_per_s = 10;
+    });
+    RawConnection connection = patient.connect();
+    const std::string head =
+        patient.request("POST", "/v1/designs", "submitter", kSvg + "Content-Length: 8192\r\n");
+    for (int i = 0; i < 8; ++i) {
+      CHECK(connection.send((i == 0 ? head : "") + std::string(1024, 'x')));
+      std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    }
+    CHECK(connection.receive().status == 201);
+  }
+}
+
+TEST_CASE("a knife can be stopped even when all connections are in use", "[daemon][http][slow]") {
+  LiveServer server([](HttpOptions& options) {
+    options.limits.connections = 8;
+    options.limits.header_s = 300;
+  });
+  const std::string id = new_job(server, JobState::Cutting);
+  // Half-sent heads hold their places for long; there are more of them than places.
+  std::vector<RawConnection> slow;
+  for (int i = 0; i < 30; ++i) {
+    slow.push_back(server.connect());
+    slow.back().send("GET /v1/jobs HTTP/1.1\r\nX-A: ");
+  }
+  // Until the server has read what a client says, that one is idle and may have to make room.
+  WireResponse other;
+  CHECK(comes_true([&] {
+    other = server.fetch("GET", "/v1/devices");
+    if (other.status == 503) return true;
+    slow.push_back(server.connect());
+    slow.back().send("GET /v1/jobs HTTP/1.1\r\nX-A: ");
+    return false;
+  }));
+  CHECK(other.problem() == "unavailable");
+  CHECK(other.headers.at("retry-after") == "1");
+  const WireResponse job = server.fetch("GET", "/v1/jobs/" + id, "operator");
+  CHECK(job.status == 200);
+  const WireResponse paused = server.fetch("POST", "/v1/jobs/" + id + "/actions/pause", "operator",
+                                           acting(job.headers.at("etag")));
+  CHECK(paused.status == 200);
+  // Nobody who looks at the job first can make a stop come too late.
+  const WireResponse cancelled =
+      server.fetch("POST", "/v1/jobs/" + id + "/actions/cancel", "operator", acting("*"));
+  CHECK(cancelled.status == 200);
+}
+
+TEST_CASE("an idle connection is closed in favour of a new one", "[daemon][http][slow]") {
+  LiveServer server([](HttpOptions& options) { options.limits.connections = 4; });
+  std::vector<RawConnection> kept;
+  for (int i = 0; i < 4; ++i) {
+    kept.push_back(server.connect());
+    kept.back().send(server.request("GET", "/healthz", ""));
+    CHECK(kept.back().receive().status == 200);
+  }
+  CHECK(server.fetch("GET", "/v1/devices").status == 200);
+  CHECK(kept.front().closes());
+}
+
+TEST_CASE("clients that stop reading or reset leak nothing", "[daemon][http][slow]") {
+  LiveServer server;
+  server.ask([](FakeService& fake) {
+    for (int i = 0; i < 200; ++i) fake.add_job(JobState::Queued, "token:submitter");
+  });
+  for (int i = 0; i < 50; ++i) {
+    RawConnection connection = server.connect();
+    connection.send(server.request("GET", "/v1/jobs?limit=200"));
+    if (i % 2 == 0) connection.reset();
+  }
+  CHECK(server.fetch("GET", "/v1/devices").status == 200);
+  CHECK(comes_true([&] {
+    return server.fetch("GET", "/metrics").body.find("popcut_http_connections 1\n") !=
+           std::string::npos;
+  }));
+}
+
+TEST_CASE("over the unix socket the user is the peer's", "[daemon][http][unix]") {
+  LiveServer server;
+  RawConnection connection(server.socket_path());
+  connection.send("GET /v1/meta HTTP/1.1\r\nHost: popcut\r\n\r\n");
+  const WireResponse meta = connection.receive();
+  CHECK(meta.status == 200);
+  CHECK(meta.body.find(fmt::format(R"("principal":{{"name":"uid:{}","role":"admin"}})",
+                                   ::getuid())) != std::string::npos);
+  connection.send(
+      "GET /v1/meta HTTP/1.1\r\nHost: popcut\r\nAuthorization: Bearer "
+      "pc_viewer_0123456789\r\n\r\n");
+  CHECK(connection.receive().status == 401);
+  struct stat found {};
+  REQUIRE(::stat(server.socket_path().c_str(), &found) == 0);
+  CHECK((found.st_mode & 0777) == 0600);
+}
+
+TEST_CASE("the server listens only on loopback addresses", "[daemon][http][listen]") {
+  FakeService fake;
+  WorkThread thread;
+  const auto start = [&](const std::string& address) {
+    HttpOptions options;
+    options.listen = {{address}};
+    options.service = &fake;
+    options.on_service = [&](std::function<void()> work) { return thread.post(std::move(work)); };
+    HttpServer server(options);
+    return server.start();
+  };
+  for (const char* address : {"0.0.0.0:0", "[::]:0", "192.0.2.1:0"})
+    CHECK(start(address).error().kind == popcut::ErrorKind::Usage);
+  for (const char* address : {"", "localhost", "127.0.0.1:http", "127.0.0.1:99999", "unix:", ":1"})
+    CHECK_FALSE(start(address).has_value());
+  CHECK(start("localhost:0").has_value());
+}
+
+TEST_CASE("the server stops while clients are busy and starts again", "[daemon][http][listen]") {
+  for (int round = 0; round < 5; ++round) {
+    LiveServer server;
+    RawConnection idle = server.connect(), stream = server.connect(), half = server.connect();
+    stream.send(server.request("GET", "/v1/events"));
+    CHECK(stream.receive_until("event: snapshot").find("event: reset") != std::string::npos);
+    half.send("GET /v1/jobs HTTP/1.1\r\n");
+    CHECK(server.server().alive());
+    server.server().stop(0.1);
+    CHECK(idle.closes());
+    CHECK(stream.closes());
+    CHECK(half.closes());
+  }
+}
+
+TEST_CASE("two hundred half-sent request heads use only their own connections",
+          "[daemon][http][slow]") {
+  LiveServer server([](HttpOptions& options) {
+    options.limits = HttpLimits{};
+    options.limits.rate_per_s = options.limits.rate_burst = 1e6;
+    options.limits.header_s = 300;  // none is thrown out for being slow
+  });
+  const std::string id = new_job(server, JobState::Cutting);
+  std::vector<RawConnection> slow;
+  for (int i = 0; i < 200; ++i) {
+    slow.push_back(server.connect());
+    slow.back().send("GET /v1/jobs HTTP/1.1\r\nX-A: ");
+  }
+  for (int i = 0; i < 20; ++i)
+    CHECK(server.fetch("GET", "/v1/jobs/" + id, "operator").status == 200);
+  CHECK(server.fetch("POST", "/v1/jobs/" + id + "/actions/pause", "operator", acting("*")).status ==
+        200);
+  const auto open = [&] {
+    return std::count_if(slow.begin(), slow.end(), [](const RawConnection& one) {
+      char byte = 0;
+      return ::recv(one.socket(), &byte, 1, MSG_DONTWAIT | MSG_PEEK) < 0 && errno == EAGAIN;
+    });
+  };
+  CHECK(comes_true([&] { return open() <= 68; }));
+}
+
+TEST_CASE("one user of the unix socket cannot use all connections", "[daemon][http][unix]") {
+  LiveServer server([](HttpOptions& options) { options.limits.connections = 8; });
+  std::vector<RawConnection> greedy;
+  for (int i = 0; i < 20; ++i) {
+    greedy.emplace_back(server.socket_path());
+    greedy.back().send("GET /v1/jobs HTTP/1.1\r\nX-A: ");
+  }
+  CHECK(server.fetch("GET", "/v1/devices").status == 200);
+  CHECK(server.fetch("GET", "/v1/devices").status == 200);
+}
+
+TEST_CASE("a log has no secrets and no control characters", "[daemon][http][log]") {
+  std::ostringstream text;
+  {
+    LiveServer server([&](HttpOptions& options) {
+      auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(text);
+      options.log = std::make_shared<spdlog::logger>("http", sink);
+      options.log->set_level(spdlog::level::debug);
+    });
+    CHECK(server.fetch("GET", "/v1/jobs?owner=someone", "viewer").status == 200);
+    CHECK(server.fetch("GET", "/v1/jobs", "", "Authorization: Bearer pc_guess_SECRET\r\n").status ==
+          401);
+    CHECK(server.fetch("GET", "/v1/jobs/%1B%5B31m", "viewer").status == 400);
+    CHECK(server
+              .fetch("POST", "/v1/session", "", "Content-Type: application/json\r\n",
+                     R"({"one_shot":"SECRET-word"})")
+              .status == 401);
+    const WireResponse token =
+        server.fetch("POST", "/v1/tokens", "admin", "Content-Type: application/json\r\n",
+                     R"({"name":"a","role":"viewer"})");
+    CHECK(token.body.find(std::string(43, 'x')) != std::string::npos);
+    server.ask([](FakeService& fake) { fake.throws = true; });
+    const WireResponse failed = server.fetch("GET", "/v1/jobs", "viewer");
+    CHECK(failed.status == 500);
+    CHECK(comes_true([&] { return server.fetch("GET", "/v1/nothing").status == 404; }));
+    server.server().stop(0.1);
+    CHECK(text.str().find(failed.headers.at("x-request-id") + " GET /v1/jobs: the fake was told") !=
+          std::string::npos);
+  }
+  const std::string log = text.str();
+  CHECK(log.find("token:viewer GET /v1/jobs 200") != std::string::npos);
+  for (const std::string& secret :
+       {std::string("SECRET"), std::string("0123456789"), std::string(43, 'x'),
+        std::string("someone"), std::string("\x1B")})
+    CHECK(log.find(secret) == std::string::npos);
+}
+
+TEST_CASE("inherited sockets and IPv6 are served", "[daemon][http][listen]") {
+  const int inherited = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  REQUIRE(::listen(inherited, 8) == 0);  // binds to all addresses: refused
+  FakeService fake;
+  WorkThread thread;
+  const auto options = [&] {
+    HttpOptions out;
+    out.service = &fake;
+    out.on_service = [&](std::function<void()> work) { return thread.post(std::move(work)); };
+    return out;
+  };
+  {
+    HttpOptions all = options();
+    all.inherited = {inherited};
+    HttpServer server(all);
+    CHECK(server.start().error().kind == popcut::ErrorKind::Usage);
+  }
+  HttpOptions six = options();
+  six.listen = {{"[::1]:0", true}, {"127.0.0.1:0", false}};
+  const std::string path =
+      (std::filesystem::temp_directory_path() / fmt::format("popcut-{}.sock", ::getpid())).string();
+  // Made by someone else, as systemd would, and handed over.
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof(address.sun_path) - 1);
+  const int local = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  REQUIRE(::bind(local, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0);
+  REQUIRE(::listen(local, 8) == 0);
+  six.inherited = {local};
+  {
+    HttpServer server(six);
+    REQUIRE(server.start());
+    RawConnection connection(path);
+    connection.send("GET /v1/meta HTTP/1.1\r\nHost: a\r\n\r\n");
+    CHECK(connection.receive().status == 200);
+    for (const std::string& name : server.endpoints()) {
+      if (!name.starts_with("[::1]:")) continue;
+      RawConnection other(static_cast<std::uint16_t>(std::stoi(name.substr(6))), true);
+      other.send(fmt::format("GET /healthz HTTP/1.1\r\nHost: {}\r\n\r\n", name));
+      CHECK(other.receive().status == 200);
+    }
+  }
+  // What was not made here is not removed here.
+  CHECK(std::filesystem::exists(path));
+  std::filesystem::remove(path);
+}
+
+TEST_CASE("a second server on the same socket is refused and a stale one is taken over",
+          "[daemon][http][listen]") {
+  LiveServer server;
+  FakeService fake;
+  HttpOptions options;
+  options.listen = {{"unix:" + server.socket_path()}};
+  options.service = &fake;
+  options.on_service = [](const std::function<void()>&) { return false; };
+  {
+    HttpServer second(options);
+    const auto started = second.start();
+    REQUIRE_FALSE(started);
+    CHECK(started.error().kind == popcut::ErrorKind::Refused);
+    CHECK(started.error().detail.find("another popcutd may be running") != std::string::npos);
+  }
+  // It is still there, and still the first one's.
+  RawConnection connection(server.socket_path());
+  connection.send("GET /v1/meta HTTP/1.1\r\nHost: a\r\n\r\n");
+  CHECK(connection.receive().status == 200);
+}
+
+}  // namespace http_limits_test

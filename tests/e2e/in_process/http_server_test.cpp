@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+// The server as a client sees it: jobs, keys, roles, uploads.
+#include <sys/resource.h>
+
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include "daemon/digest/digest.hpp"
+#include "daemon/http/api/routes.hpp"
+#include "tests/support/raw_http.hpp"
+
+namespace http_server_test {
+
+using namespace popcut::daemon;
+
+namespace {
+
+const std::string kSvg = "Content-Type: image/svg+xml\r\n";
+
+}  // namespace
+
+TEST_CASE("a job is made, acted on and seen over HTTP", "[daemon][http][server]") {
+  LiveServer server;
+  const WireResponse made = server.fetch("POST", "/v1/jobs", "submitter", acting(),
+                                         R"({"design":"sha256-aa","copies":2,"tags":["a"]})");
+  REQUIRE(made.status == 201);
+  const std::string at = made.headers.at("location");
+  CHECK(at.starts_with("/v1/jobs/01J"));
+  const WireResponse seen = server.fetch("GET", at, "viewer");
+  CHECK(seen.status == 200);
+  CHECK(seen.headers.at("etag") == made.headers.at("etag"));
+  CHECK(seen.body == made.body);
+  CHECK(server.fetch("GET", at, "viewer", "If-None-Match: " + seen.headers.at("etag") + "\r\n")
+            .status == 304);
+  const WireResponse armed = server.fetch("POST", at + "/actions/arm", "operator",
+                                          acting(seen.headers.at("etag")), R"({"sheet":1})");
+  CHECK(armed.status == 200);
+  CHECK(armed.body.find(R"("state":"armed")") != std::string::npos);
+  // Who saw the job before it was armed is told what it is now.
+  const WireResponse late =
+      server.fetch("POST", at + "/actions/start", "operator", acting(seen.headers.at("etag")));
+  CHECK(late.status == 412);
+  CHECK(late.problem() == "stale");
+  CHECK(late.headers.at("etag") == armed.headers.at("etag"));
+  CHECK(late.body.find(R"("allowed_actions":["arm","cancel"])") != std::string::npos);
+}
+
+TEST_CASE("the same key gets the same answer and does nothing twice", "[daemon][http][server]") {
+  LiveServer server;
+  const std::string key = acting(), body = R"({"design":"sha256-aa"})";
+  const WireResponse first = server.fetch("POST", "/v1/jobs", "submitter", key, body);
+  const WireResponse second = server.fetch("POST", "/v1/jobs", "submitter", key, body);
+  CHECK(first.status == 201);
+  CHECK(second.status == 201);
+  CHECK(first.body == second.body);
+  CHECK(first.headers.count("idempotent-replayed") == 0);
+  CHECK(second.headers.at("idempotent-replayed") == "true");
+  CHECK(second.headers.at("location") == first.headers.at("location"));
+  server.ask([](FakeService& fake) { CHECK(fake.made_jobs == 1); });
+  const WireResponse other =
+      server.fetch("POST", "/v1/jobs", "submitter", key, R"({"design":"sha256-bb"})");
+  CHECK(other.status == 422);
+  CHECK(other.problem() == "idempotency-key-reused");
+  // The key of another person is another key.
+  CHECK(server.fetch("POST", "/v1/jobs", "operator", key, body).status == 201);
+  for (const std::string_view bad :
+       {"", "Idempotency-Key: short\r\n", "Idempotency-Key: with a space in it\r\n"}) {
+    const std::string more = "Content-Type: application/json\r\n" + std::string(bad);
+    const WireResponse without = server.fetch("POST", "/v1/jobs", "submitter", more, body);
+    CHECK(without.status == 400);
+    CHECK(without.problem() == "idempotency-key-missing");
+  }
+  server.ask([](FakeService& fake) { CHECK(fake.made_jobs == 2); });
+}
+
+TEST_CASE("each route lets in the roles of its row and no other", "[daemon][http][roles]") {
+  LiveServer server;
+  for (const http::Route& route : http::routes()) {
+    std::string path(route.path);
+    for (const std::string_view hole : {"{id}", "{k}"})
+      for (std::size_t at = path.find(hole); at != std::string::npos; at = path.find(hole))
+        path.replace(at, hole.size(), "1");
+    const std::string_view method = http::name_of(route.method);
+    CAPTURE(method, path);
+    const WireResponse anonymous = server.fetch(method, path, "");
+    CHECK((anonymous.status == 401) == !route.access.is_open());
+    for (const Role role : {Role::Viewer, Role::Submitter, Role::Operator, Role::Admin}) {
+      CAPTURE(name_of(role));
+      // One of the routes ends the session that it is called with.
+      server.ask([&](FakeService& fake) {
+        const std::string name(name_of(role));
+        fake.bearers["pc_" + name + "_0123456789"] = {"token:" + name, role};
+      });
+      const std::string more = route.is_stream ? "Accept: application/json\r\n" : std::string();
+      const WireResponse response = server.fetch(method, path, name_of(role), more);
+      const bool is_let_in = route.access.is_open() || role >= route.access.role();
+      CHECK(response.status != 0);
+      if (!is_let_in) {
+        CHECK(response.status == 403);
+        CHECK(response.problem() == "forbidden");
+      } else {
+        CHECK(response.status != 403);
+        CHECK(response.status != 401);
+      }
+    }
+  }
+}
+
+TEST_CASE("an upload is in the incoming folder only until the service takes it",
+          "[daemon][http][upload]") {
+  LiveServer server;
+  const std::string body(300'000, 'x');
+  const WireResponse made =
+      server.fetch("POST", "/v1/designs?name=%3Cimg%20onerror%3E.svg", "submitter", kSvg, body);
+  CHECK(made.status == 201);
+  Sha256 hash;
+  hash.add(body);
+  const std::string id = "sha256-" + hash.hex();
+  CHECK(made.headers.at("location") == "/v1/designs/" + id);
+  server.ask([&](FakeService& fake) {
+    CHECK(fake.last_upload_text == body);
+    CHECK(fake.last_upload.bytes == body.size());
+    CHECK(fake.last_upload_name == "<img onerror>.svg");
+    CHECK(fake.last_media_type == "image/svg+xml");
+    // The name that a client gives never reaches the file system.
+    CHECK(fake.last_upload.path.find("onerror") == std::string::npos);
+  });
+  CHECK(server.fetch("POST", "/v1/designs", "submitter", kSvg, body).status == 200);
+  CHECK(comes_true([&] { return server.spools() == 0; }));
+}
+
+TEST_CASE("an upload that fails in any way leaves nothing behind", "[daemon][http][upload]") {
+  LiveServer server([](HttpOptions& options) { options.limits.design_bytes = 100'000; });
+  const std::string chunked = kSvg + "Transfer-Encoding: chunked\r\n";
+  SECTION("the client goes in the middle") {
+    RawConnection connection = server.connect();
+    connection.send(
+        server.request("POST", "/v1/designs", "submitter", kSvg + "Content-Length: 50000\r\n"));
+    connection.send(std::string(20'000, 'x'));
+    CHECK(comes_true([&] { return server.spools() == 1; }));
+    connection.reset();
+  }
+  SECTION("it never ends") {
+    RawConnection connection = server.connect();
+    connection.send(server.request("POST", "/v1/designs", "submitter", chunked));
+    for (int i = 0; i < 64 && connection.send("1000\r\n" + std::string(4096, 'x') + "\r\n"); ++i) {
+    }
+    CHECK(connection.receive().status == 413);
+  }
+  SECTION("it says that it is longer than it may be") {
+    RawConnection connection = server.connect();
+    connection.send(
+        server.request("POST", "/v1/designs", "submitter", kSvg + "Content-Length: 100001\r\n"));
+    CHECK(connection.receive().status == 413);
+    CHECK(server.spools() == 0);
+  }
+  SECTION("it is empty") {
+    CHECK(server.fetch("POST", "/v1/designs", "submitter", kSvg).status == 422);
+  }
+  SECTION("the service refuses it") {
+    server.ask([](FakeService& fake) {
+      fake.next_problem = Problem{ProblemKind::Validation, "line 3 is wrong"};
+    });
+    CHECK(server.fetch("POST", "/v1/designs", "submitter", kSvg, "<svg").status == 422);
+  }
+  SECTION("the service forgets to answer") {
+    server.ask([](FakeService& fake) { fake.drops_replies = true; });
+    CHECK(server.fetch("POST", "/v1/designs", "submitter", kSvg, "<svg").status == 500);
+  }
+  SECTION("the service fails") {
+    server.ask([](FakeService& fake) { fake.throws = true; });
+    CHECK(server.fetch("POST", "/v1/designs", "submitter", kSvg, "<svg").status == 500);
+  }
+  CHECK(comes_true([&] { return server.spools() == 0; }));
+  server.ask([](FakeService& fake) { fake.throws = false; });
+  CHECK(server.fetch("GET", "/healthz", "").status == 200);
+}
+
+TEST_CASE("a full disk answers 507 and reads still work", "[daemon][http][upload]") {
+  LiveServer server;
+  // No file of this process may become longer than 64 KiB: a write beyond it fails.
+  rlimit before{};
+  REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
+  const auto old = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{65'536, before.rlim_max};
+  REQUIRE(::setrlimit(RLIMIT_FSIZE, &small) == 0);
+  const WireResponse full =
+      server.fetch("POST", "/v1/designs", "submitter", kSvg, std::string(200'000, 'x'));
+  const WireResponse list = server.fetch("GET", "/v1/jobs");
+  const WireResponse fits = server.fetch("POST", "/v1/designs", "submitter", kSvg, "<svg/>");
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old);
+  CHECK(full.status == 507);
+  CHECK(full.problem() == "disk-full");
+  CHECK(list.status == 200);
+  CHECK(fits.status == 201);
+  CHECK(comes_true([&] { return server.spools() == 0; }));
+}
+
+TEST_CASE("an incoming folder that cannot be written is reported and nothing else stops",
+          "[daemon][http][upload]") {
+  const LiveServer server([](HttpOptions& options) { options.incoming_folder = "/dev/null/none"; });
+  CHECK(server.fetch("POST", "/v1/designs", "submitter", kSvg, "<svg/>").status == 503);
+  CHECK(server.fetch("GET", "/v1/jobs").status == 200);
+}
+
+TEST_CASE("only files that an earlier run left among the uploads are removed",
+          "[daemon][http][upload]") {
+  std::filesystem::path folder;
+  const LiveServer server([&](HttpOptions& options) {
+    folder = options.incoming_folder;
+    for (const char* name : {"01J.upload", "02J.upload", "notes.txt"})
+      std::ofstream(folder / name) << "x";
+    std::filesystem::create_symlink("/etc/hostname", folder / "link.upload");
+  });
+  CHECK(std::filesystem::exists(folder / "notes.txt"));
+  CHECK_FALSE(std::filesystem::exists(folder / "01J.upload"));
+  CHECK_FALSE(std::filesystem::exists(folder / "02J.upload"));
+  CHECK(std::filesystem::is_symlink(folder / "link.upload"));
+}
+
+TEST_CASE("uploaded files are served as bytes to save", "[daemon][http][upload]") {
+  LiveServer server;
+  const std::string evil =
+      "<svg xmlns='http://www.w3.org/2000/svg'><script>alert(1)</script></svg>";
+  const WireResponse made = server.fetch("POST", "/v1/designs", "submitter", kSvg, evil);
+  const std::string path = (server.folder() / "kept").string();
+  server.ask([&](FakeService& fake) {
+    Design& design = fake.design_map.begin()->second;
+    design.kind = "svg";
+    std::FILE* const file = std::fopen(path.c_str(), "w");
+    std::fputs(evil.c_str(), file);
+    std::fclose(file);
+    fake.files[design.id] = path;
+  });
+  const std::string at = made.headers.at("location");
+  const WireResponse content = server.fetch("GET", at + "/content", "viewer");
+  CHECK(content.status == 200);
+  CHECK(content.body == evil);
+  CHECK(content.headers.at("content-type") == "application/octet-stream");
+  CHECK(content.headers.at("content-disposition").starts_with("attachment"));
+  const WireResponse preview = server.fetch("GET", at + "/preview.svg", "viewer");
+  CHECK(preview.headers.at("content-type") == "image/svg+xml");
+  CHECK(preview.headers.at("content-security-policy").find("sandbox") != std::string::npos);
+  CHECK(server.fetch("HEAD", at + "/content", "viewer").headers.at("content-length") ==
+        std::to_string(evil.size()));
+}
+
+}  // namespace http_server_test

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <pugixml.hpp>
+
+#include "tests/support/command_bench.hpp"
+#include "tests/support/paths.hpp"
+
+namespace cut_command_test {
+
+using namespace popcut::testing;
+
+namespace {
+
+const std::string kSphere = source_file("examples/sphere.json");
+
+struct Bench : CommandBench {
+  void plan(const std::string& machine = "cameo3", const std::string& spec = kSphere) const {
+    const Ran ran = popcut({"plan", spec, "-o", "plan", "--machine", machine});
+    INFO(ran.err);
+    REQUIRE(ran.exit == 0);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a planned program draws its sheet on the simulated cutter", "[cli][e2e]") {
+  for (const char* machine : {"cameo3", "cameo", "cameo4", "cameo5", "portrait3", "hpgl-generic"}) {
+    CAPTURE(machine);
+    const Bench bench;
+    bench.plan(machine);
+    const bool hpgl = std::string(machine) == "hpgl-generic";
+    const std::string program = hpgl ? "plan/sheet-01.hpgl" : "plan/sheet-01.gpgl";
+    const Ran ran = bench.popcut(
+        {"simulate", program, "-o", "sim", "--machine", machine, "--expect", "plan/sheet-01.svg"});
+    INFO(ran.err);
+    CHECK(ran.exit == 0);
+    CHECK(ran.err.find("as expected by plan/sheet-01.svg") != std::string::npos);
+    const auto trace = bench.read_json("sim/trace.json");
+    const auto sheet = bench.read_json("plan/plan.json")["sheets"][0];
+    CHECK(trace["lifts"] == sheet["lifts"]);
+    // Each end of a stroke is rounded to a step.
+    const double planned = sheet["cut_mm"].get<double>() + sheet["fold_mm"].get<double>();
+    CHECK(trace["cut_mm"].get<double>() == Approx(planned).epsilon(0.002));
+    CHECK(trace["travel_mm"].get<double>() ==
+          Approx(sheet["travel_mm"].get<double>()).epsilon(0.01));
+    CHECK(trace["unknown"].empty());
+    CHECK(trace["strokes"].size() == trace["lifts"]);
+    pugi::xml_document svg;
+    CHECK(svg.load_string(text_of_file(bench.temp / "sim/cut.svg").c_str()));
+  }
+}
+
+TEST_CASE("simulate compares a program with a pattern and its plan", "[cli][e2e]") {
+  for (const char* example : {"unit", "fig2a", "cylinder", "sphere", "saddle"}) {
+    CAPTURE(example);
+    const Bench bench;
+    const std::string spec = source_file("examples/") + example + ".json";
+    bench.plan("cameo3", spec);
+    REQUIRE(bench.popcut({"design", spec, "-o", "design", "-q"}).exit == 0);
+    for (const std::string& pattern :
+         {std::string("design/pattern.fold"), std::string("design/pattern.svg"), spec}) {
+      CAPTURE(pattern);
+      const Ran ran = bench.popcut({"simulate", "plan/sheet-01.gpgl", "-o", "sim", "--expect",
+                                    pattern, "--plan", "plan/plan.json"});
+      INFO(ran.err);
+      CHECK(ran.exit == 0);
+    }
+  }
+}
+
+TEST_CASE("a sheet that differs from the expected one gives exit code 6 and is still drawn",
+          "[cli][e2e]") {
+  const Bench bench;
+  bench.plan();
+  const std::string program = text_of_file(bench.temp / "plan/sheet-01.gpgl");
+  // Without its last stroke, the outline.
+  const std::size_t last = program.rfind("M", program.rfind("L0"));
+  write_file(bench.temp / "short.gpgl",
+             program.substr(0, last) + program.substr(program.rfind("L0")));
+  const Ran ran =
+      bench.popcut({"simulate", "short.gpgl", "-o", "sim", "--expect", "plan/sheet-01.svg", "-q"});
+  check_refused(ran, 6, "plan/sheet-01.svg: line");
+  CHECK(ran.err.find("is not cut from 0.000 to") != std::string::npos);
+  CHECK(bench.read_json("sim/trace.json")["lifts"].get<int>() > 100);
+  const Ran json = bench.popcut(
+      {"simulate", "short.gpgl", "-o", "sim", "--expect", "plan/sheet-01.svg", "-q", "--json"});
+  CHECK(json.exit == 6);
+  CHECK(nlohmann::json::parse(json.out)["as_expected"] == false);
+}
+
+TEST_CASE("simulate reports input that it cannot use", "[cli][e2e]") {
+  const Bench bench;
+  bench.plan();
+  write_file(bench.temp / "empty.gpgl", "");
+  write_file(bench.temp / "noise.gpgl", "this is no program\n");
+  write_file(bench.temp / "plan.json", R"({"sheets": [{"transform": 5}]})");
+  const std::string good = "plan/sheet-01.gpgl";
+  check_refused(bench.popcut({"simulate", good}), 2, "-o DIR is missing");
+  check_refused(bench.popcut({"simulate", "absent.gpgl", "-o", "sim"}), 3, "absent.gpgl");
+  check_refused(bench.popcut({"simulate", "empty.gpgl", "-o", "sim"}), 3, "empty");
+  check_refused(bench.popcut({"simulate", "noise.gpgl", "-o", "sim"}), 3, "draws nothing");
+  check_refused(bench.popcut({"simulate", good, "-o", "sim", "--machine", "cameo33"}), 2, "cameo3");
+  check_refused(bench.popcut({"simulate", good, "-o", "sim", "--expect", kSphere}), 2, "--plan");
+  check_refused(bench.popcut({"simulate", good, "-o", "sim", "--plan", "plan.json"}), 3,
+                "plan.json: /machine");
+  check_refused(
+      bench.popcut({"simulate", good, "-o", "sim", "--plan", "plan/plan.json", "--sheet", "2"}), 3,
+      "no sheet 2");
+  check_refused(bench.popcut({"simulate", good, "-o", "/dev/null/x"}), 7, "/dev/null");
+  CHECK_FALSE(std::filesystem::exists(bench.temp / "sim"));
+}
+
+TEST_CASE("unknown commands are reported and fail the comparison with a sheet", "[cli][e2e]") {
+  const Bench bench;
+  bench.plan();
+  write_file(bench.temp / "odd.gpgl", "QQ7\x03" + text_of_file(bench.temp / "plan/sheet-01.gpgl"));
+  const Ran plain = bench.popcut({"simulate", "odd.gpgl", "-o", "sim"});
+  CHECK(plain.exit == 0);
+  CHECK(plain.err.find("not understood: QQ7") != std::string::npos);
+  CHECK(bench.read_json("sim/trace.json")["unknown"][0] == "QQ7");
+  const Ran checked =
+      bench.popcut({"simulate", "odd.gpgl", "-o", "sim", "--expect", "plan/sheet-01.svg", "-q"});
+  check_refused(checked, 6, "QQ7");
+}
+
+TEST_CASE("cut sends a spec through protocol and session to the simulated cutter", "[cli][e2e]") {
+  const Bench bench;
+  const Ran ran = bench.popcut(
+      {"cut", kSphere, "--direct", "--yes", "--device", "sim:cameo3", "-o", "cut", "--json"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  const auto json = nlohmann::json::parse(ran.out);
+  CHECK(json["device"] == "sim:cameo3");
+  REQUIRE(json["sheets"].size() == 1);
+  CHECK(json["sheets"][0]["done"] == true);
+  CHECK(json["sheets"][0]["confirmed"] == true);
+  CHECK(json["sheets"][0]["strokes"]["in_doubt"] == 0);
+  CHECK(json["sheets"][0]["identity"] == "CAMEO 3 V1.60    ");
+  CHECK(files_below(bench.temp / "cut") ==
+        std::vector<std::string>{"manifest.json", "plan.json", "sheet-01.cut.svg", "sheet-01.gpgl",
+                                 "sheet-01.svg", "sheet-01.trace.json"});
+  // What was streamed is the program that plan writes.
+  bench.plan();
+  CHECK(text_of_file(bench.temp / "cut/sheet-01.gpgl") ==
+        text_of_file(bench.temp / "plan/sheet-01.gpgl"));
+  CHECK(ran.err.find('\r') == std::string::npos);  // no progress bar off a terminal
+}
+
+TEST_CASE("a cut on a machine that answers nothing is reported as in doubt", "[cli][e2e]") {
+  const Bench bench;
+  const Ran ran =
+      bench.popcut({"cut", kSphere, "--direct", "--yes", "--device", "sim:hpgl-generic"});
+  INFO(ran.err);
+  CHECK(ran.exit == 0);
+  CHECK(ran.err.find("answers nothing") != std::string::npos);
+}
+
+TEST_CASE("nothing is cut without a person's confirmation", "[cli][e2e]") {
+  const Bench bench;
+  check_refused(bench.popcut({"cut", kSphere, "--direct", "-q", "-o", "cut"}), 5, "cannot ask whether to start");
+  CHECK_FALSE(std::filesystem::exists(bench.temp / "cut/sheet-01.gpgl"));
+  check_refused(bench.popcut({"cut", kSphere, "--direct", "--yes", "--device", "usb:1"}), 2,
+                "only with simulated devices");
+  check_refused(bench.popcut({"cut", kSphere, "--direct", "--device", "usb:1"}), 5, "usb:1");
+  ::setenv("POPCUT_URL", "/nonexistent/popcut.sock", 1);
+  check_refused(bench.popcut({"cut", kSphere}), 5, "popcutd does not answer there");
+  check_refused(bench.popcut({"cut", "absent.json"}), 3, "absent.json");
+  check_refused(bench.popcut({"cut", kSphere, "--yes"}), 2, "--direct");
+  check_refused(bench.popcut({"cut", kSphere, "--direct", "--wait"}), 2, "queue");
+  check_refused(bench.popcut({"cut", kSphere, "--direct", "--yes", "--device", "sim:nothing"}), 2,
+                "nothing");
+  check_refused(bench.popcut({"cut", kSphere, "--direct", "--yes", "--device", "sim:cameo3",
+                              "--machine", "cameo4"}),
+                2, "cameo4");
+  check_refused(bench.popcut({"cut", kSphere, "--direct", "--yes", "--machine", "cameo3", "--mat",
+                              "100x100", "--no-split"}),
+                4, "mm");
+}
+
+TEST_CASE("devices lists a simulated one for each machine", "[cli][e2e]") {
+  const Bench bench;
+  const Ran ran = bench.popcut({"devices"});
+  CHECK(ran.exit == 0);
+  CHECK(ran.out.find("sim:cameo3 ") != std::string::npos);
+  CHECK(ran.out.find("sim:hpgl-generic ") != std::string::npos);
+  const auto json = nlohmann::json::parse(bench.popcut({"devices", "--json"}).out);
+  const auto machines = nlohmann::json::parse(bench.popcut({"machines", "--json"}).out);
+  CHECK(json["devices"].size() == machines["machines"].size());
+}
+
+}  // namespace cut_command_test

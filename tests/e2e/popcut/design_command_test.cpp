@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <pugixml.hpp>
+
+#include "tests/support/command_bench.hpp"
+#include "tests/support/paths.hpp"
+
+namespace design_command_test {
+
+using namespace popcut::testing;
+using nlohmann::json;
+using Names = std::vector<std::string>;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string kExamples = source_file("examples/");
+
+/// `popcut design ...` in a folder of its own.
+struct Bench : CommandBench {
+  Ran design(Names arguments, const Limits& limits = {}) const {
+    arguments.insert(arguments.begin(), "design");
+    return popcut(std::move(arguments), limits);
+  }
+  [[nodiscard]] Names files(const std::string& folder) const { return files_below(temp / folder); }
+};
+
+}  // namespace
+
+TEST_CASE("every shipped example becomes a pattern with one degree of freedom",
+          "[cli][e2e][design]") {
+  const Bench bench;
+  std::istringstream list(bench.design({"--list"}).out);
+  int examples = 0;
+  for (std::string line; std::getline(list, line); ++examples) {
+    const std::string name = line.substr(0, line.find(' '));
+    CAPTURE(name);
+    const Ran ran = bench.design({kExamples + name + ".json", "-o", name, "--json"});
+    CAPTURE(ran.err);
+    REQUIRE(ran.exit == 0);
+    const json report = json::parse(ran.out);
+    CHECK(report["degrees_of_freedom"] == 1);
+    CHECK(report["name"] == name);
+    CHECK(json::parse(text_of_file(bench.temp / (name + "/report.json"))) == report);
+    const json fold = json::parse(text_of_file(bench.temp / (name + "/pattern.fold")));
+    CHECK(fold["file_frames"].size() == 3);
+    CHECK(fold["faces_vertices"].size() == report["faces"]);
+  }
+  CHECK(examples >= 5);
+}
+
+TEST_CASE("an example is printed as it is shipped", "[cli][e2e][design]") {
+  const Bench bench;
+  CHECK(bench.design({"--example", "sphere"}).out == text_of_file(kExamples + "sphere.json"));
+  check_refused_at(bench.design({"--example", "teapot"}), 2, "--example: 'teapot'");
+}
+
+TEST_CASE("the schema is a JSON document", "[cli][e2e][design]") {
+  const Bench bench;
+  const json schema = json::parse(bench.design({"--schema"}).out);
+  CHECK(schema["properties"].contains("widths_mm"));
+}
+
+TEST_CASE("a second run removes only the files that it no longer writes", "[cli][e2e][design]") {
+  const Bench bench;
+  const std::string spec = kExamples + "unit.json";
+  REQUIRE(
+      bench.design({spec, "-o", "out", "--formats", "fold,svg,cut,csv,pdf,picture,report"}).exit ==
+      0);
+  CHECK(bench.files("out") == Names{"cut.svg", "deployed.svg", "manifest.json", "pattern.fold",
+                                    "pattern.pdf", "pattern.svg", "report.json", "segments.csv"});
+  write_file(bench.temp / "out/mine.txt", "mine");
+  REQUIRE(bench.design({spec, "-o", "out", "--formats", "svg"}).exit == 0);
+  CHECK(bench.files("out") == Names{"manifest.json", "mine.txt", "pattern.svg"});
+}
+
+TEST_CASE("options for all commands may stand before or after the command", "[cli][e2e][design]") {
+  const Bench bench;
+  const std::string spec = kExamples + "unit.json";
+  for (const Names& arguments :
+       {Names{popcut_program(), "--json", "-q", "design", spec, "-o", "a"},
+        Names{popcut_program(), "design", spec, "-o", "b", "-q", "--json"}}) {
+    const Ran ran = run_program(arguments, bench.temp.path());
+    CHECK(ran.exit == 0);
+    CHECK(ran.err.empty());
+    CHECK(json::parse(ran.out).contains("faces"));
+  }
+}
+
+TEST_CASE("cut.svg of a design has each fold as solid dashes within its line",
+          "[cli][e2e][design]") {
+  const Bench bench;
+  REQUIRE(bench.design({kExamples + "unit.json", "-o", "out"}).exit == 0);
+  const std::string cut = text_of_file(bench.temp / "out/cut.svg");
+  CHECK(cut.find("stroke-dasharray") == std::string::npos);
+  pugi::xml_document document;
+  REQUIRE(document.load_string(cut.c_str()));
+  double fold_mm = 0;
+  int dashes = 0;
+  for (const auto& layer : document.child("svg").children("g")) {
+    if (std::string(layer.attribute("id").value()).rfind("fold", 0) != 0) continue;
+    for (const auto& path : layer.children("path")) {
+      double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+      REQUIRE(std::sscanf(path.attribute("d").value(), "M%lf,%lfL%lf,%lf", &x0, &y0, &x1, &y1) ==
+              4);
+      CHECK(y0 == y1);  // folds run along v, which is the page's x
+      CHECK(std::abs(x1 - x0) <= 1.5 + 1e-6);
+      fold_mm += std::abs(x1 - x0);
+      ++dashes;
+    }
+  }
+  const json report = json::parse(text_of_file(bench.temp / "out/report.json"));
+  CHECK(dashes > 30);
+  CHECK(fold_mm > 0.4 * report["fold_length_mm"].get<double>());
+  CHECK(fold_mm < 0.7 * report["fold_length_mm"].get<double>());
+}
+
+TEST_CASE("fold frames are the requested poses", "[cli][e2e][design]") {
+  const Bench bench;
+  REQUIRE(
+      bench.design({kExamples + "unit.json", "-o", "out", "--fold-frames", "90deg,0.25"}).exit ==
+      0);
+  const json fold = json::parse(text_of_file(bench.temp / "out/pattern.fold"));
+  REQUIRE(fold["file_frames"].size() == 2);
+  CHECK(fold["file_frames"][1]["frame_popcut:psi_rad"] == 0.25);
+}
+
+TEST_CASE("the list of examples is JSON on request", "[cli][e2e][design]") {
+  const Bench bench;
+  const Ran ran = bench.design({"--list", "--json"});
+  CHECK(ran.exit == 0);
+  const json list = json::parse(ran.out)["examples"];
+  CHECK(list.size() >= 9);
+  CHECK(list[3]["name"] == "sphere");
+  CHECK_FALSE(list[3]["what"].get<std::string>().empty());
+}
+
+TEST_CASE("a wrong design command gives exit code 2", "[cli][e2e][design]") {
+  const Bench bench;
+  const std::string spec = kExamples + "unit.json";
+  check_refused_at(bench.design({}), 2, "command line: SPEC.json is missing");
+  check_refused_at(bench.design({spec}), 2, "command line: -o DIR is missing");
+  check_refused_at(bench.design({spec, "-o"}), 2, "--output: needs a value");
+  check_refused_at(bench.design({spec, "-o", "x", "--formats", "fold,dwg"}), 2, "--formats: 'dwg'");
+  check_refused_at(bench.design({spec, "-o", "x", "--fold-frames", "4"}), 2, "--fold-frames: '4'");
+  check_refused_at(bench.design({spec, "-o", "x", "--wat"}), 2, "command line: ");
+  check_refused_at(bench.design({spec, "more", "-o", "x"}), 2, "command line: ");
+  CHECK(files_below(bench.temp.path()).empty());
+}
+
+TEST_CASE("an invalid spec gives exit code 3 with its place", "[cli][e2e][design]") {
+  const Bench bench;
+  write_file(bench.temp / "bad.json", "{\"popcut\": 1,\n  oops");
+  write_file(bench.temp / "field.json", "{\"popcut\": 1, \"slises\": 3}");
+  write_file(bench.temp / "deep.json", std::string(1'000'000, '['));
+  check_refused_at(bench.design({"absent.json", "-o", "out"}), 3, "absent.json: ");
+  check_refused_at(bench.design({".", "-o", "out"}), 3, ".: is a folder");
+  check_refused_at(bench.design({"bad.json", "-o", "out"}), 3, "bad.json: line 2");
+  check_refused_at(bench.design({"field.json", "-o", "out"}), 3, "field.json: /");
+  check_refused_at(bench.design({"deep.json", "-o", "out"}), 3, "deep.json: ");
+  json spec = json::parse(text_of_file(kExamples + "unit.json"));
+  spec["material"] = "papier";
+  write_file(bench.temp / "material.json", spec.dump());
+  check_refused_at(bench.design({"material.json", "-o", "out"}), 3, "material.json: /material: ");
+  check_refused_at(
+      run_program({popcut_program(), "plan", "material.json", "-o", "plan"}, bench.temp.path()), 3,
+      "material.json: /material: ");
+  CHECK_FALSE(fs::exists(bench.temp / "out"));
+}
+
+TEST_CASE("design knows the materials of the user's own table", "[cli][e2e][design]") {
+  const Bench bench;
+  const json known =
+      json::parse(run_program({popcut_program(), "materials", "--json"}, bench.temp.path()).out);
+  json own = known["materials"][0];
+  own["name"] = "felt-3mm", own["thickness_mm"] = 3.0;
+  fs::create_directories(bench.temp / "config/popcut");
+  write_file(bench.temp / "config/popcut/materials.json",
+             json{{"popcut", 1}, {"materials", {own}}}.dump());
+  json spec = json::parse(text_of_file(kExamples + "sphere.json"));
+  spec["material"] = "felt-3mm";
+  write_file(bench.temp / "felt.json", spec.dump());
+  const std::string config = "XDG_CONFIG_HOME=" + (bench.temp / "config").string();
+  const auto with_table = [&](Names arguments) {
+    arguments.insert(arguments.begin(), {"/usr/bin/env", config, popcut_program()});
+    return run_program(arguments, bench.temp.path());
+  };
+  const Ran made = with_table({"design", "felt.json", "-o", "out", "--formats", "cut,report"});
+  CAPTURE(made.err);
+  CHECK(made.exit == 0);
+  CHECK(made.err.find("felt-3mm: ") != std::string::npos);  // too thick for its smallest panel
+  check_refused_at(bench.design({"felt.json", "-o", "none"}), 3, "felt.json: /material: ");
+  write_file(bench.temp / "config/popcut/materials.json", "{\"materials\": 3}");
+  check_refused_at(with_table({"design", "felt.json", "-o", "none"}), 3,
+                   (bench.temp / "config/popcut/materials.json").string());
+}
+
+TEST_CASE("names with characters that XML forbids still give well-formed drawings",
+          "[cli][e2e][design]") {
+  const Bench bench;
+  json spec = json::parse(text_of_file(kExamples + "unit.json"));
+  spec["name"] = "a\x01<b>\xEF\xBF\xBE & \xF0\x9F\x98\x80";
+  write_file(bench.temp / "name.json", spec.dump());
+  REQUIRE(
+      bench.design({"name.json", "-o", "out", "--formats", "svg,cut,cricut,picture,poster"}).exit ==
+      0);
+  REQUIRE(
+      run_program({popcut_program(), "plan", "name.json", "-o", "plan"}, bench.temp.path()).exit ==
+      0);
+  for (const std::string file :
+       {"out/pattern.svg", "out/cut.svg", "out/cricut.svg", "out/deployed.svg", "out/poster.svg",
+        "plan/sheet-01.svg", "plan/assembly.svg"}) {
+    CAPTURE(file);
+    const std::string text = text_of_file(bench.temp / file);
+    CHECK(text.find('\x01') == std::string::npos);
+    CHECK(text.find("\xEF\xBF\xBE") == std::string::npos);
+    pugi::xml_document read;
+    CHECK(read.load_string(text.c_str()));
+  }
+}
+
+TEST_CASE("the name of a spec cannot send escape sequences to the terminal", "[cli][e2e][design]") {
+  const Bench bench;
+  json spec = json::parse(text_of_file(kExamples + "unit.json"));
+  spec["name"] = "a\x1b[31mb\x07\xe2\x80\xae";
+  write_file(bench.temp / "name.json", spec.dump());
+  for (const char* command : {"design", "plan"}) {
+    const Ran ran =
+        run_program({popcut_program(), command, "name.json", "-o", command}, bench.temp.path());
+    CHECK(ran.exit == 0);
+    CHECK(ran.err.rfind("a [31mb", 0) == 0);
+    for (const char* raw : {"\x1b", "\x07", "\xe2\x80\xae"})
+      CHECK(ran.err.find(raw) == std::string::npos);
+  }
+}
+
+TEST_CASE("an output that cannot be written gives exit code 7 and changes nothing",
+          "[cli][e2e][design]") {
+  const Bench bench;
+  const std::string spec = kExamples + "fig2a.json";
+  write_file(bench.temp / "file", "x");
+  check_refused_at(bench.design({spec, "-o", "file"}), 7, "file: is not a folder");
+  check_refused_at(bench.design({spec, "-o", "/proc/popcut"}), 7, "/proc/popcut: ");
+  REQUIRE(bench.design({spec, "-o", "out"}).exit == 0);
+  const std::string before = text_of_file(bench.temp / "out/pattern.fold");
+  const Names files = bench.files("out");
+  // A limit of 4 kB a file stands in for a full disk.
+  check_refused_at(bench.design({spec, "-o", "out"}, {4096, -1}), 7, "out/pattern.fold: ");
+  CHECK(text_of_file(bench.temp / "out/pattern.fold") == before);
+  CHECK(bench.files("out") == files);
+}
+
+TEST_CASE("running out of memory gives one line and exit code 1", "[cli][e2e][design]") {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  WARN("skipped: a sanitizer needs all the address space");
+#else
+  const Bench bench;
+  write_file(bench.temp / "large.json", "[" + std::string(60u << 20, ' ') + "]");
+  const Ran ran = bench.design({"large.json", "-o", "out"}, {-1, 48l << 20});
+  check_refused_at(ran, 1, "internal fault: ");
+#endif
+}
+
+}  // namespace design_command_test

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "daemon/cli/options/angles.hpp"
+#include "daemon/files/output_folder.hpp"
+#include "tests/support/process.hpp"
+
+namespace output_folder_test {
+
+using namespace popcut;
+using cli::OutputFolder;
+using testing::files_below;
+using testing::TempFolder;
+using testing::text_of_file;
+using testing::write_file;
+using Names = std::vector<std::string>;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// One whole run: each name is a file with its own name as content.
+void run_with(const fs::path& folder, const Names& names) {
+  auto out = OutputFolder::open(folder);
+  REQUIRE(out);
+  for (const std::string& name : names) REQUIRE(out->add(name, name));
+  REQUIRE(out->commit("test"));
+}
+
+void put_manifest(const fs::path& folder, const Names& files) {
+  write_file(folder / "manifest.json", nlohmann::json{{"popcut", 1}, {"files", files}}.dump());
+}
+
+}  // namespace
+
+TEST_CASE("files appear only when the run is committed", "[cli][output]") {
+  const TempFolder temp;
+  {
+    auto out = OutputFolder::open(temp / "new/deep");
+    REQUIRE(out);
+    REQUIRE(out->add("report.json", "{}"));
+    CHECK_FALSE(fs::exists(temp / "new/deep/report.json"));
+    REQUIRE(out->add("deploy/psi_001.stl", "solid"));
+    REQUIRE(out->commit("test run"));
+  }
+  CHECK(files_below(temp / "new/deep") ==
+        Names{"deploy/psi_001.stl", "manifest.json", "report.json"});
+  const auto manifest = nlohmann::json::parse(text_of_file(temp / "new/deep/manifest.json"));
+  CHECK(manifest["files"] == Names{"report.json", "deploy/psi_001.stl"});
+  CHECK(manifest["made_by"] == "test run");
+}
+
+TEST_CASE("a run that fails leaves nothing and no new folder", "[cli][output]") {
+  const TempFolder temp;
+  fs::create_directory(temp / "old");
+  for (const std::string name : {"old", "fresh/er"}) {
+    auto out = OutputFolder::open(temp / name);
+    REQUIRE(out);
+    REQUIRE(out->add("a.txt", "a"));
+    const auto streamed = out->add("b.txt", [](std::ostream& text) -> Result<void> {
+      text << "half";
+      return fail(ErrorKind::Infeasible, "slice 3", "no");
+    });
+    REQUIRE_FALSE(streamed);
+    CHECK(streamed.error().place == "slice 3");
+  }
+  CHECK(files_below(temp.path()).empty());
+  CHECK(fs::exists(temp / "old"));
+  CHECK_FALSE(fs::exists(temp / "fresh"));
+}
+
+TEST_CASE("files of the last run that this one does not write are removed and others stay",
+          "[cli][output]") {
+  const TempFolder temp;
+  run_with(temp.path(), {"sheet-01.svg", "sheet-02.svg", "deploy/psi_001.stl", "plan.json"});
+  write_file(temp / "mine.txt", "my own");
+  write_file(temp / "sheet-99.svg", "my own");
+  run_with(temp.path(), {"sheet-01.svg", "plan.json"});
+  CHECK(files_below(temp.path()) ==
+        Names{"manifest.json", "mine.txt", "plan.json", "sheet-01.svg", "sheet-99.svg"});
+  CHECK_FALSE(fs::exists(temp / "deploy"));
+}
+
+TEST_CASE("a foreign manifest removes nothing outside the folder", "[cli][output]") {
+  const TempFolder temp;
+  const fs::path folder = temp / "out", outside = temp / "outside";
+  write_file(outside / "precious.txt", "x");
+  write_file(folder / "sub/kept.txt", "x");
+  fs::create_directory_symlink(outside, folder / "link");
+  fs::create_symlink(outside / "precious.txt", folder / "link.txt");
+  put_manifest(folder, {"../outside/precious.txt", (outside / "precious.txt").string(),
+                        "link/precious.txt", "link.txt", "sub/../../outside/precious.txt", "sub",
+                        "", ".", "..", "a//b", "manifest.json", std::string("x\0y", 3)});
+  run_with(folder, {"a.txt"});
+  CHECK(text_of_file(outside / "precious.txt") == "x");
+  CHECK(files_below(folder) == Names{"a.txt", "link", "link.txt", "manifest.json", "sub/kept.txt"});
+}
+
+TEST_CASE("a manifest that is no manifest is replaced", "[cli][output]") {
+  for (const std::string text : {"", "{", "[]", "{\"popcut\":1,\"files\":3}", "{\"files\":[\"a\"]}",
+                                 "{\"popcut\":1,\"files\":[3,null,{}]}"}) {
+    CAPTURE(text);
+    const TempFolder temp;
+    write_file(temp / "manifest.json", text);
+    write_file(temp / "a", "mine");
+    run_with(temp.path(), {"b"});
+    CHECK(files_below(temp.path()) == Names{"a", "b", "manifest.json"});
+  }
+}
+
+TEST_CASE("what a killed run left aside is cleared", "[cli][output]") {
+  const TempFolder temp;
+  write_file(temp / ".popcut-aside/half.svg", "half");
+  run_with(temp.path(), {"a"});
+  CHECK(files_below(temp.path()) == Names{"a", "manifest.json"});
+}
+
+TEST_CASE("two runs cannot write into one folder at once", "[cli][output]") {
+  const TempFolder temp;
+  auto first = OutputFolder::open(temp.path());
+  REQUIRE(first);
+  const auto second = OutputFolder::open(temp.path());
+  REQUIRE_FALSE(second);
+  CHECK(second.error().kind == ErrorKind::Unwritable);
+  CHECK(second.error().detail.find("another popcut") != std::string::npos);
+  REQUIRE(first->add("a", "a"));
+  REQUIRE(first->commit("test"));
+  CHECK(files_below(temp.path()) == Names{"a", "manifest.json"});
+}
+
+TEST_CASE("an output that cannot be a folder is refused with its path", "[cli][output]") {
+  const TempFolder temp;
+  write_file(temp / "file", "x");
+  for (const fs::path& folder : {temp / "file", temp / "file/below", fs::path("/proc/popcut")}) {
+    CAPTURE(folder);
+    const auto out = OutputFolder::open(folder);
+    REQUIRE_FALSE(out);
+    CHECK(out.error().kind == ErrorKind::Unwritable);
+    CHECK(out.error().place.find(folder.begin()->string()) == 0);
+  }
+  CHECK(files_below(temp.path()) == Names{"file"});
+}
+
+TEST_CASE("what stands in the way of a file is found before anything changes", "[cli][output]") {
+  const TempFolder temp;
+  run_with(temp.path(), {"a", "z"});
+  fs::create_directory(temp / "b");
+  fs::create_directory_symlink("/tmp", temp / "c");
+  for (const std::string name : {"b", "c/file", "a/below"}) {
+    CAPTURE(name);
+    auto out = OutputFolder::open(temp.path());
+    REQUIRE(out);
+    REQUIRE(out->add("z", "new"));
+    REQUIRE(out->add(name, "x"));
+    const auto done = out->commit("test");
+    REQUIRE_FALSE(done);
+    CHECK(done.error().kind == ErrorKind::Unwritable);
+    CHECK(done.error().place == (temp / name).string());
+    CHECK(text_of_file(temp / "z") == "z");
+  }
+}
+
+TEST_CASE("names that leave the folder are refused", "[cli][output]") {
+  const TempFolder temp;
+  auto out = OutputFolder::open(temp.path());
+  REQUIRE(out);
+  for (const std::string name :
+       {"", "..", "../a", "a/../../b", "/etc/a", "manifest.json", ".popcut-aside/a", "a/", "./a"}) {
+    CAPTURE(name);
+    CHECK_FALSE(out->add(name, "x"));
+  }
+  CHECK(out->add("a", "x"));
+  CHECK_FALSE(out->add("a", "again"));
+}
+
+TEST_CASE("a file is read whole or not at all", "[cli][input]") {
+  const TempFolder temp;
+  write_file(temp / "a", std::string(100'000, 'x'));
+  CHECK(cli::read_file(temp / "a").value().size() == 100'000);
+  CHECK(cli::read_file(temp / "a", 100'000));
+  const auto large = cli::read_file(temp / "a", 99'999);
+  REQUIRE_FALSE(large);
+  CHECK(large.error().kind == ErrorKind::Malformed);
+  CHECK_FALSE(cli::read_file(temp.path()));
+  CHECK_FALSE(cli::read_file(temp / "absent"));
+  CHECK_FALSE(cli::read_file("/dev/zero", 1000));
+}
+
+TEST_CASE("angles are read as people write them", "[cli][angles]") {
+  constexpr double pi = std::numbers::pi;
+  CHECK(cli::parse_angle("1.1").value() == 1.1);
+  CHECK(cli::parse_angle("pi").value() == pi);
+  CHECK(cli::parse_angle(" pi/2 ").value() == pi / 2);
+  CHECK(cli::parse_angle("90deg").value() == pi / 2);
+  CHECK(cli::parse_angle("180deg").value() == pi);
+  CHECK(cli::parse_angle("2*pi/3").value() == 2 * pi / 3);
+  CHECK(cli::parse_angle("0.4pi").value() == 0.4 * pi);
+  for (const std::string text :
+       {"", "deg", "pie", "pi/", "pi/0", "*pi", "1,1", "nan", "inf", "1.1rad", "pi*2", "1e999"}) {
+    CAPTURE(text);
+    CHECK_FALSE(cli::parse_angle(text));
+  }
+  CHECK(cli::parse_opening_angles("pi,1.1,0").value() == std::vector<double>{pi, 1.1, 0});
+  CHECK(cli::parse_opening_angles("").value().empty());
+  for (const std::string text : {"pi,,1", "-1", "3.2", "1;2"}) {
+    CAPTURE(text);
+    CHECK_FALSE(cli::parse_opening_angles(text));
+  }
+}
+
+}  // namespace output_folder_test

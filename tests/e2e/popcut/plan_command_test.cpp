@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <pugixml.hpp>
+
+#include "tests/support/command_bench.hpp"
+#include "tests/support/paths.hpp"
+
+namespace plan_command_test {
+
+using namespace popcut::testing;
+using nlohmann::json;
+using Names = std::vector<std::string>;
+
+namespace {
+
+const std::string kExamples = source_file("examples/");
+const std::string kBigSvg =
+    "<svg xmlns='http://www.w3.org/2000/svg' width='400mm' height='300mm' viewBox='0 0 400 300'>"
+    "<path fill='none' stroke='black' d='M10,10H350V50H10'/></svg>";
+
+struct Bench : CommandBench {
+  json planned(Names arguments) const {
+    arguments.insert(arguments.begin(), "plan");
+    arguments.insert(arguments.end(), {"-o", "sheets", "--json", "-q"});
+    const Ran ran = popcut(arguments);
+    CAPTURE(ran.err);
+    REQUIRE(ran.exit == 0);
+    CHECK(ran.err.empty());
+    return json::parse(ran.out);
+  }
+  void refused(Names arguments, int exit, const std::string& part) const {
+    arguments.insert(arguments.begin(), "plan");
+    arguments.insert(arguments.end(), {"-o", "sheets"});
+    check_refused(popcut(arguments), exit, part);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a spec and its FOLD and its SVG files plan to the same sheet", "[cli][e2e][plan]") {
+  const Bench bench;
+  for (const char* example : {"unit", "sphere"}) {
+    CAPTURE(example);
+    const std::string spec = kExamples + example + ".json";
+    REQUIRE(bench.popcut({"design", spec, "-o", "design", "-q"}).exit == 0);
+    const json own = bench.planned({spec})["sheets"][0];
+    CHECK(own["cut_mm"].get<double>() > 100.0);
+    CHECK(own["fold_mm"].get<double>() > 50.0);
+    for (const char* file : {"pattern.fold", "pattern.svg", "cut.svg"}) {
+      CAPTURE(file);
+      const json other = bench.planned({std::string("design/") + file})["sheets"][0];
+      CHECK(other["cut_mm"].get<double>() == Approx(own["cut_mm"].get<double>()).margin(0.01));
+      CHECK(other["fold_mm"].get<double>() == Approx(own["fold_mm"].get<double>()).margin(0.01));
+      CHECK(other["lifts"] == own["lifts"]);
+    }
+  }
+}
+
+TEST_CASE("plan writes the sheets and their programs and nothing else", "[cli][e2e][plan]") {
+  const Bench bench;
+  const json plan = bench.planned({kExamples + "sphere.json"});
+  CHECK(files_below(bench.temp / "sheets") == Names{"assembly.svg", "manifest.json", "plan-01.svg",
+                                                    "plan.json", "sheet-01.gpgl", "sheet-01.svg"});
+  CHECK(json::parse(text_of_file(bench.temp / "sheets/plan.json")) == plan);
+  pugi::xml_document svg;
+  REQUIRE(svg.load_string(text_of_file(bench.temp / "sheets/sheet-01.svg").c_str()));
+  CHECK(svg.select_nodes("//path").size() == plan["sheets"][0]["lifts"].get<std::size_t>());
+  CHECK(svg.select_nodes("//@stroke-dasharray").empty());
+  const json roll = bench.planned({kExamples + "sphere.json", "--machine", "hpgl-generic"});
+  CHECK(files_below(bench.temp / "sheets") == Names{"assembly.svg", "manifest.json", "plan-01.svg",
+                                                    "plan.json", "sheet-01.hpgl", "sheet-01.svg"});
+  CHECK(roll["machine"] == "hpgl-generic");
+}
+
+TEST_CASE("what is too large and not to be split is refused and clipped only when asked",
+          "[cli][e2e][plan]") {
+  const Bench bench;
+  write_file(bench.temp / "big.svg", kBigSvg);
+  bench.refused({"big.svg", "--no-split"}, 4, "pattern is 340.0 x 40.0 mm");
+  bench.refused({"big.svg", "--no-split"}, 4, "304.8 x 304.8 mm");
+  const json clipped = bench.planned({"big.svg", "--clip"});
+  CHECK(clipped["sheets"][0]["cut_mm"].get<double>() == Approx(2 * 294.8));
+  const json whole = bench.planned({"big.svg", "--mat", "400x300"});
+  CHECK(whole["sheets"][0]["cut_mm"].get<double>() == Approx(720));
+  CHECK(whole["machine"] == "ideal");
+  const json turned = bench.planned({"big.svg", "--mat", "12x24"});
+  CHECK(turned["machine"] == "cameo3");
+  CHECK(turned["sheets"][0]["transform"][0][1] == -1.0);
+}
+
+TEST_CASE("a wrong option of plan gets the valid values", "[cli][e2e][plan]") {
+  const Bench bench;
+  write_file(bench.temp / "big.svg", kBigSvg);
+  bench.refused({"big.svg", "--machine", "camoe3"}, 2, "did you mean cameo3?");
+  bench.refused({"big.svg", "--material", "paper"}, 2, "paper-220");
+  bench.refused({"big.svg", "--order", "fast"}, 2,
+                "--order: is \"fast\"; one of quick, best, keep");
+  bench.refused({"big.svg", "--at", "1"}, 2, "X,Y");
+  bench.refused({"big.svg", "--mat", "huge"}, 2, "300x200");
+  bench.refused({"big.svg", "--svg-profile", "x"}, 2, "origami-sim");
+  bench.refused({"big.svg", "--machine", "cameo3", "--dialect", "hpgl"}, 2, "speaks gpgl");
+  bench.refused({"none.svg"}, 3, "none.svg");
+  write_file(bench.temp / "wrong.fold", "{\"vertices_coords\": [[0,0],[1]]}");
+  bench.refused({"wrong.fold"}, 3, "wrong.fold: /vertices_coords/1");
+  CHECK_FALSE(std::filesystem::exists(bench.temp / "sheets"));
+}
+
+TEST_CASE("the tables are listed for people and programs", "[cli][e2e][plan]") {
+  const Bench bench;
+  const Ran machines = bench.popcut({"machines"});
+  CHECK(machines.exit == 0);
+  CHECK(machines.out.find("cameo3 ") == 0);
+  CHECK(json::parse(bench.popcut({"machines", "--json"}).out)["machines"].size() ==
+        static_cast<std::size_t>(std::count(machines.out.begin(), machines.out.end(), '\n')));
+  const json materials = json::parse(bench.popcut({"materials", "--json"}).out);
+  CHECK(materials["materials"][0]["dashes"]["dash_mm"] == 1.5);
+}
+
+}  // namespace plan_command_test

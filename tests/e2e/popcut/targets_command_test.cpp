@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/command_bench.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/paths.hpp"
+
+namespace targets_command_test {
+
+using namespace popcut::testing;
+using nlohmann::json;
+using Names = std::vector<std::string>;
+namespace fs = std::filesystem;
+
+namespace {
+
+using Bench = CommandBench;
+
+json mesh_spec(const std::string& file) {
+  return {{"popcut", 1},          {"name", "part"}, {"surface", {{"type", "mesh"}, {"file", file}}},
+          {"units_per_slice", 5}, {"slices", 9},    {"widths_mm", 6.5}};
+}
+
+}  // namespace
+
+TEST_CASE("a mesh from elsewhere becomes a sound pattern with its error in the report",
+          "[cli][e2e][target]") {
+  const fs::path teapot = source_file("../shared/data/meshes/teapot.obj");
+  if (!fs::exists(teapot)) {
+    WARN("skipped: the public mesh is not here");
+    return;
+  }
+  const Bench bench;
+  fs::create_directory(bench.temp / "meshes");
+  fs::copy_file(teapot, bench.temp / "meshes/teapot.obj");
+  json spec = mesh_spec("meshes/teapot.obj");
+  spec["scale_mm"] = 20;
+  bench.write("teapot.json", spec);
+  const std::string stand = GENERATE(as<std::string>{}, "whole", "quarter");
+  CAPTURE(stand);
+  const Ran placed = bench.popcut({"design", "teapot.json", "--place", stand});
+  CAPTURE(placed.err);
+  REQUIRE(placed.exit == 0);
+  write_file(bench.temp / "placed.json", placed.out);
+  CHECK(json::parse(placed.out)["fit"] == "nearest");
+
+  const Ran made = bench.popcut({"design", "placed.json", "-o", "out", "--json"});
+  CAPTURE(made.err);
+  REQUIRE(made.exit == 0);
+  const json report = json::parse(made.out);
+  CHECK(report["degrees_of_freedom"] == 1);
+  const double share = report["fit"]["unreachable_share"];
+  CHECK(share > (stand == "whole" ? 0.5 : 0.05));
+  CHECK(share < (stand == "whole" ? 0.9 : 0.3));
+  CHECK(report["fit"]["rms_mm"] < 3.0);
+  CHECK(report["fit"]["max_mm"] < 15.0);
+  CHECK(report["slices"][0]["fit"].contains("unreachable_share"));
+  const Ran verified = bench.popcut(
+      {"verify", "out/pattern.fold", "--dof", "1", "--target", "placed.json", "--json"});
+  CAPTURE(verified.err);
+  CHECK(verified.exit == 0);
+  // From the mesh itself, the fold vertices are not farther off than the two errors together.
+  const json inner = json::parse(verified.out)["target"]["inner_mm"];
+  CHECK(inner["vertices"] > 20);
+  CHECK(inner["rms"] < report["inner_error_mm"]["max"].get<double>() +
+                           report["fit"]["max_mm"].get<double>() + 0.1);
+  fs::remove(bench.temp / "meshes/teapot.obj");
+  check_refused(
+      bench.popcut({"verify", "out/pattern.fold", "--dof", "1", "--target", "placed.json"}), 3,
+      "teapot.obj");
+}
+
+TEST_CASE("grids and solids become sound patterns from the command line", "[cli][e2e][target]") {
+  const Bench bench;
+  std::string csv = ",0,10,20,30,40\n";
+  for (int y = 0; y <= 60; y += 20)
+    csv += std::to_string(y) + ",40,37," + std::to_string(30 + y / 10) + ",18,0\n";
+  write_file(bench.temp / "heights.csv", csv);
+  json spec = mesh_spec("");
+  spec["surface"] = {{"type", "grid"}, {"file", "heights.csv"}};
+  bench.write("grid.json", spec);
+  spec["surface"] = {{"type", "implicit"}, {"f", "x^2 + z^2 - 1 - 0.1*sin(3*y)"}};
+  spec["scale_mm"] = 40;
+  bench.write("solid.json", spec);
+  for (const char* name : {"grid", "solid"}) {
+    const Ran made = bench.popcut({"design", std::string(name) + ".json", "-o", name});
+    CAPTURE(name, made.err);
+    REQUIRE(made.exit == 0);
+    CHECK(bench.popcut({"verify", std::string(name) + "/pattern.fold", "--dof", "1"}).exit == 0);
+    CHECK(bench.popcut({"plan", std::string(name) + ".json", "-o", "plan"}).exit == 0);
+  }
+}
+
+TEST_CASE("unusable targets are refused in one line", "[cli][e2e][target]") {
+  using popcut::tests::binary_stl;
+  const Bench bench;
+  const auto design = [&](const json& spec) {
+    bench.write("spec.json", spec);
+    return bench.popcut({"design", "spec.json", "-o", "out"});
+  };
+  check_refused(design(mesh_spec("absent.stl")), 3, "spec.json: /surface/file: ");
+  write_file(bench.temp / "hole.stl",
+             binary_stl(popcut::tests::box_mesh({-5, -5, -5}, {40, 90, 40}, true)));
+  check_refused(design(mesh_spec("hole.stl")), 4, "has a hole there");
+  write_file(bench.temp / "away.stl",
+             binary_stl(popcut::tests::box_mesh({-9, 0, -9}, {-5, 90, -5}, false)));
+  check_refused(design(mesh_spec("away.stl")), 4, "no part of the mesh is in the corner");
+  std::string cut = binary_stl(popcut::tests::icosphere(30, 2));
+  cut.resize(cut.size() / 2);
+  write_file(bench.temp / "cut.stl", cut);
+  check_refused(design(mesh_spec("cut.stl")), 3, "is the file whole?");
+  json grid = mesh_spec("");
+  grid["surface"] = {{"type", "grid"}, {"file", "gap.csv"}};
+  write_file(bench.temp / "gap.csv", ",0,10\n0,5,\n80,5,0\n");
+  check_refused(design(grid), 3, "gap.csv: line 2, column 3: is empty");
+  json contradictory = mesh_spec("hole.stl");
+  contradictory["surface"]["f"] = "x";
+  check_refused(design(contradictory), 3, "/surface/f: is not known");
+  const Ran place = bench.popcut({"design", "spec.json", "--place", "sideways"});
+  CHECK(place.exit == 2);
+}
+
+}  // namespace targets_command_test

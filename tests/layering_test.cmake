@@ -1,0 +1,55 @@
+# layering.cmake finds what it looks for: in made-up trees with one fault each, and in one without.
+# -DCHECK=layering.cmake -DFOLDER=scratch
+cmake_minimum_required(VERSION 3.20)
+
+# expect(NAME MESSAGE path content ...): the check of a tree of these files fails with MESSAGE, or
+# passes where it is empty.
+function(expect name message)
+  set(tree ${FOLDER}/${name})
+  file(REMOVE_RECURSE ${tree})
+  file(WRITE ${tree}/daemon/main.cpp "")
+  set(files ${ARGN})
+  while(files)
+    list(POP_FRONT files path content)
+    file(WRITE ${tree}/${path} "${content}\n")
+  endwhile()
+  execute_process(COMMAND ${CMAKE_COMMAND} -DROOT=${tree} -P ${CHECK}
+    RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE err)
+  string(REGEX REPLACE "[ \n]+" " " err "${err}")
+  if(message STREQUAL "" AND NOT result EQUAL 0)
+    message(SEND_ERROR "${name}: was refused: ${err}")
+  elseif(NOT message STREQUAL "" AND (result EQUAL 0 OR NOT err MATCHES "${message}"))
+    message(SEND_ERROR "${name}: '${message}' was not found: ${err}")
+  endif()
+endfunction()
+
+expect(fine ""
+  core/text/word.hpp "" core/text/word.cpp "#include \"core/text/word.hpp\""
+  core/text/word_long.cpp "" core/plan/way.hpp "#include \"core/text/word.hpp\""
+  core/plan/odd.cpp "// Part of core/plan/way.hpp.")
+expect(circle "circle of folders: core/b -> core/c -> core/b"
+  core/a/a.hpp "#include \"core/b/b.hpp\"" core/b/b.hpp "#include \"core/c/c.hpp\""
+  core/c/c.hpp "#include \"core/b/other.hpp\"" core/b/other.hpp "")
+expect(circle_below "circle of folders: core -> core/b -> core"
+  core/a.hpp "#include \"core/b/b.hpp\"" core/b/b.hpp "#include \"core/units.hpp\""
+  core/units.hpp "")
+expect(layer "core/a.hpp: includes daemon/b.hpp: the layers are"
+  core/a.hpp "#include \"daemon/b.hpp\"" daemon/b.hpp "")
+expect(wall "core/verify/a.hpp: includes core/design/b.hpp: it judges"
+  core/verify/a.hpp "#include \"core/design/b.hpp\"" core/design/b.hpp "")
+expect(judge "core/plan/a.hpp: includes core/verify/sheet/b.hpp: nothing in core rests on"
+  core/plan/a.hpp "#include \"core/verify/sheet/b.hpp\"" core/verify/sheet/b.hpp "")
+expect(judges ""
+  core/verify/motion/a.hpp "#include \"core/verify/sheet/b.hpp\"" core/verify/sheet/b.hpp "")
+expect(library "daemon/http/a.hpp: includes <sqlite3.h>: only daemon/store may"
+  daemon/http/a.hpp "#include <sqlite3.h>")
+expect(threads "core/a.hpp: includes <thread>: core has no" core/a.hpp "#include <thread>")
+expect(lost "core/odd.cpp: no header of its name" core/odd.cpp "" core/even.hpp "")
+expect(part_of_nothing "core/odd.cpp: no header of its name" core/odd.cpp "// Part of core/gone.hpp.")
+expect(twice "core/b.hpp: Point is also defined in"
+  core/a.hpp "namespace popcut {\nstruct Point {}\n" core/b.hpp "namespace popcut {\nstruct Point {}\n")
+set(crowd "")
+foreach(n RANGE 1 40)
+  list(APPEND crowd device/port/a${n}.hpp "// ${n}")
+endforeach()
+expect(crowd "device/port: 40 sources and headers" ${crowd})

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: MIT
+#include <map>
+#include <random>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "daemon/client/address.hpp"
+#include "daemon/client/api.hpp"
+#include "daemon/client/command_words.hpp"
+#include "daemon/client/problem_line.hpp"
+#include "daemon/client/sse_reader.hpp"
+
+namespace client_test {
+
+using namespace popcut;
+using namespace popcut::client;
+
+namespace {
+
+Environment environment(std::map<std::string, std::string> values) {
+  return [values = std::move(values)](const char* name) -> const char* {
+    const auto found = values.find(name);
+    return found == values.end() ? nullptr : found->second.c_str();
+  };
+}
+
+std::string told(int status, const std::string& body) {
+  HttpResponse response;
+  response.status = status;
+  response.body = body;
+  return message(error_from(response, "job 01J"));
+}
+
+}  // namespace
+
+TEST_CASE("the client finds popcutd through the environment", "[client]") {
+  const auto url = addresses(environment({{"POPCUT_URL", "http://[::1]:9000/"}}));
+  REQUIRE(url);
+  REQUIRE(url->size() == 1);
+  CHECK(url->front().text() == "http://[::1]:9000");
+  CHECK(url->front().host_header() == "[::1]:9000");
+  const auto plain = addresses(environment({{"XDG_RUNTIME_DIR", "/run/user/7"}, {"HOME", "/h"}}));
+  REQUIRE(plain);
+  REQUIRE(plain->size() == 3);
+  CHECK((*plain)[0].text() == "/run/user/7/popcut.sock");
+  CHECK((*plain)[1].text() == "/h/.local/state/popcut/popcut.sock");
+  CHECK((*plain)[2].text() == "/run/popcut.sock");
+  CHECK(plain->front().host_header() == "localhost");
+  const auto token = addresses(environment({{"POPCUT_TOKEN", "pc_1_2"}}));
+  REQUIRE(token);
+  CHECK(token->front().text() == "http://127.0.0.1:8631");
+}
+
+TEST_CASE("an invalid address is refused with a valid example", "[client]") {
+  for (const char* wrong : {"", "popcut.sock", "https://x", "http://", "http://a:0",
+                            "http://a:99999", "http://a:8631/v1", "http://user@a", "ftp://x",
+                            "http://[::1", "http://[::1:80", "http://::1", "http://a]", "http://[]",
+                            "http://a\x1b[31m", "http://a\r\nX: y", "http://a\x7f"}) {
+    CAPTURE(wrong);
+    const auto address = parse_address(wrong);
+    REQUIRE_FALSE(address);
+    CHECK(address.error().kind == ErrorKind::Usage);
+    CHECK(address.error().detail.find("http://127.0.0.1:8631") != std::string::npos);
+  }
+  CHECK_FALSE(parse_address("/" + std::string(107, 'x')));
+  CHECK(parse_address("/" + std::string(106, 'x')));
+  CHECK(parse_address("unix:/a")->path == "/a");
+  CHECK(parse_address("http://cutter")->port == 8631);
+  CHECK(parse_address("http://[::1]")->host == "::1");
+  CHECK(parse_address("http://[fe80::1%eth0]:9")->host == "fe80::1%eth0");
+  CHECK(message(parse_address("http://[::1").error()).find("between [ and ]") != std::string::npos);
+}
+
+TEST_CASE("an event stream is read completely in pieces of any size", "[client]") {
+  const std::string stream =
+      "\n: heartbeat\n\nid: 7\nevent: job\ndata: {\"a\":\ndata:1}\n\nevent:progress\r\n"
+      "data: x\r\n\r\nid: 9\n\ndata\n\n";
+  std::mt19937 random(7);
+  for (int round = 0; round < 200; ++round) {
+    SseReader reader;
+    std::vector<SseEvent> events;
+    for (std::size_t at = 0; at < stream.size();) {
+      const std::size_t piece = 1 + random() % 9;
+      for (SseEvent& event : reader.feed(std::string_view(stream).substr(at, piece)))
+        events.push_back(std::move(event));
+      at += piece;
+    }
+    REQUIRE(events.size() == 3);
+    CHECK(events[0].kind == "job");
+    CHECK(events[0].data == "{\"a\":\n1}");
+    CHECK(events[0].id == "7");
+    CHECK(events[1].kind == "progress");
+    CHECK(events[1].data == "x");
+    CHECK(events[2].kind == "message");
+    CHECK(events[2].data.empty());
+    CHECK(reader.last_id() == "9");
+  }
+}
+
+TEST_CASE("an endless event is not kept", "[client]") {
+  SseReader reader(1000);
+  for (int k = 0; k < 100; ++k) CHECK(reader.feed("data: " + std::string(90, 'x') + "\n").empty());
+  CHECK(reader.broken());
+}
+
+TEST_CASE("a problem of popcutd becomes one line that says what would be right", "[client]") {
+  CHECK(told(422, R"({"type":"https://popcut.invalid/p/validation","title":"Request is not valid",
+      "status":422,"errors":[{"pointer":"/copies","code":"range","detail":"must be 1..1000"},
+      {"pointer":"/materiel","code":"unknown_member","detail":"is not known; did you mean /material?"}]})") ==
+        "--copies: must be 1..1000 (and 1 more)");
+  CHECK(told(409, R"({"type":"https://popcut.invalid/p/state-conflict","title":"Not now",
+      "detail":"sheet 2 is not the current one","state":"ready",
+      "allowed_actions":["arm","confirm-result"]})") ==
+        "job 01J: sheet 2 is not the current one; it is ready; possible now: arm, confirm");
+  CHECK(told(502, "<html>").find("502") != std::string::npos);
+  CHECK(told(401, R"({"type":"x/unauthenticated","detail":"who are you"})").find("POPCUT_TOKEN") !=
+        std::string::npos);
+  CHECK(told(422, R"({"type":"p/validation","errors":[{"pointer":"/materiel",
+      "code":"unknown_member","detail":"is not known; did you mean /material?"}]})") ==
+        "job 01J: /materiel: is not known; did you mean --material?");
+  HttpResponse infeasible;
+  infeasible.status = 422;
+  infeasible.body =
+      R"({"type":"p/validation","errors":[{"pointer":"","code":"infeasible","detail":"no"}]})";
+  CHECK(exit_code(error_from(infeasible, "a").kind) == 4);
+}
+
+TEST_CASE("a wrong value of an option is a usage error that quotes it", "[client]") {
+  const auto error = [](const char* fault, Subject subject, const nlohmann::json& sent) {
+    HttpResponse response;
+    response.status = 422;
+    response.body = std::string(R"({"type":"p/validation","errors":[)") + fault + "]}";
+    return error_from(response, "job 01J", subject, &sent);
+  };
+  const char* const sheet = R"({"pointer":"/sheet","code":"range","detail":"must be 1..9"})";
+  const Error wrong = error(sheet, Subject::CommandLine, {{"sheet", 12}});
+  CHECK(message(wrong) == "SHEET: is 12; must be 1..9");
+  CHECK(exit_code(wrong.kind) == 2);
+  // As popcutd repeats it, where it does; told once.
+  CHECK(message(error(R"({"pointer":"?state","detail":"must be states","got":"foo"})",
+                      Subject::CommandLine, nullptr)) == "--state: is \"foo\"; must be states");
+  CHECK(message(error(R"({"pointer":"/material","detail":"there is no material \"foo\""})",
+                      Subject::CommandLine, {{"material", "foo"}})) ==
+        "--material: there is no material \"foo\"");
+  CHECK(message(error(R"({"pointer":"/options/snap","detail":"no length"})", Subject::CommandLine,
+                      {{"options", {{"snap", "x"}}}})) == "--snap: is \"x\"; no length");
+  // What cannot be made, and what a file holds, is no wrong command line.
+  CHECK(exit_code(error(R"({"pointer":"/options/mat","code":"infeasible","detail":"too small"})",
+                        Subject::CommandLine, {{"options", {{"mat", "1x1"}}}})
+                      .kind) == 4);
+  CHECK(exit_code(error(R"({"pointer":"/design","code":"unknown","detail":"no"})",
+                        Subject::CommandLine, {{"design", "x"}})
+                      .kind) == 3);
+  CHECK(exit_code(error(sheet, Subject::File, {{"sheet", 12}}).kind) == 3);
+  // The name of an upload is an option, whatever is in the file.
+  const Error name = error(R"({"pointer":"?name","detail":"must be short"})", Subject::File, {});
+  CHECK(message(name) == "--name: must be short");
+  CHECK(exit_code(name.kind) == 2);
+  // Whatever a server sends.
+  for (const char* pointer : {"/", "//", "/sheet/x", "/sheet~", "?", "/options/", "/sheet/"})
+    CHECK_FALSE(
+        message(error((R"({"detail":"no","pointer":")" + std::string(pointer) + "\"}").c_str(),
+                      Subject::CommandLine, {{"sheet", {1, 2}}}))
+            .empty());
+}
+
+TEST_CASE("a problem names command-line options and not JSON members", "[client]") {
+  CHECK(
+      told(
+          409,
+          R"({"type":"p/state-conflict","state":"interrupted","detail":"register it again and say registration \"re-registered\"",
+      "allowed_actions":["resume-from","retry-sheet"]})")
+          .find("say --registration re-registered; it is interrupted; possible now: "
+                "resume --from, retry") != std::string::npos);
+  CHECK(
+      told(
+          409,
+          R"({"type":"p/state-conflict","detail":"say i_accept_double_cut, or take one with retry-sheet"})")
+          .find("say --accept-double-cut, or") != std::string::npos);
+  CHECK(
+      told(403, R"({"type":"p/forbidden","detail":"confirm-result requires the role operator"})") ==
+      "job 01J: confirm requires the role operator");
+  CHECK(option_for("/options/mat") == "--mat");
+  CHECK(option_for("/from_path") == "--from");
+  CHECK(option_for("?limit") == "--limit");
+  CHECK(option_for("/surface/radius").empty());
+  // A pointer into a file is a place in that file.
+  HttpResponse spec;
+  spec.status = 422;
+  spec.body = R"({"type":"p/validation","errors":[{"pointer":"/material","code":"unknown",
+      "detail":"there is no such material"}]})";
+  CHECK(message(error_from(spec, "sphere.json", Subject::File)) ==
+        "sphere.json: /material: there is no such material");
+}
+
+TEST_CASE("a query's value is encoded", "[client]") {
+  CHECK(percent_encoded("a b&c=\xC3\xA9") == "a%20b%26c%3D%C3%A9");
+}
+
+TEST_CASE("a token with characters that no header allows is refused before it is sent",
+          "[client]") {
+  CHECK(bearer_token(environment({}))->empty());
+  CHECK(bearer_token(environment({{"POPCUT_TOKEN", "pc_1_2"}})) == "pc_1_2");
+  for (const char* wrong : {"pc_\n", "pc_ 1", "pc_\x1b", "pc_\xC3\xA9"}) {
+    const auto token = bearer_token(environment({{"POPCUT_TOKEN", wrong}}));
+    REQUIRE_FALSE(token);
+    CHECK(exit_code(token.error().kind) == 2);
+    CHECK(message(token.error()).rfind("POPCUT_TOKEN: contains a character", 0) == 0);
+  }
+}
+
+TEST_CASE("an unknown host is reported", "[client]") {
+  Api api(HttpClient({Address{{}, "cutter.invalid", 8631}}, ""));
+  api.http().set_tries(0);
+  const auto jobs = api.open_jobs();
+  REQUIRE_FALSE(jobs);
+  CHECK(jobs.error().kind == ErrorKind::DeviceGone);
+  CHECK(jobs.error().detail.rfind("the host cutter.invalid is not known", 0) == 0);
+}
+
+TEST_CASE("an absent popcutd is reported with how to start it", "[client]") {
+  Api api(HttpClient({Address{"/nonexistent/popcut.sock", {}, 0}}, ""));
+  api.http().set_tries(0);
+  const auto jobs = api.open_jobs();
+  REQUIRE_FALSE(jobs);
+  CHECK(jobs.error().kind == ErrorKind::DeviceGone);
+  CHECK(jobs.error().place == "/nonexistent/popcut.sock");
+  CHECK(jobs.error().detail.find("'popcutd'") != std::string::npos);
+}
+
+}  // namespace client_test

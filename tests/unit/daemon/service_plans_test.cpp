@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+#include <filesystem>
+#include <map>
+
+#include <catch2/catch.hpp>
+
+#include "tests/support/service_bench.hpp"
+
+namespace service_plans_test {
+
+using namespace popcut;
+using namespace popcut::daemon;
+using popcut::test::ServiceBench;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+PlanRequest plan_request(const std::string& design, const std::string& material = "") {
+  return {.design = design, .material = material, .device = {}, .machine = {}};
+}
+
+}  // namespace
+
+TEST_CASE("a plan can be requested without a job", "[daemon][service]") {
+  ServiceBench bench;
+  const auto design = bench.add_design("{\"material\":\"pp-150\"}").value();
+  const PlanRecord asked =
+      bench
+          .on([&](LiveService& s) {
+            return s.plans.request(
+                bench.student, {.design = design.id, .material = {}, .device = {}, .machine = {}});
+          })
+          .value();
+  CHECK(asked.material == "pp-150");  // the design's own
+  CHECK(asked.machine == "cameo3");
+  const auto plan = [&] {
+    return bench.on([&](LiveService& s) { return s.plans.find(asked.id).value(); });
+  };
+  REQUIRE(bench.wait([&] { return plan().state == PlanState::Planned; }));
+  CHECK(plan().sheets.size() == 2);
+  CHECK(plan().sheets.at(1).seconds_range == std::array<double, 2>{8, 13});
+  CHECK(plan().sha256.size() == 64);
+}
+
+TEST_CASE("a plan can be deleted while it waits and runs and when it is done",
+          "[daemon][service]") {
+  ServiceBench bench;
+  bench.options.plans_at_once = 1;
+  bench.stop();
+  REQUIRE(bench.start() == "");
+  // All are checked before the planner has something slow to do.
+  std::map<std::string, std::string> designs;
+  for (const char* text : {"slow 1", "slow 2", "quick"})
+    designs[text] = bench.add_design(text).value().id;
+  const auto ask = [&](const std::string& text) {
+    return bench
+        .on([&](LiveService& s) {
+          return s.plans.request(bench.student, plan_request(designs.at(text)));
+        })
+        ->id;
+  };
+  const auto remove = [&](const Principal& who, const std::string& id) {
+    return bench.on([&](LiveService& s) { return s.plans.remove(who, id); });
+  };
+  const auto state = [&](const std::string& id) -> std::optional<PlanState> {
+    const auto plan = bench.on([&](LiveService& s) { return s.plans.find(id); });
+    return plan ? std::optional(plan->state) : std::nullopt;
+  };
+  const std::string running = ask("slow 1"), waiting = ask("slow 2"), last = ask("quick");
+  REQUIRE(bench.wait([&] { return bench.planner.started >= 4; }));  // three checks and a plan
+  CHECK(remove(bench.other_student, waiting).error().kind == ProblemKind::Forbidden);
+  CHECK(remove(bench.student, waiting));
+  CHECK_FALSE(state(waiting));
+  CHECK(remove(bench.tutor, running));
+  CHECK_FALSE(state(running));
+  CHECK(remove(bench.student, running).error().kind == ProblemKind::NotFound);
+  // The place of the one that ran is free for the next.
+  REQUIRE(bench.wait([&] { return state(last) == PlanState::Planned; }));
+  CHECK(bench.planner.cancelled == 1);
+  CHECK_FALSE(fs::exists(bench.folder() + "/plans/" + running));
+  CHECK(fs::exists(bench.folder() + "/plans/" + last));
+  CHECK(remove(bench.student, last));
+  CHECK_FALSE(fs::exists(bench.folder() + "/plans/" + last));
+}
+
+TEST_CASE("the number of waiting plans is limited like that of jobs", "[daemon][service]") {
+  ServiceBench bench(false);
+  bench.options.queue_jobs = 2;
+  REQUIRE(bench.start() == "");
+  const auto design = bench.add_design("slow").value();
+  const auto ask = [&](const char* material) {
+    return bench.on([&](LiveService& s) {
+      return s.plans.request(bench.student, plan_request(design.id, material));
+    });
+  };
+  REQUIRE(ask("paper-220"));
+  REQUIRE(ask("paper-160"));
+  CHECK(ask("paper-160"));  // the same one
+  const auto third = ask("card-300");
+  REQUIRE_FALSE(third);
+  CHECK(third.error().kind == ProblemKind::QueueFull);
+  CHECK(third.error().retry_after_s == 60);
+}
+
+TEST_CASE("a plan that a job uses cannot be deleted", "[daemon][service]") {
+  ServiceBench bench;
+  const auto design = bench.add_design("{\"card\":1}").value();
+  const Job job = bench.wait_for(bench.create(design.id)->id, JobState::Ready);
+  const auto refused =
+      bench.on([&](LiveService& s) { return s.plans.remove(bench.tutor, job.plan); });
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().kind == ProblemKind::StateConflict);
+  CHECK(refused.error().detail.find(job.id) != std::string::npos);
+}
+
+TEST_CASE("removing a design removes its plans", "[daemon][service]") {
+  ServiceBench bench;
+  const auto design = bench.add_design("{\"slow\":1}").value();
+  const auto ask = [&](const std::string& material) {
+    return bench
+        .on([&](LiveService& s) {
+          return s.plans.request(bench.student, plan_request(design.id, material));
+        })
+        ->id;
+  };
+  const std::string one = ask("paper-220"), two = ask("paper-160");
+  REQUIRE(bench.wait([&] { return bench.planner.started >= 2; }));
+  CHECK(bench.on([&](LiveService& s) { return s.designs.remove(bench.student, design.id); }));
+  for (const std::string& plan : {one, two})
+    CHECK_FALSE(bench.on([&](LiveService& s) { return s.plans.find(plan); }));
+  REQUIRE(bench.wait([&] { return bench.planner.cancelled >= 1; }));
+  // Nothing of them is made any more, and what was made of another has no file left behind.
+  const auto made = bench.add_design("{\"card\":1}").value();
+  const std::string plan =
+      bench
+          .on([&](LiveService& s) { return s.plans.request(bench.student, plan_request(made.id)); })
+          ->id;
+  REQUIRE(bench.wait([&] {
+    return bench.on([&](LiveService& s) { return s.plans.find(plan); })->state ==
+           PlanState::Planned;
+  }));
+  CHECK(bench.on([&](LiveService& s) { return s.designs.remove(bench.student, made.id); }));
+  CHECK(fs::is_empty(bench.folder() + "/plans"));
+}
+
+TEST_CASE("an unknown option is refused at once with a suggestion", "[daemon][service]") {
+  ServiceBench bench;
+  const auto design = bench.add_design("{\"card\":1}").value();
+  const auto refused = [&](const char* name, const char* value) -> Problem {
+    JobCreate job{.design = design.id, .plan = {}};
+    job.options[name] = value;
+    PlanRequest plan = plan_request(design.id);
+    plan.options = job.options;
+    const auto made = bench.on([&](LiveService& s) { return s.jobs.create(bench.student, job); });
+    REQUIRE_FALSE(made);
+    const auto planned =
+        bench.on([&](LiveService& s) { return s.plans.request(bench.student, plan); });
+    REQUIRE_FALSE(planned);
+    CHECK(planned.error().detail == made.error().detail);
+    return made.error();
+  };
+  const Problem typo = refused("ordr", "best");
+  CHECK(typo.kind == ProblemKind::Validation);
+  CHECK(typo.errors.at(0).pointer == "/options/ordr");
+  CHECK(typo.errors.at(0).detail.find("did you mean order?") != std::string::npos);
+  CHECK(refused("order", "fast").errors.at(0).pointer == "/options/order");
+  CHECK(refused("snap", "2").errors.at(0).detail.find("from 0 to 1 (mm)") != std::string::npos);
+  CHECK(refused("clip", "perhaps").errors.at(0).detail.find("true or false") != std::string::npos);
+  CHECK(bench.planner.started == 1);  // the check of the design
+}
+
+}  // namespace service_plans_test

@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include "core/design/chain/chain.hpp"
+#include "core/design/design.hpp"
+#include "core/design/placement.hpp"
+#include "core/design/target/placement_map.hpp"
+#include "core/design/target/surface.hpp"
+#include "core/formats/write/report_json.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/slice_distance.hpp"
+
+namespace targets_test {
+
+using namespace popcut;
+using namespace popcut::testing;
+using namespace popcut::tests;
+
+namespace {
+
+Result<Surface> surface(const SurfaceSpec& spec, const SurfaceAssets& assets = {},
+                        const TargetPlacement& placement = {}, FitMode fit = FitMode::Exact) {
+  return Surface::make(spec, placement, fit, assets);
+}
+
+SurfaceSlice cut(const Result<Surface>& from, double s) {
+  if (!from) FAIL(message(from.error()));
+  auto slice = from->cut(s);
+  if (!slice) FAIL(message(slice.error()));
+  return *slice;
+}
+
+Result<Surface> mesh_surface(const TriangleMesh& mesh, const TargetPlacement& placement = {},
+                             FitMode fit = FitMode::Exact) {
+  return surface(MeshSpec{"part.stl"}, {{"part.stl", binary_stl(mesh)}}, placement, fit);
+}
+
+std::string spec_text(const std::string& surface_json, const std::string& more = "") {
+  return fmt::format(R"({{"popcut": 1, "surface": {}, "units_per_slice": 4, "slices": 6,
+                          "widths_mm": 8{}}})",
+                     surface_json, more);
+}
+
+DesignSpec spec_of(const std::string& surface_json, const std::string& more = "") {
+  const auto spec = parse_design_spec(spec_text(surface_json, more));
+  if (!spec) FAIL(message(spec.error()));
+  return *spec;
+}
+
+const std::string kMesh = R"({"type": "mesh", "file": "part.stl"})";
+
+}  // namespace
+
+TEST_CASE("a solid given by its sign has the same slices as the equal revolution",
+          "[core][target]") {
+  const auto solid = surface(ImplicitSpec{"x^2 + y^2 + z^2 - 1.05"}, {}, {60.0, {}, {}});
+  const auto revolution = surface(RevolutionSpec{"sqrt(1.05 - y^2)"}, {}, {60.0, {}, {}});
+  for (const double s : {0.0, 10.0, 40.0}) {
+    CHECK(apart(cut(solid, s).curve, cut(revolution, s).curve) < 1e-9);
+    CHECK(cut(solid, s).fit.unreachable_mm == 0.0);
+  }
+}
+
+TEST_CASE("the published profiles can be written as formulas", "[core][target]") {
+  struct Row {
+    const char* name;
+    const char* z;  ///< the profile
+    const char* f;  ///< the same as a solid
+    double h, d;
+  };
+  const Row row = GENERATE(
+      Row{"cylinder", "sqrt(1 - x^2)", "x^2 + z^2 - 1", 1, 1},
+      Row{"sphere", "sqrt(1.2 - y^2 - x^2)", "x^2 + y^2 + z^2 - 1.2", std::sqrt(1.11),
+          std::sqrt(1.11)},
+      Row{"saddle", "sqrt(1 + y^2 - x^2)", "x^2 + z^2 - 1 - y^2", std::sqrt(1.09), std::sqrt(1.09)},
+      Row{"concave arc", "1 - sqrt(2*x - x^2)", "x < 1 && z < 1 ? 1 - (1-x)^2 - (1-z)^2 : 1", 1, 1},
+      Row{"ellipse", "1.5*sqrt(1 - (x/2)^2)", "(x/2)^2 + (z/1.5)^2 - 1", 1.5, 2},
+      Row{"superellipse", "(1 - x^3)^(1/3)", "x^3 + z^3 - 1", 1, 1});
+  CAPTURE(row.name);
+  const auto profile = surface(ProfileSpec{row.z}, {}, {40.0, {}, {}});
+  const SurfaceSlice of_profile = cut(profile, 0.3 * 40.0);
+  CHECK_THAT(of_profile.curve.h(), Catch::WithinAbs(40.0 * row.h, 1e-8));
+  CHECK_THAT(of_profile.curve.d(), Catch::WithinAbs(40.0 * row.d, 1e-6));
+  const SurfaceSlice of_solid = cut(surface(ImplicitSpec{row.f}, {}, {40.0, {}, {}}), 0.3 * 40.0);
+  CHECK(apart(of_solid.curve, of_profile.curve) < 2e-3);
+  ChainSolver solver;
+  std::vector<double> x(8), z(8);
+  REQUIRE(solver.solve(of_profile.curve, 7, x, z));
+}
+
+TEST_CASE("a mesh of a sphere has the slices of the sphere", "[core][target]") {
+  const TriangleMesh ball = icosphere(50.0, 5);
+  const auto surface = mesh_surface(ball);
+  for (const double s : {0.0, 20.0, -31.0, 45.0}) {
+    CAPTURE(s);
+    const SurfaceSlice slice = cut(surface, s);
+    const double r = std::sqrt(2500.0 - s * s);
+    CHECK(apart(slice.curve, SliceCurve(r, r)) < 0.05);  // the facets' own distance
+    CHECK(slice.fit.unreachable_mm < 1e-6 * slice.fit.outline_mm);
+  }
+}
+
+TEST_CASE("slices at a mesh's own planes and corners are whole", "[core][target]") {
+  const auto surface = mesh_surface(box_mesh({-10, 0, -10}, {30, 40, 20}, false));
+  for (const double s : {0.0, 20.0, 40.0}) {
+    const SurfaceSlice slice = cut(surface, s);
+    CHECK_THAT(slice.curve.h(), Catch::WithinAbs(20.0, 1e-4));
+    CHECK_THAT(slice.curve.d(), Catch::WithinAbs(30.0, 1e-4));
+  }
+}
+
+TEST_CASE("parts that no falling curve reaches are refused or measured", "[core][target]") {
+  // A ball that floats in the corner: only its outer quarter falls, and the nearest curve cuts some
+  // of that off to come nearer to the rest that is seen.
+  const TargetPlacement floating{1.0, {}, {30, 0, 30}};
+  const TriangleMesh ball = icosphere(20.0, 4);
+  const auto refused = mesh_surface(ball, floating)->cut(0.0);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().kind == ErrorKind::Infeasible);
+  CHECK(refused.error().place == "/surface at s = 0 mm");
+  CHECK(refused.error().detail.find("\"fit\": \"nearest\"") != std::string::npos);
+
+  const SurfaceSlice taken = cut(mesh_surface(ball, floating, FitMode::Nearest), 0.0);
+  const double share = unreachable_share(taken.fit);
+  CHECK(share > 0.75);
+  CHECK(share < 0.90);
+  CHECK(taken.fit.max_mm < 10.0);
+  CHECK(taken.fit.rms_mm < taken.fit.max_mm);
+  CHECK(taken.curve.h() > 45.0);
+  CHECK(taken.curve.h() < 50.01);
+}
+
+TEST_CASE("a ring in the corner hides its inner side", "[core][target]") {
+  const auto ring = mesh_surface(torus(40.0, 10.0, 96), {1.0, {90, 0, 0}, {}}, FitMode::Nearest);
+  const SurfaceSlice slice = cut(ring, 0.0);  // an annulus from 30 to 50 about the spine
+  CHECK_THAT(unreachable_share(slice.fit), Catch::WithinAbs(3.0 / 8.0, 0.01));
+  CHECK_THAT(slice.curve.h(), Catch::WithinAbs(50.0, 0.1));
+  CHECK(slice.fit.max_mm < 0.1);
+}
+
+TEST_CASE("a rising profile is refused with its place or accepted with its error",
+          "[core][target]") {
+  const ProfileSpec wavy{"1 - x + 0.2*sin(4*pi*x)"};
+  const auto refused = surface(wavy, {}, {50.0, {}, {}})->cut(10.0);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().kind == ErrorKind::Infeasible);
+  const SurfaceSlice taken = cut(surface(wavy, {}, {50.0, {}, {}}, FitMode::Nearest), 10.0);
+  CHECK(taken.fit.unreachable_mm > 0.2 * taken.fit.outline_mm);
+  CHECK(taken.fit.max_mm > 1.0);
+  CHECK(taken.fit.max_mm < 10.0);
+  for (int k = 0; k <= 200; ++k) {
+    const CurveJet p = taken.curve.at(-1.0 + 0.01 * k);
+    CHECK(p.dx >= -1e-9);
+    CHECK(p.dz <= 1e-9);
+  }
+}
+
+TEST_CASE("turned and shifted solids are the same solids", "[core][target]") {
+  // The same cone along y, and along x and then turned about z.
+  const auto upright = surface(ImplicitSpec{"x^2 + z^2 - 4 - 0.1*y"}, {}, {10.0, {}, {}});
+  const auto lying = surface(ImplicitSpec{"y^2 + z^2 - 4 - 0.1*(-x)"}, {}, {10.0, {0, 0, -90}, {}});
+  CHECK(apart(cut(upright, 7.0).curve, cut(lying, 7.0).curve) < 1e-9);
+  const auto shifted = surface(RevolutionSpec{"2 + 0.1*y"}, {}, {10.0, {}, {0, 5, 0}});
+  CHECK_THAT(cut(shifted, 7.0).curve.h(), Catch::WithinAbs(20.2, 1e-12));
+  const auto sunk = surface(RevolutionSpec{"2"}, {}, {10.0, {}, {-5, 0, 0}});
+  CHECK_THAT(cut(sunk, 0.0).curve.d(), Catch::WithinAbs(15.0, 1e-9));
+  CHECK_THAT(cut(sunk, 0.0).curve.h(), Catch::WithinAbs(std::sqrt(400.0 - 25.0), 1e-9));
+}
+
+TEST_CASE("a placement and its inverse cancel", "[core][target]") {
+  const PlacementMap map({2.5, {30, -45, 170}, {1, -2, 3}});
+  const auto back = map.to_surface(map.to_corner({0.3, -0.7, 1.1}));
+  CHECK_THAT(back[0], Catch::WithinAbs(0.3, 1e-14));
+  CHECK_THAT(back[1], Catch::WithinAbs(-0.7, 1e-14));
+  CHECK_THAT(back[2], Catch::WithinAbs(1.1, 1e-14));
+  // x, then y, then z: a turn about x takes y to z, the one about z leaves it there.
+  const auto p = PlacementMap({1.0, {90, 0, 90}, {}}).to_corner({0, 1, 0});
+  CHECK(p == std::array<double, 3>{0, 0, 1});
+}
+
+TEST_CASE("the proposed placement puts a half ball with its round side outward", "[core][target]") {
+  // A ball cut flat at z = 0 and x = 0, stood on its head and turned away.
+  TriangleMesh wedge = shell_of(
+      [](double a, double b) {
+        const double t = 0.5 * std::numbers::pi * a, y = 60.0 * b;
+        return Point{-30.0 * std::sin(t), y, -30.0 * std::cos(t)};
+      },
+      48, 4);
+  DesignSpec spec = spec_of(kMesh);
+  const auto proposed = propose_placement(spec, {{"part.stl", binary_stl(wedge)}});
+  if (!proposed) FAIL(message(proposed.error()));
+  CHECK(proposed->unreachable_share < 1e-6);
+  spec.placement = proposed->placement;
+  const auto made = design(spec, {{"part.stl", binary_stl(wedge)}});
+  if (!made) FAIL(message(made.error()));
+  CHECK(made->report.degrees_of_freedom == 1);
+  const auto text = with_placement(spec_text(kMesh), *proposed);
+  REQUIRE(text);
+  const auto again = parse_design_spec(*text);
+  REQUIRE(again);
+  CHECK(again->placement.rotate_deg == proposed->placement.rotate_deg);
+  CHECK(again->placement.translate_mm == proposed->placement.translate_mm);
+}
+
+TEST_CASE("the report of a mesh names the parts out of reach", "[core][target]") {
+  const DesignSpec spec = spec_of(kMesh, R"(, "fit": "nearest", "translate_mm": [28, 20, 28])");
+  const auto made = design(spec, {{"part.stl", binary_stl(icosphere(30.0, 4))}});
+  if (!made) FAIL(message(made.error()));
+  CHECK(made->report.degrees_of_freedom == 1);
+  CHECK(unreachable_share(made->report.fit) > 0.5);
+  CHECK(made->report.fit_nearest);
+  const std::string json = report_json(made->report);
+  for (const char* field : {"\"unreachable_share\"", "\"rms_mm\"", "\"max_mm\"", "\"nearest\""})
+    CHECK(json.find(field) != std::string::npos);
+  bool said = false;
+  for (const std::string& note : made->report.notes)
+    said = said || note.find("out of reach") != std::string::npos;
+  CHECK(said);
+}
+
+TEST_CASE("a mesh that cannot be used is refused with its own reason", "[core][target]") {
+  const auto refusal = [](const TriangleMesh& mesh, const TargetPlacement& placement) {
+    const auto made = mesh_surface(mesh, placement);
+    if (!made) return made.error();
+    const auto slice = made->cut(5.0);
+    if (slice) FAIL("it was cut");
+    return slice.error();
+  };
+  const Error hole = refusal(box_mesh({-5, 0, -5}, {20, 10, 20}, true), {});
+  CHECK(hole.kind == ErrorKind::Infeasible);
+  CHECK(hole.detail.find("hole") != std::string::npos);
+  CHECK(hole.detail.find("x = 20") != std::string::npos);
+  const Error outside = refusal(box_mesh({-9, 0, 0}, {-5, 10, 10}, false), {});
+  CHECK(outside.kind == ErrorKind::Infeasible);
+  CHECK(outside.place == "/translate_mm");
+  CHECK(outside.detail.find("x = -9 to -5") != std::string::npos);
+  const Error beside = refusal(box_mesh({-5, 20, -5}, {20, 30, 20}, false), {});
+  CHECK(beside.detail.find("spans y = 20 to 30 mm only") != std::string::npos);
+  const Error huge = refusal(icosphere(1.0, 0), {1e9, {}, {}});
+  CHECK(huge.kind == ErrorKind::OutOfRange);
+  CHECK(huge.place == "/scale_mm");
+  const Error absent = surface(MeshSpec{"other.stl"}, {{"part.stl", ""}}).error();
+  CHECK(absent.kind == ErrorKind::Malformed);
+  CHECK(absent.place == "/surface/file");
+}
+
+TEST_CASE("a solid that cannot be used is refused with its own reason", "[core][target]") {
+  const auto refusal = [](const std::string& f) {
+    const auto made = surface(ImplicitSpec{f});
+    if (!made) return made.error();
+    const auto slice = made->cut(0.0);
+    if (slice) FAIL("it was cut");
+    return slice.error();
+  };
+  CHECK(refusal("x^2 + ").place == "/surface/f");
+  CHECK(refusal("x^2 + ").kind == ErrorKind::Malformed);
+  CHECK(refusal("w - 1").kind == ErrorKind::Malformed);
+  CHECK(refusal("1").detail.find("no part of the solid is in the corner") != std::string::npos);
+  CHECK(refusal("0/0").kind == ErrorKind::Infeasible);
+  CHECK(refusal("z - 1").detail.find("does not end") != std::string::npos);
+  CHECK(refusal("(x-3)^2 + (z-3)^2 - 1").detail.find("does not reach the wall") !=
+        std::string::npos);
+}
+
+TEST_CASE("placement and fit of a spec are read or refused with their place", "[core][spec]") {
+  const DesignSpec spec = spec_of(
+      R"({"type": "implicit", "f": "x^2+z^2-1"})",
+      R"(, "rotate_deg": [0, 90, -180.5], "translate_mm": [1, 2, 3], "scale_mm": 7, "fit": "nearest")");
+  CHECK(spec.placement.rotate_deg == std::array<double, 3>{0, 90, -180.5});
+  CHECK(spec.placement.translate_mm == std::array<double, 3>{1, 2, 3});
+  CHECK(spec.placement.scale_mm == 7.0);
+  CHECK(spec.fit == FitMode::Nearest);
+  CHECK(asset_of(spec_of(R"({"type": "grid", "file": "a/h.csv"})").surface) == "a/h.csv");
+  struct Row {
+    const char* surface;
+    const char* more;
+    const char* place;
+    ErrorKind kind;
+  };
+  for (const Row& row :
+       {Row{R"({"type": "mesh"})", "", "/surface/file", ErrorKind::Malformed},
+        Row{R"({"type": "mesh", "file": ""})", "", "/surface/file", ErrorKind::OutOfRange},
+        Row{R"({"type": "mesh", "file": 3})", "", "/surface/file", ErrorKind::Malformed},
+        Row{R"({"type": "grid", "file": "a", "f": "x"})", "", "/surface/f", ErrorKind::Malformed},
+        Row{R"({"type": "ball"})", "", "/surface/type", ErrorKind::OutOfRange},
+        Row{R"({"f": "x"})", "", "/surface/type", ErrorKind::Malformed},
+        Row{R"({"type": "implicit"})", "", "/surface/f", ErrorKind::Malformed},
+        Row{R"({"type": "implicit", "f": "x"})", R"(, "fit": "best")", "/fit",
+            ErrorKind::OutOfRange},
+        Row{R"({"type": "implicit", "f": "x"})", R"(, "rotate_deg": 90)", "/rotate_deg",
+            ErrorKind::Malformed},
+        Row{R"({"type": "implicit", "f": "x"})", R"(, "rotate_deg": [1, 2])", "/rotate_deg",
+            ErrorKind::Malformed},
+        Row{R"({"type": "implicit", "f": "x"})", R"(, "rotate_deg": [1, 2, 1e9])", "/rotate_deg/2",
+            ErrorKind::OutOfRange},
+        Row{R"({"type": "implicit", "f": "x"})", R"(, "translate_mm": [1, null, 0])",
+            "/translate_mm/1", ErrorKind::Malformed}}) {
+    CAPTURE(row.surface, row.more);
+    const auto refused = parse_design_spec(spec_text(row.surface, row.more));
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().place == row.place);
+    CHECK(refused.error().kind == row.kind);
+  }
+  const auto contradictory = parse_design_spec(
+      R"({"popcut": 1, "regions": [{"radius": "5", "units_per_slice": 2, "slices": 3,
+          "width_mm": 4}], "rotate_deg": [0, 0, 90]})");
+  REQUIRE_FALSE(contradictory);
+  CHECK(contradictory.error().place == "/rotate_deg");
+}
+
+TEST_CASE("a chain with several minima takes the best one and reports the spread",
+          "[core][chain]") {
+  // Wiggles whose minima docs/geometry.md, section 3, lists: with two waves and nine units a second
+  // one at 2.81 times; with four the start at equal arcs ends 1 / 0.845 times above the best.
+  const auto solved = [](int waves, int units) {
+    const auto curve =
+        surface(ProfileSpec{fmt::format("1 - x + 0.95*sin({0}*pi*x)/({0}*pi)", 2 * waves)});
+    std::vector<double> x(static_cast<std::size_t>(units) + 1), z(x.size());
+    auto figures = ChainSolver{}.solve(cut(curve, 0.0).curve, units, x, z);
+    REQUIRE(figures);
+    CHECK_THAT(chain_loss(x, z), Catch::WithinRel(figures->loss, 1e-12));
+    return *figures;
+  };
+  const ChainFigures two = solved(2, 9), four = solved(4, 9);
+  CHECK(two.minima == 2);
+  CHECK_THAT(two.spread, Catch::WithinAbs(1.81, 0.005));
+  CHECK(four.minima > 2);
+  CHECK_THAT(four.loss, Catch::WithinRel(0.845 * 0.0191904798, 1e-3));
+  std::vector<double> x(10), z(10);
+  const auto circle = ChainSolver{}.solve(SliceCurve(1.0, 1.0), 9, x, z);
+  CHECK(circle->minima == 1);
+  CHECK(circle->spread == 0.0);
+  CHECK(circle->iterations <= 8);
+}
+
+}  // namespace targets_test

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+#include <catch2/catch.hpp>
+
+#include "core/plan/marks.hpp"
+#include "core/plan/test_shape.hpp"
+#include "device/session/session.hpp"
+#include "tests/support/sim_bench.hpp"
+
+namespace marks_test {
+
+using namespace popcut;
+using namespace popcut::testing;
+
+namespace {
+
+std::string shown(std::string text) {
+  for (char& c : text)
+    if (c == '\x03') c = ';';
+  return text;
+}
+
+Toolpath one_line(PagePoint a, PagePoint b) {
+  const Material paper = value(find_material("paper-220"));
+  Toolpath path;
+  path.points = {a, b};
+  Stroke stroke;
+  stroke.count = 2;
+  stroke.force_gf = paper.cut.force_gf;
+  stroke.speed_mm_s = paper.cut.speed_mm_s;
+  path.strokes.push_back(stroke);
+  return path;
+}
+
+struct PrintedSheet {
+  Machine machine = testing::machine("cameo3");
+  MarkLayout marks = value(marks_for({304.8, 304.8}));
+  Toolpath path = one_line({50, 40}, {70, 90});
+  EncodedProgram program;
+
+  PrintedSheet() {
+    JobOptions job;
+    job.marks = marks;
+    program = value(encode(path, machine, value(find_material("paper-220")), job));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the search for marks precedes the geometry and coordinates count from them",
+          "[protocol][marks]") {
+  const PrintedSheet sheet;
+  const std::string search = shown(sheet.program.bytes.substr(
+      sheet.program.search.begin, sheet.program.search.end - sheet.program.search.begin));
+  CHECK(search == "TB50,0;TB99;TB52,2;TB51,400;TB53,10;TB55,1;TB123,5296,5696,0,0;");
+  CHECK(sheet.program.search.end == sheet.program.geometry.begin);
+  CHECK(sheet.program.search.begin == sheet.program.setup.back().end);
+  CHECK(shown(sheet.program.bytes.substr(sheet.program.geometry.begin, 8)) == "M600,800");
+}
+
+TEST_CASE("the meaning of TB51 and TB53 can be swapped", "[protocol][marks]") {
+  MarkLayout marks = value(marks_for({304.8, 304.8}));
+  marks.arm_first = false;
+  CHECK_THAT(shown(mark_search(marks, machine("cameo3"))),
+             Catch::Contains("TB51,10;TB53,400;TB54,0,0;TB55,1;TB123,"));
+  marks.four_corners = true;
+  CHECK_THAT(shown(mark_search(marks, machine("cameo5-alpha"))), Catch::Contains("TB124,"));
+}
+
+TEST_CASE("strokes outside the marks are refused", "[core][marks]") {
+  const MarkLayout marks = value(marks_for({304.8, 304.8}));
+  CHECK(check_marks(marks, one_line({50, 40}, {70, 90})));
+  const auto outside = check_marks(marks, one_line({50, 40}, {70, 290}));
+  REQUIRE_FALSE(outside);
+  CHECK(outside.error().kind == ErrorKind::Infeasible);
+  CHECK(outside.error().detail.find("outside the registration marks") != std::string::npos);
+  const auto over = check_marks(marks, one_line({12, 12}, {70, 90}));
+  REQUIRE_FALSE(over);
+  CHECK(over.error().detail.find("on a registration mark") != std::string::npos);
+  CHECK_FALSE(marks_for({60, 60}));
+  MarkLayout bad = marks;
+  bad.width_mm = 30;
+  CHECK_FALSE(check_marks(bad, {}));
+  JobOptions job;
+  job.marks = marks;
+  const auto hpgl = encode(one_line({50, 40}, {70, 90}), machine("hpgl-generic"),
+                           value(find_material("paper-220")), job);
+  REQUIRE_FALSE(hpgl);
+  CHECK(hpgl.error().detail.find("registration marks") != std::string::npos);
+}
+
+TEST_CASE("a shifted sheet is cut where it was printed", "[device][marks]") {
+  const PrintedSheet sheet;
+  for (const PagePoint shift : {PagePoint{0, 0}, PagePoint{1.2, -0.7}, PagePoint{-4, 5}}) {
+    SimOptions around;
+    around.marks_at = PagePoint{10 + shift.x, 10 + shift.y};
+    SimTransport cable(cutter(sheet.machine, around));
+    const SessionEnd end = run_session(cable, sheet.machine, sheet.program);
+    INFO((end.error ? message(*end.error) : std::string()));
+    REQUIRE_FALSE(end.error);
+    const Trace& trace = cable.cutter().trace();
+    REQUIRE(trace.strokes.size() == 1);
+    CHECK(trace.points[0].x == Approx(50 + shift.x));
+    CHECK(trace.points[0].y == Approx(40 + shift.y));
+    CHECK(trace.points[1].x == Approx(70 + shift.x));
+    CHECK(trace.points[1].y == Approx(90 + shift.y));
+    CHECK(end.fates[0] == StrokeFate::Certain);
+  }
+}
+
+TEST_CASE("missing marks are reported before anything is cut", "[device][marks]") {
+  const PrintedSheet sheet;
+  SimOptions bare;
+  bare.marks = false;
+  SimOptions far;
+  far.marks_at = PagePoint{25, 10};
+  for (const SimOptions& around : {bare, far}) {
+    SimTransport cable(cutter(sheet.machine, around));
+    const SessionEnd end = run_session(cable, sheet.machine, sheet.program);
+    REQUIRE(end.error);
+    CHECK(end.error->kind == ErrorKind::Refused);
+    CHECK(end.error->detail.find("nothing was cut") != std::string::npos);
+    CHECK(end.fates[0] == StrokeFate::NotSent);
+    cable.cutter().run_dry();
+    CHECK(cable.cutter().trace().strokes.empty());
+    CHECK(cable.cutter().accepted_bytes() < sheet.program.geometry.begin + 60);  // and queries
+  }
+}
+
+TEST_CASE("a search for marks without an answer times out", "[device][marks]") {
+  const PrintedSheet sheet;
+  // Replies are lost from the end of the settings on.
+  SimFault deaf{
+      .at_byte = sheet.program.search.end, .kind = SimFault::Kind::Silence, .seconds = 1000};
+  SimTransport cable(cutter(sheet.machine), {deaf});
+  const SessionEnd end = run_session(cable, sheet.machine, sheet.program);
+  REQUIRE(end.error);
+  CHECK(end.error->kind == ErrorKind::Timeout);
+  CHECK(end.seconds < 70);
+  cable.cutter().run_dry();
+  CHECK(cable.cutter().trace().strokes.empty());
+}
+
+TEST_CASE("the marks are drawn as a page at true size", "[core][marks]") {
+  const MarkLayout marks = value(marks_for({304.8, 304.8}));
+  const std::string svg = marks_svg(marks, {304.8, 304.8}, "a <sheet>");
+  CHECK_THAT(svg, Catch::Contains("width=\"304.8mm\""));
+  CHECK_THAT(svg, Catch::Contains("<rect x=\"10\" y=\"10\" width=\"5\" height=\"5\"/>"));
+  CHECK_THAT(svg, Catch::Contains("<title>a sheet</title>"));
+}
+
+TEST_CASE("the test shape is small and has a fold and two closed cuts", "[core][plan]") {
+  const LineWork shape = test_shape();
+  REQUIRE(shape.lines.size() == 3);
+  CHECK(bounds(shape).width() == Approx(14));
+  CHECK(bounds(shape).height() == Approx(10));
+  CHECK_FALSE(closed(shape.points_of(shape.lines[0])));
+  CHECK(closed(shape.points_of(shape.lines[1])));
+  CHECK(closed(shape.points_of(shape.lines[2])));
+}
+
+}  // namespace marks_test

@@ -1,0 +1,398 @@
+// SPDX-License-Identifier: MIT
+#include <sstream>
+
+#include <catch2/catch.hpp>
+
+#include "core/formats/dxf/dxf_reader.hpp"
+#include "core/formats/dxf/dxf_tables.hpp"
+#include "core/formats/fold/fold_reader.hpp"
+#include "core/formats/fold/fold_writer.hpp"
+#include "core/formats/write/dxf_writer.hpp"
+#include "tests/support/box_card.hpp"
+#include "tests/support/linework_checks.hpp"
+
+namespace dxf_reader_test {
+
+using namespace popcut;
+using namespace popcut::test;
+
+namespace {
+
+/// "0 LINE 8 CUT ..." to groups: codes and values by turns, a `|` stands for a blank in a value.
+std::string groups(const std::string& words) {
+  std::istringstream in(words);
+  std::string out, word;
+  while (in >> word) {
+    std::replace(word.begin(), word.end(), '|', ' ');
+    out += word + "\n";
+  }
+  return out;
+}
+
+std::string section(const std::string& name, const std::string& words) {
+  return groups("0 SECTION 2 " + name + " " + words + " 0 ENDSEC");
+}
+
+const std::string kMm = section("HEADER", "9 $INSUNITS 70 4");
+
+std::string drawing(const std::string& entities, const std::string& before = kMm) {
+  return before + section("ENTITIES", entities) + groups("0 EOF");
+}
+
+LineWork read(const std::string& text, const DxfOptions& options = {}) {
+  const auto work = linework_from_dxf(text, options);
+  INFO((work ? "" : message(work.error())));
+  REQUIRE(work);
+  return *work;
+}
+
+std::string fault(const std::string& text, const DxfOptions& options = {}) {
+  const auto work = linework_from_dxf(text, options);
+  return work ? "" : message(work.error());
+}
+
+std::string line_on(const std::string& layer, double l) {
+  return "0 LINE 8 " + layer + " 10 0 20 0 11 " + std::to_string(l) + " 21 0 ";
+}
+
+bool warned(const LineWork& work, const std::string& words) {
+  for (const std::string& warning : work.warnings)
+    if (warning.find(words) != std::string::npos) return true;
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("a DXF line lies on the page with y turned down", "[core][formats][dxf]") {
+  const LineWork work = read(drawing("0 LINE 5 1F 8 0 10 1 20 2 30 0 11 +3.5 21 4e0 31 0"));
+  REQUIRE(work.lines.size() == 1);
+  CHECK(work.points == std::vector<PagePoint>{{1, -2}, {3.5, -4}});
+  CHECK(work.lines[0].operation == Operation::Cut);
+  CHECK(work.warnings.empty());
+  CHECK_FALSE(work.has_page);
+}
+
+TEST_CASE("DXF line ends and comments and a byte order mark do not matter",
+          "[core][formats][dxf]") {
+  const std::string plain = drawing(line_on("CUT", 5));
+  std::string windows, old_mac,
+      commented =
+          "\xEF\xBB\xBF"
+          "999\nmade by hand\n";
+  for (const char c : plain) {
+    windows += c == '\n' ? "\r\n" : std::string(1, c);
+    old_mac += c == '\n' ? '\r' : c;
+  }
+  commented += plain + "\n\n";
+  for (const std::string& text : {plain, windows, old_mac, commented})
+    CHECK(read(text).points == read(plain).points);
+}
+
+TEST_CASE("layer names give DXF lines their meaning", "[core][formats][dxf]") {
+  const std::vector<std::pair<std::string, DxfMeaning>> cases{
+      {"CUT", DxfMeaning::Cut},
+      {"FOLD_M", DxfMeaning::FoldMountain},
+      {"FOLD_V", DxfMeaning::FoldValley},
+      {"MARK", DxfMeaning::Draw},
+      {"cuts", DxfMeaning::Cut},
+      {"01-Cutting lines", DxfMeaning::Cut},
+      {"Score", DxfMeaning::Score},
+      {"laser engrave 2", DxfMeaning::Draw},
+      {"valleyFolds", DxfMeaning::FoldValley},
+      {"Mountain folds", DxfMeaning::FoldMountain},
+      {"MOUNTAIN", DxfMeaning::FoldMountain},
+      {"m", DxfMeaning::FoldMountain},
+      {"fold", DxfMeaning::Fold},
+      {"mountain and valley", DxfMeaning::Fold},
+      {"Outline", DxfMeaning::Outline},
+      {"cut_fold", DxfMeaning::Fold},
+      {"no cut", DxfMeaning::Ignore},
+      {"Defpoints", DxfMeaning::Ignore},
+      {"0", DxfMeaning::Unknown},
+      {"shortcut", DxfMeaning::Unknown},
+      {"scoreboardmaker", DxfMeaning::Unknown},
+      {"", DxfMeaning::Unknown}};
+  for (const auto& [name, meaning] : cases) {
+    CAPTURE(name);
+    CHECK(dxf_meaning(name) == meaning);
+  }
+  const LineWork work =
+      read(drawing(line_on("CUT", 1) + line_on("fold_m", 2) + line_on("Fold_V", 4) +
+                   line_on("MARK", 8) + line_on("score", 16) + line_on("crease", 32)));
+  CHECK(total_mm(work, Operation::Cut) == Approx(1));
+  CHECK(total_mm(work, Operation::FoldMountain) == Approx(2));
+  CHECK(total_mm(work, Operation::FoldValley) == Approx(4 + 32));
+  CHECK(total_mm(work, Operation::Draw) == Approx(8));
+  CHECK(total_mm(work, Operation::Score) == Approx(16));
+  CHECK(warned(work, "become valley folds"));
+}
+
+TEST_CASE("colours of a DXF are used only on request", "[core][formats][dxf]") {
+  const std::string text = drawing(
+      "0 LINE 8 A 62 1 11 1 0 LINE 8 A 62 5 11 2 0 LINE 8 A 62 3 11 4 "
+      "0 LINE 8 A 11 8 0 LINE 8 A 62 2 11 16 "
+      "0 LINE 8 A 420 255 11 32 0 LINE 8 CUT 62 1 11 64");
+  CHECK(total_mm(read(text), Operation::Cut) == Approx(127));
+  DxfOptions options;
+  options.colours = DxfColours::OrigamiSim;
+  const LineWork simulator = read(text, options);
+  CHECK(total_mm(simulator, Operation::FoldMountain) == Approx(1));
+  CHECK(total_mm(simulator, Operation::FoldValley) == Approx(2 + 32));
+  CHECK(total_mm(simulator, Operation::Cut) == Approx(4 + 64));
+  CHECK(total_mm(simulator, Operation::Outline) == Approx(8));
+  CHECK(warned(simulator, "1 lines are left out"));
+  options.colours = DxfColours::Lightburn;
+  CHECK(total_mm(read(text, options), Operation::Cut) == Approx(4 + 8 + 16 + 64));
+}
+
+TEST_CASE("DXF units are read and a missing one is reported", "[core][formats][dxf]") {
+  const auto length_in = [](const std::string& header) {
+    return length(read(drawing(line_on("CUT", 10), section("HEADER", header))).points);
+  };
+  CHECK(length_in("9 $INSUNITS 70 4") == Approx(10));
+  CHECK(length_in("9 $INSUNITS 70 1") == Approx(254));
+  CHECK(length_in("9 $INSUNITS 70 5") == Approx(100));
+  CHECK(length_in("9 $ACADVER 1 AC1015 9 $INSUNITS 70 6 9 $MEASUREMENT 70 0") == Approx(10000));
+  CHECK(length_in("9 $MEASUREMENT 70 0") == Approx(254));
+  CHECK(length_in("9 $INSUNITS 70 0 9 $MEASUREMENT 70 1") == Approx(10));
+  CHECK(warned(read(drawing(line_on("CUT", 1), "")), "1 unit is read as 1 mm"));
+  CHECK(warned(read(drawing(line_on("CUT", 1), section("HEADER", "9 $MEASUREMENT 70 0"))),
+               "1 unit is read as 1 inch"));
+  CHECK(fault(drawing(line_on("CUT", 1), section("HEADER", "9 $INSUNITS 70 mm"))) ==
+        "line 8: \"mm\" is not a whole number (group code 70)");
+}
+
+TEST_CASE("DXF layers that are off or frozen or not plotted are left out and named",
+          "[core][formats][dxf]") {
+  const std::string tables = section(
+      "TABLES",
+      "0 TABLE 2 LAYER 70 4 0 LAYER 2 CUT 70 0 62 7 0 LAYER 2 Off 70 0 62 -7 0 LAYER 2 Cold 70 1 "
+      "62 7 0 LAYER 2 Notes 70 0 62 7 290 0 0 ENDTAB");
+  const LineWork work =
+      read(drawing(line_on("cut", 1) + line_on("OFF", 2) + line_on("cold", 4) +
+                       line_on("notes", 8) + "0 LINE 8 CUT 67 1 11 16 " + "0 LINE 8 CUT 60 1 11 32",
+                   kMm + tables));
+  CHECK(total_mm(work, Operation::Cut) == Approx(1));
+  CHECK(work.lines.size() == 1);
+  CHECK(warned(work, "the layer \"Off\" is off; 1 of its entities is left out"));
+  CHECK(warned(work, "the layer \"Cold\" is frozen; 1"));
+  CHECK(warned(work, "the layer \"Notes\" is not plotted; 1"));
+  CHECK(warned(work, "1 entities on a paper layout"));
+  CHECK(warned(work, "1 invisible"));
+}
+
+TEST_CASE("names in old code pages are decoded", "[core][formats][dxf]") {
+  CHECK(dxf_name("Gr\xfc\xdf"
+                 "e \x80") == "Grüße €");
+  CHECK(dxf_name("Grüße €") == "Grüße €");
+  CHECK(dxf_name("a\x01\x7f"
+                 "b") == "a??b");
+}
+
+TEST_CASE("dashed DXF lines are cut as whole dashes with paper at both ends",
+          "[core][formats][dxf]") {
+  const std::string tables =
+      section("TABLES",
+              "0 TABLE 2 LTYPE 70 2 0 LTYPE 2 DASHED 70 0 3 d 72 65 73 2 40 3 49 2 49 -1 "
+              "0 LTYPE 2 DOTS 70 0 73 2 40 1 49 0 49 -1 0 ENDTAB "
+              "0 TABLE 2 LAYER 70 1 0 LAYER 2 Perfs 70 0 62 7 6 DASHED 0 ENDTAB");
+  const LineWork work =
+      read(drawing("0 LINE 8 A 6 dashed 11 31 0 LINE 8 FOLD_M 6 DASHED 11 31 "
+                   "0 LINE 8 A 6 DOTS 10 0 20 9 11 5 21 9 0 LINE 8 A 6 HIDDEN2 20 8 11 7 21 8 "
+                   "0 LINE 8 A 6 DASHED 20 3 11 1 21 3 0 LINE 8 A 6 Odd 20 4 11 100 21 4",
+                   kMm + tables));
+  // 31 mm hold ten periods of 3.1 mm: two thirds are dash.
+  CHECK(count(work, Operation::Cut) == 10 + 1 + 1);
+  CHECK(total_mm(work, Operation::Cut) == Approx(31 * 2 / 3.0 + 2 / 3.0 + 100));
+  CHECK(work.points_of(work.lines[0])[0].x == Approx(3.1 / 6));
+  CHECK(work.points_of(work.lines[9])[1].x == Approx(31 - 3.1 / 6));
+  CHECK(total_mm(work, Operation::FoldMountain) == Approx(31));
+  CHECK(total_mm(work, Operation::FoldValley) == Approx(5 + 7));
+  CHECK(warned(work, "2 lines have a dashed line type; their dashes are cut"));
+  CHECK(warned(work, "2 lines have a dashed line type whose dashes are not in the file"));
+  // Dashes go round the corners of a polyline.
+  const LineWork bent = read(drawing(
+      "0 LWPOLYLINE 8 A 6 DASHED 90 3 70 0 10 0 20 0 10 1.5 20 0 10 1.5 20 1.5", kMm + tables));
+  REQUIRE(bent.lines.size() == 1);
+  CHECK(bent.lines[0].count == 3);
+  CHECK(length(bent.points) == Approx(2));
+}
+
+TEST_CASE("inserts of blocks turn and scale and repeat", "[core][formats][dxf]") {
+  const std::string blocks =
+      section("BLOCKS",
+              "0 BLOCK 8 0 2 B 70 0 10 1 20 0 30 0 3 B 0 LINE 8 0 10 1 11 3 "
+              "0 LINE 8 FOLD_V 10 1 11 2 0 ENDBLK 8 0 "
+              "0 BLOCK 8 0 2 OUTER 70 0 10 0 20 0 0 INSERT 8 0 2 b 10 5 20 0 0 ENDBLK");
+  const LineWork turned =
+      read(drawing("0 INSERT 8 CUT 2 B 10 10 20 20 41 2 42 2 50 90", kMm + blocks));
+  REQUIRE(turned.lines.size() == 2);
+  CHECK(turned.lines[0].operation == Operation::Cut);  // layer 0 of a block is that of its insert
+  CHECK(turned.lines[1].operation == Operation::FoldValley);
+  CHECK(turned.points[0].x == Approx(10));
+  CHECK(turned.points[0].y == Approx(-20));
+  CHECK(turned.points[1].x == Approx(10));
+  CHECK(turned.points[1].y == Approx(-24));
+  const LineWork rows = read(drawing("0 INSERT 2 OUTER 70 3 71 2 44 10 45 20", kMm + blocks));
+  CHECK(rows.lines.size() == 12);
+  CHECK(bounds(rows).width() == Approx(20 + 2));
+  CHECK(bounds(rows).height() == Approx(20));
+  CHECK(bounds(rows).x0 == Approx(5));
+  const LineWork mirrored =
+      read(drawing("0 INSERT 2 B 10 10 20 20 210 0 220 0 230 -1", kMm + blocks));
+  CHECK(mirrored.points[0].x == Approx(-10));
+  CHECK(mirrored.points[1].x == Approx(-12));
+  const LineWork none = read(drawing("0 INSERT 2 GONE", kMm + blocks));
+  CHECK(none.lines.empty());
+  CHECK(warned(none, "1 insert of the block \"GONE\", which is not in the file"));
+}
+
+TEST_CASE("blocks that insert themselves or swell are refused", "[core][formats][dxf]") {
+  const std::string itself =
+      section("BLOCKS", "0 BLOCK 2 A 0 INSERT 2 B 0 ENDBLK 0 BLOCK 2 B 0 INSERT 2 A 0 ENDBLK");
+  CHECK(fault(drawing("0 INSERT 2 A", itself)).find("inserts itself; remove this INSERT") !=
+        std::string::npos);
+  // Ten blocks of ten inserts each: ten thousand million lines.
+  std::string bomb = "0 BLOCK 2 X0 0 LINE 8 0 11 1 0 ENDBLK ";
+  for (int i = 1; i <= 10; ++i) {
+    bomb += "0 BLOCK 2 X" + std::to_string(i) + " ";
+    for (int k = 0; k < 10; ++k) bomb += "0 INSERT 2 X" + std::to_string(i - 1) + " ";
+    bomb += "0 ENDBLK ";
+  }
+  DxfOptions small;
+  small.most_lines = 100'000;
+  CHECK(fault(drawing("0 INSERT 2 X10", section("BLOCKS", bomb)), small)
+            .find("repeats blocks too often") != std::string::npos);
+  small.most_points = 1000;
+  CHECK(fault(drawing("0 INSERT 2 X0 70 100 71 100", section("BLOCKS", bomb)), small)
+            .find("more than 1000 points") != std::string::npos);
+  CHECK(fault(drawing("0 INSERT 2 X0 70 100000 71 2", section("BLOCKS", bomb)))
+            .find("at most 32767") != std::string::npos);
+  std::string deep = "0 BLOCK 2 D0 0 LINE 11 1 0 ENDBLK ";
+  for (int i = 1; i < 50; ++i)
+    deep +=
+        "0 BLOCK 2 D" + std::to_string(i) + " 0 INSERT 2 D" + std::to_string(i - 1) + " 0 ENDBLK ";
+  CHECK(fault(drawing("0 INSERT 2 D49", section("BLOCKS", deep))).find("32 deep") !=
+        std::string::npos);
+  CHECK(fault(drawing("0 INSERT 2 D20", section("BLOCKS", deep))).empty());
+}
+
+TEST_CASE("entities of a DXF that are not lines are named", "[core][formats][dxf]") {
+  const LineWork work =
+      read(drawing("0 POINT 10 1 20 1 0 TEXT 8 A 10 nonsense 1 hello 0 MTEXT 1 a "
+                   "0 HATCH 10 0 91 1 0 DIMENSION 2 *D1 0 IMAGE 10 0 0 LINE 11 1"));
+  CHECK(work.lines.size() == 1);
+  CHECK(work.warnings.size() == 5);
+  CHECK(warned(work, "1 MTEXT cannot be read and is left out"));
+}
+
+TEST_CASE("old polylines have bulges and are closed by their flag", "[core][formats][dxf]") {
+  const LineWork work =
+      read(drawing("0 POLYLINE 8 CUT 66 1 10 0 20 0 30 0 70 1 0 VERTEX 8 CUT 10 0 20 0 42 1 "
+                   "0 VERTEX 10 10 20 0 0 VERTEX 10 10 20 10 0 SEQEND 0 LINE 8 CUT 11 1"));
+  REQUIRE(work.lines.size() == 2);
+  const auto line = work.points_of(work.lines[0]);
+  CHECK(closed(line));
+  // A half circle from (0, 0) to (10, 0) to the left of its way goes below, then up and back.
+  double lowest = 0.0;
+  for (const PagePoint& p : line) lowest = std::max(lowest, p.y);
+  CHECK(lowest == Approx(5).margin(0.02));
+  CHECK(length(line) == Approx(5 * M_PI + 10 + 10 * std::sqrt(2)).epsilon(2e-3));
+  const LineWork mesh =
+      read(drawing("0 POLYLINE 66 1 70 16 0 VERTEX 10 0 20 0 0 VERTEX 10 1 20 0 "
+                   "0 SEQEND"));
+  CHECK(mesh.lines.empty());
+  CHECK(warned(mesh, "POLYLINE (mesh)"));
+}
+
+TEST_CASE("splines by fit points go through them", "[core][formats][dxf]") {
+  const LineWork open =
+      read(drawing("0 SPLINE 8 A 70 8 71 3 74 4 11 0 21 0 11 10 21 5 11 20 21 0 11 30 21 5"));
+  REQUIRE(open.lines.size() == 1);
+  for (const PagePoint& fit : {PagePoint{0, 0}, {10, -5}, {20, 0}, {30, -5}}) {
+    double near = 1e9;
+    for (const PagePoint& p : open.points) near = std::min(near, distance(p, fit));
+    CHECK(near < 1e-9);
+  }
+  // Twelve points of a circle make one, within a hundredth of its radius.
+  std::string round = "0 SPLINE 8 A 70 1 71 3 ";
+  for (int i = 0; i < 12; ++i)
+    round += "11 " + std::to_string(10 * std::cos(i * M_PI / 6)) + " 21 " +
+             std::to_string(10 * std::sin(i * M_PI / 6)) + " ";
+  const LineWork ring = read(drawing(round));
+  REQUIRE(ring.lines.size() == 1);
+  CHECK(closed(ring.points));
+  for (const PagePoint& p : ring.points) CHECK(std::hypot(p.x, p.y) == Approx(10).margin(0.03));
+}
+
+TEST_CASE("a faulty DXF is refused with its line and what would be right", "[core][formats][dxf]") {
+  CHECK(fault("") == "line 1: this is not a DXF file: it has no section (0 SECTION)");
+  CHECK(fault("hello\nworld\n").find("line 1: \"hello\" is not a group code") == 0);
+  CHECK(fault("AutoCAD Binary DXF\r\n\x1a").find("line 1: is a binary DXF") == 0);
+  CHECK(fault(groups("0 LINE 8 0")).find("line 2: \"LINE\" is outside of any section") == 0);
+  const std::string whole = drawing(line_on("CUT", 5));
+  CHECK(fault(whole.substr(0, whole.size() - 6)).empty());  // only EOF is gone
+  CHECK(fault(whole.substr(0, whole.size() - 15))
+            .find("does not end (0 ENDSEC); is the file complete?") != std::string::npos);
+  CHECK(fault(whole.substr(0, whole.find("11\n") + 3)).find("ends after a group code") !=
+        std::string::npos);
+  CHECK(fault(drawing("0 LINE 10 abc")).find("line 18: \"abc\" is not a number (group code 10)") ==
+        0);
+  for (const char* wrong : {"nan", "inf", "1e999", "1,5", "0x10", "--1", "1.5.2"}) {
+    CAPTURE(wrong);
+    CHECK(fault(drawing(std::string("0 LINE 10 ") + wrong)).find("is not a number") !=
+          std::string::npos);
+  }
+  CHECK(fault(drawing("0 LINE 10 1e308 11 0")).find("more than 100 m") != std::string::npos);
+  CHECK(fault(drawing("0 CIRCLE 40 1e308")).find("more than 100 m") != std::string::npos);
+  CHECK(fault(drawing("0 CIRCLE 40 -1")).find("line 16: the CIRCLE has a radius of -1") == 0);
+  CHECK(fault(drawing("0 LWPOLYLINE 10 0 20 0 42 1e300 10 1 20 0")).find("100 m") !=
+        std::string::npos);
+  CHECK(fault(drawing("0 SPLINE 71 3 40 0 40 1 10 0 20 0 10 1 20 0 10 2 20 0 10 3 20 0")) ==
+        "line 16: the spline has 2 knots; 4 control points of degree 3 need 8");
+  CHECK(fault(drawing("0 SPLINE 71 40 10 0 20 0")).find("degree 40; 1 to 11") != std::string::npos);
+  CHECK(fault(drawing("0 SPLINE 71 1 40 0 40 0 40 1 40 1 41 1 41 -1 10 0 20 0 10 1 20 0"))
+            .find("weight of -1") != std::string::npos);
+  CHECK(fault(drawing("99999 LINE")).find("not a group code") != std::string::npos);
+  CHECK(fault(section("BLOCKS", "0 BLOCK 2 A 0 LINE")).find("does not end (0 ENDBLK)") !=
+        std::string::npos);
+}
+
+TEST_CASE("popcut's own DXF reads back to the cuts and folds of its FOLD", "[core][formats][dxf]") {
+  const Pattern pattern = popcut::testing::box_card_pattern();
+  std::ostringstream dxf, fold;
+  write_pattern_dxf(pattern, dxf);
+  REQUIRE(write_fold(pattern, {}, fold));
+  const LineWork a = read(dxf.str());
+  const auto b = linework_from_fold(fold.str());
+  REQUIRE(b);
+  const auto lines = [](const LineWork& work, bool folds) {
+    std::vector<std::vector<PagePoint>> out;
+    for (const DrawnLine& line : work.lines) {
+      const auto p = work.points_of(line);
+      if (is_fold(line.operation) == folds) out.emplace_back(p.begin(), p.end());
+    }
+    return out;
+  };
+  CHECK(a.warnings.empty());
+  for (const Operation fold_side : {Operation::FoldMountain, Operation::FoldValley}) {
+    CHECK(count(a, fold_side) > 0);
+    CHECK(total_mm(a, fold_side) == Approx(total_mm(*b, fold_side)));
+  }
+  CHECK(total_mm(a, Operation::Cut) ==
+        Approx(total_mm(*b, Operation::Cut) + total_mm(*b, Operation::Outline)));
+  // Every line of the one lies on lines of the same kind of the other.
+  for (const bool folds : {true, false})
+    for (const auto& line : lines(a, folds))
+      for (const PagePoint& p :
+           {line[0], PagePoint{(line[0].x + line[1].x) / 2, (line[0].y + line[1].y) / 2},
+            line[1]}) {
+        double near = 1e9;
+        for (const auto& other : lines(*b, folds))
+          for (std::size_t i = 1; i < other.size(); ++i)
+            near = std::min(near, distance_to(p, other[i - 1], other[i]));
+        CHECK(near < 1e-3);  // the DXF is rounded
+      }
+}
+
+}  // namespace dxf_reader_test

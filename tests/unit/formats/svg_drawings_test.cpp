@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: MIT
+// What drawings of other programs do that readers are known to get wrong: dashes, styles,
+// structure.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "core/formats/svg/svg_dash.hpp"
+#include "core/plan/knife/micro_cut.hpp"
+#include "tests/support/linework_checks.hpp"
+#include "tests/support/svg_drafts.hpp"
+
+namespace svg_drawings_test {
+
+using namespace popcut;
+using namespace popcut::test;
+
+TEST_CASE("dashes are cut in every notation", "[core][formats][svg][dashes]") {
+  const std::string line = R"x(<path d="M0 0H10" stroke="red" )x";
+  const std::vector<double> four_two{0, 4, 6, 10};
+  for (const std::string& text : {
+           line + R"x(stroke-dasharray="4,2"/>)x",
+           line + R"x(stroke-dasharray="4 2"/>)x",
+           line + R"x(stroke-dasharray=" 4 , 2 "/>)x",
+           // 96 units to the inch, whatever the page makes of them
+           line + R"x(stroke-dasharray="1.0583333333mm 0.0529166667cm"/>)x",
+           line + R"x(stroke-dasharray="3pt 0.02083333333in"/>)x",
+           line + R"x(stroke-dasharray="0.25em .125em"/>)x",
+           line + R"x(stroke-dasharray="4% 2%"/>)x",
+           line + R"x(style="stroke-dasharray:4,2"/>)x",
+           line + R"x(style="stroke-dasharray: 4 2 ; fill:none"/>)x",
+           line + R"x(style="stroke-dasharray:4/* gap */2"/>)x",
+           line + R"x(class="d"/><style>.d{stroke-dasharray:4px 2px}</style>)x",
+           line + R"x(stroke-dasharray="inherit"/>)x",
+           line + R"x(stroke-dasharray="4,-2"/>)x",  // not lawful: what is inherited stays
+           line + "/>",
+       }) {
+    CAPTURE(text);
+    check_spans(read(svg(R"x(<g stroke-dasharray="4 2">)x" + text + "</g>")), four_two);
+    check_spans(read(svg(R"x(<g style="stroke-dasharray:4,2">)x" + text + "</g>"), "plain"),
+                four_two);
+  }
+}
+
+TEST_CASE("dashes repeat and begin as SVG says", "[core][formats][svg][dashes]") {
+  const auto dashes = [](const std::string& attributes) {
+    return read(svg(R"x(<path d="M0 0H10" stroke="red" )x" + attributes + "/>"));
+  };
+  check_spans(dashes(R"x(stroke-dasharray="3")x"), {0, 3, 6, 9});
+  check_spans(dashes(R"x(stroke-dasharray="3 1 1")x"), {0, 3, 4, 5, 8, 9});  // taken twice
+  check_spans(dashes(R"x(stroke-dasharray="none")x"), {0, 10});
+  check_spans(dashes(R"x(stroke-dasharray="0 0")x"), {0, 10});
+  check_spans(dashes(R"x(stroke-dasharray="0")x"), {0, 10});
+  check_spans(dashes(R"x(stroke-dasharray="4 2" stroke-dashoffset="1")x"), {0, 3, 5, 9});
+  check_spans(dashes(R"x(stroke-dasharray="4 2" stroke-dashoffset="-1")x"), {1, 5, 7, 10});
+  check_spans(dashes(R"x(stroke-dasharray="4 2" stroke-dashoffset="0.75pt")x"), {0, 3, 5, 9});
+  check_spans(dashes(R"x(stroke-dasharray="4 2" style="stroke-dashoffset:1%")x"), {0, 3, 5, 9});
+  check_spans(dashes(R"x(stroke-dasharray="4 2" stroke-dashoffset="600001")x"), {0, 3, 5, 9});
+  check_spans(dashes(R"x(stroke-dasharray="20")x"), {0, 10});
+  const LineWork dots = dashes(R"x(stroke-dasharray="0 2" stroke-linecap="round")x");
+  CHECK(dots.lines.empty());
+  CHECK(is_told(dots, "1 line consists of dots"));
+  // Each part of a path begins anew, and curves and closed lines are dashed along their length.
+  const LineWork parts =
+      read(svg(R"x(<path d="M0 0H5M0 5H5" stroke="red" stroke-dasharray="4 2"/>)x"));
+  check_spans(parts, {0, 4, 0, 4});
+  const LineWork ring =
+      read(svg(R"x(<circle cx="50" cy="50" r="10" stroke="red" stroke-dasharray="1"/>)x"));
+  CHECK(ring.lines.size() == 32);
+  CHECK(total_mm(ring, Operation::Cut) == Approx(10 * M_PI).margin(1.0));
+  // A dash is as long on the page as its transform makes it.
+  check_spans(read(svg(R"x(<g transform="scale(2 1)"><path d="M0 0H10" stroke="red"
+      stroke-dasharray="4 2"/></g>)x")),
+              {0, 8, 12, 20});
+  check_spans(read(svg(R"x(<g transform="scale(2 1)"><path d="M0 0H10" stroke="red"
+      vector-effect="non-scaling-stroke" stroke-dasharray="30.2362204724"/></g>)x")),
+              {0, 8, 16, 20});
+}
+
+TEST_CASE("dashes that cannot be cut are refused", "[core][formats][svg][dashes]") {
+  const auto dashed = [](const std::string& list) {
+    return svg("\n<path id='p' d='M0 0H10' stroke='red' stroke-dasharray='" + list + "'/>");
+  };
+  for (const char* list : {"1e-9", "1e-320", "1e-300 1e-300"}) {
+    CAPTURE(list);
+    const Error error = error_of(dashed(list));
+    CHECK(error.kind == ErrorKind::OutOfRange);
+    CHECK(error.place == "line 2, column 1, id \"p\"");
+  }
+  std::string many;
+  for (int i = 0; i < 2000; ++i) many += "1 ";
+  CHECK(error_of(dashed(many)).detail.find("more than 1000 numbers") != std::string::npos);
+  CHECK(read(dashed("1e300")).lines.size() == 1);
+}
+
+TEST_CASE("folds and scores stay whole so that the material dashes them",
+          "[core][formats][svg][dashes]") {
+  const LineWork work = read(svg(R"x(<g stroke="red" stroke-dasharray="2 1">
+      <path d="M0 0H10" data-assignment="M"/><path d="M0 1H20" data-assignment="score"/></g>)x"));
+  CHECK(total_mm(work, Operation::FoldMountain) == Approx(10));
+  CHECK(total_mm(work, Operation::Score) == Approx(20));
+  CHECK(work.warnings.empty());
+}
+
+TEST_CASE("style sheets are read with their order of precedence", "[core][formats][svg][css]") {
+  const auto cut_mm = [](const std::string& sheet, const std::string& attributes) {
+    return total_mm(
+        read(svg("<style>" + sheet + R"x(</style><g class="out" id="G"><path d="M0 0H5" )x" +
+                 attributes + "/></g>"),
+             "origami-sim"),
+        Operation::FoldMountain);
+  };
+  const std::string cls = R"x(class="a b" id="p")x";
+  CHECK(cut_mm(".a{stroke:red}", cls) == Approx(5));
+  CHECK(cut_mm("path{stroke:red}", cls) == Approx(5));
+  CHECK(cut_mm("*{stroke:#f00}", cls) == Approx(5));
+  CHECK(cut_mm("#p{stroke:rgb(255,0,0)}", cls) == Approx(5));
+  CHECK(cut_mm("path.a.b#p{stroke:RED}", cls) == Approx(5));
+  CHECK(cut_mm(".x, .b{stroke:red}", cls) == Approx(5));
+  CHECK(cut_mm("g path{stroke:red}", cls) == Approx(5));
+  CHECK(cut_mm("#G > .a{stroke:red}", cls) == Approx(5));
+  CHECK(cut_mm("svg > .a{stroke:red}", cls) == 0);
+  CHECK(cut_mm("svg .out > path{stroke:red}", cls) == Approx(5));
+  CHECK(cut_mm("[id=\"p\"]{stroke:red}", cls) == Approx(5));
+  CHECK(cut_mm("svg|path{stroke:red}", cls) == Approx(5));
+  CHECK(cut_mm(".out{stroke:red}", cls) == Approx(5));  // inherited
+  CHECK(cut_mm(".c\\6C s{stroke:red}", "class='cls'") == Approx(5));
+  CHECK(cut_mm("<![CDATA[<!-- .a{stroke:red} -->]]>", cls) == Approx(5));
+  CHECK(
+      cut_mm("/* .a{} */ @charset 'x'; @media screen{.a{stroke:red}} @media print{.a{stroke:blue}}",
+             cls) == Approx(5));
+  CHECK(cut_mm(".a:hover{stroke:blue} .a{stroke:red}", cls) == Approx(5));
+  // id over class over type, later over earlier, style over sheets, !important over all.
+  CHECK(cut_mm("#p{stroke:red} .a{stroke:blue} path{stroke:blue}", cls) == Approx(5));
+  CHECK(cut_mm(".a.b{stroke:red} .b{stroke:blue}", cls) == Approx(5));
+  CHECK(cut_mm(".a{stroke:blue} .b{stroke:red}", cls) == Approx(5));
+  CHECK(cut_mm(".a{stroke:red}", cls + " stroke='blue'") == Approx(5));
+  CHECK(cut_mm("#p{stroke:blue}", cls + " style='stroke:red'") == Approx(5));
+  CHECK(cut_mm("path{stroke:red!important}", cls + " style='stroke:blue'") == Approx(5));
+  CHECK(cut_mm("path{stroke:blue !important}", cls + " style='stroke:red ! important'") ==
+        Approx(5));
+  CHECK(cut_mm(".a{stroke:currentColor;color:red}", cls) == Approx(5));
+  // A sheet counts wherever it stands, in CDATA too.
+  const LineWork late = read(svg(R"x(<path d="M0 0H5" class="q"/>
+      <g><style type="text/css"><![CDATA[ .q { fill:none; stroke:#F00 } ]]></style></g>)x"),
+                             "origami-sim");
+  CHECK(total_mm(late, Operation::FoldMountain) == Approx(5));
+}
+
+TEST_CASE("style sheets that are not understood are named", "[core][formats][svg][css]") {
+  const LineWork work = read(svg(R"x(<style>path + path{stroke:blue} @import url(http://a/b.css);
+      @supports (x:y){path{stroke:red}} path{stroke:var(--c);transform:scale(2)}</style>
+      <path d="M0 0H5" stroke="red"/>)x"));
+  CHECK(work.lines.size() == 1);
+  CHECK(is_told(work, "1 selector of a style sheet is unknown and ignored; at \"path + path\""));
+  CHECK(is_told(work, "1 block of a style sheet"));
+  CHECK(is_told(work, "1 style sheet in another file is not read"));
+  CHECK(is_told(work, "\"var(--c)\""));
+  CHECK(is_told(work, "1 style sets a shape or a transform"));
+  CHECK(is_told(read("<?xml version='1.0'?><?xml-stylesheet href='a.css'?>" + svg("")),
+                "1 style sheet in another file"));
+}
+
+TEST_CASE("hidden layers are left out and named", "[core][formats][svg]") {
+  const LineWork work = read(svg(R"x(<g stroke="red" fill="none">
+      <g inkscape:groupmode="layer" style="display:none"><path d="M0 0H5"/></g>
+      <g visibility="hidden"><path d="M0 0H7"/><path d="M0 0H9" visibility="visible"/></g>
+      <path d="M0 0H11" opacity="0"/><path d="M0 0H11" style="stroke-opacity:0%"/></g>)x"));
+  CHECK(total_mm(work, Operation::Cut) == Approx(9));
+  CHECK(is_told(work, "2 hidden layers, groups or shapes are left out; the first at line 2"));
+  CHECK(is_told(work, "2 shapes have neither stroke nor fill"));
+}
+
+TEST_CASE("rectangles are as round as they are drawn", "[core][formats][svg]") {
+  const auto around = [](const std::string& radii) {
+    const LineWork work =
+        read(svg("<rect x='5' y='5' stroke='red' width='20' height='10' " + radii + "/>"));
+    REQUIRE(work.lines.size() == 1);
+    CHECK(closed(work.points));
+    return length(work.points);
+  };
+  const double two = 60 - 16 + 4 * M_PI;
+  CHECK(around("") == Approx(60));
+  CHECK(around("rx='2'") == Approx(two).epsilon(2e-3));
+  CHECK(around("ry='2'") == Approx(two).epsilon(2e-3));
+  CHECK(around("rx='2px' ry='auto'") == Approx(two).epsilon(2e-3));
+  CHECK(around("rx='2%'") == Approx(two).epsilon(2e-3));
+  CHECK(around("rx='0' ry='3'") == Approx(60));
+  CHECK(around("rx='50' ry='5'") == Approx(48.442).epsilon(2e-3));  // an ellipse of 20 by 10
+  const LineWork pill = read(svg("<rect stroke='red' width='20' height='10' rx='5'/>"));
+  for (const PagePoint& p : pill.points) CHECK((p.y >= -1e-9 && p.y <= 10 + 1e-9));
+}
+
+TEST_CASE("use draws what it names where it says", "[core][formats][svg][use]") {
+  const LineWork work = read(svg(R"x(<defs><path id="p" d="M0 0H10"/>
+      <symbol id="s" viewBox="0 0 10 10"><path d="M0 0L10 10"/></symbol></defs>
+      <g stroke="red"><use href="#p" x="5" y="6"/>
+      <use xlink:href="#p" transform="translate(0 50) scale(2)" x="1"/>
+      <use href="#s" x="40" y="10" width="20" height="40"/>
+      <use href="#s" x="0" y="90" width="10%" height="10%" data-assignment="V"/></g>)x"));
+  REQUIRE(work.lines.size() == 4);
+  CHECK(work.points_of(work.lines[0])[0] == PagePoint{5, 6});
+  CHECK(work.points_of(work.lines[1])[0] == PagePoint{2, 50});
+  CHECK(work.points_of(work.lines[1])[1] == PagePoint{22, 50});
+  CHECK(work.points_of(work.lines[2])[0] == PagePoint{40, 20});  // in the middle of 20 by 40
+  CHECK(work.points_of(work.lines[2])[1] == PagePoint{60, 40});
+  CHECK(work.lines[3].operation == Operation::FoldValley);
+  CHECK(work.points_of(work.lines[3])[1] == PagePoint{10, 100});
+  const LineWork other = read(svg(R"x(<use href="http://a/b.svg#c"/><use href="b.svg#c"/>
+      <use href="#nowhere" id="u"/>)x"));
+  CHECK(is_told(other, "2 <use> of other files are left out"));
+  CHECK(is_told(other, "1 <use> of a missing element is left out; at line 2 (id \"u\")"));
+}
+
+TEST_CASE("a use of itself and a use bomb are refused", "[core][formats][svg][use]") {
+  const Error circle =
+      error_of(svg("\n<g id='a'><use href='#b'/></g><g id='b'><use href='#a'/></g>"));
+  CHECK(circle.kind == ErrorKind::Malformed);
+  CHECK(circle.place.rfind("line 2, column", 0) == 0);
+  CHECK(circle.detail.find("refers to itself") != std::string::npos);
+  CHECK(error_of(svg("<use id='u' href='#u'/>")).detail.find("refers to itself") !=
+        std::string::npos);
+  const auto bomb = [](const std::string& core) {
+    std::string text = "<defs><g id='g0'>" + core + "</g>";
+    for (int i = 1; i <= 40; ++i) {
+      const std::string inner = "<use href='#g" + std::to_string(i - 1) + "'/>";
+      text += "<g id='g" + std::to_string(i) + "'>" + inner + inner + "</g>";
+    }
+    return svg(text + "</defs><use href='#g40'/>");
+  };
+  SvgLimits small;
+  small.steps = 1'000'000;
+  CHECK(error_of(bomb("<path/>"), small).detail.find("repeats too much") != std::string::npos);
+  CHECK(error_of(bomb(""), small).kind == ErrorKind::OutOfRange);
+  CHECK(error_of(bomb(""), small).reason == ErrorReason::TooMuch);
+  CHECK(circle.reason == ErrorReason::None);
+  small.points = 1000;
+  CHECK(error_of(bomb("<path stroke='red' d='M0 0H1'/>"), small).detail.find("1000 points") !=
+        std::string::npos);
+}
+
+TEST_CASE("frames in frames are scaled and placed", "[core][formats][svg]") {
+  const auto first = [](const std::string& inner, const std::string& head = kPage) {
+    const LineWork work = read(svg(inner, head));
+    REQUIRE(work.lines.size() == 1);
+    return std::vector<PagePoint>(work.points.begin(), work.points.end());
+  };
+  const std::string line = "<path stroke='red' d='M0 0L10 10'/>";
+  using Points = std::vector<PagePoint>;
+  CHECK(first("<svg x='10' y='20' width='20' height='20' viewBox='0 0 10 10'>" + line + "</svg>") ==
+        Points{{10, 20}, {30, 40}});
+  CHECK(first("<svg x='10' width='50%' height='10%' viewBox='0 0 10 10' "
+              "preserveAspectRatio='xMinYMax meet'>" +
+              line + "</svg>") == Points{{10, 0}, {20, 10}});
+  CHECK(first("<svg width='20' height='10' viewBox='0 0 10 10' preserveAspectRatio='none'>" + line +
+              "</svg>") == Points{{0, 0}, {20, 10}});
+  const std::string wide = "width='20mm' height='10mm' viewBox='0 0 10 10' preserveAspectRatio=";
+  CHECK(first(line, wide + "'xMidYMid meet'") == Points{{5, 0}, {15, 10}});
+  CHECK(first(line, wide + "'xMaxYMid'") == Points{{10, 0}, {20, 10}});
+  CHECK(first(line, wide + "'xMidYMin slice'") == Points{{0, 0}, {20, 20}});
+  CHECK(first(line, wide + "'none'") == Points{{0, 0}, {20, 10}});
+  CHECK(first(line, "width='20mm' viewBox='5 5 10 10'") == Points{{-10, -10}, {10, 10}});
+  const LineWork out = read(svg("<svg width='5' height='5'>" + line +
+                                "</svg><svg width='5' "
+                                "height='5' overflow='visible'>" +
+                                line + "</svg>"));
+  CHECK(is_told(out, "1 line leaves the frame"));
+  REQUIRE(out.lines.size() == 2);
+  CHECK(Points(out.points.begin(), out.points.end()) == Points{{0, 0}, {5, 5}, {0, 0}, {10, 10}});
+}
+
+TEST_CASE("lines are clipped exactly at the border of their frame", "[core][formats][svg]") {
+  using Points = std::vector<PagePoint>;
+  const auto points = [](const std::string& inner) {
+    const LineWork work = read(svg(inner));
+    return Points(work.points.begin(), work.points.end());
+  };
+  // Out and in again, in a frame that is turned by a quarter; the frame is 10 x 10 at 50,50.
+  CHECK(points("<g transform='matrix(0 1 -1 0 50 50)'><svg width='10' height='10'>"
+               "<path stroke='red' d='M-5 2H15V8H-5' fill='none'/></svg></g>") ==
+        Points{{48, 50}, {48, 60}, {42, 60}, {42, 50}});
+  // A closed line is cut open and goes on through its seam.
+  const LineWork ring =
+      read(svg("<svg width='10' height='10'><rect stroke='red' fill='none' x='2' "
+               "y='2' width='20' height='4'/></svg>"));
+  REQUIRE(ring.lines.size() == 1);
+  CHECK(ring.points == Points{{10, 6}, {2, 6}, {2, 2}, {10, 2}});
+  // The frame around the frame hides too, and what lies outside altogether is not cut.
+  CHECK(points("<svg width='4' height='40'><svg width='10' height='10'><path stroke='red' "
+               "d='M1 1H20M0 30H9'/></svg></svg>") == Points{{1, 1}, {4, 1}});
+}
+
+}  // namespace svg_drawings_test

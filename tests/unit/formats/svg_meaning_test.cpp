@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: MIT
+// What lines of drawings mean, and what is refused or named instead of read.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "core/formats/svg/svg_dash.hpp"
+#include "core/formats/svg/syntax/svg_colour.hpp"
+#include "core/plan/knife/micro_cut.hpp"
+#include "tests/support/linework_checks.hpp"
+#include "tests/support/svg_drafts.hpp"
+
+namespace svg_meaning_test {
+
+using namespace popcut;
+using namespace popcut::test;
+
+TEST_CASE("units are those of CSS at 96 to the inch", "[core][formats][svg]") {
+  const auto mm = [](const std::string& length, double dpi) {
+    SvgReadOptions how;
+    how.profile = *find_stroke_profile("popcut");
+    how.dpi = dpi;
+    const auto work = linework_from_svg(
+        svg("<line stroke='red' x2='" + length + "'/>", "width='200mm' height='100mm'"), how);
+    REQUIRE(work);
+    return popcut::length(work->points);
+  };
+  CHECK(mm("96", 96) == Approx(25.4));
+  CHECK(mm("96px", 96) == Approx(25.4));
+  CHECK(mm("72pt", 96) == Approx(25.4));
+  CHECK(mm("6pc", 96) == Approx(25.4));
+  CHECK(mm("1in", 96) == Approx(25.4));
+  CHECK(mm("2.54cm", 96) == Approx(25.4));
+  CHECK(mm("25.4mm", 96) == Approx(25.4));
+  CHECK(mm("25.4MM", 96) == Approx(25.4));
+  CHECK(mm("10%", 96) == Approx(20));
+  CHECK(mm("6em", 96) == Approx(25.4));
+  CHECK(mm("72", 72) == Approx(25.4));
+  CHECK(mm("25.4mm", 72) == Approx(25.4));
+}
+
+TEST_CASE("what is filled and not stroked is cut along its outline", "[core][formats][svg]") {
+  const LineWork work = read(svg(R"x(<rect width="100%" height="100%" fill="#eee"/>
+      <path id="f" d="M0 0H10V10"/><path d="M0 0H10V10" fill="white"/><path d="M0 0H10" />
+      <path d="M0 0H10V10" fill="none"/>)x"));
+  CHECK(total_mm(work, Operation::Cut) == Approx(20 + std::sqrt(200.0)));  // closed
+  CHECK(is_told(
+      work, "1 shape has a fill but no stroke and is cut along its outline; at line 2 (id \"f\")"));
+  CHECK(is_told(work, "2 shapes filled white or as large as the page count as background"));
+  CHECK(is_told(work, "2 shapes have neither stroke nor fill"));
+  // Where lines have names, what has none is no cut; named fills are what they are called.
+  const LineWork named = read(svg(R"x(<path d="M0 0H10V10"/><path d="M0 0H7" stroke="red"/>
+      <g inkscape:groupmode="layer" inkscape:label="Outline"><path d="M0 0H3V4Z"/></g>)x"));
+  CHECK(total_mm(named, Operation::Cut) == Approx(7));
+  CHECK(total_mm(named, Operation::Outline) == Approx(12));
+  CHECK(is_told(named, "1 shape with a fill but no stroke and no name is left out"));
+  CHECK(read(svg("<path d='M0 0H10V10'/>"), "lightburn").lines.empty());
+}
+
+TEST_CASE("without names a solid stroke is a cut and a dashed one is cut as dashes",
+          "[core][formats][svg][profile]") {
+  const std::string text =
+      svg(R"x(<g fill="none"><path d="M0 0H6" stroke="red"/><path d="M0 1H6" stroke="#00f"/>
+      <path d="M0 2H6" stroke="yellow" stroke-dasharray="2 1"/><path d="M0 3H6" stroke="white"/></g>)x");
+  for (const char* profile : {"popcut", "plain", "cricut"}) {
+    CAPTURE(profile);
+    const LineWork work = read(text, profile);
+    CHECK(work.lines.size() == 5);
+    CHECK(total_mm(work, Operation::Cut) == Approx(6 + 6 + 4 + 6));
+  }
+  CHECK(is_told(read(text), "strokes have 4 colours (#ff0000, #0000ff, #ffff00, #ffffff)"));
+}
+
+TEST_CASE("profiles give colours and classes and lines their meaning",
+          "[core][formats][svg][profile]") {
+  const std::string text =
+      svg(R"x(<g fill="none"><path d="M0 0H1" stroke="#000"/><path d="M0 1H2" stroke="red"/>
+      <path d="M0 2H4" stroke="blue"/><path d="M0 3H8" stroke="#0f0"/><path d="M0 3H16" stroke="#ff0"/>
+      <path d="M0 3H32" stroke="#f00001"/></g>)x");
+  const auto sums = [&](const char* profile) {
+    const LineWork work = read(text, profile);
+    std::vector<int> out;
+    for (const Operation operation :
+         {Operation::Outline, Operation::Cut, Operation::Score, Operation::FoldMountain,
+          Operation::FoldValley, Operation::Draw})
+      out.push_back(static_cast<int>(std::lround(total_mm(work, operation))));
+    return out;
+  };
+  using Sums = std::vector<int>;
+  CHECK(sums("origami-sim") == Sums{1, 8, 0, 2, 4, 0});
+  CHECK(sums("rabbit-ear") == Sums{1, 8, 0, 2 + 32, 4, 0});
+  CHECK(sums("flat-folder") == Sums{1, 0, 0, 2, 4, 0});
+  CHECK(sums("lightburn") == Sums{0, 1 + 8 + 16, 0, 2 + 32, 4, 0});
+  CHECK(sums("boxes-py") == Sums{1, 4 + 16 + 32, 8, 0, 0, 0});
+  CHECK(sums("fablab") == Sums{2 + 16 + 32, 4 + 8, 0, 0, 0, 1});
+  const LineWork model =
+      read(svg(R"x(<style>path{fill:none;stroke:#000} .convex{stroke-dasharray:1 2}</style>
+      <path class="outer" d="M0 0H1"/><path class="convex" d="M0 0H2"/><path class="concave x" d="M0 0H4"/>)x"),
+           "paper-model");
+  CHECK(total_mm(model, Operation::Outline) == Approx(1));
+  CHECK(total_mm(model, Operation::FoldMountain) == Approx(2));
+  CHECK(total_mm(model, Operation::FoldValley) == Approx(4));
+  const LineWork layers =
+      read(svg(R"x(<g stroke="#000" inkscape:groupmode="layer" inkscape:label="Fold">
+      <path d="M0 0H1"/><g inkscape:groupmode="layer" inkscape:label="Mountain"><path d="M0 0H2"/></g></g>
+      <g stroke="#000" inkscape:groupmode="layer" inkscape:label="Text"><path d="M0 0H9"/></g>)x"),
+           "papercraft");
+  CHECK(total_mm(layers, Operation::FoldValley) == Approx(1));
+  CHECK(total_mm(layers, Operation::FoldMountain) == Approx(2));
+  CHECK(is_told(layers, "1 stroke is neither a cut nor a fold"));
+}
+
+TEST_CASE("users can add profiles", "[core][formats][svg][profile]") {
+  const std::vector<std::string> tables{R"j({"popcut": 1, "svg_profiles": [
+    {"name": "mine", "like": "popcut", "colours": "nearest", "labels": {"Kiss Cut": "score"},
+     "rules": [{"colour": ["red", "#f80"], "line": "dashed", "use": "fold-mountain"},
+               {"colour": "#00f", "use": "ignore"}], "otherwise": "outline", "fills": "ignore"}]})j"};
+  const auto mine = find_stroke_profile("mine", tables);
+  REQUIRE(mine);
+  SvgReadOptions how;
+  how.profile = *mine;
+  const auto work = linework_from_svg(
+      svg(R"x(<g fill="none"><path d="M0 0H1" stroke="#e00000" stroke-dasharray="1"/>
+      <path d="M0 0H2" stroke="#e00000"/><path d="M0 0H4" stroke="navy"/>
+      <g inkscape:groupmode="layer" inkscape:label=" kiss_CUT "><path d="M0 0H8" stroke="red"/></g></g>)x"),
+      how);
+  REQUIRE(work);
+  CHECK(total_mm(*work, Operation::FoldMountain) == Approx(1));
+  CHECK(total_mm(*work, Operation::Outline) == Approx(2));
+  CHECK(total_mm(*work, Operation::Score) == Approx(8));
+  CHECK(find_stroke_profile("mint", tables).error().detail.find("did you mean mine") !=
+        std::string::npos);
+  for (
+      const auto& [table, place] : std::vector<std::pair<std::string, std::string>>{
+          {R"j({"popcut": 1, "svg_profiles": [{"name": "a", "rules": [{"colour": "rot", "use": "cut"}]}]})j",
+           "table 1: /svg_profiles/0/rules/0/colour"},
+          {R"j({"popcut": 1, "svg_profiles": [{"name": "a", "rules": [{"colour": "red"}]}]})j",
+           "table 1: /svg_profiles/0/rules/0/use"},
+          {R"j({"popcut": 1, "svg_profiles": [{"name": "a", "otherwise": "fold"}]})j",
+           "table 1: /svg_profiles/0/otherwise"},
+          {R"j({"popcut": 1, "svg_profiles": [{"name": "a", "labels": {"x": "burn"}}]})j",
+           "table 1: /svg_profiles/0/labels/x"}}) {
+    CAPTURE(table);
+    const auto wrong = find_stroke_profile("a", {table});
+    REQUIRE_FALSE(wrong);
+    CHECK(wrong.error().place == place);
+  }
+}
+
+TEST_CASE("colours are read in all their spellings", "[core][formats][svg]") {
+  const auto rgb = [](const char* text) {
+    const auto paint = parse_svg_paint(text);
+    CAPTURE(text);
+    REQUIRE(paint);
+    CHECK(paint->kind == SvgPaint::Kind::Colour);
+    return paint->rgb;
+  };
+  for (const char* red :
+       {"red", "RED", "#f00", "#FF0000", "#f00f", "#ff0000ff", "rgb(255,0,0)", "rgb(100%, 0%, 0%)",
+        "rgb(255 0 0 / 50%)", "rgba(255,0,0,.5)", "hsl(0,100%,50%)", "hsl(360deg 100% 50%)"})
+    CHECK(rgb(red) == 0xFF0000);
+  CHECK(rgb("rebeccapurple") == 0x663399);
+  CHECK(rgb("hsl(120,100%,25%)") == 0x008000);
+  for (const char* none : {"none", "transparent", "#ff000000", "rgba(1,2,3,0)"})
+    CHECK(parse_svg_paint(none)->kind == SvgPaint::Kind::None);
+  CHECK(parse_svg_paint("url(#g) #0f0") == SvgPaint{SvgPaint::Kind::Server, 0x00FF00});
+  for (const char* wrong : {"", "rot", "#12", "#12345g", "rgb(1,2)", "rgb(1,2,3", "url(#a"})
+    CHECK_FALSE(parse_svg_paint(wrong));
+}
+
+TEST_CASE("features that are not applied are named with their place", "[core][formats][svg]") {
+  const LineWork work = read(svg(R"x(
+      <g clip-path="url(#c)"><path d="M0 0H1" stroke="url(#grad)" mask="url(#m)"/></g>
+      <path id="f" d="M0 0H1" stroke="red" style="filter:url(#b)" marker-end="url(#arrow)"/>
+      <path d="M0 0H1" stroke="red" transform="scale(0 1)"/><rect stroke="red" width="0" height="2"/>
+      <path d="M0 0H1" stroke="red" data-assignment="Q"/>
+      <foreignObject/><script/><text display="none">x</text>)x"));
+  CHECK(is_told(
+      work, "1 element has a clip path, which popcut does not apply: it is cut whole; at line 2"));
+  CHECK(is_told(work, "1 element has a mask"));
+  CHECK(is_told(work, "1 element has a filter, which popcut does not apply; at line 3 (id \"f\")"));
+  CHECK(is_told(work, "1 line has markers"));
+  CHECK(is_told(work, "1 stroke is painted with a gradient"));
+  CHECK(is_told(work, "1 shape or group has no size after its transform"));
+  CHECK(is_told(work, "1 shape has no size"));
+  CHECK(is_told(work, "1 data-assignment is unknown and ignored; at line 5: \"Q\""));
+  CHECK(is_told(work, "1 <foreignObject>"));
+  CHECK(is_told(work, "1 <script>"));
+  CHECK_FALSE(is_told(work, "<text>"));
+  CHECK(work.lines.size() == 3);
+}
+
+TEST_CASE("a document type is never fetched and only plain entities are expanded",
+          "[core][formats][svg][bad]") {
+  const std::string drawing = svg("<path stroke='red' d='M0 0H&w;'/>");
+  const auto with = [&](const std::string& doctype) {
+    return "\xEF\xBB\xBF<?xml version='1.0'?>\n<!-- <!DOCTYPE --> " + doctype + "\n" + drawing;
+  };
+  CHECK(length(read(with("<!DOCTYPE svg [<!ENTITY w '12'> <!-- > ] --> <!ENTITY ns \"a'b>\">]>"))
+                   .points) == Approx(12));
+  CHECK(read("<!DOCTYPE svg PUBLIC \"-//W3C//DTD SVG 1.1//EN\" \"http://a/svg11.dtd\">" +
+             svg("<path stroke='red' d='M0 0H1'/>"))
+            .lines.size() == 1);
+  for (const char* subset :
+       {"<!ENTITY a 'x'><!ENTITY w '&a;&a;'>", "<!ENTITY % w '1'>",
+        "<!ENTITY w SYSTEM 'file:///etc/passwd'>", "<!ENTITY w PUBLIC 'a' 'http://a'>",
+        "<!ELEMENT svg ANY>", "<!ATTLIST svg w CDATA '1'>", "%w;", "<!ENTITY w '<g/>'>",
+        "<!ENTITY w '1' NDATA x>", "<!NOTATION n SYSTEM 'x'>", "<?pi?>", "<!ENTITY w '1"}) {
+    CAPTURE(subset);
+    const Error error = error_of(with(std::string("<!DOCTYPE svg [") + subset + "]>"));
+    CHECK(error.kind == ErrorKind::Malformed);
+    CHECK(error.place.rfind("line ", 0) == 0);
+  }
+  std::string many;
+  for (int i = 0; i < 65; ++i) many += "<!ENTITY e" + std::to_string(i) + " 'x'>";
+  CHECK(error_of(with("<!DOCTYPE svg [" + many + "]>")).kind == ErrorKind::OutOfRange);
+  const auto of_size = [](std::size_t n) {
+    return "<!DOCTYPE svg [<!ENTITY w '1'><!ENTITY a '" + std::string(n, 'x') + "'>]>";
+  };
+  CHECK(error_of(with(of_size(257))).detail.find("the SVG has 257 bytes; the limit is 256") !=
+        std::string::npos);
+  CHECK(read(with(of_size(256))).lines.size() == 1);
+  SvgLimits small;
+  small.bytes = 100'000;
+  std::string refs;
+  for (int i = 0; i < 1000; ++i) refs += "&a;";
+  CHECK(error_of(of_size(256) + svg("<title>" + refs + "</title>"), small).kind ==
+        ErrorKind::OutOfRange);
+}
+
+TEST_CASE("a drawing in UTF-16 is read and a compressed one is refused",
+          "[core][formats][svg][bad]") {
+  const std::string plain = svg("<title>\xC3\xA9</title><path stroke='red' d='M0 0H3'/>");
+  for (const bool big : {true, false}) {
+    std::string wide = big ? "\xFE\xFF" : "\xFF\xFE";
+    for (const char32_t c : std::u32string(plain.begin(), plain.end())) {
+      if ((c & 0xFF) == 0xC3) continue;
+      const char low = static_cast<char>((c & 0xFF) == 0xA9 ? 0xE9 : c);
+      wide += big ? std::string{'\0', low} : std::string{low, '\0'};
+    }
+    const LineWork work = read(wide);
+    CHECK(work.name == "\xC3\xA9");
+    CHECK(length(work.points) == Approx(3));
+  }
+  CHECK(error_of("\x1F\x8B\x08").detail.find("gunzip") != std::string::npos);
+  CHECK(error_of(svg(std::string(1, '\0'))).detail.find("is zero") != std::string::npos);
+}
+
+TEST_CASE("invalid numbers are refused in one line with the element", "[core][formats][svg][bad]") {
+  for (const char* inner :
+       {"<path id='p' stroke='red' d='M0 0L1e308 1e308'/>",
+        "<path id='p' stroke='red' d='M0 0Lnan 1'/>",
+        "<path id='p' stroke='red' d='M0 0L1e999 1'/>",
+        "<rect id='p' stroke='red' width='inf' height='1'/>",
+        "<circle id='p' stroke='red' r='1e308'/>",
+        "<path id='p' stroke='red' d='M0 0C1e308 0 0 1e308 9 9'/>",
+        "<path id='p' stroke='red' d='M0 0A1e308 1e308 0 0 0 1e300 1'/>",
+        "<path id='p' stroke='red' d='M0 0H1' transform='scale(1e308)'/>",
+        "<path id='p' stroke='red' d='M0 0H1' transform='rotate(nan)'/>",
+        "<path id='p' stroke='red' d='M0 0H1' transform='matrix(1 2 3)'/>",
+        "<polygon id='p' stroke='red' points='0 0 1'/>",
+        "<polygon id='p' stroke='red' points='0 0 a 1'/>", "<svg id='p' viewBox='0 0 nan 1'/>",
+        "<svg id='p' viewBox='0 0 -1 1'/>", "<line id='p' stroke='red' x1='1 2'/>"}) {
+    CAPTURE(inner);
+    const Error error = error_of(svg(std::string("\n") + inner));
+    CHECK(error.place.rfind("line 2, column ", 0) == 0);
+    CHECK(error.place.find("id \"p\"") != std::string::npos);
+    CHECK(error.detail.size() < 300);
+  }
+  for (const char* head :
+       {"viewBox='0 0 0 100'", "viewBox='0 0 1'", "viewBox='a'", "width='0' height='5'",
+        "width='-5mm' height='5mm'", "viewBox='0 0 1e999 1'"}) {
+    CAPTURE(head);
+    error_of(svg("<path stroke='red' d='M0 0H1'/>", head));
+  }
+}
+
+TEST_CASE("sizes are checked before memory is taken", "[core][formats][svg][bad]") {
+  SvgLimits limits;
+  limits.bytes = 1000;
+  CHECK(error_of(std::string(1001, ' '), limits).detail.find("at most 1000") != std::string::npos);
+  std::string nodes;
+  for (int i = 0; i < 1000; ++i) nodes += "<a/>";
+  limits = {};
+  limits.tree_bytes = 10'000;
+  CHECK(error_of(svg(nodes), limits).kind == ErrorKind::OutOfRange);
+  limits = {};
+  limits.points = 50;
+  std::string path = "<path id='big' stroke='red' d='M0 0";
+  for (int i = 0; i < 60; ++i) path += "l1 1";
+  const Error many = error_of(svg(path + "'/>"), limits);
+  CHECK(many.kind == ErrorKind::OutOfRange);
+  CHECK(many.place.find("id \"big\"") != std::string::npos);
+  std::string deep;
+  for (int i = 0; i < 300; ++i) deep += "<g>";
+  for (int i = 0; i < 300; ++i) deep += "</g>";
+  CHECK(error_of(svg(deep)).detail.find("200 deep") != std::string::npos);
+  // Every selector against every element: too much work, and told so.
+  std::string rules, paths;
+  for (int i = 0; i < 2000; ++i) rules += "* * * * *{stroke:red}", paths += "<g/>";
+  limits = {};
+  limits.steps = 2'000'000;
+  CHECK(error_of(svg("<style>" + rules + "</style>" + paths), limits).kind ==
+        ErrorKind::OutOfRange);
+  CHECK(SvgLimits{}.raised(4).points == 16'000'000);
+}
+
+TEST_CASE("curves follow the requested tolerance", "[core][formats][svg]") {
+  SvgReadOptions how;
+  how.profile = *find_stroke_profile("plain");
+  std::size_t last = 0;
+  for (const double tolerance : {0.5, 0.1, 0.02, 0.005}) {
+    how.tolerance_mm = tolerance;
+    const auto work = linework_from_svg(
+        svg("<circle r='1' transform='translate(50 50) scale(40)' stroke='red' fill='none'/>"),
+        how);
+    REQUIRE(work);
+    CAPTURE(tolerance, work->points.size());
+    CHECK(work->points.size() > last);
+    last = work->points.size();
+    for (std::size_t i = 1; i < work->points.size(); ++i) {
+      const PagePoint &a = work->points[i - 1], &b = work->points[i];
+      CHECK(40 - std::hypot((a.x + b.x) / 2 - 50, (a.y + b.y) / 2 - 50) <= tolerance * (1 + 1e-9));
+    }
+  }
+}
+
+TEST_CASE("a prefix for SVG and elements of editors are accepted", "[core][formats][svg]") {
+  const LineWork work =
+      read(R"x(<s:svg xmlns:s="http://www.w3.org/2000/svg" xmlns:sodipodi="x" width="9mm"
+      height="9mm" viewBox="0 0 9 9"><s:title>T</s:title><sodipodi:namedview><g/></sodipodi:namedview>
+      <s:style>.a{stroke:red}</s:style><s:path class="a" d="M0 0H4"/></s:svg>)x");
+  CHECK(work.name == "T");
+  CHECK(length(work.points) == Approx(4));
+  CHECK(work.warnings.empty());
+  const LineWork choice =
+      read(svg(R"x(<switch><foreignObject requiredExtensions="http://ns.adobe.com"/>
+      <g><path d="M0 0H4" stroke="red"/></g><g><path d="M0 0H9" stroke="red"/></g></switch>)x"));
+  CHECK(length(choice.points) == Approx(4));
+  CHECK(choice.warnings.empty());
+}
+
+}  // namespace svg_meaning_test

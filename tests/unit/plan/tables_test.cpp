@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <set>
+
+#include <catch2/catch.hpp>
+
+#include "core/machines/machine.hpp"
+
+namespace tables_test {
+
+using namespace popcut;
+
+TEST_CASE("the built-in tables have every documented machine and material",
+          "[core][plan][tables]") {
+  for (const char* name : {"cameo", "cameo2", "cameo3", "cameo4", "cameo5", "portrait", "portrait2",
+                           "portrait3", "portrait4", "curio", "hpgl-generic"}) {
+    CAPTURE(name);
+    const auto machine = find_machine(name);
+    REQUIRE(machine);
+    CHECK(machine->name == name);
+    CHECK(machine->motion.accel_mm_s2 > 0.0);
+  }
+  for (const char* name : {"paper-220", "paper-160", "pp-150", "vinyl"}) {
+    CAPTURE(name);
+    REQUIRE(find_material(name));
+  }
+  const auto paper = find_material("paper-220");
+  CHECK(paper->dashes.dash_mm == 1.5);
+  CHECK(paper->dashes.gap_mm == 1.0);
+  CHECK(paper->dashes.clearance_mm == 0.5);
+}
+
+TEST_CASE("the Cameo 3's row matches its recordings", "[core][plan][tables]") {
+  const auto machine = find_machine("cameo3");
+  REQUIRE(machine);
+  CHECK(machine->identity == "CAMEO 3 V1.60    ");
+  CHECK(machine->unit_mm == 0.05);
+  CHECK(machine->tool_holders == 2);
+  CHECK(machine->autoblade);
+  CHECK(machine->usb_vendor == 0x0b4d);
+  CHECK(machine->usb_product == 0x112f);
+  CHECK(machine->force_gf.max_step * machine->force_gf.per_step == 231.0);
+  REQUIRE(machine->mats.size() >= 2);
+  CHECK(machine->mats[0].width_mm == 304.8);
+  CHECK(machine->mats[0].length_mm == 304.8);
+  CHECK(machine->mats[1].length_mm == 609.6);
+  const auto portrait = find_machine("portrait3");
+  REQUIRE(portrait);
+  CHECK(portrait->variant == "cameo4");
+  CHECK(portrait->tool_holders == 1);
+}
+
+TEST_CASE("no two built-in machines share a name or a USB id", "[core][plan][tables]") {
+  const auto machines = all_machines();
+  REQUIRE(machines);
+  std::set<std::string> names;
+  std::set<std::pair<int, int>> ids;
+  for (const Machine& machine : *machines) {
+    CAPTURE(machine.name);
+    CHECK(names.insert(machine.name).second);
+    if (machine.usb_vendor != 0)
+      CHECK(ids.insert({machine.usb_vendor, machine.usb_product}).second);
+    for (const Mat& mat : machine.mats) CHECK(mat.width_mm <= machine.width_mm + 1e-9);
+  }
+}
+
+TEST_CASE("a user's row replaces a built-in one and can extend another", "[core][plan][tables]") {
+  const std::string table = R"({"popcut": 1,
+    "machines": [{"name": "workshop", "like": "cameo3", "title": "Ours", "length_mm": 6000}],
+    "materials": [{"name": "paper-220", "like": "paper-220", "autoblade_depth": 7}]})";
+  const auto machine = find_machine("workshop", {table});
+  REQUIRE(machine);
+  CHECK(machine->length_mm == 6000.0);
+  CHECK(machine->unit_mm == 0.05);
+  CHECK(find_material("paper-220", {table})->autoblade_depth == 7);
+  CHECK(find_material("paper-220")->autoblade_depth == 5);
+  CHECK(all_materials({table})->size() == all_materials()->size());
+}
+
+TEST_CASE("a wrong name or field is answered with the nearest right one", "[core][plan][tables]") {
+  const auto name = find_machine("camoe3");
+  REQUIRE_FALSE(name);
+  CHECK(name.error().kind == ErrorKind::OutOfRange);
+  CHECK(name.error().detail.find("did you mean cameo3?") != std::string::npos);
+  const auto field =
+      find_machine("a", {R"({"popcut":1,"machines":[{"name":"a","like":"cameo3","widht_mm":3}]})"});
+  REQUIRE_FALSE(field);
+  CHECK(field.error().kind == ErrorKind::Malformed);
+  CHECK(field.error().place == "table 1: /machines/0/widht_mm");
+  CHECK(field.error().detail.find("did you mean width_mm?") != std::string::npos);
+}
+
+TEST_CASE("an invalid user's table is refused with its place", "[core][plan][tables]") {
+  const auto place = [](const std::string& table) {
+    const auto machines = all_machines({table});
+    REQUIRE_FALSE(machines);
+    return machines.error().place;
+  };
+  CHECK(place("{\"popcut\": 1,\n \"machines\": [}") == "table 1: line 2, column 15");
+  CHECK(place("[]") == "table 1: /");
+  CHECK(place(R"({"popcut":2})") == "table 1: /popcut");
+  CHECK(place(R"({"popcut":1,"machine":[]})") == "table 1: /machine");
+  CHECK(place(R"({"popcut":1,"machines":[{"name":"a"}]})") == "table 1: /machines/0/title");
+  CHECK(place(R"({"popcut":1,"machines":[{"name":"a","like":"b"}]})") ==
+        "table 1: /machines/0/like");
+  CHECK(place(R"({"popcut":1,"machines":[{"name":"a","like":"cameo3","unit_mm":-1}]})") ==
+        "table 1: /machines/0/unit_mm");
+  CHECK(
+      place(
+          R"({"popcut":1,"machines":[{"name":"a","like":"cameo3","motion":{"accel_mm_s2":1}}]})") ==
+      "table 1: /machines/0/motion/travel_mm_s");
+  CHECK_FALSE(all_machines({std::string(100'000, '[')}));
+}
+
+TEST_CASE("a user's HPGL machine names its habits as words joined by plus signs",
+          "[core][plan][tables]") {
+  const auto with = [](const std::string& variant) {
+    return find_machine("mine", {R"j({"popcut": 1, "machines": [{"name": "mine", "title": "Mine",
+      "like": "hpgl-generic", "variant": ")j" +
+                                 variant + R"j("}]})j"});
+  };
+  const auto clone = with("pa+newline+plain");
+  REQUIRE(clone);
+  CHECK(clone->variant == "pa+newline+plain");
+  for (const char* wrong : {"cameo3", "pa+", "", "+pa", "pa newline"}) {
+    CAPTURE(wrong);
+    const auto refused = with(wrong);
+    REQUIRE_FALSE(refused);
+    CHECK_THAT(refused.error().place, Catch::Contains("/machines/0/variant"));
+    CHECK_THAT(refused.error().detail, Catch::Contains("camm2 (join several with +)"));
+  }
+  const auto machines = all_machines();
+  REQUIRE(machines);
+  CHECK(std::count_if(machines->begin(), machines->end(),
+                      [](const Machine& m) { return m.language == "hpgl"; }) >= 6);
+}
+
+}  // namespace tables_test
