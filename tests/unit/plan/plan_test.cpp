@@ -207,7 +207,7 @@ TEST_CASE("a pattern too large for the mat is refused with both sizes or split",
   LineWork work;
   draw(work, Operation::Outline, {{0, 0}, {320, 0}, {320, 310}, {0, 310}, {0, 0}});
   PlanOptions whole;
-  whole.split = false;
+  whole.no_split = true;
   const auto refused = plan(work, cameo3(), paper(), whole);
   REQUIRE_FALSE(refused);
   CHECK(refused.error().kind == ErrorKind::Infeasible);
