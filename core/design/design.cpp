@@ -9,15 +9,15 @@
 #include <fmt/format.h>
 
 #include "core/design/chain/augmented_slices.hpp"
-#include "core/design/strips/figures.hpp"
 #include "core/design/chain/fit_report.hpp"
+#include "core/design/chain/slicing.hpp"
 #include "core/design/lattice/lattice.hpp"
+#include "core/design/run_layout.hpp"
+#include "core/design/strips/figures.hpp"
 #include "core/design/strips/mobility.hpp"
 #include "core/design/strips/multi_state.hpp"
 #include "core/design/strips/pattern_builder.hpp"
 #include "core/design/strips/pattern_counts.hpp"
-#include "core/design/run_layout.hpp"
-#include "core/design/chain/slicing.hpp"
 #include "core/design/strips/splay.hpp"
 #include "core/design/strips/strip_bridge.hpp"
 #include "core/design/strips/strip_builder.hpp"
@@ -345,8 +345,8 @@ class Designer {
             j, j + 1, units, bridges[b].left_planes, bridges[b].right_planes, bridges[b].off_mm));
       else if (changes)
         notes_.push_back(
-            fmt::format("plain cut between slices {} and {}, {}: no valid connector exists there", j,
-                        j + 1, units));
+            fmt::format("plain cut between slices {} and {}, {}: no valid connector exists there",
+                        j, j + 1, units));
       if (bridged) ++b;
     }
   }

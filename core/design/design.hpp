@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "core/design/target/curve.hpp"
 #include "core/design/spec/report.hpp"
 #include "core/design/spec/spec.hpp"
 #include "core/design/strips/strips.hpp"
+#include "core/design/target/curve.hpp"
 #include "core/pattern/pattern.hpp"
 #include "core/result.hpp"
 

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "core/design/patches_report.hpp"
 #include "core/design/strips/mobility.hpp"
 #include "core/design/strips/multi_state.hpp"
-#include "core/design/patches_report.hpp"
 #include "core/design/strips/pattern_builder.hpp"
 #include "core/design/strips/pattern_join.hpp"
 #include "core/design/strips/splay.hpp"

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/design/design.hpp"
-#include "core/design/strips/pattern_join.hpp"
 #include "core/design/spec/report.hpp"
+#include "core/design/strips/pattern_join.hpp"
 
 namespace popcut {
 

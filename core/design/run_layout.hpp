@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/design/chain/slicing.hpp"
 #include "core/design/lattice/lattice.hpp"
+#include "core/design/spec/spec.hpp"
 #include "core/design/strips/mobility.hpp"
 #include "core/design/strips/pattern_builder.hpp"
-#include "core/design/chain/slicing.hpp"
-#include "core/design/spec/spec.hpp"
 #include "core/design/strips/strip_builder.hpp"
 #include "core/result.hpp"
 

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "core/figures/assembly.hpp"
 #include "core/curvature/star.hpp"
+#include "core/figures/assembly.hpp"
 
 namespace popcut {
 namespace {

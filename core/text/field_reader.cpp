@@ -219,8 +219,12 @@ int FieldReader::integer(const std::string& key, std::optional<int> fallback, in
 
 std::optional<std::string> FieldReader::text_at(const std::string& below, const json& value,
                                                 const TextRule& rule) {
-  if (!value.is_string()) {
-    wrong_type(below, value, "a text");
+  if (!value.is_string()) {  // what stands here may be a secret, so it is not quoted
+    add({ErrorKind::Malformed,
+         notation().place(pointer_ + "/" + below, false),
+         "type",
+         fmt::format("is {}; must be a text", type_of(value)),
+         {}});
     return std::nullopt;
   }
   std::string text = value.get<std::string>();

@@ -28,7 +28,9 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 std::string nearest_word(std::string_view wrong, const std::vector<std::string>& names) {
   constexpr std::size_t kLongest = 64;
   std::string best;
-  std::size_t best_distance = std::max<std::size_t>(2, wrong.size() / 3) + 1;
+  // Two letters of four are too many: "fast" is no slip of "best".
+  std::size_t best_distance =
+      (wrong.size() < 5 ? 1 : std::max<std::size_t>(2, wrong.size() / 3)) + 1;
   if (wrong.size() > kLongest) return best;
   for (const std::string& name : names) {
     const std::size_t distance = edit_distance(wrong, name);

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "daemon/devices/line_figures.hpp"
-#include "device/sim/sim_transport.hpp"
 #include "device/port/transport.hpp"
+#include "device/sim/sim_transport.hpp"
 
 namespace popcut::daemon {
 

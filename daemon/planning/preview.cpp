@@ -86,8 +86,15 @@ std::string no_preview_svg(const std::string& why) {
   constexpr std::size_t kLine = 60;
   std::string svg = head(0, 0, 200, 100) + note("no preview", 5, 15, 6);
   double y = 25;
-  for (std::size_t at = 0; at < std::min<std::size_t>(why.size(), 10 * kLine); at += kLine, y += 7)
-    svg += note(why.substr(at, kLine), 5, y, 5);
+  for (std::size_t at = 0; at < std::min<std::size_t>(why.size(), 10 * kLine); y += 7) {
+    std::size_t count = std::min(kLine, why.size() - at);
+    if (at + count < why.size())  // between two words
+      if (const std::size_t blank = why.rfind(' ', at + count);
+          blank != std::string::npos && blank > at)
+        count = blank + 1 - at;
+    svg += note(why.substr(at, count), 5, y, 5);
+    at += count;
+  }
   return svg + "</svg>\n";
 }
 

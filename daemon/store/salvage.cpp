@@ -61,7 +61,7 @@ Salvage::Table bring_over(Database& from, Database& to, const std::string& table
   return report;
 }
 
-int version_of(Database& damaged) {
+int damaged_version_of(Database& damaged) {
   try {
     return static_cast<int>(damaged.number("PRAGMA user_version"));
   } catch (const StoreFault&) {
@@ -138,7 +138,7 @@ Result<Salvage> salvage(const std::string& path) {
     for (const char* suffix : {"", "-wal", "-journal"}) remove_tree(fresh + suffix);
     Database from({.path = reading + "/popcut.db", .create = false, .exclusive_wal = false});
     Database to({.path = fresh});
-    const int version = version_of(from);
+    const int version = damaged_version_of(from);
     const int newest = migrations().back().version;
     if (version > newest)
       return fail(ErrorKind::OutOfRange, "", original + ": was written by a later popcutd");

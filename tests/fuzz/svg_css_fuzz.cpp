@@ -3,9 +3,9 @@
 #include <string>
 #include <string_view>
 
+#include "core/formats/svg/svg_dash.hpp"
 #include "core/formats/svg/syntax/svg_colour.hpp"
 #include "core/formats/svg/syntax/svg_css.hpp"
-#include "core/formats/svg/svg_dash.hpp"
 #include "core/formats/svg/syntax/svg_units.hpp"
 
 // The text is a style sheet, and each of its declarations a colour, a length and dashes too.

@@ -25,7 +25,8 @@ namespace {
 /// The shipped examples, and specs with every field that these have not.
 std::vector<json> sound_specs() {
   std::vector<json> specs;
-  for (const auto& file : std::filesystem::directory_iterator(popcut::testing::source_file("examples")))
+  for (const auto& file :
+       std::filesystem::directory_iterator(popcut::testing::source_file("examples")))
     if (file.path().extension() == ".json") {
       std::ifstream in(file.path());
       specs.push_back(json::parse(in));

@@ -157,11 +157,11 @@ TEST_CASE("verify reports a pattern that does not belong to its target",
                     mesh = R"({"type":"mesh","file":"m.stl"})";
   CHECK_THAT(refused(grid, ",0,10\n0,5,\n80,5,0\n"), Contains("line 2: column 3 is not a number"));
   CHECK_THAT(refused(grid, ",0,10\n0,5,0\n0,5,0\n"), Contains("does not increase"));
-  CHECK_THAT(refused(grid, ""), Contains("two or more values"));
-  CHECK_THAT(refused(mesh, "solid\nvertex 1 2\n"), Contains("line 2: three numbers"));
+  CHECK_THAT(refused(grid, ""), Contains("at least two values"));
+  CHECK_THAT(refused(mesh, "solid\nvertex 1 2\n"), Contains("line 2: give three numbers"));
   CHECK_THAT(refused(mesh, ""), Contains("no triangle"));
   CHECK_THAT(refused(R"({"type":"mesh","file":"m.obj"})", "v 0 0 0\nf 1 2 3\n"),
-             Contains("line 2: a face names"));
+             Contains("line 2: a face uses a point that does not exist"));
   CHECK_THAT(refused(R"({"type":"blob"})", ""), Contains("\"blob\" is unknown"));
   CHECK_THAT(refused(R"({"type":"implicit","f":"x+"})", ""), Contains("/surface/f"));
 }

@@ -8,8 +8,8 @@
 
 namespace popcut {
 
-/// Holds values against the JSON schemas of one document. Knows what openapi.json and the schema of a
-/// design spec use: $ref, type (one or several), enum, const, pattern, minimum, exclusiveMinimum,
+/// Holds values against the JSON schemas of one document. Knows what openapi.json and the schema of
+/// a design spec use: $ref, type (one or several), enum, const, pattern, minimum, exclusiveMinimum,
 /// maximum, minLength, maxLength, minItems, maxItems, minProperties, items, properties, required,
 /// oneOf, anyOf, additionalProperties, true and false. A schema with any other word is refused, so
 /// that nothing is left unchecked in silence.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "tests/support/paths.hpp"
 #include "tests/support/running_daemon.hpp"
+#include "tests/support/paths.hpp"
 
 #include <chrono>
 #include <stdexcept>

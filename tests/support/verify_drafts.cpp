@@ -165,7 +165,7 @@ double largest_difference(const verify::FoldModel& file, const verify::Sheet& sh
   for (std::size_t i = 0; i < opened.at.size(); ++i) {
     const Vec3 p = opened.at[i] - from.origin;
     const Vec3 moved = to.origin + dot(p, from.along_u) * to.along_u +
-                               dot(p, from.along_v) * to.along_v + dot(p, from.normal) * to.normal;
+                       dot(p, from.along_v) * to.along_v + dot(p, from.normal) * to.normal;
     largest = std::max(largest, norm(moved - known.at[i]));
   }
   return largest;

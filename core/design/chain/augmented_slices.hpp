@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/design/chain/slicing.hpp"
 #include "core/design/lattice/lattice.hpp"
 #include "core/design/spec/report.hpp"
-#include "core/design/chain/slicing.hpp"
 #include "core/design/spec/spec.hpp"
 #include "core/result.hpp"
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "core/design/chain/chain.hpp"
-#include "core/design/target/curve.hpp"
 #include "core/design/spec/report.hpp"
-#include "core/design/target/slice_fit.hpp"
 #include "core/design/spec/spec.hpp"
+#include "core/design/target/curve.hpp"
+#include "core/design/target/slice_fit.hpp"
 #include "core/result.hpp"
 
 namespace popcut {

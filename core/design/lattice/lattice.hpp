@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/design/target/curve.hpp"
 #include "core/design/spec/spec.hpp"
+#include "core/design/target/curve.hpp"
 #include "core/result.hpp"
 
 namespace popcut {

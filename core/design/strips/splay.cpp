@@ -159,7 +159,8 @@ class Splayer {
     return (static_cast<std::uint64_t>(from) << 32) | to;
   }
 
-  /// Writes the faces again: those beside a crease go around its triangles, which follow at the end.
+  /// Writes the faces again: those beside a crease go around its triangles, which follow at the
+  /// end.
   void rewrite_faces() {
     std::vector<std::uint32_t> first{0}, vertices;
     vertices.reserve(pattern_.face_vertices.size() + 6 * wanted_.size());

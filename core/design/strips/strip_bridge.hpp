@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "core/design/target/curve.hpp"
 #include "core/design/spec/report.hpp"
 #include "core/design/strips/strips.hpp"
+#include "core/design/target/curve.hpp"
 
 namespace popcut {
 

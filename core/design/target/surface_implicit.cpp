@@ -18,7 +18,7 @@ constexpr int kCells = 192;
 /// One plane of a solid, in mm of the corner.
 class SolidSlice {
  public:
-  SolidSlice(const Solid& solid, const PlacementMap& map, double scale_mm, double s_mm)
+  SolidSlice(const SolidFunction& solid, const PlacementMap& map, double scale_mm, double s_mm)
       : solid_(solid), map_(map), scale_mm_(scale_mm), s_mm_(s_mm) {}
 
   [[nodiscard]] bool inside(double x, double z) const {
@@ -197,14 +197,14 @@ class SolidSlice {
     return wall ? p.z : p.x;
   }
 
-  const Solid& solid_;
+  const SolidFunction& solid_;
   const PlacementMap& map_;
   double scale_mm_, s_mm_;
 };
 
 }  // namespace
 
-Surface surface_of_solid(Solid solid, const TargetPlacement& placement, FitMode fit,
+Surface surface_of_solid(SolidFunction solid, const TargetPlacement& placement, FitMode fit,
                          const char* what) {
   const PlacementMap map(placement);
   return Surface([solid = std::move(solid), map, scale = placement.scale_mm, fit, what](

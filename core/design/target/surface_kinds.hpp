@@ -24,13 +24,13 @@ namespace popcut {
 
 /// A solid by its sign: negative inside; where it is not a number is outside. In units of the
 /// surface, x, y, z before the placement.
-using Solid = std::function<double(double, double, double)>;
+using SolidFunction = std::function<double(double, double, double)>;
 
 /// Slices of a solid: its extent in the corner is sought along rays, its boundary by marching
 /// squares of 192 x 192 cells with every crossing found by bisection. Parts thinner than a cell can
 /// be missed. Where the section is a single falling curve, that is sampled from the solid itself.
-[[nodiscard]] Surface surface_of_solid(Solid solid, const TargetPlacement& placement, FitMode fit,
-                                       const char* what);
+[[nodiscard]] Surface surface_of_solid(SolidFunction solid, const TargetPlacement& placement,
+                                       FitMode fit, const char* what);
 
 /// The triangles that a surface's file holds, before the placement; grids become triangles too.
 [[nodiscard]] Result<TriangleMesh> triangles_of(const SurfaceSpec& spec,

@@ -15,8 +15,8 @@
 #include "daemon/files/user_tables.hpp"
 #include "device/doctor.hpp"
 #include "device/port/device_id.hpp"
-#include "device/port/ports.hpp"
 #include "device/port/port_transport.hpp"
+#include "device/port/ports.hpp"
 #include "device/usb/usb_bus.hpp"
 
 namespace popcut::cli {

@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 constexpr std::size_t kShortId = 12;
 constexpr std::size_t kMostJobsShown = 200;
 
-std::string text_of(const Json& object, const char* key) {
+std::string shown_of(const Json& object, const char* key) {
   const auto found = object.find(key);
   const bool is_text = found != object.end() && found->is_string();
   return is_text ? shown_text(found->get<std::string>()) : std::string();
@@ -58,7 +58,7 @@ bool is_held(const Json& job) {
   return held != job.end() && *held == true;
 }
 
-bool is(const Json& job, const char* state) { return text_of(job, "state") == state; }
+bool is(const Json& job, const char* state) { return shown_of(job, "state") == state; }
 
 std::string path_text(const Json& job) {
   const Json& progress = part_of(job, "progress");
@@ -88,7 +88,7 @@ bool may_be_whole(const Json& job) {
 void interrupted_ways(const Json& job, std::vector<std::string>& lines) {
   const std::string id = short_id(job);
   const std::int64_t sheet = whole_of(job, "sheet");
-  const std::string reason = text_of(job, "reason");
+  const std::string reason = shown_of(job, "reason");
   lines.push_back(fmt::format("sheet {} was interrupted{}{}; {}. Look at it, then choose:", sheet,
                               reason.empty() ? "" : " by ", reason, doubt_text(job)));
   const auto add = [&](const char* action, const std::string& command, const char* what) {
@@ -137,12 +137,12 @@ std::vector<std::string> view_line(const Json& job, std::size_t width) {
   const double part = part_done(job);
   std::string far, rest;
   if (part >= 0) far = fmt::format("{:3.0f} %  {} left", 100 * part, clock_text(seconds_left(job)));
-  if (!text_of(job, "device").empty()) rest += "  on " + text_of(job, "device");
+  if (!shown_of(job, "device").empty()) rest += "  on " + shown_of(job, "device");
   if (const std::int64_t priority = whole_of(job, "priority"); priority != 0 && !has_ended(job))
     rest += fmt::format("  priority {}", priority);
   if (is_held(job)) rest += "  held";
-  if (has_ended(job) && !text_of(job, "reason").empty()) rest += "  " + text_of(job, "reason");
-  const std::string name = text_of(job, "name"), state = text_of(job, "state");
+  if (has_ended(job) && !shown_of(job, "reason").empty()) rest += "  " + shown_of(job, "reason");
+  const std::string name = shown_of(job, "name"), state = shown_of(job, "state");
   if (width < kNarrow) {
     std::string close = short_id(job);
     for (const std::string& word : {fitted(name, 20), state, sheet_text(job), far})
@@ -160,7 +160,7 @@ std::vector<std::string> view_line(const Json& job, std::size_t width) {
 
 /// Of a job that has ended no sheet is still waiting or being cut.
 std::string sheet_state(const Json& job, const Json& sheet) {
-  const std::string state = text_of(sheet, "state");
+  const std::string state = shown_of(sheet, "state");
   if (!has_ended(job) || state == "done" || state == "skipped") return state;
   const bool begun = state == "cutting" || state == "interrupted";
   return begun ? "not finished" : "not cut";
@@ -184,10 +184,10 @@ std::string without_comment(std::string wait) {
 
 }  // namespace
 
-std::string short_id(const Json& job) { return text_of(job, "id").substr(0, kShortId); }
+std::string short_id(const Json& job) { return shown_of(job, "id").substr(0, kShortId); }
 
 std::string job_title(const Json& job) {
-  const std::string name = text_of(job, "name");
+  const std::string name = shown_of(job, "name");
   return name.empty() ? short_id(job) : name;
 }
 
@@ -210,11 +210,11 @@ double seconds_left(const Json& job) {
 }
 
 std::string job_summary(const Json& job) {
-  std::string line = text_of(job, "state");
+  std::string line = shown_of(job, "state");
   const auto add = [&](const std::string& more) {
     if (!more.empty()) line += ", " + more;
   };
-  const std::string reason = text_of(job, "reason");
+  const std::string reason = shown_of(job, "reason");
   if (reason.rfind(line + " ", 0) == 0)
     line = reason;  // "cancelled by anna"
   else
@@ -222,7 +222,7 @@ std::string job_summary(const Json& job) {
   if (is_held(job)) add("held");
   if (!has_ended(job)) add(sheet_text(job));
   if (part_done(job) >= 0) add(path_text(job));
-  if (!has_ended(job) && !text_of(job, "device").empty()) add("on " + text_of(job, "device"));
+  if (!has_ended(job) && !shown_of(job, "device").empty()) add("on " + shown_of(job, "device"));
   return line;
 }
 
@@ -231,8 +231,8 @@ std::vector<std::string> waiting_for(const Json& job) {
   const std::string id = short_id(job);
   const std::int64_t sheet = whole_of(job, "sheet"), total = whole_of(job, "sheets_total");
   const Json& attention = part_of(job, "attention");
-  const std::string kind = text_of(attention, "kind"), text = text_of(attention, "text");
-  const std::string device = text_of(job, "device");
+  const std::string kind = shown_of(attention, "kind"), text = shown_of(attention, "text");
+  const std::string device = shown_of(job, "device");
   if (is(job, "interrupted")) {
     interrupted_ways(job, lines);
   } else if (is(job, "armed")) {
@@ -298,20 +298,20 @@ std::vector<std::string> job_details(const Json& job, const std::vector<Json>& s
   const auto add = [&](const char* key, const std::string& value) {
     if (!value.empty()) lines.push_back(fmt::format("{:<10} {}", key, value));
   };
-  add("job", text_of(job, "id"));
-  add("name", text_of(job, "name"));
+  add("job", shown_of(job, "id"));
+  add("name", shown_of(job, "name"));
   add("state", job_summary(job));
-  add("material", text_of(job, "material"));
+  add("material", shown_of(job, "material"));
   if (const std::int64_t priority = whole_of(job, "priority"); priority != 0)
     add("priority", fmt::format("{}", priority));
-  add("note", text_of(job, "note"));
-  add("design", text_of(job, "design"));
-  add("plan", text_of(job, "plan"));
-  add("owner", text_of(job, "owner"));
-  add("operator", text_of(job, "operator"));
-  add("created", text_of(job, "created"));
-  add("started", text_of(job, "started"));
-  add("finished", text_of(job, "finished"));
+  add("note", shown_of(job, "note"));
+  add("design", shown_of(job, "design"));
+  add("plan", shown_of(job, "plan"));
+  add("owner", shown_of(job, "owner"));
+  add("operator", shown_of(job, "operator"));
+  add("created", shown_of(job, "created"));
+  add("started", shown_of(job, "started"));
+  add("finished", shown_of(job, "finished"));
   for (const Json& sheet : sheets) {
     const Json& plan = part_of(sheet, "plan");
     const auto number = [&](const char* key) {

@@ -141,10 +141,10 @@ Answer<PlanRow> PlanningQueue::plan_for(const PlanRequest& request) {
   if (!machine) return tl::unexpected(machine.error());
   std::map<std::string, std::string> options = request.options;
   if (options.contains(kProfileRow))
-    return tl::unexpected(Problem{ProblemKind::Validation,
-                                  "the options are not valid",
-                                  {{fmt::format("/options/{}", kProfileRow), "option",
-                                    "must be absent; use svg-profile"}}});
+    return tl::unexpected(Problem{
+        ProblemKind::Validation,
+        "the options are not valid",
+        {{fmt::format("/options/{}", kProfileRow), "option", "must be absent; use svg-profile"}}});
   if (const auto read = read_plan_options(options); !read)
     return tl::unexpected(problem_from(planning::in_request(read.error())));
   if (const auto named = options.find("svg-profile"); named != options.end())

@@ -108,18 +108,19 @@ TEST_CASE("a wrong value is reported with its option and the valid values", "[cl
       {{"design", "x", "-o", "y", "--frames", "0"},
        "--frames: is \"0\"; give a whole number from 1 to 10000"},
       {{"design", "x", "-o", "y", "--from-psi", "4"},
-       "--from-psi: is \"4\"; give an angle from 0 (shut) to pi (flat)"},
+       "--from-psi: is \"4\"; give an angle from 0 (closed) to pi (flat)"},
       {{"design", "x", "-o", "y", "--fold-frames", "9"}, "--fold-frames: "},
       {{"plan", "x", "-o", "y", "--seed", "-1"}, "--seed: is \"-1\"; give a whole number from 0"},
       {{"plan", "x", "-o", "y", "--effort", "nan"},
        "--effort: is \"nan\"; give a number from 0.01 to 1000"},
       {{"plan", "x", "-o", "y", "--curve-tolerance", "0"},
        "--curve-tolerance: is \"0\"; give a number from 0.001 to 1 (mm)"},
-      {{"plan", "x", "-o", "y", "--seam-x", "a"}, "--seam-x: is \"a\"; give a number"},
+      {{"plan", "x", "-o", "y", "--seam-x", "a"},
+       "--seam-x: is \"a\"; give numbers with commas between (mm)"},
       {{"verify", "x", "--dof", "-1"}, "--dof: is \"-1\"; give a whole number from 0"},
       {{"simulate", "x", "-o", "y", "--sheet", "0"}, "--sheet: is \"0\"; give a whole number"},
       {{"simulate", "--pty", "--speedup", "0"}, "--speedup: is \"0\"; give a number from"},
-      {{"arm", ""}, "JOB: is empty; give a value, or leave it out"},
+      {{"arm", ""}, "JOB: is empty; give a value or leave it out"},
       {{"arm", "01J", "1", "--device", ""}, "--device: is empty"},
       {{"move", "01J", "--before", ""}, "--before: is empty"},
       {{"jobs", ""}, "JOB: is empty"},
@@ -145,10 +146,10 @@ TEST_CASE("a mistyped word gets the nearest valid one suggested", "[cli][e2e]") 
       {{"frobnicate"}, "'frobnicate' is not a command; one of design, deploy,"},
       {{"design", "--fames", "3", "x"}, "'--fames' is not an option; did you mean --frames?"},
       {{"jobs", "--jsn"}, "'--jsn' is not an option; did you mean --json?"},
-      {{"jobs", "a", "b"}, "'b' is one word too many; 'popcut jobs --help'"},
+      {{"jobs", "a", "b"}, "'b' is one argument too many; see 'popcut jobs --help'"},
       {{"db", "bakup"}, "'bakup' is not a command; did you mean backup?"},
-      {{"db"}, "'popcut db' needs to know what to do; one of backup, check, salvage"},
-      {{"token"}, "'popcut token' needs to know what to do; one of create, list, delete"}};
+      {{"db"}, "'popcut db' needs a command; one of backup, check, salvage"},
+      {{"token"}, "'popcut token' needs a command; one of create, list, delete"}};
   for (const auto& [arguments, words] : wrong) {
     CAPTURE(arguments);
     const Ran ran = run(arguments);

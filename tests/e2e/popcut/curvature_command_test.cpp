@@ -54,8 +54,8 @@ TEST_CASE("curvature of a designed pattern distinguishes a sphere from a saddle"
   const TempFolder folder;
   for (const std::string name : {"sphere", "saddle", "cylinder"}) {
     design_example(folder, name);
-    const Ran ran = popcut_in(
-        folder, {"curvature", name + "/pattern.fold", "--psi", "90deg", "--json", "-q"});
+    const Ran ran =
+        popcut_in(folder, {"curvature", name + "/pattern.fold", "--psi", "90deg", "--json", "-q"});
     REQUIRE(ran.exit == 0);
     const json values = json::parse(ran.out)["poses"][0]["values"];
     REQUIRE(values.size() == 28);  // (5 - 1) levels x (10 - 3) connectors
@@ -78,8 +78,8 @@ TEST_CASE("the multi-state pattern is a dome then flat then a saddle at its midd
   const TempFolder folder;
   design_example(folder, "multistate");
   const auto middle = [&](const std::string& psi) {
-    const Ran ran = popcut_in(
-        folder, {"curvature", "multistate/pattern.fold", "--psi", psi, "--json", "-q"});
+    const Ran ran =
+        popcut_in(folder, {"curvature", "multistate/pattern.fold", "--psi", psi, "--json", "-q"});
     REQUIRE(ran.exit == 0);
     const json poses = json::parse(ran.out);  // named: a range over a temporary would dangle
     for (const json& value : poses["poses"][0]["values"])
@@ -169,8 +169,8 @@ TEST_CASE("wrong arguments of curvature give one clear line", "[cli][e2e][curvat
     CHECK(ran.exit == c.exit);
     CHECK(one_clear_line(ran));
   }
-  const Ran large = popcut_in(
-      folder, {"curvature", "assembly", "--r", "0:1:1000000", "--lambda", "0:1:1000000"});
+  const Ran large =
+      popcut_in(folder, {"curvature", "assembly", "--r", "0:1:1000000", "--lambda", "0:1:1000000"});
   CHECK(large.exit == 2);
   CHECK(one_clear_line(large));
 }

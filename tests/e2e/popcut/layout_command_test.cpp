@@ -134,12 +134,12 @@ TEST_CASE("a drawing that cannot be split is refused in one line", "[cli][e2e][l
     return all;
   };
   bench.refused(with({"--mat", "110x110", "--no-split"}), 4, "omit --no-split");
-  bench.refused(with({"--mat", "8x8"}), 4, "no seams part it");
+  bench.refused(with({"--mat", "8x8"}), 4, "no seams split the drawing");
   bench.refused(with({"--mat", "110x110", "--labels", "ink"}), 2, "one of auto, pen, cut, none");
   bench.refused(with({"--mat", "110x110", "--no-split", "--seam-x", "60"}), 2, "contradicts");
   bench.refused(with({"--mat", "110x110", "--seam-x", "nan"}), 2, "--seam-x");
   bench.refused(with({"--mat", "110x110", "--seam-y", "-5"}), 3, "is outside the drawing");
-  bench.refused(with({"--mat", "110x110", "--seam-x", "300"}), 3, "from 0 to 125.0 mm");
+  bench.refused(with({"--mat", "110x110", "--seam-x", "300"}), 3, "between 0 and 125.0 mm");
   bench.refused(with({"--mat", "110x110", "--seam-y", "10,10.5"}), 4, "besides the requested ones");
   bench.refused(with({"--mat", "110x110", "--at", "100,100"}), 4, "at most 10.0 x 10.0 mm");
   // A seam of the user's own is refused where a fold or a narrow panel lies, with the nearest

@@ -170,9 +170,9 @@ TEST_CASE("a DXF drawing is planned and its sheet is what the program cuts", "[c
     for (const std::vector<std::string>& expect :
          {std::vector<std::string>{"sheets/sheet-01.svg"},
           std::vector<std::string>{"a.dxf", "--plan", "sheets/plan.json"}}) {
-      std::vector<std::string> all{popcut_program(), "simulate", "sheets/" + std::string(program),
-                                   "-o",           "cut",      "--machine",
-                                   machine,        "--expect"};
+      std::vector<std::string> all{
+          popcut_program(), "simulate", "sheets/" + std::string(program), "-o", "cut", "--machine",
+          machine,          "--expect"};
       all.insert(all.end(), expect.begin(), expect.end());
       const Ran held = run_program(all, temp.path());
       CAPTURE(held.err);

@@ -133,8 +133,8 @@ TEST_CASE("every shipped example is designed and verified as sound", "[cli][e2e]
     const TempFolder folder;
     const std::string spec = examples + name + ".json";
     REQUIRE(popcut_in(folder, {"design", spec, "-o", "out", "-q"}).exit == 0);
-    const Ran ran = popcut_in(
-        folder, {"verify", "out/pattern.fold", "--dof", "1", "--target", spec, "--json"});
+    const Ran ran =
+        popcut_in(folder, {"verify", "out/pattern.fold", "--dof", "1", "--target", spec, "--json"});
     CAPTURE(ran.err);
     REQUIRE(ran.exit == 0);
     const json verified = json::parse(ran.out);

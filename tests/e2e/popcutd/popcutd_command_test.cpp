@@ -101,7 +101,7 @@ TEST_CASE("devices lists popcutd's devices with their states", "[popcutd][cli]")
   CHECK(says(off.out, "-> popcut devices enable sim:cameo3"));
   const Ran test = desk.popcut({"cut", "--test", "--device", "sim:cameo3"});
   CHECK(test.exit == 5);
-  CHECK(says(test.err, "an admin enables it with 'popcut devices enable'"));
+  CHECK(says(test.err, "an admin can enable it with 'popcut devices enable'"));
   CHECK(Json::parse(desk.popcut({"devices", "enable", "sim:cameo3", "--json"}).out)["enabled"] ==
         true);
   CHECK(desk.popcut({"devices", "reset", "sim:cameo3"}).exit == 0);
@@ -157,7 +157,7 @@ TEST_CASE("a refusal names the command to type", "[popcutd][cli]") {
 
   const Ran page = desk.popcut({"open"});
   CHECK(page.exit == 5);
-  CHECK(says(page.err, "has no page yet; 'popcut jobs --watch'"));
+  CHECK(says(page.err, "has no page yet; use 'popcut jobs --watch'"));
   CHECK(page.out.empty());
 
   for (const char* limit : {"1", "3", "1000"}) {
@@ -189,7 +189,7 @@ TEST_CASE("jobs are listed in the order of the queue", "[popcutd][cli]") {
   };
   CHECK(listed() == ids);
   const Ran moved = desk.must({"move", ids[2], "--before", ids[0]});
-  CHECK(says(moved.err, "comes before " + ids[0]));
+  CHECK(says(moved.err, "is now before " + ids[0]));
   CHECK(listed() == std::vector{ids[2], ids[0], ids[1]});
   CHECK(says(desk.must({"move", ids[2]}).err, "is now last of its priority"));
   CHECK(listed() == ids);
@@ -367,8 +367,10 @@ TEST_CASE("SIGHUP applies what does not disturb a cut and names the rest", "[pop
   const std::string taken = desk.reloaded(
       "[[device]]\nid = \"sim:cameo3\"\nmaterials = [\"pp-150\"]\ntime_scale = 7\n[limits]\n"
       "queue_jobs = 1\n[log]\nlevel = \"debug\"\n");
-  CHECK(says(taken, "taken: log.level, allowed_hosts, allowed_origins, user, limits, webhook"));
-  CHECK(says(taken, "at the next start only: device sim:cameo3"));
+  CHECK(says(
+      taken,
+      "configuration reloaded: log.level, allowed_hosts, allowed_origins, user, limits, webhook"));
+  CHECK(says(taken, "changed, but used only after a restart: device sim:cameo3"));
   CHECK(desk.popcut({"cut", kUnit}).exit == 5);  // the queue holds one now
   const Ran arm = desk.popcut({"arm", id});
   CHECK(arm.exit == 5);
@@ -388,7 +390,7 @@ TEST_CASE("SIGHUP applies what does not disturb a cut and names the rest", "[pop
   write_file(desk.daemon.config(), text.substr(0, text.find("[webhook]")));
   const Ran check = run_program(checking, desk.daemon.folder().path());
   CHECK(check.exit == 0);
-  CHECK(says(check.out, "SIGHUP takes of it: log.level"));
+  CHECK(says(check.out, "SIGHUP reloads: log.level"));
 }
 
 }  // namespace popcutd_command_test

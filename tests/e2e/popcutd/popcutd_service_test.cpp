@@ -145,9 +145,8 @@ TEST_CASE("a fault that needs a person ends popcutd with exit code 78", "[popcut
   CHECK(config.err == "popcutd: " + wrong +
                           ": 2:1: limits.json_dept: is not known; did you mean "
                           "json_depth?\n");
-  CHECK(
-      run_program({popcutd_program(), "--config", lab.daemon.config(), "--check-config"}, "/").exit ==
-      0);
+  CHECK(run_program({popcutd_program(), "--config", lab.daemon.config(), "--check-config"}, "/")
+            .exit == 0);
   CHECK(run_program({popcutd_program(), "--frobnicate"}, "/").exit == 2);
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"--sim", "nope"}, {"--listen", "x"}, {"--state", wrong}}) {
@@ -232,8 +231,9 @@ TEST_CASE("a webhook gets each event in order and repeated until it accepts", "[
   const TempFolder folder;
   const std::string secret = (folder / "secret").string();
   write_file(secret, "0123456789abcdef\n");
-  DaemonWithCli lab(0, "[webhook]\nurl = \"http://" + receiver.host_port() + "/hook\"\nallow = [\"" +
-                          receiver.host_port() + "\"]\nsecret_file = \"" + secret + "\"\n");
+  DaemonWithCli lab(0, "[webhook]\nurl = \"http://" + receiver.host_port() +
+                           "/hook\"\nallow = [\"" + receiver.host_port() + "\"]\nsecret_file = \"" +
+                           secret + "\"\n");
   lab.open();
   const std::string id = first_line(lab.popcut({"cut", kUnit, "-q"}).out);
   REQUIRE(lab.comes_to(id, "ready"));
@@ -275,12 +275,11 @@ TEST_CASE("sockets of systemd are served and no others", "[popcutd][e2e]") {
   }
   DaemonWithCli lab;
   const std::string socket = (lab.daemon.folder() / "activated.sock").string();
-  const std::string script = "systemd-socket-activate -l '" + socket +
-                             "' " + std::string(popcutd_program()) + " --config '" + lab.daemon.config() +
+  const std::string script = "systemd-socket-activate -l '" + socket + "' " +
+                             std::string(popcutd_program()) + " --config '" + lab.daemon.config() +
                              "' 2>activated.log & daemon=$!\n"
                              "for k in $(seq 600); do POPCUT_URL='" +
-                             socket +
-                             "' " + std::string(popcut_program()) +
+                             socket + "' " + std::string(popcut_program()) +
                              " jobs -q; result=$?\n"
                              "[ $result = 0 ] && break; sleep 0.1; done\n"
                              "kill $daemon; wait $daemon\nexit $result\n";

@@ -6,9 +6,9 @@
 #include <string>
 
 #include <core/design/design.hpp>
-#include <core/design/spec.hpp>
+#include <core/design/spec/spec.hpp>
 #include <core/plan/plan.hpp>
-#include <device/device_id.hpp>
+#include <device/port/device_id.hpp>
 
 int main(int argc, char** argv) {
   if (argc != 2) return 2;

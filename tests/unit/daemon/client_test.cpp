@@ -216,7 +216,7 @@ TEST_CASE("an unknown host is reported", "[client]") {
   const auto jobs = api.open_jobs();
   REQUIRE_FALSE(jobs);
   CHECK(jobs.error().kind == ErrorKind::DeviceGone);
-  CHECK(jobs.error().detail.rfind("the host cutter.invalid is not known", 0) == 0);
+  CHECK(jobs.error().detail.rfind("the host cutter.invalid is unknown", 0) == 0);
 }
 
 TEST_CASE("an absent popcutd is reported with how to start it", "[client]") {

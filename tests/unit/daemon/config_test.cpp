@@ -124,7 +124,8 @@ TEST_CASE("an invalid configuration is refused with line and column and the vali
   refused("state = \"a\\u0007b\"", "1:9: state", "control character");
   refused("state = \"\"", "1:9: state", "is empty; name a path");
   refused("socket = \"\"", "1:10: socket", "is empty; name a path");
-  refused("socket = \"/" + std::string(107, 'x') + "\"", "1:10: socket", "has 107 at most");
+  refused("socket = \"/" + std::string(107, 'x') + "\"", "1:10: socket",
+          "has 108 characters; a socket path has at most 107");
   refused("listen = [", "1:11", "is not TOML");
   refused("listen = []\nlisten = []", "2:10", "is not TOML");
 }

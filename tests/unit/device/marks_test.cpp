@@ -145,7 +145,7 @@ TEST_CASE("the marks are drawn as a page at true size", "[core][marks]") {
   const std::string svg = marks_svg(marks, {304.8, 304.8}, "a <sheet>");
   CHECK_THAT(svg, Catch::Contains("width=\"304.8mm\""));
   CHECK_THAT(svg, Catch::Contains("<rect x=\"10\" y=\"10\" width=\"5\" height=\"5\"/>"));
-  CHECK_THAT(svg, Catch::Contains("<title>a sheet</title>"));
+  CHECK_THAT(svg, Catch::Contains("<title>a &lt;sheet&gt;</title>"));
 }
 
 TEST_CASE("the test shape is small and has a fold and two closed cuts", "[core][plan]") {

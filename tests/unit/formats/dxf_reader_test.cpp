@@ -350,7 +350,8 @@ TEST_CASE("a faulty DXF is refused with its line and what would be right", "[cor
         std::string::npos);
   CHECK(fault(drawing("0 SPLINE 71 3 40 0 40 1 10 0 20 0 10 1 20 0 10 2 20 0 10 3 20 0")) ==
         "line 16: the spline has 2 knots; 4 control points of degree 3 need 8");
-  CHECK(fault(drawing("0 SPLINE 71 40 10 0 20 0")).find("degree 40; 1 to 11") != std::string::npos);
+  CHECK(fault(drawing("0 SPLINE 71 40 10 0 20 0")).find("degree 40; use 1 to 11") !=
+        std::string::npos);
   CHECK(fault(drawing("0 SPLINE 71 1 40 0 40 0 40 1 40 1 41 1 41 -1 10 0 20 0 10 1 20 0"))
             .find("weight of -1") != std::string::npos);
   CHECK(fault(drawing("99999 LINE")).find("not a group code") != std::string::npos);

@@ -220,8 +220,8 @@ TEST_CASE("a document type is never fetched and only plain entities are expanded
   const auto of_size = [](std::size_t n) {
     return "<!DOCTYPE svg [<!ENTITY w '1'><!ENTITY a '" + std::string(n, 'x') + "'>]>";
   };
-  CHECK(error_of(with(of_size(257))).detail.find("the SVG has 257 bytes; the limit is 256") !=
-        std::string::npos);
+  CHECK(error_of(with(of_size(257)))
+            .detail.find("the entity a has 257 bytes, but the limit is 256") != std::string::npos);
   CHECK(read(with(of_size(256))).lines.size() == 1);
   SvgLimits small;
   small.bytes = 100'000;
@@ -281,7 +281,8 @@ TEST_CASE("invalid numbers are refused in one line with the element", "[core][fo
 TEST_CASE("sizes are checked before memory is taken", "[core][formats][svg][bad]") {
   SvgLimits limits;
   limits.bytes = 1000;
-  CHECK(error_of(std::string(1001, ' '), limits).detail.find("at most 1000") != std::string::npos);
+  CHECK(error_of(std::string(1001, ' '), limits).detail.find("the limit is 1000") !=
+        std::string::npos);
   std::string nodes;
   for (int i = 0; i < 1000; ++i) nodes += "<a/>";
   limits = {};

@@ -73,12 +73,13 @@ TEST_CASE("brackets nested without end are refused", "[core][verify]") {
 TEST_CASE("members of a wrong type are named by JSON pointer", "[core][verify]") {
   const std::string text = box_card().text();
   CHECK(has(refused(replaced(text, "[0,0]", "[0,\"0\"]")),
-            "/vertices_coords/0/1: a string stands here"));
-  CHECK(
-      has(refused(replaced(text, "[0,0]", "[0,null]")), "/vertices_coords/0/1: null stands here"));
-  CHECK(
-      has(refused(replaced(text, "[0,0]", "[0,[0]]")), "/vertices_coords/0/1: a list stands here"));
-  CHECK(has(refused(replaced(text, "[0,0]", "7")), "/vertices_coords/0: a number stands here"));
+            "/vertices_coords/0/1: is a string; it must be a number"));
+  CHECK(has(refused(replaced(text, "[0,0]", "[0,null]")),
+            "/vertices_coords/0/1: is null; it must be a number"));
+  CHECK(has(refused(replaced(text, "[0,0]", "[0,[0]]")),
+            "/vertices_coords/0/1: is a list; it must be a number"));
+  CHECK(has(refused(replaced(text, "[0,0]", "7")),
+            "/vertices_coords/0: is a number; it must be a list"));
   CHECK(has(refused(replaced(text, "[0,0]", "[0]")),
             "/vertices_coords/0: a vertex has 1 coordinates"));
   CHECK(has(refused(replaced(text, "\"F\"", "7")), "/edges_assignment/"));
@@ -91,7 +92,7 @@ TEST_CASE("members of a wrong type are named by JSON pointer", "[core][verify]")
   CHECK(has(refused(replaced(text, "\"frame_parent\":0", "\"frame_parent\":1")),
             "inherits from itself"));
   CHECK(has(refused(replaced(text, "\"file_frames\":[", "\"file_frames\":[5,")),
-            "/file_frames/0: a number stands here"));
+            "/file_frames/0: is a number; it must be"));
   CHECK(has(refused(replaced(text, "\"vertices_coords\"", "\"vertices_coord\"")),
             "/vertices_coords: missing"));
 }
