@@ -13,7 +13,7 @@ enum class ErrorKind {
   Internal,     ///< a fault in popcut itself
   Usage,        ///< the command line is wrong
   Malformed,    ///< an input cannot be read as what it claims to be
-  OutOfRange,   ///< an input is readable, but a value in it is not lawful
+  OutOfRange,   ///< an input is readable, but a value in it is not valid
   Infeasible,   ///< the input is fine, but no valid pattern or layout exists for it
   DeviceGone,   ///< the device is absent or went away
   Timeout,      ///< the device did not answer in time

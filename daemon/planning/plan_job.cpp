@@ -67,7 +67,7 @@ Result<SvgReadOptions> read_options(const PlanOptions& options, const Tables& ta
   return how;
 }
 
-/// What each tool holder of a sheet holds: the firmware is told the offset of a blade.
+/// The tool in each holder of a sheet: the firmware needs the offset of a blade.
 std::vector<ToolKind> holders_for(const PlannedSheet& sheet) {
   std::vector<ToolKind> holders;
   for (const Stroke& stroke : sheet.path.strokes)

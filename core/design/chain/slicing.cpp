@@ -16,7 +16,7 @@ namespace {
 constexpr double kMostSpan = 1e5;     ///< 100 m: no sheet is larger
 constexpr double kLeastWidth = 1e-3;  ///< a micrometre: no knife is finer
 
-/// Widths that a sheet can have: none too thin to be told apart, none too wide in all.
+/// Checks the widths of a sheet: each wide enough to be distinct, all together not too wide.
 Result<void> check_widths(const std::vector<double>& widths_mm,
                           const std::vector<RegionSpec>& regions) {
   double sum = 0.0;
