@@ -24,17 +24,18 @@ namespace popcut::daemon {
 namespace {
 
 constexpr const char* kPurpose =
-    "Run the popcut job server. It plans designs, queues jobs, and cuts each sheet after a person "
-    "has\nloaded and started it.\n\n  popcutd                               # one simulated "
+    "Run the popcut job server. It queues jobs, plans their designs, and cuts each sheet after a "
+    "person\nhas armed and started it.\n\n  popcutd                               # one simulated "
     "cutter, this computer only\n  popcutd --sim cameo4 --listen 127.0.0.1:9000\n  popcutd "
     "--config popcutd.toml --check-config\n\nThen, in another terminal: popcut cut sphere.json "
     "--wait\n\nWithout --config, popcutd reads ~/.config/popcut/popcutd.toml or "
-    "/etc/popcut/popcutd.toml if it\nexists; --print-config prints every key. Ctrl-C stops a cut "
+    "/etc/popcut/popcutd.toml if one of\nthem exists; --print-config prints every key. Ctrl-C "
+    "stops a cut "
     "at the end of its stroke.";
 constexpr const char* kFooter =
     "Exit codes: 0 stopped on request; 1 internal error; 2 invalid command line; 5 an address or "
-    "the\nstate folder is in use; 7 the state folder cannot be written; 78 the configuration or "
-    "the\ndatabase must be fixed by a person.";
+    "the\nstate folder is in use; 7 the state folder cannot be written; 78 a person must "
+    "repair\nthe configuration or the database.";
 
 const char* variable(const char* name) { return std::getenv(name); }
 

@@ -126,7 +126,7 @@ Result<void> run_events(EventOptions options, const Globals& globals) {
 constexpr const char* kEventsHelp =
     "List what happened in popcutd, event by event.\n\n"
     "  popcut events                         # the last 200 events\n"
-    "  popcut events --follow                # new events as they happen; Ctrl-C ends it\n"
+    "  popcut events --follow                # new events as they happen; Ctrl-C stops it\n"
     "  popcut events --after 1200            # events after number 1200\n"
     "  popcut events --job 01JDX7 --json     # events of one job, as JSON";
 
@@ -137,7 +137,8 @@ void add_events(CLI::App& app, const Globals& globals, Run& run) {
                kMostNumber)
       ->option_text("SEQ");
   command->add_option("--job", options->job, "Only events of this job")->option_text("JOB");
-  whole_number(command->add_option("--limit", options->limit, "Largest number of events"), 1, 1000)
+  whole_number(command->add_option("--limit", options->limit, "List at most this many events"), 1,
+               1000)
       ->option_text("N [200]");
   command->add_flag("--follow", options->follow, "Keep running and print new events");
   command->callback([options, &globals, &run] {
@@ -210,9 +211,9 @@ constexpr const char* kTokenHelp =
     "  popcut token create --role operator --name workshop --days 30\n"
     "  popcut token list\n"
     "  popcut token delete 01JDX7KQ4M8ZB1Q2R3S4T5V6W7\n\n"
-    "Roles: a viewer sees jobs, a submitter also queues them, an operator also cuts them, an "
-    "admin\n"
-    "may do everything.";
+    "Roles: a viewer sees jobs. A submitter also queues designs. An operator also arms, starts "
+    "and\n"
+    "stops jobs. An admin may do everything.";
 
 void add_token(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<TokenOptions>();
@@ -231,7 +232,8 @@ void add_token(CLI::App& app, const Globals& globals, Run& run) {
   });
   command->add_subcommand("list", "List the tokens, without their secrets")
       ->callback([&globals, &run] { run = [&globals] { return list_tokens(globals); }; });
-  CLI::App* const remove = command->add_subcommand("delete", "Revoke a token");
+  CLI::App* const remove =
+      command->add_subcommand("delete", "Delete a token; it stops working at once");
   remove->add_option("ID", options->id, "An ID that 'popcut token list' shows")->required();
   remove->callback([options, &globals, &run] {
     run = [options, &globals] { return delete_token(*options, globals); };
@@ -274,10 +276,10 @@ Result<void> open_page(bool print_only, const Globals& globals) {
 }
 
 constexpr const char* kOpenHelp =
-    "Open popcutd's page in the browser, signed in as you.\n\n"
+    "Open popcutd's web page in the browser (this version has none yet).\n\n"
     "  popcut open\n"
     "  popcut open --print     # print the address, which works once, within a minute\n\n"
-    "If this popcutd has no page yet, use 'popcut jobs --watch'.";
+    "popcut says so if popcutd has no page; use 'popcut jobs --watch' instead.";
 
 // Usage
 
@@ -368,7 +370,7 @@ Result<void> salvage_database(std::string folder, const Globals& globals) {
 
 constexpr const char* kDbHelp =
     "Back up, check or repair the database of popcutd.\n\n"
-    "  popcut db backup       # copy it to popcutd's backup folder; prints the path\n"
+    "  popcut db backup       # copy it to popcutd's backup folder; print the path\n"
     "  popcut db check        # read every page and index\n"
     "  popcut db salvage      # if popcutd reports damage (exit code 78): stop popcutd, then copy\n"
     "                         # what is readable to a new database; the damaged one is kept";
@@ -376,9 +378,11 @@ constexpr const char* kDbHelp =
 void add_db(CLI::App& app, const Globals& globals, Run& run) {
   CLI::App* const command = app.add_subcommand("db", kDbHelp);
   command->require_subcommand(1);
-  command->add_subcommand("backup", "Copy the database while popcutd runs, and print the path")
+  command
+      ->add_subcommand("backup",
+                       "Copy the database while popcutd runs, and print the path of the copy")
       ->callback([&globals, &run] { run = [&globals] { return database("backup", globals); }; });
-  command->add_subcommand("check", "Read the whole database, and report damage")
+  command->add_subcommand("check", "Read the whole database and report damage")
       ->callback([&globals, &run] { run = [&globals] { return database("check", globals); }; });
   auto folder = std::make_shared<std::string>();
   CLI::App* const salvage = command->add_subcommand(
@@ -401,7 +405,7 @@ void register_daemon(CLI::App& app, const Globals& globals, Run& run) {
   add_db(app, globals, run);
   CLI::App* const open = app.add_subcommand("open", kOpenHelp);
   auto print_only = std::make_shared<bool>(false);
-  open->add_flag("--print", *print_only, "Print the address, do not open it");
+  open->add_flag("--print", *print_only, "Print the address; do not open it");
   open->callback([print_only, &globals, &run] {
     run = [print_only, &globals] { return open_page(*print_only, globals); };
   });

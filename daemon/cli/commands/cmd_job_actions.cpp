@@ -238,25 +238,25 @@ constexpr const char* kRetryHelp =
     "Cut a sheet again on a new blank. Nothing moves until you arm and start it.\n\n"
     "  popcut retry 01JDX7 2";
 constexpr const char* kConfirmHelp =
-    "Record whether a sheet came out well.\n\n"
+    "Tell popcutd whether a sheet came out good or bad.\n\n"
     "  popcut confirm 01JDX7 2 good\n"
     "  popcut confirm 01JDX7 2 bad";
 constexpr const char* kSkipHelp =
     "Skip a sheet and go on with the next.\n\n"
     "  popcut skip 01JDX7 2";
 constexpr const char* kHoldHelp =
-    "Hold a job back in the queue, until 'popcut release'.\n\n"
+    "Hold a job back: nobody can arm it until 'popcut release'.\n\n"
     "  popcut hold 01JDX7";
 constexpr const char* kReleaseHelp =
-    "Let a held job go on.\n\n"
+    "Release a held job.\n\n"
     "  popcut release 01JDX7";
 constexpr const char* kChangeHelp =
-    "Change the priority, name, note or cutter of a job that has not started.\n\n"
+    "Change the priority, name, note or cutter of a job that is queued, planning or ready.\n\n"
     "  popcut change 01JDX7 --priority 5\n"
     "  popcut change 01JDX7 --device usb:51053P\n"
     "  popcut change 01JDX7 --device ''         # any cutter that fits";
 constexpr const char* kMoveHelp =
-    "Move a job before another one of the same priority, or to the end.\n\n"
+    "Move a job before another job of the same priority, or to the end.\n\n"
     "  popcut move 01JDX7 --before 01JDX2\n"
     "  popcut move 01JDX7";
 
@@ -342,7 +342,8 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
   options = fresh();
   command = add(app, globals, run, {"move", kMoveHelp, named(in_queue, "move"), true, move_line},
                 options);
-  command->add_option("--before", options->before, "Job to put it before")->option_text("JOB");
+  command->add_option("--before", options->before, "Move it before this job; default: to the end")
+      ->option_text("JOB");
 }
 
 }  // namespace popcut::cli

@@ -232,7 +232,7 @@ constexpr const char* kHelp =
     "  popcut jobs 01JDX7 --watch    # follow one job until it ends\n\n"
     "A job is queued, planning, ready (load the sheet, then 'popcut arm'), armed (then 'popcut\n"
     "start'), cutting, paused, interrupted, done, failed or cancelled. If the output is not a\n"
-    "terminal, --watch prints a line for each change; with --json, one JSON document a line.";
+    "terminal, --watch prints a line for each change. With --json, each line is a JSON document.";
 
 }  // namespace
 }  // namespace jobs_command
@@ -244,7 +244,7 @@ void register_jobs(CLI::App& app, const Globals& globals, Run& run) {
   command->add_option("JOB", options->job, "Id of a job, or its first letters");
   command->add_flag("--watch", options->watch, "Keep running and show changes");
   command->add_flag("--all", options->all, "Include finished jobs");
-  command->add_option("--state", options->state, "Only jobs in this state; several with commas")
+  command->add_option("--state", options->state, "Only jobs in these states, separated by commas")
       ->option_text("STATE");
   command->callback([options, &globals, &run] {
     run = [options, &globals] { return run_jobs(*options, globals); };
