@@ -1,29 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "core/result.hpp"
 
+#include <array>
+
 namespace popcut {
 
 int exit_code(ErrorKind kind) {
-  switch (kind) {
-    case ErrorKind::Internal:
-      return 1;
-    case ErrorKind::Usage:
-      return 2;
-    case ErrorKind::Malformed:
-    case ErrorKind::OutOfRange:
-      return 3;
-    case ErrorKind::Infeasible:
-      return 4;
-    case ErrorKind::DeviceGone:
-    case ErrorKind::Timeout:
-    case ErrorKind::Refused:
-      return 5;
-    case ErrorKind::CheckFailed:
-      return 6;
-    case ErrorKind::Unwritable:
-      return 7;
-  }
-  return 1;
+  constexpr std::array kCodes{1, 2, 3, 3, 4, 5, 5, 5, 6, 7};  // by kind
+  return kCodes.at(static_cast<std::size_t>(kind));
 }
 
 std::string message(const Error& error) {

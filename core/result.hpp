@@ -54,6 +54,15 @@ using Result = tl::expected<T, Error>;
   return tl::unexpected<Error>(Error{kind, std::move(place), std::move(detail), reason});
 }
 
+/// The error of an input that is over a limit of its reader, with what helps always. Who knows a
+/// way to raise the limits adds it (`ErrorReason::TooMuch`).
+///
+/// @param what  "the drawing has more than 5 points"
+[[nodiscard]] inline Error too_much(std::string what) {
+  return {ErrorKind::OutOfRange, "", std::move(what) + "; simplify the drawing",
+          ErrorReason::TooMuch};
+}
+
 /// The process exit code of `kind` as the manual lists them: 1..7.
 [[nodiscard]] int exit_code(ErrorKind kind);
 

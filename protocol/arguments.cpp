@@ -5,10 +5,6 @@
 #include <cmath>
 
 namespace popcut {
-namespace {
-constexpr double kLargest = 2147483648.0;
-}
-
 void Arguments::clear() {
   length_ = 0;
   comma_ = bad_ = false;
@@ -42,6 +38,7 @@ void Arguments::end() {
   if (length_ == 0) return;
   const char* const begin = text_.data() + (text_[0] == '+' ? 1 : 0);
   const char* const end = text_.data() + length_;
+  constexpr double kLargest = 2147483648.0;
   double value = 0;
   const auto [stop, code] = std::from_chars(begin, end, value, std::chars_format::fixed);
   if (code != std::errc() || stop != end || !(std::abs(value) <= kLargest))

@@ -10,11 +10,11 @@ void CommandReader::feed(std::span<const std::byte> piece, Program& into) {
   into.dialect = dialect_;
   into.unit_mm = unit_mm_;
   for (const std::byte byte : piece) {
-    const auto c = std::to_integer<unsigned char>(byte);
+    const auto c = std::to_integer<char>(byte);
     if (in_escape()) {
-      control_ += static_cast<char>(c);
+      control_ += c;
       take_escape(c, into);
-    } else if (c == static_cast<unsigned char>(kEsc)) {
+    } else if (c == kEsc) {
       resume_ = std::exchange(state_, State::Escape);
       escape_at_ = offset_;
       control_.assign(1, kEsc);

@@ -6,8 +6,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "protocol/arguments.hpp"
+#include "protocol/be_delta.hpp"
 #include "protocol/program.hpp"
 
 namespace popcut {
@@ -67,14 +69,14 @@ class CommandReader {
   CommandReader& operator=(const CommandReader&) = default;
   virtual ~CommandReader() = default;
 
-  [[nodiscard]] static bool is_blank(unsigned char c) {
+  [[nodiscard]] static bool is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\r' || c == '\n';
   }
 
   /// A byte that belongs to no ESC code.
-  virtual void take(unsigned char c, Program& into) = 0;
+  virtual void take(char c, Program& into) = 0;
   /// A byte after ESC.
-  virtual void take_escape(unsigned char c, Program& into) = 0;
+  virtual void take_escape(char c, Program& into) = 0;
 
   /// Null if the language has no such command.
   [[nodiscard]] const CommandEntry* find_command(std::string_view mnemonic) const;
@@ -116,6 +118,58 @@ class CommandReader {
   Dialect dialect_;
   double unit_mm_;
   std::span<const CommandEntry> commands_;
+};
+
+/// Reads GPGL as tolerantly as the firmware does.
+///
+/// A command ends at ETX, or where the next command's letter begins; commas between commands are
+/// skipped. M, D, O and E take several points, with fractions; O, E and BE are resolved to absolute
+/// points. Of the ESC codes, only the reset (ESC EOT) drops the command that it interrupts. A
+/// command with missing or unreadable numbers is Unknown, with its bytes, and so is all text from a
+/// byte that begins no command up to the next ETX.
+class GpglReader final : public CommandReader {
+ public:
+  GpglReader();
+
+ private:
+  void take(char c, Program& into) override;
+  void take_escape(char c, Program& into) override;
+  void begin(char c);
+  void take_mnemonic(char c, Program& into);
+  void take_number(char c, Program& into);
+  void take_delta(char c, Program& into);
+  void close(std::uint64_t end, Program& into);
+  void close_deltas(std::uint64_t end, Program& into);
+
+  const DeltaForm* form_{};
+  std::int64_t index_{}, weight_{1};
+  int digits_{};
+  std::vector<MachinePoint> deltas_;  // absolute points of the BE being read
+};
+
+/// Reads HPGL.
+///
+/// A command ends at a semicolon or where the next mnemonic begins; lower case is read as upper
+/// case; blanks and line ends are skipped. PU, PD, PA and PR become Move and Draw with absolute
+/// points, depending on whether the pen is down; PU and PD without points are a Move and a Draw
+/// without points. ESC . introduces device controls. Arcs, user scales and rotations are not
+/// followed: they are Unknown, with their bytes, as is everything that is not HPGL.
+class HpglReader final : public CommandReader {
+ public:
+  HpglReader();
+
+ private:
+  void take(char c, Program& into) override;
+  void take_escape(char c, Program& into) override;
+  void begin(char c);
+  void take_mnemonic(char c);
+  void take_number(char c, Program& into);
+  void close(std::uint64_t end, Program& into);
+  void close_points(std::uint64_t end, Program& into);
+
+  char raw_end_{';'};
+  bool down_{};
+  bool relative_{};
 };
 
 }  // namespace popcut

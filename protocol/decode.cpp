@@ -5,8 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "protocol/gpgl_reader.hpp"
-#include "protocol/hpgl_reader.hpp"
+#include "protocol/command_reader.hpp"
 
 namespace popcut {
 namespace {
@@ -22,15 +21,6 @@ Program read_all(std::span<const std::byte> bytes) {
   return program;
 }
 
-template <typename Reader>
-Result<Program> read_bounded(std::span<const std::byte> bytes) {
-  if (bytes.size() > kMostBytes)
-    return fail(
-        ErrorKind::OutOfRange, "",
-        fmt::format("the program has {} bytes; it must have at most {}", bytes.size(), kMostBytes));
-  return read_all<Reader>(bytes);
-}
-
 /// Bytes of Unknown commands, without one that the end cut off.
 std::uint64_t unknown_bytes(const Program& program) {
   std::uint64_t sum = 0;
@@ -42,16 +32,12 @@ std::uint64_t unknown_bytes(const Program& program) {
 
 }  // namespace
 
-Result<Program> decode_gpgl(std::span<const std::byte> bytes) {
-  return read_bounded<GpglReader>(bytes);
-}
-
-Result<Program> decode_hpgl(std::span<const std::byte> bytes) {
-  return read_bounded<HpglReader>(bytes);
-}
-
 Result<Program> decode(Dialect dialect, std::span<const std::byte> bytes) {
-  return dialect == Dialect::Gpgl ? decode_gpgl(bytes) : decode_hpgl(bytes);
+  if (bytes.size() > kMostBytes)
+    return fail(
+        ErrorKind::OutOfRange, "",
+        fmt::format("the program has {} bytes; it must have at most {}", bytes.size(), kMostBytes));
+  return dialect == Dialect::Gpgl ? read_all<GpglReader>(bytes) : read_all<HpglReader>(bytes);
 }
 
 Dialect guess_dialect(std::span<const std::byte> bytes) {

@@ -9,16 +9,10 @@
 
 namespace popcut {
 
-/// Reads a whole GPGL program. Bytes that are not understood are kept as Unknown. If the program
-/// ends within a command, that command is Unknown and `truncated` is set. No bytes are an error.
+/// Reads a whole program. Bytes that are not understood are kept as Unknown. If the program ends
+/// within a command, that command is Unknown and `truncated` is set. No bytes are an error.
 ///
 /// @retval OutOfRange  more than 2^28 bytes
-[[nodiscard]] Result<Program> decode_gpgl(std::span<const std::byte> bytes);
-
-/// Reads a whole HPGL program, as `decode_gpgl` does.
-[[nodiscard]] Result<Program> decode_hpgl(std::span<const std::byte> bytes);
-
-/// Reads a program in either language.
 [[nodiscard]] Result<Program> decode(Dialect dialect, std::span<const std::byte> bytes);
 
 /// The language in which fewer of the first bytes are Unknown; GPGL if both read them equally well.

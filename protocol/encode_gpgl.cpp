@@ -80,32 +80,31 @@ class GpglEncoder final : public StrokeEncoder {
   void set_job_values() {
     const double bottom = page_length() + std::max(machine_.margin_top_mm, 0.0);
     const double right = page_width() + std::max(machine_.margin_left_mm, 0.0);
-    values_.set("mat", options_.mat_code);
-    if (!options_.mat_code && !machine_.mats.empty()) values_.set("mat", 0);
-    values_.set("top", units(options_.window_top_mm));
-    values_.set("left", units(options_.window_left_mm));
+    values_["mat"] = options_.mat_code;
+    if (!options_.mat_code && !machine_.mats.empty()) values_["mat"] = 0;
+    values_["top"] = units(options_.window_top_mm);
+    values_["left"] = units(options_.window_left_mm);
     // The window must hold the page where the machine's margins put it.
-    if (page_length() > 0) values_.set("bottom", units(bottom));
-    if (page_width() > 0) values_.set("right", units(right));
-    if (machine_.tool_holders > 1) values_.set("park", 0);
+    if (page_length() > 0) values_["bottom"] = units(bottom);
+    if (page_width() > 0) values_["right"] = units(right);
+    if (machine_.tool_holders > 1) values_["park"] = 0;
     if (machine_.firmware_blade_offset) {
-      values_.set("offset", units(material_.blade_offset_mm));
-      values_.set("zero_offset", 0);
+      values_["offset"] = units(material_.blade_offset_mm);
+      values_["zero_offset"] = 0;
     }
-    values_.set("lift", options_.corner_lift ? 1 : 0);
-    values_.set("extend_start", options_.corner_start_tenths.value_or(variant_.corner_tenths));
-    values_.set("extend_end", options_.corner_end_tenths.value_or(variant_.corner_tenths));
-    if (options_.track_enhancing) values_.set("track", 0);  // 0 is on
+    values_["lift"] = options_.corner_lift ? 1 : 0;
+    values_["extend_start"] = options_.corner_start_tenths.value_or(variant_.corner_tenths);
+    values_["extend_end"] = options_.corner_end_tenths.value_or(variant_.corner_tenths);
+    if (options_.track_enhancing) values_["track"] = 0;  // 0 is on
   }
 
   void set_stroke_values(const StrokeSteps& steps) {
-    values_.set("tool", steps.tool);
-    if (machine_.tool_holders > 1) values_.set("holder", steps.tool);
-    values_.set("force", steps.force);
-    values_.set("speed", steps.speed);
+    values_["tool"] = steps.tool;
+    if (machine_.tool_holders > 1) values_["holder"] = steps.tool;
+    values_["force"] = steps.force;
+    values_["speed"] = steps.speed;
     const bool taps = machine_.autoblade && options_.autoblade && steps.tool == 1;
-    values_.set("depth",
-                taps ? std::optional<std::int64_t>(material_.autoblade_depth) : std::nullopt);
+    values_["depth"] = taps ? std::optional<std::int64_t>(material_.autoblade_depth) : std::nullopt;
   }
 
   std::vector<std::uint64_t> write_tool(const StrokeSteps& steps) {
@@ -233,12 +232,11 @@ Result<EncodedProgram> encode_gpgl(const Toolpath& toolpath, const Machine& mach
                                    const Material& material, const JobOptions& options) {
   const GpglVariant* variant = find_gpgl_variant(machine.variant);
   if (variant == nullptr) {
-    std::string names;
-    for (const GpglVariant& known : gpgl_variants())
-      names += fmt::format("{}{}", names.empty() ? "" : ", ", known.name);
-    return fail(
-        ErrorKind::OutOfRange, "/variant",
-        fmt::format("\"{}\" is not a variant of GPGL; known variants: {}", machine.variant, names));
+    std::vector<std::string_view> names;
+    for (const GpglVariant& known : gpgl_variants()) names.push_back(known.name);
+    return fail(ErrorKind::OutOfRange, "/variant",
+                fmt::format("\"{}\" is not a variant of GPGL; known variants: {}", machine.variant,
+                            fmt::join(names, ", ")));
   }
   if (options.fractions && options.draw == DrawForm::Binary)
     return fail(ErrorKind::OutOfRange, "",

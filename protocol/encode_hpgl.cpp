@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text/words.hpp"
 #include "protocol/encode.hpp"
 #include "protocol/stroke_encoder.hpp"
 
@@ -146,21 +147,18 @@ class HpglEncoder final : public StrokeEncoder {
 
 Result<HpglHabits> hpgl_habits(std::string_view variant) {
   HpglHabits habits;
-  for (std::string_view rest = variant;;) {
-    const std::string_view word = rest.substr(0, rest.find('+'));
+  std::string_view rest = variant;
+  for (bool more = true; more;) {
+    more = rest.find('+') != std::string_view::npos;
+    const std::string_view word = take_word(rest, "+");
     const auto known = std::find_if(kHabitWords.begin(), kHabitWords.end(),
                                     [&](const HabitWord& w) { return w.word == word; });
     if (known == kHabitWords.end()) {
-      std::string names;
-      for (const HabitWord& w : kHabitWords)
-        names += fmt::format("{}{}", names.empty() ? "" : ", ", w.word);
       return fail(ErrorKind::OutOfRange, "/variant",
                   fmt::format("\"{}\" is not a variant of HPGL; known words, joined by +: {}", word,
-                              names));
+                              fmt::join(kHpglWords, ", ")));
     }
     known->change(habits);
-    if (word.size() == rest.size()) break;
-    rest.remove_prefix(word.size() + 1);
   }
   if (habits.move_by_pa && habits.words != HpglWords::PenUpDown)
     return fail(

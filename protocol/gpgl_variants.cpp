@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/text/words.hpp"
 #include "protocol/program.hpp"
 #include "protocol/stroke_encoder.hpp"
 
@@ -53,9 +54,9 @@ bool write_command(std::string& bytes, std::string_view command, const SettingVa
     bytes += command.substr(0, open);
     if (open == std::string_view::npos) break;
     const std::size_t close = command.find('}', open);
-    const auto value = values.get(command.substr(open + 1, close - open - 1));
-    if (!value) return false;
-    append_number(bytes, *value);
+    const auto value = values.find(command.substr(open + 1, close - open - 1));
+    if (value == values.end() || !value->second) return false;
+    append_number(bytes, *value->second);
     command.remove_prefix(close + 1);
   }
   bytes += kEtx;
@@ -72,22 +73,6 @@ const GpglVariant* find_gpgl_variant(std::string_view name) {
   return found == kVariants.end() ? nullptr : &*found;
 }
 
-void SettingValues::set(std::string_view name, std::optional<std::int64_t> value) {
-  for (auto& [known, held] : values_) {
-    if (known == name) {
-      held = value;
-      return;
-    }
-  }
-  values_.emplace_back(name, value);
-}
-
-std::optional<std::int64_t> SettingValues::get(std::string_view name) const {
-  for (const auto& [known, held] : values_)
-    if (known == name) return held;
-  return std::nullopt;
-}
-
 std::vector<std::uint64_t> write_settings(std::string& bytes, std::string_view line,
                                           const SettingValues& values) {
   std::vector<std::uint64_t> ends;
@@ -97,9 +82,7 @@ std::vector<std::uint64_t> write_settings(std::string& bytes, std::string_view l
     block = bytes.size();
   };
   while (!line.empty()) {
-    const std::size_t blank = std::min(line.find(' '), line.size());
-    const std::string_view command = line.substr(0, blank);
-    line.remove_prefix(std::min(blank + 1, line.size()));
+    const std::string_view command = take_word(line, " ");
     const std::size_t before = bytes.size();
     if (command == "/")
       end_block();

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace popcut {
@@ -33,15 +33,8 @@ struct GpglVariant {
 /// Null if there is no variant of that name.
 [[nodiscard]] const GpglVariant* find_gpgl_variant(std::string_view name);
 
-/// The values that `{name}` stands for.
-class SettingValues {
- public:
-  void set(std::string_view name, std::optional<std::int64_t> value);
-  [[nodiscard]] std::optional<std::int64_t> get(std::string_view name) const;
-
- private:
-  std::vector<std::pair<std::string_view, std::optional<std::int64_t>>> values_;
-};
+/// The values that `{name}` stands for; those that the machine or the job does not have are absent.
+using SettingValues = std::map<std::string_view, std::optional<std::int64_t>>;
 
 /// Writes a variant's line into `bytes`, each command with its ETX.
 ///

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "protocol/program.hpp"
 
+#include <array>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -8,55 +9,12 @@
 namespace popcut {
 
 std::string_view name_of(Verb verb) {
-  switch (verb) {
-    case Verb::Initialise:
-      return "initialise";
-    case Verb::Query:
-      return "query";
-    case Verb::Move:
-      return "move";
-    case Verb::Draw:
-      return "draw";
-    case Verb::Speed:
-      return "speed";
-    case Verb::Force:
-      return "force";
-    case Verb::BladeOffset:
-      return "blade offset";
-    case Verb::CornerLift:
-      return "corner lift";
-    case Verb::CornerExtend:
-      return "corner extend";
-    case Verb::SelectTool:
-      return "tool";
-    case Verb::Mat:
-      return "mat";
-    case Verb::Orientation:
-      return "orientation";
-    case Verb::WindowNear:
-      return "window near";
-    case Verb::WindowFar:
-      return "window far";
-    case Verb::Autoblade:
-      return "autoblade";
-    case Verb::TrackEnhance:
-      return "track enhance";
-    case Verb::LineType:
-      return "line type";
-    case Verb::Home:
-      return "home";
-    case Verb::SetOrigin:
-      return "set origin";
-    case Verb::Absolute:
-      return "absolute";
-    case Verb::Empty:
-      return "empty";
-    case Verb::Other:
-      return "setting";
-    case Verb::Unknown:
-      return "unknown";
-  }
-  return "";
+  constexpr std::array<std::string_view, 23> kNames{
+      "initialise",   "query",       "move",          "draw",          "speed",     "force",
+      "blade offset", "corner lift", "corner extend", "tool",          "mat",       "orientation",
+      "window near",  "window far",  "autoblade",     "track enhance", "line type", "home",
+      "set origin",   "absolute",    "empty",         "setting",       "unknown"};
+  return kNames.at(static_cast<std::size_t>(verb));
 }
 
 std::string printable(std::string_view text, std::size_t most) {

@@ -2,11 +2,12 @@
 #include "protocol/replies.hpp"
 
 #include <algorithm>
-#include <vector>
+#include <array>
 
 #include <fmt/format.h>
 
-#include "core/text/blanks.hpp"
+#include "core/text/utf8.hpp"
+#include "core/text/words.hpp"
 #include "protocol/arguments.hpp"
 #include "protocol/program.hpp"
 
@@ -22,66 +23,23 @@ constexpr std::size_t kLongestReply = 64;
 
 /// An error that quotes the reply, cut short and without control characters.
 tl::unexpected<Error> not_a_reply(std::string_view reply, std::string_view expected) {
-  std::string text(reply.substr(0, kLongestReply));
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return fail(ErrorKind::Malformed, "",
-              fmt::format("the device replied \"{}\"; {}", text, expected));
-}
-
-Result<std::vector<double>> parse_numbers(std::string_view reply, std::size_t wanted,
-                                          std::size_t most) {
-  Arguments arguments;
-  bool valid = reply.size() <= kLongestReply;
-  if (valid)
-    for (const char c : without_end(reply)) valid = valid && arguments.take(c);
-  arguments.end();
-  if (valid && !arguments.bad() && arguments.values().size() >= wanted &&
-      arguments.values().size() <= most)
-    return arguments.values();
-  return not_a_reply(
-      reply, wanted == most
-                 ? fmt::format("{} number{} expected", wanted, wanted == 1 ? " was" : "s were")
-                 : fmt::format("{} to {} numbers were expected", wanted, most));
+  return fail(
+      ErrorKind::Malformed, "",
+      fmt::format("the device replied \"{}\"; {}", shown_ascii(reply, kLongestReply), expected));
 }
 
 }  // namespace
 
 DeviceStatus parse_status(std::string_view reply) {
   const std::string_view text = trimmed(without_end(reply), " ");
-  if (text.size() != 1) return DeviceStatus::Unknown;
-  switch (text.front()) {
-    case '0':
-      return DeviceStatus::Ready;
-    case '1':
-      return DeviceStatus::Moving;
-    case '2':
-      return DeviceStatus::NoMedia;
-    case '3':
-      return DeviceStatus::Paused;
-    case '4':
-      return DeviceStatus::Cancelled;
-    default:
-      return DeviceStatus::Unknown;
-  }
+  if (text.size() != 1 || text.front() < '0' || text.front() > '4') return DeviceStatus::Unknown;
+  return static_cast<DeviceStatus>(text.front() - '0');
 }
 
 std::string_view name_of(DeviceStatus status) {
-  switch (status) {
-    case DeviceStatus::Ready:
-      return "ready";
-    case DeviceStatus::Moving:
-      return "moving";
-    case DeviceStatus::NoMedia:
-      return "no media";
-    case DeviceStatus::Paused:
-      return "paused";
-    case DeviceStatus::Cancelled:
-      return "cancelled";
-    case DeviceStatus::Unknown:
-      return "unknown";
-  }
-  return "unknown";
+  constexpr std::array<std::string_view, 6> kNames{"ready",  "moving",    "no media",
+                                                   "paused", "cancelled", "unknown"};
+  return kNames.at(static_cast<std::size_t>(status));
 }
 
 Result<Identity> parse_identity(std::string_view reply) {
@@ -98,57 +56,26 @@ Result<Identity> parse_identity(std::string_view reply) {
                   std::string(text.substr(blank + 1))};
 }
 
-Result<NumberPair> parse_pair(std::string_view reply) {
-  return parse_numbers(reply, 2, 2).map([](const std::vector<double>& values) {
-    return NumberPair{values[0], values[1]};
-  });
+Result<std::vector<double>> parse_numbers(std::string_view reply, std::size_t least,
+                                          std::size_t most) {
+  Arguments arguments;
+  bool valid = reply.size() <= kLongestReply;
+  if (valid)
+    for (const char c : without_end(reply)) valid = valid && arguments.take(c);
+  arguments.end();
+  if (valid && !arguments.bad() && arguments.values().size() >= least &&
+      arguments.values().size() <= most)
+    return arguments.values();
+  return not_a_reply(
+      reply, least == most
+                 ? fmt::format("{} number{} expected", least, least == 1 ? " was" : "s were")
+                 : fmt::format("{} to {} numbers were expected", least, most));
 }
 
 Result<double> parse_number(std::string_view reply) {
   return parse_numbers(reply, 1, 1).map([](const std::vector<double>& values) {
     return values[0];
   });
-}
-
-Result<NumberPair> parse_position(std::string_view reply) {
-  return parse_numbers(reply, 3, 3).map([](const std::vector<double>& values) {
-    return NumberPair{values[0], values[1]};
-  });
-}
-
-Result<std::vector<int>> parse_tools(std::string_view reply) {
-  const auto values = parse_numbers(reply, 1, 8);
-  if (!values) return tl::unexpected(values.error());
-  std::vector<int> codes;
-  for (const double value : *values) {
-    if (!(value >= 0 && value <= 255) || value != static_cast<int>(value))
-      return not_a_reply(reply, "tool codes of 0 to 255 were expected");
-    codes.push_back(static_cast<int>(value));
-  }
-  return codes;
-}
-
-std::string_view tool_name(int code) {
-  switch (code) {
-    case 0:
-      return "empty";
-    case 1:
-      return "ratchet blade";
-    case 2:
-      return "autoblade";
-    case 3:
-      return "deep-cut blade";
-    case 4:
-      return "kraft blade";
-    case 5:
-      return "rotary blade";
-    case 7:
-      return "pen";
-    case 255:
-      return "error";
-    default:
-      return "unknown tool";
-  }
 }
 
 }  // namespace popcut

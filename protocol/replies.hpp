@@ -15,8 +15,8 @@ namespace popcut {
 inline constexpr std::string_view kStatusQuery{"\x1b\x05"};
 inline constexpr std::string_view kIdentityQuery{"FG\x03"};
 
-/// What a GPGL machine replies when asked for its status. Any other reply is Unknown and must never
-/// count as Ready.
+/// What a GPGL machine replies when asked for its status: 0 to 4 in this order. Any other reply is
+/// Unknown and must never count as Ready.
 enum class DeviceStatus : std::uint8_t { Ready, Moving, NoMedia, Paused, Cancelled, Unknown };
 
 /// A status reply, with or without its ETX.
@@ -33,30 +33,14 @@ struct Identity {
 /// @retval Malformed  empty, blank, longer than 64 characters, or not printable
 [[nodiscard]] Result<Identity> parse_identity(std::string_view reply);
 
-/// Two numbers, padded with blanks: the reply to `[`, `U`, FA, TB71 and TC.
-struct NumberPair {
-  double first{};
-  double second{};
-};
-
-/// @retval Malformed  not two numbers
-[[nodiscard]] Result<NumberPair> parse_pair(std::string_view reply);
+/// `least` to `most` numbers, separated by commas and padded with blanks.
+///
+/// @retval Malformed  not that many numbers
+[[nodiscard]] Result<std::vector<double>> parse_numbers(std::string_view reply, std::size_t least,
+                                                        std::size_t most);
 /// One number, padded with blanks: the reply to FQ0.
 ///
 /// @retval Malformed  not one number
 [[nodiscard]] Result<double> parse_number(std::string_view reply);
-
-/// The reply to G: where the tool is, in units of the feed and the carriage.
-///
-/// @retval Malformed  not three numbers
-[[nodiscard]] Result<NumberPair> parse_position(std::string_view reply);
-
-/// The reply to ESC NAK, one code per holder: 0 empty, 1 ratchet blade, 2 autoblade, 3 deep cut, 4
-/// kraft blade, 5 rotary blade, 7 pen, 255 error.
-///
-/// @retval Malformed  not one to eight whole numbers of 0 to 255
-[[nodiscard]] Result<std::vector<int>> parse_tools(std::string_view reply);
-/// "empty", "ratchet blade", ...; "unknown tool" for codes without a known meaning.
-[[nodiscard]] std::string_view tool_name(int code);
 
 }  // namespace popcut

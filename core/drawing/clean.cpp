@@ -2,13 +2,12 @@
 #include "core/drawing/clean.hpp"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "core/drawing/collinear.hpp"
-#include "core/drawing/crowding.hpp"
-#include "core/drawing/euler.hpp"
 #include "core/geometry/node_index.hpp"
 
 namespace popcut {
@@ -48,16 +47,11 @@ class Snapping {
   void forget_points() { node_of_ = std::vector<std::uint32_t>(); }
 
  private:
-  std::uint32_t same(const PagePoint& p) {
-    const std::uint32_t found = nodes_.find(p, kSame);
-    return found != kNone ? found : nodes_.add(p);
-  }
-
   void set_within(const LineWork& work, const DrawnLine& line) {
     const auto points = work.points_of(line);
     const bool ring = closed(points);
     for (std::size_t k = ring ? 0 : 1; k + 1 < points.size(); ++k)
-      node_of_[line.first + k] = same(points[k]);
+      node_of_[line.first + k] = nodes_.find_or_add(points[k], kSame);
     if (ring) node_of_[line.first + points.size() - 1] = node_of_[line.first];
   }
 
@@ -96,21 +90,8 @@ class Snapping {
 };
 
 int strength(Operation operation) {
-  switch (operation) {
-    case Operation::Outline:
-      return 5;
-    case Operation::Cut:
-      return 4;
-    case Operation::FoldMountain:
-      return 3;
-    case Operation::FoldValley:
-      return 2;
-    case Operation::Score:
-      return 1;
-    case Operation::Draw:
-      break;
-  }
-  return 0;
+  constexpr std::array kStrengths{0, 1, 3, 2, 4, 5};  // by operation
+  return kStrengths.at(static_cast<std::size_t>(operation));
 }
 
 DrawnSegments segments_of(const LineWork& work, const Snapping& snapping) {
@@ -247,7 +228,8 @@ class OverlapRemover {
   void keep(std::uint32_t s, const Segment& segment, double l, double from, double to) {
     const bool whole = from <= 0.0 && to >= l;
     if (to <= from || (!whole && to - from < 2 * kOverlapTolerance)) return;
-    const PagePoint p = at(segment, l, from), q = at(segment, l, to);
+    const PagePoint p = between(segment.a, segment.b, from / l);
+    const PagePoint q = between(segment.a, segment.b, to / l);
     const std::uint32_t a = from <= 0.0 ? edges_[s].a : node_near(p);
     const std::uint32_t b = to >= l ? edges_[s].b : node_near(q);
     if (a == b) return;
@@ -258,19 +240,10 @@ class OverlapRemover {
     index_->insert({p, q}, s);  // as drawn: the index compares directions
   }
 
-  static PagePoint at(const Segment& segment, double l, double t) {
-    if (t <= 0.0) return segment.a;
-    if (t >= l) return segment.b;
-    const double f = t / l;
-    return {segment.a.x + f * (segment.b.x - segment.a.x),
-            segment.a.y + f * (segment.b.y - segment.a.y)};
-  }
-
   // If a part ends because a line takes over from there, a node of that line is near.
   std::uint32_t node_near(const PagePoint& p) {
     const double reach = std::min(snapping_.reach(), 2 * kOverlapTolerance);
-    const std::uint32_t found = snapping_.nodes().find(p, reach);
-    return found != kNone ? found : snapping_.nodes().add(p);
+    return snapping_.nodes().find_or_add(p, reach);
   }
 
   const std::vector<NodeEdge>& edges_;
@@ -285,15 +258,6 @@ class OverlapRemover {
   std::size_t contradictions_{};
 };
 
-LineWork without_lines(const LineWork& work) {
-  LineWork out;
-  out.name = work.name;
-  out.warnings = work.warnings;
-  out.has_page = work.has_page;
-  out.dashed = work.dashed;
-  return out;
-}
-
 }  // namespace
 
 LineWork with_ends_snapped(const LineWork& work, double snap_mm) {
@@ -305,8 +269,8 @@ LineWork with_ends_snapped(const LineWork& work, double snap_mm) {
   return out;
 }
 
-LineWork clean(LineWork&& work, const CleanOptions& options) {
-  LineWork out = without_lines(work);
+LineWork clean(LineWork work, const CleanOptions& options) {
+  LineWork out = work.without_lines();
   std::vector<Piece> pieces;
   std::vector<PagePoint> nodes;
   std::size_t contradictions = 0;
@@ -327,11 +291,6 @@ LineWork clean(LineWork&& work, const CleanOptions& options) {
         fmt::format("{} places are both mountain and valley folds; they are made mountain folds",
                     contradictions));
   return out;
-}
-
-LineWork clean(const LineWork& work, const CleanOptions& options) {
-  LineWork copy = work;
-  return clean(std::move(copy), options);
 }
 
 }  // namespace popcut

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "core/drawing/crowding.hpp"
-
+// Part of core/drawing/collinear.hpp.
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
+#include "core/drawing/collinear.hpp"
 #include "core/drawing/linework.hpp"
 #include "core/geometry/buckets.hpp"
 #include "core/geometry/cell_walk.hpp"

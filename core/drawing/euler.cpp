@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/drawing/euler.hpp"
-
+// Part of core/drawing/clean.hpp.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -45,7 +44,9 @@ class Joiner {
         nodes_(nodes),
         partner_(2 * pieces.size(), kNoNode),
         walks_(pieces.size()) {
-    list_ends();
+    ends_ = Buckets<std::uint32_t>(nodes.size(), [&](auto&& put) {
+      for (std::uint32_t e = 0; e < partner_.size(); ++e) put(node(e), e);
+    });
   }
 
   void pair_all() {
@@ -78,13 +79,6 @@ class Joiner {
     return e % 2 == 0 ? piece(e).a : piece(e).b;
   }
   [[nodiscard]] const PagePoint& point(std::uint32_t e) const { return nodes_[node(e)]; }
-
-  // Lists all ends by node (counting sort).
-  void list_ends() {
-    ends_ = Buckets<std::uint32_t>(nodes_.size(), [&](auto&& put) {
-      for (std::uint32_t e = 0; e < partner_.size(); ++e) put(node(e), e);
-    });
-  }
 
   // Visits the ends of one operation that meet in a node, for all nodes.
   template <typename Visit>
@@ -282,20 +276,14 @@ void join(const std::vector<Piece>& pieces, std::span<const PagePoint> nodes, Li
 
 void join_loops(std::span<const Segment> edges, double tolerance, LineWork& out) {
   NodeIndex nodes(tolerance, 2 * edges.size());
-  std::vector<PagePoint> points;
-  const auto node_at = [&](const PagePoint& p) {
-    const std::uint32_t found = nodes.find(p, tolerance);
-    if (found != NodeIndex::kNone) return found;
-    points.push_back(p);
-    return nodes.add(p);
-  };
+  const auto node_at = [&](const PagePoint& p) { return nodes.find_or_add(p, tolerance); };
   std::vector<Piece> pieces;
   pieces.reserve(edges.size());
   for (const Segment& edge : edges) {
     const Piece piece{node_at(edge.a), node_at(edge.b), Operation::Outline, -1};
     if (piece.a != piece.b) pieces.push_back(piece);
   }
-  Joiner joiner(pieces, points);
+  Joiner joiner(pieces, nodes.points());
   joiner.pair_all();
   joiner.trace(out);
 }

@@ -32,6 +32,10 @@ struct LineWork {
   [[nodiscard]] std::span<const PagePoint> points_of(const DrawnLine& line) const {
     return std::span(points).subspan(line.first, line.count);
   }
+  /// What is known of the drawing besides its lines.
+  [[nodiscard]] LineWork without_lines() const {
+    return {name, {}, {}, warnings, has_page, dashed};
+  }
   /// Appends a line. Ignores lines of fewer than two points.
   void append(Operation operation, std::span<const PagePoint> line);
 };
@@ -53,5 +57,10 @@ inline constexpr double kMaxCoordinate = 100'000.0;         ///< mm; coordinates
 /// "draw", "score", "fold-mountain", "fold-valley", "cut", "outline": names of layers, also in
 /// reports.
 [[nodiscard]] const char* operation_name(Operation operation);
+
+/// Appends the parts of `line` inside `area`, cut exactly at its border. A closed line that is cut
+/// open continues through its seam. `run` is a reusable buffer.
+void clip_line(std::span<const PagePoint> line, Operation operation, const Box& area,
+               std::vector<PagePoint>& run, LineWork& out);
 
 }  // namespace popcut

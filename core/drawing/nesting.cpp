@@ -7,7 +7,6 @@
 #include <iterator>
 #include <numeric>
 
-#include "core/drawing/stroke_loops.hpp"
 #include "core/geometry/interval_bins.hpp"
 
 namespace popcut {
@@ -15,14 +14,6 @@ namespace {
 
 bool crosses_left_of(const PagePoint& p, const PagePoint& a, const PagePoint& b) {
   return (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y);
-}
-
-double area_of(std::span<const PagePoint> loop) {
-  double twice = 0.0;
-  const PagePoint& o = loop.front();
-  for (std::size_t i = 1; i < loop.size(); ++i)
-    twice += (loop[i - 1].x - o.x) * (loop[i].y - o.y) - (loop[i].x - o.x) * (loop[i - 1].y - o.y);
-  return std::abs(twice) / 2;
 }
 
 // The middle of the longest segment: the point of the line that is least likely to lie on another
@@ -44,9 +35,10 @@ PagePoint probe(std::span<const PagePoint> line) {
 class Loop {
  public:
   Loop(std::span<const PagePoint> points, std::uint32_t line)
-      : points_(points), line_(line), area_(area_of(points)) {
-    for (const PagePoint& p : points) box_.add(p);
-  }
+      : points_(points),
+        line_(line),
+        area_(std::abs(twice_area(points)) / 2),
+        box_(bounds(points)) {}
   [[nodiscard]] std::uint32_t line() const { return line_; }
   [[nodiscard]] const Box& box() const { return box_; }
   [[nodiscard]] double area() const { return area_; }
@@ -169,8 +161,7 @@ class Finder {
     if (loops_.empty() || counts_[line] == 0) return;
     const auto points = work_.points_of(work_.lines[line]);
     const PagePoint p = probe(points);
-    Box box;
-    for (const PagePoint& q : points) box.add(q);
+    const Box box = bounds(points);
     grids_.visit(p, [&](std::uint32_t l) {
       if (loops_[l].line() != line && loops_[l].has_room_for(box) && loops_[l].holds(p)) visit(l);
     });
@@ -208,7 +199,7 @@ class Finder {
     for (std::uint32_t i = 0; i < work_.lines.size(); ++i) {
       const auto points = work_.points_of(work_.lines[i]);
       if (counts_[i] != 0 && closed(points)) add(loops, points, i);
-      for (; next < line_of.size() && line_of[next] == i; ++next) add(loops, within_.loop(next), i);
+      for (; next < line_of.size() && line_of[next] == i; ++next) add(loops, within_[next], i);
     }
     return loops;
   }
@@ -223,7 +214,7 @@ class Finder {
   const LineWork& work_;
   const std::vector<std::uint8_t>& counts_;
   std::vector<std::uint32_t> loop_of_;
-  StrokeLoops within_;
+  Polylines within_;
   std::vector<Loop> loops_;
   LoopGrids grids_;
 };

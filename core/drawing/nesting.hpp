@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -30,5 +31,12 @@ struct Nesting {
 /// lollipop, contains what lies in its loops. O(n log n) plus the size of the result, for lines
 /// that are not nested thousands deep.
 [[nodiscard]] Nesting nesting(const LineWork& work, const std::vector<std::uint8_t>& counts);
+
+/// Appends the loops that a stroke makes where it meets itself (like a lollipop). It walks along
+/// the stroke. When it reaches a place where it was before (to 0.002 mm), the part between becomes
+/// a loop and is left out of later loops. A closed stroke that meets itself nowhere else has no
+/// loops. The search for crossings has a budget of about 64 pairs per segment; beyond it, it sees
+/// only crossings that are vertices of both parts. O(n log n) time and memory.
+void append_stroke_loops(std::span<const PagePoint> stroke, Polylines& out);
 
 }  // namespace popcut

@@ -16,24 +16,6 @@ namespace {
 
 constexpr std::size_t kMostCrossings = 20'000'000;
 
-/// Points that are one if they lie within a tolerance of each other: the nearest that is there.
-class Weld {
- public:
-  explicit Weld(double tolerance, std::size_t expected)
-      : tolerance_(tolerance), nodes_(std::max(tolerance, 1e-9), expected) {}
-
-  std::uint32_t operator()(const PagePoint& p) {
-    const std::uint32_t found = nodes_.find(p, tolerance_);
-    return found != NodeIndex::kNone ? found : nodes_.add(p);
-  }
-  [[nodiscard]] const PagePoint& point(std::uint32_t i) const { return nodes_.point(i); }
-  [[nodiscard]] std::vector<PagePoint> take() { return std::move(nodes_).take_points(); }
-
- private:
-  double tolerance_;
-  NodeIndex nodes_;
-};
-
 /// A vertex on a line, by its place along it.
 struct Stop {
   std::uint32_t line{};
@@ -46,10 +28,6 @@ double along(const Segment& s, const PagePoint& p) {
   return ((p.x - s.a.x) * dx + (p.y - s.a.y) * dy) / (dx * dx + dy * dy);
 }
 
-PagePoint at(const Segment& s, double t) {
-  return {s.a.x + t * (s.b.x - s.a.x), s.a.y + t * (s.b.y - s.a.y)};
-}
-
 int strength(char assignment) {
   constexpr std::string_view kOrder = "FUVMBC";
   const std::size_t place = kOrder.find(assignment);
@@ -59,10 +37,10 @@ int strength(char assignment) {
 /// Finds the places where lines stop each other.
 class Crossings {
  public:
-  Crossings(const std::vector<Segment>& lines, double tolerance, Weld& weld)
-      : lines_(lines), tolerance_(tolerance), weld_(weld) {
+  Crossings(const std::vector<Segment>& lines, double tolerance, NodeIndex& nodes)
+      : lines_(lines), tolerance_(tolerance), nodes_(nodes) {
     for (std::uint32_t i = 0; i < lines.size(); ++i)
-      ends_.push_back({weld(lines[i].a), weld(lines[i].b)});
+      ends_.push_back({node_at(lines[i].a), node_at(lines[i].b)});
   }
 
   bool find() {
@@ -85,11 +63,13 @@ class Crossings {
   std::vector<Stop> stops;
 
  private:
+  std::uint32_t node_at(const PagePoint& p) { return nodes_.find_or_add(p, tolerance_); }
+
   void end_on(std::uint32_t i, std::uint32_t vertex) {
     if (vertex == ends_[i][0] || vertex == ends_[i][1]) return;
-    const PagePoint& p = weld_.point(vertex);
+    const PagePoint& p = nodes_.point(vertex);
     const double t = along(lines_[i], p);
-    if (t > 0.0 && t < 1.0 && distance(at(lines_[i], t), p) <= tolerance_)
+    if (t > 0.0 && t < 1.0 && distance(lerp(lines_[i].a, lines_[i].b, t), p) <= tolerance_)
       stops.push_back({i, t, vertex});
   }
 
@@ -102,14 +82,14 @@ class Crossings {
     const PagePoint o{q.a.x - p.a.x, q.a.y - p.a.y};
     const double s = (o.x * e.y - o.y * e.x) / turn, t = (o.x * d.y - o.y * d.x) / turn;
     if (!(s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0)) return;
-    const std::uint32_t vertex = weld_(at(p, s));
+    const std::uint32_t vertex = node_at(lerp(p.a, p.b, s));
     stops.push_back({i, s, vertex});
     stops.push_back({j, t, vertex});
   }
 
   const std::vector<Segment>& lines_;
   double tolerance_;
-  Weld& weld_;
+  NodeIndex& nodes_;
   std::vector<std::array<std::uint32_t, 2>> ends_;
 };
 
@@ -226,11 +206,11 @@ Result<PlanarGraph> planar_graph(std::span<const CreaseLine> lines, double toler
   }
   PlanarGraph graph;
   if (segments.empty()) return graph;
-  Weld weld(tolerance, 2 * segments.size());
-  Crossings crossings(segments, tolerance, weld);
+  NodeIndex nodes(std::max(tolerance, 1e-9), 2 * segments.size());
+  Crossings crossings(segments, tolerance, nodes);
   if (!crossings.find())
     return fail(ErrorKind::OutOfRange, "", "the lines cross too often; is this a crease pattern?");
-  graph.vertices = weld.take();
+  graph.vertices = std::move(nodes).take_points();
   add_edges(crossings.stops, lines, line_of, graph);
   trace_faces(graph);
   return graph;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "core/drawing/stroke_loops.hpp"
-
+// Part of core/drawing/nesting.hpp.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <tuple>
 
 #include "core/drawing/linework.hpp"
+#include "core/drawing/nesting.hpp"
 #include "core/geometry/disjoint_sets.hpp"
 #include "core/geometry/segment_grid.hpp"
 
@@ -91,10 +91,8 @@ class Meetings {
   std::uint32_t place_at(std::uint32_t segment, double part, double l) {
     if (part * l <= kMeet) return segment;
     if ((1.0 - part) * l <= kMeet) return segment + 1;
-    const PagePoint &a = stroke_[segment], &b = stroke_[segment + 1];
     const std::uint32_t number = sets_.add();
-    places_.push_back(
-        {segment, part, number, {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y)}});
+    places_.push_back({segment, part, number, lerp(stroke_[segment], stroke_[segment + 1], part)});
     return number;
   }
 
@@ -126,7 +124,7 @@ class Meetings {
 
 }  // namespace
 
-void append_stroke_loops(std::span<const PagePoint> stroke, StrokeLoops& out) {
+void append_stroke_loops(std::span<const PagePoint> stroke, Polylines& out) {
   if (stroke.size() < 4) return;
   Meetings meetings(stroke);
   if (!meetings.any()) return;

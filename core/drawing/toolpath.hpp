@@ -9,6 +9,22 @@
 
 namespace popcut {
 
+/// Polylines one after the other. A closed one repeats its first point.
+struct Polylines {
+  std::vector<PagePoint> points;
+  std::vector<std::uint32_t> ends;  ///< per line: one past its last point
+
+  [[nodiscard]] std::size_t size() const { return ends.size(); }
+  [[nodiscard]] std::span<const PagePoint> operator[](std::size_t i) const {
+    const std::size_t from = i == 0 ? 0 : ends[i - 1];
+    return std::span(points).subspan(from, ends[i] - from);
+  }
+  void clear() {
+    points.clear();
+    ends.clear();
+  }
+};
+
 /// What a stroke is for, in cutting order. The sheet's own outline comes last, because no part of
 /// the sheet may move before it is cut (docs/geometry.md, section 8).
 enum class Operation : std::uint8_t { Draw, Score, FoldMountain, FoldValley, Cut, Outline };

@@ -28,6 +28,10 @@ class NodeIndex {
     return find(p, within, [](std::uint32_t) { return true; });
   }
   std::uint32_t add(const PagePoint& p);
+  std::uint32_t find_or_add(const PagePoint& p, double within) {
+    const std::uint32_t found = find(p, within);
+    return found != kNone ? found : add(p);
+  }
   [[nodiscard]] const PagePoint& point(std::uint32_t node) const { return points_[node]; }
   [[nodiscard]] const std::vector<PagePoint>& points() const { return points_; }
   [[nodiscard]] std::vector<PagePoint> take_points() && { return std::move(points_); }

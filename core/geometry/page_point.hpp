@@ -28,6 +28,19 @@ struct Box {
   const double dx = b.x - a.x, dy = b.y - a.y;
   return std::sqrt(dx * dx + dy * dy);  // coordinates are bounded, so this cannot overflow
 }
+/// The point at share `t` of the way from a to b.
+[[nodiscard]] constexpr PagePoint lerp(const PagePoint& a, const PagePoint& b, double t) {
+  return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
+}
+/// The same within the way: from 0 down a itself, from 1 on b itself.
+[[nodiscard]] constexpr PagePoint between(const PagePoint& a, const PagePoint& b, double t) {
+  return t <= 0.0 ? a : t >= 1.0 ? b : lerp(a, b, t);
+}
+/// Twice the area that a closed polyline goes round: positive if it goes clockwise on a page, whose
+/// y points down.
+[[nodiscard]] double twice_area(std::span<const PagePoint> ring);
+/// The bounding box of points.
+[[nodiscard]] Box bounds(std::span<const PagePoint> points);
 /// Length of an open polyline, mm.
 [[nodiscard]] double length(std::span<const PagePoint> line);
 /// Whether its last point equals its first.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -22,16 +23,39 @@ class PointTree {
     std::uint32_t tag;
   };
 
+  /// Up to `each` (at most `kMostNear`) tags, nearest first, each once with its nearest point.
+  class NearList {
+   public:
+    explicit NearList(std::size_t each) : each_(each) {}
+    void clear() { count_ = 0; }
+    [[nodiscard]] std::span<const Near> all() const { return {list_.data(), count_}; }
+    /// Whether nothing at this distance would be taken in.
+    [[nodiscard]] bool closed_to(double squared) const {
+      return count_ == each_ && squared >= list_[count_ - 1].squared;
+    }
+    void add(const Near& one) {
+      std::size_t at = 0;
+      while (at < count_ && list_[at].tag != one.tag) ++at;
+      if (at < count_ ? list_[at].squared <= one.squared : closed_to(one.squared)) return;
+      if (at == count_ && count_ < each_) ++count_;
+      if (at == count_) --at;
+      for (; at > 0 && list_[at - 1].squared > one.squared; --at) list_[at] = list_[at - 1];
+      list_[at] = one;
+    }
+
+   private:
+    std::size_t each_, count_{0};
+    std::array<Near, kMostNear> list_;
+  };
+
   PointTree(std::span<const PagePoint> points, std::span<const std::uint32_t> tags);
 
-  /// Finds the nearest tags to point `i` for which `take(tag)` is true, nearest first, as many as
-  /// fit in `out` (at most `kMostNear`). Each tag occurs once, with its nearest point.
-  /// @return number of tags found
+  /// Sets `found` to the nearest tags to point `i` for which `take(tag)` is true.
   template <typename Take>
-  std::size_t nearest(std::uint32_t i, std::span<Near> out, Take&& take) const {
-    Search search{sorted_[place_[i]], place_[i], out, 0};
+  void nearest(std::uint32_t i, NearList& found, Take&& take) const {
+    found.clear();
+    Search search{sorted_[place_[i]], place_[i], found};
     descend(1, 0, static_cast<std::uint32_t>(sorted_.size()), search, take);
-    return search.count;
   }
 
  private:
@@ -48,21 +72,8 @@ class PointTree {
   struct Search {
     Entry from;
     std::uint32_t place;
-    std::span<Near> best;
-    std::size_t count;
-
-    [[nodiscard]] bool closed_to(double squared) const {
-      return count == best.size() && squared >= best[count - 1].squared;
-    }
-    void add(double squared, std::uint32_t tag) {
-      std::size_t at = 0;
-      while (at < count && best[at].tag != tag) ++at;
-      if (at < count && best[at].squared <= squared) return;
-      if (at == count && count < best.size()) ++count;
-      if (at == count) --at;
-      for (; at > 0 && best[at - 1].squared > squared; --at) best[at] = best[at - 1];
-      best[at] = {squared, tag};
-    }
+    NearList& found;
+    [[nodiscard]] bool closed_to(double squared) const { return found.closed_to(squared); }
   };
 
   void halve(std::size_t node, std::uint32_t low, std::uint32_t high);
@@ -77,7 +88,7 @@ class PointTree {
         const double dx = e.x - search.from.x, dy = e.y - search.from.y;
         const double squared = dx * dx + dy * dy;
         if (i != search.place && !search.closed_to(squared) && take(e.tag))
-          search.add(squared, e.tag);
+          search.found.add({squared, e.tag});
       }
       return;
     }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/layout/assembly.hpp"
-
+// Part of core/layout/layout.hpp.
 #include <algorithm>
 #include <array>
 #include <span>
@@ -8,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/drawing/linework.hpp"
+#include "core/layout/layout.hpp"
 #include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 
@@ -18,14 +18,8 @@ constexpr std::array kTints{"#cfe3f7", "#fbe3c8", "#d8efd3", "#f3d6e4",
                             "#e3dcf3", "#f5efc4", "#d2eeee", "#e6e0d6"};
 
 const char* colour(Operation operation) {
-  switch (operation) {
-    case Operation::FoldMountain:
-      return "#d62728";
-    case Operation::FoldValley:
-      return "#1f5fd6";
-    default:
-      return "#333333";
-  }
+  if (operation == Operation::FoldMountain) return "#d62728";
+  return operation == Operation::FoldValley ? "#1f5fd6" : "#333333";
 }
 
 class Drawing {
@@ -92,13 +86,6 @@ class Drawing {
     }
   }
 
-  // The bounding box of a piece's part; its number stands in the middle.
-  [[nodiscard]] Box share(std::uint32_t i) const {
-    Box box;
-    for (const PagePoint& p : layout_.pieces[i].share) box.add(p);
-    return box;
-  }
-
   void lines_of_drawing(double size) {
     for (const Operation operation :
          {Operation::FoldMountain, Operation::FoldValley, Operation::Cut, Operation::Outline}) {
@@ -116,9 +103,7 @@ class Drawing {
   void tabs(double size) {
     for (const Tab& tab : layout_.tabs) {
       out_ += "<path d=\"";
-      for (std::size_t k = 0; k < 4; ++k)
-        out_ +=
-            fmt::format("{}{:.3f},{:.3f}", k == 0 ? "M" : "L", tab.corners[k].x, tab.corners[k].y);
+      append_path(tab.corners, out_);
       out_ += fmt::format(
           "Z\" fill=\"#2ca02c\" fill-opacity=\"0.35\" stroke=\"#2ca02c\" "
           "stroke-width=\"{:.3f}\"/>\n",
@@ -155,7 +140,7 @@ class Drawing {
 
   void numbers() {
     for (std::uint32_t i = 0; i < layout_.pieces.size(); ++i) {
-      const Box box = share(i);
+      const Box box = bounds(layout_.pieces[i].share);
       const double x = (box.x0 + box.x1) / 2, y = (box.y0 + box.y1) / 2;
       text(x, y, 1.6 * text_, "middle", fmt::format("{}", i + 1));
       text(x, y + 1.2 * text_, 0.8 * text_, "middle",

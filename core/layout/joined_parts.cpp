@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "core/layout/joined_parts.hpp"
-
+// Part of core/layout/layout.hpp.
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "core/layout/layout.hpp"
 #include "core/layout/line_index.hpp"
+#include "core/pattern/pattern.hpp"
 
 namespace popcut {
 namespace {

@@ -13,7 +13,7 @@
 #include "core/layout/line_index.hpp"
 #include "core/layout/marks.hpp"
 #include "core/layout/packing.hpp"
-#include "core/layout/pieces.hpp"
+#include "core/layout/partition.hpp"
 #include "core/layout/seam_search.hpp"
 
 namespace popcut {

@@ -13,6 +13,8 @@
 
 namespace popcut {
 
+struct Pattern;
+
 /// What a layout must respect. Lengths are mm.
 struct LayoutOptions {
   std::array<double, 2> area_mm{};  ///< the reachable area of one sheet, along carriage and feed
@@ -93,5 +95,20 @@ struct Layout {
 /// All pieces of one sheet as one drawing in sheet mm; `piece_of` gets the piece of each line.
 [[nodiscard]] LineWork sheet_work(const Layout& layout, std::uint32_t sheet,
                                   std::vector<std::uint32_t>& piece_of);
+
+/// Several patterns with declared seams as one drawing.
+struct JoinedParts {
+  LineWork drawing;             ///< each part in its place, without outlines along seams
+  std::vector<double> seams_x;  ///< where to split them again, mm from the left edge
+};
+
+/// Puts parts in their places (`Pattern::place`) and removes the outlines along their seams, so
+/// that a layout splits the drawing there and adds tabs.
+[[nodiscard]] JoinedParts join_parts(const std::vector<const Pattern*>& parts);
+
+/// Draws how to glue the pieces together, in mm: the whole drawing with each piece in its own tint,
+/// with its number and sheet, the seams with their letters, the tabs, and a list of the glueing
+/// steps.
+[[nodiscard]] std::string assembly_svg(const Layout& layout, const LineWork& drawing);
 
 }  // namespace popcut

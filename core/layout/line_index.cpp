@@ -11,44 +11,14 @@ namespace {
 // How far beside a seam to look for slivers, mm: wider than any min_panel_mm.
 constexpr double kBeside = 1.0;
 
-std::vector<Segment> segments_of(const LineWork& work, std::vector<Operation>& operations) {
-  std::vector<Segment> segments;
-  segments.reserve(work.points.size());
-  for (const DrawnLine& line : work.lines) {
-    if (line.operation == Operation::Draw) continue;
-    const auto points = work.points_of(line);
-    for (std::size_t i = 1; i < points.size(); ++i) {
-      if (points[i - 1] == points[i]) continue;
-      segments.push_back({points[i - 1], points[i]});
-      operations.push_back(line.operation);
-    }
-  }
-  return segments;
-}
-
-// Segments of closed lines: these bound the paper.
-std::vector<std::uint32_t> borders_of(const LineWork& work) {
-  std::vector<std::uint32_t> borders;
-  std::uint32_t next = 0;
-  for (const DrawnLine& line : work.lines) {
-    if (line.operation == Operation::Draw) continue;
-    const auto points = work.points_of(line);
-    const bool border = is_cut(line.operation) && closed(points);
-    for (std::size_t i = 1; i < points.size(); ++i) {
-      if (points[i - 1] == points[i]) continue;
-      if (border) borders.push_back(next);
-      ++next;
-    }
-  }
-  return borders;
-}
-
 double low(const Segment& s, bool x) { return x ? std::min(s.a.x, s.b.x) : std::min(s.a.y, s.b.y); }
 double high(const Segment& s, bool x) {
   return x ? std::max(s.a.x, s.b.x) : std::max(s.a.y, s.b.y);
 }
 
-void merge(std::vector<SeamStretch>& stretches) {
+}  // namespace
+
+void merge_stretches(std::vector<SeamStretch>& stretches) {
   std::sort(stretches.begin(), stretches.end(),
             [](const SeamStretch& a, const SeamStretch& b) { return a.from < b.from; });
   std::size_t kept = 0;
@@ -61,7 +31,11 @@ void merge(std::vector<SeamStretch>& stretches) {
   stretches.resize(kept);
 }
 
-}  // namespace
+void sort_places(std::vector<double>& at) {
+  std::sort(at.begin(), at.end());
+  at.erase(std::unique(at.begin(), at.end(), [](double a, double b) { return b - a <= kOn; }),
+           at.end());
+}
 
 LineIndex::Slices LineIndex::slices(bool by_x, const std::vector<std::uint32_t>& which,
                                     double reach) const {
@@ -116,8 +90,25 @@ void LineIndex::visit(const AxisLine& line, double from, double to, Visit&& visi
   while (i-- > rest && slices.reach[i] >= from - kOn) visit(items[i]);
 }
 
+std::vector<std::uint32_t> LineIndex::read(const LineWork& work) {
+  std::vector<std::uint32_t> borders;
+  segments_.reserve(work.points.size());
+  for (const DrawnLine& line : work.lines) {
+    if (line.operation == Operation::Draw) continue;
+    const auto points = work.points_of(line);
+    const bool border = is_cut(line.operation) && closed(points);
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      if (points[i - 1] == points[i]) continue;
+      if (border) borders.push_back(static_cast<std::uint32_t>(segments_.size()));
+      segments_.push_back({points[i - 1], points[i]});
+      operations_.push_back(line.operation);
+    }
+  }
+  return borders;
+}
+
 LineIndex::LineIndex(const LineWork& work, double reach_mm)
-    : segments_(segments_of(work, operations_)), grid_(segments_, reach_mm) {
+    : borders_(read(work)), grid_(segments_, reach_mm) {
   for (const Segment& s : segments_) {
     box_.add(s.a);
     box_.add(s.b);
@@ -128,9 +119,7 @@ LineIndex::LineIndex(const LineWork& work, double reach_mm)
   slices_ = {slices(true, all, kBeside), slices(false, all, kBeside)};
   sort_slices(true, slices_[0]);
   sort_slices(false, slices_[1]);
-  const std::vector<std::uint32_t> borders = borders_of(work);
-  has_border_ = !borders.empty();
-  border_ = slices(false, borders, 0.0);
+  border_ = slices(false, borders_, 0.0);
 }
 
 void LineIndex::scan(const AxisLine& line, double from, double to, double min_panel_mm,
@@ -162,11 +151,8 @@ void LineIndex::scan(const AxisLine& line, double from, double to, double min_pa
     out.breaks.push_back(t);
     if (n0 < -kOn && n1 > kOn) ++(is_cut(operations_[i]) ? out.cuts_crossed : out.folds_crossed);
   });
-  std::sort(out.breaks.begin(), out.breaks.end());
-  out.breaks.erase(std::unique(out.breaks.begin(), out.breaks.end(),
-                               [](double a, double b) { return b - a <= kOn; }),
-                   out.breaks.end());
-  merge(out.covered);
+  sort_places(out.breaks);
+  merge_stretches(out.covered);
 }
 
 double LineIndex::free_depth(const AxisLine& line, double from, double to, int side, double most) {
@@ -200,7 +186,7 @@ double LineIndex::free_depth(const AxisLine& line, double from, double to, int s
 
 bool LineIndex::is_paper(const PagePoint& p) const {
   if (p.x <= box_.x0 || p.x >= box_.x1 || p.y <= box_.y0 || p.y >= box_.y1) return false;
-  if (!has_border_) return true;
+  if (borders_.empty()) return true;
   bool inside = false;
   for (const std::uint32_t i : border_.items.at(p.y)) {
     const Segment& s = segments_[i];

@@ -16,6 +16,12 @@ namespace popcut {
 /// What lies closer to a line than this lies on it, mm.
 inline constexpr double kOn = 1e-6;
 
+/// Sorts stretches and joins those that meet.
+void merge_stretches(std::vector<SeamStretch>& stretches);
+
+/// Sorts places and drops those that lie on the one before.
+void sort_places(std::vector<double>& at);
+
 /// Everything that a straight seam meets along its way.
 struct SeamScan {
   std::vector<SeamStretch> covered;  ///< where a cut or an outline runs along it, merged and sorted
@@ -66,13 +72,15 @@ class LineIndex {
   [[nodiscard]] Slices slices(bool by_x, const std::vector<std::uint32_t>& which,
                               double reach) const;
 
-  /// Declared before the segments, whose construction fills it.
+  /// Reads the segments. @return those of closed lines, which bound the paper
+  std::vector<std::uint32_t> read(const LineWork& work);
+
   std::vector<Operation> operations_;
   std::vector<Segment> segments_;
+  std::vector<std::uint32_t> borders_;  ///< declared after what its construction fills
   Box box_;
   std::array<Slices, 2> slices_;  ///< by x, by y
   Slices border_;                 ///< closed lines by y
-  bool has_border_{false};
   SegmentGrid grid_;
   std::vector<std::uint32_t> near_;
 };

@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "core/layout/single_stroke.hpp"
-
 namespace popcut {
 namespace {
 
@@ -123,9 +121,7 @@ void cut_marks(Layout& layout) {
         const double n = std::max(1.0, std::round(l_mm / (kMarkDash + kMarkGap)));
         const double share = l_mm / n;
         for (int k = 0; k < static_cast<int>(n); ++k) {
-          const auto at = [&](double mm) {
-            return PagePoint{a.x + mm / l_mm * (b.x - a.x), a.y + mm / l_mm * (b.y - a.y)};
-          };
+          const auto at = [&](double mm) { return lerp(a, b, mm / l_mm); };
           work.append(Operation::Cut,
                       std::array{at(k * share + kMarkGap / 2), at((k + 1) * share - kMarkGap / 2)});
         }

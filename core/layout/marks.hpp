@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <string_view>
 #include "core/layout/layout.hpp"
 #include "core/layout/line_index.hpp"
 
@@ -17,5 +18,14 @@ void cut_marks(Layout& layout);
 
 /// "A", "B", ... "Z", "AA", "AB", ...
 [[nodiscard]] std::string seam_label(std::size_t i);
+
+/// Polylines of capital letters, digits, '-' and '.', `height_mm` high, as single strokes with a
+/// bar below. The bar tells N from Z, 6 from 9 and M from W when the paper lies upside down. The
+/// origin is the left end of the baseline, y down, mm. Other characters become spaces.
+[[nodiscard]] std::vector<std::vector<PagePoint>> single_stroke(std::string_view text,
+                                                                double height_mm);
+
+/// Width and height in mm of what `single_stroke` draws, including the bar.
+[[nodiscard]] PagePoint single_stroke_size(std::string_view text, double height_mm);
 
 }  // namespace popcut

@@ -84,11 +84,6 @@ class Runs {
 
 }  // namespace
 
-double StepSeam::at(double x_mm) const {
-  const auto after = std::upper_bound(x.begin() + 1, x.end() - 1, x_mm);
-  return y[static_cast<std::size_t>(after - x.begin()) - 1];
-}
-
 void Partition::index() {
   first_.assign(rows.size() + 1, 0);
   for (std::size_t c = 0; c < rows.size(); ++c)
@@ -127,8 +122,7 @@ std::vector<PagePoint> Partition::share(std::size_t column, std::size_t row) con
 }
 
 std::uint32_t Partition::piece_at(const PagePoint& p) const {
-  const auto after = std::upper_bound(xs.begin() + 1, xs.end() - 1, p.x);
-  const auto c = static_cast<std::size_t>(after - xs.begin()) - 1;
+  const std::size_t c = column_at(p.x);
   const auto row = std::find_if(rows[c].begin(), rows[c].end(),
                                 [&](const StepSeam& seam) { return p.y < seam.at(p.x); });
   return piece(c, static_cast<std::size_t>(row - rows[c].begin()));

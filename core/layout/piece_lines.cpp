@@ -10,10 +10,6 @@ namespace {
 constexpr double kNear = 1e-5;  // mm; a plan rounds its numbers to 1e-6
 constexpr double kSameLine = 1e-3;
 
-PagePoint point_between(const PagePoint& a, const PagePoint& b, double k) {
-  return {a.x + k * (b.x - a.x), a.y + k * (b.y - a.y)};
-}
-
 // How far `p` lies from the line through a and b, and where along it.
 struct Foot {
   double aside{}, along{};
@@ -26,8 +22,7 @@ Foot foot(const PagePoint& p, const PagePoint& a, const PagePoint& b) {
 class PieceLines {
  public:
   PieceLines(const LineWork& drawing, const LineIndex& lines, const PlannedPiece& piece)
-      : drawing_(drawing), lines_(lines), piece_(piece) {
-    for (const PagePoint& p : piece.share) box_.add(p);
+      : drawing_(drawing), lines_(lines), piece_(piece), box_(bounds(piece.share)) {
     for (const PlannedPiece::Seam& seam : piece.seams)
       seams_.push_back({back(seam.ends[0]), back(seam.ends[1])});
     outlined_ = std::any_of(drawing.lines.begin(), drawing.lines.end(), [](const DrawnLine& line) {
@@ -77,7 +72,7 @@ class PieceLines {
   }
 
   [[nodiscard]] bool on_seam(const PagePoint& a, const PagePoint& b) const {
-    const PagePoint middle = point_between(a, b, 0.5);
+    const PagePoint middle = lerp(a, b, 0.5);
     return std::any_of(seams_.begin(), seams_.end(), [&](const auto& seam) {
       const Foot fa = foot(a, seam[0], seam[1]), fb = foot(b, seam[0], seam[1]);
       const double along = foot(middle, seam[0], seam[1]).along;
@@ -106,14 +101,14 @@ class PieceLines {
     double from = -1.0;  // start of the part inside that is not added yet
     for (std::size_t i = 1; i < at_.size(); ++i) {
       if ((at_[i] - at_[i - 1]) * l <= kNear) continue;
-      const PagePoint p = point_between(a, b, at_[i - 1]), q = point_between(a, b, at_[i]);
-      const bool here = in_share(point_between(p, q, 0.5)) && !on_seam(p, q);
+      const PagePoint p = lerp(a, b, at_[i - 1]), q = lerp(a, b, at_[i]);
+      const bool here = in_share(lerp(p, q, 0.5)) && !on_seam(p, q);
       if (here && from < 0.0) from = at_[i - 1];
       if (here) continue;
-      if (from >= 0.0) put(operation, point_between(a, b, from), p);
+      if (from >= 0.0) put(operation, lerp(a, b, from), p);
       from = -1.0;
     }
-    if (from >= 0.0) put(operation, point_between(a, b, from), b);
+    if (from >= 0.0) put(operation, lerp(a, b, from), b);
   }
 
   // Where the drawing cuts along a seam anyway, the cut is part of this piece's border if its side
@@ -160,8 +155,7 @@ class PieceLines {
     double reached = 0.0;
     const auto straight = [&](double until) {
       if (until - reached > kNear)
-        out_.append(border(), std::array{point_between(from, to, reached / l),
-                                         point_between(from, to, until / l)});
+        out_.append(border(), std::array{lerp(from, to, reached / l), lerp(from, to, until / l)});
     };
     for (const Root& root : roots) {
       straight(root.from);

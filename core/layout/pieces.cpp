@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "core/layout/pieces.hpp"
-
+// Part of core/layout/partition.hpp.
 #include <algorithm>
 #include <cmath>
 
 #include "core/layout/line_index.hpp"
+#include "core/layout/partition.hpp"
 
 namespace popcut {
 namespace {
-
-PagePoint between(const PagePoint& a, const PagePoint& b, double k) {
-  if (k <= 0.0) return a;
-  if (k >= 1.0) return b;
-  return {a.x + k * (b.x - a.x), a.y + k * (b.y - a.y)};
-}
 
 class Splitter {
  public:
@@ -58,9 +52,7 @@ class Splitter {
     for (auto x = std::upper_bound(xs.begin() + 1, xs.end() - 1, x0); x != xs.end() - 1 && *x < x1;
          ++x)
       add((*x - a.x) / (b.x - a.x));
-    auto c = static_cast<std::size_t>(std::upper_bound(xs.begin() + 1, xs.end() - 1, x0 - kOn) -
-                                      xs.begin()) -
-             1;
+    std::size_t c = partition_.column_at(x0 - kOn);
     for (; c + 1 < xs.size() && xs[c] <= x1 + kOn; ++c)
       for (const StepSeam& seam : partition_.rows[c]) rows(a, b, seam, x0, x1, add);
     std::sort(at_.begin(), at_.end());
@@ -69,10 +61,7 @@ class Splitter {
   template <typename Add>
   static void rows(const PagePoint& a, const PagePoint& b, const StepSeam& seam, double x0,
                    double x1, Add&& add) {
-    auto i =
-        static_cast<std::size_t>(std::upper_bound(seam.x.begin() + 1, seam.x.end() - 1, x0 - kOn) -
-                                 seam.x.begin()) -
-        1;
+    std::size_t i = part_at(seam.x, x0 - kOn);
     for (; i < seam.y.size() && seam.x[i] <= x1 + kOn; ++i) {
       if (a.y != b.y) add((seam.y[i] - a.y) / (b.y - a.y));
       if (a.x != b.x && i > 0) add((seam.x[i] - a.x) / (b.x - a.x));
@@ -86,9 +75,7 @@ class Splitter {
       const auto x = std::lower_bound(xs.begin() + 1, xs.end() - 1, middle.x - kOn);
       if (x != xs.end() - 1 && std::abs(*x - middle.x) <= kOn) return true;
     }
-    const auto c = static_cast<std::size_t>(
-                       std::upper_bound(xs.begin() + 1, xs.end() - 1, middle.x) - xs.begin()) -
-                   1;
+    const std::size_t c = partition_.column_at(middle.x);
     for (const StepSeam& seam : partition_.rows[c]) {
       if (std::abs(a.y - b.y) <= kOn && std::abs(seam.at(middle.x) - middle.y) <= kOn) return true;
       if (std::abs(a.x - b.x) > kOn) continue;

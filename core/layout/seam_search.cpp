@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "core/layout/line_index.hpp"
-#include "core/layout/step_search.hpp"
 
 namespace popcut {
 namespace {
@@ -31,9 +30,7 @@ std::vector<double> candidates(const LineIndex& lines, bool vertical, double low
   }
   const double step = std::max(1.0, (high - low) / 1500);
   for (double x = low + step; x < high - step / 2; x += step) at.push_back(x);
-  std::sort(at.begin(), at.end());
-  at.erase(std::unique(at.begin(), at.end(), [](double a, double b) { return b - a <= kOn; }),
-           at.end());
+  sort_places(at);
   return at;
 }
 

@@ -7,8 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "core/drawing/clip_line.hpp"
+#include "core/drawing/linework.hpp"
 #include "core/text/near_names.hpp"
+#include "core/text/words.hpp"
 
 namespace popcut {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 constexpr double kDrawingMargin = 10.0;  // mm around a drawing that popcut places
 constexpr double kFits = 1e-6;           // mm; rounding errors up to this size still fit
 
-bool read_number(std::string_view& text, double& out) {
+bool take_number(std::string_view& text, double& out) {
   const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), out);
   if (fault != std::errc{}) return false;
   text.remove_prefix(static_cast<std::size_t>(end - text.data()));
@@ -33,13 +34,6 @@ bool inside(const Box& box, const std::array<double, 2>& reach) {
          box.y1 <= reach[1] + kFits;
 }
 
-/// Whether two words are equal, ignoring case.
-bool same_word(std::string_view a, std::string_view b) {
-  const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [&](char p, char q) { return small(p) == small(q); });
-}
-
 }  // namespace
 
 bool is_mat_name(const Mat& mat, std::string_view word) { return same_word(mat.name, word); }
@@ -52,10 +46,10 @@ Result<std::array<double, 2>> parse_size_mm(std::string_view text) {
   };
   std::string_view rest = text;
   std::array<double, 2> size{};
-  if (!read_number(rest, size[0]) || rest.empty() || (rest[0] != 'x' && rest[0] != 'X'))
+  if (!take_number(rest, size[0]) || rest.empty() || (rest[0] != 'x' && rest[0] != 'X'))
     return wrong();
   rest.remove_prefix(1);
-  if (!read_number(rest, size[1])) return wrong();
+  if (!take_number(rest, size[1])) return wrong();
   double unit = 0.0;
   if (rest.empty() || same_word(rest, "mm")) unit = 1.0;
   if (same_word(rest, "cm")) unit = 10.0;
@@ -158,11 +152,7 @@ LineWork placed(LineWork work, const Placement& placement) {
 
 LineWork clipped(const LineWork& work, const std::array<double, 2>& reach, double room) {
   const Box area{room, room, reach[0] - room, reach[1] - room};
-  LineWork out;
-  out.name = work.name;
-  out.warnings = work.warnings;
-  out.has_page = work.has_page;
-  out.dashed = work.dashed;
+  LineWork out = work.without_lines();
   std::vector<PagePoint> run;
   for (const DrawnLine& line : work.lines)
     clip_line(work.points_of(line), line.operation, area, run, out);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "core/layout/single_stroke.hpp"
-
+// Part of core/layout/marks.hpp.
 #include <array>
+
+#include "core/layout/marks.hpp"
 
 namespace popcut {
 namespace {

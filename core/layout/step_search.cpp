@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "core/layout/step_search.hpp"
-
+// Part of core/layout/seam_search.hpp.
 #include <algorithm>
 #include <cmath>
 
 #include "core/layout/line_index.hpp"
+#include "core/layout/seam_search.hpp"
 
 namespace popcut {
 namespace {
@@ -14,30 +14,13 @@ constexpr double kPiece = 300.0;  // cost in mm of glue: one more piece,
 constexpr double kStep = 6.0;     // a step
 constexpr std::size_t kMostStrips = 20'000;
 
-struct Span {
-  double from{}, to{};
-};
-
 // A strip between two neighbouring lines along y, and what lies in it.
 struct Strip {
   double left{}, right{};
-  std::vector<Span> across;      // y of every line in it, sorted by `from`
-  std::vector<Span> cut_beside;  // y where its right side is cut, merged
-  std::vector<Span> beside;      // y where any line runs along its right side, merged
+  std::vector<SeamStretch> across;      // y of every line in it, sorted by `from`
+  std::vector<SeamStretch> cut_beside;  // y where its right side is cut, merged
+  std::vector<SeamStretch> beside;      // y where any line runs along its right side, merged
 };
-
-void merge(std::vector<Span>& spans) {
-  std::sort(spans.begin(), spans.end(),
-            [](const Span& a, const Span& b) { return a.from < b.from; });
-  std::size_t kept = 0;
-  for (const Span& s : spans) {
-    if (kept > 0 && s.from <= spans[kept - 1].to + kOn)
-      spans[kept - 1].to = std::max(spans[kept - 1].to, s.to);
-    else
-      spans[kept++] = s;
-  }
-  spans.resize(kept);
-}
 
 std::vector<Strip> strips_of(const LineIndex& lines, double left, double right) {
   const std::vector<std::uint32_t> inside = lines.between(true, left, right);
@@ -47,9 +30,7 @@ std::vector<Strip> strips_of(const LineIndex& lines, double left, double right) 
     if (std::abs(s.a.x - s.b.x) <= kOn && s.a.x > left + kOn && s.a.x < right - kOn)
       at.push_back(s.a.x);
   }
-  std::sort(at.begin(), at.end());
-  at.erase(std::unique(at.begin(), at.end(), [](double a, double b) { return b - a <= kOn; }),
-           at.end());
+  sort_places(at);
   std::vector<Strip> strips(at.size() - 1);
   for (std::size_t i = 0; i < strips.size(); ++i) {
     strips[i].left = at[i];
@@ -62,7 +43,7 @@ std::vector<Strip> strips_of(const LineIndex& lines, double left, double right) 
   for (const std::uint32_t i : inside) {
     const Segment& s = lines.segments()[i];
     const double x0 = std::min(s.a.x, s.b.x), x1 = std::max(s.a.x, s.b.x);
-    const Span y{std::min(s.a.y, s.b.y), std::max(s.a.y, s.b.y)};
+    const SeamStretch y{std::min(s.a.y, s.b.y), std::max(s.a.y, s.b.y), 0, 0};
     if (x1 < left - kOn || x0 > right + kOn) continue;
     if (x1 - x0 <= kOn) {
       if (x0 <= left + kOn || x0 >= right - kOn) continue;
@@ -78,9 +59,9 @@ std::vector<Strip> strips_of(const LineIndex& lines, double left, double right) 
   }
   for (Strip& strip : strips) {
     std::sort(strip.across.begin(), strip.across.end(),
-              [](const Span& a, const Span& b) { return a.from < b.from; });
-    merge(strip.cut_beside);
-    merge(strip.beside);
+              [](const SeamStretch& a, const SeamStretch& b) { return a.from < b.from; });
+    merge_stretches(strip.cut_beside);
+    merge_stretches(strip.beside);
   }
   return strips;
 }
@@ -200,7 +181,7 @@ class Steps {
       best[to] = old[of] + step;
       from[to] = static_cast<std::uint32_t>(of);
     };
-    for (const Span& cut : before.cut_beside) {
+    for (const SeamStretch& cut : before.cut_beside) {
       const auto j0 = static_cast<std::size_t>(
           std::lower_bound(ys_.begin(), ys_.end(), cut.from - kOn) - ys_.begin());
       const auto j1 = static_cast<std::size_t>(

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/drawing/toolpath.hpp"
-#include "core/machines/tab_shape.hpp"
+#include "core/machines/machine.hpp"
 #include "core/result.hpp"
 
 namespace popcut {

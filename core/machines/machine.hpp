@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "core/machines/tab_shape.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
@@ -93,6 +92,21 @@ struct ToolSettings {
   ToolTip tip{ToolTip::Blade};
 };
 
+/// Shape of a material's glue tabs. A tab is a trapezoid that lies flat under the panel beyond the
+/// seam. Its root is the edge on the seam.
+struct TabShape {
+  double depth_mm{6.0};                 ///< depth where there is room
+  double min_depth_mm{2.0};             ///< least depth: a shallower tab does not hold
+  double side_rad{1.0471975511965976};  ///< angle between root and sides
+  double pitch_mm{40.0};                ///< longest root
+  double clearance_mm{0.5};  ///< free space at both ends of the root and to each line under the tab
+  double min_root_mm{1.5};   ///< shortest root; roots too short for a trapezoid carry a triangle
+
+  /// The shortest stretch of a seam that can hold a tab, mm.
+  [[nodiscard]] double min_stretch_mm() const;
+  friend bool operator==(const TabShape&, const TabShape&) = default;
+};
+
 /// A row of the material table (core/data/materials.json and the tables of users).
 struct Material {
   std::string name;   ///< "paper-220"
@@ -131,5 +145,10 @@ struct Material {
     const std::vector<std::string>& user_tables = {});
 [[nodiscard]] Result<std::vector<Material>> all_materials(
     const std::vector<std::string>& user_tables = {});
+
+/// Checks that all sizes are within range.
+///
+/// @retval OutOfRange  a size is out of range; its place is `place`/FIELD
+[[nodiscard]] Result<void> check_tab_shape(const TabShape& shape, const std::string& place);
 
 }  // namespace popcut

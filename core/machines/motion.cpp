@@ -77,11 +77,6 @@ double turn_cos(const PagePoint& p, const PagePoint& q, const PagePoint& r) {
   return ((q.x - p.x) * (r.x - q.x) + (q.y - p.y) * (r.y - q.y)) / (before * after);
 }
 
-double path_seconds(std::span<const PagePoint> path, double speed_mm_s, const Motion& motion,
-                    double swivel_offset_mm) {
-  return PathTimer(motion).seconds(path, speed_mm_s, swivel_offset_mm);
-}
-
 double travel_seconds(double mm, const Motion& motion) {
   return mm > 0.0 ? leg_seconds(mm, 0.0, 0.0, motion.travel_mm_s, motion.accel_mm_s2) : 0.0;
 }

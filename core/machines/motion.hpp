@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
 #include <span>
 
 #include "core/drawing/toolpath.hpp"
@@ -29,14 +30,6 @@ namespace popcut {
 /// Cosine of the change of direction at q on the path p, q, r; 1 if two of these points coincide.
 [[nodiscard]] double turn_cos(const PagePoint& p, const PagePoint& q, const PagePoint& r);
 
-/// Seconds for a path that starts and ends at rest and never exceeds `speed_mm_s`.
-///
-/// Acceleration a is constant. The path passes corners at `corner_speed` and stops where the
-/// firmware turns a blade of `swivel_offset_mm` (0: none). O(n): one backward pass v_i =
-/// min(corner_i, sqrt(v_(i+1)^2 + 2 a l_i)), then one forward pass.
-[[nodiscard]] double path_seconds(std::span<const PagePoint> path, double speed_mm_s,
-                                  const Motion& motion, double swivel_offset_mm = 0.0);
-
 /// Seconds for a straight move of `mm` with the tool up, from rest to rest.
 [[nodiscard]] double travel_seconds(double mm, const Motion& motion);
 
@@ -48,7 +41,32 @@ struct FirmwareSwivel {
 
 /// Seconds for all strokes of `path` and the moves between them. Each stroke includes lowering and
 /// lifting the tool. The moves from and to home are not included.
+///
+/// A stroke starts and ends at rest. Acceleration a is constant. The tool passes corners at
+/// `corner_speed` and stops where the firmware turns a blade. O(n): one backward pass v_i =
+/// min(corner_i, sqrt(v_(i+1)^2 + 2 a l_i)), then one forward pass.
 [[nodiscard]] double strokes_seconds(const Toolpath& path, const Motion& motion,
                                      const FirmwareSwivel& swivel = {});
+
+/// Cost of a move of the lifted tool: seconds on the machine, or millimetres.
+///
+/// From rest to rest with acceleration a and top speed v: 2 sqrt(d/a) up to d = v^2/a, beyond it
+/// d/v + v/a. This is concave: many short moves cost more than one move of the same length. Lifting
+/// and lowering cost the same for each stroke and do not affect the order.
+struct TravelCost {
+  double knee_mm{0.0};        ///< v^2/a
+  double root_s{0.0};         ///< 2/sqrt(a)
+  double per_mm{1.0};         ///< 1/v, or 1 for millimetres
+  double beyond_knee_s{0.0};  ///< v/a
+
+  [[nodiscard]] static TravelCost millimetres() { return {}; }
+  [[nodiscard]] static TravelCost seconds(const Motion& motion) {
+    const double a = motion.accel_mm_s2, v = motion.travel_mm_s;
+    return {v * v / a, 2.0 / std::sqrt(a), 1.0 / v, v / a};
+  }
+  [[nodiscard]] double operator()(double mm) const {
+    return mm < knee_mm ? root_s * std::sqrt(mm) : mm * per_mm + beyond_knee_s;
+  }
+};
 
 }  // namespace popcut

@@ -37,14 +37,9 @@ std::vector<std::array<double, 3>> posed_vertices(const Pattern& pattern, double
 }
 
 std::vector<double> fold_angles_deg(const Pattern& pattern, double psi_rad) {
-  const double valley = fold_angle_deg(EdgeRole::Valley, psi_rad);
-  const double mountain = fold_angle_deg(EdgeRole::Mountain, psi_rad);
   std::vector<double> out;
   out.reserve(pattern.edges.size());
-  for (const PatternEdge& e : pattern.edges)
-    out.push_back(e.role == EdgeRole::Valley     ? valley
-                  : e.role == EdgeRole::Mountain ? mountain
-                                                 : 0.0);
+  for (const PatternEdge& e : pattern.edges) out.push_back(fold_angle_deg(e.role, psi_rad));
   for (const VFold& fold : pattern.v_folds) {
     const double half =
         std::atan2(std::sqrt(1.0 + fold.alpha * fold.alpha) * std::cos(0.5 * psi_rad),

@@ -30,6 +30,22 @@ Result<void> check_shape(const MarkLayout& m) {
                   m.width_mm, m.height_mm, m.arm_mm));
 }
 
+/// What is printed: the square, and two bars for each L.
+std::vector<Box> printed(const MarkLayout& m) {
+  const double left = m.left_mm, top = m.top_mm, right = left + m.width_mm,
+               bottom = top + m.height_mm, arm = m.arm_mm, line = m.line_mm;
+  std::vector<Box> boxes{{left, top, left + m.square_mm, top + m.square_mm},
+                         {right - arm, top, right, top + line},
+                         {right - line, top, right, top + arm},
+                         {left, bottom - line, left + arm, bottom},
+                         {left, bottom - arm, left + line, bottom}};
+  if (m.four_corners) {
+    boxes.push_back({right - arm, bottom - line, right, bottom});
+    boxes.push_back({right - line, bottom - arm, right, bottom});
+  }
+  return boxes;
+}
+
 }  // namespace
 
 Result<MarkLayout> marks_for(std::array<double, 2> page_mm) {
@@ -50,10 +66,7 @@ Result<void> check_marks(const MarkLayout& marks, const Toolpath& path) {
   if (auto valid = check_shape(marks); !valid) return valid;
   const double right = marks.left_mm + marks.width_mm;
   const double bottom = marks.top_mm + marks.height_mm;
-  const auto hits = [](PagePoint p, double x0, double y0, double x1, double y1) {
-    return p.x > x0 && p.x < x1 && p.y > y0 && p.y < y1;
-  };
-  const double arm = marks.arm_mm, line = marks.line_mm, square = marks.square_mm;
+  const std::vector<Box> boxes = printed(marks);
   for (std::size_t k = 0; k < path.strokes.size(); ++k) {
     for (const PagePoint& p : path.points_of(path.strokes[k])) {
       const std::string place = fmt::format("/strokes/{}", k);
@@ -64,14 +77,9 @@ Result<void> check_marks(const MarkLayout& marks, const Toolpath& path) {
                     fmt::format("({:.1f}, {:.1f}) mm lies outside the registration marks; keep all "
                                 "lines between ({:g}, {:g}) and ({:g}, {:g}) mm",
                                 p.x, p.y, marks.left_mm, marks.top_mm, right, bottom));
-      const bool on_mark =
-          hits(p, marks.left_mm, marks.top_mm, marks.left_mm + square, marks.top_mm + square) ||
-          hits(p, right - arm, marks.top_mm, right, marks.top_mm + line) ||
-          hits(p, right - line, marks.top_mm, right, marks.top_mm + arm) ||
-          hits(p, marks.left_mm, bottom - line, marks.left_mm + arm, bottom) ||
-          hits(p, marks.left_mm, bottom - arm, marks.left_mm + line, bottom) ||
-          (marks.four_corners && (hits(p, right - arm, bottom - line, right, bottom) ||
-                                  hits(p, right - line, bottom - arm, right, bottom)));
+      const bool on_mark = std::any_of(boxes.begin(), boxes.end(), [&](const Box& box) {
+        return p.x > box.x0 && p.x < box.x1 && p.y > box.y0 && p.y < box.y1;
+      });
       if (on_mark)
         return fail(ErrorKind::Infeasible, place,
                     fmt::format("({:.1f}, {:.1f}) mm lies on a registration mark; move the drawing "
@@ -89,21 +97,9 @@ std::string marks_svg(const MarkLayout& m, std::array<double, 2> page_mm,
                            page_mm[0], page_mm[1]),
                title) +
       "<g id=\"registration-marks\" fill=\"black\">\n";
-  const auto rect = [&](double x, double y, double w, double h) {
-    svg +=
-        fmt::format("<rect x=\"{:g}\" y=\"{:g}\" width=\"{:g}\" height=\"{:g}\"/>\n", x, y, w, h);
-  };
-  const double right = m.left_mm + m.width_mm;
-  const double bottom = m.top_mm + m.height_mm;
-  rect(m.left_mm, m.top_mm, m.square_mm, m.square_mm);
-  rect(right - m.arm_mm, m.top_mm, m.arm_mm, m.line_mm);
-  rect(right - m.line_mm, m.top_mm, m.line_mm, m.arm_mm);
-  rect(m.left_mm, bottom - m.line_mm, m.arm_mm, m.line_mm);
-  rect(m.left_mm, bottom - m.arm_mm, m.line_mm, m.arm_mm);
-  if (m.four_corners) {
-    rect(right - m.arm_mm, bottom - m.line_mm, m.arm_mm, m.line_mm);
-    rect(right - m.line_mm, bottom - m.arm_mm, m.line_mm, m.arm_mm);
-  }
+  for (const Box& box : printed(m))
+    svg += fmt::format("<rect x=\"{:g}\" y=\"{:g}\" width=\"{:g}\" height=\"{:g}\"/>\n", box.x0,
+                       box.y0, box.width(), box.height());
   return svg + "</g>\n</svg>\n";
 }
 

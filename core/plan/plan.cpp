@@ -321,4 +321,14 @@ Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& mate
   return Planner(std::move(drawing), machine, material, options, std::move(*mat), *mode).run();
 }
 
+LineWork test_shape() {
+  LineWork work;
+  work.name = "test";
+  work.append(Operation::FoldValley, std::array<PagePoint, 2>{{{14, 0}, {14, 10}}});
+  work.append(Operation::Cut, std::array<PagePoint, 4>{{{2, 8}, {8, 8}, {5, 3}, {2, 8}}});
+  work.append(Operation::Outline,
+              std::array<PagePoint, 5>{{{0, 0}, {10, 0}, {10, 10}, {0, 10}, {0, 0}}});
+  return work;
+}
+
 }  // namespace popcut

@@ -65,4 +65,29 @@ struct Plan {
 [[nodiscard]] Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& material,
                                 const PlanOptions& options);
 
+/// The text of `plan.json`: sheets with their figures in mm and seconds, warnings, and the seed.
+/// `transform` is [[xx, xy, x0], [yx, yy, y0]], from the pattern's page (x = v, y = u, mm) to the
+/// sheet.
+[[nodiscard]] std::string plan_json(const Plan& plan);
+
+/// A picture of a sheet's plan, true to scale: strokes coloured from blue (first) to red (last),
+/// moves between strokes as hairlines, marks where the first stroke begins and the last one ends,
+/// and a legend with lifts, lengths and time. Coordinates are rounded to 0.01 mm. Strokes of the
+/// same of 48 colours share a path, so the file stays small.
+[[nodiscard]] std::string plan_svg(const PlannedSheet& sheet, const std::string& title);
+
+/// What will be cut on one sheet, true to scale in mm. Every stroke and every dash is its own path,
+/// in the order of cutting (`data-order`), in the layer of its operation and with `data-assignment`
+/// (M, V, C for cuts, B for the outline; score and draw by name). Paths have no dashed style. The
+/// root element has `data-popcut="dashes"`: the folds are dashes already.
+[[nodiscard]] std::string sheet_svg(const PlannedSheet& sheet, const std::string& title);
+
+/// A picture of how the sheets come together, not for cutting: `assembly_svg` of the layout, or for
+/// an unsplit drawing each sheet's outline and folds with its name and its place on the mat.
+[[nodiscard]] std::string assembly_svg(const Plan& plan);
+
+/// A test cut for a material: a square of 10 mm with a triangle inside, which must fall out in one
+/// piece, and beside it a fold of 10 mm, which must bend without tearing.
+[[nodiscard]] LineWork test_shape();
+
 }  // namespace popcut

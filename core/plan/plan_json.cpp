@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/plan/plan_json.hpp"
-
+// Part of core/plan/plan.hpp.
 #include <cmath>
 #include <iterator>
 
@@ -8,6 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/plan/plan.hpp"
+#include "core/text/json_text.hpp"
 #include "core/text/text_sink.hpp"
 
 namespace popcut {
@@ -51,9 +52,7 @@ Json transform_json(const Placement& t) { return {{t.xx, t.xy, t.x0}, {t.yx, t.y
 
 // A piece's part of the pattern without tabs, in pattern mm.
 Json share_json(const SheetPiece& piece) {
-  Json list = Json::array();
-  for (const PagePoint& p : piece.share) list.push_back({p.x, p.y});
-  return list;
+  return json_list(piece.share, [](const PagePoint& p) { return Json{p.x, p.y}; });
 }
 
 // The registration marks of a printed sheet.
@@ -108,22 +107,24 @@ Json sheet_json(const Plan& plan, const PlannedSheet& sheet, std::size_t number)
 }
 
 Json points_json(std::span<const PagePoint> points, const Placement& to_sheet) {
-  Json list = Json::array();
-  for (const PagePoint& p : points) {
+  return json_list(points, [&](const PagePoint& p) {
     const PagePoint q = to_sheet(p);
-    list.push_back({rounded(q.x), rounded(q.y)});
-  }
-  return list;
+    return Json{rounded(q.x), rounded(q.y)};
+  });
 }
 
-// Writes long lists with one entry per line.
-std::string lines(const std::vector<Json>& entries) {
+// Writes long lists with one entry per line; `put` appends an entry to the text.
+template <typename Entry, typename Put>
+std::string lines(const std::vector<Entry>& entries, Put&& put) {
   std::string text = "[";
-  for (const Json& entry : entries) {
+  for (const Entry& entry : entries) {
     text += text.size() > 1 ? ",\n        " : "\n        ";
-    text += entry.dump();
+    put(text, entry);
   }
   return text + (entries.empty() ? "]" : "\n      ]");
+}
+std::string lines(const std::vector<Json>& entries) {
+  return lines(entries, [](std::string& text, const Json& entry) { text += entry.dump(); });
 }
 
 // Marks and borders that splitting put on a sheet, in sheet mm.
@@ -170,16 +171,14 @@ SplitLists split_lists(const Layout& layout, const PlannedSheet& sheet) {
 
 // How to glue the pieces together.
 void add_layout(const Layout& layout, Json& json) {
-  Json seams = Json::array(), steps = Json::array();
-  for (const PieceSeam& seam : layout.seams)
-    seams.push_back({{"seam", seam.label},
-                     {"pieces", {seam.lower + 1, seam.upper + 1}},
-                     {"glue_mm", rounded(seam.glue_mm)}});
-  for (const auto& step : layout.steps) {
-    Json labels = Json::array();
-    for (const std::uint32_t seam : step) labels.push_back(layout.seams[seam].label);
-    steps.push_back(std::move(labels));
-  }
+  Json seams = json_list(layout.seams, [](const PieceSeam& seam) {
+    return Json{{"seam", seam.label},
+                {"pieces", {seam.lower + 1, seam.upper + 1}},
+                {"glue_mm", rounded(seam.glue_mm)}};
+  });
+  Json steps = json_list(layout.steps, [&](const std::vector<std::uint32_t>& step) {
+    return json_list(step, [&](std::uint32_t seam) { return layout.seams[seam].label; });
+  });
   json["layout"] = {{"pieces", layout.pieces.size()},     {"least_sheets", layout.least_sheets},
                     {"glue_mm", rounded(layout.glue_mm)}, {"tabs", layout.tabs.size()},
                     {"seams", std::move(seams)},          {"steps", std::move(steps)}};
@@ -187,9 +186,7 @@ void add_layout(const Layout& layout, Json& json) {
 
 // There may be a hundred thousand entries, so they are written without building a JSON tree.
 std::string entries(const KnifeMarks& marks, const std::vector<KnifeMarks::Mark>& list) {
-  std::string text = "[";
-  for (const KnifeMarks::Mark& mark : list) {
-    text += text.size() > 1 ? ",\n        " : "\n        ";
+  return lines(list, [&](std::string& text, const KnifeMarks::Mark& mark) {
     fmt::format_to(std::back_inserter(text), FMT_COMPILE("{{\"stroke\":{},\"points\":["),
                    mark.stroke);
     for (const PagePoint& p : marks.points_of(mark)) {
@@ -200,9 +197,7 @@ std::string entries(const KnifeMarks& marks, const std::vector<KnifeMarks::Mark>
       text += ']';
     }
     text += "]}";
-  }
-  text += list.empty() ? "]" : "\n      ]";
-  return text;
+  });
 }
 
 void fill_list(std::string& text, std::size_t from, const char* name, const std::string& list) {
@@ -226,7 +221,7 @@ std::string plan_json(const Plan& plan) {
   if (plan.layout) add_layout(*plan.layout, json);
   for (std::size_t i = 0; i < plan.sheets.size(); ++i)
     json["sheets"].push_back(sheet_json(plan, plan.sheets[i], i + 1));
-  std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::string text = json_file(json);
   std::size_t from = text.find("\"sheets\": [");
   for (const PlannedSheet& sheet : plan.sheets) {
     if (plan.layout) {

@@ -2,7 +2,6 @@
 #include "core/plan/plan_options.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <type_traits>
 #include <utility>
@@ -10,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/text/near_names.hpp"
+#include "core/text/words.hpp"
 
 namespace popcut {
 namespace {
@@ -22,18 +22,11 @@ constexpr std::size_t kMostShown = 40;  // characters of a wrong value in an err
 
 // 1. Values from text.
 
-/// All of `text` as a finite number; a plus before it does no harm.
 bool read(std::string_view text, double& value) {
-  if (text.substr(0, 1) == "+") text.remove_prefix(1);
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && stop == text.data() + text.size() && std::isfinite(value);
+  return read_number(text, value) && std::isfinite(value);
 }
 
-bool read(std::string_view text, std::uint64_t& value) {
-  if (text.substr(0, 1) == "+") text.remove_prefix(1);
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && stop == text.data() + text.size();
-}
+bool read(std::string_view text, std::uint64_t& value) { return read_number(text, value); }
 
 bool read(std::string_view text, bool& value) {
   value = text == "true";
@@ -314,12 +307,6 @@ Result<void> check_pairs(const PlanOptions& options) {
 std::span<const PlanOption> plan_option_table() {
   static const std::vector<PlanOption> kTable = make_table();
   return kTable;
-}
-
-const PlanOption* find_plan_option(std::string_view name) {
-  for (const PlanOption& option : plan_option_table())
-    if (option.name == name) return &option;
-  return nullptr;
 }
 
 std::string pointer_to(const PlanOption& option) {

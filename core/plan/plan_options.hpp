@@ -75,9 +75,6 @@ struct PlanOption {
 /// All options, in the order in which help lists them.
 [[nodiscard]] std::span<const PlanOption> plan_option_table();
 
-/// The option's row; nullptr: there is no such option.
-[[nodiscard]] const PlanOption* find_plan_option(std::string_view name);
-
 /// Where errors place an option: "/options/mat", or "/machine" for what stands beside the options.
 /// In the text of errors and warnings an option stands in backquotes: `mat`.
 [[nodiscard]] std::string pointer_to(const PlanOption& option);

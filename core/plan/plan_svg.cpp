@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/plan/plan_svg.hpp"
-
+// Part of core/plan/plan.hpp.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/plan/plan.hpp"
 #include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 

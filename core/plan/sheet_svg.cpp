@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/plan/sheet_svg.hpp"
-
+// Part of core/plan/plan.hpp.
 #include <algorithm>
 #include <array>
 #include <iterator>
@@ -8,7 +7,8 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
-#include "core/layout/assembly.hpp"
+#include "core/layout/layout.hpp"
+#include "core/plan/plan.hpp"
 #include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 

@@ -2,6 +2,7 @@
 #include "core/text/field_reader.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -55,22 +56,10 @@ std::pair<const char*, std::string> text_fault(const std::string& text, const Te
 }  // namespace
 
 std::string json_type(const json& value) {
-  switch (value.type()) {
-    case json::value_t::null:
-      return "null";
-    case json::value_t::object:
-      return "an object";
-    case json::value_t::array:
-      return "a list";
-    case json::value_t::string:
-      return "a text";
-    case json::value_t::boolean:
-      return value.get<bool>() ? "true" : "false";
-    case json::value_t::binary:
-      return "a date or time";
-    default:
-      return "a number";
-  }
+  constexpr std::array kNames{"null",     "an object", "a list",   "a text",         "false",
+                              "a number", "a number",  "a number", "a date or time", "a number"};
+  if (value.is_boolean() && value.get<bool>()) return "true";
+  return kNames.at(static_cast<std::size_t>(value.type()));  // in the order of json::value_t
 }
 
 std::string shown_type(const json& value) {
@@ -123,6 +112,10 @@ std::string FieldReader::pointer(const std::string& key) const {
   return pointer_ + "/" + json_pointer_token(key);
 }
 
+std::string FieldReader::place_of(const std::string& below) const {
+  return notation().place(pointer_ + "/" + below, false);
+}
+
 std::string FieldReader::type_of(const json& value) const {
   return value.is_object() ? notation().object("") : json_type(value);
 }
@@ -133,7 +126,7 @@ void FieldReader::add(FieldFault fault) {
 
 void FieldReader::refuse(const std::string& key, ErrorKind kind, std::string detail,
                          std::string code) {
-  add({kind, notation().place(pointer_ + "/" + key, false), std::move(code), std::move(detail)});
+  add({kind, place_of(key), std::move(code), std::move(detail)});
 }
 
 void FieldReader::refuse(ErrorKind kind, std::string detail, std::string code) {
@@ -164,7 +157,7 @@ const json* FieldReader::require(const std::string& key, const std::string& what
 }
 
 void FieldReader::wrong_type(const std::string& below, const json& found, const std::string& what) {
-  add({ErrorKind::Malformed, notation().place(pointer_ + "/" + below, false), "type",
+  add({ErrorKind::Malformed, place_of(below), "type",
        fmt::format("is {}; must be {}", type_of(found), what), shown(found)});
 }
 
@@ -176,22 +169,18 @@ std::optional<double> FieldReader::number_at(const std::string& below, const jso
   }
   const double got = value.get<double>();
   if (std::isfinite(got) && got >= low && got <= high && !(open_low && got == low)) return got;
-  add({ErrorKind::OutOfRange, notation().place(pointer_ + "/" + below, false), "range",
+  add({ErrorKind::OutOfRange, place_of(below), "range",
        fmt::format("is {:g}; must be {}", got, number_words(low, high, open_low)), shown(value)});
   return std::nullopt;
-}
-
-std::optional<double> FieldReader::optional_number(const std::string& key, double low, double high,
-                                                   bool open_low) {
-  const json* found = value(key);
-  if (!found) return std::nullopt;
-  return number_at(json_pointer_token(key), *found, low, high, open_low);
 }
 
 double FieldReader::number(const std::string& key, std::optional<double> fallback, double low,
                            double high, bool open_low) {
   if (!fallback) need(key, "must be " + number_words(low, high, open_low));
-  return optional_number(key, low, high, open_low).value_or(fallback.value_or(low));
+  const json* found = value(key);
+  const auto got =
+      found ? number_at(json_pointer_token(key), *found, low, high, open_low) : std::nullopt;
+  return got.value_or(fallback.value_or(low));
 }
 
 std::optional<std::int64_t> FieldReader::integer_at(const std::string& below, const json& value,
@@ -199,8 +188,7 @@ std::optional<std::int64_t> FieldReader::integer_at(const std::string& below, co
   const auto got = whole_number(value, notation().takes_whole_fractions());
   if (got && *got >= low && *got <= high) return got;
   const std::string is = value.is_number() ? value.dump() : type_of(value);
-  add({got ? ErrorKind::OutOfRange : ErrorKind::Malformed,
-       notation().place(pointer_ + "/" + below, false), got ? "range" : "type",
+  add({got ? ErrorKind::OutOfRange : ErrorKind::Malformed, place_of(below), got ? "range" : "type",
        fmt::format("is {}; must be a whole number from {} to {}", is, low, high), shown(value)});
   return std::nullopt;
 }
@@ -220,11 +208,8 @@ int FieldReader::integer(const std::string& key, std::optional<int> fallback, in
 std::optional<std::string> FieldReader::text_at(const std::string& below, const json& value,
                                                 const TextRule& rule) {
   if (!value.is_string()) {  // what stands here may be a secret, so it is not quoted
-    add({ErrorKind::Malformed,
-         notation().place(pointer_ + "/" + below, false),
-         "type",
-         fmt::format("is {}; must be a text", type_of(value)),
-         {}});
+    refuse(below, ErrorKind::Malformed, fmt::format("is {}; must be a text", type_of(value)),
+           "type");
     return std::nullopt;
   }
   std::string text = value.get<std::string>();
@@ -274,7 +259,7 @@ std::optional<std::size_t> FieldReader::word_at(const std::string& below, const 
   constexpr std::size_t kMostEchoed = 60;
   std::string start = got.substr(0, kMostEchoed);
   while (!start.empty() && !is_utf8(start)) start.pop_back();
-  add({ErrorKind::OutOfRange, notation().place(pointer_ + "/" + below, false), "word",
+  add({ErrorKind::OutOfRange, place_of(below), "word",
        fmt::format("is \"{}{}\"; must be one of {}{}", start, got.size() > kMostEchoed ? "..." : "",
                    fmt::join(words, ", "),
                    near.empty() ? "" : fmt::format("; did you mean {}?", near)),

@@ -83,8 +83,6 @@ class FieldReader {
   /// A number from `low` to `high` (both included); `open_low` leaves `low` itself out.
   double number(const std::string& key, std::optional<double> fallback, double low, double high,
                 bool open_low = false);
-  std::optional<double> optional_number(const std::string& key, double low, double high,
-                                        bool open_low = false);
   int integer(const std::string& key, std::optional<int> fallback, int low, int high);
   std::optional<std::int64_t> optional_integer(const std::string& key, std::int64_t low,
                                                std::int64_t high);
@@ -175,6 +173,7 @@ class FieldReader {
     read(inner);
     static_cast<void>(inner.finish());
   }
+  [[nodiscard]] std::string place_of(const std::string& below) const;
   [[nodiscard]] std::string type_of(const nlohmann::json& value) const;
   void wrong_type(const std::string& below, const nlohmann::json& found, const std::string& what);
   void add(FieldFault fault);

@@ -2,6 +2,7 @@
 #include "core/text/fold_text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -21,29 +22,28 @@ constexpr std::size_t kMaxTitle = 1000;
 /// The kind of value that a member holds.
 enum class Form { Skip, Frames, Rows, Angles, Letters, Classes, Unit, Title, Parent, Psi, Inherit };
 
-Form form_of(const std::string& key, bool top) {
-  if (key == "vertices_coords" || key == "edges_vertices" || key == "faces_vertices") {
-    return Form::Rows;
-  }
-  if (key == "edges_foldAngle" || key == "edges_foldAngles") return Form::Angles;
-  if (key == "edges_assignment") return Form::Letters;
-  if (key == "frame_classes") return Form::Classes;
-  if (key == "frame_unit") return Form::Unit;
-  if (key == "frame_title" || (top && key == "file_title")) return Form::Title;
-  if (key == "frame_parent") return Form::Parent;
-  if (key == "frame_popcut:psi_rad") return Form::Psi;
-  if (key == "frame_inherit") return Form::Inherit;
-  return top && key == "file_frames" ? Form::Frames : Form::Skip;
-}
-
-FoldColumn* column_of(FrameText& frame, const std::string& key) {
-  if (key == "vertices_coords") return &frame.vertices_coords;
-  if (key == "edges_vertices") return &frame.edges_vertices;
-  if (key == "faces_vertices") return &frame.faces_vertices;
-  if (key == "edges_assignment") return &frame.edges_assignment;
-  if (key == "edges_foldAngle" || key == "edges_foldAngles") return &frame.edges_fold_angle;
-  return nullptr;
-}
+/// A member of a frame that popcut reads.
+struct Member {
+  std::string_view key;
+  Form form;
+  FoldColumn FrameText::*column{nullptr};
+  bool of_file{false};  ///< of the key frame only
+};
+constexpr std::array kMembers{
+    Member{"vertices_coords", Form::Rows, &FrameText::vertices_coords},
+    Member{"edges_vertices", Form::Rows, &FrameText::edges_vertices},
+    Member{"faces_vertices", Form::Rows, &FrameText::faces_vertices},
+    Member{"edges_foldAngle", Form::Angles, &FrameText::edges_fold_angle},
+    Member{"edges_foldAngles", Form::Angles, &FrameText::edges_fold_angle},
+    Member{"edges_assignment", Form::Letters, &FrameText::edges_assignment},
+    Member{"frame_classes", Form::Classes},
+    Member{"frame_unit", Form::Unit},
+    Member{"frame_title", Form::Title},
+    Member{"file_title", Form::Title, nullptr, true},
+    Member{"frame_parent", Form::Parent},
+    Member{"frame_popcut:psi_rad", Form::Psi},
+    Member{"frame_inherit", Form::Inherit},
+    Member{"file_frames", Form::Frames, nullptr, true}};
 
 /// Receives the parser's events and sorts them into columns. `value_depth_` is the depth of the
 /// object with the current member: the member's outer list opens at that depth.
@@ -139,40 +139,27 @@ std::string FoldSax::place() const {
 }
 
 bool FoldSax::wrong(const char* found) {
-  const char* right = "an object";
-  switch (form_) {
-    case Form::Skip:
-      return depth_ > 0 || stop(ErrorKind::Malformed, "/", "a FOLD file must be an object");
-    case Form::Frames:
-      right = depth_ <= 1 ? "a list of frames" : "a frame (an object)";
-      break;
-    case Form::Rows:
-      right = level() == 0 ? "a list of lists" : level() == 1 ? "a list" : "a number";
-      break;
-    case Form::Angles:
-      right = level() == 0 ? "a list of angles" : "a number of degrees or null";
-      break;
-    case Form::Letters:
-      right = level() == 0 ? "a list of letters" : "one of B M V F U C J";
-      break;
-    case Form::Classes:
-      right = "a list of strings";
-      break;
-    case Form::Unit:
-    case Form::Title:
-      right = "a string";
-      break;
-    case Form::Parent:
-      right = "the number of a frame";
-      break;
-    case Form::Psi:
-      right = "an angle in radians";
-      break;
-    case Form::Inherit:
-      right = "true or false";
-      break;
-  }
-  return stop(ErrorKind::Malformed, place(), fmt::format("is {}; it must be {}", found, right));
+  if (form_ == Form::Skip)
+    return depth_ > 0 || stop(ErrorKind::Malformed, "/", "a FOLD file must be an object");
+  // What must stand at a member, in its list, and in the lists of that.
+  constexpr std::array<std::array<const char*, 3>, 11> kRight{{
+      {},
+      {"a list of frames", "a frame (an object)"},
+      {"a list of lists", "a list", "a number"},
+      {"a list of angles", "a number of degrees or null", "a number of degrees or null"},
+      {"a list of letters", "one of B M V F U C J", "one of B M V F U C J"},
+      {"a list of strings", "a list of strings", "a list of strings"},
+      {"a string", "a string", "a string"},
+      {"a string", "a string", "a string"},
+      {"the number of a frame", "the number of a frame", "the number of a frame"},
+      {"an angle in radians", "an angle in radians", "an angle in radians"},
+      {"true or false", "true or false", "true or false"},
+  }};
+  const int at = form_ == Form::Frames ? int{depth_ > 1} : std::clamp(level(), 0, 2);
+  return stop(
+      ErrorKind::Malformed, place(),
+      fmt::format("is {}; it must be {}", found,
+                  kRight.at(static_cast<std::size_t>(form_)).at(static_cast<std::size_t>(at))));
 }
 
 bool FoldSax::scalar(double value, const char* found) {
@@ -249,10 +236,13 @@ bool FoldSax::key(string_t& name) {
   if (depth_ != 1 && !of_frame) return true;
   key_ = name;
   value_depth_ = depth_;
-  form_ = form_of(name, depth_ == 1);
+  const auto member = std::find_if(kMembers.begin(), kMembers.end(), [&](const Member& known) {
+    return known.key == name && (!known.of_file || depth_ == 1);
+  });
+  form_ = member == kMembers.end() ? Form::Skip : member->form;
   owner_ = of_frame ? frames_.size() - 1 : 0;
   FrameText& owner = frames_[owner_];
-  column_ = column_of(owner, name);
+  column_ = form_ == Form::Skip || member->column == nullptr ? nullptr : &(owner.*member->column);
   if (form_ == Form::Skip && owner.other_names.size() < kMaxOtherNames && name.size() < 64 &&
       name.find(':') == string_t::npos)
     owner.other_names.push_back(name);

@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "core/text/utf8.hpp"
+
 namespace popcut {
 namespace {
 
@@ -64,11 +66,7 @@ class DoubledKey {
 std::string reason(std::string_view what) {
   const std::size_t at = what.find("syntax error");
   if (at != std::string_view::npos) what.remove_prefix(at);
-  std::string printable;
-  for (const char c : what.substr(0, 160))
-    printable +=
-        static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) > 0x7e ? '?' : c;
-  return printable;
+  return shown_ascii(what, 160);
 }
 
 }  // namespace
@@ -77,6 +75,9 @@ std::string json_pointer_token(std::string_view key) {
   return (json::json_pointer() / std::string(key.substr(0, kLongestToken))).to_string().substr(1);
 }
 
+namespace {
+
+/// "line L, column C" of the byte with this number, counted from 1.
 std::string line_and_column(std::string_view text, std::size_t byte) {
   byte = std::min(byte, text.size());
   const auto begin = text.begin();
@@ -85,8 +86,6 @@ std::string line_and_column(std::string_view text, std::size_t byte) {
   const std::size_t column = newline == std::string_view::npos ? byte : byte - newline - 1;
   return fmt::format("line {}, column {}", lines + 1, std::max<std::size_t>(column, 1));
 }
-
-namespace {
 
 /// By brackets and commas outside of strings. The depth is limited before nlohmann sees the text,
 /// since copying a deep value recurses.
@@ -158,11 +157,6 @@ Error error_of(std::string_view text, JsonFault fault) {
 
 }  // namespace
 
-Result<void> check_json_limits(std::string_view text, const JsonLimits& limits) {
-  if (auto fault = limit_fault(text, limits)) return tl::unexpected(error_of(text, *fault));
-  return {};
-}
-
 tl::expected<json, JsonFault> read_json(std::string_view text, const JsonLimits& limits) {
   if (auto fault = limit_fault(text, limits)) return tl::unexpected(std::move(*fault));
   DoubledKey doubled;
@@ -194,8 +188,8 @@ Result<json> parse_json(std::string_view text, int max_depth) {
 
 Result<nlohmann::json> parse_json_data(std::string_view text, const JsonLimits& limits) {
   if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
-  if (auto within_limits = check_json_limits(text, limits); !within_limits)
-    return tl::unexpected(within_limits.error());
+  if (auto fault = limit_fault(text, limits))
+    return tl::unexpected(error_of(text, std::move(*fault)));
   try {
     return nlohmann::json::parse(text.begin(), text.end());
   } catch (const nlohmann::json::parse_error& error) {

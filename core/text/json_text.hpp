@@ -28,16 +28,20 @@ struct JsonFault {
   bool is_syntax{};         ///< the grammar of JSON is broken, not one of popcut's limits
 };
 
-/// "line L, column C" of the byte with this number, counted from 1.
-[[nodiscard]] std::string line_and_column(std::string_view text, std::size_t byte);
+/// The list of what `item` makes of each of `items`.
+[[nodiscard]] auto json_list(const auto& items, const auto& item) {
+  auto list = nlohmann::ordered_json::array();
+  for (const auto& one : items) list.push_back(item(one));
+  return list;
+}
+
+/// The text of a JSON file; bytes that are not UTF-8 become U+FFFD.
+[[nodiscard]] inline std::string json_file(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
 
 /// A key as a part of a JSON pointer (RFC 6901): "/" and "~" escaped, at most 64 bytes of it.
 [[nodiscard]] std::string json_pointer_token(std::string_view key);
-
-/// Checks a text against the limits without taking memory for it.
-///
-/// @retval Malformed  too large, too deep, too many values, or a zero byte
-[[nodiscard]] Result<void> check_json_limits(std::string_view text, const JsonLimits& limits);
 
 /// Parses JSON from outside: no key may stand twice in one object, no number may be too large for a
 /// double.

@@ -10,7 +10,9 @@
 #include "core/text/utf8.hpp"
 
 namespace popcut {
+namespace {
 
+/// Writes where `kLongestNumber` characters have room. @return the end of what was written
 char* write_rounded(char* to, double number) {
   constexpr double kLargest = 1e9;  // beyond it six decimals mean nothing
   if (!(std::abs(number) < kLargest)) return std::to_chars(to, to + kLongestNumber, number).ptr;
@@ -27,6 +29,8 @@ char* write_rounded(char* to, double number) {
   }
   return to;
 }
+
+}  // namespace
 
 void append_rounded(std::string& text, double number) {
   char digits[kLongestNumber];
@@ -51,6 +55,8 @@ std::size_t xml_character(std::string_view text) {
 }  // namespace
 
 std::string xml_escaped(std::string_view text) {
+  constexpr std::string_view kSpecial = "&<>\"'";
+  constexpr std::array kNames{"&amp;", "&lt;", "&gt;", "&quot;", "&apos;"};
   std::string escaped;
   escaped.reserve(text.size());
   for (std::size_t length = 1; !text.empty(); text.remove_prefix(length)) {
@@ -61,25 +67,10 @@ std::string xml_escaped(std::string_view text) {
       length = std::max<std::size_t>(length, 1);
       continue;
     }
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      case '\'':
-        escaped += "&apos;";
-        break;
-      default:
-        escaped += (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) ? ' ' : c;
-    }
+    if (const std::size_t special = kSpecial.find(c); special != std::string_view::npos)
+      escaped += kNames.at(special);
+    else
+      escaped += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
   }
   return escaped;
 }

@@ -13,10 +13,7 @@ namespace popcut {
 
 inline constexpr std::size_t kLongestNumber = 32;  ///< characters
 
-/// Writes `number` rounded to six decimals (nanometres, for mm), without trailing zeros, to where
-/// `kLongestNumber` characters have room. @return the end of what was written
-char* write_rounded(char* to, double number);
-/// The same at the end of `text`.
+/// Appends `number` rounded to six decimals (nanometres, for mm), without trailing zeros.
 void append_rounded(std::string& text, double number);
 
 /// Text on its way to a stream: numbers are written by `std::to_chars`, in blocks, because large

@@ -4,6 +4,15 @@
 #include <algorithm>
 
 namespace popcut {
+namespace {
+
+bool is_control(std::uint32_t c) { return c < 0x20 || (c >= 0x7F && c < 0xA0); }
+
+bool turns_direction(std::uint32_t c) {
+  return (c >= 0x202A && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069);
+}
+
+}  // namespace
 
 CodePoint code_point(std::string_view text, std::size_t i) {
   const auto byte = [&](std::size_t k) {
@@ -32,6 +41,14 @@ bool is_utf8(std::string_view text) {
   return true;
 }
 
+void append_utf8(std::string& out, std::uint32_t character) {
+  const auto put = [&](std::uint32_t byte) { out += static_cast<char>(byte); };
+  if (character < 0x80) return put(character);
+  const unsigned tails = character < 0x800 ? 1 : character < 0x10000 ? 2 : 3;
+  put((0xFF00U >> (tails + 1) & 0xFFU) | character >> 6 * tails);
+  for (unsigned k = tails; k-- > 0;) put(0x80U | (character >> 6 * k & 0x3FU));
+}
+
 std::size_t code_points(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0u) != 0x80u;
@@ -44,12 +61,33 @@ bool has_controls(std::string_view text, bool lines) {
     if (point.length == 0) return true;
     const std::uint32_t c = point.value;
     const bool is_line = lines && (c == '\n' || c == '\t');
-    if ((c < 0x20 && !is_line) || (c >= 0x7F && c < 0xA0)) return true;
-    if (c == 0x2028 || c == 0x2029 || (c >= 0x202A && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069))
+    if ((is_control(c) && !is_line) || c == 0x2028 || c == 0x2029 || turns_direction(c))
       return true;
     i += point.length;
   }
   return false;
+}
+
+bool is_bidi_control(std::string_view text) { return turns_direction(code_point(text, 0).value); }
+
+std::string shown_text(std::string_view text) {
+  std::string shown;
+  for (std::size_t length = 0; !text.empty(); text.remove_prefix(length)) {
+    const CodePoint point = code_point(text, 0);
+    length = std::max<std::size_t>(point.length, 1);
+    if (point.length > 0 && (is_control(point.value) || turns_direction(point.value)))
+      shown += ' ';
+    else
+      shown += text.substr(0, length);
+  }
+  return shown;
+}
+
+std::string shown_ascii(std::string_view text, std::size_t most) {
+  std::string shown(text.substr(0, most));
+  std::replace_if(
+      shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return shown;
 }
 
 }  // namespace popcut

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace popcut {
@@ -19,11 +20,26 @@ struct CodePoint {
 /// Whether all of `text` is UTF-8, as `code_point` defines it.
 [[nodiscard]] bool is_utf8(std::string_view text);
 
+/// Appends a character as UTF-8.
+void append_utf8(std::string& out, std::uint32_t character);
+
 /// The number of characters in UTF-8 `text`.
 [[nodiscard]] std::size_t code_points(std::string_view text);
 
 /// Whether `text` has a control character (C0, DEL, C1), a character that changes the direction of
 /// text, a line separator of Unicode, or is not UTF-8. Tabs and line feeds pass if `lines` is set.
 [[nodiscard]] bool has_controls(std::string_view text, bool lines = false);
+
+/// Whether `text` begins with one of the characters that turn the direction of what follows (U+202A
+/// to U+202E, U+2066 to U+2069; three bytes of UTF-8), so that it reads as what it is not.
+[[nodiscard]] bool is_bidi_control(std::string_view text);
+
+/// `text` in one line for a terminal: control characters become blanks, those of UTF-8 too (U+0080
+/// to U+009F, which some terminals take for escape sequences; those of `is_bidi_control`). What is
+/// no UTF-8 stays as it is.
+[[nodiscard]] std::string shown_text(std::string_view text);
+
+/// The first `most` bytes of `text` in printable ASCII; every other byte becomes a question mark.
+[[nodiscard]] std::string shown_ascii(std::string_view text, std::size_t most);
 
 }  // namespace popcut

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/text/json_text.hpp"
 #include "core/verify/verify.hpp"
 
 namespace popcut {
@@ -14,10 +15,9 @@ Json distance_json(const TargetDistance& distance) {
 }
 
 Json check_json(const VerifyCheck& check) {
-  Json failures = Json::array();
-  for (const VerifyFailure& failure : check.failures) {
-    failures.push_back({{"place", failure.place}, {"detail", failure.detail}});
-  }
+  Json failures = json_list(check.failures, [](const VerifyFailure& failure) {
+    return Json{{"place", failure.place}, {"detail", failure.detail}};
+  });
   return {{"name", check.name},     {"ok", check.ok()},       {"ran", check.ran},
           {"detail", check.detail}, {"failed", check.failed}, {"failures", std::move(failures)}};
 }
@@ -42,15 +42,10 @@ std::string verify_text(const VerifyReport& report) {
 }
 
 std::string verify_json(const VerifyReport& report) {
-  Json json;
-  json["ok"] = report.ok();
-  json["pieces"] = report.pieces;
-  json["faces"] = report.faces;
-  json["fold_faces"] = report.fold_faces;
-  json["vertices"] = report.vertices;
-  json["edges"] = report.edges;
-  json["hinges"] = report.hinges;
-  json["poses"] = report.poses;
+  Json json{{"ok", report.ok()},           {"pieces", report.pieces},
+            {"faces", report.faces},       {"fold_faces", report.fold_faces},
+            {"vertices", report.vertices}, {"edges", report.edges},
+            {"hinges", report.hinges},     {"poses", report.poses}};
   if (report.opening) {
     json["opening"] = {{"driver_edge", report.opening->driver_edge},
                        {"driver_length_mm", report.opening->driver_length_mm},
@@ -82,10 +77,9 @@ std::string verify_json(const VerifyReport& report) {
                       {"all_mm", distance_json(*report.target_all)}};
   }
   json["failed"] = report.failed();
-  json["checks"] = Json::array();
-  for (const VerifyCheck& check : report.checks) json["checks"].push_back(check_json(check));
+  json["checks"] = json_list(report.checks, check_json);
   json["notes"] = report.notes;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_file(json);
 }
 
 }  // namespace popcut

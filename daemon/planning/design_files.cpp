@@ -11,8 +11,8 @@
 #include "core/deploy/pose_table.hpp"
 #include "core/deploy/shut_stack.hpp"
 #include "core/formats/fold/fold_writer.hpp"
+#include "core/formats/write/pattern_files.hpp"
 #include "core/formats/write/report_json.hpp"
-#include "core/formats/write/svg_pattern.hpp"
 
 namespace popcut::planning {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "core/formats/dxf/dxf_reader.hpp"
 #include "core/formats/fold/fold_reader.hpp"
-#include "core/layout/joined_parts.hpp"
-#include "core/plan/test_shape.hpp"
+#include "core/layout/layout.hpp"
+#include "core/plan/plan.hpp"
 
 namespace popcut::planning {
 namespace {

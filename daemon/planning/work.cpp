@@ -9,8 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/plan/marks.hpp"
-#include "core/plan/plan_json.hpp"
-#include "core/plan/sheet_svg.hpp"
+#include "core/plan/plan.hpp"
 #include "core/text/json_text.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/planning/content_kind.hpp"

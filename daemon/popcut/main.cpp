@@ -16,7 +16,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "core/text/shown_text.hpp"
+#include "core/text/utf8.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/help/help_pages.hpp"
 #include "daemon/cli/help/terminal_text.hpp"

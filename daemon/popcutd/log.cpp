@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/popcutd/log.hpp"
-#include "core/text/shown_text.hpp"
+#include "core/text/utf8.hpp"
 
 #include <fmt/format.h>
 #include <spdlog/pattern_formatter.h>

@@ -19,8 +19,7 @@
 #include "device/sim/ride.hpp"
 #include "device/sim/trace.hpp"
 #include "device/sim/window.hpp"
-#include "protocol/gpgl_reader.hpp"
-#include "protocol/hpgl_reader.hpp"
+#include "protocol/command_reader.hpp"
 #include "protocol/page_map.hpp"
 #include "protocol/replies.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/write/deployed_svg.hpp"
-#include "core/formats/write/svg_pattern.hpp"
+#include "core/formats/write/pattern_files.hpp"
 #include "tests/support/box_card.hpp"
 
 namespace formats_bench {

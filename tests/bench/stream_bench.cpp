@@ -78,7 +78,7 @@ TEST_CASE("a million segments are written and streamed", "[bench]") {
     const double encode_s = since(start);
     const double mb = static_cast<double>(program->bytes.size()) / 1e6;
     start = std::chrono::steady_clock::now();
-    REQUIRE(decode_gpgl(program->view()));
+    REQUIRE(decode(Dialect::Gpgl, program->view()));
     const double decode_s = since(start);
     std::printf("%.0f times the speed of a Cameo 3: %zu segments, %.1f MB\n", factor, kSegments,
                 mb);

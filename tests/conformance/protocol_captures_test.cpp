@@ -13,8 +13,8 @@
 
 #include "protocol/decode.hpp"
 #include "protocol/encode.hpp"
-#include "protocol/moves.hpp"
-#include "protocol/replies.hpp"
+#include "tests/support/moves.hpp"
+#include "tests/support/other_replies.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/protocol_samples.hpp"
 
@@ -41,7 +41,7 @@ std::optional<std::string> capture(const std::string& name) {
 /// What is left of a host's bytes without queries, resets and empty commands: the program.
 std::string without_queries(const std::string& bytes) {
   std::string rest;
-  const Program program = decode_gpgl(bytes_of(bytes)).value();
+  const Program program = decode(Dialect::Gpgl, bytes_of(bytes)).value();
   for (const Command& command : program.commands) {
     if (command.verb != Verb::Query && command.verb != Verb::Initialise &&
         command.verb != Verb::Empty)
@@ -102,7 +102,7 @@ TEST_CASE("every command of every recorded host stream is understood", "[protoco
     CAPTURE(name);
     const std::optional<std::string> bytes = capture(name + ".out");
     if (!bytes) continue;
-    const Program program = decode_gpgl(bytes_of(*bytes)).value();
+    const Program program = decode(Dialect::Gpgl, bytes_of(*bytes)).value();
     CHECK_FALSE(program.truncated);
     for (const Command& command : program.commands) CHECK(command.verb != Verb::Unknown);
     CHECK(geometry(program) == expected);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <cstdint>
 
-#include "protocol/hpgl_reader.hpp"
+#include "protocol/command_reader.hpp"
 #include "tests/fuzz/program_checks.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "protocol/decode.hpp"
-#include "protocol/moves.hpp"
+#include "tests/support/moves.hpp"
 
 namespace popcut::fuzzing {
 

@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "protocol/replies.hpp"
 #include "tests/fuzz/program_checks.hpp"
+#include "tests/support/other_replies.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace popcut;

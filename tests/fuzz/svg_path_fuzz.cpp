@@ -6,7 +6,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  const auto lines = popcut::parse_svg_path(text, 0.02, 100'000);
-  (void)lines;
+  popcut::SvgLines lines;
+  (void)popcut::read_svg_path(text, 0.02, 100'000, lines);
   return 0;
 }

@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/drawing/clean.hpp"
-#include "core/drawing/crowding.hpp"
+#include "core/drawing/collinear.hpp"
 #include "core/geometry/overlap.hpp"
 
 namespace crowding_property_test {

@@ -8,7 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/drawing/clean.hpp"
-#include "core/formats/fold/linework_graph.hpp"
+#include "core/formats/fold/fold_writer.hpp"
 #include "core/layout/layout.hpp"
 #include "core/layout/piece_lines.hpp"
 #include "core/verify/verify.hpp"

@@ -7,8 +7,8 @@
 
 #include "protocol/decode.hpp"
 #include "protocol/encode.hpp"
-#include "protocol/moves.hpp"
-#include "protocol/replies.hpp"
+#include "tests/support/moves.hpp"
+#include "tests/support/other_replies.hpp"
 #include "tests/support/protocol_samples.hpp"
 
 namespace protocol_fuzz_test {
@@ -88,9 +88,9 @@ void check_sound(const Program& program, std::string_view bytes, std::string_vie
 
 void check_any(const std::string& text) {
   const auto bytes = bytes_of(text);
-  const Program gpgl = decode_gpgl(bytes).value();
+  const Program gpgl = decode(Dialect::Gpgl, bytes).value();
   check_sound(gpgl, text, ", \t\r\n");
-  const Program hpgl = decode_hpgl(bytes).value();
+  const Program hpgl = decode(Dialect::Hpgl, bytes).value();
   check_sound(hpgl, text, " \t\r\n");
   for (const Program* const program : {&gpgl, &hpgl}) {
     const PenMoves pen = moves(*program);
@@ -135,10 +135,11 @@ TEST_CASE("damaged programs can be read and no byte of them is lost", "[protocol
 
 TEST_CASE("a program cut off anywhere keeps all that came before", "[protocol][property]") {
   const std::string text = encode(four_squares(), cameo3(), paper()).value().bytes;
-  const Program whole = decode_gpgl(bytes_of(text)).value();
+  const Program whole = decode(Dialect::Gpgl, bytes_of(text)).value();
   for (std::size_t size = 0; size < text.size(); ++size) {
     CAPTURE(size);
-    const Program part = decode_gpgl(bytes_of(std::string_view(text).substr(0, size))).value();
+    const Program part =
+        decode(Dialect::Gpgl, bytes_of(std::string_view(text).substr(0, size))).value();
     const std::size_t complete = part.commands.size() - (part.truncated ? 1 : 0);
     REQUIRE(complete <= whole.commands.size());
     for (std::size_t k = 0; k < complete; ++k)

@@ -5,11 +5,10 @@
 #include <random>
 #include <set>
 
+#include "protocol/command_reader.hpp"
 #include "protocol/decode.hpp"
 #include "protocol/encode.hpp"
-#include "protocol/gpgl_reader.hpp"
-#include "protocol/hpgl_reader.hpp"
-#include "protocol/moves.hpp"
+#include "tests/support/moves.hpp"
 #include "tests/support/protocol_samples.hpp"
 
 namespace protocol_round_trip_test {

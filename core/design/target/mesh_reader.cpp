@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 
 #include "core/geometry/triangulate.hpp"
-#include "core/text/blanks.hpp"
+#include "core/text/words.hpp"
 
 namespace popcut {
 namespace {

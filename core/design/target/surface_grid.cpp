@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/design/target/surface_kinds.hpp"
-#include "core/text/blanks.hpp"
+#include "core/text/words.hpp"
 
 namespace popcut {
 namespace {

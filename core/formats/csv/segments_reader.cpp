@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <string>
 
 #include <fmt/format.h>
 
-#include "core/text/blanks.hpp"
+#include "core/text/words.hpp"
 
 namespace popcut {
 namespace {
@@ -34,11 +33,8 @@ Result<Row> parse_row(std::string_view text, std::size_t line) {
   }
   Row row{};
   for (std::size_t c = 0; c < kColumns; ++c) {
-    std::string_view field = trimmed(text.substr(0, text.find(',')), kAround);
-    text.remove_prefix(std::min(text.size(), text.find(',') + (c + 1 < kColumns ? 1 : 0)));
-    if (!field.empty() && field.front() == '+') field.remove_prefix(1);
-    const auto [stop, error] = std::from_chars(field.data(), field.data() + field.size(), row[c]);
-    if (error != std::errc() || stop != field.data() + field.size() || !std::isfinite(row[c])) {
+    const std::string_view field = trimmed(take_word(text, ","), kAround);
+    if (!read_number(field, row[c]) || !std::isfinite(row[c])) {
       return wrong(ErrorKind::Malformed, line,
                    fmt::format("column {} ({}) is '{}'; give a finite number", c + 1, kNames[c],
                                field.substr(0, 20)));

@@ -135,36 +135,18 @@ std::vector<PagePoint> tangents(const std::vector<PagePoint>& p, const std::vect
 
 }  // namespace
 
-DxfVec DxfFrame::direction(const DxfVec& d) const {
-  return {d.x * ax.x + d.y * ay.x + d.z * az.x, d.x * ax.y + d.y * ay.y + d.z * az.y,
-          d.x * ax.z + d.y * ay.z + d.z * az.z};
-}
-
-DxfVec DxfFrame::operator()(const DxfVec& p) const {
-  const DxfVec d = direction(p);
-  return {o.x + d.x, o.y + d.y, o.z + d.z};
-}
-
-DxfFrame DxfFrame::operator*(const DxfFrame& inner) const {
-  return {direction(inner.ax), direction(inner.ay), direction(inner.az), (*this)(inner.o)};
-}
-
-DxfVec cross(const DxfVec& a, const DxfVec& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-std::optional<DxfVec> unit(const DxfVec& a) {
-  const double l = std::hypot(a.x, a.y, a.z);
+std::optional<Vec3> dxf_unit(const Vec3& a) {
+  const double l = std::hypot(a.x(), a.y(), a.z());
   if (!(l > 0.0) || !std::isfinite(l)) return std::nullopt;
-  return DxfVec{a.x / l, a.y / l, a.z / l};
+  return Vec3(a / l);
 }
 
-DxfFrame dxf_object_frame(const DxfVec& extrusion) {
-  const auto n = unit(extrusion);
+DxfFrame dxf_object_frame(const Vec3& extrusion) {
+  const auto n = dxf_unit(extrusion);
   if (!n) return {};
   constexpr double kNear = 1.0 / 64;
-  const bool near_z = std::abs(n->x) < kNear && std::abs(n->y) < kNear;
-  const auto ax = unit(cross(near_z ? DxfVec{0, 1, 0} : DxfVec{0, 0, 1}, *n));
+  const bool near_z = std::abs(n->x()) < kNear && std::abs(n->y()) < kNear;
+  const auto ax = dxf_unit(cross(near_z ? Vec3{0, 1, 0} : Vec3{0, 0, 1}, *n));
   if (!ax) return {};
   return {*ax, cross(*n, *ax), *n, {}};
 }
@@ -191,11 +173,12 @@ void flatten_turn(const PagePoint& c, const PagePoint& a, const PagePoint& b, do
   line.push_back(full ? first : at(from + span));
 }
 
-std::optional<DxfVec> bulge_centre(const DxfVec& p, const DxfVec& q, double bulge) {
+std::optional<Vec3> bulge_centre(const Vec3& p, const Vec3& q, double bulge) {
   constexpr double kStraight = 1e-9;  // error below 0.1 um on a chord of 100 m
-  if (!(std::abs(bulge) > kStraight) || (p.x == q.x && p.y == q.y)) return std::nullopt;
+  if (!(std::abs(bulge) > kStraight) || (p.x() == q.x() && p.y() == q.y())) return std::nullopt;
   const double f = (1 / bulge - bulge) / 4;
-  return DxfVec{(p.x + q.x) / 2 - f * (q.y - p.y), (p.y + q.y) / 2 + f * (q.x - p.x), p.z};
+  return Vec3{(p.x() + q.x()) / 2 - f * (q.y() - p.y()), (p.y() + q.y()) / 2 + f * (q.x() - p.x()),
+              p.z()};
 }
 
 std::string check_spline(DxfSpline& spline) {
@@ -267,6 +250,27 @@ void flatten_fit(std::vector<PagePoint> fit, std::optional<PagePoint> from_tange
   line.push_back(p[begin]);
   const Sink sink{tolerance, most, line};
   for (std::size_t i = begin; i < end; ++i) add_cubic(p[i], t[i], p[i + 1], t[i + 1], h[i], sink);
+}
+
+DxfDashes dxf_dashes(std::span<const double> elements) {
+  DxfDashes out;
+  bool dash = false, gap = false;
+  for (const double e : elements) {
+    dash = dash || e > 0.0;
+    gap = gap || e < 0.0;
+    out.period += std::abs(e);
+  }
+  if (!dash || !gap || !std::isfinite(out.period)) return {};
+  double at = elements.back() < 0.0 ? -elements.back() / 2 : 0.0;
+  for (const double e : elements) {
+    if (e > 0.0) out.dashes.push_back({at / out.period, (at + e) / out.period});
+    at += std::abs(e);
+  }
+  return out;
+}
+
+double dxf_periods(double length, double period) {
+  return std::max(1.0, std::round(length / period));
 }
 
 }  // namespace popcut

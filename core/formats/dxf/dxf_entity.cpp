@@ -8,28 +8,24 @@
 namespace popcut {
 namespace {
 
+/// Makes it as new, but its lists keep their memory.
 void clear(DxfEntity& e) {
-  DxfEntity fresh;
-  fresh.vertices.swap(e.vertices);
-  fresh.knots.swap(e.knots);
-  fresh.weights.swap(e.weights);
-  fresh.control.swap(e.control);
-  fresh.fit.swap(e.fit);
-  e = std::move(fresh);
-  e.vertices.clear();
-  e.knots.clear();
-  e.weights.clear();
-  e.control.clear();
-  e.fit.clear();
+  DxfLists lists = std::move(static_cast<DxfLists&>(e));
+  lists.vertices.clear();
+  for (auto* numbers : {&lists.knots, &lists.weights}) numbers->clear();
+  for (auto* points : {&lists.control, &lists.fit}) points->clear();
+  e = {};
+  static_cast<DxfLists&>(e) = std::move(lists);
 }
 
-double& part(DxfVec& p, int code) { return code < 20 ? p.x : code < 30 ? p.y : p.z; }
+/// The coordinate that a group code sets: 10 to 19 x, 20 to 29 y, 30 to 39 z.
+double& part(Vec3& p, int code) { return p[code / 10 - 1]; }
 
 /// The vector that collects repeated groups of this code, if the entity's type has one.
 bool repeated(DxfEntity& e, int code, double value) {
   if (e.type == "LWPOLYLINE") {
     if (code == 10) e.vertices.push_back({{value, 0, 0}, 0});
-    if (code == 20 && !e.vertices.empty()) e.vertices.back().at.y = value;
+    if (code == 20 && !e.vertices.empty()) e.vertices.back().at.y() = value;
     if (code == 42 && !e.vertices.empty()) e.vertices.back().bulge = value;
     return code == 10 || code == 20 || code == 42;
   }
@@ -49,7 +45,7 @@ void put_real(DxfEntity& e, int code, double value) {
   if (repeated(e, code, value)) return;
   const int axis = code % 10;
   if (code >= 210 && code <= 230 && axis == 0) {
-    if (!e.extrusion) e.extrusion = DxfVec{0, 0, code == 230 ? 0.0 : 1.0};
+    if (!e.extrusion) e.extrusion = Vec3{0, 0, code == 230 ? 0.0 : 1.0};
     part(*e.extrusion, code - 200) = value;
   } else if (code < 40) {
     if (axis == 0) part(e.p10, code) = value;

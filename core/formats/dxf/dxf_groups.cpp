@@ -2,12 +2,12 @@
 #include "core/formats/dxf/dxf_groups.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "core/text/blanks.hpp"
+#include "core/text/utf8.hpp"
+#include "core/text/words.hpp"
 
 namespace popcut {
 namespace {
@@ -16,22 +16,15 @@ constexpr int kComment = 999;
 constexpr int kLeastCode = -5, kMostCode = 1071;  // AutoCAD's DXF reference, group code ranges
 
 template <typename Number>
-bool parse(std::string_view text, Number& value) {
-  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
-  const char* end = text.data() + text.size();
-  const auto [stop, fault] = std::from_chars(text.data(), end, value);
-  return fault == std::errc{} && stop == end;
+bool read_value(std::string_view text, Number& value) {
+  return text.substr(0, 2) != "+-" && read_number(text, value);
 }
 
 }  // namespace
 
 std::string dxf_line(std::size_t line) { return fmt::format("line {}", line); }
 
-std::string dxf_shown(std::string_view text) {
-  std::string shown;
-  for (const char c : text.substr(0, 40)) shown += c < 0x20 || c > 0x7e ? '?' : c;
-  return shown;
-}
+std::string dxf_shown(std::string_view text) { return shown_ascii(text, 40); }
 
 DxfCursor::DxfCursor(std::string_view text) : text_(text) {
   if (text_.substr(0, 3) == "\xEF\xBB\xBF") text_.remove_prefix(3);
@@ -57,7 +50,7 @@ bool DxfCursor::next() {
   do {
     std::string_view code;
     if (!line(code)) return false;
-    if (!parse(code, group_.code) || group_.code < kLeastCode || group_.code > kMostCode) {
+    if (!read_value(code, group_.code) || group_.code < kLeastCode || group_.code > kMostCode) {
       if (code.empty() && text_.find_first_not_of(" \t\r\n\x1a", at_) == std::string_view::npos)
         return false;  // only blank lines follow
       return refuse(line_,
@@ -73,7 +66,7 @@ bool DxfCursor::next() {
 }
 
 bool DxfCursor::real(double& value) {
-  if (parse(group_.value, value) && std::isfinite(value)) return true;
+  if (read_value(group_.value, value) && std::isfinite(value)) return true;
   return refuse(group_.line,
                 fmt::format("\"{}\" is not a number (group code {}); write a finite number with a "
                             "decimal point",
@@ -81,9 +74,9 @@ bool DxfCursor::real(double& value) {
 }
 
 bool DxfCursor::integer(int& value) {
-  if (parse(group_.value, value)) return true;
+  if (read_value(group_.value, value)) return true;
   double wide = 0.0;  // some programs write 1.0, or a flag word of 64 bits
-  if (parse(group_.value, wide) && std::abs(wide) < 1e18) {
+  if (read_value(group_.value, wide) && std::abs(wide) < 1e18) {
     value = std::abs(wide) < 2e9 ? static_cast<int>(wide) : 0;
     return true;
   }

@@ -12,11 +12,9 @@
 
 #include <fmt/format.h>
 
-#include "core/formats/dxf/dxf_dashes.hpp"
+#include "core/formats/dxf/dxf_curves.hpp"
 #include "core/formats/dxf/dxf_entity.hpp"
-#include "core/formats/dxf/dxf_shapes.hpp"
 #include "core/formats/dxf/dxf_tables.hpp"
-#include "core/text/too_much.hpp"
 
 namespace popcut {
 namespace {
@@ -255,26 +253,13 @@ class DxfReader {
   }
 
   std::optional<Operation> operation_of(const Place& own, LayerUse& use) {
-    switch (use.layer.meaning) {
-      case DxfMeaning::Draw:
-        return Operation::Draw;
-      case DxfMeaning::Score:
-        return Operation::Score;
-      case DxfMeaning::Fold:
-        ++sideless_;
-        return Operation::FoldValley;
-      case DxfMeaning::FoldMountain:
-        return Operation::FoldMountain;
-      case DxfMeaning::FoldValley:
-        return Operation::FoldValley;
-      case DxfMeaning::Outline:
-        return Operation::Outline;
-      case DxfMeaning::Cut:
-        return Operation::Cut;
-      case DxfMeaning::Unknown:
-      case DxfMeaning::Ignore:
-        break;
-    }
+    using enum Operation;
+    constexpr std::array<std::optional<Operation>, 9> kMeanings{
+        // in their order
+        std::nullopt, std::nullopt, Draw, Score,  FoldValley,
+        FoldMountain, FoldValley,   Cut,  Outline};
+    if (use.layer.meaning == DxfMeaning::Fold) ++sideless_;
+    if (const auto meant = kMeanings.at(static_cast<std::size_t>(use.layer.meaning))) return meant;
     if (options_.colours == DxfColours::Ignored) return Operation::Cut;
     return by_colour(own.colour, own.rgb, options_.colours);
   }

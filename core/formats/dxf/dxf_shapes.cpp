@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "core/formats/dxf/dxf_shapes.hpp"
-
+// Part of core/formats/dxf/dxf_entity.hpp.
 #include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
 
+#include "core/formats/dxf/dxf_entity.hpp"
 #include "core/geometry/angle.hpp"
 
 namespace popcut {
@@ -14,7 +14,7 @@ namespace {
 double radians(double degrees) { return degrees * kPi / 180; }
 
 /// Seen from above, with y down.
-PagePoint seen(const DxfVec& p) { return {p.x, -p.y}; }
+PagePoint seen(const Vec3& p) { return {p.x(), -p.y()}; }
 
 /// Appends to a line, in a frame.
 class Pen {
@@ -22,12 +22,12 @@ class Pen {
   Pen(const DxfFrame& frame, double tolerance, std::vector<PagePoint>& line)
       : frame_(frame), tolerance_(tolerance), line_(line) {}
 
-  void to(const DxfVec& p) { line_.push_back(seen(frame_(p))); }
+  void to(const Vec3& p) { line_.push_back(seen(frame_(p))); }
 
   /// From `p`, which is drawn already, to `q` with a bulge.
-  void bulge_to(const DxfVec& p, const DxfVec& q, double bulge) {
+  void bulge_to(const Vec3& p, const Vec3& q, double bulge) {
     if (const auto c = bulge_centre(p, q, bulge)) {
-      const DxfVec a{p.x - c->x, p.y - c->y, 0}, b{-a.y, a.x, 0};
+      const Vec3 a{p.x() - c->x(), p.y() - c->y(), 0}, b{-a.y(), a.x(), 0};
       turn(*c, a, b, 0.0, 4 * std::atan(bulge), false);
       line_.back() = seen(frame_(q));
     } else {
@@ -35,7 +35,7 @@ class Pen {
     }
   }
 
-  void turn(const DxfVec& c, const DxfVec& a, const DxfVec& b, double from, double span,
+  void turn(const Vec3& c, const Vec3& a, const Vec3& b, double from, double span,
             bool with_first) {
     flatten_turn(seen(frame_(c)), seen(frame_.direction(a)), seen(frame_.direction(b)), from, span,
                  tolerance_, with_first, line_);
@@ -56,17 +56,17 @@ double span_of(double from, double to) {
 
 bool upright(const DxfEntity& entity) {
   if (!entity.extrusion) return true;
-  const auto n = unit(*entity.extrusion);
-  return !n || (std::abs(n->x) < 1e-6 && std::abs(n->y) < 1e-6);
+  const auto n = dxf_unit(*entity.extrusion);
+  return !n || (std::abs(n->x()) < 1e-6 && std::abs(n->y()) < 1e-6);
 }
 
 void polyline(const DxfEntity& entity, Pen& pen, std::vector<PagePoint>& line) {
   const bool old = entity.type == "POLYLINE";
   const bool spatial = old && (entity.flag[0] & 8) != 0;
-  const double z = old ? entity.p10.z : entity.elevation;
+  const double z = old ? entity.p10.z() : entity.elevation;
   const auto corner = [&](std::size_t i) {
-    DxfVec p = entity.vertices[i].at;
-    if (!spatial) p.z = z;
+    Vec3 p = entity.vertices[i].at;
+    if (!spatial) p.z() = z;
     return p;
   };
   const std::size_t n = entity.vertices.size();
@@ -102,11 +102,10 @@ void ellipse(const DxfEntity& entity, Pen& pen, std::string& wrong) {
                         ratio);
     return;
   }
-  const DxfVec& major = entity.p11;
-  const auto n = unit(entity.extrusion.value_or(DxfVec{0, 0, 1}));
-  const DxfVec across = cross(n.value_or(DxfVec{0, 0, 1}), major);
-  const DxfVec minor{ratio * across.x, ratio * across.y, ratio * across.z};
-  if (!unit(major)) return;
+  const Vec3& major = entity.p11;
+  const auto n = dxf_unit(entity.extrusion.value_or(Vec3{0, 0, 1}));
+  const Vec3 minor = ratio * cross(n.value_or(Vec3{0, 0, 1}), major);
+  if (!dxf_unit(major)) return;
   const double from = entity.real_or(41, 0.0), to = entity.real_or(42, 2 * kPi);
   if (!(std::abs(from) < 1e6 && std::abs(to) < 1e6)) {
     wrong = "the ELLIPSE begins or ends at an invalid angle; use radians from 0 to 2 pi";
@@ -121,13 +120,13 @@ void spline(const DxfEntity& entity, const DxfFrame& frame, double tolerance, st
   const bool round = (entity.flag[0] & 1) != 0;
   if (!entity.control.empty()) {
     DxfSpline curve{entity.flag[1] == 0 ? 3 : entity.flag[1], entity.knots, entity.weights, {}};
-    for (const DxfVec& p : entity.control) curve.control.push_back(seen(frame(p)));
+    for (const Vec3& p : entity.control) curve.control.push_back(seen(frame(p)));
     wrong = check_spline(curve);
     if (wrong.empty()) flatten_spline(curve, tolerance, most, line);
   } else if (entity.fit.size() >= 2) {
     std::vector<PagePoint> fit;
-    for (const DxfVec& p : entity.fit) fit.push_back(seen(frame(p)));
-    const auto tangent = [&](bool given, const DxfVec& d) -> std::optional<PagePoint> {
+    for (const Vec3& p : entity.fit) fit.push_back(seen(frame(p)));
+    const auto tangent = [&](bool given, const Vec3& d) -> std::optional<PagePoint> {
       const PagePoint t = seen(frame.direction(d));
       const double l = std::hypot(t.x, t.y);
       if (!given || !(l > 0.0) || !std::isfinite(l)) return std::nullopt;
@@ -138,23 +137,23 @@ void spline(const DxfEntity& entity, const DxfFrame& frame, double tolerance, st
   } else {
     wrong = "the SPLINE needs control points or at least two fit points";
   }
-  const double gap =
-      line.empty() ? 0.0
-                   : std::hypot(line.back().x - line.front().x, line.back().y - line.front().y);
+  const double gap = line.empty() ? 0.0 : distance(line.front(), line.back());
   if (round && gap > 0.0 && gap <= tolerance && line.size() > 3) line.back() = line.front();
 }
 
 }  // namespace
 
-DxfFrame insert_frame(const DxfEntity& insert, const DxfVec& base, double across, double up) {
+DxfFrame insert_frame(const DxfEntity& insert, const Vec3& base, double across, double up) {
   const double sx = insert.real_or(41, 1.0), sy = insert.real_or(42, 1.0),
                sz = insert.real_or(43, 1.0);
   const double turn = radians(std::fmod(insert.from_deg, 360.0));
   const double c = std::cos(turn), s = std::sin(turn);
   const DxfFrame place{{c, s, 0}, {-s, c, 0}, {0, 0, 1}, insert.p10};
-  const DxfFrame own{
-      {sx, 0, 0}, {0, sy, 0}, {0, 0, sz}, {across - sx * base.x, up - sy * base.y, -sz * base.z}};
-  return dxf_object_frame(insert.extrusion.value_or(DxfVec{0, 0, 1})) * (place * own);
+  const DxfFrame own{{sx, 0, 0},
+                     {0, sy, 0},
+                     {0, 0, sz},
+                     {across - sx * base.x(), up - sy * base.y(), -sz * base.z()}};
+  return dxf_object_frame(insert.extrusion.value_or(Vec3{0, 0, 1})) * (place * own);
 }
 
 DxfShape outline_of(const DxfEntity& entity, const DxfFrame& frame, double tolerance,

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "core/formats/dxf/dxf_tables.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
+
+#include "core/text/utf8.hpp"
 
 namespace popcut {
 namespace {
@@ -49,41 +52,6 @@ constexpr std::array<std::uint16_t, 32> kWindows{
     0x20ac, '?',    0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021, 0x02c6, 0x2030, 0x0160,
     0x2039, 0x0152, '?',    0x017d, '?',    '?',    0x2018, 0x2019, 0x201c, 0x201d, 0x2022,
     0x2013, 0x2014, 0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, '?',    0x017e, 0x0178};
-
-unsigned byte_of(char c) { return static_cast<unsigned char>(c); }
-
-/// The number of bytes of the valid UTF-8 character at `i`; 0 if it is not valid.
-std::size_t utf8_length(std::string_view text, std::size_t i) {
-  const unsigned lead = byte_of(text[i]);
-  const std::size_t n = lead < 0x80                    ? 1
-                        : lead >= 0xc2 && lead <= 0xdf ? 2
-                        : (lead & 0xf0U) == 0xe0       ? 3
-                        : lead >= 0xf0 && lead <= 0xf4 ? 4
-                                                       : 0;
-  if (n == 0 || i + n > text.size()) return 0;
-  for (std::size_t k = 1; k < n; ++k)
-    if ((byte_of(text[i + k]) & 0xc0U) != 0x80) return 0;
-  if (n == 3 && ((lead == 0xe0 && byte_of(text[i + 1]) < 0xa0) ||
-                 (lead == 0xed && byte_of(text[i + 1]) > 0x9f)))
-    return 0;
-  if (n == 4 && ((lead == 0xf0 && byte_of(text[i + 1]) < 0x90) ||
-                 (lead == 0xf4 && byte_of(text[i + 1]) > 0x8f)))
-    return 0;
-  return n;
-}
-
-void put_utf8(unsigned code, std::string& out) {
-  if (code < 0x80) {
-    out += static_cast<char>(code);
-  } else if (code < 0x800) {
-    out += static_cast<char>(0xc0 | (code >> 6));
-    out += static_cast<char>(0x80 | (code & 0x3f));
-  } else {
-    out += static_cast<char>(0xe0 | (code >> 12));
-    out += static_cast<char>(0x80 | ((code >> 6) & 0x3f));
-    out += static_cast<char>(0x80 | (code & 0x3f));
-  }
-}
 
 class TableReader {
  public:
@@ -224,13 +192,9 @@ class TableReader {
           break;
         case 10:
         case 20:
-        case 30: {
-          double& value = cursor_.group().code == 10   ? one.base.x
-                          : cursor_.group().code == 20 ? one.base.y
-                                                       : one.base.z;
-          if (!cursor_.real(value)) return false;
+        case 30:
+          if (!cursor_.real(one.base[cursor_.group().code / 10 - 1])) return false;
           break;
-        }
         case 70:
           if (!cursor_.integer(flags)) return false;
           one.external = (flags & 4) != 0;
@@ -281,16 +245,15 @@ std::string dxf_name(std::string_view name) {
   std::string shown;
   name = name.substr(0, 60);
   for (std::size_t i = 0; i < name.size();) {
-    const std::size_t n = utf8_length(name, i);
-    const unsigned c = byte_of(name[i]);
-    if (n > 1) {
+    const std::size_t n = std::max<std::size_t>(code_point(name, i).length, 1);
+    const unsigned c = static_cast<unsigned char>(name[i]);
+    if (n > 1)
       shown += name.substr(i, n);
-    } else if (c >= 0x80) {
-      put_utf8(c < 0xa0 ? kWindows.at(c - 0x80) : c, shown);
-    } else {
+    else if (c >= 0x80)
+      append_utf8(shown, c < 0xa0 ? kWindows.at(c - 0x80) : c);
+    else
       shown += c < 0x20 || c == 0x7f ? '?' : name[i];
-    }
-    i += n > 1 ? n : 1;
+    i += n;
   }
   return shown;
 }

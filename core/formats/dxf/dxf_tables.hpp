@@ -51,7 +51,7 @@ struct DxfLinetype {
 /// A block of the BLOCKS section.
 struct DxfBlock {
   std::string name;  ///< for messages
-  DxfVec base;
+  Vec3 base;
   DxfCursor at;  ///< just before its first entity
   bool external{};
 };

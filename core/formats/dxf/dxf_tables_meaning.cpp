@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/formats/dxf/dxf_tables.hpp"
+#include "core/text/words.hpp"
 
 namespace popcut {
 namespace {
@@ -53,7 +54,7 @@ std::vector<std::string> words_of(std::string_view name) {
     if (!letter(name[i])) continue;
     const bool begins = i == 0 || !letter(name[i - 1]) || (small(name[i - 1]) && !small(name[i]));
     if (begins) words.emplace_back();
-    words.back() += dxf_key(name.substr(i, 1));
+    words.back() += capital(name[i]);
   }
   return words;
 }
@@ -72,8 +73,7 @@ DxfMeaning meaning_of(std::string_view word) {
 
 std::string dxf_key(std::string_view name) {
   std::string key(name);
-  for (char& c : key)
-    if (small(c)) c = static_cast<char>(c - 'a' + 'A');
+  for (char& c : key) c = capital(c);
   return key;
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/text/fold_text.hpp"
 #include "core/text/near_names.hpp"
+#include "core/text/words.hpp"
 
 namespace popcut {
 namespace {
@@ -132,8 +133,7 @@ class FrameReader {
     if (!column.present) return {};
     if (auto same = same_length(column, "edges_assignment"); !same) return same;
     for (std::size_t i = 0; i < column.number.size(); ++i) {
-      auto letter = static_cast<char>(column.number[i]);
-      if (letter >= 'a' && letter <= 'z') letter = static_cast<char>(letter - 'a' + 'A');
+      const char letter = capital(static_cast<char>(column.number[i]));
       if (std::string_view("BMVFUCJ").find(letter) == std::string_view::npos)
         return fail(ErrorKind::Malformed, at(fmt::format("/edges_assignment/{}", i)),
                     "is not an assignment; use B, M, V, F, U, C or J");

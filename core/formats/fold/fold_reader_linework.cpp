@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "core/drawing/clean.hpp"
-#include "core/drawing/euler.hpp"
 #include "core/drawing/nesting.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/geometry/overlap.hpp"
@@ -68,11 +67,7 @@ bool add_borders(std::vector<Segment> borders, LineWork& work) {
     const Segment& s = borders[i];
     const double l = distance(s.a, s.b);
     if (!(l > 0.0)) continue;
-    const auto at = [&](double t) {
-      if (t <= 0.0) return s.a;
-      if (t >= l) return s.b;
-      return PagePoint{s.a.x + t / l * (s.b.x - s.a.x), s.a.y + t / l * (s.b.y - s.a.y)};
-    };
+    const auto at = [&](double t) { return between(s.a, s.b, t / l); };
     index.covered(s, i, covered);
     overlaps += covered.size();
     if (overlaps > kMostOverlaps) return false;

@@ -2,7 +2,9 @@
 #include "core/formats/fold/fold_writer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -14,24 +16,19 @@
 namespace popcut {
 namespace {
 
-std::string_view assignment(EdgeRole role) {
-  if (role == EdgeRole::Mountain) return "\"M\"";
-  return role == EdgeRole::Valley ? "\"V\"" : "\"B\"";
-}
+/// What a role is called in a file, by its number: the assignment in split form and with single
+/// cuts, and popcut's own word.
+struct RoleNames {
+  std::string_view split;
+  char single;
+  std::string_view word;
+};
+constexpr std::array<RoleNames, 4> kRoles{{{"\"M\"", 'M', "\"mountain\""},
+                                           {"\"V\"", 'V', "\"valley\""},
+                                           {"\"B\"", 'C', "\"slit\""},
+                                           {"\"B\"", 'B', "\"outline\""}}};
 
-std::string_view role_name(EdgeRole role) {
-  switch (role) {
-    case EdgeRole::Mountain:
-      return "\"mountain\"";
-    case EdgeRole::Valley:
-      return "\"valley\"";
-    case EdgeRole::Slit:
-      return "\"slit\"";
-    case EdgeRole::Outline:
-      return "\"outline\"";
-  }
-  return "null";
-}
+const RoleNames& names_of(EdgeRole role) { return kRoles.at(static_cast<std::size_t>(role)); }
 
 /// Writes `"key": [item, item, ...]` with several items per line.
 template <typename PutItem>
@@ -41,6 +38,18 @@ void put_list(TextSink& text, std::string_view key, std::size_t count, PutItem p
   for (std::size_t i = 0; i < count; ++i) {
     if (i > 0) text.put(i % kItemsALine == 0 ? ",\n" : ",");
     put_item(i);
+  }
+  text.put("]");
+}
+
+/// Writes `[1,2]` without the numbers below zero, which stand for nothing.
+void put_numbers(TextSink& text, const auto& numbers) {
+  text.put("[");
+  std::string_view before;
+  for (const std::int64_t number : numbers) {
+    if (number < 0) continue;
+    text(before, number);
+    before = ",";
   }
   text.put("]");
 }
@@ -55,26 +64,17 @@ void put_edges(TextSink& text, const Pattern& pattern) {
   put_list(text, "edges_vertices", count,
            [&](std::size_t e) { text("[", pattern.edges[e].from, ",", pattern.edges[e].to, "]"); });
   put_list(text, "edges_faces", count, [&](std::size_t e) {
-    const auto [left, right] = std::pair(pattern.edges[e].left, pattern.edges[e].right);
-    if (left >= 0 && right >= 0) return text("[", left, ",", right, "]");
-    if (left < 0 && right < 0) return text("[]");
-    text("[", left < 0 ? right : left, "]");
+    put_numbers(text, std::array{pattern.edges[e].left, pattern.edges[e].right});
   });
   put_list(text, "edges_assignment", count,
-           [&](std::size_t e) { text.put(assignment(pattern.edges[e].role)); });
+           [&](std::size_t e) { text.put(names_of(pattern.edges[e].role).split); });
   put_list(text, "edges_popcut:role", count,
-           [&](std::size_t e) { text.put(role_name(pattern.edges[e].role)); });
+           [&](std::size_t e) { text.put(names_of(pattern.edges[e].role).word); });
 }
 
 void put_faces(TextSink& text, const Pattern& pattern) {
-  put_list(text, "faces_vertices", pattern.faces(), [&](std::size_t f) {
-    std::string_view before = "[";
-    for (const std::uint32_t vertex : pattern.face(f)) {
-      text(before, vertex);
-      before = ",";
-    }
-    text.put(before == "[" ? "[]" : "]");
-  });
+  put_list(text, "faces_vertices", pattern.faces(),
+           [&](std::size_t f) { put_numbers(text, pattern.face(f)); });
 }
 
 void put_deployed_frame(TextSink& text, const Pattern& pattern, double psi_rad) {
@@ -120,20 +120,6 @@ Result<void> check(const Pattern& pattern, const FoldOptions& options) {
   return {};
 }
 
-char letter_of(EdgeRole role) {
-  switch (role) {
-    case EdgeRole::Mountain:
-      return 'M';
-    case EdgeRole::Valley:
-      return 'V';
-    case EdgeRole::Slit:
-      return 'C';
-    case EdgeRole::Outline:
-      break;
-  }
-  return 'B';
-}
-
 /// Which faces are paper: crossing one more B edge from outside goes in, the next one out again.
 std::vector<bool> paper_faces(const PlanarGraph& graph) {
   enum : std::int8_t { Unknown, Paper, Hole };
@@ -174,7 +160,7 @@ Result<PlanarGraph> flat_graph(const Pattern& pattern) {
   lines.reserve(pattern.edges.size());
   for (const PatternEdge& edge : pattern.edges) {
     const PatternVertex &a = pattern.vertices[edge.from], &b = pattern.vertices[edge.to];
-    lines.push_back({{{pattern.u(a), a.v}, {pattern.u(b), b.v}}, letter_of(edge.role)});
+    lines.push_back({{{pattern.u(a), a.v}, {pattern.u(b), b.v}}, names_of(edge.role).single});
   }
   return planar_graph(lines, kSame);
 }
@@ -197,28 +183,19 @@ Result<void> put_single_cuts(TextSink& text, const Pattern& pattern) {
   put_list(text, "edges_vertices", count,
            [&](std::size_t e) { text("[", graph->edges[e][0], ",", graph->edges[e][1], "]"); });
   put_list(text, "edges_faces", count, [&](std::size_t e) {
-    std::string_view before = "[";
-    for (const std::int32_t face : graph->edge_faces[e]) {
-      if (face < 0 || number[static_cast<std::size_t>(face)] < 0) continue;
-      text(before, number[static_cast<std::size_t>(face)]);
-      before = ",";
-    }
-    text.put(before == "[" ? "[]" : "]");
+    std::array<std::int32_t, 2> faces_of = graph->edge_faces[e];
+    for (std::int32_t& face : faces_of)
+      if (face >= 0) face = number[static_cast<std::size_t>(face)];
+    put_numbers(text, faces_of);
   });
   put_list(text, "edges_assignment", count,
            [&](std::size_t e) { text("\"", std::string_view(&graph->assignments[e], 1), "\""); });
   put_list(text, "edges_popcut:role", count,
-           [&](std::size_t e) { text.put(role_name(pattern.edges[graph->lines[e]].role)); });
+           [&](std::size_t e) { text.put(names_of(pattern.edges[graph->lines[e]].role).word); });
   put_list(text, "edges_foldAngle", count,
            [&](std::size_t e) { text.put(angles[graph->lines[e]]); });
-  put_list(text, "faces_vertices", faces.size(), [&](std::size_t f) {
-    std::string_view before = "[";
-    for (const std::uint32_t vertex : graph->faces[faces[f]]) {
-      text(before, vertex);
-      before = ",";
-    }
-    text.put("]");
-  });
+  put_list(text, "faces_vertices", faces.size(),
+           [&](std::size_t f) { put_numbers(text, graph->faces[faces[f]]); });
   return {};
 }
 
@@ -256,6 +233,31 @@ Result<void> write_fold(const Pattern& pattern, const FoldOptions& options, std:
   }
   text.put("]}\n");
   return {};
+}
+
+std::string fold_from_linework(const LineWork& work) {
+  constexpr std::string_view kLetters = "-UMVCC";  // by operation
+  fmt::memory_buffer vertices, edges, letters;
+  std::size_t count = 0;
+  for (const DrawnLine& line : work.lines) {
+    if (line.operation == Operation::Draw) continue;
+    const char letter = kLetters.at(static_cast<std::size_t>(line.operation));
+    const auto points = work.points_of(line);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      fmt::format_to(std::back_inserter(vertices), "{}[{},{}]", count == 0 ? "" : ",", points[i].y,
+                     points[i].x);
+      if (i > 0 && points[i] != points[i - 1]) {
+        const char* const comma = letters.size() == 0 ? "" : ",";
+        fmt::format_to(std::back_inserter(edges), "{}[{},{}]", comma, count - 1, count);
+        fmt::format_to(std::back_inserter(letters), "{}\"{}\"", comma, letter);
+      }
+      ++count;
+    }
+  }
+  return fmt::format(
+      "{{\"file_spec\":1.2,\"frame_classes\":[\"creasePattern\"],\"frame_unit\":\"mm\","
+      "\"vertices_coords\":[{}],\"edges_vertices\":[{}],\"edges_assignment\":[{}]}}",
+      fmt::to_string(vertices), fmt::to_string(edges), fmt::to_string(letters));
 }
 
 }  // namespace popcut

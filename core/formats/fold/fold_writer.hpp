@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/drawing/linework.hpp"
 #include "core/pattern/pattern.hpp"
 #include "core/result.hpp"
 
@@ -43,5 +44,11 @@ struct FoldOptions {
 /// @retval OutOfRange  an opening angle is outside 0..pi; `place` is its index in the list
 [[nodiscard]] Result<void> write_fold(const Pattern& pattern, const FoldOptions& options,
                                       std::ostream& out);
+
+/// Writes a drawing as a FOLD file without faces, one edge per straight line, for verify to trace.
+/// The frame is (u, v) = (page y, page x) in mm, seen from the pop-up side. Cuts and outlines are C
+/// (tracing the faces finds the borders among them), folds M and V, scores U. Pen lines are left
+/// out.
+[[nodiscard]] std::string fold_from_linework(const LineWork& work);
 
 }  // namespace popcut

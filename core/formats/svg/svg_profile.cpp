@@ -113,15 +113,6 @@ std::uint32_t nearest_colour(const StrokeProfile& profile, std::uint32_t rgb) {
   return best;
 }
 
-bool has_class(std::string_view classes, std::string_view name) {
-  while (!classes.empty()) {
-    const std::size_t end = std::min(classes.find_first_of(" \t\r\n\f"), classes.size());
-    if (classes.substr(0, end) == name) return true;
-    classes.remove_prefix(std::min(end + 1, classes.size()));
-  }
-  return false;
-}
-
 }  // namespace
 
 Result<std::vector<StrokeProfile>> all_stroke_profiles(
@@ -136,11 +127,9 @@ Result<StrokeProfile> find_stroke_profile(std::string_view name,
 }
 
 std::string plain_label(std::string_view label) {
-  std::string out(trimmed(label));
-  for (char& c : out) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  std::string out = lower(trimmed(label));
+  for (char& c : out)
     if (c == ' ' || c == '_' || c == '\t') c = '-';
-  }
   return out;
 }
 
@@ -182,7 +171,7 @@ std::optional<StrokeUse> use_of_stroke(const StrokeProfile& profile, std::uint32
   for (const StrokeRule& rule : profile.rules) {
     const bool same_line = !rule.line || *rule.line == line ||
                            (*rule.line == LineStyle::Dashed && line == LineStyle::DashDot);
-    if (same_line && (rule.css_class.empty() || has_class(classes, rule.css_class)) &&
+    if (same_line && (rule.css_class.empty() || has_word(classes, rule.css_class)) &&
         (rule.colours.empty() ||
          std::find(rule.colours.begin(), rule.colours.end(), rgb) != rule.colours.end()))
       return rule.use;

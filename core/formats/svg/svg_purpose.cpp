@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "core/formats/svg/svg_purpose.hpp"
-
+// Part of core/formats/svg/svg_style.hpp.
 #include <algorithm>
 
 #include <fmt/format.h>
+
+#include "core/formats/svg/svg_style.hpp"
 
 namespace popcut {
 namespace {

@@ -10,14 +10,10 @@
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
-#include "core/formats/svg/svg_purpose.hpp"
 #include "core/formats/svg/svg_shape.hpp"
-#include "core/formats/svg/svg_sheets.hpp"
 #include "core/formats/svg/svg_strokes.hpp"
 #include "core/formats/svg/svg_style.hpp"
-#include "core/formats/svg/svg_viewport.hpp"
 #include "core/formats/svg/syntax/svg_transform.hpp"
-#include "core/text/too_much.hpp"
 
 namespace popcut {
 namespace {
@@ -69,7 +65,7 @@ class SvgReader {
     const auto element = styles_.read(root, prefix_, SvgStyle{}, style);
     if (!element) return tl::unexpected(element.error());
     if (style.display_none)
-      notes_.add(SvgNote::Hidden, [&] { return where(root); });
+      note(SvgNote::Hidden, root);
     else if (auto done = children(root, place, style); !done)
       return tl::unexpected(done.error());
     settle_fills();
@@ -78,8 +74,9 @@ class SvgReader {
   }
 
  private:
-  [[nodiscard]] std::string where(const pugi::xml_node& node) const {
-    return svg_where(text_, node);
+  void note(SvgNote what, const pugi::xml_node& node, std::size_t count = 1) {
+    notes_.add(
+        what, [&] { return svg_where(text_, node); }, count);
   }
 
   [[nodiscard]] tl::unexpected<Error> wrong(const pugi::xml_node& node, const Error& error) const {
@@ -158,15 +155,17 @@ class SvgReader {
     const SvgElement& e = *read;
     if (e.name.empty() || is_definition(e.name)) return {};
     if (style.display_none) {
-      notes_.add(SvgNote::Hidden, [&] { return where(node); });
+      note(SvgNote::Hidden, node);
       return {};
     }
     const bool is_shape = is_svg_shape(e.name);
     if (!is_shape && !is_one_of(e.name, {"g", "a", "switch", "svg", "use"})) {
-      if (!style.hidden) notes_.add_element(e.name, [&] { return where(node); });
+      if (!style.hidden) notes_.add_element(e.name, [&] { return svg_where(text_, node); });
       return {};
     }
-    note_effects(node, style);
+    if (style.clipped) note(SvgNote::Clipped, node);
+    if (style.masked) note(SvgNote::Masked, node);
+    if (style.filtered) note(SvgNote::Filtered, node);
     Place place = outer;
     place.depth += is_shape ? 0 : 1;
     if (e.has_transform) {
@@ -183,13 +182,6 @@ class SvgReader {
     if (e.name == "svg") return framed(node, node, place, style, false);
     if (e.name == "switch") return chosen(node, place, style);
     return children(node, place, style);
-  }
-
-  void note_effects(const pugi::xml_node& node, const SvgStyle& style) {
-    const auto here = [&] { return where(node); };
-    if (style.clipped) notes_.add(SvgNote::Clipped, here);
-    if (style.masked) notes_.add(SvgNote::Masked, here);
-    if (style.filtered) notes_.add(SvgNote::Filtered, here);
   }
 
   // The first child of a <switch> that requires nothing popcut lacks.
@@ -220,9 +212,8 @@ class SvgReader {
       if (!value) return wrong(from, value.error());
       v[i] = *value;
     }
-    const auto here = [&] { return where(node); };
     if (!(v[2] > 0.0 && v[3] > 0.0)) {
-      notes_.add(SvgNote::Empty, here);
+      note(SvgNote::Empty, node);
       return {};
     }
     place.to_page = place.to_page * SvgTransform{1, 0, 0, 1, v[0], v[1]};
@@ -234,7 +225,7 @@ class SvgReader {
       if (!view || (*view)[2] < 0.0 || (*view)[3] < 0.0)
         return wrong(node, "viewBox: must be four numbers with a positive width and height");
       if ((*view)[2] == 0.0 || (*view)[3] == 0.0) {
-        notes_.add(SvgNote::Empty, here);
+        note(SvgNote::Empty, node);
         return {};
       }
       place.to_page =
@@ -261,15 +252,14 @@ class SvgReader {
   }
 
   Result<void> use(const SvgElement& e, Place place, const SvgStyle& style) {
-    const auto here = [&] { return where(e.node); };
     const std::string_view href = trimmed(e.href);
     if (!href.empty() && href[0] != '#') {
-      notes_.add(SvgNote::ForeignUse, here);
+      note(SvgNote::ForeignUse, e.node);
       return {};
     }
     const pugi::xml_node* target = href.empty() ? nullptr : find_id(href.substr(1), e.node);
     if (target == nullptr) {
-      notes_.add(SvgNote::MissingUse, here);
+      note(SvgNote::MissingUse, e.node);
       return {};
     }
     if (std::find(used_.begin(), used_.end(), *target) != used_.end())
@@ -310,9 +300,8 @@ class SvgReader {
   }
 
   Result<void> shape(const SvgElement& e, const Place& place, const SvgStyle& style) {
-    const auto here = [&] { return where(e.node); };
     if (style.hidden) {
-      notes_.add(SvgNote::Hidden, here);
+      note(SvgNote::Hidden, e.node);
       return {};
     }
     SvgDashes dashes;
@@ -322,7 +311,7 @@ class SvgReader {
     const auto purpose = purposes_.of(e, style, dashes);
     if (!purpose) return {};
     if (!purpose->use) {
-      notes_.add(SvgNote::LeftOut, here);
+      note(SvgNote::LeftOut, e.node);
       return {};
     }
     const double scale = place.to_page.largest_scale();
@@ -330,11 +319,11 @@ class SvgReader {
       return wrong(e.node, "the transform is too large; use numbers below 1e100",
                    ErrorKind::OutOfRange);
     if (!place.to_page.inverse()) {
-      notes_.add(SvgNote::Squashed, here);
+      note(SvgNote::Squashed, e.node);
       return {};
     }
     if (style.marked && !is_one_of(e.name, {"rect", "circle", "ellipse"}))
-      notes_.add(SvgNote::Marked, here);
+      note(SvgNote::Marked, e.node);
     lines_.clear();
     const std::string_view points = e.node.attribute("points").value();
     if (auto done = spend(e.node, e.d.size() + points.size()); !done) return done;
@@ -353,11 +342,10 @@ class SvgReader {
     const std::size_t first = work_.lines.size();
     const auto added = strokes_.add(lines, to_page, operation);
     if (!added) return wrong(e.node, added.error());
-    const auto here = [&] { return where(e.node); };
-    if (*added == 0) notes_.add(SvgNote::Empty, here);
+    if (*added == 0) note(SvgNote::Empty, e.node);
     if (place.clip != nullptr && *added > 0)
       if (const std::size_t count = strokes_.clip(*place.clip, first); count > 0)
-        notes_.add(SvgNote::OutOfFrame, here, count);
+        note(SvgNote::OutOfFrame, e.node, count);
     return {};
   }
 
@@ -366,7 +354,6 @@ class SvgReader {
     const bool whole = is_fold(operation) || operation == Operation::Score;
     if (dashes.lengths.empty() || whole || lines_.size() == 0)
       return add(e, place, lines_, place.to_page, operation);
-    const auto here = [&] { return where(e.node); };
     SvgTransform to_page = place.to_page;
     if (style.non_scaling) {
       // Dashes are lengths on the page: the pen does not scale with the shape.
@@ -381,7 +368,7 @@ class SvgReader {
     const bool dots =
         std::all_of(dashes.lengths.begin(), dashes.lengths.end(),
                     [i = 0](double length) mutable { return i++ % 2 == 1 || length == 0.0; });
-    notes_.add(dots ? SvgNote::Dots : SvgNote::Dashed, here);
+    note(dots ? SvgNote::Dots : SvgNote::Dashed, e.node);
     if (dashed_.size() == 0) return {};
     return add(e, place, dashed_, to_page, operation);
   }
@@ -392,7 +379,7 @@ class SvgReader {
     const bool named = style.has_assignment || style.has_layer;
     remove_thin_lines(lines_);
     if (lines_.size() == 0) {
-      notes_.add(SvgNote::Invisible, [&] { return where(e.node); });
+      note(SvgNote::Invisible, e.node);
       return {};
     }
     if (!named) {
@@ -401,14 +388,14 @@ class SvgReader {
       const double margin = 0.001 * (page_mm_[0] + page_mm_[1]);
       if (page_mm_[0] > 0.0 && page_mm_[1] > 0.0 && box.x0 <= margin && box.y0 <= margin &&
           box.x1 >= page_mm_[0] - margin && box.y1 >= page_mm_[1] - margin) {
-        notes_.add(SvgNote::FillBackground, [&] { return where(e.node); });
+        note(SvgNote::FillBackground, e.node);
         return {};
       }
     }
     const std::size_t first = work_.lines.size();
     if (auto done = add(e, place, lines_, place.to_page, operation); !done) return done;
     if (named || work_.lines.size() == first) return {};
-    if (fills_.empty()) first_fill_ = where(e.node);
+    if (fills_.empty()) first_fill_ = svg_where(text_, e.node);
     ++filled_shapes_;
     for (std::size_t i = first; i < work_.lines.size(); ++i) fills_.push_back(i);
     return {};
@@ -454,19 +441,8 @@ bool is_svg(std::string_view name) {
 }  // namespace
 
 const char* svg_profile_name(SvgProfile profile) {
-  switch (profile) {
-    case SvgProfile::Popcut:
-      break;
-    case SvgProfile::OrigamiSim:
-      return "origami-sim";
-    case SvgProfile::Lightburn:
-      return "lightburn";
-    case SvgProfile::Cricut:
-      return "cricut";
-    case SvgProfile::Plain:
-      return "plain";
-  }
-  return "popcut";
+  constexpr std::array kNames{"popcut", "origami-sim", "lightburn", "cricut", "plain"};
+  return kNames.at(static_cast<std::size_t>(profile));
 }
 
 Result<LineWork> linework_from_svg(std::string text, const SvgReadOptions& options) {

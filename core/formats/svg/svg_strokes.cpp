@@ -8,16 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "core/drawing/clip_line.hpp"
-#include "core/text/too_much.hpp"
+#include "core/drawing/linework.hpp"
 
 namespace popcut {
-namespace {
-
-constexpr double kMostDashes = 1e6;  // of one line
-
-}  // namespace
-
 Result<std::size_t> SvgStrokes::add(const SvgLines& lines, const SvgTransform& to_page,
                                     Operation operation) {
   std::size_t added = 0;
@@ -48,6 +41,7 @@ Result<std::size_t> SvgStrokes::add(const SvgLines& lines, const SvgTransform& t
 
 Result<void> SvgStrokes::dash(const SvgLines& lines, const SvgDashes& dashes, std::size_t& steps,
                               SvgLines& out) const {
+  constexpr double kMostDashes = 1e6;  // of one line
   const double period = std::accumulate(dashes.lengths.begin(), dashes.lengths.end(), 0.0);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const double count = length(lines[i]) / period * static_cast<double>(dashes.lengths.size());

@@ -2,11 +2,10 @@
 #include "core/formats/svg/svg_style.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include <fmt/format.h>
-
-#include "core/formats/svg/svg_dash.hpp"
 
 namespace popcut {
 
@@ -54,51 +53,43 @@ std::string svg_where(const SvgText& text, const pugi::xml_node& node) {
 
 SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
   using P = Property;
-  const auto one_of = [&](std::initializer_list<std::pair<std::string_view, P>> names) {
-    for (const auto& [known, property] : names)
-      if (name == known) return property;
-    return P::None;
-  };
-  if (name.empty()) return P::None;
-  switch (name[0]) {
-    case 's':
-      return one_of({{"stroke", P::Stroke},
-                     {"stroke-dasharray", P::Dashes},
-                     {"stroke-dashoffset", P::DashOffset},
-                     {"stroke-opacity", P::StrokeOpacity}});
-    case 'f':
-      return one_of({{"fill", P::Fill},
-                     {"fill-opacity", P::FillOpacity},
-                     {"font-size", P::FontSize},
-                     {"filter", P::Filter}});
-    case 'c':
-      return one_of({{"color", P::Colour},
-                     {"clip-path", P::ClipPath},
-                     {"cx", P::Geometry},
-                     {"cy", P::Geometry}});
-    case 'd':
-      return one_of({{"display", P::Display}, {"d", P::Geometry}});
-    case 'v':
-      return one_of({{"visibility", P::Visibility}, {"vector-effect", P::VectorEffect}});
-    case 'o':
-      return one_of({{"opacity", P::Opacity}, {"overflow", P::Overflow}});
-    case 'm':
-      return one_of({{"mask", P::Mask},
-                     {"marker", P::Marker},
-                     {"marker-start", P::Marker},
-                     {"marker-mid", P::Marker},
-                     {"marker-end", P::Marker}});
-    default:
-      return one_of({{"transform", P::Geometry},
-                     {"transform-origin", P::Geometry},
-                     {"x", P::Geometry},
-                     {"y", P::Geometry},
-                     {"r", P::Geometry},
-                     {"rx", P::Geometry},
-                     {"ry", P::Geometry},
-                     {"width", P::Geometry},
-                     {"height", P::Geometry}});
-  }
+  constexpr std::array<std::pair<std::string_view, P>, 32> kNames{
+      // in alphabetical order
+      {{"clip-path", P::ClipPath},
+       {"color", P::Colour},
+       {"cx", P::Geometry},
+       {"cy", P::Geometry},
+       {"d", P::Geometry},
+       {"display", P::Display},
+       {"fill", P::Fill},
+       {"fill-opacity", P::FillOpacity},
+       {"filter", P::Filter},
+       {"font-size", P::FontSize},
+       {"height", P::Geometry},
+       {"marker", P::Marker},
+       {"marker-end", P::Marker},
+       {"marker-mid", P::Marker},
+       {"marker-start", P::Marker},
+       {"mask", P::Mask},
+       {"opacity", P::Opacity},
+       {"overflow", P::Overflow},
+       {"r", P::Geometry},
+       {"rx", P::Geometry},
+       {"ry", P::Geometry},
+       {"stroke", P::Stroke},
+       {"stroke-dasharray", P::Dashes},
+       {"stroke-dashoffset", P::DashOffset},
+       {"stroke-opacity", P::StrokeOpacity},
+       {"transform", P::Geometry},
+       {"transform-origin", P::Geometry},
+       {"vector-effect", P::VectorEffect},
+       {"visibility", P::Visibility},
+       {"width", P::Geometry},
+       {"x", P::Geometry},
+       {"y", P::Geometry}}};
+  const auto found = std::lower_bound(kNames.begin(), kNames.end(), name,
+                                      [](const auto& row, const auto& n) { return row.first < n; });
+  return found != kNames.end() && found->first == name ? found->second : P::None;
 }
 
 bool SvgStyleReader::set_paint(SvgPaint& paint, std::string_view value) {
@@ -130,11 +121,10 @@ bool SvgStyleReader::set_dashes(SvgStyle& style, std::string_view value) {
   return true;
 }
 
-bool SvgStyleReader::set_font(double& font, std::string_view value, double inherited) const {
-  const auto length = parse_svg_length(value);
-  if (!length) return true;  // large, smaller ...: only em and ex depend on the font size
-  font = user_units(*length, {user_mm_, inherited, inherited});
-  return true;
+void SvgStyleReader::set_font(double& font, std::string_view value, double inherited) const {
+  // No length (large, smaller ...) does no harm: only em and ex depend on the font size.
+  if (const auto length = parse_svg_length(value))
+    font = user_units(*length, {user_mm_, inherited, inherited});
 }
 
 void SvgStyleReader::apply(Property property, std::string_view value, const SvgStyle& inherited,
@@ -157,6 +147,15 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
     if (property == P::FontSize) style.font = from.font;
     return;
   }
+  if (property == P::Display) style.display_none = same_word(value, "none");
+  if (property == P::Visibility)
+    style.hidden = same_word(value, "hidden") || same_word(value, "collapse");
+  if (property == P::ClipPath) style.clipped = value != "none";
+  if (property == P::Mask) style.masked = value != "none";
+  if (property == P::Filter) style.filtered = value != "none";
+  if (property == P::Marker) style.marked = value != "none";
+  if (property == P::Overflow) style.overflows = value == "visible" || value == "auto";
+  if (property == P::VectorEffect) style.non_scaling = value == "non-scaling-stroke";
   bool understood = true;
   const auto zero = [&](bool& clear) {
     const auto is = is_zero(value);
@@ -164,8 +163,6 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
     if (is) clear = *is;
   };
   switch (property) {
-    case P::None:
-      return;
     case P::Stroke:
       understood = set_paint(style.stroke, value);
       break;
@@ -178,12 +175,6 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
       if (paint.kind == SvgPaint::Kind::Colour) style.colour = paint.rgb;
       break;
     }
-    case P::Display:
-      style.display_none = same_word(value, "none");
-      break;
-    case P::Visibility:
-      style.hidden = same_word(value, "hidden") || same_word(value, "collapse");
-      break;
     case P::Dashes:
       understood = set_dashes(style, value);
       break;
@@ -206,29 +197,13 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
       break;
     }
     case P::FontSize:
-      understood = set_font(style.font, value, inherited.font);
-      break;
-    case P::ClipPath:
-      style.clipped = value != "none";
-      break;
-    case P::Mask:
-      style.masked = value != "none";
-      break;
-    case P::Filter:
-      style.filtered = value != "none";
-      break;
-    case P::Marker:
-      style.marked = value != "none";
-      break;
-    case P::Overflow:
-      style.overflows = value == "visible" || value == "auto";
-      break;
-    case P::VectorEffect:
-      style.non_scaling = value == "non-scaling-stroke";
+      set_font(style.font, value, inherited.font);
       break;
     case P::Geometry:
       if (!is_attribute && element.name != "svg" && value != "none" && value != "auto")
         notes_.add(SvgNote::SheetGeometry, [&] { return svg_where(text_, element.node); });
+      break;
+    default:
       break;
   }
   if (!understood)
@@ -346,6 +321,31 @@ Result<SvgElement> SvgStyleReader::read(const pugi::xml_node& node, std::string_
         ErrorKind::OutOfRange, svg_where(text_, node),
         fmt::format("stroke-dasharray has more than {} numbers; write fewer", kMaxDashNumbers));
   return element;
+}
+
+Result<void> read_svg_sheets(const SvgText& text, const pugi::xml_node& root, CssSheets& sheets,
+                             SvgNotes& notes) {
+  Result<void> all;
+  each_svg_element(root, [&](const pugi::xml_node& node) {
+    std::string_view name = node.name();
+    name.remove_prefix(std::min(name.rfind(':') + 1, name.size()));
+    if (name != "style" || !all) return;
+    const std::string_view type = node.attribute("type").value();
+    const std::string_view media = node.attribute("media").value();
+    if ((!type.empty() && type != "text/css") || media == "print") return;
+    std::string sheet;
+    for (const pugi::xml_node& part : node.children()) sheet += part.value();
+    if (auto done = sheets.add(sheet); !done)
+      all = fail(done.error().kind, svg_place(text, node.offset_debug() - 1), done.error().detail,
+                 done.error().reason);
+  });
+  const auto first = [&] { return fmt::format("\"{}\"", sheets.first_unknown()); };
+  const auto none = [] { return std::string(); };
+  if (sheets.unknown_selectors() > 0)
+    notes.add(SvgNote::Selector, first, sheets.unknown_selectors());
+  if (sheets.unknown_blocks() > 0) notes.add(SvgNote::SheetBlock, first, sheets.unknown_blocks());
+  if (sheets.imports() > 0) notes.add(SvgNote::ForeignSheet, none, sheets.imports());
+  return all;
 }
 
 }  // namespace popcut

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 
 #include <pugixml.hpp>
 
+#include "core/formats/svg/svg_dash.hpp"
 #include "core/formats/svg/svg_profile.hpp"
 #include "core/formats/svg/syntax/svg_colour.hpp"
 #include "core/formats/svg/syntax/svg_css.hpp"
@@ -81,7 +83,7 @@ class SvgStyleReader {
              const SvgElement& element, SvgStyle& style, bool is_attribute);
   bool set_paint(SvgPaint& paint, std::string_view value);
   bool set_dashes(SvgStyle& style, std::string_view value);
-  bool set_font(double& font, std::string_view value, double inherited) const;
+  void set_font(double& font, std::string_view value, double inherited) const;
   void read_names(SvgElement& element, SvgStyle& style);
 
   const SvgText& text_;
@@ -94,6 +96,57 @@ class SvgStyleReader {
   std::vector<std::vector<SvgLength>> dash_lists_{{}};
   std::unordered_map<std::string, std::uint32_t> known_dashes_;
   bool too_many_dashes_{false};
+};
+
+/// Visits `root` and all elements below it in document order, without recursion.
+template <typename Visit>
+void each_svg_element(const pugi::xml_node& root, Visit visit) {
+  pugi::xml_node node = root;
+  while (node) {
+    if (node.type() == pugi::node_element) visit(node);
+    if (node.first_child()) {
+      node = node.first_child();
+      continue;
+    }
+    while (node != root && !node.next_sibling()) node = node.parent();
+    if (node == root) return;
+    node = node.next_sibling();
+  }
+}
+
+/// Reads all <style> elements of a document; adds a note for what it does not understand.
+///
+/// @retval OutOfRange  too many selectors; place is that of the <style> element
+[[nodiscard]] Result<void> read_svg_sheets(const SvgText& text, const pugi::xml_node& root,
+                                           CssSheets& sheets, SvgNotes& notes);
+
+/// What a shape is for.
+struct SvgPurpose {
+  StrokeUse use;
+  bool fill{false};  ///< the shape has no stroke: use the outline of its fill
+};
+
+/// Decides what the shapes of one drawing are for: by their names, else by the profile.
+class SvgPurposes {
+ public:
+  SvgPurposes(const SvgText& text, const StrokeProfile& profile, SvgNotes& notes)
+      : text_(text), profile_(profile), notes_(notes) {}
+
+  /// What the shape `e` is for. None if it is invisible, or if its fill does not count; this adds a
+  /// note.
+  [[nodiscard]] std::optional<SvgPurpose> of(const SvgElement& e, const SvgStyle& style,
+                                             const SvgDashes& dashes);
+  /// Whether any shape so far had a name.
+  [[nodiscard]] bool has_names() const { return has_names_; }
+  /// A warning if strokes of several colours all got the same purpose; else empty.
+  [[nodiscard]] std::string colour_warning() const;
+
+ private:
+  const SvgText& text_;
+  const StrokeProfile& profile_;
+  SvgNotes& notes_;
+  std::vector<std::uint32_t> colours_;  ///< the first colours that no rule knows
+  bool has_names_{false};
 };
 
 }  // namespace popcut

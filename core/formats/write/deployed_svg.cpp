@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -205,15 +204,12 @@ class Picture {
 
   /// Scales and shifts the projection so that the pattern fills the picture's width.
   void fit(const View& view) {
-    double left = std::numeric_limits<double>::max(), bottom = left;
-    double right = -left, top = -left;
+    Eigen::AlignedBox2d seen;
     for (const PatternVertex& p : pattern_.vertices) {
       const Vec3 place = vec3(posed(p, psi_rad_));
-      left = std::min(left, dot(camera_.right, place));
-      right = std::max(right, dot(camera_.right, place));
-      bottom = std::min(bottom, dot(camera_.up, place));
-      top = std::max(top, dot(camera_.up, place));
+      seen.extend(Vec2{dot(camera_.right, place), dot(camera_.up, place)});
     }
+    const double left = seen.min().x(), right = seen.max().x(), top = seen.max().y();
     width_px_ = view.width_px;
     if (!(right > left)) return;
     camera_.scale =
@@ -221,7 +217,7 @@ class Picture {
     if (view.px_per_mm > 0) width_px_ = (right - left) * camera_.scale + 2 * kMarginPx;
     camera_.x0 = left - kMarginPx / camera_.scale;
     camera_.y0 = top + kMarginPx / camera_.scale;
-    height_px_ = (top - bottom) * camera_.scale + 2 * kMarginPx;
+    height_px_ = (top - seen.min().y()) * camera_.scale + 2 * kMarginPx;
   }
 
   void put_point(std::string_view command, const PatternVertex& p) {

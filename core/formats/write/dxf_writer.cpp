@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "core/formats/write/dxf_writer.hpp"
-
-#include <algorithm>
+// Part of core/formats/write/pattern_files.hpp.
 #include <array>
 #include <string_view>
+#include <utility>
 
+#include "core/formats/write/pattern_files.hpp"
+#include "core/geometry/page_point.hpp"
 #include "core/text/text_sink.hpp"
 
 namespace popcut {
@@ -34,6 +35,9 @@ class Groups {
 
   void put(int code, std::string_view value) { text_(code, "\n", value, "\n"); }
   void put(int code, int value) { text_(code, "\n", value, "\n"); }
+  void put_all(std::initializer_list<std::pair<int, std::string_view>> groups) {
+    for (const auto& [code, value] : groups) put(code, value);
+  }
   void put_point(int code, double x, double y) {
     for (const double value : {x, y, 0.0}) {
       text_(code, "\n");
@@ -48,50 +52,43 @@ class Groups {
 };
 
 void put_header(Groups& groups, const Pattern& pattern) {
-  double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-  bool first = true;
-  const auto reach = [&](double x, double y) {
-    x0 = first ? x : std::min(x0, x);
-    x1 = first ? x : std::max(x1, x);
-    y0 = first ? y : std::min(y0, y);
-    y1 = first ? y : std::max(y1, y);
-    first = false;
-  };
+  Box box;
   for (const SheetLine& line : pattern.lines) {
-    reach(line.v0, -line.u0);
-    reach(line.v1, -line.u1);
+    box.add({line.v0, -line.u0});
+    box.add({line.v1, -line.u1});
   }
-  groups.put(0, "SECTION");
-  groups.put(2, "HEADER");
-  groups.put(9, "$ACADVER");
-  groups.put(1, "AC1009");
-  groups.put(9, "$INSUNITS");
-  groups.put(70, 4);
-  groups.put(9, "$MEASUREMENT");
-  groups.put(70, 1);
-  groups.put(9, "$EXTMIN");
-  groups.put_point(10, x0, y0);
+  if (box.empty()) box = {0, 0, 0, 0};
+  groups.put_all({{0, "SECTION"},
+                  {2, "HEADER"},
+                  {9, "$ACADVER"},
+                  {1, "AC1009"},
+                  {9, "$INSUNITS"},
+                  {70, "4"},
+                  {9, "$MEASUREMENT"},
+                  {70, "1"},
+                  {9, "$EXTMIN"}});
+  groups.put_point(10, box.x0, box.y0);
   groups.put(9, "$EXTMAX");
-  groups.put_point(10, x1, y1);
+  groups.put_point(10, box.x1, box.y1);
   groups.put(0, "ENDSEC");
 }
 
 void put_tables(Groups& groups) {
-  groups.put(0, "SECTION");
-  groups.put(2, "TABLES");
-  groups.put(0, "TABLE");
-  groups.put(2, "LTYPE");
-  groups.put(70, 1);
-  groups.put(0, "LTYPE");
-  groups.put(2, "CONTINUOUS");
-  groups.put(70, 0);
-  groups.put(3, "Solid line");
-  groups.put(72, 65);
-  groups.put(73, 0);
-  groups.put(40, "0.0");
-  groups.put(0, "ENDTAB");
-  groups.put(0, "TABLE");
-  groups.put(2, "LAYER");
+  groups.put_all({{0, "SECTION"},
+                  {2, "TABLES"},
+                  {0, "TABLE"},
+                  {2, "LTYPE"},
+                  {70, "1"},
+                  {0, "LTYPE"},
+                  {2, "CONTINUOUS"},
+                  {70, "0"},
+                  {3, "Solid line"},
+                  {72, "65"},
+                  {73, "0"},
+                  {40, "0.0"},
+                  {0, "ENDTAB"},
+                  {0, "TABLE"},
+                  {2, "LAYER"}});
   groups.put(70, static_cast<int>(kDxfLayers.size()));
   for (const DxfLayer& layer : kDxfLayers) {
     groups.put(0, "LAYER");

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/formats/write/pdf_pattern.hpp"
-
+// Part of core/formats/write/pattern_files.hpp.
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -8,6 +7,8 @@
 
 #include <fmt/format.h>
 #include <hpdf.h>
+
+#include "core/formats/write/pattern_files.hpp"
 
 namespace popcut {
 namespace {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -12,18 +13,27 @@
 namespace popcut {
 namespace {
 
-struct Colour {
-  Operation operation;
-  std::string_view stroke;
+/// A layer of one colour, for the operations from `first` to `last`.
+struct Layer {
+  std::string_view name, colour;
+  Operation first, last;
 };
 
 // LightBurn's palette, in which each colour is a layer.
-constexpr std::array<Colour, 6> kLightburn{{{Operation::Draw, "#00e000"},
-                                            {Operation::Score, "#00e000"},
-                                            {Operation::FoldMountain, "#ff0000"},
-                                            {Operation::FoldValley, "#0000ff"},
-                                            {Operation::Cut, "#000000"},
-                                            {Operation::Outline, "#000000"}}};
+constexpr std::array<Layer, 6> kLightburn{
+    {{"draw", "#00e000", Operation::Draw, Operation::Draw},
+     {"score", "#00e000", Operation::Score, Operation::Score},
+     {"fold-mountain", "#ff0000", Operation::FoldMountain, Operation::FoldMountain},
+     {"fold-valley", "#0000ff", Operation::FoldValley, Operation::FoldValley},
+     {"cut", "#000000", Operation::Cut, Operation::Cut},
+     {"outline", "#000000", Operation::Outline, Operation::Outline}}};
+
+// One group per colour, in cutting order.
+constexpr std::array<Layer, 4> kCricut{
+    {{"mark", "#00a651", Operation::Draw, Operation::Score},
+     {"fold-mountain", "#ff0000", Operation::FoldMountain, Operation::FoldMountain},
+     {"fold-valley", "#0000ff", Operation::FoldValley, Operation::FoldValley},
+     {"cut", "#000000", Operation::Cut, Operation::Outline}}};
 
 void put_path(TextSink& text, std::span<const PagePoint> points) {
   text.put("<path d=\"");
@@ -35,6 +45,21 @@ void put_path(TextSink& text, std::span<const PagePoint> points) {
     text.put_rounded(points[i].y);
   }
   text.put(ring ? "Z\"/>\n" : "\"/>\n");
+}
+
+/// Writes the strokes of a layer, operation by operation, as a group with these attributes.
+void put_layer(TextSink& text, const LineWork& dashed, const Layer& layer,
+               const std::string& attributes) {
+  bool any = false;
+  for (auto operation = layer.first; operation <= layer.last;
+       operation = static_cast<Operation>(static_cast<int>(operation) + 1))
+    for (const DrawnLine& line : dashed.lines) {
+      if (line.operation != operation) continue;
+      if (!std::exchange(any, true))
+        text("<g id=\"", layer.name, "\" fill=\"none\" ", attributes, ">\n");
+      put_path(text, dashed.points_of(line));
+    }
+  if (any) text.put("</g>\n");
 }
 
 std::string_view origami_style(Operation operation) {
@@ -71,18 +96,8 @@ void write_lightburn_svg(const LineWork& dashed, const std::array<double, 2>& pa
   text.put(svg_head(fmt::format("{0} width=\"{1}mm\" height=\"{2}mm\" viewBox=\"0 0 {1} {2}\"",
                                 kDashed, page_mm[0], page_mm[1]),
                     dashed.name));
-  for (const Colour& colour : kLightburn) {
-    bool open = false;
-    for (const DrawnLine& line : dashed.lines) {
-      if (line.operation != colour.operation) continue;
-      if (!open)
-        text("<g id=\"", std::string_view(operation_name(colour.operation)),
-             "\" fill=\"none\" stroke-width=\"0.1\" stroke=\"", colour.stroke, "\">\n");
-      open = true;
-      put_path(text, dashed.points_of(line));
-    }
-    if (open) text.put("</g>\n");
-  }
+  for (const Layer& layer : kLightburn)
+    put_layer(text, dashed, layer, fmt::format("stroke-width=\"0.1\" stroke=\"{}\"", layer.colour));
   text.put("</svg>\n");
 }
 
@@ -113,6 +128,37 @@ void write_origami_sim_svg(const LineWork& whole, std::ostream& out) {
     }
   }
   text.put("</svg>\n");
+}
+
+Result<void> write_cricut_svg(const LineWork& dashed, const CricutMat& mat, std::ostream& out) {
+  constexpr double kMmPerInch = 25.4;
+  const double width = mat.width_in * kMmPerInch, height = mat.height_in * kMmPerInch;
+  constexpr double kRounding = 1e-6;
+  const Box box = bounds(dashed);
+  const auto fits = [&](double x, double y) {
+    return box.empty() || (x <= width + kRounding && y <= height + kRounding);
+  };
+  const bool upright = fits(box.width(), box.height());
+  if (!upright && !fits(box.height(), box.width())) {
+    return fail(
+        ErrorKind::Infeasible, "cricut",
+        fmt::format("the drawing is {:.1f} x {:.1f} mm, but the mat holds {:.1f} x {:.1f} mm "
+                    "({:g} x {:g} in)",
+                    box.width(), box.height(), width, height, mat.width_in, mat.height_in));
+  }
+  // Turned clockwise by 90 degrees if needed: a rotation, so nothing is mirrored.
+  LineWork placed = dashed;
+  for (PagePoint& p : placed.points)
+    p = upright ? PagePoint{p.x - box.x0, p.y - box.y0} : PagePoint{box.y1 - p.y, p.x - box.x0};
+  TextSink text(out);
+  text.put(svg_head(fmt::format("{} width=\"{}in\" height=\"{}in\" viewBox=\"0 0 {} {}\"", kDashed,
+                                mat.width_in, mat.height_in, rounded(width), rounded(height)),
+                    dashed.name));
+  for (const Layer& layer : kCricut)
+    put_layer(text, placed, layer,
+              fmt::format("stroke=\"{}\" stroke-width=\"0.25\"", layer.colour));
+  text.put("</svg>\n");
+  return {};
 }
 
 }  // namespace popcut

@@ -5,6 +5,7 @@
 #include <iosfwd>
 
 #include "core/drawing/linework.hpp"
+#include "core/result.hpp"
 
 namespace popcut {
 
@@ -20,5 +21,23 @@ void write_lightburn_svg(const LineWork& dashed, const std::array<double, 2>& pa
 /// fold of 90 degrees. Origami Simulator merges vertices closer than 3 user units, so the drawing
 /// is scaled until its shortest line has 30, by at most 1000. Pen and score lines are left out.
 void write_origami_sim_svg(const LineWork& whole, std::ostream& out);
+
+/// The area that a Cricut machine can reach on its mat, inches along x and y.
+struct CricutMat {
+  double width_in{11.5};
+  double height_in{11.5};  ///< 23.5 for the long mat
+};
+
+/// Writes a dashed drawing (`micro_cut`) for Cricut Design Space. The page is the mat's area, in
+/// inches with a viewBox in mm. The drawing is in its upper left corner, where the machine starts.
+///
+/// Design Space makes one layer per colour, drops stroke-dasharray and layer names, and rescales
+/// drawings without a size. So every dash and line is a separate solid path, in one group per
+/// colour: marks green, mountain red, valley blue, cuts and outline black. A drawing that is too
+/// wide but fits when turned is turned by 90 degrees. Coordinates are rounded to 1e-6 mm.
+///
+/// @retval Infeasible  does not fit the mat in either orientation
+[[nodiscard]] Result<void> write_cricut_svg(const LineWork& dashed, const CricutMat& mat,
+                                            std::ostream& out);
 
 }  // namespace popcut

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/text/json_text.hpp"
+
 namespace popcut {
 namespace {
 
@@ -18,29 +20,25 @@ Json fit(const SliceFit& fit) {
 }
 
 Json slices(const DesignReport& report) {
-  Json list = Json::array();
-  for (const SliceReport& slice : report.slices) {
-    list.push_back({{"s_mm", slice.s_mm},
-                    {"v_mm", slice.v_mm},
-                    {"width_mm", slice.width_mm},
-                    {"loss", slice.loss},
-                    {"iterations", slice.iterations},
-                    {"minima", slice.minima},
-                    {"spread", slice.spread},
-                    {"fit", fit(slice.fit)}});
-  }
-  return list;
+  return json_list(report.slices, [](const SliceReport& slice) {
+    return Json{{"s_mm", slice.s_mm},
+                {"v_mm", slice.v_mm},
+                {"width_mm", slice.width_mm},
+                {"loss", slice.loss},
+                {"iterations", slice.iterations},
+                {"minima", slice.minima},
+                {"spread", slice.spread},
+                {"fit", fit(slice.fit)}};
+  });
 }
 
 Json merged(const DesignReport& report) {
-  Json list = Json::array();
-  for (const MergedPlace& place : report.merged) {
-    list.push_back({{"where", place.where},
-                    {"slice", place.slice},
-                    {"level", place.level},
-                    {"reason", place.reason}});
-  }
-  return list;
+  return json_list(report.merged, [](const MergedPlace& place) {
+    return Json{{"where", place.where},
+                {"slice", place.slice},
+                {"level", place.level},
+                {"reason", place.reason}};
+  });
 }
 
 Json curvature(const CurvatureReport& report) {
@@ -103,26 +101,24 @@ Json report_object(const DesignReport& report) {
 }
 
 Json patches(const PatchAssembly& assembly) {
-  Json list = Json::array();
-  for (const PatchReport& patch : assembly.patches)
-    list.push_back({{"name", patch.name},
-                    {"part", patch.part + 1},
-                    {"first_slice", patch.first_slice},
-                    {"slices", patch.slices},
-                    {"v_mm", {patch.v_begin_mm, patch.v_end_mm}}});
-  return list;
+  return json_list(assembly.patches, [](const PatchReport& patch) {
+    return Json{{"name", patch.name},
+                {"part", patch.part + 1},
+                {"first_slice", patch.first_slice},
+                {"slices", patch.slices},
+                {"v_mm", {patch.v_begin_mm, patch.v_end_mm}}};
+  });
 }
 
 Json joins(const PatchAssembly& assembly) {
-  Json list = Json::array();
-  for (const JoinReport& join : assembly.joins)
-    list.push_back({{"patches", {join.left, join.left + 1}},
-                    {"join", join.is_seam ? "seam" : "sheet"},
-                    {"reason", join.reason},
-                    {"misfit_mm", join.misfit_mm},
-                    {"misfit_at_mm", {join.misfit_at.x, join.misfit_at.z}},
-                    {"v_mm", join.v_mm}});
-  return list;
+  return json_list(assembly.joins, [](const JoinReport& join) {
+    return Json{{"patches", {join.left, join.left + 1}},
+                {"join", join.is_seam ? "seam" : "sheet"},
+                {"reason", join.reason},
+                {"misfit_mm", join.misfit_mm},
+                {"misfit_at_mm", {join.misfit_at.x, join.misfit_at.z}},
+                {"v_mm", join.v_mm}};
+  });
 }
 
 /// Each seam, with its line on both of its parts.
@@ -154,15 +150,11 @@ Json parts(const PatchAssembly& assembly) {
   return list;
 }
 
-std::string text_of(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
 }  // namespace
 
 std::string part_folder(std::size_t part) { return fmt::format("part-{:02}", part + 1); }
 
-std::string report_json(const DesignReport& report) { return text_of(report_object(report)); }
+std::string report_json(const DesignReport& report) { return json_file(report_object(report)); }
 
 std::string report_json(const PatchAssembly& assembly) {
   const DesignReport& first = assembly.parts.front().report;
@@ -178,7 +170,7 @@ std::string report_json(const PatchAssembly& assembly) {
   json["patches"] = patches(assembly);
   json["joins"] = joins(assembly);
   json["seams"] = seams(assembly);
-  return text_of(json);
+  return json_file(json);
 }
 
 }  // namespace popcut

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "core/formats/write/svg_pattern.hpp"
-
-#include <algorithm>
+// Part of core/formats/write/pattern_files.hpp.
 #include <array>
 #include <string_view>
 
 #include <fmt/format.h>
 
+#include "core/drawing/linework.hpp"
+#include "core/formats/write/pattern_files.hpp"
 #include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 
@@ -31,32 +31,19 @@ constexpr std::array<SvgLayer, 4> kSvgLayers{{
 }};
 
 /// The drawn part of the page: the sheet from its corner; without a card, the bounds of the lines.
-struct Page {
-  double x{}, y{}, width{}, height{};
-};
-
-Page page_of(const Pattern& pattern) {
-  if (pattern.card || pattern.lines.empty()) {
+Box page_of(const Pattern& pattern) {
+  if (pattern.card || pattern.lines.empty())
     return {0, 0, pattern.width_mm, pattern.wall_mm + pattern.ground_mm};
-  }
-  const SheetLine& first = pattern.lines.front();
-  double v0 = first.v0, v1 = first.v0, u0 = first.u0, u1 = first.u0;
-  for (const SheetLine& line : pattern.lines) {
-    v0 = std::min({v0, line.v0, line.v1});
-    v1 = std::max({v1, line.v0, line.v1});
-    u0 = std::min({u0, line.u0, line.u1});
-    u1 = std::max({u1, line.u0, line.u1});
-  }
-  return {v0, u0, v1 - v0, u1 - u0};
+  return bounds(linework_from_pattern(pattern));
 }
 
 void put_head(TextSink& text, const Pattern& pattern, std::string_view attribute) {
-  const Page page = page_of(pattern);
-  const std::string width = rounded(page.width), height = rounded(page.height);
+  const Box page = page_of(pattern);
+  const std::string width = rounded(page.width()), height = rounded(page.height());
   text.put(svg_head(fmt::format("{} version=\"1.1\"{} width=\"{}mm\" height=\"{}mm\" "
                                 "viewBox=\"{} {} {} {}\"",
-                                kInkscape, attribute, width, height, rounded(page.x),
-                                rounded(page.y), width, height),
+                                kInkscape, attribute, width, height, rounded(page.x0),
+                                rounded(page.y0), width, height),
                     pattern.name));
 }
 
@@ -74,16 +61,13 @@ void put_line(TextSink& text, const SheetLine& line, const SvgLayer& layer) {
 }
 
 void put_layer(TextSink& text, const SvgLayer& layer, bool dashed,
-               std::initializer_list<std::span<const SheetLine>> sources) {
+               std::span<const SheetLine> lines) {
   text("<g inkscape:groupmode=\"layer\" inkscape:label=\"", layer.label, "\" id=\"", layer.label,
        "\" fill=\"none\" stroke=\"", layer.colour, "\" stroke-width=\"0.25\"");
   if (dashed && !layer.dashes.empty()) text(" stroke-dasharray=\"", layer.dashes, "\"");
   text.put(">\n");
-  for (const std::span<const SheetLine> lines : sources) {
-    for (const SheetLine& line : lines) {
-      if (line.role == layer.role) put_line(text, line, layer);
-    }
-  }
+  for (const SheetLine& line : lines)
+    if (line.role == layer.role) put_line(text, line, layer);
   text.put("</g>\n");
 }
 
@@ -92,7 +76,7 @@ void put_layer(TextSink& text, const SvgLayer& layer, bool dashed,
 void write_pattern_svg(const Pattern& pattern, std::ostream& out) {
   TextSink text(out);
   put_head(text, pattern, "");
-  for (const SvgLayer& layer : kSvgLayers) put_layer(text, layer, true, {pattern.lines});
+  for (const SvgLayer& layer : kSvgLayers) put_layer(text, layer, true, pattern.lines);
   text.put("</svg>\n");
 }
 
@@ -102,7 +86,7 @@ void write_cut_svg(const Pattern& pattern, std::span<const SheetLine> micro_cuts
   put_head(text, pattern, " data-popcut=\"dashes\"");
   for (const SvgLayer& layer : kSvgLayers) {
     const bool fold = layer.role == EdgeRole::Mountain || layer.role == EdgeRole::Valley;
-    put_layer(text, layer, false, {fold ? micro_cuts : std::span<const SheetLine>(pattern.lines)});
+    put_layer(text, layer, false, fold ? micro_cuts : std::span<const SheetLine>(pattern.lines));
   }
   text.put("</svg>\n");
 }

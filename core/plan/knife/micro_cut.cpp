@@ -173,8 +173,7 @@ void part_of(std::span<const PagePoint> line, const Dash& dash, std::vector<Page
     const double l = distance(line[i - 1], line[i]);
     const auto at = [&](double s) {
       const double f = l > 0.0 ? std::clamp((s - t) / l, 0.0, 1.0) : 0.0;
-      return PagePoint{line[i - 1].x + f * (line[i].x - line[i - 1].x),
-                       line[i - 1].y + f * (line[i].y - line[i - 1].y)};
+      return lerp(line[i - 1], line[i], f);
     };
     if (t + l > dash.from) {
       if (out.empty()) out.push_back(at(dash.from));
@@ -259,9 +258,7 @@ std::size_t append_dashes(double free_mm, double offset_mm, const DashShape& sha
 
 Dashed micro_cut(const LineWork& work, const DashShape& shape) {
   Dashed out;
-  out.work.name = work.name;
-  out.work.warnings = work.warnings;
-  out.work.has_page = work.has_page;
+  out.work = work.without_lines();
   out.work.dashed = true;
   const std::vector<CutPiece> cuts = cut_pieces(work);
   Clearances clearances(cuts, shape.clearance_mm);

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "core/plan/knife/overcut.hpp"
-
+// Part of core/plan/knife/blade.hpp.
 #include <algorithm>
 
+#include "core/plan/knife/blade.hpp"
+
 namespace popcut {
-namespace {
-
-PagePoint between(const PagePoint& a, const PagePoint& b, double t) {
-  return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
-}
-
-}  // namespace
 
 double overcut_for(double round_mm, double wanted_mm) {
   return std::max(0.0, std::min(wanted_mm, round_mm / 4));
@@ -25,7 +19,7 @@ void append_head(std::span<const PagePoint> points, double mm, std::vector<PageP
   out.push_back(points[0]);
   for (std::size_t i = 1; i < points.size() && mm > 0.0; ++i) {
     const double l = distance(points[i - 1], points[i]);
-    out.push_back(l > mm ? between(points[i - 1], points[i], mm / l) : points[i]);
+    out.push_back(l > mm ? lerp(points[i - 1], points[i], mm / l) : points[i]);
     mm -= l;
   }
 }
@@ -36,7 +30,7 @@ void append_tail(std::span<const PagePoint> points, double mm, std::vector<PageP
   out.push_back(points.back());
   for (std::size_t i = points.size() - 1; i > 0 && mm > 0.0; --i) {
     const double l = distance(points[i - 1], points[i]);
-    out.push_back(l > mm ? between(points[i], points[i - 1], mm / l) : points[i - 1]);
+    out.push_back(l > mm ? lerp(points[i], points[i - 1], mm / l) : points[i - 1]);
     mm -= l;
   }
   std::reverse(out.begin() + static_cast<std::ptrdiff_t>(first), out.end());

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "core/plan/knife/blade.hpp"
-#include "core/plan/knife/overcut.hpp"
 
 namespace popcut {
 namespace {
@@ -15,9 +14,8 @@ namespace {
 constexpr std::array kKinds{"draw", "score", "fold", "cut"};
 
 std::size_t kind_of(Operation operation) {
-  if (operation == Operation::Draw) return 0;
-  if (operation == Operation::Score) return 1;
-  return is_fold(operation) ? 2 : 3;
+  constexpr std::array<std::size_t, 6> kKindOf{0, 1, 2, 2, 3, 3};  // by operation
+  return kKindOf.at(static_cast<std::size_t>(operation));
 }
 
 double overcut_of(const Toolpath& path, const Stroke& stroke, const KnifeWork& knife) {
@@ -30,6 +28,15 @@ double overcut_of(const Toolpath& path, const Stroke& stroke, const KnifeWork& k
 
 Blade blade_of(const KnifeWork& knife) {
   return {.offset_mm = knife.blade_offset_mm, .swivel_above_rad = knife.swivel_above_rad};
+}
+
+// Sets `line` to what the tip draws for a stroke; `mm`: its overcut.
+void draw_with_overcut(std::span<const PagePoint> points, double mm, std::vector<PagePoint>& line) {
+  line.clear();
+  if (mm > 0.0)
+    append_with_overcut(points, mm, line);
+  else
+    line.assign(points.begin(), points.end());
 }
 
 }  // namespace
@@ -83,11 +90,7 @@ void turn_round(LineWork& work, CutDirection direction) {
   for (const DrawnLine& line : work.lines) {
     const auto points = work.points_of(line);
     if (!takes_overcut(line.operation, points)) continue;
-    double area = 0.0;  // positive: clockwise on a page whose y points down
-    for (std::size_t i = 1; i < points.size(); ++i)
-      area += (points[i - 1].x - points[0].x) * (points[i].y - points[0].y) -
-              (points[i].x - points[0].x) * (points[i - 1].y - points[0].y);
-    if ((area > 0.0) != (direction == CutDirection::Clockwise))
+    if ((twice_area(points) > 0.0) != (direction == CutDirection::Clockwise))
       std::reverse(work.points.begin() + line.first, work.points.begin() + line.first + line.count);
   }
 }
@@ -139,11 +142,7 @@ std::optional<Toolpath> sent_strokes(const Toolpath& drawn, const KnifeWork& kni
     const auto points = drawn.points_of(stroke);
     Stroke copy = stroke;
     copy.first = static_cast<std::uint32_t>(sent.points.size());
-    line.clear();
-    if (const double mm = overcut_of(drawn, stroke, knife); mm > 0.0)
-      append_with_overcut(points, mm, line);
-    else
-      line.assign(points.begin(), points.end());
+    draw_with_overcut(points, overcut_of(drawn, stroke, knife), line);
     if (offset && knife.blade(stroke.tool))
       append_axis_path(line, blade, sent.points);
     else
@@ -167,7 +166,7 @@ KnifeMarks knife_marks(const Toolpath& drawn, const KnifeWork& knife) {
     const Stroke& stroke = drawn.strokes[i];
     const auto points = drawn.points_of(stroke);
     const double mm = overcut_of(drawn, stroke, knife);
-    line.clear();
+    draw_with_overcut(points, mm, line);
     if (mm > 0.0) {
       std::size_t first = marks.points.size();
       append_tail(points, mm, marks.points);
@@ -175,9 +174,6 @@ KnifeMarks knife_marks(const Toolpath& drawn, const KnifeWork& knife) {
       first = marks.points.size();
       append_head(points, mm, marks.points);
       end_mark(marks.overcuts, i, first);
-      append_with_overcut(points, mm, line);
-    } else {
-      line.assign(points.begin(), points.end());
     }
     if (!(knife.blade_offset_mm > 0.0) || !knife.blade(stroke.tool)) continue;
     axis.clear();

@@ -2,17 +2,16 @@
 #include "core/plan/order/order.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
 #include "core/drawing/nesting.hpp"
 #include "core/plan/order/order_group.hpp"
-#include "core/plan/order/order_pieces.hpp"
 
 namespace popcut {
 namespace {
 
-constexpr std::uint32_t kOutlines = 4;  // the last of `cutting_groups`
 constexpr std::uint64_t kQuickMoves = 3000;
 
 // Which closed lines hold which lines: cuts among cuts, outlines among outlines.
@@ -258,17 +257,11 @@ std::uint64_t order_moves(std::size_t lines, double effort) {
 }
 
 std::vector<std::uint32_t> cutting_groups(const LineWork& work) {
+  constexpr std::array<std::uint32_t, 6> kGroups{0, 1, 2, 2, 3, 4};  // by operation
   std::vector<std::uint32_t> groups;
   groups.reserve(work.lines.size());
-  for (const DrawnLine& line : work.lines) {
-    const bool fold = is_fold(line.operation);
-    const bool cut = line.operation == Operation::Cut;
-    groups.push_back(line.operation == Operation::Draw    ? 0
-                     : line.operation == Operation::Score ? 1
-                     : fold                               ? 2
-                     : cut                                ? 3
-                                                          : kOutlines);
-  }
+  for (const DrawnLine& line : work.lines)
+    groups.push_back(kGroups.at(static_cast<std::size_t>(line.operation)));
   return groups;
 }
 

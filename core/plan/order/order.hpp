@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/drawing/linework.hpp"
-#include "core/plan/order/travel_cost.hpp"
+#include "core/machines/motion.hpp"
 
 namespace popcut {
 

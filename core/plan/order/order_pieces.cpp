@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "core/plan/order/order_pieces.hpp"
-
+// Part of core/plan/order/order_group.hpp.
 #include <cmath>
 #include <numbers>
+
+#include "core/plan/order/order_group.hpp"
 
 namespace popcut {
 namespace {

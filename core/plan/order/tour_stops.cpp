@@ -41,29 +41,8 @@ struct Places {
   }
 };
 
-// Up to `each` tags near a node, over all of its doors.
-class NearList {
- public:
-  explicit NearList(std::size_t each) : each_(each) {}
-  void clear() { count_ = 0; }
-  void add(const PointTree::Near& one) {
-    std::size_t at = 0;
-    while (at < count_ && list_[at].tag != one.tag) ++at;
-    if (at < count_ && list_[at].squared <= one.squared) return;
-    if (at == count_ && count_ == each_ && list_[count_ - 1].squared <= one.squared) return;
-    if (at == count_ && count_ < each_) ++count_;
-    if (at == count_) --at;
-    for (; at > 0 && list_[at - 1].squared > one.squared; --at) list_[at] = list_[at - 1];
-    list_[at] = one;
-  }
-  [[nodiscard]] std::span<const PointTree::Near> all() const { return {list_.data(), count_}; }
-
- private:
-  std::size_t each_, count_{0};
-  std::array<PointTree::Near, PointTree::kMostNear> list_;
-};
-
-void write_row(const TourStops& stops, const NearList& list, std::uint32_t n, NearNodes& near) {
+void write_row(const TourStops& stops, const PointTree::NearList& list, std::uint32_t n,
+               NearNodes& near) {
   std::size_t at = std::size_t{n} * near.each;
   const std::size_t end = at + near.each;
   const auto put = [&](std::uint32_t node, double squared) {
@@ -90,16 +69,6 @@ double tour_cost(const TourStops& stops, const TourOrder& order) {
   return sum + stops.between(leave, std::uint32_t{0});
 }
 
-bool keeps_precedence(const TourStops& stops, const TourOrder& order) {
-  if (stops.later.empty()) return true;
-  std::vector<std::uint32_t> place(stops.size());
-  for (std::uint32_t i = 0; i < order.sequence.size(); ++i) place[order.sequence[i]] = i;
-  for (std::uint32_t s = 0; s < stops.size(); ++s)
-    for (const std::uint32_t t : stops.later_than(s))
-      if (place[t] < place[s]) return false;
-  return true;
-}
-
 NearNodes near_nodes(const TourStops& stops, std::uint32_t each) {
   NearNodes near{each, {}, {}};
   near.nodes.assign(stops.node.size() * each, NearNodes::kNone);
@@ -107,16 +76,14 @@ NearNodes near_nodes(const TourStops& stops, std::uint32_t each) {
   Places places(stops);
   const PointTree tree(places.points, places.tags);
   places.points = std::vector<PagePoint>();
-  std::array<PointTree::Near, PointTree::kMostNear> found;
-  NearList list(each);
+  PointTree::NearList found(each), list(each);  // near a door, and near any door of a node
   for (std::uint32_t i = 0; i < places.tags.size(); ++i) {
     const std::uint32_t n = places.tags[i];
     const bool first = i == 0 || places.tags[i - 1] != n;
     const bool last = i + 1 == places.tags.size() || places.tags[i + 1] != n;
     if (first) list.clear();
-    const std::size_t count = tree.nearest(i, std::span(found).first(each),
-                                           [n](std::uint32_t tag) { return tag / 2 != n / 2; });
-    for (std::size_t f = 0; f < count; ++f) list.add(found[f]);
+    tree.nearest(i, found, [n](std::uint32_t tag) { return tag / 2 != n / 2; });
+    for (const PointTree::Near& one : found.all()) list.add(one);
     if (!last) continue;
     write_row(stops, list, n, near);
     if (stops.has_doors(n / 2)) write_row(stops, list, n + 1, near);

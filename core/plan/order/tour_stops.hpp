@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/drawing/toolpath.hpp"
-#include "core/plan/order/travel_cost.hpp"
+#include "core/machines/motion.hpp"
 
 namespace popcut {
 
@@ -65,9 +65,6 @@ struct TourOrder {
 
 /// The cost of `order`, from home to home.
 [[nodiscard]] double tour_cost(const TourStops& stops, const TourOrder& order);
-
-/// Whether each stop comes after those that must come before it.
-[[nodiscard]] bool keeps_precedence(const TourStops& stops, const TourOrder& order);
 
 /// The nodes near each node, nearest first: `near(n)`. Shorter lists end with `kNone`.
 struct NearNodes {

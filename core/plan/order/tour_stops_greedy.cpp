@@ -89,14 +89,13 @@ class Greedy {
     points.reserve(ends.size());
     for (const std::uint32_t n : ends) points.push_back(stops_.node[n]);
     const PointTree tree(points, ends);
-    std::array<PointTree::Near, 5> found;
+    PointTree::NearList found(5);
     for (std::uint32_t i = 0; i < ends.size(); ++i) {
       const std::uint32_t n = ends[i];
-      const std::size_t count =
-          tree.nearest(i, found, [&](std::uint32_t m) { return m != far_end_[n]; });
-      for (std::size_t f = 0; f < count; ++f)
-        links_.push_back({static_cast<float>(std::sqrt(found[f].squared)),
-                          std::min(n, found[f].tag), std::max(n, found[f].tag)});
+      tree.nearest(i, found, [&](std::uint32_t m) { return m != far_end_[n]; });
+      for (const PointTree::Near& near : found.all())
+        links_.push_back({static_cast<float>(std::sqrt(near.squared)), std::min(n, near.tag),
+                          std::max(n, near.tag)});
     }
   }
 

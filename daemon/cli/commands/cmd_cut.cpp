@@ -13,9 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/formats/svg/svg_reader.hpp"
-#include "core/plan/plan_json.hpp"
-#include "core/plan/sheet_svg.hpp"
-#include "core/text/shown_text.hpp"
+#include "core/plan/plan.hpp"
+#include "core/text/utf8.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/cut_device.hpp"
 #include "daemon/cli/commands/cut_queue.hpp"

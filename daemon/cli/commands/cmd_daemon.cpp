@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "core/text/shown_text.hpp"
+#include "core/text/utf8.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/view/job_follow.hpp"

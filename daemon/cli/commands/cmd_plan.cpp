@@ -5,10 +5,8 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "core/plan/plan_json.hpp"
-#include "core/plan/plan_svg.hpp"
-#include "core/plan/sheet_svg.hpp"
-#include "core/text/shown_text.hpp"
+#include "core/plan/plan.hpp"
+#include "core/text/utf8.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/profile_sheets.hpp"
 #include "daemon/cli/options/plan_arguments.hpp"

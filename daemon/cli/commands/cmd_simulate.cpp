@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/text/shown_text.hpp"
+#include "core/text/utf8.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/simulate_pty.hpp"
 #include "daemon/cli/input/expectation.hpp"

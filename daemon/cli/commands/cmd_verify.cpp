@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "core/formats/fold/linework_graph.hpp"
+#include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/verify/verify.hpp"
 #include "daemon/cli/command.hpp"

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/design/spec/spec.hpp"
-#include "core/text/shown_text.hpp"
+#include "core/text/utf8.hpp"
 #include "daemon/cli/view/job_follow.hpp"
 #include "daemon/cli/view/job_view.hpp"
 #include "daemon/client/api.hpp"

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "core/formats/write/cricut_svg.hpp"
 #include "core/formats/write/profile_svg.hpp"
 
 namespace popcut::cli {

@@ -9,7 +9,7 @@
 #include <pugixml.hpp>
 
 #include "core/drawing/clean.hpp"
-#include "core/plan/knife/overcut.hpp"
+#include "core/plan/knife/blade.hpp"
 #include "core/text/json_text.hpp"
 #include "daemon/cli/input/drawing_input.hpp"
 #include "daemon/cli/input/split_facts.hpp"

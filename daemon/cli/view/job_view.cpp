@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "core/text/shown_text.hpp"
+#include "core/text/utf8.hpp"
 #include "daemon/cli/help/terminal_text.hpp"
 
 namespace popcut::cli {

@@ -5,7 +5,6 @@
 
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/plan/plan.hpp"
-#include "core/plan/sheet_svg.hpp"
 #include "device/compare/expect.hpp"
 #include "tests/support/sim_bench.hpp"
 

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/plan/marks.hpp"
-#include "core/plan/test_shape.hpp"
+#include "core/plan/plan.hpp"
 #include "device/session/session.hpp"
 #include "tests/support/sim_bench.hpp"
 

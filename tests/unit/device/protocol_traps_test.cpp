@@ -33,7 +33,7 @@ TEST_CASE("the tool is put away once and only after everything is cut", "[protoc
   for (const char* name : {"cameo3", "cameo4", "cameo5", "cameo5-alpha", "cameo-pro-mk2"}) {
     CAPTURE(name);
     const EncodedProgram program = some_job(machine(name));
-    const Program read = value(decode_gpgl(program.view()));
+    const Program read = value(decode(Dialect::Gpgl, program.view()));
     std::size_t put_away = 0, chosen = 0;
     for (const Command& command : read.commands) {
       if (command.verb != Verb::SelectTool) continue;
@@ -61,7 +61,7 @@ TEST_CASE("machines with one holder never get a command to choose one", "[protoc
   for (const char* name : {"portrait3", "portrait4", "cameo", "cameo2", "portrait"}) {
     CAPTURE(name);
     const EncodedProgram program = some_job(machine(name));
-    const Program read = value(decode_gpgl(program.view()));
+    const Program read = value(decode(Dialect::Gpgl, program.view()));
     for (const Command& command : read.commands) CHECK(command.verb != Verb::SelectTool);
   }
 }
@@ -90,7 +90,7 @@ TEST_CASE("the landscape orientation that parks the head on the other side is ne
           "[protocol][traps]") {
   for (const char* name : {"cameo", "cameo2", "cameo3", "cameo4", "portrait3"}) {
     const EncodedProgram program = some_job(machine(name), 5);
-    const Program read = value(decode_gpgl(program.view()));
+    const Program read = value(decode(Dialect::Gpgl, program.view()));
     for (const Command& command : read.commands)
       if (command.verb == Verb::Orientation) CHECK(read.args[command.first] == 0);
   }
@@ -129,9 +129,9 @@ TEST_CASE("the longest deltas of each binary form are written and read back", "[
         CHECK(text.size() == static_cast<std::size_t>(form.digits));
         for (const char c : text) CHECK(static_cast<unsigned char>(c) >= kDeltaZero);
         const Program read =
-            value(decode_gpgl(bytes("M1000000,1000000\x03"
-                                    "BE" +
-                                    std::to_string(form.number) + text + "\x03")));
+            value(decode(Dialect::Gpgl, bytes("M1000000,1000000\x03"
+                                              "BE" +
+                                              std::to_string(form.number) + text + "\x03")));
         REQUIRE(read.points.size() == 2);
         CHECK(read.points[1].a == 1e6 + static_cast<double>(feed));
         CHECK(read.points[1].b == 1e6 + static_cast<double>(carriage));

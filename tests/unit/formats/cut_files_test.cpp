@@ -10,8 +10,8 @@
 
 #include "core/drawing/linework.hpp"
 #include "core/formats/svg/svg_reader.hpp"
-#include "core/formats/write/cricut_svg.hpp"
-#include "core/formats/write/dxf_writer.hpp"
+#include "core/formats/write/pattern_files.hpp"
+#include "core/formats/write/profile_svg.hpp"
 #include "core/plan/knife/micro_cut.hpp"
 #include "tests/support/box_card.hpp"
 

@@ -13,8 +13,7 @@
 #include "core/drawing/linework.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/formats/write/deployed_svg.hpp"
-#include "core/formats/write/pdf_pattern.hpp"
-#include "core/formats/write/svg_pattern.hpp"
+#include "core/formats/write/pattern_files.hpp"
 #include "tests/support/box_card.hpp"
 
 namespace drawings_test {

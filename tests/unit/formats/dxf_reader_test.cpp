@@ -7,7 +7,7 @@
 #include "core/formats/dxf/dxf_tables.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/formats/fold/fold_writer.hpp"
-#include "core/formats/write/dxf_writer.hpp"
+#include "core/formats/write/pattern_files.hpp"
 #include "tests/support/box_card.hpp"
 #include "tests/support/linework_checks.hpp"
 

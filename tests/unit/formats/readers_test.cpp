@@ -21,6 +21,11 @@ std::string svg(
          "</svg>";
 }
 
+Result<SvgLines> parse_svg_path(std::string_view data, double tolerance, std::size_t most_points) {
+  SvgLines lines;
+  return read_svg_path(data, tolerance, most_points, lines).map([&] { return lines; });
+}
+
 LineWork read(const std::string& text, SvgProfile profile = SvgProfile::Popcut) {
   const auto work = linework_from_svg(text, profile);
   INFO((work ? "" : message(work.error())));

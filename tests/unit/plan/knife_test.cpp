@@ -8,10 +8,7 @@
 
 #include "core/machines/motion.hpp"
 #include "core/plan/knife/blade.hpp"
-#include "core/plan/knife/overcut.hpp"
 #include "core/plan/plan.hpp"
-#include "core/plan/plan_json.hpp"
-#include "core/plan/plan_svg.hpp"
 #include "tests/support/linework_checks.hpp"
 
 namespace knife_test {

@@ -5,11 +5,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/layout/assembly.hpp"
 #include "core/layout/layout.hpp"
 #include "core/layout/marks.hpp"
 #include "core/layout/packing.hpp"
-#include "core/layout/single_stroke.hpp"
 
 namespace layout_test {
 

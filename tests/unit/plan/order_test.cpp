@@ -138,21 +138,22 @@ TEST_CASE("near points are the same as by brute force", "[core][plan][order]") {
       tags.push_back(i / 2);
     }
     const PointTree tree(points, tags);
-    std::array<PointTree::Near, 7> near;
+    constexpr std::size_t kNear = 7;
+    PointTree::NearList found(kNear);
     for (std::uint32_t i = 0; i < points.size(); ++i) {
       CAPTURE(kind, i);
-      const std::size_t count =
-          tree.nearest(i, near, [&](std::uint32_t tag) { return tag != tags[i]; });
-      REQUIRE(count == near.size());
+      tree.nearest(i, found, [&](std::uint32_t tag) { return tag != tags[i]; });
+      const auto near = found.all();
+      REQUIRE(near.size() == kNear);
       std::vector<double> all(150, 1e300);
       for (std::uint32_t k = 0; k < points.size(); ++k) {
         const double dx = points[k].x - points[i].x, dy = points[k].y - points[i].y;
         all[tags[k]] = std::min(all[tags[k]], dx * dx + dy * dy);
       }
       all[tags[i]] = 1e300;
-      for (std::size_t k = 0; k < count; ++k) CHECK(all[near[k].tag] == near[k].squared);
+      for (std::size_t k = 0; k < kNear; ++k) CHECK(all[near[k].tag] == near[k].squared);
       std::sort(all.begin(), all.end());
-      for (std::size_t k = 0; k < count; ++k) CHECK(near[k].squared == all[k]);
+      for (std::size_t k = 0; k < kNear; ++k) CHECK(near[k].squared == all[k]);
     }
   }
 }

@@ -10,8 +10,6 @@
 #include "core/pattern/pattern.hpp"
 #include "core/plan/knife/micro_cut.hpp"
 #include "core/plan/plan.hpp"
-#include "core/plan/plan_json.hpp"
-#include "core/plan/sheet_svg.hpp"
 #include "tests/support/linework_checks.hpp"
 
 namespace plan_test {
@@ -25,6 +23,14 @@ Machine cameo3() { return *find_machine("cameo3"); }
 Material paper() { return *find_material("paper-220"); }
 
 // A pop-up of one box, as a hand would draw it: outline, two slits, three folds.
+/// Seconds for one stroke with the tool down.
+double path_seconds(const std::vector<PagePoint>& path, double speed_mm_s, const Motion& motion) {
+  Stroke stroke{.operation = Operation::Cut,
+                .count = static_cast<std::uint32_t>(path.size()),
+                .speed_mm_s = speed_mm_s};
+  return strokes_seconds({path, {stroke}}, motion) - motion.drop_s - motion.lift_s;
+}
+
 LineWork card() {
   LineWork work;
   work.name = "card";
@@ -424,7 +430,8 @@ TEST_CASE("each plan option takes its default and its limits and nothing beyond"
   using Kind = PlanOption::Kind;
   for (const PlanOption& option : plan_option_table()) {
     CAPTURE(option.name);
-    CHECK(find_plan_option(option.name) == &option);
+    const auto of_name = [&](const PlanOption& other) { return other.name == option.name; };
+    CHECK(std::count_if(plan_option_table().begin(), plan_option_table().end(), of_name) == 1);
     if (option.of_request) continue;
     const std::string name(option.name);
     const auto place_of = [&](const std::string& text) {

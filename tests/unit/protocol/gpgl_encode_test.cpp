@@ -7,7 +7,7 @@
 #include "protocol/decode.hpp"
 #include "protocol/encode.hpp"
 #include "protocol/gpgl_variants.hpp"
-#include "protocol/moves.hpp"
+#include "tests/support/moves.hpp"
 #include "tests/support/protocol_samples.hpp"
 
 namespace gpgl_encode_test {
@@ -316,7 +316,7 @@ TEST_CASE("nothing is dropped where a line leaves the machine", "[protocol][gpgl
   Toolpath toolpath;
   add_stroke(toolpath, {{10, 10}, {350, 10}, {350, 50}, {10, 50}});
   const EncodedProgram program = encoded(toolpath);
-  const PenMoves drawn = moves(*decode_gpgl(program.view()));
+  const PenMoves drawn = moves(*decode(Dialect::Gpgl, program.view()));
   REQUIRE(drawn.strokes.size() == 1);
   CHECK(drawn.points ==
         std::vector<MachinePoint>{{200, 200}, {200, 7000}, {1000, 7000}, {1000, 200}});
@@ -334,7 +334,7 @@ TEST_CASE("no command reaches 1024 bytes however long the line", "[protocol][gpg
     JobOptions options;
     options.draw = form;
     const EncodedProgram program = encoded(toolpath, cameo3(), paper(), options);
-    const Program read = *decode_gpgl(program.view());
+    const Program read = *decode(Dialect::Gpgl, program.view());
     std::uint64_t longest = 0;
     for (const Command& command : read.commands)
       longest = std::max(longest, command.end - command.begin);
@@ -352,7 +352,7 @@ TEST_CASE("a run of short lines fills its command to the limit", "[protocol][gpg
   toolpath.strokes[0].count = 1200;
   const EncodedProgram program = encoded(toolpath);
   std::vector<std::uint64_t> sizes;
-  const Program read = decode_gpgl(program.view(program.geometry)).value();
+  const Program read = decode(Dialect::Gpgl, program.view(program.geometry)).value();
   for (const Command& command : read.commands)
     if (command.verb == Verb::Draw) sizes.push_back(command.end - command.begin);
   CHECK(sizes == std::vector<std::uint64_t>{1022, 1022, 4 + 2 * (1199 - 2 * 509)});
@@ -368,7 +368,7 @@ TEST_CASE("a line too long for any binary form is drawn with D", "[protocol][gpg
 TEST_CASE("an empty toolpath gives a program that only parks", "[protocol][gpgl][encode]") {
   const EncodedProgram program = encoded({});
   CHECK(program.geometry.begin == program.geometry.end);
-  CHECK(moves(*decode_gpgl(program.view())).strokes.empty());
+  CHECK(moves(*decode(Dialect::Gpgl, program.view())).strokes.empty());
 }
 
 }  // namespace gpgl_encode_test

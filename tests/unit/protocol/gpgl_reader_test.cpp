@@ -2,9 +2,9 @@
 #include <catch2/catch.hpp>
 
 #include "protocol/be_delta.hpp"
+#include "protocol/command_reader.hpp"
 #include "protocol/decode.hpp"
-#include "protocol/gpgl_reader.hpp"
-#include "protocol/moves.hpp"
+#include "tests/support/moves.hpp"
 #include "tests/support/protocol_samples.hpp"
 
 namespace gpgl_reader_test {
@@ -14,7 +14,7 @@ using namespace popcut::samples;
 
 namespace {
 
-Program read(const std::string& text) { return *decode_gpgl(bytes_of(gpgl(text))); }
+Program read(const std::string& text) { return *decode(Dialect::Gpgl, bytes_of(gpgl(text))); }
 
 /// The listing without positions, commands parted by "; ".
 std::string brief(const Program& program) {
@@ -71,7 +71,7 @@ TEST_CASE("binary draws become absolute points", "[protocol][gpgl][decode]") {
       "BE1\x90\x7c\x03"
       "BE2\xe8\x21\x90\x8c\xf1\xb1\x70\xfd\x8f\xcc\x2d\x6e\x03"
       "BE1\xa4\x90\x03";
-  CHECK(brief(*decode_gpgl(bytes_of(square))) ==
+  CHECK(brief(*decode(Dialect::Gpgl, bytes_of(square))) ==
         "move 0,20; draw 0,0; draw 508,0 508,508 0,508 0,0; draw 20,0");
 }
 
@@ -95,7 +95,7 @@ TEST_CASE("each binary form holds deltas to its limit and no further", "[protoco
     for (const Delta delta : {Delta{most, -most}, Delta{-most, most}, Delta{0, 0}, Delta{1, -1}}) {
       std::string text = "BE" + std::to_string(form.number);
       put_delta(form, delta.feed, delta.carriage, [&](char c) { text += c; });
-      const Program program = *decode_gpgl(bytes_of(text + '\x03'));
+      const Program program = *decode(Dialect::Gpgl, bytes_of(text + '\x03'));
       REQUIRE(program.points.size() == 1);
       CHECK(program.points[0].a == static_cast<double>(delta.feed));
       CHECK(program.points[0].b == static_cast<double>(delta.carriage));
@@ -127,7 +127,7 @@ TEST_CASE("binary forms have the bytes of their rule", "[protocol][gpgl][decode]
     put_delta(form, row.delta.feed, row.delta.carriage, [&](char c) { payload += c; });
     CHECK(payload == row.payload);
     const std::string text = "BE" + std::to_string(form.number) + row.payload + '\x03';
-    const Program program = *decode_gpgl(bytes_of(text));
+    const Program program = *decode(Dialect::Gpgl, bytes_of(text));
     REQUIRE(program.points.size() == 1);
     CHECK(program.points[0].a == static_cast<double>(row.delta.feed));
     CHECK(program.points[0].b == static_cast<double>(row.delta.carriage));
@@ -175,7 +175,7 @@ TEST_CASE("a reset drops the command that it interrupts and keeps its bytes",
 TEST_CASE("jog keys take one more byte and other ESC codes are unknown",
           "[protocol][gpgl][decode]") {
   const std::string jog("\x1b\x00\x04\x1b\x00\x1b", 6);
-  const Program program = *decode_gpgl(bytes_of(jog + "\x1b\x15\x1bQ"));
+  const Program program = *decode(Dialect::Gpgl, bytes_of(jog + "\x1b\x15\x1bQ"));
   CHECK(brief(program) == "setting JOG 4; setting JOG 27; query NAK; unknown \\x1bQ");
 }
 

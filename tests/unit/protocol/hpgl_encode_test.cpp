@@ -4,7 +4,7 @@
 #include "protocol/decode.hpp"
 #include "protocol/encode.hpp"
 #include "protocol/gpgl_variants.hpp"
-#include "protocol/moves.hpp"
+#include "tests/support/moves.hpp"
 #include "tests/support/protocol_samples.hpp"
 
 namespace hpgl_encode_test {
@@ -113,7 +113,7 @@ TEST_CASE("a long HPGL line is split into PD commands below 1024 bytes",
     JobOptions options;
     options.hpgl = HpglHabits{.newline = newline};
     const std::string text = text_of(toolpath, plotter(), options);
-    const Program read = *decode_hpgl(bytes_of(text));
+    const Program read = *decode(Dialect::Hpgl, bytes_of(text));
     std::uint64_t longest = 0;
     for (const Command& command : read.commands)
       longest = std::max(longest, command.end - command.begin);

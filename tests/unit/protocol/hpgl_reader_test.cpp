@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <catch2/catch.hpp>
 
+#include "protocol/command_reader.hpp"
 #include "protocol/decode.hpp"
-#include "protocol/hpgl_reader.hpp"
-#include "protocol/moves.hpp"
+#include "tests/support/moves.hpp"
 #include "tests/support/protocol_samples.hpp"
 
 namespace hpgl_reader_test {
@@ -13,7 +13,7 @@ using namespace popcut::samples;
 
 namespace {
 
-Program read(const std::string& text) { return *decode_hpgl(bytes_of(text)); }
+Program read(const std::string& text) { return *decode(Dialect::Hpgl, bytes_of(text)); }
 
 /// Verbs and numbers, commands parted by "; ".
 std::string brief(const Program& program) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <catch2/catch.hpp>
 
-#include "protocol/replies.hpp"
+#include "tests/support/other_replies.hpp"
 
 namespace replies_test {
 

@@ -9,7 +9,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/formats/fold/linework_graph.hpp"
+#include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/verify/sheet/planar.hpp"
 #include "core/verify/verify.hpp"

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <utility>
 
@@ -167,13 +168,6 @@ constexpr std::array<std::pair<std::string_view, std::uint32_t>, 148> kNames{
      {"yellow", 0xffff00},
      {"yellowgreen", 0x9acd32}}};
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return out;
-}
-
 std::uint32_t pack(double r, double g, double b) {
   const auto byte = [](double v) {
     return static_cast<std::uint32_t>(std::clamp(std::round(v), 0.0, 255.0));
@@ -184,23 +178,14 @@ std::uint32_t pack(double r, double g, double b) {
 std::optional<SvgPaint> from_hex(std::string_view digits) {
   const std::size_t n = digits.size();
   if (n != 3 && n != 4 && n != 6 && n != 8) return std::nullopt;
+  std::uint32_t value = 0;
+  const auto [end, fault] = std::from_chars(digits.data(), digits.data() + n, value, 16);
+  if (fault != std::errc{} || end != digits.data() + n) return std::nullopt;
+  const bool is_short = n < 6;  // each digit stands twice
+  const std::size_t count = is_short ? n : n / 2;
   std::array<std::uint32_t, 4> channels{0, 0, 0, 255};
-  const std::size_t width = n < 6 ? 1 : 2;
-  for (std::size_t i = 0; i < n; ++i) {
-    const char c = digits[i];
-    std::uint32_t value = 0;
-    if (c >= '0' && c <= '9')
-      value = static_cast<std::uint32_t>(c - '0');
-    else if (c >= 'a' && c <= 'f')
-      value = static_cast<std::uint32_t>(c - 'a') + 10;
-    else
-      return std::nullopt;
-    std::uint32_t& channel = channels[i / width];
-    if (width == 1)
-      channel = value * 17;
-    else
-      channel = i % 2 == 0 ? value * 16 : channel + value;
-  }
+  for (std::size_t i = 0; i < count; ++i, value = is_short ? value >> 4 : value >> 8)
+    channels[count - 1 - i] = is_short ? (value & 15) * 17 : value & 255;
   if (channels[3] == 0) return SvgPaint{};
   return SvgPaint{Kind::Colour, channels[0] << 16 | channels[1] << 8 | channels[2]};
 }

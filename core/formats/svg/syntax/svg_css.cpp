@@ -57,21 +57,6 @@ std::size_t past_block(std::string_view text, std::size_t at) {
   return text.size();
 }
 
-std::string_view attribute_of(const pugi::xml_node& node, std::string_view name) {
-  for (const pugi::xml_attribute& attribute : node.attributes())
-    if (attribute.name() == name) return attribute.value();
-  return {};
-}
-
-bool has_word(std::string_view words, std::string_view word) {
-  while (!words.empty()) {
-    const std::size_t end = std::min(words.find_first_of(kBlanks), words.size());
-    if (end > 0 && words.substr(0, end) == word) return true;
-    words.remove_prefix(std::min(end + 1, words.size()));
-  }
-  return false;
-}
-
 bool holds(const CssAttribute& test, const pugi::xml_node& node) {
   std::optional<std::string_view> found;
   for (const pugi::xml_attribute& attribute : node.attributes())
@@ -104,9 +89,9 @@ std::string_view local_name(const pugi::xml_node& node) {
 bool is_that(const CssCompound& part, const pugi::xml_node& node) {
   if (part.is_root && node.parent().type() != pugi::node_document) return false;
   if (!part.type.empty() && local_name(node) != part.type) return false;
-  if (!part.id.empty() && attribute_of(node, "id") != part.id) return false;
+  if (!part.id.empty() && node.attribute("id").value() != part.id) return false;
   if (!part.classes.empty()) {
-    const std::string_view classes = attribute_of(node, "class");
+    const std::string_view classes = node.attribute("class").value();
     for (const std::string_view name : part.classes)
       if (!has_word(classes, name)) return false;
   }
@@ -414,9 +399,8 @@ bool CssSheets::find(const pugi::xml_node& node, std::string_view type, std::str
   };
   if (!id.empty()) try_key(by_id_, id);
   while (!classes.empty() && !by_class_.empty()) {
-    const std::size_t end = std::min(classes.find_first_of(kBlanks), classes.size());
-    if (end > 0) try_key(by_class_, classes.substr(0, end));
-    classes.remove_prefix(std::min(end + 1, classes.size()));
+    if (const std::string_view one = take_word(classes, kBlanks); !one.empty())
+      try_key(by_class_, one);
     if (steps == 0) return false;
     --steps;
   }

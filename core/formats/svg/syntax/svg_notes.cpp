@@ -12,101 +12,69 @@ struct Wording {
   const char* advice;
 };
 
-Wording wording(SvgNote note) {
-  switch (note) {
-    case SvgNote::Dashed:
-      return {"line has a dashed style and is cut as dashes",
-              "lines have a dashed style and are cut as dashes", ""};
-    case SvgNote::Dots:
-      return {"line consists of dots without length, which cannot be cut",
-              "lines consist of dots without length, which cannot be cut",
-              "give the dashes a length"};
-    case SvgNote::FillCut:
-      return {"shape has a fill but no stroke and is cut along its outline",
-              "shapes have a fill but no stroke and are cut along their outlines", ""};
-    case SvgNote::FillIgnored:
-      return {"shape has a fill but no stroke and is left out",
-              "shapes have a fill but no stroke and are left out",
-              "give them a stroke, or use `svg-profile` plain"};
-    case SvgNote::FillBackground:
-      return {"shape filled white or as large as the page counts as background and is left out",
-              "shapes filled white or as large as the page count as background and are left out",
-              "give them a stroke to cut them"};
-    case SvgNote::FillUnnamed:
-      return {
-          "shape with a fill but no stroke and no name is left out because other lines have names",
-          "shapes with a fill but no stroke and no name are left out because other lines have "
-          "names",
-          "give them a stroke or a data-assignment, or use `svg-profile` plain"};
-    case SvgNote::Invisible:
-      return {"shape has neither stroke nor fill and is left out",
-              "shapes have neither stroke nor fill and are left out", "give them a stroke"};
-    case SvgNote::LeftOut:
-      return {"stroke is neither a cut nor a fold and is left out",
-              "strokes are neither cuts nor folds and are left out",
-              "see `svg-profile` for the meaning of colours and names"};
-    case SvgNote::Hidden:
-      return {"hidden layer, group or shape is left out",
-              "hidden layers, groups or shapes are left out", "show them to cut them"};
-    case SvgNote::Squashed:
-      return {"shape or group has no size after its transform",
-              "shapes or groups have no size after their transforms", ""};
-    case SvgNote::Empty:
-      return {"shape has no size and is left out", "shapes have no size and are left out", ""};
-    case SvgNote::Clipped:
-      return {"element has a clip path, which popcut does not apply: it is cut whole",
-              "elements have a clip path, which popcut does not apply: they are cut whole",
-              "apply the clip in the editor"};
-    case SvgNote::Masked:
-      return {"element has a mask, which popcut does not apply: it is cut whole",
-              "elements have a mask, which popcut does not apply: they are cut whole",
-              "apply the mask in the editor"};
-    case SvgNote::Filtered:
-      return {"element has a filter, which popcut does not apply",
-              "elements have a filter, which popcut does not apply", ""};
-    case SvgNote::Marked:
-      return {"line has markers (arrow heads), which are left out",
-              "lines have markers (arrow heads), which are left out", "turn them into paths"};
-    case SvgNote::PaintServer:
-      return {"stroke is painted with a gradient or pattern and is read as a plain line",
-              "strokes are painted with gradients or patterns and are read as plain lines",
-              "give them a colour"};
-    case SvgNote::OutOfFrame:
-      return {"line leaves the frame of its <svg> or <symbol> and is cut only inside it",
-              "lines leave the frame of their <svg> or <symbol> and are cut only inside it",
-              "set overflow=\"visible\" there to cut them whole"};
-    case SvgNote::ForeignUse:
-      return {"<use> of another file is left out because popcut fetches nothing",
-              "<use> of other files are left out because popcut fetches nothing",
-              "copy it into the drawing"};
-    case SvgNote::MissingUse:
-      return {"<use> of a missing element is left out", "<use> of missing elements are left out",
-              ""};
-    case SvgNote::ForeignSheet:
-      return {"style sheet in another file is not read because popcut fetches nothing",
-              "style sheets in other files are not read because popcut fetches nothing",
-              "put it into a <style> element"};
-    case SvgNote::Selector:
-      return {"selector of a style sheet is unknown and ignored",
-              "selectors of style sheets are unknown and ignored",
-              "use type, .class, #id, [attribute], descendant or child selectors"};
-    case SvgNote::SheetBlock:
-      return {"block of a style sheet is unknown and ignored",
-              "blocks of style sheets are unknown and ignored", ""};
-    case SvgNote::Value:
-      return {"style cannot be read and is ignored", "styles cannot be read and are ignored", ""};
-    case SvgNote::SheetGeometry:
-      return {"style sets a shape or a transform, which popcut reads from attributes only",
-              "styles set a shape or a transform, which popcut reads from attributes only",
-              "write them as attributes"};
-    case SvgNote::Assignment:
-      return {"data-assignment is unknown and ignored", "data-assignments are unknown and ignored",
-              "use B, M, V, C, F, U or J"};
-    case SvgNote::Count_:
-      break;
-  }
-  return {"", "", ""};
-}
+/// One row per note, in their order.
+constexpr std::array<Wording, static_cast<std::size_t>(SvgNote::Count_)> kWordings{{
+    {"line has a dashed style and is cut as dashes",
+     "lines have a dashed style and are cut as dashes", ""},
+    {"line consists of dots without length, which cannot be cut",
+     "lines consist of dots without length, which cannot be cut", "give the dashes a length"},
+    {"shape has a fill but no stroke and is cut along its outline",
+     "shapes have a fill but no stroke and are cut along their outlines", ""},
+    {"shape has a fill but no stroke and is left out",
+     "shapes have a fill but no stroke and are left out",
+     "give them a stroke, or use `svg-profile` plain"},
+    {"shape filled white or as large as the page counts as background and is left out",
+     "shapes filled white or as large as the page count as background and are left out",
+     "give them a stroke to cut them"},
+    {"shape with a fill but no stroke and no name is left out because other lines have names",
+     "shapes with a fill but no stroke and no name are left out because other lines have "
+     "names",
+     "give them a stroke or a data-assignment, or use `svg-profile` plain"},
+    {"shape has neither stroke nor fill and is left out",
+     "shapes have neither stroke nor fill and are left out", "give them a stroke"},
+    {"stroke is neither a cut nor a fold and is left out",
+     "strokes are neither cuts nor folds and are left out",
+     "see `svg-profile` for the meaning of colours and names"},
+    {"hidden layer, group or shape is left out", "hidden layers, groups or shapes are left out",
+     "show them to cut them"},
+    {"shape or group has no size after its transform",
+     "shapes or groups have no size after their transforms", ""},
+    {"shape has no size and is left out", "shapes have no size and are left out", ""},
+    {"element has a clip path, which popcut does not apply: it is cut whole",
+     "elements have a clip path, which popcut does not apply: they are cut whole",
+     "apply the clip in the editor"},
+    {"element has a mask, which popcut does not apply: it is cut whole",
+     "elements have a mask, which popcut does not apply: they are cut whole",
+     "apply the mask in the editor"},
+    {"element has a filter, which popcut does not apply",
+     "elements have a filter, which popcut does not apply", ""},
+    {"line has markers (arrow heads), which are left out",
+     "lines have markers (arrow heads), which are left out", "turn them into paths"},
+    {"stroke is painted with a gradient or pattern and is read as a plain line",
+     "strokes are painted with gradients or patterns and are read as plain lines",
+     "give them a colour"},
+    {"line leaves the frame of its <svg> or <symbol> and is cut only inside it",
+     "lines leave the frame of their <svg> or <symbol> and are cut only inside it",
+     "set overflow=\"visible\" there to cut them whole"},
+    {"<use> of another file is left out because popcut fetches nothing",
+     "<use> of other files are left out because popcut fetches nothing",
+     "copy it into the drawing"},
+    {"<use> of a missing element is left out", "<use> of missing elements are left out", ""},
+    {"style sheet in another file is not read because popcut fetches nothing",
+     "style sheets in other files are not read because popcut fetches nothing",
+     "put it into a <style> element"},
+    {"selector of a style sheet is unknown and ignored",
+     "selectors of style sheets are unknown and ignored",
+     "use type, .class, #id, [attribute], descendant or child selectors"},
+    {"block of a style sheet is unknown and ignored",
+     "blocks of style sheets are unknown and ignored", ""},
+    {"style cannot be read and is ignored", "styles cannot be read and are ignored", ""},
+    {"style sets a shape or a transform, which popcut reads from attributes only",
+     "styles set a shape or a transform, which popcut reads from attributes only",
+     "write them as attributes"},
+    {"data-assignment is unknown and ignored", "data-assignments are unknown and ignored",
+     "use B, M, V, C, F, U or J"},
+}};
 
 std::string sentence(std::size_t count, std::string_view what, const std::string& first,
                      std::string_view advice) {
@@ -129,7 +97,7 @@ std::vector<std::string> SvgNotes::sentences() const {
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const Entry& entry = entries_[i];
     if (entry.count == 0) continue;
-    const Wording w = wording(static_cast<SvgNote>(i));
+    const Wording& w = kWordings[i];
     out.push_back(sentence(entry.count, entry.count == 1 ? w.one : w.many, entry.first, w.advice));
   }
   return out;

@@ -8,8 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/formats/svg/syntax/svg_scan.hpp"
-#include "core/formats/svg/syntax/svg_units.hpp"
-#include "core/text/too_much.hpp"
+#include "core/text/utf8.hpp"
 
 namespace popcut {
 namespace {
@@ -47,9 +46,7 @@ class PathReader {
  private:
   [[nodiscard]] tl::unexpected<Error> wrong(const char* what) const {
     const std::size_t at = scan_.position();
-    std::string near;
-    for (const char c : data_.substr(std::min(at, data_.size()), 12))
-      near += std::isprint(static_cast<unsigned char>(c)) != 0 ? c : '?';
+    const std::string near = shown_ascii(data_.substr(std::min(at, data_.size())), 12);
     return fail(ErrorKind::Malformed, "",
                 fmt::format("{} at character {} (\"{}\")", what, at + 1, near));
   }
@@ -146,13 +143,6 @@ class PathReader {
 Result<void> read_svg_path(std::string_view data, double tolerance, std::size_t most_points,
                            SvgLines& lines, bool closes) {
   return PathReader(data, SvgPen(tolerance, lines, closes), lines, most_points).read();
-}
-
-Result<SvgLines> parse_svg_path(std::string_view data, double tolerance, std::size_t most_points) {
-  SvgLines lines;
-  if (auto done = read_svg_path(data, tolerance, most_points, lines); !done)
-    return tl::unexpected(done.error());
-  return lines;
 }
 
 }  // namespace popcut

@@ -11,21 +11,7 @@
 
 namespace popcut {
 
-/// Polylines in user units, one after the other. A closed one repeats its first point.
-struct SvgLines {
-  std::vector<PagePoint> points;
-  std::vector<std::uint32_t> ends;  ///< per line: one past its last point
-
-  [[nodiscard]] std::size_t size() const { return ends.size(); }
-  [[nodiscard]] std::span<const PagePoint> operator[](std::size_t i) const {
-    const std::size_t from = i == 0 ? 0 : ends[i - 1];
-    return std::span(points).subspan(from, ends[i] - from);
-  }
-  void clear() {
-    points.clear();
-    ends.clear();
-  }
-};
+using SvgLines = Polylines;  ///< in user units
 
 /// Draws lines and curves with SVG's pen; chords stay within `tolerance` of their curves.
 ///
@@ -66,9 +52,5 @@ class SvgPen {
 [[nodiscard]] Result<void> read_svg_path(std::string_view data, double tolerance,
                                          std::size_t most_points, SvgLines& lines,
                                          bool closes = false);
-
-/// The lines of path data; see `read_svg_path`.
-[[nodiscard]] Result<SvgLines> parse_svg_path(std::string_view data, double tolerance,
-                                              std::size_t most_points);
 
 }  // namespace popcut

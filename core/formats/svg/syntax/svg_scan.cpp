@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "core/text/blanks.hpp"
+#include "core/text/words.hpp"
 
 namespace popcut {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "core/text/blanks.hpp"
+#include "core/text/words.hpp"
 
 namespace popcut {
 

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "core/text/too_much.hpp"
+#include "core/text/utf8.hpp"
 
 namespace popcut {
 namespace {
@@ -23,27 +23,6 @@ constexpr const char* kEntityRule =
 struct Entity {
   std::string name, value;
 };
-
-void append_utf8(std::string& out, std::uint32_t c) {
-  const auto tail = [&](int shift) {
-    out += static_cast<char>(0x80 | (c >> static_cast<unsigned>(shift) & 0x3F));
-  };
-  if (c < 0x80) {
-    out += static_cast<char>(c);
-  } else if (c < 0x800) {
-    out += static_cast<char>(0xC0 | c >> 6);
-    tail(0);
-  } else if (c < 0x10000) {
-    out += static_cast<char>(0xE0 | c >> 12);
-    tail(6);
-    tail(0);
-  } else {
-    out += static_cast<char>(0xF0 | c >> 18);
-    tail(12);
-    tail(6);
-    tail(0);
-  }
-}
 
 // UTF-16 of either byte order to UTF-8; half a surrogate pair becomes U+FFFD.
 std::string from_utf16(std::string_view text, bool big) {

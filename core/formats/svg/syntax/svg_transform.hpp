@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string_view>
 
@@ -25,5 +26,13 @@ struct SvgTransform {
 /// Parses a `transform` attribute: a sequence of matrix, translate, scale, rotate, skewX and skewY,
 /// or none. Numbers may be followed by deg or px.
 [[nodiscard]] std::optional<SvgTransform> parse_svg_transform(std::string_view text);
+
+/// A viewBox: least x, least y, width and height; four finite numbers.
+[[nodiscard]] std::optional<std::array<double, 4>> parse_svg_view_box(std::string_view text);
+
+/// The transform by which a viewBox of positive size fills a frame at the origin, by
+/// preserveAspectRatio (xMidYMid meet if `aspect` is empty or unreadable).
+[[nodiscard]] SvgTransform fit_svg_view_box(const std::array<double, 4>& box, double width,
+                                            double height, std::string_view aspect);
 
 }  // namespace popcut

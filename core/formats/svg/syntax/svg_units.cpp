@@ -28,14 +28,7 @@ constexpr std::array<UnitName, 12> kUnits{{{"", Unit::User, 1.0},
                                            {"ex", Unit::Em, 0.5},
                                            {"rem", Unit::User, 16.0}}};
 
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
 }  // namespace
-
-bool same_word(std::string_view a, std::string_view b) {
-  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(),
-                                            [](char x, char y) { return lower(x) == lower(y); });
-}
 
 std::optional<SvgLength> parse_svg_length(std::string_view text) {
   text = trimmed(text);

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "core/text/blanks.hpp"
+#include "core/text/words.hpp"
 
 namespace popcut {
 
@@ -33,8 +33,5 @@ struct SvgMeasure {
 
 /// `length` in user units.
 [[nodiscard]] double user_units(const SvgLength& length, const SvgMeasure& measure);
-
-/// Whether two words are equal, ignoring the case of ASCII letters.
-[[nodiscard]] bool same_word(std::string_view a, std::string_view b);
 
 }  // namespace popcut

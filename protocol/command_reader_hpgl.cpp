@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "protocol/hpgl_reader.hpp"
-
 #include <array>
 #include <string_view>
 #include <utility>
+
+#include "core/text/words.hpp"
+#include "protocol/command_reader.hpp"
 
 namespace popcut {
 namespace {
@@ -65,26 +66,23 @@ constexpr auto kHpglCommands = [] {
 
 constexpr std::size_t kLongestControl = 256;
 
-bool is_letter(unsigned char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
-char capital(unsigned char c) {
-  return static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
-}
+bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
 
 }  // namespace
 
 HpglReader::HpglReader() : CommandReader(Dialect::Hpgl, 0.025, kHpglCommands) {}
 
-void HpglReader::take(unsigned char c, Program& into) {
+void HpglReader::take(char c, Program& into) {
   switch (state_) {
     case State::Between:
       if (c == ';')
         push(Verb::Empty, {}, offset_, offset_ + 1, into);
       else if (!is_blank(c))
-        begin(static_cast<char>(c));
+        begin(c);
       return;
     case State::Mnemonic:
       if (is_letter(c)) {
-        raw_ += static_cast<char>(c);
+        raw_ += c;
         return take_mnemonic(capital(c));
       }
       // Not a letter: a command of one letter, if there is one.
@@ -94,8 +92,8 @@ void HpglReader::take(unsigned char c, Program& into) {
     case State::Numbers:
       return take_number(c, into);
     case State::Raw:
-      if (c == static_cast<unsigned char>(raw_end_)) return close(offset_ + 1, into);
-      raw_ += static_cast<char>(c);
+      if (c == raw_end_) return close(offset_ + 1, into);
+      raw_ += c;
       return;
     default:
       return;
@@ -104,12 +102,12 @@ void HpglReader::take(unsigned char c, Program& into) {
 
 void HpglReader::begin(char c) {
   begin_command(c);
-  mnemonic_.assign(1, capital(static_cast<unsigned char>(c)));
+  mnemonic_.assign(1, capital(c));
   raw_end_ = ';';
-  state_ = is_letter(static_cast<unsigned char>(c)) || c == '!' ? State::Mnemonic : State::Raw;
+  state_ = is_letter(c) || c == '!' ? State::Mnemonic : State::Raw;
 }
 
-void HpglReader::take_escape(unsigned char c, Program& into) {
+void HpglReader::take_escape(char c, Program& into) {
   const auto done = [&](Verb verb) {
     state_ = resume_;
     push(verb, std::exchange(control_, {}), escape_at_, offset_ + 1, into);
@@ -123,9 +121,9 @@ void HpglReader::take_escape(unsigned char c, Program& into) {
   }
   if (state_ == State::Control) {
     constexpr std::string_view kQueries = "BEOL", kPlain = "(YZ)JKR";
-    if (kQueries.find(static_cast<char>(c)) != std::string_view::npos)
+    if (kQueries.find(c) != std::string_view::npos)
       done(Verb::Query);
-    else if (kPlain.find(static_cast<char>(c)) != std::string_view::npos)
+    else if (kPlain.find(c) != std::string_view::npos)
       done(Verb::Other);
     else if (is_letter(c) || c == '@')
       state_ = State::ControlArgs;
@@ -136,8 +134,7 @@ void HpglReader::take_escape(unsigned char c, Program& into) {
   constexpr std::string_view kArguments = "0123456789;-+ ";
   if (c == ':')
     done(Verb::Other);
-  else if (kArguments.find(static_cast<char>(c)) == std::string_view::npos ||
-           control_.size() > kLongestControl)
+  else if (kArguments.find(c) == std::string_view::npos || control_.size() > kLongestControl)
     done(Verb::Unknown);
 }
 
@@ -153,17 +150,17 @@ void HpglReader::take_mnemonic(char c) {
   raw_end_ = entry_->form == CommandForm::Text ? kEtx : ';';
 }
 
-void HpglReader::take_number(unsigned char c, Program& into) {
-  if (arguments_.take(static_cast<char>(c))) {
-    raw_ += static_cast<char>(c);
+void HpglReader::take_number(char c, Program& into) {
+  if (arguments_.take(c)) {
+    raw_ += c;
     return;
   }
   if (c == ';') return close(offset_ + 1, into);
   if (is_letter(c) || c == '!') {
     close(offset_, into);
-    return begin(static_cast<char>(c));
+    return begin(c);
   }
-  raw_ += static_cast<char>(c);
+  raw_ += c;
   entry_ = nullptr;
   mnemonic_.clear();
   state_ = State::Raw;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "protocol/moves.hpp"
+#include "tests/support/moves.hpp"
 
 #include <algorithm>
 #include <array>

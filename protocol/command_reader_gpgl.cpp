@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "protocol/gpgl_reader.hpp"
-
 #include <array>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "protocol/command_reader.hpp"
 
 namespace popcut {
 namespace {
@@ -69,17 +69,16 @@ constexpr auto kGpglCommands = [] {
   };
 }();
 
-bool is_capital(unsigned char c) { return c >= 'A' && c <= 'Z'; }
-char to_char(unsigned char c) { return static_cast<char>(c); }
+bool is_capital(char c) { return c >= 'A' && c <= 'Z'; }
 
 }  // namespace
 
 GpglReader::GpglReader() : CommandReader(Dialect::Gpgl, 0.05, kGpglCommands) {}
 
-void GpglReader::take(unsigned char c, Program& into) {
+void GpglReader::take(char c, Program& into) {
   switch (state_) {
     case State::Between:
-      if (c == static_cast<unsigned char>(kEtx))
+      if (c == kEtx)
         push(Verb::Empty, {}, offset_, offset_ + 1, into);
       else if (!is_blank(c) && c != ',')
         begin(c);
@@ -93,24 +92,24 @@ void GpglReader::take(unsigned char c, Program& into) {
         state_ = State::Raw;
         return take(c, into);
       }
-      raw_ += to_char(c);
+      raw_ += c;
       form_ = &kDeltaForms[static_cast<std::size_t>(c - '1')];
       state_ = State::Deltas;
       return;
     case State::Deltas:
       return take_delta(c, into);
     case State::Raw:
-      if (c == static_cast<unsigned char>(kEtx)) return close(offset_ + 1, into);
-      raw_ += to_char(c);
+      if (c == kEtx) return close(offset_ + 1, into);
+      raw_ += c;
       return;
     default:
       return;
   }
 }
 
-void GpglReader::begin(unsigned char c) {
-  begin_command(to_char(c));
-  mnemonic_.assign(1, to_char(c));
+void GpglReader::begin(char c) {
+  begin_command(c);
+  mnemonic_.assign(1, c);
   entry_ = find_command(mnemonic_);
   deltas_.clear();
   form_ = nullptr;
@@ -122,11 +121,11 @@ void GpglReader::begin(unsigned char c) {
     state_ = entry_ != nullptr || is_capital(c) ? State::Mnemonic : State::Raw;
 }
 
-void GpglReader::take_escape(unsigned char c, Program& into) {
+void GpglReader::take_escape(char c, Program& into) {
   const State interrupted = resume_;
   const std::uint64_t end = offset_ + 1;
   if (state_ == State::Jog) {
-    into.args.push_back(c);
+    into.args.push_back(static_cast<unsigned char>(c));
     push(Verb::Other, "JOG", escape_at_, end, into);
     into.commands.back().first = static_cast<std::uint32_t>(into.args.size() - 1);
     into.commands.back().count = 1;
@@ -158,15 +157,15 @@ void GpglReader::take_escape(unsigned char c, Program& into) {
   }
 }
 
-void GpglReader::take_mnemonic(unsigned char c, Program& into) {
+void GpglReader::take_mnemonic(char c, Program& into) {
   if (is_capital(c)) {
-    const CommandEntry* const longer = find_command(mnemonic_ + to_char(c));
+    const CommandEntry* const longer = find_command(mnemonic_ + c);
     if (entry_ != nullptr && longer == nullptr) {  // a whole command without arguments
       close(offset_, into);
       return begin(c);
     }
-    mnemonic_ += to_char(c);
-    raw_ += to_char(c);
+    mnemonic_ += c;
+    raw_ += c;
     entry_ = longer;
     if (longer != nullptr)
       state_ = longer->form == CommandForm::Deltas ? State::FormDigit : State::Numbers;
@@ -176,31 +175,31 @@ void GpglReader::take_mnemonic(unsigned char c, Program& into) {
   take_number(c, into);
 }
 
-void GpglReader::take_number(unsigned char c, Program& into) {
-  if (arguments_.take(to_char(c))) {
-    raw_ += to_char(c);
+void GpglReader::take_number(char c, Program& into) {
+  if (arguments_.take(c)) {
+    raw_ += c;
     return;
   }
-  if (c == static_cast<unsigned char>(kEtx)) return close(offset_ + 1, into);
-  const char letter = to_char(c);
-  if (is_capital(c) || find_command({&letter, 1}) != nullptr) {
+  if (c == kEtx) return close(offset_ + 1, into);
+  if (is_capital(c) || find_command({&c, 1}) != nullptr) {
     close(offset_, into);
     return begin(c);
   }
-  raw_ += to_char(c);
+  raw_ += c;
   entry_ = nullptr;
   state_ = State::Raw;
 }
 
-void GpglReader::take_delta(unsigned char c, Program& into) {
-  if (c == static_cast<unsigned char>(kEtx)) return close_deltas(offset_ + 1, into);
-  raw_ += to_char(c);
-  if (c < kDeltaZero) {
+void GpglReader::take_delta(char c, Program& into) {
+  if (c == kEtx) return close_deltas(offset_ + 1, into);
+  raw_ += c;
+  const auto digit = static_cast<unsigned char>(c);
+  if (digit < kDeltaZero) {
     entry_ = nullptr;
     state_ = State::Raw;
     return;
   }
-  index_ += (c - kDeltaZero) * weight_;
+  index_ += (digit - kDeltaZero) * weight_;
   weight_ *= kDeltaBase;
   if (++digits_ < form_->digits) return;
   const Delta delta = delta_of(*form_, index_);

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <iosfwd>
+#include <span>
+#include <string>
+
+#include "core/pattern/pattern.hpp"
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// Draws a pattern for viewing: 1 user unit is 1 mm, page x = v and y = u (wall on top, seen from
+/// the pop-up side), and the page is the sheet. Inkscape layers: `fold-mountain` (red, dash-dot),
+/// `fold-valley` (blue, dashed), `cut` (the slits, black) and `outline` (black). One `path` per
+/// line of the pattern, each with `data-assignment` (M, V, C for a slit, B) and `data-foldAngle` of
+/// the pi/2 pose in degrees. Coordinates are rounded to 1e-6 mm.
+void write_pattern_svg(const Pattern& pattern, std::ostream& out);
+
+/// Draws a pattern for cutting: like `write_pattern_svg`, but every fold is drawn as micro-cuts,
+/// each a separate solid path, because cutting programs drop stroke-dasharray. Layers are in
+/// cutting order. `data-popcut="dashes"` tells popcut's reader to cut the folds as they are.
+/// `micro_cuts` are lines on the sheet with the role of their fold.
+void write_cut_svg(const Pattern& pattern, std::span<const SheetLine> micro_cuts,
+                   std::ostream& out);
+
+/// Writes a pattern as DXF R12 for cutting and drawing programs: millimetres, one LINE per line, x
+/// = v and y = -u. So the sheet lies below the x axis, as seen from the pop-up side and not
+/// mirrored. Layers: CUT (colour 7; slits, then the outline), FOLD_M (1), FOLD_V (5), MARK (8; pen
+/// lines, none here). Folds come first, the outline last. $INSUNITS 4 and $MEASUREMENT 1 set
+/// millimetres. They are newer than R12, but without them each program assumes a different unit.
+/// Coordinates are rounded to 1e-6 mm.
+void write_pattern_dxf(const Pattern& pattern, std::ostream& out);
+
+inline constexpr double kPdfMarginMm = 15.0;  ///< white margin around the sheet; holds the bar
+
+/// Draws a pattern at true scale on one PDF page: the sheet with `kPdfMarginMm` around it, in the
+/// style of `write_pattern_svg` (page x = v, y = u downward; mountain red dash-dot, valley blue
+/// dashed, slits and outline black). Its name stands above, and below it a bar of 100 mm (50 or 10
+/// mm if the sheet is narrower). Measure the bar on the print before you cut.
+///
+/// @return the bytes of the file; the same pattern gives the same bytes
+/// @retval Infeasible  the page would be larger than PDF allows (5080 mm)
+/// @retval Internal    the PDF library failed; the detail has its code
+[[nodiscard]] Result<std::string> pattern_pdf(const Pattern& pattern);
+
+}  // namespace popcut
