@@ -188,9 +188,8 @@ Result<void> OutputFolder::prepare() {
     up = up.parent_path();
   }
   for (const fs::path& missing : made_) {
-    if (::mkdir(missing.c_str(), 0777) != 0 && errno != EEXIST) {
+    if (::mkdir(missing.c_str(), 0777) != 0 && errno != EEXIST)
       return unwritable(missing, "cannot create the folder: " + reason(errno));
-    }
   }
   // 2. The lock. A file system without locks is used as it is.
   lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -204,9 +203,8 @@ Result<void> OutputFolder::prepare() {
   // 3. A fresh place aside.
   std::error_code error;
   fs::remove_all(folder_ / kAside, error);
-  if (::mkdir((folder_ / kAside).c_str(), 0777) != 0) {
+  if (::mkdir((folder_ / kAside).c_str(), 0777) != 0)
     return unwritable(folder_, "cannot write in the folder: " + reason(errno));
-  }
   return {};
 }
 
@@ -220,9 +218,8 @@ Result<void> OutputFolder::add(const std::string& name, const std::string& conte
 Result<void> OutputFolder::add(const std::string& own_name,
                                const std::function<Result<void>(std::ostream&)>& write) {
   const std::string name = inside_.empty() ? own_name : inside_ + "/" + own_name;
-  if (!is_lawful(name) || std::find(names_.begin(), names_.end(), name) != names_.end()) {
+  if (!is_lawful(name) || std::find(names_.begin(), names_.end(), name) != names_.end())
     return fail(ErrorKind::Internal, name, "is not a new name below the output folder");
-  }
   const fs::path aside = folder_ / kAside / name;
   std::error_code error;
   fs::create_directories(aside.parent_path(), error);
@@ -247,13 +244,11 @@ Result<void> OutputFolder::check_places() const {
   std::error_code error;
   for (const std::string& name : names_) {
     const fs::path file = folder_ / name;
-    if (!is_reached_plainly(folder_, name)) {
+    if (!is_reached_plainly(folder_, name))
       return unwritable(file, "a file or symbolic link has the name of its folder",
                         "move it away or give another folder");
-    }
-    if (fs::symlink_status(file, error).type() == fs::file_type::directory) {
+    if (fs::symlink_status(file, error).type() == fs::file_type::directory)
       return unwritable(file, "is a folder", "move it away or give another folder");
-    }
   }
   return {};
 }
@@ -279,10 +274,9 @@ Result<void> OutputFolder::put_manifest(const std::string& made_by,
   std::ofstream out(folder_ / kAside / kManifest, std::ios::binary | std::ios::trunc);
   out << manifest.dump(2, ' ', false, replace) << '\n';
   out.close();
-  if (!out) {
+  if (!out)
     return unwritable(folder_ / kManifest, "cannot be written: " + reason(errno != 0 ? errno : EIO),
                       "free some space or give another folder");
-  }
   return put(kManifest);
 }
 

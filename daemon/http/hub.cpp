@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <random>
 
-#include <fmt/format.h>
 #include <spdlog/logger.h>
 
 #include "daemon/digest/digest.hpp"

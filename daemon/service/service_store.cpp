@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/service/service_store.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "daemon/digest/digest.hpp"
 #include "daemon/store/ulid.hpp"
 
 namespace popcut::daemon {

@@ -6,7 +6,6 @@
 #include <memory>
 #include <numbers>
 #include <optional>
-#include <sstream>
 #include <string>
 
 #include <fmt/format.h>
@@ -162,12 +161,10 @@ Result<void> run_assembly(const Options& options, const Globals& globals) {
     out << (picture ? assembly_maps_svg(maps, *phi) : maps_json(maps, *phi));
   });
   if (!done) return done;
-  if (globals.json && !options.output.empty()) {
+  if (globals.json && !options.output.empty())
     fmt::print("{}\n", nlohmann::ordered_json{{"file", options.output}, {"rows", count}}.dump());
-  }
-  if (!globals.quiet && !options.output.empty()) {
+  if (!globals.quiet && !options.output.empty())
     fmt::print(stderr, "  wrote   {}\n", options.output);
-  }
   return {};
 }
 
@@ -181,10 +178,9 @@ void print_solution(const AssemblySolution& found, double K) {
   const double H = std::abs(found.reached.H) < 1e-13 ? 0.0 : found.reached.H;
   fmt::print("K = {:.10g} rad, H = {:.10g}, A = {:.10g} (unit widths)\n",
              std::abs(found.reached.K) < 1e-13 ? 0.0 : found.reached.K, H, found.reached.A);
-  if (found.mirror) {
+  if (found.mirror)
     fmt::print("equally near, with -H: r = {:.10g}, lambda = {:.10g}\n", found.mirror->r,
                found.mirror->lambda);
-  }
   if (K < 0 && at_quarter(at.phi_rad)) {
     const double least = assembly_lambda_for(K);
     if (least < 2) {

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <memory>
 #include <numbers>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -98,9 +97,8 @@ std::vector<SheetLine> micro_cuts(const Job& job) {
     const EdgeRole role =
         line.operation == Operation::FoldMountain ? EdgeRole::Mountain : EdgeRole::Valley;
     const auto points = dashed.points_of(line);
-    for (std::size_t i = 1; i < points.size(); ++i) {
+    for (std::size_t i = 1; i < points.size(); ++i)
       dashes.push_back({points[i - 1].y, points[i - 1].x, points[i].y, points[i].x, role});
-    }
   }
   return dashes;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/cli/commands/profile_sheets.hpp"
 
-#include <cmath>
 #include <sstream>
 
 #include <fmt/format.h>

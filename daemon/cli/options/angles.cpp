@@ -65,9 +65,8 @@ Result<Samples> parse(std::string_view option, std::string_view text, Parse numb
     return Samples{*value, *value, 1};
   }
   const std::size_t second = text.find(':', first + 1);
-  if (second == std::string_view::npos || text.find(':', second + 1) != std::string_view::npos) {
+  if (second == std::string_view::npos || text.find(':', second + 1) != std::string_view::npos)
     return wrong(option, text, "is not of the form A:B:N", kForm);
-  }
   const auto from = number(text.substr(0, first));
   const auto to = number(text.substr(first + 1, second - first - 1));
   if (!from || !to) return wrong(option, text, "does not begin with two values", kForm);
@@ -76,13 +75,11 @@ Result<Samples> parse(std::string_view option, std::string_view text, Parse numb
   const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), count);
   const bool whole = stop == digits.data() + digits.size() && !digits.empty();
   if (whole && error == std::errc::result_out_of_range) count = kMostSamples + 1;
-  if (!whole || (error != std::errc() && count <= kMostSamples)) {
+  if (!whole || (error != std::errc() && count <= kMostSamples))
     return wrong(option, text, "does not end with a whole number", kForm);
-  }
-  if (count < 2 || count > kMostSamples) {
+  if (count < 2 || count > kMostSamples)
     return wrong(option, text, fmt::format("asks for {} values", digits),
                  fmt::format("N is from 2 to {}", kMostSamples));
-  }
   return Samples{*from, *to, count};
 }
 
@@ -127,9 +124,8 @@ Result<Samples> parse_opening_samples(std::string_view option, std::string_view 
   auto samples = parse(option, text, parse_angle);
   if (!samples) return samples;
   for (const double angle : {samples->from, samples->to}) {
-    if (!(angle >= 0 && angle <= std::numbers::pi)) {
+    if (!(angle >= 0 && angle <= std::numbers::pi))
       return wrong(option, text, "is outside the opening angles", "give 0 (closed) to pi (flat)");
-    }
   }
   return samples;
 }

@@ -2,7 +2,6 @@
 #include "daemon/service/repositories/device_registry.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
