@@ -17,7 +17,6 @@
 #include "core/figures/paper_figures.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/options/angles.hpp"
-#include "daemon/files/output_file.hpp"
 #include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
@@ -289,9 +288,7 @@ void register_curvature(CLI::App& app, const Globals& globals, Run& run) {
       ->required();
   assembly->add_option("-o,--output", options->output, "maps.csv, maps.svg or maps.json")
       ->option_text("FILE");
-  assembly->callback([options, &globals, &run] {
-    run = [options, &globals] { return run_assembly(*options, globals); };
-  });
+  when_chosen(assembly, run, [options, &globals] { return run_assembly(*options, globals); });
 
   CLI::App* const solve = command->add_subcommand("solve", kSolveHelp);
   add_phi(solve, *options);
@@ -301,9 +298,7 @@ void register_curvature(CLI::App& app, const Globals& globals, Run& run) {
       ->option_text("NUMBER")
       ->required();
   solve->add_option("--H", options->H, "Mean curvature, in 1/width")->option_text("NUMBER");
-  solve->callback([options, &globals, &run] {
-    run = [options, &globals] { return run_solve(*options, globals); };
-  });
+  when_chosen(solve, run, [options, &globals] { return run_solve(*options, globals); });
 
   command->callback([options, command, &globals, &run] {
     if (!command->get_subcommands().empty()) return;  // that one has set the work

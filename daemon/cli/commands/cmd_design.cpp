@@ -447,9 +447,7 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
   command->add_option("--example", options->example, "Print an example design")
       ->option_text("NAME");
   command->add_flag("--list", options->list, "List the example designs");
-  command->callback([options, &globals, &run] {
-    run = [options, &globals] { return run_design(*options, globals); };
-  });
+  when_chosen(command, run, [options, &globals] { return run_design(*options, globals); });
 }
 
 }  // namespace popcut::cli

@@ -64,9 +64,7 @@ void register_figures(CLI::App& app, const Globals& globals, Run& run) {
   command->add_option("-o,--output", *folder, "Folder for the files; created if it does not exist")
       ->option_text("DIR")
       ->required();
-  command->callback([folder, &globals, &run] {
-    run = [folder, &globals] { return run_figures(*folder, globals); };
-  });
+  when_chosen(command, run, [folder, &globals] { return run_figures(*folder, globals); });
 }
 
 }  // namespace popcut::cli

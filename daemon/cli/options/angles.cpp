@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "core/text/blanks.hpp"
+
 namespace popcut::cli {
 namespace {
 
@@ -36,12 +38,6 @@ std::optional<double> multiple_of_pi(std::string_view text) {
   if (!divisor.empty()) over = divisor.front() == '/' ? number(divisor.substr(1)) : std::nullopt;
   if (!times || !over || *over == 0) return std::nullopt;
   return *times * std::numbers::pi / *over;
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  return text;
 }
 
 using Parse = Result<double> (*)(std::string_view);
@@ -87,7 +83,7 @@ Result<Samples> parse(std::string_view option, std::string_view text, Parse numb
 
 Result<double> parse_angle(std::string_view text) {
   constexpr std::string_view kDegrees = "deg";
-  text = trimmed(text);
+  text = trimmed(text, " ");
   std::optional<double> angle = number(text);
   if (!angle && text.size() > kDegrees.size() && text.ends_with(kDegrees)) {
     angle = number(text.substr(0, text.size() - kDegrees.size()));
@@ -101,7 +97,7 @@ Result<double> parse_angle(std::string_view text) {
 
 Result<std::vector<double>> parse_opening_angles(std::string_view text) {
   std::vector<double> angles;
-  while (!trimmed(text).empty()) {
+  while (!trimmed(text, " ").empty()) {
     const std::string_view item = text.substr(0, text.find(','));
     const auto angle = parse_angle(item);
     if (!angle) return tl::unexpected(angle.error());

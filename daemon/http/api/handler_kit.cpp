@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/digest/digest.hpp"
-#include "daemon/http/api/cursor.hpp"
 #include "daemon/http/api/render.hpp"
+#include "daemon/http/api/target.hpp"
 
 namespace popcut::daemon::http {
 namespace {
