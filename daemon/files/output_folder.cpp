@@ -37,7 +37,7 @@ tl::unexpected<Error> unwritable(const fs::path& path, const std::string& why,
 }
 
 /// A name that stays inside the folder and is not one of the folder's own.
-bool is_lawful(const std::string& name) {
+bool is_allowed(const std::string& name) {
   const fs::path path(name);
   if (name.empty() || name.find('\0') != std::string::npos || path.is_absolute()) return false;
   if (name == kManifest || *path.begin() == kAside) return false;
@@ -60,11 +60,11 @@ bool is_reached_plainly(const fs::path& folder, const std::string& name) {
 }
 
 /// The valid names among the texts of a JSON list.
-std::set<std::string> lawful_names(const nlohmann::json& list) {
+std::set<std::string> allowed_names(const nlohmann::json& list) {
   std::set<std::string> names;
   if (!list.is_array()) return names;
   for (const auto& file : list)
-    if (file.is_string() && is_lawful(file.get<std::string>())) names.insert(file);
+    if (file.is_string() && is_allowed(file.get<std::string>())) names.insert(file);
   return names;
 }
 
@@ -88,9 +88,9 @@ std::map<std::string, std::set<std::string>> listed_before(const fs::path& folde
   const auto files = manifest.find("files"), others = manifest.find("others");
   const auto made_by = manifest.find("made_by");
   if (files != manifest.end() && made_by != manifest.end() && made_by->is_string())
-    names[command_of(*made_by)] = lawful_names(*files);
+    names[command_of(*made_by)] = allowed_names(*files);
   if (others != manifest.end() && others->is_object())
-    for (const auto& [command, list] : others->items()) names[command].merge(lawful_names(list));
+    for (const auto& [command, list] : others->items()) names[command].merge(allowed_names(list));
   return names;
 }
 
@@ -219,7 +219,7 @@ Result<void> OutputFolder::add(const std::string& name, const std::string& conte
 Result<void> OutputFolder::add(const std::string& own_name,
                                const std::function<Result<void>(std::ostream&)>& write) {
   const std::string name = inside_.empty() ? own_name : inside_ + "/" + own_name;
-  if (!is_lawful(name) || std::find(names_.begin(), names_.end(), name) != names_.end())
+  if (!is_allowed(name) || std::find(names_.begin(), names_.end(), name) != names_.end())
     return fail(ErrorKind::Internal, name, "is not a new name below the output folder");
   const fs::path aside = folder_ / kAside / name;
   std::error_code error;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/planning/plan_input.hpp"
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <utility>
@@ -122,17 +123,8 @@ Result<InputKind> kind_of_content(std::string_view text) {
 }
 
 std::string_view name_of(InputKind kind) {
-  switch (kind) {
-    case InputKind::Spec:
-      return "spec";
-    case InputKind::Fold:
-      return "fold";
-    case InputKind::Svg:
-      return "svg";
-    case InputKind::Dxf:
-      return "dxf";
-  }
-  return "";
+  constexpr std::array<std::string_view, 4> kNames{"spec", "fold", "svg", "dxf"};
+  return kNames.at(static_cast<std::size_t>(kind));
 }
 
 Result<InputKind> input_kind_from(std::string_view name) {

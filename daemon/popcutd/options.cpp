@@ -122,7 +122,7 @@ Result<void> check_given(const CLI::App& app, const DaemonOptions& options) {
   return {};
 }
 
-/// A file in the place of the state folder is told before anything is opened.
+/// A file in the place of the state folder is reported before anything is opened.
 bool is_no_folder(const std::string& path) {
   std::error_code ignored;
   return std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored);

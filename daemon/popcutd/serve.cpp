@@ -429,7 +429,7 @@ void watch(Daemon& daemon, const Config& config, const DaemonOptions& options,
   const double watchdog = manager.watchdog_s().value_or(0);
   const double step = watchdog > 0 ? std::min(kLookSeconds, watchdog / 4) : kLookSeconds;
   auto fed = Clock::now();
-  std::string told;
+  std::string shown;
   bool well = true;
   for (;;) {
     const int signal = signals.wait(step);
@@ -446,7 +446,7 @@ void watch(Daemon& daemon, const Config& config, const DaemonOptions& options,
     }
     std::string status = daemon.status();
     if (!status.empty() && replaced()) status += "; restart popcutd to use the new version";
-    if (status != told && !status.empty()) manager.tell_status(told = status);
+    if (status != shown && !status.empty()) manager.tell_status(shown = status);
   }
 }
 

@@ -88,7 +88,7 @@ struct Webhook::Impl {
         all = !ended() && send(event);
         if (!all) break;
         taken = event.seq;
-        (void)write_file(cursor_file, std::to_string(taken));  // at worst it is told again
+        (void)write_file(cursor_file, std::to_string(taken));  // at worst it is sent again
         pause = std::chrono::seconds{1};
       }
       if (all && !events.empty()) continue;

@@ -62,7 +62,7 @@ Result<Machine> machine_on_usb(const CutTargetOptions& options, const std::strin
   if (!device) return tl::unexpected(device.error());
   auto machine = machine_of_usb(options, *device);
   if (!machine) return machine;
-  // Told now, not after the question whether to start.
+  // Reported now, not after the question whether to start.
   if (const auto usable = may_be_used(*device); !usable) return tl::unexpected(usable.error());
   return machine;
 }

@@ -151,7 +151,7 @@ Result<std::string> text_at(const nlohmann::json& json, const std::string& point
   return found->get<std::string>();
 }
 
-Result<void> read_lawful(const nlohmann::json& json, const std::string& pointer, LineWork& into) {
+Result<void> read_allowed(const nlohmann::json& json, const std::string& pointer, LineWork& into) {
   const nlohmann::json* list = find(json, pointer);
   if (list == nullptr) return {};
   if (!list->is_array()) return tl::unexpected(wrong(pointer, "give a list"));
@@ -214,7 +214,7 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
       if (tool.is_number_integer() && tool >= 1 && tool <= 15)
         facts.blade_tools = static_cast<std::uint16_t>(facts.blade_tools | 1u << tool.get<int>());
   for (const char* list : {"/overcuts", "/lead_ins", "/marks", "/labels"})
-    if (auto read = read_lawful(json, sheet + list, facts.also_allowed); !read)
+    if (auto read = read_allowed(json, sheet + list, facts.also_allowed); !read)
       return tl::unexpected(read.error());
   return facts;
 }

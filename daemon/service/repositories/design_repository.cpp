@@ -249,7 +249,7 @@ PlanningTask DesignRepository::task_for(const Design& design, PlanningTask::Kind
   task.design_path = store_.folder().at("designs/" + design.id);
   task.design_kind = design.kind;
   (void)row(design.id, &task.media_type);
-  // One that is not there yet is told by the planner, with its place in the spec.
+  // One that is not there yet is reported by the planner, with its place in the spec.
   for (const std::string& asset : design.assets)
     if (std::string place = store_.folder().at("assets/" + asset); exists(place))
       task.asset_paths[asset] = std::move(place);

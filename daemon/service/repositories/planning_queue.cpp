@@ -40,7 +40,7 @@ PlanRecord record_of(const PlanRow& row, std::vector<SheetPlan> sheets) {
           .created = row.created};
 }
 
-// The files of a plan, before anyone is told of it. Runs on a thread of the planner's.
+// The files of a plan, before anyone hears of it. Runs on a thread of the planner's.
 Result<PlanningOutcome> with_files_kept(Result<PlanningOutcome> outcome,
                                         const std::string& folder) {
   if (!outcome) return outcome;
