@@ -170,15 +170,8 @@ Finding of_identity(const std::string& reply, const CutterFacts& facts) {
 }  // namespace
 
 std::string_view name_of(Finding::Level level) {
-  switch (level) {
-    case Level::Fine:
-      return "fine";
-    case Level::Note:
-      return "note";
-    case Level::Problem:
-      return "problem";
-  }
-  return "";
+  constexpr std::array<std::string_view, 3> kNames{"fine", "note", "problem"};
+  return kNames.at(static_cast<std::size_t>(level));
 }
 
 Surroundings look_around() {

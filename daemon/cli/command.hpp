@@ -23,6 +23,12 @@ struct Globals {
 using Run = std::function<Result<void>()>;
 using Register = void (*)(CLI::App& app, const Globals& globals, Run& run);
 
+/// Makes `work` the work to do if the user chooses `command`.
+template <typename App, typename Work>
+void when_chosen(App* command, Run& run, Work work) {
+  command->callback([&run, work] { run = work; });
+}
+
 void register_design(CLI::App& app, const Globals& globals, Run& run);
 void register_deploy(CLI::App& app, const Globals& globals, Run& run);
 void register_verify(CLI::App& app, const Globals& globals, Run& run);

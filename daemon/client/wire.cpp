@@ -78,12 +78,12 @@ int connect_unix(const std::string& path, double seconds) {
 ///
 /// @retval DeviceGone  nobody knows the host's name
 Result<int> connect_tcp(const Address& address, double seconds) {
-  addrinfo wish{};
-  wish.ai_socktype = SOCK_STREAM;
-  wish.ai_flags = AI_NUMERICSERV;
+  addrinfo wanted{};
+  wanted.ai_socktype = SOCK_STREAM;
+  wanted.ai_flags = AI_NUMERICSERV;
   addrinfo* list = nullptr;
   const int found =
-      ::getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &wish, &list);
+      ::getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &wanted, &list);
   if (found == EAI_SYSTEM) return -errno;
   if (found != 0)
     return fail(ErrorKind::DeviceGone, address.text(),

@@ -4,9 +4,7 @@
 #include <sys/uio.h>
 
 #include <chrono>
-#include <cstddef>
 #include <span>
-#include <string>
 
 #include "core/result.hpp"
 #include "daemon/client/address.hpp"

@@ -2,7 +2,6 @@
 #include "daemon/config/toml_document.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include <fmt/format.h>
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
-
 // toml++ 3.3 asserts (or, with NDEBUG, assumes) that a key begins where a stray byte can stand; the
 // code behind the assertion tells it as the error it is.
 #pragma push_macro("NDEBUG")

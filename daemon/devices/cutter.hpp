@@ -10,7 +10,6 @@
 #include <optional>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "core/result.hpp"
 #include "daemon/devices/cutter_line.hpp"

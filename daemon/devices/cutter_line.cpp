@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-#include "daemon/files/fault_file.hpp"
+#include "daemon/files/user_tables.hpp"
 #include "device/port/port_transport.hpp"
 #include "device/sim/trace.hpp"
 
@@ -76,11 +76,9 @@ Result<CutterLine> configured_line(const DeviceConfig& config,
   if (!machine) return tl::unexpected(within(config.id, machine.error()));
   if (!config.treat_as.empty()) machine->identity.clear();  // it says another name
   CutterLine line{std::move(*device), std::move(*machine), config.time_scale, {}, config.trace, {}};
-  if (!config.faults.empty()) {
-    auto faults = cli::read_faults(config.faults);
-    if (!faults) return tl::unexpected(within(config.id, faults.error()));
-    line.faults = std::move(*faults);
-  }
+  auto faults = cli::read_faults(config.faults);
+  if (!faults) return tl::unexpected(within(config.id, faults.error()));
+  line.faults = std::move(*faults);
   if (!line.simulated()) return line;
   if (const auto valid = SimCutter::make(line.machine); !valid)
     return tl::unexpected(within(config.id, valid.error()));

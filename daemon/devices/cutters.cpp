@@ -9,8 +9,6 @@
 #include <thread>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "daemon/devices/cutter.hpp"
 #include "daemon/devices/make_cutters.hpp"
 #include "device/usb/usb_bus.hpp"

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <functional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "daemon/devices/line_figures.hpp"

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/files/output_folder.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <ranges>
 #include <set>
+#include <string>
 #include <system_error>
 #include <utility>
-
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
@@ -36,7 +37,7 @@ tl::unexpected<Error> unwritable(const fs::path& path, const std::string& why,
 }
 
 /// A name that stays inside the folder and is not one of the folder's own.
-bool is_lawful(const std::string& name) {
+bool is_allowed(const std::string& name) {
   const fs::path path(name);
   if (name.empty() || name.find('\0') != std::string::npos || path.is_absolute()) return false;
   if (name == kManifest || *path.begin() == kAside) return false;
@@ -59,11 +60,11 @@ bool is_reached_plainly(const fs::path& folder, const std::string& name) {
 }
 
 /// The valid names among the texts of a JSON list.
-std::set<std::string> lawful_names(const nlohmann::json& list) {
+std::set<std::string> allowed_names(const nlohmann::json& list) {
   std::set<std::string> names;
   if (!list.is_array()) return names;
   for (const auto& file : list)
-    if (file.is_string() && is_lawful(file.get<std::string>())) names.insert(file);
+    if (file.is_string() && is_allowed(file.get<std::string>())) names.insert(file);
   return names;
 }
 
@@ -87,9 +88,9 @@ std::map<std::string, std::set<std::string>> listed_before(const fs::path& folde
   const auto files = manifest.find("files"), others = manifest.find("others");
   const auto made_by = manifest.find("made_by");
   if (files != manifest.end() && made_by != manifest.end() && made_by->is_string())
-    names[command_of(*made_by)] = lawful_names(*files);
+    names[command_of(*made_by)] = allowed_names(*files);
   if (others != manifest.end() && others->is_object())
-    for (const auto& [command, list] : others->items()) names[command].merge(lawful_names(list));
+    for (const auto& [command, list] : others->items()) names[command].merge(allowed_names(list));
   return names;
 }
 
@@ -188,9 +189,8 @@ Result<void> OutputFolder::prepare() {
     up = up.parent_path();
   }
   for (const fs::path& missing : made_) {
-    if (::mkdir(missing.c_str(), 0777) != 0 && errno != EEXIST) {
+    if (::mkdir(missing.c_str(), 0777) != 0 && errno != EEXIST)
       return unwritable(missing, "cannot create the folder: " + reason(errno));
-    }
   }
   // 2. The lock. A file system without locks is used as it is.
   lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -204,9 +204,8 @@ Result<void> OutputFolder::prepare() {
   // 3. A fresh place aside.
   std::error_code error;
   fs::remove_all(folder_ / kAside, error);
-  if (::mkdir((folder_ / kAside).c_str(), 0777) != 0) {
+  if (::mkdir((folder_ / kAside).c_str(), 0777) != 0)
     return unwritable(folder_, "cannot write in the folder: " + reason(errno));
-  }
   return {};
 }
 
@@ -220,9 +219,8 @@ Result<void> OutputFolder::add(const std::string& name, const std::string& conte
 Result<void> OutputFolder::add(const std::string& own_name,
                                const std::function<Result<void>(std::ostream&)>& write) {
   const std::string name = inside_.empty() ? own_name : inside_ + "/" + own_name;
-  if (!is_lawful(name) || std::find(names_.begin(), names_.end(), name) != names_.end()) {
+  if (!is_allowed(name) || std::find(names_.begin(), names_.end(), name) != names_.end())
     return fail(ErrorKind::Internal, name, "is not a new name below the output folder");
-  }
   const fs::path aside = folder_ / kAside / name;
   std::error_code error;
   fs::create_directories(aside.parent_path(), error);
@@ -247,13 +245,11 @@ Result<void> OutputFolder::check_places() const {
   std::error_code error;
   for (const std::string& name : names_) {
     const fs::path file = folder_ / name;
-    if (!is_reached_plainly(folder_, name)) {
+    if (!is_reached_plainly(folder_, name))
       return unwritable(file, "a file or symbolic link has the name of its folder",
                         "move it away or give another folder");
-    }
-    if (fs::symlink_status(file, error).type() == fs::file_type::directory) {
+    if (fs::symlink_status(file, error).type() == fs::file_type::directory)
       return unwritable(file, "is a folder", "move it away or give another folder");
-    }
   }
   return {};
 }
@@ -279,10 +275,9 @@ Result<void> OutputFolder::put_manifest(const std::string& made_by,
   std::ofstream out(folder_ / kAside / kManifest, std::ios::binary | std::ios::trunc);
   out << manifest.dump(2, ' ', false, replace) << '\n';
   out.close();
-  if (!out) {
+  if (!out)
     return unwritable(folder_ / kManifest, "cannot be written: " + reason(errno != 0 ? errno : EIO),
                       "free some space or give another folder");
-  }
   return put(kManifest);
 }
 
@@ -308,6 +303,37 @@ Result<void> OutputFolder::commit(const std::string& made_by) {
   if (auto done = put_manifest(made_by, names_, others); !done) return done;
   discard();
   return {};
+}
+
+Result<void> write_whole_file(const std::filesystem::path& path,
+                              const std::function<void(std::ostream&)>& write) {
+  namespace fs = std::filesystem;
+  const auto unwritable = [&](const std::string& why) {
+    return fail(ErrorKind::Unwritable, path.string(), why + "; give a file that can be written");
+  };
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::is_directory(status)) return unwritable("is a folder");
+  const bool direct = fs::exists(status) && !fs::is_regular_file(status);
+  // A link stays a link: the file that it names is replaced.
+  const fs::path target = fs::is_regular_file(status) ? fs::canonical(path, error) : path;
+  fs::path aside = target;
+  if (!direct) aside += ".part-" + std::to_string(getpid());
+  errno = 0;
+  std::ofstream out(aside, std::ios::binary | std::ios::trunc);
+  if (out) write(out);
+  out.close();
+  if (!out) {
+    const std::string why = errno != 0 ? std::strerror(errno) : "cannot be written";
+    if (!direct) fs::remove(aside, error);
+    return unwritable(why);
+  }
+  if (direct) return {};
+  fs::rename(aside, target, error);
+  if (!error) return {};
+  const std::string why = error.message();
+  fs::remove(aside, error);
+  return unwritable(why);
 }
 
 }  // namespace popcut::cli

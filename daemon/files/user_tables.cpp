@@ -36,6 +36,11 @@ Error UserTables::with_file(Error error) const {
   return error;
 }
 
+Error UserTables::with_file(Error error, const char* option) const {
+  error = with_file(std::move(error));
+  return error.place.empty() ? Error{ErrorKind::Usage, option, error.detail} : error;
+}
+
 Result<UserTables> read_user_tables() {
   constexpr std::uintmax_t kTableLimitBytes = 4u << 20;
   UserTables tables;
@@ -50,6 +55,16 @@ Result<UserTables> read_user_tables() {
       tables.files.push_back(file.string());
     }
   return tables;
+}
+
+Result<std::vector<SimFault>> read_faults(const std::string& file) {
+  constexpr std::uintmax_t kLimitBytes = 1u << 24;
+  if (file.empty()) return std::vector<SimFault>{};
+  const auto text = read_file(file, kLimitBytes);
+  if (!text) return tl::unexpected(text.error());
+  auto faults = parse_faults(*text);
+  if (!faults) return tl::unexpected(within(file, faults.error()));
+  return faults;
 }
 
 }  // namespace popcut::cli

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/result.hpp"
+#include "device/sim/sim_faults.hpp"
 
 namespace popcut::cli {
 
@@ -16,6 +17,8 @@ struct UserTables {
 
   /// The same error with the file's name where it says "table N".
   [[nodiscard]] Error with_file(Error error) const;
+  /// The same for a row that an option names: `option` is the place of an error that has none.
+  [[nodiscard]] Error with_file(Error error, const char* option) const;
 };
 
 /// Reads `machines.json`, `materials.json` and `svg_profiles.json` of /etc/popcut and then of
@@ -24,5 +27,8 @@ struct UserTables {
 ///
 /// @retval Malformed  one is there and cannot be read
 [[nodiscard]] Result<UserTables> read_user_tables();
+
+/// Reads a fault script, which without a file has no faults; its errors name the file.
+[[nodiscard]] Result<std::vector<SimFault>> read_faults(const std::string& file);
 
 }  // namespace popcut::cli

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text/words.hpp"
 #include "daemon/http/head.hpp"
 
 namespace popcut::daemon::http {
@@ -22,12 +23,6 @@ bool is_own_host(std::string_view host, std::uint16_t port) {
     if (port == 80 && host == own) return true;
   }
   return false;
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
 }
 
 }  // namespace
@@ -88,7 +83,7 @@ Answer<std::string> bearer_of(const RequestHead& head) {
   constexpr std::string_view kScheme = "bearer ";
   if (to_lower(value->substr(0, kScheme.size())) != kScheme)
     return refuse(ProblemKind::Unauthenticated, "Authorization must be a Bearer token");
-  const std::string_view token = trimmed(value->substr(kScheme.size()));
+  const std::string_view token = trimmed(value->substr(kScheme.size()), " \t");
   const bool has_form =
       token.size() >= 8 && token.size() <= 200 &&
       std::all_of(token.begin(), token.end(), [](char c) { return c > ' ' && c < '\x7F'; });
@@ -105,9 +100,9 @@ std::optional<Problem> check_media(const RequestHead& head, std::string& media_t
   if (!value) return std::nullopt;
   const std::string lower = to_lower(*value);
   const std::size_t semicolon = lower.find(';');
-  media_type = std::string(trimmed(std::string_view(lower).substr(0, semicolon)));
+  media_type = std::string(trimmed(std::string_view(lower).substr(0, semicolon), " \t"));
   if (semicolon == std::string::npos) return std::nullopt;
-  const std::string_view parameter = trimmed(std::string_view(lower).substr(semicolon + 1));
+  const std::string_view parameter = trimmed(std::string_view(lower).substr(semicolon + 1), " \t");
   if (parameter != "charset=utf-8" && parameter != "charset=\"utf-8\"")
     return Problem{ProblemKind::UnsupportedMedia,
                    "the only parameter allowed in Content-Type is charset=utf-8"};

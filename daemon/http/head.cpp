@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "core/text/words.hpp"
+
 namespace popcut::daemon::http {
 namespace {
 
@@ -31,12 +33,6 @@ bool is_target_char(char c) {
 bool is_value_char(char c) {
   const auto byte = static_cast<unsigned char>(c);
   return byte == '\t' || (byte >= 0x20 && byte != 0x7F);
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
 }
 
 Fault check_request_line(std::string_view line, bool& is_http_1_0) {
@@ -79,7 +75,7 @@ Fault check_field(std::string_view line, Fields& fields) {
   if (colon == std::string_view::npos) return bad("a header line has no colon");
   const std::string_view name = line.substr(0, colon);
   if (!is_token(name)) return bad("a header name contains characters that are not allowed");
-  const std::string_view value = trimmed(line.substr(colon + 1));
+  const std::string_view value = trimmed(line.substr(colon + 1), " \t");
   if (!std::all_of(value.begin(), value.end(), is_value_char))
     return bad("a header value contains control characters");
   std::string lower = to_lower(name);

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <random>
 
-#include <fmt/format.h>
 #include <spdlog/logger.h>
 
 #include "daemon/digest/digest.hpp"
@@ -241,7 +240,7 @@ asio::awaitable<bool> Hub::ask(ClientPtr client, std::function<void(Service&, Do
 asio::awaitable<bool> Hub::run_aside(ClientPtr client, std::function<void()> work) {
   std::function<bool(Done)> start = [this, work = std::move(work)](Done done) {
     asio::post(disk, [work, done = std::move(done)] {
-      // What is thrown would end popcutd; the client's patience ends what is not told.
+      // What is thrown would end popcutd; the client's patience ends what is not answered.
       try {
         work();
         done({});

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 
 #include <fmt/format.h>
 
@@ -107,7 +106,7 @@ asio::awaitable<bool> send_file(Hub& hub, ClientPtr client, const File& file, st
   std::uint64_t sent = 0;
   while (sent < size) {
     const std::string piece = file.read(std::min<std::uint64_t>(kFilePiece, size - sent));
-    if (piece.empty()) co_return false;  // it shrank: the length that was told cannot be kept
+    if (piece.empty()) co_return false;  // it shrank: the length that was announced is wrong now
     const bool fine = co_await send_all(hub, client, piece);
     if (!fine) co_return false;
     sent += piece.size();

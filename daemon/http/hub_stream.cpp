@@ -159,8 +159,8 @@ asio::awaitable<void> stream_on(Hub& hub, ClientPtr client, std::int64_t seen) {
     std::string piece = take_piece(stream.ring, seen);
     if (piece.empty() && stream.ring.has_overflowed()) {
       const std::string last = frame_text("overflow", "{}");
-      const bool told = co_await send_all(hub, client, last);
-      static_cast<void>(told);
+      const bool sent = co_await send_all(hub, client, last);
+      static_cast<void>(sent);
       co_return;
     }
     if (piece.empty()) {
@@ -198,8 +198,8 @@ asio::awaitable<void> stream_events(Hub& hub, ClientPtr client, const Request& r
     const Response response = problem_response(full, request);
     const std::string text =
         response_head(response, request.id, response.body.size(), true) + response.body;
-    const bool told = co_await send_all(hub, client, text);
-    static_cast<void>(told);
+    const bool sent = co_await send_all(hub, client, text);
+    static_cast<void>(sent);
     hub.metrics.reject("full");
     hub.metrics.count("/v1/events", response.status);
     co_return;

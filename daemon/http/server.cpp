@@ -11,7 +11,6 @@
 #include <thread>
 #include <utility>
 
-#include <fmt/format.h>
 #include <spdlog/logger.h>
 
 #include "daemon/http/hub.hpp"

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/planning/plan_input.hpp"
 
+#include <array>
+#include <cstddef>
+#include <optional>
 #include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "core/formats/dxf/dxf_reader.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/layout/layout.hpp"
 #include "core/plan/plan.hpp"
+#include "core/text/json_text.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -48,6 +55,37 @@ Result<DrawingInput> from_fold(const std::string& text, unsigned factor) {
   return only_drawing(linework_from_fold(text, FoldLimits{}.raised(factor)));
 }
 
+/// Looks at the keys of the outermost object until one decides; never keeps a value.
+class TopKeys : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  std::optional<InputKind> kind;
+
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_object(std::size_t) override { return ++depth_ <= kDeepest; }
+  bool end_object() override { return --depth_ >= 0; }
+  bool start_array(std::size_t) override { return ++depth_ <= kDeepest; }
+  bool end_array() override { return --depth_ >= 0; }
+  bool key(string_t& name) override {
+    if (depth_ != 1) return true;
+    if (name == "popcut") kind = InputKind::Spec;
+    if (name == "file_spec" || name == "vertices_coords") kind = InputKind::Fold;
+    return !kind;
+  }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
+    return false;
+  }
+
+ private:
+  static constexpr int kDeepest = 64;
+  int depth_{0};
+};
+
 }  // namespace
 
 Result<DrawingInput> drawing_from_text(std::string text, InputKind kind, const SvgReadOptions& how,
@@ -66,5 +104,34 @@ Result<DrawingInput> drawing_from_text(std::string text, InputKind kind, const S
 }
 
 DrawingInput test_shape_input() { return {test_shape(), std::nullopt, {}, PagePoint{5, 5}}; }
+
+Result<InputKind> kind_of_content(std::string_view text) {
+  constexpr const char* kRight =
+      "is not a design (JSON with \"popcut\") or a FOLD (\"file_spec\"), SVG or DXF "
+      "file";
+  if (text.rfind("\xEF\xBB\xBF", 0) == 0) text.remove_prefix(3);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return fail(ErrorKind::Malformed, "", "is empty");
+  if (text[first] == '<') return InputKind::Svg;
+  if (text[first] >= '0' && text[first] <= '9') return InputKind::Dxf;
+  if (text[first] != '{') return fail(ErrorKind::Malformed, "", kRight);
+  TopKeys keys;
+  nlohmann::json::sax_parse(text.begin(), text.end(), &keys);
+  if (keys.kind) return *keys.kind;
+  if (const auto whole = parse_json(text); !whole) return tl::unexpected(whole.error());
+  return fail(ErrorKind::Malformed, "", kRight);
+}
+
+std::string_view name_of(InputKind kind) {
+  constexpr std::array<std::string_view, 4> kNames{"spec", "fold", "svg", "dxf"};
+  return kNames.at(static_cast<std::size_t>(kind));
+}
+
+Result<InputKind> input_kind_from(std::string_view name) {
+  for (const InputKind kind : {InputKind::Spec, InputKind::Fold, InputKind::Svg, InputKind::Dxf})
+    if (name_of(kind) == name) return kind;
+  return fail(ErrorKind::OutOfRange, "/design_kind",
+              fmt::format("is \"{}\"; give spec, fold, svg or dxf", name.substr(0, 40)));
+}
 
 }  // namespace popcut::planning

@@ -5,12 +5,14 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/design/patches.hpp"
 #include "core/drawing/linework.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/result.hpp"
+#include "daemon/planning/plan_input.hpp"
 
 namespace popcut::planning {
 
@@ -41,5 +43,16 @@ struct SpecSources {
 
 /// The small test shape, near the sheet's corner.
 [[nodiscard]] DrawingInput test_shape_input();
+
+/// What a file is, by its content alone: JSON with "popcut" is a spec, with "file_spec" or
+/// "vertices_coords" a FOLD file, what begins with '<' an SVG, with a group code a DXF.
+///
+/// @retval Malformed  none of these, or JSON that breaks before its kind is known (line and column)
+[[nodiscard]] Result<InputKind> kind_of_content(std::string_view text);
+
+/// "spec", "fold", "svg", "dxf".
+[[nodiscard]] std::string_view name_of(InputKind kind);
+/// @retval OutOfRange  none of these
+[[nodiscard]] Result<InputKind> input_kind_from(std::string_view name);
 
 }  // namespace popcut::planning

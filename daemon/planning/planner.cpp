@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/planning/make_planner.hpp"
+#include "daemon/planning/planner.hpp"
 #include "daemon/planning/worker_talk.hpp"
 
 namespace popcut::daemon {

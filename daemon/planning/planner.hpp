@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/result.hpp"
 #include "daemon/model/model.hpp"
+#include "daemon/planning/planner.hpp"
 
 namespace popcut::daemon {
 
@@ -65,5 +67,11 @@ class Planner {
   /// Kills it, if it has not ended.
   virtual void cancel(std::uint64_t task) = 0;
 };
+
+/// A planner whose tasks run in processes of `program`, which must do `planning::run_worker(0, 1)`
+/// when its first argument is `--worker` (/proc/self/exe for popcutd itself). Tasks start
+/// in the order they came. Its destructor kills running tasks and reports them as Refused.
+[[nodiscard]] std::unique_ptr<Planner> make_planner(const PlanningLimits& limits,
+                                                    std::string program);
 
 }  // namespace popcut::daemon

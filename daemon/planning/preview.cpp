@@ -2,7 +2,6 @@
 #include "daemon/planning/preview.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/planning/program_file.hpp"
 
-#include <array>
 #include <cstdint>
 #include <utility>
 

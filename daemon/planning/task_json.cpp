@@ -2,9 +2,7 @@
 #include "daemon/planning/task_json.hpp"
 
 #include <algorithm>
-#include <utility>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/text/field_reader.hpp"

@@ -12,7 +12,7 @@
 #include "core/plan/plan.hpp"
 #include "core/text/json_text.hpp"
 #include "daemon/digest/digest.hpp"
-#include "daemon/planning/content_kind.hpp"
+#include "daemon/planning/plan_input.hpp"
 #include "daemon/planning/plan_job.hpp"
 #include "daemon/planning/preview.hpp"
 #include "daemon/planning/program_file.hpp"

@@ -15,7 +15,6 @@
 #include "core/machines/machine.hpp"
 #include "daemon/cli/help/help_pages.hpp"
 #include "daemon/config/default_text.hpp"
-#include "daemon/files/fault_file.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "daemon/popcutd/paths.hpp"
@@ -76,9 +75,8 @@ Result<void> check_device(const DeviceConfig& device, const std::vector<std::str
   for (const std::string& name : device.materials)
     if (const auto material = find_material(name, tables); !material)
       return tl::unexpected(within("materials", material.error()));
-  if (!device.faults.empty())
-    if (const auto faults = cli::read_faults(device.faults); !faults)
-      return tl::unexpected(within("faults", faults.error()));
+  if (const auto faults = cli::read_faults(device.faults); !faults)
+    return tl::unexpected(within("faults", faults.error()));
   return {};
 }
 
@@ -125,7 +123,7 @@ Result<void> check_given(const CLI::App& app, const DaemonOptions& options) {
   return {};
 }
 
-/// A file in the place of the state folder is told before anything is opened.
+/// A file in the place of the state folder is reported before anything is opened.
 bool is_no_folder(const std::string& path) {
   std::error_code ignored;
   return std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored);

@@ -10,29 +10,77 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "core/result.hpp"
+#include "daemon/config/config.hpp"
 #include "daemon/devices/make_cutters.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "daemon/http/server.hpp"
-#include "daemon/planning/make_planner.hpp"
-#include "daemon/popcutd/descriptors.hpp"
-#include "daemon/popcutd/footprint.hpp"
-#include "daemon/popcutd/greeting.hpp"
+#include "daemon/planning/planner.hpp"
+#include "daemon/planning/program_file.hpp"
 #include "daemon/popcutd/log.hpp"
-#include "daemon/popcutd/sheet_program.hpp"
+#include "daemon/popcutd/resources.hpp"
 #include "daemon/popcutd/turn_away.hpp"
 #include "daemon/popcutd/webhook.hpp"
 #include "daemon/service/live/live_service.hpp"
+#include "daemon/store/state_folder.hpp"
+#include "protocol/encode.hpp"
 
 namespace popcut::daemon {
 namespace {
+
+// The program of a sheet (from 1) as it was stored with the plan in `folder`: its bytes and the
+// index over them.
+//
+// @retval Malformed, OutOfRange, CheckFailed  a file is absent, or not what was written
+Result<EncodedProgram> stored_program(const std::string& folder, int sheet) {
+  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+  const std::string stem = fmt::format("{}/sheet-{:02}", folder, sheet);
+  const auto index = read_whole(stem + ".program.json", kMostBytes);
+  if (!index) return tl::unexpected(index.error());
+  std::error_code ignored;
+  const bool hpgl = std::filesystem::exists(stem + ".hpgl", ignored);
+  auto bytes = read_whole(stem + (hpgl ? ".hpgl" : ".gpgl"), kMostBytes);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return planning::read_program(*index, std::move(*bytes));
+}
+
+std::string device_text(const DeviceConfig& device) {
+  if (!device.enabled) return device.id + " (disabled)";
+  if (device.id.rfind("sim:", 0) != 0) return device.id;
+  return device.time_scale > 0
+             ? fmt::format("{} ({:g} times as fast as the machine)", device.id, device.time_scale)
+             : device.id + " (at once)";
+}
+
+// What popcutd prints at a terminal when it is ready: addresses, cutters, and what to type
+// next.
+std::string greeting(const Config& config, const std::vector<std::string>& endpoints) {
+  std::string text = fmt::format("popcutd {} is ready at", POPCUT_VERSION);
+  for (const std::string& one : endpoints) {
+    const bool path = one.rfind("unix:", 0) == 0;
+    text += path ? "\n  " + one.substr(5) : "\n  http://" + one;
+  }
+  text += "\nCutters";
+  for (const DeviceConfig& device : config.devices) text += "\n  " + device_text(device);
+  text += fmt::format("\nJobs are stored in {}\n", config.state);
+  text +=
+      "\nNext, in another terminal:\n  popcut cut sphere.json --wait     # queue it; it tells you "
+      "when to act\n  popcut arm; popcut start          # after you have loaded the sheet: cut "
+      "it\n  popcut jobs --watch               # follow all jobs\nPress Ctrl-C to stop popcutd; a "
+      "running cut stops at the end of its stroke.\n\n";
+  return text;
+}
 
 using Clock = std::chrono::steady_clock;
 
@@ -381,7 +429,7 @@ void watch(Daemon& daemon, const Config& config, const DaemonOptions& options,
   const double watchdog = manager.watchdog_s().value_or(0);
   const double step = watchdog > 0 ? std::min(kLookSeconds, watchdog / 4) : kLookSeconds;
   auto fed = Clock::now();
-  std::string told;
+  std::string shown;
   bool well = true;
   for (;;) {
     const int signal = signals.wait(step);
@@ -398,7 +446,7 @@ void watch(Daemon& daemon, const Config& config, const DaemonOptions& options,
     }
     std::string status = daemon.status();
     if (!status.empty() && replaced()) status += "; restart popcutd to use the new version";
-    if (status != told && !status.empty()) manager.tell_status(told = status);
+    if (status != shown && !status.empty()) manager.tell_status(shown = status);
   }
 }
 

@@ -26,12 +26,6 @@ constexpr double kAnswerSeconds = 5;
 constexpr std::chrono::seconds kLookAnyway{30}, kLongestPause{300};
 constexpr int kAtOnce = 50;
 
-std::string trimmed(std::string text) {
-  while (!text.empty() && (text.back() == '\n' || text.back() == '\r' || text.back() == ' '))
-    text.pop_back();
-  return text;
-}
-
 }  // namespace
 
 Result<WebhookTarget> webhook_target(const WebhookConfig& config) {
@@ -53,7 +47,7 @@ Result<WebhookTarget> webhook_target(const WebhookConfig& config) {
                 fmt::format("{} is not allowed; add it to webhook.allow", target.host_port));
   auto secret = read_whole(config.secret_file, 4096);
   if (!secret) return tl::unexpected(within("webhook.secret_file", secret.error()));
-  target.secret = trimmed(std::move(*secret));
+  target.secret = secret->substr(0, secret->find_last_not_of("\n\r ") + 1);
   if (target.secret.size() < kShortestSecret)
     return fail(
         ErrorKind::OutOfRange, "webhook.secret_file",
@@ -94,7 +88,7 @@ struct Webhook::Impl {
         all = !ended() && send(event);
         if (!all) break;
         taken = event.seq;
-        (void)write_file(cursor_file, std::to_string(taken));  // at worst it is told again
+        (void)write_file(cursor_file, std::to_string(taken));  // at worst it is sent again
         pause = std::chrono::seconds{1};
       }
       if (all && !events.empty()) continue;

@@ -1,13 +1,173 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "daemon/service/access.hpp"
-#include "daemon/service/designs.hpp"
-#include "daemon/service/devices.hpp"
-#include "daemon/service/jobs.hpp"
-#include "daemon/service/operations.hpp"
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/model/model.hpp"
+#include "daemon/model/problem.hpp"
 
 namespace popcut::daemon {
+
+/// Who may use the service: tokens, and the sessions of pages. See `Service`.
+class Access {
+ public:
+  virtual ~Access() = default;
+  /// The owner of a token; nothing if it is unknown or has expired.
+  [[nodiscard]] virtual std::optional<Principal> authenticate(std::string_view bearer) = 0;
+  [[nodiscard]] virtual Answer<NewToken> create_token(const Principal&, const std::string& name,
+                                                      Role role, std::optional<int> lifetime_s) = 0;
+  [[nodiscard]] virtual std::vector<TokenRecord> tokens() = 0;
+  [[nodiscard]] virtual Answer<void> delete_token(const Principal&, const std::string& id) = 0;
+  /// A word that becomes a session's token once, within 60 s: what `popcut open` gives the page.
+  [[nodiscard]] virtual Answer<std::string> create_one_shot(const Principal&) = 0;
+  [[nodiscard]] virtual Answer<NewToken> open_session(const std::string& one_shot) = 0;
+};
+
+/// The designs that were uploaded, and the assets that their specs refer to. See `Service`.
+class Designs {
+ public:
+  virtual ~Designs() = default;
+  /// Checks the upload on a planner, which takes time; `done` is called on the service's thread.
+  virtual void add(const Principal&, Upload, std::string media_type, std::string name,
+                   std::function<void(Answer<Design>)> done) = 0;
+  [[nodiscard]] virtual Answer<Asset> add_asset(const Principal&, const Upload&) = 0;
+  [[nodiscard]] virtual Page<Design> list(const PageRequest&) = 0;
+  [[nodiscard]] virtual Answer<Design> find(const std::string& id) = 0;
+  /// Path of the stored bytes.
+  [[nodiscard]] virtual Answer<std::string> content(const std::string& id) = 0;
+  [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
+  /// The design's preview, drawn again from what was read; never empty bytes.
+  virtual void preview(const std::string& id, std::function<void(Answer<std::string>)> done) = 0;
+};
+
+/// The sheets that designs become. See `Service`.
+class Plans {
+ public:
+  virtual ~Plans() = default;
+  [[nodiscard]] virtual Answer<PlanRecord> request(const Principal&, const PlanRequest&) = 0;
+  [[nodiscard]] virtual Answer<PlanRecord> find(const std::string& id) = 0;
+  /// Ends a plan that waits or is being made, and removes one that was made with its files.
+  ///
+  /// @retval StateConflict  a job uses this plan
+  /// @retval Forbidden      it is of someone else's design
+  [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
+  /// Path of a file of a plan: "plan.json", "sheet-01.svg", "sheet-01.gpgl", "pattern.svg",
+  /// "deploy.glb", "report.json", "preview.svg", "assembly.svg".
+  [[nodiscard]] virtual Answer<std::string> file(const std::string& id,
+                                                 const std::string& name) = 0;
+};
+
+/// The jobs and their queue. See `Service`.
+class Jobs {
+ public:
+  virtual ~Jobs() = default;
+  [[nodiscard]] virtual Answer<Job> create(const Principal&, const JobCreate&) = 0;
+  [[nodiscard]] virtual Answer<Page<Job>> list(const JobFilter&, const PageRequest&) = 0;
+  [[nodiscard]] virtual Answer<Job> find(const std::string& id) = 0;
+  [[nodiscard]] virtual Answer<std::vector<SheetRecord>> sheets(const std::string& job) = 0;
+  [[nodiscard]] virtual Answer<Ledger> ledger(const std::string& job, int sheet) = 0;
+  [[nodiscard]] virtual Answer<Job> patch(const Principal&, const std::string& id,
+                                          std::int64_t if_match, const JobPatch&) = 0;
+  [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id) = 0;
+
+  /// Jobs that have not ended, in the order in which each device will be offered them. A page may
+  /// have fewer than its limit and yet another after it.
+  [[nodiscard]] virtual Answer<Page<Job>> queue(const std::string& device, const PageRequest&) = 0;
+  [[nodiscard]] virtual Answer<Job> hold(const Principal&, const std::string& job, bool held) = 0;
+  /// Puts `job` before `before` (empty: to the end) among those of its priority.
+  [[nodiscard]] virtual Answer<Job> move(const Principal&, const std::string& job,
+                                         const std::string& before) = 0;
+};
+
+/// What people do with a job's current sheet: arm, start, pause, cancel, ... See `Service`.
+class Cutting {
+ public:
+  virtual ~Cutting() = default;
+  [[nodiscard]] virtual Answer<Job> act(const Principal&, const std::string& id,
+                                        std::int64_t if_match, const ActionRequest&) = 0;
+};
+
+/// The cutters. See `Service`.
+class Devices {
+ public:
+  virtual ~Devices() = default;
+  /// All, each with the job whose sheet lies in it.
+  [[nodiscard]] virtual std::vector<DeviceRecord> list() = 0;
+  [[nodiscard]] virtual Answer<DeviceRecord> find(const std::string& id) = 0;
+  /// enable, disable, reset, test-cut. Nothing moves: a test cut is a job that waits for a person.
+  [[nodiscard]] virtual Answer<DeviceRecord> act(const Principal&, const std::string& id,
+                                                 std::int64_t if_match, const DeviceRequest&) = 0;
+};
+
+/// The materials: built-in ones, those of users' tables, and those that were stored. See `Service`.
+class Materials {
+ public:
+  virtual ~Materials() = default;
+  [[nodiscard]] virtual std::vector<MaterialRecord> list() = 0;
+  [[nodiscard]] virtual Answer<MaterialRecord> find(const std::string& id) = 0;
+  /// `if_match` 0: it must not exist yet (If-None-Match: *).
+  [[nodiscard]] virtual Answer<MaterialRecord> put(const Principal&, const std::string& id,
+                                                   std::int64_t if_match,
+                                                   const std::string& json) = 0;
+  [[nodiscard]] virtual Answer<void> remove(const Principal&, const std::string& id,
+                                            std::int64_t if_match) = 0;
+};
+
+/// A response as it is kept with an idempotency key.
+struct Rendered {
+  int status{200};
+  std::string body;
+  std::string etag{}, location{};
+  bool replayed{false};
+};
+
+/// A request that may arrive twice and must take effect once.
+struct IdempotentRequest {
+  std::string key;     ///< empty: the request names none
+  std::string sha256;  ///< of method, path, body and principal
+};
+
+struct ServiceHealth {
+  bool database{false};
+  std::uint64_t disk_free_mb{};
+  bool accepts_work{false};
+  std::string remark;
+};
+
+/// What concerns the service as a whole: keys of requests, events, figures, the database. See
+/// `Service`.
+class Operations {
+ public:
+  virtual ~Operations() = default;
+  /// Runs `effect` and keeps its response under the key, in one transaction. The second time, the
+  /// same request is answered with the kept response, and `effect` does not run. A response of
+  /// status 500 or above, or 429, is rolled back and not kept.
+  [[nodiscard]] virtual Answer<Rendered> once(const Principal&, const IdempotentRequest&,
+                                              const std::function<Rendered()>& effect) = 0;
+
+  [[nodiscard]] virtual Answer<std::vector<Event>> events(std::int64_t after, int limit,
+                                                          const std::string& job) = 0;
+  [[nodiscard]] virtual std::int64_t last_event() = 0;
+  [[nodiscard]] virtual std::int64_t first_event() = 0;
+  /// `listener` is called on the service's thread for each event after its commit, in order.
+  virtual void listen(std::function<void(const Event&)> listener) = 0;
+
+  [[nodiscard]] virtual std::vector<UsageRow> usage(std::optional<TimeMs> from,
+                                                    std::optional<TimeMs> to,
+                                                    const std::string& by) = 0;
+  [[nodiscard]] virtual ServiceHealth health() = 0;
+  /// OpenMetrics lines of the jobs, devices and the store (HTTP adds its own).
+  [[nodiscard]] virtual std::string metrics() = 0;
+
+  /// A copy of the database by VACUUM INTO; gives its path.
+  [[nodiscard]] virtual Answer<std::string> backup(const Principal&) = 0;
+  [[nodiscard]] virtual Answer<std::string> check_integrity(const Principal&) = 0;
+};
 
 /// All that people may ask of popcutd. HTTP is a shell around it; the store below it is its only
 /// memory.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/service/service_store.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -52,8 +50,7 @@ void ServiceStore::emit(const std::string& kind, const std::string& job,
   if (!members.empty()) data += "," + members;
   data += "}";
   const Event event{seq, kind, now(), job, data};
-  db().run("INSERT INTO event(seq, time, kind, job, data) VALUES(?, ?, ?, ?, ?)", seq, event.time,
-           kind, job, data);
+  db().insert("INSERT INTO event(seq, time, kind, job, data)", seq, event.time, kind, job, data);
   events_.push_back(event);
 }
 
@@ -63,8 +60,8 @@ void ServiceStore::tell(const Event& event) {
 
 void ServiceStore::audit(const std::string& principal, std::string_view action,
                          const std::string& subject, const std::string& detail) {
-  db().run("INSERT INTO audit(time, principal, action, subject, detail) VALUES(?, ?, ?, ?, ?)",
-           now(), principal, action, subject, detail);
+  db().insert("INSERT INTO audit(time, principal, action, subject, detail)", now(), principal,
+              action, subject, detail);
 }
 
 void ServiceStore::log(const std::string& line) const {

@@ -68,9 +68,8 @@ NewToken Tokens::store(const char* kind, const std::string& name, Role role,
                   .created = store_.now(),
                   .expires = expires};
   const std::string secret = base64url(random_bytes(32));
-  store_.db().run(
-      "INSERT INTO token(id, kind, name, role, principal, secret_sha256, created, expires) "
-      "VALUES(?, ?, ?, ?, ?, ?, ?, ?)",
+  store_.db().insert(
+      "INSERT INTO token(id, kind, name, role, principal, secret_sha256, created, expires)",
       token.record.id, kind, name, name_of(role),
       principal.empty() ? "token:" + token.record.id : principal, sha256_hex(secret),
       token.record.created, expires);

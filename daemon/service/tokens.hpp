@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "daemon/service/access.hpp"
+#include "daemon/service/service.hpp"
 #include "daemon/service/service_store.hpp"
 
 namespace popcut::daemon {

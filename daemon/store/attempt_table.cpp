@@ -9,60 +9,40 @@ namespace {
 #define POPCUT_ATTEMPT_COLUMNS                                                            \
   "id, job, k, blank, segment, first_stroke, strokes, device, device_session, operator, " \
   "plan_sha256, invocation, created, started_at, ended, end_kind, bytes_taken, last_status"
+#define POPCUT_ARM_COLUMNS "job, sheet, blank, device, plan_sha256, operator, armed, invocation"
 
-std::vector<AttemptRow> attempt_rows(Rows rows) {
-  std::vector<AttemptRow> all;
-  while (rows.next()) {
-    AttemptRow row;
-    row.id = rows.text(0);
-    row.job = rows.text(1);
-    row.sheet = rows.small(2);
-    row.blank = rows.small(3);
-    row.segment = rows.small(4);
-    row.first_stroke = rows.integer(5);
-    row.strokes = rows.integer(6);
-    row.device = rows.text(7);
-    row.device_session = rows.text(8);
-    row.operator_name = rows.text(9);
-    row.plan_sha256 = rows.text(10);
-    row.invocation = rows.text(11);
-    row.created = rows.integer(12);
-    row.started = rows.maybe_integer(13);
-    row.ended = rows.maybe_integer(14);
-    row.end_kind = rows.text(15);
-    row.bytes_taken = static_cast<std::uint64_t>(rows.integer(16));
-    row.last_status = rows.text(17);
-    all.push_back(std::move(row));
-  }
-  return all;
+// The members in the order of the columns.
+template <typename Row>
+auto attempt_values(Row& row) {
+  return std::tie(row.id, row.job, row.sheet, row.blank, row.segment, row.first_stroke, row.strokes,
+                  row.device, row.device_session, row.operator_name, row.plan_sha256,
+                  row.invocation, row.created, row.started, row.ended, row.end_kind,
+                  row.bytes_taken, row.last_status);
+}
+
+AttemptRow attempt_row(const Rows& rows) {
+  AttemptRow row;
+  rows.read(0, attempt_values(row));
+  return row;
 }
 
 AttemptTable::SheetRow sheet_row(const Rows& rows) {
-  return {.sheet = rows.small(0),
-          .blank = rows.small(1),
-          .segment = rows.small(2),
-          .state = rows.text(3),
-          .started = rows.maybe_integer(4),
-          .finished = rows.maybe_integer(5)};
+  AttemptTable::SheetRow row;
+  rows.read(0, std::tie(row.sheet, row.blank, row.segment, row.state, row.started, row.finished));
+  return row;
 }
 
 }  // namespace
 
 void AttemptTable::insert(const AttemptRow& row) {
-  db_.run("INSERT INTO attempt(" POPCUT_ATTEMPT_COLUMNS
-          ") VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-          row.id, row.job, row.sheet, row.blank, row.segment, row.first_stroke, row.strokes,
-          row.device, row.device_session, row.operator_name, row.plan_sha256, row.invocation,
-          row.created, row.started, row.ended, row.end_kind, row.bytes_taken, row.last_status);
+  db_.insert("INSERT INTO attempt(" POPCUT_ATTEMPT_COLUMNS ")", attempt_values(row));
 }
 
 void AttemptTable::put_chunk(const std::string& attempt, int seq, PathRange paths,
                              std::string_view state) {
   if (paths.last < paths.first) return;
-  db_.run(
-      "INSERT OR REPLACE INTO chunk(attempt, seq, path_from, path_to, state) "
-      "VALUES(?, ?, ?, ?, ?)",
-      attempt, seq, paths.first, paths.last, state);
+  db_.insert("INSERT OR REPLACE INTO chunk(attempt, seq, path_from, path_to, state)", attempt, seq,
+             paths.first, paths.last, state);
 }
 
 void AttemptTable::mark(const std::string& attempt, const AttemptMarks& marks) {
@@ -101,24 +81,26 @@ void AttemptTable::crash(const std::string& attempt, TimeMs now) {
 }
 
 std::vector<AttemptRow> AttemptTable::of_sheet(const std::string& job, int sheet) {
-  return attempt_rows(db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS
-                               " FROM attempt WHERE job=? AND k=? ORDER BY id",
-                               job, sheet));
+  return all_of(
+      db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS " FROM attempt WHERE job=? AND k=? ORDER BY id",
+               job, sheet),
+      attempt_row);
 }
 
 std::vector<AttemptRow> AttemptTable::open() {
-  return attempt_rows(
-      db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS " FROM attempt WHERE ended IS NULL ORDER BY id"));
+  return all_of(
+      db_.rows("SELECT " POPCUT_ATTEMPT_COLUMNS " FROM attempt WHERE ended IS NULL ORDER BY id"),
+      attempt_row);
 }
 
 std::vector<FateRun> AttemptTable::fates(const std::string& attempt) {
-  std::vector<FateRun> runs;
-  Rows rows = db_.rows(
-      "SELECT path_from, path_to, state FROM chunk WHERE attempt=? ORDER BY path_from", attempt);
-  while (rows.next())
-    runs.push_back({{rows.integer(0), rows.integer(1)},
-                    rows.text(2) == "certain" ? PathFate::Certain : PathFate::InDoubt});
-  return runs;
+  return all_of(
+      db_.rows("SELECT path_from, path_to, state FROM chunk WHERE attempt=? ORDER BY path_from",
+               attempt),
+      [](const Rows& rows) {
+        return FateRun{{rows.integer(0), rows.integer(1)},
+                       rows.text(2) == "certain" ? PathFate::Certain : PathFate::InDoubt};
+      });
 }
 
 void AttemptTable::put_sheet(const std::string& job, int sheet, int blank, int segment,
@@ -132,45 +114,35 @@ void AttemptTable::put_sheet(const std::string& job, int sheet, int blank, int s
 }
 
 std::vector<AttemptTable::SheetRow> AttemptTable::sheets(const std::string& job) {
-  std::vector<SheetRow> all;
-  Rows rows = db_.rows(
-      "SELECT k, blank, segment, state, started, finished FROM sheet WHERE job=? ORDER BY k", job);
-  while (rows.next()) all.push_back(sheet_row(rows));
-  return all;
+  return all_of(
+      db_.rows(
+          "SELECT k, blank, segment, state, started, finished FROM sheet WHERE job=? ORDER BY k",
+          job),
+      sheet_row);
 }
 
 std::optional<AttemptTable::SheetRow> AttemptTable::sheet(const std::string& job, int sheet) {
-  Rows rows =
+  return first_of(
       db_.rows("SELECT k, blank, segment, state, started, finished FROM sheet WHERE job=? AND k=?",
-               job, sheet);
-  if (!rows.next()) return std::nullopt;
-  return sheet_row(rows);
+               job, sheet),
+      sheet_row);
 }
 
 void AttemptTable::arm(const ArmRow& row) {
-  db_.run(
-      "INSERT OR REPLACE INTO arm(job, sheet, blank, device, plan_sha256, operator, armed, "
-      "invocation) VALUES(?, ?, ?, ?, ?, ?, ?, ?)",
-      row.job, row.sheet, row.blank, row.device, row.plan_sha256, row.operator_name, row.armed,
-      row.invocation);
+  db_.insert("INSERT OR REPLACE INTO arm(" POPCUT_ARM_COLUMNS ")", row.job, row.sheet, row.blank,
+             row.device, row.plan_sha256, row.operator_name, row.armed, row.invocation);
 }
 
 void AttemptTable::disarm(const std::string& job) { db_.run("DELETE FROM arm WHERE job=?", job); }
 
 std::optional<AttemptTable::ArmRow> AttemptTable::armed(const std::string& job) {
-  Rows rows = db_.rows(
-      "SELECT job, sheet, blank, device, plan_sha256, operator, armed, invocation FROM arm "
-      "WHERE job=?",
-      job);
-  if (!rows.next()) return std::nullopt;
-  return ArmRow{.job = rows.text(0),
-                .sheet = rows.small(1),
-                .blank = rows.small(2),
-                .device = rows.text(3),
-                .plan_sha256 = rows.text(4),
-                .operator_name = rows.text(5),
-                .armed = rows.integer(6),
-                .invocation = rows.text(7)};
+  return first_of(
+      db_.rows("SELECT " POPCUT_ARM_COLUMNS " FROM arm WHERE job=?", job), [](const Rows& rows) {
+        ArmRow row;
+        rows.read(0, std::tie(row.job, row.sheet, row.blank, row.device, row.plan_sha256,
+                              row.operator_name, row.armed, row.invocation));
+        return row;
+      });
 }
 
 }  // namespace popcut::daemon

@@ -10,6 +10,9 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <vector>
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -76,15 +79,51 @@ class Rows {
   /// The value as it is, to be bound elsewhere before `next`.
   [[nodiscard]] Bound value(int column) const;
   [[nodiscard]] int small(int column) const { return static_cast<int>(integer(column)); }
+  /// Reads the columns from `column` on, each into a variable of its type.
+  template <typename... Values>
+  void read(int column, const std::tuple<Values&...>& values) const {
+    std::apply([&](Values&... each) { (read_one(column++, each), ...); }, values);
+  }
 
  private:
   friend class Database;
+  template <typename Value>
+  void read_one(int column, Value& value) const {
+    if constexpr (std::is_same_v<Value, std::string>)
+      value = text(column);
+    else if constexpr (std::is_same_v<Value, double>)
+      value = real(column);
+    else if constexpr (std::is_same_v<Value, std::optional<std::int64_t>>)
+      value = maybe_integer(column);
+    else if constexpr (std::is_same_v<Value, bool>)
+      value = integer(column) != 0;
+    else
+      value = static_cast<Value>(integer(column));
+  }
   Rows(sqlite3* db, sqlite3_stmt* statement, bool* busy, std::span<const Bound> values);
   void put_back();
   sqlite3* db_;
   sqlite3_stmt* statement_;
   bool* busy_;  ///< of the kept statement; nullptr: ours, to be finalised
 };
+
+/// Every row, as `one` reads it.
+template <typename One>
+[[nodiscard]] auto all_of(Rows rows, One one) {
+  std::vector<decltype(one(rows))> all;
+  while (rows.next()) all.push_back(one(rows));
+  return all;
+}
+
+/// The first row, as `one` reads it.
+template <typename One>
+[[nodiscard]] auto first_of(Rows rows, One one) {
+  std::optional<decltype(one(rows))> first;
+  if (rows.next()) first = one(rows);
+  return first;
+}
+
+[[nodiscard]] inline std::string first_text(const Rows& rows) { return rows.text(0); }
 
 /// The one connection to an SQLite file. Exclusive, WAL, synchronous FULL. Not for two threads.
 class Database {
@@ -110,6 +149,17 @@ class Database {
   template <typename... Values>
   [[nodiscard]] Rows rows(std::string_view sql, const Values&... values) {
     return rows_list(sql, std::array<Bound, sizeof...(Values)>{Bound(values)...});
+  }
+  /// Puts one row: `into` is "INSERT INTO table(columns)", with a value for each of the columns.
+  template <typename... Values>
+  int insert(std::string_view into, const Values&... values) {
+    std::string sql = std::string(into) + " VALUES(?";
+    for (std::size_t at = 1; at < sizeof...(Values); ++at) sql += ", ?";
+    return run(sql + ")", values...);
+  }
+  template <typename... Values>
+  int insert(std::string_view into, const std::tuple<Values...>& values) {
+    return std::apply([&](const auto&... each) { return insert(into, each...); }, values);
   }
   int run_list(std::string_view sql, std::span<const Bound> values);
   [[nodiscard]] Rows rows_list(std::string_view sql, std::span<const Bound> values);

@@ -7,22 +7,17 @@
 
 #include <fmt/format.h>
 
-#include "daemon/digest/digest.hpp"
 #include "daemon/store/ulid.hpp"
 
 namespace popcut::daemon {
 namespace {
 
 #define POPCUT_JOB_COLUMNS                                                                     \
-  "id, rev, state, reason, asked, name, note, owner, operator, wish, device, design, plan, "   \
+  "state, id, rev, reason, asked, name, note, owner, operator, wish, device, design, plan, "   \
   "material, priority, position, copies, held, sheets_total, sheet, blank, segment, "          \
   "first_stroke, paths_certain, paths_sent, paths_total, done_paths, done_mm, low_s, high_s, " \
   "created, started, finished, outcome, tags, attention, attention_text, attention_since"
 
-constexpr std::string_view kInsert =
-    "INSERT INTO job(" POPCUT_JOB_COLUMNS
-    ") VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
-    "?, ?, ?, ?, ?, ?, ?, ?, ?, ?)";
 constexpr std::string_view kUpdate =
     "UPDATE job SET rev=?, state=?, reason=?, asked=?, name=?, note=?, operator=?, wish=?, "
     "device=?, priority=?, position=?, held=?, sheets_total=?, sheet=?, blank=?, segment=?, "
@@ -48,58 +43,30 @@ JobState state_of(const std::string& word) {
   throw StoreFault(FaultKind::Corrupt, fmt::format("a job's state is {:?}", word));
 }
 
+// The members in the order of the columns, without the state.
+template <typename Row>
+auto job_values(Row& row) {
+  return std::tie(row.id, row.rev, row.reason, row.asked, row.name, row.note, row.owner,
+                  row.operator_name, row.requested_device, row.device, row.design, row.plan,
+                  row.material, row.priority, row.position, row.copies, row.held, row.sheets_total,
+                  row.sheet, row.blank, row.segment, row.first_stroke, row.paths_certain,
+                  row.paths_sent, row.paths_total, row.done_paths, row.done_mm, row.low_s,
+                  row.high_s, row.created, row.started, row.finished, row.outcome, row.tags,
+                  row.attention, row.attention_text, row.attention_since);
+}
+
 JobRow row_of(const Rows& rows) {
-  int at = 0;
-  const auto text = [&] { return rows.text(at++); };
-  const auto whole = [&] { return rows.integer(at++); };
-  const auto small = [&] { return rows.small(at++); };
   JobRow row;
-  row.id = text();
-  row.rev = whole();
-  row.state = state_of(text());
-  for (std::string* field :
-       {&row.reason, &row.asked, &row.name, &row.note, &row.owner, &row.operator_name,
-        &row.requested_device, &row.device, &row.design, &row.plan, &row.material})
-    *field = text();
-  row.priority = small();
-  row.position = whole();
-  row.copies = small();
-  row.held = whole() != 0;
-  for (int* field : {&row.sheets_total, &row.sheet, &row.blank, &row.segment}) *field = small();
-  for (std::int64_t* field :
-       {&row.first_stroke, &row.paths_certain, &row.paths_sent, &row.paths_total, &row.done_paths})
-    *field = whole();
-  for (double* field : {&row.done_mm, &row.low_s, &row.high_s}) *field = rows.real(at++);
-  row.created = whole();
-  row.started = rows.maybe_integer(at++);
-  row.finished = rows.maybe_integer(at++);
-  for (std::string* field : {&row.outcome, &row.tags, &row.attention, &row.attention_text})
-    *field = text();
-  row.attention_since = whole();
+  row.state = state_of(rows.text(0));
+  rows.read(1, job_values(row));
   return row;
-}
-
-std::vector<JobRow> job_rows(Rows rows) {
-  std::vector<JobRow> all;
-  while (rows.next()) all.push_back(row_of(rows));
-  return all;
-}
-
-std::optional<JobRow> first_job(Rows rows) {
-  if (!rows.next()) return std::nullopt;
-  return row_of(rows);
 }
 
 }  // namespace
 
 void JobTable::insert(const JobRow& row) {
-  db_.run(kInsert, row.id, row.rev, name_of(row.state), row.reason, row.asked, row.name, row.note,
-          row.owner, row.operator_name, row.requested_device, row.device, row.design, row.plan,
-          row.material, row.priority, row.position, row.copies, row.held, row.sheets_total,
-          row.sheet, row.blank, row.segment, row.first_stroke, row.paths_certain, row.paths_sent,
-          row.paths_total, row.done_paths, row.done_mm, row.low_s, row.high_s, row.created,
-          row.started, row.finished, row.outcome, row.tags, row.attention, row.attention_text,
-          row.attention_since);
+  db_.insert("INSERT INTO job(" POPCUT_JOB_COLUMNS ")",
+             std::tuple_cat(std::tuple(name_of(row.state)), job_values(row)));
 }
 
 void JobTable::update(JobRow& row) {
@@ -115,7 +82,9 @@ void JobTable::update(JobRow& row) {
   ++row.rev;
 }
 
-std::optional<JobRow> JobTable::find(std::string_view id) { return first_job(db_.rows(kFind, id)); }
+std::optional<JobRow> JobTable::find(std::string_view id) {
+  return first_of(db_.rows(kFind, id), row_of);
+}
 
 std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& after, int limit) {
   // Each state is a run of an index in the order of ids; a page is the first of all these runs.
@@ -141,7 +110,7 @@ std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& a
                              : !filter.device.empty() ? 4
                              : !filter.owner.empty()  ? 3
                                                       : 2;
-    std::vector<JobRow> run = job_rows(db_.rows_list(sql, std::span(values).first(used)));
+    std::vector<JobRow> run = all_of(db_.rows_list(sql, std::span(values).first(used)), row_of);
     std::move(run.begin(), run.end(), std::back_inserter(all));
   }
   std::sort(all.begin(), all.end(), [](const JobRow& a, const JobRow& b) { return a.id < b.id; });
@@ -171,15 +140,15 @@ std::vector<JobRow> JobTable::queue(const std::string& device,
                                     const std::optional<QueuePlace>& after, int limit) {
   constexpr int kAboveAll = 1000;
   const QueuePlace from = after.value_or(QueuePlace{kAboveAll, 0, {}});
-  return job_rows(db_.rows(kQueue, device, limit, from.priority, from.position, from.id));
+  return all_of(db_.rows(kQueue, device, limit, from.priority, from.position, from.id), row_of);
 }
 
 std::vector<JobRow> JobTable::waiting_for(const std::string& plan, JobState state, int limit) {
-  return job_rows(db_.rows(kWaiting, plan, name_of(state), limit));
+  return all_of(db_.rows(kWaiting, plan, name_of(state), limit), row_of);
 }
 
 std::optional<JobRow> JobTable::on_device(const std::string& device) {
-  return first_job(db_.rows(kOnDevice, device));
+  return first_of(db_.rows(kOnDevice, device), row_of);
 }
 
 std::int64_t JobTable::last_position() { return db_.number("SELECT max(position) FROM job"); }

@@ -19,11 +19,9 @@ namespace fs = std::filesystem;
 
 std::vector<std::string> columns_of(Database& database, const std::string& table,
                                     const char* what) {
-  std::vector<std::string> names;
-  Rows rows =
-      database.rows(fmt::format("SELECT name FROM pragma_table_info('{}') WHERE {}", table, what));
-  while (rows.next()) names.push_back(rows.text(0));
-  return names;
+  return all_of(
+      database.rows(fmt::format("SELECT name FROM pragma_table_info('{}') WHERE {}", table, what)),
+      first_text);
 }
 
 // Rows from the front up to damage, then from the back up to it: what lies before and behind.
@@ -32,10 +30,9 @@ Salvage::Table bring_over(Database& from, Database& to, const std::string& table
   const std::vector<std::string> columns = columns_of(to, table, "1");
   const std::vector<std::string> keys = columns_of(to, table, "pk > 0 ORDER BY pk");
   const std::string names = fmt::format("{}", fmt::join(columns, ","));
-  std::string marks;
-  for (std::size_t i = 0; i < columns.size(); ++i) marks += i == 0 ? "?" : ",?";
   const std::string insert =
-      fmt::format("INSERT OR IGNORE INTO {}({}) VALUES({})", table, names, marks);
+      fmt::format("INSERT OR IGNORE INTO {}({}) VALUES({})", table, names,
+                  fmt::join(std::vector<std::string_view>(columns.size(), "?"), ","));
   for (const char* direction : {"ASC", "DESC"}) {
     try {
       Rows rows =

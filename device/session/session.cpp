@@ -2,6 +2,7 @@
 #include "device/session/session.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "device/session/session_run.hpp"
 
@@ -42,25 +43,15 @@ SessionEnd run_rest(Transport& transport, const Machine& machine, const EncodedP
 }  // namespace
 
 std::string_view name_of(SessionPhase phase) {
-  switch (phase) {
-    case SessionPhase::Connecting:
-      return "connecting";
-    case SessionPhase::Settings:
-      return "sending the settings";
-    case SessionPhase::Searching:
-      return "searching for the marks";
-    case SessionPhase::Cutting:
-      return "cutting";
-    case SessionPhase::Paused:
-      return "paused on the panel";
-    case SessionPhase::Held:
-      return "held";
-    case SessionPhase::Finishing:
-      return "finishing";
-    case SessionPhase::Parking:
-      return "parking";
-  }
-  return "";
+  constexpr std::array<std::string_view, 8> kNames{"connecting",
+                                                   "sending the settings",
+                                                   "searching for the marks",
+                                                   "cutting",
+                                                   "paused on the panel",
+                                                   "held",
+                                                   "finishing",
+                                                   "parking"};
+  return kNames.at(static_cast<std::size_t>(phase));
 }
 
 StrokeFate fate_of(ByteRange stroke, std::uint64_t ready_bytes, std::uint64_t good_bytes,

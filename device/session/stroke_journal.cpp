@@ -2,7 +2,6 @@
 #include "device/session/stroke_journal.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace popcut {
 namespace {

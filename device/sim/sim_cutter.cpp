@@ -2,7 +2,6 @@
 #include "device/sim/sim_cutter.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Part of device/sim/sim_cutter.hpp: turns commands into motion, as the machine's planner does.
 #include <algorithm>
-#include <cmath>
 
 #include "core/machines/motion.hpp"
 #include "device/sim/sim_cutter.hpp"

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
-#include <string_view>
 
 #include <fmt/format.h>
 
 #include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 #include "device/sim/trace.hpp"
-#include "device/sim/window.hpp"
 
 namespace popcut {
 namespace {

@@ -10,7 +10,6 @@
 #include <array>
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <optional>
 #include <span>
 
@@ -112,17 +111,8 @@ bool usable_serial(const std::string& serial) {
 }  // namespace
 
 std::string_view name_of(UsbState state) {
-  switch (state) {
-    case UsbState::Free:
-      return "free";
-    case UsbState::Busy:
-      return "busy";
-    case UsbState::NoPermission:
-      return "no permission";
-    case UsbState::Absent:
-      return "absent";
-  }
-  return "";
+  constexpr std::array<std::string_view, 4> kNames{"free", "busy", "no permission", "absent"};
+  return kNames.at(static_cast<std::size_t>(state));
 }
 
 UsbDevice describe(libusb_device* device) {

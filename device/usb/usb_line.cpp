@@ -2,7 +2,6 @@
 #include "device/usb/usb_line.hpp"
 
 #include <algorithm>
-#include <thread>
 
 #include <fmt/format.h>
 #include <libusb-1.0/libusb.h>

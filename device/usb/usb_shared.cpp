@@ -3,8 +3,6 @@
 
 #include <sys/time.h>
 
-#include <algorithm>
-
 #include <fmt/format.h>
 #include <libusb-1.0/libusb.h>
 

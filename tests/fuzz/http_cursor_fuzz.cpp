@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "daemon/http/api/cursor.hpp"
 #include "daemon/http/api/handler_kit.hpp"
+#include "daemon/http/api/target.hpp"
 
 using namespace popcut::daemon;
 

@@ -21,7 +21,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "daemon/planning/make_planner.hpp"
+#include "daemon/planning/planner.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/timing.hpp"
 

@@ -6,7 +6,6 @@
 #include <memory>
 #include <numbers>
 #include <optional>
-#include <sstream>
 #include <string>
 
 #include <fmt/format.h>
@@ -18,7 +17,6 @@
 #include "core/figures/paper_figures.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/options/angles.hpp"
-#include "daemon/files/output_file.hpp"
 #include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
@@ -162,12 +160,10 @@ Result<void> run_assembly(const Options& options, const Globals& globals) {
     out << (picture ? assembly_maps_svg(maps, *phi) : maps_json(maps, *phi));
   });
   if (!done) return done;
-  if (globals.json && !options.output.empty()) {
+  if (globals.json && !options.output.empty())
     fmt::print("{}\n", nlohmann::ordered_json{{"file", options.output}, {"rows", count}}.dump());
-  }
-  if (!globals.quiet && !options.output.empty()) {
+  if (!globals.quiet && !options.output.empty())
     fmt::print(stderr, "  wrote   {}\n", options.output);
-  }
   return {};
 }
 
@@ -181,10 +177,9 @@ void print_solution(const AssemblySolution& found, double K) {
   const double H = std::abs(found.reached.H) < 1e-13 ? 0.0 : found.reached.H;
   fmt::print("K = {:.10g} rad, H = {:.10g}, A = {:.10g} (unit widths)\n",
              std::abs(found.reached.K) < 1e-13 ? 0.0 : found.reached.K, H, found.reached.A);
-  if (found.mirror) {
+  if (found.mirror)
     fmt::print("equally near, with -H: r = {:.10g}, lambda = {:.10g}\n", found.mirror->r,
                found.mirror->lambda);
-  }
   if (K < 0 && at_quarter(at.phi_rad)) {
     const double least = assembly_lambda_for(K);
     if (least < 2) {
@@ -293,9 +288,7 @@ void register_curvature(CLI::App& app, const Globals& globals, Run& run) {
       ->required();
   assembly->add_option("-o,--output", options->output, "maps.csv, maps.svg or maps.json")
       ->option_text("FILE");
-  assembly->callback([options, &globals, &run] {
-    run = [options, &globals] { return run_assembly(*options, globals); };
-  });
+  when_chosen(assembly, run, [options, &globals] { return run_assembly(*options, globals); });
 
   CLI::App* const solve = command->add_subcommand("solve", kSolveHelp);
   add_phi(solve, *options);
@@ -305,9 +298,7 @@ void register_curvature(CLI::App& app, const Globals& globals, Run& run) {
       ->option_text("NUMBER")
       ->required();
   solve->add_option("--H", options->H, "Mean curvature, in 1/width")->option_text("NUMBER");
-  solve->callback([options, &globals, &run] {
-    run = [options, &globals] { return run_solve(*options, globals); };
-  });
+  when_chosen(solve, run, [options, &globals] { return run_solve(*options, globals); });
 
   command->callback([options, command, &globals, &run] {
     if (!command->get_subcommands().empty()) return;  // that one has set the work

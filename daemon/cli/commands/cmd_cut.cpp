@@ -23,8 +23,8 @@
 #include "daemon/cli/options/plan_arguments.hpp"
 #include "daemon/cli/view/pause_key.hpp"
 #include "daemon/cli/view/progress_bar.hpp"
-#include "daemon/files/fault_file.hpp"
 #include "daemon/files/output_folder.hpp"
+#include "daemon/files/user_tables.hpp"
 #include "device/compare/expect.hpp"
 #include "device/session/session.hpp"
 
@@ -369,9 +369,7 @@ void register_cut(CLI::App& app, const Globals& globals, Run& run) {
       ->option_text("TEXT");
   command->add_flag("--wait", options->wait,
                     "Wait until the job ends, and print each thing you have to do");
-  command->callback([options, &globals, &run] {
-    run = [options, &globals] { return run_cut(*options, globals); };
-  });
+  when_chosen(command, run, [options, &globals] { return run_cut(*options, globals); });
 }
 
 }  // namespace popcut::cli

@@ -141,9 +141,7 @@ void add_events(CLI::App& app, const Globals& globals, Run& run) {
                1000)
       ->option_text("N [200]");
   command->add_flag("--follow", options->follow, "Keep running and print new events");
-  command->callback([options, &globals, &run] {
-    run = [options, &globals] { return run_events(*options, globals); };
-  });
+  when_chosen(command, run, [options, &globals] { return run_events(*options, globals); });
 }
 
 // Tokens
@@ -227,17 +225,12 @@ void add_token(CLI::App& app, const Globals& globals, Run& run) {
   create->add_option("--name", options->name, "Who or what the token is for")->option_text("TEXT");
   whole_number(create->add_option("--days", options->days, "Days until it expires"), 1, 36'500)
       ->option_text("N [until deleted]");
-  create->callback([options, &globals, &run] {
-    run = [options, &globals] { return create_token(*options, globals); };
-  });
-  command->add_subcommand("list", "List the tokens, without their secrets")
-      ->callback([&globals, &run] { run = [&globals] { return list_tokens(globals); }; });
-  CLI::App* const remove =
-      command->add_subcommand("delete", "Delete a token; it stops working at once");
+  when_chosen(create, run, [options, &globals] { return create_token(*options, globals); });
+  when_chosen(command->add_subcommand("list", "List the tokens, without their secrets"), run,
+              [&globals] { return list_tokens(globals); });
+  CLI::App* const remove = command->add_subcommand("delete", "Delete a token; it stops working at once");
   remove->add_option("ID", options->id, "An ID that 'popcut token list' shows")->required();
-  remove->callback([options, &globals, &run] {
-    run = [options, &globals] { return delete_token(*options, globals); };
-  });
+  when_chosen(remove, run, [options, &globals] { return delete_token(*options, globals); });
 }
 
 // The page
@@ -317,9 +310,7 @@ void add_usage(CLI::App& app, const Globals& globals, Run& run) {
   command->add_option("--from", options->from, "Start of the period, as in 2026-11-01T00:00:00Z")
       ->option_text("TIME");
   command->add_option("--to", options->to, "End of the period (exclusive)")->option_text("TIME");
-  command->callback([options, &globals, &run] {
-    run = [options, &globals] { return run_usage(*options, globals); };
-  });
+  when_chosen(command, run, [options, &globals] { return run_usage(*options, globals); });
 }
 
 // The database
@@ -389,9 +380,7 @@ void add_db(CLI::App& app, const Globals& globals, Run& run) {
       "salvage", "Copy what is readable of a damaged database to a new one");
   salvage->add_option("--state", *folder, "popcutd's state folder")
       ->option_text("DIR [~/.local/state/popcut]");
-  salvage->callback([folder, &globals, &run] {
-    run = [folder, &globals] { return salvage_database(*folder, globals); };
-  });
+  when_chosen(salvage, run, [folder, &globals] { return salvage_database(*folder, globals); });
 }
 
 }  // namespace
@@ -406,9 +395,7 @@ void register_daemon(CLI::App& app, const Globals& globals, Run& run) {
   CLI::App* const open = app.add_subcommand("open", kOpenHelp);
   auto print_only = std::make_shared<bool>(false);
   open->add_flag("--print", *print_only, "Print the address; do not open it");
-  open->callback([print_only, &globals, &run] {
-    run = [print_only, &globals] { return open_page(*print_only, globals); };
-  });
+  when_chosen(open, run, [print_only, &globals] { return open_page(*print_only, globals); });
 }
 
 }  // namespace popcut::cli

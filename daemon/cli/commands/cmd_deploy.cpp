@@ -194,9 +194,7 @@ void register_deploy(CLI::App& app, const Globals& globals, Run& run) {
                     "Also write poster.svg: several poses side by side");
   command->add_flag("--film", options->film, "Also write film.svg: an animated drawing");
   command->add_flag("--no-stl", options->no_stl, "Do not write the STL files");
-  command->callback([options, &globals, &run] {
-    run = [options, &globals] { return run_deploy(*options, globals); };
-  });
+  when_chosen(command, run, [options, &globals] { return run_deploy(*options, globals); });
 }
 
 }  // namespace popcut::cli

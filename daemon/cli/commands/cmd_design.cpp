@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <memory>
 #include <numbers>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -96,9 +95,8 @@ std::vector<SheetLine> micro_cuts(const Job& job) {
     const EdgeRole role =
         line.operation == Operation::FoldMountain ? EdgeRole::Mountain : EdgeRole::Valley;
     const auto points = dashed.points_of(line);
-    for (std::size_t i = 1; i < points.size(); ++i) {
+    for (std::size_t i = 1; i < points.size(); ++i)
       dashes.push_back({points[i - 1].y, points[i - 1].x, points[i].y, points[i].x, role});
-    }
   }
   return dashes;
 }
@@ -447,9 +445,7 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
   command->add_option("--example", options->example, "Print an example design")
       ->option_text("NAME");
   command->add_flag("--list", options->list, "List the example designs");
-  command->callback([options, &globals, &run] {
-    run = [options, &globals] { return run_design(*options, globals); };
-  });
+  when_chosen(command, run, [options, &globals] { return run_design(*options, globals); });
 }
 
 }  // namespace popcut::cli

@@ -201,9 +201,7 @@ void register_doctor(CLI::App& app, const Globals& globals, Run& run) {
   command->add_option("--treat-as", options->treat_as, "Known model to treat an unknown cutter as")
       ->option_text("NAME");
   command->add_flag("--udev-rule", options->rule, "Print popcut's udev rule and do nothing else");
-  command->callback([options, &globals, &run] {
-    run = [options, &globals] { return run_doctor(*options, globals); };
-  });
+  when_chosen(command, run, [options, &globals] { return run_doctor(*options, globals); });
 }
 
 }  // namespace popcut::cli

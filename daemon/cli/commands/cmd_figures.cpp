@@ -29,15 +29,13 @@ Result<void> run_figures(const std::string& folder_name, const Globals& globals)
   const auto fails = std::count_if(figures->statements.begin(), figures->statements.end(),
                                    [](const CheckedStatement& s) { return !s.holds; });
   for (const CheckedStatement& s : figures->statements) {
-    if (!globals.quiet || !s.holds) {
+    if (!globals.quiet || !s.holds)
       fmt::print(stderr, "  {:<7} {:<10} {} ({:.6g})\n", s.holds ? "holds" : "FAILS", s.figure,
                  s.claim, s.value);
-    }
   }
-  if (!globals.quiet) {
+  if (!globals.quiet)
     fmt::print(stderr, "  wrote   {} drawings and tables, and figures.json, to {}\n",
                figures->files.size(), folder_name);
-  }
   if (fails == 0) return {};
   return fail(ErrorKind::CheckFailed, folder_name,
               fmt::format("{} of {} statements of the paper do not hold; figures.json lists them",
@@ -66,9 +64,7 @@ void register_figures(CLI::App& app, const Globals& globals, Run& run) {
   command->add_option("-o,--output", *folder, "Folder for the files; created if it does not exist")
       ->option_text("DIR")
       ->required();
-  command->callback([folder, &globals, &run] {
-    run = [folder, &globals] { return run_figures(*folder, globals); };
-  });
+  when_chosen(command, run, [folder, &globals] { return run_figures(*folder, globals); });
 }
 
 }  // namespace popcut::cli

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <map>
 #include <memory>
@@ -17,7 +16,6 @@
 #include "daemon/cli/help/terminal_text.hpp"
 #include "daemon/cli/view/job_follow.hpp"
 #include "daemon/cli/view/job_view.hpp"
-#include "daemon/cli/view/person_name.hpp"
 #include "daemon/client/api.hpp"
 
 namespace popcut::cli {
@@ -246,9 +244,7 @@ void register_jobs(CLI::App& app, const Globals& globals, Run& run) {
   command->add_flag("--all", options->all, "Include finished jobs");
   command->add_option("--state", options->state, "Only jobs in these states, separated by commas")
       ->option_text("STATE");
-  command->callback([options, &globals, &run] {
-    run = [options, &globals] { return run_jobs(*options, globals); };
-  });
+  when_chosen(command, run, [options, &globals] { return run_jobs(*options, globals); });
 }
 
 }  // namespace popcut::cli

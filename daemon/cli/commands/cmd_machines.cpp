@@ -216,8 +216,8 @@ void add_devices(CLI::App& app, const Globals& globals, Run& run) {
     auto id = std::make_shared<std::string>();
     CLI::App* const one = command->add_subcommand(action.name, action.help);
     one->add_option("DEVICE", *id, "A device that 'popcut devices' lists")->required();
-    one->callback([id, name = std::string(action.name), &globals, &run] {
-      run = [id, name, &globals] { return act_on_device(*id, name, globals); };
+    when_chosen(one, run, [id, name = std::string(action.name), &globals] {
+      return act_on_device(*id, name, globals);
     });
   }
 }
@@ -227,13 +227,11 @@ void add_devices(CLI::App& app, const Globals& globals, Run& run) {
 
 void register_machines(CLI::App& app, const Globals& globals, Run& run) {
   using namespace machines_command;
-  app.add_subcommand("machines", kMachinesHelp)->callback([&globals, &run] {
-    run = [&globals] { return list_machines(globals); };
-  });
+  when_chosen(app.add_subcommand("machines", kMachinesHelp), run,
+              [&globals] { return list_machines(globals); });
   add_devices(app, globals, run);
-  app.add_subcommand("materials", kMaterialsHelp)->callback([&globals, &run] {
-    run = [&globals] { return list_materials(globals); };
-  });
+  when_chosen(app.add_subcommand("materials", kMaterialsHelp), run,
+              [&globals] { return list_materials(globals); });
 }
 
 }  // namespace popcut::cli

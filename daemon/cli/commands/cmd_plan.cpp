@@ -1,20 +1,64 @@
 // SPDX-License-Identifier: MIT
 #include <cstdio>
 #include <memory>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "core/formats/write/profile_svg.hpp"
 #include "core/plan/plan.hpp"
 #include "core/text/utf8.hpp"
 #include "daemon/cli/command.hpp"
-#include "daemon/cli/commands/profile_sheets.hpp"
 #include "daemon/cli/options/plan_arguments.hpp"
 #include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
 namespace plan_command {
 namespace {
+
+LineWork strokes_as_lines(const Toolpath& path, const std::string& title) {
+  LineWork work;
+  work.name = title;
+  work.dashed = true;
+  work.points.reserve(path.points.size());
+  for (const Stroke& stroke : path.strokes) work.append(stroke.operation, path.points_of(stroke));
+  return work;
+}
+
+// The mats of that maker keep a quarter of an inch free all round.
+CricutMat cricut_mat(const PlannedSheet& sheet) {
+  constexpr double kMmPerInch = 25.4;
+  CricutMat mat;
+  const double inches = sheet.area_mm[1] / kMmPerInch;
+  if (inches > mat.height_in + 0.5 + 1e-6) mat.height_in = 23.5;
+  return mat;
+}
+
+// Adds sheet `number` (from 1) as another program wants it, `sheet-NN-PROFILE.svg`, for the
+// profiles cricut, lightburn and origami-sim; nothing for the others. A sheet that is too large
+// for that program's mat is noted in `warnings`.
+Result<void> add_profile_sheet(const PlannedSheet& sheet, std::size_t number,
+                               const std::string& profile, const std::string& title,
+                               OutputFolder& folder, std::vector<std::string>& warnings) {
+  const std::string name = fmt::format("sheet-{:02}-{}.svg", number, profile);
+  std::ostringstream out;
+  if (profile == "cricut") {
+    const auto written =
+        write_cricut_svg(strokes_as_lines(sheet.path, title), cricut_mat(sheet), out);
+    if (!written) {
+      warnings.push_back(fmt::format("{} is not written: {}", name, written.error().detail));
+      return {};
+    }
+  } else if (profile == "lightburn") {
+    write_lightburn_svg(strokes_as_lines(sheet.path, title), sheet.area_mm, out);
+  } else if (profile == "origami-sim" && sheet.lines) {
+    write_origami_sim_svg(*sheet.lines, out);
+  } else {
+    return {};
+  }
+  return folder.add(name, out.str());
+}
 
 struct Options {
   PlanArguments plan;
@@ -105,9 +149,7 @@ void register_plan(CLI::App& app, const Globals& globals, Run& run) {
       ->add_option("-o,--output", options->folder,
                    "Folder for the files; created if it does not exist")
       ->option_text("DIR");
-  command->callback([options, &globals, &run] {
-    run = [options, &globals] { return run_plan(*options, globals); };
-  });
+  when_chosen(command, run, [options, &globals] { return run_plan(*options, globals); });
 }
 
 }  // namespace popcut::cli

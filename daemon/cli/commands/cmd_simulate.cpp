@@ -14,7 +14,6 @@
 #include "daemon/cli/commands/simulate_pty.hpp"
 #include "daemon/cli/input/expectation.hpp"
 #include "daemon/cli/options/option_value.hpp"
-#include "daemon/files/fault_file.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "device/sim/simulate.hpp"
@@ -42,10 +41,8 @@ Result<Machine> choose_machine(const Options& options, const std::optional<PlanF
     const bool hpgl = guess_dialect(program) == Dialect::Hpgl;
     return hpgl ? find_machine("hpgl-generic") : ideal_plotter(plan->area_mm[0], plan->area_mm[1]);
   }
-  Error error = tables.with_file(machine.error());
-  if (error.place.empty())
-    error = {ErrorKind::Usage, options.machine.empty() ? "--plan" : "--machine", error.detail};
-  return tl::unexpected(error);
+  return tl::unexpected(
+      tables.with_file(machine.error(), options.machine.empty() ? "--plan" : "--machine"));
 }
 
 /// The sheet: as the plan or the expected drawing has it. A machine whose y points up needs its
@@ -126,15 +123,12 @@ Result<void> run_simulate(const Options& options, const Globals& globals) {
     if (!read) return tl::unexpected(read.error());
     expected = std::move(*read);
   }
-  std::vector<SimFault> faults;
-  if (!options.faults.empty()) {
-    auto read = read_faults(options.faults);
-    if (!read) return tl::unexpected(read.error());
-    faults = std::move(*read);
-  }
+  auto faults = read_faults(options.faults);
+  if (!faults) return tl::unexpected(faults.error());
   const SimOptions sheet = sheet_of(plan, expected, *machine, program);
-  const auto trace = faults.empty() ? simulate(program, *machine, sheet)
-                                    : simulate_faults(program, *machine, sheet, std::move(faults));
+  const auto trace = faults->empty()
+                         ? simulate(program, *machine, sheet)
+                         : simulate_faults(program, *machine, sheet, std::move(*faults));
   if (!trace) return tl::unexpected(within(options.program, trace.error()));
 
   auto folder = OutputFolder::open(options.folder);
@@ -192,9 +186,7 @@ void register_simulate(CLI::App& app, const Globals& globals, Run& run) {
   whole_number(command->add_option("--sheet", options->sheet, "Sheet of the plan, from 1"), 1,
                10'000)
       ->option_text("N [1]");
-  command->callback([options, &globals, &run] {
-    run = [options, &globals] { return run_simulate(*options, globals); };
-  });
+  when_chosen(command, run, [options, &globals] { return run_simulate(*options, globals); });
 }
 
 }  // namespace popcut::cli

@@ -142,9 +142,7 @@ void register_verify(CLI::App& app, const Globals& globals, Run& run) {
                    "What the lines of an SVG mean: origami-sim (by colour), popcut, lightburn, "
                    "cricut or plain")
       ->option_text("NAME [origami-sim]");
-  command->callback([options, &globals, &run] {
-    run = [options, &globals] { return run_verify(*options, globals); };
-  });
+  when_chosen(command, run, [options, &globals] { return run_verify(*options, globals); });
 }
 
 }  // namespace popcut::cli

@@ -24,9 +24,7 @@ Result<Machine> named(const std::string& name, const char* place) {
   if (!tables) return tl::unexpected(tables.error());
   auto machine = find_machine(name, tables->texts);
   if (machine) return machine;
-  Error error = tables->with_file(machine.error());
-  if (error.place.empty()) error = {ErrorKind::Usage, place, error.detail};
-  return tl::unexpected(error);
+  return tl::unexpected(tables->with_file(machine.error(), place));
 }
 
 /// A model that popcut drives as another one does not give that one's name.
@@ -64,7 +62,7 @@ Result<Machine> machine_on_usb(const CutTargetOptions& options, const std::strin
   if (!device) return tl::unexpected(device.error());
   auto machine = machine_of_usb(options, *device);
   if (!machine) return machine;
-  // Told now, not after the question whether to start.
+  // Reported now, not after the question whether to start.
   if (const auto usable = may_be_used(*device); !usable) return tl::unexpected(usable.error());
   return machine;
 }

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "daemon/cli/commands/simulate_pty.hpp"
-#include "daemon/files/fault_file.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "device/sim/sim_pty.hpp"
@@ -26,20 +25,12 @@ Result<SimTransport> make_cable(const PtyOptions& options) {
   if (!tables) return tl::unexpected(tables.error());
   const auto machine =
       find_machine(options.machine.empty() ? "cameo3" : options.machine, tables->texts);
-  if (!machine) {
-    Error error = tables->with_file(machine.error());
-    if (error.place.empty()) error = {ErrorKind::Usage, "--machine", error.detail};
-    return tl::unexpected(error);
-  }
-  std::vector<SimFault> faults;
-  if (!options.faults.empty()) {
-    auto read = read_faults(options.faults);
-    if (!read) return tl::unexpected(read.error());
-    faults = std::move(*read);
-  }
+  if (!machine) return tl::unexpected(tables->with_file(machine.error(), "--machine"));
+  auto faults = read_faults(options.faults);
+  if (!faults) return tl::unexpected(faults.error());
   auto sim = SimCutter::make(*machine);
   if (!sim) return tl::unexpected(sim.error());
-  return SimTransport(std::move(*sim), std::move(faults));
+  return SimTransport(std::move(*sim), std::move(*faults));
 }
 
 /// The keys of the panel: one line each, because the terminal delivers lines.

@@ -2,6 +2,8 @@
 #include "daemon/cli/input/expectation.hpp"
 
 #include <cstdlib>
+#include <map>
+#include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -12,18 +14,124 @@
 #include "core/plan/knife/blade.hpp"
 #include "core/text/json_text.hpp"
 #include "daemon/cli/input/drawing_input.hpp"
-#include "daemon/cli/input/split_facts.hpp"
 #include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
 namespace {
 
-constexpr std::uintmax_t kLimitBytes = 256u << 20;
-
 const nlohmann::json* find(const nlohmann::json& from, const std::string& pointer) {
   const nlohmann::json::json_pointer at(pointer);
   return from.contains(at) ? &from.at(at) : nullptr;
 }
+
+// Reads lists of a plan; the first thing that is not as it should be is kept.
+class Reader {
+ public:
+  explicit Reader(const nlohmann::json& plan) : plan_(plan) {}
+
+  const nlohmann::json& list(const std::string& pointer) {
+    static const nlohmann::json kNone = nlohmann::json::array();
+    const nlohmann::json* found = find(plan_, pointer);
+    if (found != nullptr && found->is_array()) return *found;
+    fault(pointer, "give a list");
+    return kNone;
+  }
+
+  std::size_t piece(const std::string& pointer) {
+    const nlohmann::json* found = find(plan_, pointer);
+    if (found != nullptr && found->is_number_unsigned() && *found >= 1)
+      return found->get<std::size_t>();
+    fault(pointer, "give the number of a piece");
+    return 0;
+  }
+
+  std::vector<PagePoint> points(const std::string& pointer, std::size_t least) {
+    std::vector<PagePoint> out;
+    for (const nlohmann::json& point : list(pointer)) {
+      if (!point.is_array() || point.size() != 2 || !point[0].is_number() ||
+          !point[1].is_number()) {
+        fault(pointer, "give points as [x, y] in mm");
+        return std::vector<PagePoint>(least);
+      }
+      out.push_back({point[0].get<double>(), point[1].get<double>()});
+    }
+    if (out.size() < least) {
+      fault(pointer, "give more points");
+      out.resize(least);
+    }
+    return out;
+  }
+
+  Placement placement(const std::string& pointer) {
+    Placement t;
+    const std::pair<const char*, double*> numbers[] = {{"/0/0", &t.xx}, {"/0/1", &t.xy},
+                                                       {"/0/2", &t.x0}, {"/1/0", &t.yx},
+                                                       {"/1/1", &t.yy}, {"/1/2", &t.y0}};
+    for (const auto& [at, value] : numbers) {
+      const nlohmann::json* found = find(plan_, pointer + at);
+      if (found != nullptr && found->is_number())
+        *value = found->get<double>();
+      else
+        fault(pointer + at, "give a number");
+    }
+    return t;
+  }
+
+  [[nodiscard]] const std::optional<Error>& error() const { return error_; }
+
+ private:
+  void fault(const std::string& pointer, const char* right) {
+    if (!error_)
+      error_ = Error{ErrorKind::Malformed, pointer, fmt::format("is missing or wrong; {}", right)};
+  }
+
+  const nlohmann::json& plan_;
+  std::optional<Error> error_;
+};
+
+// Reads the pieces that lie on a sheet of a split plan, with their seams and tabs. `sheet` is the
+// sheet's JSON pointer, as in "/sheets/0".
+//
+// @retval Malformed  not of a plan's form; place is a JSON pointer
+Result<std::vector<PlannedPiece>> read_split_facts(const nlohmann::json& plan,
+                                                   const std::string& sheet) {
+  Reader reader(plan);
+  std::map<std::size_t, PlannedPiece> pieces;
+  const std::string all = sheet + "/pieces", seams = sheet + "/seams", tabs = sheet + "/tabs";
+  for (std::size_t i = 0; i < reader.list(all).size(); ++i) {
+    const std::string at = fmt::format("{}/{}", all, i);
+    PlannedPiece& piece = pieces[reader.piece(at + "/piece")];
+    piece.to_sheet = reader.placement(at + "/transform");
+    piece.share = reader.points(at + "/share", 3);
+  }
+  for (std::size_t i = 0; i < reader.list(seams).size(); ++i) {
+    const std::string at = fmt::format("{}/{}", seams, i);
+    const std::vector<PagePoint> ends = reader.points(at + "/points", 2);
+    PlannedPiece::Seam seam{{ends[0], ends[1]}, {}};
+    for (std::size_t k = 0; k < reader.list(at + "/glued").size(); ++k) {
+      const auto glued = reader.points(fmt::format("{}/glued/{}", at, k), 2);
+      seam.glued.push_back({glued[0], glued[1]});
+    }
+    pieces[reader.piece(at + "/piece")].seams.push_back(std::move(seam));
+  }
+  for (std::size_t i = 0; i < reader.list(tabs).size(); ++i) {
+    const std::string at = fmt::format("{}/{}", tabs, i);
+    const std::vector<PagePoint> corners = reader.points(at + "/points", 4);
+    pieces[reader.piece(at + "/piece")].tabs.push_back(
+        {corners[0], corners[1], corners[2], corners[3]});
+  }
+  if (reader.error()) return tl::unexpected(*reader.error());
+  std::vector<PlannedPiece> out;
+  for (auto& [number, piece] : pieces) {
+    if (piece.share.empty())
+      return fail(ErrorKind::Malformed, all,
+                  fmt::format("has no piece {}, which has seams or tabs on this sheet", number));
+    out.push_back(std::move(piece));
+  }
+  return out;
+}
+
+constexpr std::uintmax_t kLimitBytes = 256u << 20;
 
 Error wrong(const std::string& pointer, const char* right) {
   return {ErrorKind::Malformed, pointer, fmt::format("is missing or wrong; {}", right)};
@@ -42,7 +150,7 @@ Result<std::string> text_at(const nlohmann::json& json, const std::string& point
   return found->get<std::string>();
 }
 
-Result<void> read_lawful(const nlohmann::json& json, const std::string& pointer, LineWork& into) {
+Result<void> read_allowed(const nlohmann::json& json, const std::string& pointer, LineWork& into) {
   const nlohmann::json* list = find(json, pointer);
   if (list == nullptr) return {};
   if (!list->is_array()) return tl::unexpected(wrong(pointer, "give a list"));
@@ -105,7 +213,7 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
       if (tool.is_number_integer() && tool >= 1 && tool <= 15)
         facts.blade_tools = static_cast<std::uint16_t>(facts.blade_tools | 1u << tool.get<int>());
   for (const char* list : {"/overcuts", "/lead_ins", "/marks", "/labels"})
-    if (auto read = read_lawful(json, sheet + list, facts.also_allowed); !read)
+    if (auto read = read_allowed(json, sheet + list, facts.also_allowed); !read)
       return tl::unexpected(read.error());
   return facts;
 }

@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "core/text/words.hpp"
+
 namespace popcut::cli {
 namespace {
 
@@ -38,12 +40,6 @@ std::optional<double> multiple_of_pi(std::string_view text) {
   return *times * std::numbers::pi / *over;
 }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  return text;
-}
-
 using Parse = Result<double> (*)(std::string_view);
 
 Result<double> parse_number(std::string_view text) {
@@ -65,9 +61,8 @@ Result<Samples> parse(std::string_view option, std::string_view text, Parse numb
     return Samples{*value, *value, 1};
   }
   const std::size_t second = text.find(':', first + 1);
-  if (second == std::string_view::npos || text.find(':', second + 1) != std::string_view::npos) {
+  if (second == std::string_view::npos || text.find(':', second + 1) != std::string_view::npos)
     return wrong(option, text, "is not of the form A:B:N", kForm);
-  }
   const auto from = number(text.substr(0, first));
   const auto to = number(text.substr(first + 1, second - first - 1));
   if (!from || !to) return wrong(option, text, "does not begin with two values", kForm);
@@ -76,13 +71,11 @@ Result<Samples> parse(std::string_view option, std::string_view text, Parse numb
   const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), count);
   const bool whole = stop == digits.data() + digits.size() && !digits.empty();
   if (whole && error == std::errc::result_out_of_range) count = kMostSamples + 1;
-  if (!whole || (error != std::errc() && count <= kMostSamples)) {
+  if (!whole || (error != std::errc() && count <= kMostSamples))
     return wrong(option, text, "does not end with a whole number", kForm);
-  }
-  if (count < 2 || count > kMostSamples) {
+  if (count < 2 || count > kMostSamples)
     return wrong(option, text, fmt::format("asks for {} values", digits),
                  fmt::format("N is from 2 to {}", kMostSamples));
-  }
   return Samples{*from, *to, count};
 }
 
@@ -90,7 +83,7 @@ Result<Samples> parse(std::string_view option, std::string_view text, Parse numb
 
 Result<double> parse_angle(std::string_view text) {
   constexpr std::string_view kDegrees = "deg";
-  text = trimmed(text);
+  text = trimmed(text, " ");
   std::optional<double> angle = number(text);
   if (!angle && text.size() > kDegrees.size() && text.ends_with(kDegrees)) {
     angle = number(text.substr(0, text.size() - kDegrees.size()));
@@ -104,7 +97,7 @@ Result<double> parse_angle(std::string_view text) {
 
 Result<std::vector<double>> parse_opening_angles(std::string_view text) {
   std::vector<double> angles;
-  while (!trimmed(text).empty()) {
+  while (!trimmed(text, " ").empty()) {
     const std::string_view item = text.substr(0, text.find(','));
     const auto angle = parse_angle(item);
     if (!angle) return tl::unexpected(angle.error());
@@ -127,9 +120,8 @@ Result<Samples> parse_opening_samples(std::string_view option, std::string_view 
   auto samples = parse(option, text, parse_angle);
   if (!samples) return samples;
   for (const double angle : {samples->from, samples->to}) {
-    if (!(angle >= 0 && angle <= std::numbers::pi)) {
+    if (!(angle >= 0 && angle <= std::numbers::pi))
       return wrong(option, text, "is outside the opening angles", "give 0 (closed) to pi (flat)");
-    }
   }
   return samples;
 }

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/cli/view/job_view.hpp"
 
+#include <pwd.h>
+#include <sys/types.h>
+
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -332,6 +338,20 @@ std::vector<std::string> job_details(const Json& job, const std::vector<Json>& s
   for (std::string& wait : waiting_lines(waiting_for(as_sent(job, ledger)), 0))
     lines.push_back(std::move(wait));
   return lines;
+}
+
+std::string person_name(const std::string& principal) {
+  constexpr std::string_view kUser = "uid:";
+  if (principal.rfind(kUser, 0) != 0) return principal;
+  uid_t number = 0;
+  const char* const end = principal.data() + principal.size();
+  const auto read = std::from_chars(principal.data() + kUser.size(), end, number);
+  if (read.ec != std::errc() || read.ptr != end) return principal;
+  passwd entry{}, *found = nullptr;
+  std::vector<char> room(16 * 1024);
+  if (::getpwuid_r(number, &entry, room.data(), room.size(), &found) != 0 || found == nullptr)
+    return principal;
+  return std::string(found->pw_name) + " (" + principal + ")";
 }
 
 }  // namespace popcut::cli

@@ -42,4 +42,8 @@ struct ViewStyle {
     const nlohmann::json& job, const std::vector<nlohmann::json>& sheets,
     const std::optional<nlohmann::json>& ledger = std::nullopt);
 
+/// A user of popcutd with a readable name: "anna (uid:1000)" for "uid:1000" if this computer has a
+/// user with that number, else `principal` unchanged.
+[[nodiscard]] std::string person_name(const std::string& principal);
+
 }  // namespace popcut::cli

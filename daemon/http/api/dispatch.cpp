@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text/words.hpp"
 #include "core/text/near_names.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/json_body.hpp"
@@ -96,9 +97,7 @@ bool has_etag(std::string_view list, std::string_view etag) {
   if (list == "*") return true;
   while (!list.empty()) {
     const std::size_t end = std::min(list.find(','), list.size());
-    std::string_view one = list.substr(0, end);
-    while (!one.empty() && (one.front() == ' ' || one.front() == '\t')) one.remove_prefix(1);
-    while (!one.empty() && (one.back() == ' ' || one.back() == '\t')) one.remove_suffix(1);
+    std::string_view one = trimmed(list.substr(0, end), " \t");
     if (one.starts_with("W/")) one.remove_prefix(2);
     if (one == etag) return true;
     list.remove_prefix(std::min(end + 1, list.size()));

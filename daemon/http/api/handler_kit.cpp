@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/digest/digest.hpp"
-#include "daemon/http/api/cursor.hpp"
 #include "daemon/http/api/render.hpp"
+#include "daemon/http/api/target.hpp"
 
 namespace popcut::daemon::http {
 namespace {
@@ -126,7 +126,7 @@ void answer_once(const Request& request, Service& service, const Reply& reply,
     hash.add(part);
     hash.add(std::string_view("\0", 1));
   }
-  // What goes beyond a kept answer (Retry-After) is told only to who made it.
+  // What goes beyond a kept answer (Retry-After) goes only to who made it.
   std::optional<Response> fresh;
   Answer<Rendered> kept = service.operations.once(request.principal, {key, hash.hex()},
                                                   [&effect, &fresh]() -> Rendered {

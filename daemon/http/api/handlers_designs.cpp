@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "core/text/utf8.hpp"
 #include "daemon/http/api/handler_kit.hpp"

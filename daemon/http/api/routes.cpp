@@ -18,101 +18,71 @@ constexpr RouteAccess kAdmin{Role::Admin};
 constexpr auto kJson = BodyRule::Json;
 constexpr auto kKeyed = KeyRule::Required;
 
+// What a row says beyond method, path, role and handler.
+struct Rules {
+  BodyRule body{BodyRule::None};
+  KeyRule key{KeyRule::None};
+  MatchRule match{MatchRule::None};
+  std::string_view query{};
+  bool is_urgent{false};
+  Patience patience{Patience::Usual};
+  bool is_stream{false};
+};
+
+constexpr Route route(Method method, std::string_view path, RouteAccess access, Handler handler,
+                      const Rules& rules) {
+  return {method,      path,        access,          handler,        rules.body,     rules.key,
+          rules.match, rules.query, rules.is_urgent, rules.patience, rules.is_stream};
+}
+
 constexpr Route get(std::string_view path, RouteAccess access, Handler handler,
-                    std::string_view query = {}) {
-  return {
-      .method = Method::Get, .path = path, .access = access, .handler = handler, .query = query};
+                    const Rules& rules = {}) {
+  return route(Method::Get, path, access, handler, rules);
+}
+constexpr Route post(std::string_view path, RouteAccess access, Handler handler,
+                     const Rules& rules) {
+  return route(Method::Post, path, access, handler, rules);
+}
+constexpr Route remove(std::string_view path, RouteAccess access, Handler handler,
+                       const Rules& rules = {}) {
+  return route(Method::Delete, path, access, handler, rules);
 }
 
 // An action: a person asks it of a revision that was seen, and it takes effect once.
 constexpr Route action(std::string_view path, RouteAccess access, Handler handler,
                        MatchRule match = MatchRule::Required, bool is_urgent = false) {
-  return {.method = Method::Post,
-          .path = path,
-          .access = access,
-          .handler = handler,
-          .body = kJson,
-          .key = kKeyed,
-          .match = match,
-          .is_urgent = is_urgent};
+  return post(path, access, handler,
+              {.body = kJson, .key = kKeyed, .match = match, .is_urgent = is_urgent});
 }
 
 constexpr auto kTable = std::to_array<Route>({
-    {.method = Method::Get,
-     .path = "/healthz",
-     .access = kEveryone,
-     .handler = handle::healthz,
-     .patience = Patience::Probe},
-    {.method = Method::Get,
-     .path = "/readyz",
-     .access = kEveryone,
-     .handler = handle::readyz,
-     .patience = Patience::Probe},
+    get("/healthz", kEveryone, handle::healthz, {.patience = Patience::Probe}),
+    get("/readyz", kEveryone, handle::readyz, {.patience = Patience::Probe}),
     get("/metrics", kViewer, handle::metrics),
     get("/v1/meta", kViewer, handle::meta),
     get("/v1/openapi.json", kViewer, handle::openapi),
-    get("/v1/usage", kViewer, handle::usage, "from to by"),
+    get("/v1/usage", kViewer, handle::usage, {.query = "from to by"}),
 
-    {.method = Method::Post,
-     .path = "/v1/session/one-shot",
-     .access = kViewer,
-     .handler = handle::create_one_shot,
-     .body = kJson},
-    {.method = Method::Post,
-     .path = "/v1/session",
-     .access = kEveryone,
-     .handler = handle::open_session,
-     .body = kJson},
-    {.method = Method::Delete,
-     .path = "/v1/session",
-     .access = kViewer,
-     .handler = handle::close_session},
-    get("/v1/tokens", kAdmin, handle::list_tokens, "limit cursor"),
-    {.method = Method::Post,
-     .path = "/v1/tokens",
-     .access = kAdmin,
-     .handler = handle::create_token,
-     .body = kJson},
-    {.method = Method::Delete,
-     .path = "/v1/tokens/{id}",
-     .access = kAdmin,
-     .handler = handle::delete_token},
+    post("/v1/session/one-shot", kViewer, handle::create_one_shot, {.body = kJson}),
+    post("/v1/session", kEveryone, handle::open_session, {.body = kJson}),
+    remove("/v1/session", kViewer, handle::close_session),
+    get("/v1/tokens", kAdmin, handle::list_tokens, {.query = "limit cursor"}),
+    post("/v1/tokens", kAdmin, handle::create_token, {.body = kJson}),
+    remove("/v1/tokens/{id}", kAdmin, handle::delete_token),
 
-    {.method = Method::Post,
-     .path = "/v1/assets",
-     .access = kSubmitter,
-     .handler = handle::add_asset,
-     .body = BodyRule::Asset},
-    {.method = Method::Post,
-     .path = "/v1/designs",
-     .access = kSubmitter,
-     .handler = handle::add_design,
-     .body = BodyRule::Design,
-     .query = "name",
-     .patience = Patience::Design},
-    get("/v1/designs", kViewer, handle::list_designs, "limit cursor"),
+    post("/v1/assets", kSubmitter, handle::add_asset, {.body = BodyRule::Asset}),
+    post("/v1/designs", kSubmitter, handle::add_design,
+         {.body = BodyRule::Design, .query = "name", .patience = Patience::Design}),
+    get("/v1/designs", kViewer, handle::list_designs, {.query = "limit cursor"}),
     get("/v1/designs/{id}", kViewer, handle::get_design),
     get("/v1/designs/{id}/content", kViewer, handle::design_content),
-    {.method = Method::Get,
-     .path = "/v1/designs/{id}/preview.svg",
-     .access = kViewer,
-     .handler = handle::design_preview,
-     .patience = Patience::Design},
-    {.method = Method::Delete,
-     .path = "/v1/designs/{id}",
-     .access = kSubmitter,
-     .handler = handle::delete_design},
-    {.method = Method::Post,
-     .path = "/v1/designs/{id}/plan",
-     .access = kSubmitter,
-     .handler = handle::plan_design,
-     .body = kJson,
-     .key = KeyRule::Allowed},
+    get("/v1/designs/{id}/preview.svg", kViewer, handle::design_preview,
+        {.patience = Patience::Design}),
+    remove("/v1/designs/{id}", kSubmitter, handle::delete_design),
+    post("/v1/designs/{id}/plan", kSubmitter, handle::plan_design,
+         {.body = kJson, .key = KeyRule::Allowed}),
     get("/v1/plans/{id}", kViewer, handle::get_plan),
-    {.method = Method::Delete,
-     .path = "/v1/plans/{id}",
-     .access = kSubmitter,
-     .handler = handle::delete_plan},
+    remove("/v1/plans/{id}", kSubmitter, handle::delete_plan),
     get("/v1/plans/{id}/plan.json", kViewer, handle::plan_file),
     get("/v1/plans/{id}/pattern.svg", kViewer, handle::plan_file),
     get("/v1/plans/{id}/assembly.svg", kViewer, handle::plan_file),
@@ -121,55 +91,29 @@ constexpr auto kTable = std::to_array<Route>({
     get("/v1/plans/{id}/sheets/{k}.svg", kViewer, handle::sheet_svg),
     get("/v1/plans/{id}/sheets/{k}/program", kViewer, handle::sheet_program),
 
-    get("/v1/materials", kViewer, handle::list_materials, "limit cursor"),
+    get("/v1/materials", kViewer, handle::list_materials, {.query = "limit cursor"}),
     get("/v1/materials/{id}", kViewer, handle::get_material),
-    {.method = Method::Put,
-     .path = "/v1/materials/{id}",
-     .access = kAdmin,
-     .handler = handle::put_material,
-     .body = kJson,
-     .match = MatchRule::OrNew},
-    {.method = Method::Delete,
-     .path = "/v1/materials/{id}",
-     .access = kAdmin,
-     .handler = handle::delete_material,
-     .match = MatchRule::Required},
+    route(Method::Put, "/v1/materials/{id}", kAdmin, handle::put_material,
+          {.body = kJson, .match = MatchRule::OrNew}),
+    remove("/v1/materials/{id}", kAdmin, handle::delete_material, {.match = MatchRule::Required}),
 
-    get("/v1/devices", kViewer, handle::list_devices, "limit cursor"),
+    get("/v1/devices", kViewer, handle::list_devices, {.query = "limit cursor"}),
     get("/v1/devices/{id}", kViewer, handle::get_device),
     action("/v1/devices/{id}/actions/enable", kAdmin, handle::act_on_device),
     action("/v1/devices/{id}/actions/disable", kAdmin, handle::act_on_device),
     action("/v1/devices/{id}/actions/reset", kOperator, handle::act_on_device),
     action("/v1/devices/{id}/actions/test-cut", kOperator, handle::act_on_device),
 
-    {.method = Method::Post,
-     .path = "/v1/jobs",
-     .access = kSubmitter,
-     .handler = handle::create_job,
-     .body = kJson,
-     .key = kKeyed},
-    get("/v1/jobs", kViewer, handle::list_jobs, "limit cursor state owner device since"),
-    {.method = Method::Get,
-     .path = "/v1/jobs/{id}",
-     .access = kViewer,
-     .handler = handle::get_job,
-     .is_urgent = true},
-    {.method = Method::Patch,
-     .path = "/v1/jobs/{id}",
-     .access = kSubmitter,
-     .handler = handle::patch_job,
-     .body = kJson,
-     .key = KeyRule::Allowed,
-     .match = MatchRule::Required},
-    {.method = Method::Delete,
-     .path = "/v1/jobs/{id}",
-     .access = kSubmitter,
-     .handler = handle::delete_job,
-     .match = MatchRule::Allowed},
-    get("/v1/jobs/{id}/sheets", kViewer, handle::job_sheets, "limit cursor"),
+    post("/v1/jobs", kSubmitter, handle::create_job, {.body = kJson, .key = kKeyed}),
+    get("/v1/jobs", kViewer, handle::list_jobs, {.query = "limit cursor state owner device since"}),
+    get("/v1/jobs/{id}", kViewer, handle::get_job, {.is_urgent = true}),
+    route(Method::Patch, "/v1/jobs/{id}", kSubmitter, handle::patch_job,
+          {.body = kJson, .key = KeyRule::Allowed, .match = MatchRule::Required}),
+    remove("/v1/jobs/{id}", kSubmitter, handle::delete_job, {.match = MatchRule::Allowed}),
+    get("/v1/jobs/{id}/sheets", kViewer, handle::job_sheets, {.query = "limit cursor"}),
     get("/v1/jobs/{id}/sheets/{k}", kViewer, handle::job_sheet),
     get("/v1/jobs/{id}/sheets/{k}/ledger", kViewer, handle::sheet_ledger),
-    get("/v1/jobs/{id}/events", kViewer, handle::job_events, "after limit"),
+    get("/v1/jobs/{id}/events", kViewer, handle::job_events, {.query = "after limit"}),
     action("/v1/jobs/{id}/actions/arm", kOperator, handle::act<JobAction::Arm>),
     action("/v1/jobs/{id}/actions/disarm", kOperator, handle::act<JobAction::Disarm>,
            MatchRule::OrAny),
@@ -185,30 +129,17 @@ constexpr auto kTable = std::to_array<Route>({
     action("/v1/jobs/{id}/actions/skip-sheet", kOperator, handle::act<JobAction::SkipSheet>),
     action("/v1/jobs/{id}/actions/resume-from", kOperator, handle::act<JobAction::ResumeFrom>),
 
-    get("/v1/queue", kViewer, handle::get_queue, "limit cursor device"),
+    get("/v1/queue", kViewer, handle::get_queue, {.query = "limit cursor device"}),
     action("/v1/queue/actions/hold", kOperator, handle::hold_job, MatchRule::Allowed),
     action("/v1/queue/actions/release", kOperator, handle::release_job, MatchRule::Allowed),
     action("/v1/queue/actions/move", kOperator, handle::move_job, MatchRule::Allowed),
 
-    {.method = Method::Get,
-     .path = "/v1/events",
-     .access = kViewer,
-     .handler = handle::list_events,
-     .query = "after limit",
-     .is_stream = true},
+    get("/v1/events", kViewer, handle::list_events, {.query = "after limit", .is_stream = true}),
 
     // A copy of the database cannot be made inside the transaction that a key would need, and both
     // may well be done twice.
-    {.method = Method::Post,
-     .path = "/v1/db/actions/backup",
-     .access = kAdmin,
-     .handler = handle::backup,
-     .body = kJson},
-    {.method = Method::Post,
-     .path = "/v1/db/actions/check",
-     .access = kAdmin,
-     .handler = handle::check_database,
-     .body = kJson},
+    post("/v1/db/actions/backup", kAdmin, handle::backup, {.body = kJson}),
+    post("/v1/db/actions/check", kAdmin, handle::check_database, {.body = kJson}),
 });
 
 constexpr bool is_action(const Route& route) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -26,5 +27,12 @@ struct Target {
 /// `text` percent-decoded ("+" stays a plus), or a problem if a percent sign is not followed by two
 /// hexadecimal digits, or the result is not UTF-8 without control characters.
 [[nodiscard]] Answer<std::string> percent_decoded(std::string_view text);
+
+/// What the service gave as the place where a list goes on, in the form that clients see: base64url
+/// without padding, to be handed back and not looked into.
+[[nodiscard]] std::string encode_cursor(std::string_view place);
+
+/// The other way round, or nothing for what `encode_cursor` never gave.
+[[nodiscard]] std::optional<std::string> decode_cursor(std::string_view cursor);
 
 }  // namespace popcut::daemon::http

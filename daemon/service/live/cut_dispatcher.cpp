@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/service/live/cut_dispatcher.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "daemon/service/live/running_cut.hpp"

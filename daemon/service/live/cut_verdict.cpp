@@ -2,7 +2,6 @@
 #include "daemon/service/live/cut_verdict.hpp"
 
 #include <algorithm>
-#include <array>
 
 namespace popcut::daemon {
 namespace {

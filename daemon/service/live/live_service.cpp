@@ -161,14 +161,12 @@ Answer<void> AssembledService::begin() {
   });
   parts_.device_dispatcher.look();
   // Plans that were stored just before the last run ended.
-  std::vector<std::string> stored;
-  {
-    Rows rows = parts_.store.db().rows(
-        "SELECT DISTINCT job.plan FROM job JOIN plan ON plan.id=job.plan WHERE job.state='queued' "
-        "AND plan.state != 'pending'");
-    while (rows.next()) stored.push_back(rows.text(0));
-  }
-  for (const std::string& plan : stored) parts_.jobs.plan_ended(plan);
+  for (const std::string& plan :
+       all_of(parts_.store.db().rows("SELECT DISTINCT job.plan FROM job JOIN plan ON "
+                                     "plan.id=job.plan WHERE job.state='queued' "
+                                     "AND plan.state != 'pending'"),
+              first_text))
+    parts_.jobs.plan_ended(plan);
   parts_.plans.pump();
   parts_.thread.every(1000, [this, alive] {
     if (const auto here = alive.lock()) tick();
@@ -203,9 +201,9 @@ Answer<Rendered> AssembledService::once(const Principal& who, const IdempotentRe
       unkept = std::move(rendered);
       return refuse(ProblemKind::Internal, "");
     }
-    db.run(
+    db.insert(
         "INSERT OR REPLACE INTO idem(principal, key, request, status, body, etag, location, "
-        "expires) VALUES(?, ?, ?, ?, ?, ?, ?, ?)",
+        "expires)",
         who.name, request.key, request.sha256, rendered.status, rendered.body, rendered.etag,
         rendered.location, parts_.store.now() + parts_.options.keep_keys_ms);
     return rendered;
@@ -219,7 +217,6 @@ Answer<std::vector<Event>> AssembledService::events(std::int64_t after, int limi
   return parts_.store.look([&]() -> Answer<std::vector<Event>> {
     if (!job.empty())
       if (const auto row = parts_.jobs.row(job); !row) return tl::unexpected(row.error());
-    std::vector<Event> all;
     const int most = std::clamp(limit, 1, kMostEvents);
     Rows rows = job.empty() ? parts_.store.db().rows(
                                   "SELECT seq, kind, time, job, data FROM event "
@@ -229,16 +226,11 @@ Answer<std::vector<Event>> AssembledService::events(std::int64_t after, int limi
                                   "SELECT seq, kind, time, job, data FROM event "
                                   "WHERE seq>? AND job=? ORDER BY seq LIMIT ?",
                                   after, job, most);
-    while (rows.next()) {
+    return all_of(std::move(rows), [](const Rows& one) {
       Event event;
-      event.seq = rows.integer(0);
-      event.kind = rows.text(1);
-      event.time = rows.integer(2);
-      event.job = rows.text(3);
-      event.data = rows.text(4);
-      all.push_back(std::move(event));
-    }
-    return all;
+      one.read(0, std::tie(event.seq, event.kind, event.time, event.job, event.data));
+      return event;
+    });
   });
 }
 

@@ -21,12 +21,8 @@ constexpr std::string_view kPreview = "preview.svg";
 
 Design design_of(const Rows& rows) {
   Design design;
-  design.id = rows.text(0);
-  design.name = rows.text(1);
-  design.kind = rows.text(2);
-  design.owner = rows.text(3);
-  design.bytes = static_cast<std::uint64_t>(rows.integer(4));
-  design.created = rows.integer(5);
+  rows.read(
+      0, std::tie(design.id, design.name, design.kind, design.owner, design.bytes, design.created));
   design.assets = list_from_json(rows.text(6));
   design.is_new = false;
   return design;
@@ -159,10 +155,9 @@ Answer<Design> DesignRepository::store(const Principal& who, const Upload& uploa
     // It can be drawn again at any time, so it may be lost.
     if (const std::string* preview = file_of(outcome, kPreview))
       (void)write_file(store_.folder().at("previews/" + id + ".svg"), *preview);
-    store_.db().run(
-        "INSERT INTO design(id, name, kind, owner, bytes, created, assets, media_type) "
-        "VALUES(?, ?, ?, ?, ?, ?, ?, ?)",
-        id, name, design.kind, design.owner, design.bytes, design.created, json_list(design.assets),
+    store_.db().insert(
+        "INSERT INTO design(id, name, kind, owner, bytes, created, assets, media_type)", id, name,
+        design.kind, design.owner, design.bytes, design.created, json_list(design.assets),
         media_type);
     store_.audit(who.name, "add-design", id, name);
     store_.emit("notice", "", fmt::format(R"("design":"{}","what":"added")", id));
@@ -189,8 +184,7 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
       return tl::unexpected(store_.unkept(kept.error()));
     }
     const Asset asset{.id = id, .bytes = upload.bytes, .created = store_.now()};
-    store_.db().run("INSERT INTO asset(id, bytes, created) VALUES(?, ?, ?)", id, asset.bytes,
-                    asset.created);
+    store_.db().insert("INSERT INTO asset(id, bytes, created)", id, asset.bytes, asset.created);
     store_.audit(who.name, "add-asset", id, "");
     return asset;
   });
@@ -200,10 +194,11 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
 
 Page<Design> DesignRepository::list(const PageRequest& request) {
   Page<Design> page;
-  Rows rows = store_.db().rows(
-      fmt::format("SELECT {} FROM design WHERE id>? ORDER BY id LIMIT ?", kColumns), request.cursor,
-      request.limit + 1);
-  while (rows.next()) page.items.push_back(design_of(rows));
+  page.items =
+      all_of(store_.db().rows(
+                 fmt::format("SELECT {} FROM design WHERE id>? ORDER BY id LIMIT ?", kColumns),
+                 request.cursor, request.limit + 1),
+             design_of);
   if (page.items.size() > static_cast<std::size_t>(request.limit)) {
     page.items.pop_back();
     page.next_cursor = page.items.back().id;
@@ -254,7 +249,7 @@ PlanningTask DesignRepository::task_for(const Design& design, PlanningTask::Kind
   task.design_path = store_.folder().at("designs/" + design.id);
   task.design_kind = design.kind;
   (void)row(design.id, &task.media_type);
-  // One that is not there yet is told by the planner, with its place in the spec.
+  // One that is not there yet is reported by the planner, with its place in the spec.
   for (const std::string& asset : design.assets)
     if (std::string place = store_.folder().at("assets/" + asset); exists(place))
       task.asset_paths[asset] = std::move(place);

@@ -5,10 +5,9 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "daemon/planning/planner.hpp"
-#include "daemon/service/designs.hpp"
+#include "daemon/service/service.hpp"
 #include "daemon/service/service_store.hpp"
 #include "daemon/service/service_thread.hpp"
 

@@ -2,7 +2,6 @@
 #include "daemon/service/repositories/device_registry.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
@@ -25,17 +24,10 @@ void DeviceRegistry::load() {
       "FROM device ORDER BY id");
   while (rows.next()) {
     DeviceRecord record;
-    record.id = rows.text(0);
-    record.rev = rows.integer(1);
-    record.model = rows.text(2);
-    record.title = rows.text(3);
+    rows.read(0, std::tie(record.id, record.rev, record.model, record.title, record.simulated,
+                          record.width_mm, record.length_mm, record.enabled, record.sheets_done,
+                          record.cut_mm));
     record.state = "absent";
-    record.simulated = rows.integer(4) != 0;
-    record.width_mm = rows.real(5);
-    record.length_mm = rows.real(6);
-    record.enabled = rows.integer(7) != 0;
-    record.sheets_done = rows.integer(8);
-    record.cut_mm = rows.real(9);
     entries_[record.id] = {.record = record, .machine = {}, .sessions = 0, .kept = true};
   }
 }
@@ -106,9 +98,9 @@ std::vector<std::string> DeviceRegistry::refresh() {
 
 void DeviceRegistry::keep(const Entry& entry) {
   const DeviceRecord& record = entry.record;
-  store_.db().run(
+  store_.db().insert(
       "INSERT OR REPLACE INTO device(id, rev, model, title, simulated, width_mm, length_mm, "
-      "enabled, state, sheets_done, cut_mm) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      "enabled, state, sheets_done, cut_mm)",
       record.id, record.rev, record.model, record.title, record.simulated, record.width_mm,
       record.length_mm, record.enabled, record.state, record.sheets_done, record.cut_mm);
 }

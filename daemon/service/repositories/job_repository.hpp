@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "daemon/jobs/rules.hpp"
-#include "daemon/service/jobs.hpp"
 #include "daemon/service/repositories/planning_queue.hpp"
+#include "daemon/service/service.hpp"
 #include "daemon/store/attempt_table.hpp"
 #include "daemon/store/job_table.hpp"
 

@@ -55,7 +55,7 @@ Answer<std::string> checked_row(const std::string& id, const std::string& json,
   table["materials"] = nlohmann::json::array({row});
   std::vector<std::string> texts = tables;
   texts.push_back(table.dump());
-  // Who sent a row has seen no table: what is wrong is told by its place in the row.
+  // Who sent a row has seen no table: an error is shown by its place in the row.
   const std::string in_table = fmt::format("table {}: /materials/0", texts.size());
   const auto in_row = [&](Error error) {
     if (error.place.starts_with(in_table)) error.place.erase(0, in_table.size());
@@ -130,8 +130,8 @@ Answer<MaterialRecord> MaterialRepository::put(const Principal& who, const std::
     if (!row) return tl::unexpected(row.error());
     const MaterialRecord record{
         .id = id, .rev = before ? before->rev + 1 : 1, .json = std::move(*row), .built_in = false};
-    store_.db().run("INSERT OR REPLACE INTO material(id, rev, json) VALUES(?, ?, ?)", id,
-                    record.rev, record.json);
+    store_.db().insert("INSERT OR REPLACE INTO material(id, rev, json)", id, record.rev,
+                       record.json);
     store_.audit(who.name, "put-material", id, "");
     return record;
   });

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/service/devices.hpp"
+#include "daemon/service/service.hpp"
 #include "daemon/service/service_store.hpp"
 
 namespace popcut::daemon {

@@ -40,7 +40,7 @@ PlanRecord record_of(const PlanRow& row, std::vector<SheetPlan> sheets) {
           .created = row.created};
 }
 
-// The files of a plan, before anyone is told of it. Runs on a thread of the planner's.
+// The files of a plan, before anyone hears of it. Runs on a thread of the planner's.
 Result<PlanningOutcome> with_files_kept(Result<PlanningOutcome> outcome,
                                         const std::string& folder) {
   if (!outcome) return outcome;
@@ -362,13 +362,13 @@ Answer<void> PlanningQueue::remove(const Principal& who, const std::string& id) 
 }
 
 void PlanningQueue::remove_all_of(const std::string& design) {
-  std::vector<std::string> ids;
-  Rows rows = parts_.store.db().rows(
-      "SELECT id FROM plan WHERE design=? AND id NOT IN (SELECT plan FROM job WHERE job.plan = "
-      "plan.id)",
-      design);
-  while (rows.next()) ids.push_back(rows.text(0));
-  for (const std::string& id : ids) forget(id);
+  for (const std::string& id :
+       all_of(parts_.store.db().rows("SELECT id FROM plan WHERE design=? AND id NOT IN (SELECT "
+                                     "plan FROM job WHERE job.plan = "
+                                     "plan.id)",
+                                     design),
+              first_text))
+    forget(id);
 }
 
 void PlanningQueue::forget(const std::string& id) {

@@ -25,25 +25,24 @@ void put_durations(std::string& text, std::string_view name, std::string_view he
 std::vector<UsageRow> usage_by(Database& database, std::optional<TimeMs> from,
                                std::optional<TimeMs> to, const std::string& by) {
   const char* const column = by == "device" ? "device" : by == "material" ? "material" : "owner";
-  std::vector<UsageRow> all;
-  Rows rows = database.rows(
-      fmt::format("SELECT {0}, sum(seconds), sum(cut_mm), sum(sheets) FROM usage WHERE time>=? AND "
-                  "time<? GROUP BY {0} ORDER BY {0}",
-                  column),
-      from.value_or(std::numeric_limits<TimeMs>::min()),
-      to.value_or(std::numeric_limits<TimeMs>::max()));
-  while (rows.next())
-    all.push_back({.key = rows.text(0),
-                   .seconds = rows.real(1),
-                   .cut_mm = rows.real(2),
-                   .sheets = rows.integer(3)});
-  return all;
+  return all_of(
+      database.rows(
+          fmt::format(
+              "SELECT {0}, sum(seconds), sum(cut_mm), sum(sheets) FROM usage WHERE time>=? AND "
+              "time<? GROUP BY {0} ORDER BY {0}",
+              column),
+          from.value_or(std::numeric_limits<TimeMs>::min()),
+          to.value_or(std::numeric_limits<TimeMs>::max())),
+      [](const Rows& rows) {
+        UsageRow row;
+        rows.read(0, std::tie(row.key, row.seconds, row.cut_mm, row.sheets));
+        return row;
+      });
 }
 
 void record_usage(ServiceStore& store, const JobRow& job, const SheetUse& use) {
-  store.db().run(
-      "INSERT INTO usage(time, owner, operator, device, material, job, k, seconds, cut_mm, sheets) "
-      "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+  store.db().insert(
+      "INSERT INTO usage(time, owner, operator, device, material, job, k, seconds, cut_mm, sheets)",
       store.now(), job.owner, use.operator_name, use.device, job.material, job.id, use.sheet,
       use.seconds, use.cut_mm, use.sheets);
 }

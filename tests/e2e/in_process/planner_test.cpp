@@ -8,8 +8,8 @@
 #include <pugixml.hpp>
 
 #include "daemon/digest/digest.hpp"
-#include "daemon/planning/content_kind.hpp"
 #include "daemon/planning/frames.hpp"
+#include "daemon/planning/plan_input.hpp"
 #include "daemon/planning/program_file.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/paths.hpp"

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "daemon/http/api/cursor.hpp"
 #include "daemon/http/api/json_body.hpp"
 #include "daemon/http/api/message.hpp"
 #include "daemon/http/api/render.hpp"

@@ -10,7 +10,6 @@
 
 #include "daemon/cli/help/terminal_text.hpp"
 #include "daemon/cli/view/job_view.hpp"
-#include "daemon/cli/view/person_name.hpp"
 #include "daemon/cli/view/progress_bar.hpp"
 
 namespace job_view_test {
