@@ -228,7 +228,8 @@ void add_token(CLI::App& app, const Globals& globals, Run& run) {
   when_chosen(create, run, [options, &globals] { return create_token(*options, globals); });
   when_chosen(command->add_subcommand("list", "List the tokens, without their secrets"), run,
               [&globals] { return list_tokens(globals); });
-  CLI::App* const remove = command->add_subcommand("delete", "Delete a token; it stops working at once");
+  CLI::App* const remove =
+      command->add_subcommand("delete", "Delete a token; it stops working at once");
   remove->add_option("ID", options->id, "An ID that 'popcut token list' shows")->required();
   when_chosen(remove, run, [options, &globals] { return delete_token(*options, globals); });
 }
