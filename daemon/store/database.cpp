@@ -217,6 +217,12 @@ int Database::run_list(std::string_view sql, std::span<const Bound> values) {
   return sqlite3_changes(db_);
 }
 
+int Database::insert_list(std::string_view into, std::span<const Bound> values) {
+  std::string sql = std::string(into) + " VALUES(?";
+  for (std::size_t at = 1; at < values.size(); ++at) sql += ", ?";
+  return run_list(sql + ")", values);
+}
+
 void Database::script(const std::string& sql) {
   check(db_, sqlite3_exec(db_, sql.c_str(), nullptr, nullptr, nullptr), sql);
 }

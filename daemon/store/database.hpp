@@ -153,15 +153,14 @@ class Database {
   /// Puts one row: `into` is "INSERT INTO table(columns)", with a value for each of the columns.
   template <typename... Values>
   int insert(std::string_view into, const Values&... values) {
-    std::string sql = std::string(into) + " VALUES(?";
-    for (std::size_t at = 1; at < sizeof...(Values); ++at) sql += ", ?";
-    return run(sql + ")", values...);
+    return insert_list(into, std::array<Bound, sizeof...(Values)>{Bound(values)...});
   }
   template <typename... Values>
   int insert(std::string_view into, const std::tuple<Values...>& values) {
     return std::apply([&](const auto&... each) { return insert(into, each...); }, values);
   }
   int run_list(std::string_view sql, std::span<const Bound> values);
+  int insert_list(std::string_view into, std::span<const Bound> values);
   [[nodiscard]] Rows rows_list(std::string_view sql, std::span<const Bound> values);
   /// The first column of the first row as a number; 0 without a row.
   template <typename... Values>
