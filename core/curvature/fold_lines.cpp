@@ -73,9 +73,8 @@ class LineCollector {
     for (const Straight& first : straight_) {
       if (first.has_before) continue;
       std::uint32_t end = first.to;
-      while (joints_[end].higher[first.mountain] != kNoLine) {
+      while (joints_[end].higher[first.mountain] != kNoLine)
         end = straight_[static_cast<std::size_t>(joints_[end].higher[first.mountain])].to;
-      }
       lines_.push_back({u(first.from), v(first.from), v(end), first.mountain, false, std::nullopt});
       if (first.mountain) note_v_fold(first.from, end);
     }

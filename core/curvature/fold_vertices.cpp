@@ -142,9 +142,8 @@ class VertexFinder {
         ++count[k % 2];
       }
       const bool second = count[1] > 0 && sum[1] / count[1] > sum[0] / count[0];
-      for (std::size_t k = second ? 1 : 0; k < row.size(); k += 2) {
+      for (std::size_t k = second ? 1 : 0; k < row.size(); k += 2)
         keep_connector(end - row.size() + k, row[k]);
-      }
       row.clear();
     };
     for (std::size_t s = 1; s + 1 < strips(); ++s) {
@@ -190,7 +189,8 @@ class VertexFinder {
     }
   }
 
-  /// The other connector that the mountain at `k` of connector `c` runs into, and its place there.
+  /// The other connector that the fold at `k` of connector `c` runs into, and its place there;
+  /// valleys run into none.
   struct Beyond {
     std::int32_t connector{kNoVertex};
     std::uint32_t at{};
@@ -217,7 +217,6 @@ class VertexFinder {
       queue.pop_back();
       const Connector& here = connectors_[c];
       for (std::size_t k = 0; k < here.folds.size(); ++k) {
-        if (!lines_[here.folds[k].line].mountain) continue;
         const Beyond there = beyond(c, k);
         if (there.connector == kNoVertex) continue;
         const auto next = static_cast<std::uint32_t>(there.connector);
@@ -240,7 +239,6 @@ class VertexFinder {
     for (std::uint32_t c = 0; c < connectors_.size(); ++c) {
       const Connector& here = connectors_[c];
       for (std::size_t k = 0; k < here.folds.size(); ++k) {
-        if (!lines_[here.folds[k].line].mountain) continue;
         const Beyond there = beyond(c, k);
         if (there.connector == kNoVertex) continue;
         const Connector& other = connectors_[static_cast<std::uint32_t>(there.connector)];

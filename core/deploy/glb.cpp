@@ -11,8 +11,7 @@
 #include <fmt/format.h>
 #include <tiny_gltf.h>
 
-#include "core/deploy/face_triangles.hpp"
-#include "core/deploy/joints.hpp"
+#include "core/deploy/sheet_mesh.hpp"
 
 namespace popcut {
 namespace {

@@ -12,7 +12,6 @@
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/formats/write/deployed_svg.hpp"
 #include "core/text/svg_document.hpp"
-#include "core/text/text_sink.hpp"
 
 namespace popcut {
 namespace {
@@ -134,12 +133,11 @@ Result<void> write_film_svg(const Pattern& pattern, std::span<const double> psi_
       values +=
           fmt::format("{}{}", k == 0 ? "" : ";", k == i || steps - k == i ? "inline" : "none");
     out << fmt::format("<g display=\"{}\">", i + 1 == n ? "inline" : "none");
-    if (n > 1) {
+    if (n > 1)
       out << fmt::format(
           "<animate attributeName=\"display\" calcMode=\"discrete\" dur=\"{}s\" "
           "repeatCount=\"indefinite\" values=\"{}\"/>\n",
           seconds, values);
-    }
     put_pose(pattern, cells, i, psi_rad[i], {0, 0}, out);
     out << label(cells.width / 2, cells.height + kLabelPx / 2, psi_rad[i]) << "</g>\n";
   }

@@ -3,14 +3,37 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
-#include "core/deploy/face_triangles.hpp"
 #include "core/deploy/pose_table.hpp"
 
 namespace popcut {
 namespace {
+
+/// Appends one face. False when it is no simple polygon.
+bool add_face(const Pattern& pattern, std::size_t f, FaceTriangles& out) {
+  std::vector<Vec2> points;
+  for (const std::uint32_t i : pattern.face(f))
+    points.emplace_back(flat_place(pattern, pattern.vertices[i]).head<2>());
+  std::vector<std::uint32_t> all(points.size());
+  std::iota(all.begin(), all.end(), 0U);
+  std::vector<std::uint32_t> corners = turning_corners(points, all);
+  if (corners.size() < 3) return false;
+  if (twice_area(points, corners) < 0) std::reverse(corners.begin(), corners.end());
+  // The corners that are kept are what the triangles count.
+  const auto base = static_cast<std::uint32_t>(out.corner.size());
+  std::vector<std::uint32_t> number(points.size());
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    number[corners[k]] = base + static_cast<std::uint32_t>(k);
+    out.corner.emplace_back(points[corners[k]][0], points[corners[k]][1], 0.0);
+  }
+  std::vector<Triangle> triangles;
+  if (!triangulate(points, corners, triangles)) return false;
+  for (const auto& [a, b, c] : triangles) out.triangle.push_back({number[a], number[b], number[c]});
+  return true;
+}
 
 /// A rectangle of a face between two neighbouring borders of strips.
 struct Piece {
@@ -30,16 +53,22 @@ struct Slabs {
   }
 };
 
-bool is_rectilinear(const Pattern& pattern) {
-  for (std::size_t f = 0; f < pattern.faces(); ++f) {
+/// Calls `visit(face, p, q)` for each side of each face.
+template <typename Visit>
+void each_side(const Pattern& pattern, Visit visit) {
+  for (std::uint32_t f = 0; f < pattern.faces(); ++f) {
     const auto face = pattern.face(f);
-    for (std::size_t i = 0; i < face.size(); ++i) {
-      const PatternVertex& p = pattern.vertices[face[i]];
-      const PatternVertex& q = pattern.vertices[face[(i + 1) % face.size()]];
-      if (p.v != q.v && pattern.u(p) != pattern.u(q)) return false;
-    }
+    for (std::size_t i = 0; i < face.size(); ++i)
+      visit(f, pattern.vertices[face[i]], pattern.vertices[face[(i + 1) % face.size()]]);
   }
-  return true;
+}
+
+bool is_rectilinear(const Pattern& pattern) {
+  bool all = true;
+  each_side(pattern, [&](std::uint32_t, const PatternVertex& p, const PatternVertex& q) {
+    all = all && (p.v == q.v || pattern.u(p) == pattern.u(q));
+  });
+  return all;
 }
 
 /// A face's side across one slab.
@@ -61,17 +90,12 @@ Slabs cut_into_slabs(const Pattern& pattern) {
   Slabs slabs;
   slabs.v = borders_of(pattern);
   std::vector<Crossing> crossings;
-  for (std::uint32_t f = 0; f < pattern.faces(); ++f) {
-    const auto face = pattern.face(f);
-    for (std::size_t i = 0; i < face.size(); ++i) {
-      const PatternVertex& p = pattern.vertices[face[i]];
-      const PatternVertex& q = pattern.vertices[face[(i + 1) % face.size()]];
-      const double u = flat_place(pattern, p)[0];
-      const auto [low, high] = std::minmax(p.v, q.v);
-      for (std::size_t s = slabs.index(low); s < slabs.index(high); ++s)
-        crossings.push_back({s, u, f});
-    }
-  }
+  each_side(pattern, [&](std::uint32_t f, const PatternVertex& p, const PatternVertex& q) {
+    const double u = flat_place(pattern, p)[0];
+    const auto [low, high] = std::minmax(p.v, q.v);
+    for (std::size_t s = slabs.index(low); s < slabs.index(high); ++s)
+      crossings.push_back({s, u, f});
+  });
   // Two sides of one face follow each other, since faces do not overlap.
   std::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) {
     return std::tuple(a.slab, a.face, a.u) < std::tuple(b.slab, b.face, b.u);
@@ -110,17 +134,28 @@ SheetMesh mesh_of(const FaceTriangles& faces) {
 
 }  // namespace
 
+Result<FaceTriangles> triangulate_faces(const Pattern& pattern) {
+  FaceTriangles out;
+  out.first_corner.push_back(0);
+  out.first_triangle.push_back(0);
+  for (std::size_t f = 0; f < pattern.faces(); ++f) {
+    if (!add_face(pattern, f, out)) {
+      return fail(ErrorKind::OutOfRange, fmt::format("faces/{}", f),
+                  "is no simple polygon with an area; faces may not cross themselves");
+    }
+    out.first_corner.push_back(static_cast<std::uint32_t>(out.corner.size()));
+    out.first_triangle.push_back(static_cast<std::uint32_t>(out.triangle.size()));
+  }
+  return out;
+}
+
 std::size_t border_crossings(const Pattern& pattern) {
   const Slabs slabs{borders_of(pattern), {}, {}};
   std::size_t crossings = 0;
-  for (std::size_t f = 0; f < pattern.faces(); ++f) {
-    const auto face = pattern.face(f);
-    for (std::size_t i = 0; i < face.size(); ++i) {
-      const std::size_t from = slabs.index(pattern.vertices[face[i]].v);
-      const std::size_t to = slabs.index(pattern.vertices[face[(i + 1) % face.size()]].v);
-      crossings += from < to ? to - from : from - to;
-    }
-  }
+  each_side(pattern, [&](std::uint32_t, const PatternVertex& p, const PatternVertex& q) {
+    const auto [low, high] = std::minmax(p.v, q.v);
+    crossings += slabs.index(high) - slabs.index(low);
+  });
   return crossings;
 }
 

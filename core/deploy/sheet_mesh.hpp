@@ -1,23 +1,38 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "core/deploy/rigid.hpp"
 #include "core/design/strips/strips.hpp"
+#include "core/geometry/triangulate.hpp"
 #include "core/pattern/pattern.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
+
+/// The rigid faces as triangles: face `f` has the corners `first_corner[f] .. first_corner[f + 1]`
+/// and the triangles `first_triangle[f] .. first_triangle[f + 1]`.
+struct FaceTriangles {
+  std::vector<std::uint32_t> first_corner, first_triangle;
+  std::vector<Vec3> corner;        ///< places of the flat sheet, counter-clockwise around each face
+  std::vector<Triangle> triangle;  ///< counter-clockwise, indices of corners
+
+  [[nodiscard]] std::size_t faces() const { return first_corner.size() - 1; }
+};
+
+/// Cuts every face into triangles (core/geometry/triangulate.hpp): as many as it has corners that
+/// turn, less two, joined without cracks.
+///
+/// @retval OutOfRange  a face is not a simple polygon with an area; `place` is "faces/N"
+[[nodiscard]] Result<FaceTriangles> triangulate_faces(const Pattern& pattern);
 
 /// Triangles that ride on the bodies of a pose table: place `at[i]` of the flat sheet moves with
 /// `body[i]`. Front sides look to the side on which the structure pops up.
 struct SheetMesh {
   std::vector<Vec3> at;
   std::vector<std::uint32_t> body;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<Triangle> triangles;
 };
 
 /// How many sides of faces cross the strips between neighbouring borders: about twice the panels of

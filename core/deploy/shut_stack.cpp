@@ -64,12 +64,11 @@ ShutStack shut_stack(const Strips& strips, double thickness_mm) {
 std::optional<std::string> thickness_warning(const ShutStack& stack, double thickness_mm) {
   constexpr double kMostOpenRad = 5 * std::numbers::pi / 180, kSmallestInThicknesses = 3;
   std::string said;
-  if (stack.stays_open_rad > kMostOpenRad) {
+  if (stack.stays_open_rad > kMostOpenRad)
     said = fmt::format(
         "when shut, {:.1f} mm of paper lie between wall and ground {:.1f} mm from "
         "the spine at v = {:.1f} mm: it stays open by {:.0f} degrees",
         stack.pile_mm, stack.from_spine_mm, stack.v_mm, stack.stays_open_rad * kDegrees);
-  }
   if (stack.smallest_panel_mm < kSmallestInThicknesses * thickness_mm) {
     said += fmt::format(
         "{}the smallest panel, {:.2g} mm, is too short to fold flat in paper of "

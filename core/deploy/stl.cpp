@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "core/deploy/stl.hpp"
 
-#include <algorithm>
-#include <array>
 #include <bit>
 #include <ostream>
 #include <string>

@@ -2,22 +2,20 @@
 #include "core/design/design.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "core/design/chain/augmented_slices.hpp"
-#include "core/design/chain/fit_report.hpp"
 #include "core/design/chain/slicing.hpp"
+#include "core/design/design_report.hpp"
 #include "core/design/lattice/lattice.hpp"
 #include "core/design/run_layout.hpp"
 #include "core/design/strips/figures.hpp"
 #include "core/design/strips/mobility.hpp"
 #include "core/design/strips/multi_state.hpp"
 #include "core/design/strips/pattern_builder.hpp"
-#include "core/design/strips/pattern_counts.hpp"
 #include "core/design/strips/splay.hpp"
 #include "core/design/strips/strip_bridge.hpp"
 #include "core/design/strips/strip_builder.hpp"
@@ -34,6 +32,7 @@ std::string method_name(LatticeMethod method) {
 
 /// A layout as strips, with its figures.
 struct Laid {
+  RunLayout layout;
   LaidStrips strips;
   LatticeFigures figures;
   CardFrame frame;
@@ -59,11 +58,11 @@ class Designer {
       std::string note;
       auto laid = lay(method, note);
       if (!laid) return tl::unexpected(laid.error());
-      if (cut_unlawful(laid->second.strips)) continue;
-      auto tight = tighten(laid->first, laid->second);
+      if (cut_apart(laid->strips)) continue;
+      auto tight = tighten(*laid);
       if (!tight) return tl::unexpected(tight.error());
       if (spec_.card && tight->second.degrees_of_freedom != 1) {
-        if (cut_loose(laid->second.strips.strips, tight->first, tight->second)) continue;
+        if (cut_loose(laid->strips.strips, tight->first, tight->second)) continue;
         if (std::exchange(bridging_, false)) continue;
         return fail(
             ErrorKind::Infeasible, "/units_per_slice",
@@ -75,10 +74,10 @@ class Designer {
         return fail(ErrorKind::Infeasible, "/card",
                     fmt::format("without a card the sheet falls into {} pieces; keep the card",
                                 tight->second.pieces));
-      if (auto splayed = splay(laid->second.strips.strips, tight->first.pattern); !splayed)
+      if (auto splayed = splay(laid->strips.strips, tight->first.pattern); !splayed)
         return tl::unexpected(splayed.error());
-      return finish(laid->first, std::move(laid->second), std::move(tight->first), tight->second,
-                    method, std::move(note));
+      return finish(std::move(*laid), std::move(tight->first), tight->second, method,
+                    std::move(note));
     }
     return fail(ErrorKind::Internal, "", "plain cuts did not come to an end");
   }
@@ -123,24 +122,26 @@ class Designer {
     return out;
   }
 
-  Result<Laid> lay_strips(const RunLayout& layout) const {
+  Result<Laid> lay_strips(RunLayout layout) const {
     Laid out;
-    auto framed = frame(layout.runs);
+    out.layout = std::move(layout);
+    auto framed = frame(out.layout.runs);
     if (!framed) return tl::unexpected(framed.error());
     out.frame = *framed;
     StripOptions options{out.frame, spec_.min_panel_mm, {}, {}};
     if (!out.frame.card)
-      for (const LaidSlice& slice : layout.laid) {
+      for (const LaidSlice& slice : out.layout.laid) {
         options.wall_ends.push_back(sliced_.curves[static_cast<std::size_t>(slice.slice)].h());
         options.ground_ends.push_back(sliced_.curves[static_cast<std::size_t>(slice.slice)].d());
       }
-    out.strips = build_strips(layout.laid, layout.runs, options);
-    if (bridging_ && out.frame.card && out.strips.unlawful.empty()) bridge(layout, out);
+    out.strips = build_strips(out.layout.laid, out.layout.runs, options);
+    if (bridging_ && out.frame.card && out.strips.apart.empty()) bridge(out);
     return out;
   }
 
   /// Bridges between the runs, where they are valid.
-  void bridge(const RunLayout& layout, Laid& laid) const {
+  void bridge(Laid& laid) const {
+    const RunLayout& layout = laid.layout;
     std::vector<BridgeAim> aims;
     const Strips& strips = laid.strips.strips;
     std::size_t slices = 0, run = 0;
@@ -156,7 +157,8 @@ class Designer {
   }
 
   /// Measures the strips against the target.
-  void add_figures(const RunLayout& layout, Laid& laid) const {
+  void add_figures(Laid& laid) const {
+    const RunLayout& layout = laid.layout;
     FigureInput input{laid.strips.strips, {}, {}, {}, 0.0};
     for (const LaidSlice& slice : layout.laid)
       input.slices.push_back({slice.s_mm, &sliced_.curves[static_cast<std::size_t>(slice.slice)]});
@@ -175,50 +177,49 @@ class Designer {
   }
 
   /// Strips with their figures; none where a connector is not valid.
-  Result<Laid> lay_measured(const RunLayout& layout) const {
-    auto laid = lay_strips(layout);
-    if (laid && laid->strips.unlawful.empty()) add_figures(layout, *laid);
+  Result<Laid> lay_measured(RunLayout layout) const {
+    auto laid = lay_strips(std::move(layout));
+    if (laid && laid->strips.apart.empty()) add_figures(*laid);
     return laid;
   }
 
   /// Lays the lattice by `method`. Where the conformal lattice does not come nearer to the target
   /// than the plain one, the plain one is taken; `note` says what was chosen between.
-  Result<std::pair<RunLayout, Laid>> lay(LatticeMethod& method, std::string& note) const {
+  Result<Laid> lay(LatticeMethod& method, std::string& note) const {
     RunLayout chosen = lay_runs(sliced_, cut_after_, spec_);
     if (auto filled = fill_planes(chosen, method); !filled) return tl::unexpected(filled.error());
     const bool choose = method == LatticeMethod::Conformal &&
                         std::any_of(chosen.targets.begin(), chosen.targets.end(),
                                     [](const RunTarget& t) { return !t.connector_curves.empty(); });
-    auto laid = choose ? lay_measured(chosen) : lay_strips(chosen);
-    if (!laid) return tl::unexpected(laid.error());
-    auto result = std::pair{std::move(chosen), std::move(*laid)};
-    if (!choose) return result;
-    if (auto relaxed = lay_relaxed(result.second.figures)) {
-      result = std::move(*relaxed);
+    if (!choose) return lay_strips(std::move(chosen));
+    auto laid = lay_measured(std::move(chosen));
+    if (!laid) return laid;
+    if (auto relaxed = lay_relaxed(laid->figures)) {
+      laid = std::move(*relaxed);
       note = fmt::format(
           "steps up to {:.2f} of the mean one, so that every inner vertex is on the target",
-          result.second.figures.step_over_mean_max);
+          laid->figures.step_over_mean_max);
     }
     RunLayout plain = lay_runs(sliced_, cut_after_, spec_);
     (void)fill_planes(plain, LatticeMethod::Slices);
-    auto other = lay_measured(plain);
-    if (!other || !other->strips.unlawful.empty()) return result;
-    const LatticeFigures &mine = result.second.figures, &theirs = other->figures;
-    const bool as_good = result.second.strips.unlawful.empty() && !prefer_slices(mine, theirs);
+    auto other = lay_measured(std::move(plain));
+    if (!other || !other->strips.apart.empty()) return laid;
+    const LatticeFigures &mine = laid->figures, &theirs = other->figures;
+    const bool as_good = laid->strips.apart.empty() && !prefer_slices(mine, theirs);
     const std::string compared = fmt::format(
         "conformal: gap {:.4g} mm, inner error {:.3g} mm; slices: gap {:.4g} mm, inner error "
         "{:.3g} mm",
         mine.gap_mm, mine.inner_error.max_mm, theirs.gap_mm, theirs.inner_error.max_mm);
     note += (note.empty() ? "" : "; ") + compared;
-    if (as_good) return result;
+    if (as_good) return laid;
     note = "slices taken, since conformal does not beat them; " + compared;
     method = LatticeMethod::Slices;
-    return std::pair{std::move(plain), std::move(*other)};
+    return other;
   }
 
   /// The conformal lattice without the default limit of steps, when that makes it exact and its
   /// longest step stays moderate. A limit that the user asked for is kept.
-  std::optional<std::pair<RunLayout, Laid>> lay_relaxed(const LatticeFigures& limited) const {
+  std::optional<Laid> lay_relaxed(const LatticeFigures& limited) const {
     const double exact_mm = 1e-6 * sliced_.curves.front().h();
     if (spec_.max_step_asked || !spec_.max_step_over_mean || limited.inner_error.max_mm <= exact_mm)
       return std::nullopt;
@@ -231,11 +232,11 @@ class Designer {
       if (!planes) return std::nullopt;
       free.runs[r].planes = std::move(*planes);
     }
-    auto laid = lay_measured(free);
-    if (!laid || !laid->strips.unlawful.empty() || laid->figures.inner_error.max_mm > exact_mm ||
+    auto laid = lay_measured(std::move(free));
+    if (!laid || !laid->strips.apart.empty() || laid->figures.inner_error.max_mm > exact_mm ||
         laid->figures.step_over_mean_max > kRelaxedStep)
       return std::nullopt;
-    return std::pair{std::move(free), std::move(*laid)};
+    return std::move(*laid);
   }
 
   /// The nearer lattice wins, by the largest distance of a target point from its nearest fold
@@ -246,16 +247,15 @@ class Designer {
   }
 
   /// Plain cuts where no connector is valid; whether any was made.
-  bool cut_unlawful(const LaidStrips& strips) {
+  bool cut_apart(const LaidStrips& strips) {
     bool any = false;
-    for (const int slice : strips.unlawful)
-      any = cut(slice, "no connector fits between them") || any;
+    for (const int slice : strips.apart) any = cut(slice, "no connector fits between them") || any;
     return any;
   }
 
   /// Builds the pattern; panels that nothing holds are left out, and it is laid and built again,
   /// until all hold each other or leaving out no longer helps.
-  Result<std::pair<BuiltPattern, Mobility>> tighten(RunLayout& layout, Laid& laid) const {
+  Result<std::pair<BuiltPattern, Mobility>> tighten(Laid& laid) const {
     constexpr int kMostRounds = 30;
     for (int round = 0;; ++round) {
       auto built = build_pattern(laid.strips.strips, laid.frame.wall_mm, laid.frame.ground_mm,
@@ -263,11 +263,11 @@ class Designer {
       if (!built) return tl::unexpected(built.error());
       Mobility motion = mobility(*built);
       const bool done = !laid.frame.card || motion.degrees_of_freedom == 1 || round == kMostRounds;
-      if (done || !mark_loose(layout, laid.strips.strips, *built, motion))
+      if (done || !mark_loose(laid.layout, laid.strips.strips, *built, motion))
         return std::pair{std::move(*built), std::move(motion)};
-      auto again = lay_strips(layout);
+      auto again = lay_strips(laid.layout);
       if (!again) return tl::unexpected(again.error());
-      if (!again->strips.unlawful.empty()) return std::pair{std::move(*built), std::move(motion)};
+      if (!again->strips.apart.empty()) return std::pair{std::move(*built), std::move(motion)};
       laid = std::move(*again);
     }
   }
@@ -296,11 +296,12 @@ class Designer {
     return any;
   }
 
-  Design finish(const RunLayout& layout, Laid laid, BuiltPattern built, const Mobility& motion,
-                LatticeMethod method, std::string note) {
+  Design finish(Laid laid, BuiltPattern built, const Mobility& motion, LatticeMethod method,
+                std::string note) {
     Design out;
     DesignReport& r = out.report;
-    add_figures(layout, laid);
+    const RunLayout& layout = laid.layout;
+    add_figures(laid);
     out.strips = std::move(laid.strips.strips);
     out.pattern = std::move(built.pattern);
     out.pattern.name = r.name = spec_.name;
@@ -312,10 +313,7 @@ class Designer {
     count_pattern(out.pattern, r);
     r.panels = out.strips.panels();
     r.degrees_of_freedom = motion.degrees_of_freedom, r.pieces = motion.pieces;
-    r.inner_error = laid.figures.inner_error, r.end_error = laid.figures.end_error;
-    r.step_over_mean_min = laid.figures.step_over_mean_min;
-    r.step_over_mean_max = laid.figures.step_over_mean_max;
-    r.gap_mm = laid.figures.gap_mm;
+    static_cast<LatticeFigures&>(r) = laid.figures;
     r.merged = std::move(laid.strips.merged);
     r.bridges = std::move(laid.bridges);
     note_borders(r.bridges);
@@ -369,9 +367,8 @@ class Designer {
   void add_slices(const RunLayout& layout, const Strips& strips, DesignReport& r) {
     const std::vector<double> v_mm = slice_places(strips, sliced_.s_mm.size());
     for (std::size_t j = 0; j < sliced_.s_mm.size(); ++j)
-      r.slices.push_back({sliced_.s_mm[j], v_mm[j], sliced_.width_mm[j], sliced_.figures[j].loss,
-                          sliced_.figures[j].iterations, sliced_.figures[j].minima,
-                          sliced_.figures[j].spread, sliced_.fits[j]});
+      r.slices.push_back(
+          {sliced_.figures[j], sliced_.s_mm[j], v_mm[j], sliced_.width_mm[j], sliced_.fits[j]});
     for (const Run& run : layout.runs)
       if (run.count == 2 && layout.laid[static_cast<std::size_t>(run.first)].slice ==
                                 layout.laid[static_cast<std::size_t>(run.first) + 1].slice)

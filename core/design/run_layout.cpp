@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <utility>
 
-#include "core/design/lattice/lattice.hpp"
-
 namespace popcut {
 
 RunLayout lay_runs(const Slicing& sliced, const std::vector<std::uint8_t>& cut_after,

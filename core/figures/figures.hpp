@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cmath>
+#include <iterator>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "core/figures/paper_figures.hpp"
-#include "core/figures/plot.hpp"
 
 namespace popcut::figures {
 
@@ -17,9 +16,11 @@ Result<void> add_assembly_figures(PaperFigures& out);  // 1C, 1D, S5
 Result<void> add_slice_figures(PaperFigures& out);     // 2C
 Result<void> add_splay_figures(PaperFigures& out);     // 3C, 3D
 
-/// A map panel of an assembly, K or H.
-[[nodiscard]] plot::Panel assembly_panel(const AssemblyMaps& maps, bool gaussian,
-                                         std::string title);
+/// Adds a line to a table.
+template <typename... Values>
+void add_row(std::string& csv, fmt::format_string<Values...> row, Values&&... values) {
+  fmt::format_to(std::back_inserter(csv), row, std::forward<Values>(values)...);
+}
 
 inline void state(PaperFigures& out, std::string figure, std::string claim, double value,
                   bool holds) {

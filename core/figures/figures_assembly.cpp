@@ -3,10 +3,10 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <sstream>
 
 #include <fmt/format.h>
 
+#include "core/curvature/assembly_plot.hpp"
 #include "core/figures/figures.hpp"
 
 namespace popcut::figures {
@@ -91,8 +91,8 @@ std::string csv_of(const AssemblyMaps& maps, const std::vector<double>& value, c
   std::string csv = fmt::format("r,lambda,{}\n", name);
   for (std::size_t row = 0; row < maps.lambda.count; ++row)
     for (std::size_t column = 0; column < maps.r.count; ++column)
-      fmt::format_to(std::back_inserter(csv), "{},{},{}\n", maps.r.at(column), maps.lambda.at(row),
-                     value[row * maps.r.count + column]);
+      add_row(csv, "{},{},{}\n", maps.r.at(column), maps.lambda.at(row),
+              value[row * maps.r.count + column]);
   return csv;
 }
 
@@ -163,29 +163,12 @@ std::string box_csv() {
     for (std::size_t b = 0; b < kSide; ++b)
       for (std::size_t a = 0; a < kSide; ++a) {
         const VertexCurvature at = curvature_of({r.at(a), lambda.at(b), phi.at(c)});
-        fmt::format_to(std::back_inserter(csv), "{},{},{},{},{}\n", r.at(a), lambda.at(b),
-                       phi.at(c), at.K, at.H);
+        add_row(csv, "{},{},{},{},{}\n", r.at(a), lambda.at(b), phi.at(c), at.K, at.H);
       }
   return csv;
 }
 
 }  // namespace
-
-plot::Panel assembly_panel(const AssemblyMaps& maps, bool gaussian, std::string title) {
-  const std::vector<double>& value = gaussian ? maps.K : maps.H;
-  double most = 0;
-  for (const double v : value)
-    if (std::isfinite(v)) most = std::max(most, std::abs(v));
-  plot::Panel panel;
-  panel.title = std::move(title);
-  panel.x = {"r", maps.r.from, maps.r.to, false};
-  panel.y = {"λ", maps.lambda.from, maps.lambda.to, false};
-  panel.map = plot::Map{
-      maps.r.count, maps.lambda.count, value, gaussian ? "K" : "H", -most, most, true, {0.0}, {}};
-  for (const double level : plot::ticks({"", -most, most, false}))
-    if (level != 0) panel.map->thin_contours.push_back(level);
-  return panel;
-}
 
 Result<void> add_assembly_figures(PaperFigures& out) {
   state_loci(out);
@@ -228,8 +211,8 @@ Result<void> add_assembly_figures(PaperFigures& out) {
   out.files.push_back({"figS5.csv", box_csv()});
   std::string points = "K_target,r,lambda,K,H\n";
   for (const Minimiser& m : *list)
-    fmt::format_to(std::back_inserter(points), "{},{},{},{},{}\n", m.target, m.found.assembly.r,
-                   m.found.assembly.lambda, m.found.reached.K, m.found.reached.H);
+    add_row(points, "{},{},{},{},{}\n", m.target, m.found.assembly.r, m.found.assembly.lambda,
+            m.found.reached.K, m.found.reached.H);
   out.files.push_back({"figS5_points.csv", points});
   return {};
 }

@@ -8,6 +8,7 @@
 
 #include "core/figures/figures.hpp"
 #include "core/figures/slice_figures.hpp"
+#include "core/plot/plot.hpp"
 
 namespace popcut::figures {
 namespace {
@@ -45,9 +46,8 @@ Result<plot::Panel> azimuthal_panel(AzimuthalConvention convention, PaperFigures
     for (std::size_t i = 0; i < error->value.size(); ++i) {
       const auto index = i + (corners ? 1 : 0);
       curve.points.push_back({static_cast<double>(index), error->value[i] / mean});
-      fmt::format_to(std::back_inserter(csv), "{},{},{},{},{}\n",
-                     corners ? "outer_corner" : "as_printed", kUnits[k], index, error->value[i],
-                     error->value[i] / mean);
+      add_row(csv, "{},{},{},{},{}\n", corners ? "outer_corner" : "as_printed", kUnits[k], index,
+              error->value[i], error->value[i] / mean);
     }
     panel.curves.push_back(std::move(curve));
     if (corners) {
@@ -95,7 +95,7 @@ Result<void> add_loss(PaperFigures& out) {
     if (!value) return tl::unexpected(value.error());
     const double spacing = 1.0 / units;
     loss.points.push_back({spacing, *value});
-    fmt::format_to(std::back_inserter(csv), "{},{},{}\n", units, spacing, *value);
+    add_row(csv, "{},{},{}\n", units, spacing, *value);
     if (units < kFineFrom) continue;
     fine_spacing.push_back(spacing);
     fine_loss.push_back(*value);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -9,6 +8,7 @@
 #include "core/figures/figures.hpp"
 #include "core/figures/splay_patch.hpp"
 #include "core/geometry/angle.hpp"
+#include "core/plot/plot.hpp"
 
 namespace popcut::figures {
 namespace {
@@ -24,7 +24,7 @@ void add_angles(PaperFigures& out) {
       const double angle = psi.at(column) * kPi;
       const double theta = splay_angle_rad(alpha.at(row), angle);
       map.value.push_back(theta / kPi);
-      fmt::format_to(std::back_inserter(csv), "{},{},{}\n", angle, alpha.at(row), theta);
+      add_row(csv, "{},{},{}\n", angle, alpha.at(row), theta);
     }
   }
   double off = 0;
@@ -98,8 +98,8 @@ void draw(const Case& c, plot::Panel& panel, std::string& csv) {
     curve.points.push_back({over_pi, K});
     panel.y.from = std::min(panel.y.from, K);
     panel.y.to = std::max(panel.y.to, K);
-    fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{}\n", c.name, c.patch.alpha,
-                   c.patch.alpha_along, c.patch.alpha_across, over_pi * kPi, K);
+    add_row(csv, "{},{},{},{},{},{}\n", c.name, c.patch.alpha, c.patch.alpha_along,
+            c.patch.alpha_across, over_pi * kPi, K);
   }
   for (const double psi : kPsi) marks.points.push_back({psi / kPi, curvature_of(c.patch, psi).K});
   panel.curves.push_back(std::move(curve));

@@ -2,8 +2,6 @@
 #include "core/figures/paper_figures.hpp"
 
 #include <algorithm>
-#include <array>
-#include <numbers>
 
 #include <nlohmann/json.hpp>
 
@@ -29,20 +27,12 @@ std::string figures_json(const PaperFigures& figures) {
   nlohmann::ordered_json json;
   json["all_hold"] = figures.all_hold();
   json["statements"] = nlohmann::ordered_json::array();
-  for (const CheckedStatement& s : figures.statements) {
+  for (const CheckedStatement& s : figures.statements)
     json["statements"].push_back(
         {{"figure", s.figure}, {"claim", s.claim}, {"value", s.value}, {"holds", s.holds}});
-  }
   json["files"] = nlohmann::ordered_json::array();
   for (const FigureFile& file : figures.files) json["files"].push_back(file.name);
   return json.dump(2) + "\n";
-}
-
-std::string assembly_maps_svg(const AssemblyMaps& maps, double phi_rad) {
-  const std::string at = fmt::format("(r, λ) at φ = {:.6g} π", phi_rad / std::numbers::pi);
-  const std::array<plot::Panel, 2> panels{figures::assembly_panel(maps, true, "K" + at),
-                                          figures::assembly_panel(maps, false, "H" + at)};
-  return plot::figure_svg(panels);
 }
 
 }  // namespace popcut

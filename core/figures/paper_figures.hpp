@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "core/figures/assembly.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
@@ -39,8 +38,5 @@ struct PaperFigures {
 
 /// `{"all_hold": …, "statements": [{"figure", "claim", "value", "holds"}], "files": […]}`.
 [[nodiscard]] std::string figures_json(const PaperFigures& figures);
-
-/// K and H of `maps` side by side as one drawing.
-[[nodiscard]] std::string assembly_maps_svg(const AssemblyMaps& maps, double phi_rad);
 
 }  // namespace popcut

@@ -45,11 +45,10 @@ Result<double> alpha_across_for_zero(SplayPatch patch, double psi_rad) {
   while (low < kMost && !(K(low) < -1e-12)) low *= kGrowth;
   double high = low;
   while (high < kMost && !(K(high) > 0)) high *= kGrowth;
-  if (!(K(low) < 0) || !(K(high) > 0)) {
+  if (!(K(low) < 0) || !(K(high) > 0))
     return fail(
         ErrorKind::Infeasible, "",
         fmt::format("no alpha across up to {:g} makes K zero at psi = {:g} rad", kMost, psi_rad));
-  }
   constexpr int kHalvings = 200;
   for (int k = 0; k < kHalvings; ++k) {
     const double middle = 0.5 * (low + high);

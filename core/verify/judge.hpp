@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/verify/motion/mobility.hpp"
@@ -57,15 +56,17 @@ struct Subject {
 
 /// Adds the checks `pieces`, `faces`, `lines`, `tiling`. `faces` holds what `make_sheet` found.
 void judge_flat_sheet(Subject& subject, VerifyCheck faces, VerifyReport& report);
-/// Adds `opening`: how the pattern was opened, if that was necessary.
-void judge_opening(const Subject& subject, VerifyReport& report);
-/// Adds `isometry`.
-void judge_motion(const Subject& subject, VerifyReport& report);
-/// Adds `fold_angles`: listed angles, assignments and opening angles against the poses.
-void judge_angles(const Subject& subject, VerifyReport& report);
-/// Adds `degrees_of_freedom`.
-void judge_freedoms(const Subject& subject, const VerifyOptions& options, VerifyReport& report);
-/// Adds `crossing`.
-void judge_crossing(const Subject& subject, VerifyReport& report);
+// Each of these makes one check, and adds its figures and notes to the report.
+/// `opening`: how the pattern was opened, if that was necessary.
+[[nodiscard]] VerifyCheck judge_opening(const Subject& subject, VerifyReport& report);
+/// `isometry`.
+[[nodiscard]] VerifyCheck judge_motion(const Subject& subject, VerifyReport& report);
+/// `fold_angles`: listed angles, assignments and opening angles against the poses.
+[[nodiscard]] VerifyCheck judge_angles(const Subject& subject, VerifyReport& report);
+/// `degrees_of_freedom`.
+[[nodiscard]] VerifyCheck judge_freedoms(const Subject& subject, const VerifyOptions& options,
+                                         VerifyReport& report);
+/// `crossing`.
+[[nodiscard]] VerifyCheck judge_crossing(const Subject& subject, VerifyReport& report);
 
 }  // namespace popcut::verify

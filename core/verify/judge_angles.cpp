@@ -95,14 +95,15 @@ void check_opening_angles(const Subject& subject, VerifyCheck& check) {
 
 }  // namespace
 
-void judge_angles(const Subject& subject, VerifyReport& report) {
+VerifyCheck judge_angles(const Subject& subject, VerifyReport& report) {
   VerifyCheck check = named("fold_angles");
   const FoldModel& file = subject.file;
   std::size_t compared = 0;
-  const auto compare = [&](std::size_t k, const std::vector<double>& angle_deg) {
+  const auto compare = [&](const Pose& pose, const PoseMotion& motion,
+                           const std::vector<double>& angle_deg) {
     ++compared;
-    const double off = check_fold_angles(file, subject.sheet, file.poses[k], subject.motions[k],
-                                         angle_deg, subject.limits.angle_deg, check);
+    const double off = check_fold_angles(file, subject.sheet, pose, motion, angle_deg,
+                                         subject.limits.angle_deg, check);
     report.fold_angle_deg = std::max(report.fold_angle_deg, off);
   };
   if (!file.fold_angle_deg.empty()) {
@@ -119,19 +120,13 @@ void judge_angles(const Subject& subject, VerifyReport& report) {
     }
     if (const auto k = pose_of_key_angles(subject)) {
       Pose key = file.poses[*k];
-      VerifyCheck listed = named("");
-      ++compared;
       key.fold_angle_deg.clear();
-      const double off = check_fold_angles(file, subject.sheet, key, subject.motions[*k],
-                                           file.fold_angle_deg, subject.limits.angle_deg, listed);
-      report.fold_angle_deg = std::max(report.fold_angle_deg, off);
-      for (VerifyFailure& failure : listed.failures)
-        check.fail(std::move(failure.place), std::move(failure.detail));
-      check.failed += listed.failed - listed.failures.size();
+      compare(key, subject.motions[*k], file.fold_angle_deg);
     }
   }
   for (std::size_t k = 0; k < file.poses.size(); ++k) {
-    if (!file.poses[k].fold_angle_deg.empty()) compare(k, file.poses[k].fold_angle_deg);
+    if (const Pose& pose = file.poses[k]; !pose.fold_angle_deg.empty())
+      compare(pose, subject.motions[k], pose.fold_angle_deg);
     // The solver's poses turn alike along one motion: the last one is enough.
     if (subject.opening && k + 1 < file.poses.size()) continue;
     check_assignments(file, subject.sheet, file.poses[k], subject.motions[k],
@@ -145,7 +140,7 @@ void judge_angles(const Subject& subject, VerifyReport& report) {
   if (!check.ok())
     check.detail = fmt::format("{} wrong; listed angles differ by up to {:.6g} degrees",
                                check.failed, report.fold_angle_deg);
-  report.checks.push_back(std::move(check));
+  return check;
 }
 
 }  // namespace popcut::verify

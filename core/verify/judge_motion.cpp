@@ -21,7 +21,7 @@ constexpr double kGenericPsi_rad = 1.1;
 constexpr double kSweepStep_rad = std::numbers::pi / 90.0;
 
 /// The name of an edge for the file's author.
-std::string edge_name(const Subject& subject, std::uint32_t e) {
+std::string edge_name(const Subject& subject, std::size_t e) {
   if (!subject.file.drawn) return fmt::format("edge {}", e);
   const auto [a, b] = subject.file.edges[e];
   return near_place(subject, "the line", 0.5 * (subject.file.flat[a] + subject.file.flat[b]));
@@ -73,20 +73,17 @@ std::optional<double> listed_drive_deg(const Subject& subject) {
   return angle;
 }
 
-void judge_opening(const Subject& subject, VerifyReport& report) {
+VerifyCheck judge_opening(const Subject& subject, VerifyReport& report) {
   VerifyCheck check = named("opening");
   if (!subject.opening) {
     check.ran = false;
     check.detail = "not needed: the file has an opened pose";
-    report.checks.push_back(std::move(check));
-    return;
+    return check;
   }
   const Opening& opening = *subject.opening;
-  report.opening =
-      OpeningFigures{opening.driver_edge, opening.driver_length_mm, opening.reached_psi_rad,
-                     opening.steps,       opening.iterations,       opening.gap_mm};
+  report.opening = static_cast<const OpeningFigures&>(opening);
   const auto listed = listed_drive_deg(subject);
-  const std::string place = fmt::format("/edges_vertices/{}", opening.driver_edge);
+  const std::string place = edge_place(opening.driver_edge);
   if (opening.poses.empty()) {
     check.fail(opening.driver_length_mm > 0.0 ? place : "", opening.stopped);
     check.detail = "the flat sheet could not be opened";
@@ -111,17 +108,16 @@ void judge_opening(const Subject& subject, VerifyReport& report) {
       report.notes.push_back(fmt::format("the motion ends at the opening angle psi {:.4f} rad: {}",
                                          opening.reached_psi_rad, opening.stopped));
   }
-  if (subject.count_in && subject.mobility.degrees_of_freedom > 1) {
+  if (subject.count_in && subject.mobility.degrees_of_freedom > 1)
     report.notes.push_back(fmt::format(
         "the pattern has {} degrees of freedom: of the many ways to open it, this is the "
         "least motion that follows the assignments",
         subject.mobility.degrees_of_freedom));
-  }
   for (const std::string& note : opening.notes) report.notes.push_back(note);
-  report.checks.push_back(std::move(check));
+  return check;
 }
 
-void judge_motion(const Subject& subject, VerifyReport& report) {
+VerifyCheck judge_motion(const Subject& subject, VerifyReport& report) {
   VerifyCheck check = named("isometry");
   for (std::size_t k = 0; k < subject.motions.size(); ++k) {
     const PoseMotion& motion = subject.motions[k];
@@ -139,16 +135,16 @@ void judge_motion(const Subject& subject, VerifyReport& report) {
     check.ran = false;
     check.detail = "not measured: the file has no pose";
   }
-  report.checks.push_back(std::move(check));
+  return check;
 }
 
-void judge_freedoms(const Subject& subject, const VerifyOptions& options, VerifyReport& report) {
+VerifyCheck judge_freedoms(const Subject& subject, const VerifyOptions& options,
+                           VerifyReport& report) {
   VerifyCheck check = named("degrees_of_freedom");
   if (!subject.count_in) {
     check.ran = false;
     check.detail = "not counted: all poses are flat or shut";
-    report.checks.push_back(std::move(check));
-    return;
+    return check;
   }
   const std::size_t pose = *subject.count_in;
   const PoseMotion& motion = subject.motions[pose];
@@ -169,11 +165,10 @@ void judge_freedoms(const Subject& subject, const VerifyOptions& options, Verify
     check.fail(
         place,
         "the singular values leave no clear gap, so the degrees of freedom cannot be counted");
-  if (motion.least_generic < 0.01) {
+  if (motion.least_generic < 0.01)
     report.notes.push_back(
         "degrees of freedom were counted in a pose with flat or shut folds, which can have "
         "more than the poses before it");
-  }
   const auto wanted = options.degrees_of_freedom;
   if (wanted && *wanted != m.degrees_of_freedom) {
     check.fail(place, fmt::format("{} degrees of freedom, but {} {} required", m.degrees_of_freedom,
@@ -181,10 +176,10 @@ void judge_freedoms(const Subject& subject, const VerifyOptions& options, Verify
   } else if (!wanted && m.degrees_of_freedom == 0) {
     check.fail(place, "the pattern is rigid in this pose: it has no degrees of freedom");
   }
-  report.checks.push_back(std::move(check));
+  return check;
 }
 
-void judge_crossing(const Subject& subject, VerifyReport& report) {
+VerifyCheck judge_crossing(const Subject& subject, VerifyReport& report) {
   VerifyCheck check = named("crossing");
   const double slack =
       subject.limits.slack_mm + 4.0 * std::min(report.isometry_mm, subject.limits.isometry_mm);
@@ -204,22 +199,13 @@ void judge_crossing(const Subject& subject, VerifyReport& report) {
     affine = false;
     check_faces_apart(subject.file, subject.sheet, subject.triangles, subject.file.poses[k], motion,
                       slack, check);
-    if (motion.shut) {
+    if (motion.shut)
       report.notes.push_back(
           fmt::format("{} has shut folds: the order of its layers is not checked",
                       pose_name(subject.file.poses[k])));
-    }
   }
-  if (looked_at == 0) {
-    check.ran = false;
-    check.detail = "not checked: no opened pose keeps the lengths of the sheet";
-    report.checks.push_back(std::move(check));
-    return;
-  }
-  if (!check.ran) {
-    report.checks.push_back(std::move(check));
-    return;
-  }
+  if (looked_at == 0) check.not_judged("no opened pose keeps the lengths of the sheet");
+  if (!check.ran) return check;
   std::string swept;
   if (!affine && check.ok() && subject.count_in && subject.mobility.degrees_of_freedom == 1)
     swept = judge_sweep(subject, slack, check, report);
@@ -229,7 +215,7 @@ void judge_crossing(const Subject& subject, VerifyReport& report) {
              : fmt::format("no face passes through another: checked in {} pose{}{}", looked_at,
                            looked_at == 1 ? "" : "s", swept);
   if (!check.ok()) check.detail = fmt::format("{} wrong", check.failed);
-  report.checks.push_back(std::move(check));
+  return check;
 }
 
 }  // namespace popcut::verify

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -26,9 +25,8 @@ void check_pieces(const Subject& subject, VerifyReport& report) {
   const auto largest = std::max_element(size.begin(), size.end()) - size.begin();
   for (std::size_t p = 0; p < sheet.pieces; ++p) {
     if (static_cast<std::ptrdiff_t>(p) == largest) continue;
-    check.fail(fmt::format("/faces_vertices/{}", first[p]),
-               fmt::format("{} face{} cut off from the rest of the sheet", size[p],
-                           size[p] == 1 ? " is" : "s are"));
+    check.fail(face_place(first[p]), fmt::format("{} face{} cut off from the rest of the sheet",
+                                                 size[p], size[p] == 1 ? " is" : "s are"));
   }
   report.checks.push_back(std::move(check));
 }
@@ -88,7 +86,7 @@ void judge_flat_sheet(Subject& subject, VerifyCheck faces, VerifyReport& report)
   report.checks.push_back(std::move(lines));
 
   VerifyCheck tiling = named("tiling");
-  const Tiling t =
+  static_cast<Tiling&>(report) =
       check_tiling(subject.file, subject.sheet, subject.triangles, subject.limits.slack_mm, tiling);
   report.checks.push_back(std::move(tiling));
   note_unassigned_borders(subject, report);
@@ -96,11 +94,6 @@ void judge_flat_sheet(Subject& subject, VerifyCheck faces, VerifyReport& report)
   report.edges = subject.file.edges.size();
   report.fold_faces = subject.file.faces();
   report.faces = subject.sheet.panels;
-  report.sheet_u_mm = t.sheet_u_mm;
-  report.sheet_v_mm = t.sheet_v_mm;
-  report.area_mm2 = t.area_mm2;
-  report.slits = t.slits;
-  report.holes = t.holes;
 }
 
 }  // namespace popcut::verify

@@ -4,18 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <utility>
-#include <vector>
-
-#include <fmt/format.h>
 
 #include "core/geometry/angle.hpp"
 #include "core/verify/judge.hpp"
 #include "core/verify/motion/opening.hpp"
 #include "core/verify/sheet/fold_model.hpp"
-#include "core/verify/sheet/parting.hpp"
 #include "core/verify/sheet/planar.hpp"
+#include "core/verify/sheet/sheet.hpp"
 #include "core/verify/target/target.hpp"
 
 namespace popcut {
@@ -23,13 +19,13 @@ namespace {
 
 using namespace verify;
 
-void check_target(const Subject& subject, const Target& target, VerifyReport& report) {
+VerifyCheck check_target(const Subject& subject, const Target& target, VerifyReport& report) {
   VerifyCheck check = named("target");
   if (const auto distances = measure_target(subject.file, target, check)) {
     report.target_inner = distances->inner;
     report.target_all = distances->all;
   }
-  report.checks.push_back(std::move(check));
+  return check;
 }
 
 /// The opening angles at which to stop: spread over the motion, including the right angle and one
@@ -107,16 +103,16 @@ Result<VerifyReport> verify_fold(std::string_view text, const VerifyOptions& opt
   std::optional<Target> target;
   if (options.target_spec) {
     auto read = read_target(*options.target_spec, options.target_file);
-    if (!read) return tl::unexpected<Error>(within("target", std::move(read.error())));
+    if (!read) return tl::unexpected(within("target", std::move(read.error())));
     target = std::move(*read);
   }
   auto read = read_fold_model(text);
-  if (!read) return tl::unexpected<Error>(std::move(read.error()));
+  if (!read) return tl::unexpected(std::move(read.error()));
   Subject subject;
   subject.file = std::move(*read);
   subject.page = options.page;
   if (!subject.file.faces_given && subject.file.poses.empty()) {
-    if (auto done = planarise(subject.file); !done) return tl::unexpected<Error>(done.error());
+    if (auto done = planarise(subject.file); !done) return tl::unexpected(done.error());
     subject.file.notes.emplace_back("the drawing lists no faces: they were traced along its lines");
   } else if (!subject.file.faces_given) {
     trace_faces(subject.file);
@@ -141,12 +137,13 @@ Result<VerifyReport> verify_fold(std::string_view text, const VerifyOptions& opt
   VerifyReport report;
   report.notes = subject.file.notes;
   judge_flat_sheet(subject, std::move(faces), report);
-  judge_opening(subject, report);
-  judge_motion(subject, report);
-  judge_angles(subject, report);
-  judge_freedoms(subject, options, report);
-  judge_crossing(subject, report);
-  if (target) check_target(subject, *target, report);
+  const auto add = [&](VerifyCheck check) { report.checks.push_back(std::move(check)); };
+  add(judge_opening(subject, report));
+  add(judge_motion(subject, report));
+  add(judge_angles(subject, report));
+  add(judge_freedoms(subject, options, report));
+  add(judge_crossing(subject, report));
+  if (target) add(check_target(subject, *target, report));
   if (subject.file.drawn) name_places(subject, report);
   return report;
 }

@@ -9,7 +9,6 @@
 
 #include "core/result.hpp"
 #include "core/verify/sheet/check.hpp"
-#include "core/verify/target/target_distance.hpp"
 
 namespace popcut {
 
@@ -23,18 +22,9 @@ struct VerifyOptions {
   std::string target_file{};  ///< content of the file that the spec names (`target_file_of`)
 };
 
-/// How a pattern without an opened pose was opened.
-struct OpeningFigures {
-  std::size_t driver_edge{};  ///< a fold of the driving line, whose angle is pi - psi
-  double driver_length_mm{};
-  double reached_psi_rad{};
-  std::size_t steps{}, iterations{};
-  double gap_mm{};  ///< largest remaining gap in a hinge
-};
-
 /// What a pattern is and whether it is sound. Figures that could not be measured stay zero; their
 /// check says why.
-struct VerifyReport {
+struct VerifyReport : Tiling {
   std::vector<VerifyCheck> checks;
   std::vector<std::string> notes;
 
@@ -45,9 +35,6 @@ struct VerifyReport {
   std::size_t pieces{};
   std::size_t poses{};  ///< poses measured, from frames or from opening
   std::optional<OpeningFigures> opening;
-  double sheet_u_mm{}, sheet_v_mm{};
-  double area_mm2{};
-  std::size_t slits{}, holes{};
 
   double isometry_mm{};     ///< largest change of a length, over all poses
   double hinge_gap_mm{};    ///< largest gap in a fold, over all poses

@@ -29,13 +29,11 @@ std::string verify_text(const VerifyReport& report) {
   for (const VerifyCheck& check : report.checks) {
     const char* word = !check.ok() ? "FAILED" : check.ran ? "ok" : "-";
     text += fmt::format("{:<7} {:<19} {}\n", word, check.name, check.detail);
-    for (const VerifyFailure& failure : check.failures) {
+    for (const VerifyFailure& failure : check.failures)
       text += fmt::format("          {}{}{}\n", failure.place, failure.place.empty() ? "" : ": ",
                           failure.detail);
-    }
-    if (check.failed > check.failures.size()) {
+    if (check.failed > check.failures.size())
       text += fmt::format("          ... and {} more\n", check.failed - check.failures.size());
-    }
   }
   for (const std::string& note : report.notes) text += fmt::format("note    {}\n", note);
   return text;
@@ -45,17 +43,15 @@ std::string verify_json(const VerifyReport& report) {
   Json json{{"ok", report.ok()},           {"pieces", report.pieces},
             {"faces", report.faces},       {"fold_faces", report.fold_faces},
             {"vertices", report.vertices}, {"edges", report.edges},
-            {"hinges", report.hinges},     {"poses", report.poses}};
-  if (report.opening) {
+            {"hinges", report.hinges},     {"poses", report.poses},
+            {"opening", nullptr}};
+  if (report.opening)
     json["opening"] = {{"driver_edge", report.opening->driver_edge},
                        {"driver_length_mm", report.opening->driver_length_mm},
                        {"reached_psi_rad", report.opening->reached_psi_rad},
                        {"steps", report.opening->steps},
                        {"iterations", report.opening->iterations},
                        {"gap_mm", report.opening->gap_mm}};
-  } else {
-    json["opening"] = nullptr;
-  }
   json["sheet_mm"] = {report.sheet_u_mm, report.sheet_v_mm};
   json["area_mm2"] = report.area_mm2;
   json["slits"] = report.slits;
@@ -72,10 +68,9 @@ std::string verify_json(const VerifyReport& report) {
       {"psi_rad", report.pose_psi_rad > 0.0 ? Json(report.pose_psi_rad) : Json()},
       {"smallest", report.smallest_singular_values}};
   json["crossing"] = report.crossing_method;
-  if (report.target_inner) {
+  if (report.target_inner)
     json["target"] = {{"inner_mm", distance_json(*report.target_inner)},
                       {"all_mm", distance_json(*report.target_all)}};
-  }
   json["failed"] = report.failed();
   json["checks"] = json_list(report.checks, check_json);
   json["notes"] = report.notes;

@@ -28,9 +28,13 @@ namespace {
 
 // Every subcommand of this build; the order is the order of the help.
 constexpr std::initializer_list<Register> kCommands = {
-    register_design, register_deploy,    register_verify,      register_plan,   register_simulate,
-    register_cut,    register_jobs,      register_job_actions, register_daemon, register_machines,
-    register_doctor, register_curvature, register_figures};
+    register_design,   register_deploy,   register_verify, register_plan,
+    register_simulate, register_cut,      register_jobs,   register_job_actions,
+    register_daemon,   register_machines, register_doctor, register_curvature,
+#ifdef POPCUT_FIGURES
+    register_figures
+#endif
+};
 
 constexpr const char* kPurpose =
     "popcut turns a shape into a pop-up card: it designs the pattern, plans the sheets and cuts "

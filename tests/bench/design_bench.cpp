@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -23,12 +21,6 @@ using namespace popcut;
 using namespace popcut::testing;
 
 namespace {
-
-long peak_mb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return usage.ru_maxrss / 1024;
-}
 
 DesignSpec spec_of(const char* radius, int units, int slices, double width_mm, const char* lattice,
                    const char* max_step = "null") {
@@ -58,7 +50,8 @@ TEST_CASE("seconds a slice: Newton beside SLSQP", "[bench]") {
     // SLSQP's cost grows with the cube of the units: one run, and at most two minutes.
     bool done = true;
     const double slsqp = median_of(units <= 50 ? 5 : 1, [&] {
-      done = solve_chain_slsqp(circle, units, x, z, 120.0).has_value();
+      SlsqpBudget budget{120.0};
+      done = solve_chain_slsqp(circle, units, x, z, budget).has_value();
     });
     fmt::print("N = {:4}               {:10.1f} us {:6} {:10.3f}  {:>1}{:10.4f} s {:8.0f}\n", units,
                1e6 * newton, steps, 1e6 * newton / units, done ? " " : ">", slsqp, slsqp / newton);

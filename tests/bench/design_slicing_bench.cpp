@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -20,12 +18,6 @@ using namespace popcut;
 using namespace popcut::testing;
 
 namespace {
-
-long peak_mb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return usage.ru_maxrss / 1024;
-}
 
 /// A sphere of about `triangles` triangles in `slices` slices, from the bytes of an STL to curves.
 void slice_sphere(int triangles, int slices) {

@@ -13,8 +13,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "core/deploy/loaded_pattern.hpp"
 #include "core/deploy/pose_table.hpp"
-#include "core/deploy/segments_pattern.hpp"
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/deploy/stl.hpp"
 #include "tests/support/paths.hpp"

@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "core/design/target/mesh_reader.hpp"
-#include "core/design/target/surface_grid.hpp"
 
 using namespace popcut;
 

@@ -9,7 +9,7 @@
 
 #include "core/curvature/star.hpp"
 #include "core/curvature/vertex_curvature.hpp"
-#include "core/figures/assembly.hpp"
+#include "core/curvature/assembly.hpp"
 
 namespace curvature_property_test {
 

@@ -10,11 +10,10 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/deploy/face_triangles.hpp"
 #include "core/deploy/glb.hpp"
+#include "core/deploy/loaded_pattern.hpp"
 #include "core/deploy/pose_table.hpp"
 #include "core/deploy/sheet_mesh.hpp"
-#include "core/deploy/unfold_frames.hpp"
 #include "core/design/design.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "tests/support/glb_scene.hpp"

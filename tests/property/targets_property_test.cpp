@@ -129,7 +129,7 @@ TEST_CASE("the fit of a noisy outline falls and is its own fit again", "[core][f
 }
 
 TEST_CASE("no falling curve lies nearer to a noisy outline than its fit", "[core][fit]") {
-  // Against random falling curves and small lawful changes of the fit itself.
+  // Against random falling curves and small valid changes of the fit itself.
   constexpr unsigned kSeed = 53;
   std::mt19937 random(kSeed);
   for (int k = 0; k < 50; ++k) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <chrono>
 #include <thread>
@@ -25,6 +27,13 @@ namespace popcut::testing {
   for (int k = 0; k < runs; ++k) times.push_back(seconds_of(work));
   std::nth_element(times.begin(), times.begin() + runs / 2, times.end());
   return times[static_cast<std::size_t>(runs / 2)];
+}
+
+/// The most memory that this process has had, MB.
+[[nodiscard]] inline long peak_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss / 1024;
 }
 
 /// Waits until `holds()` is true, asking every `step`; false if it is not within `seconds`.

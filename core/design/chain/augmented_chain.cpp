@@ -27,9 +27,8 @@ using Place = star::Vec<Number>;
 /// The loss and its slopes for points given by value and tangent.
 class StackLoss {
  public:
-  StackLoss(const SliceStack& stack, const CurvatureTargets& targets,
-            const CurvatureWeights& weights)
-      : stack_(stack), targets_(targets), weights_(weights) {
+  StackLoss(const SliceStack& stack, const AugmentedSpec& spec, std::size_t first)
+      : stack_(stack), spec_(spec), first_(first) {
     double sum = 0;
     for (const SliceCurve& curve : stack.curves) sum += 0.5 * (curve.d() + curve.h());
     size_ = sum / static_cast<double>(stack.curves.size());
@@ -40,7 +39,7 @@ class StackLoss {
   /// The added terms; `jets` has a point and tangent a vertex, `slope` (if any) is added to.
   double curvature(std::span<const CurveJet> jets, std::span<double> slope) const {
     double sum = 0;
-    std::size_t k = 0;
+    std::size_t k = first_;
     for (std::size_t j = 1; j + 1 < stack_.curves.size(); ++j) {
       for (std::size_t i = 1; i + 1 < levels(); ++i, ++k) {
         const Number term = term_at(jets, j * levels() + i, j, k);
@@ -55,9 +54,8 @@ class StackLoss {
   /// Sum of L_j.
   [[nodiscard]] double chains(std::span<const double> x, std::span<const double> z) const {
     double sum = 0;
-    for (std::size_t j = 0; j < stack_.curves.size(); ++j) {
+    for (std::size_t j = 0; j < stack_.curves.size(); ++j)
       sum += chain_loss(x.subspan(j * levels(), levels()), z.subspan(j * levels(), levels()));
-    }
     return sum;
   }
 
@@ -77,11 +75,6 @@ class StackLoss {
     return p;
   }
 
-  template <typename T>
-  static const T& target_of(const std::vector<T>& list, std::size_t k) {
-    return list.size() == 1 ? list.front() : list[k];
-  }
-
   [[nodiscard]] Number term_at(std::span<const CurveJet> jets, std::size_t at, std::size_t j,
                                std::size_t k) const {
     const std::size_t i = at - j * levels();
@@ -94,74 +87,66 @@ class StackLoss {
     const auto c = star::curvature<Number>(around[0], ring);
     const auto squared = [](const Number& off) { return off * off; };
     Number sum = 0.0;
-    if (weights_.K > 0) {
-      const Number off = c.defect / c.area - Number(target_of(targets_.K_area, k));
-      sum = sum + Number(weights_.K * std::pow(size_, 6)) * squared(off);
+    if (spec_.weight_K > 0) {
+      const Number off = c.defect / c.area - Number(target_of(spec_.K_area, k));
+      sum = sum + Number(spec_.weight_K * std::pow(size_, 6)) * squared(off);
     }
-    if (weights_.H > 0) {
-      const Number off = c.mean - Number(target_of(targets_.H, k));
-      sum = sum + Number(weights_.H * std::pow(size_, 4)) * squared(off);
+    if (spec_.weight_H > 0) {
+      const Number off = c.mean - Number(target_of(spec_.H, k));
+      sum = sum + Number(spec_.weight_H * std::pow(size_, 4)) * squared(off);
     }
-    if (weights_.a > 0 || weights_.b > 0) {
+    if (spec_.weight_first > 0 || spec_.weight_second > 0) {
       const Place mixed = Number(0.25) * (around[5] - around[6] + around[7] - around[8]);
       const auto f = star::forms<Number>(around[0], ring, c.normal, mixed);
-      const FundamentalForms& to = target_of(targets_.forms, k);
-      const Number a = squared(f.a_ss - Number(to.a_ss)) +
-                       Number(2.0) * squared(f.a_st - Number(to.a_st)) +
-                       squared(f.a_tt - Number(to.a_tt));
-      const Number b = squared(f.b_ss - Number(to.b_ss)) +
-                       Number(2.0) * squared(f.b_st - Number(to.b_st)) +
-                       squared(f.b_tt - Number(to.b_tt));
-      sum = sum + Number(weights_.a / (size_ * size_)) * a + Number(weights_.b) * b;
+      const auto off = [&](const Number& ss, const Number& st, const Number& tt,
+                           const std::array<double, 3>& to) {
+        return squared(ss - Number(to[0])) + Number(2.0) * squared(st - Number(to[1])) +
+               squared(tt - Number(to[2]));
+      };
+      const Number a = off(f.a_ss, f.a_st, f.a_tt, target_of(spec_.first, k));
+      const Number b = off(f.b_ss, f.b_st, f.b_tt, target_of(spec_.second, k));
+      sum =
+          sum + Number(spec_.weight_first / (size_ * size_)) * a + Number(spec_.weight_second) * b;
     }
     return sum;
   }
 
   const SliceStack& stack_;
-  const CurvatureTargets& targets_;
-  const CurvatureWeights& weights_;
+  const AugmentedSpec& spec_;
+  std::size_t first_;
   double size_{1.0};
 };
 
-Result<void> check(const SliceStack& stack, const CurvatureTargets& targets,
-                   const CurvatureWeights& weights) {
+bool is_finite(double value) { return std::isfinite(value); }
+bool is_finite(const std::array<double, 3>& form) {
+  return std::isfinite(form[0] + form[1] + form[2]);
+}
+
+Result<void> check(const SliceStack& stack, const AugmentedSpec& spec, std::size_t first) {
   const auto wrong = [](std::string detail) {
     return fail(ErrorKind::OutOfRange, "", std::move(detail));
   };
   if (stack.inner() == 0) return wrong("curvature targets need 3 slices and 2 units or more");
-  if (stack.v_mm.size() != stack.curves.size()) {
+  if (stack.v_mm.size() != stack.curves.size())
     return wrong(fmt::format("there are {} slices and {} places along the spine; one each",
                              stack.curves.size(), stack.v_mm.size()));
-  }
-  for (std::size_t j = 1; j < stack.v_mm.size(); ++j) {
+  for (std::size_t j = 1; j < stack.v_mm.size(); ++j)
     if (!(stack.v_mm[j] > stack.v_mm[j - 1])) return wrong("slices must rise along the spine");
-  }
-  const auto fits = [&](std::size_t count, const char* what, double weight,
-                        bool finite) -> Result<void> {
-    if (!(weight >= 0) || !std::isfinite(weight)) {
+  const auto fits = [&](const auto& list, const char* what, double weight) -> Result<void> {
+    if (!(weight >= 0) || !std::isfinite(weight))
       return wrong(fmt::format("the weight of {} is {:g}; 0 or more", what, weight));
-    }
-    if (weight == 0 || count == 1 || count == stack.inner()) {
-      if (weight == 0 || finite) return {};
-      return wrong(fmt::format("a target of {} is not a finite number", what));
-    }
-    return wrong(
-        fmt::format("there are {} targets of {}; one for all, or {}", count, what, stack.inner()));
+    if (weight == 0) return {};
+    if (list.size() != 1 && list.size() < first + stack.inner())
+      return wrong(fmt::format("there are {} targets of {}; one for all, or {}", list.size(), what,
+                               stack.inner()));
+    if (std::all_of(list.begin(), list.end(), [](const auto& one) { return is_finite(one); }))
+      return {};
+    return wrong(fmt::format("a target of {} is not a finite number", what));
   };
-  const auto all_finite = [](const std::vector<double>& list) {
-    for (const double value : list)
-      if (!std::isfinite(value)) return false;
-    return true;
-  };
-  bool finite_forms = true;
-  for (const FundamentalForms& f : targets.forms) {
-    finite_forms &= std::isfinite(f.a_ss + f.a_st + f.a_tt + f.b_ss + f.b_st + f.b_tt);
-  }
-  if (auto ok = fits(targets.K_area.size(), "K", weights.K, all_finite(targets.K_area)); !ok)
-    return ok;
-  if (auto ok = fits(targets.H.size(), "H", weights.H, all_finite(targets.H)); !ok) return ok;
-  if (auto ok = fits(targets.forms.size(), "a", weights.a, finite_forms); !ok) return ok;
-  return fits(targets.forms.size(), "b", weights.b, finite_forms);
+  if (auto ok = fits(spec.K_area, "K_area", spec.weight_K); !ok) return ok;
+  if (auto ok = fits(spec.H, "H", spec.weight_H); !ok) return ok;
+  if (auto ok = fits(spec.first, "first", spec.weight_first); !ok) return ok;
+  return fits(spec.second, "second", spec.weight_second);
 }
 
 /// The unknowns: for each slice the logarithms of the N spacings of the curve parameter, up to a
@@ -196,9 +181,8 @@ class SpacedStack {
       }
     }
     const double seen = at.chains + share_ * at.curvature;
-    if (std::isfinite(at.total()) && (!best_ || at.total() < best_->loss.total())) {
+    if (std::isfinite(at.total()) && (!best_ || at.total() < best_->loss.total()))
       best_ = {points_, {}, at, 0, false};
-    }
     if (gradient != nullptr) {
       for (std::size_t k = 0; k < gap_.size(); ++k) gradient[k] /= scale_;
     }
@@ -331,14 +315,12 @@ Result<std::vector<double>> plain_start(const SliceStack& stack) {
   ChainSolver solver;
   for (std::size_t j = 0; j < stack.curves.size(); ++j) {
     const SliceCurve& curve = stack.curves[j];
-    if (auto done = solver.solve(curve, stack.units, x, z); !done) {
+    if (auto done = solver.solve(curve, stack.units, x, z); !done)
       return tl::unexpected(within(fmt::format("slice {}", j), done.error()));
-    }
     const auto t = [&](std::size_t k) { return x[k] / curve.d() - z[k] / curve.h(); };
     constexpr double kLeast = 1e-12;
-    for (std::size_t k = 0; k < units; ++k) {
+    for (std::size_t k = 0; k < units; ++k)
       q[j * units + k] = std::log(std::max(0.5 * (t(k + 1) - t(k)), kLeast));
-    }
   }
   return q;
 }
@@ -346,10 +328,9 @@ Result<std::vector<double>> plain_start(const SliceStack& stack) {
 }  // namespace
 
 Result<AugmentedLoss> augmented_loss(const SliceStack& stack, const StackPoints& points,
-                                     const CurvatureTargets& targets,
-                                     const CurvatureWeights& weights) {
-  if (auto ok = check(stack, targets, weights); !ok) return tl::unexpected(ok.error());
-  const StackLoss loss(stack, targets, weights);
+                                     const AugmentedSpec& spec, std::size_t first) {
+  if (auto ok = check(stack, spec, first); !ok) return tl::unexpected(ok.error());
+  const StackLoss loss(stack, spec, first);
   const std::size_t count = stack.curves.size() * loss.levels();
   if (points.x.size() != count || points.z.size() != count) {
     return fail(ErrorKind::OutOfRange, "",
@@ -361,14 +342,13 @@ Result<AugmentedLoss> augmented_loss(const SliceStack& stack, const StackPoints&
   return AugmentedLoss{loss.chains(points.x, points.z), loss.curvature(jets, {})};
 }
 
-Result<AugmentedChains> solve_chain_augmented(const SliceStack& stack,
-                                              const CurvatureTargets& targets,
-                                              const CurvatureWeights& weights, int most_evaluations,
+Result<AugmentedChains> solve_chain_augmented(const SliceStack& stack, const AugmentedSpec& spec,
+                                              std::size_t first, int most_evaluations,
                                               double budget_s) {
-  if (auto ok = check(stack, targets, weights); !ok) return tl::unexpected(ok.error());
+  if (auto ok = check(stack, spec, first); !ok) return tl::unexpected(ok.error());
   const auto plain = plain_start(stack);
   if (!plain) return tl::unexpected(plain.error());
-  const StackLoss loss(stack, targets, weights);
+  const StackLoss loss(stack, spec, first);
   SpacedStack problem(stack, loss);
   problem.evaluate(plain->data(), nullptr);
   if (!problem.best()) {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/curvature/vertex_curvature.hpp"
+#include "core/design/spec/spec.hpp"
 #include "core/design/target/curve.hpp"
 #include "core/result.hpp"
 
@@ -22,24 +22,6 @@ struct SliceStack {
                ? 0
                : (curves.size() - 2) * (static_cast<std::size_t>(units) - 1);
   }
-};
-
-/// What the surface is to be. Each list is empty (not asked for), has one value for all, or one an
-/// inner vertex: slice by slice from slice 1, levels 1 .. N - 1 of each.
-struct CurvatureTargets {
-  std::vector<double> K_area;           ///< Gaussian curvature, 1/mm^2 (angle defect over area)
-  std::vector<double> H;                ///< mean curvature, 1/mm, > 0 where convex
-  std::vector<FundamentalForms> forms;  ///< a, b in the parameters (i, j)
-};
-
-/// Weights of the added terms, without unit: with S the mean of (d + h) / 2 over the slices, the
-/// terms are S^2 times the squares of S^2 (K - K~), S (H - H~), (a - a~) / S^2, (b - b~) / S, so
-/// that a scaled surface has the scaled solution, and S = 1 gives the paper's own formula.
-struct CurvatureWeights {
-  double K{};
-  double H{};
-  double a{};
-  double b{};
 };
 
 struct AugmentedLoss {
@@ -61,6 +43,13 @@ struct AugmentedChains {
   bool out_of_time{};  ///< the budget was used up; the best so far is given
 };
 
+/// The target of one inner vertex: the `k`-th of a list, or what stands there for all; 0 for none.
+template <typename T>
+[[nodiscard]] T target_of(const std::vector<T>& list, std::size_t k) {
+  if (list.empty()) return {};
+  return list.size() == 1 ? list.front() : list[k];
+}
+
 /// The augmented loss of S4 at given points,
 ///
 ///     sum_j L_j + sum_(i, j) lambda_K (K - K~)^2 + lambda_H (H - H~)^2
@@ -70,12 +59,17 @@ struct AugmentedChains {
 /// forms with the mixed difference of the diagonal neighbours, |.| the Frobenius norm. The paper
 /// writes the added terms for the five-unit assembly; here every inner vertex is the middle of one.
 ///
+/// Weights are without unit: with S the mean of (d + h) / 2 over the slices, the terms are S^2
+/// times the squares of S^2 (K - K~), S (H - H~), (a - a~) / S^2, (b - b~) / S, so that a scaled
+/// surface has the scaled solution, and S = 1 gives the paper's own formula.
+///
+/// @param first  index of this stack's first inner vertex in the lists of `spec`
 /// @retval OutOfRange  sizes that do not agree, fewer than 3 slices or 2 units, v not rising, a
 ///                     weight that is negative or not finite, or one without its targets
 [[nodiscard]] Result<AugmentedLoss> augmented_loss(const SliceStack& stack,
                                                    const StackPoints& points,
-                                                   const CurvatureTargets& targets,
-                                                   const CurvatureWeights& weights);
+                                                   const AugmentedSpec& spec,
+                                                   std::size_t first = 0);
 
 /// Chains that minimise it, every vertex on its slice's curve and in order along it: NLopt's L-BFGS
 /// on the logarithms of the vertices' spacings along the curves, exact slopes by forward
@@ -85,8 +79,8 @@ struct AugmentedChains {
 /// @retval OutOfRange  as `augmented_loss`
 /// @retval Infeasible  a plain chain has no minimum (as `ChainSolver`), or the loss is not finite
 [[nodiscard]] Result<AugmentedChains> solve_chain_augmented(const SliceStack& stack,
-                                                            const CurvatureTargets& targets,
-                                                            const CurvatureWeights& weights,
+                                                            const AugmentedSpec& spec,
+                                                            std::size_t first = 0,
                                                             int most_evaluations = 2000,
                                                             double budget_s = 120.0);
 

@@ -35,39 +35,8 @@ std::vector<UnitRun> stretches_of(const Slicing& slicing) {
   return out;
 }
 
-template <typename T>
-T target_of(const std::vector<T>& list, std::size_t k) {
-  return list.size() == 1 ? list.front() : list[k];
-}
-
-/// The part of a list of targets that belongs to `count` vertices from `first` on.
-template <typename T>
-std::vector<T> part(const std::vector<T>& list, std::size_t first, std::size_t count) {
-  if (list.size() <= 1) return list;
-  const auto begin = list.begin() + static_cast<std::ptrdiff_t>(first);
-  return {begin, begin + static_cast<std::ptrdiff_t>(count)};
-}
-
-CurvatureTargets targets_of(const AugmentedSpec& spec, std::size_t first, std::size_t count) {
-  CurvatureTargets out{part(spec.K_area, first, count), part(spec.H, first, count), {}};
-  const std::size_t forms = std::max(spec.first.size(), spec.second.size());
-  for (std::size_t k = 0; k < (forms > 1 ? count : forms); ++k) {
-    FundamentalForms f;
-    if (!spec.first.empty()) {
-      const auto a = target_of(spec.first, first + k);
-      f.a_ss = a[0], f.a_st = a[1], f.a_tt = a[2];
-    }
-    if (!spec.second.empty()) {
-      const auto b = target_of(spec.second, first + k);
-      f.b_ss = b[0], f.b_st = b[1], f.b_tt = b[2];
-    }
-    out.forms.push_back(f);
-  }
-  return out;
-}
-
 Result<void> check_lengths(const AugmentedSpec& spec, std::size_t inner) {
-  const auto lawful = [&](std::size_t count, const char* name) -> Result<void> {
+  const auto fits = [&](std::size_t count, const char* name) -> Result<void> {
     if (count <= 1 || count == inner) return {};
     return fail(ErrorKind::OutOfRange, fmt::format("/curvature/{}", name),
                 fmt::format("has {} values; one for all, or {} (one an inner vertex: levels 1 to "
@@ -77,7 +46,7 @@ Result<void> check_lengths(const AugmentedSpec& spec, std::size_t inner) {
   for (const auto& [count, name] :
        {std::pair{spec.K_area.size(), "K_area"}, std::pair{spec.H.size(), "H"},
         std::pair{spec.first.size(), "first"}, std::pair{spec.second.size(), "second"}})
-    if (auto ok = lawful(count, name); !ok) return ok;
+    if (auto ok = fits(count, name); !ok) return ok;
   return {};
 }
 
@@ -146,9 +115,7 @@ Result<void> solve_run(const UnitRun& run, const AugmentedSpec& spec, std::size_
   const std::size_t count = run.end - run.begin;
   const SliceStack stack{std::span(slicing.curves).subspan(run.begin, count),
                          std::span(slicing.s_mm).subspan(run.begin, count), run.units};
-  auto solved =
-      solve_chain_augmented(stack, targets_of(spec, target, run.inner()),
-                            {spec.weight_K, spec.weight_H, spec.weight_first, spec.weight_second});
+  auto solved = solve_chain_augmented(stack, spec, target);
   if (!solved) return tl::unexpected(within("/curvature", solved.error()));
   const auto first = static_cast<std::ptrdiff_t>(slicing.chain_first[run.begin]);
   std::copy(solved->points.x.begin(), solved->points.x.end(), slicing.chain_x.begin() + first);

@@ -4,18 +4,11 @@
 #include <span>
 #include <vector>
 
+#include "core/design/spec/report.hpp"
 #include "core/design/target/curve.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
-
-/// How well a chain came out.
-struct ChainFigures {
-  double loss{};  ///< L of section 3, mm^2
-  int iterations{};
-  int minima{1};    ///< different ones that were found from several starts
-  double spread{};  ///< largest of them over the smallest, less 1: 0 for a single minimum
-};
 
 /// L of docs/geometry.md, section 3 (S2.A): squares of the differences of neighbouring steps plus
 /// squares of the steps' distance from the even ones, over `x.size() - 1` units from (0, h) to (d,
@@ -73,13 +66,5 @@ struct SlsqpBudget {
 [[nodiscard]] Result<ChainFigures> solve_chain_slsqp(const SliceCurve& curve, int units,
                                                      std::span<double> x, std::span<double> z,
                                                      SlsqpBudget& budget);
-/// One slice for itself, with `budget_s`.
-[[nodiscard]] inline Result<ChainFigures> solve_chain_slsqp(const SliceCurve& curve, int units,
-                                                            std::span<double> x,
-                                                            std::span<double> z,
-                                                            double budget_s = 600.0) {
-  SlsqpBudget budget{budget_s};
-  return solve_chain_slsqp(curve, units, x, z, budget);
-}
 
 }  // namespace popcut

@@ -9,7 +9,7 @@
 #include "core/design/spec/report.hpp"
 #include "core/design/spec/spec.hpp"
 #include "core/design/target/curve.hpp"
-#include "core/design/target/slice_fit.hpp"
+#include "core/design/target/surface_spec.hpp"
 #include "core/result.hpp"
 
 namespace popcut {

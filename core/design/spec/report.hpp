@@ -2,12 +2,11 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/design/target/slice_fit.hpp"
+#include "core/design/target/surface_spec.hpp"
 
 namespace popcut {
 
@@ -18,16 +17,28 @@ struct ErrorFigures {
   std::size_t count{};  ///< of what was measured
 };
 
+/// How well a chain came out.
+struct ChainFigures {
+  double loss{};  ///< L of section 3, mm^2
+  int iterations{};
+  int minima{1};    ///< different ones that were found from several starts
+  double spread{};  ///< largest of them over the smallest, less 1: 0 for a single minimum
+};
+
 /// One slice of the report: where it lies and how its chain came out.
-struct SliceReport {
+struct SliceReport : ChainFigures {
   double s_mm{};  ///< place along the target
   double v_mm{};  ///< centre line of its strip on the sheet
   double width_mm{};
-  double loss{};  ///< L_j of section 3, mm^2
-  int iterations{};
-  int minima{1};    ///< that the chain has, as far as several starts found them
-  double spread{};  ///< the largest of their losses over the smallest, less 1
   SliceFit fit{};
+};
+
+/// How near a lattice comes to its target, as it is laid, after merging.
+struct LatticeFigures {
+  ErrorFigures inner_error;  ///< connector vertices between wall and ground, from their own curve
+  ErrorFigures end_error;    ///< wall and ground ends, from h and d of the slice that sets them
+  double step_over_mean_min{}, step_over_mean_max{};
+  double gap_mm{};  ///< largest distance of a target point from the nearest fold vertex
 };
 
 /// A place where the lattice does not follow the target level by level, and why.
@@ -77,7 +88,7 @@ struct CurvatureReport {
 };
 
 /// What a design is, in figures (`report.json`).
-struct DesignReport {
+struct DesignReport : LatticeFigures {
   std::string name;
   std::vector<int> units_per_slice;  ///< one, or one a region
   std::vector<SliceReport> slices;
@@ -91,9 +102,6 @@ struct DesignReport {
   int degrees_of_freedom{};
   int pieces{};
   double sheet_u_mm{}, sheet_v_mm{};
-  ErrorFigures inner_error, end_error;
-  double step_over_mean_min{}, step_over_mean_max{};
-  double gap_mm{};
   std::vector<MergedPlace> merged;
   std::vector<BridgeReport> bridges;
   std::optional<CurvatureReport> curvature;  ///< where the spec asks for some

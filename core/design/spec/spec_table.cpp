@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "core/design/spec/spec_table.hpp"
 
-#include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>

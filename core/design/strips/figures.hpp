@@ -24,14 +24,7 @@ struct FigureInput {
   double mean_step_mm{};
 };
 
-struct LatticeFigures {
-  ErrorFigures inner_error;  ///< connector vertices between wall and ground, from their own curve
-  ErrorFigures end_error;    ///< wall and ground ends, from h and d of the slice that sets them
-  double step_over_mean_min{}, step_over_mean_max{};
-  double gap_mm{};  ///< largest distance of a target point from the nearest fold vertex
-};
-
-/// Measures a lattice as it is laid, after merging (docs/geometry.md, section 4: "exact is not yet
+/// Measures a lattice as it is laid (docs/geometry.md, section 4: "exact is not yet
 /// good"). Fold vertices are the middles of the connectors' valley folds with their wall and ground
 /// ends; a lattice without connectors has those of its slices.
 [[nodiscard]] LatticeFigures measure(const FigureInput& input);

@@ -2,12 +2,13 @@
 #include "core/design/strips/mobility.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 #include <span>
 
 #include <Eigen/Dense>
 #include <Eigen/Sparse>
+
+#include "core/geometry/buckets.hpp"
+#include "core/geometry/disjoint_sets.hpp"
 
 namespace popcut {
 namespace {
@@ -25,20 +26,15 @@ class AffineSystem {
   AffineSystem(const BuiltPattern& built, bool lines_upright) : faces_(built.upright.size()) {
     is_line_.resize(faces_);
     for (std::size_t f = 0; f < faces_; ++f) is_line_[f] = (built.upright[f] != 0) == lines_upright;
-    first_.assign(faces_ + 1, 0);
-    for (const Hinge& h : built.hinges)
-      ++first_[static_cast<std::size_t>(h.from_face) + 1],
-          ++first_[static_cast<std::size_t>(h.to_face) + 1];
-    std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    entries_.resize(first_.back());
-    std::vector<std::uint32_t> fill(first_.begin(), first_.end() - 1);
-    for (const Hinge& h : built.hinges) {
-      const double place = lines_upright ? h.z : h.x;
-      const auto a = static_cast<std::uint32_t>(h.from_face),
-                 b = static_cast<std::uint32_t>(h.to_face);
-      entries_[fill[a]++] = {b, place};
-      entries_[fill[b]++] = {a, place};
-    }
+    around_ = Buckets<Entry>(faces_, [&](auto&& put) {
+      for (const Hinge& h : built.hinges) {
+        const double place = lines_upright ? h.z : h.x;
+        const auto a = static_cast<std::uint32_t>(h.from_face);
+        const auto b = static_cast<std::uint32_t>(h.to_face);
+        put(a, {b, place});
+        put(b, {a, place});
+      }
+    });
     held_.assign(faces_, 0);
   }
 
@@ -63,9 +59,7 @@ class AffineSystem {
     std::uint32_t face{};
     double place{};
   };
-  [[nodiscard]] std::span<const Entry> around(std::uint32_t f) const {
-    return std::span(entries_).subspan(first_[f], first_[f + 1] - first_[f]);
-  }
+  [[nodiscard]] std::span<const Entry> around(std::uint32_t f) const { return around_[f]; }
 
   /// The line f is zero, and so are its nodes; the lines at them may follow.
   void hold(std::uint32_t f) {
@@ -162,8 +156,7 @@ class AffineSystem {
   std::size_t faces_;
   std::vector<std::uint8_t> is_line_;
   std::vector<std::uint8_t> held_;  ///< faces that follow the common motion
-  std::vector<std::uint32_t> first_;
-  std::vector<Entry> entries_;
+  Buckets<Entry> around_;
   std::vector<std::uint32_t> work_;
   // Of the component at hand:
   std::vector<std::uint32_t> members_;
@@ -173,18 +166,11 @@ class AffineSystem {
 };
 
 int count_pieces(const BuiltPattern& built) {
-  std::vector<std::uint32_t> parent(built.upright.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto find = [&](std::uint32_t a) {
-    while (parent[a] != a) a = parent[a] = parent[parent[a]];
-    return a;
-  };
-  int pieces = static_cast<int>(parent.size());
-  for (const Hinge& h : built.hinges) {
-    const std::uint32_t a = find(static_cast<std::uint32_t>(h.from_face));
-    const std::uint32_t b = find(static_cast<std::uint32_t>(h.to_face));
-    if (a != b) parent[a] = b, --pieces;
-  }
+  DisjointSets faces(built.upright.size());
+  int pieces = static_cast<int>(built.upright.size());
+  for (const Hinge& h : built.hinges)
+    if (faces.join(static_cast<std::uint32_t>(h.from_face), static_cast<std::uint32_t>(h.to_face)))
+      --pieces;
   return pieces;
 }
 

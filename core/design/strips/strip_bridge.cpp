@@ -189,52 +189,15 @@ class Bridge {
   std::vector<Way> ways_;
 };
 
-/// Copies strips one by one, each from where the last one ended.
-class StripCopier {
- public:
-  explicit StripCopier(const Strips& from) : from_(from) {
-    out_.v_begin.push_back(0.0);
-    out_.first_panel.push_back(0);
+void write_bridge(const Bridge& bridge, const std::vector<Corner>& corners, StripWriter& writer) {
+  writer.start(0.0, bridge.wall_mm());
+  writer.panel_to(0.0, corners.front().z, kWallPlane);
+  for (std::size_t k = 1; k < corners.size(); ++k) {
+    writer.panel_to(corners[k].x, corners[k - 1].z, bridge.height(corners[k - 1]).id);
+    writer.panel_to(corners[k].x, corners[k].z, bridge.offset(corners[k]).id);
   }
-  void copy(std::size_t s) {
-    const auto take = [](auto& to, const auto& list, std::size_t begin, std::size_t end) {
-      to.insert(to.end(), list.begin() + static_cast<std::ptrdiff_t>(begin),
-                list.begin() + static_cast<std::ptrdiff_t>(end));
-    };
-    take(out_.plane, from_.plane, from_.first_panel[s], from_.first_panel[s + 1]);
-    take(out_.level, from_.level, from_.first_panel[s], from_.first_panel[s + 1]);
-    take(out_.x, from_.x, from_.first_point(s), from_.first_panel[s + 1] + s + 1);
-    take(out_.z, from_.z, from_.first_point(s), from_.first_panel[s + 1] + s + 1);
-    close(from_.kind[s], from_.slice[s], from_.v_begin[s + 1] - from_.v_begin[s]);
-  }
-  void add(const Bridge& bridge, const std::vector<Corner>& corners, int slice, double width_mm) {
-    point(0.0, bridge.wall_mm());
-    panel_to(0.0, corners.front().z, kWallPlane);
-    for (std::size_t k = 1; k < corners.size(); ++k) {
-      panel_to(corners[k].x, corners[k - 1].z, bridge.height(corners[k - 1]).id);
-      panel_to(corners[k].x, corners[k].z, bridge.offset(corners[k]).id);
-    }
-    panel_to(bridge.ground_mm(), 0.0, kGroundPlane);
-    close(StripKind::Bridge, slice, width_mm);
-  }
-  Strips take() { return std::move(out_); }
-
- private:
-  void point(double x, double z) { out_.x.push_back(x), out_.z.push_back(z); }
-  void panel_to(double x, double z, PlaneId plane) {
-    out_.plane.push_back(plane);
-    out_.level.push_back(-1);
-    point(x, z);
-  }
-  void close(StripKind kind, int slice, double width_mm) {
-    out_.kind.push_back(kind);
-    out_.slice.push_back(slice);
-    out_.v_begin.push_back(out_.v_begin.back() + width_mm);
-    out_.first_panel.push_back(static_cast<std::uint32_t>(out_.plane.size()));
-  }
-  const Strips& from_;
-  Strips out_;
-};
+  writer.panel_to(bridge.ground_mm(), 0.0, kGroundPlane);
+}
 
 /// What a strip leaves to a connector beside it.
 double share_of(const Strips& strips, std::size_t s) {
@@ -258,10 +221,10 @@ BridgedStrips add_bridges(const Strips& strips, std::span<const BridgeAim> aims,
                           double min_panel_mm) {
   BridgedStrips out;
   if (aims.empty()) return {strips, {}, {}};
-  StripCopier copier(strips);
+  StripWriter writer;
   std::size_t k = 0;
   for (std::size_t s = 0; s < strips.size(); ++s) {
-    copier.copy(s);
+    writer.copy(strips, s);
     if (k == aims.size() || aims[k].left_strip != s) continue;
     const double width = share_of(strips, s) + share_of(strips, s + 1);
     Bridge bridge(strips, aims[k], min_panel_mm);
@@ -269,12 +232,13 @@ BridgedStrips add_bridges(const Strips& strips, std::span<const BridgeAim> aims,
     if (corners.empty()) {
       out.refused.push_back(k);
     } else {
-      copier.add(bridge, corners, strips.slice[s], width);
+      write_bridge(bridge, corners, writer);
+      writer.close(StripKind::Bridge, strips.slice[s], width);
       out.made.push_back(report_of(bridge, corners, strips.slice[s]));
     }
     ++k;
   }
-  out.strips = copier.take();
+  out.strips = writer.take();
   return out;
 }
 

@@ -5,62 +5,27 @@
 
 #include <fmt/format.h>
 
-#include "core/design/strips/same_place.hpp"
-
 namespace popcut {
 namespace {
 
-/// Builds the flat arrays strip by strip.
-class StripWriter {
- public:
-  StripWriter(const StripOptions& options, Strips& out) : options_(options), out_(out) {
-    out_.v_begin.push_back(0.0);
-    out_.first_panel.push_back(0);
-  }
-
-  void open(StripKind kind, int slice, double width_mm) {
-    out_.kind.push_back(kind);
-    out_.slice.push_back(slice);
-    out_.v_begin.push_back(out_.v_begin.back() + width_mm);
-  }
-  /// First point of the staircase.
-  void start(double x, double z) { point(x, z); }
-  void panel_to(double x, double z, PlaneId plane, int level) {
-    out_.plane.push_back(plane);
-    out_.level.push_back(level);
-    point(x, z);
-  }
-  void close() { out_.first_panel.push_back(static_cast<std::uint32_t>(out_.plane.size())); }
-
-  void margin() {
-    open(StripKind::Margin, -1, options_.frame.margin_mm);
-    start(0.0, options_.frame.wall_mm);
-    panel_to(0.0, 0.0, kWallPlane, -1);
-    panel_to(options_.frame.ground_mm, 0.0, kGroundPlane, -1);
-    close();
-  }
-
- private:
-  void point(double x, double z) {
-    out_.x.push_back(x);
-    out_.z.push_back(z);
-  }
-  const StripOptions& options_;
-  Strips& out_;
-};
+void write_margin(const CardFrame& frame, StripWriter& writer) {
+  writer.start(0.0, frame.wall_mm);
+  writer.panel_to(0.0, 0.0, kWallPlane);
+  writer.panel_to(frame.ground_mm, 0.0, kGroundPlane);
+  writer.close(StripKind::Margin, -1, frame.margin_mm);
+}
 
 /// One run on its way to strips.
 class RunLayer {
  public:
   RunLayer(const std::vector<LaidSlice>& laid, const Run& run, PlaneId first_plane,
-           const StripOptions& options, std::vector<MergedPlace>& merged,
-           std::vector<int>& unlawful)
+           const StripOptions& options, std::vector<MergedPlace>& merged, std::vector<int>& apart)
       : laid_(laid),
         run_(run),
         first_plane_(first_plane),
         options_(options),
         merged_(merged),
-        unlawful_(unlawful),
+        apart_(apart),
         n_(run.planes.units),
         dead_(run.planes.value.size(), 0) {}
 
@@ -170,7 +135,6 @@ class RunLayer {
   }
 
   void lay_slice(StripWriter& writer, int j) {
-    writer.open(StripKind::Slice, slice(j).slice, 0.5 * slice(j).width_mm);
     double height = 0.0, x = 0.0;
     bool begun = false;
     for (int i = 0; i <= n_; ++i) {
@@ -178,7 +142,8 @@ class RunLayer {
       const double value = run_.planes.value[at(j, i)];
       if (Planes::holds_height(j, i)) {
         if (!begun) {
-          begin_strip(writer, value, plane(j, 0), wall_end(j), !Planes::holds_height(j, 0));
+          begin_strip(writer, value, plane(j, 0), end_of(options_.wall_ends, j),
+                      !Planes::holds_height(j, 0));
         } else {
           writer.panel_to(x, value, plane(j, last_), last_);  // down the offset before it
         }
@@ -190,24 +155,19 @@ class RunLayer {
       last_ = i;
     }
     if (!begun) {  // nothing is left of the slice but wall and ground
-      begin_strip(writer, 0.0, plane(j, 0), wall_end(j), true);
+      begin_strip(writer, 0.0, plane(j, 0), end_of(options_.wall_ends, j), true);
     } else {
       writer.panel_to(x, 0.0, plane(j, last_), last_);
     }
-    end_strip(writer, x, plane(j, n_), ground_end(j), Planes::holds_height(j, n_));
-    writer.close();
+    end_strip(writer, x, plane(j, n_), end_of(options_.ground_ends, j),
+              Planes::holds_height(j, n_));
+    writer.close(StripKind::Slice, slice(j).slice, 0.5 * slice(j).width_mm);
   }
 
-  // Without a card a slice whose own level 0 is the wall starts with a loose panel in it.
-  [[nodiscard]] double wall_end(int j) const {
-    return options_.wall_ends.empty()
-               ? 0.0
-               : options_.wall_ends[static_cast<std::size_t>(run_.first + j)];
-  }
-  [[nodiscard]] double ground_end(int j) const {
-    return options_.ground_ends.empty()
-               ? 0.0
-               : options_.ground_ends[static_cast<std::size_t>(run_.first + j)];
+  /// Where slice j ends at the wall or the ground without a card, by what its own level 0 or N
+  /// holds: its strip has a loose panel there.
+  [[nodiscard]] double end_of(const std::vector<double>& ends, int j) const {
+    return ends.empty() ? 0.0 : ends[static_cast<std::size_t>(run_.first + j)];
   }
 
   [[nodiscard]] int height_holder(int j, int i) const {
@@ -346,11 +306,9 @@ class RunLayer {
   void lay_connector(StripWriter& writer, int j) {
     const std::vector<int> levels = connector_levels(j, true);
     if (levels.empty()) {
-      unlawful_.push_back(run_.first + j);
+      apart_.push_back(run_.first + j);
       return;
     }
-    writer.open(StripKind::Connector, slice(j).slice,
-                0.25 * (slice(j).width_mm + slice(j + 1).width_mm));
     const auto height = [&](int i) { return run_.planes.value[at(height_holder(j, i), i)]; };
     const auto offset = [&](int i) { return run_.planes.value[at(offset_holder(j, i), i)]; };
     begin_strip(writer, height(levels.front()), -1, 0.0, false);
@@ -361,7 +319,8 @@ class RunLayer {
       writer.panel_to(offset(b), at_ground ? 0.0 : height(b), plane(offset_holder(j, b), b), b);
     }
     end_strip(writer, offset(levels.back()), -1, 0.0, false);
-    writer.close();
+    writer.close(StripKind::Connector, slice(j).slice,
+                 0.25 * (slice(j).width_mm + slice(j + 1).width_mm));
   }
 
   const std::vector<LaidSlice>& laid_;
@@ -369,7 +328,7 @@ class RunLayer {
   PlaneId first_plane_;
   const StripOptions& options_;
   std::vector<MergedPlace>& merged_;
-  std::vector<int>& unlawful_;
+  std::vector<int>& apart_;
   int n_;
   std::vector<std::uint8_t> dead_;        ///< planes that no strip of the slice has
   std::vector<std::vector<int>> levels_;  ///< of each connector
@@ -388,7 +347,6 @@ void lay_boxes(const std::vector<LaidSlice>& laid, const Run& run, PlaneId first
     if (d != last_d) front = first_plane + 2 * j + 1;
     last_h = h, last_d = d;
     const LaidSlice& slice = laid[static_cast<std::size_t>(run.first + j)];
-    writer.open(StripKind::Box, slice.slice, slice.width_mm);
     if (options.frame.card) {
       writer.start(0.0, options.frame.wall_mm);
       writer.panel_to(0.0, h, kWallPlane, -1);
@@ -397,8 +355,8 @@ void lay_boxes(const std::vector<LaidSlice>& laid, const Run& run, PlaneId first
     }
     writer.panel_to(d, h, top, 0);
     writer.panel_to(d, 0.0, front, 1);
-    if (options.frame.card) writer.panel_to(options.frame.ground_mm, 0.0, kGroundPlane, -1);
-    writer.close();
+    if (options.frame.card) writer.panel_to(options.frame.ground_mm, 0.0, kGroundPlane);
+    writer.close(StripKind::Box, slice.slice, slice.width_mm);
   }
 }
 
@@ -427,18 +385,19 @@ LaidStrips build_strips(const std::vector<LaidSlice>& laid, const std::vector<Ru
   std::vector<Run> runs = asked;
   StripOptions options = asked_options;
   unify(runs, options);
-  StripWriter writer(options, out.strips);
+  StripWriter writer;
   const bool margins = options.frame.card && options.frame.margin_mm > 0.0;
-  if (margins) writer.margin();
+  if (margins) write_margin(options.frame, writer);
   PlaneId next_plane = kGroundPlane + 1;
   for (const Run& run : runs) {
     if (run.planes.units == 1)
       lay_boxes(laid, run, next_plane, options, writer);
     else
-      RunLayer(laid, run, next_plane, options, out.merged, out.unlawful).lay(writer);
+      RunLayer(laid, run, next_plane, options, out.merged, out.apart).lay(writer);
     next_plane += static_cast<PlaneId>(run.planes.value.size());
   }
-  if (margins) writer.margin();
+  if (margins) write_margin(options.frame, writer);
+  out.strips = writer.take();
   return out;
 }
 

@@ -47,7 +47,7 @@ struct StripOptions {
 struct LaidStrips {
   Strips strips;
   std::vector<MergedPlace> merged;  ///< levels left out, with the reason
-  std::vector<int> unlawful;        ///< laid slices after which no valid connector exists
+  std::vector<int> apart;           ///< laid slices after which no valid connector exists
 };
 
 /// Lays the runs as strips of monotone staircases (docs/geometry.md, section 4).

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace popcut {
@@ -42,5 +43,35 @@ struct Strips {
   /// First staircase point of strip `s`.
   [[nodiscard]] std::size_t first_point(std::size_t s) const { return first_panel[s] + s; }
 };
+
+/// Writes strips one after another along v, each from the wall to the ground.
+class StripWriter {
+ public:
+  StripWriter();
+  /// First point of the next strip's staircase.
+  void start(double x, double z);
+  void panel_to(double x, double z, PlaneId plane, int level = -1);
+  /// Ends the strip.
+  void close(StripKind kind, std::int32_t slice, double width_mm);
+  /// A strip of `from` as it is there.
+  void copy(const Strips& from, std::size_t s);
+  [[nodiscard]] Strips take() { return std::move(strips_); }
+
+ private:
+  Strips strips_;
+};
+
+/// Places nearer than this are one place, mm: far below what paper or a machine can tell, far above
+/// the rounding of the arithmetic that found them.
+inline constexpr double kSamePlace_mm = 1e-9;
+
+/// Gives numbers that differ by rounding only the same value: each becomes the least of its group,
+/// a group reaching over less than `kSamePlace_mm`. Afterwards two of them are equal or at least
+/// that far apart, and no larger than before. Order is kept, and zero stays what it is: the wall or
+/// the ground. O(n log n).
+///
+/// Without it neighbours whose ends agree but for the last digit would be told apart by slits of
+/// 1e-14 mm.
+void unify_places(std::vector<double*>& places);
 
 }  // namespace popcut

@@ -2,7 +2,7 @@
 #include "core/design/target/curve.hpp"
 
 #include <algorithm>
-#include <numbers>
+#include <cmath>
 
 #include "core/geometry/angle.hpp"
 

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cmath>
 #include <functional>
 #include <vector>
-
-#include "core/result.hpp"
 
 namespace popcut {
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/design/target/section.hpp"
-#include "core/design/target/slice_fit.hpp"
 #include "core/design/target/surface_spec.hpp"
 #include "core/result.hpp"
 

@@ -4,36 +4,16 @@
 #include "core/design/target/surface_kinds.hpp"
 
 namespace popcut {
-namespace {
-
-/// Picks the maker of each kind.
-struct Make {
-  const TargetPlacement& placement;
-  FitMode fit;
-  const SurfaceAssets& assets;
-
-  Result<Surface> operator()(const RevolutionSpec& s) const {
-    return surface_revolution(s, placement, fit);
-  }
-  Result<Surface> operator()(const ProfileSpec& s) const {
-    return surface_profile(s, placement, fit);
-  }
-  Result<Surface> operator()(const ImplicitSpec& s) const {
-    return surface_implicit(s, placement, fit);
-  }
-  Result<Surface> operator()(const GridSpec& s) const {
-    return surface_grid(s, placement, fit, assets);
-  }
-  Result<Surface> operator()(const MeshSpec& s) const {
-    return surface_mesh(s, placement, fit, assets);
-  }
-};
-
-}  // namespace
 
 Result<Surface> Surface::make(const SurfaceSpec& spec, const TargetPlacement& placement,
                               FitMode fit, const SurfaceAssets& assets) {
-  return std::visit(Make{placement, fit, assets}, spec);
+  if (const auto* revolution = std::get_if<RevolutionSpec>(&spec))
+    return surface_revolution(*revolution, placement, fit);
+  if (const auto* profile = std::get_if<ProfileSpec>(&spec))
+    return surface_profile(*profile, placement, fit);
+  if (const auto* implicit = std::get_if<ImplicitSpec>(&spec))
+    return surface_implicit(*implicit, placement, fit);
+  return surface_of_file(spec, placement, fit, assets);
 }
 
 }  // namespace popcut

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <string>
 
 #include "core/design/target/curve.hpp"
 #include "core/design/target/monotone_fit.hpp"
@@ -28,10 +27,6 @@ class Surface {
   [[nodiscard]] static Result<Surface> make(const SurfaceSpec& spec,
                                             const TargetPlacement& placement, FitMode fit,
                                             const SurfaceAssets& assets = {});
-  /// Without turn or shift, exact.
-  [[nodiscard]] static Result<Surface> make(const SurfaceSpec& spec, double scale_mm) {
-    return make(spec, TargetPlacement{scale_mm, {}, {}}, FitMode::Exact);
-  }
 
   /// The curve with what it leaves out of the target.
   [[nodiscard]] Result<SurfaceSlice> cut(double s_mm) const { return slice_(s_mm); }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <functional>
 
 #include "core/design/target/placement_map.hpp"
@@ -17,10 +16,10 @@ namespace popcut {
                                               const TargetPlacement& placement, FitMode fit);
 [[nodiscard]] Result<Surface> surface_implicit(const ImplicitSpec& spec,
                                                const TargetPlacement& placement, FitMode fit);
-[[nodiscard]] Result<Surface> surface_grid(const GridSpec& spec, const TargetPlacement& placement,
-                                           FitMode fit, const SurfaceAssets& assets);
-[[nodiscard]] Result<Surface> surface_mesh(const MeshSpec& spec, const TargetPlacement& placement,
-                                           FitMode fit, const SurfaceAssets& assets);
+/// Of a mesh or a grid.
+[[nodiscard]] Result<Surface> surface_of_file(const SurfaceSpec& spec,
+                                              const TargetPlacement& placement, FitMode fit,
+                                              const SurfaceAssets& assets);
 
 /// A solid by its sign: negative inside; where it is not a number is outside. In units of the
 /// surface, x, y, z before the placement.

@@ -5,7 +5,6 @@
 
 #include "core/design/target/mesh_reader.hpp"
 #include "core/design/target/mesh_slicer.hpp"
-#include "core/design/target/surface_grid.hpp"
 #include "core/design/target/surface_kinds.hpp"
 
 namespace popcut {
@@ -57,13 +56,14 @@ Result<Surface> surface_of_triangles(TriangleMesh mesh, FitMode fit, const char*
   });
 }
 
-Result<Surface> surface_mesh(const MeshSpec& spec, const TargetPlacement& placement, FitMode fit,
-                             const SurfaceAssets& assets) {
+Result<Surface> surface_of_file(const SurfaceSpec& spec, const TargetPlacement& placement,
+                                FitMode fit, const SurfaceAssets& assets) {
   auto mesh = triangles_of(spec, assets);
   if (!mesh) return tl::unexpected(mesh.error());
   auto standing = placed(std::move(*mesh), placement);
   if (!standing) return tl::unexpected(standing.error());
-  return surface_of_triangles(std::move(*standing), fit, "mesh", true);
+  const bool closed = std::holds_alternative<MeshSpec>(spec);
+  return surface_of_triangles(std::move(*standing), fit, closed ? "mesh" : "grid", closed);
 }
 
 }  // namespace popcut

@@ -189,18 +189,16 @@ void check_faces_apart(const FoldModel& file, const Sheet& sheet, const Triangle
           return;
         Vec3 where;
         const auto relation = space.relation(f, g, where);
-        if (relation == FacesInSpace::Relation::Cross && reported.emplace(f, g).second) {
-          check.fail(fmt::format("/faces_vertices/{}", g),
+        if (relation == FacesInSpace::Relation::Cross && reported.emplace(f, g).second)
+          check.fail(face_place(g),
                      fmt::format("faces {} and {} cross near ({:.6g}, {:.6g}, {:.6g}) in {}", f, g,
                                  where.x(), where.y(), where.z(), pose_name(pose)));
-        }
         if (relation != FacesInSpace::Relation::SamePlane || motion.shut) return;
         double reach = 0.0;
         const double shared = shared_area(triangles, pose, space.motion(f), f, g, reach);
         if (shared <= 4.0 * slack_mm * (reach + slack_mm) || !reported.emplace(f, g).second) return;
-        check.fail(fmt::format("/faces_vertices/{}", g),
-                   fmt::format("faces {} and {} overlap by {:.6g} mm2 in {}", f, g, shared,
-                               pose_name(pose)));
+        check.fail(face_place(g), fmt::format("faces {} and {} overlap by {:.6g} mm2 in {}", f, g,
+                                              shared, pose_name(pose)));
       });
   if (!complete) check.not_judged("too many faces lie in one place to compare them");
 }

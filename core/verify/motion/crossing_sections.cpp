@@ -121,9 +121,8 @@ std::optional<std::vector<Entry>> slab_entries(const FoldModel& file, const Shee
     std::size_t end = level_of(level, dot(to, axis), slack);
     if (begin > end) std::swap(begin, end);
     if (entries.size() + (end - begin) > kMostEntries) return {};
-    for (std::size_t slab = begin; slab < end; ++slab) {
+    for (std::size_t slab = begin; slab < end; ++slab)
       entries.push_back({static_cast<std::uint32_t>(slab), sheet.side_face[s], dot(from, square)});
-    }
   }
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
     return std::tuple(a.slab, a.face, a.across) < std::tuple(b.slab, b.face, b.across);
@@ -220,7 +219,7 @@ bool check_sections(const FoldModel& file, const Sheet& sheet, Vec2 axis, const 
               !reported.emplace(f, g).second)
             return;
           const Vec3 where = motion.panel[a.panel](0.5 * (a.u0 + a.u1) * square + v * axis);
-          check.fail(fmt::format("/faces_vertices/{}", g),
+          check.fail(face_place(g),
                      fmt::format("faces {} and {} {} near ({:.6g}, {:.6g}, {:.6g})", f, g,
                                  words(found), where.x(), where.y(), where.z()));
         });

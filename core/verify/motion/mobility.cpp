@@ -31,9 +31,17 @@ Vec3 any_across(Vec3 axis) {
   return unit(cross(axis, other));
 }
 
-/// The hinge constraints: rows are equations, columns the twists of all panels except `held`.
-Sparse constraints(const std::vector<HingeLine>& lines, const std::vector<PanelFrame>& frames,
-                   const PoseMotion& pose, std::uint32_t held) {
+/// The constraints on the velocities of the panels, for sheets without loops: hinges must stay
+/// closed. Rows are equations, columns the twists of all panels except the busiest one, which is
+/// held.
+Sparse hinge_constraints(const Sheet& sheet, const PoseMotion& pose,
+                         const std::vector<HingeLine>& lines, double& least_mm) {
+  const std::vector<PanelFrame> frames = panel_frames(lines, sheet.panels);
+  const auto busiest = std::max_element(
+      frames.begin(), frames.end(),
+      [](const PanelFrame& a, const PanelFrame& b) { return a.hinges < b.hinges; });
+  for (const PanelFrame& frame : frames) least_mm = std::min(least_mm, frame.size_mm);
+  const auto held = static_cast<std::uint32_t>(busiest - frames.begin());
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(lines.size() * 42);
   int row = 0;
@@ -246,18 +254,6 @@ Sparse loop_constraints(const FoldModel& file, const Sheet& sheet, const PoseMot
   Sparse jacobian(row, static_cast<Eigen::Index>(lines.size()));
   jacobian.setFromTriplets(entries.begin(), entries.end());
   return jacobian;
-}
-
-/// The constraints on the velocities of the panels, for sheets without loops: hinges must stay
-/// closed.
-Sparse hinge_constraints(const Sheet& sheet, const PoseMotion& pose,
-                         const std::vector<HingeLine>& lines, double& least_mm) {
-  const std::vector<PanelFrame> frames = panel_frames(lines, sheet.panels);
-  const auto busiest = std::max_element(
-      frames.begin(), frames.end(),
-      [](const PanelFrame& a, const PanelFrame& b) { return a.hinges < b.hinges; });
-  for (const PanelFrame& frame : frames) least_mm = std::min(least_mm, frame.size_mm);
-  return constraints(lines, frames, pose, static_cast<std::uint32_t>(busiest - frames.begin()));
 }
 
 }  // namespace

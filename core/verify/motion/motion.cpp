@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -11,10 +10,6 @@
 
 namespace popcut::verify {
 namespace {
-
-std::span<const std::uint32_t> vertices_of(const Panels& panels, std::size_t p) {
-  return std::span(panels.vertices).subspan(panels.first[p], panels.first[p + 1] - panels.first[p]);
-}
 
 /// Three vertices of a panel far apart: one, the farthest from it, the farthest from their line.
 std::array<std::uint32_t, 3> far_apart(const FoldModel& file,
@@ -69,7 +64,14 @@ double angle_about(const FoldModel& file, const Hinge& hinge, const RigidMotion&
          std::atan2(dot(cross(right.normal, left.normal), axis), dot(left.normal, right.normal));
 }
 
-std::string edge_place(std::uint32_t e) { return fmt::format("/edges_vertices/{}", e); }
+/// How far two panels place the ends of their hinge apart.
+double gap_mm(const FoldModel& file, const Hinge& hinge, const RigidMotion& left,
+              const RigidMotion& right) {
+  const auto apart = [&](std::uint32_t v) {
+    return norm(left(file.flat[v]) - right(file.flat[v]));
+  };
+  return std::max(apart(hinge.from), apart(hinge.to));
+}
 
 }  // namespace
 
@@ -91,21 +93,13 @@ std::string pose_name(const Pose& pose) {
 
 Panels make_panels(const FoldModel& file, const Sheet& sheet) {
   Panels panels;
-  panels.first.assign(sheet.panels + 1, 0);
-  for (std::size_t f = 0; f < file.faces(); ++f) {
-    panels.first[sheet.panel_of_face[f] + 1] += static_cast<std::uint32_t>(face_of(file, f).size());
-  }
-  for (std::size_t p = 0; p < sheet.panels; ++p) panels.first[p + 1] += panels.first[p];
-  panels.vertices.resize(file.face_vertices.size());
-  std::vector<std::uint32_t> fill(panels.first.begin(), panels.first.end() - 1);
-  for (std::size_t f = 0; f < file.faces(); ++f) {
-    for (const std::uint32_t v : face_of(file, f))
-      panels.vertices[fill[sheet.panel_of_face[f]]++] = v;
-  }
+  panels.vertices = Buckets<std::uint32_t>(sheet.panels, [&](auto&& put) {
+    for (std::size_t f = 0; f < file.faces(); ++f)
+      for (const std::uint32_t v : face_of(file, f)) put(sheet.panel_of_face[f], v);
+  });
   panels.anchors.reserve(sheet.panels);
-  for (std::size_t p = 0; p < sheet.panels; ++p) {
-    panels.anchors.push_back(far_apart(file, vertices_of(panels, p)));
-  }
+  for (std::size_t p = 0; p < sheet.panels; ++p)
+    panels.anchors.push_back(far_apart(file, panels.vertices[p]));
   return panels;
 }
 
@@ -116,9 +110,8 @@ PoseMotion measure(const FoldModel& file, const Sheet& sheet, const Panels& pane
   result.panel.reserve(sheet.panels);
   for (std::size_t p = 0; p < sheet.panels; ++p) {
     const RigidMotion motion = motion_of(file, panels.anchors[p], pose);
-    for (const std::uint32_t v : vertices_of(panels, p)) {
+    for (const std::uint32_t v : panels.vertices[p])
       result.isometry_mm = std::max(result.isometry_mm, norm(motion(file.flat[v]) - pose.at[v]));
-    }
     result.panel.push_back(motion);
   }
   // In the solver's poses, an edge without a face has no panel that carries it.
@@ -127,17 +120,14 @@ PoseMotion measure(const FoldModel& file, const Sheet& sheet, const Panels& pane
     const auto e = static_cast<std::size_t>(sheet.side_edge[s]);
     result.isometry_mm = std::max(result.isometry_mm, std::abs(edge_change(file, pose, e)));
   }
-  for (std::size_t e = 0; !pose.opened && e < file.edges.size(); ++e) {
+  for (std::size_t e = 0; !pose.opened && e < file.edges.size(); ++e)
     result.isometry_mm = std::max(result.isometry_mm, std::abs(edge_change(file, pose, e)));
-  }
   result.hinge_angle_deg.reserve(sheet.hinges.size());
   for (const Hinge& hinge : sheet.hinges) {
     const std::uint32_t left = sheet.panel_of_face[hinge.left];
     const std::uint32_t right = sheet.panel_of_face[hinge.right];
-    for (const std::uint32_t v : {hinge.from, hinge.to}) {
-      const double gap = norm(result.panel[left](file.flat[v]) - result.panel[right](file.flat[v]));
-      result.hinge_gap_mm = std::max(result.hinge_gap_mm, gap);
-    }
+    result.hinge_gap_mm =
+        std::max(result.hinge_gap_mm, gap_mm(file, hinge, result.panel[left], result.panel[right]));
     const double angle = angle_about(file, hinge, result.panel[left], result.panel[right]);
     result.hinge_angle_deg.push_back(angle);
     if (left == right) continue;
@@ -168,19 +158,15 @@ void check_isometry(const FoldModel& file, const Sheet& sheet, const Pose& pose,
         worst = std::max(worst, norm(where - pose.at[v]));
       }
       if (worst <= limit_mm) continue;
-      check.fail(fmt::format("/faces_vertices/{}", f),
+      check.fail(face_place(f),
                  fmt::format("the face is bent or sheared in {}: a vertex is off by {:.3g} mm",
                              pose_name(pose), worst));
     }
   }
   if (motion.hinge_gap_mm <= 4.0 * limit_mm) return;
   for (const Hinge& hinge : sheet.hinges) {
-    const RigidMotion& left = motion.panel[sheet.panel_of_face[hinge.left]];
-    const RigidMotion& right = motion.panel[sheet.panel_of_face[hinge.right]];
-    double gap = 0.0;
-    for (const std::uint32_t v : {hinge.from, hinge.to}) {
-      gap = std::max(gap, norm(left(file.flat[v]) - right(file.flat[v])));
-    }
+    const double gap = gap_mm(file, hinge, motion.panel[sheet.panel_of_face[hinge.left]],
+                              motion.panel[sheet.panel_of_face[hinge.right]]);
     if (gap <= 4.0 * limit_mm) continue;
     check.fail(edge_place(hinge.edge),
                fmt::format("the hinge between faces {} and {} opens by {:.3g} mm in {}", hinge.left,

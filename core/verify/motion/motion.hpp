@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/buckets.hpp"
 #include "core/verify/sheet/check.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/sheet/sheet.hpp"
@@ -27,11 +28,10 @@ struct RigidMotion {
 /// orthonormal axes. Lengths in mm.
 [[nodiscard]] RigidMotion further(const RigidMotion& from, const RigidMotion& to, double by);
 
-/// The vertices of each panel (with repeats), as offsets and indices, and three vertices far apart
-/// by which its motion is measured.
+/// The vertices of each panel (with repeats), and three vertices far apart by which its motion is
+/// measured.
 struct Panels {
-  std::vector<std::uint32_t> first;
-  std::vector<std::uint32_t> vertices;
+  Buckets<std::uint32_t> vertices;
   std::vector<std::array<std::uint32_t, 3>> anchors;
 };
 

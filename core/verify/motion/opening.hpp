@@ -8,23 +8,19 @@
 #include <string>
 #include <vector>
 
+#include "core/verify/sheet/check.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/sheet/sheet.hpp"
 
 namespace popcut::verify {
 
 /// How a flat sheet was opened.
-struct Opening {
-  std::vector<Pose> poses;      ///< one per requested opening angle that was reached, in order
-  std::uint32_t driver_edge{};  ///< a fold of the driving line
-  double driver_length_mm{};    ///< length of the whole driving line
-  double gap_mm{};              ///< largest remaining gap in any of the poses
-  double reached_psi_rad{};     ///< smallest opening angle reached; pi: none
-  std::size_t steps{}, iterations{};  ///< continuation steps; Gauss-Newton iterations in total
-  std::string guess;                  ///< source of the first guess
-  std::string stopped;                ///< why it stopped; empty if it reached the last angle
-  std::size_t reversed{};             ///< folds that turn against their assignment
-  bool spent{};                       ///< the sheet is too large to try everything
+struct Opening : OpeningFigures {
+  std::vector<Pose> poses;  ///< one per requested opening angle that was reached, in order
+  std::string guess;        ///< source of the first guess
+  std::string stopped;      ///< why it stopped; empty if it reached the last angle
+  std::size_t reversed{};   ///< folds that turn against their assignment
+  bool spent{};             ///< the sheet is too large to try everything
   std::vector<std::string> notes;
 };
 

@@ -4,17 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include <fmt/format.h>
-#include <Eigen/Sparse>
 
 #include "core/geometry/buckets.hpp"
 
 namespace popcut::verify {
 namespace {
 
-using Sparse = Eigen::SparseMatrix<double>;
 using Vector = Eigen::VectorXd;
 
 constexpr int kRowsOfLine = 6;
@@ -145,36 +142,18 @@ double largest_gap_mm(const RigidSheet& sheet, const RigidState& state) {
   return largest;
 }
 
-struct RigidSolver::Parts {
-  const RigidSheet& sheet;
-  std::vector<int> column;  ///< one per panel; -1 for held panels
-  int columns{};
-  std::size_t iterations{};
-  bool ordered{false};
-  Eigen::SimplicialLLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> factor;
-  std::vector<Eigen::Triplet<double>> entries;
-
-  explicit Parts(const RigidSheet& s) : sheet(s) {
-    for (const std::uint8_t is_held : s.held) {
-      column.push_back(is_held != 0 ? -1 : columns);
-      columns += is_held != 0 ? 0 : 6;
-    }
+RigidSolver::RigidSolver(const RigidSheet& sheet) : sheet_(sheet) {
+  for (const std::uint8_t is_held : sheet.held) {
+    column_.push_back(is_held != 0 ? -1 : columns_);
+    columns_ += is_held != 0 ? 0 : 6;
   }
+}
 
-  [[nodiscard]] double lever(const HingeLine& line) const {
-    return std::min(sheet.frames[line.left].size_mm, sheet.frames[line.right].size_mm);
-  }
-  Vector residual(const RigidState& state, std::span<const AngleGoal> goals) const;
-  Sparse jacobian(const RigidState& state, std::span<const AngleGoal> goals);
-  bool step(RigidState& state, std::span<const AngleGoal> goals, const Vector& off, double shift);
-};
-
-Vector RigidSolver::Parts::residual(const RigidState& state,
-                                    std::span<const AngleGoal> goals) const {
-  const auto lines = static_cast<Eigen::Index>(sheet.lines.size());
+Vector RigidSolver::residual(const RigidState& state, std::span<const AngleGoal> goals) const {
+  const auto lines = static_cast<Eigen::Index>(sheet_.lines.size());
   Vector off(kRowsOfLine * lines + static_cast<Eigen::Index>(goals.size()));
   Eigen::Index row = 0;
-  for (const HingeLine& line : sheet.lines) {
+  for (const HingeLine& line : sheet_.lines) {
     const RigidMotion& left = state[line.left];
     const RigidMotion& right = state[line.right];
     const Vec3 apart = left(middle_of(line)) - right(middle_of(line));
@@ -184,17 +163,18 @@ Vector RigidSolver::Parts::residual(const RigidState& state,
       off[row++] = value;
   }
   for (const AngleGoal& goal : goals) {
-    const HingeLine& line = sheet.lines[goal.line];
+    const HingeLine& line = sheet_.lines[goal.line];
     off[row++] = goal.weight * lever(line) *
                  std::remainder(fold_angle_rad(line, state) - goal.angle_rad, 2 * std::numbers::pi);
   }
   return off;
 }
 
-Sparse RigidSolver::Parts::jacobian(const RigidState& state, std::span<const AngleGoal> goals) {
-  entries.clear();
+RigidSolver::Sparse RigidSolver::jacobian(const RigidState& state,
+                                          std::span<const AngleGoal> goals) const {
+  std::vector<Eigen::Triplet<double>> entries;
   int row = 0;
-  // The columns of a panel: its angular velocity times its size, then the velocity of its middle.
+  // The columns_ of a panel: its angular velocity times its size, then the velocity of its middle.
   const auto put_cross = [&](int r, int c, double scale, Vec3 v) {  // scale * (w x v)
     entries.emplace_back(r, c + 1, scale * v.z()), entries.emplace_back(r, c + 2, -scale * v.y());
     entries.emplace_back(r + 1, c, -scale * v.z()),
@@ -202,83 +182,75 @@ Sparse RigidSolver::Parts::jacobian(const RigidState& state, std::span<const Ang
     entries.emplace_back(r + 2, c, scale * v.y()),
         entries.emplace_back(r + 2, c + 1, -scale * v.x());
   };
-  for (const HingeLine& line : sheet.lines) {
+  for (const HingeLine& line : sheet_.lines) {
     for (const auto& [p, sign] : {std::pair(line.left, 1.0), std::pair(line.right, -1.0)}) {
-      if (column[p] < 0) continue;
-      const double size = sheet.frames[p].size_mm;
-      put_cross(row, column[p], sign / size,
-                turned(state[p], middle_of(line) - sheet.frames[p].middle));
-      for (int k = 0; k < 3; ++k) entries.emplace_back(row + k, column[p] + 3 + k, sign);
-      put_cross(row + 3, column[p], sign * lever(line) / size,
+      if (column_[p] < 0) continue;
+      const double size = sheet_.frames[p].size_mm;
+      put_cross(row, column_[p], sign / size,
+                turned(state[p], middle_of(line) - sheet_.frames[p].middle));
+      for (int k = 0; k < 3; ++k) entries.emplace_back(row + k, column_[p] + 3 + k, sign);
+      put_cross(row + 3, column_[p], sign * lever(line) / size,
                 turned(state[p], direction_of(line)));
     }
     row += kRowsOfLine;
   }
   for (const AngleGoal& goal : goals) {
-    const HingeLine& line = sheet.lines[goal.line];
+    const HingeLine& line = sheet_.lines[goal.line];
     for (const auto& [p, sign] : {std::pair(line.left, 1.0), std::pair(line.right, -1.0)}) {
-      if (column[p] < 0) continue;
-      const double scale = sign * goal.weight * lever(line) / sheet.frames[p].size_mm;
+      if (column_[p] < 0) continue;
+      const double scale = sign * goal.weight * lever(line) / sheet_.frames[p].size_mm;
       const Vec3 axis = scale * turned(state[line.left], direction_of(line));
-      entries.emplace_back(row, column[p], axis.x());
-      entries.emplace_back(row, column[p] + 1, axis.y());
-      entries.emplace_back(row, column[p] + 2, axis.z());
+      entries.emplace_back(row, column_[p], axis.x());
+      entries.emplace_back(row, column_[p] + 1, axis.y());
+      entries.emplace_back(row, column_[p] + 2, axis.z());
     }
     ++row;
   }
-  Sparse result(row, columns);
+  Sparse result(row, columns_);
   result.setFromTriplets(entries.begin(), entries.end());
   return result;
 }
 
-bool RigidSolver::Parts::step(RigidState& state, std::span<const AngleGoal> goals,
-                              const Vector& off, double shift) {
+bool RigidSolver::step(RigidState& state, std::span<const AngleGoal> goals, const Vector& off,
+                       double shift) {
   const Sparse j = jacobian(state, goals);
   Sparse normal = j.transpose() * j;
-  Sparse identity(columns, columns);
+  Sparse identity(columns_, columns_);
   identity.setIdentity();
   normal += shift * identity;
-  if (!ordered) factor.analyzePattern(normal);
-  ordered = true;
-  factor.factorize(normal);
-  if (factor.info() != Eigen::Success) return false;
-  Vector move = factor.solve(-(j.transpose() * off));
+  if (!ordered_) factor_.analyzePattern(normal);
+  ordered_ = true;
+  factor_.factorize(normal);
+  if (factor_.info() != Eigen::Success) return false;
+  Vector move = factor_.solve(-(j.transpose() * off));
   if (!move.allFinite()) return false;
   const auto part = [&](int c) { return Vec3{move[c], move[c + 1], move[c + 2]}; };
   double largest_turn = 0.0;
   for (std::size_t p = 0; p < state.size(); ++p) {
-    if (column[p] >= 0)
-      largest_turn = std::max(largest_turn, norm(part(column[p])) / sheet.frames[p].size_mm);
+    if (column_[p] >= 0)
+      largest_turn = std::max(largest_turn, norm(part(column_[p])) / sheet_.frames[p].size_mm);
   }
   if (largest_turn > kLargestTurn_rad) move *= kLargestTurn_rad / largest_turn;
   for (std::size_t p = 0; p < state.size(); ++p) {
-    if (column[p] < 0) continue;
-    const PanelFrame& frame = sheet.frames[p];
-    apply(state[p], frame.middle, (1.0 / frame.size_mm) * part(column[p]), part(column[p] + 3));
+    if (column_[p] < 0) continue;
+    const PanelFrame& frame = sheet_.frames[p];
+    apply(state[p], frame.middle, (1.0 / frame.size_mm) * part(column_[p]), part(column_[p] + 3));
   }
-  ++iterations;
+  ++iterations_;
   return true;
 }
-
-RigidSolver::RigidSolver(const RigidSheet& sheet) : parts_(std::make_unique<Parts>(sheet)) {}
-RigidSolver::~RigidSolver() = default;
-RigidSolver::RigidSolver(RigidSolver&&) noexcept = default;
-RigidSolver& RigidSolver::operator=(RigidSolver&&) noexcept = default;
-
-std::size_t RigidSolver::iterations() const { return parts_->iterations; }
-std::size_t RigidSolver::unknowns() const { return static_cast<std::size_t>(parts_->columns); }
 
 RigidSolver::End RigidSolver::correct(RigidState& state, std::span<const AngleGoal> goals,
                                       std::size_t most, double shift) {
   End end;
   // Rounding of coordinates causes about this much in a row.
-  const double closed = 2e-15 * parts_->sheet.reach_mm;
+  const double closed = 2e-15 * sheet_.reach_mm;
   double before = 0.0;
   std::size_t idle = 0;
   RigidState best = state;
   double least = 0.0;
   for (std::size_t i = 0;; ++i) {
-    const Vector off = parts_->residual(state, goals);
+    const Vector off = residual(state, goals);
     const double size = off.norm();
     if (i == 0 || size < least) {
       least = size;
@@ -289,14 +261,14 @@ RigidSolver::End RigidSolver::correct(RigidState& state, std::span<const AngleGo
     before = size;
     end.iterations = i;
     if (largest <= closed || i == most || idle == 3) break;
-    if (!std::isfinite(size) || parts_->columns == 0) break;
-    if (!parts_->step(state, goals, off, shift)) break;
+    if (!std::isfinite(size) || columns_ == 0) break;
+    if (!step(state, goals, off, shift)) break;
   }
   state = std::move(best);
-  end.gap_mm = largest_gap_mm(parts_->sheet, state);
+  end.gap_mm = largest_gap_mm(sheet_, state);
   for (const AngleGoal& goal : goals) {
     if (goal.weight < 1.0) continue;
-    const double angle = fold_angle_rad(parts_->sheet.lines[goal.line], state);
+    const double angle = fold_angle_rad(sheet_.lines[goal.line], state);
     end.goal_off_rad = std::max(
         end.goal_off_rad, std::abs(std::remainder(angle - goal.angle_rad, 2 * std::numbers::pi)));
   }

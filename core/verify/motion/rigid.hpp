@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
+
+#include <Eigen/Sparse>
 
 #include "core/verify/motion/motion.hpp"
 #include "core/verify/sheet/fold_model.hpp"
@@ -66,9 +68,6 @@ struct AngleGoal {
 class RigidSolver {
  public:
   explicit RigidSolver(const RigidSheet& sheet);
-  ~RigidSolver();
-  RigidSolver(RigidSolver&&) noexcept;
-  RigidSolver& operator=(RigidSolver&&) noexcept;
 
   struct End {
     double gap_mm{};        ///< largest remaining gap
@@ -80,13 +79,27 @@ class RigidSolver {
   [[nodiscard]] End correct(RigidState& state, std::span<const AngleGoal> goals, std::size_t most,
                             double shift = 1e-12);
   /// Gauss-Newton steps so far, over all calls.
-  [[nodiscard]] std::size_t iterations() const;
+  [[nodiscard]] std::size_t iterations() const { return iterations_; }
   /// Number of unknowns.
-  [[nodiscard]] std::size_t unknowns() const;
+  [[nodiscard]] std::size_t unknowns() const { return static_cast<std::size_t>(columns_); }
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  using Sparse = Eigen::SparseMatrix<double>;
+  [[nodiscard]] double lever(const HingeLine& line) const {
+    return std::min(sheet_.frames[line.left].size_mm, sheet_.frames[line.right].size_mm);
+  }
+  [[nodiscard]] Eigen::VectorXd residual(const RigidState& state,
+                                         std::span<const AngleGoal> goals) const;
+  [[nodiscard]] Sparse jacobian(const RigidState& state, std::span<const AngleGoal> goals) const;
+  bool step(RigidState& state, std::span<const AngleGoal> goals, const Eigen::VectorXd& off,
+            double shift);
+
+  const RigidSheet& sheet_;
+  std::vector<int> column_;  ///< one per panel; -1 for held panels
+  int columns_{};
+  std::size_t iterations_{};
+  bool ordered_{false};
+  Eigen::SimplicialLLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> factor_;
 };
 
 }  // namespace popcut::verify

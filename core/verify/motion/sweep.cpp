@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -123,26 +122,27 @@ Sweep sweep_motion(const FoldModel& file, const Sheet& sheet, const PoseMotion& 
   const double poses =
       kMostSweepWork / (kIterationsPerPose * static_cast<double>(solver.unknowns() + 1));
   const double step = std::max(step_rad, (kLastAngle_rad - kNearFlat_rad) / std::max(poses, 4.0));
+  const auto add_pose = [&] {
+    sweep.poses.push_back(
+        pose_of(file, sheet, walker.now().state, kPi - walker.now().driven_rad, "moved"));
+  };
   // 1. From the pose towards the flat sheet.
   std::string ignored;
   for (double at = begun_rad - step;; at -= step) {
     const bool last = at <= kNearFlat_rad;
     if (begun_rad <= kNearFlat_rad || !walker.reach(last ? kNearFlat_rad : at, ignored)) break;
-    sweep.poses.push_back(
-        pose_of(file, sheet, walker.now().state, kPi - walker.now().driven_rad, "moved"));
+    add_pose();
     if (last) break;
   }
   std::reverse(sweep.poses.begin(), sweep.poses.end());
   // 2. From the pose until the sheet is shut.
   walker.begin(start.panel);
-  sweep.poses.push_back(
-      pose_of(file, sheet, walker.now().state, kPi - walker.now().driven_rad, "moved"));
+  add_pose();
   for (double at = begun_rad + step;; at += step) {
     const bool last = at >= kLastAngle_rad;
     if (begun_rad >= kLastAngle_rad) break;
     if (!walker.reach(last ? kLastAngle_rad : at, sweep.stopped)) break;
-    sweep.poses.push_back(
-        pose_of(file, sheet, walker.now().state, kPi - walker.now().driven_rad, "moved"));
+    add_pose();
     if (last) break;
   }
   sweep.from_psi_rad = *sweep.poses.front().psi_rad;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,10 +17,10 @@ struct VerifyFailure {
 };
 
 /// Where a face or an edge stands in a FOLD file.
-[[nodiscard]] inline std::string face_place(std::uint32_t f) {
+[[nodiscard]] inline std::string face_place(std::size_t f) {
   return fmt::format("/faces_vertices/{}", f);
 }
-[[nodiscard]] inline std::string edge_place(std::uint32_t e) {
+[[nodiscard]] inline std::string edge_place(std::size_t e) {
   return fmt::format("/edges_vertices/{}", e);
 }
 
@@ -49,6 +48,36 @@ struct VerifyCheck {
     ran = false;
     detail = "not checked: " + std::move(why);
   }
+};
+
+/// Sizes of the flat sheet.
+struct Tiling {
+  double sheet_u_mm{}, sheet_v_mm{};  ///< extent of the flat sheet
+  double area_mm2{};                  ///< sum of the faces' areas
+  std::size_t holes{};
+  std::size_t slits{};  ///< border loops without area
+};
+
+/// How a pattern without an opened pose was opened.
+struct OpeningFigures {
+  std::size_t driver_edge{};          ///< a fold of the driving line, whose angle is pi - psi
+  double driver_length_mm{};          ///< of the whole driving line
+  double reached_psi_rad{};           ///< smallest opening angle reached; pi: none
+  std::size_t steps{}, iterations{};  ///< continuation steps; Gauss-Newton iterations in total
+  double gap_mm{};                    ///< largest remaining gap in a hinge, over all poses
+};
+
+/// Distances of fold vertices from the target surface, in mm.
+struct TargetDistance {
+  std::size_t vertices{};
+  double rms_mm{};
+  double max_mm{};
+};
+
+/// The distances of a pattern: of its inner fold vertices, and of all with the ends at wall and
+/// ground.
+struct TargetDistances {
+  TargetDistance inner, all;
 };
 
 }  // namespace popcut

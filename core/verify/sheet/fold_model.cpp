@@ -36,10 +36,9 @@ Result<std::vector<std::size_t>> parents(const std::vector<FrameText>& frames) {
   for (std::size_t k = 0; k < frames.size(); ++k) {
     chain.clear();
     for (std::size_t at = k; at != kNone && sound[at] == 0; at = parent[at]) {
-      if (chain.size() > frames.size()) {
+      if (chain.size() > frames.size())
         return fail(ErrorKind::OutOfRange, frames[k].place + "/frame_parent",
                     "the frame inherits from itself");
-      }
       chain.push_back(at);
     }
     for (const std::size_t at : chain) sound[at] = 1;
@@ -81,11 +80,10 @@ Result<std::vector<Vec3>> coordinates(const FrameText& frame, double scale) {
     double xyz[3] = {0.0, 0.0, 0.0};
     for (std::size_t k = 0; k < count; ++k) {
       xyz[k] = scale * column.number[begin + k];
-      if (!(std::abs(xyz[k]) <= kMaxCoordinate_mm)) {
+      if (!(std::abs(xyz[k]) <= kMaxCoordinate_mm))
         return fail(ErrorKind::OutOfRange,
                     fmt::format("{}/vertices_coords/{}/{}", frame.place, i, k),
                     fmt::format("{} mm is not within {} mm", xyz[k], kMaxCoordinate_mm));
-      }
     }
     points[i] = {xyz[0], xyz[1], xyz[2]};
   }
@@ -94,9 +92,8 @@ Result<std::vector<Vec3>> coordinates(const FrameText& frame, double scale) {
 
 Result<std::uint32_t> vertex_index(double number, std::size_t vertices, const std::string& place,
                                    std::size_t row, std::size_t k) {
-  if (number >= 0.0 && number < static_cast<double>(vertices) && number == std::floor(number)) {
+  if (number >= 0.0 && number < static_cast<double>(vertices) && number == std::floor(number))
     return static_cast<std::uint32_t>(number);
-  }
   return fail(ErrorKind::OutOfRange, fmt::format("{}/{}/{}", place, row, k),
               fmt::format("there is no vertex {}; vertices are 0 to {}", number,
                           static_cast<long>(vertices) - 1));
@@ -108,20 +105,18 @@ Result<void> read_edges(const FrameText& frame, FoldModel& file) {
   file.edges.reserve(column.rows());
   for (std::size_t e = 0; e < column.rows(); ++e) {
     const std::size_t begin = column.row_begin(e);
-    if (column.row_end(e) - begin != 2) {
+    if (column.row_end(e) - begin != 2)
       return fail(ErrorKind::OutOfRange, fmt::format("{}/{}", place, e),
                   "an edge must join two vertices");
-    }
     std::array<std::uint32_t, 2> ends{};
     for (std::size_t k = 0; k < 2; ++k) {
       const auto index = vertex_index(column.number[begin + k], file.flat.size(), place, e, k);
-      if (!index) return tl::unexpected<Error>(index.error());
+      if (!index) return tl::unexpected(index.error());
       ends[k] = *index;
     }
-    if (ends[0] == ends[1]) {
+    if (ends[0] == ends[1])
       return fail(ErrorKind::OutOfRange, fmt::format("{}/{}", place, e),
                   fmt::format("the edge joins vertex {} to itself", ends[0]));
-    }
     file.edges.push_back(ends);
   }
   return {};
@@ -138,11 +133,10 @@ Result<void> read_assignments(const FrameText& frame, FoldModel& file) {
     return {};
   }
   file.assigned = true;
-  if (column.number.size() != file.edges.size()) {
+  if (column.number.size() != file.edges.size())
     return fail(
         ErrorKind::OutOfRange, place,
         fmt::format("{} assignments for {} edges", column.number.size(), file.edges.size()));
-  }
   for (std::size_t e = 0; e < file.edges.size(); ++e) {
     const char letter = static_cast<char>(static_cast<int>(column.number[e]));
     const std::size_t which = kLetters.find(letter);
@@ -158,10 +152,9 @@ Result<void> read_assignments(const FrameText& frame, FoldModel& file) {
 Result<std::vector<double>> fold_angles(const FrameText& frame, std::size_t edges) {
   const std::vector<double>& angle = frame.edges_fold_angle.number;
   const std::string place = frame.place + "/edges_foldAngle";
-  if (angle.size() != edges) {
+  if (angle.size() != edges)
     return fail(ErrorKind::OutOfRange, place,
                 fmt::format("{} fold angles for {} edges", angle.size(), edges));
-  }
   for (std::size_t e = 0; e < edges; ++e) {
     if (std::abs(angle[e]) > 180.0) {
       return fail(ErrorKind::OutOfRange, fmt::format("{}/{}", place, e),
@@ -185,11 +178,10 @@ Result<void> read_faces(const FrameText& frame, FoldModel& file) {
     }
     for (std::size_t k = 0; k < count; ++k) {
       const auto index = vertex_index(column.number[begin + k], file.flat.size(), place, f, k);
-      if (!index) return tl::unexpected<Error>(index.error());
-      if (column.number[begin + k] == column.number[begin + (k + 1) % count]) {
+      if (!index) return tl::unexpected(index.error());
+      if (column.number[begin + k] == column.number[begin + (k + 1) % count])
         return fail(ErrorKind::OutOfRange, fmt::format("{}/{}/{}", place, f, k),
                     fmt::format("the face has vertex {} twice in a row", *index));
-      }
       file.face_vertices.push_back(*index);
     }
     file.face_first.push_back(static_cast<std::uint32_t>(file.face_vertices.size()));
@@ -234,14 +226,14 @@ bool same_sheet(const Frames& frames, std::size_t k, std::size_t vertices) {
 Result<Pose> read_pose(const Frames& frames, std::size_t k, double key_scale, std::size_t edges) {
   const FrameText& text = frames.text[k];
   const auto own_scale = text.unit.empty() ? Result<double>(key_scale) : millimetres(text);
-  if (!own_scale) return tl::unexpected<Error>(own_scale.error());
+  if (!own_scale) return tl::unexpected(own_scale.error());
   auto at = coordinates(text, *own_scale);
-  if (!at) return tl::unexpected<Error>(at.error());
+  if (!at) return tl::unexpected(at.error());
   Pose pose{
       .place = text.place, .at = std::move(*at), .fold_angle_deg = {}, .psi_rad = text.psi_rad};
   if (text.edges_fold_angle.present) {
     auto angles = fold_angles(text, edges);
-    if (!angles) return tl::unexpected<Error>(angles.error());
+    if (!angles) return tl::unexpected(angles.error());
     pose.fold_angle_deg = std::move(*angles);
   }
   return pose;
@@ -254,16 +246,15 @@ Result<std::vector<Pose>> read_poses(const Frames& frames, double scale, FoldMod
     const FrameText& text = frames.text[k];
     if (k > 0 && !text.vertices_coords.present) continue;
     if (k > 0 && !same_sheet(frames, k, file.flat.size())) {
-      if (text.inherit && text.vertices_coords.rows() != file.flat.size()) {
+      if (text.inherit && text.vertices_coords.rows() != file.flat.size())
         return fail(ErrorKind::OutOfRange, text.place + "/vertices_coords",
                     fmt::format("{} vertices, but the key frame that it inherits has {}",
                                 text.vertices_coords.rows(), file.flat.size()));
-      }
       file.notes.push_back(text.place + " has its own vertices or faces and is ignored");
       continue;
     }
     auto pose = read_pose(frames, k, scale, file.edges.size());
-    if (!pose) return tl::unexpected<Error>(pose.error());
+    if (!pose) return tl::unexpected(pose.error());
     file.from_popcut = file.from_popcut || text.psi_rad.has_value();
     poses.push_back(std::move(*pose));
   }
@@ -289,9 +280,8 @@ Result<void> choose_flat(const Frames& frames, std::vector<Pose> poses, FoldMode
     file.notes.push_back("the key frame is a folded form; the flat sheet is " +
                          poses[chosen].place);
   }
-  for (std::size_t i = 0; i < file.flat.size(); ++i) {
+  for (std::size_t i = 0; i < file.flat.size(); ++i)
     file.flat[i] = {poses[chosen].at[i].x(), poses[chosen].at[i].y()};
-  }
   poses[0].fold_angle_deg.clear();  // these belong to the pattern, not to this pose
   poses.erase(poses.begin() + static_cast<std::ptrdiff_t>(chosen));
   file.poses = std::move(poses);
@@ -302,9 +292,9 @@ Result<void> choose_flat(const Frames& frames, std::vector<Pose> poses, FoldMode
 
 Result<FoldModel> read_fold_model(std::string_view text) {
   auto frame_texts = read_fold_text(text);
-  if (!frame_texts) return tl::unexpected<Error>(frame_texts.error());
+  if (!frame_texts) return tl::unexpected(frame_texts.error());
   auto parent = parents(*frame_texts);
-  if (!parent) return tl::unexpected<Error>(parent.error());
+  if (!parent) return tl::unexpected(parent.error());
   const Frames frames{std::move(*frame_texts), std::move(*parent)};
   const FrameText& key = frames.text.front();
   if (!key.vertices_coords.present || key.vertices_coords.rows() == 0) {
@@ -314,28 +304,27 @@ Result<FoldModel> read_fold_model(std::string_view text) {
     return fail(ErrorKind::Malformed, "/edges_vertices", "missing; a pattern needs edges");
   }
   const auto scale = millimetres(key);
-  if (!scale) return tl::unexpected<Error>(scale.error());
+  if (!scale) return tl::unexpected(scale.error());
 
   FoldModel file;
   file.flat.resize(key.vertices_coords.rows());
   file.faces_given = key.faces_vertices.present;
   if (key.unit.empty() || key.unit == "unit")
     file.notes.emplace_back("the file gives no unit; lengths are read as mm");
-  if (auto read = read_edges(key, file); !read) return tl::unexpected<Error>(read.error());
-  if (auto read = read_assignments(key, file); !read) return tl::unexpected<Error>(read.error());
+  if (auto read = read_edges(key, file); !read) return tl::unexpected(read.error());
+  if (auto read = read_assignments(key, file); !read) return tl::unexpected(read.error());
   if (key.edges_fold_angle.present) {
     auto angles = fold_angles(key, file.edges.size());
-    if (!angles) return tl::unexpected<Error>(angles.error());
+    if (!angles) return tl::unexpected(angles.error());
     file.fold_angle_deg = std::move(*angles);
   }
   if (file.faces_given) {
-    if (auto read = read_faces(key, file); !read) return tl::unexpected<Error>(read.error());
+    if (auto read = read_faces(key, file); !read) return tl::unexpected(read.error());
   }
   auto poses = read_poses(frames, *scale, file);
-  if (!poses) return tl::unexpected<Error>(poses.error());
-  if (auto chosen = choose_flat(frames, std::move(*poses), file); !chosen) {
-    return tl::unexpected<Error>(chosen.error());
-  }
+  if (!poses) return tl::unexpected(poses.error());
+  if (auto chosen = choose_flat(frames, std::move(*poses), file); !chosen)
+    return tl::unexpected(chosen.error());
   return file;
 }
 

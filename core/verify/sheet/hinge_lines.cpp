@@ -64,9 +64,8 @@ std::vector<PanelFrame> panel_frames(const std::vector<HingeLine>& lines, std::s
   }
   for (const HingeLine& line : lines) {
     for (const std::uint32_t p : {line.left, line.right}) {
-      for (const Vec2& end : {line.from, line.to}) {
+      for (const Vec2& end : {line.from, line.to})
         frames[p].size_mm = std::max(frames[p].size_mm, norm(end - frames[p].middle));
-      }
     }
   }
   for (PanelFrame& frame : frames) {

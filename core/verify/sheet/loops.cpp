@@ -39,27 +39,18 @@ class Walker {
 
   /// Along each border except the outer ones: those with the largest area of their piece.
   void along_borders() {
-    struct Border {
-      std::uint32_t start{}, piece{};
-      double area{};
+    const std::vector<BorderLoop> borders = border_loops(file_, sheet_);
+    const auto piece = [&](const BorderLoop& b) {
+      return sheet_.piece_of_face[sheet_.side_face[b.start]];
     };
-    std::vector<Border> borders;
-    std::vector<std::uint8_t> seen(sheet_.side_twin.size(), 0);
-    for (std::uint32_t start = 0; start < seen.size(); ++start) {
-      if (sheet_.side_twin[start] >= 0 || seen[start] != 0) continue;
-      double area = 0.0;
-      walk(start, &seen, &area);
-      loops_.crossings.resize(loops_.first.back());
-      borders.push_back({start, sheet_.piece_of_face[sheet_.side_face[start]], area});
-    }
     std::vector<std::size_t> outer(sheet_.pieces, borders.size());
     for (std::size_t b = 0; b < borders.size(); ++b) {
-      std::size_t& best = outer[borders[b].piece];
-      if (best == borders.size() || borders[b].area > borders[best].area) best = b;
+      std::size_t& best = outer[piece(borders[b])];
+      if (best == borders.size() || borders[b].area_mm2 > borders[best].area_mm2) best = b;
     }
     for (std::size_t b = 0; b < borders.size(); ++b) {
-      if (outer[borders[b].piece] == b) continue;
-      walk(borders[b].start, nullptr, nullptr);
+      if (outer[piece(borders[b])] == b) continue;
+      walk(borders[b].start);
       close();
     }
   }
@@ -80,17 +71,11 @@ class Walker {
     return sheet_.next(file_, twin);
   }
 
-  void walk(std::uint32_t start, std::vector<std::uint8_t>* seen, double* area) {
-    const Vec2 origin = file_.flat[file_.face_vertices[start]];
+  void walk(std::uint32_t start) {
     std::uint32_t side = start;
     do {
-      if (seen != nullptr) (*seen)[side] = 1;
-      std::uint32_t after = sheet_.next(file_, side);
-      if (area != nullptr)
-        *area += popcut::cross(file_.flat[file_.face_vertices[side]] - origin,
-                               file_.flat[file_.face_vertices[after]] - origin);
-      while (sheet_.side_twin[after] >= 0) after = cross(after);
-      side = after;
+      side = sheet_.next(file_, side);
+      while (sheet_.side_twin[side] >= 0) side = cross(side);
     } while (side != start);
   }
 

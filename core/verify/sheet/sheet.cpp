@@ -19,9 +19,8 @@ class EdgeIndex {
  public:
   explicit EdgeIndex(const FoldModel& file) {
     entries_.reserve(file.edges.size());
-    for (std::uint32_t e = 0; e < file.edges.size(); ++e) {
+    for (std::uint32_t e = 0; e < file.edges.size(); ++e)
       entries_.emplace_back(key(file.edges[e][0], file.edges[e][1]), e);
-    }
     std::sort(entries_.begin(), entries_.end());
   }
   /// The first edge between two vertices, -1 for none.
@@ -154,9 +153,8 @@ double area(const FoldModel& file, std::size_t f) {
   const auto corners = face_of(file, f);
   const Vec2 origin = file.flat[corners[0]];
   double twice = 0.0;
-  for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
+  for (std::size_t k = 1; k + 1 < corners.size(); ++k)
     twice += cross(file.flat[corners[k]] - origin, file.flat[corners[k + 1]] - origin);
-  }
   return 0.5 * twice;
 }
 
@@ -182,8 +180,70 @@ Sheet make_sheet(const FoldModel& file, VerifyCheck& check) {
   return sheet;
 }
 
-std::vector<double> border_loops(const FoldModel& file, const Sheet& sheet) {
-  std::vector<double> loops;
+std::size_t part_at_cuts(FoldModel& file, const Sheet& sheet) {
+  const std::size_t corners = file.face_vertices.size();
+  // Corners of faces, numbered as the sides that leave them, by what hangs together at a vertex.
+  DisjointSets fans(corners);
+  for (std::uint32_t s = 0; s < corners; ++s) {
+    if (sheet.side_twin[s] < 0) continue;
+    fans.join(s, sheet.next(file, static_cast<std::uint32_t>(sheet.side_twin[s])));
+  }
+  // 1. The first fan of a vertex keeps it, the others get copies.
+  constexpr std::uint32_t kNone = 0xffffffffU;
+  const std::size_t before = file.flat.size();
+  std::vector<std::uint32_t> keeps(before, kNone);  // the root of the fan that keeps the vertex
+  std::vector<std::uint32_t> vertex(corners);
+  std::vector<std::uint32_t> origin;  // original vertex of each copy
+  std::vector<std::uint32_t> copy_of_root(corners, kNone);
+  for (std::uint32_t s = 0; s < corners; ++s) {
+    const std::uint32_t v = file.face_vertices[s];
+    const std::uint32_t root = fans.find(s);
+    if (keeps[v] == kNone) keeps[v] = root;
+    if (keeps[v] == root) {
+      vertex[s] = v;
+      continue;
+    }
+    if (copy_of_root[root] == kNone) {
+      copy_of_root[root] = static_cast<std::uint32_t>(before + origin.size());
+      origin.push_back(v);
+    }
+    vertex[s] = copy_of_root[root];
+  }
+  if (origin.empty()) return 0;
+  for (const std::uint32_t v : origin) {
+    file.flat.push_back(file.flat[v]);
+    for (Pose& pose : file.poses) pose.at.push_back(pose.at[v]);
+  }
+  // 2. Edges follow their faces; the second side of a cut becomes a separate edge.
+  const std::size_t edges = file.edges.size();
+  std::vector<std::uint8_t> placed(edges, 0);
+  for (std::uint32_t s = 0; s < corners; ++s) {
+    if (sheet.side_edge[s] < 0) continue;
+    const auto e = static_cast<std::size_t>(sheet.side_edge[s]);
+    std::array<std::uint32_t, 2> ends{vertex[s], vertex[sheet.next(file, s)]};
+    const std::uint32_t first_end = placed[e] == 0 ? file.edges[e][0] : kNone;
+    if (placed[e] == 0) {
+      if (file.face_vertices[s] != first_end) std::swap(ends[0], ends[1]);
+      file.edges[e] = ends;
+      placed[e] = 1;
+      continue;
+    }
+    const auto [a, b] = file.edges[e];
+    if (holds(file.assignment[e]) || std::minmax(ends[0], ends[1]) == std::minmax(a, b)) continue;
+    file.assignment[e] = Assignment::Border;
+    file.edges.push_back(ends);
+    file.assignment.push_back(Assignment::Border);
+    if (!file.fold_angle_deg.empty()) file.fold_angle_deg.push_back(0.0);
+    for (Pose& pose : file.poses) {
+      if (!pose.fold_angle_deg.empty()) pose.fold_angle_deg.push_back(0.0);
+    }
+  }
+  file.face_vertices = std::move(vertex);
+  return origin.size();
+}
+
+std::vector<BorderLoop> border_loops(const FoldModel& file, const Sheet& sheet) {
+  std::vector<BorderLoop> loops;
   std::vector<std::uint8_t> seen(sheet.side_twin.size(), 0);
   for (std::uint32_t start = 0; start < seen.size(); ++start) {
     if (sheet.side_twin[start] >= 0 || seen[start] != 0) continue;
@@ -195,12 +255,11 @@ std::vector<double> border_loops(const FoldModel& file, const Sheet& sheet) {
       std::uint32_t after = sheet.next(file, side);
       twice += cross(file.flat[file.face_vertices[side]] - origin,
                      file.flat[file.face_vertices[after]] - origin);
-      while (sheet.side_twin[after] >= 0) {
+      while (sheet.side_twin[after] >= 0)
         after = sheet.next(file, static_cast<std::uint32_t>(sheet.side_twin[after]));
-      }
       side = after;
     }
-    loops.push_back(0.5 * twice);
+    loops.push_back({start, 0.5 * twice});
   }
   return loops;
 }

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "core/verify/sheet/check.hpp"
@@ -58,8 +57,19 @@ void trace_faces(FoldModel& file);
 /// beside only one face, an edge used twice in the same direction, a side that is not an edge.
 [[nodiscard]] Sheet make_sheet(const FoldModel& file, VerifyCheck& check);
 
-/// Signed areas in mm^2 of the loops of borders and cuts: each piece has one positive outer loop,
-/// holes are negative, a slit has area 0.
-[[nodiscard]] std::vector<double> border_loops(const FoldModel& file, const Sheet& sheet);
+/// Separates a sheet along its cuts. Each group of connected faces around a vertex gets its own
+/// vertex, and a cut drawn as one edge becomes two borders. Faces and the first group at each
+/// vertex keep their numbers; copies come after them. A slit that is connected at both ends stays
+/// one edge. The file's poses get the copies too.
+/// @return number of added vertices
+std::size_t part_at_cuts(FoldModel& file, const Sheet& sheet);
+
+/// A loop of borders and cuts: the side that it begins with, and its signed area in mm^2. Each
+/// piece has one positive outer loop, holes are negative, a slit has area 0.
+struct BorderLoop {
+  std::uint32_t start{};
+  double area_mm2{};
+};
+[[nodiscard]] std::vector<BorderLoop> border_loops(const FoldModel& file, const Sheet& sheet);
 
 }  // namespace popcut::verify

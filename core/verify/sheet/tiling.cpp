@@ -15,8 +15,6 @@
 namespace popcut::verify {
 namespace {
 
-/// Number of overlaps after which the search stops.
-
 /// Factor of the pair budget: most pairs of triangles are separated by a quick test.
 constexpr std::uint64_t kPairBudgetFactor = 16;
 
@@ -76,9 +74,8 @@ Meeting meet(const FoldModel& file, std::uint32_t e, std::uint32_t f, double sla
   for (const auto& [vertex, side, along] :
        {std::tuple(f0, side_c, along_c), std::tuple(f1, side_d, along_d)}) {
     if (vertex == e0 || vertex == e1 || std::abs(side) > slack) continue;
-    if (along > 4.0 * slack && along < length - 4.0 * slack) {
+    if (along > 4.0 * slack && along < length - 4.0 * slack)
       return {Meeting::Kind::VertexInside, file.flat[vertex], vertex};
-    }
   }
   if (side_c * side_d >= 0.0 || std::min(std::abs(side_c), std::abs(side_d)) <= slack) return {};
   const Vec2 other = (1.0 / norm(d - c)) * (d - c);
@@ -162,38 +159,37 @@ Tiling check_tiling(const FoldModel& file, const Sheet& sheet, const Triangles& 
           return std::max({norm(t[1] - t[0]), norm(t[2] - t[1]), norm(t[0] - t[2])});
         };
         if (common <= 4.0 * slack_mm * (slack_mm + std::min(reach(a), reach(b)))) return;
-        if (counted.emplace(i, j).second) {
+        if (counted.emplace(i, j).second)
           overlaps[std::minmax(triangles.face[i], triangles.face[j])] += common;
-        }
       });
-  for (const auto& [faces, common] : overlaps) {
+  for (const auto& [faces, common] : overlaps)
     check.fail(face_place(faces.second),
                fmt::format("it overlaps face {} by {:.6g} mm2", faces.first, common));
-  }
 
   // 2. Their areas add up to the sheet's.
   for (std::size_t f = 0; f < file.faces(); ++f) tiling.area_mm2 += std::abs(area(file, f));
-  for (const double loop : border_loops(file, sheet)) {
+  double outline_mm2 = 0.0, holes_mm2 = 0.0;  // inside the outer borders, and in holes
+  for (const BorderLoop& border : border_loops(file, sheet)) {
+    const double loop = border.area_mm2;
     const double nothing = 4.0 * slack_mm * (tiling.sheet_u_mm + tiling.sheet_v_mm);
     if (std::abs(loop) <= nothing) {
       ++tiling.slits;
     } else if (loop > 0.0) {
-      tiling.outline_mm2 += loop;
+      outline_mm2 += loop;
     } else {
-      tiling.holes_mm2 -= loop;
+      holes_mm2 -= loop;
       ++tiling.holes;
     }
   }
-  const double missing = tiling.outline_mm2 - tiling.holes_mm2 - tiling.area_mm2;
+  const double missing = outline_mm2 - holes_mm2 - tiling.area_mm2;
   const double lines = 4.0 * slack_mm * static_cast<double>(file.edges.size()) *
                        (tiling.sheet_u_mm + tiling.sheet_v_mm);
-  if (std::abs(missing) > std::min(lines, 1e-6 * tiling.area_mm2)) {
+  if (std::abs(missing) > std::min(lines, 1e-6 * tiling.area_mm2))
     check.fail(
         "/faces_vertices",
         fmt::format("the faces have {:.6f} mm2, but the border encloses {:.6f} mm2 minus {:.6f} "
                     "mm2 of holes",
-                    tiling.area_mm2, tiling.outline_mm2, tiling.holes_mm2));
-  }
+                    tiling.area_mm2, outline_mm2, holes_mm2));
   check.detail = fmt::format("{} faces of {:.6g} mm2 tile {:.6g} x {:.6g} mm, {} slits, {} holes",
                              file.faces(), tiling.area_mm2, tiling.sheet_u_mm, tiling.sheet_v_mm,
                              tiling.slits, tiling.holes);

@@ -17,16 +17,6 @@ struct Triangles {
   std::vector<std::uint32_t> face;  ///< one per triangle
 };
 
-/// Sizes of the flat sheet.
-struct Tiling {
-  double sheet_u_mm{}, sheet_v_mm{};  ///< extent of the flat sheet
-  double area_mm2{};                  ///< sum of the faces' areas
-  double outline_mm2{};               ///< area inside the outer borders
-  double holes_mm2{};
-  std::size_t holes{};
-  std::size_t slits{};  ///< border loops without area
-};
-
 /// Checks that every face is a simple, counter-clockwise polygon. Returns the faces as triangles,
 /// without those of faces that fail.
 [[nodiscard]] Triangles check_faces(const FoldModel& file, VerifyCheck& check);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -27,9 +26,7 @@ void add(TargetDistance& to, double distance_mm) {
 }
 
 TargetDistance closed(TargetDistance sum) {
-  if (sum.vertices > 0) {
-    sum.rms_mm = std::sqrt(sum.rms_mm / static_cast<double>(sum.vertices));
-  }
+  if (sum.vertices > 0) sum.rms_mm = std::sqrt(sum.rms_mm / static_cast<double>(sum.vertices));
   return sum;
 }
 
@@ -51,10 +48,9 @@ Folds valleys_in(const FoldModel& file, const Pose& pose,
     const double to = std::max(file.flat[a].y(), file.flat[b].y()) - same;
     auto at = std::lower_bound(stations.begin(), stations.end(), from,
                                [](const TargetStation& s, double v) { return s.end_mm <= v; });
-    for (; at != stations.end() && at->begin_mm < to; ++at) {
+    for (; at != stations.end() && at->begin_mm < to; ++at)
       found[static_cast<std::size_t>(at - stations.begin())].push_back(
           unposed(0.5 * (pose.at[a] + pose.at[b]), *pose.psi_rad));
-    }
   }
   const double near = 1e-7 * reach;
   for (std::vector<FoldVertex>& folds : found) {
@@ -118,13 +114,11 @@ class Measurement {
     const CurveEnds right = outermost(*beside[1], on_card_);
     const CurveEnds a = surface_.ends_mm(s_mm[0]);
     const CurveEnds b = surface_.ends_mm(s_mm[1]);
-    if (here.wall > 0.0 && a.wall > 0.0 && b.wall > 0.0) {
+    if (here.wall > 0.0 && a.wall > 0.0 && b.wall > 0.0)
       (void)take(end_error(here.wall, left.wall, right.wall, a.wall, b.wall, on_card_), s_mm[0]);
-    }
-    if (here.ground > 0.0 && a.ground > 0.0 && b.ground > 0.0) {
+    if (here.ground > 0.0 && a.ground > 0.0 && b.ground > 0.0)
       (void)take(end_error(here.ground, left.ground, right.ground, a.ground, b.ground, on_card_),
                  s_mm[0]);
-    }
   }
 
   TargetDistance inner, all;  ///< sums of squares until `closed`

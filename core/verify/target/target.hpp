@@ -10,7 +10,6 @@
 #include "core/result.hpp"
 #include "core/verify/sheet/check.hpp"
 #include "core/verify/sheet/fold_model.hpp"
-#include "core/verify/target/target_distance.hpp"
 #include "core/verify/target/target_surface.hpp"
 
 namespace popcut::verify {

@@ -58,7 +58,7 @@ bool three_numbers(std::string_view line, std::array<float, 3>& out) {
 
 Result<TargetTriangles> read_binary_stl(const std::string& name, const std::string& bytes) {
   const std::size_t count = (bytes.size() - 84) / 50;
-  if (auto fits = room(name, count); !fits) return tl::unexpected<Error>(fits.error());
+  if (auto fits = room(name, count); !fits) return tl::unexpected(fits.error());
   TargetTriangles out;
   out.corners.resize(9 * count);
   for (std::size_t t = 0; t < count;
@@ -78,7 +78,7 @@ Result<TargetTriangles> read_text_stl(const std::string& name, std::string_view 
     std::array<float, 3> p{};
     if (!three_numbers(rest, p)) return wrong(name, line, "give three numbers after vertex");
     out.corners.insert(out.corners.end(), p.begin(), p.end());
-    if (auto fits = room(name, out.size()); !fits) return tl::unexpected<Error>(fits.error());
+    if (auto fits = room(name, out.size()); !fits) return tl::unexpected(fits.error());
   }
   if (out.corners.size() % 9 != 0) return wrong(name, 0, "the last facet is incomplete");
   return out;
@@ -108,7 +108,7 @@ Result<TargetTriangles> read_obj(const std::string& name, std::string_view text)
     for (std::size_t k = 2; k < face.size(); ++k)
       for (const std::size_t at : {face[0], face[k - 1], face[k]})
         out.corners.insert(out.corners.end(), points[at].begin(), points[at].end());
-    if (auto fits = room(name, out.size()); !fits) return tl::unexpected<Error>(fits.error());
+    if (auto fits = room(name, out.size()); !fits) return tl::unexpected(fits.error());
   }
   return out;
 }
@@ -158,8 +158,7 @@ Result<Table> read_table(const std::string& name, std::string_view text) {
     }
     if (line > 1 && column != table.x.size() + 1)
       return wrong(name, line, fmt::format("{} cells for {} values of x", column, table.x.size()));
-    if (auto fits = room(name, 2 * table.z.size()); !fits)
-      return tl::unexpected<Error>(fits.error());
+    if (auto fits = room(name, 2 * table.z.size()); !fits) return tl::unexpected(fits.error());
   }
   if (table.x.size() < 2 || table.y.size() < 2)
     return wrong(name, 0, "the grid needs at least two values of x and of y");
@@ -178,7 +177,7 @@ Result<TargetTriangles> read_target_mesh(const std::string& name, const std::str
 
 Result<TargetTriangles> read_target_grid(const std::string& name, const std::string& bytes) {
   const auto table = read_table(name, bytes);
-  if (!table) return tl::unexpected<Error>(table.error());
+  if (!table) return tl::unexpected(table.error());
   const std::size_t columns = table->x.size(), rows = table->y.size();
   TargetTriangles out;
   out.corners.reserve(18 * (columns - 1) * (rows - 1));

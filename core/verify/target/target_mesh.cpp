@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/geometry/buckets.hpp"
 #include "core/verify/target/target_surface.hpp"
 
 namespace popcut::verify {
@@ -39,32 +40,26 @@ class SectionIndex {
     // Columns are as wide as the mean piece, so a piece is in at most three columns on average.
     const double count = static_cast<double>(pieces_.size());
     width_ = std::max({sum / count, (high - low_) / count, 1e-12});
-    const std::size_t columns = 1 + static_cast<std::size_t>((high - low_) / width_);
-    first_.assign(columns + 1, 0);
-    const auto each = [&](const Piece& p, auto&& visit) {
-      const std::size_t to = column(std::max(p.a[0], p.b[0]));
-      for (std::size_t c = column(std::min(p.a[0], p.b[0])); c <= to; ++c) visit(c);
-    };
-    for (const Piece& p : pieces_) each(p, [&](std::size_t c) { ++first_[c + 1]; });
-    for (std::size_t c = 1; c <= columns; ++c) first_[c] += first_[c - 1];
-    item_.resize(first_.back());
-    std::vector<std::size_t> fill(first_.begin(), first_.end() - 1);
-    for (std::size_t k = 0; k < pieces_.size(); ++k)
-      each(pieces_[k], [&](std::size_t c) { item_[fill[c]++] = static_cast<std::uint32_t>(k); });
+    count_ = 1 + static_cast<std::size_t>((high - low_) / width_);
+    columns_ = Buckets<std::uint32_t>(count_, [&](auto&& put) {
+      for (std::uint32_t k = 0; k < pieces_.size(); ++k) {
+        const auto [from, to] = std::minmax(pieces_[k].a[0], pieces_[k].b[0]);
+        for (std::size_t c = column(from); c <= column(to); ++c) put(c, k);
+      }
+    });
   }
 
   /// Distance of the nearest piece; negative without pieces.
   [[nodiscard]] double nearest(double x, double z) const {
     if (pieces_.empty()) return -1.0;
-    const std::size_t at = column(x), columns = first_.size() - 1;
+    const std::size_t at = column(x);
     double best = std::numeric_limits<double>::infinity();
     const auto look = [&](std::size_t c) {
-      for (std::size_t k = first_[c]; k < first_[c + 1]; ++k)
-        best = std::min(best, distance(pieces_[item_[k]], x, z));
+      for (const std::uint32_t k : columns_[c]) best = std::min(best, distance(pieces_[k], x, z));
     };
     look(at);
     for (std::size_t c = at; c-- > 0 && x - edge(c + 1) < best;) look(c);
-    for (std::size_t c = at + 1; c < columns && edge(c) - x < best; ++c) look(c);
+    for (std::size_t c = at + 1; c < count_ && edge(c) - x < best; ++c) look(c);
     return best;
   }
 
@@ -74,13 +69,13 @@ class SectionIndex {
   [[nodiscard]] double edge(std::size_t c) const { return low_ + width_ * static_cast<double>(c); }
   [[nodiscard]] std::size_t column(double x) const {
     const double offset = (x - low_) / width_;
-    return offset <= 0.0 ? 0 : std::min(first_.size() - 2, static_cast<std::size_t>(offset));
+    return offset <= 0.0 ? 0 : std::min(count_ - 1, static_cast<std::size_t>(offset));
   }
 
   std::vector<Piece> pieces_;
   double low_{}, width_{1.0};
-  std::vector<std::size_t> first_;
-  std::vector<std::uint32_t> item_;
+  std::size_t count_{};
+  Buckets<std::uint32_t> columns_;
 };
 
 /// Keeps the part of a piece inside the corner; false if there is none or it lies on wall or
@@ -113,17 +108,13 @@ class Mesh : public TargetSurface {
     }
     const double n = static_cast<double>(count);
     slab_ = std::max({sum / n, (high_ - low_) / n, 1e-12});
-    first_.assign(2 + static_cast<std::size_t>((high_ - low_) / slab_), 0);
-    const auto each = [&](std::size_t t, auto&& visit) {
-      const auto [from, to] = extent(t);
-      for (std::size_t c = slab(from); c <= slab(to); ++c) visit(c);
-    };
-    for (std::size_t t = 0; t < count; ++t) each(t, [&](std::size_t c) { ++first_[c + 1]; });
-    for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
-    item_.resize(first_.back());
-    std::vector<std::size_t> fill(first_.begin(), first_.end() - 1);
-    for (std::size_t t = 0; t < count; ++t)
-      each(t, [&](std::size_t c) { item_[fill[c]++] = static_cast<std::uint32_t>(t); });
+    slab_count_ = 1 + static_cast<std::size_t>((high_ - low_) / slab_);
+    slabs_ = Buckets<std::uint32_t>(slab_count_, [&](auto&& put) {
+      for (std::uint32_t t = 0; t < count; ++t) {
+        const auto [from, to] = extent(t);
+        for (std::size_t c = slab(from); c <= slab(to); ++c) put(c, t);
+      }
+    });
   }
 
   [[nodiscard]] double distance_mm(double s_mm, double x_mm, double z_mm) const override {
@@ -154,7 +145,7 @@ class Mesh : public TargetSurface {
   }
   [[nodiscard]] std::size_t slab(double s) const {
     const double offset = (s - low_) / slab_;
-    return offset <= 0.0 ? 0 : std::min(first_.size() - 2, static_cast<std::size_t>(offset));
+    return offset <= 0.0 ? 0 : std::min(slab_count_ - 1, static_cast<std::size_t>(offset));
   }
 
   /// The section at `s_mm`, cached until another one is needed. The surface's own first and last
@@ -166,10 +157,9 @@ class Mesh : public TargetSurface {
     std::vector<Piece> pieces;
     if (s_mm >= low_ - touch && s_mm <= high_ + touch) {
       const double s = std::clamp(s_mm, low_ + 1e-9 * length, high_ - 1e-9 * length);
-      const std::size_t c = slab(s);
-      for (std::size_t k = first_[c]; k < first_[c + 1]; ++k) {
+      for (const std::uint32_t triangle : slabs_[slab(s)]) {
         Piece piece;
-        if (cut(item_[k], s, piece) && clip(piece, 1e-9 * length)) pieces.push_back(piece);
+        if (cut(triangle, s, piece) && clip(piece, 1e-9 * length)) pieces.push_back(piece);
       }
     }
     last_ = SectionIndex(std::move(pieces));
@@ -193,8 +183,8 @@ class Mesh : public TargetSurface {
   TargetTriangles triangles_;
   PlacedFrame frame_;
   double low_{}, high_{}, slab_{1.0};
-  std::vector<std::size_t> first_;
-  std::vector<std::uint32_t> item_;
+  std::size_t slab_count_{};
+  Buckets<std::uint32_t> slabs_;
   mutable double last_s_{std::numeric_limits<double>::quiet_NaN()};
   mutable SectionIndex last_;
 };

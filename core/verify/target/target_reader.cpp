@@ -58,7 +58,7 @@ Result<double> number_at(const Json& spec, const std::string& pointer,
 Result<TargetPlacement> read_placement(const Json& spec) {
   TargetPlacement out;
   const auto scale = number_at(spec, "/scale_mm", 1.0, 1e-9);
-  if (!scale) return tl::unexpected<Error>(scale.error());
+  if (!scale) return tl::unexpected(scale.error());
   out.scale_mm = *scale;
   for (auto [member, list] :
        {std::pair{"rotate_deg", &out.rotate_deg}, std::pair{"translate_mm", &out.translate_mm}}) {
@@ -68,7 +68,7 @@ Result<TargetPlacement> read_placement(const Json& spec) {
       return wrong(place, "must be a list of three numbers");
     for (std::size_t k = 0; k < 3; ++k) {
       const auto value = number_at(spec, fmt::format("{}/{}", place, k), std::nullopt);
-      if (!value) return tl::unexpected<Error>(value.error());
+      if (!value) return tl::unexpected(value.error());
       (*list)[k] = *value;
     }
   }
@@ -98,7 +98,7 @@ Result<Surface> read_surface(const Json& surface, const TargetPlacement& placeme
     const std::string name = surface["file"].get<std::string>();
     auto triangles =
         type == "grid" ? read_target_grid(name, file_bytes) : read_target_mesh(name, file_bytes);
-    if (!triangles) return tl::unexpected<Error>(within("/surface/file", triangles.error()));
+    if (!triangles) return tl::unexpected(within("/surface/file", triangles.error()));
     return mesh_target(std::move(*triangles), placement);
   }
   const bool revolution = type == "revolution", profile = type == "profile";
@@ -108,7 +108,7 @@ Result<Surface> read_surface(const Json& surface, const TargetPlacement& placeme
                             "composite",
                             type.substr(0, 40)));
   auto formula = formula_at(surface, revolution ? "radius" : profile ? "z" : "f", "/surface");
-  if (!formula) return tl::unexpected<Error>(formula.error());
+  if (!formula) return tl::unexpected(formula.error());
   if (revolution) return revolution_target(std::move(*formula), placement);
   if (profile) return profile_target(std::move(*formula), placement);
   return solid_target(std::move(*formula), placement);
@@ -122,28 +122,20 @@ Result<std::array<TargetFormula, 3>> composite_radii(const Json& surface,
       !radii[2].is_number())
     return wrong("/surface/radii", "must be three numbers");
   if (lengths.size() != 3) return wrong("/regions", "a composite surface needs three");
-  const double r1 = radii[0].get<double>(), r2 = radii[1].get<double>(),
-               r3 = radii[2].get<double>();
-  const double pi = std::numbers::pi;
-  const auto blend = [](double from, double to, double share) {
-    return from + (to - from) * share;
-  };
-  return std::array<TargetFormula, 3>{[=, L = lengths[0]](double, double y, double) {
-                                        return blend(r1, r2, 0.5 * (1.0 - std::cos(pi * y / L)));
-                                      },
-                                      [=, L = lengths[1]](double, double y, double) {
-                                        return blend(r2, r3, 0.5 * (1.0 - std::cos(pi * y / L)));
-                                      },
-                                      [=, L = lengths[2]](double, double y, double) {
-                                        return blend(r3, r2, 0.5 * (1.0 - std::cos(pi * y / L)));
-                                      }};
+  std::array<TargetFormula, 3> out;
+  for (const auto& [k, to] : {std::pair{0U, 1U}, std::pair{1U, 2U}, std::pair{2U, 1U}})
+    out[k] = [r0 = radii[k].get<double>(), r1 = radii[to].get<double>(), L = lengths[k]](
+                 double, double y, double) {
+      return r0 + (r1 - r0) * (0.5 * (1.0 - std::cos(std::numbers::pi * y / L)));
+    };
+  return out;
 }
 
 Result<void> read_widths(const Json& spec, Target& target) {
   const auto units = number_at(spec, "/units_per_slice", 2.0, 1.0, kMostUnits);
-  if (!units) return tl::unexpected<Error>(units.error());
+  if (!units) return tl::unexpected(units.error());
   const auto slices = number_at(spec, "/slices", std::nullopt, 1.0, kMostSlices);
-  if (!slices) return tl::unexpected<Error>(slices.error());
+  if (!slices) return tl::unexpected(slices.error());
   target.chosen_units = static_cast<int>(*units);
   if (spec.contains("widths_mm") && spec["widths_mm"].is_object()) return {};
   const auto count = static_cast<std::size_t>(*slices);
@@ -154,7 +146,7 @@ Result<void> read_widths(const Json& spec, Target& target) {
   for (std::size_t j = 0; j < count; ++j) {
     const auto width =
         number_at(spec, list ? fmt::format("/widths_mm/{}", j) : "/widths_mm", std::nullopt, 1e-9);
-    if (!width) return tl::unexpected<Error>(width.error());
+    if (!width) return tl::unexpected(width.error());
     target.slices.push_back({*width, static_cast<int>(*units), false});
   }
   return {};
@@ -179,7 +171,7 @@ Result<RegionPlaces> read_regions(const Json& regions, Target& target) {
     const bool other = region.is_object() && region.contains("widths_mm");
     const std::string place = fmt::format("/regions/{}", r);
     for (const auto* read : {&units, &slices})
-      if (!*read) return tl::unexpected<Error>(within(place, read->error()));
+      if (!*read) return tl::unexpected(within(place, read->error()));
     const auto count = static_cast<std::size_t>(*slices);
     if (list && region["widths_mm"].size() != count)
       return wrong(place + "/widths_mm",
@@ -195,7 +187,7 @@ Result<RegionPlaces> read_regions(const Json& regions, Target& target) {
                                    : other ? "/widths_mm"
                                            : "/width_mm",
                                    std::nullopt, 1e-9);
-      if (!width) return tl::unexpected<Error>(within(place, width.error()));
+      if (!width) return tl::unexpected(within(place, width.error()));
       if (!target.slices.empty()) s += 0.5 * (target.slices.back().width_mm + *width);
       if (k == 0) {
         out.origin_mm.push_back(s - 0.5 * *width);
@@ -222,11 +214,11 @@ Result<Surface> read_stretches(const Json& spec, const RegionPlaces& places,
   std::shared_ptr<const TargetSurface> common;
   if (composite) {
     auto made = composite_radii(surface, lengths);
-    if (!made) return tl::unexpected<Error>(made.error());
+    if (!made) return tl::unexpected(made.error());
     radii = std::move(*made);
   } else if (!surface.is_null()) {
     auto made = read_surface(surface, placement, file_bytes);
-    if (!made) return tl::unexpected<Error>(made.error());
+    if (!made) return tl::unexpected(made.error());
     common = std::move(*made);
   }
   std::vector<TargetStretch> stretches;
@@ -241,7 +233,7 @@ Result<Surface> read_stretches(const Json& spec, const RegionPlaces& places,
     auto radius = composite
                       ? Result<TargetFormula>(radii[r])
                       : formula_at(regions[r], "radius", fmt::format("/regions/{}", r), lengths[r]);
-    if (!radius) return tl::unexpected<Error>(radius.error());
+    if (!radius) return tl::unexpected(radius.error());
     stretches.push_back({places.origin_mm[r], places.origin_mm[r],
                          revolution_target(std::move(*radius), placement)});
   }
@@ -252,30 +244,30 @@ Result<Surface> read_stretches(const Json& spec, const RegionPlaces& places,
 
 Result<Target> read_target(std::string_view spec_json, const std::string& file_bytes) {
   const auto spec = parse_spec(spec_json);
-  if (!spec) return tl::unexpected<Error>(spec.error());
+  if (!spec) return tl::unexpected(spec.error());
   if (spec->contains("patches"))
     return fail(ErrorKind::OutOfRange, "/patches",
                 "verify measures one patch at a time; give the spec of that patch alone");
   const auto placement = read_placement(*spec);
-  if (!placement) return tl::unexpected<Error>(placement.error());
+  if (!placement) return tl::unexpected(placement.error());
   const bool plain =
       spec->contains("card") && (*spec)["card"].is_boolean() && !(*spec)["card"].get<bool>();
   const auto margin =
       plain ? Result<double>(0.0) : number_at(*spec, "/card/margin_mm", kDefaultMargin_mm, 0.0);
-  if (!margin) return tl::unexpected<Error>(margin.error());
+  if (!margin) return tl::unexpected(margin.error());
   Target target;
   target.margin_mm = *margin;
   Result<Surface> surface;
   if (spec->contains("regions")) {
     const auto places = read_regions((*spec)["regions"], target);
-    if (!places) return tl::unexpected<Error>(places.error());
+    if (!places) return tl::unexpected(places.error());
     surface = read_stretches(*spec, *places, *placement, file_bytes);
   } else {
-    if (auto read = read_widths(*spec, target); !read) return tl::unexpected<Error>(read.error());
+    if (auto read = read_widths(*spec, target); !read) return tl::unexpected(read.error());
     surface = read_surface(spec->contains("surface") ? (*spec)["surface"] : Json(), *placement,
                            file_bytes);
   }
-  if (!surface) return tl::unexpected<Error>(surface.error());
+  if (!surface) return tl::unexpected(surface.error());
   target.surface = std::move(*surface);
   return target;
 }

@@ -12,9 +12,8 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/curvature/assembly_plot.hpp"
 #include "core/curvature/pattern_curvature.hpp"
-#include "core/figures/assembly.hpp"
-#include "core/figures/paper_figures.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/options/angles.hpp"
 #include "daemon/files/output_folder.hpp"

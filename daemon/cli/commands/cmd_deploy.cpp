@@ -9,8 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/deploy/segments_pattern.hpp"
-#include "core/deploy/unfold_frames.hpp"
+#include "core/deploy/loaded_pattern.hpp"
 #include "core/formats/csv/segments_reader.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/machines/machine.hpp"

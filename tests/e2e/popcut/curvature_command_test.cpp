@@ -31,24 +31,6 @@ void design_example(const TempFolder& folder, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("figures draws every figure and every statement of the paper holds",
-          "[cli][e2e][figures]") {
-  const TempFolder folder;
-  const Ran ran = popcut_in(folder, {"figures", "-o", "out", "--json"});
-  CAPTURE(ran.err);
-  REQUIRE(ran.exit == 0);
-  const json summary = json::parse(ran.out);
-  CHECK(summary["all_hold"] == true);
-  CHECK(summary["statements"].size() > 20);
-  const auto files = files_below(folder / "out");
-  for (const std::string name :
-       {"fig1c", "fig1d", "fig2c_top", "fig2c_bottom", "fig3c", "fig3d", "figS5"}) {
-    CHECK(std::find(files.begin(), files.end(), name + ".svg") != files.end());
-    CHECK(std::find(files.begin(), files.end(), name + ".csv") != files.end());
-  }
-  CHECK(json::parse(text_of_file(folder / "out/figures.json")) == summary);
-}
-
 TEST_CASE("curvature of a designed pattern distinguishes a sphere from a saddle",
           "[cli][e2e][curvature]") {
   const TempFolder folder;
@@ -161,8 +143,6 @@ TEST_CASE("wrong arguments of curvature give one clear line", "[cli][e2e][curvat
            {with_r("-1:1:3"), 2},
            {with_r("0:inf:3"), 2},
            {with_r("0:1:99999999999999999999999"), 2},
-           {{"figures"}, 2},
-           {{"figures", "-o", "empty.fold"}, 7},
        }) {
     const Ran ran = popcut_in(folder, c.words);
     CAPTURE(c.words.size(), c.words.back(), ran.err);

@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/curvature/vertex_curvature.hpp"
 #include "core/design/chain/augmented_chain.hpp"
 #include "core/design/chain/chain.hpp"
 
@@ -52,8 +53,8 @@ Case barrel(int slices, int units, double scale = 1.0) {
 }
 
 /// K, H and forms of every inner vertex of `points`.
-CurvatureTargets targets_at(const Case& made, const StackPoints& points) {
-  CurvatureTargets out;
+AugmentedSpec targets_at(const Case& made, const StackPoints& points) {
+  AugmentedSpec out;
   const auto levels = static_cast<std::size_t>(made.units) + 1;
   const auto at = [&](std::size_t i, std::size_t j) {
     return Point3{points.x[j * levels + i], made.v[j], points.z[j * levels + i]};
@@ -66,17 +67,32 @@ CurvatureTargets targets_at(const Case& made, const StackPoints& points) {
       const VertexCurvature c = vertex_curvature(at(i, j), ring);
       out.K_area.push_back(c.K_area);
       out.H.push_back(c.H);
-      out.forms.push_back(grid_forms(at(i, j), ring, diagonals));
+      const FundamentalForms f = grid_forms(at(i, j), ring, diagonals);
+      out.first.push_back({f.a_ss, f.a_st, f.a_tt});
+      out.second.push_back({f.b_ss, f.b_st, f.b_tt});
     }
   }
   return out;
+}
+
+AugmentedSpec weighed(AugmentedSpec spec, const std::array<double, 4>& weights) {
+  spec.weight_K = weights[0], spec.weight_H = weights[1];
+  spec.weight_first = weights[2], spec.weight_second = weights[3];
+  return spec;
+}
+
+/// One target of K and of H for all.
+AugmentedSpec targets(std::vector<double> K_area, std::vector<double> H) {
+  AugmentedSpec spec;
+  spec.K_area = std::move(K_area), spec.H = std::move(H);
+  return spec;
 }
 
 }  // namespace
 
 TEST_CASE("without weights the augmented chains equal the plain ones", "[core][curvature][chain]") {
   const Case made = barrel(5, 6);
-  const auto solved = solve_chain_augmented(made.stack(), {}, {});
+  const auto solved = solve_chain_augmented(made.stack(), {});
   REQUIRE(solved);
   std::vector<double> x(7), z(7);
   for (std::size_t j = 0; j < 5; ++j) {
@@ -92,18 +108,19 @@ TEST_CASE("without weights the augmented chains equal the plain ones", "[core][c
 TEST_CASE("the augmented loss is the paper's sum", "[core][curvature][chain]") {
   const Case made = barrel(4, 4, 1.0 / 30);  // mean size about 1, where the weights are the paper's
   const StackPoints points = made.moved(0.2, 7);
-  CurvatureTargets at = targets_at(made, points);
-  const auto zero = augmented_loss(made.stack(), points, at, {1, 1, 1, 1});
+  AugmentedSpec at = targets_at(made, points);
+  const auto zero = augmented_loss(made.stack(), points, weighed(at, {1, 1, 1, 1}));
   REQUIRE(zero);
   CHECK(zero->curvature == Approx(0).margin(1e-18));
   for (double& K : at.K_area) K += 0.1;
   for (double& H : at.H) H -= 0.2;
-  for (FundamentalForms& f : at.forms) f.a_st += 0.01, f.b_ss -= 0.02;
+  for (auto& a : at.first) a[1] += 0.01;
+  for (auto& b : at.second) b[0] -= 0.02;
   const double count = static_cast<double>(made.stack().inner());
   double size = 0;
   for (const SliceCurve& curve : made.curves) size += curve.h() / 4;
-  const auto loss = [&](CurvatureWeights weights) {
-    return augmented_loss(made.stack(), points, at, weights)->curvature;
+  const auto loss = [&](const std::array<double, 4>& weights) {
+    return augmented_loss(made.stack(), points, weighed(at, weights))->curvature;
   };
   CHECK(loss({3, 0, 0, 0}) == Approx(3 * 0.01 * count * std::pow(size, 6)));
   CHECK(loss({0, 2, 0, 0}) == Approx(2 * 0.04 * count * std::pow(size, 4)));
@@ -114,12 +131,12 @@ TEST_CASE("the augmented loss is the paper's sum", "[core][curvature][chain]") {
 TEST_CASE("reachable targets are reached by K and H and by the forms", "[core][curvature][chain]") {
   const Case made = barrel(6, 5);
   const StackPoints wanted = made.moved(0.15, 11);
-  const CurvatureTargets targets = targets_at(made, wanted);
-  for (const CurvatureWeights& weights :
-       {CurvatureWeights{100, 100, 0, 0}, CurvatureWeights{0, 0, 1000, 1000}}) {
-    const auto solved = solve_chain_augmented(made.stack(), targets, weights);
+  const AugmentedSpec at = targets_at(made, wanted);
+  for (const AugmentedSpec& spec :
+       {weighed(at, {100, 100, 0, 0}), weighed(at, {0, 0, 1000, 1000})}) {
+    const auto solved = solve_chain_augmented(made.stack(), spec);
     REQUIRE(solved);
-    CAPTURE(weights.K, solved->start.curvature, solved->loss.curvature, solved->loss.chains);
+    CAPTURE(spec.weight_K, solved->start.curvature, solved->loss.curvature, solved->loss.chains);
     CHECK(solved->loss.curvature < 0.05 * solved->start.curvature);
     CHECK(solved->loss.total() <= solved->start.total());
     // Every vertex stays on its slice's curve and in order.
@@ -138,9 +155,8 @@ TEST_CASE("reachable targets are reached by K and H and by the forms", "[core][c
 
 TEST_CASE("no small step along the curves improves augmented chains", "[core][curvature][chain]") {
   const Case made = barrel(5, 5);
-  const CurvatureTargets targets{{1.0 / 900}, {1.0 / 30}, {}};
-  const CurvatureWeights weights{1, 1, 0, 0};
-  const auto solved = solve_chain_augmented(made.stack(), targets, weights);
+  const AugmentedSpec spec = weighed(targets({1.0 / 900}, {1.0 / 30}), {1, 1, 0, 0});
+  const auto solved = solve_chain_augmented(made.stack(), spec);
   REQUIRE(solved);
   const double least = solved->loss.total();
   for (std::size_t j = 0; j < 5; ++j) {
@@ -150,7 +166,7 @@ TEST_CASE("no small step along the curves improves augmented chains", "[core][cu
         const double angle = std::atan2(other.x[j * 6 + i], other.z[j * 6 + i]) + by;
         other.x[j * 6 + i] = made.curves[j].h() * std::sin(angle);
         other.z[j * 6 + i] = made.curves[j].h() * std::cos(angle);
-        const auto there = augmented_loss(made.stack(), other, targets, weights);
+        const auto there = augmented_loss(made.stack(), other, spec);
         REQUIRE(there);
         CHECK(there->total() >= least * (1 - 1e-9));
       }
@@ -160,8 +176,9 @@ TEST_CASE("no small step along the curves improves augmented chains", "[core][cu
 
 TEST_CASE("a scaled surface has the scaled augmented chains", "[core][curvature][chain]") {
   const Case one = barrel(4, 4), ten = barrel(4, 4, 10.0);
-  const auto a = solve_chain_augmented(one.stack(), {{2e-3}, {0.04}, {}}, {1, 1, 0, 0});
-  const auto b = solve_chain_augmented(ten.stack(), {{2e-5}, {0.004}, {}}, {1, 1, 0, 0});
+  const auto a = solve_chain_augmented(one.stack(), weighed(targets({2e-3}, {0.04}), {1, 1, 0, 0}));
+  const auto b =
+      solve_chain_augmented(ten.stack(), weighed(targets({2e-5}, {0.004}), {1, 1, 0, 0}));
   REQUIRE(a);
   REQUIRE(b);
   for (std::size_t k = 0; k < a->points.x.size(); ++k)
@@ -171,21 +188,20 @@ TEST_CASE("a scaled surface has the scaled augmented chains", "[core][curvature]
 
 TEST_CASE("wrong targets of augmented chains are refused in one line", "[core][curvature][chain]") {
   const Case made = barrel(4, 4);
-  const auto refused = [&](const SliceStack& stack, const CurvatureTargets& targets,
-                           const CurvatureWeights& weights) {
-    const auto solved = solve_chain_augmented(stack, targets, weights);
+  const auto refused = [&](const SliceStack& stack, const AugmentedSpec& spec) {
+    const auto solved = solve_chain_augmented(stack, spec);
     return !solved && solved.error().kind == ErrorKind::OutOfRange &&
            !solved.error().detail.empty();
   };
-  CHECK(refused(made.stack(), {}, {1, 0, 0, 0}));
-  CHECK(refused(made.stack(), {{1, 2}, {}, {}}, {1, 0, 0, 0}));
-  CHECK(refused(made.stack(), {{1}, {}, {}}, {-1, 0, 0, 0}));
-  CHECK(refused(made.stack(), {{std::nan("")}, {}, {}}, {1, 0, 0, 0}));
-  CHECK(refused({std::span(made.curves).first(2), std::span(made.v).first(2), 4}, {}, {}));
-  CHECK(refused({made.curves, std::span(made.v).first(3), 4}, {}, {}));
-  CHECK(refused({made.curves, made.v, 1}, {}, {}));
+  CHECK(refused(made.stack(), weighed({}, {1, 0, 0, 0})));
+  CHECK(refused(made.stack(), weighed(targets({1, 2}, {}), {1, 0, 0, 0})));
+  CHECK(refused(made.stack(), weighed(targets({1}, {}), {-1, 0, 0, 0})));
+  CHECK(refused(made.stack(), weighed(targets({std::nan("")}, {}), {1, 0, 0, 0})));
+  CHECK(refused({std::span(made.curves).first(2), std::span(made.v).first(2), 4}, {}));
+  CHECK(refused({made.curves, std::span(made.v).first(3), 4}, {}));
+  CHECK(refused({made.curves, made.v, 1}, {}));
   const std::vector<double> falling{3, 2, 1, 0};
-  CHECK(refused({made.curves, falling, 4}, {}, {}));
+  CHECK(refused({made.curves, falling, 4}, {}));
 }
 
 }  // namespace augmented_chain_test

@@ -215,9 +215,9 @@ TEST_CASE("an expression that assigns is refused with the column", "[core][desig
     REQUIRE_FALSE(parsed);
     CHECK(parsed.error().detail.find(fmt::format("at column {}", column)) != std::string::npos);
   }
-  for (const char* lawful : {"y==3 ? 1 : 2", "x<=1", "x>=1", "x!=y"}) {
-    CAPTURE(lawful);
-    CHECK(Expression::parse(lawful, {"x", "y"}));
+  for (const char* valid : {"y==3 ? 1 : 2", "x<=1", "x>=1", "x!=y"}) {
+    CAPTURE(valid);
+    CHECK(Expression::parse(valid, {"x", "y"}));
   }
 }
 

@@ -34,7 +34,7 @@ Chain newton(const SliceCurve& curve, int units) {
 }
 
 SliceCurve profile(const std::string& z) {
-  const auto surface = Surface::make(ProfileSpec{z}, 1.0);
+  const auto surface = Surface::make(ProfileSpec{z}, {}, FitMode::Exact);
   REQUIRE(surface);
   auto curve = surface->slice(0.0);
   if (!curve) FAIL(message(curve.error()));
@@ -88,7 +88,8 @@ TEST_CASE("SLSQP on the full problem finds the same chain as Newton", "[core][ch
       GENERATE(as<SliceCurve>{}, SliceCurve(50.0, 50.0), SliceCurve(30.0, 10.0));
   const Chain c = newton(curve, units);
   std::vector<double> x(c.x.size()), z(c.x.size());
-  const auto figures = solve_chain_slsqp(curve, units, x, z);
+  SlsqpBudget budget;
+  const auto figures = solve_chain_slsqp(curve, units, x, z, budget);
   if (!figures) FAIL(message(figures.error()));
   CHECK_THAT(figures->loss, Catch::WithinRel(c.figures.loss, 1e-9));
   for (std::size_t i = 0; i < x.size(); ++i) CHECK_THAT(x[i], Catch::WithinAbs(c.x[i], 1e-4));

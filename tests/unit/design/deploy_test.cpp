@@ -11,16 +11,13 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/deploy/face_triangles.hpp"
 #include "core/deploy/glb.hpp"
-#include "core/deploy/joints.hpp"
+#include "core/deploy/loaded_pattern.hpp"
 #include "core/deploy/pose_table.hpp"
 #include "core/deploy/poster.hpp"
-#include "core/deploy/segments_pattern.hpp"
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/deploy/shut_stack.hpp"
 #include "core/deploy/stl.hpp"
-#include "core/deploy/unfold_frames.hpp"
 #include "core/formats/csv/segments_reader.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/write/segments_csv.hpp"

@@ -8,7 +8,7 @@
 #include "core/design/patches.hpp"
 #include "core/design/strips/mobility.hpp"
 #include "core/design/strips/pattern_builder.hpp"
-#include "core/design/strips/same_place.hpp"
+#include "core/design/strips/strips.hpp"
 
 namespace patches_test {
 

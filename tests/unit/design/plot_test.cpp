@@ -5,9 +5,8 @@
 #include <catch2/catch.hpp>
 #include <pugixml.hpp>
 
-#include "core/figures/assembly.hpp"
-#include "core/figures/paper_figures.hpp"
-#include "core/figures/plot.hpp"
+#include "core/curvature/assembly_plot.hpp"
+#include "core/plot/plot.hpp"
 
 namespace plot_test {
 
@@ -80,28 +79,6 @@ TEST_CASE("text in drawings is escaped", "[core][curvature][plot]") {
   panel.y = {"y", 0, 1, false};
   pugi::xml_document document;
   CHECK(document.load_string(plot::figure_svg(std::span(&panel, 1)).c_str()));
-}
-
-TEST_CASE("the paper's figures are all drawn and all their statements hold",
-          "[core][curvature][figures]") {
-  const auto figures = paper_figures();
-  REQUIRE(figures);
-  for (const CheckedStatement& statement : figures->statements) {
-    CAPTURE(statement.figure, statement.claim, statement.value);
-    CHECK(statement.holds);
-  }
-  for (const std::string name :
-       {"fig1c", "fig1d", "fig2c_top", "fig2c_bottom", "fig3c", "fig3d", "figS5"}) {
-    for (const std::string ending : {".svg", ".csv"}) {
-      CAPTURE(name, ending);
-      CHECK(std::any_of(figures->files.begin(), figures->files.end(),
-                        [&](const FigureFile& f) { return f.name == name + ending; }));
-    }
-  }
-  for (const FigureFile& file : figures->files) {
-    pugi::xml_document document;
-    if (file.name.ends_with(".svg")) CHECK(document.load_string(file.content.c_str()));
-  }
 }
 
 }  // namespace plot_test

@@ -8,7 +8,6 @@
 #include <catch2/catch.hpp>
 
 #include "core/design/target/mesh_reader.hpp"
-#include "core/design/target/surface_grid.hpp"
 #include "tests/support/meshes.hpp"
 
 namespace target_readers_test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/figures/assembly.hpp"
+#include "core/curvature/assembly.hpp"
 
 #include <cmath>
 

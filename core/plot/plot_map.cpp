@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "core/figures/plot_parts.hpp"
+#include "core/plot/plot_parts.hpp"
 
 namespace popcut::plot {
 namespace {
@@ -25,9 +25,8 @@ std::string colour_at(double t, bool diverging) {
   const std::size_t k = std::min(static_cast<std::size_t>(at), stops.size() - 2);
   const double part = at - static_cast<double>(k);
   std::array<int, 3> rgb{};
-  for (std::size_t c = 0; c < 3; ++c) {
+  for (std::size_t c = 0; c < 3; ++c)
     rgb[c] = static_cast<int>(std::lround(stops[k][c] + part * (stops[k + 1][c] - stops[k][c])));
-  }
   return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
 }
 
@@ -62,11 +61,9 @@ void clip_cell(const std::array<double, 4>& corner, double level, double column,
 std::string path_above(const Map& map, double level, const GridFrame& to) {
   std::string path;
   std::vector<PlotPoint> polygon;
-  const auto put = [&](std::span<const PlotPoint> points) {
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      fmt::format_to(std::back_inserter(path), "{}{:.2f},{:.2f}", k == 0 ? "M" : "L",
-                     to.x(points[k][0]), to.y(points[k][1]));
-    }
+  const auto add = [&](std::span<const PlotPoint> points) {
+    for (std::size_t k = 0; k < points.size(); ++k)
+      put(path, "{}{:.2f},{:.2f}", k == 0 ? "M" : "L", to.x(points[k][0]), to.y(points[k][1]));
     path += "Z";
   };
   for (std::size_t row = 0; row + 1 < map.rows; ++row) {
@@ -74,7 +71,7 @@ std::string path_above(const Map& map, double level, const GridFrame& to) {
     double run = -1;  // where a run of whole cells began, -1: none
     const auto end_run = [&](double column) {
       if (run >= 0)
-        put(std::array<PlotPoint, 4>{
+        add(std::array<PlotPoint, 4>{
             {{run, low}, {column, low}, {column, low + 1}, {run, low + 1}}});
       run = -1;
     };
@@ -95,7 +92,7 @@ std::string path_above(const Map& map, double level, const GridFrame& to) {
       end_run(left);
       if (!finite || above == 0) continue;
       clip_cell(corner, level, left, low, polygon);
-      put(polygon);
+      add(polygon);
     }
     end_run(static_cast<double>(map.columns - 1));
   }
@@ -107,8 +104,8 @@ void put_bands(std::string& svg, const Map& map, const GridFrame& to) {
     const double level = band == 0 ? -1e300 : map.least + (map.largest - map.least) * band / kBands;
     const std::string path = path_above(map, level, to);
     if (path.empty()) break;
-    fmt::format_to(std::back_inserter(svg), "<path d=\"{}\" fill=\"{}\"/>\n", path,
-                   colour_at((band + 0.5) / kBands, map.diverging));
+    put(svg, "<path d=\"{}\" fill=\"{}\"/>\n", path,
+        colour_at((band + 0.5) / kBands, map.diverging));
   }
 }
 
@@ -117,16 +114,14 @@ void put_contours(std::string& svg, const Map& map, const GridFrame& to,
   for (const double level : levels) {
     std::string path;
     for (const auto& line : contour_lines(map, level)) {
-      for (std::size_t k = 0; k < line.size(); ++k) {
-        fmt::format_to(std::back_inserter(path), "{}{:.2f},{:.2f}", k == 0 ? "M" : "L",
-                       to.x(line[k][0]), to.y(line[k][1]));
-      }
+      for (std::size_t k = 0; k < line.size(); ++k)
+        put(path, "{}{:.2f},{:.2f}", k == 0 ? "M" : "L", to.x(line[k][0]), to.y(line[k][1]));
     }
     if (path.empty()) continue;
-    fmt::format_to(std::back_inserter(svg),
-                   "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" "
-                   "stroke-linejoin=\"round\"/>\n",
-                   path, colour, width);
+    put(svg,
+        "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" "
+        "stroke-linejoin=\"round\"/>\n",
+        path, colour, width);
   }
 }
 
@@ -134,17 +129,16 @@ void put_colour_bar(std::string& svg, const Map& map, const Frame& frame) {
   const Axis scale{map.label, map.least, map.largest, false};
   const Frame bar{frame.left + frame.width + 18, frame.top, 16, frame.height, {}, scale};
   const double step = bar.height / kBands;
-  for (int band = 0; band < kBands; ++band) {
-    fmt::format_to(std::back_inserter(svg),
-                   "<rect x=\"{:.1f}\" y=\"{:.2f}\" width=\"{:.1f}\" height=\"{:.2f}\" "
-                   "fill=\"{}\"/>\n",
-                   bar.left, bar.top + bar.height - (band + 1) * step, bar.width, step + 0.3,
-                   colour_at((band + 0.5) / kBands, map.diverging));
-  }
-  fmt::format_to(std::back_inserter(svg),
-                 "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "
-                 "stroke=\"#000000\" stroke-width=\"1\"/>\n",
-                 bar.left, bar.top, bar.width, bar.height);
+  for (int band = 0; band < kBands; ++band)
+    put(svg,
+        "<rect x=\"{:.1f}\" y=\"{:.2f}\" width=\"{:.1f}\" height=\"{:.2f}\" "
+        "fill=\"{}\"/>\n",
+        bar.left, bar.top + bar.height - (band + 1) * step, bar.width, step + 0.3,
+        colour_at((band + 0.5) / kBands, map.diverging));
+  put(svg,
+      "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "
+      "stroke=\"#000000\" stroke-width=\"1\"/>\n",
+      bar.left, bar.top, bar.width, bar.height);
   for (const double value : ticks(scale)) {
     const double y = bar.py(value);
     put_line(svg, bar.left + bar.width, y, bar.left + bar.width + 4, y, kBlack, 1);
@@ -185,9 +179,8 @@ std::vector<Segment> crossings(const Map& map, double level) {
       if (above(1) != above(2)) crossed[count++] = {2 * (n + 1) + 1, {c + 1, r + part(1, 2)}};
       if (above(3) != above(2)) crossed[count++] = {2 * up, {c + part(3, 2), r + 1}};
       if (above(0) != above(3)) crossed[count++] = {2 * n + 1, {c, r + part(0, 3)}};
-      for (std::size_t k = 0; k + 1 < count; k += 2) {
+      for (std::size_t k = 0; k + 1 < count; k += 2)
         segments.push_back({{crossed[k], crossed[k + 1]}, false});
-      }
     }
   }
   return segments;

@@ -10,6 +10,16 @@
 
 namespace popcut {
 
+/// Counts and measures a pattern's faces, folds, cuts and sheet for its report.
+void count_pattern(const Pattern& pattern, DesignReport& report);
+
+/// Where on the sheet the middle of each slice's own strips lies, mm along v.
+[[nodiscard]] std::vector<double> slice_places(const Strips& strips, std::size_t slices);
+
+/// Sums the fits of the report's slices, and adds notes where something of the target is out of
+/// reach or chains have several minima.
+void add_fit(DesignReport& report, FitMode mode);
+
 /// The report of patches in one sheet: slices, merged places, bridges and notes of all of them in
 /// the numbering of the whole, errors of all together, counts of the joined pattern. Freedoms and
 /// pieces are left to the caller.

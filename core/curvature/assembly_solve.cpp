@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "core/curvature/assembly.hpp"
 #include "core/curvature/star.hpp"
-#include "core/figures/assembly.hpp"
 
 namespace popcut {
 namespace {
@@ -23,7 +23,7 @@ struct Spot {
 
 double distance(Spot p) { return std::hypot(p.r - kCentreR, p.lambda - kCentreLambda); }
 
-bool lawful(Spot p) { return p.r > 0 && p.lambda > 0 && p.r <= kLargest && p.lambda <= kLargest; }
+bool is_valid(Spot p) { return p.r > 0 && p.lambda > 0 && p.r <= kLargest && p.lambda <= kLargest; }
 
 /// K and H with their slopes by r and lambda.
 struct Jet {
@@ -83,7 +83,7 @@ Spot polished(Spot p, const AssemblyTarget& target) {
     const double det = j.K_r * side_l - j.K_lambda * side_r;
     const Spot next{p.r - (f * side_l - g * j.K_lambda) / det,
                     p.lambda - (g * j.K_r - f * side_r) / det};
-    if (!lawful(next) || !(std::abs(distance(next) - distance(p)) < 0.1 * distance(p))) return p;
+    if (!is_valid(next) || !(std::abs(distance(next) - distance(p)) < 0.1 * distance(p))) return p;
     p = next;
   }
   return p;
@@ -104,7 +104,7 @@ Result<Spot> nearest_with_K(const AssemblyTarget& target) {
     for (int ray = 0; ray < kRays; ++ray) {
       const double angle = 2 * std::numbers::pi * ray / kRays;
       const Spot p = on_ray(angle, reach);
-      if (!lawful(p)) continue;
+      if (!is_valid(p)) continue;
       const double K = K_at(p, target.phi_rad);
       if (std::abs(K - target.K) < std::abs(closest_K - target.K)) closest = p, closest_K = K;
       if ((K < target.K) == below) continue;
@@ -142,7 +142,7 @@ Spot newton(Spot p, const AssemblyTarget& target) {
     bool better = false;
     for (double part = 1.0; part > 1e-6 && !better; part *= 0.5) {
       const Spot next{p.r * std::exp(part * step_r), p.lambda * std::exp(part * step_l)};
-      if (!lawful(next)) continue;
+      if (!is_valid(next)) continue;
       const Jet there = jet_at(next, target.phi_rad);
       if (!(miss(there, target) < miss(j, target))) continue;
       p = next, j = there, better = true;
@@ -183,9 +183,8 @@ Result<Spot> nearest_with_K_and_H(const AssemblyTarget& target) {
 }  // namespace
 
 Result<AssemblySolution> solve_assembly(const AssemblyTarget& target) {
-  if (!std::isfinite(target.phi_rad) || (target.H && !std::isfinite(*target.H))) {
+  if (!std::isfinite(target.phi_rad) || (target.H && !std::isfinite(*target.H)))
     return fail(ErrorKind::OutOfRange, "", "phi and H must be finite numbers");
-  }
   if (!(std::abs(target.K) < 2 * std::numbers::pi)) {
     return fail(ErrorKind::OutOfRange, "",
                 fmt::format("K = {:g} is out of reach; an angle defect of four triangles lies "

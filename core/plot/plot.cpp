@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "core/figures/plot.hpp"
+#include "core/plot/plot.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "core/figures/plot_parts.hpp"
+#include "core/plot/plot_parts.hpp"
 #include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
 
@@ -23,10 +23,10 @@ std::string superscript(int power) {
 }
 
 void put_axes(std::string& svg, const Frame& frame) {
-  fmt::format_to(std::back_inserter(svg),
-                 "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "
-                 "stroke=\"#000000\" stroke-width=\"1\"/>\n",
-                 frame.left, frame.top, frame.width, frame.height);
+  put(svg,
+      "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "
+      "stroke=\"#000000\" stroke-width=\"1\"/>\n",
+      frame.left, frame.top, frame.width, frame.height);
   const double bottom = frame.top + frame.height;
   for (const double value : ticks(frame.x)) {
     put_line(svg, frame.px(value), bottom, frame.px(value), bottom + 5, kBlack, 1);
@@ -38,10 +38,10 @@ void put_axes(std::string& svg, const Frame& frame) {
   }
   put_text(svg, frame.left + frame.width / 2, bottom + 38, frame.x.label, "middle", 14);
   const double middle = frame.top + frame.height / 2;
-  fmt::format_to(std::back_inserter(svg),
-                 "<text x=\"{0:.1f}\" y=\"{1:.1f}\" text-anchor=\"middle\" font-size=\"14\" "
-                 "transform=\"rotate(-90 {0:.1f} {1:.1f})\">{2}</text>\n",
-                 frame.left - 52, middle, xml_escaped(frame.y.label));
+  put(svg,
+      "<text x=\"{0:.1f}\" y=\"{1:.1f}\" text-anchor=\"middle\" font-size=\"14\" "
+      "transform=\"rotate(-90 {0:.1f} {1:.1f})\">{2}</text>\n",
+      frame.left - 52, middle, xml_escaped(frame.y.label));
 }
 
 bool inside(const Frame& frame, const PlotPoint& p) {
@@ -59,30 +59,25 @@ void put_curve(std::string& svg, const Curve& curve, const Frame& frame) {
   for (const PlotPoint& p : curve.points) {
     const bool seen = inside(frame, p);
     if (seen) {
-      fmt::format_to(std::back_inserter(path), "{}{:.2f},{:.2f}", pen_down ? "L" : "M",
-                     frame.px(p[0]), frame.py(p[1]));
-      if (curve.marks) {
-        fmt::format_to(std::back_inserter(svg),
-                       "<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"3\" fill=\"{}\"/>\n",
-                       frame.px(p[0]), frame.py(p[1]), curve.colour);
-      }
+      put(path, "{}{:.2f},{:.2f}", pen_down ? "L" : "M", frame.px(p[0]), frame.py(p[1]));
+      if (curve.marks)
+        put(svg, "<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"3\" fill=\"{}\"/>\n", frame.px(p[0]),
+            frame.py(p[1]), curve.colour);
     }
     pen_down = seen;
   }
   if (!curve.line || path.empty()) return;
-  fmt::format_to(std::back_inserter(svg),
-                 "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\"{}/>\n", path,
-                 curve.colour, curve.width, curve.dashed ? " stroke-dasharray=\"6 4\"" : "");
+  put(svg, "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\"{}/>\n", path,
+      curve.colour, curve.width, curve.dashed ? " stroke-dasharray=\"6 4\"" : "");
 }
 
 void put_note(std::string& svg, const Note& note, const Frame& frame) {
   const double x = frame.px(note.x), y = frame.py(note.y);
-  if (note.dot) {
-    fmt::format_to(std::back_inserter(svg),
-                   "<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"4.5\" fill=\"#ffd92f\" "
-                   "stroke=\"#000000\" stroke-width=\"1.2\"/>\n",
-                   x, y);
-  }
+  if (note.dot)
+    put(svg,
+        "<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"4.5\" fill=\"#ffd92f\" "
+        "stroke=\"#000000\" stroke-width=\"1.2\"/>\n",
+        x, y);
   const double gap = note.dot ? 8 : 0;
   put_text(svg, note.to_left ? x - gap : x + gap, y + 4, note.text, note.to_left ? "end" : "start",
            12, true);
@@ -98,17 +93,12 @@ void put_legend(std::string& svg, const Panel& panel, const Frame& frame) {
   for (const Curve& curve : panel.curves) {
     if (curve.name.empty()) continue;
     const double from = panel.legend_left ? x : x - 26;
-    if (curve.line) {
-      fmt::format_to(std::back_inserter(svg),
-                     "<path d=\"M{:.1f},{:.1f}h26\" stroke=\"{}\" stroke-width=\"{:g}\"{}/>\n",
-                     from, y - 4, curve.colour, curve.width,
-                     curve.dashed ? " stroke-dasharray=\"6 4\"" : "");
-    }
-    if (curve.marks) {
-      fmt::format_to(std::back_inserter(svg),
-                     "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\" fill=\"{}\"/>\n", from + 13,
-                     y - 4, curve.colour);
-    }
+    if (curve.line)
+      put(svg, "<path d=\"M{:.1f},{:.1f}h26\" stroke=\"{}\" stroke-width=\"{:g}\"{}/>\n", from,
+          y - 4, curve.colour, curve.width, curve.dashed ? " stroke-dasharray=\"6 4\"" : "");
+    if (curve.marks)
+      put(svg, "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\" fill=\"{}\"/>\n", from + 13, y - 4,
+          curve.colour);
     put_text(svg, panel.legend_left ? x + 32 : x - 32, y, curve.name,
              panel.legend_left ? "start" : "end", 12, true);
     y += kRow;
@@ -149,21 +139,19 @@ void put_text(std::string& svg, double x, double y, std::string_view text, std::
               int size, bool halo) {
   const std::string escaped = xml_escaped(text);
   if (halo) {  // once wide in white, so that it can be read on any colour
-    fmt::format_to(std::back_inserter(svg),
-                   "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" font-size=\"{}\" "
-                   "stroke=\"#ffffff\" stroke-width=\"3\" stroke-linejoin=\"round\">{}</text>\n",
-                   x, y, anchor, size, escaped);
+    put(svg,
+        "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" font-size=\"{}\" "
+        "stroke=\"#ffffff\" stroke-width=\"3\" stroke-linejoin=\"round\">{}</text>\n",
+        x, y, anchor, size, escaped);
   }
-  fmt::format_to(std::back_inserter(svg),
-                 "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" font-size=\"{}\">{}</text>\n",
-                 x, y, anchor, size, escaped);
+  put(svg, "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" font-size=\"{}\">{}</text>\n", x, y,
+      anchor, size, escaped);
 }
 
 void put_line(std::string& svg, double x0, double y0, double x1, double y1, std::string_view colour,
               double width) {
-  fmt::format_to(std::back_inserter(svg),
-                 "<path d=\"M{:.2f},{:.2f}L{:.2f},{:.2f}\" stroke=\"{}\" stroke-width=\"{:g}\"/>\n",
-                 x0, y0, x1, y1, colour, width);
+  put(svg, "<path d=\"M{:.2f},{:.2f}L{:.2f},{:.2f}\" stroke=\"{}\" stroke-width=\"{:g}\"/>\n", x0,
+      y0, x1, y1, colour, width);
 }
 
 std::vector<double> ticks(const Axis& axis, int about) {
@@ -191,9 +179,7 @@ std::vector<double> ticks(const Axis& axis, int about) {
 }
 
 std::string tick_text(const Axis& axis, double value) {
-  if (axis.log) {
-    return "10" + superscript(static_cast<int>(std::lround(std::log10(value))));
-  }
+  if (axis.log) return "10" + superscript(static_cast<int>(std::lround(std::log10(value))));
   const double span = std::abs(axis.to - axis.from);
   std::string text = fmt::format("{:.4g}", std::abs(value) < 1e-9 * span ? 0.0 : value);
   if (text.front() == '-') text.replace(0, 1, "−");

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "core/figures/plot_parts.hpp"
+#include "core/plot/plot_parts.hpp"
 
 namespace popcut::plot {
 namespace {
@@ -49,13 +49,13 @@ void cut_tetrahedron(const std::array<Place, 4>& p, const std::array<double, 4>&
     const std::size_t i = order[a], j = order[b];
     return between(p[i], p[j], (level - f[i]) / (f[j] - f[i]));
   };
-  const auto put = [&](const Place& a, const Place& b, const Place& c) {
+  const auto add = [&](const Place& a, const Place& b, const Place& c) {
     out.push_back({{a, b, c}, index, (View::depth(a) + View::depth(b) + View::depth(c)) / 3});
   };
-  if (above == 1) return put(on(0, 1), on(0, 2), on(0, 3));
-  if (above == 3) return put(on(0, 3), on(1, 3), on(2, 3));
-  put(on(0, 2), on(0, 3), on(1, 3));
-  put(on(0, 2), on(1, 3), on(1, 2));
+  if (above == 1) return add(on(0, 1), on(0, 2), on(0, 3));
+  if (above == 3) return add(on(0, 3), on(1, 3), on(2, 3));
+  add(on(0, 2), on(0, 3), on(1, 3));
+  add(on(0, 2), on(1, 3), on(1, 2));
 }
 
 std::vector<Facet> facets_of(const IsoPanel& panel) {
@@ -173,10 +173,10 @@ void put_surfaces(std::string& svg, const IsoPanel& panel, double left, double t
       const PlotPoint a = view.page(facet.corner[0]), b = view.page(facet.corner[1]);
       const PlotPoint c = view.page(facet.corner[2]);
       const std::string colour = shaded(panel.levels[facet.level].colour, light(facet));
-      fmt::format_to(std::back_inserter(svg),
-                     "<path d=\"M{:.1f},{:.1f}L{:.1f},{:.1f}L{:.1f},{:.1f}Z\" fill=\"{}\" "
-                     "stroke=\"{}\" stroke-width=\"0.5\"/>\n",
-                     a[0], a[1], b[0], b[1], c[0], c[1], colour, colour);
+      put(svg,
+          "<path d=\"M{:.1f},{:.1f}L{:.1f},{:.1f}L{:.1f},{:.1f}Z\" fill=\"{}\" "
+          "stroke=\"{}\" stroke-width=\"0.5\"/>\n",
+          a[0], a[1], b[0], b[1], c[0], c[1], colour, colour);
     }
   }
   put_box(svg, view, true);
@@ -184,9 +184,8 @@ void put_surfaces(std::string& svg, const IsoPanel& panel, double left, double t
   put_text(svg, left + 247, top + 430, panel.remark, "middle", 12);
   double y = top + 50;
   for (const IsoPanel::Level& level : panel.levels) {
-    fmt::format_to(std::back_inserter(svg),
-                   "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"14\" height=\"14\" fill=\"{}\"/>\n",
-                   left + 400, y - 11, level.colour);
+    put(svg, "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"14\" height=\"14\" fill=\"{}\"/>\n",
+        left + 400, y - 11, level.colour);
     put_text(svg, left + 420, y, level.name, "start", 12);
     y += 20;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "core/design/target/surface_grid.hpp"
+#include "core/design/target/mesh_reader.hpp"
 
 #include <charconv>
 #include <cmath>
@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "core/design/target/surface_kinds.hpp"
 #include "core/text/words.hpp"
 
 namespace popcut {
@@ -151,15 +150,6 @@ Result<TriangleMesh> read_height_grid(const std::string& name, std::string_view 
       add(i, j), add(i + 1, j + 1), add(i, j + 1);
     }
   return mesh;
-}
-
-Result<Surface> surface_grid(const GridSpec& spec, const TargetPlacement& placement, FitMode fit,
-                             const SurfaceAssets& assets) {
-  auto mesh = triangles_of(spec, assets);
-  if (!mesh) return tl::unexpected(mesh.error());
-  auto standing = placed(std::move(*mesh), placement);
-  if (!standing) return tl::unexpected(standing.error());
-  return surface_of_triangles(std::move(*standing), fit, "grid", false);
 }
 
 }  // namespace popcut

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "core/design/patches_report.hpp"
+#include "core/design/design_report.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
-
-#include "core/design/strips/pattern_counts.hpp"
 
 namespace popcut {
 namespace {
@@ -60,6 +58,57 @@ void add_patch(const DesignReport& patch, std::int32_t first_slice, bool alone, 
 }
 
 }  // namespace
+
+void count_pattern(const Pattern& pattern, DesignReport& report) {
+  report.faces = pattern.faces();
+  double u_least = pattern.wall_mm, u_most = 0.0;
+  for (const SheetLine& line : pattern.lines) {
+    const double length = std::hypot(line.u1 - line.u0, line.v1 - line.v0);
+    u_least = std::min({u_least, line.u0, line.u1});
+    u_most = std::max({u_most, line.u0, line.u1});
+    if (line.role == EdgeRole::Slit) ++report.cuts, report.cut_length_mm += length;
+    if (line.role == EdgeRole::Outline) report.outline_length_mm += length;
+    if (line.role == EdgeRole::Mountain || line.role == EdgeRole::Valley)
+      ++report.folds, report.fold_length_mm += length;
+  }
+  report.sheet_u_mm = u_most - u_least;
+  report.sheet_v_mm = pattern.width_mm;
+}
+
+std::vector<double> slice_places(const Strips& strips, std::size_t slices) {
+  std::vector<double> place(slices), count(slices);
+  for (std::size_t s = 0; s < strips.size(); ++s) {
+    if (strips.kind[s] != StripKind::Slice && strips.kind[s] != StripKind::Box) continue;
+    const auto j = static_cast<std::size_t>(strips.slice[s]);
+    place[j] += 0.5 * (strips.v_begin[s] + strips.v_begin[s + 1]), ++count[j];
+  }
+  for (std::size_t j = 0; j < slices; ++j) place[j] /= count[j];
+  return place;
+}
+
+void add_fit(DesignReport& report, FitMode mode) {
+  report.fit_nearest = mode == FitMode::Nearest;
+  report.fit = {};
+  double spread = 0.0;
+  std::size_t worst = 0, several = 0, widest = 0;
+  for (std::size_t j = 0; j < report.slices.size(); ++j) {
+    const SliceReport& slice = report.slices[j];
+    accumulate(report.fit, slice.fit);
+    if (slice.fit.max_mm > report.slices[worst].fit.max_mm) worst = j;
+    several += slice.minima > 1 ? 1 : 0;
+    if (slice.spread > spread) spread = slice.spread, widest = j;
+  }
+  if (report.fit.unreachable_mm > 0.0)
+    report.notes.push_back(fmt::format(
+        "{:.3g} % of the target's outline is out of reach of falling curves; the seen part is "
+        "followed to {:.3g} mm rms, {:.3g} mm at most (slice {})",
+        100.0 * unreachable_share(report.fit), report.fit.rms_mm, report.fit.max_mm, worst));
+  if (several > 0)
+    report.notes.push_back(
+        fmt::format("the chains of {} slices have several minima; the best of {} starts is taken, "
+                    "the worst is {:.3g} % above it (slice {})",
+                    several, 25, 100.0 * spread, widest));
+}
 
 DesignReport joined_report(std::span<const Design> patches, const JoinedStrips& joined,
                            const std::vector<BridgeReport>& bridges, const Pattern& pattern) {

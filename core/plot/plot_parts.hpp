@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <iterator>
 #include <string>
 #include <string_view>
+#include <utility>
 
-#include "core/figures/plot.hpp"
+#include <fmt/format.h>
+
+#include "core/plot/plot.hpp"
 
 namespace popcut::plot {
 
@@ -17,6 +21,11 @@ struct Frame {
   [[nodiscard]] double py(double value) const;
 };
 
+/// Appends formatted text.
+template <typename... Values>
+void put(std::string& svg, fmt::format_string<Values...> text, Values&&... values) {
+  fmt::format_to(std::back_inserter(svg), text, std::forward<Values>(values)...);
+}
 /// `text` of an element, escaped, at (x, y); `anchor` is start, middle or end.
 void put_text(std::string& svg, double x, double y, std::string_view text, std::string_view anchor,
               int size = 13, bool halo = false);
