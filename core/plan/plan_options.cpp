@@ -203,31 +203,31 @@ std::vector<PlanOption> make_table() {
       of_request(text("material", MEMBER(material), "NAME",
            "What you cut; 'popcut materials' lists them", "paper-220")),
       text("mat", MEMBER(mat), "NAME|WxH",
-           "A mat of the machine, or a size such as 300x200 (mm), 30x20cm or 12x12in; without "
-           "a machine, the area of an ideal plotter"),
+           "A mat of the machine, or a size such as 300x200 (mm), 30x20cm or 12x12in; a size "
+           "without --machine plans for an ideal plotter"),
       place("at", MEMBER(place.at),
            "Where the drawing's upper left corner goes on the sheet, in mm"),
       word("order", MEMBER(order.method), {"quick", "best", "keep"},
-           "Order of the strokes: quick, best (searches longer for a short path), or keep (as "
+           "Order of the strokes: quick, best (searches longer for a fast order), or keep (as "
            "drawn)"),
       number("effort", MEMBER(order.effort), "N", {0.01, 1000},
-           "Search effort of best: 2 tries twice as many moves; it stops after a minute for "
-           "each unit"),
+           "How long best searches: 2 tries twice as many changes and stops after 2 minutes"),
       number("seed", MEMBER(order.seed), "N", {0, kMostSeed},
            "Random seed of best; the same seed gives the same order"),
       flag("mat-free", MEMBER(mat_free),
            "Cut without a mat: work in bands along the feed, never turn the blade in a sharp "
            "corner, cut the outline last"),
       word("dialect", MEMBER(dialect), {"gpgl", "hpgl"},
-           "Language of the program; without a machine, it chooses one that speaks it"),
+           "Language of the program; without --machine, popcut takes a machine that speaks it"),
       text("svg-profile", MEMBER(svg_profile), "NAME",
-           "What the strokes of an SVG mean: popcut, origami-sim, lightburn, cricut, boxes-py, "
-           "plain, or a profile of your own"),
+           "How popcut decides what the strokes of an SVG mean: popcut, origami-sim, lightburn, "
+           "cricut, boxes-py, plain, or a profile of your own"),
       word("folds", MEMBER(knife.folds), {"perforate", "score", "light"},
            "How folds are made: perforate (dashes), score (press with a stylus) or light (cut "
            "half through)", "the material's"),
       number("overcut", MEMBER(knife.overcut_mm), "MM", {0, 10, "mm"},
-           "Cut this far past the start of closed lines", "the material's"),
+           "On closed lines, start this far before the first point and end this far after it",
+           "the material's"),
       word("direction", MEMBER(knife.direction), {"any", "cw", "ccw"},
            "Direction of closed cuts: any, cw (clockwise) or ccw (counter-clockwise)"),
       number("snap", MEMBER(clean.snap_mm), "MM", {0, kMostSnap, "mm"},
@@ -244,14 +244,14 @@ std::vector<PlanOption> make_table() {
       flag("marks", MEMBER(marks),
            "The sheet is printed with registration marks; the cutter looks for them first"),
       word("mark-form", MEMBER(mark_form), {"arm", "line"},
-           "For cutters that miss the marks: which length command TB51 gives, arm or line; TB53 "
-           "gives the other"),
+           "For cutters that miss the marks: what the command TB51 gives, arm (length of the "
+           "marks' arms; TB53 gives their thickness) or line (the reverse)"),
       number("curve-tolerance", MEMBER(curve_tolerance_mm), "MM", {0.001, 1, "mm"},
            "Largest distance between a curve and the straight lines that replace it"),
       number("svg-dpi", MEMBER(svg_dpi), "N", {1, 10'000},
            "SVG units (px) in an inch; 72 for old Illustrator files"),
       flag("clip", MEMBER(place.clip),
-           "Cut off what lies outside the area instead of refusing it"),
+           "Leave out what lies outside the area instead of refusing the drawing"),
   };
 }
 // clang-format on

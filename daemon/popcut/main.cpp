@@ -43,7 +43,7 @@ constexpr const char* kPurpose =
     "  popcut design sphere.json -o sphere           # pattern, drawings and report in ./sphere\n"
     "  popcut verify sphere/pattern.fold             # check that the card opens and closes\n"
     "  popcut deploy sphere/pattern.fold -o poses    # 3D models of the card as it opens\n"
-    "  popcut plan sphere.json -o sheets             # cut sheets and programs for your cutter\n"
+    "  popcut plan sphere.json -o sheets             # sheets, and programs for your cutter\n"
     "  popcut cut sphere.json --direct               # cut now (simulated unless you add "
     "--device)\n"
     "  popcut cut sphere.json --wait                 # cut as a job of the service popcutd\n\n"
@@ -51,9 +51,9 @@ constexpr const char* kPurpose =
     "mm and angles in radians unless the name of an option says otherwise.";
 constexpr const char* kFooter =
     "Every command accepts --json, -q and -v, before or after its name.\n"
-    "Exit codes: 0 done; 1 a bug in popcut; 2 wrong command line; 3 malformed input or a value\n"
+    "Exit codes: 0 done; 1 a bug in popcut; 2 wrong command line; 3 unreadable input or a value\n"
     "out of range; 4 no valid pattern or layout; 5 device or service absent, refused or failed;\n"
-    "6 a check failed; 7 output not written.";
+    "6 a check failed; 7 the output could not be written.";
 
 /// Lists the commands, one line each, and wraps the text of options to the terminal.
 class ShortHelp : public CLI::Formatter {
@@ -130,6 +130,7 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& refused) {
     if (refused.get_exit_code() != 0) return report(usage_error(app, refused));
+    if (const auto no_help = help_error(app)) return report(*no_help);
     app.exit(refused);  // --help, --version
     return finish();
   }

@@ -222,7 +222,7 @@ Result<void> run_solve(const Options& options, const Globals& globals) {
 // 4. The command.
 
 constexpr const char* kHelp =
-    "Print the curvature of a pattern as it opens, or of the paper's five-unit assembly.\n\n"
+    "Print the curvature of a pattern as it opens, or of an assembly of five units.\n\n"
     "  popcut curvature sphere/pattern.fold --psi pi/2\n"
     "  popcut curvature sphere/pattern.fold --psi pi:pi/2:31 -o opening.csv\n"
     "  popcut curvature assembly --r 0.5:5:181 --lambda 0.2:3:141 -o maps.svg\n"
@@ -231,7 +231,8 @@ constexpr const char* kHelp =
     "connector is the strip that joins two slices; an inner fold vertex has all four neighbours.\n"
     "Columns: psi (the opening angle, rad), level i, connector j, x, v, z (mm), K (Gaussian\n"
     "curvature as angle defect, rad), K_area = K/A (1/mm^2, to compare with a smooth surface), H\n"
-    "(mean curvature, 1/mm, positive where convex), A (mm^2).";
+    "(mean curvature, 1/mm, positive where convex), A (area, mm^2).\n\n"
+    "'assembly' and 'solve' are about the five-unit assembly of the scientific paper.";
 constexpr const char* kAssemblyHelp =
     "Write maps of the curvatures K and H of the assembly over r and lambda.\n\n"
     "  popcut curvature assembly --r 0.5:5:181 --lambda 0.2:3:141 -o maps.svg\n\n"

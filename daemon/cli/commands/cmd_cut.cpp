@@ -318,16 +318,16 @@ constexpr const char* kHelp =
     "  popcut cut sphere.json --wait                       # queue a job; prints what to do next\n"
     "  popcut arm                                          # the sheet is loaded, it may be cut\n"
     "  popcut start                                        # cut it now\n\n"
-    "  popcut cut --test --device usb:51053P               # try the material on a small shape\n\n"
+    "  popcut cut --test --device usb:51053P               # first a small shape on scrap\n\n"
     "  popcut cut sphere.json --direct                     # without popcutd; asks before each "
     "sheet\n"
     "  popcut cut sphere.json --direct --yes -o cut        # simulated, without questions\n"
     "  popcut cut sphere.json --direct --device usb:51053P # on the cutter with this serial "
     "number\n\n"
     "--direct plans like 'popcut plan', then sends each sheet to the cutter. Ctrl-C stops at the\n"
-    "end of the current stroke, with the tool up and parked; p pauses and goes on. With -o DIR it\n"
-    "keeps for each sheet the program, its drawing, and what a simulated knife did\n"
-    "(sheet-NN.cut.svg, sheet-NN.trace.json).\n"
+    "end of the current stroke, with the tool up and parked. The key p pauses the cut; press it\n"
+    "again to go on. With -o DIR, popcut keeps for each sheet the program, its drawing, and what\n"
+    "a simulated knife did (sheet-NN.cut.svg, sheet-NN.trace.json).\n\n"
     "Devices:\n\n"
     "  sim:NAME, usb:ID, lp:/dev/usb/lp0\n"
     "  serial:/dev/ttyUSB0[,baud=9600][,flow=none|rtscts|xonxoff]\n"
@@ -362,7 +362,7 @@ void register_cut(CLI::App& app, const Globals& globals, Run& run) {
                1, 1000)
       ->option_text("N [1]");
   whole_number(command->add_option("--priority", options->priority,
-                                   "Priority in the queue; higher goes first"),
+                                   "Priority in popcutd's queue; higher goes first"),
                -10, 10)
       ->option_text("-10..10 [0]");
   command->add_option("--name", options->name, "Name of the job; default: the name of the input")

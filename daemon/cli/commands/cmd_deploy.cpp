@@ -159,13 +159,13 @@ constexpr const char* kHelp =
     "Write 3D models (STL) of a pattern as it opens.\n\n"
     "  popcut deploy sphere/pattern.fold -o poses --glb --poster\n"
     "  popcut deploy segments.csv --convention paper -o poses\n\n"
-    "FILE is a pattern.fold, or a table of panels in twelve columns from popcut or from the\n"
-    "paper's code. DIR gets one mesh for each pose: psi_001.stl, psi_002.stl and so on, binary, "
-    "in\n"
-    "mm, x away from the wall, v along the spine (the card's main fold), z up. The opening angle\n"
-    "(psi) is pi for the flat sheet, pi/2 for the designed shape and 0 for the closed card.\n"
-    "--convention paper reads and writes the axes of the paper (X = x, Z = 1 - y, v = z), from\n"
-    "psi = 0 to pi/2.";
+    "FILE is a pattern.fold, or a table of panels with twelve columns, as popcut or the code of\n"
+    "the scientific paper writes it. popcut writes one mesh (a 3D model) for each pose into DIR:\n"
+    "psi_001.stl, psi_002.stl and so on, binary STL in mm. x points away from the wall, v along\n"
+    "the spine (the card's main fold; y in a design), z up. The opening angle (psi) is pi for\n"
+    "the flat sheet, pi/2 for the designed shape and 0 for the closed card. --convention paper\n"
+    "reads and writes the axes of the scientific paper (X = x, Z = 1 - y, v = z), from psi = 0\n"
+    "to pi/2.";
 
 }  // namespace
 }  // namespace deploy_command
@@ -186,7 +186,7 @@ void register_deploy(CLI::App& app, const Globals& globals, Run& run) {
       ->option_text("NAME [paper-220]");
   command
       ->add_option("--convention", options->convention,
-                   "Axes of the CSV: popcut, or paper for files of the paper's code")
+                   "Axes of the CSV: popcut, or paper for files of the scientific paper's code")
       ->option_text("NAME [popcut]");
   command->add_flag("--glb", options->glb, "Also write deploy.glb: one animated 3D file (glTF)");
   command->add_flag("--poster", options->poster,

@@ -394,8 +394,8 @@ constexpr const char* kHelp =
     "Design a pop-up pattern for a shape.\n\n"
     "  popcut design --example sphere > sphere.json\n"
     "  popcut design sphere.json -o sphere\n\n"
-    "SPEC describes the shape: a formula, a height map or a mesh, and how finely to slice it. DIR\n"
-    "gets:\n\n"
+    "SPEC describes the shape (a formula, a table of heights or a 3D model) and how finely to\n"
+    "slice it. popcut writes into DIR:\n\n"
     "  pattern.svg         the pattern, to look at\n"
     "  cut.svg             the pattern, to cut: each dash of a fold is a path\n"
     "  pattern.fold        the flat sheet and its opened poses, for origami programs\n"
@@ -404,7 +404,10 @@ constexpr const char* kHelp =
     "  deploy.glb          an animation of the card as it opens\n"
     "  deploy/psi_NNN.stl  a 3D model of each pose\n"
     "  report.json         sizes, and the distance from your shape\n\n"
-    "A second run removes files of the first that it does not write; other files in DIR stay.";
+    "--formats also knows pdf (pattern.pdf, to print), cricut (cricut.svg, for Design Space),\n"
+    "picture (deployed.svg) and poster (poster.svg, several poses). manifest.json lists the\n"
+    "files of the last run; a new run removes those that it does not write, and keeps all other\n"
+    "files in DIR.";
 
 }  // namespace
 }  // namespace design_command
@@ -429,18 +432,18 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
           "Opening angles (psi) of the poses in pattern.fold, in radians or as 90deg; pi is flat, "
           "pi/2 the designed shape")
       ->option_text("LIST [pi,pi/2,1.1]");
-  one_word(
-      command->add_option(
-          "--fold-cuts", options->fold_cuts,
-          "Cuts in pattern.fold: split (two border edges, B) or C (one edge; flat sheet only)"),
-      {"split", "C"}, "split");
+  one_word(command->add_option("--fold-cuts", options->fold_cuts,
+                               "How pattern.fold stores a cut: split (as two border edges B) or C "
+                               "(as one edge C; only for "
+                               "the flat sheet)"),
+           {"split", "C"}, "split");
   add_motion_options(*command, options->motion);
   command->add_flag("--schema", options->schema, "Print the JSON Schema of a SPEC");
   one_word(
       command->add_option("--place", options->place,
-                          "Print SPEC with its mesh or height map moved into place, and design "
-                          "nothing: whole (all of it in the corner) or quarter (its middle on the "
-                          "main fold)"),
+                          "Do not design; print SPEC with its 3D model or table of heights moved "
+                          "into place: whole (all of it in the corner) or quarter (its middle on "
+                          "the spine, the main fold)"),
       {"whole", "quarter"});
   command->add_option("--example", options->example, "Print an example design")
       ->option_text("NAME");

@@ -43,7 +43,7 @@ Result<void> run_figures(const std::string& folder_name, const Globals& globals)
 }
 
 constexpr const char* kHelp =
-    "Draw the figures of the paper from popcut's own numbers.\n\n"
+    "Draw the figures of the scientific paper from popcut's own numbers.\n\n"
     "  popcut figures -o figures\n\n"
     "Fig. 1C and 1D (K and H of the five-unit assembly), 2C top (azimuthal error as printed and "
     "at\n"

@@ -211,7 +211,7 @@ Work named(Result<Json> (*work)(Api&, const Options&, const char*), const char* 
 }
 
 constexpr const char* kArmHelp =
-    "Confirm that the sheet is in the cutter and may be cut. Nothing moves yet.\n\n"
+    "Tell popcutd that the sheet is in the cutter and may be cut. Nothing moves yet.\n\n"
     "  popcut arm 01JDX7 2          # sheet 2 is loaded\n"
     "  popcut start 01JDX7          # cut it, within 10 minutes\n\n"
     "This allows one cut of this sheet on this blank (the paper you loaded). After 10 minutes, or\n"
@@ -221,13 +221,13 @@ constexpr const char* kStartHelp =
     "  popcut start 01JDX7\n"
     "  popcut start 01JDX7 --wait   # return when the sheet is cut";
 constexpr const char* kPauseHelp =
-    "Pause a cut after the current stroke, with the tool up; 'popcut resume' goes on.\n\n"
+    "Pause a cut after the current stroke, with the tool up; 'popcut resume' continues it.\n\n"
     "  popcut pause 01JDX7";
 constexpr const char* kResumeHelp =
     "Go on with a paused cut or an interrupted sheet.\n\n"
     "  popcut resume 01JDX7                 # after 'popcut pause'\n"
     "  popcut resume 01JDX7 --from 118      # after an interruption: cut from path 118 on\n\n"
-    "An interrupted sheet must be armed and started again. A new sheet ('popcut retry') is safer.";
+    "After --from, arm and start the sheet again. A new sheet ('popcut retry') is safer.";
 constexpr const char* kCancelHelp =
     "Cancel a job. A running cut stops after the current stroke, with the tool up.\n\n"
     "  popcut cancel 01JDX7 --reason 'wrong colour'";
@@ -263,10 +263,10 @@ constexpr const char* kMoveHelp =
 void add_resume(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = add(app, globals, run, {"resume", kResumeHelp, resume}, options);
-  whole_number(
-      command->add_option("--from", options->from,
-                          "First path to cut again; 'popcut jobs JOB' shows which are cut"),
-      0, kMostPath)
+  whole_number(command->add_option(
+                   "--from", options->from,
+                   "First path to cut, counted from 0; 'popcut jobs JOB' shows which are cut"),
+               0, kMostPath)
       ->option_text("PATH");
   one_word(
       command->add_option(
@@ -274,9 +274,9 @@ void add_resume(CLI::App& app, const Globals& globals, Run& run) {
           "kept: the sheet has not moved; re-registered: you loaded it again in the same place"),
       {"kept", "re-registered"}, "kept");
   command->add_flag("--accept-double-cut", options->double_cut,
-                    "Allow cutting paths that are certainly cut a second time");
+                    "Allow popcutd to cut paths again that are cut, or perhaps cut (in doubt)");
   command->add_flag("--skip-in-doubt", options->skip_in_doubt,
-                    "Do not cut paths in doubt (perhaps cut already) again");
+                    "Leave out paths in doubt (perhaps cut) that come before --from");
 }
 
 void add_change(CLI::App& app, const Globals& globals, Run& run) {

@@ -190,13 +190,15 @@ constexpr const char* kDevicesHelp =
 constexpr const char* kMachinesHelp =
     "List the machines popcut knows: name, language, largest area, USB id, mats.\n\n"
     "  popcut machines\n\n"
-    "Add your own in ~/.config/popcut/machines.json or /etc/popcut/machines.json:\n"
+    "Add your own machines in ~/.config/popcut/machines.json or /etc/popcut/machines.json (a\n"
+    "service reads only /etc):\n"
     "  {\"popcut\": 1, \"machines\": [{\"name\": \"mine\", \"like\": \"cameo3\", \"length_mm\": "
     "6000}]}";
 constexpr const char* kMaterialsHelp =
     "List the materials popcut knows: name, force, speed, passes, and the dashes of folds.\n\n"
     "  popcut materials\n\n"
-    "Add your own in ~/.config/popcut/materials.json or /etc/popcut/materials.json:\n"
+    "Force is in gf: the weight of that many grams. Add your own materials in\n"
+    "~/.config/popcut/materials.json or /etc/popcut/materials.json (a service reads only /etc):\n"
     "  {\"popcut\": 1, \"materials\": [{\"name\": \"kraft\", \"like\": \"paper-220\", "
     "\"autoblade_depth\": 6}]}";
 

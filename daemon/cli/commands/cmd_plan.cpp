@@ -127,7 +127,7 @@ constexpr const char* kHelp =
     "Plan the sheets of a design or drawing, and write the programs that cut them.\n\n"
     "  popcut plan sphere.json -o sheets --machine cameo3 --material paper-220\n\n"
     "Folds become dashes. Each line is cut once: folds first, the outline last. A drawing that is\n"
-    "too large for one sheet is split into pieces with tabs to glue. DIR gets:\n\n"
+    "too large for one sheet is split into pieces with tabs to glue. popcut writes into DIR:\n\n"
     "  sheet-NN.svg            what will be cut, in mm\n"
     "  sheet-NN.gpgl or .hpgl  the program for the cutter\n"
     "  plan-NN.svg             a picture of the order of the cuts, as colours\n"

@@ -150,12 +150,12 @@ Result<void> run_simulate(const Options& options, const Globals& globals) {
 constexpr const char* kHelp =
     "Run a cutter program on a simulated cutter, and compare what it cuts.\n\n"
     "  popcut simulate sheets/sheet-01.gpgl -o simulated --expect sheets/sheet-01.svg\n\n"
-    "DIR gets cut.svg (what the knife did: one colour for each force, moves with the tool up as\n"
-    "thin lines, what lies outside the cutter's area in grey) and trace.json (strokes, settings,\n"
-    "lengths in mm, seconds). --expect checks that each line is cut as often as planned, that "
-    "folds\n"
-    "are dashed, that nothing else is drawn, and that each point is within half a step of the\n"
-    "machine. Exit code 6 if a check fails.";
+    "popcut writes cut.svg (what the knife did) and trace.json (strokes, settings, lengths in\n"
+    "mm, seconds) into DIR. In cut.svg, each force has a colour, moves with the tool up are thin\n"
+    "lines, and what lies outside the cutter's area is grey.\n\n"
+    "--expect checks that each line is cut as often as planned, that folds are dashed, that\n"
+    "nothing else is drawn, and that each point is within half a step of the machine. Exit code\n"
+    "6 if a check fails.";
 
 }  // namespace
 }  // namespace simulate_command
@@ -174,7 +174,7 @@ void register_simulate(CLI::App& app, const Globals& globals, Run& run) {
   command->add_flag("--pty", options->pty,
                     "Act as a cutter on a pseudo terminal for other programs, until Ctrl-C");
   real_number(command->add_option("--speedup", options->speedup,
-                                  "With --pty: speed, as a multiple of the real cutter"),
+                                  "With --pty: run N times as fast as the real cutter"),
               1e-3, 1e6)
       ->option_text("N [1]");
   text("-o,--output", options->folder, "Folder for the files; created if it does not exist", "DIR");

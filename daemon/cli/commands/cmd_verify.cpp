@@ -112,12 +112,12 @@ constexpr const char* kHelp =
     "Check that a pattern can be cut, and that it opens and closes.\n\n"
     "  popcut verify sphere/pattern.fold\n"
     "  popcut verify sphere/pattern.fold --dof 1 --target sphere.json\n\n"
-    "PATTERN is a FOLD file or an SVG drawing, from popcut or any other program. The checks use\n"
-    "the file alone: it is one piece; the faces fill the sheet; no lines are doubled or cross; no\n"
-    "panel stretches and no hinge tears in any pose; the fold angles fit; it has one movement (or\n"
-    "--dof); no panel passes through another. If the file shows no opened pose, popcut opens it,\n"
-    "with rigid panels and the longest fold as drive.\n"
-    "Exit code 0 if all checks pass, 3 if the file cannot be read, 6 with the list of what fails.";
+    "PATTERN is a FOLD file or an SVG drawing, from popcut or any other program. popcut uses only\n"
+    "this file, and checks that the sheet is one piece, that the faces fill it, and that no lines\n"
+    "cross or lie on each other. In every pose no panel may stretch, no hinge may tear, and the\n"
+    "fold angles must fit. The card must move, and no panel may pass through another. If the file\n"
+    "has no opened pose, popcut opens the pattern: panels stay rigid, and the longest fold leads.\n"
+    "Exit code 0 if all checks pass, 3 if the file cannot be read, 6 if a check fails.";
 
 }  // namespace
 }  // namespace verify_command
@@ -127,11 +127,11 @@ void register_verify(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("verify", kHelp);
   command->add_option("PATTERN", options->pattern, "A FOLD file or an SVG drawing")->required();
-  whole_number(
-      command->add_option(
-          "--dof", options->degrees_of_freedom,
-          "Required number of independent movements (degrees of freedom); default: 1 or more"),
-      0, 1'000'000)
+  whole_number(command->add_option("--dof", options->degrees_of_freedom,
+                                   "Required number of independent movements (degrees of freedom): "
+                                   "1 if the card opens in one "
+                                   "movement; default: 1 or more"),
+               0, 1'000'000)
       ->option_text("N");
   command
       ->add_option("--target", options->target,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -42,16 +43,20 @@ std::vector<std::string> options_of(const CLI::App& app) {
   return names;
 }
 
+bool is_option(const std::string& word) { return word.size() > 1 && word[0] == '-'; }
+
+Error no_command(const std::string& word, const std::vector<std::string>& commands) {
+  return {ErrorKind::Usage, "command line",
+          "'" + word + "' is not a command; " + suggestion(word, commands)};
+}
+
 /// Of a word that is no option, no command and no argument.
 Error unknown_word(const CLI::App& app, const std::vector<std::string>& words) {
   const CLI::App& command = chosen_of(app);
   const std::string help = "; see '" + path_of(command) + " --help'";
-  const auto is_option = [](const std::string& word) { return word.size() > 1 && word[0] == '-'; };
   const auto option = std::find_if(words.begin(), words.end(), is_option);
   if (option == words.end() && !commands_of(command).empty())
-    return {ErrorKind::Usage, "command line",
-            "'" + words.front() + "' is not a command; " +
-                suggestion(words.front(), commands_of(command))};
+    return no_command(words.front(), commands_of(command));
   if (option == words.end())
     return {ErrorKind::Usage, "command line",
             "'" + words.back() + "' is one argument too many" + help};
@@ -86,13 +91,21 @@ Error wrong_value(const CLI::App& app, const std::string& what) {
 
 }  // namespace
 
+std::optional<Error> help_error(const CLI::App& app) {
+  const auto commands = commands_of(chosen_of(app));
+  const auto words = app.remaining(true);
+  const auto word = std::find_if_not(words.begin(), words.end(), is_option);
+  if (commands.empty() || word == words.end()) return std::nullopt;
+  return no_command(*word, commands);
+}
+
 Error usage_error(const CLI::App& app, const CLI::ParseError& refused) {
   if (const auto words = app.remaining(true); !words.empty()) return unknown_word(app, words);
   const CLI::App& command = chosen_of(app);
   const auto commands = commands_of(command);
-  const bool no_command =
+  const bool needs_command =
       refused.get_name() == "RequiredError" && !commands.empty() && command.get_parent() != nullptr;
-  if (no_command)
+  if (needs_command)
     return {ErrorKind::Usage, "command line",
             "'" + path_of(command) + "' needs a command; " + suggestion("", commands)};
   std::string what = refused.what();

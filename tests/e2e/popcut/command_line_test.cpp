@@ -160,6 +160,30 @@ TEST_CASE("a mistyped word gets the nearest valid one suggested", "[cli][e2e]") 
   }
 }
 
+TEST_CASE("the help of a command that does not exist is refused", "[cli][e2e]") {
+  using Words = std::vector<std::string>;
+  const std::vector<std::pair<Words, std::string>> wrong{
+      {{"layout", "--help"}, "'layout' is not a command; one of design, deploy,"},
+      {{"--help", "layout"}, "'layout' is not a command; one of design, deploy,"},
+      {{"desing", "-h"}, "'desing' is not a command; did you mean design?"},
+      {{"db", "bakup", "--help"}, "'bakup' is not a command; did you mean backup?"}};
+  for (const auto& [arguments, words] : wrong) {
+    CAPTURE(arguments);
+    const Ran ran = run(arguments);
+    CHECK(ran.exit == 2);
+    check_one_line(ran);
+    CHECK(ran.err.rfind("popcut: command line: " + words, 0) == 0);
+  }
+  for (const Words& arguments : {Words{"--help", "design"}, Words{"db", "backup", "--help"},
+                                 Words{"verify", "x", "y", "--help"}, Words{"--json", "-h"}}) {
+    CAPTURE(arguments);
+    const Ran ran = run(arguments);
+    CHECK(ran.exit == 0);
+    CHECK(ran.err.empty());
+    CHECK(ran.out.find("Usage: popcut") != std::string::npos);
+  }
+}
+
 TEST_CASE("a full standard output is reported", "[cli][e2e]") {
   for (const char* words : {"--help", "machines", "design --schema", "design --example sphere"}) {
     CAPTURE(words);
