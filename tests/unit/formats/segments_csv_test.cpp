@@ -87,7 +87,7 @@ TEST_CASE("report.json has the documented names and the computed values",
   DesignReport report;
   report.name = "ball";
   report.units_per_slice = {5};
-  report.slices = {{0, 20, 10, 0.125, 4}, {10, 30, 10, 0.25, 5}};
+  report.slices = {{{0.125, 4}, 0, 20, 10}, {{0.25, 5}, 10, 30, 10}};
   report.lattice = report.lattice_asked = "conformal";
   report.faces = 7;
   report.cut_length_mm = 1.0 / 3.0;
