@@ -270,7 +270,7 @@ TEST_CASE("a design that needs too much memory is refused and the next one is pl
 
 TEST_CASE("hostile designs hit a limit and never affect a running cut", "[daemon][planner]") {
   PlanningLimits limits;
-  limits.cpu_s = kSanitized ? 20 : 2;
+  limits.cpu_s = kSanitized ? 8 : 2;
   limits.wall_s = 240;
   limits.memory_bytes = std::uint64_t{600} << 20;
   limits.output_bytes = 64u << 20;
