@@ -257,8 +257,7 @@ constexpr const char* kChangeHelp =
     "  popcut change 01JDX7 --device usb:51053P\n"
     "  popcut change 01JDX7 --device ''         # any cutter that fits";
 constexpr const char* kMoveHelp =
-    "Move a job before another job of the same priority, or after all others of its\n"
-    "priority.\n\n"
+    "Move a job before another of the same priority, or after all of them.\n\n"
     "  popcut move 01JDX7 --before 01JDX2\n"
     "  popcut move 01JDX7";
 
