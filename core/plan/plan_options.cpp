@@ -244,8 +244,8 @@ std::vector<PlanOption> make_table() {
       flag("marks", MEMBER(marks),
            "The sheet is printed with registration marks; the cutter looks for them first"),
       word("mark-form", MEMBER(mark_form), {"arm", "line"},
-           "For cutters that miss the marks: what the command TB51 gives, arm (length of the "
-           "marks' arms; TB53 gives their thickness) or line (the reverse)"),
+           "If your cutter does not find the marks, try line. arm: the command TB51 gives the length "
+           "of the marks' arms, and TB53 their thickness; line: the reverse"),
       number("curve-tolerance", MEMBER(curve_tolerance_mm), "MM", {0.001, 1, "mm"},
            "Largest distance between a curve and the straight lines that replace it"),
       number("svg-dpi", MEMBER(svg_dpi), "N", {1, 10'000},

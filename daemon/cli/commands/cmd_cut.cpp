@@ -346,7 +346,9 @@ void register_cut(CLI::App& app, const Globals& globals, Run& run) {
                     "Cut a small shape to try the material: a square, a triangle and a fold");
   command->add_option("--device", options->device, "Where to cut; 'popcut devices' lists them")
       ->option_text("ID [sim:cameo3]");
-  command->add_option("--treat-as", options->treat_as, "Known model to treat an unknown cutter as")
+  command
+      ->add_option("--treat-as", options->treat_as,
+                   "Drive an unknown cutter as if it were this machine, such as cameo4")
       ->option_text("NAME");
   command
       ->add_option("--faults", options->faults,

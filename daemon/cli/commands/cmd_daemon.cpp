@@ -364,7 +364,7 @@ constexpr const char* kDbHelp =
     "Back up, check or repair the database of popcutd.\n\n"
     "  popcut db backup       # copy it to popcutd's backup folder; print the path\n"
     "  popcut db check        # read every page and index\n"
-    "  popcut db salvage      # if popcutd reports damage (exit code 78): stop popcutd, then copy\n"
+    "  popcut db salvage      # if popcutd reports damage (exit code 78) and does not run: copy\n"
     "                         # what is readable to a new database; the damaged one is kept";
 
 void add_db(CLI::App& app, const Globals& globals, Run& run) {

@@ -198,7 +198,9 @@ void register_doctor(CLI::App& app, const Globals& globals, Run& run) {
   CLI::App* const command = app.add_subcommand("doctor", kHelp);
   command->add_option("DEVICE", options->device,
                       "Examine only this device; 'popcut devices' lists them");
-  command->add_option("--treat-as", options->treat_as, "Known model to treat an unknown cutter as")
+  command
+      ->add_option("--treat-as", options->treat_as,
+                   "Drive an unknown cutter as if it were this machine, such as cameo4")
       ->option_text("NAME");
   command->add_flag("--udev-rule", options->rule, "Print popcut's udev rule and do nothing else");
   when_chosen(command, run, [options, &globals] { return run_doctor(*options, globals); });

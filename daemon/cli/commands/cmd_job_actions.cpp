@@ -121,7 +121,7 @@ Result<Json> in_queue(Api& api, const Options& options, const char* action) {
     if (client::text_of(*before, "id") == client::text_of(*job, "id"))
       return fail(ErrorKind::Usage, "--before",
                   fmt::format("{} is the job to move; name another job, or leave --before out to "
-                              "move it to the end",
+                              "move it after all others of its priority",
                               options.before));
     body["before"] = client::text_of(*before, "id");
   }
@@ -188,9 +188,10 @@ CLI::App* add(CLI::App& app, const Globals& globals, Run& run, const Words& word
   CLI::App* const command = app.add_subcommand(words.name, words.help);
   command
       ->add_option("JOB", options->job,
-                   words.job_needed ? "Id of the job, or its first letters"
-                                    : "Id of the job, or its first letters; default: the only job "
-                                      "for which this is possible now")
+                   words.job_needed
+                       ? "Id of the job, or its first letters"
+                       : "Id of the job, or its first letters; you can leave it out if "
+                         "this is possible for only one job now")
       ->required(words.job_needed);
   command->callback([options, &globals, &run, words] {
     run = [options, &globals, words] {
@@ -256,7 +257,7 @@ constexpr const char* kChangeHelp =
     "  popcut change 01JDX7 --device usb:51053P\n"
     "  popcut change 01JDX7 --device ''         # any cutter that fits";
 constexpr const char* kMoveHelp =
-    "Move a job before another job of the same priority, or to the end.\n\n"
+    "Move a job before another of the same priority, or after all of them.\n\n"
     "  popcut move 01JDX7 --before 01JDX2\n"
     "  popcut move 01JDX7";
 
@@ -273,10 +274,14 @@ void add_resume(CLI::App& app, const Globals& globals, Run& run) {
           "--registration", options->registration,
           "kept: the sheet has not moved; re-registered: you loaded it again in the same place"),
       {"kept", "re-registered"}, "kept");
-  command->add_flag("--accept-double-cut", options->double_cut,
-                    "Allow popcutd to cut paths again that are cut, or perhaps cut (in doubt)");
-  command->add_flag("--skip-in-doubt", options->skip_in_doubt,
-                    "Leave out paths in doubt (perhaps cut) that come before --from");
+  command->add_flag(
+      "--accept-double-cut", options->double_cut,
+      "Allow popcutd to cut a path a second time if it is cut already, or perhaps cut "
+      "(in doubt)");
+  command->add_flag(
+      "--skip-in-doubt", options->skip_in_doubt,
+      "Accept that paths in doubt (perhaps cut) come before --from; popcutd does not cut "
+      "them");
 }
 
 void add_change(CLI::App& app, const Globals& globals, Run& run) {
@@ -342,7 +347,9 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
   options = fresh();
   command = add(app, globals, run, {"move", kMoveHelp, named(in_queue, "move"), true, move_line},
                 options);
-  command->add_option("--before", options->before, "Move it before this job; default: to the end")
+  command
+      ->add_option("--before", options->before,
+                   "Move it before this job; default: after all others of its priority")
       ->option_text("JOB");
 }
 

@@ -183,7 +183,8 @@ constexpr const char* kDevicesHelp =
     "List the cutters you can use, and what each is doing.\n\n"
     "  popcut devices\n"
     "  popcut devices disable usb:51053P   # popcutd gives it no more sheets, until you enable it\n"
-    "  popcut devices reset usb:51053P     # after a fault: open it again; nothing is cut\n"
+    "  popcut devices reset usb:51053P     # after a fault: connect to it again; this cuts "
+    "nothing\n"
     "  popcut cut --test --device usb:51053P\n\n"
     "The list has the cutters of popcutd if it runs, what is plugged in here, and a simulated\n"
     "cutter for each machine. 'popcut doctor' explains why one cannot be used.";
@@ -214,7 +215,7 @@ void add_devices(CLI::App& app, const Globals& globals, Run& run) {
   for (const Action action :
        {Action{"enable", "Let popcutd use this cutter again"},
         Action{"disable", "Give this cutter no more sheets"},
-        Action{"reset", "Open this cutter again after a fault; nothing is cut"}}) {
+        Action{"reset", "Connect to this cutter again after a fault; this cuts nothing"}}) {
     auto id = std::make_shared<std::string>();
     CLI::App* const one = command->add_subcommand(action.name, action.help);
     one->add_option("DEVICE", *id, "A device that 'popcut devices' lists")->required();

@@ -154,8 +154,8 @@ constexpr const char* kHelp =
     "mm, seconds) into DIR. In cut.svg, each force has a colour, moves with the tool up are thin\n"
     "lines, and what lies outside the cutter's area is grey.\n\n"
     "--expect checks that each line is cut as often as planned, that folds are dashed, that\n"
-    "nothing else is drawn, and that each point is within half a step of the machine. Exit code\n"
-    "6 if a check fails.";
+    "nothing else is drawn, and that each point is at most half a machine step from its place in\n"
+    "the plan (0.05 mm more if popcut turns the blade). Exit code 6 if a check fails.";
 
 }  // namespace
 }  // namespace simulate_command

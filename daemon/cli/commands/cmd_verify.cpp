@@ -115,8 +115,9 @@ constexpr const char* kHelp =
     "PATTERN is a FOLD file or an SVG drawing, from popcut or any other program. popcut uses only\n"
     "this file, and checks that the sheet is one piece, that the faces fill it, and that no lines\n"
     "cross or lie on each other. In every pose no panel may stretch, no hinge may tear, and the\n"
-    "fold angles must fit. The card must move, and no panel may pass through another. If the file\n"
-    "has no opened pose, popcut opens the pattern: panels stay rigid, and the longest fold leads.\n"
+    "fold angles must agree with the pose. The card must move, and no panel may pass through\n"
+    "another. If the file has no opened pose, popcut opens the pattern: panels stay rigid, popcut\n"
+    "turns the longest fold, and the other folds follow.\n"
     "Exit code 0 if all checks pass, 3 if the file cannot be read, 6 if a check fails.";
 
 }  // namespace

@@ -53,8 +53,10 @@ Result<double> opening_angle(const char* option, const std::string& text) {
 }  // namespace
 
 void add_motion_options(CLI::App& command, MotionOptions& options) {
-  whole_number(command.add_option("--frames", options.frames, "Number of poses, 1 to 10000"), 1,
-               10'000)
+  whole_number(command.add_option(
+                   "--frames", options.frames,
+                   "Number of STL files (poses), 1 to 10000; other files have their own number"),
+               1, 10'000)
       ->option_text("N [60]");
   options.from_option =
       command
