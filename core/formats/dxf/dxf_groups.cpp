@@ -17,7 +17,8 @@ constexpr int kLeastCode = -5, kMostCode = 1071;  // AutoCAD's DXF reference, gr
 
 template <typename Number>
 bool read_value(std::string_view text, Number& value) {
-  return text.substr(0, 2) != "+-" && read_number(text, value);
+  const bool two_signs = text.size() > 1 && text[0] == '+' && text[1] == '-';
+  return !two_signs && read_number(text, value);
 }
 
 }  // namespace

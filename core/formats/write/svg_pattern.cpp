@@ -34,7 +34,12 @@ constexpr std::array<SvgLayer, 4> kSvgLayers{{
 Box page_of(const Pattern& pattern) {
   if (pattern.card || pattern.lines.empty())
     return {0, 0, pattern.width_mm, pattern.wall_mm + pattern.ground_mm};
-  return bounds(linework_from_pattern(pattern));
+  Box page;
+  for (const SheetLine& line : pattern.lines) {
+    page.add({line.v0, line.u0});
+    page.add({line.v1, line.u1});
+  }
+  return page;
 }
 
 void put_head(TextSink& text, const Pattern& pattern, std::string_view attribute) {
