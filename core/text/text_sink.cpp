@@ -37,6 +37,12 @@ void append_rounded(std::string& text, double number) {
   text.append(digits, write_rounded(digits, number));
 }
 
+void TextSink::put_past_block(std::string_view text) {
+  flush();
+  if (text.size() <= block_.size()) return put(text);
+  out_.write(text.data(), static_cast<std::streamsize>(text.size()));
+}
+
 void TextSink::put_rounded(double number) {
   if (block_.size() - used_ < kLongestNumber) flush();
   char* const first = block_.data() + used_;

@@ -26,11 +26,7 @@ class TextSink {
   ~TextSink() { flush(); }
 
   void put(std::string_view text) {
-    if (text.size() > block_.size() - used_) flush();
-    if (text.size() > block_.size()) {
-      out_.write(text.data(), static_cast<std::streamsize>(text.size()));
-      return;
-    }
+    if (text.size() > block_.size() - used_) return put_past_block(text);
     text.copy(block_.data() + used_, text.size());
     used_ += text.size();
   }
@@ -52,6 +48,7 @@ class TextSink {
   }
 
  private:
+  void put_past_block(std::string_view text);
   template <typename Number>
   void put_number(Number number) {
     if (block_.size() - used_ < kLongestNumber) flush();
