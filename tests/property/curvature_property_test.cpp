@@ -7,9 +7,9 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
+#include "core/curvature/assembly.hpp"
 #include "core/curvature/star.hpp"
 #include "core/curvature/vertex_curvature.hpp"
-#include "core/curvature/assembly.hpp"
 
 namespace curvature_property_test {
 

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "core/text/words.hpp"
 #include "core/text/near_names.hpp"
+#include "core/text/words.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/json_body.hpp"
 
