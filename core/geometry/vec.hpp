@@ -6,6 +6,10 @@
 
 #include <Eigen/Geometry>
 
+#ifndef EIGEN_INITIALIZE_MATRICES_BY_ZERO
+#error "link popcut_core_geometry, so that a fresh Vec2 is zero in all of the program"
+#endif
+
 namespace popcut {
 
 /// A point or direction in the plane, mm. Unlike Eigen's default, `Vec2 p;` is zero: core/geometry
