@@ -174,7 +174,7 @@ RigidSolver::Sparse RigidSolver::jacobian(const RigidState& state,
                                           std::span<const AngleGoal> goals) const {
   std::vector<Eigen::Triplet<double>> entries;
   int row = 0;
-  // The columns_ of a panel: its angular velocity times its size, then the velocity of its middle.
+  // The columns of a panel: its angular velocity times its size, then the velocity of its middle.
   const auto put_cross = [&](int r, int c, double scale, Vec3 v) {  // scale * (w x v)
     entries.emplace_back(r, c + 1, scale * v.z()), entries.emplace_back(r, c + 2, -scale * v.y());
     entries.emplace_back(r + 1, c, -scale * v.z()),
