@@ -22,7 +22,6 @@ namespace {
 Machine cameo3() { return *find_machine("cameo3"); }
 Material paper() { return *find_material("paper-220"); }
 
-// A pop-up of one box, as a hand would draw it: outline, two slits, three folds.
 /// Seconds for one stroke with the tool down.
 double path_seconds(const std::vector<PagePoint>& path, double speed_mm_s, const Motion& motion) {
   Stroke stroke{.operation = Operation::Cut,
@@ -31,6 +30,7 @@ double path_seconds(const std::vector<PagePoint>& path, double speed_mm_s, const
   return strokes_seconds({path, {stroke}}, motion) - motion.drop_s - motion.lift_s;
 }
 
+// A pop-up of one box, as a hand would draw it: outline, two slits, three folds.
 LineWork card() {
   LineWork work;
   work.name = "card";
