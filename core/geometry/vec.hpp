@@ -12,8 +12,8 @@
 
 namespace popcut {
 
-/// A point or direction in the plane, mm. Unlike Eigen's default, `Vec2 p;` is zero: core/geometry
-/// sets EIGEN_INITIALIZE_MATRICES_BY_ZERO for all of popcut.
+/// A point or direction in the plane, mm. Unlike Eigen's default, `Vec2 p;` is zero: the build sets
+/// EIGEN_INITIALIZE_MATRICES_BY_ZERO for all of popcut.
 ///
 /// `auto` on an expression (`const auto c = a - b;`) keeps references to its operands: name the
 /// type. `PagePoint` (core/geometry/page_point.hpp) is the plain value of drawings and pages.

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "core/geometry/angle.hpp"
 #include "core/machines/table.hpp"
 #include "core/text/field_reader.hpp"
 #include "core/text/words.hpp"

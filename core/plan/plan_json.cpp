@@ -121,7 +121,8 @@ std::string lines(const std::vector<Entry>& entries, Put&& put) {
     text += text.size() > 1 ? ",\n        " : "\n        ";
     put(text, entry);
   }
-  return text + (entries.empty() ? "]" : "\n      ]");
+  text += entries.empty() ? "]" : "\n      ]";
+  return text;
 }
 std::string lines(const std::vector<Json>& entries) {
   return lines(entries, [](std::string& text, const Json& entry) { text += entry.dump(); });

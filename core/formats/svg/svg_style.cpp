@@ -53,7 +53,8 @@ std::string svg_where(const SvgText& text, const pugi::xml_node& node) {
 
 SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
   using P = Property;
-  constexpr std::array<std::pair<std::string_view, P>, 32> kNames{
+  // Static: it is asked for each attribute, and a table on the stack would be filled each time.
+  static constexpr std::array<std::pair<std::string_view, P>, 32> kNames{
       // in alphabetical order
       {{"clip-path", P::ClipPath},
        {"color", P::Colour},
@@ -87,9 +88,15 @@ SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
        {"width", P::Geometry},
        {"x", P::Geometry},
        {"y", P::Geometry}}};
-  const auto found = std::lower_bound(kNames.begin(), kNames.end(), name,
-                                      [](const auto& row, const auto& n) { return row.first < n; });
-  return found != kNames.end() && found->first == name ? found->second : P::None;
+  static_assert(std::is_sorted(kNames.begin(), kNames.end(),
+                               [](const auto& a, const auto& b) { return a.first < b.first; }));
+  if (name.empty()) return P::None;
+  const char first = name.front();
+  const auto before = [](const auto& row, char letter) { return row.first.front() < letter; };
+  auto row = std::lower_bound(kNames.begin(), kNames.end(), first, before);
+  for (; row != kNames.end() && row->first.front() == first; ++row)
+    if (row->first == name) return row->second;
+  return P::None;
 }
 
 bool SvgStyleReader::set_paint(SvgPaint& paint, std::string_view value) {

@@ -60,7 +60,7 @@ struct DrawnStrokes {
 [[nodiscard]] DrawnStrokes make_strokes(const Dashed& dashed, const std::vector<Visit>& visits,
                                         StrokeSettings& settings);
 
-/// What the knife adds to strokes; see `overcut.hpp` and `blade.hpp`.
+/// What the knife adds to strokes; see `blade.hpp`.
 struct KnifeWork {
   double overcut_mm{};
   int rounds{1};             ///< rounds of a closed cut in one stroke

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/machines/machine.hpp"
+#include "core/text/near_names.hpp"
 
 namespace tables_test {
 
@@ -88,6 +89,15 @@ TEST_CASE("a wrong name or field is answered with the nearest right one", "[core
   CHECK(field.error().kind == ErrorKind::Malformed);
   CHECK(field.error().place == "table 1: /machines/0/widht_mm");
   CHECK(field.error().detail.find("did you mean width_mm?") != std::string::npos);
+}
+
+TEST_CASE("two letters that swapped places are one slip", "[core][plan][tables]") {
+  const std::vector<std::string> names{"cut", "plan", "best"};
+  CHECK(nearest_word("ctu", names) == "cut");
+  CHECK(nearest_word("paln", names) == "plan");
+  CHECK(nearest_word("bset", names) == "best");
+  CHECK(nearest_word("tuc", names).empty());
+  CHECK(nearest_word("fast", names).empty());
 }
 
 TEST_CASE("an invalid user's table is refused with its place", "[core][plan][tables]") {
