@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>  // toml++ uses it without including it
+
 // toml++ 3.3 asserts (or, with NDEBUG, assumes) that a key begins where a stray byte can stand; the
 // code behind the assertion tells it as the error it is.
 #pragma push_macro("NDEBUG")

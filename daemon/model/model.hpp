@@ -130,8 +130,8 @@ struct PlanRecord {
 };
 
 struct Attention {
-  std::string kind;  ///< load_sheet, confirm_result, device_absent, device_fault, media_out,
-                     ///< in_doubt, disk_low
+  std::string kind;  ///< load_sheet, confirm_result, device_absent, device_fault, device_busy,
+                     ///< media_out, in_doubt
   int sheet{}, total{};
   std::string text;
   TimeMs since{};

@@ -12,7 +12,6 @@
 #include "core/drawing/linework.hpp"
 #include "core/formats/svg/svg_reader.hpp"
 #include "core/result.hpp"
-#include "daemon/planning/plan_input.hpp"
 
 namespace popcut::planning {
 

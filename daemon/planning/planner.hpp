@@ -10,7 +10,6 @@
 
 #include "core/result.hpp"
 #include "daemon/model/model.hpp"
-#include "daemon/planning/planner.hpp"
 
 namespace popcut::daemon {
 

@@ -130,7 +130,8 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& refused) {
     if (refused.get_exit_code() != 0) return report(usage_error(app, refused));
-    if (const auto no_help = help_error(app)) return report(*no_help);
+    if (refused.get_name() == "CallForHelp")
+      if (const auto no_help = help_error(app)) return report(*no_help);
     app.exit(refused);  // --help, --version
     return finish();
   }

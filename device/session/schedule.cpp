@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "device/session/schedule.hpp"
 
+#include "device/port/transport.hpp"
 #include "device/sim/sim_cutter.hpp"
 
 namespace popcut {

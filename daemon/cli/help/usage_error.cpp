@@ -94,9 +94,9 @@ Error wrong_value(const CLI::App& app, const std::string& what) {
 std::optional<Error> help_error(const CLI::App& app) {
   const auto commands = commands_of(chosen_of(app));
   const auto words = app.remaining(true);
-  const auto word = std::find_if_not(words.begin(), words.end(), is_option);
-  if (commands.empty() || word == words.end()) return std::nullopt;
-  return no_command(*word, commands);
+  // After an option that does not exist a word may be its value.
+  if (commands.empty() || words.empty() || is_option(words.front())) return std::nullopt;
+  return no_command(words.front(), commands);
 }
 
 Error usage_error(const CLI::App& app, const CLI::ParseError& refused) {

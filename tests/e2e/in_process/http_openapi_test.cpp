@@ -4,6 +4,7 @@
 #include <atomic>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -13,6 +14,8 @@
 #include "daemon/http/api/openapi.hpp"
 #include "daemon/http/api/routes.hpp"
 #include "tests/support/json_schema.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/process.hpp"
 #include "tests/support/raw_http.hpp"
 
 namespace http_openapi_test {
@@ -20,6 +23,8 @@ namespace http_openapi_test {
 using namespace popcut::daemon;
 using nlohmann::json;
 using popcut::JsonSchema;
+using popcut::testing::source_file;
+using popcut::testing::text_of_file;
 
 namespace {
 
@@ -395,6 +400,20 @@ TEST_CASE("the served description is the one in the repository", "[daemon][http]
   CHECK(served.body == http::openapi_json());
   const json meta = json::parse(server.fetch("GET", "/v1/meta", "viewer").body);
   CHECK(served.headers.at("etag") == "\"" + meta.at("schema_sha256").get<std::string>() + "\"");
+}
+
+TEST_CASE("the kinds of attention are those that docs/api.md explains", "[daemon][http][openapi]") {
+  const std::string page = text_of_file(source_file("docs/api.md"));
+  const std::size_t begin = page.find("`attention` says what a person must do");
+  REQUIRE(begin != std::string::npos);
+  std::set<std::string> explained;
+  std::istringstream lines(page.substr(begin, page.find("\n## ", begin) - begin));
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("| `") && !line.starts_with("| `kind`"))
+      explained.insert(line.substr(3, line.find('`', 3) - 3));
+  const json& kinds =
+      document().at("/components/schemas/Attention/properties/kind/enum"_json_pointer);
+  CHECK(explained == kinds.get<std::set<std::string>>());
 }
 
 TEST_CASE("the description has each option of a plan with its type and its limits",

@@ -175,13 +175,18 @@ TEST_CASE("the help of a command that does not exist is refused", "[cli][e2e]") 
     CHECK(ran.err.rfind("popcut: command line: " + words, 0) == 0);
   }
   for (const Words& arguments : {Words{"--help", "design"}, Words{"db", "backup", "--help"},
-                                 Words{"verify", "x", "y", "--help"}, Words{"--json", "-h"}}) {
+                                 Words{"verify", "x", "y", "--help"}, Words{"--json", "-h"},
+                                 Words{"--machine", "x", "--help"}}) {
     CAPTURE(arguments);
     const Ran ran = run(arguments);
     CHECK(ran.exit == 0);
     CHECK(ran.err.empty());
     CHECK(ran.out.find("Usage: popcut") != std::string::npos);
   }
+  const Ran version = run({"--version", "layout"});
+  CHECK(version.exit == 0);
+  CHECK(version.err.empty());
+  CHECK(version.out.rfind("popcut ", 0) == 0);
 }
 
 TEST_CASE("a full standard output is reported", "[cli][e2e]") {

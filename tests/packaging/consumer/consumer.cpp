@@ -10,6 +10,10 @@
 #include <core/plan/plan.hpp>
 #include <device/port/device_id.hpp>
 
+#ifndef EIGEN_INITIALIZE_MATRICES_BY_ZERO
+#error "Vec2 p; is zero in the libraries, and must be zero here"
+#endif
+
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
   std::ifstream file(argv[1]);
