@@ -60,9 +60,10 @@ constexpr std::string_view take_word(std::string_view& rest, std::string_view se
                     [](char x, char y) { return lower(x) == lower(y); });
 }
 
-/// Reads all of `text` as one number; a plus before it does no harm.
+/// Reads all of `text` as one number; a plus before it does no harm, a second sign does.
 template <typename Number>
 [[nodiscard]] bool read_number(std::string_view text, Number& value) {
+  if (text.starts_with("+-")) return false;
   if (text.starts_with('+')) text.remove_prefix(1);
   const char* const end = text.data() + text.size();
   const auto [stop, fault] = std::from_chars(text.data(), end, value);

@@ -15,12 +15,6 @@ namespace {
 constexpr int kComment = 999;
 constexpr int kLeastCode = -5, kMostCode = 1071;  // AutoCAD's DXF reference, group code ranges
 
-template <typename Number>
-bool read_value(std::string_view text, Number& value) {
-  const bool two_signs = text.size() > 1 && text[0] == '+' && text[1] == '-';
-  return !two_signs && read_number(text, value);
-}
-
 }  // namespace
 
 std::string dxf_line(std::size_t line) { return fmt::format("line {}", line); }
@@ -51,7 +45,7 @@ bool DxfCursor::next() {
   do {
     std::string_view code;
     if (!line(code)) return false;
-    if (!read_value(code, group_.code) || group_.code < kLeastCode || group_.code > kMostCode) {
+    if (!read_number(code, group_.code) || group_.code < kLeastCode || group_.code > kMostCode) {
       if (code.empty() && text_.find_first_not_of(" \t\r\n\x1a", at_) == std::string_view::npos)
         return false;  // only blank lines follow
       return refuse(line_,
@@ -67,7 +61,7 @@ bool DxfCursor::next() {
 }
 
 bool DxfCursor::real(double& value) {
-  if (read_value(group_.value, value) && std::isfinite(value)) return true;
+  if (read_number(group_.value, value) && std::isfinite(value)) return true;
   return refuse(group_.line,
                 fmt::format("\"{}\" is not a number (group code {}); write a finite number with a "
                             "decimal point",
@@ -75,9 +69,9 @@ bool DxfCursor::real(double& value) {
 }
 
 bool DxfCursor::integer(int& value) {
-  if (read_value(group_.value, value)) return true;
+  if (read_number(group_.value, value)) return true;
   double wide = 0.0;  // some programs write 1.0, or a flag word of 64 bits
-  if (read_value(group_.value, wide) && std::abs(wide) < 1e18) {
+  if (read_number(group_.value, wide) && std::abs(wide) < 1e18) {
     value = std::abs(wide) < 2e9 ? static_cast<int>(wide) : 0;
     return true;
   }

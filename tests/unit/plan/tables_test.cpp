@@ -6,6 +6,7 @@
 
 #include "core/machines/machine.hpp"
 #include "core/text/near_names.hpp"
+#include "core/text/words.hpp"
 
 namespace tables_test {
 
@@ -98,6 +99,16 @@ TEST_CASE("two letters that swapped places are one slip", "[core][plan][tables]"
   CHECK(nearest_word("bset", names) == "best");
   CHECK(nearest_word("tuc", names).empty());
   CHECK(nearest_word("fast", names).empty());
+}
+
+TEST_CASE("a number has one sign at most", "[core][plan][tables]") {
+  double value = 0.0;
+  CHECK((read_number("+5", value) && value == 5.0));
+  CHECK((read_number("-5", value) && value == -5.0));
+  for (const char* const text : {"+-5", "++5", "-+5", "--5", "+", "-", "", " 5", "5 "}) {
+    CAPTURE(text);
+    CHECK_FALSE(read_number(text, value));
+  }
 }
 
 TEST_CASE("an invalid user's table is refused with its place", "[core][plan][tables]") {
