@@ -90,9 +90,10 @@ bool mark_loose(RunLayout& layout, const Strips& strips, const BuiltPattern& bui
     int left = -1;  // slice strips so far in this run
     for (std::size_t s = 0; s < strips.size(); ++s) {
       const StripKind kind = strips.kind[s];
-      if (kind != StripKind::Slice && kind != StripKind::Connector) continue;
-      if (kind == StripKind::Slice && ++left == layout.runs[r].count) ++r, left = 0;
-      if ((kind == StripKind::Connector) != connectors) continue;
+      const bool is_slice = kind == StripKind::Slice || kind == StripKind::Box;
+      if (!is_slice && kind != StripKind::Connector) continue;
+      if (is_slice && ++left == layout.runs[r].count) ++r, left = 0;
+      if (kind == StripKind::Box || (kind == StripKind::Connector) != connectors) continue;
       Run& run = layout.runs[r];
       std::vector<std::uint8_t>& marks = connectors ? run.loose_levels : run.loose_planes;
       marks.resize(run.planes.value.size());

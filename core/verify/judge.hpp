@@ -38,6 +38,8 @@ struct Subject {
   std::optional<Opening> opening;       ///< set if the file had no opened pose
   std::optional<std::size_t> count_in;  ///< the pose in which to count degrees of freedom
   Mobility mobility;                    ///< in that pose
+  bool has_one_freedom{};               ///< proven without a rank (`is_driven_by_one_fold`)
+  bool quick{};                         ///< `VerifyOptions::quick`
 };
 
 /// "WHAT near" a place on the sheet, in the coordinates of the file's author.

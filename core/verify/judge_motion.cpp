@@ -143,7 +143,8 @@ VerifyCheck judge_freedoms(const Subject& subject, const VerifyOptions& options,
   VerifyCheck check = named("degrees_of_freedom");
   if (!subject.count_in) {
     check.ran = false;
-    check.detail = "not counted: all poses are flat or shut";
+    check.detail = subject.quick ? "not counted: no number is required"
+                                 : "not counted: all poses are flat or shut";
     return check;
   }
   const std::size_t pose = *subject.count_in;
@@ -160,6 +161,9 @@ VerifyCheck judge_freedoms(const Subject& subject, const VerifyOptions& options,
       "{}{} degree{} of freedom; {} hinges; singular values {:.2g} | {:.2g}, gap {:.1g}",
       m.counted ? "" : "at least ", m.degrees_of_freedom, m.degrees_of_freedom == 1 ? "" : "s",
       m.hinges, m.largest_zero, m.smallest_nonzero, m.gap);
+  if (subject.has_one_freedom)
+    check.detail =
+        fmt::format("1 degree of freedom; {} folds; one fold drives all others", m.hinges);
   const std::string& place = subject.file.poses[pose].place;
   if (!m.clear)
     check.fail(
@@ -207,7 +211,8 @@ VerifyCheck judge_crossing(const Subject& subject, VerifyReport& report) {
   if (looked_at == 0) check.not_judged("no opened pose keeps the lengths of the sheet");
   if (!check.ran) return check;
   std::string swept;
-  if (!affine && check.ok() && subject.count_in && subject.mobility.degrees_of_freedom == 1)
+  if (!affine && !subject.quick && check.ok() && subject.count_in &&
+      subject.mobility.degrees_of_freedom == 1)
     swept = judge_sweep(subject, slack, check, report);
   report.crossing_method = affine ? "exact" : "sampled";
   check.detail =

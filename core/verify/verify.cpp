@@ -8,7 +8,9 @@
 
 #include "core/geometry/angle.hpp"
 #include "core/verify/judge.hpp"
+#include "core/verify/motion/crossing.hpp"
 #include "core/verify/motion/opening.hpp"
+#include "core/verify/motion/propagation.hpp"
 #include "core/verify/sheet/fold_model.hpp"
 #include "core/verify/sheet/planar.hpp"
 #include "core/verify/sheet/sheet.hpp"
@@ -63,6 +65,22 @@ void open(Subject& subject) {
                                0.5 * subject.limits.isometry_mm);
   for (Pose& pose : subject.opening->poses) subject.file.poses.push_back(std::move(pose));
   measure_poses(subject);
+}
+
+/// What is quicker than the rank: a proof of one freedom, or no count where none is demanded.
+void prove_freedom(Subject& subject, const VerifyOptions& options) {
+  if (!options.degrees_of_freedom) {
+    subject.count_in.reset();
+    return;
+  }
+  const auto axis = common_fold_direction(subject.file, subject.sheet, subject.limits.slack_mm);
+  subject.has_one_freedom =
+      axis && is_driven_by_one_fold(subject.file, subject.sheet, subject.motions[*subject.count_in],
+                                    *axis, subject.limits.slack_mm);
+  if (!subject.has_one_freedom) return;
+  subject.mobility.degrees_of_freedom = 1;
+  subject.mobility.hinges = subject.sheet.hinges.size();
+  subject.mobility.clear = true;
 }
 
 /// Replaces places in a drawing, whose author knows no numbers of edges and faces, by coordinates.
@@ -129,7 +147,9 @@ Result<VerifyReport> verify_fold(std::string_view text, const VerifyOptions& opt
   measure_poses(subject);
   if (!pose_to_count_in(subject)) open(subject);
   subject.count_in = pose_to_count_in(subject);
-  if (subject.count_in) {
+  subject.quick = options.quick;
+  if (options.quick && subject.count_in) prove_freedom(subject, options);
+  if (subject.count_in && !subject.has_one_freedom) {
     const PoseMotion& motion = subject.motions[*subject.count_in];
     subject.mobility =
         mobility(subject.file, subject.sheet, motion, motion.isometry_mm + motion.hinge_gap_mm);
@@ -144,7 +164,7 @@ Result<VerifyReport> verify_fold(std::string_view text, const VerifyOptions& opt
   add(judge_freedoms(subject, options, report));
   add(judge_crossing(subject, report));
   if (target) add(check_target(subject, *target, report));
-  if (subject.file.drawn) name_places(subject, report);
+  if (subject.file.drawn || options.name_coordinates) name_places(subject, report);
   return report;
 }
 

@@ -20,6 +20,12 @@ struct VerifyOptions {
   /// For a drawing without faces on a page (x = v, y = u): reports places as x and y.
   bool page{false};
   std::string target_file{};  ///< content of the file that the spec names (`target_file_of`)
+  /// O(faces log faces) for rectangular units: their one freedom is proven by propagation where
+  /// that decides, freedoms are counted only where a number is demanded, and the motion of other
+  /// sheets is looked at in the poses of the file alone.
+  bool quick{false};
+  /// Names places by their coordinates on the sheet, for a pattern that has no file.
+  bool name_coordinates{false};
 };
 
 /// What a pattern is and whether it is sound. Figures that could not be measured stay zero; their

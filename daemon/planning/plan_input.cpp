@@ -14,6 +14,7 @@
 #include "core/layout/layout.hpp"
 #include "core/plan/plan.hpp"
 #include "core/text/json_text.hpp"
+#include "daemon/planning/sound_design.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -23,7 +24,7 @@ Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sourc
   if (!spec) return tl::unexpected(spec.error());
   const auto assets = sources.assets(*spec);
   if (!assets) return tl::unexpected(assets.error());
-  auto made = design_assembly(*spec, *assets);
+  auto made = sound_design(*spec, *assets);
   if (!made) return tl::unexpected(made.error());
   if (sources.designed)
     if (const auto kept = sources.designed(*spec, *made); !kept)

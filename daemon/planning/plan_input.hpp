@@ -36,6 +36,7 @@ struct SpecSources {
 /// SVG are in `how`.
 ///
 /// @retval Malformed, OutOfRange, Infeasible  places are within the text
+/// @retval Internal  the spec's design is not sound (`sound_design`)
 [[nodiscard]] Result<DrawingInput> drawing_from_text(std::string text, InputKind kind,
                                                      const SvgReadOptions& how, unsigned factor,
                                                      const SpecSources& sources);

@@ -43,6 +43,7 @@ JoinedStrips join_strips(std::span<const Strips* const> patches, double wall_mm,
   for (double& x : out.strips.x) offsets.push_back(&x);
   unify_places(heights);
   unify_places(offsets);
+  unify_planes(out.strips);
   return out;
 }
 

@@ -239,6 +239,7 @@ BridgedStrips add_bridges(const Strips& strips, std::span<const BridgeAim> aims,
     ++k;
   }
   out.strips = writer.take();
+  unify_planes(out.strips);
   return out;
 }
 

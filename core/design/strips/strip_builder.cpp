@@ -398,6 +398,7 @@ LaidStrips build_strips(const std::vector<LaidSlice>& laid, const std::vector<Ru
   }
   if (margins) write_margin(options.frame, writer);
   out.strips = writer.take();
+  unify_planes(out.strips);
   return out;
 }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "core/geometry/disjoint_sets.hpp"
+
 namespace popcut {
 
 StripWriter::StripWriter() {
@@ -43,6 +45,37 @@ void unify_places(std::vector<double*>& places) {
     if (*place - least >= kSamePlace_mm) least = *place;
     *place = least;
   }
+}
+
+void unify_planes(Strips& strips) {
+  if (strips.panels() == 0) return;
+  DisjointSets same(
+      static_cast<std::size_t>(*std::max_element(strips.plane.begin(), strips.plane.end())) + 1);
+  const auto is_upright = [&](std::size_t point) { return strips.x[point] == strips.x[point + 1]; };
+  bool any = false;
+  // Two pointers along both staircases, in the order of the distance from the wall's top: where two
+  // panels lie in one plane and overlap, their stretches of it do.
+  for (std::size_t s = 0; s + 1 < strips.size(); ++s) {
+    std::uint32_t p = strips.first_panel[s], q = strips.first_panel[s + 1];
+    const std::uint32_t p_end = q, q_end = strips.first_panel[s + 2];
+    while (p < p_end && q < q_end) {
+      const std::size_t i = p + s, j = q + s + 1;  // first points of the panels
+      const bool upright = is_upright(i);
+      if (strips.plane[p] != strips.plane[q] && upright == is_upright(j) &&
+          (upright ? strips.x[i] == strips.x[j] : strips.z[i] == strips.z[j])) {
+        any = true;
+        same.join(static_cast<std::uint32_t>(strips.plane[p]),
+                  static_cast<std::uint32_t>(strips.plane[q]));
+      }
+      const double p_stop = strips.x[i + 1] - strips.z[i + 1];
+      const double q_stop = strips.x[j + 1] - strips.z[j + 1];
+      if (p_stop <= q_stop) ++p;
+      if (q_stop <= p_stop) ++q;
+    }
+  }
+  if (!any) return;
+  for (PlaneId& id : strips.plane)
+    id = static_cast<PlaneId>(same.find(static_cast<std::uint32_t>(id)));
 }
 
 }  // namespace popcut

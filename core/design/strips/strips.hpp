@@ -8,7 +8,7 @@
 namespace popcut {
 
 /// Identity of a plane. Panels of neighbouring strips are joined when, and only when, their plane
-/// ids are equal; floats are never compared for it.
+/// ids are equal; `unify_planes` sees to it that neighbours in one plane have one id.
 using PlaneId = std::int32_t;
 inline constexpr PlaneId kWallPlane = 0;    ///< x = 0
 inline constexpr PlaneId kGroundPlane = 1;  ///< z = 0
@@ -73,5 +73,14 @@ inline constexpr double kSamePlace_mm = 1e-9;
 /// Without it neighbours whose ends agree but for the last digit would be told apart by slits of
 /// 1e-14 mm.
 void unify_places(std::vector<double*>& places);
+
+/// Gives panels of neighbouring strips that lie at exactly the same place and overlap one plane id,
+/// the least of theirs. O(panels).
+///
+/// A plane's id says whose plane it is, and two slices may have planes at the same place: those of
+/// two regions, two patches or two runs on a cylinder, and a bridge takes its planes from one side
+/// alone. Left apart they would be cut from each other along a slit that is closed all around. Call
+/// it after `unify_places`: then two planes are at one place or farther apart than rounding.
+void unify_planes(Strips& strips);
 
 }  // namespace popcut

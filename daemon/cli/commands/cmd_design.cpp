@@ -34,6 +34,7 @@
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "daemon/planning/design_files.hpp"
+#include "daemon/planning/sound_design.hpp"
 
 namespace popcut::cli {
 namespace design_command {
@@ -280,13 +281,24 @@ Result<void> print_example(const std::string& name) {
 }
 
 /// The seconds of an assembly of several parts are those of all together.
-Result<PatchAssembly> timed_design(const DesignSpec& spec, const SurfaceAssets& assets) {
+Result<PatchAssembly> timed_design(const DesignSpec& spec, const SurfaceAssets& assets,
+                                   std::string& unsound) {
   const auto start = std::chrono::steady_clock::now();
-  auto made = design_assembly(spec, assets);
+  auto made = planning::sound_design(spec, assets, &unsound);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   if (made)
     for (Design& part : made->parts) part.report.seconds = took.count();
   return made;
+}
+
+/// Leaves only the file that says what is wrong, so that no older pattern is taken for this one.
+Error report_unsound(OutputFolder folder, const std::string& report, Error error) {
+  auto done = folder.add(planning::kUnsoundFile, report);
+  if (done) done = folder.commit("popcut design " POPCUT_VERSION);
+  error.detail += done ? fmt::format("; {} in {} says what is wrong and where",
+                                     planning::kUnsoundFile, folder.folder().string())
+                       : fmt::format("; {}", message(done.error()));
+  return error;
 }
 
 constexpr std::uintmax_t kSpecLimitBytes = 64u << 20;
@@ -317,9 +329,13 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (!assets) return tl::unexpected(within(options.spec, assets.error()));
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
-  auto made = timed_design(*spec, *assets);
+  std::string unsound;
+  auto made = timed_design(*spec, *assets, unsound);
   if (!made && made.error().reason == ErrorReason::Misplaced)
     made.error().detail += ", or see 'popcut design --place'";
+  if (!made && !unsound.empty())
+    return tl::unexpected(
+        report_unsound(std::move(*folder), unsound, within(options.spec, made.error())));
   if (!made) return tl::unexpected(within(options.spec, made.error()));
 
   for (Design& part : made->parts) planning::add_thickness_note(*material, part);
