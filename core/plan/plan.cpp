@@ -103,12 +103,23 @@ Result<Placement> find_place(const LineWork& drawing, const Machine& machine, co
   return placement;
 }
 
-// Replaces folds by dashes. Leaves them whole where they are pressed, cut half through, or dashed
+// Replaces folds by dashes; folds without room for one are scored where the machine can, or left
+// out with a warning. Leaves folds whole where they are pressed, cut half through, or dashed
 // already.
-Dashed folded(LineWork work, const DashShape& shape, FoldMode mode) {
+Dashed folded(LineWork work, const Machine& machine, const Material& material, FoldMode mode) {
   const bool any = std::any_of(work.lines.begin(), work.lines.end(),
                                [](const DrawnLine& line) { return is_fold(line.operation); });
-  if (mode == FoldMode::Perforate && any && !work.dashed) return micro_cut(work, shape);
+  if (mode == FoldMode::Perforate && any && !work.dashed) {
+    Dashed dashed = micro_cut(work, material.dashes);
+    const auto scoring = StrokeSettings::scoring(machine, material);
+    const char* done = !scoring                         ? "stay uncut"
+                       : scoring->tip == ToolTip::Blade ? "are cut half through instead of dashed"
+                                                        : "are scored instead of dashed";
+    if (auto warning = left_out_warning(dashed, material.dashes, done))
+      dashed.work.warnings.push_back(std::move(*warning));
+    if (scoring) score_left_out(work, material.dashes, dashed);
+    return dashed;
+  }
   Dashed out;
   for (std::uint32_t i = 0; i < work.lines.size(); ++i) {
     out.line.push_back(i);
@@ -180,6 +191,11 @@ void measure(PlannedSheet& sheet, const Machine& machine, const Material& materi
     sheet.seconds +=
         motion.autoblade_reset_s + motion.autoblade_tap_s * (10 - material.autoblade_depth);
   sheet.seconds_range = {sheet.seconds * (1 - motion.spread), sheet.seconds * (1 + motion.spread)};
+}
+
+void append(Polylines& lines, std::span<const PagePoint> points) {
+  lines.points.insert(lines.points.end(), points.begin(), points.end());
+  lines.ends.push_back(static_cast<std::uint32_t>(lines.points.size()));
 }
 
 // Plans sheet by sheet: from placed lines to strokes in order.
@@ -275,13 +291,15 @@ class Planner {
     turn_round(work, options_.knife.direction);
     sheet.paths = work.lines.size();
     if (options_.keep_lines) sheet.lines = work;
-    const Dashed dashed = folded(std::move(work), out_.material.dashes, out_.folds);
+    const Dashed dashed = folded(std::move(work), out_.machine, out_.material, out_.folds);
     if (dashed.work.lines.empty())
       return fail(ErrorKind::OutOfRange, "",
                   "nothing is left to cut; is the whole drawing outside the area?");
     out_.warnings.insert(out_.warnings.end(), dashed.work.warnings.begin(),
                          dashed.work.warnings.end());
     sheet.fold_line_mm = dashed.fold_line_mm;
+    for (std::size_t i = dashed.first_scored; i < dashed.work.lines.size(); ++i)
+      append(sheet.scored, dashed.work.points_of(dashed.work.lines[i]));
     std::vector<Visit> given(dashed.work.lines.size());
     for (std::uint32_t i = 0; i < given.size(); ++i) given[i].line = i;
     sheet.travel_input_mm = travel_mm(dashed.work, given);

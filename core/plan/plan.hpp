@@ -26,6 +26,7 @@ struct PlannedSheet {
   std::vector<std::uint32_t> pieces;  ///< indices into the layout's pieces; empty: not split
   double cut_mm{}, fold_mm{};         ///< length with the tool down, as sent
   double fold_line_mm{};              ///< length of folds before dashing
+  Polylines scored;                   ///< stretches of folds scored for want of room for a dash
   double travel_mm{}, travel_input_mm{}, home_mm{};
   std::uint64_t order_moves{};  ///< moves that the search for a short order tried
   bool order_finished{true};    ///< false: the search was stopped early

@@ -102,6 +102,7 @@ Json sheet_json(const Plan& plan, const PlannedSheet& sheet, std::size_t number)
           {"tabs", Json::array()},
           {"seams", Json::array()},
           {"marks", Json::array()},
+          {"scored", Json::array()},
           {"overcuts", Json::array()},
           {"lead_ins", Json::array()}};
 }
@@ -201,6 +202,13 @@ std::string entries(const KnifeMarks& marks, const std::vector<KnifeMarks::Mark>
   });
 }
 
+std::string entries(const Polylines& polylines) {
+  std::vector<Json> list;
+  for (std::size_t i = 0; i < polylines.size(); ++i)
+    list.push_back({{"points", points_json(polylines[i], {})}});
+  return lines(list);
+}
+
 void fill_list(std::string& text, std::size_t from, const char* name, const std::string& list) {
   const std::string empty = fmt::format("\"{}\": []", name);
   const std::size_t at = text.find(empty, from);
@@ -232,6 +240,7 @@ std::string plan_json(const Plan& plan) {
       fill_list(text, from, "marks", lines(split.marks));
     }
     const KnifeMarks marks = knife_marks(sheet.path, sheet.knife);
+    fill_list(text, from, "scored", entries(sheet.scored));
     fill_list(text, from, "overcuts", entries(marks, marks.overcuts));
     fill_list(text, from, "lead_ins", entries(marks, marks.lead_ins));
     from = text.find("\"lead_ins\"", from) + 1;

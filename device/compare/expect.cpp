@@ -90,6 +90,15 @@ class Check {
     }
   }
 
+  /// Calls `use(stretch)` for what allowed lines cover of wanted segment `index`.
+  template <typename Use>
+  void each_allowed(std::uint32_t index, Use&& use) const {
+    const auto first =
+        std::lower_bound(allowed_covers_.begin(), allowed_covers_.end(), index,
+                         [](const Cover& cover, std::uint32_t i) { return cover.wanted < i; });
+    for (auto it = first; it != allowed_covers_.end() && it->wanted == index; ++it) use(it->on);
+  }
+
   [[nodiscard]] bool by_tip() const {
     return expected_.blade_offset_mm > 0 && expected_.blade_tools != 0;
   }
@@ -327,13 +336,10 @@ void Check::compare_cut(std::uint32_t index, std::span<const Cover> covers, Segm
     steps.push_back({0, -passes, 0});
     steps.push_back({wanted.length, passes, 0});
   }
-  const auto allowed =
-      std::lower_bound(allowed_covers_.begin(), allowed_covers_.end(), index,
-                       [](const Cover& cover, std::uint32_t i) { return cover.wanted < i; });
-  for (auto it = allowed; it != allowed_covers_.end() && it->wanted == index; ++it) {
-    steps.push_back({it->on.from, 0, 1});
-    steps.push_back({it->on.to, 0, -1});
-  }
+  each_allowed(index, [&](const Stretch& on) {
+    steps.push_back({on.from, 0, 1});
+    steps.push_back({on.to, 0, -1});
+  });
   std::sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) { return a.at < b.at; });
   int excess = 0, spare = 0;
   for (std::size_t k = 0; k + 1 < steps.size(); ++k) {
@@ -396,6 +402,9 @@ FoldState Check::state_of(std::span<const std::uint32_t> run, SegmentGrid& grid)
   for (const std::uint32_t part : run) {
     const Wanted& fold = wanted_[part];
     find_cuts_near(fold, grid, state);
+    each_allowed(part, [&](const Stretch& on) {  // scored for want of room for a dash
+      state.cut.push_back({fold.offset + on.from, fold.offset + on.to});
+    });
     on_part.clear();
     covers_of(part, on_part);
     for (const Stretch& dash : on_part)

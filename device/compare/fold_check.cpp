@@ -42,7 +42,7 @@ std::string_view words_of(FoldFault::Kind kind) {
 std::optional<FoldFault> check_fold(const FoldState& fold, const DashShape& shape, int passes,
                                     double slack_mm) {
   const std::vector<Stretch>& dashes = fold.dashes;
-  const double end_paper = 0.5 * shape.clearance_mm;
+  const double end_paper = 0.5 * shape.clearance_mm - slack_mm;
   if (!dashes.empty()) {
     const double first = dashes.front().from;
     if (first < end_paper && !holds(fold.cut, first))

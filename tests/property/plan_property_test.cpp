@@ -169,6 +169,54 @@ TEST_CASE("dashes cover a fold evenly with valid gaps and paper at both ends",
   }
 }
 
+TEST_CASE("every stretch of a fold has its dashes or is listed as left out", "[core][plan][dash]") {
+  std::mt19937 random(31);
+  const DashShape shape = find_material("paper-220")->dashes;
+  const double most = std::max(shape.gap_mm, 2 * shape.clearance_mm) + 1e-9;
+  std::size_t shortened = 0, left_out = 0;
+  for (int round = 0; round < 2000; ++round) {
+    CAPTURE(round);
+    LineWork work;
+    const double l = std::pow(10.0, uniform(random, -1.0, 1.3));
+    work.append(Operation::FoldValley, std::array<PagePoint, 2>{{{0, 0}, {l, 0}}});
+    for (int cuts = whole(random, 0, 5); cuts > 0; --cuts) {
+      const double x = uniform(random, 0, l), side = whole(random, 0, 1) == 0 ? 1.0 : -1.0;
+      work.append(Operation::Cut, std::array<PagePoint, 2>{{{x, 0}, {x, 5 * side}}});
+    }
+    const Dashed dashed = micro_cut(work, shape);
+    std::vector<Dash> covered;
+    for (const DrawnLine& line : dashed.work.lines) {
+      if (!is_fold(line.operation)) continue;
+      const auto points = dashed.work.points_of(line);
+      covered.push_back({points.front().x, points.back().x});
+      CHECK(length(points) >= kLeastShare * shape.min_dash_mm - 1e-9);
+      CHECK(points.front().x >= kLeastShare * shape.clearance_mm - 1e-9);
+      CHECK(points.back().x <= l - kLeastShare * shape.clearance_mm + 1e-9);
+      for (const DrawnLine& cut : work.lines)
+        if (is_cut(cut.operation)) {
+          const double x = work.points_of(cut).front().x;
+          CHECK((x <= points.front().x - kLeastShare * shape.clearance_mm + 1e-9 ||
+                 x >= points.back().x + kLeastShare * shape.clearance_mm - 1e-9));
+        }
+    }
+    shortened += dashed.shortened;
+    left_out += dashed.left_out.size();
+    for (const LeftOut& left : dashed.left_out) covered.push_back(left.on);
+    REQUIRE_FALSE(covered.empty());
+    std::sort(covered.begin(), covered.end(),
+              [](const Dash& a, const Dash& b) { return a.from < b.from; });
+    double reached = 0.0;
+    for (const Dash& dash : covered) {
+      CHECK(dash.from - reached <= most);
+      CHECK(dash.from >= reached - 1e-9);
+      reached = dash.to;
+    }
+    CHECK(l - reached <= most);
+  }
+  CHECK(shortened > 100);
+  CHECK(left_out > 100);
+}
+
 TEST_CASE("overlapping collinear lines are cut as their union and nothing twice",
           "[core][plan][clean]") {
   std::mt19937 random(11);

@@ -45,11 +45,14 @@ class Clearances {
  public:
   Clearances(const std::vector<CutPiece>& cuts, double clearance)
       : cuts_(cuts),
+        whole_clearance_(clearance),
         clearance_(clearance),
         grid_(segments(cuts), std::max(clearance, kTouch), cuts.size() > kManyCuts),
         seen_(cuts.size(), 0) {}
 
-  void find(std::span<const PagePoint> fold, std::vector<Dash>& kept) {
+  // `share`: of the whole clearance, at most 1.
+  void find(std::span<const PagePoint> fold, double share, std::vector<Dash>& kept) {
+    clearance_ = share * whole_clearance_;
     kept.clear();
     double t = 0.0;
     keep(kept, 0.0, clearance_);
@@ -154,7 +157,8 @@ class Clearances {
   }
 
   const std::vector<CutPiece>& cuts_;
-  double clearance_;
+  double whole_clearance_;
+  double clearance_;  ///< that is kept now
   SegmentGrid grid_;
   struct Rest {
     double at{};  ///< middle of a cell, along the fold
@@ -183,47 +187,81 @@ void part_of(std::span<const PagePoint> line, const Dash& dash, std::vector<Page
   }
 }
 
-// Folds that could not be dashed as the material asks, for the warning.
-struct UncutFolds {
-  std::size_t count{};
-  double longest_mm{};
-  PagePoint where;
-};
-
-void warn_of_uncut(const UncutFolds& uncut, const DashShape& shape,
-                   std::vector<std::string>& warnings) {
-  if (uncut.count == 0) return;
-  warnings.push_back(fmt::format(
-      "{} stretches of folds stay uncut: they are too short for a dash of {} mm between "
-      "clearances of {} mm; the longest is {:.2f} mm, at {:.2f},{:.2f} mm",
-      uncut.count, shape.min_dash_mm, shape.clearance_mm, uncut.longest_mm, uncut.where.x,
-      uncut.where.y));
-}
-
-// Puts dashes between the kept stretches. `uncut` counts places longer than a gap that get no dash.
-void dash_between(std::span<const PagePoint> fold, double l, const std::vector<Dash>& kept,
-                  const DashShape& shape, std::vector<Dash>& dashes, UncutFolds& uncut) {
-  dashes.clear();
-  double free_from = 0.0;
+// Calls `use(from, to)` for each free stretch between the kept ones of a line of length l.
+template <typename Use>
+void each_free(const std::vector<Dash>& kept, double l, Use&& use) {
+  double from = 0.0;
   for (const Dash& stretch : kept) {
-    if (stretch.from > free_from + kSlack)
-      append_dashes(std::min(stretch.from, l) - free_from, free_from, shape, dashes);
-    free_from = std::max(free_from, stretch.to);
-  }
-  double paper_from = 0.0;
-  for (std::size_t i = 0; i <= dashes.size(); ++i) {
-    const double paper_to = i < dashes.size() ? dashes[i].from : l;
-    const bool none = dashes.empty();
-    if (none || paper_to - paper_from > std::max(shape.gap_mm, 2 * shape.clearance_mm) + kSlack) {
-      ++uncut.count;
-      if (paper_to - paper_from > uncut.longest_mm) {
-        uncut.longest_mm = paper_to - paper_from;
-        uncut.where = fold.front();
-      }
-    }
-    paper_from = i < dashes.size() ? dashes[i].to : l;
+    if (stretch.from > from + kSlack) use(from, std::min(stretch.from, l));
+    from = std::max(from, stretch.to);
   }
 }
+
+// Calls `use(from, to)` for each stretch without a dash that is too long to stay so.
+template <typename Use>
+void each_bare(const std::vector<Dash>& dashes, double l, const DashShape& shape, Use&& use) {
+  const double most = std::max(shape.gap_mm, 2 * shape.clearance_mm) + kSlack;
+  double from = 0.0;
+  for (std::size_t i = 0; i <= dashes.size(); ++i) {
+    const double to = i < dashes.size() ? dashes[i].from : l;
+    if (dashes.empty() || to - from > most) use(from, to);
+    from = i < dashes.size() ? dashes[i].to : l;
+  }
+}
+
+// The dashes of one fold after another.
+class Dasher {
+ public:
+  Dasher(const std::vector<CutPiece>& cuts, const DashShape& shape)
+      : shape_(shape), clearances_(cuts, shape.clearance_mm) {}
+
+  /// The dashes of a fold of length l, in order. @return how many of them were shortened
+  std::size_t find(std::span<const PagePoint> fold, double l, std::vector<Dash>& dashes) {
+    dashes.clear();
+    clearances_.find(fold, 1.0, kept_);
+    each_free(kept_, l,
+              [&](double from, double to) { append_dashes(to - from, from, shape_, dashes); });
+    std::size_t shortened = 0;
+    for (int tenths = 9; tenths >= kLeastTenths && is_bare(dashes, l); --tenths)
+      shortened += shorten(fold, l, 0.1 * tenths, dashes);
+    return shortened;
+  }
+
+ private:
+  static constexpr int kLeastTenths = static_cast<int>(10 * kLeastShare);
+
+  [[nodiscard]] bool is_bare(const std::vector<Dash>& dashes, double l) const {
+    bool any = false;
+    each_bare(dashes, l, shape_, [&](double, double) { any = true; });
+    return any;
+  }
+
+  // Adds the dashes that fit into bare stretches with a share of clearance and of shortest dash.
+  std::size_t shorten(std::span<const PagePoint> fold, double l, double share,
+                      std::vector<Dash>& dashes) {
+    DashShape small = shape_;
+    small.min_dash_mm *= share;
+    small.clearance_mm *= share;
+    clearances_.find(fold, share, kept_);
+    bare_.clear();
+    each_bare(dashes, l, shape_, [&](double from, double to) { bare_.push_back({from, to}); });
+    const std::size_t before = dashes.size();
+    auto bare = bare_.begin();
+    each_free(kept_, l, [&](double from, double to) {
+      while (bare != bare_.end() && bare->to < to - kSlack) ++bare;
+      // A free stretch that reaches out of the bare one has a dash already.
+      if (bare != bare_.end() && bare->from <= from + kSlack)
+        append_dashes(to - from, from, small, dashes);
+    });
+    std::sort(dashes.begin(), dashes.end(),
+              [](const Dash& a, const Dash& b) { return a.from < b.from; });
+    return dashes.size() - before;
+  }
+
+  const DashShape& shape_;
+  Clearances clearances_;
+  std::vector<Dash> kept_, bare_;
+};
 
 }  // namespace
 
@@ -256,34 +294,67 @@ std::size_t append_dashes(double free_mm, double offset_mm, const DashShape& sha
   return n;
 }
 
+double shortest_good_fold_mm(const DashShape& shape) {
+  return shape.min_dash_mm + 2 * shape.clearance_mm;
+}
+
 Dashed micro_cut(const LineWork& work, const DashShape& shape) {
   Dashed out;
   out.work = work.without_lines();
   out.work.dashed = true;
   const std::vector<CutPiece> cuts = cut_pieces(work);
-  Clearances clearances(cuts, shape.clearance_mm);
-  std::vector<Dash> kept, dashes;
+  Dasher dasher(cuts, shape);
+  std::vector<Dash> dashes;
   std::vector<PagePoint> points;
-  UncutFolds uncut;
   for (std::uint32_t i = 0; i < work.lines.size(); ++i) {
     const DrawnLine& line = work.lines[i];
     const auto fold = work.points_of(line);
-    const bool dash_it = is_fold(line.operation) && !work.dashed;
-    if (is_fold(line.operation)) out.fold_line_mm += length(fold);
-    if (dash_it) {
-      clearances.find(fold, kept);
-      dash_between(fold, length(fold), kept, shape, dashes, uncut);
+    const double l = is_fold(line.operation) ? length(fold) : 0.0;
+    out.fold_line_mm += l;
+    if (is_fold(line.operation) && !work.dashed) {
+      out.shortened += dasher.find(fold, l, dashes);
       for (const Dash& dash : dashes) {
         part_of(fold, dash, points);
         out.work.append(line.operation, points);
       }
+      each_bare(dashes, l, shape, [&](double from, double to) {
+        part_of(fold, {0.5 * (from + to), to}, points);
+        out.left_out.push_back({i, {from, to}, points.empty() ? fold.front() : points.front()});
+      });
     } else {
       out.work.append(line.operation, fold);
     }
     out.line.resize(out.work.lines.size(), i);
   }
-  warn_of_uncut(uncut, shape, out.work.warnings);
   return out;
+}
+
+void score_left_out(const LineWork& drawing, const DashShape& shape, Dashed& dashed) {
+  dashed.first_scored = dashed.work.lines.size();
+  std::vector<PagePoint> points;
+  for (const LeftOut& left : dashed.left_out) {
+    const DrawnLine& line = drawing.lines[left.line];
+    const auto fold = drawing.points_of(line);
+    const double from = left.on.from > 0.0 ? left.on.from + 0.5 * shape.clearance_mm : 0.0;
+    const double to = left.on.to < length(fold) ? left.on.to - 0.5 * shape.clearance_mm : left.on.to;
+    part_of(fold, {from, to}, points);
+    dashed.work.append(line.operation, points);
+    dashed.line.resize(dashed.work.lines.size(), left.line);
+  }
+}
+
+std::optional<std::string> left_out_warning(const Dashed& dashed, const DashShape& shape,
+                                            std::string_view done) {
+  if (dashed.left_out.empty()) return std::nullopt;
+  const auto mm = [](const LeftOut& left) { return left.on.to - left.on.from; };
+  const LeftOut& longest =
+      *std::max_element(dashed.left_out.begin(), dashed.left_out.end(),
+                        [&](const LeftOut& a, const LeftOut& b) { return mm(a) < mm(b); });
+  return fmt::format(
+      "{} stretches of folds {}: they are too short for a dash of {:g} mm between clearances of "
+      "{:g} mm; the longest is {:.2f} mm, at {:.2f},{:.2f} mm",
+      dashed.left_out.size(), done, kLeastShare * shape.min_dash_mm,
+      kLeastShare * shape.clearance_mm, mm(longest), longest.where.x, longest.where.y);
 }
 
 }  // namespace popcut

@@ -11,7 +11,8 @@
 namespace popcut {
 namespace {
 
-constexpr std::array kKinds{"draw", "score", "fold", "cut"};
+constexpr std::array kKinds{"draw", "score", "fold", "cut", "scored fold"};
+constexpr std::size_t kScored = 4;
 
 std::size_t kind_of(Operation operation) {
   constexpr std::array<std::size_t, 6> kKindOf{0, 1, 2, 2, 3, 3};  // by operation
@@ -45,13 +46,27 @@ StrokeSettings::StrokeSettings(const Machine& machine, const Material& material,
                                std::vector<std::string>& warnings)
     : machine_(machine),
       warnings_(warnings),
-      tools_{material.draw, material.score.value_or(material.draw), material.fold, material.cut} {
+      tools_{material.draw, material.score.value_or(material.draw), material.fold, material.cut,
+             scoring(machine, material).value_or(material.fold)} {
   if (folds == FoldMode::Score && material.score) tools_[2] = *material.score;
   if (folds == FoldMode::Light && material.light) tools_[2] = *material.light;
 }
 
-const ToolSettings& StrokeSettings::of(Operation operation) {
-  const std::size_t kind = kind_of(operation);
+const ToolSettings& StrokeSettings::of(Operation operation) { return fitted(kind_of(operation)); }
+
+const ToolSettings& StrokeSettings::scored() { return fitted(kScored); }
+
+std::optional<ToolSettings> StrokeSettings::scoring(const Machine& machine,
+                                                    const Material& material) {
+  const auto can = [&](const std::optional<ToolSettings>& tool) {
+    return tool && tool->tool <= machine.tool_holders;
+  };
+  if (can(material.light) && machine.force_gf.per_step > 0.0) return material.light;
+  if (can(material.score) && material.score->tip == ToolTip::Stylus) return material.score;
+  return std::nullopt;
+}
+
+const ToolSettings& StrokeSettings::fitted(std::size_t kind) {
   if (!checked_[kind]) fit(tools_[kind], kKinds[kind]);
   checked_[kind] = true;
   return tools_[kind];
@@ -104,7 +119,8 @@ DrawnStrokes make_strokes(const Dashed& dashed, const std::vector<Visit>& visits
   std::vector<PagePoint> points;
   for (const Visit& visit : visits) {
     const Operation operation = dashed.work.lines[visit.line].operation;
-    const ToolSettings& tool = settings.of(operation);
+    const ToolSettings& tool =
+        visit.line < dashed.first_scored ? settings.of(operation) : settings.scored();
     if (tool.tip == ToolTip::Blade)
       out.blade_tools = static_cast<std::uint16_t>(out.blade_tools | 1u << tool.tool);
     points_of_visit(dashed.work, visit, points);

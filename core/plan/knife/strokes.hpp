@@ -31,18 +31,24 @@ class StrokeSettings {
   StrokeSettings(const Machine& machine, const Material& material, FoldMode folds,
                  std::vector<std::string>& warnings);
   const ToolSettings& of(Operation operation);
+  /// How folds without room for a dash are scored instead: cut half through where the machine sets
+  /// its force, else pressed with a stylus where there is a holder for it; none: they cannot be.
+  [[nodiscard]] static std::optional<ToolSettings> scoring(const Machine& machine,
+                                                           const Material& material);
+  const ToolSettings& scored();
   /// The force of pass number `pass` (from 0), within the limits of the machine, in gf.
   [[nodiscard]] double force_gf(const ToolSettings& tool, int pass) const;
 
  private:
+  const ToolSettings& fitted(std::size_t kind);
   void fit(ToolSettings& tool, const char* kind);
   void fit_scale(double& value, const SteppedScale& scale, const char* kind, const char* what,
                  const char* unit);
 
   const Machine& machine_;
   std::vector<std::string>& warnings_;
-  std::array<ToolSettings, 4> tools_;  ///< draw, score, fold, cut
-  std::array<bool, 4> checked_{};
+  std::array<ToolSettings, 5> tools_;  ///< draw, score, fold, cut, folds scored for want of room
+  std::array<bool, 5> checked_{};
 };
 
 /// Makes all closed cuts and outlines go in the same direction.

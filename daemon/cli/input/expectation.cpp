@@ -212,7 +212,7 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
     for (const nlohmann::json& tool : *tools)
       if (tool.is_number_integer() && tool >= 1 && tool <= 15)
         facts.blade_tools = static_cast<std::uint16_t>(facts.blade_tools | 1u << tool.get<int>());
-  for (const char* list : {"/overcuts", "/lead_ins", "/marks", "/labels"})
+  for (const char* list : {"/overcuts", "/lead_ins", "/marks", "/labels", "/scored"})
     if (auto read = read_allowed(json, sheet + list, facts.also_allowed); !read)
       return tl::unexpected(read.error());
   return facts;

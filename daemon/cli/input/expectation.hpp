@@ -21,7 +21,7 @@ struct PlanFacts {
   std::array<double, 2> area_mm{};
   Placement transform;               ///< pattern to sheet
   std::vector<PlannedPiece> pieces;  ///< where the pattern was split: those on this sheet
-  LineWork also_allowed;             ///< overcuts, lead-ins, marks and labels that have `points`
+  LineWork also_allowed;             ///< overcuts, lead-ins, marks, labels, scored folds
   std::string folds{"perforate"};
   double snap_mm{};
   double blade_offset_mm{};

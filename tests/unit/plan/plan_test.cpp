@@ -175,13 +175,75 @@ TEST_CASE("folds keep clear of each of many cuts", "[core][plan][dash]") {
   for (std::size_t i = 0; i < 40; ++i) CHECK(dashes_mm[i] == Approx(0.62 * 34.0).epsilon(0.05));
 }
 
-TEST_CASE("folds too short for a dash are reported and left uncut", "[core][plan][dash]") {
+TEST_CASE("a fold too short for a whole dash gets a shorter one in its middle",
+          "[core][plan][dash]") {
+  const DashShape shape = paper().dashes;
+  CHECK(shortest_good_fold_mm(shape) == Approx(1.5));
+  for (const double l : {0.76, 0.9, 1.2, 1.49}) {
+    CAPTURE(l);
+    LineWork work;
+    draw(work, Operation::FoldMountain, {{3, 4}, {3 + l, 4}});
+    const Dashed dashed = micro_cut(work, shape);
+    REQUIRE(dashed.work.lines.size() == 1);
+    CHECK(dashed.shortened == 1);
+    CHECK(dashed.left_out.empty());
+    const auto dash = dashed.work.points_of(dashed.work.lines[0]);
+    CHECK(dash[0].x - 3.0 == Approx(3 + l - dash[1].x));  // in the middle
+    CHECK(dash[0].x - 3.0 >= kLeastShare * shape.clearance_mm - 1e-9);
+    CHECK(length(dash) >= kLeastShare * shape.min_dash_mm - 1e-9);
+  }
+}
+
+TEST_CASE("between two cuts that meet a fold a dash is shortened before it is left out",
+          "[core][plan][dash]") {
   LineWork work;
-  draw(work, Operation::FoldMountain, {{3, 4}, {4.2, 4}});
+  draw(work, Operation::FoldValley, {{0, 0}, {30, 0}});
+  draw(work, Operation::Cut, {{12, 0}, {12, 9}});
+  draw(work, Operation::Cut, {{13, -9}, {13, 0}});
   const Dashed dashed = micro_cut(work, paper().dashes);
-  CHECK(dashed.work.lines.empty());
-  REQUIRE(dashed.work.warnings.size() == 1);
-  CHECK(dashed.work.warnings[0].find("1.20 mm") != std::string::npos);
+  CHECK(dashed.shortened == 1);
+  CHECK(dashed.left_out.empty());
+  const bool between = std::any_of(
+      dashed.work.lines.begin(), dashed.work.lines.end(), [&](const DrawnLine& line) {
+        const auto points = dashed.work.points_of(line);
+        return is_fold(line.operation) && points[0].x > 12.2 && points[1].x < 12.8;
+      });
+  CHECK(between);
+}
+
+TEST_CASE("a fold without room for any dash is named, and scored where the machine can",
+          "[core][plan][dash]") {
+  LineWork work;
+  draw(work, Operation::FoldMountain, {{3, 4}, {3.6, 4}});
+  draw(work, Operation::FoldMountain, {{3, 9}, {33, 9}});
+  const Dashed dashed = micro_cut(work, paper().dashes);
+  REQUIRE(dashed.left_out.size() == 1);
+  CHECK(dashed.left_out[0].on.to == Approx(0.6));
+  const auto said = left_out_warning(dashed, paper().dashes, "stay uncut");
+  REQUIRE(said);
+  CHECK(said->find("stay uncut") != std::string::npos);
+  CHECK(said->find("0.60 mm, at 3.30,4.00 mm") != std::string::npos);
+
+  const auto scored_strokes = [&](const PlannedSheet& sheet) {
+    return std::count_if(sheet.path.strokes.begin(), sheet.path.strokes.end(), [&](const auto& s) {
+      return s.force_gf == paper().light->force_gf &&
+             length(sheet.path.points_of(s)) == Approx(0.6);
+    });
+  };
+  const auto cut = plan(work, cameo3(), paper(), {});
+  REQUIRE(cut);
+  CHECK(scored_strokes(cut->sheets[0]) == 1);
+  CHECK(cut->sheets[0].scored.size() == 1);
+  REQUIRE(cut->warnings.size() == 1);
+  CHECK(cut->warnings[0].find("cut half through") != std::string::npos);
+  // A machine without settings of force and with one holder can only leave it out.
+  Machine plain = cameo3();
+  plain.force_gf.per_step = 0.0;
+  plain.tool_holders = 1;
+  const auto left = plan(work, plain, paper(), {});
+  REQUIRE(left);
+  CHECK(left->sheets[0].scored.size() == 0);
+  CHECK(left->warnings[0].find("stay uncut") != std::string::npos);
 }
 
 TEST_CASE("folds come before cuts and inner cuts before outer ones and the outline last",
