@@ -27,6 +27,17 @@ std::string edge_name(const Subject& subject, std::size_t e) {
   return near_place(subject, "the line", 0.5 * (subject.file.flat[a] + subject.file.flat[b]));
 }
 
+/// Whether the file asks for this pose: it lists an angle for every fold, and the pose has them.
+bool is_listed(const Subject& subject, const PoseMotion& motion) {
+  constexpr double kSame_deg = 1.0;
+  const std::vector<double>& listed = subject.file.fold_angle_deg;
+  if (listed.empty()) return false;
+  for (std::size_t h = 0; h < subject.sheet.hinges.size(); ++h)
+    if (!(std::abs(listed[subject.sheet.hinges[h].edge] - motion.hinge_angle_deg[h]) <= kSame_deg))
+      return false;
+  return true;
+}
+
 /// Looks for crossings over the whole motion of a sheet with one degree of freedom, from nearly
 /// flat to nearly shut. Returns how far that was, for the report.
 std::string judge_sweep(const Subject& subject, double slack_mm, VerifyCheck& check,
@@ -185,6 +196,8 @@ VerifyCheck judge_freedoms(const Subject& subject, const VerifyOptions& options,
 
 VerifyCheck judge_crossing(const Subject& subject, VerifyReport& report) {
   VerifyCheck check = named("crossing");
+  VerifyCheck arbitrary;  // crossings in poses that are popcut's choice among many
+  const bool many_ways = subject.opening && subject.mobility.degrees_of_freedom > 1;
   const double slack =
       subject.limits.slack_mm + 4.0 * std::min(report.isometry_mm, subject.limits.isometry_mm);
   auto axis = common_fold_direction(subject.file, subject.sheet, subject.limits.slack_mm);
@@ -195,14 +208,15 @@ VerifyCheck judge_crossing(const Subject& subject, VerifyReport& report) {
     if (!motion.bent) continue;
     if (motion.isometry_mm > subject.limits.isometry_mm) continue;  // not a pose of this sheet
     ++looked_at;
+    VerifyCheck& found = many_ways && !is_listed(subject, motion) ? arbitrary : check;
     if (axis && !motion.shut &&
-        check_sections(subject.file, subject.sheet, *axis, motion, slack, check)) {
+        check_sections(subject.file, subject.sheet, *axis, motion, slack, found)) {
       affine = affine && in_two_directions(subject.sheet, motion, *axis);
       continue;
     }
     affine = false;
     check_faces_apart(subject.file, subject.sheet, subject.triangles, subject.file.poses[k], motion,
-                      slack, check);
+                      slack, found);
     if (motion.shut)
       report.notes.push_back(
           fmt::format("{} has shut folds: the order of its layers is not checked",
@@ -210,6 +224,15 @@ VerifyCheck judge_crossing(const Subject& subject, VerifyReport& report) {
   }
   if (looked_at == 0) check.not_judged("no opened pose keeps the lengths of the sheet");
   if (!check.ran) return check;
+  if (check.ok() && arbitrary.failed > 0) {
+    check.undecided(fmt::format(
+        "with {} degrees of freedom the sheet can open in many ways; on the one that was tried, "
+        "{}{} pair{} of faces would cross. Add an opened pose to the file, and it is judged in "
+        "that pose",
+        subject.mobility.degrees_of_freedom, arbitrary.failed >= kMostReported ? "at least " : "",
+        arbitrary.failed, arbitrary.failed == 1 ? "" : "s"));
+    return check;
+  }
   std::string swept;
   if (!affine && !subject.quick && check.ok() && subject.count_in &&
       subject.mobility.degrees_of_freedom == 1)

@@ -120,7 +120,7 @@ std::size_t VerifyReport::failed() const {
 Result<VerifyReport> verify_fold(std::string_view text, const VerifyOptions& options) {
   std::optional<Target> target;
   if (options.target_spec) {
-    auto read = read_target(*options.target_spec, options.target_file);
+    auto read = read_target(*options.target_spec, options.target_files);
     if (!read) return tl::unexpected(within("target", std::move(read.error())));
     target = std::move(*read);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,7 +20,8 @@ struct VerifyOptions {
   std::optional<std::string> target_spec{};
   /// For a drawing without faces on a page (x = v, y = u): reports places as x and y.
   bool page{false};
-  std::string target_file{};  ///< content of the file that the spec names (`target_file_of`)
+  /// Contents of the files that the spec names (`target_files_of`), by those names.
+  std::map<std::string, std::string> target_files{};
   /// O(faces log faces) for rectangular units: their one freedom is proven by propagation where
   /// that decides, freedoms are counted only where a number is demanded, and the motion of other
   /// sheets is looked at in the poses of the file alone.
@@ -78,8 +80,8 @@ struct VerifyReport : Tiling {
 [[nodiscard]] Result<VerifyReport> verify_fold(std::string_view text,
                                                const VerifyOptions& options = {});
 
-/// The mesh or grid file that the spec's surface names; empty if none.
-[[nodiscard]] std::string target_file_of(std::string_view spec_json);
+/// The mesh and grid files that the spec's surfaces name (its own and its patches'), each once.
+[[nodiscard]] std::vector<std::string> target_files_of(std::string_view spec_json);
 
 /// The report as text: one line per check, with its first failures and a count of the others.
 [[nodiscard]] std::string verify_text(const VerifyReport& report);

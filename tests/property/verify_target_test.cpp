@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "core/design/design.hpp"
+#include "core/design/patches.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
 #include "tests/support/meshes.hpp"
@@ -33,7 +33,9 @@ Compared compare(const std::string& spec_text, const std::string& target_text,
   std::ostringstream fold;
   REQUIRE(write_fold(made->pattern, {}, fold));
   VerifyOptions options;
-  options.target_spec = target_text, options.target_file = bytes;
+  options.target_spec = target_text;
+  for (const std::string& name : target_files_of(target_text))
+    options.target_files.emplace(name, bytes);
   const auto verified = verify_fold(fold.str(), options);
   if (!verified) FAIL(message(verified.error()));
   INFO(verify_text(*verified));
@@ -116,6 +118,71 @@ TEST_CASE("verify finds the slices of regions with their plain cuts and slices a
         units));
 }
 
+TEST_CASE("verify finds slices that the design cut off and laid in halves",
+          "[property][design][verify][target]") {
+  // Between slices of 8 and 5 mm no connector fits, and the last one stands alone.
+  check_agrees(
+      R"j({"popcut":1,"surface":{"type":"revolution","radius":"59.8906+28.4034*sin(y/5.96136)"},
+          "regions":[{"units_per_slice":5,"slices":4,"widths_mm":[20,8,10,8]},
+          {"units_per_slice":5,"slices":4,"widths_mm":[10,20,5,8]}],"lattice":"levels",
+          "min_panel_mm":1})j");
+}
+
+TEST_CASE("verify measures a profile that only touches the ground",
+          "[property][design][verify][target]") {
+  for (const char* z : {"52*(1-x/37)^2", "52*(1-x/(37+0.1*y))^4", "40*(cos(pi*x/50)+1)/2"})
+    for (const char* lattice : {"slices", "conformal"})
+      check_agrees(one(fmt::format(R"j({{"type":"profile","z":"{}"}})j", z),
+                       fmt::format(R"(,"lattice":"{}")", lattice)),
+                   1e-5);
+}
+
+TEST_CASE("verify measures each part of a design of patches",
+          "[property][design][verify][target][patches]") {
+  const std::string hall =
+      R"j({"name":"hall","regions":[{"radius":"48","units_per_slice":3,"slices":4,"width_mm":14}]})j";
+  const std::string dome =
+      R"j({"name":"dome","regions":[{"radius":"48+14*sin(pi*y/L)","units_per_slice":6,"slices":8,
+          "width_mm":10},{"radius":"48","units_per_slice":4,"slices":1,"width_mm":8}]})j";
+  const std::string shed =
+      R"j({"name":"shed","surface":{"type":"profile","z":"48*(1-(x/48)^2)"},"units_per_slice":5,
+          "slices":3,"widths_mm":[16,12,9]})j";
+  const auto agrees = [&](const std::string& join, const std::string& more = "") {
+    const std::string text =
+        fmt::format(R"({{"popcut":1,"patches":[{},{},{}],"join":{},"join_tolerance_mm":20{}}})",
+                    hall, dome, shed, join, more);
+    CAPTURE(text);
+    const auto spec = parse_design_spec(text);
+    if (!spec) FAIL(message(spec.error()));
+    const auto made = design_assembly(*spec);
+    if (!made) FAIL(message(made.error()));
+    std::string ranges;
+    for (const Design& part : made->parts) {
+      std::ostringstream fold;
+      REQUIRE(write_fold(part.pattern, {}, fold));
+      VerifyOptions options;
+      options.target_spec = text;
+      const auto verified = verify_fold(fold.str(), options);
+      if (!verified) FAIL(message(verified.error()));
+      INFO(verify_text(*verified));
+      REQUIRE(verified->target_inner);
+      CHECK(verified->target_inner->vertices > 0);
+      CHECK(verified->target_inner->rms_mm == Approx(part.report.inner_error.rms_mm).margin(1e-6));
+      CHECK(verified->target_inner->max_mm == Approx(part.report.inner_error.max_mm).margin(1e-6));
+      for (const VerifyCheck& check : verified->checks)
+        if (check.name == "target") {
+          CHECK(check.ok());
+          ranges += check.detail.substr(check.detail.rfind(';'));
+        }
+    }
+    return ranges;
+  };
+  CHECK(agrees(R"("sheet")") == "; of patches 0 to 2");
+  CHECK(agrees(R"(["sheet","seam"])") == "; of patches 0 to 1; of patch 2");
+  CHECK(agrees(R"("seam")", R"(,"card":{"margin_mm":9},"lattice":"slices")") ==
+        "; of patch 0; of patch 1; of patch 2");
+}
+
 TEST_CASE("verify measures the widths that the design chose",
           "[property][design][verify][target]") {
   check_agrees(
@@ -146,7 +213,10 @@ TEST_CASE("verify reports a pattern that does not belong to its target",
   CHECK(verify_text(*other).find("is it the spec of this pattern?") != std::string::npos);
 
   const auto refused = [&](const std::string& surface, const std::string& bytes) {
-    options.target_spec = one(surface), options.target_file = bytes;
+    options.target_spec = one(surface);
+    options.target_files.clear();
+    for (const std::string& name : target_files_of(one(surface)))
+      options.target_files.emplace(name, bytes);
     const auto result = verify_fold(fold.str(), options);
     REQUIRE_FALSE(result);
     CHECK(exit_code(result.error().kind) == 3);

@@ -48,6 +48,13 @@ struct VerifyCheck {
     ran = false;
     detail = "not checked: " + std::move(why);
   }
+  /// Takes back what was found: it does not say whether the pattern is sound.
+  void undecided(std::string why) {
+    ran = false;
+    failed = 0;
+    failures.clear();
+    detail = "not judged: " + std::move(why);
+  }
 };
 
 /// Sizes of the flat sheet.

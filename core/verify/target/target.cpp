@@ -138,6 +138,40 @@ class Measurement {
   double on_card_{};
 };
 
+/// Measures the fold vertices at the stations of a run of patches.
+TargetDistances measure_stations(const FoldModel& file, const Pose& pose, const Target& target,
+                                 const TargetStations& stations, VerifyCheck& check) {
+  std::vector<TargetStation> connectors;
+  for (const auto& connector : stations.connectors) connectors.push_back(connector.at);
+  Measurement measured(*target.surface, pose, check);
+  const Folds on_slices = valleys_in(file, pose, stations.slices);
+  const Folds on_connectors = valleys_in(file, pose, connectors);
+  for (std::size_t k = 0; k < connectors.size(); ++k) {
+    const auto& [at, left, right] = stations.connectors[k];
+    measured.inner_folds(on_connectors[k], at.s_mm);
+    measured.ends(on_connectors[k], {&on_slices[left], &on_slices[right]},
+                  {stations.slices[left].s_mm, stations.slices[right].s_mm});
+  }
+  const TargetDistance inner = closed(measured.inner);
+  const TargetDistance all = closed(measured.all);
+  if (all.vertices == 0) {
+    check.fail(
+        "",
+        "no fold of the pattern lies on a slice or connector of the spec; is it the spec of this "
+        "pattern?");
+  }
+  check.detail = fmt::format(
+      "{} inner fold vertices: rms {:.3g} mm, max {:.3g} mm; {} with the ends: rms {:.3g} mm, "
+      "max {:.3g} mm",
+      inner.vertices, inner.rms_mm, inner.max_mm, all.vertices, all.rms_mm, all.max_mm);
+  if (target.patches.size() > 1)
+    check.detail +=
+        stations.first_patch == stations.last_patch
+            ? fmt::format("; of patch {}", stations.first_patch)
+            : fmt::format("; of patches {} to {}", stations.first_patch, stations.last_patch);
+  return {inner, all};
+}
+
 }  // namespace
 
 FoldVertex unposed(Vec3 p, double psi_rad) {
@@ -155,35 +189,34 @@ std::optional<TargetDistances> measure_target(const FoldModel& file, const Targe
         "from the target");
     return std::nullopt;
   }
-  const auto stations = find_stations(file, *pose, target);
-  if (!stations) {
-    check.fail("", stations.error().detail);
+  const auto found = find_stations(file, *pose, target);
+  if (!found) {
+    check.fail("", found.error().detail);
     return std::nullopt;
   }
-  std::vector<TargetStation> connectors;
-  for (const auto& connector : stations->connectors) connectors.push_back(connector.at);
-  Measurement measured(*target.surface, *pose, check);
-  const Folds on_slices = valleys_in(file, *pose, stations->slices);
-  const Folds on_connectors = valleys_in(file, *pose, connectors);
-  for (std::size_t k = 0; k < connectors.size(); ++k) {
-    const auto& [at, left, right] = stations->connectors[k];
-    measured.inner_folds(on_connectors[k], at.s_mm);
-    measured.ends(on_connectors[k], {&on_slices[left], &on_slices[right]},
-                  {stations->slices[left].s_mm, stations->slices[right].s_mm});
+  VerifyCheck best_check = check;
+  std::optional<TargetDistances> best;
+  for (const TargetStations& stations : *found) {
+    VerifyCheck here = check;
+    const TargetDistances distances = measure_stations(file, *pose, target, stations, here);
+    const bool better =
+        !best || here.failed < best_check.failed ||
+        (here.failed == best_check.failed && distances.all.rms_mm < best->all.rms_mm);
+    if (better) best = distances, best_check = std::move(here);
   }
-  const TargetDistance inner = closed(measured.inner);
-  const TargetDistance all = closed(measured.all);
-  if (all.vertices == 0) {
-    check.fail(
-        "",
-        "no fold of the pattern lies on a slice or connector of the spec; is it the spec of this "
-        "pattern?");
-  }
-  check.detail = fmt::format(
-      "{} inner fold vertices: rms {:.3g} mm, max {:.3g} mm; {} with the ends: rms {:.3g} mm, "
-      "max {:.3g} mm",
-      inner.vertices, inner.rms_mm, inner.max_mm, all.vertices, all.rms_mm, all.max_mm);
-  return TargetDistances{inner, all};
+  check = std::move(best_check);
+  return best;
+}
+
+void place_slices(std::vector<TargetSlice>& slices) {
+  for (std::size_t j = 1; j < slices.size(); ++j)
+    slices[j].s_mm = slices[j - 1].s_mm + 0.5 * (slices[j - 1].width_mm + slices[j].width_mm);
+}
+
+std::span<const TargetSlice> Target::slices_of(std::size_t first, std::size_t last) const {
+  const std::size_t begin = patches[first].first_slice;
+  const std::size_t end = last + 1 < patches.size() ? patches[last + 1].first_slice : slices.size();
+  return std::span(slices).subspan(begin, end - begin);
 }
 
 }  // namespace popcut::verify

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
+#include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,25 +21,40 @@ namespace popcut::verify {
 struct TargetSlice {
   double width_mm{};
   int units{};
-  bool cut_after{};  ///< a plain cut follows instead of a connector
+  bool cut_after{};  ///< no connector follows: a plain cut or a bridge
+  double s_mm{};     ///< of its middle, from the middle of the first slice
+};
+
+/// Sets `s_mm` of all slices from their widths.
+void place_slices(std::vector<TargetSlice>& slices);
+
+/// A stretch of the slices that was designed by itself: one patch, or all of a spec without them.
+struct TargetPatch {
+  std::size_t first_slice{};
+  double margin_mm{};  ///< of its card
 };
 
 /// A target surface and its slices (docs/geometry.md, section 3).
 struct Target {
   std::unique_ptr<TargetSurface> surface;
-  std::vector<TargetSlice> slices;  ///< empty: the design chose the widths
-  int chosen_units{};               ///< units of all slices, if the design chose the widths
-  double margin_mm{};
+  std::vector<TargetSlice> slices;   ///< empty: the design chose the widths
+  std::vector<TargetPatch> patches;  ///< at least one
+  int chosen_units{};                ///< units of all slices, if the design chose the widths; or 0
+
+  /// The slices of the patches from `first` to `last`.
+  [[nodiscard]] std::span<const TargetSlice> slices_of(std::size_t first, std::size_t last) const;
 };
 
-/// Reads from a design spec what the distance needs: the surface (of any kind, including regions
-/// and composites), its placement, the slices with their widths, and `card`. Ignores other members.
-/// `file_bytes` is the content of the file named by `target_file_of`, if there is one.
+/// Contents of the files that a spec names, by the name that it gives.
+using TargetFiles = std::map<std::string, std::string>;
+
+/// Reads from a design spec what the distance needs: the surface (of any kind, including regions,
+/// composites and patches), its placement, the slices with their widths, and `card`. Ignores other
+/// members. `files` has the contents of `target_files_of`.
 ///
 /// @retval Malformed   not JSON, a wrong type, or an expression or file that cannot be read
 /// @retval OutOfRange  a number that is not valid, or an unknown kind of surface
-[[nodiscard]] Result<Target> read_target(std::string_view spec_json,
-                                         const std::string& file_bytes = {});
+[[nodiscard]] Result<Target> read_target(std::string_view spec_json, const TargetFiles& files = {});
 
 /// A slice or connector: its strip on the sheet, and the place of its middle on the target.
 struct TargetStation {
@@ -53,17 +71,22 @@ struct TargetStations {
     std::size_t left{}, right{};
   };
   std::vector<Connector> connectors;
+  std::size_t first_patch{}, last_patch{};  ///< the patches that the pattern shows
 };
 
-/// Finds the strips on the sheet: by the spec's widths if the sheet is as wide as they say, else
-/// with the plain cuts that the pattern shows. Also finds the widths if the design chose them.
+/// Finds the strips on the sheet: the way to lay the spec's slices, with connectors, plain cuts and
+/// bridges, that agrees best with the borders that the pattern shows. Also finds the widths if the
+/// design chose them. A pattern can be some of a spec's patches; where several runs of patches fit
+/// equally well, all are returned.
 ///
 /// @retval CheckFailed  the sheet's strips are not those of the spec
-[[nodiscard]] Result<TargetStations> find_stations(const FoldModel& file, const Pose& pose,
-                                                   const Target& target);
+[[nodiscard]] Result<std::vector<TargetStations>> find_stations(const FoldModel& file,
+                                                                const Pose& pose,
+                                                                const Target& target);
 
 /// Measures the fold vertices, where a connector's valley folds cross it: the inner ones, and all
 /// of them including the ends at wall and ground. `check` fails if the pattern does not show them.
+/// If several runs of patches fit the pattern, the nearest one counts.
 /// @return none if the pattern allows no measurement at all
 [[nodiscard]] std::optional<TargetDistances> measure_target(const FoldModel& file,
                                                             const Target& target,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -88,7 +89,7 @@ Result<TargetFormula> formula_at(const Json& object, const char* member, const s
 }
 
 Result<Surface> read_surface(const Json& surface, const TargetPlacement& placement,
-                             const std::string& file_bytes) {
+                             const TargetFiles& files) {
   if (!surface.is_object() || !surface.contains("type") || !surface["type"].is_string())
     return wrong("/surface", "must be an object with a type");
   const std::string type = surface["type"].get<std::string>();
@@ -96,8 +97,9 @@ Result<Surface> read_surface(const Json& surface, const TargetPlacement& placeme
     if (!surface.contains("file") || !surface["file"].is_string())
       return wrong("/surface/file", "must be the name of a file");
     const std::string name = surface["file"].get<std::string>();
-    auto triangles =
-        type == "grid" ? read_target_grid(name, file_bytes) : read_target_mesh(name, file_bytes);
+    const auto file = files.find(name);
+    const std::string bytes = file == files.end() ? std::string() : file->second;
+    auto triangles = type == "grid" ? read_target_grid(name, bytes) : read_target_mesh(name, bytes);
     if (!triangles) return tl::unexpected(within("/surface/file", triangles.error()));
     return mesh_target(std::move(*triangles), placement);
   }
@@ -136,8 +138,10 @@ Result<void> read_widths(const Json& spec, Target& target) {
   if (!units) return tl::unexpected(units.error());
   const auto slices = number_at(spec, "/slices", std::nullopt, 1.0, kMostSlices);
   if (!slices) return tl::unexpected(slices.error());
-  target.chosen_units = static_cast<int>(*units);
-  if (spec.contains("widths_mm") && spec["widths_mm"].is_object()) return {};
+  if (spec.contains("widths_mm") && spec["widths_mm"].is_object()) {
+    target.chosen_units = static_cast<int>(*units);
+    return {};
+  }
   const auto count = static_cast<std::size_t>(*slices);
   const bool list = spec.contains("widths_mm") && spec["widths_mm"].is_array();
   if (list && spec["widths_mm"].size() != count)
@@ -147,7 +151,7 @@ Result<void> read_widths(const Json& spec, Target& target) {
     const auto width =
         number_at(spec, list ? fmt::format("/widths_mm/{}", j) : "/widths_mm", std::nullopt, 1e-9);
     if (!width) return tl::unexpected(width.error());
-    target.slices.push_back({*width, static_cast<int>(*units), false});
+    target.slices.push_back({*width, static_cast<int>(*units), false, 0.0});
   }
   return {};
 }
@@ -194,7 +198,7 @@ Result<RegionPlaces> read_regions(const Json& regions, Target& target) {
         out.middle_mm.push_back(s);
       }
       length += *width;
-      target.slices.push_back({*width, static_cast<int>(*units), false});
+      target.slices.push_back({*width, static_cast<int>(*units), false, 0.0});
     }
     out.length_mm.push_back(length);
   }
@@ -203,7 +207,7 @@ Result<RegionPlaces> read_regions(const Json& regions, Target& target) {
 
 /// One surface for all regions, or one per region.
 Result<Surface> read_stretches(const Json& spec, const RegionPlaces& places,
-                               const TargetPlacement& placement, const std::string& file_bytes) {
+                               const TargetPlacement& placement, const TargetFiles& files) {
   const Json& regions = spec["regions"];
   const Json& surface = spec.contains("surface") ? spec["surface"] : Json();
   const bool composite =
@@ -217,7 +221,7 @@ Result<Surface> read_stretches(const Json& spec, const RegionPlaces& places,
     if (!made) return tl::unexpected(made.error());
     radii = std::move(*made);
   } else if (!surface.is_null()) {
-    auto made = read_surface(surface, placement, file_bytes);
+    auto made = read_surface(surface, placement, files);
     if (!made) return tl::unexpected(made.error());
     common = std::move(*made);
   }
@@ -240,50 +244,107 @@ Result<Surface> read_stretches(const Json& spec, const RegionPlaces& places,
   return stretched_target(std::move(stretches));
 }
 
-}  // namespace
-
-Result<Target> read_target(std::string_view spec_json, const std::string& file_bytes) {
-  const auto spec = parse_spec(spec_json);
-  if (!spec) return tl::unexpected(spec.error());
-  if (spec->contains("patches"))
-    return fail(ErrorKind::OutOfRange, "/patches",
-                "verify measures one patch at a time; give the spec of that patch alone");
-  const auto placement = read_placement(*spec);
-  if (!placement) return tl::unexpected(placement.error());
+/// The margin of the spec's card.
+Result<double> read_margin(const Json& spec) {
   const bool plain =
-      spec->contains("card") && (*spec)["card"].is_boolean() && !(*spec)["card"].get<bool>();
-  const auto margin =
-      plain ? Result<double>(0.0) : number_at(*spec, "/card/margin_mm", kDefaultMargin_mm, 0.0);
+      spec.contains("card") && spec["card"].is_boolean() && !spec["card"].get<bool>();
+  return plain ? Result<double>(0.0) : number_at(spec, "/card/margin_mm", kDefaultMargin_mm, 0.0);
+}
+
+/// The target of one design.
+Result<Target> read_one(const Json& spec, const TargetFiles& files) {
+  const auto placement = read_placement(spec);
+  if (!placement) return tl::unexpected(placement.error());
+  const auto margin = read_margin(spec);
   if (!margin) return tl::unexpected(margin.error());
   Target target;
-  target.margin_mm = *margin;
+  target.patches.push_back({0, *margin});
   Result<Surface> surface;
-  if (spec->contains("regions")) {
-    const auto places = read_regions((*spec)["regions"], target);
+  if (spec.contains("regions")) {
+    const auto places = read_regions(spec["regions"], target);
     if (!places) return tl::unexpected(places.error());
-    surface = read_stretches(*spec, *places, *placement, file_bytes);
+    surface = read_stretches(spec, *places, *placement, files);
   } else {
-    if (auto read = read_widths(*spec, target); !read) return tl::unexpected(read.error());
-    surface = read_surface(spec->contains("surface") ? (*spec)["surface"] : Json(), *placement,
-                           file_bytes);
+    if (auto read = read_widths(spec, target); !read) return tl::unexpected(read.error());
+    surface = read_surface(spec.contains("surface") ? spec["surface"] : Json(), *placement, files);
   }
   if (!surface) return tl::unexpected(surface.error());
   target.surface = std::move(*surface);
+  place_slices(target.slices);
   return target;
+}
+
+/// The targets of all patches, one after the other along the spine; a patch begins half a width
+/// beyond the middle of the last slice before it.
+Result<Target> read_patches(const Json& spec, const TargetFiles& files) {
+  const Json& patches = spec["patches"];
+  constexpr std::size_t kMostPatches = 1000;
+  if (!patches.is_array() || patches.empty() || patches.size() > kMostPatches)
+    return wrong("/patches", "must be a list of 1 to 1000 designs");
+  Target out;
+  std::vector<TargetStretch> stretches;
+  double edge_mm = 0.0;
+  for (std::size_t k = 0; k < patches.size(); ++k) {
+    const std::string place = fmt::format("/patches/{}", k);
+    if (!patches[k].is_object()) return wrong(place, "must be an object");
+    Json patch = patches[k];
+    if (!patch.contains("card") && spec.contains("card")) patch["card"] = spec["card"];
+    auto one = read_one(patch, files);
+    if (!one) {
+      Error error = std::move(one.error());
+      error.place = place + error.place;
+      return tl::unexpected(std::move(error));
+    }
+    if (one->chosen_units > 0)
+      return fail(ErrorKind::OutOfRange, place + "/widths_mm",
+                  "verify cannot find chosen widths among patches; give the list of widths that "
+                  "report.json shows");
+    if (out.slices.size() + one->slices.size() > kMostSlices)
+      return wrong(place, "the spec has more than a million slices");
+    const double begin_mm = k == 0 ? -0.5 * one->slices.front().width_mm : edge_mm;
+    const double origin_mm = begin_mm + 0.5 * one->slices.front().width_mm;
+    if (!out.slices.empty()) out.slices.back().cut_after = true;
+    out.patches.push_back({out.slices.size(), one->patches.front().margin_mm});
+    for (TargetSlice slice : one->slices) {
+      slice.s_mm += origin_mm;
+      out.slices.push_back(slice);
+    }
+    edge_mm = out.slices.back().s_mm + 0.5 * out.slices.back().width_mm;
+    stretches.push_back({begin_mm, origin_mm, std::move(one->surface)});
+  }
+  out.surface = stretched_target(std::move(stretches));
+  return out;
+}
+
+}  // namespace
+
+Result<Target> read_target(std::string_view spec_json, const TargetFiles& files) {
+  const auto spec = parse_spec(spec_json);
+  if (!spec) return tl::unexpected(spec.error());
+  return spec->contains("patches") ? read_patches(*spec, files) : read_one(*spec, files);
 }
 
 }  // namespace verify
 
-std::string target_file_of(std::string_view spec_json) {
+std::vector<std::string> target_files_of(std::string_view spec_json) {
   const auto spec = verify::parse_spec(spec_json);
-  if (!spec || !spec->contains("surface")) return {};
-  const auto& surface = (*spec)["surface"];
-  const auto is_text = [&](const char* member) {
-    return surface.is_object() && surface.contains(member) && surface[member].is_string();
+  if (!spec) return {};
+  std::vector<std::string> out;
+  const auto add = [&](const verify::Json& design) {
+    if (!design.is_object() || !design.contains("surface")) return;
+    const auto& surface = design["surface"];
+    const auto is_text = [&](const char* member) {
+      return surface.is_object() && surface.contains(member) && surface[member].is_string();
+    };
+    if (!is_text("type") || !is_text("file")) return;
+    if (surface["type"] != "mesh" && surface["type"] != "grid") return;
+    const auto name = surface["file"].get<std::string>();
+    if (std::find(out.begin(), out.end(), name) == out.end()) out.push_back(name);
   };
-  if (!is_text("type") || !is_text("file")) return {};
-  return surface["type"] == "mesh" || surface["type"] == "grid" ? surface["file"].get<std::string>()
-                                                                : std::string();
+  add(*spec);
+  if (spec->contains("patches") && (*spec)["patches"].is_array())
+    for (const auto& patch : (*spec)["patches"]) add(patch);
+  return out;
 }
 
 }  // namespace popcut

@@ -2,6 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -9,6 +13,9 @@
 
 namespace popcut::verify {
 namespace {
+
+/// So many runs of patches that fit a pattern are measured; more are alike.
+constexpr std::size_t kMostCandidates = 64;
 
 /// The strips' borders on the sheet: positions along the spine that have vertices.
 class Borders {
@@ -87,91 +94,184 @@ class Borders {
   std::vector<std::uint8_t> joined_;
 };
 
-/// Lays out the slices from left to right: the stations, and where the last strip ends.
-struct LaidOut {
-  TargetStations stations;
-  double end_mm{};
+/// What lies between a slice and the next one.
+enum class Between : std::uint8_t { Connector, Cut, Bridge };
+
+/// Finds the strips of slices on the sheet. A pattern can have plain cuts and bridges beyond those
+/// of its spec, and a slice without neighbours lies in two halves with its own connector between
+/// them. So each boundary is a connector, a cut or a bridge, and among all ways to lay the slices
+/// that fill the sheet the one is taken that best agrees with the pattern's borders.
+///
+/// A bridge connects slices whose levels do not pair. It takes half of each slice strip beside it.
+/// Bridges are not measured, because they follow the target only where planes of both sides allow
+/// it.
+class Layout {
+ public:
+  Layout(std::span<const TargetSlice> slices, Borders& borders)
+      : slices_(slices), borders_(borders) {}
+
+  /// Lays the slices from `begin_mm` to `end_mm`; none if no way fits.
+  [[nodiscard]] std::optional<TargetStations> find(double begin_mm, double end_mm) {
+    std::vector<Way> ways{{begin_mm, 0.0, -1, Between::Cut, true, false}};
+    std::size_t first = 0;
+    for (std::size_t j = 0; j < slices_.size(); ++j) {
+      const std::size_t last = ways.size();
+      for (std::size_t k = first; k < last; ++k) {
+        if (j + 1 == slices_.size()) {
+          extend(ways, k, j, Between::Cut);
+          continue;
+        }
+        const bool apart = slices_[j].cut_after || slices_[j].units == 1;
+        if (!apart) extend(ways, k, j, Between::Connector);
+        extend(ways, k, j, Between::Cut);
+        if (slices_[j].units > 1 || slices_[j + 1].units > 1) extend(ways, k, j, Between::Bridge);
+      }
+      first = last;
+      keep_best(ways, first);
+    }
+    std::int32_t best = -1;
+    const double near = 1e-6 * (borders_.last() - borders_.first());
+    for (std::size_t k = first; k < ways.size(); ++k)
+      if (std::abs(ways[k].v_mm - end_mm) <= near &&
+          (best < 0 || ways[k].cost < ways[static_cast<std::size_t>(best)].cost))
+        best = static_cast<std::int32_t>(k);
+    if (best < 0) return std::nullopt;
+    cost_ = ways[static_cast<std::size_t>(best)].cost;
+    std::vector<Between> after(slices_.size());
+    for (std::size_t j = slices_.size(); j-- > 0;) {
+      const Way& way = ways[static_cast<std::size_t>(best)];
+      after[j] = way.after;
+      best = way.from;
+    }
+    return stations(after, begin_mm);
+  }
+
+  /// How badly the way that was found agrees with the pattern's borders; 0: in every place.
+  [[nodiscard]] double cost() const { return cost_; }
+
+ private:
+  static constexpr double kWrong = 10.0;  ///< a border that the strips need is not there
+  static constexpr double kOdd = 1.0;     ///< panels beside a plain cut that look joined
+  static constexpr double kExtra = 0.5;   ///< a cut or bridge that the spec does not ask for
+  static constexpr std::size_t kMostWays = 64;
+
+  /// The first slices laid in one way, up to the end of the last one's own strips.
+  struct Way {
+    double v_mm{};
+    double cost{};
+    std::int32_t from{-1};
+    Between after{};
+    bool apart{};    ///< the next slice begins a run
+    bool bridged{};  ///< the next slice gives its share to a bridge before it
+  };
+
+  [[nodiscard]] bool alone(bool apart_before, std::size_t j, Between after) const {
+    return slices_[j].units > 1 && apart_before && after != Between::Connector;
+  }
+  /// What slice j adds to the width of a bridge beside it.
+  [[nodiscard]] double share(std::size_t j, bool is_alone) const {
+    return slices_[j].units == 1 ? 0.0 : slices_[j].width_mm * (is_alone ? 0.125 : 0.25);
+  }
+  [[nodiscard]] double own(std::size_t j, bool is_alone) const {
+    const TargetSlice& slice = slices_[j];
+    return slice.width_mm * (slice.units == 1 ? 1.0 : is_alone ? 0.75 : 0.5);
+  }
+  [[nodiscard]] double connector(std::size_t j) const {
+    return 0.25 * (slices_[j].width_mm + slices_[j + 1].width_mm);
+  }
+  /// The cost of a border at `v` across which panels connect.
+  [[nodiscard]] double joint(double v) {
+    return (borders_.at(v) ? 0.0 : kWrong) + (borders_.joined(v) ? 0.0 : kWrong);
+  }
+
+  void extend(std::vector<Way>& ways, std::size_t k, std::size_t j, Between after) {
+    const Way& before = ways[k];
+    const bool is_alone = alone(before.apart, j, after);
+    Way way{before.v_mm, before.cost, static_cast<std::int32_t>(k), after, true, false};
+    if (before.bridged) {
+      way.v_mm += share(j, is_alone);
+      way.cost += joint(way.v_mm);
+    }
+    const double begin = way.v_mm;
+    if (is_alone)
+      way.cost +=
+          joint(begin + 0.25 * slices_[j].width_mm) + joint(begin + 0.5 * slices_[j].width_mm);
+    way.v_mm += own(j, is_alone);
+    if (j + 1 < slices_.size()) {
+      if (after == Between::Connector) {
+        way.cost += joint(way.v_mm);
+        way.v_mm += connector(j);
+        way.cost += joint(way.v_mm);
+        way.apart = false;
+      } else if (after == Between::Bridge) {
+        way.cost += joint(way.v_mm) + (slices_[j].cut_after ? 0.0 : kExtra);
+        way.v_mm += share(j, is_alone);
+        way.bridged = true;
+      } else {
+        // Boxes of the same size beside each other show no border at all.
+        const bool boxes = slices_[j].units == 1 && slices_[j + 1].units == 1;
+        if (!boxes)
+          way.cost += (borders_.at(way.v_mm) ? 0.0 : kWrong) +
+                      (borders_.joined(way.v_mm) ? kOdd : 0.0) +
+                      (slices_[j].cut_after ? 0.0 : kExtra);
+      }
+    }
+    ways.push_back(way);
+  }
+
+  /// Removes ways from `first` on that lead to the same place as a better one, and the worst of too
+  /// many.
+  void keep_best(std::vector<Way>& ways, std::size_t first) const {
+    const auto begin = ways.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto same = [&](const Way& a, const Way& b) {
+      return a.apart == b.apart && a.bridged == b.bridged &&
+             std::abs(a.v_mm - b.v_mm) <= borders_.same();
+    };
+    std::stable_sort(begin, ways.end(), [](const Way& a, const Way& b) { return a.cost < b.cost; });
+    auto kept = begin;
+    for (auto it = begin; it != ways.end(); ++it) {
+      if (static_cast<std::size_t>(kept - begin) == kMostWays) break;
+      if (std::none_of(begin, kept, [&](const Way& way) { return same(way, *it); })) *kept++ = *it;
+    }
+    ways.erase(kept, ways.end());
+  }
+
+  [[nodiscard]] TargetStations stations(const std::vector<Between>& after, double begin_mm) const {
+    TargetStations out;
+    double v = begin_mm;
+    bool apart = true, bridged = false;
+    for (std::size_t j = 0; j < slices_.size(); ++j) {
+      const double w = slices_[j].width_mm, s = slices_[j].s_mm;
+      const bool is_alone = alone(apart, j, after[j]);
+      const auto take = [&](double width, double at_s) {
+        const TargetStation made{v, v + width, at_s};
+        v += width;
+        return made;
+      };
+      if (bridged) v += share(j, is_alone);
+      out.slices.push_back(take(is_alone ? 0.25 * w : own(j, false), s));
+      const std::size_t left = out.slices.size() - 1;
+      if (slices_[j].units == 1) {
+        out.connectors.push_back({out.slices.back(), left, left});
+      } else if (is_alone) {
+        out.connectors.push_back({take(0.25 * w, s), left, left + 1});
+        out.slices.push_back(take(0.25 * w, s));
+      }
+      if (j + 1 == slices_.size()) break;
+      if (after[j] == Between::Connector)
+        out.connectors.push_back(
+            {take(connector(j), s + (3.0 * w + slices_[j + 1].width_mm) / 8.0), left, left + 1});
+      bridged = after[j] == Between::Bridge;
+      if (bridged) v += share(j, is_alone);
+      apart = after[j] != Between::Connector;
+    }
+    return out;
+  }
+
+  std::span<const TargetSlice> slices_;
+  Borders& borders_;
+  double cost_{};
 };
-
-/// With `borders`, a plain cut across which panels connect is a bridge: a connector between slices
-/// whose levels do not pair, half as wide as the two slice strips beside it together. Bridges are
-/// not measured, because they follow the target only where planes of both sides allow it.
-LaidOut lay_out(const std::vector<TargetSlice>& slices, double begin_mm,
-                Borders* borders = nullptr) {
-  const auto is_alone = [&](std::size_t j) {
-    return slices[j].units > 1 && (j + 1 == slices.size() || slices[j].cut_after) &&
-           (j == 0 || slices[j - 1].cut_after);
-  };
-  const auto bridge_share = [&](std::size_t j) {
-    return slices[j].units == 1 ? 0.0 : slices[j].width_mm * (is_alone(j) ? 0.125 : 0.25);
-  };
-  LaidOut out;
-  TargetStations& st = out.stations;
-  double v = begin_mm, s = 0.0;
-  const auto take = [&](double width) {
-    const TargetStation made{v, v + width, s};
-    v += width;
-    return made;
-  };
-  for (std::size_t j = 0; j < slices.size(); ++j) {
-    const double w = slices[j].width_mm;
-    const bool last = j + 1 == slices.size();
-    const bool apart = last || slices[j].cut_after || slices[j].units == 1;
-    const bool alone = apart && (j == 0 || slices[j - 1].cut_after);
-    if (slices[j].units == 1) {
-      st.slices.push_back(take(w));
-      const std::size_t own = st.slices.size() - 1;
-      st.connectors.push_back({st.slices.back(), own, own});
-    } else if (alone) {
-      st.slices.push_back(take(0.25 * w));
-      const std::size_t left = st.slices.size() - 1;
-      st.connectors.push_back({take(0.25 * w), left, left + 1});
-      st.slices.push_back(take(0.25 * w));
-    } else {
-      st.slices.push_back(take(0.5 * w));
-    }
-    if (last) break;
-    const double next = slices[j + 1].width_mm;
-    if (!apart) {
-      const std::size_t left = st.slices.size() - 1;
-      TargetStation connector = take(0.25 * (w + next));
-      connector.s_mm = s + (3.0 * w + next) / 8.0;
-      st.connectors.push_back({connector, left, left + 1});
-    }
-    if (slices[j].cut_after && borders != nullptr && borders->joined(v))
-      v += bridge_share(j) + bridge_share(j + 1);
-    s += 0.5 * (w + next);
-  }
-  out.end_mm = v;
-  return out;
-}
-
-/// The slices with the plain cuts that the pattern has beyond those of the spec.
-std::vector<TargetSlice> with_shown_cuts(std::vector<TargetSlice> slices, double begin_mm,
-                                         Borders& borders) {
-  double v = begin_mm;
-  for (std::size_t j = 0; j + 1 < slices.size(); ++j) {
-    TargetSlice& slice = slices[j];
-    const double w = slice.width_mm;
-    if (slice.units == 1) {
-      v += w;
-      continue;
-    }
-    const bool starts = j == 0 || slices[j - 1].cut_after || slices[j - 1].units == 1;
-    // A slice without neighbours has two halves: its first strip is half as wide, a connector
-    // follows, and nothing connects after the last one.
-    if (starts && borders.at(v + 0.25 * w) && borders.joined(v + 0.25 * w) &&
-        !borders.joined(v + 0.75 * w)) {
-      slice.cut_after = true;
-      v += 0.75 * w;
-      continue;
-    }
-    v += 0.5 * w;
-    slice.cut_after = slice.cut_after || !borders.joined(v);
-    if (!slice.cut_after) v += 0.25 * (w + slices[j + 1].width_mm);
-  }
-  return slices;
-}
 
 /// The widths of the strips between the margins, alternating slice and connector.
 std::vector<TargetSlice> shown_slices(int units, double begin_mm, double end_mm, Borders& borders) {
@@ -187,37 +287,75 @@ std::vector<TargetSlice> shown_slices(int units, double begin_mm, double end_mm,
   for (std::size_t k = 0; k < width.size(); ++k) {
     v += width[k];
     if (units == 1) {
-      out.push_back({width[k], 1, false});
+      out.push_back({width[k], 1, false, 0.0});
       continue;
     }
     const bool connector = k + 2 < width.size() && borders.joined(v);
-    out.push_back({2.0 * width[k], units, !connector});
+    out.push_back({2.0 * width[k], units, !connector, 0.0});
     if (connector) v += width[++k];
+  }
+  place_slices(out);
+  return out;
+}
+
+/// The strips' width if all slices are connected, and with every slice apart.
+struct WidthRange {
+  double least_mm{}, most_mm{};
+};
+WidthRange widths_of(std::span<const TargetSlice> slices) {
+  // A slice takes at least half its width, and at most all of it with what it adds to connectors.
+  WidthRange out;
+  for (const TargetSlice& slice : slices) {
+    out.least_mm += slice.width_mm * (slice.units == 1 ? 1.0 : 0.5);
+    out.most_mm += slice.width_mm;
   }
   return out;
 }
 
 }  // namespace
 
-Result<TargetStations> find_stations(const FoldModel& file, const Pose& pose,
-                                     const Target& target) {
+Result<std::vector<TargetStations>> find_stations(const FoldModel& file, const Pose& pose,
+                                                  const Target& target) {
   Borders borders(file, pose);
   if (borders.empty()) return fail(ErrorKind::CheckFailed, "", "the pattern has no vertices");
-  const double begin = borders.first() + target.margin_mm, end = borders.last() - target.margin_mm;
-  const bool chosen = target.slices.empty();
-  const std::vector<TargetSlice> slices =
-      chosen ? shown_slices(target.chosen_units, begin, end, borders) : target.slices;
-  LaidOut laid = lay_out(slices, begin);
   const double same = 1e-6 * (borders.last() - borders.first());
-  if (std::abs(laid.end_mm - end) <= same) return std::move(laid.stations);
-  LaidOut bridged = lay_out(slices, begin, &borders);
-  if (std::abs(bridged.end_mm - end) <= same) return std::move(bridged.stations);
-  const LaidOut cut = lay_out(with_shown_cuts(slices, begin, borders), begin);
-  if (std::abs(cut.end_mm - end) <= same) return cut.stations;
+  const auto inside = [&](std::size_t first, std::size_t last) {
+    return std::array{borders.first() + target.patches[first].margin_mm,
+                      borders.last() - target.patches[last].margin_mm};
+  };
+  if (target.chosen_units > 0) {
+    const auto [begin, end] = inside(0, 0);
+    const auto slices = shown_slices(target.chosen_units, begin, end, borders);
+    if (auto found = Layout(slices, borders).find(begin, end))
+      return std::vector<TargetStations>{std::move(*found)};
+  }
+  std::vector<TargetStations> out;
+  double least_cost = std::numeric_limits<double>::infinity();
+  const std::size_t patches = target.patches.size();
+  for (std::size_t first = 0; first < patches; ++first) {
+    for (std::size_t last = first; last < patches && out.size() < kMostCandidates; ++last) {
+      const auto slices = target.slices_of(first, last);
+      const auto [begin, end] = inside(first, last);
+      const WidthRange range = widths_of(slices);
+      if (range.least_mm > end - begin + same) break;
+      if (slices.empty() || range.most_mm < end - begin - same) continue;
+      Layout layout(slices, borders);
+      auto found = layout.find(begin, end);
+      if (!found || layout.cost() > least_cost) continue;
+      if (layout.cost() < least_cost) out.clear();
+      least_cost = layout.cost();
+      found->first_patch = first, found->last_patch = last;
+      out.push_back(std::move(*found));
+    }
+  }
+  if (!out.empty()) return out;
+  const WidthRange all = widths_of(target.slices);
+  const auto [begin, end] = inside(0, patches - 1);
   return fail(ErrorKind::CheckFailed, "",
-              fmt::format("the pattern's strips cover {:.6g} mm of the spine, those of the spec "
-                          "{:.6g} mm; is it the spec of this pattern?",
-                          end - begin, laid.end_mm - begin));
+              fmt::format("the pattern's strips cover {:.6g} mm of the spine, and the {:.6g} mm of "
+                          "slices of the spec cannot be laid on them; is it the spec of this "
+                          "pattern?",
+                          end - begin, all.most_mm));
 }
 
 }  // namespace popcut::verify

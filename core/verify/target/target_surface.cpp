@@ -110,24 +110,53 @@ class Profile : public TargetSurface {
   }
 
  private:
-  /// The smallest x > 0 at which the profile reaches 0; negative if it never does.
+  /// The smallest x > 0 at which the profile reaches 0 or touches it; negative if it never does.
   [[nodiscard]] double ground_end(double y) const {
     const double height = z_(0.0, y, 0.0);
     if (!(height > 0.0)) return -1.0;
     double step = height / 256.0;
-    double above = 0.0;
-    double below = step;
-    for (int k = 0; k < 8192 && z_(below, y, 0.0) > 0.0; ++k) {
+    double before = 0.0, above = 0.0, below = step;
+    double last = height, here = z_(below, y, 0.0);
+    for (int k = 0; k < 8192 && here > 0.0; ++k) {
+      if (here > last) {
+        const double x = lowest(before, below, y);
+        if (z_(x, y, 0.0) < 1e-9 * height) return touching(x, height, y);
+      }
+      before = above;
       above = below;
       below += step;
       if (k % 1024 == 1023) step *= 2.0;
+      last = here, here = z_(below, y, 0.0);
     }
-    if (z_(below, y, 0.0) > 0.0) return -1.0;
+    if (here > 0.0) return -1.0;
     for (int k = 0; k < 80; ++k) {
       const double middle = 0.5 * (above + below);
       (z_(middle, y, 0.0) > 0.0 ? above : below) = middle;
     }
     return above;
+  }
+
+  /// Where the profile is lowest between two places around a minimum.
+  [[nodiscard]] double lowest(double low, double high, double y) const {
+    for (int k = 0; k < 100; ++k) {
+      const double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
+      z_(a, y, 0.0) < z_(b, y, 0.0) ? high = b : low = a;
+    }
+    return 0.5 * (low + high);
+  }
+
+  /// The place of a minimum near x, by the sign of the slope: the value itself is flat there, so it
+  /// shows the place to half the digits only.
+  [[nodiscard]] double touching(double x, double height, double y) const {
+    const double reach = 1e-3 * height;
+    const auto rises = [&](double p) { return z_(p + reach, y, 0.0) > z_(p - reach, y, 0.0); };
+    double low = x - 1e-4 * height, high = x + 1e-4 * height;
+    if (rises(low) || !rises(high)) return x;
+    for (int k = 0; k < 80; ++k) {
+      const double middle = 0.5 * (low + high);
+      (rises(middle) ? high : low) = middle;
+    }
+    return 0.5 * (low + high);
   }
 
   TargetFormula z_;

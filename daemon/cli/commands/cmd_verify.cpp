@@ -85,10 +85,10 @@ Result<void> run_verify(const Options& options, const Globals& globals) {
   if (!options.target.empty()) {
     auto spec = read_file(options.target, kSpecLimitBytes);
     if (!spec) return tl::unexpected<Error>(spec.error());
-    if (const std::string name = target_file_of(*spec); !name.empty()) {
+    for (const std::string& name : target_files_of(*spec)) {
       auto bytes = read_file(std::filesystem::path(options.target).parent_path() / name);
       if (!bytes) return tl::unexpected<Error>(within(options.target, bytes.error()));
-      verify.target_file = std::move(*bytes);
+      verify.target_files.emplace(name, std::move(*bytes));
     }
     verify.target_spec = std::move(*spec);
   }

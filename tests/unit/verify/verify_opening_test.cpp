@@ -110,6 +110,20 @@ TEST_CASE("a crossing that only occurs during opening is found", "[core][verify]
   CHECK(has(verify_text(report), "of the many ways to open it"));
 }
 
+TEST_CASE("a crossing on one of many motions is not judged", "[core][verify]") {
+  // The same strip without its angles: how far each fold turns is popcut's choice.
+  FoldDraft draft = folded_strip({0.0, 40.0, 60.0, 80.0, 110.0}, {90.0, 90.0, 90.0});
+  const VerifyReport report = verified(without_poses(draft, false));
+  INFO(verify_text(report));
+  CHECK(report.ok());
+  CHECK(report.degrees_of_freedom == 3U);
+  CHECK(has(verify_text(report), "not judged: with 3 degrees of freedom"));
+  const auto check = std::find_if(report.checks.begin(), report.checks.end(),
+                                  [](const VerifyCheck& c) { return c.name == "crossing"; });
+  REQUIRE(check != report.checks.end());
+  CHECK_FALSE(check->ran);
+}
+
 TEST_CASE("a sheet is opened as far as its listed angle and no farther", "[core][verify]") {
   FoldDraft draft = folded_strip({0.0, 40.0, 60.0, 80.0, 110.0}, {40.0, 40.0, 40.0});
   const VerifyReport report = verified(without_poses(draft, true));
