@@ -45,9 +45,14 @@ class Designer {
 
   Result<Design> run() {
     auto sliced = slice_target(spec_, assets_);
-    if (!sliced) return tl::unexpected(sliced.error());
+    if (!sliced) {
+      Error error = sliced.error();  // a placement is proposed for files only
+      if (asset_of(spec_.surface).empty()) error.reason = ErrorReason::None;
+      return tl::unexpected(std::move(error));
+    }
     sliced_ = std::move(*sliced);
     cut_after_ = sliced_.cut_after;
+    note_blanks();
     if (sliced_.uniform_slices > 0)
       notes_.push_back(
           fmt::format("{} slices of chosen widths; equal ones would be {} for the same error",
@@ -83,6 +88,20 @@ class Designer {
   }
 
  private:
+  /// Says which slices are blank and why, each stretch once.
+  void note_blanks() {
+    const std::vector<std::string>& blank = sliced_.blank;
+    for (std::size_t j = 0, end = 0; j < blank.size(); j = end) {
+      end = j + 1;
+      if (!sliced_.is_blank(j)) continue;
+      while (end < blank.size() && sliced_.is_blank(end)) ++end;
+      notes_.push_back(end == j + 1
+                           ? fmt::format("slice {} is blank, plain card: {}", j, blank[j])
+                           : fmt::format("slices {} to {} are blank, plain card: {} (slice {})", j,
+                                         end - 1, blank[j], j));
+    }
+  }
+
   /// V-folds as asked for, or solved from their targets.
   Result<void> splay(const Strips& strips, Pattern& pattern) {
     if (!spec_.splay) return {};
@@ -128,7 +147,7 @@ class Designer {
     auto framed = frame(out.layout.runs);
     if (!framed) return tl::unexpected(framed.error());
     out.frame = *framed;
-    StripOptions options{out.frame, spec_.min_panel_mm, {}, {}};
+    StripOptions options{out.frame, spec_.min_panel_mm, {}, {}, out.layout.blanks};
     if (!out.frame.card)
       for (const LaidSlice& slice : out.layout.laid) {
         options.wall_ends.push_back(sliced_.curves[static_cast<std::size_t>(slice.slice)].h());
@@ -148,7 +167,8 @@ class Designer {
     for (std::size_t s = 0; s < strips.size() && run + 1 < layout.runs.size(); ++s) {
       if (strips.kind[s] != StripKind::Slice && strips.kind[s] != StripKind::Box) continue;
       if (++slices != static_cast<std::size_t>(layout.runs[run + 1].first)) continue;
-      aims.push_back({s, &sliced_.between[static_cast<std::size_t>(strips.slice[s])]});
+      if (strips.kind[s + 1] != StripKind::Blank)
+        aims.push_back({s, &sliced_.between[static_cast<std::size_t>(strips.slice[s])]});
       ++run;
     }
     BridgedStrips bridged = add_bridges(strips, aims, spec_.min_panel_mm);
@@ -328,11 +348,14 @@ class Designer {
   void note_borders(const std::vector<BridgeReport>& bridges) {
     std::size_t b = 0;
     for (std::size_t j = 0; j < cut_after_.size(); ++j) {
+      if (sliced_.is_blank(j) || (j + 1 < cut_after_.size() && sliced_.is_blank(j + 1))) continue;
       const bool bridged = b < bridges.size() && static_cast<std::size_t>(bridges[b].slice) == j;
       const bool changes = sliced_.cut_after[j] != 0;
       const std::string units =
-          changes ? fmt::format("{} and {} units a slice", sliced_.units[j], sliced_.units[j + 1])
-                  : std::string("whose levels do not pair");
+          !changes ? std::string("whose levels do not pair")
+          : sliced_.units[j] == sliced_.units[j + 1]
+              ? std::string("with a gap of the target between them")
+              : fmt::format("{} and {} units a slice", sliced_.units[j], sliced_.units[j + 1]);
       if (bridged && !changes)  // the cut that was noted has been bridged after all
         std::erase_if(notes_,
                       [&](const std::string& note) { return note.rfind(cut_between(j), 0) == 0; });
@@ -367,8 +390,8 @@ class Designer {
   void add_slices(const RunLayout& layout, const Strips& strips, DesignReport& r) {
     const std::vector<double> v_mm = slice_places(strips, sliced_.s_mm.size());
     for (std::size_t j = 0; j < sliced_.s_mm.size(); ++j)
-      r.slices.push_back(
-          {sliced_.figures[j], sliced_.s_mm[j], v_mm[j], sliced_.width_mm[j], sliced_.fits[j]});
+      r.slices.push_back({sliced_.figures[j], sliced_.s_mm[j], v_mm[j], sliced_.width_mm[j],
+                          sliced_.fits[j], sliced_.is_blank(j)});
     for (const Run& run : layout.runs)
       if (run.count == 2 && layout.laid[static_cast<std::size_t>(run.first)].slice ==
                                 layout.laid[static_cast<std::size_t>(run.first) + 1].slice)

@@ -78,7 +78,9 @@ void count_pattern(const Pattern& pattern, DesignReport& report) {
 std::vector<double> slice_places(const Strips& strips, std::size_t slices) {
   std::vector<double> place(slices), count(slices);
   for (std::size_t s = 0; s < strips.size(); ++s) {
-    if (strips.kind[s] != StripKind::Slice && strips.kind[s] != StripKind::Box) continue;
+    if (strips.kind[s] != StripKind::Slice && strips.kind[s] != StripKind::Box &&
+        strips.kind[s] != StripKind::Blank)
+      continue;
     const auto j = static_cast<std::size_t>(strips.slice[s]);
     place[j] += 0.5 * (strips.v_begin[s] + strips.v_begin[s + 1]), ++count[j];
   }

@@ -10,6 +10,10 @@ RunLayout lay_runs(const Slicing& sliced, const std::vector<std::uint8_t>& cut_a
                    const DesignSpec& spec) {
   RunLayout out;
   for (int j = 0; j < sliced.slices();) {
+    if (const auto k = static_cast<std::size_t>(j); sliced.is_blank(k)) {
+      out.blanks.push_back({j++, sliced.width_mm[k], out.runs.size()});
+      continue;
+    }
     int end = j + 1;
     while (end < sliced.slices() && !cut_after[static_cast<std::size_t>(end - 1)]) ++end;
     const int units = sliced.units[static_cast<std::size_t>(j)];

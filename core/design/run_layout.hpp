@@ -20,6 +20,7 @@ struct RunLayout {
   std::vector<Run> runs;
   std::vector<RunTarget> targets;                ///< one a run
   std::vector<std::vector<double>> connector_s;  ///< one a run, mm along the spine
+  std::vector<BlankSlice> blanks;                ///< slices without structure, in no run
 };
 
 /// Runs between plain cuts, their planes still empty; a slice that stands alone becomes two halves,

@@ -169,32 +169,81 @@ Result<void> cut_slice(const RegionCut& stretch, double s, double min_panel_mm, 
                        Slicing& out) {
   auto cut = stretch.surface->cut(s - stretch.origin_mm);
   if (!cut) return tl::unexpected(cut.error());
-  out.fits.push_back(cut->fit);
   SliceCurve* const curve = &cut->curve;
   if (curve->h() < 2.0 * min_panel_mm || curve->d() < 2.0 * min_panel_mm)
     return fail(ErrorKind::Infeasible, fmt::format("/surface at slice {} (s = {:.6g} mm)", j, s),
                 fmt::format("the target spans only {:.4g} x {:.4g} mm there, no room for panels of "
                             "min_panel_mm = {:g}; use a larger scale_mm or fewer slices",
-                            curve->d(), curve->h(), min_panel_mm));
+                            curve->d(), curve->h(), min_panel_mm),
+                ErrorReason::Misplaced);
   if (!(curve->h() <= kMostSpan) || !(curve->d() <= kMostSpan))
     return fail(
         ErrorKind::OutOfRange, fmt::format("/surface at slice {} (s = {:.6g} mm)", j, s),
         fmt::format("the target spans {:.4g} x {:.4g} mm there; at most {:g} mm is designed, "
                     "use a smaller scale_mm",
                     curve->d(), curve->h(), kMostSpan));
+  out.fits.push_back(cut->fit);
   out.curves.push_back(std::move(*curve));
+  out.blank.emplace_back();
+  return {};
+}
+
+/// Whether there is nothing to make at a slice, rather than something wrong with it.
+bool is_absence(const Error& error) {
+  return error.reason == ErrorReason::Misplaced;  // of one slice, since the surface itself was made
+}
+
+void add_blank(const Error& why, Slicing& out) {
+  out.fits.emplace_back();
+  out.curves.emplace_back(1.0, 1.0);  // until another one is known
+  out.blank.push_back(why.detail.substr(0, why.detail.find("; ")));
+  out.units[out.curves.size() - 1] = 0;
+}
+
+/// Sets blank slices apart from the others and gives them a curve of the target's size.
+///
+/// @param first  why the first blank slice is, none where no slice is blank
+Result<void> part_blank(const std::optional<Error>& first, bool is_patch, Slicing& out) {
+  if (!first) return {};
+  const auto made = std::find_if(out.blank.begin(), out.blank.end(),
+                                 [](const std::string& why) { return why.empty(); });
+  if (made == out.blank.end()) {
+    Error error = *first;
+    error.kind = ErrorKind::Infeasible;
+    if (out.slices() > 1)
+      error.detail += fmt::format("; all {} slices are like that", out.slices());
+    return tl::unexpected(std::move(error));
+  }
+  if (is_patch && (out.is_blank(0) || out.is_blank(out.blank.size() - 1)))
+    return fail(ErrorKind::Infeasible, "/surface",
+                fmt::format("the {} slice would be blank ({}); a patch must have a slice at each "
+                            "edge, for its neighbour",
+                            out.is_blank(0) ? "first" : "last",
+                            out.is_blank(0) ? out.blank.front() : out.blank.back()));
+  const SliceCurve some = out.curves[static_cast<std::size_t>(made - out.blank.begin())];
+  for (std::size_t j = 0; j < out.blank.size(); ++j) {
+    if (!out.is_blank(j)) continue;
+    out.curves[j] = some;
+    out.cut_after[j] = 1;
+    if (j > 0) out.cut_after[j - 1] = 1;
+  }
   return {};
 }
 
 Result<void> solve_chains(const DesignSpec& spec, Slicing& out) {
   out.chain_first.push_back(0);
   for (const int units : out.units)
-    out.chain_first.push_back(out.chain_first.back() + static_cast<std::size_t>(units) + 1);
+    out.chain_first.push_back(out.chain_first.back() +
+                              (units > 0 ? static_cast<std::size_t>(units) + 1 : 0));
   out.chain_x.resize(out.chain_first.back());
   out.chain_z.resize(out.chain_first.back());
   ChainSolver solver;
   SlsqpBudget budget;
   for (std::size_t j = 0; j < out.curves.size(); ++j) {
+    if (out.is_blank(j)) {
+      out.figures.emplace_back();
+      continue;
+    }
     const std::size_t first = out.chain_first[j], points = out.chain_first[j + 1] - first;
     const std::span x(out.chain_x.data() + first, points), z(out.chain_z.data() + first, points);
     auto figures = spec.solver == SolverMethod::Slsqp
@@ -271,12 +320,16 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
     }
     stretches.push_back(stretch);
   }
+  std::optional<Error> first_blank;
   for (std::size_t r = 0; r < stretches.size(); ++r) {
     const RegionCut& here = stretches[r];
     for (int j = here.first; j < here.first + here.count; ++j) {
       const auto k = static_cast<std::size_t>(j);
-      if (auto cut = cut_slice(here, out.s_mm[k], spec.min_panel_mm, j, out); !cut)
-        return tl::unexpected(cut.error());
+      if (auto cut = cut_slice(here, out.s_mm[k], spec.min_panel_mm, j, out); !cut) {
+        if (!spec.card || !is_absence(cut.error())) return tl::unexpected(cut.error());
+        if (!first_blank) first_blank = cut.error();
+        add_blank(cut.error(), out);
+      }
       const bool last_here = j + 1 == here.first + here.count;
       if (last_here && r + 1 == stretches.size()) break;
       const double between = out.s_mm[k] + (3.0 * out.width_mm[k] + out.width_mm[k + 1]) / 8.0;
@@ -288,12 +341,15 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
       out.cut_after.push_back(cut_here);
       out.between_s_mm.push_back(between);
       auto curve = owner.surface->slice(between - owner.origin_mm);
-      if (!curve && cut_here) curve = out.curves.back();  // then a bridge aims at the slice
+      if (!curve && spec.card && is_absence(curve.error())) out.cut_after.back() = 1;
+      if (!curve && out.cut_after.back()) curve = out.curves.back();  // what a bridge aims at
       if (!curve) return tl::unexpected(curve.error());
       out.between.push_back(std::move(*curve));
     }
   }
   out.cut_after.push_back(0);
+  if (auto parted = part_blank(first_blank, spec.is_patch, out); !parted)
+    return tl::unexpected(parted.error());
   if (spec.is_patch) add_edges(stretches.front(), stretches.back(), out);
   if (auto solved = solve_chains(spec, out); !solved) return tl::unexpected(solved.error());
   return out;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/design/chain/chain.hpp"
@@ -19,7 +20,10 @@ namespace popcut {
 struct Slicing {
   std::vector<double> s_mm;      ///< middle of the slice along the target
   std::vector<double> width_mm;  ///< w
-  std::vector<int> units;        ///< N of its region
+  std::vector<int> units;        ///< N of its region; 0 where the slice is blank
+  /// Why a slice is blank, plain card: the target is not there, or too small for panels. Empty for
+  /// all others. A blank slice has a curve of another one and no chain, and plain cuts beside it.
+  std::vector<std::string> blank;
   std::vector<SliceCurve> curves;
   std::vector<double> between_s_mm;     ///< middle of the connector after the slice
   std::vector<SliceCurve> between;      ///< the target there; one less than slices
@@ -35,12 +39,15 @@ struct Slicing {
   int uniform_slices{};  ///< with adaptive widths: equal slices of the same error; else 0
 
   [[nodiscard]] int slices() const { return static_cast<int>(s_mm.size()); }
+  [[nodiscard]] bool is_blank(std::size_t j) const { return !blank[j].empty(); }
 };
 
-/// Cuts the target into slices and solves each slice's chain.
+/// Cuts the target into slices and solves each slice's chain. In a card a slice where the target is
+/// not, or too small for panels, stays blank; between two slices such a place is a plain cut.
 ///
 /// @retval OutOfRange  the surface is not finite and positive at a slice or connector
-/// @retval Infeasible  a slice's curve does not fall to the ground, or leaves no room for panels
+/// @retval Infeasible  a slice's curve does not fall to the ground; all slices are blank, or one
+///                     without a card or at the edge of a patch is
 [[nodiscard]] Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets);
 
 }  // namespace popcut

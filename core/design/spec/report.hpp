@@ -31,6 +31,7 @@ struct SliceReport : ChainFigures {
   double v_mm{};  ///< centre line of its strip on the sheet
   double width_mm{};
   SliceFit fit{};
+  bool blank{};  ///< plain card: the target is not there, or too small
 };
 
 /// How near a lattice comes to its target, as it is laid, after merging.

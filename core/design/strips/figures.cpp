@@ -126,7 +126,9 @@ LatticeFigures measure(const FigureInput& input) {
   double shortest = std::numeric_limits<double>::infinity(), longest = 0.0;
   std::size_t slice = 0, connector = 0;
   for (std::size_t s = 0; s < strips.size(); ++s) {
-    if (strips.kind[s] == StripKind::Margin || strips.kind[s] == StripKind::Bridge) continue;
+    if (strips.kind[s] == StripKind::Margin || strips.kind[s] == StripKind::Bridge ||
+        strips.kind[s] == StripKind::Blank)
+      continue;
     const bool is_connector = strips.kind[s] == StripKind::Connector;
     const TargetStation& station =
         is_connector ? input.connectors[connector++] : input.slices[slice++];

@@ -8,11 +8,36 @@
 namespace popcut {
 namespace {
 
-void write_margin(const CardFrame& frame, StripWriter& writer) {
+void write_plain(const CardFrame& frame, StripKind kind, int slice, double width_mm,
+                 StripWriter& writer) {
   writer.start(0.0, frame.wall_mm);
   writer.panel_to(0.0, 0.0, kWallPlane);
   writer.panel_to(frame.ground_mm, 0.0, kGroundPlane);
-  writer.close(StripKind::Margin, -1, frame.margin_mm);
+  writer.close(kind, slice, width_mm);
+}
+
+void write_margin(const CardFrame& frame, StripWriter& writer) {
+  write_plain(frame, StripKind::Margin, -1, frame.margin_mm, writer);
+}
+
+/// What a slice strip leaves to the connector that does not follow it; boxes have their full width.
+double left_over(const std::vector<LaidSlice>& laid, const Run& run, int slice_of_run) {
+  if (run.planes.units == 1) return 0.0;
+  return 0.25 * laid[static_cast<std::size_t>(run.first + slice_of_run)].width_mm;
+}
+
+/// The blank slices before run r (after the last one: r is their number), from `next` on.
+void write_blanks(const std::vector<LaidSlice>& laid, const std::vector<Run>& runs, std::size_t r,
+                  const StripOptions& options, std::size_t& next, StripWriter& writer) {
+  const std::vector<BlankSlice>& blanks = options.blanks;
+  const std::size_t first = next;
+  for (; next < blanks.size() && blanks[next].before_run == r; ++next) {
+    double width = blanks[next].width_mm;
+    if (next == first && r > 0) width += left_over(laid, runs[r - 1], runs[r - 1].count - 1);
+    const bool is_last = next + 1 == blanks.size() || blanks[next + 1].before_run != r;
+    if (is_last && r < runs.size()) width += left_over(laid, runs[r], 0);
+    write_plain(options.frame, StripKind::Blank, blanks[next].slice, width, writer);
+  }
 }
 
 /// One run on its way to strips.
@@ -389,13 +414,17 @@ LaidStrips build_strips(const std::vector<LaidSlice>& laid, const std::vector<Ru
   const bool margins = options.frame.card && options.frame.margin_mm > 0.0;
   if (margins) write_margin(options.frame, writer);
   PlaneId next_plane = kGroundPlane + 1;
-  for (const Run& run : runs) {
+  std::size_t next_blank = 0;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    const Run& run = runs[r];
+    write_blanks(laid, runs, r, options, next_blank, writer);
     if (run.planes.units == 1)
       lay_boxes(laid, run, next_plane, options, writer);
     else
       RunLayer(laid, run, next_plane, options, out.merged, out.apart).lay(writer);
     next_plane += static_cast<PlaneId>(run.planes.value.size());
   }
+  write_blanks(laid, runs, runs.size(), options, next_blank, writer);
   if (margins) write_margin(options.frame, writer);
   out.strips = writer.take();
   unify_planes(out.strips);

@@ -36,12 +36,20 @@ struct CardFrame {
   double margin_mm{};  ///< width of the margin strips; 0: none
 };
 
+/// A slice without structure between two runs, or beside the first or the last.
+struct BlankSlice {
+  int slice{};               ///< of the design
+  double width_mm{};         ///< w
+  std::size_t before_run{};  ///< the run that follows it
+};
+
 /// What the strips need beyond their planes.
 struct StripOptions {
   CardFrame frame;
   double min_panel_mm{};
   /// Without a card: h and d of each laid slice, where its loose ends stop.
   std::vector<double> wall_ends, ground_ends;
+  std::vector<BlankSlice> blanks;  ///< in the order of slices; in a card only
 };
 
 struct LaidStrips {
@@ -54,7 +62,8 @@ struct LaidStrips {
 ///
 /// Where a step of a strip would be shorter than `min_panel_mm`, or go the wrong way, a level is
 /// left out there. Slice strips come first, since a connector can
-/// only use planes that its slices have.
+/// only use planes that its slices have. A blank slice is plain card of its full width and of what
+/// the slices beside it leave to connectors.
 [[nodiscard]] LaidStrips build_strips(const std::vector<LaidSlice>& laid,
                                       const std::vector<Run>& runs, const StripOptions& options);
 

@@ -20,8 +20,9 @@ inline constexpr PlaneId kGroundPlane = 1;  ///< z = 0
   return length_mm > 0.0 && length_mm >= (1.0 - kRounding) * min_panel_mm;
 }
 
-/// A bridge is a connector whose planes do not pair by level: between slices with another N.
-enum class StripKind : std::uint8_t { Margin, Slice, Connector, Box, Bridge };
+/// A bridge is a connector whose planes do not pair by level: between slices with another N. A
+/// blank is a slice without structure, wall and ground alone.
+enum class StripKind : std::uint8_t { Margin, Slice, Connector, Box, Bridge, Blank };
 
 /// A row of strips along v, each a monotone staircase of panels from the wall to the ground.
 ///

@@ -201,7 +201,8 @@ Result<SurfaceSlice> fit_section(const Section& section, FitMode mode, const std
         ErrorKind::Infeasible, place,
         fmt::format("the {} spans only {:.4g} x {:.4g} mm of the corner there; a curve from "
                     "wall to ground is needed",
-                    what, d, h));
+                    what, d, h),
+        ErrorReason::Misplaced);
   SliceCurve curve = mode == FitMode::Exact ? SliceCurve::through(fit.points)
                                             : strictly_falling(std::move(fit.points));
   SliceFit figures = measure_fit(outline, fit, curve);

@@ -20,13 +20,14 @@ Result<SurfaceSlice> slice(const Expression& radius, double length, double scale
     return fail(
         ErrorKind::OutOfRange, place,
         fmt::format("the radius is not a number at y = {:.6g}; it must be finite and positive "
-                    "for every slice: fewer or narrower slices, or another radius",
-                    y));
+                    "there: fewer or narrower slices, or another radius",
+                    y),
+        std::isnan(r_mm) ? ErrorReason::Misplaced : ErrorReason::None);
   if (r_mm <= 0.0)
     return fail(
         ErrorKind::OutOfRange, place,
-        fmt::format("the radius is {:.6g} mm at y = {:.6g}; it must be positive for every slice",
-                    r_mm, y));
+        fmt::format("the radius is {:.6g} mm at y = {:.6g}; it must be positive there", r_mm, y),
+        ErrorReason::Misplaced);
   return SurfaceSlice{SliceCurve(r_mm, r_mm), {}};
 }
 

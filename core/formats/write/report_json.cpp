@@ -21,14 +21,16 @@ Json fit(const SliceFit& fit) {
 
 Json slices(const DesignReport& report) {
   return json_list(report.slices, [](const SliceReport& slice) {
-    return Json{{"s_mm", slice.s_mm},
-                {"v_mm", slice.v_mm},
-                {"width_mm", slice.width_mm},
-                {"loss", slice.loss},
-                {"iterations", slice.iterations},
-                {"minima", slice.minima},
-                {"spread", slice.spread},
-                {"fit", fit(slice.fit)}};
+    Json json{{"s_mm", slice.s_mm},
+              {"v_mm", slice.v_mm},
+              {"width_mm", slice.width_mm},
+              {"loss", slice.loss},
+              {"iterations", slice.iterations},
+              {"minima", slice.minima},
+              {"spread", slice.spread},
+              {"fit", fit(slice.fit)}};
+    if (slice.blank) json["blank"] = true;
+    return json;
   });
 }
 

@@ -344,8 +344,8 @@ TEST_CASE("an invalid radius is refused with its place along the spine", "[core]
       {{"sqrt(", ErrorKind::Malformed, "does not parse"},
        {"foo + 1", ErrorKind::Malformed, "does not parse"},
        {"", ErrorKind::Malformed, "parse"},
-       {"sqrt(0.01 - y^2)", ErrorKind::OutOfRange, "not a number"},
-       {"0.2 - y", ErrorKind::OutOfRange, "positive"},
+       {"sqrt(-0.01 - y^2)", ErrorKind::Infeasible, "not a number"},
+       {"-0.2 - y", ErrorKind::Infeasible, "positive"},
        {"1/(y-y)", ErrorKind::OutOfRange, "not a number"},
        {"0.005", ErrorKind::Infeasible, "no room"}}));
   CAPTURE(radius);
@@ -362,7 +362,7 @@ TEST_CASE("a profile that rises or never reaches the ground is refused with its 
       {{"1 + 0.5*sin(6*x) - 0.3*x", ErrorKind::Infeasible, "rises"},
        {"exp(-x)", ErrorKind::Infeasible, "above the ground"},
        {"1 - x + (x > 0.5 ? sqrt(-1) : 0)", ErrorKind::Infeasible, "breaks off"},
-       {"0 - x", ErrorKind::OutOfRange, "start above"}}));
+       {"0 - x", ErrorKind::Infeasible, "start above"}}));
   CAPTURE(z);
   const auto spec = parse_design_spec(fmt::format(
       R"({{"popcut":1,"surface":{{"type":"profile","z":"{}"}},"scale_mm":50,"units_per_slice":4,"slices":3,"widths_mm":5}})",
