@@ -62,7 +62,8 @@ ShutStack shut_stack(const Strips& strips, double thickness_mm) {
 }
 
 std::optional<std::string> thickness_warning(const ShutStack& stack, double thickness_mm) {
-  constexpr double kMostOpenRad = 5 * std::numbers::pi / 180, kSmallestInThicknesses = 3;
+  constexpr double kMostOpenRad = 5 * std::numbers::pi / 180,
+                   kSmallestInThicknesses = 3 * (1 - 1e-6);
   std::string said;
   if (stack.stays_open_rad > kMostOpenRad)
     said = fmt::format(

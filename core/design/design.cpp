@@ -12,6 +12,7 @@
 #include "core/design/design_report.hpp"
 #include "core/design/lattice/lattice.hpp"
 #include "core/design/run_layout.hpp"
+#include "core/design/strips/closing.hpp"
 #include "core/design/strips/figures.hpp"
 #include "core/design/strips/mobility.hpp"
 #include "core/design/strips/multi_state.hpp"
@@ -57,8 +58,8 @@ class Designer {
       notes_.push_back(
           fmt::format("{} slices of chosen widths; equal ones would be {} for the same error",
                       sliced_.slices(), sliced_.uniform_slices));
-    // A round that fails makes a plain cut more, so the rounds end.
-    for (int round = 0; round <= sliced_.slices() + 2; ++round) {
+    // A round that fails makes a plain cut more, or once a larger card, so the rounds end.
+    for (int round = 0; round <= sliced_.slices() + 3; ++round) {
       LatticeMethod method = spec_.lattice;
       std::string note;
       auto laid = lay(method, note);
@@ -79,8 +80,13 @@ class Designer {
         return fail(ErrorKind::Infeasible, "/card",
                     fmt::format("without a card the sheet falls into {} pieces; keep the card",
                                 tight->second.pieces));
+      const std::size_t noted = notes_.size();
       if (auto splayed = splay(laid->strips.strips, tight->first.pattern); !splayed)
         return tl::unexpected(splayed.error());
+      if (grow_card(tight->first.pattern)) {
+        notes_.resize(noted);
+        continue;
+      }
       return finish(std::move(*laid), std::move(tight->first), tight->second, method,
                     std::move(note));
     }
@@ -141,6 +147,28 @@ class Designer {
     return out;
   }
 
+  /// Makes the measures of the card that are left out large enough for the shut structure.
+  void hold_shut(Laid& laid) const {
+    if (!spec_.card || spec_.card->shut == CardShut::Free) return;
+    CardFrame& frame = laid.frame;
+    const double least =
+        std::max(shut_reach_mm(laid.strips.strips) + frame.margin_mm, least_side_mm_);
+    if (!spec_.card->wall_mm) frame.wall_mm = std::max(frame.wall_mm, least);
+    if (!spec_.card->ground_mm) frame.ground_mm = std::max(frame.ground_mm, least);
+    set_card(laid.strips.strips, frame.wall_mm, frame.ground_mm);
+  }
+
+  /// Whether the card must be laid out once more, larger: tips of V-folds reach beyond the strips.
+  bool grow_card(const Pattern& pattern) {
+    if (!spec_.card || spec_.card->shut == CardShut::Free || pattern.v_folds.empty()) return false;
+    const double least = shut_reach_mm(pattern) + spec_.card->margin_mm;
+    const bool fits = (spec_.card->wall_mm || pattern.wall_mm >= least) &&
+                      (spec_.card->ground_mm || pattern.ground_mm >= least);
+    if (fits || least <= least_side_mm_) return false;
+    least_side_mm_ = least;
+    return true;
+  }
+
   Result<Laid> lay_strips(RunLayout layout) const {
     Laid out;
     out.layout = std::move(layout);
@@ -155,6 +183,7 @@ class Designer {
       }
     out.strips = build_strips(out.layout.laid, out.layout.runs, options);
     if (bridging_ && out.frame.card && out.strips.apart.empty()) bridge(out);
+    hold_shut(out);
     return out;
   }
 
@@ -340,6 +369,7 @@ class Designer {
     if (spec_.curvature) add_curvature(layout, method, r);
     r.notes = notes_;
     add_fit(r, spec_.fit);
+    if (spec_.card && !spec_.is_patch) add_closing(out.pattern, spec_.card->shut, r);
     out.edges = std::move(sliced_.edges);
     return out;
   }
@@ -405,7 +435,8 @@ class Designer {
   Slicing sliced_;
   std::vector<std::uint8_t> cut_after_;
   std::vector<std::string> notes_;
-  bool bridging_{true};  ///< connectors between runs
+  bool bridging_{true};     ///< connectors between runs
+  double least_side_mm_{};  ///< of wall and ground where they are left out
 };
 
 }  // namespace

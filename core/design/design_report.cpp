@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "core/design/strips/closing.hpp"
+
 namespace popcut {
 namespace {
 
@@ -73,6 +75,25 @@ void count_pattern(const Pattern& pattern, DesignReport& report) {
   }
   report.sheet_u_mm = u_most - u_least;
   report.sheet_v_mm = pattern.width_mm;
+}
+
+void add_closing(const Pattern& pattern, CardShut asked, DesignReport& report) {
+  constexpr double kNothing_mm = 1e-6;
+  if (!pattern.card) return;
+  const double reach = shut_reach_mm(pattern);
+  const double out = reach - std::min(pattern.wall_mm, pattern.ground_mm);
+  report.sticks_out_mm = out > kNothing_mm ? out : 0.0;
+  if (!(out > kNothing_mm)) return;
+  const std::string said = fmt::format(
+      "shut, the structure reaches {:.1f} mm from the spine and sticks out of the card by {:.1f} "
+      "mm",
+      reach, out);
+  if (asked == CardShut::Free)
+    report.notes.push_back(said);
+  else
+    report.warnings.push_back(
+        fmt::format("{}; make wall_mm and ground_mm at least {:.1f} mm, or leave them out", said,
+                    std::ceil(10.0 * reach) / 10.0));
 }
 
 std::vector<double> slice_places(const Strips& strips, std::size_t slices) {

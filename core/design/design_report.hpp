@@ -13,6 +13,10 @@ namespace popcut {
 /// Counts and measures a pattern's faces, folds, cuts and sheet for its report.
 void count_pattern(const Pattern& pattern, DesignReport& report);
 
+/// How far the structure sticks out of the shut card, with a note, or with a warning where the spec
+/// wants it inside. A pattern without a card has nothing to stick out of.
+void add_closing(const Pattern& pattern, CardShut asked, DesignReport& report);
+
 /// Where on the sheet the middle of each slice's own strips lies, mm along v.
 [[nodiscard]] std::vector<double> slice_places(const Strips& strips, std::size_t slices);
 

@@ -206,6 +206,11 @@ class Assembler {
                                 laid->bridges, laid->built.pattern);
     part.report.degrees_of_freedom = laid->motion.degrees_of_freedom;
     part.report.pieces = laid->motion.pieces;
+    const bool all_free =
+        std::all_of(spec_.patches.begin() + static_cast<std::ptrdiff_t>(begin),
+                    spec_.patches.begin() + static_cast<std::ptrdiff_t>(end),
+                    [](const DesignSpec& patch) { return patch.card->shut == CardShut::Free; });
+    add_closing(laid->built.pattern, all_free ? CardShut::Free : CardShut::Inside, part.report);
     part.strips = std::move(laid->joined.strips);
     part.pattern = std::move(laid->built.pattern);
     out_.parts.push_back(std::move(part));

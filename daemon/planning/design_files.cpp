@@ -10,14 +10,20 @@
 #include "core/deploy/glb.hpp"
 #include "core/deploy/pose_table.hpp"
 #include "core/deploy/shut_stack.hpp"
+#include "core/design/makeable.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/write/pattern_files.hpp"
 #include "core/formats/write/report_json.hpp"
+#include "core/plan/knife/micro_cut.hpp"
 
 namespace popcut::planning {
 namespace {
 
 constexpr int kFrames = 60;  // as popcut design
+constexpr const char* kDefaultMachine = "cameo3";
+
+/// Shorter panels do not fold flat.
+double least_panel_mm(const Material& material) { return std::max(0.5, 3 * material.thickness_mm); }
 
 Result<void> add_part(const Design& part, const std::string& prefix, const FileSink& add,
                       std::vector<std::string>& warnings) {
@@ -59,10 +65,31 @@ Result<std::string> animation_glb(const Pattern& pattern, const std::vector<doub
   return glb(pattern, *table, {.creator = "popcut " POPCUT_VERSION, .thickness_mm = thickness_mm});
 }
 
-void add_thickness_note(const Material& material, Design& made) {
+void suit_material(const Material& material, DesignSpec& spec) {
+  for (DesignSpec& patch : spec.patches) suit_material(material, patch);
+  if (!spec.min_panel_asked)
+    spec.min_panel_mm = std::max(spec.min_panel_mm, least_panel_mm(material));
+  if (spec.splay && !spec.splay->ligament_asked)
+    spec.splay->ligament_mm = std::max(
+        {spec.splay->ligament_mm, spec.min_panel_mm, shortest_good_fold_mm(material.dashes)});
+}
+
+void add_make_warnings(const Material& material, const DesignSpec& spec, Design& made) {
+  MakeLimits limits{shortest_good_fold_mm(material.dashes), least_panel_mm(material), {}, {}};
+  if (spec.sheet) {
+    limits.sheet_mm[0] = spec.sheet->width_mm, limits.sheet_mm[1] = spec.sheet->height_mm;
+    limits.sheet_name = spec.sheet->name.empty() ? "the sheet" : "a sheet " + spec.sheet->name;
+  } else if (const auto machine = find_machine(kDefaultMachine);
+             machine && !machine->mats.empty()) {
+    const Mat& mat = machine->mats.front();
+    limits.sheet_mm[0] = mat.width_mm, limits.sheet_mm[1] = mat.length_mm;
+    limits.sheet_name = fmt::format("the {} mat of {}", mat.name, machine->name);
+  }
+  for (const std::string& warning : make_warnings(made.strips, made.pattern, limits))
+    made.report.warnings.push_back(fmt::format("{}: {}", material.name, warning));
   const ShutStack stack = shut_stack(made.strips, material.thickness_mm);
   if (const auto warning = thickness_warning(stack, material.thickness_mm))
-    made.report.notes.push_back(fmt::format("{}: {}", material.name, *warning));
+    made.report.warnings.push_back(fmt::format("{}: {}", material.name, *warning));
 }
 
 Result<void> add_design_files(const PatchAssembly& made, const FileSink& add,

@@ -20,8 +20,14 @@ namespace popcut::planning {
                                                 const std::vector<double>& psi_rad,
                                                 double thickness_mm);
 
-/// Notes in the report where the thickness of the paper matters.
-void add_thickness_note(const Material& material, Design& made);
+/// Gives a spec what it leaves to its material: `min_panel_mm` of three thicknesses if that is more
+/// than 0.5, and V-folds with room for a good dash beside them. Of patches: each its own.
+void suit_material(const Material& material, DesignSpec& spec);
+
+/// Warnings in the report of what is hard to make in this material: its thickness when folded,
+/// folds that are too short, strips and slits that are too narrow, a sheet larger than `spec.sheet`
+/// or, where that is left out, than the usual cutter's.
+void add_make_warnings(const Material& material, const DesignSpec& spec, Design& made);
 
 /// Receives each file of a plan; its error ends the work.
 using FileSink = std::function<Result<void>(std::string name, std::string bytes)>;

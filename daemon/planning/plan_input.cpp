@@ -14,18 +14,30 @@
 #include "core/layout/layout.hpp"
 #include "core/plan/plan.hpp"
 #include "core/text/json_text.hpp"
+#include "daemon/planning/design_files.hpp"
 #include "daemon/planning/sound_design.hpp"
 
 namespace popcut::planning {
 namespace {
 
+void add_warnings(const PatchAssembly& made, LineWork& drawing) {
+  for (const Design& part : made.parts)
+    drawing.warnings.insert(drawing.warnings.end(), part.report.warnings.begin(),
+                            part.report.warnings.end());
+}
+
 Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sources) {
-  const auto spec = parse_design_spec(text);
+  auto spec = parse_design_spec(text);
   if (!spec) return tl::unexpected(spec.error());
+  // An unknown material is an error of the plan, which may name another one.
+  if (const auto own = find_material(spec->material, sources.tables)) suit_material(*own, *spec);
   const auto assets = sources.assets(*spec);
   if (!assets) return tl::unexpected(assets.error());
   auto made = sound_design(*spec, *assets);
   if (!made) return tl::unexpected(made.error());
+  const std::string& cut_from = sources.material.empty() ? spec->material : sources.material;
+  if (const auto material = find_material(cut_from, sources.tables))
+    for (Design& part : made->parts) add_make_warnings(*material, *spec, part);
   if (sources.designed)
     if (const auto kept = sources.designed(*spec, *made); !kept)
       return tl::unexpected(kept.error());
@@ -34,9 +46,12 @@ Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sourc
     for (const Design& part : made->parts) parts.push_back(&part.pattern);
     JoinedParts joined = join_parts(parts);
     joined.drawing.name = made->name;
+    add_warnings(*made, joined.drawing);
     return DrawingInput{std::move(joined.drawing), spec->material, std::move(joined.seams_x)};
   }
-  return DrawingInput{linework_from_pattern(made->parts.front().pattern), spec->material, {}};
+  LineWork drawing = linework_from_pattern(made->parts.front().pattern);
+  add_warnings(*made, drawing);
+  return DrawingInput{std::move(drawing), spec->material, {}};
 }
 
 Result<DrawingInput> only_drawing(Result<LineWork> drawing) {

@@ -30,6 +30,8 @@ struct SpecSources {
   std::function<Result<SurfaceAssets>(const DesignSpec&)> assets;  ///< the files its surfaces name
   /// Optional: receives the design before it is drawn, and may add notes to its report.
   std::function<Result<void>(const DesignSpec&, PatchAssembly&)> designed{};
+  std::vector<std::string> tables{};  ///< users' tables of materials
+  std::string material{};             ///< that it will be cut from; empty: the spec's
 };
 
 /// Reads a drawing, or designs a spec. `factor` raises the limits of FOLD and DXF files; those of

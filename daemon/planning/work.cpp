@@ -167,11 +167,10 @@ Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add) {
   PlanningOutcome outcome;
   SpecSources sources;
   sources.assets = [&](const DesignSpec& spec) { return assets_for(spec, task.assets); };
+  sources.tables = tables->texts;
+  sources.material = options->material;
   sources.designed = [&](const DesignSpec& spec, PatchAssembly& made) -> Result<void> {
     if (const auto ids = asset_ids(spec)) outcome.assets = *ids;
-    const std::string name = options->material.empty() ? spec.material : options->material;
-    if (const auto material = find_material(name, tables->texts))
-      for (Design& part : made.parts) add_thickness_note(*material, part);
     return add_design_files(made, add, outcome.warnings);
   };
   const auto read = [&](const SvgReadOptions& how) -> Result<DrawingInput> {
@@ -214,7 +213,8 @@ Result<std::string> spec_preview(const DesignSpec& spec, WorkerTask& task,
   for (const auto& [place, name] : files_of(spec))
     if (!task.assets.contains(name))
       return no_preview_svg(fmt::format("{}: the asset {} is not uploaded yet", place, name));
-  const SpecSources sources{[&](const DesignSpec& own) { return assets_for(own, task.assets); }};
+  SpecSources sources{[&](const DesignSpec& own) { return assets_for(own, task.assets); }};
+  if (const auto tables = tables_of(task)) sources.tables = tables->texts;
   const auto drawn = drawing_from_text(task.design, InputKind::Spec, {}, 1, sources);
   if (drawn) return preview_svg(drawn->drawing);
   warnings.push_back(message(drawn.error()));

@@ -403,7 +403,7 @@ FoldState Check::state_of(std::span<const std::uint32_t> run, SegmentGrid& grid)
     const Wanted& fold = wanted_[part];
     find_cuts_near(fold, grid, state);
     each_allowed(part, [&](const Stretch& on) {  // scored for want of room for a dash
-      state.cut.push_back({fold.offset + on.from, fold.offset + on.to});
+      state.cut.push_back({fold.offset + on.from - slack_, fold.offset + on.to + slack_});
     });
     on_part.clear();
     covers_of(part, on_part);

@@ -103,10 +103,12 @@ struct DesignReport : LatticeFigures {
   int degrees_of_freedom{};
   int pieces{};
   double sheet_u_mm{}, sheet_v_mm{};
+  double sticks_out_mm{};  ///< how far the structure reaches out of the shut card
   std::vector<MergedPlace> merged;
   std::vector<BridgeReport> bridges;
   std::optional<CurvatureReport> curvature;  ///< where the spec asks for some
   std::vector<std::string> notes;            ///< plain cuts, halved slices, spread of minima
+  std::vector<std::string> warnings;         ///< what makes it hard to cut, fold or shut, and where
   bool fit_nearest{};                        ///< "fit": "nearest" was asked for
   SliceFit fit{};                            ///< of all slices together
   double seconds{};

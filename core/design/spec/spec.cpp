@@ -26,6 +26,7 @@ class Design {
   Design(FieldReader& fields, SpecFields& spec) : fields_(fields), spec_(spec) {}
 
   bool complete() {
+    set_min_panel();
     return set_regions() && set_widths() && check_units() && set_surface() && check_placement() &&
            set_splay() && set_rest();
   }
@@ -155,10 +156,16 @@ class Design {
     return true;
   }
 
+  void set_min_panel() {
+    spec_.min_panel_asked = spec_.given_min_panel_mm.has_value();
+    spec_.min_panel_mm = spec_.given_min_panel_mm.value_or(spec_.min_panel_mm);
+  }
+
   bool set_splay() {
     if (!spec_.splay_fields) return true;
     SplayFields& given = *spec_.splay_fields;
     SplaySpec splay = given;
+    splay.ligament_asked = given.given_ligament_mm.has_value();
     splay.ligament_mm = given.given_ligament_mm.value_or(std::max(1.0, spec_.min_panel_mm));
     if (given.target_fields)
       splay.targets.assign(given.target_fields->begin(), given.target_fields->end());

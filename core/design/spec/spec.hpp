@@ -42,6 +42,7 @@ struct SplaySpec {
   std::vector<CurvatureTarget> targets;    ///< else solved for the middle vertex
   std::optional<double> length_mm{};       ///< w; none: as long as the connector allows
   double ligament_mm{0.5};                 ///< paper left beside V-folds
+  bool ligament_asked{false};              ///< the spec gives it
 };
 
 /// `curvature` of a spec: what the surface through the chains' vertices is to be, for the augmented
@@ -58,11 +59,24 @@ struct AugmentedSpec {
 enum class LatticeMethod { Branching, Slices, Conformal, Levels };
 enum class SolverMethod { Newton, Slsqp };
 
+/// Where the structure lies when the card is shut.
+enum class CardShut {
+  Inside,  ///< inside the card: measures that are left out are large enough for it
+  Free     ///< it may stick out
+};
+
 /// Wall, ground and margins around the lattice; absent measures are chosen by the design.
 struct CardSpec {
-  std::optional<double> wall_mm;    ///< H, default the largest wall end + 15
-  std::optional<double> ground_mm;  ///< D, default the largest ground end + 15
-  double margin_mm{15.0};
+  std::optional<double> wall_mm;    ///< H, default the largest wall end + 15, and as `shut` asks
+  std::optional<double> ground_mm;  ///< D, default the largest ground end + 15, and as `shut` asks
+  double margin_mm{15.0};           ///< beside the strips, and around the shut structure
+  CardShut shut{CardShut::Inside};
+};
+
+/// What the pattern is to be cut from (`"sheet"` of a spec).
+struct SheetSpec {
+  std::string name;  ///< "A3"; empty: given in mm
+  double width_mm{}, height_mm{};
 };
 
 /// How neighbouring patches are joined along their common edge.
@@ -87,11 +101,13 @@ struct DesignSpec {
   std::optional<AugmentedSpec> curvature;
   std::optional<CardSpec> card{CardSpec{}};  ///< none: `"card": false`
   double min_panel_mm{0.5};
+  bool min_panel_asked{false};  ///< false: the caller may raise it to suit the material
   /// Largest step of a conformal lattice over the mean one; none: no limit. Where the user did not
   /// ask for it, up to `kRelaxedStep` is taken when that puts every vertex on the target.
   std::optional<double> max_step_over_mean{3.0};
   bool max_step_asked{false};
   std::string material{"paper-220"};
+  std::optional<SheetSpec> sheet;
 
   /// Designs that are joined one after another along the spine, in place of all above but `name`
   /// and `material`; none: this is one design.

@@ -194,8 +194,10 @@ Shape<SplayFields> splay() {
       field<Row>("length_mm", &Row::length_mm, length(),
                  "length of a V-fold along its crease; as long as the connector allows if left "
                  "out"),
-      field<Row>("ligament_mm", &Row::given_ligament_mm, shape::number(from(0.0, kMaxLength), "mm"),
-                 "paper left beside V-folds; 1, or min_panel_mm if that is more, if left out"),
+      field<Row>(
+          "ligament_mm", &Row::given_ligament_mm, shape::number(from(0.0, kMaxLength), "mm"),
+          "paper left beside V-folds; if left out 1, min_panel_mm, or the shortest fold that "
+          "the material dashes well, whichever is most"),
   }};
   table.clash = [](FieldReader& fields) { check_clash(fields, "alpha", "targets"); };
   table.check = [](FieldReader& fields, Row& read) {
@@ -307,18 +309,59 @@ Shape<std::optional<CardSpec>> card() {
   using Card = std::optional<CardSpec>;
   const FieldTable<Row> table{{
       field<Row>("wall_mm", &Row::wall_mm, length(),
-                 "height of the wall, H; 15 above the highest fold if left out"),
-      field<Row>("ground_mm", &Row::ground_mm, length(),
-                 "depth of the ground, D; 15 beyond the farthest fold if left out"),
+                 "height of the wall, H; if left out, 15 above the highest fold, and large enough "
+                 "for shut"),
+      field<Row>(
+          "ground_mm", &Row::ground_mm, length(),
+          "depth of the ground, D; if left out, 15 beyond the farthest fold, and large enough "
+          "for shut"),
       field<Row>("margin_mm", &Row::margin_mm, shape::number(from(0.01, kMaxLength), "mm"),
-                 "width of the plain strips at both sides"),
+                 "width of the plain strips at both sides, and of the card around the shut "
+                 "structure"),
+      field<Row>("shut", &Row::shut, shape::word<CardShut>({"inside", "free"}),
+                 "inside: the shut structure lies inside the card; free: it may stick out"),
   }};
   Shape<Card> with = shape::as<Card>(
       shape::boolean(), [](bool is_there) { return is_there ? Card(CardSpec{}) : Card(); });
   with.what = "false";
   return shape::either(
-      with, shape::as<Card>(shape::object(table, "an object with wall_mm, ground_mm, margin_mm"),
-                            [](const CardSpec& read) { return Card(read); }));
+      with,
+      shape::as<Card>(shape::object(table, "an object with wall_mm, ground_mm, margin_mm, shut"),
+                      [](const CardSpec& read) { return Card(read); }));
+}
+
+struct Paper {
+  const char* name;
+  double width_mm, height_mm;
+};
+constexpr Paper kPapers[] = {
+    {"A0", 841, 1189},         {"A1", 594, 841},         {"A2", 420, 594},
+    {"A3", 297, 420},          {"A4", 210, 297},         {"A5", 148, 210},
+    {"A6", 105, 148},          {"letter", 215.9, 279.4}, {"legal", 215.9, 355.6},
+    {"tabloid", 279.4, 431.8}, {"12x12", 304.8, 304.8},  {"12x24", 304.8, 609.6},
+};
+
+/// A paper by its name, or [width, height].
+Shape<std::optional<SheetSpec>> sheet() {
+  using Sheet = std::optional<SheetSpec>;
+  std::vector<std::string> names;
+  for (const Paper& paper : kPapers) names.emplace_back(paper.name);
+  const auto which = shape::blamed(shape::text(), ErrorKind::Malformed);
+  Shape<Sheet> named = shape::as<Sheet>(which, [](const std::string&) { return Sheet(); });
+  named.schema = {{"enum", names}};
+  named.what = fmt::format("one of {}", fmt::join(names, ", "));
+  named.read = [names](FieldReader& fields, const std::string& below, const json& value) {
+    std::optional<Sheet> out;
+    if (const auto index = fields.word_at(below, value, names)) {
+      const Paper& paper = kPapers[*index];
+      out = SheetSpec{paper.name, paper.width_mm, paper.height_mm};
+    }
+    return out;
+  };
+  const auto sides = shape::list(length(), {2, 2, ErrorKind::Malformed}, "[width, height] in mm");
+  return shape::either(named, shape::as<Sheet>(sides, [](const std::vector<double>& mm) {
+                         return Sheet(SheetSpec{"", mm[0], mm[1]});
+                       }));
 }
 
 Shape<std::optional<double>> number_or_null(const shape::Range& range) {
@@ -353,6 +396,9 @@ SpecTables make_tables() {
   all.whole.rows = {
       needed<Row>("popcut", &Row::version, shape::whole(1, 1), "version of this format"),
       field<Row>("material", &Row::material, shape::text(), "name of the material"),
+      field<Row>("sheet", &Row::sheet, sheet(),
+                 "what it is cut from, to be warned of a pattern that is larger: a paper by its "
+                 "name, or [width, height] in mm"),
   };
   all.name.rows = {field<Row>("name", &Row::name, shape::text(), "name of the design")};
   all.shared.rows = {
@@ -367,7 +413,9 @@ SpecTables make_tables() {
                  "how the pop-up units of a slice are fitted to the target"),
       field<Row>("card", &Row::card, card(),
                  "wall, ground and margins around the design; false leaves them out"),
-      field<Row>("min_panel_mm", &Row::min_panel_mm, length(), "smallest panel, along the strip"),
+      field<Row>("min_panel_mm", &Row::given_min_panel_mm, length(),
+                 "smallest panel, along the strip; if left out 0.5, or 3 times the thickness of "
+                 "the material if that is more"),
       field<Row>("max_step_over_mean", &Row::max_step_over_mean, number_or_null(above(1.0, 1e6)),
                  "largest step of a conformal lattice over the mean one; null: no limit"),
   };

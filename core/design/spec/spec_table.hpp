@@ -56,6 +56,7 @@ struct SpecFields : DesignSpec {
   std::optional<SurfaceField> surface_field;
   std::optional<std::vector<RegionFields>> region_fields;
   std::optional<int> units_per_slice, slices;
+  std::optional<double> given_min_panel_mm;
   std::optional<WidthsField> widths_field;
   std::optional<SplayFields> splay_fields;
   std::optional<CurvatureFields> curvature_fields;

@@ -83,6 +83,7 @@ Json report_object(const DesignReport& report) {
   json["degrees_of_freedom"] = report.degrees_of_freedom;
   json["pieces"] = report.pieces;
   json["sheet_mm"] = {report.sheet_u_mm, report.sheet_v_mm};
+  json["sticks_out_mm"] = report.sticks_out_mm;
   json["inner_error_mm"] = figures(report.inner_error);
   json["end_error_mm"] = figures(report.end_error);
   json["step_over_mean"] = {{"min", report.step_over_mean_min}, {"max", report.step_over_mean_max}};
@@ -98,6 +99,7 @@ Json report_object(const DesignReport& report) {
                                {"left_planes", bridge.left_planes},
                                {"right_planes", bridge.right_planes}});
   json["notes"] = report.notes;
+  json["warnings"] = report.warnings;
   json["slices"] = slices(report);
   return json;
 }

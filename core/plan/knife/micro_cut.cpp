@@ -197,10 +197,11 @@ void each_free(const std::vector<Dash>& kept, double l, Use&& use) {
   }
 }
 
-// Calls `use(from, to)` for each stretch without a dash that is too long to stay so.
+// Calls `use(from, to)` for each stretch without a dash that is too long to stay so. Cuts that meet
+// a fold within kTouch of each other meet it in one place.
 template <typename Use>
 void each_bare(const std::vector<Dash>& dashes, double l, const DashShape& shape, Use&& use) {
-  const double most = std::max(shape.gap_mm, 2 * shape.clearance_mm) + kSlack;
+  const double most = std::max(shape.gap_mm, 2 * shape.clearance_mm) + kTouch;
   double from = 0.0;
   for (std::size_t i = 0; i <= dashes.size(); ++i) {
     const double to = i < dashes.size() ? dashes[i].from : l;

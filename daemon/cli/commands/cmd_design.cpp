@@ -54,7 +54,7 @@ struct Options {
 struct Job {
   const Design& made;
   const PatchAssembly* whole;  ///< none where the design is one part of several
-  const Material& material;
+  const LineWork& dashed;      ///< the page with each fold as its dashes
   FoldOptions fold;
   std::vector<double> psi_rad;  ///< of the meshes
   double thickness_mm{};        ///< of the meshes; 0: one surface
@@ -82,20 +82,14 @@ Result<void> add_dxf(const Job& job, OutputFolder& folder) {
                     }));
 }
 
-/// The page with each fold as its dashes.
-LineWork dashed_page(const Job& job) {
-  return micro_cut(linework_from_pattern(job.made.pattern), job.material.dashes).work;
-}
-
 /// The dashes of all folds, back from the page (x = v, y = u) onto the sheet.
 std::vector<SheetLine> micro_cuts(const Job& job) {
-  const LineWork dashed = dashed_page(job);
   std::vector<SheetLine> dashes;
-  for (const DrawnLine& line : dashed.lines) {
+  for (const DrawnLine& line : job.dashed.lines) {
     if (!is_fold(line.operation)) continue;
     const EdgeRole role =
         line.operation == Operation::FoldMountain ? EdgeRole::Mountain : EdgeRole::Valley;
-    const auto points = dashed.points_of(line);
+    const auto points = job.dashed.points_of(line);
     for (std::size_t i = 1; i < points.size(); ++i)
       dashes.push_back({points[i - 1].y, points[i - 1].x, points[i].y, points[i].x, role});
   }
@@ -111,7 +105,7 @@ Result<void> add_cut(const Job& job, OutputFolder& folder) {
 
 Result<void> add_cricut(const Job& job, OutputFolder& folder) {
   return folder.add("cricut.svg", Streamed([&](std::ostream& out) {
-                      return write_cricut_svg(dashed_page(job), CricutMat{}, out);
+                      return write_cricut_svg(job.dashed, CricutMat{}, out);
                     }));
 }
 
@@ -221,6 +215,8 @@ void say_remarks(const DesignReport& report, bool all) {
     fmt::print(stderr, "  note     {}\n", shown_text(report.lattice_note));
   for (const std::string& note : report.notes)
     fmt::print(stderr, "  note     {}\n", shown_text(note));
+  for (const std::string& warning : report.warnings)
+    fmt::print(stderr, "  warning  {}\n", shown_text(warning));
   for (std::size_t i = 0; i < report.merged.size() && (all || i < kFirst); ++i) {
     const MergedPlace& place = report.merged[i];
     fmt::print(stderr, "  merged   {} {}, level {}: {}\n", place.where, place.slice, place.level,
@@ -301,6 +297,15 @@ Error report_unsound(OutputFolder folder, const std::string& report, Error error
   return error;
 }
 
+/// The page with each fold as its dashes; folds without room for any are named in the report.
+LineWork dashed_page(const Material& material, Design& made) {
+  Dashed dashed = micro_cut(linework_from_pattern(made.pattern), material.dashes);
+  if (const auto warning =
+          left_out_warning(dashed, material.dashes, "are not in cut.svg (page x, y)"))
+    made.report.warnings.push_back(fmt::format("{}: {}", material.name, *warning));
+  return std::move(dashed.work);
+}
+
 constexpr std::uintmax_t kSpecLimitBytes = 64u << 20;
 
 Result<void> design_into(const Options& options, const Globals& globals) {
@@ -323,6 +328,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
     return fail(error.place.empty() ? ErrorKind::OutOfRange : error.kind,
                 error.place.empty() ? options.spec + ": /material" : error.place, error.detail);
   }
+  planning::suit_material(*material, *spec);
   const auto thickness = thickness_of(options.motion, material->thickness_mm);
   if (!thickness) return tl::unexpected(thickness.error());
   const auto assets = load_assets(*spec, options.spec);
@@ -338,13 +344,17 @@ Result<void> design_into(const Options& options, const Globals& globals) {
         report_unsound(std::move(*folder), unsound, within(options.spec, made.error())));
   if (!made) return tl::unexpected(within(options.spec, made.error()));
 
-  for (Design& part : made->parts) planning::add_thickness_note(*material, part);
+  std::vector<LineWork> dashed;
+  for (Design& part : made->parts) {
+    planning::add_make_warnings(*material, *spec, part);
+    dashed.push_back(dashed_page(*material, part));
+  }
 
   const bool is_one = made->parts.size() == 1;
   for (std::size_t p = 0; p < made->parts.size(); ++p) {
     const Job job{
         made->parts[p], is_one ? &*made : nullptr,
-        *material,      {"popcut " POPCUT_VERSION, *fold_frames, options.fold_cuts == "split"},
+        dashed[p],      {"popcut " POPCUT_VERSION, *fold_frames, options.fold_cuts == "split"},
         *angles,        *thickness};
     folder->enter(is_one ? "" : part_folder(p));
     for (const Format& format : *formats)

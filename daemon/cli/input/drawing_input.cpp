@@ -51,7 +51,9 @@ Result<unsigned> raised_limits() {
 
 }  // namespace
 
-Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how) {
+Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
+                                  const std::vector<std::string>& tables,
+                                  const std::string& material) {
   const auto factor = raised_limits();
   if (!factor) return tl::unexpected(factor.error());
   how.limits = how.limits.raised(*factor);
@@ -70,7 +72,7 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how) {
     return fail(ErrorKind::Malformed, file,
                 "is not a design (.json) or a drawing (.fold, .svg, .dxf) that popcut can read");
   const planning::SpecSources beside{
-      [&](const DesignSpec& spec) { return load_assets(spec, file); }};
+      [&](const DesignSpec& spec) { return load_assets(spec, file); }, {}, tables, material};
   auto input = planning::drawing_from_text(std::move(*text), *kind, how, *factor, beside);
   if (!input && input.error().reason == ErrorReason::TooMuch && *factor < 100)
     input.error().detail +=
@@ -83,12 +85,13 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how) {
   return input;
 }
 
-Result<DrawingInput> read_drawing(const std::string& file, SvgProfile profile) {
+Result<DrawingInput> read_drawing(const std::string& file, SvgProfile profile,
+                                  const std::vector<std::string>& tables) {
   auto found = find_stroke_profile(svg_profile_name(profile));
   if (!found) return tl::unexpected(found.error());
   SvgReadOptions how;
   how.profile = std::move(*found);
-  return read_drawing(file, std::move(how));
+  return read_drawing(file, std::move(how), tables);
 }
 
 }  // namespace popcut::cli

@@ -17,9 +17,12 @@ using planning::DrawingInput;
 ///
 /// @retval Malformed, OutOfRange, Infeasible  with the file's name before the place
 /// @retval Usage  POPCUT_RAISE_LIMITS is no such factor
-[[nodiscard]] Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how);
+[[nodiscard]] Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
+                                                const std::vector<std::string>& tables = {},
+                                                const std::string& material = "");
 
 /// The same with a built-in profile and the usual options.
-[[nodiscard]] Result<DrawingInput> read_drawing(const std::string& file, SvgProfile profile);
+[[nodiscard]] Result<DrawingInput> read_drawing(const std::string& file, SvgProfile profile,
+                                                const std::vector<std::string>& tables = {});
 
 }  // namespace popcut::cli

@@ -292,7 +292,7 @@ Result<PlanFacts> read_plan_facts(const std::string& file, std::size_t number) {
 
 Result<Expectation> read_expectation(const std::string& file, const std::optional<PlanFacts>& plan,
                                      const UserTables& tables) {
-  auto input = read_drawing(file, SvgProfile::Popcut);
+  auto input = read_drawing(file, SvgProfile::Popcut, tables.texts);
   if (!input) return tl::unexpected(input.error());
   Expectation out;
   if (plan) out.expected.also_allowed = plan->also_allowed;

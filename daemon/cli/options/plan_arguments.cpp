@@ -109,7 +109,9 @@ Result<PlanJob> plan_input(const PlanArguments& arguments, bool progress) {
   const auto options = options_of(arguments, progress);
   if (!options) return tl::unexpected(client::on_command_line(options.error()));
   const auto read = [&](const SvgReadOptions& how) {
-    return arguments.test_shape ? planning::test_shape_input() : read_drawing(arguments.input, how);
+    return arguments.test_shape
+               ? planning::test_shape_input()
+               : read_drawing(arguments.input, how, tables->texts, options->material);
   };
   auto job = planning::make_plan_job(*options, tables->texts, read, arguments.input);
   if (!job) return tl::unexpected(client::on_command_line(tables->with_file(job.error())));

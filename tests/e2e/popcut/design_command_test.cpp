@@ -58,6 +58,117 @@ TEST_CASE("every shipped example becomes a pattern with one degree of freedom",
   CHECK(examples >= 5);
 }
 
+namespace {
+
+/// A design can be made as it is: nothing is warned of, every fold is cut, and shut it lies inside
+/// its card, as the poses in its FOLD file show.
+void check_makeable(const Bench& bench, const std::string& spec, const std::string& folder) {
+  const Ran ran = bench.design({spec, "-o", folder, "--fold-frames", "90deg,0.0001"});
+  CAPTURE(folder, ran.err);
+  REQUIRE(ran.exit == 0);
+  CHECK(ran.err.find("warning") == std::string::npos);
+  const json report = bench.read_json(folder + "/report.json");
+  CHECK(report["warnings"].empty());
+  CHECK(report["sticks_out_mm"] == 0.0);
+
+  const json fold = bench.read_json(folder + "/pattern.fold");
+  const json& open = fold["file_frames"][0]["vertices_coords"];
+  const json& shut = fold["file_frames"][1]["vertices_coords"];
+  double wall = 0.0, ground = 0.0, reach = 0.0;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    const double x = open[i][0], z = open[i][2];
+    ground = std::max(ground, x), wall = std::max(wall, z);
+    if (x > 1e-9 && z > 1e-9)
+      reach = std::max(reach, std::hypot(shut[i][0].get<double>(), shut[i][2].get<double>()));
+  }
+  CHECK(reach > 0.0);
+  CHECK(reach < std::min(wall, ground));
+
+  const Ran planned = bench.popcut({"plan", spec, "-o", folder + "-plan"});
+  CAPTURE(planned.err);
+  REQUIRE(planned.exit == 0);
+  CHECK(planned.err.find("warning") == std::string::npos);
+  const json plan = bench.read_json(folder + "-plan/plan.json");
+  CHECK(plan["warnings"].empty());
+  REQUIRE(plan["sheets"].size() == 1);
+  CHECK(plan["sheets"][0]["scored"].empty());
+}
+
+}  // namespace
+
+TEST_CASE("README's design and every example can be made as they are, in paper of 220 gsm too",
+          "[cli][e2e][design]") {
+  const Bench bench;
+  const std::string readme = text_of_file(source_file("README.md"));
+  const std::size_t from = readme.find("```json\n") + 8;
+  const std::string shown = readme.substr(from, readme.find("```", from) - from);
+  std::vector<std::pair<std::string, json>> specs{{"readme", json::parse(shown)}};
+  std::istringstream list(bench.design({"--list"}).out);
+  for (std::string line; std::getline(list, line);) {
+    const std::string name = line.substr(0, line.find(' '));
+    specs.emplace_back(name, json::parse(text_of_file(kExamples + name + ".json")));
+  }
+  REQUIRE(specs.size() == 11);
+  for (auto& [name, spec] : specs) {
+    bench.write(name + ".json", spec);
+    check_makeable(bench, name + ".json", name);
+    if (!spec.contains("material")) continue;
+    spec["material"] = "paper-220";
+    bench.write(name + "-220.json", spec);
+    check_makeable(bench, name + "-220.json", name + "-220");
+  }
+}
+
+TEST_CASE("panels are long enough to fold flat in the spec's material unless it says otherwise",
+          "[cli][e2e][design]") {
+  const Bench bench;
+  json spec = json::parse(text_of_file(kExamples + "sphere.json"));
+  spec.erase("min_panel_mm");
+  spec["units_per_slice"] = 9;
+  for (const char* material : {"paper-80", "paper-220", "card-300"}) {
+    spec["material"] = material;
+    bench.write("own.json", spec);
+    const Ran ran = bench.design({"own.json", "-o", "own", "--formats", "report"});
+    CAPTURE(material, ran.err);
+    REQUIRE(ran.exit == 0);
+    CHECK(ran.err.find("too short to fold flat") == std::string::npos);
+  }
+  spec["min_panel_mm"] = 0.5;
+  bench.write("own.json", spec);
+  const Ran fine = bench.design({"own.json", "-o", "own", "--formats", "report"});
+  CHECK(fine.err.find("too short to fold flat") != std::string::npos);
+}
+
+TEST_CASE("folds that are not in cut.svg and a sheet that is too large are named",
+          "[cli][e2e][design]") {
+  const Bench bench;
+  json spec = json::parse(text_of_file(kExamples + "cylinder.json"));
+  spec["widths_mm"] = 1.2;
+  spec["sheet"] = "A6";
+  bench.write("fine.json", spec);
+  const Ran ran = bench.design({"fine.json", "-o", "fine", "--formats", "cut,report"});
+  CAPTURE(ran.err);
+  REQUIRE(ran.exit == 0);
+  const json report = bench.read_json("fine/report.json");
+  const std::string said = report["warnings"].dump();
+  CHECK(said.find("are not in cut.svg") != std::string::npos);
+  CHECK(said.find("larger than a sheet A6 of 105 x 148 mm") != std::string::npos);
+  CHECK(said.find("folds are below 1.5 mm") != std::string::npos);
+  // The plan cuts them half through, and its sheet and program agree about them.
+  REQUIRE(bench.popcut({"plan", "fine.json", "-o", "plan"}).exit == 0);
+  const json plan = bench.read_json("plan/plan.json");
+  CHECK(plan["warnings"].dump().find("cut half through") != std::string::npos);
+  CHECK_FALSE(plan["sheets"][0]["scored"].empty());
+  for (const Names& expected :
+       {Names{"plan/sheet-01.svg"}, Names{"fine.json", "--plan", "plan/plan.json"}}) {
+    Names arguments{"simulate", "plan/sheet-01.gpgl", "-o", "simulated", "--expect"};
+    arguments.insert(arguments.end(), expected.begin(), expected.end());
+    const Ran simulated = bench.popcut(arguments);
+    CAPTURE(simulated.err);
+    CHECK(simulated.exit == 0);
+  }
+}
+
 TEST_CASE("an example is printed as it is shipped", "[cli][e2e][design]") {
   const Bench bench;
   CHECK(bench.design({"--example", "sphere"}).out == text_of_file(kExamples + "sphere.json"));
