@@ -12,6 +12,7 @@
 #include "core/design/design_report.hpp"
 #include "core/design/lattice/lattice.hpp"
 #include "core/design/run_layout.hpp"
+#include "core/design/shape_fit.hpp"
 #include "core/design/strips/figures.hpp"
 #include "core/design/strips/mobility.hpp"
 #include "core/design/strips/multi_state.hpp"
@@ -321,6 +322,8 @@ class Designer {
     r.notes = notes_;
     add_fit(r, spec_.fit);
     out.edges = std::move(sliced_.edges);
+    out.target = sliced_.pieces;
+    if (!spec_.is_patch) r.surface_fit = surface_fit(out.strips, r, out.target);
     return out;
   }
 

@@ -2,6 +2,7 @@
 #include "core/fit/fit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
