@@ -76,8 +76,8 @@ TEST_CASE("a mesh from elsewhere becomes a sound pattern with its error in the r
   // From the mesh itself, the fold vertices are not farther off than the two errors together.
   const json inner = json::parse(verified.out)["target"]["inner_mm"];
   CHECK(inner["vertices"] > 20);
-  CHECK(inner["rms"] < report["inner_error_mm"]["max"].get<double>() +
-                           curves["max_mm"].get<double>() + 0.1);
+  CHECK(inner["rms"] <
+        report["inner_error_mm"]["max"].get<double>() + curves["max_mm"].get<double>() + 0.1);
   fs::remove(bench.temp / "meshes/teapot.obj");
   check_refused(
       bench.popcut({"verify", "out/pattern.fold", "--dof", "1", "--target", "placed.json"}), 3,
