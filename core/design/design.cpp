@@ -12,6 +12,7 @@
 #include "core/design/design_report.hpp"
 #include "core/design/lattice/lattice.hpp"
 #include "core/design/run_layout.hpp"
+#include "core/design/shape_fit.hpp"
 #include "core/design/strips/closing.hpp"
 #include "core/design/strips/figures.hpp"
 #include "core/design/strips/mobility.hpp"
@@ -371,6 +372,8 @@ class Designer {
     add_fit(r, spec_.fit);
     if (spec_.card && !spec_.is_patch) add_closing(out.pattern, spec_.card->shut, r);
     out.edges = std::move(sliced_.edges);
+    out.target = sliced_.pieces;
+    if (!spec_.is_patch) r.surface_fit = surface_fit(out.strips, r, out.target);
     return out;
   }
 

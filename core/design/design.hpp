@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "core/design/chain/slicing.hpp"
 #include "core/design/spec/report.hpp"
 #include "core/design/spec/spec.hpp"
 #include "core/design/strips/strips.hpp"
@@ -15,7 +16,8 @@ struct Design {
   Strips strips;
   Pattern pattern;
   DesignReport report;
-  std::vector<SliceCurve> edges;  ///< of a patch: the target where its neighbours begin
+  std::vector<TargetPiece> target;  ///< the surface that was asked for, along its own spine
+  std::vector<SliceCurve> edges;    ///< of a patch: the target where its neighbours begin
 };
 
 /// Target surface to pattern: slices, chains, lattice, strips, cuts and folds (sections 3 and 4).

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/design/design_report.hpp"
+#include "core/design/shape_fit.hpp"
 #include "core/design/strips/mobility.hpp"
 #include "core/design/strips/multi_state.hpp"
 #include "core/design/strips/pattern_builder.hpp"
@@ -211,10 +212,34 @@ class Assembler {
                     spec_.patches.begin() + static_cast<std::ptrdiff_t>(end),
                     [](const DesignSpec& patch) { return patch.card->shut == CardShut::Free; });
     add_closing(laid->built.pattern, all_free ? CardShut::Free : CardShut::Inside, part.report);
+    part.target = targets_of(begin, end, part.report, laid->joined);
+    part.report.surface_fit = surface_fit(laid->joined.strips, part.report, part.target);
     part.strips = std::move(laid->joined.strips);
     part.pattern = std::move(laid->built.pattern);
     out_.parts.push_back(std::move(part));
     return {};
+  }
+
+  /// The targets of the patches of a part, each at its place along the part.
+  [[nodiscard]] std::vector<TargetPiece> targets_of(std::size_t begin, std::size_t end,
+                                                    const DesignReport& report,
+                                                    const JoinedStrips& joined) const {
+    std::vector<TargetPiece> out;
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::vector<SliceReport>& own = made_[k].report.slices;
+      const auto first = static_cast<std::size_t>(joined.first_slice[k - begin]);
+      const double shift = report.slices[first].s_mm - own.front().s_mm;
+      for (TargetPiece piece : made_[k].target) {
+        piece.origin_mm += shift, piece.from_mm += shift, piece.to_mm += shift;
+        if (k > begin)
+          piece.from_mm =
+              std::max(piece.from_mm, own.front().s_mm - 0.5 * own.front().width_mm + shift);
+        if (k + 1 < end)
+          piece.to_mm = std::min(piece.to_mm, own.back().s_mm + 0.5 * own.back().width_mm + shift);
+        out.push_back(std::move(piece));
+      }
+    }
+    return out;
   }
 
   /// V-folds of patch k on its own part of a sheet.

@@ -12,7 +12,7 @@ namespace popcut {
 /// than `most` on a surface, so that the time of a fit is bounded.
 struct SampleDensity {
   double per_mm2{1.0};
-  std::size_t least{4096};
+  std::size_t least{8192};
   std::size_t most{16384};
 };
 

@@ -2,6 +2,7 @@
 #include "core/fit/fit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -15,10 +16,11 @@ constexpr double kBehind = 0.01;   ///< of the size: what counts as behind an ou
 double diagonal_of(const TriangleSoup& soup) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   std::array<double, 3> low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
-  for (std::size_t k = 0; k < soup.corners.size(); ++k) {
-    low[k % 3] = std::min(low[k % 3], soup.corners[k]);
-    high[k % 3] = std::max(high[k % 3], soup.corners[k]);
-  }
+  for (std::size_t k = 0; k < soup.corners.size(); k += 3)
+    for (std::size_t i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], soup.corners[k + i]);
+      high[i] = std::max(high[i], soup.corners[k + i]);
+    }
   if (soup.corners.empty()) return 0.0;
   return std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
 }

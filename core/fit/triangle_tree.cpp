@@ -23,10 +23,11 @@ std::uint32_t spread_bits(std::uint32_t bits) {
 std::vector<std::uint32_t> morton_order(const TriangleSoup& soup) {
   const std::size_t count = soup.size();
   std::array<double, 3> low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
-  for (std::size_t k = 0; k < soup.corners.size(); ++k) {
-    low[k % 3] = std::min(low[k % 3], soup.corners[k]);
-    high[k % 3] = std::max(high[k % 3], soup.corners[k]);
-  }
+  for (std::size_t k = 0; k < soup.corners.size(); k += 3)
+    for (std::size_t i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], soup.corners[k + i]);
+      high[i] = std::max(high[i], soup.corners[k + i]);
+    }
   double longest = 0.0;
   for (std::size_t i = 0; i < 3; ++i) longest = std::max(longest, high[i] - low[i]);
   const double cells = longest > 0.0 ? 1023.0 / longest : 0.0;
@@ -56,18 +57,18 @@ std::vector<std::uint32_t> morton_order(const TriangleSoup& soup) {
 
 TriangleTree::TriangleTree(const TriangleSoup& soup) {
   const std::vector<std::uint32_t> order = morton_order(soup);
-  corners_.reserve(soup.corners.size());
-  for (const std::uint32_t t : order) {
-    const auto at = soup.corners.begin() + 9 * static_cast<std::ptrdiff_t>(t);
-    corners_.insert(corners_.end(), at, at + 9);
-  }
+  corners_.resize(soup.corners.size());
   leaves_ = 1;
   while (leaves_ * kLeaf < order.size()) leaves_ *= 2;
   boxes_.assign(2 * leaves_, Box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}});
-  for (std::size_t k = 0; k < corners_.size(); ++k) {
-    Box& box = boxes_[leaves_ + k / (9 * kLeaf)];
-    box.low[k % 3] = std::min(box.low[k % 3], corners_[k]);
-    box.high[k % 3] = std::max(box.high[k % 3], corners_[k]);
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    const double* from = soup.corners.data() + 9 * static_cast<std::size_t>(order[n]);
+    std::copy(from, from + 9, corners_.data() + 9 * n);
+    Box& box = boxes_[leaves_ + n / kLeaf];
+    for (std::size_t i = 0; i < 3; ++i) {
+      box.low[i] = std::min({box.low[i], from[i], from[i + 3], from[i + 6]});
+      box.high[i] = std::max({box.high[i], from[i], from[i + 3], from[i + 6]});
+    }
   }
   for (std::size_t node = leaves_ - 1; node > 0; --node)
     for (std::size_t i = 0; i < 3; ++i) {

@@ -3,7 +3,9 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,6 +14,7 @@
 #include "core/design/chain/chain.hpp"
 #include "core/design/design.hpp"
 #include "core/design/lattice/lattice.hpp"
+#include "core/design/shape_fit.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "tests/support/timing.hpp"
 
@@ -122,6 +125,32 @@ TEST_CASE("lattices and their four figures", "[bench]") {
           r.step_over_mean_max, r.gap_mm / 100, r.merged.size(), seconds,
           r.lattice == lattice ? "" : "  (" + r.lattice + " taken)");
     }
+}
+
+TEST_CASE("the fit beside the design that it measures", "[bench]") {
+  fmt::print("{:8} {:>9} {:10} {:>10} {:>9} {:>7} {:>10} {:>8} {:>11}\n", "target", "N x Ns",
+             "lattice", "design, s", "fit, s", "share", "triangles", "samples", "mean, p95");
+  for (const auto& [units, slices, lattice] :
+       {std::tuple{5, 10, "conformal"}, std::tuple{20, 40, "conformal"},
+        std::tuple{50, 200, "slices"}, std::tuple{50, 200, "conformal"},
+        std::tuple{100, 1000, "slices"}}) {
+    const DesignSpec spec = spec_of(kSphere, units, slices, 80.0 / slices, lattice);
+    Design made;
+    const double whole = seconds_of([&] {
+      auto result = design(spec);
+      REQUIRE(result);
+      made = std::move(*result);
+    });
+    std::optional<FitFigures> fit;
+    const double measured =
+        median_of(3, [&] { fit = surface_fit(made.strips, made.report, made.target); });
+    REQUIRE(fit);
+    const std::size_t triangles = 2 * made.strips.panels();
+    fmt::print("{:8} {:>9} {:10} {:10.3f} {:9.3f} {:5.1f} % {:10} {:8} {:5.2f} {:5.2f}\n", "sphere",
+               fmt::format("{}x{}", units, slices), lattice, whole - measured, measured,
+               100.0 * measured / (whole - measured), triangles, fit->to_target.samples,
+               fit->to_target.mean_mm, fit->to_target.p95_mm);
+  }
 }
 
 TEST_CASE("time of a Gauss-Newton step over the units", "[bench]") {

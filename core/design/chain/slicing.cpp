@@ -261,6 +261,21 @@ Result<void> solve_chains(const DesignSpec& spec, Slicing& out) {
   return {};
 }
 
+/// The target itself, stretch by stretch; neighbours on the same surface are one piece.
+void add_pieces(const std::vector<RegionCut>& stretches, Slicing& out) {
+  for (const RegionCut& here : stretches) {
+    const auto first = static_cast<std::size_t>(here.first);
+    const bool goes_on = here.first > 0 && (&here - 1)->surface == here.surface;
+    if (goes_on) continue;
+    TargetPiece piece{*here.surface, here.origin_mm};
+    if (here.first > 0) {
+      piece.from_mm = out.s_mm[first] - 0.5 * out.width_mm[first];
+      out.pieces.back().to_mm = piece.from_mm;
+    }
+    out.pieces.push_back(std::move(piece));
+  }
+}
+
 /// The target where a patch ends and its neighbour begins.
 void add_edges(const RegionCut& first, const RegionCut& last, Slicing& out) {
   const auto add = [&](const RegionCut& stretch, double s, const SliceCurve& own) {
@@ -350,6 +365,7 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
   out.cut_after.push_back(0);
   if (auto parted = part_blank(first_blank, spec.is_patch, out); !parted)
     return tl::unexpected(parted.error());
+  add_pieces(stretches, out);
   if (spec.is_patch) add_edges(stretches.front(), stretches.back(), out);
   if (auto solved = solve_chains(spec, out); !solved) return tl::unexpected(solved.error());
   return out;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,10 +11,19 @@
 #include "core/design/spec/report.hpp"
 #include "core/design/spec/spec.hpp"
 #include "core/design/target/curve.hpp"
+#include "core/design/target/surface.hpp"
 #include "core/design/target/surface_spec.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
+
+/// A stretch of the target with a surface of its own; the one surface of most designs is all of it.
+struct TargetPiece {
+  Surface surface;
+  double origin_mm{};  ///< where the surface's own place 0 lies along the target
+  double from_mm{-std::numeric_limits<double>::infinity()};
+  double to_mm{std::numeric_limits<double>::infinity()};
+};
 
 /// The slices of a design with their chains, before any lattice (docs/geometry.md, section 3). All
 /// lists have one entry a slice but for the chains, which follow each other.
@@ -35,6 +45,7 @@ struct Slicing {
   /// Of a patch: the target at its two edges, half a width beyond the outer slices' middles; the
   /// slice's own curve where the target ends before.
   std::vector<SliceCurve> edges;
+  std::vector<TargetPiece> pieces;           ///< the target itself
   std::optional<CurvatureReport> curvature;  ///< of augmented chains
   int uniform_slices{};  ///< with adaptive widths: equal slices of the same error; else 0
 

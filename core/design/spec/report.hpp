@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/design/target/surface_spec.hpp"
+#include "core/fit/fit_figures.hpp"
 
 namespace popcut {
 
@@ -111,6 +112,7 @@ struct DesignReport : LatticeFigures {
   std::vector<std::string> warnings;         ///< what makes it hard to cut, fold or shut, and where
   bool fit_nearest{};                        ///< "fit": "nearest" was asked for
   SliceFit fit{};                            ///< of all slices together
+  std::optional<FitFigures> surface_fit;     ///< of the opened structure and the target itself
   double seconds{};
 };
 

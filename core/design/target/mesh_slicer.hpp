@@ -20,6 +20,7 @@ class MeshSlicer {
   [[nodiscard]] double low_mm() const { return low_; }
   [[nodiscard]] double high_mm() const { return high_; }
   [[nodiscard]] const MeshBox& box() const { return box_; }
+  [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
 
   /// The boundary in the plane y = s. A corner of a triangle that lies in the plane counts as above
   /// it, so that closed meshes have closed sections; the mesh's own first and last plane are cut a

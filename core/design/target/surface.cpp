@@ -2,6 +2,7 @@
 #include "core/design/target/surface.hpp"
 
 #include "core/design/target/surface_kinds.hpp"
+#include "core/fit/triangle_soup.hpp"
 
 namespace popcut {
 
@@ -15,5 +16,7 @@ Result<Surface> Surface::make(const SurfaceSpec& spec, const TargetPlacement& pl
     return surface_implicit(*implicit, placement, fit);
   return surface_of_file(spec, placement, fit, assets);
 }
+
+TriangleSoup Surface::triangles(const TargetStretch& stretch) const { return tessellate_(stretch); }
 
 }  // namespace popcut

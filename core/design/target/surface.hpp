@@ -10,6 +10,16 @@
 
 namespace popcut {
 
+struct TriangleSoup;
+
+/// Which part of a target is wanted as triangles, and how finely.
+struct TargetStretch {
+  double from_mm{}, to_mm{};  ///< along the spine, in the surface's own places
+  double reach_x_mm{};        ///< about how far it stands from the wall: a first guess
+  double reach_z_mm{};        ///< about how high it stands
+  double finest_mm{};         ///< chords may stray by this
+};
+
 /// A target surface, seen by the design as its slices: for each place s along the spine (mm) the
 /// curve that the plane v = s cuts out of it (docs/geometry.md, section 3).
 ///
@@ -36,11 +46,19 @@ class Surface {
     return std::move(cut_there->curve);
   }
 
+  /// The surface itself in the corner, mm, not the curves that are fitted to its sections. Of
+  /// formulas the part that stands in the corner over the stretch; of meshes and grids all
+  /// triangles, but those that lie on wall or ground, which the card makes.
+  [[nodiscard]] TriangleSoup triangles(const TargetStretch& stretch) const;
+
   using Slicer = std::function<Result<SurfaceSlice>(double)>;
-  explicit Surface(Slicer slice) : slice_(std::move(slice)) {}
+  using Tessellator = std::function<TriangleSoup(const TargetStretch&)>;
+  Surface(Slicer slice, Tessellator tessellate)
+      : slice_(std::move(slice)), tessellate_(std::move(tessellate)) {}
 
  private:
   Slicer slice_;
+  Tessellator tessellate_;
 };
 
 }  // namespace popcut

@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 
 #include "core/design/target/expression.hpp"
+#include "core/design/target/solid_triangles.hpp"
 #include "core/design/target/surface_kinds.hpp"
+#include "core/fit/triangle_soup.hpp"
 
 namespace popcut {
 namespace {
@@ -208,8 +210,18 @@ class SolidSlice {
 Surface surface_of_solid(SolidFunction solid, const TargetPlacement& placement, FitMode fit,
                          const char* what) {
   const PlacementMap map(placement);
-  return Surface([solid = std::move(solid), map, scale = placement.scale_mm, fit, what](
-                     double s_mm) { return SolidSlice(solid, map, scale, s_mm).cut(fit, what); });
+  const auto shared = std::make_shared<const SolidFunction>(std::move(solid));
+  const auto cut = [shared, map, scale = placement.scale_mm, fit, what](double s_mm) {
+    return SolidSlice(*shared, map, scale, s_mm).cut(fit, what);
+  };
+  return Surface(cut, [shared, map](const TargetStretch& stretch) {
+    return solid_triangles(
+        [&](const Vec3& p) {
+          const auto q = map.to_surface({p[0], p[1], p[2]});
+          return (*shared)(q[0], q[1], q[2]);
+        },
+        stretch);
+  });
 }
 
 Result<Surface> surface_implicit(const ImplicitSpec& spec, const TargetPlacement& placement,

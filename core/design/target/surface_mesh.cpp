@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <cmath>
+#include <cstddef>
 #include <memory>
 
 #include <fmt/format.h>
@@ -6,6 +8,7 @@
 #include "core/design/target/mesh_reader.hpp"
 #include "core/design/target/mesh_slicer.hpp"
 #include "core/design/target/surface_kinds.hpp"
+#include "core/fit/triangle_soup.hpp"
 
 namespace popcut {
 namespace {
@@ -16,6 +19,25 @@ Result<std::string_view> bytes_of(const std::string& file, const SurfaceAssets& 
     return fail(ErrorKind::Malformed, "/surface/file",
                 fmt::format("\"{}\" is not at hand; give the file along with the spec", file));
   return std::string_view(found->second);
+}
+
+/// All triangles but those that lie on wall or ground.
+TriangleSoup standing_triangles(const MeshSlicer& slicer) {
+  TriangleSoup out;
+  const std::vector<float>& corners = slicer.mesh().corners;
+  const double touch = 1e-6 * (slicer.high_mm() - slicer.low_mm());
+  out.corners.reserve(corners.size());
+  for (std::size_t k = 0; k < corners.size(); k += 9) {
+    bool on_wall = true, on_ground = true;
+    for (std::size_t c = k; c < k + 9; c += 3) {
+      on_wall = on_wall && std::abs(static_cast<double>(corners[c])) <= touch;
+      on_ground = on_ground && std::abs(static_cast<double>(corners[c + 2])) <= touch;
+    }
+    if (on_wall || on_ground) continue;
+    const auto at = corners.begin() + static_cast<std::ptrdiff_t>(k);
+    out.corners.insert(out.corners.end(), at, at + 9);
+  }
+  return out;
 }
 
 }  // namespace
@@ -42,7 +64,7 @@ Result<Surface> surface_of_triangles(TriangleMesh mesh, FitMode fit, const char*
             "z = {:.4g} to {:.4g} mm; move it with translate_mm",
             what, box.low[0], box.high[0], box.low[2], box.high[2]),
         ErrorReason::Misplaced);
-  return Surface([slicer, fit, what, closed](double s_mm) -> Result<SurfaceSlice> {
+  const auto cut = [slicer, fit, what, closed](double s_mm) -> Result<SurfaceSlice> {
     const std::string place = fmt::format("/surface at s = {:.6g} mm", s_mm);
     const double touch = 1e-6 * (slicer->high_mm() - slicer->low_mm());
     if (s_mm < slicer->low_mm() - touch || s_mm > slicer->high_mm() + touch)
@@ -54,7 +76,8 @@ Result<Surface> surface_of_triangles(TriangleMesh mesh, FitMode fit, const char*
     Section section = slicer->cut(s_mm);
     if (!closed) section.open_ends.clear();
     return fit_section(section, fit, place, what);
-  });
+  };
+  return Surface(cut, [slicer](const TargetStretch&) { return standing_triangles(*slicer); });
 }
 
 Result<Surface> surface_of_file(const SurfaceSpec& spec, const TargetPlacement& placement,

@@ -9,6 +9,7 @@
 
 #include "core/design/target/expression.hpp"
 #include "core/design/target/surface_kinds.hpp"
+#include "core/fit/triangle_soup.hpp"
 
 namespace popcut {
 namespace {
@@ -153,14 +154,15 @@ Result<Surface> surface_profile(const ProfileSpec& spec, const TargetPlacement& 
   };
   Surface solid = surface_of_solid(below, placement, fit, "profile");
   if (!stays_upright(placement)) return solid;
-  return Surface([shared, placement, fit, solid](double s_mm) -> Result<SurfaceSlice> {
+  const auto cut = [shared, placement, fit, solid](double s_mm) -> Result<SurfaceSlice> {
     const double y = (s_mm - placement.translate_mm[1]) / placement.scale_mm;
     auto curve = ProfileSlice(*shared, placement.scale_mm, s_mm, y).curve();
     if (curve) return SurfaceSlice{std::move(*curve), {}};
     if (fit == FitMode::Exact || curve.error().kind != ErrorKind::Infeasible)
       return tl::unexpected(curve.error());
     return solid.cut(s_mm);
-  });
+  };
+  return Surface(cut, [solid](const TargetStretch& stretch) { return solid.triangles(stretch); });
 }
 
 }  // namespace popcut

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -8,9 +10,12 @@
 
 #include "core/design/target/expression.hpp"
 #include "core/design/target/surface_kinds.hpp"
+#include "core/fit/triangle_soup.hpp"
 
 namespace popcut {
 namespace {
+
+constexpr double kQuarter = 0.5 * std::numbers::pi;
 
 Result<SurfaceSlice> slice(const Expression& radius, double length, double scale_mm, double s_mm,
                            double y) {
@@ -31,6 +36,64 @@ Result<SurfaceSlice> slice(const Expression& radius, double length, double scale
   return SurfaceSlice{SliceCurve(r_mm, r_mm), {}};
 }
 
+/// Places along the spine between which chords stray by `stretch.finest_mm` at most, as far as a
+/// thousand places allow, with the ends of the radius' domain among them.
+template <typename Radius>
+std::vector<double> stations_of(const Radius& radius, const TargetStretch& stretch) {
+  constexpr std::size_t kLeast = 64, kMost = 1024;
+  const auto is_valid = [&](double s) { return radius(s) >= 0.0 && std::isfinite(radius(s)); };
+  const double length = stretch.to_mm - stretch.from_mm;
+  std::size_t count = kLeast;
+  for (; count < kMost; count *= 2) {
+    double most = 0.0;
+    const double step = length / static_cast<double>(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      const double s = stretch.from_mm + step * static_cast<double>(k);
+      const double off = std::abs(radius(s + 0.5 * step) - 0.5 * (radius(s) + radius(s + step)));
+      if (off > most) most = off;  // not where one of them is not a number
+    }
+    if (most <= stretch.finest_mm) break;
+  }
+  std::vector<double> out;
+  for (std::size_t k = 0; k <= count; ++k) {
+    const double s = stretch.from_mm + length * static_cast<double>(k) / static_cast<double>(count);
+    if (!out.empty() && is_valid(s) != is_valid(out.back())) {
+      double in = is_valid(s) ? s : out.back(), outside = is_valid(s) ? out.back() : s;
+      for (int n = 0; n < 50; ++n) {
+        const double middle = 0.5 * (in + outside);
+        (is_valid(middle) ? in : outside) = middle;
+      }
+      out.push_back(in);
+    }
+    out.push_back(s);
+  }
+  return out;
+}
+
+/// Quarter circles of the radius, as bands between the stations. Where there is no radius, nothing.
+template <typename Radius>
+TriangleSoup quarter_bands(const Radius& radius, const TargetStretch& stretch) {
+  constexpr double kLeast = 48.0, kMost = 256.0;
+  const double largest = std::max(stretch.reach_x_mm, stretch.reach_z_mm);
+  const double angle = std::sqrt(8.0 * stretch.finest_mm / largest);  // sagitta r angle^2 / 8
+  const int pieces = static_cast<int>(std::clamp(std::ceil(kQuarter / angle), kLeast, kMost));
+  std::vector<double> cosine, sine;
+  for (int k = 0; k <= pieces; ++k) {
+    cosine.push_back(k == pieces ? 0.0 : std::cos(kQuarter * k / pieces));
+    sine.push_back(std::sin(kQuarter * k / pieces));
+  }
+  TriangleSoup out;
+  const std::vector<double> stations = stations_of(radius, stretch);
+  for (std::size_t k = 0; k + 1 < stations.size(); ++k) {
+    const double v0 = stations[k], v1 = stations[k + 1], r0 = radius(v0), r1 = radius(v1);
+    if (!(r0 >= 0.0 && r1 >= 0.0) || !std::isfinite(r0 + r1)) continue;
+    for (std::size_t i = 0; i + 1 < cosine.size(); ++i)
+      out.add({r0 * cosine[i], v0, r0 * sine[i]}, {r0 * cosine[i + 1], v0, r0 * sine[i + 1]},
+              {r1 * cosine[i + 1], v1, r1 * sine[i + 1]}, {r1 * cosine[i], v1, r1 * sine[i]});
+  }
+  return out;
+}
+
 }  // namespace
 
 Result<Surface> surface_revolution(const RevolutionSpec& spec, const TargetPlacement& placement,
@@ -49,9 +112,16 @@ Result<Surface> surface_revolution(const RevolutionSpec& spec, const TargetPlace
           return r > 0.0 ? x * x + z * z - r * r : 1.0;
         },
         placement, fit, "revolution");
-  return Surface([shared, placement, length](double s_mm) {
+  const auto cut = [shared, placement, length](double s_mm) {
     const double y = (s_mm - placement.translate_mm[1]) / placement.scale_mm;
     return slice(*shared, length, placement.scale_mm, s_mm, y);
+  };
+  return Surface(cut, [shared, placement, length](const TargetStretch& stretch) {
+    const auto radius_mm = [&](double s_mm) {
+      const double y = (s_mm - placement.translate_mm[1]) / placement.scale_mm;
+      return placement.scale_mm * (*shared)(y, length);
+    };
+    return quarter_bands(radius_mm, stretch);
   });
 }
 

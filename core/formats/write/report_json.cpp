@@ -19,6 +19,42 @@ Json fit(const SliceFit& fit) {
           {"max_mm", fit.max_mm}};
 }
 
+Json distances(const DistanceFigures& far) {
+  return {{"mean", far.mean_mm}, {"rms", far.rms_mm}, {"p95", far.p95_mm}, {"max", far.max_mm}};
+}
+
+/// The opened structure against the target itself.
+Json surface_fit(const DesignReport& report) {
+  Json json{{"mode", report.fit_nearest ? "nearest" : "exact"}};
+  if (!report.surface_fit) return json;
+  const FitFigures& fit = *report.surface_fit;
+  json["structure_to_target_mm"] = distances(fit.to_target);
+  json["target_to_structure_mm"] = distances(fit.to_structure);
+  json["two_sided_rms_mm"] = fit.two_sided_rms_mm();
+  json["size_mm"] = fit.size_mm;
+  for (std::size_t w = 0; w < FitFigures::kWithin.size(); ++w)
+    json["share_within"][fmt::format("{:.0f}_percent", 100.0 * FitFigures::kWithin[w])] =
+        fit.share_within[w];
+  json["out_of_reach"] = {{"share", fit.out_of_reach.share()},
+                          {"overhang", fit.out_of_reach.overhang},
+                          {"outside_of_the_corner", fit.out_of_reach.outside_of_the_corner},
+                          {"beyond_the_slices", fit.out_of_reach.beyond_the_slices}};
+  json["area_mm2"] = {{"structure", fit.structure_mm2}, {"target", fit.target_mm2}};
+  json["samples"] = {{"structure", fit.to_target.samples}, {"target", fit.to_structure.samples}};
+  return json;
+}
+
+/// Vertices against the falling curves that the lattice was laid on.
+Json inner_vertices(const DesignReport& report) {
+  return {{"about",
+           "distances of fold vertices from the falling curve that was fitted to their section of "
+           "the target, and of that curve from the section; `fit` is what a person sees"},
+          {"error_mm", figures(report.inner_error)},
+          {"end_error_mm", figures(report.end_error)},
+          {"gap_mm", report.gap_mm},
+          {"curves", fit(report.fit)}};
+}
+
 Json slices(const DesignReport& report) {
   return json_list(report.slices, [](const SliceReport& slice) {
     Json json{{"s_mm", slice.s_mm},
@@ -88,8 +124,8 @@ Json report_object(const DesignReport& report) {
   json["end_error_mm"] = figures(report.end_error);
   json["step_over_mean"] = {{"min", report.step_over_mean_min}, {"max", report.step_over_mean_max}};
   json["gap_mm"] = report.gap_mm;
-  json["fit"] = fit(report.fit);
-  json["fit"]["mode"] = report.fit_nearest ? "nearest" : "exact";
+  json["fit"] = surface_fit(report);
+  json["inner_vertices"] = inner_vertices(report);
   if (report.curvature) json["curvature"] = curvature(*report.curvature);
   json["seconds"] = report.seconds;
   json["merged"] = merged(report);

@@ -15,6 +15,7 @@
 
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/design/patches.hpp"
+#include "core/design/shape_fit.hpp"
 #include "core/drawing/linework.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/write/deployed_svg.hpp"
@@ -196,17 +197,14 @@ void say_figures(const DesignReport& report) {
   const auto count = [](auto n, const char* what) {
     return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
   };
-  fmt::print(stderr, "{}: {}, {} lattice, {}\n", shown_text(report.name),
-             count(report.slices.size(), "slice"), report.lattice,
-             count(report.degrees_of_freedom, "independent movement"));
+  fmt::print(stderr, "{}: {}\n", shown_text(report.name),
+             report.surface_fit ? fit_in_words(*report.surface_fit) : "nothing stands up");
+  fmt::print(stderr, "  made of  {}, {} lattice, {}\n", count(report.slices.size(), "slice"),
+             report.lattice, count(report.degrees_of_freedom, "independent movement"));
   fmt::print(stderr, "  sheet    {:.1f} mm across the main fold x {:.1f} mm along it\n",
              report.sheet_u_mm, report.sheet_v_mm);
   fmt::print(stderr, "  folds    {}, {:.0f} mm; cuts {}, {:.0f} mm; {} rigid faces\n", report.folds,
              report.fold_length_mm, report.cuts, report.cut_length_mm, report.faces);
-  fmt::print(
-      stderr,
-      "  distance from your shape: {:.3g} mm rms, {:.3g} mm at most; at the ends {:.3g} mm\n",
-      report.inner_error.rms_mm, report.inner_error.max_mm, report.end_error.max_mm);
 }
 
 void say_remarks(const DesignReport& report, bool all) {

@@ -55,11 +55,19 @@ TEST_CASE("a mesh from elsewhere becomes a sound pattern with its error in the r
   REQUIRE(made.exit == 0);
   const json report = json::parse(made.out);
   CHECK(report["degrees_of_freedom"] == 1);
-  const double share = report["fit"]["unreachable_share"];
+  const json curves = report["inner_vertices"]["curves"];
+  const double share = curves["unreachable_share"];
   CHECK(share > (stand == "whole" ? 0.5 : 0.05));
   CHECK(share < (stand == "whole" ? 0.9 : 0.3));
-  CHECK(report["fit"]["rms_mm"] < 3.0);
-  CHECK(report["fit"]["max_mm"] < 15.0);
+  CHECK(curves["rms_mm"] < 3.0);
+  CHECK(curves["max_mm"] < 15.0);
+  // The whole target, with what the slices do not even meet.
+  const json fit = report["fit"];
+  CHECK(fit["structure_to_target_mm"]["mean"] < 3.0);
+  CHECK(fit["share_within"]["5_percent"] > (stand == "whole" ? 0.2 : 0.1));
+  CHECK(fit["out_of_reach"]["outside_of_the_corner"] < (stand == "whole" ? 0.001 : 0.9));
+  CHECK(fit["out_of_reach"]["share"] > 0.4);
+  CHECK(made.err.find(" mm off on average (95 %: ") != std::string::npos);
   CHECK(report["slices"][0]["fit"].contains("unreachable_share"));
   const Ran verified = bench.popcut(
       {"verify", "out/pattern.fold", "--dof", "1", "--target", "placed.json", "--json"});
@@ -68,8 +76,8 @@ TEST_CASE("a mesh from elsewhere becomes a sound pattern with its error in the r
   // From the mesh itself, the fold vertices are not farther off than the two errors together.
   const json inner = json::parse(verified.out)["target"]["inner_mm"];
   CHECK(inner["vertices"] > 20);
-  CHECK(inner["rms"] < report["inner_error_mm"]["max"].get<double>() +
-                           report["fit"]["max_mm"].get<double>() + 0.1);
+  CHECK(inner["rms"] <
+        report["inner_error_mm"]["max"].get<double>() + curves["max_mm"].get<double>() + 0.1);
   fs::remove(bench.temp / "meshes/teapot.obj");
   check_refused(
       bench.popcut({"verify", "out/pattern.fold", "--dof", "1", "--target", "placed.json"}), 3,

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+#include "core/design/shape_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace popcut {
+namespace {
+
+/// Of the middle panel's length: chords of formulas stray no farther, a hundredth of what the
+/// panels themselves are off.
+constexpr double kChord = 0.003;
+
+bool is_card(PlaneId plane) { return plane == kWallPlane || plane == kGroundPlane; }
+
+/// Triangles of a soup whose middles lie in a stretch of the spine.
+void keep_between(double from_mm, double to_mm, TriangleSoup& soup) {
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < soup.size(); ++t) {
+    const auto begin = soup.corners.begin() + 9 * static_cast<std::ptrdiff_t>(t);
+    const double middle = (begin[1] + begin[4] + begin[7]) / 3.0;
+    if (!(middle >= from_mm && middle <= to_mm)) continue;
+    std::copy(begin, begin + 9, soup.corners.begin() + 9 * static_cast<std::ptrdiff_t>(kept++));
+  }
+  soup.corners.resize(9 * kept);
+}
+
+/// Two digits, never in powers of ten.
+std::string mm_in_words(double mm) {
+  return mm >= 10.0 ? fmt::format("{:.0f} mm", mm) : fmt::format("{:.2g} mm", mm);
+}
+
+std::string share_in_words(double share) {
+  const double percent = 100.0 * share;
+  if (percent > 99.5 && percent < 100.0) return fmt::format("{:.1f} %", std::min(percent, 99.9));
+  return fmt::format("{:.0f} %", percent);
+}
+
+}  // namespace
+
+SpineMap::SpineMap(const Strips& strips, std::span<const double> s_mm) {
+  std::vector<double> place(s_mm.size()), count(s_mm.size());
+  for (std::size_t s = 0; s < strips.size(); ++s) {
+    if (strips.kind[s] != StripKind::Slice && strips.kind[s] != StripKind::Box) continue;
+    const auto j = static_cast<std::size_t>(strips.slice[s]);
+    place[j] += 0.5 * (strips.v_begin[s] + strips.v_begin[s + 1]), ++count[j];
+  }
+  for (std::size_t j = 0; j < s_mm.size(); ++j)
+    if (count[j] > 0.0) v_.push_back(place[j] / count[j]), s_.push_back(s_mm[j]);
+}
+
+double SpineMap::operator()(double v_mm) const {
+  if (v_.empty()) return v_mm;
+  const auto after =
+      static_cast<std::size_t>(std::upper_bound(v_.begin(), v_.end(), v_mm) - v_.begin());
+  if (after == 0) return s_.front() + (v_mm - v_.front());
+  if (after == v_.size()) return s_.back() + (v_mm - v_.back());
+  const double share = (v_mm - v_[after - 1]) / (v_[after] - v_[after - 1]);
+  return s_[after - 1] + share * (s_[after] - s_[after - 1]);
+}
+
+TriangleSoup structure_triangles(const Strips& strips, const SpineMap& along, double psi_rad) {
+  TriangleSoup out;
+  out.corners.reserve(18 * strips.panels());
+  // Exactly square at pi/2.
+  const double c = std::abs(psi_rad - 0.5 * std::numbers::pi) < 1e-15 ? 0.0 : std::cos(psi_rad);
+  const double s = std::sin(psi_rad);
+  for (std::size_t k = 0; k < strips.size(); ++k) {
+    if (strips.kind[k] == StripKind::Margin) continue;
+    const double from = along(strips.v_begin[k]), to = along(strips.v_begin[k + 1]);
+    for (std::uint32_t p = strips.first_panel[k]; p < strips.first_panel[k + 1]; ++p) {
+      if (is_card(strips.plane[p])) continue;
+      const std::size_t q = p + k;
+      const double x0 = strips.x[q] + strips.z[q] * c, z0 = strips.z[q] * s;
+      const double x1 = strips.x[q + 1] + strips.z[q + 1] * c, z1 = strips.z[q + 1] * s;
+      out.add({x0, from, z0}, {x1, from, z1}, {x1, to, z1}, {x0, to, z0});
+    }
+  }
+  return out;
+}
+
+TriangleSoup target_triangles(const Strips& strips, const SpineMap& along,
+                              const DesignReport& report, std::span<const TargetPiece> target) {
+  double from = std::numeric_limits<double>::infinity(), to = -from;
+  double reach_x = 0.0, reach_z = 0.0;
+  for (std::size_t k = 0; k < strips.size(); ++k) {
+    if (strips.kind[k] == StripKind::Margin) continue;
+    from = std::min(from, along(strips.v_begin[k]));
+    to = std::max(to, along(strips.v_begin[k + 1]));
+    for (std::uint32_t p = strips.first_panel[k]; p < strips.first_panel[k + 1]; ++p) {
+      if (is_card(strips.plane[p])) continue;
+      for (const std::size_t q : {p + k, p + k + 1}) {
+        reach_x = std::max(reach_x, strips.x[q]);
+        reach_z = std::max(reach_z, strips.z[q]);
+      }
+    }
+  }
+  if (!(to > from) || !(reach_x > 0.0) || !(reach_z > 0.0)) return {};
+  const int units = *std::max_element(report.units_per_slice.begin(), report.units_per_slice.end());
+  const double finest = kChord * 0.5 * (reach_x + reach_z) / std::max(units, 1);
+  TriangleSoup out;
+  for (const TargetPiece& piece : target) {
+    const double begin = std::max(from, piece.from_mm), end = std::min(to, piece.to_mm);
+    if (!(end > begin)) continue;
+    const TargetStretch stretch{begin - piece.origin_mm, end - piece.origin_mm, reach_x, reach_z,
+                                finest};
+    TriangleSoup own = piece.surface.triangles(stretch);
+    for (std::size_t k = 1; k < own.corners.size(); k += 3) own.corners[k] += piece.origin_mm;
+    if (target.size() == 1) return own;
+    keep_between(begin, end, own);
+    out.corners.insert(out.corners.end(), own.corners.begin(), own.corners.end());
+  }
+  return out;
+}
+
+std::optional<FitFigures> surface_fit(const Strips& strips, const DesignReport& report,
+                                      std::span<const TargetPiece> target) {
+  std::vector<double> s_mm;
+  for (const SliceReport& slice : report.slices) s_mm.push_back(slice.s_mm);
+  const SpineMap along(strips, s_mm);
+  const FitTarget aim(target_triangles(strips, along, report, target));
+  FitFigures figures = aim.measure(structure_triangles(strips, along));
+  if (figures.to_target.samples == 0) return std::nullopt;
+  return figures;
+}
+
+std::string fit_in_words(const FitFigures& fit) {
+  std::string words =
+      fmt::format("{} off on average (95 %: {}); {} of the target is within 2 % of its size",
+                  mm_in_words(fit.to_target.mean_mm), mm_in_words(fit.to_target.p95_mm),
+                  share_in_words(fit.share_within[1]));
+  const OutOfReach& out = fit.out_of_reach;
+  if (out.share() < 0.005) return words;
+  words += fmt::format("; {} is out of reach (", share_in_words(out.share()));
+  const char* separator = "";
+  for (const auto& [share, what] : {std::pair{out.outside_of_the_corner, "outside of the corner"},
+                                    std::pair{out.overhang, "overhang"},
+                                    std::pair{out.beyond_the_slices, "beyond the slices"}}) {
+    if (share < 0.005) continue;
+    words += fmt::format("{}{} {}", separator, share_in_words(share), what);
+    separator = ", ";
+  }
+  return words + ")";
+}
+
+}  // namespace popcut

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <numbers>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/design/chain/slicing.hpp"
+#include "core/design/spec/report.hpp"
+#include "core/design/strips/strips.hpp"
+#include "core/fit/fit.hpp"
+
+namespace popcut {
+
+/// Where places along the sheet (v, mm) lie along the target (s, mm): by the centre lines of the
+/// slices that are laid, in a straight line between them.
+class SpineMap {
+ public:
+  SpineMap(const Strips& strips, std::span<const double> s_mm);
+  [[nodiscard]] double operator()(double v_mm) const;
+
+ private:
+  std::vector<double> v_, s_;
+};
+
+/// The opened structure: two triangles for each panel that is not in wall or ground, at the places
+/// along the target. V-folds are left out.
+///
+/// @param psi_rad  angle between wall and ground, as the target stands in it
+[[nodiscard]] TriangleSoup structure_triangles(const Strips& strips, const SpineMap& along,
+                                               double psi_rad = 0.5 * std::numbers::pi);
+
+/// The target itself, over the stretch of the spine that the strips take, or whole where it is a
+/// mesh or a grid.
+///
+/// @param report  its slices, and its units for how finely formulas are cut into triangles
+[[nodiscard]] TriangleSoup target_triangles(const Strips& strips, const SpineMap& along,
+                                            const DesignReport& report,
+                                            std::span<const TargetPiece> target);
+
+/// How far the opened structure and the target are from each other, both ways. None where one of
+/// them has no area.
+///
+/// @param report  needs `slices` and `units_per_slice`
+[[nodiscard]] std::optional<FitFigures> surface_fit(const Strips& strips,
+                                                    const DesignReport& report,
+                                                    std::span<const TargetPiece> target);
+
+/// The fit in one line of words: how far off on average, and how much of the target is there.
+[[nodiscard]] std::string fit_in_words(const FitFigures& fit);
+
+}  // namespace popcut
