@@ -337,7 +337,8 @@ void score_left_out(const LineWork& drawing, const DashShape& shape, Dashed& das
     const DrawnLine& line = drawing.lines[left.line];
     const auto fold = drawing.points_of(line);
     const double from = left.on.from > 0.0 ? left.on.from + 0.5 * shape.clearance_mm : 0.0;
-    const double to = left.on.to < length(fold) ? left.on.to - 0.5 * shape.clearance_mm : left.on.to;
+    const double to =
+        left.on.to < length(fold) ? left.on.to - 0.5 * shape.clearance_mm : left.on.to;
     part_of(fold, {from, to}, points);
     dashed.work.append(line.operation, points);
     dashed.line.resize(dashed.work.lines.size(), left.line);

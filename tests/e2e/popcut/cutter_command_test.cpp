@@ -137,7 +137,7 @@ TEST_CASE("a sheet with registration marks is cut relative to the marks that are
     CHECK(says(ran.err, words));
   };
   refused({"--machine", "cameo3", "--mat", "110x110"}, 4, "a printed drawing is not split");
-  refused({"--machine", "cameo3", "--mat", "170x190"}, 4, "outside the registration marks");
+  refused({"--machine", "cameo3", "--mat", "170x267"}, 4, "outside the registration marks");
   refused({"--machine", "hpgl-generic"}, 3, "cannot search for registration marks");
   const Ran small = bench.popcut(
       {"cut", "--test", "--marks", "--machine", "cameo3", "--mat", "70x70", "--direct", "--yes"});
@@ -182,7 +182,7 @@ TEST_CASE("the key p holds the cut with the tool up and continues it", "[cli][e2
 TEST_CASE("cut asks before each sheet and ends if the answer is no", "[cli][e2e][layout]") {
   const TempFolder folder;
   const std::vector<std::string> words{"cut",   kSphere,   "--direct", "--device", "sim:cameo3",
-                                       "--mat", "110x110", "-o",       "cut"};
+                                       "--mat", "110x160", "-o",       "cut"};
   {
     AtTerminal popcut(popcut_program(), words, folder);
     REQUIRE(popcut.shows("Load sheet 1 of 3"));

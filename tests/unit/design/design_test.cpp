@@ -111,8 +111,8 @@ TEST_CASE("every fold edge lies between two faces and every cut side borders one
 }
 
 TEST_CASE("a sheet has the widths and places of the design reference", "[core][design]") {
-  const Design d =
-      made({"1", 5, 3, 0.1, "slices", R"(, "card": {"margin_mm": 12, "wall_mm": 130, "shut": "free"})"});
+  const Design d = made(
+      {"1", 5, 3, 0.1, "slices", R"(, "card": {"margin_mm": 12, "wall_mm": 130, "shut": "free"})"});
   CHECK_THAT(d.report.sheet_v_mm, Catch::WithinAbs(2 * 12 + 30 - 5, 1e-12));
   CHECK_THAT(d.report.sheet_u_mm, Catch::WithinAbs(130 + 115, 1e-9));
   for (std::size_t j = 0; j < 3; ++j) {
