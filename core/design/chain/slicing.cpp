@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/design/chain/augmented_slices.hpp"
+#include "core/design/target/strip_cut.hpp"
 #include "core/design/target/surface.hpp"
 
 namespace popcut {
@@ -167,8 +168,13 @@ struct RegionCut {
 
 Result<void> cut_slice(const RegionCut& stretch, double s, double min_panel_mm, int j,
                        Slicing& out) {
-  auto cut = stretch.surface->cut(s - stretch.origin_mm);
-  if (!cut) return tl::unexpected(cut.error());
+  const double least_mm = 2.0 * min_panel_mm;
+  auto strip = cut_strip(*stretch.surface, s - stretch.origin_mm,
+                         out.width_mm[static_cast<std::size_t>(j)], least_mm);
+  if (!strip) return tl::unexpected(strip.error());
+  if (strip->s_mm != s - stretch.origin_mm)
+    out.moved.emplace_back(j, strip->s_mm + stretch.origin_mm);
+  SurfaceSlice* const cut = &strip->slice;
   out.fits.push_back(cut->fit);
   SliceCurve* const curve = &cut->curve;
   if (curve->h() < 2.0 * min_panel_mm || curve->d() < 2.0 * min_panel_mm)
@@ -287,8 +293,13 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
       const bool cut_here = last_here && stretches[r + 1].units != here.units;
       out.cut_after.push_back(cut_here);
       out.between_s_mm.push_back(between);
-      auto curve = owner.surface->slice(between - owner.origin_mm);
-      if (!curve && cut_here) curve = out.curves.back();  // then a bridge aims at the slice
+      Result<SliceCurve> curve = out.curves.back();
+      if (auto strip =
+              cut_strip(*owner.surface, between - owner.origin_mm,
+                        0.5 * (out.width_mm[k] + out.width_mm[k + 1]), 2.0 * spec.min_panel_mm))
+        curve = std::move(strip->slice.curve);
+      else if (!cut_here && !is_nothing_there(strip.error()))
+        curve = tl::unexpected(strip.error());  // else it aims at the slice before it
       if (!curve) return tl::unexpected(curve.error());
       out.between.push_back(std::move(*curve));
     }

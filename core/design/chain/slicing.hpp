@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/design/chain/chain.hpp"
@@ -32,6 +33,8 @@ struct Slicing {
   /// slice's own curve where the target ends before.
   std::vector<SliceCurve> edges;
   std::optional<CurvatureReport> curvature;  ///< of augmented chains
+  /// Slices whose target ends inside their width: the slice, and the plane that was cut instead.
+  std::vector<std::pair<int, double>> moved;
   int uniform_slices{};  ///< with adaptive widths: equal slices of the same error; else 0
 
   [[nodiscard]] int slices() const { return static_cast<int>(s_mm.size()); }

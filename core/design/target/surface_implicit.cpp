@@ -55,7 +55,8 @@ class SolidSlice {
       return fail(ErrorKind::Infeasible, place,
                   fmt::format("no part of the {} is in the corner x > 0, z > 0 there; move it with "
                               "translate_mm, or use fewer or narrower slices",
-                              what));
+                              what),
+                  ErrorReason::Misplaced);
     std::array<double, 2> reach{1.05 * std::max(most_x, 0.02 * most_z),
                                 1.05 * std::max(most_z, 0.02 * most_x)};
     for (int round = 0; round < 60; ++round) {

@@ -49,7 +49,8 @@ Result<Surface> surface_of_triangles(TriangleMesh mesh, FitMode fit, const char*
       return fail(ErrorKind::Infeasible, place,
                   fmt::format("the {} spans y = {:.6g} to {:.6g} mm only; use fewer or narrower "
                               "slices, a larger scale_mm, or move it along y with translate_mm",
-                              what, slicer->low_mm(), slicer->high_mm()));
+                              what, slicer->low_mm(), slicer->high_mm()),
+                  ErrorReason::Misplaced);
     Section section = slicer->cut(s_mm);
     if (!closed) section.open_ends.clear();
     return fit_section(section, fit, place, what);

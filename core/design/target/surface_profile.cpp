@@ -34,7 +34,8 @@ class ProfileSlice {
           ErrorKind::OutOfRange, at_s(s_mm_),
           fmt::format("z(0, y) is {:.6g} mm at y = {:.6g}; the profile must start above the "
                       "ground at the wall",
-                      h, y_));
+                      h, y_),
+          ErrorReason::Misplaced);
     const Result<double> d = ground_end(h);
     if (!d) return tl::unexpected(d.error());
     if (auto falls = check_falls(h, *d); !falls) return tl::unexpected(falls.error());

@@ -21,12 +21,14 @@ Result<SurfaceSlice> slice(const Expression& radius, double length, double scale
         ErrorKind::OutOfRange, place,
         fmt::format("the radius is not a number at y = {:.6g}; it must be finite and positive "
                     "for every slice: fewer or narrower slices, or another radius",
-                    y));
+                    y),
+        ErrorReason::Misplaced);
   if (r_mm <= 0.0)
     return fail(
         ErrorKind::OutOfRange, place,
         fmt::format("the radius is {:.6g} mm at y = {:.6g}; it must be positive for every slice",
-                    r_mm, y));
+                    r_mm, y),
+        ErrorReason::Misplaced);
   return SurfaceSlice{SliceCurve(r_mm, r_mm), {}};
 }
 

@@ -318,7 +318,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
   auto made = timed_design(*spec, *assets);
-  if (!made && made.error().reason == ErrorReason::Misplaced)
+  if (!made && made.error().reason == ErrorReason::Misplaced && !asset_of(spec->surface).empty())
     made.error().detail += ", or see 'popcut design --place'";
   if (!made) return tl::unexpected(within(options.spec, made.error()));
 
