@@ -13,7 +13,7 @@
 
 #include "core/design/design.hpp"
 #include "core/design/reached_share.hpp"
-#include "core/design/target/mesh_slicer.hpp"
+#include "core/design/target/even_sections.hpp"
 #include "core/design/target/monotone_fit.hpp"
 #include "core/design/target/placement_map.hpp"
 #include "core/design/target/section.hpp"
@@ -146,31 +146,31 @@ class Placer {
     way.placement.translate_mm = {
         stands(0), 0.5 * (extent - box.low[1] - box.high[1]) + 0.5 * shift * spare, stands(2)};
     for (double& by : way.placement.translate_mm) by = std::round(by * 1e6) / 1e6 + 0.0;
-    auto standing = placed(mesh_, way.placement);
-    if (!standing) return tl::unexpected(standing.error());
-    const auto strips = falling_strips(std::move(*standing), extent);
+    const auto strips = falling_strips(*turned, box, way.placement.translate_mm, extent);
     if (strips.empty()) return {};
     way.reached = reached_share(standing_points(way.placement), strips, near_mm_);
     ways_.push_back(way);
     return {};
   }
 
-  /// The nearest falling curves in the strips that the slices take of a placed mesh.
-  [[nodiscard]] std::vector<ProfileStrip> falling_strips(TriangleMesh standing,
+  /// The nearest falling curves in the strips that the slices take of a turned mesh, when it is
+  /// moved by `shift_mm`.
+  [[nodiscard]] std::vector<ProfileStrip> falling_strips(const TriangleMesh& turned,
+                                                         const MeshBox& box, const Vec& shift_mm,
                                                          double extent_mm) const {
     constexpr int kSamples = 128;
     std::vector<ProfileStrip> out;
-    const MeshSlicer slicer(std::move(standing));
-    if (!(slicer.box().high[0] > 0.0) || !(slicer.box().high[2] > 0.0)) return out;
     const double ends = spec_.widths_mm.empty() ? 0.0 : 0.25 * spec_.widths_mm.front();
-    const double from = std::max(slicer.low_mm(), -ends);
-    const double to = std::min(slicer.high_mm(), extent_mm + ends);
+    const double from = std::max(box.low[1] + shift_mm[1], -ends);
+    const double to = std::min(box.high[1] + shift_mm[1], extent_mm + ends);
     if (!(to > from)) return out;
+    const double width = (to - from) / kStrips;
+    const auto sections = even_sections(turned, shift_mm, {from + 0.5 * width, width, kStrips});
     bool any = false;
-    for (int k = 0; k < kStrips; ++k) {
-      const double width = (to - from) / kStrips, begin = from + width * k;
+    for (std::size_t k = 0; k < sections.size(); ++k) {
+      const double begin = from + width * static_cast<double>(k);
       ProfileStrip strip{begin, begin + width, {}};
-      const Outline outline = seen_from_outside(slicer.cut(begin + 0.5 * width), kSamples);
+      const Outline outline = seen_from_outside(sections[k], kSamples);
       if (!outline.points.empty()) strip.profile = nearest_falling(outline.points).points;
       any = any || !strip.profile.empty();
       out.push_back(std::move(strip));

@@ -11,7 +11,9 @@
 #include "core/design/design.hpp"
 #include "core/design/placement.hpp"
 #include "core/design/reached_share.hpp"
+#include "core/design/target/even_sections.hpp"
 #include "core/design/target/expression.hpp"
+#include "core/design/target/mesh_slicer.hpp"
 #include "core/design/target/placement_map.hpp"
 #include "core/design/target/surface.hpp"
 #include "core/formats/write/report_json.hpp"
@@ -246,6 +248,33 @@ TEST_CASE("a proposed placement can be designed and reaches no less than before"
       CHECK(proposed->tried > 24);
     }
   }
+}
+
+TEST_CASE("even sections are those of the mesh slicer", "[core][target]") {
+  const TriangleMesh ring = torus(25.0, 10.0, 60);
+  const std::array<double, 3> shift{20.0, 31.0, 4.0};
+  const auto standing = placed(ring, {1.0, {}, shift});
+  REQUIRE(standing);
+  const MeshSlicer slicer(*standing);
+  const EvenPlanes planes{-6.1, 1.7, 48};  // some before and some behind the ring
+  const auto sections = even_sections(ring, shift, planes);
+  REQUIRE(sections.size() == 48);
+  const auto length = [](const Section& section) {
+    double sum = 0.0;
+    for (const SectionSegment& piece : section.segments)
+      sum += std::hypot(piece.b.x - piece.a.x, piece.b.z - piece.a.z);
+    return sum;
+  };
+  double all = 0.0;
+  for (int k = 0; k < planes.count; ++k) {
+    CAPTURE(k);
+    const Section whole = slicer.cut(planes.first_mm + k * planes.step_mm);
+    const Section& mine = sections[static_cast<std::size_t>(k)];
+    CHECK(mine.segments.size() == whole.segments.size());
+    CHECK(length(mine) == Approx(length(whole)).margin(1e-3));
+    all += length(mine);
+  }
+  CHECK(all > 1000.0);
 }
 
 TEST_CASE("the reached share of a plate is that of the strips beside it", "[core][target]") {
