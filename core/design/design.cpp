@@ -2,6 +2,8 @@
 #include "core/design/design.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -59,6 +61,9 @@ class Designer {
       notes_.push_back(
           fmt::format("{} slices of chosen widths; equal ones would be {} for the same error",
                       sliced_.slices(), sliced_.uniform_slices));
+    for (const auto& [slice, s_mm] : sliced_.moved)
+      notes_.push_back(fmt::format(
+          "slice {}: the target ends there; its curve is the one at s = {:.4g} mm", slice, s_mm));
     // A round that fails makes a plain cut more, or once a larger card, so the rounds end.
     for (int round = 0; round <= sliced_.slices() + 3; ++round) {
       LatticeMethod method = spec_.lattice;
@@ -233,11 +238,39 @@ class Designer {
     return laid;
   }
 
+  /// Whether enough levels are left when some end: at most every second one is too many.
+  [[nodiscard]] bool may_end(const RunLayout& layout) const {
+    return std::all_of(layout.targets.begin(), layout.targets.end(), [&](const RunTarget& t) {
+      return 2.0 * t.mean_step() > spec_.min_panel_mm;
+    });
+  }
+
+  /// How many units fit, to be added to what says that more do not.
+  [[nodiscard]] std::string fits_at_most(const RunLayout& layout) const {
+    double most = std::numeric_limits<double>::infinity();
+    for (const RunTarget& target : layout.targets) {
+      double d = 0.0, h = 0.0;
+      for (const SliceCurve& c : target.slice_curves) d += c.d(), h += c.h();
+      most = std::min(most, std::min(d, h) / target.slices() / spec_.min_panel_mm);
+    }
+    return fmt::format("; at most {:.0f} units fit", std::max(1.0, std::ceil(most) - 1.0));
+  }
+
   /// Lays the lattice by `method`. Where the conformal lattice does not come nearer to the target
   /// than the plain one, the plain one is taken; `note` says what was chosen between.
   Result<Laid> lay(LatticeMethod& method, std::string& note) const {
     RunLayout chosen = lay_runs(sliced_, cut_after_, spec_);
-    if (auto filled = fill_planes(chosen, method); !filled) return tl::unexpected(filled.error());
+    if (auto filled = fill_planes(chosen, method); !filled) {
+      if (method != LatticeMethod::Conformal || spec_.max_step_asked || !may_end(chosen)) {
+        filled.error().detail += fits_at_most(chosen);
+        return tl::unexpected(filled.error());
+      }
+      // Conformal planes cannot end at wall and ground; those of "levels" can.
+      note = "levels taken, since conformal has no room: " + filled.error().detail;
+      method = LatticeMethod::Levels;
+      chosen = lay_runs(sliced_, cut_after_, spec_);
+      if (filled = fill_planes(chosen, method); !filled) return tl::unexpected(filled.error());
+    }
     const bool choose = method == LatticeMethod::Conformal &&
                         std::any_of(chosen.targets.begin(), chosen.targets.end(),
                                     [](const RunTarget& t) { return !t.connector_curves.empty(); });

@@ -2,13 +2,21 @@
 #include "core/design/placement.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <numeric>
-#include <optional>
+#include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "core/design/design.hpp"
+#include "core/design/reached_share.hpp"
+#include "core/design/target/even_sections.hpp"
+#include "core/design/target/monotone_fit.hpp"
 #include "core/design/target/placement_map.hpp"
+#include "core/design/target/section.hpp"
 #include "core/design/target/surface_kinds.hpp"
 #include "core/text/json_text.hpp"
 
@@ -33,26 +41,212 @@ std::vector<Vec> right_turns() {
   return out;
 }
 
-/// From the first slice's middle to the last one's.
-double slices_extent(const DesignSpec& spec) {
-  const std::vector<double>& w = spec.widths_mm;
-  if (w.empty()) return 0.0;
-  return std::accumulate(w.begin(), w.end(), 0.0) - 0.5 * (w.front() + w.back());
+/// The degrees about x, y and z of a turn (`turn_of`), to a ten-thousandth.
+Vec degrees_of(const TurnMatrix& turn) {
+  const double sine = std::clamp(-turn[2][0], -1.0, 1.0);
+  const bool is_locked = std::abs(sine) > 1.0 - 1e-9;  // then x and z turn about the same axis
+  Vec out{is_locked ? std::atan2(-turn[1][2], turn[1][1]) : std::atan2(turn[2][1], turn[2][2]),
+          std::asin(sine), is_locked ? 0.0 : std::atan2(turn[1][0], turn[0][0])};
+  for (double& angle : out) angle = std::round(angle * 180.0 / std::numbers::pi * 1e4) / 1e4 + 0.0;
+  return out;
 }
 
-/// What falling curves reach of a placed mesh, in nine sections inside the slices' range.
-std::optional<SliceFit> try_slices(const TriangleMesh& mesh, double from_mm, double to_mm) {
-  const auto surface = surface_of_triangles(mesh, FitMode::Nearest, "mesh", false);
-  if (!surface) return std::nullopt;
-  constexpr int kSections = 9;
-  SliceFit sum;
-  for (int k = 0; k < kSections; ++k) {
-    const auto cut = surface->cut(from_mm + (to_mm - from_mm) * (k + 0.5) / kSections);
-    if (!cut) return std::nullopt;
-    accumulate(sum, cut->fit);
-  }
-  return sum;
+/// Turned by `degrees` about one axis of the corner after what `first` says.
+Vec turned_on(const Vec& first, std::size_t axis, double degrees) {
+  Vec second{};
+  second[axis] = degrees;
+  const TurnMatrix a = turn_of(second), b = turn_of(first);
+  TurnMatrix out{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      for (std::size_t k = 0; k < 3; ++k) out[i][j] += a[i][k] * b[k][j];
+  return degrees_of(out);
 }
+
+/// A way of standing.
+struct Standing {
+  TargetPlacement placement;
+  Vec turn{};
+  double shift{};  ///< along the spine, of half the length that the slices leave out: -1 to 1
+  double length_mm{};
+  double reached{};  ///< by the falling curves
+};
+
+/// Tries ways of standing.
+class Placer {
+ public:
+  Placer(const DesignSpec& spec, const SurfaceAssets& assets, const TriangleMesh& mesh, Stand stand)
+      : spec_(spec), assets_(assets), mesh_(mesh), stand_(stand) {
+    points_ = area_points(mesh, kPoints);
+    const MeshBox box = box_of(mesh);
+    near_mm_ =
+        kReachedWithin * spec.placement.scale_mm *
+        std::hypot(box.high[0] - box.low[0], box.high[1] - box.low[1], box.high[2] - box.low[2]);
+    const std::vector<double>& w = spec.widths_mm;
+    if (!w.empty())
+      extent_mm_ = std::accumulate(w.begin(), w.end(), 0.0) - 0.5 * (w.front() + w.back());
+    if (spec.adaptive && spec.adaptive->length_mm) extent_mm_ = *spec.adaptive->length_mm;
+  }
+
+  Result<ProposedPlacement> run() {
+    for (const Vec& turn : right_turns())
+      if (auto tried = consider(turn, 0.0); !tried) return tl::unexpected(tried.error());
+    if (ways_.empty())
+      return fail(ErrorKind::Infeasible, "/surface",
+                  "none of the 24 ways to turn it by right angles can be sliced; is the surface "
+                  "flat or empty?");
+    for (const Standing& way : best(kTurnsKept))
+      for (const double degrees : {-30.0, -15.0, 15.0, 30.0, 45.0})
+        (void)consider(turned_on(way.turn, 1, degrees), 0.0);
+    for (const double degrees : {8.0, 4.0, 2.0})
+      for (const Standing& way : best(1))
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          for (const double sign : {-1.0, 1.0})
+            (void)consider(turned_on(way.turn, axis, sign * degrees), way.shift);
+    for (const Standing& way : best(kDesigned))
+      if (way.length_mm > extent_mm_ + near_mm_ && extent_mm_ > 0.0)
+        for (const double shift : {-1.0, -0.5, 0.5, 1.0}) (void)consider(way.turn, shift);
+    return choose();
+  }
+
+ private:
+  static constexpr std::size_t kPoints = 4096;
+  static constexpr int kStrips = 64;
+  static constexpr std::size_t kTurnsKept = 4;  ///< that are turned on
+  static constexpr std::size_t kDesigned = 4;   ///< that are compared as designed
+
+  [[nodiscard]] double extent_of(const Standing& way) const {
+    return extent_mm_ > 0.0 ? extent_mm_ : way.length_mm;
+  }
+
+  [[nodiscard]] std::vector<Standing> best(std::size_t count) const {
+    std::vector<Standing> out = ways_;
+    std::stable_sort(out.begin(), out.end(), [](const Standing& a, const Standing& b) {
+      constexpr double kClearly = 1e-3;  // else the plainer one, which was tried first
+      return std::floor(a.reached / kClearly) > std::floor(b.reached / kClearly);
+    });
+    if (out.size() > count) out.resize(count);
+    return out;
+  }
+
+  /// Stands it in this way and adds what falling curves reach, if it can be cut at all.
+  Result<void> consider(const Vec& turn, double shift) {
+    Standing way;
+    way.turn = turn, way.shift = shift;
+    way.placement = {spec_.placement.scale_mm, turn, {}};
+    auto turned = placed(mesh_, way.placement);
+    if (!turned) return tl::unexpected(turned.error());
+    const MeshBox box = box_of(*turned);
+    way.length_mm = box.high[1] - box.low[1];
+    const double extent = extent_of(way);
+    const auto stands = [&](std::size_t axis) {
+      return stand_ == Stand::Whole ? -box.low[axis] : -0.5 * (box.low[axis] + box.high[axis]);
+    };
+    const double spare = std::max(0.0, way.length_mm - extent);
+    way.placement.translate_mm = {
+        stands(0), 0.5 * (extent - box.low[1] - box.high[1]) + 0.5 * shift * spare, stands(2)};
+    for (double& by : way.placement.translate_mm) by = std::round(by * 1e6) / 1e6 + 0.0;
+    const auto strips = falling_strips(*turned, box, way.placement.translate_mm, extent);
+    if (strips.empty()) return {};
+    way.reached = reached_share(standing_points(way.placement), strips, near_mm_);
+    ways_.push_back(way);
+    return {};
+  }
+
+  /// The nearest falling curves in the strips that the slices take of a turned mesh, when it is
+  /// moved by `shift_mm`.
+  [[nodiscard]] std::vector<ProfileStrip> falling_strips(const TriangleMesh& turned,
+                                                         const MeshBox& box, const Vec& shift_mm,
+                                                         double extent_mm) const {
+    constexpr int kSamples = 128;
+    std::vector<ProfileStrip> out;
+    const double ends = spec_.widths_mm.empty() ? 0.0 : 0.25 * spec_.widths_mm.front();
+    const double from = std::max(box.low[1] + shift_mm[1], -ends);
+    const double to = std::min(box.high[1] + shift_mm[1], extent_mm + ends);
+    if (!(to > from)) return out;
+    const double width = (to - from) / kStrips;
+    const auto sections = even_sections(turned, shift_mm, {from + 0.5 * width, width, kStrips});
+    bool any = false;
+    for (std::size_t k = 0; k < sections.size(); ++k) {
+      const double begin = from + width * static_cast<double>(k);
+      ProfileStrip strip{begin, begin + width, {}};
+      const Outline outline = seen_from_outside(sections[k], kSamples);
+      if (!outline.points.empty()) strip.profile = nearest_falling(outline.points).points;
+      any = any || !strip.profile.empty();
+      out.push_back(std::move(strip));
+    }
+    if (!any) out.clear();
+    return out;
+  }
+
+  [[nodiscard]] AreaPoints standing_points(const TargetPlacement& placement) const {
+    const PlacementMap map(placement);
+    AreaPoints out = points_;
+    for (auto& p : out) p = map.to_corner(p);
+    return out;
+  }
+
+  /// Designs the spec as it then stands, and the share of the area that the structure reaches.
+  struct Reached {
+    double share{};
+    SliceFit fit;
+  };
+  [[nodiscard]] Result<Reached> reached_by_design(const TargetPlacement& placement) const {
+    DesignSpec spec = spec_;
+    spec.placement = placement, spec.fit = FitMode::Nearest;
+    const auto made = design(spec, assets_);
+    if (!made) return tl::unexpected(made.error());
+    std::vector<double> s_mm;
+    for (const SliceReport& slice : made->report.slices) s_mm.push_back(slice.s_mm);
+    const auto strips = profile_strips(made->strips, s_mm);
+    return Reached{reached_share(standing_points(placement), strips, near_mm_), made->report.fit};
+  }
+
+  Result<ProposedPlacement> choose() const {
+    std::optional<ProposedPlacement> chosen;
+    std::optional<Error> refusal;
+    int refused = 0;
+    std::size_t designed = 0;
+    for (const Standing& way : best(ways_.size())) {
+      if (designed == kDesigned) break;
+      const auto reached = reached_by_design(way.placement);
+      if (!reached) {
+        if (!refusal) refusal = reached.error();
+        if (designed == 0) ++refused;
+        continue;
+      }
+      ++designed;
+      if (chosen && reached->share <= chosen->reached) continue;
+      chosen.emplace();
+      chosen->placement = way.placement, chosen->reached = reached->share;
+      chosen->unreachable_share = unreachable_share(reached->fit);
+      chosen->rms_mm = reached->fit.rms_mm, chosen->max_mm = reached->fit.max_mm;
+      chosen->length_mm = way.length_mm, chosen->slices_mm = extent_of(way);
+    }
+    if (!chosen) {
+      refusal->detail +=
+          "; this is the best way to stand it, and no other can be "
+          "designed either";
+      return tl::unexpected(*refusal);
+    }
+    chosen->tried = static_cast<int>(ways_.size());
+    chosen->refused = refused;
+    if (refused > 0) chosen->refusal = message(*refusal);
+    if (const auto before = reached_by_design(spec_.placement))
+      chosen->reached_before = before->share;
+    else
+      chosen->refused_before = message(before.error());
+    return *chosen;
+  }
+
+  const DesignSpec& spec_;
+  const SurfaceAssets& assets_;
+  const TriangleMesh& mesh_;
+  Stand stand_;
+  AreaPoints points_;  ///< in units of the surface
+  double near_mm_{}, extent_mm_{};
+  std::vector<Standing> ways_;
+};
 
 }  // namespace
 
@@ -67,35 +261,7 @@ Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const Surfac
                 "translate_mm by hand");
   const auto mesh = triangles_of(*spec.surface, assets);
   if (!mesh) return tl::unexpected(mesh.error());
-  const double extent = slices_extent(spec);
-  std::optional<ProposedPlacement> best;
-  for (const Vec& turn : right_turns()) {
-    ProposedPlacement now;
-    now.placement = {spec.placement.scale_mm, turn, {}};
-    auto turned = placed(*mesh, now.placement);
-    if (!turned) return tl::unexpected(turned.error());
-    const MeshBox box = box_of(*turned);
-    now.length_mm = box.high[1] - box.low[1], now.slices_mm = extent;
-    const auto stands = [&](std::size_t axis) {
-      return stand == Stand::Whole ? -box.low[axis] : -0.5 * (box.low[axis] + box.high[axis]);
-    };
-    now.placement.translate_mm = {stands(0), 0.5 * (extent - box.low[1] - box.high[1]), stands(2)};
-    for (double& shift : now.placement.translate_mm) shift = std::round(shift * 1e6) / 1e6 + 0.0;
-    auto standing = placed(*mesh, now.placement);
-    if (!standing) return tl::unexpected(standing.error());
-    const double shorter = std::min(extent, now.length_mm);
-    const auto fit = try_slices(*standing, 0.5 * (extent - shorter), 0.5 * (extent + shorter));
-    if (!fit || !(fit->outline_mm > 0.0)) continue;
-    now.unreachable_share = fit->unreachable_mm / fit->outline_mm;
-    now.rms_mm = fit->rms_mm, now.max_mm = fit->max_mm;
-    constexpr double kClearly = 1e-6;
-    if (!best || now.unreachable_share < best->unreachable_share - kClearly) best = now;
-  }
-  if (!best)
-    return fail(ErrorKind::Infeasible, "/surface",
-                "none of the 24 ways to turn it by right angles can be sliced; is the surface flat "
-                "or empty?");
-  return *best;
+  return Placer(spec, assets, *mesh, stand).run();
 }
 
 Result<std::string> with_placement(std::string_view spec_json, const ProposedPlacement& proposed) {
@@ -105,7 +271,7 @@ Result<std::string> with_placement(std::string_view spec_json, const ProposedPla
     return fail(ErrorKind::Malformed, "", "the spec is not a JSON object");
   spec["rotate_deg"] = proposed.placement.rotate_deg;
   spec["translate_mm"] = proposed.placement.translate_mm;
-  if (proposed.unreachable_share > 0.0 || proposed.max_mm > 0.0) spec["fit"] = "nearest";
+  spec["fit"] = "nearest";
   return spec.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

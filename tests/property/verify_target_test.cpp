@@ -137,6 +137,18 @@ TEST_CASE("verify measures a profile that only touches the ground",
                    1e-5);
 }
 
+TEST_CASE("verify measures a target that ends inside a slice",
+          "[property][design][verify][target]") {
+  const auto vertices = [](const std::string& text) {
+    return compare(text, text).verified.target_inner->vertices;
+  };
+  for (const char* lattice : {"slices", "conformal", "levels"})
+    CHECK(vertices(fmt::format(
+              R"j({{"popcut":1,"surface":{{"type":"revolution","radius":"sqrt(40^2-(y-40)^2)"}},
+                  "units_per_slice":3,"slices":9,"widths_mm":10,"lattice":"{}"}})j",
+              lattice)) > 10);
+}
+
 TEST_CASE("verify measures each part of a design of patches",
           "[property][design][verify][target][patches]") {
   const std::string hall =

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/design/chain/augmented_slices.hpp"
+#include "core/design/target/strip_cut.hpp"
 #include "core/design/target/surface.hpp"
 
 namespace popcut {
@@ -167,8 +168,13 @@ struct RegionCut {
 
 Result<void> cut_slice(const RegionCut& stretch, double s, double min_panel_mm, int j,
                        Slicing& out) {
-  auto cut = stretch.surface->cut(s - stretch.origin_mm);
-  if (!cut) return tl::unexpected(cut.error());
+  const double least_mm = 2.0 * min_panel_mm;
+  auto strip = cut_strip(*stretch.surface, s - stretch.origin_mm,
+                         out.width_mm[static_cast<std::size_t>(j)], least_mm);
+  if (!strip) return tl::unexpected(strip.error());
+  if (strip->s_mm != s - stretch.origin_mm)
+    out.moved.emplace_back(j, strip->s_mm + stretch.origin_mm);
+  SurfaceSlice* const cut = &strip->slice;
   SliceCurve* const curve = &cut->curve;
   if (curve->h() < 2.0 * min_panel_mm || curve->d() < 2.0 * min_panel_mm)
     return fail(ErrorKind::Infeasible, fmt::format("/surface at slice {} (s = {:.6g} mm)", j, s),
@@ -186,11 +192,6 @@ Result<void> cut_slice(const RegionCut& stretch, double s, double min_panel_mm, 
   out.curves.push_back(std::move(*curve));
   out.blank.emplace_back();
   return {};
-}
-
-/// Whether there is nothing to make at a slice, rather than something wrong with it.
-bool is_absence(const Error& error) {
-  return error.reason == ErrorReason::Misplaced;  // of one slice, since the surface itself was made
 }
 
 void add_blank(const Error& why, Slicing& out) {
@@ -341,7 +342,7 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
     for (int j = here.first; j < here.first + here.count; ++j) {
       const auto k = static_cast<std::size_t>(j);
       if (auto cut = cut_slice(here, out.s_mm[k], spec.min_panel_mm, j, out); !cut) {
-        if (!spec.card || !is_absence(cut.error())) return tl::unexpected(cut.error());
+        if (!spec.card || !is_nothing_there(cut.error())) return tl::unexpected(cut.error());
         if (!first_blank) first_blank = cut.error();
         add_blank(cut.error(), out);
       }
@@ -355,9 +356,15 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
       const bool cut_here = last_here && stretches[r + 1].units != here.units;
       out.cut_after.push_back(cut_here);
       out.between_s_mm.push_back(between);
-      auto curve = owner.surface->slice(between - owner.origin_mm);
-      if (!curve && spec.card && is_absence(curve.error())) out.cut_after.back() = 1;
-      if (!curve && out.cut_after.back()) curve = out.curves.back();  // what a bridge aims at
+      Result<SliceCurve> curve = out.curves.back();  // what a bridge aims at
+      if (auto strip =
+              cut_strip(*owner.surface, between - owner.origin_mm,
+                        0.5 * (out.width_mm[k] + out.width_mm[k + 1]), 2.0 * spec.min_panel_mm))
+        curve = std::move(strip->slice.curve);
+      else if (is_nothing_there(strip.error()))
+        out.cut_after.back() = cut_here || spec.card;
+      else if (!cut_here)
+        curve = tl::unexpected(strip.error());
       if (!curve) return tl::unexpected(curve.error());
       out.between.push_back(std::move(*curve));
     }

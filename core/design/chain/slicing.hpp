@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/design/chain/chain.hpp"
@@ -47,6 +48,8 @@ struct Slicing {
   std::vector<SliceCurve> edges;
   std::vector<TargetPiece> pieces;           ///< the target itself
   std::optional<CurvatureReport> curvature;  ///< of augmented chains
+  /// Slices whose target ends inside their width: the slice, and the plane that was cut instead.
+  std::vector<std::pair<int, double>> moved;
   int uniform_slices{};  ///< with adaptive widths: equal slices of the same error; else 0
 
   [[nodiscard]] int slices() const { return static_cast<int>(s_mm.size()); }

@@ -2,6 +2,7 @@
 #include "core/design/target/expression.hpp"
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <numbers>
 #include <string_view>
@@ -17,6 +18,25 @@ struct Expression::Parser {
 };
 
 namespace {
+
+/// What muParser does not have. Its own are in docs/designs.md too.
+void add_functions(mu::Parser& parser) {
+  parser.DefineFun(
+      "floor", +[](double a) { return std::floor(a); });
+  parser.DefineFun(
+      "ceil", +[](double a) { return std::ceil(a); });
+  parser.DefineFun(
+      "round", +[](double a) { return std::round(a); });
+  parser.DefineFun(
+      "mod", +[](double a, double b) { return a - b * std::floor(a / b); });
+}
+
+/// The names of all functions, as a list.
+std::string function_names(const mu::Parser& parser) {
+  std::string out;
+  for (const auto& [name, ignored] : parser.GetFunDef()) out += (out.empty() ? "" : ", ") + name;
+  return out;
+}
 
 /// Where the text has a single "=": muParser would take it as an assignment to a variable.
 std::size_t assignment_in(const std::string& text) {
@@ -50,6 +70,7 @@ Result<Expression> Expression::parse(const std::string& text,
       parser->mu.DefineVar(variables[i], &parser->values.at(i));
       names += (i == 0 ? "" : ", ") + variables[i];
     }
+    add_functions(parser->mu);
     parser->mu.DefineConst("pi", std::numbers::pi);
     parser->mu.DefineConst("e", std::numbers::e);
     parser->mu.SetExpr(text);
@@ -60,6 +81,13 @@ Result<Expression> Expression::parse(const std::string& text,
           ErrorKind::Malformed, "",
           fmt::format("the expression has {} values; one formula of {} is needed", results, names));
   } catch (const mu::Parser::exception_type& e) {
+    if (e.GetCode() == mu::ecUNASSIGNABLE_TOKEN)
+      return fail(
+          ErrorKind::Malformed, "",
+          fmt::format("the expression does not parse at column {} (near \"{}\"); it knows {}, pi, "
+                      "e, and the functions {}",
+                      e.GetPos() + 1, std::string(e.GetToken()).substr(0, 40), names,
+                      function_names(parser->mu)));
     return fail(
         ErrorKind::Malformed, "",
         fmt::format("the expression does not parse at column {} (near \"{}\"); a formula of {} is "

@@ -9,14 +9,16 @@
 
 namespace popcut {
 
-/// A formula of named variables, as a spec gives it: + - * / ^, sqrt, sin, exp, min, max, pi, e and
-/// the rest of muParser's functions.
+/// A formula of named variables, as a spec gives it: + - * / ^, pi, e, muParser's functions (sqrt,
+/// sin, exp, min, max and so on; docs/designs.md lists all), and floor, ceil, round and mod(a, b) =
+/// a - b floor(a / b).
 class Expression {
  public:
   /// Parses `text`; `variables` are the only names beside muParser's functions and constants, in
   /// the order in which `operator()` takes their values.
   ///
-  /// @retval Malformed  it does not parse; the detail quotes the token and its column
+  /// @retval Malformed  it does not parse; the detail quotes the token and its column, and lists
+  ///                    what is known where a name is not
   [[nodiscard]] static Result<Expression> parse(const std::string& text,
                                                 const std::vector<std::string>& variables);
 

@@ -97,11 +97,15 @@ class Measurement {
     on_card_ = 1e-9 * reach;
   }
 
-  void inner_folds(const std::vector<FoldVertex>& folds, double s_mm) {
+  void inner_folds(const std::vector<FoldVertex>& folds, const TargetStation& at) {
     for (const FoldVertex& p : folds) {
       if (std::abs(p.x) <= on_card_ || std::abs(p.z) <= on_card_) continue;
-      const double off = surface_.distance_mm(s_mm, p.x, p.z);
-      if (!take(off, s_mm)) return;
+      const double off = surface_.distance_mm(at.s_mm, p.x, p.z);
+      if (!is_distance(off) && ends_near(at, p)) {
+        ++beyond;
+        continue;
+      }
+      if (!take(off, at.s_mm)) return;
       add(inner, off);
     }
   }
@@ -122,10 +126,23 @@ class Measurement {
   }
 
   TargetDistance inner, all;  ///< sums of squares until `closed`
+  std::size_t beyond{};       ///< vertices in a plane that the target ends before
 
  private:
+  static bool is_distance(double off) { return off >= 0.0 && std::isfinite(off); }
+
+  /// Whether the target ends at a strip: it has a curve within the strip's width to one side.
+  [[nodiscard]] bool ends_near(const TargetStation& at, const FoldVertex& p) const {
+    constexpr int kPlaces = 32;
+    const double width = at.end_mm - at.begin_mm;
+    for (int k = 1; k <= kPlaces; ++k)
+      for (const double s : {at.s_mm - width * k / kPlaces, at.s_mm + width * k / kPlaces})
+        if (is_distance(surface_.distance_mm(s, p.x, p.z))) return true;
+    return false;
+  }
+
   bool take(double off, double s_mm) {
-    if (!(off >= 0.0) || !std::isfinite(off)) {
+    if (!is_distance(off)) {
       check_.fail("", fmt::format("the target has no curve at s = {:.6g} mm", s_mm));
       return false;
     }
@@ -148,7 +165,7 @@ TargetDistances measure_stations(const FoldModel& file, const Pose& pose, const 
   const Folds on_connectors = valleys_in(file, pose, connectors);
   for (std::size_t k = 0; k < connectors.size(); ++k) {
     const auto& [at, left, right] = stations.connectors[k];
-    measured.inner_folds(on_connectors[k], at.s_mm);
+    measured.inner_folds(on_connectors[k], at);
     measured.ends(on_connectors[k], {&on_slices[left], &on_slices[right]},
                   {stations.slices[left].s_mm, stations.slices[right].s_mm});
   }
@@ -164,6 +181,8 @@ TargetDistances measure_stations(const FoldModel& file, const Pose& pose, const 
       "{} inner fold vertices: rms {:.3g} mm, max {:.3g} mm; {} with the ends: rms {:.3g} mm, "
       "max {:.3g} mm",
       inner.vertices, inner.rms_mm, inner.max_mm, all.vertices, all.rms_mm, all.max_mm);
+  if (measured.beyond > 0)
+    check.detail += fmt::format("; {} beyond the end of the target", measured.beyond);
   if (target.patches.size() > 1)
     check.detail +=
         stations.first_patch == stations.last_patch

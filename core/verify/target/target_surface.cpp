@@ -21,6 +21,10 @@ class Expression {
     parser_.DefineVar("y", &y_);
     parser_.DefineVar("z", &z_);
     if (length) parser_.DefineVar("L", &length_);
+    parser_.DefineFun("floor", [](double a) { return std::floor(a); });
+    parser_.DefineFun("ceil", [](double a) { return std::ceil(a); });
+    parser_.DefineFun("round", [](double a) { return std::round(a); });
+    parser_.DefineFun("mod", [](double a, double b) { return a - b * std::floor(a / b); });
     parser_.DefineConst("pi", std::numbers::pi);
     parser_.DefineConst("e", std::numbers::e);
     parser_.SetExpr(text);

@@ -44,10 +44,21 @@ Result<void> print_placed_spec(const DesignSpec& spec, const std::string& spec_t
   if (!text) return tl::unexpected(text.error());
   fmt::print("{}", *text);
   if (quiet) return {};
-  fmt::print(stderr,
-             "tried 24 orientations and chose the best: {:.1f} % of the outline cannot pop up; the "
-             "rest is\nfollowed to {:.3g} mm rms, {:.3g} mm at most (nine sections)\n",
-             100.0 * proposed->unreachable_share, proposed->rms_mm, proposed->max_mm);
+  fmt::print(
+      stderr,
+      "placed: the structure reaches {:.1f} % of the shape's area within {:g} % of its size; "
+      "{}\n"
+      "tried {} ways to stand; the curves follow what they reach to {:.3g} mm rms, {:.3g} mm "
+      "at most\n",
+      100.0 * proposed->reached, 100.0 * kReachedWithin,
+      proposed->reached_before
+          ? fmt::format("as given it is {:.1f} %", 100.0 * *proposed->reached_before)
+          : "as given it cannot be designed: " + proposed->refused_before,
+      proposed->tried, proposed->rms_mm, proposed->max_mm);
+  if (proposed->refused > 0)
+    fmt::print(stderr, "note: {} {} cannot be designed, and this is the next best: {}\n",
+               proposed->refused, proposed->refused == 1 ? "better way" : "better ways",
+               proposed->refusal);
   if (proposed->slices_mm > proposed->length_mm)
     fmt::print(stderr,
                "note: the slices take {:.1f} mm along the main fold, but the shape only {:.1f} mm; "

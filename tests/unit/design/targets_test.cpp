@@ -10,6 +10,10 @@
 #include "core/design/chain/chain.hpp"
 #include "core/design/design.hpp"
 #include "core/design/placement.hpp"
+#include "core/design/reached_share.hpp"
+#include "core/design/target/even_sections.hpp"
+#include "core/design/target/expression.hpp"
+#include "core/design/target/mesh_slicer.hpp"
 #include "core/design/target/placement_map.hpp"
 #include "core/design/target/surface.hpp"
 #include "core/formats/write/report_json.hpp"
@@ -192,20 +196,110 @@ TEST_CASE("the proposed placement puts a half ball with its round side outward",
         return Point{-30.0 * std::sin(t), y, -30.0 * std::cos(t)};
       },
       48, 4);
-  DesignSpec spec = spec_of(kMesh);
+  const std::string text_before =
+      R"({"popcut":1,"surface":)" + kMesh + R"(,"units_per_slice":9,"slices":6,"widths_mm":10})";
+  auto read = parse_design_spec(text_before);
+  REQUIRE(read);
+  DesignSpec spec = *read;
   const auto proposed = propose_placement(spec, {{"part.stl", binary_stl(wedge)}});
   if (!proposed) FAIL(message(proposed.error()));
   CHECK(proposed->unreachable_share < 1e-6);
-  spec.placement = proposed->placement;
+  CHECK(proposed->reached > 0.8);  // the slices take 55 of 60 mm
+  CHECK_FALSE(proposed->reached_before);
+  CHECK_THAT(proposed->refused_before, Catch::Contains("in the corner"));
+  spec.placement = proposed->placement, spec.fit = FitMode::Nearest;
   const auto made = design(spec, {{"part.stl", binary_stl(wedge)}});
   if (!made) FAIL(message(made.error()));
   CHECK(made->report.degrees_of_freedom == 1);
-  const auto text = with_placement(spec_text(kMesh), *proposed);
+  const auto text = with_placement(text_before, *proposed);
   REQUIRE(text);
   const auto again = parse_design_spec(*text);
   REQUIRE(again);
   CHECK(again->placement.rotate_deg == proposed->placement.rotate_deg);
   CHECK(again->placement.translate_mm == proposed->placement.translate_mm);
+}
+
+TEST_CASE("a proposed placement can be designed and reaches no less than before",
+          "[core][target]") {
+  struct Shape {
+    const char* name;
+    TriangleMesh mesh;
+  };
+  for (const Shape& shape :
+       {Shape{"ball", icosphere(30.0, 3)}, Shape{"torus", torus(25.0, 10.0, 40)},
+        Shape{"box", box_mesh({-20, -30, -10}, {25, 30, 14}, false)},
+        // Shorter than the slices in most ways to stand it.
+        Shape{"rod", box_mesh({-6, -30, -5}, {6, 30, 5}, false)}}) {
+    for (const Stand stand : {Stand::Whole, Stand::Quarter}) {
+      CAPTURE(shape.name, stand == Stand::Whole);
+      const std::string more = R"(, "fit": "nearest", "translate_mm": [12, 20, 9])";
+      const SurfaceAssets assets{{"part.stl", binary_stl(shape.mesh)}};
+      const auto proposed = propose_placement(spec_of(kMesh, more), assets, stand);
+      if (!proposed) FAIL(message(proposed.error()));
+      const auto text = with_placement(spec_text(kMesh, more), *proposed);
+      REQUIRE(text);
+      const auto spec = parse_design_spec(*text);
+      REQUIRE(spec);
+      const auto made = design(*spec, assets);
+      if (!made) FAIL(message(made.error()));
+      CHECK(made->report.degrees_of_freedom == 1);
+      CHECK(proposed->reached > 0.0);
+      CHECK(proposed->reached <= 1.0);
+      CHECK(proposed->tried > 24);
+    }
+  }
+}
+
+TEST_CASE("even sections are those of the mesh slicer", "[core][target]") {
+  const TriangleMesh ring = torus(25.0, 10.0, 60);
+  const std::array<double, 3> shift{20.0, 31.0, 4.0};
+  const auto standing = placed(ring, {1.0, {}, shift});
+  REQUIRE(standing);
+  const MeshSlicer slicer(*standing);
+  const EvenPlanes planes{-6.1, 1.7, 48};  // some before and some behind the ring
+  const auto sections = even_sections(ring, shift, planes);
+  REQUIRE(sections.size() == 48);
+  const auto length = [](const Section& section) {
+    double sum = 0.0;
+    for (const SectionSegment& piece : section.segments)
+      sum += std::hypot(piece.b.x - piece.a.x, piece.b.z - piece.a.z);
+    return sum;
+  };
+  double all = 0.0;
+  for (int k = 0; k < planes.count; ++k) {
+    CAPTURE(k);
+    const Section whole = slicer.cut(planes.first_mm + k * planes.step_mm);
+    const Section& mine = sections[static_cast<std::size_t>(k)];
+    CHECK(mine.segments.size() == whole.segments.size());
+    CHECK(length(mine) == Approx(length(whole)).margin(1e-3));
+    all += length(mine);
+  }
+  CHECK(all > 1000.0);
+}
+
+TEST_CASE("the reached share of a plate is that of the strips beside it", "[core][target]") {
+  // A plate 100 mm long and 60 mm high, 20 mm from the wall; its foot stands on the ground.
+  const TriangleMesh plate = shell_of(
+      [](double a, double b) {
+        return Point{20.0, 100.0 * b, 60.0 * a};
+      },
+      3, 5);
+  const AreaPoints points = area_points(plate, 20'000);
+  REQUIRE(points.size() == 20'000);
+  const std::vector<SectionPoint> whole{{20.0, 60.0}, {20.0, 0.0}}, half{{21.0, 30.0}, {21.0, 0.0}};
+  const auto share = [&](const std::vector<ProfileStrip>& strips, double near_mm) {
+    return reached_share(points, strips, near_mm);
+  };
+  CHECK(share({{0.0, 100.0, whole}}, 1.0) == 1.0);
+  CHECK(share({}, 1.0) == 0.0);
+  CHECK(share({{0.0, 25.0, whole}, {25.0, 50.0, {}}}, 1.0) == Approx(0.26).margin(1e-3));
+  CHECK(share({{0.0, 25.0, whole}, {50.0, 75.0, half}}, 0.5) == Approx(0.255).margin(1e-3));
+  // One millimetre beside the plate: sqrt(near^2 - 1) is left above the half's top and beyond.
+  const double left = std::sqrt(8.0);
+  CHECK(
+      share({{0.0, 50.0, half}}, 3.0) ==
+      Approx((50.0 * (30.0 + left) + 30.0 * left + 0.25 * std::numbers::pi * left * left) / 6000.0)
+          .margin(1e-3));
 }
 
 TEST_CASE("the report of a mesh names the parts out of reach", "[core][target]") {
@@ -248,6 +342,87 @@ TEST_CASE("a mesh that cannot be used is refused with its own reason", "[core][t
   const Error absent = surface(MeshSpec{"other.stl"}, {{"part.stl", ""}}).error();
   CHECK(absent.kind == ErrorKind::Malformed);
   CHECK(absent.place == "/surface/file");
+}
+
+TEST_CASE("formulas know how to round and name what they know", "[core][target]") {
+  const auto value = [](const char* text, double x) {
+    const auto formula = Expression::parse(text, {"x"});
+    if (!formula) FAIL(message(formula.error()));
+    return (*formula)(x);
+  };
+  CHECK(value("floor(x)", -1.5) == -2.0);
+  CHECK(value("ceil(x)", -1.5) == -1.0);
+  CHECK(value("round(x)", 2.5) == 3.0);
+  CHECK(value("mod(x, 3)", 7.5) == 1.5);
+  CHECK(value("mod(x, 3)", -1.0) == 2.0);
+  CHECK(std::isnan(value("mod(x, 0)", 1.0)));
+  for (const char* text : {"frac(x)", "x + foo"}) {
+    const auto unknown = Expression::parse(text, {"x", "y"});
+    REQUIRE_FALSE(unknown);
+    CHECK_THAT(unknown.error().detail, Catch::Contains("it knows x, y, pi, e, and the functions"));
+    CHECK_THAT(unknown.error().detail, Catch::Contains("acos") && Catch::Contains("floor") &&
+                                           Catch::Contains("mod") && Catch::Contains("tanh"));
+  }
+}
+
+TEST_CASE("a target that ends inside a slice is cut where it still is", "[core][target][design]") {
+  // A ball of 40 mm from y = 0 to 80: the middles of the first and the last slice touch its poles.
+  const TriangleMesh ball = sphere_mesh(40.0, 60, 60);
+  const auto designed = [&](const std::string& surface, const std::string& more) {
+    const auto spec = parse_design_spec(
+        R"({"popcut":1,"units_per_slice":3,"slices":9,"widths_mm":10,"surface":)" + surface + more +
+        "}");
+    if (!spec) FAIL(message(spec.error()));
+    auto made = design(*spec, {{"b.stl", binary_stl(ball)}});
+    if (!made) FAIL(message(made.error()));
+    CHECK(made->report.degrees_of_freedom == 1);
+    CHECK(made->report.slices.size() == 9);
+    return made->report.notes;
+  };
+  const std::string says = "slice 8: the target ends there; its curve is the one at s = 77.";
+  const auto said = [&](const std::vector<std::string>& notes) {
+    return std::any_of(notes.begin(), notes.end(),
+                       [&](const std::string& note) { return note.rfind(says, 0) == 0; });
+  };
+  CHECK(said(designed(R"j({"type":"revolution","radius":"sqrt(40^2-(y-40)^2)"})j", "")));
+  CHECK(said(designed(R"j({"type":"profile","z":"sqrt(40^2-(y-40)^2)-x"})j", "")));
+  CHECK(said(designed(R"j({"type":"implicit","f":"x^2+(y-40)^2+z^2-40^2"})j", "")));
+  CHECK(said(designed(R"({"type":"mesh","file":"b.stl"})",
+                      R"(,"fit":"nearest","translate_mm":[0,40,0])")));
+  // Two millimetres beyond both ends.
+  CHECK(said(designed(R"({"type":"mesh","file":"b.stl"})",
+                      R"(,"fit":"nearest","scale_mm":0.95,"translate_mm":[0,41.5,0])")));
+}
+
+TEST_CASE("a target beyond every slice is infeasible and says where it is", "[core][target]") {
+  const TriangleMesh ball = sphere_mesh(40.0, 20, 20);
+  const auto spec = parse_design_spec(
+      R"({"popcut":1,"units_per_slice":3,"slices":5,"widths_mm":10,"fit":"nearest",
+          "surface":{"type":"mesh","file":"b.stl"},"translate_mm":[0,-90,0]})");
+  REQUIRE(spec);
+  const auto made = design(*spec, {{"b.stl", binary_stl(ball)}});
+  REQUIRE_FALSE(made);
+  CHECK(made.error().kind == ErrorKind::Infeasible);
+  CHECK(made.error().reason == ErrorReason::Misplaced);  // the command line names --place
+  CHECK_THAT(made.error().detail, Catch::Contains("spans y = -130 to -50 mm only"));
+}
+
+TEST_CASE("conformal planes without room become levels that end", "[core][design]") {
+  const auto spec = parse_design_spec(
+      R"j({"popcut":1,"surface":{"type":"revolution","radius":"sqrt(70^2-(y-50)^2)"},
+          "units_per_slice":40,"slices":10,"widths_mm":10,"min_panel_mm":2,
+          "lattice":"conformal"})j");
+  REQUIRE(spec);
+  const auto made = design(*spec);
+  if (!made) FAIL(message(made.error()));
+  CHECK(made->report.lattice == "levels");
+  auto many = *spec;
+  for (RegionSpec& region : many.regions) region.units_per_slice = 2000;
+  const auto refused = design(many);
+  REQUIRE_FALSE(refused);
+  CHECK_THAT(refused.error().detail, Catch::Contains("at most 31 units fit"));
+  CHECK_THAT(made->report.lattice_note, Catch::Contains("levels taken, since conformal"));
+  CHECK(made->report.degrees_of_freedom == 1);
 }
 
 TEST_CASE("a solid that cannot be used is refused with its own reason", "[core][target]") {
