@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+#include "core/fit/fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace popcut {
+namespace {
+
+constexpr double kOutside = 1e-6;  ///< of the size: what counts as on the wall or ground
+constexpr double kBehind = 0.01;   ///< of the size: what counts as behind an outer part
+
+double diagonal_of(const TriangleSoup& soup) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  std::array<double, 3> low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
+  for (std::size_t k = 0; k < soup.corners.size(); ++k) {
+    low[k % 3] = std::min(low[k % 3], soup.corners[k]);
+    high[k % 3] = std::max(high[k % 3], soup.corners[k]);
+  }
+  if (soup.corners.empty()) return 0.0;
+  return std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+}
+
+/// Distance of each point from a surface; neighbours in the list are neighbours in space.
+std::vector<double> distances(const std::vector<Vec3>& points, const TriangleTree& to) {
+  std::vector<double> out;
+  out.reserve(points.size());
+  std::uint32_t hint = TriangleTree::kNone;
+  for (const Vec3& p : points) {
+    const TriangleTree::Nearest near = to.nearest(p, hint);
+    hint = near.place;
+    out.push_back(std::sqrt(near.squared));
+  }
+  return out;
+}
+
+/// The largest distance near the farthest samples: uphill along the surface `own` that they lie on,
+/// in steps that begin at the samples' spacing.
+double farthest(const std::vector<Vec3>& points, const std::vector<double>& far,
+                const TriangleTree& own, const TriangleTree& to, double spacing_mm) {
+  constexpr std::size_t kStarts = 12;
+  constexpr int kHalvings = 6, kSteps = 4;
+  std::vector<std::uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const std::size_t starts = std::min(kStarts, order.size());
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(starts), order.end(),
+                    [&](std::uint32_t a, std::uint32_t b) { return far[a] > far[b]; });
+  double most = 0.0;
+  for (std::size_t s = 0; s < starts; ++s) {
+    Vec3 at = points[order[s]];
+    double here = far[order[s]], step = spacing_mm;
+    for (int k = 0; k < kHalvings; ++k, step *= 0.5)
+      for (int n = 0; n < kSteps; ++n) {
+        Vec3 better = at;
+        double most_here = here;
+        for (int i = 0; i < 6; ++i) {
+          Vec3 aside = at;
+          aside[i / 2] += (i & 1) != 0 ? step : -step;
+          const Vec3 on = own.nearest(aside).point;
+          const double off = std::sqrt(to.nearest(on).squared);
+          if (off > most_here) most_here = off, better = on;
+        }
+        if (!(most_here > here)) break;
+        here = most_here, at = better;
+      }
+    most = std::max(most, here);
+  }
+  return most;
+}
+
+DistanceFigures figures_of(std::vector<double> far, double max_mm) {
+  DistanceFigures out;
+  out.samples = far.size();
+  if (far.empty()) return out;
+  double sum = 0.0, squares = 0.0;
+  for (const double d : far) sum += d, squares += d * d;
+  const auto count = static_cast<double>(far.size());
+  out.mean_mm = sum / count;
+  out.rms_mm = std::sqrt(squares / count);
+  const std::size_t at = std::min(far.size() - 1, far.size() * 19 / 20);
+  std::nth_element(far.begin(), far.begin() + static_cast<std::ptrdiff_t>(at), far.end());
+  out.p95_mm = far[at];
+  out.max_mm = max_mm;
+  return out;
+}
+
+double spacing_of(double area_mm2, std::size_t samples) {
+  return std::sqrt(area_mm2 / static_cast<double>(samples));
+}
+
+}  // namespace
+
+double FitFigures::two_sided_rms_mm() const {
+  return std::sqrt(
+      0.5 * (to_target.rms_mm * to_target.rms_mm + to_structure.rms_mm * to_structure.rms_mm));
+}
+
+FitTarget::FitTarget(TriangleSoup target, const SampleDensity& density)
+    : tree_(target),
+      density_(density),
+      area_mm2_(area_of(target)),
+      size_mm_(diagonal_of(target)),
+      samples_(area_samples(target, samples_of(area_mm2_, density))) {
+  const double touch = kOutside * size_mm_, behind = kBehind * size_mm_;
+  place_.reserve(samples_.size());
+  for (const Vec3& p : samples_) {
+    Place place = Place::Reachable;
+    if (p[0] < -touch || p[2] < -touch)
+      place = Place::Outside;
+    else if (tree_.any_beyond(Vec3(p[0] + behind, p[1], p[2] + behind)))
+      place = Place::Overhang;
+    place_.push_back(place);
+  }
+}
+
+FitFigures FitTarget::measure(const TriangleSoup& structure) const {
+  FitFigures out;
+  out.size_mm = size_mm_, out.target_mm2 = area_mm2_;
+  out.structure_mm2 = area_of(structure);
+  const std::vector<Vec3> points = area_samples(structure, samples_of(out.structure_mm2, density_));
+  if (is_empty() || points.empty()) return out;
+
+  // 1. From the structure to the target.
+  const TriangleTree tree(structure);
+  std::vector<double> far = distances(points, tree_);
+  double most = farthest(points, far, tree, tree_, spacing_of(out.structure_mm2, points.size()));
+  out.to_target = figures_of(std::move(far), most);
+
+  // 2. From the target to the structure, all of it.
+  far = distances(samples_, tree);
+  most = farthest(samples_, far, tree_, tree, spacing_of(area_mm2_, samples_.size()));
+  const double each = 1.0 / static_cast<double>(samples_.size());
+  for (std::size_t w = 0; w < FitFigures::kWithin.size(); ++w) {
+    const double near = FitFigures::kWithin[w] * size_mm_;
+    const auto within = std::count_if(far.begin(), far.end(), [&](double d) { return d <= near; });
+    out.share_within[w] = static_cast<double>(within) * each;
+  }
+  out.to_structure = figures_of(std::move(far), most);
+
+  // 3. What is out of reach, and why.
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t k = 1; k < structure.corners.size(); k += 3) {
+    low = std::min(low, structure.corners[k]);
+    high = std::max(high, structure.corners[k]);
+  }
+  const double touch = kOutside * size_mm_;
+  for (std::size_t k = 0; k < samples_.size(); ++k) {
+    if (place_[k] == Place::Outside)
+      out.out_of_reach.outside_of_the_corner += each;
+    else if (samples_[k][1] < low - touch || samples_[k][1] > high + touch)
+      out.out_of_reach.beyond_the_slices += each;
+    else if (place_[k] == Place::Overhang)
+      out.out_of_reach.overhang += each;
+  }
+  return out;
+}
+
+}  // namespace popcut
