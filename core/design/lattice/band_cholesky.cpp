@@ -9,7 +9,7 @@
 namespace popcut {
 namespace {
 
-constexpr int kBlock = 32;
+constexpr int kBlock = 16;
 using Dense = Eigen::MatrixXd;
 using View = Eigen::Map<Dense, 0, Eigen::OuterStride<>>;
 
