@@ -13,6 +13,7 @@
 #include "core/design/chain/slicing.hpp"
 #include "core/design/design_report.hpp"
 #include "core/design/lattice/lattice.hpp"
+#include "core/design/lattice_choice.hpp"
 #include "core/design/run_layout.hpp"
 #include "core/design/shape_fit.hpp"
 #include "core/design/strips/closing.hpp"
@@ -30,7 +31,7 @@ namespace {
 constexpr double kCardMargin = 15.0;  ///< of wall and ground beyond the highest and farthest end
 
 std::string method_name(LatticeMethod method) {
-  constexpr const char* kNames[] = {"branching", "slices", "conformal", "levels"};
+  constexpr const char* kNames[] = {"branching", "slices", "conformal", "levels", "direct", "auto"};
   return kNames[static_cast<std::size_t>(method)];
 }
 
@@ -66,7 +67,7 @@ class Designer {
           "slice {}: the target ends there; its curve is the one at s = {:.4g} mm", slice, s_mm));
     // A round that fails makes a plain cut more, or once a larger card, so the rounds end.
     for (int round = 0; round <= sliced_.slices() + 3; ++round) {
-      LatticeMethod method = spec_.lattice;
+      LatticeMethod method = chosen_.value_or(spec_.lattice);
       std::string note;
       auto laid = lay(method, note);
       if (!laid) return tl::unexpected(laid.error());
@@ -258,7 +259,13 @@ class Designer {
 
   /// Lays the lattice by `method`. Where the conformal lattice does not come nearer to the target
   /// than the plain one, the plain one is taken; `note` says what was chosen between.
-  Result<Laid> lay(LatticeMethod& method, std::string& note) const {
+  Result<Laid> lay(LatticeMethod& method, std::string& note) {
+    if (method == LatticeMethod::Auto) return lay_nearest(method);
+    if (chosen_) {  // in a later round: as it was chosen
+      RunLayout again = lay_runs(sliced_, cut_after_, spec_);
+      if (auto filled = fill_planes(again, method); !filled) return tl::unexpected(filled.error());
+      return lay_strips(std::move(again));
+    }
     RunLayout chosen = lay_runs(sliced_, cut_after_, spec_);
     if (auto filled = fill_planes(chosen, method); !filled) {
       if (method != LatticeMethod::Conformal || spec_.max_step_asked || !may_end(chosen)) {
@@ -298,6 +305,64 @@ class Designer {
     note = "slices taken, since conformal does not beat them; " + compared;
     method = LatticeMethod::Slices;
     return other;
+  }
+
+  /// Lays all lattices and takes the one with the smallest two-sided rms of those that obey the
+  /// limits; where none does, the smallest of all.
+  Result<Laid> lay_nearest(LatticeMethod& method) {
+    const RunLayout empty = lay_runs(sliced_, cut_after_, spec_);
+    if (std::none_of(empty.targets.begin(), empty.targets.end(),
+                     [](const RunTarget& t) { return !t.connector_curves.empty(); })) {
+      method = LatticeMethod::Slices;  // without connectors all are the same
+      return lay(method, no_note_);
+    }
+    std::optional<LatticeRanking> ranking;
+    std::optional<Laid> best;
+    std::optional<Error> refused;
+    bool best_obeys = false;
+    double best_rms = 0.0;
+    for (const LatticeMethod one : kLatticesToTry) {
+      LatticeTrial trial{method_name(one), false, 0.0, 0.0, 0.0, {}};
+      auto laid = lay_trial(one);
+      if (!laid) {
+        trial.reason = laid.error().detail;
+        if (!refused) refused = laid.error();
+      } else {
+        if (!ranking) ranking.emplace(sliced_, laid->strips.strips);
+        ranking->measure(laid->strips.strips, trial);
+        trial.reason = limit_broken(*laid);
+        const bool obeys = trial.reason.empty();
+        if (!best || (obeys && !best_obeys) ||
+            (obeys == best_obeys && trial.two_sided_rms_mm < best_rms)) {
+          best = std::move(*laid), best_obeys = obeys, best_rms = trial.two_sided_rms_mm;
+          method = one;
+        }
+      }
+      trials_.push_back(std::move(trial));
+    }
+    if (!best) return tl::unexpected(*refused);
+    chosen_ = method;
+    return std::move(*best);
+  }
+
+  Result<Laid> lay_trial(LatticeMethod one) const {
+    RunLayout layout = lay_runs(sliced_, cut_after_, spec_);
+    if (auto filled = fill_planes(layout, one); !filled) return tl::unexpected(filled.error());
+    return lay_measured(std::move(layout));
+  }
+
+  /// Which limit a lattice breaks, in words; empty for none.
+  [[nodiscard]] std::string limit_broken(const Laid& laid) const {
+    if (!laid.strips.apart.empty()) {
+      const int slice = laid.layout.laid[static_cast<std::size_t>(laid.strips.apart.front())].slice;
+      return fmt::format("no connector fits between slices {} and {}", slice, slice + 1);
+    }
+    constexpr double kRounding = 1e-9;
+    if (spec_.max_step_asked && spec_.max_step_over_mean &&
+        laid.figures.step_over_mean_max > (1.0 + kRounding) * *spec_.max_step_over_mean)
+      return fmt::format("a step is {:.3g} times the mean one, over max_step_over_mean = {:g}",
+                         laid.figures.step_over_mean_max, *spec_.max_step_over_mean);
+    return {};
   }
 
   /// The conformal lattice without the default limit of steps, when that makes it exact and its
@@ -392,6 +457,7 @@ class Designer {
       r.units_per_slice.push_back(region.units_per_slice);
     r.lattice = method_name(method), r.lattice_asked = method_name(spec_.lattice);
     r.lattice_note = std::move(note);
+    r.lattices = std::move(trials_);
     add_slices(layout, out.strips, r);
     count_pattern(out.pattern, r);
     r.panels = out.strips.panels();
@@ -471,8 +537,12 @@ class Designer {
   Slicing sliced_;
   std::vector<std::uint8_t> cut_after_;
   std::vector<std::string> notes_;
-  bool bridging_{true};     ///< connectors between runs
-  double least_side_mm_{};  ///< of wall and ground where they are left out
+  bool bridging_{true};                  ///< connectors between runs
+  double least_side_mm_{};               ///< of wall and ground where they are left out
+  bool bridging_{true};                  ///< connectors between runs
+  std::optional<LatticeMethod> chosen_;  ///< of "auto"
+  std::vector<LatticeTrial> trials_;
+  std::string no_note_;
 };
 
 }  // namespace

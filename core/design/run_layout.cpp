@@ -28,6 +28,8 @@ RunLayout lay_runs(const Slicing& sliced, const std::vector<std::uint8_t>& cut_a
       const auto k = static_cast<std::size_t>(slice);
       out.laid.push_back({slice, sliced.s_mm[k], share * sliced.width_mm[k]});
       target.slice_curves.push_back(sliced.curves[k]);
+      target.slice_s_mm.push_back(sliced.s_mm[k]);
+      target.slice_width_mm.push_back(share * sliced.width_mm[k]);
       const auto begin = static_cast<std::ptrdiff_t>(sliced.chain_first[k]);
       const auto stop = static_cast<std::ptrdiff_t>(sliced.chain_first[k + 1]);
       target.chain_x.insert(target.chain_x.end(), sliced.chain_x.begin() + begin,
@@ -46,6 +48,7 @@ RunLayout lay_runs(const Slicing& sliced, const std::vector<std::uint8_t>& cut_a
         connector_s.push_back(sliced.between_s_mm[static_cast<std::size_t>(k)]);
       }
     }
+    target.connector_s_mm = connector_s;
     out.runs.push_back(std::move(run));
     out.targets.push_back(std::move(target));
     out.connector_s.push_back(std::move(connector_s));
@@ -76,6 +79,14 @@ Result<void> fill_planes(RunLayout& layout, LatticeMethod method) {
       case LatticeMethod::Levels:
         planes = lattice_levels(target);
         break;
+      case LatticeMethod::Direct: {
+        auto direct = lattice_direct(target);
+        if (!direct) return tl::unexpected(direct.error());
+        planes = std::move(*direct);
+        break;
+      }
+      case LatticeMethod::Auto:
+        return fail(ErrorKind::Internal, "/lattice", "auto is to be replaced by what it chose");
       case LatticeMethod::Conformal: {
         auto conformal = lattice_conformal(target);
         if (!conformal) return tl::unexpected(within("/units_per_slice", conformal.error()));

@@ -193,7 +193,15 @@ Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add) {
 /// Units of which a preview is drawn while somebody waits for the upload: a second of work or so.
 long most_preview_units(const DesignSpec& spec) {
   if (spec.curvature) return 150;
-  return spec.lattice == LatticeMethod::Conformal ? 2'500 : 100'000;
+  switch (spec.lattice) {
+    case LatticeMethod::Conformal:
+    case LatticeMethod::Auto:
+      return 2'500;
+    case LatticeMethod::Direct:
+      return 5'000;
+    default:
+      return 100'000;
+  }
 }
 
 /// A spec's preview is the pattern it gives. That there is none is no fault of the spec's form.

@@ -108,7 +108,7 @@ TEST_CASE("lattices and their four figures", "[bench]") {
         Row{"sphere", kSphere, 50, 200, 0.004}})
     for (const auto& [lattice, most] : {std::pair{"branching", "null"}, std::pair{"slices", "null"},
                                         std::pair{"conformal", "null"}, std::pair{"conformal", "3"},
-                                        std::pair{"levels", "null"}}) {
+                                        std::pair{"levels", "null"}, std::pair{"direct", "null"}}) {
       const DesignSpec spec =
           spec_of(row.radius, row.units, row.slices, 100 * row.width, lattice, most);
       DesignReport r;
@@ -153,34 +153,94 @@ TEST_CASE("the fit beside the design that it measures", "[bench]") {
   }
 }
 
+TEST_CASE("how near each lattice comes to its target, and auto", "[bench]") {
+  fmt::print(
+      "structure to target mean | target to structure mean, mm; length 100, min_panel_mm 0.5\n");
+  fmt::print("{:8} {:>7} {:>13} {:>13} {:>13} {:>13} {:>13} {:>13}  taken, s\n", "target", "N x Ns",
+             "slices", "branching", "levels", "conformal", "direct", "auto");
+  for (const auto& [name, radius] :
+       {std::pair{"sphere", "sqrt(70^2-(y-50)^2)"}, std::pair{"saddle", "sqrt(45^2+(y-50)^2)"},
+        std::pair{"wave", "55+8*sin(2*pi*y/50)"}})
+    for (const int units : {5, 10, 20, 40}) {
+      const auto spec = parse_design_spec(fmt::format(
+          R"j({{"popcut":1,"surface":{{"type":"revolution","radius":"{}"}},"units_per_slice":{},
+               "slices":{},"widths_mm":{},"min_panel_mm":0.5,"lattice":"auto"}})j",
+          radius, units, 2 * units, 50.0 / units));
+      REQUIRE(spec);
+      DesignReport r;
+      const double seconds = seconds_of([&] {
+        auto result = design(*spec);
+        REQUIRE(result);
+        r = std::move(result->report);
+      });
+      fmt::print("{:8} {:>7}", name, fmt::format("{}x{}", units, 2 * units));
+      const auto show = [](const LatticeTrial& t) {
+        fmt::print(" {:>13}", t.laid ? fmt::format("{:.2f}|{:.2f}", t.to_target_mean_mm,
+                                                   t.to_structure_mean_mm)
+                                     : std::string("-"));
+      };
+      for (const LatticeTrial& t : r.lattices) show(t);
+      for (const LatticeTrial& t : r.lattices)
+        if (t.lattice == r.lattice) show(t);
+      fmt::print("  {}, {:.2f}\n", r.lattice, seconds);
+    }
+}
+
+namespace {
+
+/// A sphere of 100 mm as one run of slices with their chains.
+RunTarget sphere_target(int units, int slices) {
+  RunTarget target;
+  target.units = units;
+  target.min_panel_mm = 10.0 / units;
+  const double width = 0.8 / slices;
+  const auto radius = [](double y) { return 100.0 * std::sqrt(1.05 - y * y); };
+  const auto points = static_cast<std::size_t>(units) + 1;
+  target.chain_x.resize(points * static_cast<std::size_t>(slices));
+  target.chain_z.resize(target.chain_x.size());
+  ChainSolver solver;
+  for (int j = 0; j < slices; ++j) {
+    const double r = radius(width * j), between = radius(width * (j + 0.5));
+    target.slice_curves.emplace_back(r, r);
+    target.slice_s_mm.push_back(100.0 * width * j);
+    target.slice_width_mm.push_back(100.0 * width);
+    if (j + 1 < slices) {
+      target.connector_curves.emplace_back(between, between);
+      target.connector_s_mm.push_back(100.0 * width * (j + 0.5));
+    }
+    const std::size_t at = points * static_cast<std::size_t>(j);
+    REQUIRE(solver.solve(target.slice_curves.back(), units,
+                         std::span(target.chain_x.data() + at, points),
+                         std::span(target.chain_z.data() + at, points)));
+  }
+  return target;
+}
+
+}  // namespace
+
+TEST_CASE("seconds of a direct lattice", "[bench]") {
+  fmt::print("direct on the sphere      unknowns    steps          s   ms a step\n");
+  for (const auto& [units, slices] :
+       {std::pair{20, 60}, std::pair{50, 200}, std::pair{100, 1000}}) {
+    const RunTarget target = sphere_target(units, slices);
+    DirectEffort effort;
+    const double seconds = seconds_of([&] { REQUIRE(lattice_direct(target, &effort)); });
+    fmt::print("{:4} x {:4}               {:9} {:8} {:10.3f} {:11.3f}\n", units, slices,
+               effort.unknowns, effort.steps, seconds, 1e3 * seconds / effort.steps);
+  }
+}
+
 TEST_CASE("time of a Gauss-Newton step over the units", "[bench]") {
   fmt::print("conformal on the sphere   unknowns    steps   ms a step   us a step and unknown\n");
   for (const auto& [units, slices] : {std::pair{10, 50}, std::pair{20, 50}, std::pair{20, 100},
                                       std::pair{50, 100}, std::pair{50, 200}, std::pair{50, 400}}) {
-    RunTarget target;
-    target.units = units;
-    target.min_panel_mm = 10.0 / units;
-    const double width = 0.8 / slices;
-    const auto radius = [](double y) { return 100.0 * std::sqrt(1.05 - y * y); };
-    const auto points = static_cast<std::size_t>(units) + 1;
-    target.chain_x.resize(points * static_cast<std::size_t>(slices));
-    target.chain_z.resize(target.chain_x.size());
-    ChainSolver solver;
-    for (int j = 0; j < slices; ++j) {
-      const double r = radius(width * j), between = radius(width * (j + 0.5));
-      target.slice_curves.emplace_back(r, r);
-      if (j + 1 < slices) target.connector_curves.emplace_back(between, between);
-      const std::size_t at = points * static_cast<std::size_t>(j);
-      REQUIRE(solver.solve(target.slice_curves.back(), units,
-                           std::span(target.chain_x.data() + at, points),
-                           std::span(target.chain_z.data() + at, points)));
-    }
+    const RunTarget target = sphere_target(units, slices);
     ConformalEffort effort;
     const double seconds =
         seconds_of([&] { REQUIRE(lattice_conformal(target, std::nullopt, &effort)); });
-    fmt::print("{:4} x {:4}               {:9} {:8} {:11.3f} {:14.3f}\n", units, slices,
+    fmt::print("{:4} x {:4}               {:9} {:8} {:11.3f} {:14.3f}  {:.3f} s\n", units, slices,
                effort.unknowns, effort.steps, 1e3 * seconds / effort.steps,
-               1e6 * seconds / effort.steps / effort.unknowns);
+               1e6 * seconds / effort.steps / effort.unknowns, seconds);
   }
 }
 

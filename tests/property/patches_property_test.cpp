@@ -27,8 +27,8 @@ class Random {
   }
   int whole(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
   std::string lattice() {
-    const char* names[] = {"branching", "slices", "conformal", "levels"};
-    return names[whole(0, 3)];
+    const char* names[] = {"branching", "slices", "conformal", "levels", "direct"};
+    return names[whole(0, 4)];
   }
 
  private:

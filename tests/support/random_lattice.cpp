@@ -31,11 +31,11 @@ std::string random_lattice_spec(std::mt19937& random, double scale) {
       widths += fmt::format("{}{:.3f}", j == 0 ? "[" : ",", scale * real(1, 20));
     widths += "]";
   }
-  const char* lattices[] = {"branching", "slices", "conformal", "levels"};
+  const char* lattices[] = {"branching", "slices", "conformal", "levels", "direct"};
   return fmt::format(
       R"({{"popcut":1,"surface":{{{}}},"units_per_slice":{},"slices":{},"widths_mm":{},"lattice":"{}",
           "min_panel_mm":{:.3f}}})",
-      surface, units, slices, widths, lattices[whole(0, 3)], real(0.05, 0.8));
+      surface, units, slices, widths, lattices[whole(0, 4)], real(0.05, 0.8));
 }
 
 }  // namespace popcut::test

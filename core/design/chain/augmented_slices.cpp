@@ -235,10 +235,11 @@ std::vector<std::string> curvature_notes(const CurvatureReport& report, LatticeM
           f.lattice_miss.rms);
     notes.push_back(std::move(note));
   }
-  if (method == LatticeMethod::Conformal)
-    notes.emplace_back(
-        "curvature: the conformal lattice only starts from the chains and then moves its planes; "
-        "\"slices\" and \"branching\" keep them");
+  if (method == LatticeMethod::Conformal || method == LatticeMethod::Direct)
+    notes.push_back(fmt::format(
+        "curvature: the {} lattice only starts from the chains and then moves its planes; "
+        "\"slices\" and \"branching\" keep them",
+        method == LatticeMethod::Direct ? "direct" : "conformal"));
   if (method == LatticeMethod::Levels)
     notes.emplace_back(
         "curvature: the levels lattice takes no chains, so the curvature shapes nothing; "

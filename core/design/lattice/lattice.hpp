@@ -17,6 +17,8 @@ struct RunTarget {
   std::vector<SliceCurve> slice_curves;      ///< one a slice
   std::vector<SliceCurve> connector_curves;  ///< one between neighbours, at the connector's middle
   std::vector<double> chain_x, chain_z;      ///< slices x (N + 1), the optimised chains
+  std::vector<double> slice_s_mm, slice_width_mm;  ///< one a slice: its middle, its w
+  std::vector<double> connector_s_mm;              ///< one a connector
   double min_panel_mm{};
   std::optional<double> max_step_over_mean;
 
@@ -80,7 +82,29 @@ struct ConformalEffort {
     const RunTarget& target, std::optional<double> give_up_over_mean = std::nullopt,
     ConformalEffort* effort = nullptr);
 
+/// Newton steps that a direct lattice took, and its unknowns, for benchmarks.
+struct DirectEffort {
+  int steps{};
+  int unknowns{};
+};
+
+/// Minimises what is seen: the squared distance of all panels from the target (`PanelError`), with
+/// steps of at least `min_panel_mm` (docs/geometry.md, section 4). Levels may end at wall and
+/// ground as those of `lattice_levels` do.
+///
+/// Needs `slice_s_mm`, `slice_width_mm` and `connector_s_mm`. Where no planes keep `min_panel_mm`,
+/// the steps are as long as they can be, and those that are too short are left out later on.
+///
+/// @retval OutOfRange  the matrix would be too large
+[[nodiscard]] Result<Planes> lattice_direct(const RunTarget& target,
+                                            DirectEffort* effort = nullptr);
+
 /// Exact in O(units): levels end and begin at wall and ground (docs/geometry.md, section 4).
-[[nodiscard]] Planes lattice_levels(const RunTarget& target);
+///
+/// @param power  none: levels at equal angles on the largest section. Else at places (x/d)^2 -
+///               (z/h)^2 = sign(q) |q|^power, q = 2 i/N - 1: the larger, the more of them are left
+///               where the target is smaller
+[[nodiscard]] Planes lattice_levels(const RunTarget& target,
+                                    std::optional<double> power = std::nullopt);
 
 }  // namespace popcut

@@ -4,15 +4,15 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <Eigen/Sparse>
-#include <Eigen/SparseCholesky>
 
+#include "core/design/lattice/band_cholesky.hpp"
 #include "core/design/lattice/lattice.hpp"
 
 namespace popcut {
 namespace {
 
 constexpr double kEndWeight = 1e4;
+constexpr double kStuck = 0.1;  ///< of what settles a stage: what a step gains that limits hold up
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A step of a connector cell: plane `plus` minus plane `minus`, either an unknown (index) or a
@@ -35,18 +35,21 @@ class Conformal {
           index_[target.at(j, i)] = static_cast<int>(unknown_.size());
           unknown_.push_back(planes_.at(j, i));
         }
-    build_pattern();
+    gradient_.resize(unknown_.size());
+    matrix_.emplace(static_cast<int>(unknown_.size()), band());
   }
 
   ConformalEffort run(std::optional<double> give_up_over_mean) {
     ConformalEffort effort{0, static_cast<int>(unknown_.size())};
+    constexpr int kLastStage = 20;
+    constexpr double kStageSettled = 1e-3;  // of the function: near enough for the next stage
     constexpr int kExactStage = 6;  // from mu = 1e3 on the vertices are nearly on the target
     double weight = 0.01 * mean_ * mean_;
-    for (int stage = 0; stage <= 20; ++stage, weight *= 0.5) {
+    for (int stage = 0; stage <= kLastStage; ++stage, weight *= 0.5) {
       const double mu = std::pow(10.0, 0.5 * stage);
       for (int step = 0; step < 30; ++step) {
         ++effort.steps;
-        if (!newton(mu, weight)) break;
+        if (!newton(mu, weight, stage == kLastStage ? 0.0 : kStageSettled)) break;
       }
       if (give_up_over_mean && stage >= kExactStage && longest_step() > *give_up_over_mean * mean_)
         break;
@@ -79,14 +82,13 @@ class Conformal {
   [[nodiscard]] Step step_x(int k, int i) const { return {x_index(k, i), x_index(k, i - 1)}; }
   [[nodiscard]] Step step_z(int k, int i) const { return {z_index(k, i - 1), z_index(k, i)}; }
 
-  /// The sparsity: within a connector, planes of levels at most two apart on each axis (the bends),
-  /// and both planes of each vertex.
-  void build_pattern() {
-    std::vector<Eigen::Triplet<double>> entries;
+  /// How far apart coupled unknowns are: within a connector, planes of levels at most two apart on
+  /// each axis (the bends), and both planes of each vertex.
+  [[nodiscard]] int band() const {
+    int most = 1;
     const auto couple = [&](int a, int b) {
-      if (a >= 0 && b >= 0) entries.emplace_back(std::max(a, b), std::min(a, b), 0.0);
+      if (a >= 0 && b >= 0) most = std::max(most, std::abs(a - b));
     };
-    for (int i = 0; i < static_cast<int>(unknown_.size()); ++i) couple(i, i);
     for (int k = 0; k + 1 < target_.slices(); ++k)
       for (int i = 0; i <= n_; ++i) {
         couple(x_index(k, i), z_index(k, i));
@@ -95,40 +97,14 @@ class Conformal {
           couple(z_index(k, i), z_index(k, other));
         }
       }
-    const auto size = static_cast<Eigen::Index>(unknown_.size());
-    matrix_.resize(size, size);
-    matrix_.setFromTriplets(entries.begin(), entries.end());
-    matrix_.makeCompressed();
-    solver_.analyzePattern(matrix_);
-    gradient_.resize(size);
-    record_slots();
-  }
-
-  /// Where each coupling of the assembly lands in the matrix's values, in the order of `assemble`,
-  /// so that a step only adds numbers.
-  void record_slots() {
-    recording_ = true;
-    assemble(1.0, 1.0);
-    recording_ = false;
-  }
-
-  [[nodiscard]] int find_slot(int a, int b) const {
-    const int row = std::max(a, b), column = std::min(a, b);
-    const int* begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column];
-    const int* end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column + 1];
-    return static_cast<int>(std::lower_bound(begin, end, row) - matrix_.innerIndexPtr());
+    return most;
   }
 
   void add(int a, int b, double amount) {
-    if (a < 0 || b < 0) return;
-    if (recording_) {
-      slots_.push_back(find_slot(a, b));
-      return;
-    }
-    matrix_.valuePtr()[slots_[next_slot_++]] += amount;
+    if (a >= 0 && b >= 0) matrix_->add(a, b, amount);
   }
   void push(int a, double amount) {
-    if (a >= 0) gradient_[a] += amount;
+    if (a >= 0) gradient_[static_cast<std::size_t>(a)] += amount;
   }
 
   /// weight * (sum_k coefficient_k p_k - aim)^2 over up to three planes.
@@ -159,9 +135,8 @@ class Conformal {
   }
 
   void assemble(double mu, double weight) {
-    gradient_.setZero();
-    next_slot_ = 0;
-    if (!recording_) std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
+    std::fill(gradient_.begin(), gradient_.end(), 0.0);
+    matrix_->set_zero();
     for (int k = 0; k + 1 < target_.slices(); ++k) {
       const SliceCurve& curve = target_.connector_curves[static_cast<std::size_t>(k)];
       for (int i = 1; i <= n_; ++i) {
@@ -240,11 +215,11 @@ class Conformal {
   }
 
   /// The largest share of `move` that uses up at most 0.99 of any step's distance from its limits.
-  [[nodiscard]] double longest(const Eigen::VectorXd& move) const {
+  [[nodiscard]] double longest(const std::vector<double>& move) const {
     double share = 1.0;
     const auto limit = [&](Step s) {
       const double l = value(unknown_, s.plus) - value(unknown_, s.minus);
-      const double dl = (s.plus < 0 ? 0.0 : move[s.plus]) - (s.minus < 0 ? 0.0 : move[s.minus]);
+      const double dl = value(move, s.plus) - value(move, s.minus);
       if (dl < 0.0) share = std::min(share, 0.99 * (l - target_.min_panel_mm) / -dl);
       if (dl > 0.0 && most_ < kInfinity) share = std::min(share, 0.99 * (most_ - l) / dl);
     };
@@ -254,22 +229,24 @@ class Conformal {
   }
 
   /// One damped step; false when the stage has ended.
-  bool newton(double mu, double weight) {
+  bool newton(double mu, double weight, double settled) {
     assemble(mu, weight);
-    solver_.factorize(matrix_);
-    if (solver_.info() != Eigen::Success) return false;
-    const Eigen::VectorXd move = solver_.solve(-gradient_);
-    const double decrease = -0.5 * gradient_.dot(move);
-    if (!(decrease > 1e-12 * weight)) return false;
-    double share = longest(move);
+    if (!matrix_->factorize()) return false;
+    move_.resize(unknown_.size());
+    for (std::size_t i = 0; i < move_.size(); ++i) move_[i] = -gradient_[i];
+    matrix_->solve(move_);
+    double decrease = 0.0;
+    for (std::size_t i = 0; i < move_.size(); ++i) decrease -= 0.5 * gradient_[i] * move_[i];
     const double now = evaluate(unknown_, mu, weight);
+    if (!(decrease > 1e-12 * weight) || decrease < settled * std::abs(now)) return false;
+    double share = longest(move_);
     std::vector<double> trial(unknown_.size());
     for (; share > 1e-12; share *= 0.5) {
-      for (std::size_t i = 0; i < trial.size(); ++i)
-        trial[i] = unknown_[i] + share * move[static_cast<Eigen::Index>(i)];
-      if (evaluate(trial, mu, weight) <= now - 1e-4 * share * 2.0 * decrease) {
+      for (std::size_t i = 0; i < trial.size(); ++i) trial[i] = unknown_[i] + share * move_[i];
+      const double next = evaluate(trial, mu, weight);
+      if (next <= now - 1e-4 * share * 2.0 * decrease) {
         unknown_.swap(trial);
-        return true;
+        return now - next >= kStuck * settled * std::abs(now);
       }
     }
     return false;
@@ -281,12 +258,8 @@ class Conformal {
   double mean_, most_{};
   std::vector<int> index_;  ///< unknown of each slice and level, -1 for wall and ground
   std::vector<double> unknown_;
-  Eigen::SparseMatrix<double> matrix_;  ///< lower triangle
-  Eigen::VectorXd gradient_;
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver_;
-  bool recording_{false};
-  std::vector<int> slots_;
-  std::size_t next_slot_{0};
+  std::optional<BandCholesky> matrix_;
+  std::vector<double> gradient_, move_;
 };
 
 /// Whether every connector step lies strictly between the limits.

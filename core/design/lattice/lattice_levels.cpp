@@ -42,9 +42,27 @@ double z_at(const SliceCurve& curve, double x) {
   return curve.at(parameter_of(curve, x, false)).z;
 }
 
+/// Place of level i of n by (x/d)^2 - (z/h)^2, from -1 at the wall to 1 at the ground.
+double spread_place(int i, int n, double power) {
+  const double q = 2.0 * i / n - 1.0;
+  return std::copysign(std::pow(std::abs(q), power), q);
+}
+
+/// The curve's parameter where (x/d)^2 - (z/h)^2, which grows along it, has a given value.
+double parameter_of_place(const SliceCurve& curve, double place) {
+  double low = -1.0, high = 1.0;
+  for (int k = 0; k < 60; ++k) {
+    const double t = 0.5 * (low + high);
+    const CurveJet c = curve.at(t);
+    const double x = c.x / curve.d(), z = c.z / curve.h();
+    (x * x - z * z < place ? low : high) = t;
+  }
+  return 0.5 * (low + high);
+}
+
 /// Closed form for revolutions: with R_k + R_(k+1) = 2 r^2(v_k) each vertex is exact when
 /// X^2 = (R_k + c_i)/2 and Z^2 = (R_(k+1) - c_i)/2.
-void fill_revolution(const RunTarget& target, Planes& planes) {
+void fill_revolution(const RunTarget& target, std::optional<double> power, Planes& planes) {
   const int slices = target.slices(), n = target.units;
   std::vector<double> big_r(static_cast<std::size_t>(slices));
   const auto square = [](const SliceCurve& c) { return c.h() * c.h(); };
@@ -59,7 +77,8 @@ void fill_revolution(const RunTarget& target, Planes& planes) {
   for (double& r : big_r) r += sign * alternating, sign = -sign;
   const double most = *std::max_element(big_r.begin(), big_r.end());
   for (int i = 0; i <= n; ++i) {
-    const double c = i == 0 ? -most : i == n ? most : -most * std::cos(std::numbers::pi * i / n);
+    const double place = power ? spread_place(i, n, *power) : -std::cos(std::numbers::pi * i / n);
+    const double c = i == 0 ? -most : i == n ? most : most * place;
     for (int j = 0; j < slices; ++j) {
       const double r = big_r[static_cast<std::size_t>(j)];
       const double square_of = 0.5 * (Planes::holds_height(j, i) ? r - c : r + c);
@@ -70,7 +89,7 @@ void fill_revolution(const RunTarget& target, Planes& planes) {
 
 /// Any surface: each level starts at the largest connector, shifted by half a step along the exact
 /// lattice (where F_X dX = F_Z dZ), and follows slice by slice from F(known, unknown) = 0.
-void fill_followed(const RunTarget& target, Planes& planes) {
+void fill_followed(const RunTarget& target, std::optional<double> power, Planes& planes) {
   const int slices = target.slices(), n = target.units;
   int seed = 0;
   for (int k = 1; k + 1 < slices; ++k) {
@@ -86,7 +105,10 @@ void fill_followed(const RunTarget& target, Planes& planes) {
   const auto slice = [&](int j) -> const SliceCurve& {
     return target.slice_curves[static_cast<std::size_t>(j)];
   };
-  const std::vector<double> arcs = connector(seed).equal_arcs(n);
+  std::vector<double> arcs = connector(seed).equal_arcs(n);
+  for (int i = 1; power && i < n; ++i)
+    arcs[static_cast<std::size_t>(i)] =
+        parameter_of_place(connector(seed), spread_place(i, n, *power));
   for (int i = 0; i <= n; ++i) {
     const CurveJet point = connector(seed).at(arcs[static_cast<std::size_t>(i)]);
     if (i == 0 || i == n) {  // the wall and the ground themselves: nothing to follow
@@ -156,7 +178,7 @@ void set_ends(const RunTarget& target, const Planes& ended, Planes& planes, bool
 
 }  // namespace
 
-Planes lattice_levels(const RunTarget& target) {
+Planes lattice_levels(const RunTarget& target, std::optional<double> power) {
   if (target.slices() < 2) return lattice_slices(target);
   Planes exact{target.units, std::vector<double>(target.chain_x.size())};
   const auto circles = [](const std::vector<SliceCurve>& curves) {
@@ -164,9 +186,9 @@ Planes lattice_levels(const RunTarget& target) {
                        [](const SliceCurve& c) { return c.is_circle(); });
   };
   if (circles(target.slice_curves) && circles(target.connector_curves))
-    fill_revolution(target, exact);
+    fill_revolution(target, power, exact);
   else
-    fill_followed(target, exact);
+    fill_followed(target, power, exact);
   Planes ended = exact;
   end_levels(target, exact, ended, true);
   end_levels(target, exact, ended, false);

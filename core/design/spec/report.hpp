@@ -89,6 +89,16 @@ struct CurvatureReport {
   std::vector<std::ptrdiff_t> first_target;  ///< one a slice: of its first target, -1 for none
 };
 
+/// A lattice that was laid and measured for `"lattice": "auto"`. Distances are those of the panels
+/// from the sections of the target, in space.
+struct LatticeTrial {
+  std::string lattice;
+  bool laid{};                ///< it could be: the figures are there
+  double to_target_mean_mm{}, to_structure_mean_mm{};
+  double two_sided_rms_mm{};  ///< what is chosen by
+  std::string reason;         ///< why it was not to be taken, else empty
+};
+
 /// What a design is, in figures (`report.json`).
 struct DesignReport : LatticeFigures {
   std::string name;
@@ -97,6 +107,7 @@ struct DesignReport : LatticeFigures {
   std::string lattice;        ///< the method that was used
   std::string lattice_asked;  ///< the method that was asked for
   std::string lattice_note;   ///< why they differ, else empty
+  std::vector<LatticeTrial> lattices;  ///< those that "auto" chose from
   std::size_t faces{}, panels{}, folds{}, cuts{};
   double cut_length_mm{};      ///< of the slits, each once
   double outline_length_mm{};  ///< of the sheet's border

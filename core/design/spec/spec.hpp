@@ -56,7 +56,8 @@ struct AugmentedSpec {
   double weight_K{}, weight_H{}, weight_first{}, weight_second{};  ///< 0 where not asked for
 };
 
-enum class LatticeMethod { Branching, Slices, Conformal, Levels };
+/// `Auto`: the one of the others that comes nearest to the target.
+enum class LatticeMethod { Branching, Slices, Conformal, Levels, Direct, Auto };
 enum class SolverMethod { Newton, Slsqp };
 
 /// Where the structure lies when the card is shut.

@@ -100,6 +100,19 @@ Json curvature(const CurvatureReport& report) {
   return json;
 }
 
+Json lattices(const DesignReport& report) {
+  return json_list(report.lattices, [](const LatticeTrial& trial) {
+    Json json{{"lattice", trial.lattice}};
+    if (trial.laid) {
+      json["to_target_mean_mm"] = trial.to_target_mean_mm;
+      json["to_structure_mean_mm"] = trial.to_structure_mean_mm;
+      json["two_sided_rms_mm"] = trial.two_sided_rms_mm;
+    }
+    if (!trial.reason.empty()) json["reason"] = trial.reason;
+    return json;
+  });
+}
+
 Json report_object(const DesignReport& report) {
   Json json;
   json["name"] = report.name;
@@ -109,6 +122,7 @@ Json report_object(const DesignReport& report) {
   json["lattice"] = report.lattice;
   json["lattice_asked"] = report.lattice_asked;
   if (!report.lattice_note.empty()) json["lattice_note"] = report.lattice_note;
+  if (!report.lattices.empty()) json["lattices"] = lattices(report);
   json["faces"] = report.faces;
   json["panels"] = report.panels;
   json["folds"] = report.folds;

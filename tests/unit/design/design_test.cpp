@@ -62,7 +62,8 @@ TEST_CASE("with its card a structure has exactly one freedom for any number of u
           "[core][design]") {
   const int units = GENERATE(1, 2, 3, 4, 5, 6, 7, 8);
   const int slices = GENERATE(1, 2, 3, 5);
-  const auto lattice = GENERATE(as<std::string>{}, "slices", "branching", "conformal", "levels");
+  const auto lattice =
+      GENERATE(as<std::string>{}, "slices", "branching", "conformal", "levels", "direct");
   CAPTURE(units, slices, lattice);
   const Design d = made({kSaddle, units, slices, 0.1, lattice, ""});
   CHECK(d.report.degrees_of_freedom == 1);
@@ -79,7 +80,8 @@ TEST_CASE("without its card the loose ends add the freedoms that the theory pred
 }
 
 TEST_CASE("the faces of a pattern tile its sheet counter-clockwise", "[core][design]") {
-  const auto lattice = GENERATE(as<std::string>{}, "slices", "branching", "conformal", "levels");
+  const auto lattice =
+      GENERATE(as<std::string>{}, "slices", "branching", "conformal", "levels", "direct");
   const int units = GENERATE(1, 2, 5, 12);
   CAPTURE(lattice, units);
   const Design d = made({kSphere, units, 7, 0.08, lattice, ""});

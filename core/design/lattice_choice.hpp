@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+
+#include "core/design/chain/slicing.hpp"
+#include "core/design/spec/report.hpp"
+#include "core/design/spec/spec.hpp"
+#include "core/design/strips/strips.hpp"
+#include "core/fit/fit.hpp"
+
+namespace popcut {
+
+/// What `"lattice": "auto"` chooses from; of equals the first is taken.
+inline constexpr std::array kLatticesToTry{LatticeMethod::Slices, LatticeMethod::Branching,
+                                           LatticeMethod::Levels, LatticeMethod::Conformal,
+                                           LatticeMethod::Direct};
+
+/// Measures lattices of one design, as they are laid, against its target: the distance in space
+/// between their panels (without wall and ground) and the surface through the sections of all
+/// slices and connectors, both ways (`FitTarget`).
+class LatticeRanking {
+ public:
+  /// @param strips  of any of the lattices: where the slices lie along the spine
+  LatticeRanking(const Slicing& sliced, const Strips& strips);
+
+  /// Writes the trial's figures.
+  void measure(const Strips& strips, LatticeTrial& trial) const;
+
+ private:
+  FitTarget target_;
+};
+
+}  // namespace popcut
