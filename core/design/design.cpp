@@ -539,7 +539,6 @@ class Designer {
   std::vector<std::string> notes_;
   bool bridging_{true};                  ///< connectors between runs
   double least_side_mm_{};               ///< of wall and ground where they are left out
-  bool bridging_{true};                  ///< connectors between runs
   std::optional<LatticeMethod> chosen_;  ///< of "auto"
   std::vector<LatticeTrial> trials_;
   std::string no_note_;
