@@ -16,6 +16,9 @@ namespace {
 
 /// The matrix of a direct lattice may take this much, bytes.
 constexpr double kMostMatrix = 2e9;
+/// Steps are that much longer than asked for: one that the solver leaves short by a hair would be
+/// left out, with all that hangs on it.
+constexpr double kSpare = 2e-3;
 constexpr int kFirstSteps = 10, kMoreSteps = 8, kMostSteps = 40;  ///< of Newton
 
 /// A step that has a least length: plane `plus` minus plane `minus`.
@@ -382,8 +385,8 @@ Result<Planes> lattice_direct(const RunTarget& target, DirectEffort* effort) {
   for (const Planes& start : starts) {
     order.push_back(solvers.size());
     models.push_back(std::make_unique<DirectModel>(target, start));
-    solvers.push_back(
-        std::make_unique<DirectSolver>(*models.back(), error, target.min_panel_mm, mean));
+    solvers.push_back(std::make_unique<DirectSolver>(*models.back(), error,
+                                                     (1.0 + kSpare) * target.min_panel_mm, mean));
   }
   for (const int steps : {kFirstSteps, kMoreSteps, kMostSteps}) {
     for (const std::size_t k : order) solvers[k]->run(steps, spent);

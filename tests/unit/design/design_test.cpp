@@ -206,8 +206,7 @@ TEST_CASE("a target too steep for its neighbours keeps one freedom and reports t
 TEST_CASE("a profile surface is designed as well as a revolution", "[core][design]") {
   const auto spec = parse_design_spec(
       R"j({"popcut":1,"surface":{"type":"profile","z":"1.2 - x^2*(1 + 0.3*y)"},"scale_mm":50,
-          "units_per_slice":6,"slices":8,"widths_mm":6
-})j");
+          "units_per_slice":6,"slices":8,"widths_mm":6,"lattice":"conformal"})j");
   REQUIRE(spec);
   const auto d = design(*spec);
   if (!d) FAIL(message(d.error()));
