@@ -359,7 +359,7 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
       Result<SliceCurve> curve = out.curves.back();  // what a bridge aims at
       if (auto strip =
               cut_strip(*owner.surface, between - owner.origin_mm,
-                        0.5 * (out.width_mm[k] + out.width_mm[k + 1]), 2.0 * spec.min_panel_mm))
+                        0.25 * (out.width_mm[k] + out.width_mm[k + 1]), 2.0 * spec.min_panel_mm))
         curve = std::move(strip->slice.curve);
       else if (is_nothing_there(strip.error()))
         out.cut_after.back() = cut_here || spec.card;
