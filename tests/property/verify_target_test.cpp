@@ -149,6 +149,29 @@ TEST_CASE("verify measures a target that ends inside a slice",
               lattice)) > 10);
 }
 
+TEST_CASE("verify leaves out slices that are blank", "[property][design][verify][target][blank]") {
+  const auto spec = [](const std::string& radius, const std::string& slices) {
+    return fmt::format(
+        R"j({{"popcut":1,"surface":{{"type":"revolution","radius":"{}"}},"lattice":"slices",{}}})j",
+        radius, slices);
+  };
+  for (const int units : {2, 3, 5}) {
+    CAPTURE(units);
+    const std::string slices =
+        fmt::format(R"("units_per_slice":{},"slices":10,"widths_mm":)", units);
+    // At both ends; in the middle; one slice alone between blank ones.
+    for (const char* radius : {"y<25 ? 40 : (y<46 ? -1 : 40)", "y<25 ? -1 : (y<46 ? 40 : -1)",
+                               "y<36 ? -1 : (y<44 ? 40 : (y<65 ? -1 : 40))"}) {
+      CAPTURE(radius);
+      check_agrees(spec(radius, slices + "10"));
+      check_agrees(spec(radius, slices + "[10,12,8,10,9,11,10,10,12,8]"));
+    }
+  }
+  check_agrees(spec("y<25?40:(y<45?-1:40)", R"("regions":[{"units_per_slice":8,"slices":2,
+      "width_mm":9},{"units_per_slice":3,"slices":2,"width_mm":12.5},
+      {"units_per_slice":7,"slices":1,"width_mm":5}])"));
+}
+
 TEST_CASE("verify measures each part of a design of patches",
           "[property][design][verify][target][patches]") {
   const std::string hall =

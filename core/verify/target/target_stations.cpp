@@ -51,16 +51,27 @@ class Borders {
     const std::size_t k = index(v);
     return k < v_.size() && joined_[k] != 0;
   }
+  /// Whether there is nothing but wall and ground from `begin` to `end`.
+  [[nodiscard]] bool plain(double begin, double end) {
+    if (joined_.empty()) find_joined();
+    // Stretch k lies between borders k and k + 1; `begin` can lie inside one.
+    std::size_t k = index(begin);
+    if (k > 0 && !at(begin)) --k;
+    for (; k + 1 < v_.size() && v_[k] < end - same_; ++k)
+      if (structure_[k]) return false;
+    return true;
+  }
 
  private:
   void find_joined() {
     joined_.assign(v_.size() + 1, 0);
+    structure_.assign(v_.size() + 1, 0);
     const auto on_card = [&](std::uint32_t k) {
       const FoldVertex p = unposed(pose_.at[k], *pose_.psi_rad);
       return std::array{std::abs(p.x) <= 1e-9 * reach_, std::abs(p.z) <= 1e-9 * reach_};
     };
     // A face is one piece, so it goes through every border between its ends.
-    std::vector<int> opens(v_.size() + 2);
+    std::vector<int> opens(v_.size() + 2), covers(v_.size() + 2);
     for (std::size_t f = 0; f < file_.faces(); ++f) {
       double low = v_.back(), high = v_.front();
       bool wall = true, ground = true;
@@ -70,13 +81,16 @@ class Borders {
         const auto [on_wall, on_ground] = on_card(at);
         wall = wall && on_wall, ground = ground && on_ground;
       }
+      if (wall || ground) continue;
       const std::size_t from = index(low) + 1, to = index(high);
-      if (wall || ground || from >= to) continue;
-      ++opens[from], --opens[to];
+      ++covers[from - 1], --covers[to];
+      if (from < to) ++opens[from], --opens[to];
     }
-    for (std::size_t k = 0, open = 0; k < v_.size(); ++k) {
+    for (std::size_t k = 0, open = 0, covered = 0; k < v_.size(); ++k) {
       open += static_cast<std::size_t>(opens[k]);
+      covered += static_cast<std::size_t>(covers[k]);
       joined_[k] = open > 0;
+      structure_[k] = covered > 0;
     }
     for (std::size_t e = 0; e < file_.edges.size(); ++e) {
       const auto [a, b] = file_.edges[e];
@@ -91,11 +105,12 @@ class Borders {
   const Pose& pose_;
   std::vector<double> v_;
   double same_{}, reach_{};
-  std::vector<std::uint8_t> joined_;
+  std::vector<std::uint8_t> joined_;     ///< one a border
+  std::vector<std::uint8_t> structure_;  ///< one a stretch between borders
 };
 
-/// What lies between a slice and the next one.
-enum class Between : std::uint8_t { Connector, Cut, Bridge };
+/// What lies between a slice and the next one; Blank: a plain cut, and the next one is blank.
+enum class Between : std::uint8_t { Connector, Cut, Bridge, Blank };
 
 /// Finds the strips of slices on the sheet. A pattern can have plain cuts and bridges beyond those
 /// of its spec, and a slice without neighbours lies in two halves with its own connector between
@@ -105,6 +120,9 @@ enum class Between : std::uint8_t { Connector, Cut, Bridge };
 /// A bridge connects slices whose levels do not pair. It takes half of each slice strip beside it.
 /// Bridges are not measured, because they follow the target only where planes of both sides allow
 /// it.
+///
+/// A slice can be blank, plain card of its whole width, if the target is not there or too small.
+/// Slices beside it leave to it what they leave to a bridge.
 class Layout {
  public:
   Layout(std::span<const TargetSlice> slices, Borders& borders)
@@ -112,18 +130,26 @@ class Layout {
 
   /// Lays the slices from `begin_mm` to `end_mm`; none if no way fits.
   [[nodiscard]] std::optional<TargetStations> find(double begin_mm, double end_mm) {
-    std::vector<Way> ways{{begin_mm, 0.0, -1, Between::Cut, true, false}};
+    std::vector<Way> ways{{begin_mm, 0.0, -1, Between::Cut, true, Between::Cut},
+                          {begin_mm, 0.0, -1, Between::Blank, true, Between::Blank}};
     std::size_t first = 0;
     for (std::size_t j = 0; j < slices_.size(); ++j) {
       const std::size_t last = ways.size();
       for (std::size_t k = first; k < last; ++k) {
-        if (j + 1 == slices_.size()) {
+        const bool is_last = j + 1 == slices_.size();
+        if (ways[k].after == Between::Blank) {
+          extend_blank(ways, k, j, Between::Cut);
+          if (!is_last) extend_blank(ways, k, j, Between::Blank);
+          continue;
+        }
+        if (is_last) {
           extend(ways, k, j, Between::Cut);
           continue;
         }
         const bool apart = slices_[j].cut_after || slices_[j].units == 1;
         if (!apart) extend(ways, k, j, Between::Connector);
         extend(ways, k, j, Between::Cut);
+        extend(ways, k, j, Between::Blank);
         if (slices_[j].units > 1 || slices_[j + 1].units > 1) extend(ways, k, j, Between::Bridge);
       }
       first = last;
@@ -143,7 +169,7 @@ class Layout {
       after[j] = way.after;
       best = way.from;
     }
-    return stations(after, begin_mm);
+    return stations(after, ways[static_cast<std::size_t>(best)].after, begin_mm);
   }
 
   /// How badly the way that was found agrees with the pattern's borders; 0: in every place.
@@ -161,8 +187,9 @@ class Layout {
     double cost{};
     std::int32_t from{-1};
     Between after{};
-    bool apart{};    ///< the next slice begins a run
-    bool bridged{};  ///< the next slice gives its share to a bridge before it
+    bool apart{};  ///< the next slice begins a run
+    /// Bridge or Blank: the next slice gives its share to what is before it.
+    Between before_next{};
   };
 
   [[nodiscard]] bool alone(bool apart_before, std::size_t j, Between after) const {
@@ -187,11 +214,9 @@ class Layout {
   void extend(std::vector<Way>& ways, std::size_t k, std::size_t j, Between after) {
     const Way& before = ways[k];
     const bool is_alone = alone(before.apart, j, after);
-    Way way{before.v_mm, before.cost, static_cast<std::int32_t>(k), after, true, false};
-    if (before.bridged) {
-      way.v_mm += share(j, is_alone);
-      way.cost += joint(way.v_mm);
-    }
+    Way way{before.v_mm, before.cost, static_cast<std::int32_t>(k), after, true, Between::Cut};
+    if (before.before_next != Between::Cut) way.v_mm += share(j, is_alone);
+    if (before.before_next == Between::Bridge) way.cost += joint(way.v_mm);
     const double begin = way.v_mm;
     if (is_alone)
       way.cost +=
@@ -206,7 +231,10 @@ class Layout {
       } else if (after == Between::Bridge) {
         way.cost += joint(way.v_mm) + (slices_[j].cut_after ? 0.0 : kExtra);
         way.v_mm += share(j, is_alone);
-        way.bridged = true;
+        way.before_next = Between::Bridge;
+      } else if (after == Between::Blank) {
+        way.v_mm += share(j, is_alone);
+        if (!borders_.at(way.v_mm - share(j, is_alone))) way.cost += kWrong;
       } else {
         // Boxes of the same size beside each other show no border at all.
         const bool boxes = slices_[j].units == 1 && slices_[j + 1].units == 1;
@@ -219,12 +247,22 @@ class Layout {
     ways.push_back(way);
   }
 
+  /// Lays slice j blank, if there is nothing but card.
+  void extend_blank(std::vector<Way>& ways, std::size_t k, std::size_t j, Between after) {
+    const Way& before = ways[k];
+    const double end = before.v_mm + slices_[j].width_mm;
+    if (!borders_.plain(before.v_mm, end)) return;
+    ways.push_back({end, before.cost, static_cast<std::int32_t>(k), after, true,
+                    after == Between::Blank ? Between::Cut : Between::Blank});
+  }
+
   /// Removes ways from `first` on that lead to the same place as a better one, and the worst of too
   /// many.
   void keep_best(std::vector<Way>& ways, std::size_t first) const {
     const auto begin = ways.begin() + static_cast<std::ptrdiff_t>(first);
     const auto same = [&](const Way& a, const Way& b) {
-      return a.apart == b.apart && a.bridged == b.bridged &&
+      return a.apart == b.apart && a.before_next == b.before_next &&
+             (a.after == Between::Blank) == (b.after == Between::Blank) &&
              std::abs(a.v_mm - b.v_mm) <= borders_.same();
     };
     std::stable_sort(begin, ways.end(), [](const Way& a, const Way& b) { return a.cost < b.cost; });
@@ -236,11 +274,17 @@ class Layout {
     ways.erase(kept, ways.end());
   }
 
-  [[nodiscard]] TargetStations stations(const std::vector<Between>& after, double begin_mm) const {
+  [[nodiscard]] TargetStations stations(const std::vector<Between>& after, Between before,
+                                        double begin_mm) const {
     TargetStations out;
     double v = begin_mm;
-    bool apart = true, bridged = false;
-    for (std::size_t j = 0; j < slices_.size(); ++j) {
+    bool apart = true, gives = false;
+    for (std::size_t j = 0; j < slices_.size(); before = after[j++]) {
+      if (before == Between::Blank) {
+        v += slices_[j].width_mm;
+        apart = gives = true;
+        continue;
+      }
       const double w = slices_[j].width_mm, s = slices_[j].s_mm;
       const bool is_alone = alone(apart, j, after[j]);
       const auto take = [&](double width, double at_s) {
@@ -248,7 +292,7 @@ class Layout {
         v += width;
         return made;
       };
-      if (bridged) v += share(j, is_alone);
+      if (gives) v += share(j, is_alone);
       out.slices.push_back(take(is_alone ? 0.25 * w : own(j, false), s));
       const std::size_t left = out.slices.size() - 1;
       if (slices_[j].units == 1) {
@@ -261,8 +305,8 @@ class Layout {
       if (after[j] == Between::Connector)
         out.connectors.push_back(
             {take(connector(j), s + (3.0 * w + slices_[j + 1].width_mm) / 8.0), left, left + 1});
-      bridged = after[j] == Between::Bridge;
-      if (bridged) v += share(j, is_alone);
+      gives = after[j] == Between::Bridge;
+      if (gives || after[j] == Between::Blank) v += share(j, is_alone);
       apart = after[j] != Between::Connector;
     }
     return out;
