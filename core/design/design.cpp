@@ -71,7 +71,7 @@ class Designer {
       std::string note;
       auto laid = lay(method, note);
       if (!laid) return tl::unexpected(laid.error());
-      if (cut_apart(laid->strips)) continue;
+      if (cut_apart(*laid)) continue;
       auto tight = tighten(*laid);
       if (!tight) return tl::unexpected(tight.error());
       if (spec_.card && tight->second.degrees_of_freedom != 1) {
@@ -395,9 +395,12 @@ class Designer {
   }
 
   /// Plain cuts where no connector is valid; whether any was made.
-  bool cut_apart(const LaidStrips& strips) {
+  bool cut_apart(const Laid& laid) {
     bool any = false;
-    for (const int slice : strips.apart) any = cut(slice, "no connector fits between them") || any;
+    for (const int k : laid.strips.apart) {
+      const int slice = laid.layout.laid[static_cast<std::size_t>(k)].slice;
+      any = cut(slice, "no connector fits between them") || any;
+    }
     return any;
   }
 
