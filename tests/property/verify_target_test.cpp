@@ -147,6 +147,11 @@ TEST_CASE("verify measures a target that ends inside a slice",
               R"j({{"popcut":1,"surface":{{"type":"revolution","radius":"sqrt(40^2-(y-40)^2)"}},
                   "units_per_slice":3,"slices":9,"widths_mm":10,"lattice":"{}"}})j",
               lattice)) > 10);
+  // A slice that stands alone in two halves has its curve from all of its width.
+  CHECK(vertices(R"j({"popcut":1,"surface":{"type":"revolution","radius":"sqrt(30^2-(y-40)^2)"},
+            "regions":[{"units_per_slice":4,"slices":1,"width_mm":12.5},
+            {"units_per_slice":8,"slices":2,"width_mm":5},
+            {"units_per_slice":7,"slices":1,"width_mm":5}],"lattice":"levels"})j") > 5);
 }
 
 TEST_CASE("verify leaves out slices that are blank", "[property][design][verify][target][blank]") {

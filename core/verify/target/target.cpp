@@ -131,13 +131,14 @@ class Measurement {
  private:
   static bool is_distance(double off) { return off >= 0.0 && std::isfinite(off); }
 
-  /// Whether the target ends at a strip: it has a curve within the strip's width to one side.
+  /// Whether the target ends at a strip: it has a curve within the strip's reach to one side.
   [[nodiscard]] bool ends_near(const TargetStation& at, const FoldVertex& p) const {
     constexpr int kPlaces = 32;
-    const double width = at.end_mm - at.begin_mm;
     for (int k = 1; k <= kPlaces; ++k)
-      for (const double s : {at.s_mm - width * k / kPlaces, at.s_mm + width * k / kPlaces})
+      for (const double side : {-1.0, 1.0}) {
+        const double s = at.s_mm + side * at.reach_mm * k / kPlaces;
         if (is_distance(surface_.distance_mm(s, p.x, p.z))) return true;
+      }
     return false;
   }
 

@@ -60,6 +60,7 @@ using TargetFiles = std::map<std::string, std::string>;
 struct TargetStation {
   double begin_mm{}, end_mm{};
   double s_mm{};
+  double reach_mm{};  ///< to both sides of `s_mm`: where its curve is from if the target ends there
 };
 
 /// All strips of a pattern that belong to the target, along the spine.

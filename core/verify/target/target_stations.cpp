@@ -287,24 +287,26 @@ class Layout {
       }
       const double w = slices_[j].width_mm, s = slices_[j].s_mm;
       const bool is_alone = alone(apart, j, after[j]);
-      const auto take = [&](double width, double at_s) {
-        const TargetStation made{v, v + width, at_s};
+      // A slice that stands alone in halves has one curve, from all of its width.
+      const auto take = [&](double width, double at_s, double reach) {
+        const TargetStation made{v, v + width, at_s, reach};
         v += width;
         return made;
       };
       if (gives) v += share(j, is_alone);
-      out.slices.push_back(take(is_alone ? 0.25 * w : own(j, false), s));
+      out.slices.push_back(take(is_alone ? 0.25 * w : own(j, false), s, 0.5 * w));
       const std::size_t left = out.slices.size() - 1;
       if (slices_[j].units == 1) {
         out.connectors.push_back({out.slices.back(), left, left});
       } else if (is_alone) {
-        out.connectors.push_back({take(0.25 * w, s), left, left + 1});
-        out.slices.push_back(take(0.25 * w, s));
+        out.connectors.push_back({take(0.25 * w, s, 0.5 * w), left, left + 1});
+        out.slices.push_back(take(0.25 * w, s, 0.5 * w));
       }
       if (j + 1 == slices_.size()) break;
       if (after[j] == Between::Connector)
         out.connectors.push_back(
-            {take(connector(j), s + (3.0 * w + slices_[j + 1].width_mm) / 8.0), left, left + 1});
+            {take(connector(j), s + (3.0 * w + slices_[j + 1].width_mm) / 8.0, 0.5 * connector(j)),
+             left, left + 1});
       gives = after[j] == Between::Bridge;
       if (gives || after[j] == Between::Blank) v += share(j, is_alone);
       apart = after[j] != Between::Connector;
