@@ -260,7 +260,7 @@ class Designer {
   /// Lays the lattice by `method`. Where the conformal lattice does not come nearer to the target
   /// than the plain one, the plain one is taken; `note` says what was chosen between.
   Result<Laid> lay(LatticeMethod& method, std::string& note) {
-    if (method == LatticeMethod::Auto) return lay_nearest(method);
+    if (method == LatticeMethod::Auto) return lay_nearest(method, note);
     if (chosen_) {  // in a later round: as it was chosen
       RunLayout again = lay_runs(sliced_, cut_after_, spec_);
       if (auto filled = fill_planes(again, method); !filled) return tl::unexpected(filled.error());
@@ -309,12 +309,12 @@ class Designer {
 
   /// Lays all lattices and takes the one with the smallest two-sided rms of those that obey the
   /// limits; where none does, the smallest of all.
-  Result<Laid> lay_nearest(LatticeMethod& method) {
+  Result<Laid> lay_nearest(LatticeMethod& method, std::string& note) {
     const RunLayout empty = lay_runs(sliced_, cut_after_, spec_);
     if (std::none_of(empty.targets.begin(), empty.targets.end(),
                      [](const RunTarget& t) { return !t.connector_curves.empty(); })) {
       method = LatticeMethod::Slices;  // without connectors all are the same
-      return lay(method, no_note_);
+      return lay(method, note);
     }
     std::optional<LatticeRanking> ranking;
     std::optional<Laid> best;
@@ -544,7 +544,6 @@ class Designer {
   double least_side_mm_{};               ///< of wall and ground where they are left out
   std::optional<LatticeMethod> chosen_;  ///< of "auto"
   std::vector<LatticeTrial> trials_;
-  std::string no_note_;
 };
 
 }  // namespace

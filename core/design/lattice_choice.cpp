@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/design/design_report.hpp"
+#include "core/design/shape_fit.hpp"
 
 namespace popcut {
 namespace {
@@ -58,29 +59,13 @@ TriangleSoup target_soup(const Slicing& sliced, const Strips& strips) {
   return soup;
 }
 
-TriangleSoup structure_soup(const Strips& strips) {
-  TriangleSoup soup;
-  soup.corners.reserve(18 * strips.panels());
-  for (std::size_t s = 0; s < strips.size(); ++s) {
-    if (strips.kind[s] == StripKind::Margin) continue;
-    const double v0 = strips.v_begin[s], v1 = strips.v_begin[s + 1];
-    for (std::uint32_t p = strips.first_panel[s]; p < strips.first_panel[s + 1]; ++p) {
-      if (strips.plane[p] == kWallPlane || strips.plane[p] == kGroundPlane) continue;
-      const std::size_t q = p + s;
-      const double x0 = strips.x[q], z0 = strips.z[q], x1 = strips.x[q + 1], z1 = strips.z[q + 1];
-      soup.add({x0, v0, z0}, {x1, v0, z1}, {x1, v1, z1}, {x0, v1, z0});
-    }
-  }
-  return soup;
-}
-
 }  // namespace
 
 LatticeRanking::LatticeRanking(const Slicing& sliced, const Strips& strips)
     : target_(target_soup(sliced, strips), kRankingDensity) {}
 
 void LatticeRanking::measure(const Strips& strips, LatticeTrial& trial) const {
-  const FitFigures figures = target_.measure(structure_soup(strips));
+  const FitFigures figures = target_.measure(structure_triangles(strips, SpineMap{}));
   trial.laid = true;
   trial.to_target_mean_mm = figures.to_target.mean_mm;
   trial.to_structure_mean_mm = figures.to_structure.mean_mm;

@@ -114,6 +114,7 @@ class Placer {
   static constexpr int kStrips = 64;
   static constexpr std::size_t kTurnsKept = 4;  ///< that are turned on
   static constexpr std::size_t kDesigned = 4;   ///< that are compared as designed
+  static constexpr double kClearlyMore = 0.01;  ///< share of the area; `kPoints` tell no less apart
 
   [[nodiscard]] double extent_of(const Standing& way) const {
     return extent_mm_ > 0.0 ? extent_mm_ : way.length_mm;
@@ -179,10 +180,13 @@ class Placer {
     return out;
   }
 
-  [[nodiscard]] AreaPoints standing_points(const TargetPlacement& placement) const {
+  [[nodiscard]] std::vector<Vec3> standing_points(const TargetPlacement& placement) const {
     const PlacementMap map(placement);
-    AreaPoints out = points_;
-    for (auto& p : out) p = map.to_corner(p);
+    std::vector<Vec3> out = points_;
+    for (Vec3& p : out) {
+      const Vec stands = map.to_corner({p.x(), p.y(), p.z()});
+      p = Vec3(stands.data());
+    }
     return out;
   }
 
@@ -216,7 +220,7 @@ class Placer {
         continue;
       }
       ++designed;
-      if (chosen && reached->share <= chosen->reached) continue;
+      if (chosen && reached->share <= chosen->reached + kClearlyMore) continue;
       chosen.emplace();
       chosen->placement = way.placement, chosen->reached = reached->share;
       chosen->unreachable_share = unreachable_share(reached->fit);
@@ -243,7 +247,7 @@ class Placer {
   const SurfaceAssets& assets_;
   const TriangleMesh& mesh_;
   Stand stand_;
-  AreaPoints points_;  ///< in units of the surface
+  std::vector<Vec3> points_;  ///< in units of the surface
   double near_mm_{}, extent_mm_{};
   std::vector<Standing> ways_;
 };

@@ -3,26 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "core/design/shape_fit.hpp"
+#include "core/fit/area_samples.hpp"
 
 namespace popcut {
 namespace {
-
-using Vec = std::array<double, 3>;
-
-Vec corner_of(const TriangleMesh& mesh, std::size_t triangle, std::size_t corner) {
-  const float* const p = mesh.corners.data() + 9 * triangle + 3 * corner;
-  return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
-}
-
-Vec minus(const Vec& a, const Vec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-
-double area_of(const Vec& a, const Vec& b, const Vec& c) {
-  const Vec p = minus(b, a), q = minus(c, a);
-  return 0.5 * std::hypot(p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2],
-                          p[0] * q[1] - p[1] * q[0]);
-}
-
-double fraction(double value) { return value - std::floor(value); }
 
 /// Squared distance of a point of the section from a piece of a profile.
 double square_distance(SectionPoint p, SectionPoint a, SectionPoint b) {
@@ -51,51 +38,14 @@ bool comes_near(const std::vector<SectionPoint>& profile, SectionPoint p, double
 
 }  // namespace
 
-AreaPoints area_points(const TriangleMesh& mesh, std::size_t count) {
-  std::vector<double> sum(mesh.size() + 1, 0.0);
-  for (std::size_t t = 0; t < mesh.size(); ++t)
-    sum[t + 1] =
-        sum[t] + area_of(corner_of(mesh, t, 0), corner_of(mesh, t, 1), corner_of(mesh, t, 2));
-  AreaPoints out;
-  if (!(sum.back() > 0.0)) return out;
-  constexpr double kFirst = 0.8191725133961645, kSecond = 0.6710436067037893,
-                   kThird = 0.5497004779019703;  // powers of the root of x^4 = x + 1
-  out.reserve(count);
-  std::size_t t = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    const double n = static_cast<double>(k);
-    const double at = sum.back() * (n + fraction(0.5 + n * kFirst)) / static_cast<double>(count);
-    while (t + 1 < mesh.size() && sum[t + 1] <= at) ++t;
-    double u = fraction(0.5 + n * kSecond), v = fraction(0.5 + n * kThird);
-    if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
-    const Vec a = corner_of(mesh, t, 0), b = minus(corner_of(mesh, t, 1), a),
-              c = minus(corner_of(mesh, t, 2), a);
-    out.push_back(
-        {a[0] + u * b[0] + v * c[0], a[1] + u * b[1] + v * c[1], a[2] + u * b[2] + v * c[2]});
-  }
-  return out;
+std::vector<Vec3> area_points(const TriangleMesh& mesh, std::size_t count) {
+  return area_samples(TriangleSoup{{mesh.corners.begin(), mesh.corners.end()}}, count);
 }
 
 std::vector<ProfileStrip> profile_strips(const Strips& strips, std::span<const double> s_mm) {
-  // A slice alone lies in two halves: its centre line is between them.
-  std::vector<double> v(s_mm.size(), 0.0), halves(s_mm.size(), 0.0);
-  for (std::size_t k = 0; k < strips.size(); ++k) {
-    if (strips.kind[k] != StripKind::Slice && strips.kind[k] != StripKind::Box) continue;
-    const auto j = static_cast<std::size_t>(strips.slice[k]);
-    v[j] += 0.5 * (strips.v_begin[k] + strips.v_begin[k + 1]);
-    halves[j] += 1.0;
-  }
-  for (std::size_t j = 0; j < v.size(); ++j) v[j] /= std::max(1.0, halves[j]);
-  const auto along = [&](double at) {
-    const auto after =
-        static_cast<std::size_t>(std::upper_bound(v.begin(), v.end(), at) - v.begin());
-    if (after == 0) return s_mm.front() + (at - v.front());
-    if (after == v.size()) return s_mm.back() + (at - v.back());
-    const double share = (at - v[after - 1]) / (v[after] - v[after - 1]);
-    return s_mm[after - 1] + share * (s_mm[after] - s_mm[after - 1]);
-  };
+  const SpineMap along(strips, s_mm);
   std::vector<ProfileStrip> out;
-  for (std::size_t k = 0; k < strips.size() && !s_mm.empty(); ++k) {
+  for (std::size_t k = 0; k < strips.size(); ++k) {
     if (strips.kind[k] == StripKind::Margin) continue;
     ProfileStrip strip{along(strips.v_begin[k]), along(strips.v_begin[k + 1]), {}};
     for (std::uint32_t p = strips.first_panel[k]; p < strips.first_panel[k + 1]; ++p) {
@@ -109,11 +59,11 @@ std::vector<ProfileStrip> profile_strips(const Strips& strips, std::span<const d
   return out;
 }
 
-double reached_share(const AreaPoints& surface, std::span<const ProfileStrip> strips,
+double reached_share(std::span<const Vec3> surface, std::span<const ProfileStrip> strips,
                      double near_mm) {
   std::size_t counted = 0, reached = 0;
   const double on_card = 1e-5 * near_mm;
-  for (const Vec& p : surface) {
+  for (const Vec3& p : surface) {
     if (std::abs(p[0]) <= on_card || std::abs(p[2]) <= on_card) continue;
     ++counted;
     auto strip = std::partition_point(strips.begin(), strips.end(), [&](const ProfileStrip& s) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -9,16 +8,13 @@
 #include "core/design/strips/strips.hpp"
 #include "core/design/target/curve.hpp"
 #include "core/design/target/triangle_mesh.hpp"
+#include "core/geometry/vec.hpp"
 
 namespace popcut {
 
-/// Points of a surface, each standing for the same area.
-using AreaPoints = std::vector<std::array<double, 3>>;
-
-/// `count` points of the triangles: the area is cut into `count` equal stretches in the order of
-/// the triangles, one point in each, the same in every run (additive recurrence, Roberts 2018).
+/// `count` points of a mesh in its own units, each standing for the same area (`area_samples`).
 /// None for a mesh without area.
-[[nodiscard]] AreaPoints area_points(const TriangleMesh& mesh, std::size_t count);
+[[nodiscard]] std::vector<Vec3> area_points(const TriangleMesh& mesh, std::size_t count);
 
 /// A strip of a surface along the spine: the curve of its section, by x - z. No points: nothing.
 struct ProfileStrip {
@@ -37,7 +33,7 @@ struct ProfileStrip {
 /// in wall or ground count neither way, because the card itself makes them.
 ///
 /// @param strips  in order along the spine
-[[nodiscard]] double reached_share(const AreaPoints& surface, std::span<const ProfileStrip> strips,
-                                   double near_mm);
+[[nodiscard]] double reached_share(std::span<const Vec3> surface,
+                                   std::span<const ProfileStrip> strips, double near_mm);
 
 }  // namespace popcut

@@ -15,9 +15,10 @@
 namespace popcut {
 
 /// Where places along the sheet (v, mm) lie along the target (s, mm): by the centre lines of the
-/// slices that are laid, in a straight line between them.
+/// slices that are laid, in a straight line between them. Without slices: s is v.
 class SpineMap {
  public:
+  SpineMap() = default;
   SpineMap(const Strips& strips, std::span<const double> s_mm);
   [[nodiscard]] double operator()(double v_mm) const;
 

@@ -19,9 +19,9 @@ struct DistanceFigures {
 struct OutOfReach {
   double outside_of_the_corner{};  ///< behind the wall or under the ground
   double beyond_the_slices{};      ///< before or after the structure along the spine
-  double
-      overhang{};  ///< behind an outer part of the same section by over 1 % of the size, in x and
-                   ///< in z: overhangs, undersides, backs, ends; no falling curve reaches both
+  /// Behind an outer part of the same section by over 1 % of the size, in x and in z: overhangs,
+  /// undersides, backs, ends. No falling curve reaches both.
+  double overhang{};
 
   [[nodiscard]] double share() const {
     return outside_of_the_corner + beyond_the_slices + overhang;

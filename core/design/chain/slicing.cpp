@@ -176,7 +176,7 @@ Result<void> cut_slice(const RegionCut& stretch, double s, double min_panel_mm, 
     out.moved.emplace_back(j, strip->s_mm + stretch.origin_mm);
   SurfaceSlice* const cut = &strip->slice;
   SliceCurve* const curve = &cut->curve;
-  if (curve->h() < 2.0 * min_panel_mm || curve->d() < 2.0 * min_panel_mm)
+  if (curve->h() < least_mm || curve->d() < least_mm)
     return fail(ErrorKind::Infeasible, fmt::format("/surface at slice {} (s = {:.6g} mm)", j, s),
                 fmt::format("the target spans only {:.4g} x {:.4g} mm there, no room for panels of "
                             "min_panel_mm = {:g}; use a larger scale_mm or fewer slices",

@@ -17,7 +17,8 @@ struct EvenPlanes {
 
 /// The boundaries of a mesh, moved by `shift_mm`, in evenly spaced planes: those of
 /// `MeshSlicer::cut` without their open ends and without its care for the mesh's own first and last
-/// plane, in one pass over the triangles and without sorting them, for a mesh that is cut once. O(triangles + pieces).
+/// plane. For a mesh that is cut once: one pass over the triangles, no sorting. O(triangles +
+/// pieces).
 [[nodiscard]] std::vector<Section> even_sections(const TriangleMesh& mesh,
                                                  const std::array<double, 3>& shift_mm,
                                                  const EvenPlanes& planes);

@@ -335,7 +335,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (!folder) return tl::unexpected(folder.error());
   std::string unsound;
   auto made = timed_design(*spec, *assets, unsound);
-  if (!made && made.error().reason == ErrorReason::Misplaced && !asset_of(spec->surface).empty())
+  if (!made && made.error().reason == ErrorReason::Misplaced)
     made.error().detail += ", or see 'popcut design --place'";
   if (!made && !unsound.empty())
     return tl::unexpected(

@@ -77,8 +77,7 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
   if (!input && input.error().reason == ErrorReason::TooMuch && *factor < 100)
     input.error().detail +=
         fmt::format(", or set POPCUT_RAISE_LIMITS={}", std::min(100u, 4 * *factor));
-  const bool is_formula = !input && input.error().place.rfind("/surface/", 0) == 0;
-  if (!input && input.error().reason == ErrorReason::Misplaced && !is_formula)
+  if (!input && input.error().reason == ErrorReason::Misplaced)
     input.error().detail += ", or see 'popcut design --place'";
   if (!input) return tl::unexpected(within(file, input.error()));
   if (input->drawing.name.empty())

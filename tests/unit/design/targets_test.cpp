@@ -284,7 +284,7 @@ TEST_CASE("the reached share of a plate is that of the strips beside it", "[core
         return Point{20.0, 100.0 * b, 60.0 * a};
       },
       3, 5);
-  const AreaPoints points = area_points(plate, 20'000);
+  const std::vector<Vec3> points = area_points(plate, 20'000);
   REQUIRE(points.size() == 20'000);
   const std::vector<SectionPoint> whole{{20.0, 60.0}, {20.0, 0.0}}, half{{21.0, 30.0}, {21.0, 0.0}};
   const auto share = [&](const std::vector<ProfileStrip>& strips, double near_mm) {
