@@ -118,16 +118,20 @@ std::size_t VerifyReport::failed() const {
 }
 
 Result<VerifyReport> verify_fold(std::string_view text, const VerifyOptions& options) {
+  auto read = read_fold_model(text);
+  if (!read) return tl::unexpected(std::move(read.error()));
+  return verify_model(std::move(*read), options);
+}
+
+Result<VerifyReport> verify_model(FoldModel model, const VerifyOptions& options) {
   std::optional<Target> target;
   if (options.target_spec) {
     auto read = read_target(*options.target_spec, options.target_files);
     if (!read) return tl::unexpected(within("target", std::move(read.error())));
     target = std::move(*read);
   }
-  auto read = read_fold_model(text);
-  if (!read) return tl::unexpected(std::move(read.error()));
   Subject subject;
-  subject.file = std::move(*read);
+  subject.file = std::move(model);
   subject.page = options.page;
   if (!subject.file.faces_given && subject.file.poses.empty()) {
     if (auto done = planarise(subject.file); !done) return tl::unexpected(done.error());

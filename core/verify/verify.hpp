@@ -13,6 +13,10 @@
 
 namespace popcut {
 
+namespace verify {
+struct FoldModel;
+}
+
 /// Options of `verify_fold`.
 struct VerifyOptions {
   std::optional<std::size_t> degrees_of_freedom{};  ///< required number; none: only 0 fails
@@ -79,6 +83,10 @@ struct VerifyReport : Tiling {
 ///         spec
 [[nodiscard]] Result<VerifyReport> verify_fold(std::string_view text,
                                                const VerifyOptions& options = {});
+
+/// The same for a file that has been read, or that a pattern would be written as.
+[[nodiscard]] Result<VerifyReport> verify_model(verify::FoldModel model,
+                                                const VerifyOptions& options = {});
 
 /// The mesh and grid files that the spec's surfaces name (its own and its patches'), each once.
 [[nodiscard]] std::vector<std::string> target_files_of(std::string_view spec_json);

@@ -2,14 +2,13 @@
 #include "daemon/planning/sound_design.hpp"
 
 #include <numbers>
-#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
+#include "daemon/planning/pattern_model.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -25,18 +24,14 @@ std::vector<double> poses_of(const Pattern& pattern) {
 }
 
 Result<VerifyReport> judge(const Design& part) {
-  FoldOptions options;
-  options.creator = "popcut " POPCUT_VERSION;
-  options.psi_rad = poses_of(part.pattern);
-  std::ostringstream fold;
-  if (auto written = write_fold(part.pattern, options, fold); !written)
-    return tl::unexpected(written.error());
+  auto model = pattern_model(part.pattern, poses_of(part.pattern));
+  if (!model) return tl::unexpected(model.error());
   VerifyOptions how;
   how.quick = true;
   how.name_coordinates = true;
   if (part.pattern.card || part.pattern.faces() <= kMostLooseFaces)
     how.degrees_of_freedom = static_cast<std::size_t>(part.report.degrees_of_freedom);
-  return verify_fold(std::move(fold).str(), how);
+  return verify_model(std::move(*model), how);
 }
 
 /// The checks that fail, with a count each, and the first place.

@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: MIT
 // Only patterns that the verifier finds sound are given.
 #include <algorithm>
+#include <limits>
+#include <numbers>
 #include <optional>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/design/strips/pattern_builder.hpp"
+#include "core/formats/fold/fold_writer.hpp"
+#include "daemon/planning/pattern_model.hpp"
 #include "daemon/planning/sound_design.hpp"
 
 namespace sound_design_test {
@@ -43,6 +49,62 @@ TEST_CASE("sound designs of every kind are given", "[planning][sound]") {
       R"("patches":[{"surface":{"type":"revolution","radius":"40"},"units_per_slice":3,"slices":3,
          "widths_mm":10},{"surface":{"type":"revolution","radius":"40"},"units_per_slice":5,
          "slices":3,"widths_mm":10}],"join":"seam")");
+}
+
+TEST_CASE("what is looked at is what the pattern's file says", "[planning][sound]") {
+  const std::vector<double> psi{2.6, std::numbers::pi / 2, 1.1};
+  for (const std::string& fields :
+       {kTwoRegions, kTwoRegions + R"(,"card":false,"lattice":"slices")",
+        std::string(R"("surface":{"type":"profile","z":"120 - x"},"units_per_slice":3,"slices":4,
+           "widths_mm":20,"splay":{"alpha":0.6})")}) {
+    const Pattern pattern = designed(fields).parts.front().pattern;
+    std::ostringstream text;
+    FoldOptions options;
+    options.psi_rad = psi;
+    REQUIRE(write_fold(pattern, options, text));
+    const auto read = verify::read_fold_model(text.str());
+    const auto made = pattern_model(pattern, psi);
+    REQUIRE(read);
+    REQUIRE(made);
+    CHECK(made->flat == read->flat);
+    CHECK(made->edges == read->edges);
+    CHECK(made->assignment == read->assignment);
+    CHECK(made->fold_angle_deg == read->fold_angle_deg);
+    CHECK(made->face_first == read->face_first);
+    CHECK(made->face_vertices == read->face_vertices);
+    CHECK(made->faces_given == read->faces_given);
+    CHECK(made->from_popcut == read->from_popcut);
+    CHECK(made->assigned == read->assigned);
+    CHECK(made->drawn == read->drawn);
+    CHECK(made->notes == read->notes);
+    REQUIRE(made->poses.size() == read->poses.size());
+    for (std::size_t k = 0; k < psi.size(); ++k) {
+      CHECK(made->poses[k].place == read->poses[k].place);
+      CHECK(made->poses[k].at == read->poses[k].at);
+      CHECK(made->poses[k].fold_angle_deg == read->poses[k].fold_angle_deg);
+      CHECK(made->poses[k].psi_rad == read->poses[k].psi_rad);
+    }
+  }
+}
+
+TEST_CASE("what the verifier's reader refuses is refused", "[planning][sound]") {
+  const Pattern sound = designed(kTwoRegions).parts.front().pattern;
+  const auto refused = [](const Pattern& pattern, const char* place) {
+    const auto made = pattern_model(pattern, {});
+    REQUIRE_FALSE(made);
+    CHECK(made.error().place == place);
+  };
+  Pattern looped = sound;
+  looped.edges[3].to = looped.edges[3].from;
+  refused(looped, "/edges_vertices/3");
+  Pattern twice = sound;
+  twice.face_vertices[twice.face_first[2] + 1] = twice.face_vertices[twice.face_first[2]];
+  refused(twice, "/faces_vertices/2");
+  Pattern far = sound;
+  far.vertices[5].v = 2e7;
+  refused(far, "/vertices_coords/5");
+  far.vertices[5].v = std::numeric_limits<double>::quiet_NaN();
+  refused(far, "vertices/5");
 }
 
 TEST_CASE("a pattern with a closed slit is not given, and its places are listed",
