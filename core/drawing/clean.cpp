@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,6 +15,7 @@
 namespace popcut {
 namespace {
 
+constexpr double kMoved = 1e-4;  // mm; ends that move by less are only rounded
 constexpr double kSame = 0.001;  // mm; vertices of different lines this near are the same
 constexpr std::uint32_t kNone = NodeIndex::kNone;
 
@@ -29,7 +32,8 @@ struct DrawnSegments {
 };
 
 // Turns the vertices of a drawing into nodes: first the vertices within lines, then line ends,
-// which snap to a node nearby.
+// which snap to a node nearby. Where ends move, which node an end meets depends on the order of the
+// lines; they are taken by their places then, so that a drawing means the same in all formats.
 class Snapping {
  public:
   Snapping(const LineWork& work, double snap)
@@ -37,7 +41,13 @@ class Snapping {
         nodes_(snap_, work.points.size()),
         node_of_(work.points.size(), kNone) {
     for (const DrawnLine& line : work.lines) set_within(work, line);
-    for (const DrawnLine& line : work.lines) set_ends(work, line);
+    for (const DrawnLine& line : work.lines)
+      for (const std::size_t end : ends_of(line)) set_end(work, line, end);
+    if (!moved_) return;
+    nodes_ = NodeIndex(snap_, work.points.size());
+    std::fill(node_of_.begin(), node_of_.end(), kNone);
+    for (const DrawnLine& line : work.lines) set_within(work, line);
+    for (const auto& [line, end] : ends_by_place(work)) set_end(work, *line, end);
   }
   [[nodiscard]] std::uint32_t node(std::size_t point) const { return node_of_[point]; }
   [[nodiscard]] NodeIndex& nodes() { return nodes_; }
@@ -55,19 +65,38 @@ class Snapping {
     if (ring) node_of_[line.first + points.size() - 1] = node_of_[line.first];
   }
 
+  static std::array<std::size_t, 2> ends_of(const DrawnLine& line) {
+    return {line.first, line.first + line.count - 1};
+  }
+
+  using LineEnd = std::pair<const DrawnLine*, std::size_t>;
+  static std::vector<LineEnd> ends_by_place(const LineWork& work) {
+    constexpr double kDigit = 1e-5;  // formats round to a millionth
+    const auto place = [&](const LineEnd& end) {
+      const PagePoint& p = work.points[end.second];
+      return std::pair{std::round(p.y / kDigit), std::round(p.x / kDigit)};
+    };
+    std::vector<LineEnd> out;
+    out.reserve(2 * work.lines.size());
+    for (const DrawnLine& line : work.lines)
+      for (const std::size_t end : ends_of(line)) out.emplace_back(&line, end);
+    std::stable_sort(out.begin(), out.end(),
+                     [&](const LineEnd& a, const LineEnd& b) { return place(a) < place(b); });
+    return out;
+  }
+
   // Snaps an end to the nearest node, but not back along its own line.
-  void set_ends(const LineWork& work, const DrawnLine& line) {
-    const std::size_t first = line.first, last = first + line.count - 1;
-    if (node_of_[first] != kNone) return;  // closed
-    for (const std::size_t end : {first, last}) {
-      const PagePoint& p = work.points[end];
-      list_just_before(work, end, end == first ? last : first);
-      const std::uint32_t found = nodes_.find(p, snap_, [&](std::uint32_t n) {
-        return std::find(just_before_.begin(), just_before_.end(), n) == just_before_.end() ||
-               distance(nodes_.point(n), p) <= kSame;
-      });
-      node_of_[end] = found != kNone ? found : nodes_.add(p);
-    }
+  void set_end(const LineWork& work, const DrawnLine& line, std::size_t end) {
+    if (node_of_[end] != kNone) return;  // closed
+    const auto [first, last] = ends_of(line);
+    const PagePoint& p = work.points[end];
+    list_just_before(work, end, end == first ? last : first);
+    const std::uint32_t found = nodes_.find(p, snap_, [&](std::uint32_t n) {
+      return std::find(just_before_.begin(), just_before_.end(), n) == just_before_.end() ||
+             distance(nodes_.point(n), p) <= kSame;
+    });
+    moved_ = moved_ || (found != kNone && distance(nodes_.point(found), p) > kMoved);
+    node_of_[end] = found != kNone ? found : nodes_.add(p);
   }
 
   // Collects the nodes that the line from `end` to `other` passes within twice the snap of its end.
@@ -87,6 +116,7 @@ class Snapping {
   NodeIndex nodes_;
   std::vector<std::uint32_t> node_of_;
   std::vector<std::uint32_t> just_before_;
+  bool moved_{};  // some end by more than rounding
 };
 
 int strength(Operation operation) {

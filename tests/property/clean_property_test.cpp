@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <map>
 #include <random>
 #include <set>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -144,6 +146,34 @@ TEST_CASE("no line end moves farther than the snap distance", "[core][plan][clea
       moved += by > 0.001 ? 1 : 0;
     }
     CHECK((moved > 0) == (snap > 0.0));
+  }
+}
+
+TEST_CASE("line ends snap to the same places in any order of the lines", "[core][plan][clean]") {
+  std::mt19937 random(74);
+  for (int round = 0; round < 50; ++round) {
+    CAPTURE(round);
+    // Folds that nearly continue each other: which of three ends meet depends on who is first.
+    std::vector<std::array<PagePoint, 2>> folds;
+    for (int k = 0; k < 200; ++k) {
+      const double y = 3.0 * whole(random, 0, 9) + uniform(random, -0.06, 0.06);
+      const double x = 5.0 * whole(random, 0, 19);
+      folds.push_back({PagePoint{x, y}, PagePoint{x + 5.0, y}});
+    }
+    const auto ends = [&] {
+      LineWork work;
+      for (const auto& fold : folds) draw(work, Operation::FoldValley, {fold[0], fold[1]});
+      const LineWork snapped = with_ends_snapped(work, 0.05);
+      std::vector<std::array<double, 4>> out;
+      for (std::size_t i = 0; i < work.points.size(); ++i)
+        out.push_back(
+            {work.points[i].x, work.points[i].y, snapped.points[i].x, snapped.points[i].y});
+      std::sort(out.begin(), out.end());
+      return out;
+    };
+    const auto before = ends();
+    std::shuffle(folds.begin(), folds.end(), random);
+    CHECK(ends() == before);
   }
 }
 
