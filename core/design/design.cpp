@@ -323,6 +323,11 @@ class Designer {
     double best_rms = 0.0;
     for (const LatticeMethod one : kLatticesToTry) {
       LatticeTrial trial{method_name(one), false, 0.0, 0.0, 0.0, {}};
+      if (one == LatticeMethod::Conformal && conformal_work(empty) > kMostConformalWork) {
+        trial.reason = "left out, since it would take long; ask for it by its name";
+        trials_.push_back(std::move(trial));
+        continue;
+      }
       auto laid = lay_trial(one);
       if (!laid) {
         trial.reason = laid.error().detail;
@@ -343,6 +348,13 @@ class Designer {
     if (!best) return tl::unexpected(*refused);
     chosen_ = method;
     return std::move(*best);
+  }
+
+  static double conformal_work(const RunLayout& layout) {
+    double work = 0.0;
+    for (const RunTarget& run : layout.targets)
+      work += static_cast<double>(run.slices()) * std::pow(static_cast<double>(run.units), 3.0);
+    return work;
   }
 
   Result<Laid> lay_trial(LatticeMethod one) const {

@@ -16,6 +16,10 @@ inline constexpr std::array kLatticesToTry{LatticeMethod::Slices, LatticeMethod:
                                            LatticeMethod::Levels, LatticeMethod::Conformal,
                                            LatticeMethod::Direct};
 
+/// What solving all planes together may cost, in slices times units^3: beyond it, some ten seconds.
+/// The conformal lattice is left out then; `direct` has been nearer wherever both were laid.
+inline constexpr double kMostConformalWork = 1.5e8;
+
 /// Measures lattices of one design, as they are laid, against its target: the distance in space
 /// between their panels (without wall and ground) and the surface through the sections of all
 /// slices and connectors, both ways (`FitTarget`).

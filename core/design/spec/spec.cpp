@@ -180,6 +180,9 @@ class Design {
   bool set_rest() {
     if (spec_.curvature_fields) spec_.curvature = *spec_.curvature_fields;
     if (spec_.curvature && !fields_.has("lattice")) spec_.lattice = LatticeMethod::Slices;
+    // V-folds need creases with room beside them, which the nearest lattice does not keep.
+    else if (spec_.splay && !fields_.has("lattice"))
+      spec_.lattice = LatticeMethod::Conformal;
     spec_.max_step_asked = fields_.has("max_step_over_mean");
     return true;
   }

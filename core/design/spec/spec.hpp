@@ -96,7 +96,7 @@ struct DesignSpec {
   std::vector<RegionSpec> regions;  ///< one where the spec has none: the whole
   std::vector<double> widths_mm;    ///< one a slice; empty with `adaptive`
   std::optional<AdaptiveWidths> adaptive;
-  LatticeMethod lattice{LatticeMethod::Conformal};
+  LatticeMethod lattice{LatticeMethod::Auto};
   SolverMethod solver{SolverMethod::Newton};
   std::optional<SplaySpec> splay;
   std::optional<AugmentedSpec> curvature;

@@ -405,11 +405,13 @@ SpecTables make_tables() {
       field<Row>("fit", &Row::fit, shape::word<FitMode>({"exact", "nearest"}),
                  "what becomes of parts that no curve falling from wall to ground can follow: an "
                  "error, or the nearest curve that falls"),
-      field<Row>("lattice", &Row::lattice,
-                 shape::word<LatticeMethod>(
-                     {"branching", "slices", "conformal", "levels", "direct", "auto"}),
-                 "how the levels of neighbouring slices are paired, auto: the way that comes nearest "
-                 "to the target; \"slices\" if left out beside curvature"),
+      field<Row>(
+          "lattice", &Row::lattice,
+          shape::word<LatticeMethod>(
+              {"branching", "slices", "conformal", "levels", "direct", "auto"}),
+          "how the levels of neighbouring slices are paired, auto: the way that comes nearest "
+          "to the target; if left out auto, \"slices\" beside curvature, \"conformal\" "
+          "beside splay"),
       field<Row>("solver", &Row::solver, shape::word<SolverMethod>({"newton", "slsqp"}),
                  "how the pop-up units of a slice are fitted to the target"),
       field<Row>("card", &Row::card, card(),

@@ -23,8 +23,10 @@ bool one_clear_line(const Ran& ran) {
 }
 
 void design_example(const TempFolder& folder, const std::string& name) {
-  const Ran spec = popcut_in(folder, {"design", "--example", name});
-  write_file(folder / (name + ".json"), spec.out);
+  const Ran printed = popcut_in(folder, {"design", "--example", name});
+  json spec = json::parse(printed.out);
+  spec["lattice"] = "conformal";  // whose fold vertices lie on the shape
+  write_file(folder / (name + ".json"), spec.dump());
   const Ran made = popcut_in(folder, {"design", name + ".json", "-o", name, "-q"});
   REQUIRE(made.exit == 0);
 }

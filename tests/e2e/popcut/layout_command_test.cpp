@@ -144,7 +144,7 @@ TEST_CASE("a drawing that cannot be split is refused in one line", "[cli][e2e][l
   bench.refused(with({"--mat", "110x110", "--at", "100,100"}), 4, "at most 10.0 x 10.0 mm");
   // A seam of the user's own is refused where a fold or a narrow panel lies, with the nearest
   // place.
-  bench.refused(with({"--mat", "110x110", "--seam-y", "123"}), 4, "the nearest valid place is");
+  bench.refused(with({"--mat", "110x110", "--seam-y", "126"}), 4, "the nearest valid place is");
   CHECK(files_below(bench.temp.path()).empty());
 }
 

@@ -112,7 +112,8 @@ TEST_CASE("the splays of the geometry reference give its curvatures", "[core][sp
   // across 2.18294652.
   const double across = 2.1829465169852584, w = 10.0, a = 1.15 * w * across;
   const auto spec = parse_design_spec(fmt::format(
-      R"({{"popcut":1,"surface":{{"type":"profile","z":"{} - x"}},"units_per_slice":4,"slices":4,"widths_mm":22}})",
+      R"({{"popcut":1,"surface":{{"type":"profile","z":"{} - x"}},"units_per_slice":4,"slices":4,"widths_mm":22,
+          "lattice":"conformal"}})",
       4 * a));
   const auto d = design(*spec);
   REQUIRE(d);
