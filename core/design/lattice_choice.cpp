@@ -11,7 +11,7 @@
 namespace popcut {
 namespace {
 
-constexpr SampleDensity kRankingDensity{1.0, 4096, 8192};
+constexpr SampleDensity kRankingDensity{1.0, 2048, 4096};
 
 /// A section of the target and its place on the sheet.
 struct PlacedSection {
@@ -65,7 +65,7 @@ LatticeRanking::LatticeRanking(const Slicing& sliced, const Strips& strips)
     : target_(target_soup(sliced, strips), kRankingDensity) {}
 
 void LatticeRanking::measure(const Strips& strips, LatticeTrial& trial) const {
-  const FitFigures figures = target_.measure(structure_triangles(strips, SpineMap{}));
+  const FitFigures figures = target_.measure_roughly(structure_triangles(strips, SpineMap{}));
   trial.laid = true;
   trial.to_target_mean_mm = figures.to_target.mean_mm;
   trial.to_structure_mean_mm = figures.to_structure.mean_mm;

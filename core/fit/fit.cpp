@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace popcut {
 namespace {
@@ -53,6 +54,7 @@ double farthest(const std::vector<Vec3>& points, const std::vector<double>& far,
   for (std::size_t s = 0; s < starts; ++s) {
     Vec3 at = points[order[s]];
     double here = far[order[s]], step = spacing_mm;
+    std::uint32_t own_hint = TriangleTree::kNone, hint = TriangleTree::kNone;
     for (int k = 0; k < kHalvings; ++k, step *= 0.5)
       for (int n = 0; n < kSteps; ++n) {
         Vec3 better = at;
@@ -60,9 +62,11 @@ double farthest(const std::vector<Vec3>& points, const std::vector<double>& far,
         for (int i = 0; i < 6; ++i) {
           Vec3 aside = at;
           aside[i / 2] += (i & 1) != 0 ? step : -step;
-          const Vec3 on = own.nearest(aside).point;
-          const double off = std::sqrt(to.nearest(on).squared);
-          if (off > most_here) most_here = off, better = on;
+          const TriangleTree::Nearest on = own.nearest(aside, own_hint);
+          const TriangleTree::Nearest there = to.nearest(on.point, hint);
+          own_hint = on.place, hint = there.place;
+          const double off = std::sqrt(there.squared);
+          if (off > most_here) most_here = off, better = on.point;
         }
         if (!(most_here > here)) break;
         here = most_here, at = better;
@@ -104,59 +108,79 @@ FitTarget::FitTarget(TriangleSoup target, const SampleDensity& density)
       density_(density),
       area_mm2_(area_of(target)),
       size_mm_(diagonal_of(target)),
-      samples_(area_samples(target, samples_of(area_mm2_, density))) {
-  const double touch = kOutside * size_mm_, behind = kBehind * size_mm_;
-  place_.reserve(samples_.size());
-  for (const Vec3& p : samples_) {
-    Place place = Place::Reachable;
-    if (p[0] < -touch || p[2] < -touch)
-      place = Place::Outside;
-    else if (tree_.any_beyond(Vec3(p[0] + behind, p[1], p[2] + behind)))
-      place = Place::Overhang;
-    place_.push_back(place);
-  }
+      samples_(area_samples(target, samples_of(area_mm2_, density))) {}
+
+/// A structure, with the distances between it and the target.
+struct FitTarget::Sampled {
+  TriangleTree tree;
+  double area_mm2{};
+  std::vector<Vec3> points;
+  std::vector<double> to_target;     ///< of `points`
+  std::vector<double> to_structure;  ///< of the target's samples
+};
+
+FitTarget::Sampled FitTarget::sample(const TriangleSoup& structure) const {
+  Sampled out{TriangleTree(structure), area_of(structure), {}, {}, {}};
+  out.points = area_samples(structure, samples_of(out.area_mm2, density_));
+  if (is_empty() || out.points.empty()) return out;
+  out.to_target = distances(out.points, tree_);
+  out.to_structure = distances(samples_, out.tree);
+  return out;
+}
+
+FitFigures FitTarget::measure_roughly(const TriangleSoup& structure) const {
+  Sampled sampled = sample(structure);
+  FitFigures out;
+  out.size_mm = size_mm_, out.target_mm2 = area_mm2_, out.structure_mm2 = sampled.area_mm2;
+  if (sampled.to_target.empty()) return out;
+  const auto most = [](const std::vector<double>& far) {
+    return *std::max_element(far.begin(), far.end());
+  };
+  const double to_target = most(sampled.to_target), to_structure = most(sampled.to_structure);
+  out.to_target = figures_of(std::move(sampled.to_target), to_target);
+  out.to_structure = figures_of(std::move(sampled.to_structure), to_structure);
+  return out;
 }
 
 FitFigures FitTarget::measure(const TriangleSoup& structure) const {
+  Sampled sampled = sample(structure);
   FitFigures out;
-  out.size_mm = size_mm_, out.target_mm2 = area_mm2_;
-  out.structure_mm2 = area_of(structure);
-  const std::vector<Vec3> points = area_samples(structure, samples_of(out.structure_mm2, density_));
-  if (is_empty() || points.empty()) return out;
-
-  // 1. From the structure to the target.
-  const TriangleTree tree(structure);
-  std::vector<double> far = distances(points, tree_);
-  double most = farthest(points, far, tree, tree_, spacing_of(out.structure_mm2, points.size()));
-  out.to_target = figures_of(std::move(far), most);
-
-  // 2. From the target to the structure, all of it.
-  far = distances(samples_, tree);
-  most = farthest(samples_, far, tree_, tree, spacing_of(area_mm2_, samples_.size()));
+  out.size_mm = size_mm_, out.target_mm2 = area_mm2_, out.structure_mm2 = sampled.area_mm2;
+  if (sampled.to_target.empty()) return out;
   const double each = 1.0 / static_cast<double>(samples_.size());
   for (std::size_t w = 0; w < FitFigures::kWithin.size(); ++w) {
     const double near = FitFigures::kWithin[w] * size_mm_;
-    const auto within = std::count_if(far.begin(), far.end(), [&](double d) { return d <= near; });
+    const auto within = std::count_if(sampled.to_structure.begin(), sampled.to_structure.end(),
+                                      [&](double d) { return d <= near; });
     out.share_within[w] = static_cast<double>(within) * each;
   }
-  out.to_structure = figures_of(std::move(far), most);
+  const double spacing = spacing_of(sampled.area_mm2, sampled.points.size());
+  const double to_target =
+      farthest(sampled.points, sampled.to_target, sampled.tree, tree_, spacing);
+  const double to_structure = farthest(samples_, sampled.to_structure, tree_, sampled.tree,
+                                       spacing_of(area_mm2_, samples_.size()));
+  out.to_target = figures_of(std::move(sampled.to_target), to_target);
+  out.to_structure = figures_of(std::move(sampled.to_structure), to_structure);
+  add_out_of_reach(structure, out.out_of_reach);
+  return out;
+}
 
-  // 3. What is out of reach, and why.
+void FitTarget::add_out_of_reach(const TriangleSoup& structure, OutOfReach& out) const {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (std::size_t k = 1; k < structure.corners.size(); k += 3) {
     low = std::min(low, structure.corners[k]);
     high = std::max(high, structure.corners[k]);
   }
-  const double touch = kOutside * size_mm_;
-  for (std::size_t k = 0; k < samples_.size(); ++k) {
-    if (place_[k] == Place::Outside)
-      out.out_of_reach.outside_of_the_corner += each;
-    else if (samples_[k][1] < low - touch || samples_[k][1] > high + touch)
-      out.out_of_reach.beyond_the_slices += each;
-    else if (place_[k] == Place::Overhang)
-      out.out_of_reach.overhang += each;
+  const double touch = kOutside * size_mm_, behind = kBehind * size_mm_;
+  const double each = 1.0 / static_cast<double>(samples_.size());
+  for (const Vec3& p : samples_) {
+    if (p[0] < -touch || p[2] < -touch)
+      out.outside_of_the_corner += each;
+    else if (p[1] < low - touch || p[1] > high + touch)
+      out.beyond_the_slices += each;
+    else if (tree_.any_beyond(Vec3(p[0] + behind, p[1], p[2] + behind)))
+      out.overhang += each;
   }
-  return out;
 }
 
 }  // namespace popcut

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "core/fit/area_samples.hpp"
@@ -26,14 +25,19 @@ class FitTarget {
   /// distances too; the shares that are within are 0 then.
   [[nodiscard]] FitFigures measure(const TriangleSoup& structure) const;
 
+  /// The same for comparing structures, without what takes longest: `max_mm` is that of the
+  /// samples, and `share_within` and `out_of_reach` stay 0.
+  [[nodiscard]] FitFigures measure_roughly(const TriangleSoup& structure) const;
+
  private:
-  enum class Place : std::uint8_t { Reachable, Outside, Overhang };
+  struct Sampled;
+  [[nodiscard]] Sampled sample(const TriangleSoup& structure) const;
+  void add_out_of_reach(const TriangleSoup& structure, OutOfReach& out) const;
 
   TriangleTree tree_;
   SampleDensity density_;
   double area_mm2_{}, size_mm_{};
   std::vector<Vec3> samples_;
-  std::vector<Place> place_;  ///< one a sample
 };
 
 }  // namespace popcut

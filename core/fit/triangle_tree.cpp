@@ -82,8 +82,9 @@ double TriangleTree::squared_to(const Box& box, const Vec3& p) {
   double squared = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
     const double at = p.data()[i];
-    const double off = std::max({box.low[i] - at, at - box.high[i], 0.0});
-    squared += off * off;
+    const double below = box.low[i] - at, above = at - box.high[i];
+    const double off = below > above ? below : above;
+    if (off > 0.0) squared += off * off;
   }
   return squared;
 }

@@ -13,7 +13,7 @@ namespace popcut {
 /// A box tree over triangles: the point of them that is nearest to any place in O(log n).
 ///
 /// The triangles are put in Morton order (Karras, Maximizing Parallelism in the Construction of
-/// BVHs, 2012) and packed four a leaf; the boxes above them form a complete binary tree in one flat
+/// BVHs, 2012) and packed two a leaf; the boxes above them form a complete binary tree in one flat
 /// array, node i over 2i and 2i + 1. Building is O(n).
 class TriangleTree {
  public:
@@ -37,7 +37,7 @@ class TriangleTree {
   [[nodiscard]] std::size_t size() const { return corners_.size() / 9; }
 
  private:
-  static constexpr std::size_t kLeaf = 4;
+  static constexpr std::size_t kLeaf = 2;
   struct Box {
     std::array<double, 3> low{}, high{};
   };
