@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -215,7 +216,7 @@ class Designer {
   /// Measures the strips against the target.
   void add_figures(Laid& laid) const {
     const RunLayout& layout = laid.layout;
-    FigureInput input{laid.strips.strips, {}, {}, {}, 0.0};
+    FigureInput input{laid.strips.strips, {}, {}, {}, 0.0, opening()};
     for (const LaidSlice& slice : layout.laid)
       input.slices.push_back({slice.s_mm, &sliced_.curves[static_cast<std::size_t>(slice.slice)]});
     double mean = 0.0, weight = 0.0;
@@ -230,6 +231,10 @@ class Designer {
     }
     input.mean_step_mm = mean / weight;
     laid.figures = measure(input);
+  }
+
+  [[nodiscard]] Opening opening() const {
+    return Opening::of_deg(spec_.placement.design_angle_deg);
   }
 
   /// Strips with their figures; none where a connector is not valid.
@@ -456,6 +461,8 @@ class Designer {
     out.strips = std::move(laid.strips.strips);
     out.pattern = std::move(built.pattern);
     out.pattern.name = r.name = spec_.name;
+    r.design_angle_deg = spec_.placement.design_angle_deg;
+    out.pattern.design_psi_rad = r.design_angle_deg / 180.0 * std::numbers::pi;
     for (const RegionSpec& region : spec_.regions)
       r.units_per_slice.push_back(region.units_per_slice);
     r.lattice = method_name(method), r.lattice_asked = method_name(spec_.lattice);
@@ -475,7 +482,8 @@ class Designer {
     if (spec_.card && !spec_.is_patch) add_closing(out.pattern, spec_.card->shut, r);
     out.edges = std::move(sliced_.edges);
     out.target = sliced_.pieces;
-    if (!spec_.is_patch) r.surface_fit = surface_fit(out.strips, r, out.target);
+    if (!spec_.is_patch)
+      r.surface_fit = surface_fit(out.strips, r, out.target, out.pattern.design_psi_rad);
     return out;
   }
 

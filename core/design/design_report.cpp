@@ -137,6 +137,7 @@ DesignReport joined_report(std::span<const Design> patches, const JoinedStrips& 
                            const std::vector<BridgeReport>& bridges, const Pattern& pattern) {
   DesignReport r;
   r.step_over_mean_min = patches.front().report.step_over_mean_min;
+  r.design_angle_deg = patches.front().report.design_angle_deg;
   for (std::size_t k = 0; k < patches.size(); ++k) {
     add_patch(patches[k].report, joined.first_slice[k], patches.size() == 1, r);
     r.step_over_mean_min = std::min(r.step_over_mean_min, patches[k].report.step_over_mean_min);

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/opening.hpp"
+
 namespace popcut {
 namespace {
 
@@ -66,9 +68,7 @@ double SpineMap::operator()(double v_mm) const {
 TriangleSoup structure_triangles(const Strips& strips, const SpineMap& along, double psi_rad) {
   TriangleSoup out;
   out.corners.reserve(18 * strips.panels());
-  // Exactly square at pi/2.
-  const double c = std::abs(psi_rad - 0.5 * std::numbers::pi) < 1e-15 ? 0.0 : std::cos(psi_rad);
-  const double s = std::sin(psi_rad);
+  const auto [c, s] = Opening::of_rad(psi_rad);
   for (std::size_t k = 0; k < strips.size(); ++k) {
     if (strips.kind[k] == StripKind::Margin) continue;
     const double from = along(strips.v_begin[k]), to = along(strips.v_begin[k + 1]);
@@ -118,12 +118,13 @@ TriangleSoup target_triangles(const Strips& strips, const SpineMap& along,
 }
 
 std::optional<FitFigures> surface_fit(const Strips& strips, const DesignReport& report,
-                                      std::span<const TargetPiece> target) {
+                                      std::span<const TargetPiece> target, double psi_rad) {
   std::vector<double> s_mm;
   for (const SliceReport& slice : report.slices) s_mm.push_back(slice.s_mm);
   const SpineMap along(strips, s_mm);
-  const FitTarget aim(target_triangles(strips, along, report, target));
-  FitFigures figures = aim.measure(structure_triangles(strips, along));
+  const FitTarget aim(target_triangles(strips, along, report, target), {},
+                      Opening::of_rad(psi_rad));
+  FitFigures figures = aim.measure(structure_triangles(strips, along, psi_rad));
   if (figures.to_target.samples == 0) return std::nullopt;
   return figures;
 }

@@ -32,8 +32,8 @@ class SpineMap {
 [[nodiscard]] TriangleSoup structure_triangles(const Strips& strips, const SpineMap& along,
                                                double psi_rad = 0.5 * std::numbers::pi);
 
-/// The target itself, over the stretch of the spine that the strips take, or whole where it is a
-/// mesh or a grid.
+/// The target itself in space, over the stretch of the spine that the strips take, or whole where
+/// it is a mesh or a grid.
 ///
 /// @param report  its slices, and its units for how finely formulas are cut into triangles
 [[nodiscard]] TriangleSoup target_triangles(const Strips& strips, const SpineMap& along,
@@ -44,9 +44,11 @@ class SpineMap {
 /// them has no area.
 ///
 /// @param report  needs `slices` and `units_per_slice`
+/// @param psi_rad  opening angle that the target was made for; distances are those in space there
 [[nodiscard]] std::optional<FitFigures> surface_fit(const Strips& strips,
                                                     const DesignReport& report,
-                                                    std::span<const TargetPiece> target);
+                                                    std::span<const TargetPiece> target,
+                                                    double psi_rad = 0.5 * std::numbers::pi);
 
 /// The fit in one line of words: how far off on average, and how much of the target is there.
 [[nodiscard]] std::string fit_in_words(const FitFigures& fit);

@@ -99,19 +99,32 @@ double FitFigures::two_sided_rms_mm() const {
       0.5 * (to_target.rms_mm * to_target.rms_mm + to_structure.rms_mm * to_structure.rms_mm));
 }
 
-FitTarget::FitTarget(TriangleSoup target, const SampleDensity& density)
+FitTarget::FitTarget(TriangleSoup target, const SampleDensity& density, const Opening& opening)
     : tree_(target),
       density_(density),
       area_mm2_(area_of(target)),
       size_mm_(diagonal_of(target)),
       samples_(area_samples(target, samples_of(area_mm2_, density))) {
+  if (opening.is_right()) {
+    find_places(tree_, opening);
+    return;
+  }
+  for (std::size_t k = 0; k < target.corners.size(); k += 3)
+    opening.to_oblique(target.corners[k], target.corners[k + 2]);
+  find_places(TriangleTree(target), opening);
+}
+
+/// @param section_tree  the target in the section's coordinates, along ground and wall
+void FitTarget::find_places(const TriangleTree& section_tree, const Opening& opening) {
   const double touch = kOutside * size_mm_, behind = kBehind * size_mm_;
   place_.reserve(samples_.size());
-  for (const Vec3& p : samples_) {
+  for (const Vec3& sample : samples_) {
+    Vec3 p = sample;
+    if (!opening.is_right()) opening.to_oblique(p[0], p[2]);
     Place place = Place::Reachable;
     if (p[0] < -touch || p[2] < -touch)
       place = Place::Outside;
-    else if (tree_.any_beyond(Vec3(p[0] + behind, p[1], p[2] + behind)))
+    else if (section_tree.any_beyond(Vec3(p[0] + behind, p[1], p[2] + behind)))
       place = Place::Overhang;
     place_.push_back(place);
   }

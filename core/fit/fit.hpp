@@ -8,6 +8,7 @@
 #include "core/fit/fit_figures.hpp"
 #include "core/fit/triangle_soup.hpp"
 #include "core/fit/triangle_tree.hpp"
+#include "core/geometry/opening.hpp"
 
 namespace popcut {
 
@@ -17,7 +18,10 @@ namespace popcut {
 /// they lie on does not matter. The cost is O(n) for n triangles and O(log n) a sample.
 class FitTarget {
  public:
-  explicit FitTarget(TriangleSoup target, const SampleDensity& density = {});
+  /// @param opening  of the corner that the target stands in: what is outside of it, and what is
+  ///                 behind something else in it, is out of reach
+  explicit FitTarget(TriangleSoup target, const SampleDensity& density = {},
+                     const Opening& opening = {});
 
   /// No triangle has an area: nothing can be measured.
   [[nodiscard]] bool is_empty() const { return samples_.empty(); }
@@ -28,6 +32,7 @@ class FitTarget {
 
  private:
   enum class Place : std::uint8_t { Reachable, Outside, Overhang };
+  void find_places(const TriangleTree& section_tree, const Opening& opening);
 
   TriangleTree tree_;
   SampleDensity density_;

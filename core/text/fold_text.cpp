@@ -20,7 +20,20 @@ constexpr std::size_t kMaxOtherNames = 50;
 constexpr std::size_t kMaxTitle = 1000;
 
 /// The kind of value that a member holds.
-enum class Form { Skip, Frames, Rows, Angles, Letters, Classes, Unit, Title, Parent, Psi, Inherit };
+enum class Form {
+  Skip,
+  Frames,
+  Rows,
+  Angles,
+  Letters,
+  Classes,
+  Unit,
+  Title,
+  Parent,
+  Psi,
+  DesignPsi,
+  Inherit
+};
 
 /// A member of a frame that popcut reads.
 struct Member {
@@ -42,6 +55,7 @@ constexpr std::array kMembers{
     Member{"file_title", Form::Title, nullptr, true},
     Member{"frame_parent", Form::Parent},
     Member{"frame_popcut:psi_rad", Form::Psi},
+    Member{"popcut:design_psi_rad", Form::DesignPsi, nullptr, true},
     Member{"frame_inherit", Form::Inherit},
     Member{"file_frames", Form::Frames, nullptr, true}};
 
@@ -180,8 +194,12 @@ bool FoldSax::scalar(double value, const char* found) {
       return count();
     case Form::Parent:
     case Form::Psi:
+    case Form::DesignPsi:
       if (level() != 0) return wrong(found);
-      if (!std::isnan(value)) (form_ == Form::Parent ? frame().parent : frame().psi_rad) = value;
+      if (!std::isnan(value))
+        (form_ == Form::Parent ? frame().parent
+         : form_ == Form::Psi  ? frame().psi_rad
+                               : frame().design_psi_rad) = value;
       return done();
     default:
       return wrong(found);

@@ -72,7 +72,7 @@ TEST_CASE("a lattice of 100 units x 1000 slices, and of twice the slices", "[ben
       made = std::move(*result);
     });
     FoldOptions options;
-    options.psi_rad = {std::numbers::pi / 2};
+    options.psi_rad = std::vector{std::numbers::pi / 2};
     const std::string path = std::string(P_tmpdir) + "/popcut_bench.fold";
     const double written = median_of(3, [&] {
       std::ofstream out(path, std::ios::binary);

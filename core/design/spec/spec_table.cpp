@@ -399,17 +399,23 @@ SpecTables make_tables() {
       field<Row>("sheet", &Row::sheet, sheet(),
                  "what it is cut from, to be warned of a pattern that is larger: a paper by its "
                  "name, or [width, height] in mm"),
+      field<Row>(
+          "design_angle_deg", [](auto& row) -> auto& { return row.placement.design_angle_deg; },
+          shape::number(from(kLeastDesignAngle, kMostDesignAngle)),
+          "opening angle of the card, between wall and ground, at which the structure shows the "
+          "target"),
   };
   all.name.rows = {field<Row>("name", &Row::name, shape::text(), "name of the design")};
   all.shared.rows = {
       field<Row>("fit", &Row::fit, shape::word<FitMode>({"exact", "nearest"}),
                  "what becomes of parts that no curve falling from wall to ground can follow: an "
                  "error, or the nearest curve that falls"),
-      field<Row>("lattice", &Row::lattice,
-                 shape::word<LatticeMethod>(
-                     {"branching", "slices", "conformal", "levels", "direct", "auto"}),
-                 "how the levels of neighbouring slices are paired, auto: the way that comes nearest "
-                 "to the target; \"slices\" if left out beside curvature"),
+      field<Row>(
+          "lattice", &Row::lattice,
+          shape::word<LatticeMethod>(
+              {"branching", "slices", "conformal", "levels", "direct", "auto"}),
+          "how the levels of neighbouring slices are paired, auto: the way that comes nearest "
+          "to the target; \"slices\" if left out beside curvature"),
       field<Row>("solver", &Row::solver, shape::word<SolverMethod>({"newton", "slsqp"}),
                  "how the pop-up units of a slice are fitted to the target"),
       field<Row>("card", &Row::card, card(),

@@ -45,7 +45,7 @@ TEST_CASE("splayed lattices verify as a whole with one freedom", "[core][splay][
   CHECK(d->pattern.v_folds.size() == static_cast<std::size_t>(4 * (units - 1)));
   std::ostringstream fold;
   FoldOptions frames;
-  frames.psi_rad = {kPi, 2.4, kPi / 2, 1.1, 0.3};
+  frames.psi_rad = std::vector{kPi, 2.4, kPi / 2, 1.1, 0.3};
   REQUIRE(write_fold(d->pattern, frames, fold));
   VerifyOptions options;
   options.degrees_of_freedom = 1;
