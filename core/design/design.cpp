@@ -144,7 +144,7 @@ class Designer {
         return fail(
             ErrorKind::OutOfRange, fmt::format("/card/{}", field),
             fmt::format("is {:g} mm; the {} reaches {:.4f} mm, so at least {:.4f} mm is needed",
-                        *asked, what, end, end + spec_.min_panel_mm));
+                        *asked, what, end, std::ceil(1e4 * (end + spec_.min_panel_mm)) / 1e4));
       return *asked;
     };
     const auto wall_mm = side(spec_.card->wall_mm, wall, "wall_mm", "structure");
@@ -300,7 +300,9 @@ class Designer {
     auto other = lay_measured(std::move(plain));
     if (!other || !other->strips.apart.empty()) return laid;
     const LatticeFigures &mine = laid->figures, &theirs = other->figures;
-    const bool as_good = laid->strips.apart.empty() && !prefer_slices(mine, theirs);
+    const bool as_good =
+        laid->strips.apart.empty() &&
+        (!prefer_slices(mine, theirs) || (breaks_step(theirs) && !breaks_step(mine)));
     const std::string compared = fmt::format(
         "conformal: gap {:.4g} mm, inner error {:.3g} mm; slices: gap {:.4g} mm, inner error "
         "{:.3g} mm",
@@ -356,6 +358,13 @@ class Designer {
     return lay_measured(std::move(layout));
   }
 
+  /// Whether a step is longer than the user asked for.
+  [[nodiscard]] bool breaks_step(const LatticeFigures& figures) const {
+    constexpr double kRounding = 1e-9;
+    return spec_.max_step_asked && spec_.max_step_over_mean &&
+           figures.step_over_mean_max > (1.0 + kRounding) * *spec_.max_step_over_mean;
+  }
+
   /// Which limit a lattice breaks, in words; empty for none.
   [[nodiscard]] std::string limit_broken(const Laid& laid) const {
     if (!laid.strips.apart.empty()) {
@@ -363,10 +372,14 @@ class Designer {
       return fmt::format("no connector fits between slices {} and {}", slice, slice + 1);
     }
     constexpr double kRounding = 1e-9;
-    if (spec_.max_step_asked && spec_.max_step_over_mean &&
-        laid.figures.step_over_mean_max > (1.0 + kRounding) * *spec_.max_step_over_mean)
+    if (breaks_step(laid.figures))
       return fmt::format("a step is {:.3g} times the mean one, over max_step_over_mean = {:g}",
                          laid.figures.step_over_mean_max, *spec_.max_step_over_mean);
+    const auto side_mm = given_side_mm(spec_);
+    const double reach_mm = side_mm ? shut_reach_mm(laid.strips.strips) : 0.0;
+    if (side_mm && reach_mm > (1.0 + kRounding) * *side_mm)
+      return fmt::format("shut, it reaches {:.4g} mm from the spine, out of the card of {:g} mm",
+                         reach_mm, *side_mm);
     return {};
   }
 
@@ -480,10 +493,14 @@ class Designer {
     r.notes = notes_;
     add_fit(r, spec_.fit);
     if (spec_.card && !spec_.is_patch) add_closing(out.pattern, spec_.card->shut, r);
+    if (breaks_step(r)) r.warnings.push_back(long_step_warning(r, *spec_.max_step_over_mean));
+    if (const auto side_mm = given_side_mm(spec_); side_mm && method == LatticeMethod::Direct)
+      if (std::string said = flattened_by_card(sliced_.curves, *side_mm, spec_.card->margin_mm);
+          !said.empty() && r.sticks_out_mm == 0.0)
+        (spec_.is_patch ? r.notes : r.warnings).push_back(std::move(said));
     out.edges = std::move(sliced_.edges);
     out.target = sliced_.pieces;
-    if (!spec_.is_patch)
-      r.surface_fit = surface_fit(out.strips, r, out.target, out.pattern.design_psi_rad);
+    if (!spec_.is_patch) r.surface_fit = surface_fit(out.strips, out.pattern, r, out.target);
     return out;
   }
 

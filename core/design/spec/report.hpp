@@ -40,7 +40,8 @@ struct LatticeFigures {
   ErrorFigures inner_error;  ///< connector vertices between wall and ground, from their own curve
   ErrorFigures end_error;    ///< wall and ground ends, from h and d of the slice that sets them
   double step_over_mean_min{}, step_over_mean_max{};
-  double gap_mm{};  ///< largest distance of a target point from the nearest fold vertex
+  double longest_step_s_mm{};  ///< where along the target that is
+  double gap_mm{};             ///< largest distance of a target point from the nearest fold vertex
 };
 
 /// A place where the lattice does not follow the target level by level, and why.

@@ -158,7 +158,8 @@ LatticeFigures measure(const FigureInput& input) {
     for (std::uint32_t p = first; p <= last; ++p) {
       const std::size_t q = p + s;
       const double step = (strips.x[q + 1] - strips.x[q]) + (strips.z[q] - strips.z[q + 1]);
-      shortest = std::min(shortest, step), longest = std::max(longest, step);
+      shortest = std::min(shortest, step);
+      if (step > longest) longest = step, out.longest_step_s_mm = station.s_mm;
     }
     rows.push_back(std::move(row));
   }
