@@ -156,7 +156,7 @@ bool FoldSax::wrong(const char* found) {
   if (form_ == Form::Skip)
     return depth_ > 0 || stop(ErrorKind::Malformed, "/", "a FOLD file must be an object");
   // What must stand at a member, in its list, and in the lists of that.
-  constexpr std::array<std::array<const char*, 3>, 11> kRight{{
+  constexpr std::array<std::array<const char*, 3>, 12> kRight{{
       {},
       {"a list of frames", "a frame (an object)"},
       {"a list of lists", "a list", "a number"},
@@ -166,6 +166,7 @@ bool FoldSax::wrong(const char* found) {
       {"a string", "a string", "a string"},
       {"a string", "a string", "a string"},
       {"the number of a frame", "the number of a frame", "the number of a frame"},
+      {"an angle in radians", "an angle in radians", "an angle in radians"},
       {"an angle in radians", "an angle in radians", "an angle in radians"},
       {"true or false", "true or false", "true or false"},
   }};
