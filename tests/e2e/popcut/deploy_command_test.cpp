@@ -52,7 +52,8 @@ TEST_CASE("a design comes with its DXF and animation and sixty meshes", "[cli][e
         Names{"psi_001.stl", "psi_002.stl", "psi_003.stl"});
 }
 
-TEST_CASE("the poses of a design for another angle end at that angle", "[cli][e2e][deploy][angle]") {
+TEST_CASE("the poses of a design for another angle end at that angle",
+          "[cli][e2e][deploy][angle]") {
   const Bench bench;
   write_file(bench.temp / "barrel.json",
              R"j({"popcut":1,"surface":{"type":"revolution","radius":"50"},"design_angle_deg":60,
