@@ -272,6 +272,8 @@ Result<Pattern> pattern_from_fold(const FoldFile& file) {
   if (!vertices) return tl::unexpected(vertices.error());
   Pattern pattern;
   pattern.name = file.title;
+  if (const double psi = file.design_psi_rad.value_or(0.0); psi > 0.0 && psi < std::numbers::pi)
+    pattern.design_psi_rad = psi;
   pattern.vertices = std::move(*vertices);
   pattern.wall_mm = height_of_wall(flat, pattern, mm);
   add_faces_and_edges(flat, pattern);

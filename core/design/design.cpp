@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -143,7 +144,7 @@ class Designer {
         return fail(
             ErrorKind::OutOfRange, fmt::format("/card/{}", field),
             fmt::format("is {:g} mm; the {} reaches {:.4f} mm, so at least {:.4f} mm is needed",
-                        *asked, what, end, end + spec_.min_panel_mm));
+                        *asked, what, end, std::ceil(1e4 * (end + spec_.min_panel_mm)) / 1e4));
       return *asked;
     };
     const auto wall_mm = side(spec_.card->wall_mm, wall, "wall_mm", "structure");
@@ -215,7 +216,7 @@ class Designer {
   /// Measures the strips against the target.
   void add_figures(Laid& laid) const {
     const RunLayout& layout = laid.layout;
-    FigureInput input{laid.strips.strips, {}, {}, {}, 0.0};
+    FigureInput input{laid.strips.strips, {}, {}, {}, 0.0, opening()};
     for (const LaidSlice& slice : layout.laid)
       input.slices.push_back({slice.s_mm, &sliced_.curves[static_cast<std::size_t>(slice.slice)]});
     double mean = 0.0, weight = 0.0;
@@ -230,6 +231,13 @@ class Designer {
     }
     input.mean_step_mm = mean / weight;
     laid.figures = measure(input);
+  }
+
+  [[nodiscard]] Opening opening() const {
+    return Opening::of_deg(spec_.placement.design_angle_deg);
+  }
+  [[nodiscard]] double design_psi_rad() const {
+    return spec_.placement.design_angle_deg / 180.0 * std::numbers::pi;
   }
 
   /// Strips with their figures; none where a connector is not valid.
@@ -295,7 +303,9 @@ class Designer {
     auto other = lay_measured(std::move(plain));
     if (!other || !other->strips.apart.empty()) return laid;
     const LatticeFigures &mine = laid->figures, &theirs = other->figures;
-    const bool as_good = laid->strips.apart.empty() && !prefer_slices(mine, theirs);
+    const bool as_good =
+        laid->strips.apart.empty() &&
+        (!prefer_slices(mine, theirs) || (breaks_step(theirs) && !breaks_step(mine)));
     const std::string compared = fmt::format(
         "conformal: gap {:.4g} mm, inner error {:.3g} mm; slices: gap {:.4g} mm, inner error "
         "{:.3g} mm",
@@ -333,7 +343,7 @@ class Designer {
         trial.reason = laid.error().detail;
         if (!refused) refused = laid.error();
       } else {
-        if (!ranking) ranking.emplace(sliced_, laid->strips.strips);
+        if (!ranking) ranking.emplace(sliced_, laid->strips.strips, design_psi_rad());
         ranking->measure(laid->strips.strips, trial);
         trial.reason = limit_broken(*laid);
         const bool obeys = trial.reason.empty();
@@ -363,6 +373,13 @@ class Designer {
     return lay_measured(std::move(layout));
   }
 
+  /// Whether a step is longer than the user asked for.
+  [[nodiscard]] bool breaks_step(const LatticeFigures& figures) const {
+    constexpr double kRounding = 1e-9;
+    return spec_.max_step_asked && spec_.max_step_over_mean &&
+           figures.step_over_mean_max > (1.0 + kRounding) * *spec_.max_step_over_mean;
+  }
+
   /// Which limit a lattice breaks, in words; empty for none.
   [[nodiscard]] std::string limit_broken(const Laid& laid) const {
     if (!laid.strips.apart.empty()) {
@@ -370,10 +387,14 @@ class Designer {
       return fmt::format("no connector fits between slices {} and {}", slice, slice + 1);
     }
     constexpr double kRounding = 1e-9;
-    if (spec_.max_step_asked && spec_.max_step_over_mean &&
-        laid.figures.step_over_mean_max > (1.0 + kRounding) * *spec_.max_step_over_mean)
+    if (breaks_step(laid.figures))
       return fmt::format("a step is {:.3g} times the mean one, over max_step_over_mean = {:g}",
                          laid.figures.step_over_mean_max, *spec_.max_step_over_mean);
+    const auto side_mm = given_side_mm(spec_);
+    const double reach_mm = side_mm ? shut_reach_mm(laid.strips.strips) : 0.0;
+    if (side_mm && reach_mm > (1.0 + kRounding) * *side_mm)
+      return fmt::format("shut, it reaches {:.4g} mm from the spine, out of the card of {:g} mm",
+                         reach_mm, *side_mm);
     return {};
   }
 
@@ -468,6 +489,8 @@ class Designer {
     out.strips = std::move(laid.strips.strips);
     out.pattern = std::move(built.pattern);
     out.pattern.name = r.name = spec_.name;
+    r.design_angle_deg = spec_.placement.design_angle_deg;
+    out.pattern.design_psi_rad = design_psi_rad();
     for (const RegionSpec& region : spec_.regions)
       r.units_per_slice.push_back(region.units_per_slice);
     r.lattice = method_name(method), r.lattice_asked = method_name(spec_.lattice);
@@ -485,9 +508,14 @@ class Designer {
     r.notes = notes_;
     add_fit(r, spec_.fit);
     if (spec_.card && !spec_.is_patch) add_closing(out.pattern, spec_.card->shut, r);
+    if (breaks_step(r)) r.warnings.push_back(long_step_warning(r, *spec_.max_step_over_mean));
+    if (const auto side_mm = given_side_mm(spec_); side_mm && method == LatticeMethod::Direct)
+      if (std::string said = flattened_by_card(sliced_.curves, *side_mm, spec_.card->margin_mm);
+          !said.empty() && r.sticks_out_mm == 0.0)
+        (spec_.is_patch ? r.notes : r.warnings).push_back(std::move(said));
     out.edges = std::move(sliced_.edges);
     out.target = sliced_.pieces;
-    if (!spec_.is_patch) r.surface_fit = surface_fit(out.strips, r, out.target);
+    if (!spec_.is_patch) r.surface_fit = surface_fit(out.strips, out.pattern, r, out.target);
     return out;
   }
 

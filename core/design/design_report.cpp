@@ -92,8 +92,39 @@ void add_closing(const Pattern& pattern, CardShut asked, DesignReport& report) {
     report.notes.push_back(said);
   else
     report.warnings.push_back(
-        fmt::format("{}; make wall_mm and ground_mm at least {:.1f} mm, or leave them out", said,
-                    std::ceil(10.0 * reach) / 10.0));
+        fmt::format("{}; make wall_mm and ground_mm at least {:.1f} mm, leave them out{}", said,
+                    std::ceil(10.0 * reach) / 10.0,
+                    report.lattice.find("direct") == std::string::npos
+                        ? ", or use \"lattice\": \"direct\", which keeps inside a given card"
+                        : ", or use fewer units"));
+}
+
+std::string long_step_warning(const DesignReport& report, double most_over_mean) {
+  return fmt::format(
+      "max_step_over_mean is {:g}, but the longest step, at s = {:.4g} mm, is {:.4g} times the "
+      "mean "
+      "one; make it at least {:.4g}, {}",
+      most_over_mean, report.longest_step_s_mm, report.step_over_mean_max,
+      std::ceil(1000.0 * report.step_over_mean_max) / 1000.0,
+      report.lattice == "conformal" ? "or use fewer units"
+                                    : "or use \"lattice\": \"conformal\", which keeps to it");
+}
+
+std::string flattened_by_card(std::span<const SliceCurve> target, double side_mm,
+                              double margin_mm) {
+  constexpr int kSamples = 64;
+  double reach = 0.0;
+  for (const SliceCurve& curve : target)
+    for (int k = 0; k <= kSamples; ++k) {
+      const CurveJet c = curve.at(-1.0 + 2.0 * k / kSamples);
+      reach = std::max(reach, c.x + c.z);
+    }
+  if (reach <= side_mm - margin_mm) return {};
+  return fmt::format(
+      "the card flattens the structure: shut, your shape reaches {:.1f} mm from the spine, but "
+      "wall_mm and ground_mm less margin_mm leave {:.1f} mm; at least {:.1f} mm of wall and ground "
+      "would hold the shape",
+      reach, side_mm - margin_mm, std::ceil(10.0 * (reach + margin_mm)) / 10.0);
 }
 
 std::vector<double> slice_places(const Strips& strips, std::size_t slices) {
@@ -137,6 +168,7 @@ DesignReport joined_report(std::span<const Design> patches, const JoinedStrips& 
                            const std::vector<BridgeReport>& bridges, const Pattern& pattern) {
   DesignReport r;
   r.step_over_mean_min = patches.front().report.step_over_mean_min;
+  r.design_angle_deg = patches.front().report.design_angle_deg;
   for (std::size_t k = 0; k < patches.size(); ++k) {
     add_patch(patches[k].report, joined.first_slice[k], patches.size() == 1, r);
     r.step_over_mean_min = std::min(r.step_over_mean_min, patches[k].report.step_over_mean_min);

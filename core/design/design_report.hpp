@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/design/design.hpp"
@@ -16,6 +17,16 @@ void count_pattern(const Pattern& pattern, DesignReport& report);
 /// How far the structure sticks out of the shut card, with a note, or with a warning where the spec
 /// wants it inside. A pattern without a card has nothing to stick out of.
 void add_closing(const Pattern& pattern, CardShut asked, DesignReport& report);
+
+/// Says that a step is longer than max_step_over_mean asks for: where, and what it takes.
+[[nodiscard]] std::string long_step_warning(const DesignReport& report, double most_over_mean);
+
+/// Says where a given card held the planes back: the target reaches farther from the spine, shut,
+/// than the card's smaller measure less its margin.
+///
+/// @return one sentence, empty where the card has room for the target
+[[nodiscard]] std::string flattened_by_card(std::span<const SliceCurve> target, double side_mm,
+                                            double margin_mm);
 
 /// Where on the sheet the middle of each slice's own strips lies, mm along v.
 [[nodiscard]] std::vector<double> slice_places(const Strips& strips, std::size_t slices);

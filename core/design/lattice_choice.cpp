@@ -38,7 +38,7 @@ std::vector<PlacedSection> placed_sections(const Slicing& sliced, const Strips& 
   return out;
 }
 
-TriangleSoup target_soup(const Slicing& sliced, const Strips& strips) {
+TriangleSoup target_soup(const Slicing& sliced, const Strips& strips, const Opening& opening) {
   const std::vector<PlacedSection> sections = placed_sections(sliced, strips);
   // Chords that stray from the curve by far less than panels do, fewer where sections are many.
   const std::size_t chords = std::clamp<std::size_t>(200'000 / sections.size(), 48, 256);
@@ -50,7 +50,9 @@ TriangleSoup target_soup(const Slicing& sliced, const Strips& strips) {
     for (std::size_t k = 0; k <= chords; ++k) {
       const CurveJet c =
           section.curve->at(-1.0 + 2.0 * static_cast<double>(k) / static_cast<double>(chords));
-      here.emplace_back(c.x, section.v_mm, c.z);
+      double x = c.x, z = c.z;
+      opening.to_space(x, z);
+      here.emplace_back(x, section.v_mm, z);
     }
     for (std::size_t k = 0; k + 1 < here.size() && !last.empty(); ++k)
       soup.add(last[k], here[k], here[k + 1], last[k + 1]);
@@ -61,11 +63,14 @@ TriangleSoup target_soup(const Slicing& sliced, const Strips& strips) {
 
 }  // namespace
 
-LatticeRanking::LatticeRanking(const Slicing& sliced, const Strips& strips)
-    : target_(target_soup(sliced, strips), kRankingDensity) {}
+LatticeRanking::LatticeRanking(const Slicing& sliced, const Strips& strips, double design_psi_rad)
+    : target_(target_soup(sliced, strips, Opening::of_rad(design_psi_rad)), kRankingDensity) {
+  opened_.design_psi_rad = design_psi_rad;
+}
 
 void LatticeRanking::measure(const Strips& strips, LatticeTrial& trial) const {
-  const FitFigures figures = target_.measure_roughly(structure_triangles(strips, SpineMap{}));
+  const FitFigures figures =
+      target_.measure_roughly(structure_triangles(strips, opened_, SpineMap{}));
   trial.laid = true;
   trial.to_target_mean_mm = figures.to_target.mean_mm;
   trial.to_structure_mean_mm = figures.to_structure.mean_mm;

@@ -8,6 +8,7 @@
 #include "core/design/spec/spec.hpp"
 #include "core/design/strips/strips.hpp"
 #include "core/fit/fit.hpp"
+#include "core/pattern/pattern.hpp"
 
 namespace popcut {
 
@@ -26,13 +27,15 @@ inline constexpr double kMostConformalWork = 1.5e8;
 class LatticeRanking {
  public:
   /// @param strips  of any of the lattices: where the slices lie along the spine
-  LatticeRanking(const Slicing& sliced, const Strips& strips);
+  /// @param design_psi_rad  opening angle at which they show the target
+  LatticeRanking(const Slicing& sliced, const Strips& strips, double design_psi_rad);
 
   /// Writes the trial's figures.
   void measure(const Strips& strips, LatticeTrial& trial) const;
 
  private:
   FitTarget target_;
+  Pattern opened_;  ///< without faces: how far it is opened
 };
 
 }  // namespace popcut

@@ -213,7 +213,9 @@ class Assembler {
                     [](const DesignSpec& patch) { return patch.card->shut == CardShut::Free; });
     add_closing(laid->built.pattern, all_free ? CardShut::Free : CardShut::Inside, part.report);
     part.target = targets_of(begin, end, part.report, laid->joined);
-    part.report.surface_fit = surface_fit(laid->joined.strips, part.report, part.target);
+    laid->built.pattern.design_psi_rad = made_[begin].pattern.design_psi_rad;
+    part.report.surface_fit =
+        surface_fit(laid->joined.strips, laid->built.pattern, part.report, part.target);
     part.strips = std::move(laid->joined.strips);
     part.pattern = std::move(laid->built.pattern);
     out_.parts.push_back(std::move(part));

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/design/design.hpp"
@@ -259,6 +260,13 @@ Result<ProposedPlacement> propose_placement(const DesignSpec& spec, const Surfac
   if (!spec.patches.empty())
     return fail(ErrorKind::OutOfRange, "/patches",
                 "a placement is proposed for one design; give each patch's own spec");
+  if (spec.placement.design_angle_deg != 90.0)
+    return fail(
+        ErrorKind::Infeasible, "/design_angle_deg",
+        fmt::format("is {:g}; a placement is proposed for cards that are open to 90 degrees "
+                    "only; set rotate_deg and translate_mm by hand, or leave it out for the "
+                    "proposal",
+                    spec.placement.design_angle_deg));
   if (asset_of(spec.surface).empty())
     return fail(ErrorKind::Infeasible, "/surface/type",
                 "a placement is proposed for meshes and grids only; set rotate_deg and "

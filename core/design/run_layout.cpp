@@ -1,10 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "core/design/run_layout.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
 namespace popcut {
+
+std::optional<double> given_side_mm(const DesignSpec& spec) {
+  if (!spec.card || spec.card->shut == CardShut::Free) return std::nullopt;
+  const auto &wall = spec.card->wall_mm, &ground = spec.card->ground_mm;
+  if (wall && ground) return std::min(*wall, *ground);
+  return wall ? wall : ground;
+}
 
 RunLayout lay_runs(const Slicing& sliced, const std::vector<std::uint8_t>& cut_after,
                    const DesignSpec& spec) {
@@ -23,6 +31,8 @@ RunLayout lay_runs(const Slicing& sliced, const std::vector<std::uint8_t>& cut_a
     target.units = units;
     target.min_panel_mm = spec.min_panel_mm;
     target.max_step_over_mean = spec.max_step_over_mean;
+    if (const auto side_mm = given_side_mm(spec))
+      target.shut_reach_mm = *side_mm - spec.card->margin_mm;
     std::vector<double> connector_s;
     const auto add = [&](int slice, double share) {
       const auto k = static_cast<std::size_t>(slice);

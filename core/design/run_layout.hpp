@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/design/chain/slicing.hpp"
@@ -29,6 +30,10 @@ struct RunLayout {
 /// @param cut_after  one a slice: not 0 where a plain cut follows it
 [[nodiscard]] RunLayout lay_runs(const Slicing& sliced, const std::vector<std::uint8_t>& cut_after,
                                  const DesignSpec& spec);
+
+/// The smaller of the card's measures that the spec gives, where the shut structure is to lie
+/// inside the card; none: it gives none, or the structure may stick out.
+[[nodiscard]] std::optional<double> given_side_mm(const DesignSpec& spec);
 
 /// Fills the planes of every run by one method (docs/geometry.md, section 4).
 ///

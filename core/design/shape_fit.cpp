@@ -3,10 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "core/geometry/opening.hpp"
 
 namespace popcut {
 namespace {
@@ -27,6 +31,43 @@ void keep_between(double from_mm, double to_mm, TriangleSoup& soup) {
     std::copy(begin, begin + 9, soup.corners.begin() + 9 * static_cast<std::ptrdiff_t>(kept++));
   }
   soup.corners.resize(9 * kept);
+}
+
+/// The triangle that a V-fold takes from a panel: from the apex on its crease at `begin_mm` to
+/// `share` of the panel's length at `end_mm`, along the sheet.
+struct Notch {
+  double begin_mm{}, end_mm{}, share{};
+  bool at_end{};  ///< the crease is where the panel ends, away from the wall
+};
+
+/// By panel: the one before a V-fold's crease and the one after it.
+std::unordered_map<std::uint32_t, Notch> notches_of(const Strips& strips, const Pattern& pattern) {
+  std::unordered_map<std::uint32_t, Notch> out;
+  for (const VFold& fold : pattern.v_folds) {
+    const PatternVertex &apex = pattern.vertices[fold.apex], &tip = pattern.vertices[fold.tip];
+    const auto after = std::upper_bound(strips.v_begin.begin(), strips.v_begin.end(), apex.v);
+    const auto k = static_cast<std::size_t>(after - strips.v_begin.begin()) - 1;
+    for (std::uint32_t p = strips.first_panel[k]; p + 1 < strips.first_panel[k + 1]; ++p) {
+      const std::size_t q = p + k + 1;  // between the panels p and p + 1
+      if (strips.x[q] != apex.x || strips.z[q] != apex.z) continue;
+      const double side = fold.length_mm * fold.alpha;
+      out[p] = {apex.v, tip.v, side / (strips.z[q - 1] - strips.z[q]), true};
+      out[p + 1] = {apex.v, tip.v, side / (strips.x[q + 1] - strips.x[q]), false};
+      break;
+    }
+  }
+  return out;
+}
+
+/// The triangles of V-folds as they stand when they have popped.
+void add_v_folds(const Pattern& pattern, const SpineMap& along, TriangleSoup& out) {
+  const auto places = posed_vertices(pattern, pattern.design_psi_rad);
+  const auto at = [&](std::uint32_t vertex) {
+    return Vec3(places[vertex][0], along(places[vertex][1]), places[vertex][2]);
+  };
+  for (const VFold& fold : pattern.v_folds)
+    for (const std::uint32_t side : {fold.edge_b, fold.edge_c})
+      out.add(at(fold.apex), at(fold.tip), at(pattern.edges[side].to));
 }
 
 /// Two digits, never in powers of ten.
@@ -63,12 +104,12 @@ double SpineMap::operator()(double v_mm) const {
   return s_[after - 1] + share * (s_[after] - s_[after - 1]);
 }
 
-TriangleSoup structure_triangles(const Strips& strips, const SpineMap& along, double psi_rad) {
+TriangleSoup structure_triangles(const Strips& strips, const Pattern& pattern,
+                                 const SpineMap& along) {
   TriangleSoup out;
   out.corners.reserve(18 * strips.panels());
-  // Exactly square at pi/2.
-  const double c = std::abs(psi_rad - 0.5 * std::numbers::pi) < 1e-15 ? 0.0 : std::cos(psi_rad);
-  const double s = std::sin(psi_rad);
+  const auto [c, s] = Opening::of_rad(pattern.design_psi_rad);
+  const std::unordered_map<std::uint32_t, Notch> notches = notches_of(strips, pattern);
   for (std::size_t k = 0; k < strips.size(); ++k) {
     if (strips.kind[k] == StripKind::Margin) continue;
     const double from = along(strips.v_begin[k]), to = along(strips.v_begin[k + 1]);
@@ -77,9 +118,25 @@ TriangleSoup structure_triangles(const Strips& strips, const SpineMap& along, do
       const std::size_t q = p + k;
       const double x0 = strips.x[q] + strips.z[q] * c, z0 = strips.z[q] * s;
       const double x1 = strips.x[q + 1] + strips.z[q + 1] * c, z1 = strips.z[q + 1] * s;
-      out.add({x0, from, z0}, {x1, from, z1}, {x1, to, z1}, {x0, to, z0});
+      const auto found = notches.find(p);
+      if (found == notches.end()) {
+        out.add({x0, from, z0}, {x1, from, z1}, {x1, to, z1}, {x0, to, z0});
+        continue;
+      }
+      // Before the V-fold, beside it, and after it.
+      const Notch& notch = found->second;
+      const double apex = along(notch.begin_mm), end = along(notch.end_mm);
+      const double near = notch.at_end ? 1.0 : 0.0,
+                   side = notch.at_end ? 1.0 - notch.share : notch.share;
+      const auto at = [&](double share, double v) {
+        return Vec3(x0 + share * (x1 - x0), v, z0 + share * (z1 - z0));
+      };
+      out.add(at(0, from), at(1, from), at(1, apex), at(0, apex));
+      out.add(at(near, apex), at(side, end), at(1.0 - near, end), at(1.0 - near, apex));
+      out.add(at(0, end), at(1, end), at(1, to), at(0, to));
     }
   }
+  if (!pattern.v_folds.empty()) add_v_folds(pattern, along, out);
   return out;
 }
 
@@ -117,13 +174,15 @@ TriangleSoup target_triangles(const Strips& strips, const SpineMap& along,
   return out;
 }
 
-std::optional<FitFigures> surface_fit(const Strips& strips, const DesignReport& report,
+std::optional<FitFigures> surface_fit(const Strips& strips, const Pattern& pattern,
+                                      const DesignReport& report,
                                       std::span<const TargetPiece> target) {
   std::vector<double> s_mm;
   for (const SliceReport& slice : report.slices) s_mm.push_back(slice.s_mm);
   const SpineMap along(strips, s_mm);
-  const FitTarget aim(target_triangles(strips, along, report, target));
-  FitFigures figures = aim.measure(structure_triangles(strips, along));
+  const FitTarget aim(target_triangles(strips, along, report, target), {},
+                      Opening::of_rad(pattern.design_psi_rad));
+  FitFigures figures = aim.measure(structure_triangles(strips, pattern, along));
   if (figures.to_target.samples == 0) return std::nullopt;
   return figures;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +10,7 @@
 #include "core/design/spec/report.hpp"
 #include "core/design/strips/strips.hpp"
 #include "core/fit/fit.hpp"
+#include "core/pattern/pattern.hpp"
 
 namespace popcut {
 
@@ -27,14 +27,14 @@ class SpineMap {
 };
 
 /// The opened structure: two triangles for each panel that is not in wall or ground, at the places
-/// along the target. V-folds are left out.
+/// along the target. V-folds are as they pop: two triangles, and what they leave of their panels.
 ///
-/// @param psi_rad  angle between wall and ground, as the target stands in it
-[[nodiscard]] TriangleSoup structure_triangles(const Strips& strips, const SpineMap& along,
-                                               double psi_rad = 0.5 * std::numbers::pi);
+/// @param pattern  the strips' own: has their V-folds, and the opening angle that the target is for
+[[nodiscard]] TriangleSoup structure_triangles(const Strips& strips, const Pattern& pattern,
+                                               const SpineMap& along);
 
-/// The target itself, over the stretch of the spine that the strips take, or whole where it is a
-/// mesh or a grid.
+/// The target itself in space, over the stretch of the spine that the strips take, or whole where
+/// it is a mesh or a grid.
 ///
 /// @param report  its slices, and its units for how finely formulas are cut into triangles
 [[nodiscard]] TriangleSoup target_triangles(const Strips& strips, const SpineMap& along,
@@ -44,8 +44,9 @@ class SpineMap {
 /// How far the opened structure and the target are from each other, both ways. None where one of
 /// them has no area.
 ///
-/// @param report  needs `slices` and `units_per_slice`
-[[nodiscard]] std::optional<FitFigures> surface_fit(const Strips& strips,
+/// @param pattern  the strips' own: has their V-folds, and the opening angle that the target is for
+/// @param report   needs `slices` and `units_per_slice`
+[[nodiscard]] std::optional<FitFigures> surface_fit(const Strips& strips, const Pattern& pattern,
                                                     const DesignReport& report,
                                                     std::span<const TargetPiece> target);
 

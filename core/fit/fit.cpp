@@ -103,12 +103,18 @@ double FitFigures::two_sided_rms_mm() const {
       0.5 * (to_target.rms_mm * to_target.rms_mm + to_structure.rms_mm * to_structure.rms_mm));
 }
 
-FitTarget::FitTarget(TriangleSoup target, const SampleDensity& density)
+FitTarget::FitTarget(TriangleSoup target, const SampleDensity& density, const Opening& opening)
     : tree_(target),
+      opening_(opening),
       density_(density),
       area_mm2_(area_of(target)),
       size_mm_(diagonal_of(target)),
-      samples_(area_samples(target, samples_of(area_mm2_, density))) {}
+      samples_(area_samples(target, samples_of(area_mm2_, density))) {
+  if (opening.is_right()) return;
+  for (std::size_t k = 0; k < target.corners.size(); k += 3)
+    opening.to_oblique(target.corners[k], target.corners[k + 2]);
+  section_tree_.emplace(target);
+}
 
 /// A structure, with the distances between it and the target.
 struct FitTarget::Sampled {
@@ -173,12 +179,15 @@ void FitTarget::add_out_of_reach(const TriangleSoup& structure, OutOfReach& out)
   }
   const double touch = kOutside * size_mm_, behind = kBehind * size_mm_;
   const double each = 1.0 / static_cast<double>(samples_.size());
-  for (const Vec3& p : samples_) {
+  const TriangleTree& section = section_tree_ ? *section_tree_ : tree_;
+  for (const Vec3& sample : samples_) {
+    Vec3 p = sample;
+    if (section_tree_) opening_.to_oblique(p[0], p[2]);
     if (p[0] < -touch || p[2] < -touch)
       out.outside_of_the_corner += each;
     else if (p[1] < low - touch || p[1] > high + touch)
       out.beyond_the_slices += each;
-    else if (tree_.any_beyond(Vec3(p[0] + behind, p[1], p[2] + behind)))
+    else if (section.any_beyond(Vec3(p[0] + behind, p[1], p[2] + behind)))
       out.overhang += each;
   }
 }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/fit/area_samples.hpp"
 #include "core/fit/fit_figures.hpp"
 #include "core/fit/triangle_soup.hpp"
 #include "core/fit/triangle_tree.hpp"
+#include "core/geometry/opening.hpp"
 
 namespace popcut {
 
@@ -16,7 +18,10 @@ namespace popcut {
 /// they lie on does not matter. The cost is O(n) for n triangles and O(log n) a sample.
 class FitTarget {
  public:
-  explicit FitTarget(TriangleSoup target, const SampleDensity& density = {});
+  /// @param opening  of the corner that the target stands in: what is outside of it, and what is
+  ///                 behind something else in it, is out of reach
+  explicit FitTarget(TriangleSoup target, const SampleDensity& density = {},
+                     const Opening& opening = {});
 
   /// No triangle has an area: nothing can be measured.
   [[nodiscard]] bool is_empty() const { return samples_.empty(); }
@@ -35,6 +40,8 @@ class FitTarget {
   void add_out_of_reach(const TriangleSoup& structure, OutOfReach& out) const;
 
   TriangleTree tree_;
+  Opening opening_;
+  std::optional<TriangleTree> section_tree_;  ///< along ground and wall, where they are not square
   SampleDensity density_;
   double area_mm2_{}, size_mm_{};
   std::vector<Vec3> samples_;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,7 +18,7 @@ enum class EdgeRole : std::uint8_t {
   Outline,   ///< the sheet's own border
 };
 
-/// A vertex of the pattern by its place in the designed pose (psi = pi/2), in mm. The same three
+/// A vertex of the pattern by its place in the pose psi = pi/2, in mm. The same three
 /// numbers give its place on the sheet and in every pose (docs/geometry.md, section 2): on the
 /// sheet it is at `(u, v) = (x + (wall - z), v)`, opened to psi at `(x + z cos psi, v, z sin psi)`.
 struct PatternVertex {
@@ -76,6 +77,7 @@ struct Pattern {
   double ground_mm{};  ///< D: with a card the sheet is [0, H + D] x [0, width_mm]
   double width_mm{};   ///< W, along the spine
   bool card{true};     ///< false: only the strips, without wall and ground
+  double design_psi_rad{std::numbers::pi / 2};  ///< opening angle that shows what was designed
   std::vector<PatternVertex> vertices;
   std::vector<PatternEdge> edges;
   std::vector<std::uint32_t> face_first;     ///< faces + 1 offsets into `face_vertices`

@@ -20,7 +20,20 @@ constexpr std::size_t kMaxOtherNames = 50;
 constexpr std::size_t kMaxTitle = 1000;
 
 /// The kind of value that a member holds.
-enum class Form { Skip, Frames, Rows, Angles, Letters, Classes, Unit, Title, Parent, Psi, Inherit };
+enum class Form {
+  Skip,
+  Frames,
+  Rows,
+  Angles,
+  Letters,
+  Classes,
+  Unit,
+  Title,
+  Parent,
+  Psi,
+  DesignPsi,
+  Inherit
+};
 
 /// A member of a frame that popcut reads.
 struct Member {
@@ -42,6 +55,7 @@ constexpr std::array kMembers{
     Member{"file_title", Form::Title, nullptr, true},
     Member{"frame_parent", Form::Parent},
     Member{"frame_popcut:psi_rad", Form::Psi},
+    Member{"popcut:design_psi_rad", Form::DesignPsi, nullptr, true},
     Member{"frame_inherit", Form::Inherit},
     Member{"file_frames", Form::Frames, nullptr, true}};
 
@@ -142,7 +156,7 @@ bool FoldSax::wrong(const char* found) {
   if (form_ == Form::Skip)
     return depth_ > 0 || stop(ErrorKind::Malformed, "/", "a FOLD file must be an object");
   // What must stand at a member, in its list, and in the lists of that.
-  constexpr std::array<std::array<const char*, 3>, 11> kRight{{
+  constexpr std::array<std::array<const char*, 3>, 12> kRight{{
       {},
       {"a list of frames", "a frame (an object)"},
       {"a list of lists", "a list", "a number"},
@@ -152,6 +166,7 @@ bool FoldSax::wrong(const char* found) {
       {"a string", "a string", "a string"},
       {"a string", "a string", "a string"},
       {"the number of a frame", "the number of a frame", "the number of a frame"},
+      {"an angle in radians", "an angle in radians", "an angle in radians"},
       {"an angle in radians", "an angle in radians", "an angle in radians"},
       {"true or false", "true or false", "true or false"},
   }};
@@ -180,8 +195,12 @@ bool FoldSax::scalar(double value, const char* found) {
       return count();
     case Form::Parent:
     case Form::Psi:
+    case Form::DesignPsi:
       if (level() != 0) return wrong(found);
-      if (!std::isnan(value)) (form_ == Form::Parent ? frame().parent : frame().psi_rad) = value;
+      if (!std::isnan(value))
+        (form_ == Form::Parent ? frame().parent
+         : form_ == Form::Psi  ? frame().psi_rad
+                               : frame().design_psi_rad) = value;
       return done();
     default:
       return wrong(found);

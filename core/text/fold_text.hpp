@@ -39,7 +39,8 @@ struct FrameText {
   std::string file_title;                ///< of the key frame only
   std::vector<std::string> other_names;  ///< the first few members that are not FOLD's
   std::optional<double> parent;
-  std::optional<double> psi_rad;  ///< `frame_popcut:psi_rad`
+  std::optional<double> psi_rad;         ///< `frame_popcut:psi_rad`
+  std::optional<double> design_psi_rad;  ///< `popcut:design_psi_rad`, of the key frame only
   bool inherit{false};
 };
 

@@ -35,7 +35,7 @@ Result<void> add_part(const Design& part, const std::string& prefix, const FileS
   options.creator = "popcut " POPCUT_VERSION;
   if (auto written = write_fold(part.pattern, options, fold); !written) return written;
   if (auto done = add(prefix + "pattern.fold", std::move(fold).str()); !done) return done;
-  const auto angles = opening_angles(std::numbers::pi, std::numbers::pi / 2, kFrames);
+  const auto angles = opening_angles(std::numbers::pi, part.pattern.design_psi_rad, kFrames);
   if (!angles) return tl::unexpected(angles.error());
   auto glb = animation_glb(part.pattern, *angles, 0.0);
   if (glb) return add(prefix + "deploy.glb", std::move(*glb));

@@ -72,7 +72,7 @@ TEST_CASE("a lattice of 100 units x 1000 slices, and of twice the slices", "[ben
       made = std::move(*result);
     });
     FoldOptions options;
-    options.psi_rad = {std::numbers::pi / 2};
+    options.psi_rad = std::vector{std::numbers::pi / 2};
     const std::string path = std::string(P_tmpdir) + "/popcut_bench.fold";
     const double written = median_of(3, [&] {
       std::ofstream out(path, std::ios::binary);
@@ -142,8 +142,8 @@ TEST_CASE("the fit beside the design that it measures", "[bench]") {
       made = std::move(*result);
     });
     std::optional<FitFigures> fit;
-    const double measured =
-        median_of(3, [&] { fit = surface_fit(made.strips, made.report, made.target); });
+    const double measured = median_of(
+        3, [&] { fit = surface_fit(made.strips, made.pattern, made.report, made.target); });
     REQUIRE(fit);
     const std::size_t triangles = 2 * made.strips.panels();
     fmt::print("{:8} {:>9} {:10} {:10.3f} {:9.3f} {:5.1f} % {:10} {:8} {:5.2f} {:5.2f}\n", "sphere",

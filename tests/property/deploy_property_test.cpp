@@ -185,7 +185,7 @@ TEST_CASE("patterns come back from their FOLD files with their V-folds", "[core]
     const Pattern& pattern = made.pattern;
     std::ostringstream text;
     const double psi = std::uniform_real_distribution(0.2, 2.9)(random);
-    REQUIRE(write_fold(pattern, {.psi_rad = {pi, psi}}, text));
+    REQUIRE(write_fold(pattern, {.psi_rad = std::vector{pi, psi}}, text));
     const auto file = read_fold(text.str());
     REQUIRE(file);
     const auto back = pattern_from_fold(*file);
@@ -206,7 +206,7 @@ TEST_CASE("a FOLD file with any bytes changed is deployed or refused", "[core][d
   std::optional<Design> made;
   while (!made) made = random_design(random);
   std::ostringstream sound;
-  REQUIRE(write_fold(made->pattern, {.psi_rad = {pi, 1.1}}, sound));
+  REQUIRE(write_fold(made->pattern, {.psi_rad = std::vector{pi, 1.1}}, sound));
   std::size_t read = 0, deployed = 0;
   for (int round = 0; round < 400; ++round) {
     CAPTURE(kSeed, round);

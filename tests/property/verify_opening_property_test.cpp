@@ -44,7 +44,7 @@ std::string fold_of(const std::string& spec_text) {
   if (!made) FAIL(message(made.error()));
   std::ostringstream fold;
   FoldOptions options;
-  options.psi_rad = {kPi / 2.0, 1.1};
+  options.psi_rad = std::vector{kPi / 2.0, 1.1};
   REQUIRE(write_fold(made->pattern, options, fold));
   return fold.str();
 }

@@ -21,6 +21,9 @@ struct RunTarget {
   std::vector<double> connector_s_mm;              ///< one a connector
   double min_panel_mm{};
   std::optional<double> max_step_over_mean;
+  /// Largest X + Z of a corner, its distance from the spine when the card is shut; none: no limit.
+  /// Only `lattice_direct` keeps it.
+  std::optional<double> shut_reach_mm;
 
   [[nodiscard]] int slices() const { return static_cast<int>(slice_curves.size()); }
   [[nodiscard]] std::size_t at(int slice, int level) const {
@@ -93,7 +96,8 @@ struct DirectEffort {
 /// ground as those of `lattice_levels` do.
 ///
 /// Needs `slice_s_mm`, `slice_width_mm` and `connector_s_mm`. Where no planes keep `min_panel_mm`,
-/// the steps are as long as they can be, and those that are too short are left out later on.
+/// the steps are as long as they can be, and those that are too short are left out later on. Keeps
+/// `shut_reach_mm` where that leaves steps of `min_panel_mm`; else pays no heed to it.
 ///
 /// @retval OutOfRange  the matrix would be too large
 [[nodiscard]] Result<Planes> lattice_direct(const RunTarget& target,

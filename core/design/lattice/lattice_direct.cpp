@@ -21,11 +21,16 @@ constexpr double kMostMatrix = 2e9;
 constexpr double kSpare = 2e-3;
 constexpr int kFirstSteps = 10, kMoreSteps = 8, kMostSteps = 40;  ///< of Newton
 
-/// A step that has a least length: plane `plus` minus plane `minus`.
-struct OrderedStep {
-  PlaneRef plus, minus;
+/// What has a least value: a step, which is plane `a` less plane `b`, or with `sign` -1 a corner's
+/// X + Z with its sign changed.
+struct Bound {
+  PlaneRef a, b;
+  double sign_a{1.0}, sign_b{-1.0};
+  double least{};
 
-  [[nodiscard]] double of(const std::vector<double>& p) const { return plus.of(p) - minus.of(p); }
+  [[nodiscard]] double spare(const std::vector<double>& p) const {
+    return sign_a * a.of(p) + sign_b * b.of(p) - least;
+  }
 };
 
 /// The levels that each connector uses, from the one on the wall to the one on the ground, as
@@ -34,10 +39,11 @@ struct LevelRange {
   int first{}, last{};
 };
 
-/// Which planes of a run are unknown, its panels and its steps, for given endings of its levels.
+/// Which planes of a run are unknown, its panels and its bounds, for given endings of its levels.
 class DirectModel {
  public:
-  DirectModel(const RunTarget& target, const Planes& begin) : target_(target), n_(target.units) {
+  DirectModel(const RunTarget& target, const Planes& begin, double least)
+      : target_(target), n_(target.units), least_(least) {
     for (int k = 0; k + 1 < target.slices(); ++k) ranges_.push_back(connector_range(begin, k));
     for (int j = 0; j < target.slices(); ++j) slice_ranges_.push_back(slice_range(begin, j));
     number(begin);
@@ -50,7 +56,7 @@ class DirectModel {
       couple(panel.begin.index, panel.plane.index);
       couple(panel.end.index, panel.plane.index);
     }
-    for (const OrderedStep& step : steps) couple(step.plus.index, step.minus.index);
+    for (const Bound& bound : bounds) couple(bound.a.index, bound.b.index);
   }
 
   /// Planes with the unknowns put in.
@@ -61,9 +67,16 @@ class DirectModel {
     return out;
   }
 
+  /// Largest X + Z of a corner.
+  [[nodiscard]] double shut_reach_mm(const std::vector<double>& p) const {
+    double most = 0.0;
+    for (const Bound& corner : corners_) most = std::max(most, corner.spare(p));
+    return most;
+  }
+
   std::vector<double> start;  ///< of the unknowns
   std::vector<Panel> panels;
-  std::vector<OrderedStep> steps;
+  std::vector<Bound> bounds;
   int band{1};
 
  private:
@@ -121,6 +134,16 @@ class DirectModel {
     if (a >= 0 && b >= 0) band = std::max(band, std::abs(a - b));
   }
 
+  void add_step(PlaneRef plus, PlaneRef minus) {
+    bounds.push_back({plus, minus, 1.0, -1.0, least_});
+  }
+  /// The corner where a level panel at the height `z` ends at the offset `x`.
+  void add_corner(PlaneRef x, PlaneRef z) {
+    corners_.push_back({x, z, 1.0, 1.0, 0.0});
+    if (target_.shut_reach_mm && (x.index >= 0 || z.index >= 0))
+      bounds.push_back({x, z, -1.0, -1.0, -*target_.shut_reach_mm});
+  }
+
   /// Wall and ground where the target has them and the strip is lower or shorter.
   void add_ends(int strip, const SliceCurve& curve, PlaneRef top, PlaneRef out) {
     panels.push_back({top, {-1, curve.h()}, {-1, 0.0}, strip, false});
@@ -145,8 +168,8 @@ class DirectModel {
       const PlaneRef after = i < last ? plane(j, i + 1) : zero;
       // Along a height x grows with the level, along an offset z falls.
       panels.push_back({level ? before : after, level ? after : before, plane(j, i), strip, level});
-      if (!covered(j, i - 1, i + 1))
-        steps.push_back({level ? after : before, level ? before : after});
+      if (!covered(j, i - 1, i + 1)) add_step(level ? after : before, level ? before : after);
+      if (level && i < last && !covered(j, i, i + 1)) add_corner(after, plane(j, i));
     }
     add_ends(strip, curve, plane(j, first), plane(j, last));
   }
@@ -167,8 +190,9 @@ class DirectModel {
     for (int i = range.first; i < range.last; ++i) {
       panels.push_back({x(k, i), x(k, i + 1), z(k, i), strip, true});
       panels.push_back({z(k, i + 1), z(k, i), x(k, i + 1), strip, false});
-      steps.push_back({x(k, i + 1), x(k, i)});
-      steps.push_back({z(k, i), z(k, i + 1)});
+      add_step(x(k, i + 1), x(k, i));
+      add_step(z(k, i), z(k, i + 1));
+      add_corner(x(k, i + 1), z(k, i));
     }
     add_ends(strip, target_.connector_curves[static_cast<std::size_t>(k)], z(k, range.first),
              x(k, range.last));
@@ -176,27 +200,24 @@ class DirectModel {
 
   const RunTarget& target_;
   int n_;
+  double least_;  ///< of steps
   std::vector<LevelRange> ranges_, slice_ranges_;
   std::vector<int> index_;
   std::vector<double> constants_;
+  std::vector<Bound> corners_;  ///< their X + Z
 };
 
-/// Minimises the error over the unknowns with each step at least `least`: a primal-dual interior
+/// Minimises the error over the unknowns within their bounds: a primal-dual interior
 /// point method with slacks, so that it may start from steps that are too short (Nocedal and
 /// Wright, Numerical Optimization, 2006, 19.3).
 class DirectSolver {
  public:
-  DirectSolver(const DirectModel& model, const PanelError& error, double least, double mean)
-      : model_(model),
-        error_(error),
-        least_(least),
-        mean_(mean),
-        p_(model.start),
-        gradient_(p_.size()) {
+  DirectSolver(const DirectModel& model, const PanelError& error, double mean)
+      : model_(model), error_(error), mean_(mean), p_(model.start), gradient_(p_.size()) {
     error_now_ = value(p_);
-    tau_ = 0.1 * error_now_ / static_cast<double>(std::max<std::size_t>(1, model_.steps.size()));
-    for (const OrderedStep& step : model_.steps) {
-      slack_.push_back(std::max(step.of(p_) - least_, 0.05 * mean_));
+    tau_ = 0.1 * error_now_ / static_cast<double>(std::max<std::size_t>(1, model_.bounds.size()));
+    for (const Bound& bound : model_.bounds) {
+      slack_.push_back(std::max(bound.spare(p_), 0.05 * mean_));
       force_.push_back(tau_ / slack_.back());
     }
   }
@@ -205,7 +226,7 @@ class DirectSolver {
   void run(int rounds, DirectEffort& effort) {
     if (done_) return;
     BandCholesky matrix(static_cast<int>(p_.size()), model_.band);
-    const auto count = static_cast<double>(std::max<std::size_t>(1, model_.steps.size()));
+    const auto count = static_cast<double>(std::max<std::size_t>(1, model_.bounds.size()));
     while (rounds-- > 0) {
       ++effort.steps;
       error_now_ = assemble(matrix);
@@ -248,10 +269,10 @@ class DirectSolver {
   /// paid for.
   [[nodiscard]] double rank() const { return error_now_ * (1.0 + 5.0 * shortfall() / mean_); }
   [[nodiscard]] const std::vector<double>& unknowns() const { return p_; }
-  /// Largest shortfall of a step, mm.
+  /// Largest shortfall of a bound, mm.
   [[nodiscard]] double shortfall() const {
     double most = 0.0;
-    for (const OrderedStep& step : model_.steps) most = std::max(most, least_ - step.of(p_));
+    for (const Bound& bound : model_.bounds) most = std::max(most, -bound.spare(p_));
     return most;
   }
 
@@ -286,23 +307,27 @@ class DirectSolver {
     right_.resize(p_.size());
     for (std::size_t k = 0; k < p_.size(); ++k) right_[k] = -gradient_[k];
     for (std::size_t c = 0; c < slack_.size(); ++c) {
-      const OrderedStep& step = model_.steps[c];
-      const double off = step.of(p_) - least_ - slack_[c];
+      const Bound& bound = model_.bounds[c];
+      const double off = bound.spare(p_) - slack_[c];
       const double stiff = force_[c] / slack_[c];
       const double push = tau_ / slack_[c] - stiff * off;
-      const int a = step.plus.index, b = step.minus.index;
-      if (a >= 0) right_[static_cast<std::size_t>(a)] += push, matrix.add(a, a, stiff);
-      if (b >= 0) right_[static_cast<std::size_t>(b)] -= push, matrix.add(b, b, stiff);
-      if (a >= 0 && b >= 0) matrix.add(a, b, -stiff);
+      const int a = bound.a.index, b = bound.b.index;
+      if (a >= 0)
+        right_[static_cast<std::size_t>(a)] += bound.sign_a * push, matrix.add(a, a, stiff);
+      if (b >= 0)
+        right_[static_cast<std::size_t>(b)] += bound.sign_b * push, matrix.add(b, b, stiff);
+      if (a >= 0 && b >= 0) matrix.add(a, b, bound.sign_a * bound.sign_b * stiff);
     }
     if (shift_ > 0.0)
       for (int k = 0; k < static_cast<int>(p_.size()); ++k) matrix.add(k, k, shift_);
     return sum;
   }
 
-  [[nodiscard]] double change(const OrderedStep& step) const {
-    return (step.plus.index < 0 ? 0.0 : move_[static_cast<std::size_t>(step.plus.index)]) -
-           (step.minus.index < 0 ? 0.0 : move_[static_cast<std::size_t>(step.minus.index)]);
+  [[nodiscard]] double change(const Bound& bound) const {
+    const auto of = [&](int index) {
+      return index < 0 ? 0.0 : move_[static_cast<std::size_t>(index)];
+    };
+    return bound.sign_a * of(bound.a.index) + bound.sign_b * of(bound.b.index);
   }
 
   /// Goes along `move_` as far as the merit falls; the share of it that was gone.
@@ -312,9 +337,9 @@ class DirectSolver {
     double primal = 1.0, dual = 1.0, infeasible = 0.0, logs = 0.0, slope = 0.0;
     for (std::size_t k = 0; k < p_.size(); ++k) slope += gradient_[k] * move_[k];
     for (std::size_t c = 0; c < count; ++c) {
-      const OrderedStep& step = model_.steps[c];
-      const double off = step.of(p_) - least_ - slack_[c];
-      const double ds = slack_move_[c] = change(step) + off;
+      const Bound& bound = model_.bounds[c];
+      const double off = bound.spare(p_) - slack_[c];
+      const double ds = slack_move_[c] = change(bound) + off;
       const double df = force_move_[c] = (tau_ - force_[c] * ds) / slack_[c] - force_[c];
       if (ds < 0.0) primal = std::min(primal, -0.995 * slack_[c] / ds);
       if (df < 0.0) dual = std::min(dual, -0.995 * force_[c] / df);
@@ -332,7 +357,7 @@ class DirectSolver {
       double off = 0.0, trial_logs = 0.0;
       for (std::size_t c = 0; c < count; ++c) {
         const double slack = slack_[c] + share * slack_move_[c];
-        off += std::abs(model_.steps[c].of(trial) - least_ - slack);
+        off += std::abs(model_.bounds[c].spare(trial) - slack);
         trial_logs += std::log(slack);
       }
       const double next = value(trial) - tau_ * trial_logs + price_ * off;
@@ -351,7 +376,7 @@ class DirectSolver {
 
   const DirectModel& model_;
   const PanelError& error_;
-  double least_, mean_;
+  double mean_;
   std::vector<double> p_;
   std::vector<double> gradient_, right_, move_, trial_;
   std::vector<double> slack_, force_, slack_move_, force_move_;
@@ -359,6 +384,41 @@ class DirectSolver {
   int still_{};
   bool done_{false};
 };
+
+/// The best planes from all starts.
+struct BestPlanes {
+  Planes planes;
+  double shortfall_mm{}, shut_reach_mm{};
+};
+
+/// Which levels end where is not to be had from derivatives: starts with different endings, each
+/// for some steps, the better ones for some more, and the best to its end.
+BestPlanes best_planes(const RunTarget& target, const PanelError& error, DirectEffort& spent) {
+  const double mean = target.mean_step();
+  const std::vector<Planes> starts{lattice_slices(target), lattice_levels(target, 1.25),
+                                   lattice_levels(target, 2.0)};
+  std::vector<std::unique_ptr<DirectModel>> models;
+  std::vector<std::unique_ptr<DirectSolver>> solvers;
+  std::vector<std::size_t> order;
+  for (const Planes& start : starts) {
+    order.push_back(solvers.size());
+    models.push_back(
+        std::make_unique<DirectModel>(target, start, (1.0 + kSpare) * target.min_panel_mm));
+    solvers.push_back(std::make_unique<DirectSolver>(*models.back(), error, mean));
+  }
+  for (const int steps : {kFirstSteps, kMoreSteps, kMostSteps}) {
+    for (const std::size_t k : order) solvers[k]->run(steps, spent);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return solvers[a]->rank() < solvers[b]->rank();
+    });
+    if (order.size() > 1) order.pop_back();
+  }
+  const std::size_t best = order.front();
+  spent.unknowns = static_cast<int>(models[best]->start.size());
+  const std::vector<double>& p = solvers[best]->unknowns();
+  return {models[best]->planes(starts[best], p), solvers[best]->shortfall(),
+          models[best]->shut_reach_mm(p)};
+}
 
 }  // namespace
 
@@ -372,33 +432,17 @@ Result<Planes> lattice_direct(const RunTarget& target, DirectEffort* effort) {
                 fmt::format("a direct lattice of {} units and {} slices would take {:.1f} GB; use "
                             "\"slices\" or \"levels\"",
                             target.units, target.slices(), 1e-9 * bytes));
-  // Which levels end where is not to be had from derivatives: starts with different endings, each
-  // for some steps, the better ones for some more, and the best to its end.
-  const double mean = target.mean_step();
   const PanelError error(target);
-  const std::vector<Planes> starts{lattice_slices(target), lattice_levels(target, 1.25),
-                                   lattice_levels(target, 2.0)};
-  std::vector<std::unique_ptr<DirectModel>> models;
-  std::vector<std::unique_ptr<DirectSolver>> solvers;
-  std::vector<std::size_t> order;
   DirectEffort spent;
-  for (const Planes& start : starts) {
-    order.push_back(solvers.size());
-    models.push_back(std::make_unique<DirectModel>(target, start));
-    solvers.push_back(std::make_unique<DirectSolver>(*models.back(), error,
-                                                     (1.0 + kSpare) * target.min_panel_mm, mean));
+  RunTarget free = target;
+  free.shut_reach_mm.reset();
+  BestPlanes best = best_planes(free, error, spent);
+  if (target.shut_reach_mm && best.shut_reach_mm > *target.shut_reach_mm) {
+    BestPlanes held = best_planes(target, error, spent);
+    if (held.shortfall_mm <= kSpare * target.min_panel_mm) best = std::move(held);
   }
-  for (const int steps : {kFirstSteps, kMoreSteps, kMostSteps}) {
-    for (const std::size_t k : order) solvers[k]->run(steps, spent);
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return solvers[a]->rank() < solvers[b]->rank();
-    });
-    if (order.size() > 1) order.pop_back();
-  }
-  const std::size_t best = order.front();
-  spent.unknowns = static_cast<int>(models[best]->start.size());
   if (effort) *effort = spent;
-  return models[best]->planes(starts[best], solvers[best]->unknowns());
+  return std::move(best.planes);
 }
 
 }  // namespace popcut

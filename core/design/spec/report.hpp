@@ -40,7 +40,8 @@ struct LatticeFigures {
   ErrorFigures inner_error;  ///< connector vertices between wall and ground, from their own curve
   ErrorFigures end_error;    ///< wall and ground ends, from h and d of the slice that sets them
   double step_over_mean_min{}, step_over_mean_max{};
-  double gap_mm{};  ///< largest distance of a target point from the nearest fold vertex
+  double longest_step_s_mm{};  ///< where along the target that is
+  double gap_mm{};             ///< largest distance of a target point from the nearest fold vertex
 };
 
 /// A place where the lattice does not follow the target level by level, and why.
@@ -93,7 +94,7 @@ struct CurvatureReport {
 /// from the sections of the target, in space.
 struct LatticeTrial {
   std::string lattice;
-  bool laid{};                ///< it could be: the figures are there
+  bool laid{};  ///< it could be: the figures are there
   double to_target_mean_mm{}, to_structure_mean_mm{};
   double two_sided_rms_mm{};  ///< what is chosen by
   std::string reason;         ///< why it was not to be taken, else empty
@@ -104,9 +105,9 @@ struct DesignReport : LatticeFigures {
   std::string name;
   std::vector<int> units_per_slice;  ///< one, or one a region
   std::vector<SliceReport> slices;
-  std::string lattice;        ///< the method that was used
-  std::string lattice_asked;  ///< the method that was asked for
-  std::string lattice_note;   ///< why they differ, else empty
+  std::string lattice;                 ///< the method that was used
+  std::string lattice_asked;           ///< the method that was asked for
+  std::string lattice_note;            ///< why they differ, else empty
   std::vector<LatticeTrial> lattices;  ///< those that "auto" chose from
   std::size_t faces{}, panels{}, folds{}, cuts{};
   double cut_length_mm{};      ///< of the slits, each once
@@ -121,6 +122,7 @@ struct DesignReport : LatticeFigures {
   std::optional<CurvatureReport> curvature;  ///< where the spec asks for some
   std::vector<std::string> notes;            ///< plain cuts, halved slices, spread of minima
   std::vector<std::string> warnings;         ///< what makes it hard to cut, fold or shut, and where
+  double design_angle_deg{90.0};             ///< at which the structure is measured
   bool fit_nearest{};                        ///< "fit": "nearest" was asked for
   SliceFit fit{};                            ///< of all slices together
   std::optional<FitFigures> surface_fit;     ///< of the opened structure and the target itself

@@ -209,6 +209,16 @@ void need_one_region(FieldReader& fields) {
   fields.need("slices", fmt::format("must be a whole number from 1 to {}", kMaxSlices));
 }
 
+/// Curvature is that of the surface at a right angle. @return whether none contradicts the angle
+bool check_curvature(FieldReader& fields, const std::string& key, const DesignSpec& spec) {
+  if (!spec.curvature || spec.placement.design_angle_deg == 90.0) return true;
+  fields.refuse(key, ErrorKind::OutOfRange,
+                fmt::format("holds at a right angle only, but design_angle_deg is {:g}; leave one "
+                            "of them out",
+                            spec.placement.design_angle_deg));
+  return false;
+}
+
 /// Reads the rows of one design and applies its rules. @return whether it has no fault
 bool read_design(FieldReader& fields, std::initializer_list<const SpecTable*> tables,
                  SpecFields& spec) {
@@ -217,7 +227,8 @@ bool read_design(FieldReader& fields, std::initializer_list<const SpecTable*> ta
   for (const SpecTable* table : tables) table->read(fields, spec);
   need_one_region(fields);
   static_cast<void>(fields.finish());
-  return fields.faults().size() == before && Design(fields, spec).complete();
+  return fields.faults().size() == before && Design(fields, spec).complete() &&
+         check_curvature(fields, "curvature", spec);
 }
 
 // ---- patches
@@ -276,6 +287,8 @@ bool read_patch(FieldReader& fields, std::size_t k, const json& root, SpecFields
   }
   if (!given.contains("name")) spec.name = fmt::format("patch {}", k + 1);
   spec.is_patch = true;
+  spec.placement.design_angle_deg = whole.placement.design_angle_deg;
+  if (!check_curvature(fields, below + "/curvature", spec)) return false;
   whole.patches.push_back(std::move(spec));
   return true;
 }

@@ -399,6 +399,11 @@ SpecTables make_tables() {
       field<Row>("sheet", &Row::sheet, sheet(),
                  "what it is cut from, to be warned of a pattern that is larger: a paper by its "
                  "name, or [width, height] in mm"),
+      field<Row>(
+          "design_angle_deg", [](auto& row) -> auto& { return row.placement.design_angle_deg; },
+          shape::number(from(kLeastDesignAngle, kMostDesignAngle)),
+          "opening angle of the card, between wall and ground, at which the structure shows the "
+          "target"),
   };
   all.name.rows = {field<Row>("name", &Row::name, shape::text(), "name of the design")};
   all.shared.rows = {

@@ -50,7 +50,7 @@ void add_valleys(const Strips& strips, std::size_t s, std::vector<SectionPoint>&
 /// in a row outward from its place x - z along the chord, by which the vertices are sorted.
 class NearestVertex {
  public:
-  explicit NearestVertex(std::vector<Row> rows) : rows_(std::move(rows)) {}
+  NearestVertex(std::vector<Row> rows, double cosine) : rows_(std::move(rows)), cosine_(cosine) {}
 
   [[nodiscard]] double distance(double s_mm, SectionPoint p) const {
     double best2 = std::numeric_limits<double>::infinity();
@@ -76,14 +76,15 @@ class NearestVertex {
 
  private:
   static double square(double a) { return a * a; }
-  static void search(const Row& row, double s_mm, SectionPoint p, double& best2) {
+  void search(const Row& row, double s_mm, SectionPoint p, double& best2) const {
     const double along = p.x - p.z, apart2 = square(row.s_mm - s_mm);
     const auto middle =
         std::lower_bound(row.points.begin(), row.points.end(), along,
                          [](const SectionPoint& a, double want) { return a.x - a.z < want; });
     const auto visit = [&](const SectionPoint& q) {
-      if (apart2 + 0.5 * square(q.x - q.z - along) >= best2) return false;
-      best2 = std::min(best2, apart2 + square(q.x - p.x) + square(q.z - p.z));
+      if (apart2 + 0.5 * (1.0 - cosine_) * square(q.x - q.z - along) >= best2) return false;
+      best2 = std::min(best2, apart2 + square(q.x - p.x) + square(q.z - p.z) +
+                                  2.0 * cosine_ * (q.x - p.x) * (q.z - p.z));
       return true;
     };
     for (auto it = middle; it != row.points.end() && visit(*it); ++it) {
@@ -92,6 +93,7 @@ class NearestVertex {
     }
   }
   std::vector<Row> rows_;
+  double cosine_{};  ///< of the angle between the axes of x and z
 };
 
 double largest_gap(const FigureInput& input, std::vector<Row> rows) {
@@ -105,7 +107,7 @@ double largest_gap(const FigureInput& input, std::vector<Row> rows) {
   constexpr std::size_t kMostSamples = 100'000;
   const std::size_t samples = std::clamp<std::size_t>(8 * a_row, 32, 400);
   const std::size_t stride = std::max<std::size_t>(1, stations.size() * samples / kMostSamples);
-  const NearestVertex nearest(std::move(rows));
+  const NearestVertex nearest(std::move(rows), input.opening.cosine);
   double most = 0.0;
   for (std::size_t k = 0; k < stations.size(); k += stride)
     for (std::size_t i = 0; i <= samples; ++i) {
@@ -156,7 +158,8 @@ LatticeFigures measure(const FigureInput& input) {
     for (std::uint32_t p = first; p <= last; ++p) {
       const std::size_t q = p + s;
       const double step = (strips.x[q + 1] - strips.x[q]) + (strips.z[q] - strips.z[q + 1]);
-      shortest = std::min(shortest, step), longest = std::max(longest, step);
+      shortest = std::min(shortest, step);
+      if (step > longest) longest = step, out.longest_step_s_mm = station.s_mm;
     }
     rows.push_back(std::move(row));
   }

@@ -67,6 +67,14 @@ class Splayer {
     return splay_.alpha[row][connector];
   }
 
+  /// What fits a connector, in words.
+  [[nodiscard]] std::string room_for(double width) const {
+    const double most = width - 2.0 * splay_.ligament_mm;
+    if (!(most > 0.0)) return fmt::format("use a ligament_mm under {:.4g} mm", 0.5 * width);
+    return fmt::format("length_mm is {:.4g} mm, at most {:.4g} mm fits",
+                       splay_.length_mm.value_or(most), most);
+  }
+
   /// Collects the V-folds of one connector: its valleys between an upright and a level panel of the
   /// same level.
   Result<void> look_at(std::size_t s, std::size_t connector) {
@@ -83,10 +91,9 @@ class Splayer {
           splay_.uniform ? "/splay/alpha" : fmt::format("/splay/alpha/{}/{}", level - 1, connector);
       if (length <= 0.0 || length + 2.0 * splay_.ligament_mm > width + 1e-9)
         return fail(ErrorKind::Infeasible, "/splay/length_mm",
-                    fmt::format("a V-fold of {:.4g} mm with ligaments of {:g} mm does not fit "
-                                "connector {}, {:.4g} mm wide; "
-                                "shorter V-folds or wider slices",
-                                length, splay_.ligament_mm, connector, width));
+                    fmt::format("a V-fold with ligaments of {:g} mm does not fit connector {}, "
+                                "{:.4g} mm wide: {}; or use wider slices",
+                                splay_.ligament_mm, connector, width, room_for(width)));
       const double panel =
           std::min(strips_.z[q] - strips_.z[q + 1], strips_.x[q + 2] - strips_.x[q + 1]);
       if (length * alpha > panel - splay_.ligament_mm + 1e-9)

@@ -172,23 +172,29 @@ CurveDistance SliceCurve::distance(SectionPoint p) const {
   const Rise r = rise(t);
   const double f = p.x / d_ + p.z / h_ - r.n;
   const double fx = (1.0 - r.dn) / d_, fz = (1.0 + r.dn) / h_;
-  const double slope = std::hypot(fx, fz);
+  const double slope =
+      cosine_ == 0.0
+          ? std::hypot(fx, fz)
+          : std::sqrt((fx * fx + fz * fz - 2.0 * cosine_ * fx * fz) / (1.0 - cosine_ * cosine_));
   return {f / slope, fx / slope, fz / slope};
 }
 
 double SliceCurve::nearest_distance(SectionPoint p) const {
   if (is_circle() && p.x >= 0.0 && p.z >= 0.0) return std::abs(std::hypot(p.x, p.z) - h_);
   double t = std::clamp(p.x / d_ - p.z / h_, -1.0, 1.0);
+  const auto product = [&](double ax, double az, double bx, double bz) {
+    return ax * bx + az * bz + cosine_ * (ax * bz + az * bx);
+  };
   const auto gap2 = [&](double s) {
     const CurveJet c = at(s);
-    return (c.x - p.x) * (c.x - p.x) + (c.z - p.z) * (c.z - p.z);
+    return product(c.x - p.x, c.z - p.z, c.x - p.x, c.z - p.z);
   };
   double best = gap2(t);
   for (int step = 0; step < 50; ++step) {
     const CurveJet c = at(t);
-    const double g = (c.x - p.x) * c.dx + (c.z - p.z) * c.dz;
-    const double bend = (c.x - p.x) * c.ddx + (c.z - p.z) * c.ddz;
-    const double speed2 = c.dx * c.dx + c.dz * c.dz;
+    const double g = product(c.x - p.x, c.z - p.z, c.dx, c.dz);
+    const double bend = product(c.x - p.x, c.z - p.z, c.ddx, c.ddz);
+    const double speed2 = product(c.dx, c.dz, c.dx, c.dz);
     const double h = speed2 + bend > 0.1 * speed2 ? speed2 + bend : speed2;
     double move = -g / h;
     double next = best;
@@ -200,7 +206,7 @@ double SliceCurve::nearest_distance(SectionPoint p) const {
     t = std::clamp(t + move, -1.0, 1.0);
     best = next;
   }
-  return std::sqrt(best);
+  return std::sqrt(std::max(0.0, best));
 }
 
 std::vector<double> SliceCurve::equal_arcs(int count) const {

@@ -4,6 +4,8 @@
 #include <functional>
 #include <vector>
 
+#include "core/geometry/opening.hpp"
+
 namespace popcut {
 
 /// A point of a slice's section: x from the wall, z above the ground, mm.
@@ -53,16 +55,20 @@ class SliceCurve {
 
   [[nodiscard]] double h() const { return h_; }
   [[nodiscard]] double d() const { return d_; }
+  /// Where (x, z) are oblique coordinates, lengths and distances in space follow from the angle.
+  void set_opening(const Opening& opening) { cosine_ = opening.cosine; }
+  [[nodiscard]] double cosine() const { return cosine_; }
   [[nodiscard]] bool is_ellipse() const { return pieces_.empty() && control_.empty(); }
-  [[nodiscard]] bool is_circle() const { return is_ellipse() && h_ == d_; }
+  [[nodiscard]] bool is_circle() const { return is_ellipse() && h_ == d_ && cosine_ == 0.0; }
 
   /// Whether it turns both ways: its chain may then have several minima.
   [[nodiscard]] bool has_inflections() const { return inflected_; }
 
   [[nodiscard]] CurveJet at(double t) const;
-  /// Signed distance to first order, exact for a circle: what the conformal lattice drives to zero.
+  /// Signed distance in space to first order, exact for a circle: what the conformal lattice drives
+  /// to zero.
   [[nodiscard]] CurveDistance distance(SectionPoint p) const;
-  /// Distance of `p` from the nearest point of the curve, mm, by Newton on t.
+  /// Distance of `p` from the nearest point of the curve in space, mm, by Newton on t.
   [[nodiscard]] double nearest_distance(SectionPoint p) const;
   /// `count + 1` parameters from -1 to 1 at equal arc lengths (equal angles for a circle).
   [[nodiscard]] std::vector<double> equal_arcs(int count) const;
@@ -85,6 +91,7 @@ class SliceCurve {
                   const std::function<double(double)>& n_at);
 
   double h_{}, d_{};
+  double cosine_{};  ///< of the angle between the axes of x and z
   bool inflected_{false};
   std::vector<Piece> pieces_;
   std::vector<double> control_;  ///< of a uniform cubic B-spline on [-1, 1], clamped at both ends

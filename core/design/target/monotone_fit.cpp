@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -111,6 +112,9 @@ std::string obstacle(const Outline& outline, const FallingFit& fit, const char* 
   return {};
 }
 
+/// Whether a placement can be proposed for it.
+bool is_file(std::string_view what) { return what == "mesh" || what == "grid"; }
+
 }  // namespace
 
 void accumulate(SliceFit& total, const SliceFit& slice) {
@@ -193,7 +197,8 @@ Result<SurfaceSlice> fit_section(const Section& section, FitMode mode, const std
   if (mode == FitMode::Exact) {
     if (const std::string why = obstacle(outline, fit, what); !why.empty())
       return fail(ErrorKind::Infeasible, place,
-                  why + "; use \"fit\": \"nearest\" or another placement");
+                  fmt::format("{}; use \"fit\": \"nearest\" or another placement{}", why,
+                              is_file(what) ? ", as 'popcut design --place' proposes" : ""));
   }
   const double h = fit.points.front().z, d = fit.points.back().x;
   if (!(std::min(h, d) > 1e-9 * std::max(h, d)))

@@ -45,24 +45,32 @@ TurnMatrix turn_of(const Vec& degrees) {
   return product(z, product(y, x));
 }
 
-bool stays_upright(const TargetPlacement& placement) {
+bool stays_on_spine(const TargetPlacement& placement) {
   return placement.rotate_deg == Vec{} && placement.translate_mm[0] == 0.0 &&
          placement.translate_mm[2] == 0.0;
+}
+
+bool stays_upright(const TargetPlacement& placement) {
+  return stays_on_spine(placement) && placement.design_angle_deg == 90.0;
 }
 
 PlacementMap::PlacementMap(const TargetPlacement& placement)
     : turn_(turn_of(placement.rotate_deg)),
       scale_(placement.scale_mm),
-      shift_(placement.translate_mm) {}
+      shift_(placement.translate_mm),
+      opening_(Opening::of_deg(placement.design_angle_deg)) {}
 
 Vec PlacementMap::to_corner(const Vec& q) const {
   Vec p{};
   for (std::size_t i = 0; i < 3; ++i)
     p[i] = scale_ * (turn_[i][0] * q[0] + turn_[i][1] * q[1] + turn_[i][2] * q[2]) + shift_[i];
+  if (!opening_.is_right()) opening_.to_oblique(p[0], p[2]);
   return p;
 }
 
-Vec PlacementMap::to_surface(const Vec& p) const {
+Vec PlacementMap::to_surface(const Vec& corner) const {
+  Vec p = corner;
+  if (!opening_.is_right()) opening_.to_space(p[0], p[2]);
   Vec q{};
   for (std::size_t k = 0; k < 3; ++k)
     for (std::size_t i = 0; i < 3; ++i) q[k] += turn_[i][k] * (p[i] - shift_[i]) / scale_;

@@ -5,6 +5,7 @@
 
 #include "core/design/target/surface_spec.hpp"
 #include "core/design/target/triangle_mesh.hpp"
+#include "core/geometry/opening.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
@@ -15,10 +16,16 @@ using TurnMatrix = std::array<std::array<double, 3>, 3>;
 /// R_z R_y R_x for angles about x, y and z in degrees; exact for multiples of 90 degrees.
 [[nodiscard]] TurnMatrix turn_of(const std::array<double, 3>& degrees);
 
-/// No turn, and no shift but along the spine: the slices of an upright surface stay its own.
+/// No turn, and no shift but along the spine.
+[[nodiscard]] bool stays_on_spine(const TargetPlacement& placement);
+
+/// No turn, no shift but along the spine, and a right angle between wall and ground: the slices of
+/// an upright surface stay its own.
 [[nodiscard]] bool stays_upright(const TargetPlacement& placement);
 
-/// A placement as a map: points of the surface (its own units) to the corner (mm) and back.
+/// A placement as a map: points of the surface (its own units) to the corner (mm) and back. In the
+/// corner x and z are those of the section, (X, Z) of docs/geometry.md, section 2: oblique
+/// coordinates along ground and wall, where the placement's design angle is not a right one.
 class PlacementMap {
  public:
   explicit PlacementMap(const TargetPlacement& placement);
@@ -29,9 +36,10 @@ class PlacementMap {
   std::array<std::array<double, 3>, 3> turn_;  ///< rows; exact for multiples of 90 degrees
   double scale_;
   std::array<double, 3> shift_;
+  Opening opening_;
 };
 
-/// The mesh in the corner, mm.
+/// The mesh in the corner, mm, in the section's coordinates.
 ///
 /// @retval OutOfRange  a coordinate is farther than a kilometre from the corner
 [[nodiscard]] Result<TriangleMesh> placed(TriangleMesh mesh, const TargetPlacement& placement);

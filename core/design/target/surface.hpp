@@ -15,13 +15,14 @@ struct TriangleSoup;
 /// Which part of a target is wanted as triangles, and how finely.
 struct TargetStretch {
   double from_mm{}, to_mm{};  ///< along the spine, in the surface's own places
-  double reach_x_mm{};        ///< about how far it stands from the wall: a first guess
-  double reach_z_mm{};        ///< about how high it stands
+  double reach_x_mm{};        ///< about how far it stands from the wall, X: a first guess
+  double reach_z_mm{};        ///< about how high it stands, Z
   double finest_mm{};         ///< chords may stray by this
 };
 
 /// A target surface, seen by the design as its slices: for each place s along the spine (mm) the
-/// curve that the plane v = s cuts out of it (docs/geometry.md, section 3).
+/// curve that the plane v = s cuts out of it (docs/geometry.md, section 3), in the section's
+/// coordinates (X, Z).
 ///
 /// A slice is an error of its own: OutOfRange where the surface is not finite and positive there,
 /// Infeasible where it is not in the corner or (FitMode::Exact) its curve does not fall from the
@@ -46,7 +47,7 @@ class Surface {
     return std::move(cut_there->curve);
   }
 
-  /// The surface itself in the corner, mm, not the curves that are fitted to its sections. Of
+  /// The surface itself in space, mm, not the curves that are fitted to its sections. Of
   /// formulas the part that stands in the corner over the stretch; of meshes and grids all
   /// triangles, but those that lie on wall or ground, which the card makes.
   [[nodiscard]] TriangleSoup triangles(const TargetStretch& stretch) const;

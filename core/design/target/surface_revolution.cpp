@@ -11,14 +11,21 @@
 #include "core/design/target/expression.hpp"
 #include "core/design/target/surface_kinds.hpp"
 #include "core/fit/triangle_soup.hpp"
+#include "core/geometry/opening.hpp"
 
 namespace popcut {
 namespace {
 
-constexpr double kQuarter = 0.5 * std::numbers::pi;
+/// The circle about the spine from the ground to the wall: a quarter ellipse's like in oblique
+/// coordinates, `n^2 cos^2(a/2) + t^2 sin^2(a/2) = 1` for the angle a. It falls up to 90 degrees.
+SliceCurve sector(double r_mm, double angle_rad) {
+  const double c = std::cos(0.5 * angle_rad), s = std::sin(0.5 * angle_rad);
+  return SliceCurve::sampled(
+      r_mm, r_mm, [&](double t) { return 0.5 * r_mm * (std::sqrt(1.0 - s * s * t * t) / c + t); });
+}
 
-Result<SurfaceSlice> slice(const Expression& radius, double length, double scale_mm, double s_mm,
-                           double y) {
+Result<double> radius_at(const Expression& radius, double length, double scale_mm, double s_mm,
+                         double y) {
   const double r_mm = scale_mm * radius(y, length);
   const std::string place = fmt::format("/surface/radius at s = {:.6g} mm", s_mm);
   if (!std::isfinite(r_mm))
@@ -33,7 +40,7 @@ Result<SurfaceSlice> slice(const Expression& radius, double length, double scale
         ErrorKind::OutOfRange, place,
         fmt::format("the radius is {:.6g} mm at y = {:.6g}; it must be positive there", r_mm, y),
         ErrorReason::Misplaced);
-  return SurfaceSlice{SliceCurve(r_mm, r_mm), {}};
+  return r_mm;
 }
 
 /// Places along the spine between which chords stray by `stretch.finest_mm` at most, as far as a
@@ -70,17 +77,20 @@ std::vector<double> stations_of(const Radius& radius, const TargetStretch& stret
   return out;
 }
 
-/// Quarter circles of the radius, as bands between the stations. Where there is no radius, nothing.
+/// Circles of the radius from ground to wall, as bands between the stations, in oblique
+/// coordinates. Where there is no radius, nothing.
 template <typename Radius>
-TriangleSoup quarter_bands(const Radius& radius, const TargetStretch& stretch) {
+TriangleSoup circle_bands(const Radius& radius, double angle_rad, const TargetStretch& stretch) {
   constexpr double kLeast = 48.0, kMost = 256.0;
   const double largest = std::max(stretch.reach_x_mm, stretch.reach_z_mm);
   const double angle = std::sqrt(8.0 * stretch.finest_mm / largest);  // sagitta r angle^2 / 8
-  const int pieces = static_cast<int>(std::clamp(std::ceil(kQuarter / angle), kLeast, kMost));
+  const int pieces = static_cast<int>(std::clamp(std::ceil(angle_rad / angle), kLeast, kMost));
+  const Opening opening = Opening::of_rad(angle_rad);
   std::vector<double> cosine, sine;
   for (int k = 0; k <= pieces; ++k) {
-    cosine.push_back(k == pieces ? 0.0 : std::cos(kQuarter * k / pieces));
-    sine.push_back(std::sin(kQuarter * k / pieces));
+    cosine.push_back(k == pieces ? opening.cosine : std::cos(angle_rad * k / pieces));
+    sine.push_back(std::sin(angle_rad * k / pieces));
+    if (!opening.is_right()) opening.to_oblique(cosine.back(), sine.back());
   }
   TriangleSoup out;
   const std::vector<double> stations = stations_of(radius, stretch);
@@ -105,23 +115,35 @@ Result<Surface> surface_revolution(const RevolutionSpec& spec, const TargetPlace
   if (!radius) return tl::unexpected(within("/surface/radius", radius.error()));
   // std::function needs a copyable callable, an Expression is not one.
   auto shared = std::make_shared<Expression>(std::move(*radius));
-  if (!stays_upright(placement))
-    return surface_of_solid(
-        [shared, length](double x, double y, double z) {
-          const double r = (*shared)(y, length);
-          return r > 0.0 ? x * x + z * z - r * r : 1.0;
-        },
-        placement, fit, "revolution");
-  const auto cut = [shared, placement, length](double s_mm) {
+  const Surface solid = surface_of_solid(
+      [shared, length](double x, double y, double z) {
+        const double r = (*shared)(y, length);
+        return r > 0.0 ? x * x + z * z - r * r : 1.0;
+      },
+      placement, fit, "revolution");
+  if (!stays_on_spine(placement)) return solid;
+  const double angle_deg = placement.design_angle_deg;
+  if (angle_deg > 90.0 && fit == FitMode::Exact)
+    return fail(ErrorKind::Infeasible, "/design_angle_deg",
+                fmt::format("is {:g}; over 90 degrees no falling curve follows a circle about the "
+                            "spine. Use at most 90, or \"fit\": \"nearest\"",
+                            angle_deg));
+  const double angle_rad = angle_deg / 180.0 * std::numbers::pi;
+  const auto cut = [shared, placement, length, angle_deg, angle_rad,
+                    solid](double s_mm) -> Result<SurfaceSlice> {
     const double y = (s_mm - placement.translate_mm[1]) / placement.scale_mm;
-    return slice(*shared, length, placement.scale_mm, s_mm, y);
+    const auto r_mm = radius_at(*shared, length, placement.scale_mm, s_mm, y);
+    if (!r_mm) return tl::unexpected(r_mm.error());
+    if (angle_deg > 90.0) return solid.cut(s_mm);
+    return SurfaceSlice{angle_deg == 90.0 ? SliceCurve(*r_mm, *r_mm) : sector(*r_mm, angle_rad),
+                        {}};
   };
-  return Surface(cut, [shared, placement, length](const TargetStretch& stretch) {
+  return Surface(cut, [shared, placement, length, angle_rad](const TargetStretch& stretch) {
     const auto radius_mm = [&](double s_mm) {
       const double y = (s_mm - placement.translate_mm[1]) / placement.scale_mm;
       return placement.scale_mm * (*shared)(y, length);
     };
-    return quarter_bands(radius_mm, stretch);
+    return circle_bands(radius_mm, angle_rad, stretch);
   });
 }
 

@@ -9,7 +9,7 @@
 
 namespace popcut {
 
-/// Quarter circles about the spine: x^2 + z^2 = radius(y)^2, in units of the surface.
+/// Circles about the spine from ground to wall: x^2 + z^2 = radius(y)^2, in units of the surface.
 struct RevolutionSpec {
   std::string radius;              ///< expression of y, and of L where there is a length
   std::optional<double> length{};  ///< L, length of the region that it belongs to
@@ -52,13 +52,16 @@ using SurfaceAssets = std::map<std::string, std::string>;
   return surface ? asset_of(*surface) : std::string();
 }
 
-/// How the surface stands in the corner of wall (x = 0) and ground (z = 0), y along the spine: a
-/// point q of it is at `R_z R_y R_x (scale_mm q) + translate_mm`, R the turns about the axes.
+/// How the surface stands in the corner of wall and ground (z = 0), y along the spine: a point q of
+/// it is at `R_z R_y R_x (scale_mm q) + translate_mm`, R the turns about the axes. The wall rises
+/// from the spine at `design_angle_deg` to the ground; at 90 it is x = 0.
 struct TargetPlacement {
   double scale_mm{1.0};  ///< one unit of the surface
   std::array<double, 3> rotate_deg{};
   std::array<double, 3> translate_mm{};
+  double design_angle_deg{90.0};  ///< opening angle at which the structure shows the target
 };
+inline constexpr double kLeastDesignAngle = 30.0, kMostDesignAngle = 150.0;
 
 /// What becomes of parts that no falling curve can follow.
 enum class FitMode {

@@ -260,6 +260,7 @@ Result<FoldFile> read_fold(std::string_view text, const FoldLimits& limits) {
   }
   FoldFile file;
   file.title = key.file_title;
+  file.design_psi_rad = key.design_psi_rad;
   file.frames.resize(texts->size());
   FrameOrder order(*texts, file, limits.frame_bytes);
   for (std::size_t i = 0; i < texts->size(); ++i)

@@ -29,7 +29,8 @@ struct FoldFrame {
 
 /// A FOLD file: first the key frame, then the frames of `file_frames`.
 struct FoldFile {
-  std::string title;  ///< file_title
+  std::string title;                     ///< file_title
+  std::optional<double> design_psi_rad;  ///< popcut:design_psi_rad
   std::vector<FoldFrame> frames;
 };
 

@@ -103,18 +103,18 @@ void put_seams(TextSink& text, const Pattern& pattern) {
   });
 }
 
-Result<void> check(const Pattern& pattern, const FoldOptions& options) {
+Result<void> check(const Pattern& pattern, const std::vector<double>& psi_rad) {
   for (std::size_t i = 0; i < pattern.vertices.size(); ++i) {
     const PatternVertex& p = pattern.vertices[i];
     if (!std::isfinite(p.x + p.z + p.v + pattern.wall_mm)) {
       return fail(ErrorKind::Internal, fmt::format("vertices/{}", i), "is not finite");
     }
   }
-  for (std::size_t i = 0; i < options.psi_rad.size(); ++i) {
-    if (!(options.psi_rad[i] >= 0.0 && options.psi_rad[i] <= std::numbers::pi)) {
-      return fail(ErrorKind::OutOfRange, fmt::format("fold frame {}", i),
-                  fmt::format("{} rad is not an opening angle; give 0 (shut) to pi (flat)",
-                              options.psi_rad[i]));
+  for (std::size_t i = 0; i < psi_rad.size(); ++i) {
+    if (!(psi_rad[i] >= 0.0 && psi_rad[i] <= std::numbers::pi)) {
+      return fail(
+          ErrorKind::OutOfRange, fmt::format("fold frame {}", i),
+          fmt::format("{} rad is not an opening angle; give 0 (shut) to pi (flat)", psi_rad[i]));
     }
   }
   return {};
@@ -202,7 +202,9 @@ Result<void> put_single_cuts(TextSink& text, const Pattern& pattern) {
 }  // namespace
 
 Result<void> write_fold(const Pattern& pattern, const FoldOptions& options, std::ostream& out) {
-  if (auto sound = check(pattern, options); !sound) return sound;
+  const std::vector<double> psi_rad =
+      options.psi_rad.value_or(std::vector{std::numbers::pi, pattern.design_psi_rad, 1.1});
+  if (auto sound = check(pattern, psi_rad); !sound) return sound;
   TextSink text(out);
   text("{\"file_spec\": 1.2,\n\"file_creator\": ", json_quoted(options.creator),
        ",\n\"file_title\": ", json_quoted(pattern.name),
@@ -214,6 +216,8 @@ Result<void> write_fold(const Pattern& pattern, const FoldOptions& options, std:
            ? ",\n\"frame_attributes\": [\"2D\",\"manifold\",\"orientable\"]"
            : ",\n\"frame_attributes\": [\"2D\",\"manifold\",\"orientable\",\"cuts\"]",
        ",\n\"frame_unit\": \"mm\"");
+  if (pattern.design_psi_rad != std::numbers::pi / 2)
+    text(",\n\"popcut:design_psi_rad\": ", pattern.design_psi_rad);
   put_seams(text, pattern);
   if (!options.split_cuts) {
     if (auto done = put_single_cuts(text, pattern); !done) return done;
@@ -227,9 +231,9 @@ Result<void> write_fold(const Pattern& pattern, const FoldOptions& options, std:
   put_fold_angles(text, pattern, std::numbers::pi / 2);
   put_faces(text, pattern);
   text.put(",\n\"file_frames\": [");
-  for (std::size_t i = 0; i < options.psi_rad.size(); ++i) {
+  for (std::size_t i = 0; i < psi_rad.size(); ++i) {
     if (i > 0) text.put(",\n");
-    put_deployed_frame(text, pattern, options.psi_rad[i]);
+    put_deployed_frame(text, pattern, psi_rad[i]);
   }
   text.put("]}\n");
   return {};

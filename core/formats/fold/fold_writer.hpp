@@ -2,7 +2,7 @@
 #pragma once
 
 #include <iosfwd>
-#include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +15,9 @@ namespace popcut {
 /// Options for the content of a FOLD file.
 struct FoldOptions {
   std::string creator{"popcut"};
-  /// Opening angles of the deployed frames, in rad: pi is flat, pi/2 the designed shape, 0 shut.
-  std::vector<double> psi_rad{std::numbers::pi, std::numbers::pi / 2, 1.1};
+  /// Opening angles of the deployed frames, in rad: pi is flat, 0 shut. None: pi, the pattern's own
+  /// design angle, and 1.1.
+  std::optional<std::vector<double>> psi_rad{};
   /// true: cuts are pairs of borders B with their own vertices; false: single edges C.
   bool split_cuts{true};
 };
@@ -29,6 +30,8 @@ struct FoldOptions {
 /// form a cut is two borders B with their own vertices; `edges_popcut:role` ("mountain", "valley",
 /// "slit", "outline") distinguishes them from the sheet's outline. Numbers read back as the same
 /// doubles.
+///
+/// `popcut:design_psi_rad` is the pattern's design angle, where that is not pi/2.
 ///
 /// A pattern with seams lists them in `popcut:seams` (id, the other part's number, v_mm, u_mm from
 /// and to) and gives its corner in the whole in `popcut:place_mm`.

@@ -123,6 +123,7 @@ Json report_object(const DesignReport& report) {
   json["lattice_asked"] = report.lattice_asked;
   if (!report.lattice_note.empty()) json["lattice_note"] = report.lattice_note;
   if (!report.lattices.empty()) json["lattices"] = lattices(report);
+  if (report.design_angle_deg != 90.0) json["design_angle_deg"] = report.design_angle_deg;
   json["faces"] = report.faces;
   json["panels"] = report.panels;
   json["folds"] = report.folds;

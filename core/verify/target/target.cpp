@@ -4,17 +4,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
 namespace popcut::verify {
 namespace {
 
-const Pose* pose_to_measure(const FoldModel& file) {
+/// The pose nearest to the angle that the target stands at.
+const Pose* pose_to_measure(const FoldModel& file, double angle_deg) {
+  const double angle_rad = angle_deg / 180.0 * std::numbers::pi;
+  const auto off = [&](const Pose& pose) { return std::abs(*pose.psi_rad - angle_rad); };
   const Pose* best = nullptr;
   for (const Pose& pose : file.poses) {
     if (!pose.psi_rad || !(std::sin(*pose.psi_rad) > 0.1)) continue;
-    if (best == nullptr || std::sin(*pose.psi_rad) > std::sin(*best->psi_rad)) best = &pose;
+    if (best == nullptr || off(pose) < off(*best)) best = &pose;
   }
   return best;
 }
@@ -90,8 +94,9 @@ double end_error(double end, double left, double right, double left_target, doub
 /// Collects distances station by station.
 class Measurement {
  public:
-  Measurement(const TargetSurface& surface, const Pose& pose, VerifyCheck& check)
-      : surface_(surface), check_(check) {
+  Measurement(const TargetSurface& surface, const TargetWall& wall, const Pose& pose,
+              VerifyCheck& check)
+      : surface_(surface), wall_(wall), check_(check) {
     double reach = 0.0;
     for (const Vec3& p : pose.at) reach = std::max({reach, std::abs(p.x()), std::abs(p.z())});
     on_card_ = 1e-9 * reach;
@@ -100,7 +105,7 @@ class Measurement {
   void inner_folds(const std::vector<FoldVertex>& folds, const TargetStation& at) {
     for (const FoldVertex& p : folds) {
       if (std::abs(p.x) <= on_card_ || std::abs(p.z) <= on_card_) continue;
-      const double off = surface_.distance_mm(at.s_mm, p.x, p.z);
+      const double off = distance_mm(at.s_mm, p);
       if (!is_distance(off) && ends_near(at, p)) {
         ++beyond;
         continue;
@@ -131,13 +136,18 @@ class Measurement {
  private:
   static bool is_distance(double off) { return off >= 0.0 && std::isfinite(off); }
 
+  /// From where the fold stands when the card is open to the target's angle.
+  [[nodiscard]] double distance_mm(double s_mm, const FoldVertex& p) const {
+    return surface_.distance_mm(s_mm, p.x + p.z * wall_.cosine, p.z * wall_.sine);
+  }
+
   /// Whether the target ends at a strip: it has a curve within the strip's reach to one side.
   [[nodiscard]] bool ends_near(const TargetStation& at, const FoldVertex& p) const {
     constexpr int kPlaces = 32;
     for (int k = 1; k <= kPlaces; ++k)
       for (const double side : {-1.0, 1.0}) {
         const double s = at.s_mm + side * at.reach_mm * k / kPlaces;
-        if (is_distance(surface_.distance_mm(s, p.x, p.z))) return true;
+        if (is_distance(distance_mm(s, p))) return true;
       }
     return false;
   }
@@ -152,6 +162,7 @@ class Measurement {
   }
 
   const TargetSurface& surface_;
+  const TargetWall& wall_;
   VerifyCheck& check_;
   double on_card_{};
 };
@@ -161,7 +172,7 @@ TargetDistances measure_stations(const FoldModel& file, const Pose& pose, const 
                                  const TargetStations& stations, VerifyCheck& check) {
   std::vector<TargetStation> connectors;
   for (const auto& connector : stations.connectors) connectors.push_back(connector.at);
-  Measurement measured(*target.surface, pose, check);
+  Measurement measured(*target.surface, target.wall, pose, check);
   const Folds on_slices = valleys_in(file, pose, stations.slices);
   const Folds on_connectors = valleys_in(file, pose, connectors);
   for (std::size_t k = 0; k < connectors.size(); ++k) {
@@ -184,6 +195,8 @@ TargetDistances measure_stations(const FoldModel& file, const Pose& pose, const 
       "{} inner fold vertices: rms {:.3g} mm, max {:.3g} mm; {} with the ends: rms {:.3g} mm, "
       "max {:.3g} mm",
       inner.vertices, inner.rms_mm, inner.max_mm, all.vertices, all.rms_mm, all.max_mm);
+  if (target.angle_deg != 90.0)
+    check.detail += fmt::format("; open to {:g} degrees", target.angle_deg);
   if (measured.beyond > 0)
     check.detail += fmt::format("; {} beyond the end of the target", measured.beyond);
   if (any && all.vertices == 0) check.not_judged("the target has no curve where the folds are");
@@ -204,7 +217,7 @@ FoldVertex unposed(Vec3 p, double psi_rad) {
 
 std::optional<TargetDistances> measure_target(const FoldModel& file, const Target& target,
                                               VerifyCheck& check) {
-  const Pose* pose = pose_to_measure(file);
+  const Pose* pose = pose_to_measure(file, target.angle_deg);
   if (pose == nullptr) {
     check.fail(
         "/file_frames",

@@ -39,6 +39,8 @@ struct Target {
   std::unique_ptr<TargetSurface> surface;
   std::vector<TargetSlice> slices;   ///< empty: the design chose the widths
   std::vector<TargetPatch> patches;  ///< at least one
+  TargetWall wall;                   ///< where the distances are measured
+  double angle_deg{90.0};            ///< of the wall
   int chosen_units{};                ///< units of all slices, if the design chose the widths; or 0
 
   /// The slices of the patches from `first` to `last`.

@@ -80,17 +80,19 @@ class SectionIndex {
 
 /// Keeps the part of a piece inside the corner; false if there is none or it lies on wall or
 /// ground.
-bool clip(Piece& piece, double touch_mm) {
-  for (const std::size_t axis : {0u, 1u}) {
-    double& p = piece.a[axis];
-    double& q = piece.b[axis];
+bool clip(const TargetWall& wall, Piece& piece, double touch_mm) {
+  for (const bool at_wall : {true, false}) {
+    const auto ahead = [&](const std::array<double, 2>& at) {
+      return at_wall ? wall.ahead(at[0], at[1]) : at[1];
+    };
+    const double p = ahead(piece.a), q = ahead(piece.b);
     if (p <= touch_mm && q <= touch_mm) return false;
     if (p >= 0.0 && q >= 0.0) continue;
     const double t = p / (p - q);
     auto& outside = p < 0.0 ? piece.a : piece.b;
-    const std::size_t other = 1 - axis;
-    outside[other] = piece.a[other] + t * (piece.b[other] - piece.a[other]);
-    outside[axis] = 0.0;
+    const double z = at_wall ? piece.a[1] + t * (piece.b[1] - piece.a[1]) : 0.0;
+    outside = {at_wall ? z * wall.cosine / wall.sine : piece.a[0] + t * (piece.b[0] - piece.a[0]),
+               z};
   }
   return true;
 }
@@ -98,7 +100,7 @@ bool clip(Piece& piece, double touch_mm) {
 class Mesh : public TargetSurface {
  public:
   Mesh(TargetTriangles triangles, const TargetPlacement& placement)
-      : triangles_(std::move(triangles)), frame_(placement) {
+      : triangles_(std::move(triangles)), frame_(placement), wall_(placement.wall) {
     const std::size_t count = triangles_.size();
     low_ = std::numeric_limits<double>::infinity(), high_ = -low_;
     double sum = 0.0;
@@ -126,7 +128,7 @@ class Mesh : public TargetSurface {
     const double touch = 1e-6 * (high_ - low_);
     for (const Piece& piece : section(s_mm).pieces()) {
       for (const auto& p : {piece.a, piece.b}) {
-        if (p[0] <= touch) ends.wall = std::max(ends.wall, p[1]);
+        if (wall_.ahead(p[0], p[1]) <= touch) ends.wall = std::max(ends.wall, p[1] / wall_.sine);
         if (p[1] <= touch) ends.ground = std::max(ends.ground, p[0]);
       }
     }
@@ -159,7 +161,7 @@ class Mesh : public TargetSurface {
       const double s = std::clamp(s_mm, low_ + 1e-9 * length, high_ - 1e-9 * length);
       for (const std::uint32_t triangle : slabs_[slab(s)]) {
         Piece piece;
-        if (cut(triangle, s, piece) && clip(piece, 1e-9 * length)) pieces.push_back(piece);
+        if (cut(triangle, s, piece) && clip(wall_, piece, 1e-9 * length)) pieces.push_back(piece);
       }
     }
     last_ = SectionIndex(std::move(pieces));
@@ -182,6 +184,7 @@ class Mesh : public TargetSurface {
 
   TargetTriangles triangles_;
   PlacedFrame frame_;
+  TargetWall wall_;
   double low_{}, high_{}, slab_{1.0};
   std::size_t slab_count_{};
   Buckets<std::uint32_t> slabs_;

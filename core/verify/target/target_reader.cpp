@@ -56,8 +56,15 @@ Result<double> number_at(const Json& spec, const std::string& pointer,
   return value;
 }
 
+Result<double> read_angle(const Json& spec) {
+  return number_at(spec, "/design_angle_deg", 90.0, 30.0, 150.0);
+}
+
 Result<TargetPlacement> read_placement(const Json& spec) {
   TargetPlacement out;
+  const auto angle_deg = read_angle(spec);
+  if (!angle_deg) return tl::unexpected(angle_deg.error());
+  out.wall = TargetWall::at_deg(*angle_deg);
   const auto scale = number_at(spec, "/scale_mm", 1.0, 1e-9);
   if (!scale) return tl::unexpected(scale.error());
   out.scale_mm = *scale;
@@ -270,6 +277,8 @@ Result<Target> read_one(const Json& spec, const TargetFiles& files) {
   }
   if (!surface) return tl::unexpected(surface.error());
   target.surface = std::move(*surface);
+  target.angle_deg = *read_angle(spec);
+  target.wall = placement->wall;
   place_slices(target.slices);
   return target;
 }
@@ -289,6 +298,7 @@ Result<Target> read_patches(const Json& spec, const TargetFiles& files) {
     if (!patches[k].is_object()) return wrong(place, "must be an object");
     Json patch = patches[k];
     if (!patch.contains("card") && spec.contains("card")) patch["card"] = spec["card"];
+    if (spec.contains("design_angle_deg")) patch["design_angle_deg"] = spec["design_angle_deg"];
     auto one = read_one(patch, files);
     if (!one) {
       Error error = std::move(one.error());
@@ -303,6 +313,7 @@ Result<Target> read_patches(const Json& spec, const TargetFiles& files) {
       return wrong(place, "the spec has more than a million slices");
     const double begin_mm = k == 0 ? -0.5 * one->slices.front().width_mm : edge_mm;
     const double origin_mm = begin_mm + 0.5 * one->slices.front().width_mm;
+    out.angle_deg = one->angle_deg, out.wall = one->wall;
     if (!out.slices.empty()) out.slices.back().cut_after = true;
     out.patches.push_back({out.slices.size(), one->patches.front().margin_mm});
     for (TargetSlice slice : one->slices) {

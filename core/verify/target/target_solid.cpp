@@ -14,7 +14,7 @@ constexpr double kMost = 1e4;  ///< largest size of a solid, in units of the sur
 class Solid : public TargetSurface {
  public:
   Solid(TargetFormula f, const TargetPlacement& placement)
-      : f_(std::move(f)), frame_(placement), scale_(placement.scale_mm) {}
+      : f_(std::move(f)), frame_(placement), wall_(placement.wall), scale_(placement.scale_mm) {}
 
   [[nodiscard]] double distance_mm(double s_mm, double x_mm, double z_mm) const override {
     const Plane plane{*this, s_mm, x_mm, z_mm, inside(s_mm, x_mm, z_mm)};
@@ -53,7 +53,7 @@ class Solid : public TargetSurface {
     /// Whether the point in this direction is in the corner and on the other side of the border.
     [[nodiscard]] bool differs(double angle, double r) const {
       const double px = x + r * std::cos(angle), pz = z + r * std::sin(angle);
-      return px >= 0.0 && pz >= 0.0 && solid.inside(s, px, pz) != here;
+      return solid.wall_.ahead(px, pz) >= 0.0 && pz >= 0.0 && solid.inside(s, px, pz) != here;
     }
     [[nodiscard]] double crossing(double angle, double r) const {
       double near = 0.0, far = r;
@@ -80,7 +80,9 @@ class Solid : public TargetSurface {
 
   /// The farthest point of the solid on the wall or on the ground.
   [[nodiscard]] double end(double s, bool wall) const {
-    const auto within = [&](double a) { return wall ? inside(s, 0.0, a) : inside(s, a, 0.0); };
+    const auto within = [&](double a) {
+      return wall ? inside(s, a * wall_.cosine, a * wall_.sine) : inside(s, a, 0.0);
+    };
     double in = -1.0, out = -1.0;
     double last = 0.0;
     for (double a = 1e-3 * scale_; a < kMost * scale_; a *= 1.01) {
@@ -101,6 +103,7 @@ class Solid : public TargetSurface {
 
   TargetFormula f_;
   PlacedFrame frame_;
+  TargetWall wall_;
   double scale_;
 };
 

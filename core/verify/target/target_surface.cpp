@@ -194,6 +194,12 @@ class Stretched : public TargetSurface {
 
 }  // namespace
 
+TargetWall TargetWall::at_deg(double angle_deg) {
+  if (angle_deg == 90.0) return {};
+  const double angle = std::numbers::pi * angle_deg / 180.0;
+  return {std::cos(angle), std::sin(angle)};
+}
+
 bool TargetPlacement::upright() const {
   return rotate_deg == std::array<double, 3>{} && translate_mm[0] == 0.0 && translate_mm[2] == 0.0;
 }
@@ -271,7 +277,8 @@ std::unique_ptr<TargetSurface> revolution_target(TargetFormula radius,
 }
 
 std::unique_ptr<TargetSurface> profile_target(TargetFormula z, const TargetPlacement& placement) {
-  if (placement.upright()) return std::make_unique<Profile>(std::move(z), placement);
+  if (placement.upright() && placement.wall.cosine == 0.0)
+    return std::make_unique<Profile>(std::move(z), placement);
   return solid_target(
       [z = std::move(z)](double x, double y, double height) { return height - z(x, y, 0.0); },
       placement);

@@ -12,11 +12,21 @@
 
 namespace popcut::verify {
 
-/// Where a target's curve meets the wall (height) and the ground (offset), in mm; negative if it
-/// does not.
+/// Where a target's curve meets the wall and the ground, in mm from the spine; negative if it does
+/// not.
 struct CurveEnds {
   double wall{};
   double ground{};
+};
+
+/// The wall, as it stands at the angle that a design is made for: a point on it is at
+/// `a (cosine, sine)` in (x, z). The ground is z = 0.
+struct TargetWall {
+  double cosine{0.0}, sine{1.0};
+
+  [[nodiscard]] static TargetWall at_deg(double angle_deg);
+  /// How far a point is from the wall along the ground; negative behind it.
+  [[nodiscard]] double ahead(double x, double z) const { return x - z * cosine / sine; }
 };
 
 /// A target surface, cut by the planes y = const. All in mm.
@@ -35,6 +45,7 @@ struct TargetPlacement {
   double scale_mm{1.0};
   std::array<double, 3> rotate_deg{};
   std::array<double, 3> translate_mm{};
+  TargetWall wall{};
 
   /// Not turned, and shifted only along the spine.
   [[nodiscard]] bool upright() const;
@@ -62,7 +73,7 @@ using TargetFormula = std::function<double(double, double, double)>;
 [[nodiscard]] Result<TargetFormula> read_formula(const std::string& expression,
                                                  std::optional<double> length);
 
-/// Quarter circles about the spine, of radius `radius(0, y, 0)`.
+/// Circles about the spine from ground to wall, of radius `radius(0, y, 0)`.
 [[nodiscard]] std::unique_ptr<TargetSurface> revolution_target(TargetFormula radius,
                                                                const TargetPlacement& placement);
 /// A profile: the height is `z(x, y, 0)`.

@@ -141,10 +141,12 @@ Result<void> run_deploy(Options options, const Globals& globals) {
   }
   const bool paper = *convention == SegmentConvention::Paper;
   if (paper && !from_is_given(options.motion)) options.motion.from_psi = "0";
-  const auto angles = angles_of(options.motion);
-  if (!angles) return tl::unexpected(angles.error());
+  if (const auto valid = angles_of(options.motion, Pattern().design_psi_rad); !valid)
+    return tl::unexpected(valid.error());
   const auto source = read_source(options, *convention);
   if (!source) return tl::unexpected(source.error());
+  const auto angles = angles_of(options.motion, source->pattern.design_psi_rad);
+  if (!angles) return tl::unexpected(angles.error());
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
   const MeshAxes axes = paper ? MeshAxes::Paper : MeshAxes::Upright;
@@ -163,7 +165,8 @@ constexpr const char* kHelp =
     "the scientific paper writes it. popcut writes one mesh (a 3D model) for each pose into DIR:\n"
     "psi_001.stl, psi_002.stl and so on, binary STL in mm. x points away from the wall, v along\n"
     "the spine (the card's main fold; y in a design), z up. The opening angle (psi) is pi for\n"
-    "the flat sheet, pi/2 for the designed shape and 0 for the closed card. --convention paper\n"
+    "the flat sheet, pi/2 for the designed shape and 0 for the closed card. A design with\n"
+    "design_angle_deg has its shape at that angle, and the poses end there. --convention paper\n"
     "reads and writes the axes of the scientific paper (X = x, Z = 1 - y, v = z), from psi = 0\n"
     "to pi/2.";
 

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
-#include <numbers>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,8 +42,9 @@ namespace design_command {
 namespace {
 
 struct Options {
-  std::string spec, folder, formats{"fold,svg,cut,dxf,csv,glb,stl,report"},
-      fold_frames{"pi,pi/2,1.1"}, fold_cuts{"split"}, example;
+  std::string spec, folder, formats{"fold,svg,cut,dxf,csv,glb,stl,report"}, fold_cuts{"split"},
+      example;
+  std::optional<std::string> fold_frames;
   MotionOptions motion;
   bool schema{false}, list{false};
   std::string place;
@@ -125,7 +126,8 @@ Result<void> add_pdf(const Job& job, OutputFolder& folder) {
 
 Result<void> add_picture(const Job& job, OutputFolder& folder) {
   return folder.add("deployed.svg", Streamed([&](std::ostream& out) -> Result<void> {
-                      write_deployed_svg(job.made.pattern, std::numbers::pi / 2, View{}, out);
+                      write_deployed_svg(job.made.pattern, job.made.pattern.design_psi_rad, View{},
+                                         out);
                       return {};
                     }));
 }
@@ -201,6 +203,9 @@ void say_figures(const DesignReport& report) {
              report.surface_fit ? fit_in_words(*report.surface_fit) : "nothing stands up");
   fmt::print(stderr, "  made of  {}, {} lattice, {}\n", count(report.slices.size(), "slice"),
              report.lattice, count(report.degrees_of_freedom, "independent movement"));
+  if (report.design_angle_deg != 90.0)
+    fmt::print(stderr, "  shape    right when the card is open to {:g} degrees\n",
+               report.design_angle_deg);
   fmt::print(stderr, "  sheet    {:.1f} mm across the main fold x {:.1f} mm along it\n",
              report.sheet_u_mm, report.sheet_v_mm);
   fmt::print(stderr, "  folds    {}, {:.0f} mm; cuts {}, {:.0f} mm; {} rigid faces\n", report.folds,
@@ -309,11 +314,14 @@ constexpr std::uintmax_t kSpecLimitBytes = 64u << 20;
 Result<void> design_into(const Options& options, const Globals& globals) {
   const auto formats = parse_formats(options.formats);
   if (!formats) return tl::unexpected(formats.error());
-  const auto fold_frames = parse_opening_angles(options.fold_frames);
-  if (!fold_frames)
-    return fail(fold_frames.error().kind, "--fold-frames", fold_frames.error().detail);
-  auto angles = angles_of(options.motion);
-  if (!angles) return tl::unexpected(angles.error());
+  std::optional<std::vector<double>> fold_frames;
+  if (options.fold_frames) {
+    const auto given = parse_opening_angles(*options.fold_frames);
+    if (!given) return fail(given.error().kind, "--fold-frames", given.error().detail);
+    fold_frames = *given;
+  }
+  if (const auto valid = angles_of(options.motion, Pattern().design_psi_rad); !valid)
+    return tl::unexpected(valid.error());
   const auto text = read_file(options.spec, kSpecLimitBytes);
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
@@ -335,7 +343,8 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (!folder) return tl::unexpected(folder.error());
   std::string unsound;
   auto made = timed_design(*spec, *assets, unsound);
-  if (!made && made.error().reason == ErrorReason::Misplaced)
+  if (!made && made.error().reason == ErrorReason::Misplaced &&
+      spec->placement.design_angle_deg == 90.0)
     made.error().detail += ", or see 'popcut design --place'";
   if (!made && !unsound.empty())
     return tl::unexpected(
@@ -349,10 +358,12 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   }
 
   const bool is_one = made->parts.size() == 1;
+  const auto angles = angles_of(options.motion, made->parts.front().pattern.design_psi_rad);
+  if (!angles) return tl::unexpected(angles.error());
   for (std::size_t p = 0; p < made->parts.size(); ++p) {
     const Job job{
         made->parts[p], is_one ? &*made : nullptr,
-        dashed[p],      {"popcut " POPCUT_VERSION, *fold_frames, options.fold_cuts == "split"},
+        dashed[p],      {"popcut " POPCUT_VERSION, fold_frames, options.fold_cuts == "split"},
         *angles,        *thickness};
     folder->enter(is_one ? "" : part_folder(p));
     for (const Format& format : *formats)
@@ -454,7 +465,7 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
       ->add_option(
           "--fold-frames", options->fold_frames,
           "Opening angles (psi) of the poses in pattern.fold, in radians or as 90deg; pi is flat, "
-          "pi/2 the designed shape")
+          "pi/2 the designed shape (or design_angle_deg of SPEC)")
       ->option_text("LIST [pi,pi/2,1.1]");
   one_word(command->add_option("--fold-cuts", options->fold_cuts,
                                "How pattern.fold stores a cut: split (as two border edges B) or C "

@@ -64,8 +64,10 @@ void add_motion_options(CLI::App& command, MotionOptions& options) {
                       "Opening angle (psi) of the first pose, in radians or as 90deg; pi is flat")
           ->option_text("ANGLE [pi]");
   command
-      .add_option("--to-psi", options.to_psi,
-                  "Opening angle (psi) of the last pose; pi/2 is the designed shape, 0 is closed")
+      .add_option(
+          "--to-psi", options.to_psi,
+          "Opening angle (psi) of the last pose, 0 is closed; default: the angle the card is "
+          "designed for, pi/2 without design_angle_deg")
       ->option_text("ANGLE [pi/2]");
   options.thickness_option =
       command
@@ -76,10 +78,11 @@ void add_motion_options(CLI::App& command, MotionOptions& options) {
           ->expected(0, 1);
 }
 
-Result<std::vector<double>> angles_of(const MotionOptions& options) {
+Result<std::vector<double>> angles_of(const MotionOptions& options, double design_psi_rad) {
   const auto from = opening_angle("--from-psi", options.from_psi);
   if (!from) return tl::unexpected(from.error());
-  const auto to = opening_angle("--to-psi", options.to_psi);
+  const auto to = options.to_psi.empty() ? Result<double>(design_psi_rad)
+                                         : opening_angle("--to-psi", options.to_psi);
   if (!to) return tl::unexpected(to.error());
   return opening_angles(*from, *to, options.frames);
 }

@@ -20,8 +20,8 @@ namespace popcut::cli {
 /// How a pattern is opened, as the user wrote it; shared by `design` and `deploy`.
 struct MotionOptions {
   int frames{60};
-  std::string from_psi{"pi"}, to_psi{"pi/2"};
-  std::string thickness;  ///< mm; empty: the material's
+  std::string from_psi{"pi"}, to_psi;  ///< no last one: the angle that it is designed for
+  std::string thickness;               ///< mm; empty: the material's
   const CLI::Option* from_option{};
   const CLI::Option* thickness_option{};
 };
@@ -31,8 +31,10 @@ void add_motion_options(CLI::App& command, MotionOptions& options);
 
 /// The angles of the frames.
 ///
+/// @param design_psi_rad  the last one where the user named none
 /// @retval Usage  no angles, or not a valid list of them
-[[nodiscard]] Result<std::vector<double>> angles_of(const MotionOptions& options);
+[[nodiscard]] Result<std::vector<double>> angles_of(const MotionOptions& options,
+                                                    double design_psi_rad);
 
 /// True when the user named the first angle.
 [[nodiscard]] bool from_is_given(const MotionOptions& options);

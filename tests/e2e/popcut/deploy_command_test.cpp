@@ -52,6 +52,31 @@ TEST_CASE("a design comes with its DXF and animation and sixty meshes", "[cli][e
         Names{"psi_001.stl", "psi_002.stl", "psi_003.stl"});
 }
 
+TEST_CASE("the poses of a design for another angle end at that angle",
+          "[cli][e2e][deploy][angle]") {
+  const Bench bench;
+  write_file(bench.temp / "barrel.json",
+             R"j({"popcut":1,"surface":{"type":"revolution","radius":"50"},"design_angle_deg":60,
+                 "units_per_slice":3,"slices":3,"widths_mm":20})j");
+  const Ran ran = bench.popcut(
+      {"design", "barrel.json", "-o", "barrel", "--frames", "3", "--formats", "fold,stl,report"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  CHECK_THAT(ran.err, Catch::Contains("right when the card is open to 60 degrees"));
+  constexpr double kSixty = 1.0471975511965976;
+  const json fold = json::parse(text_of_file(bench.temp / "barrel/pattern.fold"));
+  CHECK(fold["popcut:design_psi_rad"] == kSixty);
+  CHECK(fold["file_frames"][1]["frame_popcut:psi_rad"] == kSixty);
+  CHECK(json::parse(text_of_file(bench.temp / "barrel/report.json"))["design_angle_deg"] == 60);
+  // What is read back from the FOLD file ends there too, and is the same mesh.
+  const Ran again =
+      bench.popcut({"deploy", "barrel/pattern.fold", "-o", "again", "--frames", "3", "--json"});
+  REQUIRE(again.exit == 0);
+  CHECK(json::parse(again.out)["psi_to_rad"] == kSixty);
+  CHECK_THAT(text_of_file(bench.temp / "barrel/deploy/psi_003.stl").substr(0, 80),
+             Catch::Contains("psi 1.047198 rad"));
+}
+
 TEST_CASE("the option for solids takes an optional thickness before or after the file",
           "[cli][e2e][deploy]") {
   const Bench bench;

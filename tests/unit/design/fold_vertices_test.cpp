@@ -38,7 +38,7 @@ Design design_of(const std::string& lattice, int units, int slices, bool card = 
 
 std::string fold_text(const Design& made) {
   std::ostringstream out;
-  REQUIRE(write_fold(made.pattern, {"test", {kPi}}, out));
+  REQUIRE(write_fold(made.pattern, {"test", std::vector{kPi}}, out));
   return out.str();
 }
 

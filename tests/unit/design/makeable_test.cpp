@@ -10,6 +10,7 @@
 #include "core/design/makeable.hpp"
 #include "core/design/patches.hpp"
 #include "core/formats/write/report_json.hpp"
+#include "tests/support/meshes.hpp"
 
 namespace makeable_test {
 
@@ -99,6 +100,125 @@ TEST_CASE("with a given card the report says how far the structure sticks out",
   CHECK(free.report.warnings.empty());
   CHECK(any_says(free.report.notes, "sticks out of the card"));
   CHECK(made(kSphere + R"(,"card":false)").report.sticks_out_mm == 0.0);
+}
+
+TEST_CASE("the direct lattice keeps the shut structure inside a given card",
+          "[core][design][closing]") {
+  const auto with = [](const std::string& card, const char* lattice = "direct", int units = 6) {
+    return made(fmt::format(
+        R"j("surface":{{"type":"revolution","radius":"sqrt(60^2-(y-20)^2)"}},"units_per_slice":{},
+           "slices":6,"widths_mm":8,"lattice":"{}","card":{})j",
+        units, lattice, card));
+  };
+  // Where there is room nothing changes.
+  const Design wide = with("true");
+  const double whole = reach_when_shut(wide.pattern);
+  REQUIRE(whole > 88.0);
+  CHECK(reach_when_shut(with(R"({"wall_mm":140,"ground_mm":140})").pattern) == whole);
+  // Both measures hold it, or the one that is given; all with the margin.
+  double last = wide.report.surface_fit->to_target.mean_mm;
+  for (const double side : {92.0, 85.0, 75.0}) {
+    CAPTURE(side);
+    for (const char* card : {R"({{"wall_mm":{0},"ground_mm":{0},"margin_mm":6}})",
+                             R"({{"wall_mm":130,"ground_mm":{0},"margin_mm":6}})",
+                             R"({{"wall_mm":{0},"margin_mm":6}})"}) {
+      const Design held = with(fmt::format(fmt::runtime(card), side));
+      CHECK(reach_when_shut(held.pattern) <= side - 6 + 1e-3);
+      CHECK(held.report.sticks_out_mm == 0.0);
+      CHECK(held.report.degrees_of_freedom == 1);
+      // It costs nearness, and the report says what card the shape needs.
+      CHECK(held.report.surface_fit->to_target.mean_mm > last);
+      CHECK(any_says(held.report.warnings, "would hold the shape") == (side < 90.0));
+    }
+    last = with(fmt::format(R"({{"wall_mm":{0},"ground_mm":{0},"margin_mm":6}})", side))
+               .report.surface_fit->to_target.mean_mm -
+           1e-9;
+  }
+  // Others stick out and say so, with what would do; auto takes the one that keeps inside.
+  const std::string narrow = R"({"wall_mm":85,"ground_mm":85,"margin_mm":6})";
+  const Design out = with(narrow, "conformal");
+  CHECK(out.report.sticks_out_mm > 1.0);
+  CHECK(any_says(out.report.warnings, "use \"lattice\": \"direct\""));
+  const Design chosen = with(narrow, "auto");
+  CHECK(chosen.report.lattice == "direct");
+  CHECK(chosen.report.sticks_out_mm == 0.0);
+  // Steps that are too many for the card come first: it sticks out, with a warning.
+  const Design many = with(R"({"wall_mm":80,"ground_mm":80,"margin_mm":70})", "direct", 40);
+  CHECK(many.report.sticks_out_mm > 1.0);
+  CHECK(any_says(many.report.warnings, "make wall_mm and ground_mm at least"));
+}
+
+TEST_CASE("a longest step that is asked for is kept or the report says where it is not",
+          "[core][design]") {
+  const auto with = [](const char* lattice, double most) {
+    return made(fmt::format(
+        R"j("surface":{{"type":"revolution","radius":"sqrt(60^2-(y-20)^2)"}},"units_per_slice":6,
+           "slices":8,"widths_mm":6,"lattice":"{}","max_step_over_mean":{})j",
+        lattice, most));
+  };
+  const Design kept = with("conformal", 1.5);
+  CHECK(kept.report.lattice == "conformal");
+  CHECK(kept.report.step_over_mean_max <= 1.5 + 1e-9);
+  CHECK_FALSE(any_says(kept.report.warnings, "max_step_over_mean"));
+  const Design longer = with("slices", 1.5);
+  CHECK(longer.report.step_over_mean_max > 1.5);
+  CHECK(
+      any_says(longer.report.warnings, "max_step_over_mean is 1.5, but the longest step, at s = "));
+  // The value that it names will do.
+  const double enough = std::ceil(1000.0 * longer.report.step_over_mean_max) / 1000.0;
+  CHECK(any_says(longer.report.warnings, fmt::format("make it at least {:.4g}", enough)));
+  CHECK_FALSE(any_says(with("slices", enough).report.warnings, "max_step_over_mean"));
+}
+
+TEST_CASE("a limit that cannot be met is refused with the value that can", "[core][design]") {
+  const auto refusal = [](const std::string& more) {
+    const auto spec = parse_design_spec(fmt::format(
+        R"j({{"popcut":1,"surface":{{"type":"revolution","radius":"60"}},"units_per_slice":5,
+            "slices":4,"widths_mm":8{}}})j",
+        more));
+    if (!spec) FAIL(message(spec.error()));
+    const auto out = design(*spec);
+    return out ? std::string("made") : message(out.error());
+  };
+  // As asked; and with the value that the refusal names.
+  const std::string low = refusal(R"(,"card":{"wall_mm":40})");
+  CHECK_THAT(low, Catch::StartsWith("/card/wall_mm: is 40 mm; the structure reaches 60.0"));
+  const std::string least = "so at least ";
+  const double enough = std::stod(low.substr(low.find(least) + least.size()));
+  CHECK(enough == Approx(60.5).margin(0.01));
+  CHECK(refusal(fmt::format(R"(,"card":{{"wall_mm":{:.4f}}})", enough)) == "made");
+  CHECK_THAT(refusal(R"(,"splay":{"alpha":0.1,"ligament_mm":30})"),
+             Catch::Contains("connector 0, 4 mm wide: use a ligament_mm under 2 mm"));
+  CHECK(refusal(R"(,"splay":{"alpha":0.1,"ligament_mm":1.9})") == "made");
+  CHECK_THAT(refusal(R"(,"splay":{"alpha":0.1,"length_mm":50,"ligament_mm":1})"),
+             Catch::Contains("length_mm is 50 mm, at most 2 mm fits"));
+  CHECK(refusal(R"(,"splay":{"alpha":0.1,"length_mm":2,"ligament_mm":1})") == "made");
+}
+
+TEST_CASE("a target that is wholly out of reach is infeasible and names what to move",
+          "[core][design]") {
+  const auto refusal = [](const std::string& surface, const std::string& more = "") {
+    const auto spec = parse_design_spec(fmt::format(
+        R"j({{"popcut":1,"surface":{},"units_per_slice":5,"slices":4,"widths_mm":8{}}})j", surface,
+        more));
+    if (!spec) FAIL(message(spec.error()));
+    const auto out = design(
+        *spec, {{"b.stl", tests::binary_stl(tests::box_mesh({0, -5, 0}, {30, 50, 30}, false))}});
+    REQUIRE_FALSE(out);
+    CHECK(out.error().kind == ErrorKind::Infeasible);
+    return message(out.error());
+  };
+  const std::string behind = R"j({"type":"implicit","f":"(x+20)^2+z^2+y^2-100"})j";
+  for (const char* fit : {"", R"(,"fit":"nearest")"})
+    CHECK_THAT(refusal(behind, fit), Catch::Contains("no part of the solid is in the corner") &&
+                                         Catch::Contains("move it with translate_mm"));
+  CHECK_THAT(refusal(R"j({"type":"implicit","f":"(x-40)^2+(z-40)^2+(y-12)^2-400"})j"),
+             Catch::Contains("use \"fit\": \"nearest\" or another placement"));
+  const std::string box = R"({"type":"mesh","file":"b.stl"})";
+  CHECK_THAT(refusal(box, R"(,"translate_mm":[-40,0,0])"),
+             Catch::Contains("it spans x = -40 to -10") && Catch::Contains("translate_mm"));
+  CHECK_THAT(refusal(box, R"(,"translate_mm":[20,0,20])"),
+             Catch::Contains("\"fit\": \"nearest\"") && Catch::Contains("design --place"));
 }
 
 TEST_CASE("patches in one sheet are held by their common card when shut",

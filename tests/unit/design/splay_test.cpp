@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 #include "core/design/design.hpp"
+#include "core/design/shape_fit.hpp"
 #include "core/design/strips/multi_state.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/verify/verify.hpp"
@@ -45,7 +48,7 @@ TEST_CASE("splayed lattices verify as a whole with one freedom", "[core][splay][
   CHECK(d->pattern.v_folds.size() == static_cast<std::size_t>(4 * (units - 1)));
   std::ostringstream fold;
   FoldOptions frames;
-  frames.psi_rad = {kPi, 2.4, kPi / 2, 1.1, 0.3};
+  frames.psi_rad = std::vector{kPi, 2.4, kPi / 2, 1.1, 0.3};
   REQUIRE(write_fold(d->pattern, frames, fold));
   VerifyOptions options;
   options.degrees_of_freedom = 1;
@@ -69,6 +72,45 @@ TEST_CASE("the tip of a V-fold keeps its distances at every opening", "[core][sp
       CHECK_THAT(distance(tip, c), Catch::WithinAbs(fold.length_mm * fold.alpha, 1e-12));
     }
   }
+}
+
+TEST_CASE("the fit counts V-folds as they pop", "[core][splay][fit]") {
+  const auto plain = splayed(R"({"alpha":0})"), d = splayed(R"({"alpha":0.7})");
+  if (!d) FAIL(message(d.error()));
+  REQUIRE_FALSE(d->pattern.v_folds.empty());
+  // The faces of the pattern that are not wall or ground have the area that was measured.
+  const auto places = posed_vertices(d->pattern, d->pattern.design_psi_rad);
+  double area = 0.0;
+  for (std::size_t f = 0; f < d->pattern.faces(); ++f) {
+    const auto face = d->pattern.face(f);
+    bool wall = true, ground = true;
+    std::array<double, 3> sum{};  // twice the face's area as a vector
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const PatternVertex& p = d->pattern.vertices[face[k]];
+      wall = wall && p.x == 0.0, ground = ground && p.z == 0.0;
+      const auto &a = places[face[k]], &b = places[face[(k + 1) % face.size()]];
+      for (std::size_t i = 0; i < 3; ++i)
+        sum[i] += a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+    }
+    if (!wall && !ground) area += 0.5 * distance(sum, {0, 0, 0});
+  }
+  const FitFigures& fit = *d->report.surface_fit;
+  CHECK(fit.structure_mm2 == Approx(area).epsilon(1e-9));
+  // Each tip is a corner of what was measured, two panels have a notch each, and it shows.
+  std::vector<double> s_mm;
+  for (const SliceReport& slice : d->report.slices) s_mm.push_back(slice.s_mm);
+  const TriangleSoup soup = structure_triangles(d->strips, d->pattern, {d->strips, s_mm});
+  for (const VFold& fold : d->pattern.v_folds) {
+    int corners = 0;
+    for (std::size_t k = 0; k < soup.corners.size(); k += 3)
+      corners += std::abs(soup.corners[k] - places[fold.tip][0]) < 1e-12 &&
+                 std::abs(soup.corners[k + 2] - places[fold.tip][2]) < 1e-12;
+    CHECK(corners >= 2);
+  }
+  if (!plain) FAIL(message(plain.error()));
+  const auto whole = structure_triangles(plain->strips, plain->pattern, {plain->strips, s_mm});
+  CHECK(soup.size() == whole.size() + 10 * d->pattern.v_folds.size());
+  CHECK(fit.to_target.mean_mm != plain->report.surface_fit->to_target.mean_mm);
 }
 
 TEST_CASE("the centre fold is highest where alpha cos(psi/2) is one", "[core][splay]") {

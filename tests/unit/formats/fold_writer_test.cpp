@@ -76,7 +76,7 @@ TEST_CASE("the key frame is the flat sheet with the fold angles of a right openi
 TEST_CASE("each deployed frame has its angle and its own places and fold angles",
           "[core][formats][fold]") {
   const Pattern pattern = testing::box_card_pattern();
-  const json fold = written(pattern, {"test", {0.4, std::numbers::pi}});
+  const json fold = written(pattern, {"test", std::vector{0.4, std::numbers::pi}});
   REQUIRE(fold["file_frames"].size() == 2);
   for (const json& frame : fold["file_frames"]) {
     const double psi = frame["frame_popcut:psi_rad"];
@@ -117,11 +117,11 @@ TEST_CASE("a name with quotes and line breaks stays one JSON string", "[core][fo
 TEST_CASE("FOLD refuses values that JSON or a card cannot represent", "[core][formats][fold]") {
   std::ostringstream out;
   Pattern pattern = testing::box_card_pattern();
-  const auto over = write_fold(pattern, {"test", {1.0, 3.5}}, out);
+  const auto over = write_fold(pattern, {"test", std::vector{1.0, 3.5}}, out);
   REQUIRE_FALSE(over);
   CHECK(over.error().kind == ErrorKind::OutOfRange);
   CHECK(over.error().place == "fold frame 1");
-  CHECK_FALSE(write_fold(pattern, {"test", {std::nan("")}}, out));
+  CHECK_FALSE(write_fold(pattern, {"test", std::vector{std::nan("")}}, out));
   pattern.vertices[2].z = std::numeric_limits<double>::infinity();
   CHECK_FALSE(write_fold(pattern, {}, out));
   CHECK(out.str().empty());
