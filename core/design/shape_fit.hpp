@@ -20,6 +20,8 @@ class SpineMap {
  public:
   SpineMap(const Strips& strips, std::span<const double> s_mm);
   [[nodiscard]] double operator()(double v_mm) const;
+  /// The way back: v of a place along the target.
+  [[nodiscard]] double place_on_sheet(double s_mm) const;
 
  private:
   std::vector<double> v_, s_;
@@ -35,10 +37,13 @@ class SpineMap {
 /// The target itself, over the stretch of the spine that the strips take, or whole where it is a
 /// mesh or a grid.
 ///
-/// @param report  its slices, and its units for how finely formulas are cut into triangles
+/// @param report        its slices, and its units for how finely formulas are cut into triangles
+/// @param least_chord   their chords may stray by this share of the structure's size, even where
+///                      its units would ask for less
 [[nodiscard]] TriangleSoup target_triangles(const Strips& strips, const SpineMap& along,
                                             const DesignReport& report,
-                                            std::span<const TargetPiece> target);
+                                            std::span<const TargetPiece> target,
+                                            double least_chord = 0.0);
 
 /// How far the opened structure and the target are from each other, both ways. None where one of
 /// them has no area.
