@@ -295,8 +295,8 @@ class Picture {
       text_("Z\" fill=\"", i % 2 == 0 ? kPictureInk : std::string_view("#ffffff"), "\" stroke=\"",
             kPictureInk, "\" stroke-width=\"0.7\"/>\n");
     }
-    const auto [x, y] = camera_.project({bar_x_ + bar_deep_, bar_v_ + 0.5 * bar_mm_, 0});
-    text_.put(picture_text(x - 4, y + 18, fmt::format("{:g} mm", bar_mm_), "end"));
+    const auto [x, y] = camera_.project({bar_x_ + bar_deep_, bar_v_ + bar_mm_, 0});
+    text_.put(picture_text(x + 4, y + 20, fmt::format("{:g} mm", bar_mm_), "start"));
   }
 
   /// A length along an edge of the card, beside its middle, on the right side of the way a to b.
