@@ -52,6 +52,7 @@ set(libraries
   "tiny_gltf[.]h : core/deploy"
   "librsvg/.* : daemon/pictures"
   "cairo[.]h : daemon/pictures"
+  "png[.]h : daemon/pictures"
   "toml.* : daemon/config")
 set(most_files 32)  # sources and headers of a folder
 

@@ -8,12 +8,12 @@
 
 namespace popcut {
 
-/// An SVG drawing as a PNG on white, its larger side `largest_px` long (librsvg and cairo). The
-/// same drawing gives the same bytes, as long as the libraries and the fonts of its words are the
-/// same. Nothing outside of the drawing is read.
+/// An SVG drawing as a PNG on white, its larger side `largest_px` long (librsvg, cairo and libpng).
+/// The same drawing gives the same bytes, as long as the libraries and the fonts of its words are
+/// the same. Nothing outside of the drawing is read.
 ///
 /// @param svg  as popcut writes it: with a viewBox
-/// @retval Internal  librsvg or cairo cannot draw it; the detail is theirs
+/// @retval Internal  they cannot draw it; the detail is theirs
 [[nodiscard]] Result<std::string> png_of_svg(std::string_view svg, int largest_px);
 
 }  // namespace popcut
