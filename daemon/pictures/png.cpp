@@ -38,15 +38,19 @@ Result<std::string> packed(cairo_surface_t* surface, int width, int height) {
   cairo_surface_flush(surface);
   const unsigned char* const pixels = cairo_image_surface_get_data(surface);
   const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface));
-  std::vector<unsigned char> rgb;
-  rgb.reserve(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
-    for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x) {
+  std::vector<unsigned char> rgb(3 * static_cast<std::size_t>(width) *
+                                 static_cast<std::size_t>(height));
+  unsigned char* to = rgb.data();
+  for (int y = 0; y < height; ++y) {
+    const unsigned char* from = pixels + static_cast<std::size_t>(y) * stride;
+    for (int x = 0; x < width; ++x, from += 4, to += 3) {
       std::uint32_t pixel = 0;  // 0x00RRGGBB in the processor's own order
-      std::memcpy(&pixel, pixels + y * stride + 4 * x, sizeof pixel);
-      for (const int shift : {16, 8, 0})
-        rgb.push_back(static_cast<unsigned char>(pixel >> shift & 0xffU));
+      std::memcpy(&pixel, from, sizeof pixel);
+      to[0] = static_cast<unsigned char>(pixel >> 16);
+      to[1] = static_cast<unsigned char>(pixel >> 8);
+      to[2] = static_cast<unsigned char>(pixel);
     }
+  }
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   image.width = static_cast<png_uint_32>(width), image.height = static_cast<png_uint_32>(height);
