@@ -50,6 +50,9 @@ set(libraries
   "CLI/.* : daemon/(cli|popcut|popcutd)"
   "hpdf[.]h : core/formats/write"
   "tiny_gltf[.]h : core/deploy"
+  "librsvg/.* : daemon/pictures"
+  "cairo[.]h : daemon/pictures"
+  "png[.]h : daemon/pictures"
   "toml.* : daemon/config")
 set(most_files 32)  # sources and headers of a folder
 

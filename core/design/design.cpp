@@ -16,7 +16,6 @@
 #include "core/design/lattice/lattice.hpp"
 #include "core/design/lattice_choice.hpp"
 #include "core/design/run_layout.hpp"
-#include "core/design/shape_fit.hpp"
 #include "core/design/strips/closing.hpp"
 #include "core/design/strips/figures.hpp"
 #include "core/design/strips/mobility.hpp"
@@ -515,7 +514,6 @@ class Designer {
         (spec_.is_patch ? r.notes : r.warnings).push_back(std::move(said));
     out.edges = std::move(sliced_.edges);
     out.target = sliced_.pieces;
-    if (!spec_.is_patch) r.surface_fit = surface_fit(out.strips, out.pattern, r, out.target);
     return out;
   }
 

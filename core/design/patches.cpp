@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "core/design/design_report.hpp"
-#include "core/design/shape_fit.hpp"
 #include "core/design/strips/mobility.hpp"
 #include "core/design/strips/multi_state.hpp"
 #include "core/design/strips/pattern_builder.hpp"
@@ -214,8 +213,6 @@ class Assembler {
     add_closing(laid->built.pattern, all_free ? CardShut::Free : CardShut::Inside, part.report);
     part.target = targets_of(begin, end, part.report, laid->joined);
     laid->built.pattern.design_psi_rad = made_[begin].pattern.design_psi_rad;
-    part.report.surface_fit =
-        surface_fit(laid->joined.strips, laid->built.pattern, part.report, part.target);
     part.strips = std::move(laid->joined.strips);
     part.pattern = std::move(laid->built.pattern);
     out_.parts.push_back(std::move(part));

@@ -70,6 +70,17 @@ void add_v_folds(const Pattern& pattern, const SpineMap& along, TriangleSoup& ou
       out.add(at(fold.apex), at(fold.tip), at(pattern.edges[side].to));
 }
 
+/// Piecewise linear through the points (from, to), and on with slope 1 beyond them.
+double mapped(const std::vector<double>& from, const std::vector<double>& to, double at) {
+  if (from.empty()) return at;
+  const auto after =
+      static_cast<std::size_t>(std::upper_bound(from.begin(), from.end(), at) - from.begin());
+  if (after == 0) return to.front() + (at - from.front());
+  if (after == from.size()) return to.back() + (at - from.back());
+  const double share = (at - from[after - 1]) / (from[after] - from[after - 1]);
+  return to[after - 1] + share * (to[after] - to[after - 1]);
+}
+
 /// Two digits, never in powers of ten.
 std::string mm_in_words(double mm) {
   return mm >= 10.0 ? fmt::format("{:.0f} mm", mm) : fmt::format("{:.2g} mm", mm);
@@ -94,15 +105,9 @@ SpineMap::SpineMap(const Strips& strips, std::span<const double> s_mm) {
     if (count[j] > 0.0) v_.push_back(place[j] / count[j]), s_.push_back(s_mm[j]);
 }
 
-double SpineMap::operator()(double v_mm) const {
-  if (v_.empty()) return v_mm;
-  const auto after =
-      static_cast<std::size_t>(std::upper_bound(v_.begin(), v_.end(), v_mm) - v_.begin());
-  if (after == 0) return s_.front() + (v_mm - v_.front());
-  if (after == v_.size()) return s_.back() + (v_mm - v_.back());
-  const double share = (v_mm - v_[after - 1]) / (v_[after] - v_[after - 1]);
-  return s_[after - 1] + share * (s_[after] - s_[after - 1]);
-}
+double SpineMap::operator()(double v_mm) const { return mapped(v_, s_, v_mm); }
+
+double SpineMap::place_on_sheet(double s_mm) const { return mapped(s_, v_, s_mm); }
 
 TriangleSoup structure_triangles(const Strips& strips, const Pattern& pattern,
                                  const SpineMap& along) {
@@ -141,7 +146,8 @@ TriangleSoup structure_triangles(const Strips& strips, const Pattern& pattern,
 }
 
 TriangleSoup target_triangles(const Strips& strips, const SpineMap& along,
-                              const DesignReport& report, std::span<const TargetPiece> target) {
+                              const DesignReport& report, std::span<const TargetPiece> target,
+                              double least_chord) {
   double from = std::numeric_limits<double>::infinity(), to = -from;
   double reach_x = 0.0, reach_z = 0.0;
   for (std::size_t k = 0; k < strips.size(); ++k) {
@@ -158,7 +164,8 @@ TriangleSoup target_triangles(const Strips& strips, const SpineMap& along,
   }
   if (!(to > from) || !(reach_x > 0.0) || !(reach_z > 0.0)) return {};
   const int units = *std::max_element(report.units_per_slice.begin(), report.units_per_slice.end());
-  const double finest = kChord * 0.5 * (reach_x + reach_z) / std::max(units, 1);
+  const double finest = std::max(kChord * 0.5 * (reach_x + reach_z) / std::max(units, 1),
+                                 least_chord * 0.5 * (reach_x + reach_z));
   TriangleSoup out;
   for (const TargetPiece& piece : target) {
     const double begin = std::max(from, piece.from_mm), end = std::min(to, piece.to_mm);
@@ -174,15 +181,13 @@ TriangleSoup target_triangles(const Strips& strips, const SpineMap& along,
   return out;
 }
 
-std::optional<FitFigures> surface_fit(const Strips& strips, const Pattern& pattern,
-                                      const DesignReport& report,
-                                      std::span<const TargetPiece> target) {
+std::optional<FitFigures> surface_fit(const Design& design) {
   std::vector<double> s_mm;
-  for (const SliceReport& slice : report.slices) s_mm.push_back(slice.s_mm);
-  const SpineMap along(strips, s_mm);
-  const FitTarget aim(target_triangles(strips, along, report, target), {},
-                      Opening::of_rad(pattern.design_psi_rad));
-  FitFigures figures = aim.measure(structure_triangles(strips, pattern, along));
+  for (const SliceReport& slice : design.report.slices) s_mm.push_back(slice.s_mm);
+  const SpineMap along(design.strips, s_mm);
+  const FitTarget aim(target_triangles(design.strips, along, design.report, design.target), {},
+                      Opening::of_rad(design.pattern.design_psi_rad));
+  FitFigures figures = aim.measure(structure_triangles(design.strips, design.pattern, along));
   if (figures.to_target.samples == 0) return std::nullopt;
   return figures;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/design/chain/slicing.hpp"
+#include "core/design/design.hpp"
 #include "core/design/spec/report.hpp"
 #include "core/design/strips/strips.hpp"
 #include "core/fit/fit.hpp"
@@ -21,6 +22,8 @@ class SpineMap {
   SpineMap() = default;
   SpineMap(const Strips& strips, std::span<const double> s_mm);
   [[nodiscard]] double operator()(double v_mm) const;
+  /// The way back: v of a place along the target.
+  [[nodiscard]] double place_on_sheet(double s_mm) const;
 
  private:
   std::vector<double> v_, s_;
@@ -36,19 +39,18 @@ class SpineMap {
 /// The target itself in space, over the stretch of the spine that the strips take, or whole where
 /// it is a mesh or a grid.
 ///
-/// @param report  its slices, and its units for how finely formulas are cut into triangles
+/// @param report        its slices, and its units for how finely formulas are cut into triangles
+/// @param least_chord   their chords may stray by this share of the structure's size, even where
+///                      its units would ask for less
 [[nodiscard]] TriangleSoup target_triangles(const Strips& strips, const SpineMap& along,
                                             const DesignReport& report,
-                                            std::span<const TargetPiece> target);
+                                            std::span<const TargetPiece> target,
+                                            double least_chord = 0.0);
 
-/// How far the opened structure and the target are from each other, both ways. None where one of
-/// them has no area.
-///
-/// @param pattern  the strips' own: has their V-folds, and the opening angle that the target is for
-/// @param report   needs `slices` and `units_per_slice`
-[[nodiscard]] std::optional<FitFigures> surface_fit(const Strips& strips, const Pattern& pattern,
-                                                    const DesignReport& report,
-                                                    std::span<const TargetPiece> target);
+/// How far the opened structure and the target are from each other, both ways: for
+/// `report.surface_fit`, which designing leaves out, since it takes as long as a small design. None
+/// where one of them has no area.
+[[nodiscard]] std::optional<FitFigures> surface_fit(const Design& design);
 
 /// The fit in one line of words: how far off on average, and how much of the target is there.
 [[nodiscard]] std::string fit_in_words(const FitFigures& fit);

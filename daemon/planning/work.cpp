@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/design/shape_fit.hpp"
 #include "core/plan/marks.hpp"
 #include "core/plan/plan.hpp"
 #include "core/text/json_text.hpp"
@@ -171,6 +172,7 @@ Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add) {
   sources.material = options->material;
   sources.designed = [&](const DesignSpec& spec, PatchAssembly& made) -> Result<void> {
     if (const auto ids = asset_ids(spec)) outcome.assets = *ids;
+    for (Design& part : made.parts) part.report.surface_fit = surface_fit(part);
     return add_design_files(made, add, outcome.warnings);
   };
   const auto read = [&](const SvgReadOptions& how) -> Result<DrawingInput> {

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 
 #include "core/formats/fold/fold_writer.hpp"
-#include "core/formats/write/deployed_svg.hpp"
 #include "core/formats/write/pattern_files.hpp"
+#include "core/picture/deployed_svg.hpp"
 #include "tests/support/box_card.hpp"
 
 namespace formats_bench {
@@ -26,7 +26,7 @@ TEST_CASE("writing a pattern of 200 000 faces and 800 000 vertices", "[.][bench]
   };
   BENCHMARK("deployed.svg") {
     std::ostringstream out;
-    write_deployed_svg(pattern, 1.5, {}, out);
+    write_deployed_svg(card_scene(pattern), 1.5, {}, out);
     return out.str().size();
   };
 }

@@ -12,6 +12,7 @@
 
 #include "core/design/patches.hpp"
 #include "core/design/placement.hpp"
+#include "core/design/shape_fit.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "core/verify/verify.hpp"
@@ -135,7 +136,7 @@ TEST_CASE("the fit of a design is that of its panels in space at the design angl
         }
       }
     }
-    const FitFigures& fit = *made.report.surface_fit;
+    const FitFigures fit = *surface_fit(made);
     CHECK(fit.to_target.mean_mm == Approx(sum / area).epsilon(0.01));
     CHECK(fit.to_target.max_mm == Approx(farthest).epsilon(0.02));
     CHECK(fit.structure_mm2 == Approx(area).epsilon(1e-6));
@@ -153,7 +154,7 @@ TEST_CASE("more units come nearer to the target at its design angle",
     for (const int units : {3, 6, 12, 24}) {
       CAPTURE(angle_deg, units);
       const Design made = designed(spec_of(kBarrel, angle_deg, "", units));
-      const double off = made.report.surface_fit->to_target.mean_mm;
+      const double off = surface_fit(made)->to_target.mean_mm;
       CHECK(off < 0.65 * before);
       before = off;
     }

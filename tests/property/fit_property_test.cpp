@@ -14,6 +14,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/design/patches.hpp"
+#include "core/design/shape_fit.hpp"
 #include "core/fit/fit.hpp"
 #include "tests/support/meshes.hpp"
 
@@ -387,9 +388,10 @@ TEST_CASE("the fit of targets of all kinds agrees with an independent measure", 
     DYNAMIC_SECTION(one.name) {
       const auto made = designed(one.spec, one.assets);
       if (!made) FAIL(message(made.error()));
-      REQUIRE(made->report.surface_fit);
+      const auto fit = surface_fit(*made);
+      REQUIRE(fit);
       const Standing structure = standing(*made);
-      check_fit(*made->report.surface_fit, *made, one.charts(structure.from_mm, structure.to_mm));
+      check_fit(*fit, *made, one.charts(structure.from_mm, structure.to_mm));
     }
   }
 }
@@ -402,8 +404,7 @@ TEST_CASE("the fit of a ball that is half out of reach agrees with an independen
       R"("surface":{"type":"mesh","file":"ball.stl"},"fit":"nearest","translate_mm":[28,20,28],"units_per_slice":5,"slices":7,"widths_mm":6)",
       {{"ball.stl", binary_stl(ball)}});
   if (!made) FAIL(message(made.error()));
-  REQUIRE(made->report.surface_fit);
-  const FitFigures& fit = *made->report.surface_fit;
+  const FitFigures fit = surface_fit(*made).value();
   const Standing structure = standing(*made);
   std::vector<Chart> charts;  // a triangle each, drawn together at one corner
   for (std::size_t t = 0; t < ball.size(); ++t) {

@@ -106,12 +106,19 @@ class TetrahedraMarch {
       std::size_t ins = 0, outs = 0;
       for (const unsigned c : tetrahedron)
         ((inside >> c) & 1u) != 0 ? in[ins++] = c : out[outs++] = c;
-      const auto cross = [&](unsigned a, unsigned b) { return crossing(i, j, k, a, b); };
-      if (ins == 1) out_.add(cross(in[0], out[0]), cross(in[0], out[1]), cross(in[0], out[2]));
-      if (ins == 3) out_.add(cross(in[0], out[0]), cross(in[1], out[0]), cross(in[2], out[0]));
-      if (ins == 2)
-        out_.add(cross(in[0], out[0]), cross(in[0], out[1]), cross(in[1], out[1]),
-                 cross(in[1], out[0]));
+      const auto at = [&](unsigned a, unsigned b) { return crossing(i, j, k, a, b); };
+      const Vec3 outward = point(out[0] & 1u, (out[0] >> 1) & 1u, out[0] >> 2) -
+                           point(in[0] & 1u, (in[0] >> 1) & 1u, in[0] >> 2);
+      const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+        const Vec3 ab = b - a, ac = c - a;
+        dot(cross(ab, ac), outward) < 0.0 ? out_.add(a, c, b) : out_.add(a, b, c);
+      };
+      if (ins == 1) add(at(in[0], out[0]), at(in[0], out[1]), at(in[0], out[2]));
+      if (ins == 3) add(at(in[0], out[0]), at(in[1], out[0]), at(in[2], out[0]));
+      if (ins == 2) {
+        add(at(in[0], out[0]), at(in[0], out[1]), at(in[1], out[1]));
+        add(at(in[0], out[0]), at(in[1], out[1]), at(in[1], out[0]));
+      }
     }
   }
 

@@ -13,6 +13,7 @@
 #include "core/formats/csv/segments_reader.hpp"
 #include "core/formats/fold/fold_reader.hpp"
 #include "core/machines/machine.hpp"
+#include "core/picture/poster.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
 #include "daemon/files/output_folder.hpp"
@@ -93,7 +94,8 @@ Result<void> write_all(const Options& options, const Source& source, double thic
     if (auto done = add_glb(source.pattern, angles, thickness_mm, folder); !done) return done;
   }
   if (options.poster) {
-    if (auto done = add_poster(source.pattern, angles, folder); !done) return done;
+    if (auto done = add_poster(source.pattern, angles, PosterOptions{}.scene, folder); !done)
+      return done;
   }
   if (options.film) return add_film(source.pattern, angles, folder);
   return {};

@@ -5,8 +5,10 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,12 +20,14 @@
 #include "core/design/shape_fit.hpp"
 #include "core/drawing/linework.hpp"
 #include "core/formats/fold/fold_writer.hpp"
-#include "core/formats/write/deployed_svg.hpp"
 #include "core/formats/write/pattern_files.hpp"
 #include "core/formats/write/profile_svg.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "core/formats/write/segments_csv.hpp"
 #include "core/machines/machine.hpp"
+#include "core/picture/deployed_svg.hpp"
+#include "core/picture/sheet_picture.hpp"
+#include "core/picture/target_on_sheet.hpp"
 #include "core/plan/knife/micro_cut.hpp"
 #include "core/text/utf8.hpp"
 #include "daemon/cli/command.hpp"
@@ -34,6 +38,7 @@
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
+#include "daemon/pictures/png.hpp"
 #include "daemon/planning/design_files.hpp"
 #include "daemon/planning/sound_design.hpp"
 
@@ -42,15 +47,28 @@ namespace design_command {
 namespace {
 
 struct Options {
-  std::string spec, folder, formats{"fold,svg,cut,dxf,csv,glb,stl,report"}, fold_cuts{"split"},
-      example;
+  std::string spec, folder, formats{"fold,svg,cut,dxf,csv,glb,png,poster,report"},
+      fold_cuts{"split"}, example;
   std::optional<std::string> fold_frames;
   MotionOptions motion;
   bool schema{false}, list{false};
-  std::string place;
+  std::string place, colour{"paper"};
 };
 
 // 1. The files of a design: a row a format.
+
+constexpr std::size_t kMostPanels = 12'000, kMostPanelsOfPoster = 4'000;  // drawn; more are thinned
+
+/// The target, where it stands around the opened pattern; empty where no picture is wanted.
+struct Scenery {
+  TriangleSoup ghost;   ///< coarse
+  TriangleSoup target;  ///< as fine as it is measured; only where errors are coloured
+
+  [[nodiscard]] SceneOptions scene(std::size_t most_panels) const {
+    return target.size() > 0 ? SceneOptions{nullptr, &target, most_panels}
+                             : SceneOptions{&ghost, nullptr, most_panels};
+  }
+};
 
 /// What the writers need beside the design.
 struct Job {
@@ -60,6 +78,7 @@ struct Job {
   FoldOptions fold;
   std::vector<double> psi_rad;  ///< of the meshes
   double thickness_mm{};        ///< of the meshes; 0: one surface
+  const Scenery& scenery;
 };
 
 using Streamed = std::function<Result<void>(std::ostream&)>;
@@ -124,12 +143,30 @@ Result<void> add_pdf(const Job& job, OutputFolder& folder) {
   return folder.add("pattern.pdf", *pdf);
 }
 
+void write_picture(const Job& job, std::ostream& out) {
+  const CardScene scene = card_scene(job.made.pattern, job.scenery.scene(kMostPanels));
+  write_deployed_svg(scene, job.made.pattern.design_psi_rad, {.labels = Labels::All}, out);
+}
+
 Result<void> add_picture(const Job& job, OutputFolder& folder) {
   return folder.add("deployed.svg", Streamed([&](std::ostream& out) -> Result<void> {
-                      write_deployed_svg(job.made.pattern, job.made.pattern.design_psi_rad, View{},
-                                         out);
+                      write_picture(job, out);
                       return {};
                     }));
+}
+
+Result<void> add_png(const Job& job, OutputFolder& folder) {
+  constexpr int kLargestPx = 1200;
+  std::ostringstream pattern, card;
+  write_sheet_picture(job.made.pattern, pattern);
+  write_picture(job, card);
+  for (const auto& [name, svg] :
+       {std::pair("pattern.png", pattern.str()), std::pair("deployed.png", card.str())}) {
+    const auto png = png_of_svg(svg, kLargestPx);
+    if (!png) return tl::unexpected(png.error());
+    if (auto done = folder.add(name, *png); !done) return done;
+  }
+  return {};
 }
 
 Result<void> add_stl(const Job& job, OutputFolder& folder) {
@@ -145,7 +182,7 @@ Result<void> add_animation(const Job& job, OutputFolder& folder) {
 }
 
 Result<void> add_poses(const Job& job, OutputFolder& folder) {
-  return add_poster(job.made.pattern, job.psi_rad, folder);
+  return add_poster(job.made.pattern, job.psi_rad, job.scenery.scene(kMostPanelsOfPoster), folder);
 }
 
 Result<void> add_report(const Job& job, OutputFolder& folder) {
@@ -167,6 +204,7 @@ constexpr std::array kFormats{
     Format{"csv", "segments.csv", add_csv},
     Format{"pdf", "pattern.pdf", add_pdf},
     Format{"cricut", "cricut.svg", add_cricut},
+    Format{"png", "pattern.png deployed.png", add_png},
     Format{"picture", "deployed.svg", add_picture},
     Format{"poster", "poster.svg", add_poses},
     Format{"glb", "deploy.glb", add_animation},
@@ -191,6 +229,12 @@ Result<std::vector<Format>> parse_formats(std::string_view text) {
     if (std::none_of(chosen.begin(), chosen.end(), same)) chosen.push_back(*found);
   }
   return chosen;
+}
+
+bool are_drawn(const std::vector<Format>& formats) {
+  return std::any_of(formats.begin(), formats.end(), [](const Format& f) {
+    return f.name == "png" || f.name == "picture" || f.name == "poster";
+  });
 }
 
 // 2. What is said about it.
@@ -284,6 +328,8 @@ Result<PatchAssembly> timed_design(const DesignSpec& spec, const SurfaceAssets& 
                                    std::string& unsound) {
   const auto start = std::chrono::steady_clock::now();
   auto made = planning::sound_design(spec, assets, &unsound);
+  if (made)
+    for (Design& part : made->parts) part.report.surface_fit = surface_fit(part);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   if (made)
     for (Design& part : made->parts) part.report.seconds = took.count();
@@ -309,6 +355,17 @@ LineWork dashed_page(const Material& material, Design& made) {
   return std::move(dashed.work);
 }
 
+/// The material that a spec names; errors say where.
+Result<Material> material_of(const DesignSpec& spec, const std::string& spec_file) {
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  auto material = find_material(spec.material, tables->texts);
+  if (material) return *material;
+  const Error error = tables->with_file(material.error());
+  return fail(error.place.empty() ? ErrorKind::OutOfRange : error.kind,
+              error.place.empty() ? spec_file + ": /material" : error.place, error.detail);
+}
+
 constexpr std::uintmax_t kSpecLimitBytes = 64u << 20;
 
 Result<void> design_into(const Options& options, const Globals& globals) {
@@ -326,14 +383,8 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
   if (!spec) return tl::unexpected(within(options.spec, spec.error()));
-  const auto tables = read_user_tables();
-  if (!tables) return tl::unexpected(tables.error());
-  const auto material = find_material(spec->material, tables->texts);
-  if (!material) {
-    const Error error = tables->with_file(material.error());
-    return fail(error.place.empty() ? ErrorKind::OutOfRange : error.kind,
-                error.place.empty() ? options.spec + ": /material" : error.place, error.detail);
-  }
+  const auto material = material_of(*spec, options.spec);
+  if (!material) return tl::unexpected(material.error());
   planning::suit_material(*material, *spec);
   const auto thickness = thickness_of(options.motion, material->thickness_mm);
   if (!thickness) return tl::unexpected(thickness.error());
@@ -358,13 +409,18 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   }
 
   const bool is_one = made->parts.size() == 1;
+  const bool has_pictures = are_drawn(*formats), has_errors = options.colour == "error";
   const auto angles = angles_of(options.motion, made->parts.front().pattern.design_psi_rad);
   if (!angles) return tl::unexpected(angles.error());
   for (std::size_t p = 0; p < made->parts.size(); ++p) {
-    const Job job{
-        made->parts[p], is_one ? &*made : nullptr,
-        dashed[p],      {"popcut " POPCUT_VERSION, fold_frames, options.fold_cuts == "split"},
-        *angles,        *thickness};
+    const Design& part = made->parts[p];
+    Scenery scenery;
+    if (has_pictures && !has_errors) scenery.ghost = target_on_sheet(part, true);
+    if (has_pictures && has_errors) scenery.target = target_on_sheet(part, false);
+    const Job job{part,      is_one ? &*made : nullptr,
+                  dashed[p], {"popcut " POPCUT_VERSION, fold_frames, options.fold_cuts == "split"},
+                  *angles,   *thickness,
+                  scenery};
     folder->enter(is_one ? "" : part_folder(p));
     for (const Format& format : *formats)
       if (auto done = format.add(job, *folder); !done) return done;
@@ -394,8 +450,11 @@ Result<void> design_into(const Options& options, const Globals& globals) {
 Result<void> place(const Options& options, const Globals& globals) {
   const auto text = read_file(options.spec, kSpecLimitBytes);
   if (!text) return tl::unexpected(text.error());
-  const auto spec = parse_design_spec(*text);
+  auto spec = parse_design_spec(*text);
   if (!spec) return tl::unexpected(within(options.spec, spec.error()));
+  const auto material = material_of(*spec, options.spec);
+  if (!material) return tl::unexpected(material.error());
+  planning::suit_material(*material, *spec);  // what is tried is what will be designed
   const auto assets = load_assets(*spec, options.spec);
   if (!assets) return tl::unexpected(within(options.spec, assets.error()));
   if (auto done =
@@ -431,18 +490,20 @@ constexpr const char* kHelp =
     "  popcut design sphere.json -o sphere\n\n"
     "SPEC describes the shape (a formula, a table of heights or a 3D model) and how finely to\n"
     "slice it. popcut writes into DIR:\n\n"
-    "  pattern.svg         the pattern, to look at\n"
-    "  cut.svg             the pattern, to cut: each dash of a fold is a path\n"
-    "  pattern.fold        the flat sheet and its opened poses, for origami programs\n"
-    "  pattern.dxf         the pattern for CAD programs\n"
-    "  segments.csv        one row for each panel\n"
-    "  deploy.glb          an animation of the card as it opens\n"
-    "  deploy/psi_NNN.stl  a 3D model of each pose\n"
-    "  report.json         sizes, and the distance from your shape\n\n"
+    "  pattern.png   a picture of the sheet\n"
+    "  deployed.png  a picture of the opened card, your shape around it in blue\n"
+    "  poster.svg    pictures of the card as it opens\n"
+    "  pattern.svg   the pattern, to look at\n"
+    "  cut.svg       the pattern, to cut: each dash of a fold is a path\n"
+    "  pattern.fold  the flat sheet and its opened poses, for origami programs\n"
+    "  pattern.dxf   the pattern for CAD programs\n"
+    "  segments.csv  one row for each panel\n"
+    "  deploy.glb    an animation of the card as it opens\n"
+    "  report.json   sizes, and the distance from your shape\n\n"
     "--formats also knows pdf (pattern.pdf, to print), cricut (cricut.svg, for Design Space),\n"
-    "picture (deployed.svg) and poster (poster.svg, several poses). manifest.json lists the\n"
-    "files of the last run; a new run removes those that it does not write, and keeps all other\n"
-    "files in DIR.";
+    "picture (deployed.svg) and stl (deploy/psi_NNN.stl, a 3D model of each pose).\n"
+    "manifest.json lists the files of the last run; a new run removes those that it does not\n"
+    "write, and keeps all other files in DIR.";
 
 }  // namespace
 }  // namespace design_command
@@ -457,10 +518,15 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
                    "Folder for the files; created if it does not exist")
       ->option_text("DIR");
   command
-      ->add_option("--formats", options->formats,
-                   "Files to write, separated by commas: fold svg cut dxf csv pdf cricut picture "
-                   "poster glb stl report")
-      ->option_text("LIST [fold,svg,cut,dxf,csv,glb,stl,report]");
+      ->add_option(
+          "--formats", options->formats,
+          "Files to write, separated by commas: fold svg cut dxf csv pdf cricut png picture "
+          "poster glb stl report")
+      ->option_text("LIST [fold,svg,cut,dxf,csv,glb,png,poster,report]");
+  one_word(command->add_option("--colour", options->colour,
+                               "Colours of the panels in pictures of the opened card: paper, or "
+                               "error (how far each panel is from your shape)"),
+           {"paper", "error"}, "paper");
   command
       ->add_option(
           "--fold-frames", options->fold_frames,

@@ -11,7 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/deploy/pose_table.hpp"
-#include "core/deploy/poster.hpp"
+#include "core/picture/poster.hpp"
 #include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/planning/design_files.hpp"
@@ -137,10 +137,11 @@ Result<void> add_glb(const Pattern& pattern, const std::vector<double>& psi_rad,
 }
 
 Result<void> add_poster(const Pattern& pattern, const std::vector<double>& psi_rad,
-                        OutputFolder& folder) {
+                        const SceneOptions& scene, OutputFolder& folder) {
   constexpr std::size_t kPoses = 6;
   return folder.add("poster.svg", Streamed([&](std::ostream& out) {
-                      return write_poster_svg(pattern, drawn_angles(psi_rad, kPoses), {}, out);
+                      return write_poster_svg(pattern, drawn_angles(psi_rad, kPoses),
+                                              {.scene = scene}, out);
                     }));
 }
 

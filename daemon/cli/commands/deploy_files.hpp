@@ -7,6 +7,7 @@
 #include "core/deploy/sheet_mesh.hpp"
 #include "core/deploy/stl.hpp"
 #include "core/pattern/pattern.hpp"
+#include "core/picture/deployed_svg.hpp"
 #include "core/result.hpp"
 #include "daemon/files/output_folder.hpp"
 
@@ -59,7 +60,7 @@ void give_back_file(MotionOptions& options, std::string& file);
 
 /// Writes "poster.svg": six poses from the first angle to the last.
 [[nodiscard]] Result<void> add_poster(const Pattern& pattern, const std::vector<double>& psi_rad,
-                                      OutputFolder& folder);
+                                      const SceneOptions& scene, OutputFolder& folder);
 
 /// Writes "film.svg": an SVG that plays the way there and back.
 [[nodiscard]] Result<void> add_film(const Pattern& pattern, const std::vector<double>& psi_rad,

@@ -37,17 +37,20 @@ std::size_t triangles(const fs::path& stl) { return (fs::file_size(stl) - 84) / 
 
 }  // namespace
 
-TEST_CASE("a design comes with its DXF and animation and sixty meshes", "[cli][e2e][deploy]") {
+TEST_CASE("a design comes with sixty meshes when they are asked for", "[cli][e2e][deploy]") {
   const Bench bench;
   bench.design("unit");
+  CHECK_FALSE(fs::exists(bench.temp / "unit/deploy"));
+  bench.design("unit", {"--formats", "stl,report"});
   const Names files = files_below(bench.temp / "unit");
-  for (const char* name : {"pattern.dxf", "deploy.glb", "deploy/psi_001.stl", "deploy/psi_060.stl"})
+  for (const char* name : {"deploy/psi_001.stl", "deploy/psi_060.stl"})
     CHECK(std::count(files.begin(), files.end(), name) == 1);
   const json report = json::parse(text_of_file(bench.temp / "unit/report.json"));
   CHECK(triangles(bench.temp / "unit/deploy/psi_001.stl") ==
         2 * report["panels"].get<std::size_t>());
   // Fewer frames take the others away.
-  bench.design("unit", {"--frames", "3", "--from-psi", "90deg", "--to-psi", "0.5"});
+  bench.design("unit",
+               {"--formats", "stl", "--frames", "3", "--from-psi", "90deg", "--to-psi", "0.5"});
   CHECK(files_below(bench.temp / "unit/deploy") ==
         Names{"psi_001.stl", "psi_002.stl", "psi_003.stl"});
 }
@@ -85,7 +88,9 @@ TEST_CASE("the option for solids takes an optional thickness before or after the
                              Names{"design", spec, "--thickness", "-o", "a"},
                              Names{"design", spec, "-o", "a", "--thickness", "0.27"},
                              Names{"design", spec, "-o", "a", "--thickness=0.27"}}) {
-    const Ran ran = bench.popcut(words);
+    Names asked = words;
+    asked.insert(asked.end(), {"--formats", "stl"});
+    const Ran ran = bench.popcut(asked);
     INFO(ran.err);
     REQUIRE(ran.exit == 0);
     // Four faces of 4 to 8 corners: prisms of 4 n - 4 triangles.
@@ -99,7 +104,7 @@ TEST_CASE("the option for solids takes an optional thickness before or after the
 
 TEST_CASE("deploying the FOLD file gives the meshes of the design", "[cli][e2e][deploy]") {
   const Bench bench;
-  bench.design("sphere", {"--frames", "5"});
+  bench.design("sphere", {"--frames", "5", "--formats", "fold,csv,stl"});
   const Ran ran = bench.popcut({"deploy", "sphere/pattern.fold", "-o", "poses", "--frames", "5",
                                 "--glb", "--poster", "--film", "--json"});
   INFO(ran.err);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -181,6 +182,58 @@ TEST_CASE("the schema is a JSON document", "[cli][e2e][design]") {
   CHECK(schema["properties"].contains("widths_mm"));
 }
 
+namespace {
+
+/// Width and height of a PNG file, from its header.
+std::array<unsigned, 2> png_size(const fs::path& file) {
+  const std::string bytes = text_of_file(file);
+  REQUIRE(bytes.size() > 100);
+  REQUIRE(bytes.substr(0, 8) == "\x89PNG\r\n\x1a\n");
+  const auto at = [&](std::size_t i) {
+    unsigned value = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+      value = value << 8 | static_cast<unsigned char>(bytes[i + k]);
+    return value;
+  };
+  return {at(16), at(20)};
+}
+
+}  // namespace
+
+TEST_CASE("a design comes with its pictures and without meshes", "[cli][e2e][design]") {
+  const Bench bench;
+  const std::string spec = kExamples + "fig2a.json";
+  const Ran ran = bench.design({spec, "-o", "out"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  CHECK(bench.files("out") == Names{"cut.svg", "deploy.glb", "deployed.png", "manifest.json",
+                                    "pattern.dxf", "pattern.fold", "pattern.png", "pattern.svg",
+                                    "poster.svg", "report.json", "segments.csv"});
+  for (const char* name : {"out/pattern.png", "out/deployed.png"}) {
+    const auto [width, height] = png_size(bench.temp / name);
+    CHECK(std::max(width, height) == 1200);
+    CHECK(std::min(width, height) > 400);
+  }
+  const std::string first = text_of_file(bench.temp / "out/deployed.png");
+  const std::string poster = text_of_file(bench.temp / "out/poster.svg");
+  CHECK(poster.find("blue: the shape asked for") != std::string::npos);
+  CHECK(poster.find("fill-opacity") != std::string::npos);
+
+  REQUIRE(bench.design({spec, "-o", "out", "--formats", "png"}).exit == 0);
+  CHECK(text_of_file(bench.temp / "out/deployed.png") == first);
+  REQUIRE(bench.design({spec, "-o", "out", "--formats", "picture,png,poster", "--colour", "error"})
+              .exit == 0);
+  CHECK(text_of_file(bench.temp / "out/deployed.png") != first);
+  for (const char* name : {"out/deployed.svg", "out/poster.svg"}) {
+    const std::string text = text_of_file(bench.temp / name);
+    CHECK(text.find("mean distance from the shape") != std::string::npos);
+    CHECK(text.find("fill-opacity") == std::string::npos);
+  }
+  const Ran blue = bench.design({spec, "-o", "out", "--colour", "blue"});
+  CHECK(blue.exit == 2);
+  CHECK(blue.err.find("one of paper, error") != std::string::npos);
+}
+
 TEST_CASE("a second run removes only the files that it no longer writes", "[cli][e2e][design]") {
   const Bench bench;
   const std::string spec = kExamples + "unit.json";
@@ -321,9 +374,8 @@ TEST_CASE("names with characters that XML forbids still give well-formed drawing
   json spec = json::parse(text_of_file(kExamples + "unit.json"));
   spec["name"] = "a\x01<b>\xEF\xBF\xBE & \xF0\x9F\x98\x80";
   write_file(bench.temp / "name.json", spec.dump());
-  REQUIRE(
-      bench.design({"name.json", "-o", "out", "--formats", "svg,cut,cricut,picture,poster"}).exit ==
-      0);
+  REQUIRE(bench.design({"name.json", "-o", "out", "--formats", "svg,cut,cricut,png,picture,poster"})
+              .exit == 0);
   REQUIRE(
       run_program({popcut_program(), "plan", "name.json", "-o", "plan"}, bench.temp.path()).exit ==
       0);
@@ -376,7 +428,8 @@ TEST_CASE("running out of memory gives one line and exit code 1", "[cli][e2e][de
 #else
   const Bench bench;
   write_file(bench.temp / "large.json", "[" + std::string(60u << 20, ' ') + "]");
-  const Ran ran = bench.design({"large.json", "-o", "out"}, {-1, 48l << 20});
+  // The libraries that draw pictures take about 80 MB of addresses themselves.
+  const Ran ran = bench.design({"large.json", "-o", "out"}, {-1, 120l << 20});
   check_refused_at(ran, 1, "internal fault: ");
 #endif
 }

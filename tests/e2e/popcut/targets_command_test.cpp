@@ -91,6 +91,28 @@ TEST_CASE("a mesh from elsewhere becomes a sound pattern with its error in the r
       "teapot.obj");
 }
 
+TEST_CASE("a placement is tried with the smallest panel of its material", "[cli][e2e][target]") {
+  const Bench bench;
+  write_file(bench.temp / "ball.stl",
+             popcut::tests::binary_stl(popcut::tests::sphere_mesh(9, 24, 24)));
+  json spec = mesh_spec("ball.stl");
+  spec["units_per_slice"] = 18, spec["slices"] = 5, spec["widths_mm"] = 3;
+  bench.write("ball.json", spec);
+  // As it is given, panels of half a millimetre fit, but the default material's are 0.81 mm long.
+  const std::string limit = "18 units of at least 0.81 mm";
+  const Ran placed = bench.popcut({"design", "ball.json", "--place", "quarter"});
+  CAPTURE(placed.err);
+  REQUIRE(placed.exit == 0);
+  CHECK(placed.err.find(limit) != std::string::npos);
+  write_file(bench.temp / "placed.json", placed.out);
+  CHECK(bench.popcut({"design", "placed.json", "-o", "out", "--formats", "report"}).exit == 0);
+  spec["min_panel_mm"] = 0.5;
+  bench.write("ball.json", spec);
+  const Ran fine = bench.popcut({"design", "ball.json", "--place", "quarter"});
+  CHECK(fine.exit == 0);
+  CHECK(fine.err.find(limit) == std::string::npos);
+}
+
 TEST_CASE("grids and solids become sound patterns from the command line", "[cli][e2e][target]") {
   const Bench bench;
   std::string csv = ",0,10,20,30,40\n";

@@ -9,6 +9,7 @@
 #include "core/design/design.hpp"
 #include "core/design/makeable.hpp"
 #include "core/design/patches.hpp"
+#include "core/design/shape_fit.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "tests/support/meshes.hpp"
 
@@ -116,7 +117,7 @@ TEST_CASE("the direct lattice keeps the shut structure inside a given card",
   REQUIRE(whole > 88.0);
   CHECK(reach_when_shut(with(R"({"wall_mm":140,"ground_mm":140})").pattern) == whole);
   // Both measures hold it, or the one that is given; all with the margin.
-  double last = wide.report.surface_fit->to_target.mean_mm;
+  double last = surface_fit(wide)->to_target.mean_mm;
   for (const double side : {92.0, 85.0, 75.0}) {
     CAPTURE(side);
     for (const char* card : {R"({{"wall_mm":{0},"ground_mm":{0},"margin_mm":6}})",
@@ -127,12 +128,13 @@ TEST_CASE("the direct lattice keeps the shut structure inside a given card",
       CHECK(held.report.sticks_out_mm == 0.0);
       CHECK(held.report.degrees_of_freedom == 1);
       // It costs nearness, and the report says what card the shape needs.
-      CHECK(held.report.surface_fit->to_target.mean_mm > last);
+      CHECK(surface_fit(held)->to_target.mean_mm > last);
       CHECK(any_says(held.report.warnings, "would hold the shape") == (side < 90.0));
     }
-    last = with(fmt::format(R"({{"wall_mm":{0},"ground_mm":{0},"margin_mm":6}})", side))
-               .report.surface_fit->to_target.mean_mm -
-           1e-9;
+    last =
+        surface_fit(with(fmt::format(R"({{"wall_mm":{0},"ground_mm":{0},"margin_mm":6}})", side)))
+            ->to_target.mean_mm -
+        1e-9;
   }
   // Others stick out and say so, with what would do; auto takes the one that keeps inside.
   const std::string narrow = R"({"wall_mm":85,"ground_mm":85,"margin_mm":6})";

@@ -94,7 +94,7 @@ TEST_CASE("the fit counts V-folds as they pop", "[core][splay][fit]") {
     }
     if (!wall && !ground) area += 0.5 * distance(sum, {0, 0, 0});
   }
-  const FitFigures& fit = *d->report.surface_fit;
+  const FitFigures fit = *surface_fit(*d);
   CHECK(fit.structure_mm2 == Approx(area).epsilon(1e-9));
   // Each tip is a corner of what was measured, two panels have a notch each, and it shows.
   std::vector<double> s_mm;
@@ -110,7 +110,7 @@ TEST_CASE("the fit counts V-folds as they pop", "[core][splay][fit]") {
   if (!plain) FAIL(message(plain.error()));
   const auto whole = structure_triangles(plain->strips, plain->pattern, {plain->strips, s_mm});
   CHECK(soup.size() == whole.size() + 10 * d->pattern.v_folds.size());
-  CHECK(fit.to_target.mean_mm != plain->report.surface_fit->to_target.mean_mm);
+  CHECK(fit.to_target.mean_mm != surface_fit(*plain)->to_target.mean_mm);
 }
 
 TEST_CASE("the centre fold is highest where alpha cos(psi/2) is one", "[core][splay]") {

@@ -12,8 +12,8 @@
 
 #include "core/drawing/linework.hpp"
 #include "core/formats/svg/svg_reader.hpp"
-#include "core/formats/write/deployed_svg.hpp"
 #include "core/formats/write/pattern_files.hpp"
+#include "core/picture/deployed_svg.hpp"
 #include "tests/support/box_card.hpp"
 
 namespace drawings_test {
@@ -192,14 +192,14 @@ TEST_CASE("a name with any bytes gives a valid PDF", "[core][formats][pdf]") {
 
 TEST_CASE("the deployed picture paints every face and stays in its frame",
           "[core][formats][picture]") {
+  const Pattern card = testing::box_card_pattern();
   for (const double psi : {3.14159265358979, 1.5707963, 1.1, 0.05}) {
     CAPTURE(psi);
-    const std::string text = text_of([&](std::ostream& out) {
-      write_deployed_svg(testing::box_card_pattern(), psi, View{}, out);
-    });
+    const std::string text =
+        text_of([&](std::ostream& out) { write_deployed_svg(card_scene(card), psi, View{}, out); });
     const auto document = parsed(text);
-    // Three slabs: two of wall and ground, and the box's four panels between them.
-    CHECK(count(text, "fill=\"#") == 2 + 4 + 2);
+    // Three slabs: two of wall and ground, and between them two holes and the box's four panels.
+    CHECK(count(text, "Z") == 2 + 2 + 4 + 2);
     const auto svg = document.child("svg");
     CHECK(svg.attribute("width").as_double() == 900);
     const double height = svg.attribute("height").as_double();

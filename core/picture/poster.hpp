@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/pattern/pattern.hpp"
+#include "core/picture/deployed_svg.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
@@ -13,13 +14,14 @@ namespace popcut {
 struct PosterOptions {
   int columns{3};
   double cell_px{420};  ///< width of the widest pose
+  SceneOptions scene{.most_panels = 4'000};
 };
 
 /// Draws the poses side by side, all at one scale and from one side (`write_deployed_svg`), each
-/// with its angle below in degrees.
+/// with its angle below in degrees; below them the name, the card's size and a bar of round
+/// millimetres along the main fold.
 ///
-/// @retval OutOfRange  no pose, more than 100, or one outside 0 < psi <= pi (`place` is its index);
-///                     millions of panels
+/// @retval OutOfRange  no pose, more than 100, or one outside 0 < psi <= pi (`place` is its index)
 [[nodiscard]] Result<void> write_poster_svg(const Pattern& pattern, std::span<const double> psi_rad,
                                             const PosterOptions& options, std::ostream& out);
 

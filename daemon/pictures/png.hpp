@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/result.hpp"
+
+namespace popcut {
+
+/// An SVG drawing as a PNG on white, its larger side `largest_px` long (librsvg, cairo and libpng).
+/// The same drawing gives the same bytes, as long as the libraries and the fonts of its words are
+/// the same. Nothing outside of the drawing is read.
+///
+/// @param svg  as popcut writes it: with a viewBox
+/// @retval Internal  they cannot draw it; the detail is theirs
+[[nodiscard]] Result<std::string> png_of_svg(std::string_view svg, int largest_px);
+
+}  // namespace popcut
