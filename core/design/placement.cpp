@@ -115,7 +115,8 @@ class Placer {
   static constexpr int kStrips = 64;
   static constexpr std::size_t kTurnsKept = 4;  ///< that are turned on
   static constexpr std::size_t kDesigned = 4;   ///< that are compared as designed
-  static constexpr double kClearlyMore = 0.01;  ///< share of the area; `kPoints` tell no less apart
+  /// Share of the area: `kPoints` tell no less apart.
+  static constexpr double kClearlyMore = 0.01;
 
   [[nodiscard]] double extent_of(const Standing& way) const {
     return extent_mm_ > 0.0 ? extent_mm_ : way.length_mm;
@@ -207,41 +208,47 @@ class Placer {
     return Reached{reached_share(standing_points(placement), strips, near_mm_), made->report.fit};
   }
 
+  /// Designs the best ways and takes, of those that clearly reach most, the plainest.
   Result<ProposedPlacement> choose() const {
-    std::optional<ProposedPlacement> chosen;
+    std::vector<std::pair<Standing, Reached>> designed;
     std::optional<Error> refusal;
     int refused = 0;
-    std::size_t designed = 0;
     for (const Standing& way : best(ways_.size())) {
-      if (designed == kDesigned) break;
-      const auto reached = reached_by_design(way.placement);
-      if (!reached) {
-        if (!refusal) refusal = reached.error();
-        if (designed == 0) ++refused;
+      if (designed.size() == kDesigned) break;
+      if (const auto reached = reached_by_design(way.placement)) {
+        designed.emplace_back(way, *reached);
         continue;
+      } else if (!refusal) {
+        refusal = reached.error();
       }
-      ++designed;
-      if (chosen && reached->share <= chosen->reached + kClearlyMore) continue;
-      chosen.emplace();
-      chosen->placement = way.placement, chosen->reached = reached->share;
-      chosen->unreachable_share = unreachable_share(reached->fit);
-      chosen->rms_mm = reached->fit.rms_mm, chosen->max_mm = reached->fit.max_mm;
-      chosen->length_mm = way.length_mm, chosen->slices_mm = extent_of(way);
+      if (designed.empty()) ++refused;
     }
-    if (!chosen) {
+    if (designed.empty()) {
       refusal->detail +=
           "; this is the best way to stand it, and no other can be "
           "designed either";
       return tl::unexpected(*refusal);
     }
-    chosen->tried = static_cast<int>(ways_.size());
-    chosen->refused = refused;
-    if (refused > 0) chosen->refusal = message(*refusal);
-    if (const auto before = reached_by_design(spec_.placement))
-      chosen->reached_before = before->share;
+    const auto before = reached_by_design(spec_.placement);
+    double enough = 0.0;
+    for (const auto& [way, reached] : designed) enough = std::max(enough, reached.share);
+    enough = std::max(enough - kClearlyMore, before ? std::min(before->share, enough) : 0.0);
+    const auto& [way, reached] =
+        *std::find_if(designed.begin(), designed.end(),
+                      [&](const auto& one) { return one.second.share >= enough; });
+    ProposedPlacement out;
+    out.placement = way.placement, out.reached = reached.share;
+    out.unreachable_share = unreachable_share(reached.fit);
+    out.rms_mm = reached.fit.rms_mm, out.max_mm = reached.fit.max_mm;
+    out.length_mm = way.length_mm, out.slices_mm = extent_of(way);
+    out.tried = static_cast<int>(ways_.size());
+    out.refused = refused;
+    if (refused > 0) out.refusal = message(*refusal);
+    if (before)
+      out.reached_before = before->share;
     else
-      chosen->refused_before = message(before.error());
-    return *chosen;
+      out.refused_before = message(before.error());
+    return out;
   }
 
   const DesignSpec& spec_;

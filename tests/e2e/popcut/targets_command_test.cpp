@@ -55,7 +55,7 @@ TEST_CASE("a mesh from elsewhere becomes a sound pattern with its error in the r
                       "placed: the structure reaches %lf %% of the shape's area within 2 %% of its "
                       "size; as given it is %lf %%",
                       &after, &before) == 2);
-  CHECK(after > before + 3.0);
+  CHECK(after > before + 1.0);
 
   const Ran made = bench.popcut({"design", "placed.json", "-o", "out", "--json"});
   CAPTURE(made.err);
@@ -97,6 +97,7 @@ TEST_CASE("a placement is tried with the smallest panel of its material", "[cli]
              popcut::tests::binary_stl(popcut::tests::sphere_mesh(9, 24, 24)));
   json spec = mesh_spec("ball.stl");
   spec["units_per_slice"] = 18, spec["slices"] = 5, spec["widths_mm"] = 3;
+  spec["lattice"] = "conformal";  // whose levels cannot end
   bench.write("ball.json", spec);
   // As it is given, panels of half a millimetre fit, but the default material's are 0.81 mm long.
   const std::string limit = "18 units of at least 0.81 mm";

@@ -87,7 +87,7 @@ TEST_CASE("the default card holds the tips of V-folds that reach beyond the stri
 
 TEST_CASE("with a given card the report says how far the structure sticks out",
           "[core][design][closing]") {
-  const Design d = made(kSphere + R"(,"card":{"wall_mm":90,"ground_mm":120})");
+  const Design d = made(kSphere + R"(,"lattice":"slices","card":{"wall_mm":90,"ground_mm":120})");
   const double reach = reach_when_shut(d.pattern);
   CHECK(d.report.sticks_out_mm == Approx(reach - 90).margin(1e-4));
   REQUIRE(d.report.warnings.size() == 1);
