@@ -11,8 +11,8 @@ namespace popcut {
 /// How densely surfaces are sampled: so many points a mm^2, but never fewer than `least` nor more
 /// than `most` on a surface, so that the time of a fit is bounded.
 struct SampleDensity {
-  double per_mm2{1.0};
-  std::size_t least{8192};
+  double per_mm2{0.25};
+  std::size_t least{4096};
   std::size_t most{16384};
 };
 

@@ -131,7 +131,7 @@ TEST_CASE("the fit beside the design that it measures", "[bench]") {
   fmt::print("{:8} {:>9} {:10} {:>10} {:>9} {:>7} {:>10} {:>8} {:>11}\n", "target", "N x Ns",
              "lattice", "design, s", "fit, s", "share", "triangles", "samples", "mean, p95");
   for (const auto& [units, slices, lattice] :
-       {std::tuple{5, 10, "conformal"}, std::tuple{20, 40, "conformal"},
+       {std::tuple{5, 10, "auto"}, std::tuple{20, 40, "auto"}, std::tuple{50, 200, "auto"},
         std::tuple{50, 200, "slices"}, std::tuple{50, 200, "conformal"},
         std::tuple{100, 1000, "slices"}}) {
     const DesignSpec spec = spec_of(kSphere, units, slices, 80.0 / slices, lattice);
