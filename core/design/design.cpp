@@ -142,8 +142,9 @@ class Designer {
       if (*asked < end + spec_.min_panel_mm)
         return fail(
             ErrorKind::OutOfRange, fmt::format("/card/{}", field),
-            fmt::format("is {:g} mm; the {} reaches {:.4f} mm, so at least {:.4f} mm is needed",
-                        *asked, what, end, std::ceil(1e4 * (end + spec_.min_panel_mm)) / 1e4));
+            fmt::format("is {:g} mm; the {} reaches {:.4f} mm, so at least {:.4f} mm is needed{}",
+                        *asked, what, end, std::ceil(1e4 * (end + spec_.min_panel_mm)) / 1e4,
+                        whole_card_in_words()));
       return *asked;
     };
     const auto wall_mm = side(spec_.card->wall_mm, wall, "wall_mm", "structure");
@@ -152,6 +153,14 @@ class Designer {
     if (!ground_mm) return tl::unexpected(ground_mm.error());
     out.wall_mm = *wall_mm, out.ground_mm = *ground_mm;
     return out;
+  }
+
+  /// The card that holds the shape as it is when shut, to be added to what says the least.
+  [[nodiscard]] std::string whole_card_in_words() const {
+    if (spec_.card->shut == CardShut::Free) return {};
+    const double side_mm = shut_reach_mm(sliced_.curves) + spec_.card->margin_mm;
+    return fmt::format(", and {:.1f} mm to hold all of it when shut",
+                       std::ceil(10.0 * side_mm) / 10.0);
   }
 
   /// Makes the measures of the card that are left out large enough for the shut structure.

@@ -110,8 +110,7 @@ std::string long_step_warning(const DesignReport& report, double most_over_mean)
                                     : "or use \"lattice\": \"conformal\", which keeps to it");
 }
 
-std::string flattened_by_card(std::span<const SliceCurve> target, double side_mm,
-                              double margin_mm) {
+double shut_reach_mm(std::span<const SliceCurve> target) {
   constexpr int kSamples = 64;
   double reach = 0.0;
   for (const SliceCurve& curve : target)
@@ -119,6 +118,12 @@ std::string flattened_by_card(std::span<const SliceCurve> target, double side_mm
       const CurveJet c = curve.at(-1.0 + 2.0 * k / kSamples);
       reach = std::max(reach, c.x + c.z);
     }
+  return reach;
+}
+
+std::string flattened_by_card(std::span<const SliceCurve> target, double side_mm,
+                              double margin_mm) {
+  const double reach = shut_reach_mm(target);
   if (reach <= side_mm - margin_mm) return {};
   return fmt::format(
       "the card flattens the structure: shut, your shape reaches {:.1f} mm from the spine, but "

@@ -21,6 +21,9 @@ void add_closing(const Pattern& pattern, CardShut asked, DesignReport& report);
 /// Says that a step is longer than max_step_over_mean asks for: where, and what it takes.
 [[nodiscard]] std::string long_step_warning(const DesignReport& report, double most_over_mean);
 
+/// How far the shut target reaches from the spine, the largest x + z of its sections, mm.
+[[nodiscard]] double shut_reach_mm(std::span<const SliceCurve> target);
+
 /// Says where a given card held the planes back: the target reaches farther from the spine, shut,
 /// than the card's smaller measure less its margin.
 ///

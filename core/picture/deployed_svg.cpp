@@ -74,8 +74,7 @@ class Picture {
         camera_(view.azimuth_rad, std::min(psi_rad / 2, kLargestElevationRad)),
         text_(out) {
     for (const auto& p : posed_vertices(pattern_, psi_rad)) places_.push_back(vec3(p));
-    if (scene.ghost != nullptr && std::abs(psi_rad - pattern_.design_psi_rad) < 1e-9)
-      raise_ghost(*scene.ghost);
+    if (is_shown_at(scene, psi_rad)) raise_ghost(*scene.ghost);
     fit();
   }
 
@@ -93,7 +92,7 @@ class Picture {
     for (std::size_t s = 0; s < slabs.size(); ++s) {
       for (const SlabPanel& hole : slabs[s].holes())
         put_panels({&hole}, slabs[s], hole.is_upright ? "#38322d" : "#4a423b", 0.9);
-      if (!ghost_.empty()) put_ghost(ghost_[s + 1].inside);
+      if (!ghost_.empty()) put_ghost(ghost_[s + 1].inside, kBehindPaper);
       put_slab(s);
       put_strokes(slabs[s].strokes, true, "#9a8f80", 0.5);
       put_strokes(slabs[s].strokes, false, kPictureInk, 0.8);
@@ -111,6 +110,8 @@ class Picture {
   static constexpr double kLargestElevationRad = 0.55;
   static constexpr double kCaptionPx = 76;
   static constexpr std::size_t kMostGhost = 3000;
+  /// Of the ghost that is seen through an open side: a hole must not look like a panel.
+  static constexpr double kBehindPaper = 0.14;
 
   [[nodiscard]] double margin_px() const { return view_.labels == Labels::All ? 34.0 : 12.0; }
 
@@ -270,7 +271,7 @@ class Picture {
 
   // 3. The ghost.
 
-  void put_ghost(const std::vector<GhostPolygon>& polygons) {
+  void put_ghost(const std::vector<GhostPolygon>& polygons, double opacity = 0.42) {
     constexpr int kTones = 10;
     std::array<std::vector<const GhostPolygon*>, kTones + 1> of_tone;
     for (const GhostPolygon& polygon : polygons)
@@ -286,7 +287,7 @@ class Picture {
         text_.put("Z");
       }
       text_("\" fill=\"", hex({70 + 110 * light, 130 + 85 * light, 195 + 55 * light}, 1),
-            "\" fill-opacity=\"0.42\"/>\n");
+            "\" fill-opacity=\"", opacity, "\"/>\n");
     }
   }
 
@@ -395,6 +396,10 @@ CardScene card_scene(const Pattern& pattern, const SceneOptions& options) {
     }
   }
   return scene;
+}
+
+bool is_shown_at(const CardScene& scene, double psi_rad) {
+  return scene.ghost != nullptr && std::abs(psi_rad - scene.pattern->design_psi_rad) < 1e-9;
 }
 
 std::array<double, 2> deployed_size_px(const CardScene& scene, double psi_rad, const View& view) {

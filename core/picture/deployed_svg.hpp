@@ -57,6 +57,9 @@ struct CardScene {
 void write_deployed_svg(const CardScene& scene, double psi_rad, const View& view,
                         std::ostream& out);
 
+/// Whether the scene's ghost is drawn at `psi_rad`: at the angle that the pattern is designed for.
+[[nodiscard]] bool is_shown_at(const CardScene& scene, double psi_rad);
+
 /// Width and height of that picture in px, not yet rounded up.
 [[nodiscard]] std::array<double, 2> deployed_size_px(const CardScene& scene, double psi_rad,
                                                      const View& view);

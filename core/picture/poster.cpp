@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -98,10 +99,12 @@ std::string label(double x, double y, double psi_rad) {
 }
 
 /// Whose poster it is, and how large the card is.
-std::string foot(const CardScene& scene, double width, double y) {
+std::string foot(const CardScene& scene, std::span<const double> psi_rad, double width, double y) {
   const Pattern& pattern = *scene.pattern;
   std::string words = pattern.card ? card_in_words(pattern) : std::string("without a card");
-  if (scene.ghost != nullptr) words += "; blue: the shape asked for";
+  const auto has_ghost = [&](double psi) { return is_shown_at(scene, psi); };
+  if (std::any_of(psi_rad.begin(), psi_rad.end(), has_ghost))
+    words += "; blue: the shape asked for";
   return picture_text(16, y + 20, pattern.name, "start", {.size = 17}) +
          picture_text(16, y + 44, words, "start") +
          picture_text(16, y + 64, thinned_in_words(scene), "start") +
@@ -127,7 +130,7 @@ Result<void> write_poster_svg(const Pattern& pattern, std::span<const double> ps
     put_pose(scene, cells, i, psi_rad[i], {x, y}, out);
     out << label(x + cells.width / 2, y + cells.height + kLabelPx / 2, psi_rad[i]);
   }
-  out << foot(scene, width, step_y * static_cast<double>(rows)) << "</svg>\n";
+  out << foot(scene, psi_rad, width, step_y * static_cast<double>(rows)) << "</svg>\n";
   return {};
 }
 
