@@ -87,6 +87,12 @@ class Designer {
         return fail(ErrorKind::Infeasible, "/card",
                     fmt::format("without a card the sheet falls into {} pieces; keep the card",
                                 tight->second.pieces));
+      if (!spec_.is_patch && !stands(laid->strips.strips))
+        return fail(
+            ErrorKind::Infeasible, "/min_panel_mm",
+            fmt::format("nothing stands up: no panel of at least {:g} mm is left; use fewer "
+                        "units, a larger scale_mm or a smaller min_panel_mm",
+                        spec_.min_panel_mm));
       const std::size_t noted = notes_.size();
       if (auto splayed = splay(laid->strips.strips, tight->first.pattern); !splayed)
         return tl::unexpected(splayed.error());
@@ -101,6 +107,12 @@ class Designer {
   }
 
  private:
+  /// Whether any panel is not in wall or ground.
+  static bool stands(const Strips& strips) {
+    return std::any_of(strips.plane.begin(), strips.plane.end(),
+                       [](PlaneId plane) { return plane != kWallPlane && plane != kGroundPlane; });
+  }
+
   /// Says which slices are blank and why, each stretch once.
   void note_blanks() {
     const std::vector<std::string>& blank = sliced_.blank;
@@ -198,9 +210,20 @@ class Designer {
         options.ground_ends.push_back(sliced_.curves[static_cast<std::size_t>(slice.slice)].d());
       }
     out.strips = build_strips(out.layout.laid, out.layout.runs, options);
-    if (bridging_ && out.frame.card && out.strips.apart.empty()) bridge(out);
+    if (bridging_ && out.frame.card && out.strips.apart.empty()) {
+      Laid unbridged = out;
+      bridge(out);
+      if (sticks_out(out) && !sticks_out(unbridged)) out = std::move(unbridged);
+    }
     hold_shut(out);
     return out;
+  }
+
+  /// Whether it reaches beyond a given card when shut.
+  [[nodiscard]] bool sticks_out(const Laid& laid) const {
+    constexpr double kRounding = 1e-9;
+    const auto side_mm = given_side_mm(spec_);
+    return side_mm && shut_reach_mm(laid.strips.strips) > (1.0 + kRounding) * *side_mm;
   }
 
   /// Bridges between the runs, where they are valid.
@@ -394,15 +417,13 @@ class Designer {
       const int slice = laid.layout.laid[static_cast<std::size_t>(laid.strips.apart.front())].slice;
       return fmt::format("no connector fits between slices {} and {}", slice, slice + 1);
     }
-    constexpr double kRounding = 1e-9;
     if (breaks_step(laid.figures))
       return fmt::format("a step is {:.3g} times the mean one, over max_step_over_mean = {:g}",
                          laid.figures.step_over_mean_max, *spec_.max_step_over_mean);
     const auto side_mm = given_side_mm(spec_);
-    const double reach_mm = side_mm ? shut_reach_mm(laid.strips.strips) : 0.0;
-    if (side_mm && reach_mm > (1.0 + kRounding) * *side_mm)
+    if (sticks_out(laid))
       return fmt::format("shut, it reaches {:.4g} mm from the spine, out of the card of {:g} mm",
-                         reach_mm, *side_mm);
+                         shut_reach_mm(laid.strips.strips), *side_mm);
     return {};
   }
 

@@ -154,6 +154,26 @@ TEST_CASE("verify measures a target that ends inside a slice",
             {"units_per_slice":7,"slices":1,"width_mm":5}],"lattice":"levels"})j") > 5);
 }
 
+TEST_CASE("verify does not fail a pattern whose chosen widths it cannot read",
+          "[property][design][verify][target]") {
+  const std::string text =
+      R"j({"popcut":1,"surface":{"type":"revolution","radius":"20+abs(y-30)"},"units_per_slice":3,
+          "slices":9,"widths_mm":{"max_error_mm":2,"length_mm":60}})j";
+  const auto spec = parse_design_spec(text);
+  REQUIRE(spec);
+  const auto made = design(*spec);
+  REQUIRE(made);
+  std::ostringstream fold;
+  REQUIRE(write_fold(made->pattern, {}, fold));
+  VerifyOptions options;
+  options.target_spec = text;
+  const auto verified = verify_fold(fold.str(), options);
+  REQUIRE(verified);
+  INFO(verify_text(*verified));
+  CHECK(verified->ok());
+  CHECK(verify_text(*verified).find("give the list of widths") != std::string::npos);
+}
+
 TEST_CASE("verify leaves out slices that are blank", "[property][design][verify][target][blank]") {
   const auto spec = [](const std::string& radius, const std::string& slices) {
     return fmt::format(

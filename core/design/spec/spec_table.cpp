@@ -315,7 +315,7 @@ Shape<std::optional<CardSpec>> card() {
           "ground_mm", &Row::ground_mm, length(),
           "depth of the ground, D; if left out, 15 beyond the farthest fold, and large enough "
           "for shut"),
-      field<Row>("margin_mm", &Row::margin_mm, shape::number(from(0.01, kMaxLength), "mm"),
+      field<Row>("margin_mm", &Row::margin_mm, shape::number(from(0.1, kMaxLength), "mm"),
                  "width of the plain strips at both sides, and of the card around the shut "
                  "structure"),
       field<Row>("shut", &Row::shut, shape::word<CardShut>({"inside", "free"}),

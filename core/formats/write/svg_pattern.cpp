@@ -34,7 +34,9 @@ constexpr std::array<SvgLayer, 4> kSvgLayers{{
 Box page_of(const Pattern& pattern) {
   if (pattern.card || pattern.lines.empty())
     return {0, 0, pattern.width_mm, pattern.wall_mm + pattern.ground_mm};
+  // From the origin, where readers that know no viewBox put it too.
   Box page;
+  page.add({0.0, 0.0});
   for (const SheetLine& line : pattern.lines) {
     page.add({line.v0, line.u0});
     page.add({line.v1, line.u1});

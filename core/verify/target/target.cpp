@@ -227,7 +227,10 @@ std::optional<TargetDistances> measure_target(const FoldModel& file, const Targe
   }
   const auto found = find_stations(file, *pose, target);
   if (!found) {
-    check.fail("", found.error().detail);
+    if (found.error().kind == ErrorKind::Infeasible)
+      check.not_judged(found.error().detail);
+    else
+      check.fail("", found.error().detail);
     return std::nullopt;
   }
   VerifyCheck best_check = check;

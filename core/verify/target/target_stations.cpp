@@ -374,6 +374,9 @@ Result<std::vector<TargetStations>> find_stations(const FoldModel& file, const P
     const auto slices = shown_slices(target.chosen_units, begin, end, borders);
     if (auto found = Layout(slices, borders).find(begin, end))
       return std::vector<TargetStations>{std::move(*found)};
+    return fail(ErrorKind::Infeasible, "/widths_mm",
+                "the widths that popcut chose cannot be read off this pattern; give the list of "
+                "widths that report.json shows");
   }
   std::vector<TargetStations> out;
   double least_cost = std::numeric_limits<double>::infinity();

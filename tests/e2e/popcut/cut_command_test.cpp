@@ -57,10 +57,15 @@ TEST_CASE("a planned program draws its sheet on the simulated cutter", "[cli][e2
 }
 
 TEST_CASE("simulate compares a program with a pattern and its plan", "[cli][e2e]") {
-  for (const char* example : {"unit", "fig2a", "cylinder", "sphere", "saddle"}) {
+  for (const std::string example : {"unit", "fig2a", "cylinder", "sphere", "saddle", "no card"}) {
     CAPTURE(example);
     const Bench bench;
-    const std::string spec = source_file("examples/") + example + ".json";
+    std::string spec = source_file("examples/") + example + ".json";
+    if (example == "no card") {
+      spec = bench.temp / "card.json";
+      write_file(spec, R"j({"popcut":1,"surface":{"type":"profile","z":"40 - x + 4*sin(y/10)"},
+          "units_per_slice":6,"slices":5,"widths_mm":8,"fit":"nearest","card":false})j");
+    }
     bench.plan("cameo3", spec);
     REQUIRE(bench.popcut({"design", spec, "-o", "design", "-q"}).exit == 0);
     for (const std::string& pattern :

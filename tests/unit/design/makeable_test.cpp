@@ -150,6 +150,34 @@ TEST_CASE("the direct lattice keeps the shut structure inside a given card",
   CHECK(any_says(many.report.warnings, "make wall_mm and ground_mm at least"));
 }
 
+TEST_CASE("a connector between regions is left out where it would reach out of a given card",
+          "[core][design][closing]") {
+  const auto with = [](const char* card) {
+    return made(fmt::format(
+        R"j("surface":{{"type":"revolution","radius":"40"}},"lattice":"direct","regions":[
+           {{"units_per_slice":3,"slices":2,"width_mm":8}},
+           {{"units_per_slice":4,"slices":2,"width_mm":8}}],"card":{})j",
+        card));
+  };
+  CHECK(with("true").report.bridges.size() == 1);
+  const Design held = with(R"({"wall_mm":60,"ground_mm":60,"margin_mm":5})");
+  CHECK(held.report.bridges.empty());
+  CHECK(held.report.sticks_out_mm == 0.0);
+  CHECK(held.report.degrees_of_freedom == 1);
+}
+
+TEST_CASE("a design of which nothing stands up is refused", "[core][design]") {
+  const auto spec = parse_design_spec(
+      R"({"popcut":1,"surface":{"type":"revolution","radius":"3"},"units_per_slice":8,"slices":1,
+          "widths_mm":9,"min_panel_mm":1.2,"lattice":"levels"})");
+  REQUIRE(spec);
+  const auto none = design(*spec);
+  REQUIRE_FALSE(none);
+  CHECK(none.error().kind == ErrorKind::Infeasible);
+  INFO(message(none.error()));
+  CHECK(none.error().place == "/min_panel_mm");
+}
+
 TEST_CASE("a longest step that is asked for is kept or the report says where it is not",
           "[core][design]") {
   const auto with = [](const char* lattice, double most) {

@@ -97,15 +97,16 @@ TEST_CASE("each line of pattern.svg says what it is", "[core][formats][svg]") {
   CHECK(seen == testing::box_card_pattern().lines.size());
 }
 
-TEST_CASE("a sheet without a card is drawn as far as its lines reach", "[core][formats][svg]") {
+TEST_CASE("a sheet without a card is drawn from the origin as far as its lines reach",
+          "[core][formats][svg]") {
   Pattern pattern = testing::box_card_pattern();
   pattern.card = false;
   std::erase_if(pattern.lines, [](const SheetLine& line) { return line.role != EdgeRole::Slit; });
   const auto document = parsed(pattern_svg(pattern));
   const auto svg = document.child("svg");
-  CHECK(std::string(svg.attribute("width").value()) == "25mm");
-  CHECK(std::string(svg.attribute("height").value()) == "37.8mm");
-  CHECK(std::string(svg.attribute("viewBox").value()) == "20 15.5 25 37.8");
+  CHECK(std::string(svg.attribute("width").value()) == "45mm");
+  CHECK(std::string(svg.attribute("height").value()) == "53.3mm");
+  CHECK(std::string(svg.attribute("viewBox").value()) == "0 0 45 53.3");
 }
 
 TEST_CASE("a title cannot inject markup into a drawing", "[core][formats][svg]") {
