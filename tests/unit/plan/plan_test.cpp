@@ -203,8 +203,8 @@ TEST_CASE("between two cuts that meet a fold a dash is shortened before it is le
   const Dashed dashed = micro_cut(work, paper().dashes);
   CHECK(dashed.shortened == 1);
   CHECK(dashed.left_out.empty());
-  const bool between = std::any_of(
-      dashed.work.lines.begin(), dashed.work.lines.end(), [&](const DrawnLine& line) {
+  const bool between =
+      std::any_of(dashed.work.lines.begin(), dashed.work.lines.end(), [&](const DrawnLine& line) {
         const auto points = dashed.work.points_of(line);
         return is_fold(line.operation) && points[0].x > 12.2 && points[1].x < 12.8;
       });
