@@ -369,6 +369,56 @@ TEST_CASE("a configured port is absent until it appears and then it can cut", "[
   CHECK(comes_true([&] { return bench.changes >= 4; }));
 }
 
+TEST_CASE("a trace goes through no link and into no file that is there already",
+          "[daemon][cutters][links]") {
+  TempFolder temp;
+  const std::filesystem::path trace = temp / "trace", precious = temp / "elsewhere/precious";
+  std::filesystem::create_directory(temp / "elsewhere");
+  std::filesystem::create_directory(trace);
+  write_file(precious, "mine");
+  const std::vector<DeviceConfig> devices{{.id = "sim:cameo3", .trace = trace.string()}};
+  const auto untouched = [&] {
+    return text_of_file(precious) == "mine" && files_below(temp / "elsewhere").size() == 1;
+  };
+  {
+    // Links at both names.
+    std::filesystem::create_symlink(precious, trace / "received.log");
+    std::filesystem::create_symlink(temp / "elsewhere/fresh", trace / "A1.json");
+    const Bench bench(devices);
+    CHECK(bench.cut_all("sim:cameo3").confirmed);
+    CHECK(untouched());
+  }
+  {
+    // A second name of another's file, and a trace that is there already.
+    std::filesystem::remove(trace / "received.log");
+    std::filesystem::create_hard_link(precious, trace / "received.log");
+    std::filesystem::remove(trace / "A1.json");
+    write_file(trace / "A1.json", "earlier");
+    const Bench bench(devices);
+    CHECK(bench.cut_all("sim:cameo3").confirmed);
+    CHECK(text_of_file(trace / "A1.json") == "earlier");
+    CHECK(untouched());
+    std::filesystem::remove(trace / "received.log");
+    std::filesystem::remove(trace / "A1.json");
+  }
+  {
+    // A link takes the folder's place once popcutd has looked at it.
+    const Bench bench(devices);
+    std::filesystem::rename(trace, temp / "moved");
+    std::filesystem::create_directory_symlink(temp / "elsewhere", trace);
+    CHECK(bench.cut_all("sim:cameo3").confirmed);
+    CHECK(untouched());
+    CHECK(std::filesystem::exists(temp / "moved/A1.json"));
+  }
+  // And one that is a link from the start is refused.
+  daemon::CuttersOptions options;
+  options.devices = devices;
+  options.usb = false;
+  const auto made = daemon::make_cutters(std::move(options));
+  REQUIRE_FALSE(made);
+  CHECK(message(made.error()) == trace.string() + ": is a link or a file; name a folder");
+}
+
 TEST_CASE("an impossible configuration is refused with the name of its device",
           "[daemon][cutters]") {
   const auto refused = [](std::vector<DeviceConfig> devices, const std::string& part) {
