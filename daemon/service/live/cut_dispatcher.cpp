@@ -179,6 +179,8 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
 }
 
 Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionRequest& request) {
+  if (const auto sound = parts_.store.accepts_arming(); !sound)
+    return tl::unexpected(sound.error());
   const auto plan = parts_.plans.table().find(row.plan);
   if (!plan || plan->state != PlanState::Planned)
     return tl::unexpected(

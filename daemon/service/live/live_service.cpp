@@ -130,6 +130,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
     parts_.plans.stop();
   }
   void tick() override;
+  void checked(const std::string& damage) override { parts_.store.checked(damage); }
   void retune(ServiceTuning tuning) override {
     parts_.options.queue_jobs = tuning.queue_jobs;
     parts_.options.sheets_per_job = tuning.sheets_per_job;
@@ -320,7 +321,8 @@ void AssembledService::tick() {
   parts_.plans.pump();
   parts_.tokens.tidy();
   try {
-    if (parts_.store.db().wal_pages() > kCheckpointPages) parts_.store.db().checkpoint(false);
+    if (parts_.raw.checked() && parts_.store.db().wal_pages() > kCheckpointPages)
+      parts_.store.db().checkpoint(false);
     const bool old = parts_.store.db().number("SELECT EXISTS(SELECT 1 FROM idem WHERE expires<=?)",
                                               parts_.store.now()) != 0 ||
                      parts_.store.db().number("SELECT time FROM event ORDER BY seq LIMIT 1") <

@@ -210,6 +210,31 @@ TEST_CASE("an admin backs the database up and checks it while nothing is cut",
   CHECK(later.find("popcut_stream_wait_seconds_longest 0.000000\n") == std::string::npos);
 }
 
+TEST_CASE("no knife is armed until all of a database that was not closed is checked",
+          "[daemon][service]") {
+  ServiceBench bench;
+  const std::string id = bench.ready_job().id;
+  bench.crash();
+  bench.check_later = true;
+  REQUIRE(bench.start() == "");
+  const auto early = bench.act(id, JobAction::Arm);
+  REQUIRE_FALSE(early);
+  CHECK(early.error().kind == ProblemKind::Unavailable);
+  CHECK(early.error().detail.find("arm again in a moment") != std::string::npos);
+  CHECK(bench.create(bench.job(id).design));  // all else goes on
+  bench.on([](LiveService& service) { service.checked(""); });
+  CHECK(bench.act(id, JobAction::Arm));
+  // What is found damaged is not written to any more.
+  bench.crash();
+  REQUIRE(bench.start() == "");
+  bench.on([](LiveService& service) { service.checked("is damaged: a page"); });
+  const auto late = bench.act(id, JobAction::Arm);
+  REQUIRE_FALSE(late);
+  CHECK(late.error().detail.find("is damaged: a page") != std::string::npos);
+  CHECK_FALSE(bench.create(bench.job(id).design));
+  CHECK_FALSE(bench.on([](LiveService& s) { return s.operations.health().database; }));
+}
+
 TEST_CASE("too little disk space refuses new work with a reason", "[daemon][service]") {
   ServiceBench bench(false);
   bench.options.least_free_bytes = std::uint64_t{1} << 60;
