@@ -323,7 +323,7 @@ TEST_CASE("a client's event queue drops progress first and then ends the stream"
 }
 
 TEST_CASE("local users have the configured roles", "[daemon][http][users]") {
-  HttpUsers users;
+  LocalUsers users;
   users.users[1000] = Role::Viewer;
   users.groups[50] = Role::Operator;
   users.groups[51] = Role::Submitter;
