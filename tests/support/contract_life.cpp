@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tests/support/contract_life.hpp"
+#include "tests/support/meshes.hpp"
 #include "tests/support/paths.hpp"
 
 #include <algorithm>
@@ -145,7 +146,7 @@ json ContractLife::plan_until(const json& body, const std::string& state) {
 
 // One that a design needs stays; one that none needs goes.
 void ContractLife::use_an_asset() {
-  const std::string mesh = text_of_file(source_file("examples/targets/dome.obj"));
+  const std::string mesh = tests::obj(tests::sphere_mesh(70, 40, 60));
   const auto add = [&](const std::string& bytes) -> std::string {
     return json::parse(ask({.method = "POST", .route = "/v1/assets", .body = bytes}).body).at("id");
   };
@@ -154,8 +155,9 @@ void ContractLife::use_an_asset() {
   };
   used_asset_ = add(mesh);
   spare_asset_ = add("spare");
-  json spec = json::parse(text_of_file(source_file("examples/targets/dome-mesh.json")));
-  spec.at("target").at("mesh").at("file") = used_asset_;
+  const json spec{{"popcut", 1},          {"surface", {{"type", "mesh"}, {"file", used_asset_}}},
+                  {"units_per_slice", 5}, {"slices", 8},
+                  {"widths_mm", 6},       {"fit", "nearest"}};
   const WireResponse stored =
       ask({.method = "POST", .route = "/v1/designs", .body = spec.dump()});
   INFO(stored.body);

@@ -312,9 +312,9 @@ TEST_CASE("each documented problem of each route is produced", "[daemon][http][o
             role = "";
           break;
         case 403:
-          if (route.access.is_open() || route.access.role() > Role::Viewer)
+          if (!route.access.is_open() && route.access.role() > Role::Viewer)
             role = "viewer";
-          if (route.method != http::Method::Get && role == "admin")
+          else if (route.method != http::Method::Get)
             call.more += "Origin: http://evil.example\r\n";
           break;
         case 413:
@@ -356,7 +356,7 @@ TEST_CASE("each documented problem of each route is produced", "[daemon][http][o
         response = Bench::hold(route, nobody->receive());
       } else if (code == 429) {
         const Call again = strict.call(route);
-        for (int i = 0; i < 2; ++i) response = strict.ask(route, again);
+        for (int i = 0; i < 3 && response.status != 429; ++i) response = strict.ask(route, again);
       } else {
         response = bench.ask(route, call, role);
       }
