@@ -155,8 +155,8 @@ std::map<std::string, std::vector<std::string>> materials_of(const Config& confi
   return materials;
 }
 
-HttpUsers users_of(const Config& config) {
-  HttpUsers users;
+LocalUsers users_of(const Config& config) {
+  LocalUsers users;
   for (const UserRule& rule : config.users.empty() ? default_users() : config.users) {
     if (rule.uid) users.users[*rule.uid] = rule.role;
     if (rule.gid) users.groups[*rule.gid] = rule.role;
@@ -270,6 +270,7 @@ std::optional<StartFailure> Daemon::open_service() {
   options.sheets_per_job = config_.sheets_per_job;
   options.plans_at_once = config_.planner.processes;
   options.device_materials = materials_of(config_);
+  options.users = users_of(config_);
   options.tables = tables_;
   options.read_program = stored_program;
   options.log = [log = log_](const std::string& line) { log->info(line); };
@@ -362,10 +363,12 @@ Result<void> Daemon::retune(const Config& wanted) {
   }
   http_->retune({wanted.allowed_hosts, wanted.allowed_origins, users_of(wanted), wanted.limits});
   thread_->run(ServiceThread::Lane::Asking, [&] {
-    service_->retune({wanted.queue_jobs, wanted.sheets_per_job, materials_of(wanted)});
+    service_->retune(
+        {wanted.queue_jobs, wanted.sheets_per_job, materials_of(wanted), users_of(wanted)});
   });
   end_webhook();
   if (target) begin_webhook(std::move(*target));
+  if (const std::string few = allow_descriptors(wanted.limits); !few.empty()) log_->warn("{}", few);
   return {};
 }
 
