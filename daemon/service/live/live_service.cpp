@@ -17,6 +17,7 @@ namespace popcut::daemon {
 namespace {
 
 constexpr int kCheckpointPages = 500;
+constexpr std::size_t kEndedJournals = 50;
 constexpr int kPrunedAtOnce = 500;
 constexpr int kMostEvents = 1000;
 
@@ -52,13 +53,14 @@ struct Parts {
         thread(service_thread),
         cutters(all_cutters),
         store(disk, options),
+        intents(disk.folder()),
         tokens(store, options),
         registry(store, cutters, options),
         materials(store, options),
         designs(store, thread, planner, alive),
         plans({store, thread, planner, designs, materials, registry, options, alive}),
         jobs({store, thread, plans, registry, options, alive}),
-        dispatcher({store, thread, cutters, jobs, plans, registry, options, alive}),
+        dispatcher({store, thread, cutters, jobs, plans, registry, intents, options, alive}),
         device_dispatcher({store, thread, cutters, registry, jobs, dispatcher, alive}) {
     designs.removed = [this](const std::string& design) { plans.remove_all_of(design); };
     plans.begun = [this](const std::string& plan) { jobs.plan_begun(plan); };
@@ -75,6 +77,7 @@ struct Parts {
   ServiceThread& thread;
   Cutters& cutters;
   ServiceStore store;
+  IntentJournals intents;
   Tokens tokens;
   DeviceRegistry registry;
   MaterialRepository materials;
@@ -142,7 +145,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
 };
 
 Answer<void> AssembledService::begin() {
-  Answer<void> recovered = recover(parts_.store, parts_.jobs);
+  Answer<void> recovered = recover(parts_.store, parts_.jobs, parts_.intents);
   if (!recovered) return recovered;
   try {
     parts_.raw.mark_in_use();
@@ -320,7 +323,11 @@ void AssembledService::tick() {
   parts_.plans.pump();
   parts_.tokens.tidy();
   try {
-    if (parts_.store.db().wal_pages() > kCheckpointPages) parts_.store.db().checkpoint(false);
+    if (parts_.store.db().wal_pages() > kCheckpointPages ||
+        parts_.intents.waiting() > kEndedJournals) {
+      parts_.store.db().checkpoint(false);
+      if (parts_.store.db().wal_pages() == 0) parts_.intents.checkpointed();
+    }
     const bool old = parts_.store.db().number("SELECT EXISTS(SELECT 1 FROM idem WHERE expires<=?)",
                                               parts_.store.now()) != 0 ||
                      parts_.store.db().number("SELECT time FROM event ORDER BY seq LIMIT 1") <
