@@ -71,7 +71,8 @@ void clear_unfinished(const std::string& path) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(path + "/incoming", ignored))
     remove_tree(entry.path().string());
-  for (const char* inside : {"plans", "previews", "designs", "assets", "backups"})
+  for (const char* inside :
+       {"plans", "previews", "designs", "assets", "backups", "intents", "witnesses"})
     for (const auto& entry : fs::directory_iterator(path + "/" + inside, ignored))
       if (entry.path().filename().string().starts_with(".new-")) remove_tree(entry.path().string());
 }
@@ -118,7 +119,8 @@ Result<std::unique_ptr<StateFolder>> StateFolder::open(const std::string& path) 
     if (mkdir(path.c_str(), 0700) != 0 && errno != EEXIST)
       return system_error(path, "cannot be created");
   }
-  for (const char* inside : {"designs", "assets", "plans", "previews", "incoming", "backups"}) {
+  for (const char* inside : {"designs", "assets", "plans", "previews", "incoming", "backups",
+                             "intents", "witnesses"}) {
     const std::string folder = path + "/" + inside;
     if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
       return system_error(folder, "cannot be created");

@@ -188,6 +188,8 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
   if (!request.plan_sha256.empty() && request.plan_sha256 != plan->sha256)
     return tl::unexpected(JobRepository::conflict(
         row, "the plan is " + plan->sha256 + ", not the one in the request"));
+  if (const std::string why = parts_.intents.why_blocked(row.id); !why.empty())
+    return tl::unexpected(JobRepository::conflict(row, why));
   const Answer<std::string> device = choose_device(row, request, *plan);
   if (!device) return tl::unexpected(device.error());
   if (const auto known = check_place(row, *device); !known) return tl::unexpected(known.error());

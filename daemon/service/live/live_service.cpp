@@ -19,6 +19,7 @@ namespace popcut::daemon {
 namespace {
 
 constexpr int kCheckpointPages = 500;
+constexpr std::size_t kEndedJournals = 50;
 constexpr int kPrunedAtOnce = 500;
 constexpr int kMostEvents = 1000;
 constexpr std::int64_t kAfter_ms = 24 * 3'600'000;  // an event later than that has a wrong clock
@@ -53,13 +54,14 @@ struct Parts {
         cutters(all_cutters),
         store(disk, options),
         calendar(store, options),
+        intents(disk.folder()),
         tokens(store, options),
         registry(store, cutters, options),
         materials(store, options),
         designs(store, thread, planner, alive),
         plans({store, thread, planner, designs, materials, registry, options, alive}),
         jobs({store, thread, plans, registry, options, alive}),
-        dispatcher({store, thread, cutters, jobs, plans, registry, options, alive}),
+        dispatcher({store, thread, cutters, jobs, plans, registry, intents, options, alive}),
         device_dispatcher({store, thread, cutters, registry, jobs, dispatcher, alive}) {
     designs.removed = [this](const std::string& design) { plans.remove_all_of(design); };
     plans.begun = [this](const std::string& plan) { jobs.plan_begun(plan); };
@@ -80,6 +82,7 @@ struct Parts {
   Cutters& cutters;
   ServiceStore store;
   Calendar calendar;
+  IntentJournals intents;
   Tokens tokens;
   DeviceRegistry registry;
   MaterialRepository materials;
@@ -150,7 +153,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
 };
 
 Answer<void> AssembledService::begin() {
-  Answer<void> recovered = recover(parts_.store, parts_.jobs);
+  Answer<void> recovered = recover(parts_.store, parts_.jobs, parts_.intents);
   if (!recovered) return recovered;
   try {
     parts_.raw.mark_in_use();
@@ -335,8 +338,10 @@ void AssembledService::tick() {
   parts_.tokens.tidy();
   if (!parts_.store.full()) parts_.calendar.tick();
   try {
-    if (parts_.raw.checked() && parts_.store.db().wal_pages() > kCheckpointPages)
-      parts_.store.db().checkpoint(false);
+    if (parts_.raw.checked() && (parts_.store.db().wal_pages() > kCheckpointPages ||
+                                 parts_.intents.waiting() > kEndedJournals)) {
+      if (parts_.store.db().checkpoint(false)) parts_.intents.checkpointed();
+    }
     const TimeMs now = parts_.calendar.now();
     const bool old = parts_.store.db().number("SELECT EXISTS(SELECT 1 FROM idem WHERE expires<=?)",
                                               now) != 0 ||
