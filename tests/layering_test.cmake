@@ -48,6 +48,22 @@ expect(lost "core/odd.cpp: no header of its name" core/odd.cpp "" core/even.hpp 
 expect(part_of_nothing "core/odd.cpp: no header of its name" core/odd.cpp "// Part of core/gone.hpp.")
 expect(twice "core/b.hpp: Point is also defined in"
   core/a.hpp "namespace popcut {\nstruct Point {}\n" core/b.hpp "namespace popcut {\nstruct Point {}\n")
+# Opening to write: never through a link, and a new file is new.
+set(header daemon/devices/a.hpp "//")
+foreach(line
+    "std::ofstream(path, std::ios::binary) << text" "std::ofstream out(path)" "std::fstream both(path)"
+    "std::FILE* f = std::fopen(path.c_str(), \"we\")" "std::fopen(path.c_str(), \"ab\")"
+    "int f = ::creat(path, 0600)" "fs::copy_file(from, to, error)")
+  expect(writes "daemon/devices/a.cpp: writes through links" ${header} daemon/devices/a.cpp "${line}")
+endforeach()
+expect(follows "daemon/devices/a.cpp: opens through links" ${header}
+  daemon/devices/a.cpp "int f = ::open((folder + name).c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600)")
+expect(follows_at "device/session/a.cpp: opens through links" device/session/a.hpp "//"
+  device/session/a.cpp "int f = ::openat(folder, name, O_WRONLY | O_CREAT | O_EXCL, 0600)")
+expect(takes_over "daemon/devices/a.cpp: makes a file that may be there" ${header}
+  daemon/devices/a.cpp "int f = ::openat(folder, name, O_WRONLY | O_CREAT | O_NOFOLLOW, 0600)")
+expect(new_file "" ${header} daemon/devices/a.cpp
+  "int f = ::openat(folder, name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW, 0600), std::ifstream in(path), std::fopen(path, \"re\")")
 set(crowd "")
 foreach(n RANGE 1 40)
   list(APPEND crowd device/port/a${n}.hpp "// ${n}")

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/devices/cutter_line.hpp"
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,9 +21,8 @@ namespace {
 /// Every byte that a simulated cutter took, a line a write, so that it outlives this process.
 class ReceivedLog {
  public:
-  static std::shared_ptr<int> open(const std::string& folder) {
-    const int file =
-        ::open((folder + "/received.log").c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+  static std::shared_ptr<int> open(const HeldFolder& folder) {
+    const int file = folder.append("received.log");
     if (file < 0) return nullptr;
     return {new int(file), [](int* own) {
               ::close(*own);
@@ -75,18 +72,21 @@ Result<CutterLine> configured_line(const DeviceConfig& config,
   auto machine = find_machine(name, tables);
   if (!machine) return tl::unexpected(within(config.id, machine.error()));
   if (!config.treat_as.empty()) machine->identity.clear();  // it says another name
-  CutterLine line{std::move(*device), std::move(*machine), config.time_scale, {}, config.trace, {}};
+  CutterLine line{std::move(*device), std::move(*machine), config.time_scale, {}, {}, {}};
   auto faults = cli::read_faults(config.faults);
   if (!faults) return tl::unexpected(within(config.id, faults.error()));
   line.faults = std::move(*faults);
   if (!line.simulated()) return line;
   if (const auto valid = SimCutter::make(line.machine); !valid)
     return tl::unexpected(within(config.id, valid.error()));
-  if (!line.trace_folder.empty() && ::mkdir(line.trace_folder.c_str(), 0700) != 0 &&
-      errno != EEXIST)
+  if (config.trace.empty()) return line;
+  if (::mkdir(config.trace.c_str(), 0700) != 0 && errno != EEXIST)
     return fail(
-        ErrorKind::Unwritable, line.trace_folder,
+        ErrorKind::Unwritable, config.trace,
         fmt::format("cannot be created: {}; name a folder for traces", std::strerror(errno)));
+  auto traces = HeldFolder::open(config.trace);
+  if (!traces) return tl::unexpected(traces.error());
+  line.traces = std::move(*traces);
   return line;
 }
 
@@ -119,7 +119,7 @@ Result<OpenLine> OpenLine::open(CutterLine& line, const std::string& attempt,
   auto sim = SimCutter::make(line.machine, around);
   if (!sim) return tl::unexpected(sim.error());
   std::function<void(std::span<const std::byte>)> received;
-  if (!line.trace_folder.empty()) open.log_ = ReceivedLog::open(line.trace_folder);
+  if (line.traces.holds()) open.log_ = ReceivedLog::open(line.traces);
   if (open.log_) {
     ReceivedLog::put(*open.log_, "open " + file_name(attempt));
     received = [file = *open.log_](std::span<const std::byte> bytes) {
@@ -135,9 +135,19 @@ OpenLine::~OpenLine() = default;
 
 void OpenLine::keep_trace(const CutterLine& line, const std::string& attempt) const {
   const auto* sim = dynamic_cast<const PacedTransport*>(transport_.get());
-  if (sim == nullptr || line.trace_folder.empty()) return;
-  const std::string path = line.trace_folder + "/" + file_name(attempt) + ".json";
-  std::ofstream(path, std::ios::binary) << trace_json(sim->cutter().trace());
+  if (sim == nullptr || !line.traces.holds()) return;
+  // An attempt has one trace: what has its name already is not of popcutd.
+  const int file = line.traces.create(file_name(attempt) + ".json");
+  if (file < 0) return;
+  const std::string text = trace_json(sim->cutter().trace());
+  std::string_view left = text;
+  while (!left.empty()) {
+    const ssize_t put = ::write(file, left.data(), left.size());
+    if (put < 0 && errno == EINTR) continue;
+    if (put <= 0) break;  // a trace is a help, never in the way
+    left.remove_prefix(static_cast<std::size_t>(put));
+  }
+  ::close(file);
 }
 
 }  // namespace popcut::daemon

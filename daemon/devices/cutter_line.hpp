@@ -11,6 +11,7 @@
 #include "core/result.hpp"
 #include "daemon/config/config.hpp"
 #include "daemon/devices/paced_transport.hpp"
+#include "daemon/files/held_folder.hpp"
 #include "device/port/device_id.hpp"
 #include "device/sim/sim_faults.hpp"
 #include "device/sim/trace.hpp"
@@ -24,7 +25,7 @@ struct CutterLine {
   Machine machine;
   double time_scale{0};            ///< simulated
   std::vector<SimFault> faults{};  ///< simulated; of the next sheet only
-  std::string trace_folder{};      ///< simulated; empty: none is kept
+  HeldFolder traces{};             ///< simulated; none: no trace is kept
   std::shared_ptr<UsbBus> bus{};   ///< of a USB device
   [[nodiscard]] bool simulated() const { return device.kind == DeviceKind::Simulated; }
 };

@@ -80,6 +80,7 @@ Hub::Hub(HttpOptions what)
       logins(options.limits.failed_logins_per_minute) {
   context.limits = options.limits;
   context.build = options.build;
+  context.worker_walls = options.worker_walls;
   Sha256 hash;
   hash.add(openapi_json());
   context.openapi_sha256 = hash.hex();

@@ -33,6 +33,8 @@ struct HttpOptions {
   HttpLimits limits{};
   std::string incoming_folder{};  ///< of the state: uploads lie there until the service takes them
   std::string build{"0"};         ///< version, for /v1/meta
+  /// What confines workers on this machine, for /v1/meta; null, or of none: it is not known yet.
+  std::function<std::vector<WorkerWall>()> worker_walls{};
   /// Lives longer than the server; called on its own thread only.
   Service* service{nullptr};
   /// Puts work on the service's thread (lane Asking); false: it accepts no more.

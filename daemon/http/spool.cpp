@@ -42,9 +42,14 @@ Spool::~Spool() { remove(); }
 
 Answer<Spool> Spool::create(const std::string& folder, const std::string& name) {
   std::string path = fmt::format("{}/{}{}", folder, name, kEnding);
+  const int held = ::open(folder.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (held < 0) return tl::unexpected<Problem>(disk_problem(errno));
   const int file =
-      ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR);
-  if (file < 0) return tl::unexpected<Problem>(disk_problem(errno));
+      ::openat(held, fmt::format("{}{}", name, kEnding).c_str(),
+               O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  const int error = errno;
+  ::close(held);
+  if (file < 0) return tl::unexpected<Problem>(disk_problem(error));
   return Spool(file, std::move(path));
 }
 

@@ -122,6 +122,13 @@ struct PlanRequest {
       options{};  ///< "mat", "order", "at", "split", ... without dashes
 };
 
+/// What keeps a worker from doing anything but plan, by its name.
+struct WorkerWall {
+  std::string name;       ///< "seccomp", "landlock", "namespaces"
+  std::string why_not{};  ///< empty: it holds on this machine
+  [[nodiscard]] bool holds() const { return why_not.empty(); }
+};
+
 struct SheetPlan {
   int number{};  ///< from 1
   int paths{};

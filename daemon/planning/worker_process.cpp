@@ -2,6 +2,8 @@
 #include "daemon/planning/worker_process.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
+#include <sched.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -57,7 +59,8 @@ void limit(int resource, rlim_t soft, rlim_t hard) {
 
 void set_limits(const PlanningLimits& limits) {
   const auto cpu_s = static_cast<rlim_t>(std::ceil(limits.cpu_s < 1 ? 1 : limits.cpu_s));
-  limit(RLIMIT_CPU, cpu_s, cpu_s + 2);
+  // Killed at once: the first process of a namespace ignores SIGXCPU.
+  limit(RLIMIT_CPU, cpu_s, cpu_s);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   limit(RLIMIT_AS, limits.memory_bytes, limits.memory_bytes);
 #endif
@@ -97,10 +100,34 @@ void usual_signals() {
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
 }
 
-[[noreturn]] void become_worker(const char* program, const PlanningLimits& limits, pid_t parent,
-                                std::array<int, 3> pipes) {
+/// Nobody reads any more what is written there.
+bool is_abandoned(int pipe) {
+  pollfd end{pipe, 0, 0};
+  return ::poll(&end, 1, 0) == 1 && (end.revents & POLLERR) != 0;
+}
+
+/// As fork, with namespaces of users, processes and System V IPC for the child where it can have
+/// them; else `error` says why not. No network of its own: that takes as long as all the rest of a
+/// start, and a worker has no sockets.
+pid_t fork_apart(int& error) {
+#if defined(__SANITIZE_THREAD__)  // whose runtime must know of it
+  error = ENOTSUP;
+#elif defined(__s390__)  // whose clone takes its arguments in another order
+  error = ENOTSUP;
+#else
+  constexpr unsigned long kApart = CLONE_NEWUSER | CLONE_NEWPID | CLONE_NEWIPC;
+  const long child = ::syscall(SYS_clone, kApart | SIGCHLD, nullptr, nullptr, nullptr, nullptr);
+  if (child >= 0) return static_cast<pid_t>(child);
+  error = errno;
+#endif
+  return ::fork();
+}
+
+[[noreturn]] void become_worker(const char* program, const char* mode, const PlanningLimits& limits,
+                                pid_t parent, std::array<int, 3> pipes) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) ::_exit(126);  // it died before that
+  // It died before that. In a namespace of its own this one sees no parent, but see below.
+  if (const pid_t seen = ::getppid(); seen != 0 && seen != parent) ::_exit(126);
   usual_signals();
   ::setpgid(0, 0);  // what a terminal sends to popcutd is not for it
   // None of the pipes may be among 0, 1, 2 while those are put in place.
@@ -108,13 +135,16 @@ void usual_signals() {
   for (int k = 0; k < 3; ++k)
     if (::dup2(pipes[static_cast<std::size_t>(k)], k) != k) ::_exit(126);
   close_all_from(3);
+  if (is_abandoned(STDOUT_FILENO)) ::_exit(126);
   offer_to_oom_killer();
   ::setpriority(PRIO_PROCESS, 0, 10);
   if (::chdir("/") != 0) ::_exit(126);
   set_limits(limits);
   if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) ::_exit(126);
   char name[] = "popcutd", word[] = "--worker";
-  char* const arguments[] = {name, word, nullptr};
+  char mode_word[16] = "";
+  if (mode != nullptr) std::strncpy(mode_word, mode, sizeof mode_word - 1);
+  char* const arguments[] = {name, word, mode != nullptr ? mode_word : nullptr, nullptr};
   char* const environment[] = {nullptr};
   ::execve(program, arguments, environment);
   ::_exit(127);
@@ -122,8 +152,8 @@ void usual_signals() {
 
 }  // namespace
 
-Result<WorkerProcess> WorkerProcess::start(const std::string& program,
-                                           const PlanningLimits& limits) {
+Result<WorkerProcess> WorkerProcess::start(const std::string& program, const PlanningLimits& limits,
+                                           const char* word) {
   const auto failed = [] {
     return fail(ErrorKind::Internal, "worker",
                 std::string("cannot be started: ") + std::strerror(errno));
@@ -133,10 +163,13 @@ Result<WorkerProcess> WorkerProcess::start(const std::string& program,
   for (const int end : {to.write, from.read, errors.read})
     if (::fcntl(end, F_SETFL, O_NONBLOCK) != 0) return failed();
   const pid_t self = ::getpid();
-  const pid_t child = ::fork();
+  int namespaces_error = 0;
+  const pid_t child = fork_apart(namespaces_error);
   if (child < 0) return failed();
-  if (child == 0) become_worker(program.c_str(), limits, self, {to.read, from.write, errors.write});
+  if (child == 0)
+    become_worker(program.c_str(), word, limits, self, {to.read, from.write, errors.write});
   WorkerProcess process;
+  process.namespaces_error_ = namespaces_error;
   process.pid_ = child;
   process.to_ = std::exchange(to.write, -1);
   process.from_ = std::exchange(from.read, -1);
@@ -148,7 +181,9 @@ WorkerProcess::WorkerProcess(WorkerProcess&& other) noexcept
     : to_(std::exchange(other.to_, -1)),
       from_(std::exchange(other.from_, -1)),
       errors_(std::exchange(other.errors_, -1)),
-      pid_(std::exchange(other.pid_, -1)) {}
+      pid_(std::exchange(other.pid_, -1)),
+      namespaces_error_(other.namespaces_error_),
+      cpu_s_(other.cpu_s_) {}
 
 WorkerProcess::~WorkerProcess() {
   if (pid_ > 0) {
@@ -169,10 +204,15 @@ void WorkerProcess::kill() const {
 
 int WorkerProcess::wait() {
   int status = 0;
+  rusage used{};
   constexpr int kLooks = 400;
   for (int look = 0; pid_ > 0; ++look) {
-    const pid_t ended = ::waitpid(pid_, &status, look < kLooks ? WNOHANG : 0);
+    const pid_t ended = ::wait4(pid_, &status, look < kLooks ? WNOHANG : 0, &used);
     if (ended == pid_ || (ended < 0 && errno != EINTR)) {
+      const auto seconds = [](const timeval& time) {
+        return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+      };
+      cpu_s_ = seconds(used.ru_utime) + seconds(used.ru_stime);
       pid_ = -1;
       break;
     }

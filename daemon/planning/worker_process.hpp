@@ -11,12 +11,15 @@
 namespace popcut::planning {
 
 /// A child that runs this program as `--worker`: nothing of ours is open in it but three pipes, its
-/// environment is empty, it works within its limits and dies with the thread that started it.
+/// environment is empty, it works within its limits and dies with the thread that started it. Where
+/// the kernel lets, it sees no other process: it is the first one in a namespace of its own.
 class WorkerProcess {
  public:
   /// @retval Internal  it cannot be started (no descriptors, no processes left)
+  /// @param word  after `--worker`; null: none
   [[nodiscard]] static Result<WorkerProcess> start(const std::string& program,
-                                                   const daemon::PlanningLimits& limits);
+                                                   const daemon::PlanningLimits& limits,
+                                                   const char* word = nullptr);
   WorkerProcess(WorkerProcess&& other) noexcept;
   WorkerProcess& operator=(WorkerProcess&&) = delete;
   WorkerProcess(const WorkerProcess&) = delete;
@@ -32,11 +35,17 @@ class WorkerProcess {
   void kill() const;
   /// Its status as `waitpid` has it. It is killed if it does not end within a second or two.
   int wait();
+  /// Processor time that it took, once it was waited for.
+  [[nodiscard]] double cpu_s() const { return cpu_s_; }
+  /// Why it has no namespaces of its own, as errno has it; 0: it has.
+  [[nodiscard]] int namespaces_error() const { return namespaces_error_; }
 
  private:
   WorkerProcess() = default;
   int to_{-1}, from_{-1}, errors_{-1};
   pid_t pid_{-1};
+  int namespaces_error_{0};
+  double cpu_s_{0};
 };
 
 }  // namespace popcut::planning

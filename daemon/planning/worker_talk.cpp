@@ -245,7 +245,10 @@ class Talk {
   }
 
   [[nodiscard]] Error how_it_died(int status) const {
-    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
+    // The limit is in whole seconds, and one more than the clock's grain is taken.
+    const bool out_of_time = process_.cpu_s() > std::max(1.0, limits_.cpu_s) - 0.1;
+    if (WIFSIGNALED(status) &&
+        (WTERMSIG(status) == SIGXCPU || (WTERMSIG(status) == SIGKILL && out_of_time)))
       return infeasible(fmt::format(
           "took more than the {:g} s of processor time that a design may take; make it smaller or "
           "simpler, or raise planner.cpu_s in popcutd.toml",

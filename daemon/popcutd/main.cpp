@@ -65,8 +65,8 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a write past the file size limit fails like a full disk
   try {
-    if (argc == 2 && std::strcmp(argv[1], "--worker") == 0)
-      return popcut::planning::run_worker(0, 1);
+    if (argc >= 2 && argc <= 3 && std::strcmp(argv[1], "--worker") == 0)
+      return popcut::planning::run_worker(0, 1, argc == 3 ? argv[2] : "");
     return popcut::daemon::run(argc, argv);
   } catch (const std::exception& fault) {
     std::fprintf(stderr, "popcutd: internal fault: %s\n", fault.what());

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
+#include <future>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -27,6 +28,7 @@
 #include "daemon/devices/make_cutters.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "daemon/http/server.hpp"
+#include "daemon/planning/confinement.hpp"
 #include "daemon/planning/planner.hpp"
 #include "daemon/planning/program_file.hpp"
 #include "daemon/popcutd/log.hpp"
@@ -85,6 +87,7 @@ std::string greeting(const Config& config, const std::vector<std::string>& endpo
 
 using Clock = std::chrono::steady_clock;
 
+constexpr const char* kWorkerProgram = "/proc/self/exe";
 constexpr int kNeedsPerson = 78;
 constexpr double kStopSeconds = 30;   // within the unit's TimeoutStopSec
 constexpr double kStuckSeconds = 10;  // a thread that has not turned for so long is stuck
@@ -207,6 +210,7 @@ class Daemon {
   std::unique_ptr<Store> store_{};
   std::unique_ptr<ServiceThread> thread_{};
   std::unique_ptr<Planner> planner_{};
+  std::shared_future<std::vector<WorkerWall>> worker_walls_{};
   std::unique_ptr<Cutters> cutters_{};
   std::unique_ptr<LiveService> service_{};
   std::unique_ptr<Webhook> webhook_{};
@@ -245,6 +249,21 @@ std::optional<StartFailure> Daemon::open_state() {
   return std::nullopt;
 }
 
+/// Tries on this machine how workers are confined, and logs it. The start does not wait for it.
+std::vector<WorkerWall> tell_confinement(const std::shared_ptr<spdlog::logger>& log) {
+  const auto walls = planning::try_confinement(kWorkerProgram);
+  if (!walls) {
+    log->warn("how workers are confined is not known: {}", message(walls.error()));
+    return {};
+  }
+  const bool listed = std::any_of(walls->begin(), walls->end(), [](const WorkerWall& wall) {
+    return wall.name == "seccomp" && wall.holds();
+  });
+  log->log(listed ? spdlog::level::info : spdlog::level::warn, "{}",
+           planning::confinement_text(*walls));
+  return *walls;
+}
+
 std::optional<StartFailure> Daemon::open_devices() {
   PlanningLimits limits;
   limits.processes = config_.planner.processes;
@@ -252,7 +271,8 @@ std::optional<StartFailure> Daemon::open_devices() {
   limits.wall_s = config_.planner.wall_s;
   limits.memory_bytes = config_.planner.memory_bytes;
   limits.output_bytes = config_.planner.output_bytes;
-  planner_ = make_planner(limits, "/proc/self/exe");
+  planner_ = make_planner(limits, kWorkerProgram);
+  worker_walls_ = std::async(std::launch::async, tell_confinement, log_);
   CuttersOptions options;
   options.tables = tables_;
   options.devices = config_.devices;
@@ -387,6 +407,10 @@ std::optional<StartFailure> Daemon::open_http(const ServiceManager& manager) {
   options.limits = config_.limits;
   options.incoming_folder = store_->folder().at("incoming");
   options.build = POPCUT_VERSION;
+  options.worker_walls = [walls = worker_walls_] {
+    const bool known = walls.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    return known ? walls.get() : std::vector<WorkerWall>();
+  };
   options.service = service_.get();
   options.on_service = [this](std::function<void()> work) {
     return thread_->post(ServiceThread::Lane::Asking, std::move(work));

@@ -14,6 +14,8 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include "daemon/files/held_folder.hpp"
+
 namespace popcut::daemon {
 namespace {
 
@@ -53,8 +55,14 @@ bool write_all(int fd, std::string_view bytes) {
   return true;
 }
 
+// Folders are held while something is written in them: a link that takes a folder's place meanwhile
+// leads nowhere else.
+
 Result<void> write_synced(const std::string& path, std::string_view bytes) {
-  Descriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
+  std::string name;
+  const auto folder = HeldFolder::around(path, name);
+  if (!folder) return tl::unexpected(folder.error());
+  Descriptor file(folder->create_again(name));
   if (!file.good()) return system_error(path, "cannot be created");
   if (!write_all(file.get(), bytes)) return system_error(path, "cannot be written");
   if (fsync(file.get()) != 0) return system_error(path, "cannot be synced");
@@ -63,8 +71,15 @@ Result<void> write_synced(const std::string& path, std::string_view bytes) {
 }
 
 Result<void> rename_synced(const std::string& from, const std::string& to) {
-  if (rename(from.c_str(), to.c_str()) != 0) return system_error(to, "cannot be renamed");
-  return sync_folder(fs::path(to).parent_path().string());
+  std::string old_name, name;
+  const auto source = HeldFolder::around(from, old_name);
+  if (!source) return tl::unexpected(source.error());
+  const auto folder = HeldFolder::around(to, name);
+  if (!folder) return tl::unexpected(folder.error());
+  if (renameat(source->descriptor(), old_name.c_str(), folder->descriptor(), name.c_str()) != 0)
+    return system_error(to, "cannot be renamed");
+  if (!folder->sync()) return system_error(to, "cannot be synced");
+  return {};
 }
 
 void clear_unfinished(const std::string& path) {
@@ -112,8 +127,13 @@ bool take_lock(int file) {
 
 }  // namespace
 
-Result<std::unique_ptr<StateFolder>> StateFolder::open(const std::string& path) {
+Result<std::unique_ptr<StateFolder>> StateFolder::open(const std::string& given) {
   std::error_code error;
+  // The folder itself may be reached by a link, as systemd makes one for DynamicUser; from here on
+  // it is the folder to which that leads now.
+  std::string path = given;
+  if (fs::is_symlink(given, error))
+    if (const fs::path real = fs::canonical(given, error); !error) path = real.string();
   if (!fs::exists(path, error)) {
     fs::create_directories(fs::path(path).parent_path(), error);
     if (mkdir(path.c_str(), 0700) != 0 && errno != EEXIST)
@@ -173,14 +193,15 @@ std::uint64_t StateFolder::free_bytes() const {
 
 bool StateFolder::take_reserve(std::uint64_t bytes) {
   if (reserved_) return true;
-  const std::string place = at("reserve");
-  const std::string fresh = at(".new-reserve");
-  Descriptor file(
-      ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
+  const char* const fresh = ".new-reserve";
+  std::string name;
+  const auto folder = HeldFolder::around(at("reserve"), name);
+  if (!folder) return false;
+  Descriptor file(folder->create_again(fresh));
   if (!file.good()) return false;
   const bool taken = posix_fallocate(file.get(), 0, static_cast<off_t>(bytes)) == 0 &&
-                     file.shut() && rename(fresh.c_str(), place.c_str()) == 0;
-  if (!taken) unlink(fresh.c_str());
+                     file.shut() && folder->rename(fresh, name) == 0;
+  if (!taken) (void)folder->remove(fresh);
   reserved_ = taken;
   return taken;
 }
@@ -210,7 +231,10 @@ Result<void> write_folder(const std::string& path,
                           const std::vector<std::pair<std::string, std::string_view>>& files) {
   const std::string fresh = beside(path);
   remove_tree(fresh);
-  if (mkdir(fresh.c_str(), 0700) != 0) return system_error(fresh, "cannot be created");
+  std::string name_of_fresh;
+  const auto around = HeldFolder::around(fresh, name_of_fresh);
+  if (!around) return tl::unexpected(around.error());
+  if (around->make_folder(name_of_fresh) != 0) return system_error(fresh, "cannot be created");
   Result<void> done{};
   for (const auto& [name, bytes] : files) {
     if (!is_plain_name(name))
@@ -254,7 +278,7 @@ void remove_tree(const std::string& path) {
 }
 
 Result<void> sync_folder(const std::string& path) {
-  const Descriptor folder(open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const Descriptor folder(open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   if (!folder.good()) return system_error(path, "cannot be opened");
   if (fsync(folder.get()) != 0) return system_error(path, "cannot be synced");
   return {};

@@ -186,6 +186,26 @@ int rename(const char* from, const char* to) {
   return next(from, to);
 }
 
+int renameat(int folder, const char* from, int other, const char* to) {
+  static auto* const next = real<int(int, const char*, int, const char*)>("renameat");
+  const Call call;
+  if (call.full()) return -1;
+  return next(folder, from, other, to);
+}
+
+int unlinkat(int folder, const char* path, int flags) {
+  static auto* const next = real<int(int, const char*, int)>("unlinkat");
+  const Call call;
+  return next(folder, path, flags);
+}
+
+int mkdirat(int folder, const char* path, mode_t mode) {
+  static auto* const next = real<int(int, const char*, mode_t)>("mkdirat");
+  const Call call;
+  if (call.full()) return -1;
+  return next(folder, path, mode);
+}
+
 int unlink(const char* path) {
   static auto* const next = real<int(const char*)>("unlink");
   const Call call;

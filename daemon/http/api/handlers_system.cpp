@@ -43,6 +43,23 @@ void metrics(const Request&, Service& service, const HandlerContext& context, Re
   reply(std::move(response));
 }
 
+namespace {
+
+/// What confines workers; two empty lists while it is not known.
+nlohmann::ordered_json confinement(const HandlerContext& context) {
+  auto by = nlohmann::ordered_json::array(), not_by = nlohmann::ordered_json::array();
+  if (context.worker_walls)
+    for (const WorkerWall& wall : context.worker_walls()) {
+      if (wall.holds())
+        by.push_back(wall.name);
+      else
+        not_by.push_back({{"name", wall.name}, {"why", wall.why_not}});
+    }
+  return {{"confined_by", std::move(by)}, {"not_confined_by", std::move(not_by)}};
+}
+
+}  // namespace
+
 void meta(const Request& request, Service& service, const HandlerContext& context, Reply reply) {
   const HttpLimits& limits = context.limits;
   reply(json_response(
@@ -52,6 +69,7 @@ void meta(const Request& request, Service& service, const HandlerContext& contex
        {"schema_sha256", context.openapi_sha256},
        {"principal", {{"name", request.principal.name}, {"role", name_of(request.principal.role)}}},
        {"last_event", service.operations.last_event()},
+       {"workers", confinement(context)},
        {"limits",
         {{"json_bytes", limits.json_bytes},
          {"json_depth", limits.json_depth},

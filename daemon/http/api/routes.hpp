@@ -17,10 +17,11 @@ namespace popcut::daemon::http {
 /// What a handler may know besides the request and the service.
 struct HandlerContext {
   HttpLimits limits{};
-  std::string build{};                                  ///< version of the program
-  std::string openapi_sha256{};                         ///< of /v1/openapi.json
-  std::function<void(const std::string&)> log_fault{};  ///< from any thread; may be empty
-  std::function<std::string()> metrics{};               ///< those of HTTP; called on its thread
+  std::string build{};                                      ///< version of the program
+  std::string openapi_sha256{};                             ///< of /v1/openapi.json
+  std::function<void(const std::string&)> log_fault{};      ///< from any thread; may be empty
+  std::function<std::string()> metrics{};                   ///< those of HTTP; called on its thread
+  std::function<std::vector<WorkerWall>()> worker_walls{};  ///< what confines them; may be empty
 };
 
 /// Answers one request. Runs on the service's thread; the reply may come later.
