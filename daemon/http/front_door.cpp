@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/http/front_door.hpp"
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -56,15 +59,21 @@ std::optional<Problem> check_origin(const RequestHead& head, const Peer& peer, c
   return std::nullopt;
 }
 
-Answer<Principal> local_principal(const Peer& peer, const HttpUsers& users, uid_t own_uid) {
-  Principal principal{fmt::format("uid:{}", peer.uid), Role::Admin};
-  if (peer.uid == 0 || peer.uid == own_uid) return principal;
-  std::optional<Role> role;
-  if (const auto user = users.users.find(peer.uid); user != users.users.end()) role = user->second;
-  for (const gid_t group : peer.groups)
-    if (const auto found = users.groups.find(group);
-        found != users.groups.end() && (!role || *role < found->second))
-      role = found->second;
+std::string place_of(const Peer& peer) {
+  if (peer.is_local) return fmt::format("uid:{}", peer.uid);
+  in6_addr address{};
+  if (::inet_pton(AF_INET6, peer.address.c_str(), &address) != 1) return peer.address;
+  if (IN6_IS_ADDR_LOOPBACK(&address) || IN6_IS_ADDR_V4MAPPED(&address)) return peer.address;
+  std::fill(std::begin(address.s6_addr) + 8, std::end(address.s6_addr), std::uint8_t{0});
+  char text[INET6_ADDRSTRLEN] = "";
+  ::inet_ntop(AF_INET6, &address, text, sizeof(text));
+  return fmt::format("{}/64", text);
+}
+
+Answer<Principal> local_principal(const Peer& peer, const LocalUsers& users, uid_t own_uid) {
+  Principal principal{.name = fmt::format("uid:{}", peer.uid),
+                      .user = LocalUser{peer.uid, peer.groups}};
+  const std::optional<Role> role = role_of(*principal.user, users, own_uid);
   if (!role)
     return refuse(ProblemKind::Forbidden,
                   fmt::format("user {} has no role; an administrator can add a [[user]] to "

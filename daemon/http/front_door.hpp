@@ -4,23 +4,12 @@
 #include <sys/types.h>
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "daemon/http/api/message.hpp"
-
-namespace popcut::daemon {
-
-/// Roles of the users of this computer on the unix socket. Root and the user that the
-/// daemon runs as are always admin; a user who is not listed has no role.
-struct HttpUsers {
-  std::map<uid_t, Role> users;
-  std::map<gid_t, Role> groups;  ///< of several, the greatest role counts
-};
-
-}  // namespace popcut::daemon
+#include "daemon/model/local_users.hpp"
 
 namespace popcut::daemon::http {
 
@@ -32,6 +21,10 @@ struct Peer {
   std::string address{};  ///< TCP: without the port
   std::uint16_t port{};   ///< TCP: the port of ours that it came to
 };
+
+/// What limits count a peer by: its user, or its address; of IPv6 its network, since one computer
+/// has as many addresses there as it likes.
+[[nodiscard]] std::string place_of(const Peer& peer);
 
 /// Hosts and origins that are ours.
 struct Names {
@@ -51,7 +44,7 @@ struct Names {
 
 /// The principal behind a unix socket.
 /// @retval Forbidden  a user without a role
-[[nodiscard]] Answer<Principal> local_principal(const Peer& peer, const HttpUsers& users,
+[[nodiscard]] Answer<Principal> local_principal(const Peer& peer, const LocalUsers& users,
                                                 uid_t own_uid);
 
 /// The token of `Authorization: Bearer ...`.

@@ -11,6 +11,7 @@
 
 #include "daemon/digest/digest.hpp"
 #include "daemon/http/api/openapi.hpp"
+#include "daemon/model/wall_clock.hpp"
 
 namespace popcut::daemon::http {
 namespace {
@@ -156,6 +157,14 @@ void Hub::retune(HttpTuning tuning) {
       client->close();
 }
 
+void Hub::check_streams() {
+  for (const ClientPtr& client : clients) {
+    if (!client->stream || client->peer.is_local) continue;
+    client->stream->doubted = true;
+    client->stream->wake.cancel();
+  }
+}
+
 void Hub::log_fault(std::string_view what) const {
   if (options.log) options.log->log(spdlog::level::err, "http: {}", for_log(what));
 }
@@ -256,9 +265,7 @@ asio::awaitable<bool> Hub::run_aside(ClientPtr client, std::function<void()> wor
 std::string new_request_id() {
   constexpr std::string_view kDigits = "0123456789ABCDEFGHJKMNPQRSTVWXYZ";
   thread_local std::mt19937_64 random{std::random_device{}()};
-  auto ms = static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::milliseconds>(
-                                           std::chrono::system_clock::now().time_since_epoch())
-                                           .count());
+  auto ms = static_cast<std::uint64_t>(wall_clock_ms());
   std::string id(26, '0');
   for (std::size_t i = 10; i-- > 0; ms >>= 5) id[i] = kDigits[ms & 31u];
   std::uint64_t low = random(), high = random();

@@ -54,6 +54,7 @@ struct Stream {
       : ring(limits.stream_events, limits.stream_bytes), wake(io) {}
   EventRing ring;
   asio::steady_timer wake;
+  bool doubted{false};  ///< its credential may have ended
 };
 
 /// One connection.
@@ -115,6 +116,8 @@ struct Hub {
   /// See `HttpServer::retune`.
   void retune(HttpTuning tuning);
   void publish(const EventFramePtr& frame);
+  /// Looks again whether the clients of the streams are still known: a credential has ended.
+  void check_streams();
   /// Ends all streams by overflow if an event was missed.
   void end_missed();
   void log_fault(std::string_view what) const;

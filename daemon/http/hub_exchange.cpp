@@ -183,9 +183,7 @@ std::optional<Problem> look_at_head(Hub& hub, const Client& client, Exchange& ex
 
 // What becomes of a failure to log in: a refusal, and after too many of them a longer one.
 Problem failed_login(Hub& hub, const Client& client, Problem problem) {
-  const std::string key =
-      client.peer.is_local ? fmt::format("uid:{}", client.peer.uid) : client.peer.address;
-  if (const auto wait = hub.logins.note(key, hub.now_s())) {
+  if (const auto wait = hub.logins.note(place_of(client.peer), hub.now_s())) {
     problem = Problem{ProblemKind::Rate, "too many failed logins"};
     problem.retry_after_s = *wait;
   }
@@ -225,29 +223,53 @@ asio::awaitable<Answer<Principal>> authenticate(Hub& hub, ClientPtr client) {
       Problem{ProblemKind::Unauthenticated, "unknown token; it may have been deleted"}));
 }
 
+// Whose requests are counted together: nobody uses up what is another's.
+std::string bucket_of(const Peer& peer, const Route& route, const Principal& principal) {
+  const std::string place = place_of(peer);
+  if (route.access.is_open()) return fmt::format("{} open {}", place, route.path);
+  return peer.is_local ? place : fmt::format("{} {}", place, principal.name);
+}
+
+Problem lacks_role(const Route& route, const Principal& principal) {
+  return {ProblemKind::Forbidden,
+          fmt::format("this requires the role {}; {} has {}", name_of(route.access.role()),
+                      principal.name, name_of(principal.role))};
+}
+
+std::optional<Problem> take_from_bucket(Hub& hub, const Client& client, const Exchange& exchange) {
+  const Route& route = *exchange.route;
+  RateLimit& limit = route.is_urgent ? hub.urgent_rate : hub.rate;
+  const auto wait =
+      limit.take(bucket_of(client.peer, route, exchange.request.principal), hub.now_s());
+  if (!wait) return std::nullopt;
+  Problem problem{ProblemKind::Rate,
+                  fmt::format("more than {:g} requests per second", hub.limits().rate_per_s)};
+  problem.retry_after_s = *wait;
+  return problem;
+}
+
+// Who has a good word opens a page however many bad ones come from the same address: all users of
+// this computer share 127.0.0.1.
+bool counts_failures(const Route& route) {
+  return route.access.is_open() && route.body != BodyRule::None;
+}
+
 // Role, origin, rate, form of the body.
 std::optional<Problem> look_at_principal(Hub& hub, const Client& client, Exchange& exchange) {
   const Request& request = exchange.request;
   const Route& route = *exchange.route;
   if (!route.access.is_open() && !route.access.allows(request.principal.role))
-    return Problem{ProblemKind::Forbidden,
-                   fmt::format("this requires the role {}; {} has {}", name_of(route.access.role()),
-                               request.principal.name, name_of(request.principal.role))};
+    return lacks_role(route, request.principal);
   if (auto wrong = check_origin(client.reader.head(), client.peer, hub.names)) {
     hub.metrics.reject("origin");
     return wrong;
   }
-  const std::string key =
-      route.access.is_open() ? fmt::format("open {}", route.path) : request.principal.name;
-  RateLimit& limit = route.is_urgent ? hub.urgent_rate : hub.rate;
-  if (const auto wait = limit.take(key, hub.now_s())) {
-    Problem problem{ProblemKind::Rate,
-                    fmt::format("more than {:g} requests per second", hub.limits().rate_per_s)};
-    problem.retry_after_s = *wait;
-    return problem;
-  }
+  if (!counts_failures(route))
+    if (auto wait = take_from_bucket(hub, client, exchange)) return wait;
   const RequestHead& head = client.reader.head();
-  if (auto wrong = check_media(head, exchange.request.media_type)) return wrong;
+  // What describes a body means nothing where there is none.
+  if (route.body != BodyRule::None)
+    if (auto wrong = check_media(head, exchange.request.media_type)) return wrong;
   const bool has_body = head.is_chunked || head.content_length.value_or(0) > 0;
   if (auto wrong = check_body(route, exchange.request.media_type, has_body)) return wrong;
   if (const auto expect = head.header("expect"); expect && *expect != "100-continue")
@@ -328,10 +350,30 @@ asio::awaitable<Response> ask_handler(Hub& hub, ClientPtr client, Exchange& exch
   const Route* const route = exchange.route;
   const auto context = std::make_shared<HandlerContext>(hub.context);
   const std::shared_ptr<Spool> spool = exchange.spool;  // until the service has answered
+  // A body may take minutes: who sent it is looked at again when it is here.
+  std::string bearer;
+  if (!route->access.is_open() && !client->peer.is_local)
+    bearer = bearer_of(client->reader.head()).value_or("");
+  if (!route->access.is_open() && client->peer.is_local) {
+    const Answer<Principal> now =
+        local_principal(client->peer, hub.options.users, ::getuid());
+    if (!now) co_return problem_response(now.error(), *request);
+    if (!route->access.allows(now->role)) co_return problem_response(lacks_role(*route, *now), *request);
+    request->principal = *now;
+  }
   std::function<void(Service&, Hub::Done)> work = [=](Service& service, const Hub::Done& done) {
     const Reply reply([answer, done, spool](Response response) {
       done([answer, response = std::move(response)]() mutable { *answer = std::move(response); });
     });
+    if (!bearer.empty()) {
+      const std::optional<Principal> now = service.access.authenticate(bearer);
+      if (!now)
+        return reply(problem_response(
+            Problem{ProblemKind::Unauthenticated, "this token or session has ended"}, *request));
+      if (!route->access.allows(now->role))
+        return reply(problem_response(lacks_role(*route, *now), *request));
+      request->principal = *now;
+    }
     dispatch(*request, *route, service, *context, reply);
   };
   const bool answered =
@@ -387,6 +429,9 @@ asio::awaitable<bool> serve_one(Hub& hub, ClientPtr client, Exchange& exchange) 
   }
   Response response = co_await ask_handler(hub, client, exchange);
   if (client->closed) co_return false;
+  if (counts_failures(*exchange.route) && response.status >= 400 && response.status < 500)
+    if (const auto wait = take_from_bucket(hub, *client, exchange))
+      response = problem_response(*wait, request);
   // A word that is not known may be a guess; a body that cannot be read is none.
   if (response.status == status_of(ProblemKind::Unauthenticated) &&
       exchange.route->access.is_open()) {

@@ -127,33 +127,40 @@ std::string take_piece(EventRing& ring, std::int64_t seen) {
   return piece;
 }
 
-// A token that was deleted, or has run out, ends its streams too.
-asio::awaitable<bool> is_still_known(Hub& hub, ClientPtr client) {
-  if (client->peer.is_local) co_return true;
+// A token that was deleted, or has run out, ends its streams too, and those of its sessions.
+// Gives the seconds until this is to be looked at again; nothing if the client is not known.
+asio::awaitable<std::optional<double>> known_for_s(Hub& hub, ClientPtr client) {
+  const double heartbeat_s = hub.limits().heartbeat_s;
+  if (client->peer.is_local) co_return heartbeat_s;
   const Answer<std::string> bearer = bearer_of(client->reader.head());
-  if (!bearer) co_return false;
-  auto known = std::make_shared<bool>(false);
+  if (!bearer) co_return std::nullopt;
+  auto known = std::make_shared<std::optional<Principal>>();
   std::function<void(Service&, Hub::Done)> work = [token = *bearer, known](Service& service,
                                                                            const Hub::Done& done) {
-    bool found = false;
+    std::optional<Principal> found;
     try {
-      found = service.access.authenticate(token).has_value();
+      found = service.access.authenticate(token);
     } catch (const std::exception&) {  // then not
     }
-    done([known, found] { *known = found; });
+    done([known, found = std::move(found)] { *known = found; });
   };
   const bool answered = co_await hub.ask(client, std::move(work), kCatchUp_s);
-  co_return answered&&* known;
+  if (!answered || !*known) co_return std::nullopt;
+  const std::optional<std::int64_t> left_ms = (*known)->left_ms;
+  if (!left_ms) co_return heartbeat_s;
+  co_return std::min(heartbeat_s, static_cast<double>(*left_ms + 1) / 1000);
 }
 
 asio::awaitable<void> stream_on(Hub& hub, ClientPtr client, std::int64_t seen) {
   Stream& stream = *client->stream;
-  double checked_s = hub.now_s();
+  stream.doubted = true;  // it may have ended since the request came
+  double check_s = 0;
   while (!client->closed) {
-    if (hub.now_s() - checked_s >= hub.limits().heartbeat_s) {
-      const bool known = co_await is_still_known(hub, client);
-      if (!known) co_return;
-      checked_s = hub.now_s();
+    if (stream.doubted || hub.now_s() >= check_s) {
+      stream.doubted = false;
+      const std::optional<double> known_s = co_await known_for_s(hub, client);
+      if (!known_s) co_return;
+      check_s = hub.now_s() + *known_s;
       hub.end_missed();
     }
     std::string piece = take_piece(stream.ring, seen);
@@ -165,8 +172,10 @@ asio::awaitable<void> stream_on(Hub& hub, ClientPtr client, std::int64_t seen) {
     }
     if (piece.empty()) {
       error_code ec;
+      const double quiet_s = std::min(hub.limits().heartbeat_s, check_s - hub.now_s());
       stream.wake.expires_after(
-          std::chrono::microseconds(static_cast<std::int64_t>(hub.limits().heartbeat_s * 1e6)));
+          std::chrono::microseconds(static_cast<std::int64_t>(std::max(quiet_s, 0.0) * 1e6)));
+      if (stream.doubted) continue;
       co_await stream.wake.async_wait(asio::redirect_error(asio::use_awaitable, ec));
       if (ec || client->closed) continue;  // woken by an event, or the end
       piece = ":\n\n";

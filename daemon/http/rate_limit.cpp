@@ -7,7 +7,7 @@
 namespace popcut::daemon::http {
 namespace {
 
-// Keys are tokens and users; more than this at once are none that matter.
+// Keys are users, networks and tokens; more than this at once are none that matter.
 constexpr std::size_t kMostKeys = 4096;
 
 }  // namespace
@@ -34,7 +34,12 @@ std::optional<int> RateLimit::take(const std::string& key, double now_s) {
 
 std::optional<int> FailedLogins::note(const std::string& key, double now_s) {
   constexpr double kWindow_s = 60;
-  if (failures_.size() >= kMostKeys) failures_.clear();
+  if (failures_.size() >= kMostKeys && !failures_.contains(key)) {
+    std::erase_if(failures_, [&](const auto& entry) {
+      return entry.second.empty() || now_s - entry.second.back() >= kWindow_s;
+    });
+    if (failures_.size() >= kMostKeys) failures_.clear();
+  }
   std::deque<double>& times = failures_[key];
   while (!times.empty() && now_s - times.front() >= kWindow_s) times.pop_front();
   if (static_cast<int>(times.size()) >= per_minute_)

@@ -225,6 +225,13 @@ Result<void> HttpServer::start() {
             link->missed = true;  // whoever tells of an event is never held up by those who hear
           }
         });
+        service->access.on_access_change([&hub, link] {
+          if (link->listeners == 0) return;
+          try {
+            link->post([&hub] { hub.check_streams(); });
+          } catch (const std::exception&) {  // each stream looks by itself, a little later
+          }
+        });
       });
   impl.turn();
   impl.thread = std::thread([&impl] { impl.run(); });

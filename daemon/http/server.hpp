@@ -29,7 +29,7 @@ struct HttpOptions {
   bool allow_remote{false};      ///< endpoints other than loopback ones; a proxy with TLS is before
   std::vector<std::string> hosts{};    ///< more names of this daemon: "cutter.lab:8631"
   std::vector<std::string> origins{};  ///< more origins of its page: "https://cutter.lab"
-  HttpUsers users{};
+  LocalUsers users{};
   HttpLimits limits{};
   std::string incoming_folder{};  ///< of the state: uploads lie there until the service takes them
   std::string build{"0"};         ///< version, for /v1/meta
@@ -45,7 +45,7 @@ struct HttpOptions {
 /// The options that may change while it serves.
 struct HttpTuning {
   std::vector<std::string> hosts{}, origins{};
-  HttpUsers users{};
+  LocalUsers users{};
   HttpLimits limits{};
 };
 

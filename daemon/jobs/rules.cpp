@@ -21,7 +21,7 @@ const std::vector<JobEvent>& all_events() {
   using enum JobEvent;
   static const std::vector<JobEvent> all{PlanBegins, PlanComes, PlanFails,    ArmLapses,
                                          CutRefused, CutHeld,   CutCompletes, CutUnconfirmed,
-                                         CutBreaks,  CutStops,  Restarts};
+                                         CutBreaks,  CutStops,  Restarts,     IntentsSurface};
   return all;
 }
 
@@ -87,6 +87,10 @@ Step step_of(JobState state, JobEvent event) {
       if (knife) return Step::ToInterrupted;
       if (state == JobState::Armed) return Step::ToReady;
       return only(state == JobState::Planning, Step::ToQueued);
+    case IntentsSurface:
+      return only(knife || state == JobState::Ready || state == JobState::Armed ||
+                      state == JobState::Interrupted,
+                  Step::ToInterrupted);
   }
   return Step::Refused;
 }

@@ -22,6 +22,7 @@ enum class JobEvent : std::uint8_t {
   CutBreaks,       ///< ended early: unplugged, stalled, stopped
   CutStops,        ///< ended early because `cancel` asked for it
   Restarts,        ///< popcutd starts again
+  IntentsSurface,  ///< a journal knows of strokes that were sent, and the store does not
 };
 
 /// All of them, for tables.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <sys/types.h>
+
 #include <array>
 #include <cstdint>
 #include <map>
@@ -16,14 +18,24 @@ enum class Role : std::uint8_t { Viewer, Submitter, Operator, Admin };
 [[nodiscard]] std::string_view name_of(Role role);
 [[nodiscard]] std::optional<Role> role_from(std::string_view name);
 
-/// The identity behind a request.
-struct Principal {
-  std::string name;  ///< "uid:1000", "token:01J..."
-  Role role{};
-};
-
 /// Milliseconds since 1970, UTC, of the store's clock.
 using TimeMs = std::int64_t;
+
+/// A user of the unix socket, as the kernel knows the process there.
+struct LocalUser {
+  uid_t uid{};
+  std::vector<gid_t> groups{};
+};
+
+/// The identity behind a request.
+struct Principal {
+  std::string name;  ///< "uid:1000", "token:01J..."; of a session: that of its root
+  Role role{};
+  std::string credential{};         ///< id of the token or session that it came with
+  std::optional<LocalUser> user{};  ///< unix socket: who it is
+  /// How long the credential is good for if it is not used again; nothing: until it is taken away.
+  std::optional<std::int64_t> left_ms{};
+};
 
 enum class JobState : std::uint8_t {
   Queued,
@@ -76,13 +88,17 @@ struct Upload {
   std::string path;
   std::string sha256;  ///< 64 hexadecimal digits
   std::uint64_t bytes{};
+  std::string name{};  ///< that the sender gave it
 };
 
 struct Asset {
-  std::string id;  ///< "sha256-..."
+  std::string id{};  ///< "sha256-..."
+  std::string name{}, owner{};
   std::uint64_t bytes{};
   TimeMs created{};
   bool is_new{true};
+  std::vector<std::string> designs{};  ///< some of those that refer to it
+  std::int64_t designs_total{};        ///< all of them
 };
 
 struct Design {
@@ -282,6 +298,17 @@ struct TokenRecord {
   Role role{};
   TimeMs created{};
   std::optional<TimeMs> expires{};
+};
+/// A session of a page. Its root is the token or the user of the unix socket that opened the page,
+/// and it is never more than that: it has the root's role of now and ends with it.
+struct SessionRecord {
+  std::string id;
+  std::string root;  ///< "token:01J...", "uid:1000": the name of its principal
+  std::string via;   ///< the session that opened it, if one did; it ends with that
+  Role role{};       ///< that of the root now
+  TimeMs created{};
+  TimeMs expires{};  ///< when it ends unless it is used
+  TimeMs ends{};     ///< when it ends however it is used
 };
 /// A token at the only moment when it is known whole.
 struct NewToken {

@@ -17,6 +17,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -157,8 +158,8 @@ std::map<std::string, std::vector<std::string>> materials_of(const Config& confi
   return materials;
 }
 
-HttpUsers users_of(const Config& config) {
-  HttpUsers users;
+LocalUsers users_of(const Config& config) {
+  LocalUsers users;
   for (const UserRule& rule : config.users.empty() ? default_users() : config.users) {
     if (rule.uid) users.users[*rule.uid] = rule.role;
     if (rule.gid) users.groups[*rule.gid] = rule.role;
@@ -182,6 +183,11 @@ class Daemon {
     return pulse_.alive(stuck_s_) && http_->alive(stuck_s_) && cutters_->alive();
   }
   [[nodiscard]] std::string status() const { return pulse_.status(); }
+  /// What the check of the database found wrong while it was served; empty: nothing so far.
+  [[nodiscard]] std::string damage() const {
+    const std::lock_guard hold(damage_lock_);
+    return damage_;
+  }
   [[nodiscard]] std::vector<std::string> endpoints() const { return http_->endpoints(); }
   /// Takes of `wanted` what may change while it runs; nothing of it touches a cut.
   ///
@@ -192,6 +198,7 @@ class Daemon {
   [[nodiscard]] std::optional<StartFailure> open_state();
   [[nodiscard]] std::optional<StartFailure> open_devices();
   [[nodiscard]] std::optional<StartFailure> open_service();
+  void check_database();
   void log_changes();
   [[nodiscard]] std::optional<StartFailure> open_webhook();
   void begin_webhook(WebhookTarget target);
@@ -208,6 +215,9 @@ class Daemon {
   std::unique_ptr<LiveService> service_{};
   std::unique_ptr<Webhook> webhook_{};
   std::unique_ptr<HttpServer> http_{};
+  std::thread checker_{};
+  mutable std::mutex damage_lock_{};
+  std::string damage_{};
   Pulse pulse_{};
   double stuck_s_{kStuckSeconds};
 };
@@ -223,6 +233,7 @@ std::optional<StartFailure> Daemon::start(const ServiceManager& manager) {
   if (auto failure = open_state()) return failure;
   if (auto failure = open_devices()) return failure;
   if (auto failure = open_service()) return failure;
+  check_database();
   log_changes();
   if (auto failure = open_webhook()) return failure;
   return open_http(manager);
@@ -231,6 +242,7 @@ std::optional<StartFailure> Daemon::start(const ServiceManager& manager) {
 std::optional<StartFailure> Daemon::open_state() {
   StoreOptions options;
   options.folder = config_.state;
+  options.check_later = true;
   auto store = Store::open(std::move(options));
   if (!store) return StartFailure{code_of(store.error()), message(store.error())};
   store_ = std::move(*store);
@@ -278,6 +290,7 @@ std::optional<StartFailure> Daemon::open_service() {
   options.sheets_per_job = config_.sheets_per_job;
   options.plans_at_once = config_.planner.processes;
   options.device_materials = materials_of(config_);
+  options.users = users_of(config_);
   options.tables = tables_;
   options.read_program = stored_program;
   options.log = [log = log_](const std::string& line) { log->info(line); };
@@ -285,6 +298,30 @@ std::optional<StartFailure> Daemon::open_service() {
   if (!service) return StartFailure{code_of(service.error()), message(service.error())};
   service_ = std::move(*service);
   return std::nullopt;
+}
+
+/// After a kill all pages of the database are checked, beside what is served meanwhile. Damage ends
+/// popcutd: nothing was armed yet.
+void Daemon::check_database() {
+  if (store_->checked()) return;
+  checker_ = std::thread([this] {
+    std::optional<std::string> damage = store_->damage_of_copy();
+    try {
+      if (!damage)
+        thread_->run(ServiceThread::Lane::Asking, [&] { damage = store_->damage_in_place(); });
+    } catch (const StoreFault& fault) {
+      damage = fmt::format("cannot be read: {}", fault.what());
+    }
+    if (!damage) return;  // popcutd is stopping
+    std::string text;
+    if (!damage->empty()) {
+      store_->mark_suspect();
+      text = store_->set_aside_as(*damage);
+      const std::lock_guard hold(damage_lock_);
+      damage_ = text;
+    }
+    thread_->post(ServiceThread::Lane::Asking, [this, text] { service_->checked(text); });
+  });
 }
 
 /// What becomes of each job, with its id.
@@ -346,10 +383,12 @@ Result<void> Daemon::retune(const Config& wanted) {
   }
   http_->retune({wanted.allowed_hosts, wanted.allowed_origins, users_of(wanted), wanted.limits});
   thread_->run(ServiceThread::Lane::Asking, [&] {
-    service_->retune({wanted.queue_jobs, wanted.sheets_per_job, materials_of(wanted)});
+    service_->retune(
+        {wanted.queue_jobs, wanted.sheets_per_job, materials_of(wanted), users_of(wanted)});
   });
   end_webhook();
   if (target) begin_webhook(std::move(*target));
+  if (const std::string few = allow_descriptors(wanted.limits); !few.empty()) log_->warn("{}", few);
   return {};
 }
 
@@ -390,6 +429,7 @@ void Daemon::stop() {
   end_webhook();
   planner_.reset();
   if (thread_) thread_->stop();
+  if (checker_.joinable()) checker_.join();
   http_.reset();
   service_.reset();
   cutters_.reset();  // one that is stuck may still want to write down how its cut ended
@@ -458,7 +498,7 @@ void watch(Daemon& daemon, const Config& config, const DaemonOptions& options,
   for (;;) {
     const int signal = signals.wait(step);
     if (signal == SIGHUP) reload(daemon, options, config, manager, log);
-    if (signal == SIGINT || signal == SIGTERM) return;
+    if (signal == SIGINT || signal == SIGTERM || !daemon.damage().empty()) return;
     daemon.beat();
     const bool alive = daemon.alive();
     if (alive != well)
@@ -495,6 +535,11 @@ int serve(const Config& config, const DaemonOptions& options, const ServiceManag
   log->info("stopping; cuts stop at the end of their stroke");
   manager.tell(fmt::format("STOPPING=1\nEXTEND_TIMEOUT_USEC={:.0f}", (kStopSeconds + 10) * 1e6));
   daemon.stop();
+  if (const std::string damage = daemon.damage(); !damage.empty()) {
+    std::fprintf(stderr, "popcutd: %s\n", without_control(damage).c_str());
+    manager.tell_status(damage);
+    return kNeedsPerson;
+  }
   log->info("stopped");
   return 0;
 }

@@ -17,6 +17,7 @@
 #include "daemon/client/http_client.hpp"
 #include "daemon/digest/digest.hpp"
 #include "daemon/http/api/render.hpp"
+#include "daemon/model/wall_clock.hpp"
 #include "daemon/store/state_folder.hpp"
 
 namespace popcut::daemon {
@@ -99,9 +100,7 @@ struct Webhook::Impl {
 
   bool send(const Event& event) {
     const std::string body = http::event_json(event);
-    const auto now = std::chrono::duration_cast<std::chrono::seconds>(
-        std::chrono::system_clock::now().time_since_epoch());
-    const std::string timestamp = std::to_string(now.count());
+    const std::string timestamp = std::to_string(wall_clock_ms() / 1000);
     client::HttpRequest request{"POST", target.path, body, "application/json"};
     request.seconds = kAnswerSeconds;
     request.headers = {{"Popcut-Event", std::to_string(event.seq)},

@@ -23,7 +23,18 @@ class Access {
                                                       Role role, std::optional<int> lifetime_s) = 0;
   [[nodiscard]] virtual std::vector<TokenRecord> tokens() = 0;
   [[nodiscard]] virtual Answer<void> delete_token(const Principal&, const std::string& id) = 0;
-  /// A word that becomes a session's token once, within 60 s: what `popcut open` gives the page.
+  /// The sessions that open something now: all of them for an admin, else those of the same root.
+  [[nodiscard]] virtual std::vector<SessionRecord> sessions(const Principal&) = 0;
+  /// Ends a session, and those that it opened.
+  /// @retval Forbidden  it is someone else's, and this is no admin
+  [[nodiscard]] virtual Answer<void> end_session(const Principal&, const std::string& id) = 0;
+  /// Ends the session, or deletes the token, that the request came with.
+  /// @retval NotFound  it came over the unix socket, with neither
+  [[nodiscard]] virtual Answer<void> close_session(const Principal&) = 0;
+  /// `listener` is called on the service's thread when credentials have ended or have another role.
+  virtual void on_access_change(std::function<void()> listener) = 0;
+  /// A word that becomes a session's token once, within 60 s: what `popcut open` gives the page. It
+  /// is good only as long as the credential that asked for it.
   [[nodiscard]] virtual Answer<std::string> create_one_shot(const Principal&) = 0;
   [[nodiscard]] virtual Answer<NewToken> open_session(const std::string& one_shot) = 0;
 };
@@ -36,6 +47,9 @@ class Designs {
   virtual void add(const Principal&, Upload, std::string media_type, std::string name,
                    std::function<void(Answer<Design>)> done) = 0;
   [[nodiscard]] virtual Answer<Asset> add_asset(const Principal&, const Upload&) = 0;
+  [[nodiscard]] virtual Page<Asset> assets(const PageRequest&) = 0;
+  /// @retval StateConflict  designs refer to it, and are named
+  [[nodiscard]] virtual Answer<void> remove_asset(const Principal&, const std::string& id) = 0;
   [[nodiscard]] virtual Page<Design> list(const PageRequest&) = 0;
   [[nodiscard]] virtual Answer<Design> find(const std::string& id) = 0;
   /// Path of the stored bytes.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/result.hpp"
+#include "daemon/model/local_users.hpp"
 #include "daemon/model/model.hpp"
 #include "protocol/encode.hpp"
 
@@ -23,6 +24,9 @@ struct ServiceOptions {
   std::int64_t keep_keys_ms{7LL * 86'400'000};
   std::int64_t keep_events_ms{30LL * 86'400'000};
   std::int64_t session_ms{12LL * 3'600'000};  ///< of a page, counted from its last request
+  std::int64_t longest_session_ms{7LL * 86'400'000};  ///< of a page, however much it is used
+  LocalUsers users{};                                 ///< roles of the users of the unix socket
+  std::int64_t believe_ms{24LL * 3'600'000};  ///< run time after which a clock that jumped is right
   std::vector<std::string> tables{};          ///< users' tables of machines and materials, as text
   /// Materials that a device is set up for; a device that is not listed takes any.
   std::map<std::string, std::vector<std::string>> device_materials{};
@@ -40,6 +44,7 @@ struct ServiceTuning {
   std::int64_t queue_jobs{50'000};
   int sheets_per_job{10'000};
   std::map<std::string, std::vector<std::string>> device_materials{};
+  LocalUsers users{};
 };
 
 }  // namespace popcut::daemon

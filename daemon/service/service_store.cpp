@@ -90,13 +90,17 @@ void ServiceStore::note(const StoreFault& fault) {
   if (fault.kind() == FaultKind::Full) note_full();
   if (degraded_ || (fault.kind() != FaultKind::Io && fault.kind() != FaultKind::Corrupt)) return;
   // A failed fsync may have dropped what it should have written: trying again proves nothing.
+  degrade(fault.what());
+}
+
+void ServiceStore::degrade(const std::string& why) {
   degraded_ = true;
-  degraded_why_ = fault.what();
+  degraded_why_ = why;
   store_.give_up();
   log(
       fmt::format("the database failed; nothing more is written to it, and cuts stop at the end of "
                   "their stroke; restart popcutd: {}",
-                  fault.what()));
+                  why));
   if (on_degraded) on_degraded();
 }
 
@@ -130,6 +134,22 @@ Answer<void> ServiceStore::accepts_work() const {
                   fmt::format("the disk of {1} has {0} MB free; new work needs {2} MB", free >> 20,
                               store_.folder().path(), options_.least_free_bytes >> 20));
   return {};
+}
+
+Answer<void> ServiceStore::accepts_arming() const {
+  if (degraded_) return tl::unexpected(degraded_problem());
+  if (!store_.checked())
+    return refuse(ProblemKind::Unavailable,
+                  "popcutd was not stopped in order and still checks its database; arm again in a "
+                  "moment");
+  return {};
+}
+
+void ServiceStore::checked(const std::string& damage) {
+  if (degraded_) return;
+  if (!damage.empty()) return degrade(damage);
+  store_.set_checked();
+  log("the database was not closed in order; all of it is checked now, and it is sound");
 }
 
 void ServiceStore::recover_disk() {

@@ -98,6 +98,10 @@ class ServiceStore {
   [[nodiscard]] bool full() const { return full_; }
   /// Why no new work is taken; none: it is.
   [[nodiscard]] Answer<void> accepts_work() const;
+  /// Why no knife may be armed yet; none: it may.
+  [[nodiscard]] Answer<void> accepts_arming() const;
+  /// The outcome of the check of all of the database; empty: it is sound.
+  void checked(const std::string& damage);
   /// Takes the reserve again when there is room.
   void recover_disk();
   std::function<void()> on_degraded{};
@@ -119,6 +123,7 @@ class ServiceStore {
   [[nodiscard]] Marks marks() const { return {after_.size(), events_.size()}; }
   void forget_after(const Marks& marks);
   void follow_up();
+  void degrade(const std::string& why);
   [[nodiscard]] Problem degraded_problem() const;
   [[nodiscard]] std::string moved_away() const;
 

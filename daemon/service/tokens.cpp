@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/service/tokens.hpp"
 
+#include <unistd.h>
+
+#include <algorithm>
+#include <sstream>
+
 #include <fmt/format.h>
 
 namespace popcut::daemon {
@@ -8,6 +13,8 @@ namespace {
 
 constexpr std::int64_t kOneShotMs = 60'000;
 constexpr std::size_t kMostOneShots = 100;
+constexpr std::size_t kOneShotsOfOne = 10;   // of one principal: nobody takes them all
+constexpr std::int64_t kSessionsOfOne = 32;  // of one principal; the one that ends first goes
 constexpr int kLongestLifetimeS = 10 * 366 * 86'400;
 // A session's end is moved on at most so often, so that reading writes nearly nothing.
 constexpr std::int64_t kExtendMs = 10 * 60'000;
@@ -23,58 +30,123 @@ std::optional<Parts> parts_of(std::string_view bearer) {
   return Parts{bearer.substr(3, 26), bearer.substr(30)};
 }
 
+std::string text_of(const std::vector<gid_t>& groups) {
+  return fmt::format("{}", fmt::join(groups, " "));
+}
+
+std::vector<gid_t> groups_from(const std::string& text) {
+  std::vector<gid_t> groups;
+  std::istringstream words(text);
+  for (gid_t group{}; words >> group;) groups.push_back(group);
+  return groups;
+}
+
+struct Secret {
+  std::string text, sha256;
+};
+
+Secret new_secret(const std::string& id) {
+  const std::string secret = base64url(random_bytes(32));
+  return {fmt::format("pc_{}_{}", id, secret), sha256_hex(secret)};
+}
+
 }  // namespace
+
+// A row of the table.
+struct Tokens::Session {
+  std::string id, token{};           ///< `token`: the root, or empty
+  std::optional<LocalUser> user{};   ///< the root, or nothing
+  std::string via{}, principal{}, secret{};
+  TimeMs created{}, expires{}, ends{};
+};
+
+// The owner of a token that has not expired; nothing if there is none.
+std::optional<Principal> Tokens::token_owner(const std::string& id, TimeMs now) {
+  Rows rows = store_.db().rows("SELECT role, principal, expires FROM token WHERE id=?", id);
+  if (!rows.next()) return std::nullopt;
+  const std::optional<Role> role = role_from(rows.text(0));
+  const std::optional<TimeMs> expires = rows.maybe_integer(2);
+  if (!role || (expires && *expires <= now)) return std::nullopt;
+  Principal owner{.name = rows.text(1), .role = *role, .credential = id};
+  if (expires) owner.left_ms = *expires - now;
+  return owner;
+}
+
+std::optional<Principal> Tokens::with_token(std::string_view id, std::string_view secret) {
+  {
+    Rows rows = store_.db().rows("SELECT secret_sha256 FROM token WHERE id=?", id);
+    if (!rows.next() || !equal_in_constant_time(rows.text(0), sha256_hex(secret)))
+      return std::nullopt;
+  }
+  return token_owner(std::string(id), store_.now());
+}
+
+std::optional<Tokens::Session> Tokens::session(const std::string& id) {
+  Rows rows = store_.db().rows(
+      "SELECT token, uid, groups, via, principal, secret_sha256, created, expires, ends "
+      "FROM session WHERE id=?",
+      id);
+  if (!rows.next()) return std::nullopt;
+  Session one{.id = id};
+  if (!rows.null(0)) one.token = rows.text(0);
+  if (!rows.null(1))
+    one.user = LocalUser{static_cast<uid_t>(rows.integer(1)), groups_from(rows.text(2))};
+  if (!rows.null(3)) one.via = rows.text(3);
+  rows.read(4, std::tie(one.principal, one.secret, one.created, one.expires, one.ends));
+  return one;
+}
+
+// What the session may do now, as its root may; nothing if it has ended, or its root has.
+std::optional<Principal> Tokens::root_of(const Session& session) {
+  const TimeMs now = store_.now();
+  const TimeMs end = std::min(session.expires, session.ends);
+  if (end <= now) return std::nullopt;
+  Principal owner{.name = session.principal, .credential = session.id, .left_ms = end - now};
+  if (session.user) {
+    const std::optional<Role> role = role_of(*session.user, options_.users, ::getuid());
+    if (!role) return std::nullopt;
+    owner.role = *role;
+    return owner;
+  }
+  const std::optional<Principal> root = token_owner(session.token, now);
+  if (!root) return std::nullopt;
+  owner.role = root->role;
+  if (root->left_ms) owner.left_ms = std::min(*owner.left_ms, *root->left_ms);
+  return owner;
+}
+
+std::optional<Principal> Tokens::with_session(const std::string& id, std::string_view secret) {
+  const std::optional<Session> found = session(id);
+  if (!found || !equal_in_constant_time(found->secret, sha256_hex(secret))) return std::nullopt;
+  std::optional<Principal> owner = root_of(*found);
+  if (!owner) return std::nullopt;
+  const TimeMs later = std::min(store_.now() + options_.session_ms, found->ends);
+  if (found->expires + kExtendMs <= later) {
+    // If it cannot be written the session ends earlier, no more.
+    (void)store_.change([&]() -> Answer<void> {
+      store_.db().run("UPDATE session SET expires=? WHERE id=?", later, id);
+      return {};
+    });
+  }
+  return owner;
+}
 
 std::optional<Principal> Tokens::authenticate(std::string_view bearer) {
   const std::optional<Parts> parts = parts_of(bearer);
   if (!parts || !is_ulid(parts->id)) return std::nullopt;
-  std::string secret, principal, kind;
-  std::optional<TimeMs> expires;
-  std::optional<Role> role;
   try {
-    Rows rows = store_.db().rows(
-        "SELECT secret_sha256, role, principal, expires, kind FROM token WHERE id=?", parts->id);
-    if (rows.next()) {
-      secret = rows.text(0);
-      role = role_from(rows.text(1));
-      principal = rows.text(2);
-      expires = rows.maybe_integer(3);
-      kind = rows.text(4);
-    }
+    if (std::optional<Principal> owner = with_token(parts->id, parts->secret)) return owner;
+    return with_session(std::string(parts->id), parts->secret);
   } catch (const StoreFault& fault) {
     store_.note(fault);
     return std::nullopt;
   }
-  if (!equal_in_constant_time(secret, sha256_hex(parts->secret)) || !role) return std::nullopt;
-  const TimeMs now = store_.now();
-  if (expires && *expires <= now) return std::nullopt;
-  if (kind == "session" && *expires < now + options_.session_ms - kExtendMs) {
-    // If it cannot be written the session ends earlier, no more.
-    (void)store_.change([&]() -> Answer<void> {
-      store_.db().run("UPDATE token SET expires=? WHERE id=?", now + options_.session_ms,
-                      parts->id);
-      return {};
-    });
-  }
-  return Principal{principal, *role};
 }
 
-NewToken Tokens::store(const char* kind, const std::string& name, Role role,
-                       const std::string& principal, std::optional<TimeMs> expires) {
-  NewToken token;
-  token.record = {.id = store_.new_id(),
-                  .name = name,
-                  .role = role,
-                  .created = store_.now(),
-                  .expires = expires};
-  const std::string secret = base64url(random_bytes(32));
-  store_.db().insert(
-      "INSERT INTO token(id, kind, name, role, principal, secret_sha256, created, expires)",
-      token.record.id, kind, name, name_of(role),
-      principal.empty() ? "token:" + token.record.id : principal, sha256_hex(secret),
-      token.record.created, expires);
-  token.text = fmt::format("pc_{}_{}", token.record.id, secret);
-  return token;
+void Tokens::tell_change() {
+  store_.after_commit([this] {
+    for (const auto& listener : listeners_) listener();
+  });
 }
 
 Answer<NewToken> Tokens::create_token(const Principal& who, const std::string& name, Role role,
@@ -91,7 +163,18 @@ Answer<NewToken> Tokens::create_token(const Principal& who, const std::string& n
   return store_.change([&]() -> Answer<NewToken> {
     std::optional<TimeMs> expires;
     if (lifetime_s) expires = store_.now() + std::int64_t{*lifetime_s} * 1000;
-    NewToken token = store("token", name, role, "", expires);
+    NewToken token{.record = {.id = store_.new_id(),
+                              .name = name,
+                              .role = role,
+                              .created = store_.now(),
+                              .expires = expires},
+                   .text = {}};
+    const Secret secret = new_secret(token.record.id);
+    token.text = secret.text;
+    store_.db().insert(
+        "INSERT INTO token(id, kind, name, role, principal, secret_sha256, created, expires)",
+        token.record.id, "token", name, name_of(role), "token:" + token.record.id, secret.sha256,
+        token.record.created, expires);
     store_.audit(who.name, "create-token", token.record.id,
                  fmt::format("{} {}", name_of(role), name));
     return token;
@@ -117,25 +200,135 @@ Answer<void> Tokens::delete_token(const Principal& who, const std::string& id) {
     if (!rows.next()) return refuse(ProblemKind::NotFound, "there is no token " + id);
     if (who.role < Role::Admin && rows.text(0) != who.name)
       return refuse(ProblemKind::Forbidden, "only an admin may revoke someone else's token");
+    // Its sessions go with it.
     store_.db().run("DELETE FROM token WHERE id=?", id);
     store_.audit(who.name, "delete-token", id, "");
+    tell_change();
     return {};
   });
 }
 
+std::vector<SessionRecord> Tokens::sessions(const Principal& who) {
+  const std::vector<std::string> ids =
+      who.role == Role::Admin
+          ? all_of(store_.db().rows("SELECT id FROM session ORDER BY id"), first_text)
+          : all_of(store_.db().rows("SELECT id FROM session WHERE principal=? ORDER BY id",
+                                    who.name),
+                   first_text);
+  std::vector<SessionRecord> all;
+  for (const std::string& id : ids) {
+    const std::optional<Session> one = session(id);
+    const std::optional<Principal> owner = one ? root_of(*one) : std::nullopt;
+    if (!owner) continue;  // it opens nothing any more
+    all.push_back({.id = id,
+                   .root = one->principal,
+                   .via = one->via,
+                   .role = owner->role,
+                   .created = one->created,
+                   .expires = store_.now() + owner->left_ms.value_or(0),
+                   .ends = one->ends});
+  }
+  return all;
+}
+
+Answer<void> Tokens::end_session(const Principal& who, const std::string& id) {
+  return store_.change([&]() -> Answer<void> {
+    const std::optional<Session> found = session(id);
+    // Whose a session is, is nobody else's business.
+    if (!found || (who.role < Role::Admin && found->principal != who.name))
+      return refuse(ProblemKind::NotFound, "there is no session " + id + " of yours");
+    store_.db().run("DELETE FROM session WHERE id=?", id);
+    store_.audit(who.name, "end-session", id, found->principal);
+    tell_change();
+    return {};
+  });
+}
+
+Answer<void> Tokens::close_session(const Principal& who) {
+  if (who.credential.empty())
+    return refuse(ProblemKind::NotFound,
+                  "this connection has no session; it is identified by its user");
+  const Answer<bool> is_session =
+      store_.look([&]() -> Answer<bool> { return session(who.credential).has_value(); });
+  if (!is_session) return tl::unexpected(is_session.error());
+  return *is_session ? end_session(who, who.credential) : delete_token(who, who.credential);
+}
+
+void Tokens::users_changed() {
+  (void)store_.change([&]() -> Answer<void> {
+    const auto of_users =
+        all_of(store_.db().rows("SELECT id FROM session WHERE uid IS NOT NULL"), first_text);
+    for (const std::string& id : of_users) {
+      const std::optional<Session> one = session(id);
+      if (one && one->user && !role_of(*one->user, options_.users, ::getuid()))
+        store_.db().run("DELETE FROM session WHERE id=?", id);
+    }
+    return {};
+  });
+  for (const auto& listener : listeners_) listener();
+}
+
+// What a session of `who` begins with: its root and its end; nothing if the root has ended.
+std::optional<Tokens::Session> Tokens::beginning(const Principal& who) {
+  const TimeMs now = store_.now();
+  Session fresh{.id = {}, .principal = who.name, .created = now,
+                .ends = now + options_.longest_session_ms};
+  if (who.credential.empty()) {
+    if (!who.user || !role_of(*who.user, options_.users, ::getuid())) return std::nullopt;
+    fresh.user = who.user;
+  } else if (const auto owner = token_owner(who.credential, now)) {
+    fresh.token = who.credential;
+    if (owner->left_ms) fresh.ends = std::min(fresh.ends, now + *owner->left_ms);
+  } else {
+    const std::optional<Session> parent = session(who.credential);
+    if (!parent || !root_of(*parent)) return std::nullopt;
+    fresh.token = parent->token;
+    fresh.user = parent->user;
+    fresh.via = parent->id;
+    fresh.ends = std::min(fresh.ends, parent->ends);
+  }
+  fresh.expires = std::min(now + options_.session_ms, fresh.ends);
+  return fresh;
+}
+
+// Of one principal the oldest word goes first; of all, the oldest of whoever has most.
+void Tokens::make_room_for_word(const std::string& principal) {
+  std::map<std::string, std::size_t> counts;
+  for (const auto& [digest, word] : one_shots_) ++counts[word.principal.name];
+  std::string whose;
+  if (counts[principal] >= kOneShotsOfOne)
+    whose = principal;
+  else if (one_shots_.size() >= kMostOneShots)
+    whose = std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
+              return a.second < b.second;
+            })->first;
+  else
+    return;
+  auto oldest = one_shots_.end();
+  for (auto word = one_shots_.begin(); word != one_shots_.end(); ++word)
+    if (word->second.principal.name == whose &&
+        (oldest == one_shots_.end() || word->second.until_ms < oldest->second.until_ms))
+      oldest = word;
+  if (oldest != one_shots_.end()) one_shots_.erase(oldest);
+}
+
 Answer<std::string> Tokens::create_one_shot(const Principal& who) {
   tidy();
-  if (one_shots_.size() >= kMostOneShots)
-    return tl::unexpected(Problem{ProblemKind::Rate,
-                                  "too many pages are being opened; try again in a minute",
-                                  {},
-                                  {},
-                                  {},
-                                  {},
-                                  60});
+  make_room_for_word(who.name);
   const std::string word = base64url(random_bytes(32));
   one_shots_[sha256_hex(word)] = {who, store_.monotonic() + kOneShotMs};
   return word;
+}
+
+void Tokens::make_room_for_session(const std::string& principal) {
+  const std::int64_t held =
+      store_.db().number("SELECT count(*) FROM session WHERE principal=?", principal);
+  if (held < kSessionsOfOne) return;
+  store_.db().run(
+      "DELETE FROM session WHERE id IN (SELECT id FROM session WHERE principal=? "
+      "ORDER BY expires LIMIT ?)",
+      principal, held - kSessionsOfOne + 1);
+  tell_change();
 }
 
 Answer<NewToken> Tokens::open_session(const std::string& one_shot) {
@@ -147,16 +340,40 @@ Answer<NewToken> Tokens::open_session(const std::string& one_shot) {
   const Principal who = found->second.principal;
   one_shots_.erase(found);
   return store_.change([&]() -> Answer<NewToken> {
-    NewToken token =
-        store("session", "page", who.role, who.name, store_.now() + options_.session_ms);
-    store_.audit(who.name, "open-session", token.record.id, "");
-    return token;
+    make_room_for_session(who.name);
+    std::optional<Session> fresh = beginning(who);
+    if (fresh) fresh->id = store_.new_id();
+    const std::optional<Principal> owner = fresh ? root_of(*fresh) : std::nullopt;
+    if (!owner)
+      return refuse(ProblemKind::Unauthenticated,
+                    "the user, token or session that this address came from has ended");
+    const Secret secret = new_secret(fresh->id);
+    const auto text_or_null = [](const std::string& text) {
+      return text.empty() ? Bound(nullptr) : Bound(text);
+    };
+    std::optional<std::int64_t> uid;
+    if (fresh->user) uid = fresh->user->uid;
+    const std::string groups = fresh->user ? text_of(fresh->user->groups) : std::string();
+    store_.db().insert(
+        "INSERT INTO session(id, token, uid, groups, via, principal, secret_sha256, created, "
+        "expires, ends)",
+        fresh->id, text_or_null(fresh->token), uid, groups, text_or_null(fresh->via),
+        fresh->principal, secret.sha256, fresh->created, fresh->expires, fresh->ends);
+    store_.audit(who.name, "open-session", fresh->id, fresh->via);
+    return NewToken{.record = {.id = fresh->id,
+                               .name = "page",
+                               .role = owner->role,
+                               .created = fresh->created,
+                               .expires = fresh->expires},
+                    .text = secret.text};
   });
 }
 
 void Tokens::tidy() {
   const std::int64_t now = store_.monotonic();
-  std::erase_if(one_shots_, [&](const auto& one) { return one.second.until_ms <= now; });
+  std::erase_if(one_shots_, [&](const auto& one) {
+    return one.second.until_ms <= now;
+  });
 }
 
 }  // namespace popcut::daemon

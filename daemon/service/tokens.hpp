@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -13,6 +14,9 @@
 namespace popcut::daemon {
 
 /// Tokens, and the sessions of pages. Only the digest of a secret is stored.
+///
+/// A session has a root: a token, or a user of the unix socket. It is never more than that. Each
+/// request has the role that the root has then, and whatever ends the root ends the session.
 class Tokens : public Access {
  public:
   Tokens(ServiceStore& store, const ServiceOptions& options) : store_(store), options_(options) {}
@@ -22,21 +26,40 @@ class Tokens : public Access {
                                 std::optional<int> lifetime_s) override;
   std::vector<TokenRecord> tokens() override;
   Answer<void> delete_token(const Principal& who, const std::string& id) override;
+  std::vector<SessionRecord> sessions(const Principal& who) override;
+  Answer<void> end_session(const Principal& who, const std::string& id) override;
+  Answer<void> close_session(const Principal& who) override;
+  void on_access_change(std::function<void()> listener) override {
+    listeners_.push_back(std::move(listener));
+  }
   Answer<std::string> create_one_shot(const Principal& who) override;
   Answer<NewToken> open_session(const std::string& one_shot) override;
   /// Forgets what has expired.
   void tidy();
+  /// Ends the sessions of users who have no role any more. To be called when it starts, and when
+  /// the users have changed.
+  void users_changed();
 
  private:
   struct OneShot {
     Principal principal;
     std::int64_t until_ms{};  ///< monotonic
   };
-  NewToken store(const char* kind, const std::string& name, Role role, const std::string& principal,
-                 std::optional<TimeMs> expires);
+  struct Session;
+  [[nodiscard]] std::optional<Session> session(const std::string& id);
+  [[nodiscard]] std::optional<Principal> root_of(const Session& session);
+  [[nodiscard]] std::optional<Principal> token_owner(const std::string& id, TimeMs now);
+  [[nodiscard]] std::optional<Principal> with_token(std::string_view id, std::string_view secret);
+  [[nodiscard]] std::optional<Principal> with_session(const std::string& id,
+                                                      std::string_view secret);
+  [[nodiscard]] std::optional<Session> beginning(const Principal& who);
+  void make_room_for_word(const std::string& principal);
+  void make_room_for_session(const std::string& principal);
+  void tell_change();
   ServiceStore& store_;
   const ServiceOptions& options_;
   std::map<std::string, OneShot> one_shots_;  ///< by the digest of the word
+  std::vector<std::function<void()>> listeners_;
 };
 
 }  // namespace popcut::daemon

@@ -74,10 +74,23 @@ void AttemptTable::never_started(const std::string& attempt, TimeMs now) {
   db_.run("DELETE FROM chunk WHERE attempt=?", attempt);
 }
 
-void AttemptTable::crash(const std::string& attempt, TimeMs now) {
-  db_.run("UPDATE attempt SET ended=?, end_kind='crash' WHERE id=?", now, attempt);
-  db_.run("UPDATE chunk SET state='doubt' WHERE attempt=? AND state IN ('intent', 'sent')",
-          attempt);
+void AttemptTable::crash(const AttemptRow& attempt, TimeMs now, std::int64_t doubt_upto,
+                         const std::string& remark) {
+  db_.run("UPDATE attempt SET ended=?, end_kind='crash', last_status=? WHERE id=?", now, remark,
+          attempt.id);
+  const std::int64_t certain = db_.number(
+      "SELECT coalesce(max(path_to), -1) FROM chunk WHERE attempt=? AND state='certain'",
+      attempt.id);
+  db_.run("DELETE FROM chunk WHERE attempt=? AND state!='certain'", attempt.id);
+  put_chunk(attempt.id, 1, {std::max(attempt.first_stroke, certain + 1), doubt_upto}, "doubt");
+}
+
+std::int64_t AttemptTable::last_recorded(const std::string& attempt) {
+  return db_.number("SELECT coalesce(max(path_to), -1) FROM chunk WHERE attempt=?", attempt);
+}
+
+bool AttemptTable::knows(const std::string& attempt) {
+  return db_.number("SELECT EXISTS(SELECT 1 FROM attempt WHERE id=?)", attempt) != 0;
 }
 
 std::vector<AttemptRow> AttemptTable::of_sheet(const std::string& job, int sheet) {

@@ -47,11 +47,16 @@ class AttemptTable {
               const std::string& last_status, const std::vector<FateRun>& fates);
   /// As if it had never been started: not a byte was sent.
   void never_started(const std::string& attempt, TimeMs now);
-  /// At a restart: strokes that were being sent are in doubt.
-  void crash(const std::string& attempt, TimeMs now);
+  /// At a restart: strokes that are not certain are in doubt from `first` to `doubt_upto`. `remark`
+  /// is its last status.
+  void crash(const AttemptRow& attempt, TimeMs now, std::int64_t doubt_upto,
+             const std::string& remark);
+  /// The last stroke of which any chunk says something; -1: none.
+  [[nodiscard]] std::int64_t last_recorded(const std::string& attempt);
 
   [[nodiscard]] std::vector<AttemptRow> of_sheet(const std::string& job, int sheet);
   [[nodiscard]] std::vector<AttemptRow> open();
+  [[nodiscard]] bool knows(const std::string& attempt);
   [[nodiscard]] std::vector<FateRun> fates(const std::string& attempt);
 
   void put_sheet(const std::string& job, int sheet, int blank, int segment, std::string_view state,

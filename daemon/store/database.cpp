@@ -231,7 +231,7 @@ void Database::forget_pages() { sqlite3_db_release_memory(db_); }
 
 bool Database::in_transaction() const { return sqlite3_get_autocommit(db_) == 0; }
 
-void Database::checkpoint(bool to_zero) {
+bool Database::checkpoint(bool to_zero) {
   int log = 0;
   int moved = 0;
   check(db_,
@@ -240,6 +240,7 @@ void Database::checkpoint(bool to_zero) {
                                   &log, &moved),
         "checkpoint");
   if (log == moved) wal_pages_ = 0;
+  return log == moved;
 }
 
 Transaction::Transaction(Database& database)

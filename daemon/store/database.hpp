@@ -176,8 +176,8 @@ class Database {
   [[nodiscard]] bool in_transaction() const;
   /// Pages in the write-ahead log after the last commit.
   [[nodiscard]] int wal_pages() const { return wal_pages_; }
-  /// Moves what it can of the log into the file. `to_zero` empties the log.
-  void checkpoint(bool to_zero);
+  /// Moves what it can of the log into the file; true: all of it. `to_zero` empties the log.
+  bool checkpoint(bool to_zero);
   /// Called after each commit with the seconds that it took.
   std::function<void(double seconds)> committed{};
 

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "daemon/digest/digest.hpp"
+#include "daemon/store/integrity.hpp"
 #include "daemon/store/schema.hpp"
 #include "daemon/store/state_folder.hpp"
 
@@ -107,13 +108,28 @@ Result<std::string> set_aside(const std::string& database, const std::string& ba
   for (const char* suffix : {"", "-wal"}) {
     if (error || !fs::exists(database + suffix)) continue;
     const fs::path copy = fresh / (fs::path(database).filename().string() + suffix);
-    fs::copy_file(database + suffix, copy, error);
+    error = copy_new(database + suffix, copy.string());
     if (!error) (void)keep_file(copy.string(), copy.string());
   }
   if (!error) fs::rename(fresh, place, error);
   if (!error) return place.string();
   remove_tree(fresh.string());
   return fail(ErrorKind::Unwritable, place.string(), "cannot be written: " + error.message());
+}
+
+Result<void> put_in_place(const StateFolder& folder, const std::string& fresh) {
+  const std::string original = folder.at("popcut.db");
+  remove_tree(fresh + "-wal");
+  // From the mark on popcutd takes no other database than the new one, and from the new one's name
+  // on it does not read the old log. Until then it refuses, and this can be done again.
+  const std::string mark = clean_mark(fresh);
+  Result<void> done = mark.empty() ? fail(ErrorKind::Unwritable, fresh, "cannot be read")
+                                   : write_file(folder.at("database-state"), mark);
+  if (done) remove_tree(folder.at("witness"));
+  if (done) done = keep_file(fresh, original);
+  if (done) remove_tree(original + "-wal");
+  give_to_owner(folder.path());
+  return done;
 }
 
 Result<Salvage> salvage(const std::string& path) {
@@ -161,16 +177,8 @@ Result<Salvage> salvage(const std::string& path) {
                 original + ": nothing can be read from it; replace it with a copy from " +
                     (*folder)->at("backups"));
   }
-  remove_tree(fresh + "-wal");
-  // The damaged one lies in backups. Between these steps popcutd would find its database gone and
-  // refuse to start: never an old log with a new database.
-  remove_tree(original);
-  remove_tree(original + "-wal");
-  remove_tree((*folder)->at("witness"));
-  Result<void> done = keep_file(fresh, original);
-  if (done) remove_tree((*folder)->at("database-state"));
-  give_to_owner(path);
-  if (!done) return fail(ErrorKind::Unwritable, "", message(done.error()));
+  if (const Result<void> done = put_in_place(**folder, fresh); !done)
+    return fail(ErrorKind::Unwritable, "", message(done.error()));
   return report;
 }
 

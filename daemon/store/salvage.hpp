@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/result.hpp"
+#include "daemon/store/state_folder.hpp"
 
 namespace popcut::daemon {
 
@@ -29,6 +30,13 @@ struct Salvage {
 /// @retval OutOfRange  a later popcutd wrote it
 /// @retval Unwritable  the folder cannot be read or written, or there is no database
 [[nodiscard]] Result<Salvage> salvage(const std::string& folder);
+
+/// Puts the database `fresh`, which is closed, in the place of the folder's own, and makes the
+/// folder's owner own it. Killed at any instant it leaves the old one, which popcutd then refuses,
+/// or the new one, whole; it can be done again.
+///
+/// @retval Unwritable  the folder cannot be written
+[[nodiscard]] Result<void> put_in_place(const StateFolder& folder, const std::string& fresh);
 
 /// Copies a database and its log to BACKUPS/damaged-DIGEST/, once for the same bytes; gives that
 /// folder.

@@ -176,17 +176,54 @@ CREATE TABLE usage(
 CREATE INDEX usage_time ON usage(time);
 )sql";
 
+// Sessions have a root, and end with it; those of before had none. Assets say what refers to them.
+constexpr std::string_view kVersion2 = R"sql(
+DELETE FROM token WHERE kind = 'session';
+-- The root is a token, or a user of the unix socket with the groups of the process that asked.
+CREATE TABLE session(
+  id TEXT PRIMARY KEY CHECK(length(id) = 26),
+  token TEXT REFERENCES token(id) ON DELETE CASCADE,
+  uid INTEGER, groups TEXT NOT NULL,
+  via TEXT REFERENCES session(id) ON DELETE CASCADE,
+  principal TEXT NOT NULL, secret_sha256 TEXT NOT NULL CHECK(length(secret_sha256) = 64),
+  created INTEGER NOT NULL, expires INTEGER NOT NULL, ends INTEGER NOT NULL,
+  CHECK((token IS NULL) != (uid IS NULL))) STRICT, WITHOUT ROWID;
+CREATE INDEX session_token ON session(token) WHERE token IS NOT NULL;
+CREATE INDEX session_via ON session(via) WHERE via IS NOT NULL;
+CREATE INDEX session_principal ON session(principal, expires);
+
+ALTER TABLE asset ADD COLUMN name TEXT NOT NULL DEFAULT '';
+ALTER TABLE asset ADD COLUMN owner TEXT NOT NULL DEFAULT '';
+-- Which design refers to which asset: the lists of the designs, the other way round.
+CREATE TABLE asset_use(
+  asset TEXT NOT NULL, design TEXT NOT NULL REFERENCES design(id) ON DELETE CASCADE,
+  PRIMARY KEY(asset, design)) STRICT, WITHOUT ROWID;
+CREATE INDEX asset_use_design ON asset_use(design);
+INSERT OR IGNORE INTO asset_use(asset, design)
+  SELECT each.value, design.id FROM design, json_each(design.assets) AS each
+  WHERE json_valid(design.assets);
+CREATE TRIGGER asset_use_insert AFTER INSERT ON design BEGIN
+  INSERT OR IGNORE INTO asset_use(asset, design)
+    SELECT each.value, new.id FROM json_each(new.assets) AS each; END;
+
+-- The wall's clock as far as it is believed, and one that says otherwise (daemon/service/calendar).
+CREATE TABLE calendar(
+  one INTEGER PRIMARY KEY CHECK(one = 1), believed INTEGER NOT NULL,
+  claimed INTEGER NOT NULL, held_ms INTEGER NOT NULL) STRICT;
+)sql";
+
 }  // namespace
 
 const std::vector<Migration>& migrations() {
-  static const std::vector<Migration> all{{1, kVersion1}};
+  static const std::vector<Migration> all{{1, kVersion1}, {2, kVersion2}};
   return all;
 }
 
 const std::vector<std::string_view>& table_names() {
   static const std::vector<std::string_view> names{
       "asset", "design", "plan", "plan_sheet", "job",   "sheet",    "arm",    "attempt",
-      "chunk", "event",  "idem", "audit",      "token", "material", "device", "usage"};
+      "chunk", "event",  "idem", "audit",      "token", "session",  "material",
+      "device", "usage", "calendar"};
   return names;
 }
 

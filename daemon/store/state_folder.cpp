@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 
@@ -86,7 +87,8 @@ void clear_unfinished(const std::string& path) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(path + "/incoming", ignored))
     remove_tree(entry.path().string());
-  for (const char* inside : {"plans", "previews", "designs", "assets", "backups"})
+  for (const char* inside :
+       {"plans", "previews", "designs", "assets", "backups", "intents", "witnesses"})
     for (const auto& entry : fs::directory_iterator(path + "/" + inside, ignored))
       if (entry.path().filename().string().starts_with(".new-")) remove_tree(entry.path().string());
 }
@@ -138,7 +140,8 @@ Result<std::unique_ptr<StateFolder>> StateFolder::open(const std::string& given)
     if (mkdir(path.c_str(), 0700) != 0 && errno != EEXIST)
       return system_error(path, "cannot be created");
   }
-  for (const char* inside : {"designs", "assets", "plans", "previews", "incoming", "backups"}) {
+  for (const char* inside : {"designs", "assets", "plans", "previews", "incoming", "backups",
+                             "intents", "witnesses"}) {
     const std::string folder = path + "/" + inside;
     if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
       return system_error(folder, "cannot be created");
@@ -215,6 +218,23 @@ Result<void> keep_file(const std::string& from, const std::string& to) {
   if (!file.good()) return system_error(from, "cannot be opened");
   if (fsync(file.get()) != 0) return system_error(from, "cannot be synced");
   return rename_synced(from, to);
+}
+
+std::error_code copy_new(const std::string& from, const std::string& to) {
+  const auto last = [] { return std::error_code(errno, std::generic_category()); };
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> source(std::fopen(from.c_str(), "rbe"),
+                                                               &std::fclose);
+  if (!source) return last();
+  std::string name;
+  const auto folder = HeldFolder::around(to, name);
+  if (!folder) return std::make_error_code(std::errc::not_a_directory);
+  Descriptor file(folder->create(name));
+  if (!file.good()) return last();
+  std::string block(1u << 18, '\0');
+  while (const std::size_t got = std::fread(block.data(), 1, block.size(), source.get()))
+    if (!write_all(file.get(), std::string_view(block).substr(0, got))) return last();
+  if (std::ferror(source.get()) != 0) return std::make_error_code(std::errc::io_error);
+  return file.shut() ? std::error_code() : last();
 }
 
 Result<void> write_file(const std::string& path, std::string_view bytes) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -19,8 +20,8 @@ namespace popcut::daemon {
 /// made by us (digests and ids), never by a client.
 class StateFolder {
  public:
-  /// Makes the folder (0700) with designs, assets, plans, previews, incoming and backups, takes the
-  /// lock, and clears what an earlier process left unfinished.
+  /// Makes the folder (0700) with designs, assets, plans, previews, incoming, backups, intents and
+  /// witnesses, takes the lock, and clears what an earlier process left unfinished.
   ///
   /// @retval Refused     another process holds it
   /// @retval Unwritable  it cannot be made or written
@@ -54,6 +55,8 @@ class StateFolder {
 ///
 /// @retval Unwritable  the disk is full or failing
 [[nodiscard]] Result<void> keep_file(const std::string& from, const std::string& to);
+/// Copies a file to a new one; the error is EEXIST if `to` is there, be it a link.
+[[nodiscard]] std::error_code copy_new(const std::string& from, const std::string& to);
 /// Writes `bytes` to `path` through a temporary file beside it.
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view bytes);
 /// Writes a folder of files by way of one beside it: all of them are there, or none. A folder of

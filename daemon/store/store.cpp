@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "daemon/digest/digest.hpp"
+#include "daemon/store/integrity.hpp"
 #include "daemon/store/salvage.hpp"
 #include "daemon/store/wal_check.hpp"
 
@@ -19,32 +20,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kClean = "clean ";  // and the digest of the database
 constexpr std::string_view kInUse = "in use\n";
+constexpr std::string_view kSuspect = "in use, found damaged\n";
 constexpr std::size_t kWitnessDigits = 18;
 
 int version_of(Database& database) {
   return static_cast<int>(database.number("PRAGMA user_version"));
-}
-
-// Until it has its name it is nothing: what has the name is a whole database.
-void make_database(const std::string& path, const StoreOptions& options) {
-  const std::string fresh = path + ".new";
-  remove_tree(fresh);
-  remove_tree(fresh + "-journal");
-  remove_tree(fresh + "-wal");
-  {
-    Database database({.path = fresh, .vfs = options.vfs});
-    build_schema(database, options.steps, options.steps.back().version);
-    database.checkpoint(true);
-  }
-  remove_tree(fresh + "-wal");
-  if (const Result<void> kept = keep_file(fresh, path); !kept)
-    throw StoreFault(FaultKind::Io, message(kept.error()));
-}
-
-std::string clean_mark(const std::string& path) {
-  return fmt::format("{}{}\n", kClean, sha256_of_file(path).value_or("unreadable"));
 }
 
 // What is wrong with the file before SQLite is let near it; empty: nothing.
@@ -64,6 +45,25 @@ std::string header_damage(const std::string& path) {
   return id == static_cast<unsigned>(kApplicationId) ? "" : "is not a database of popcutd";
 }
 
+// Until it has its name it is nothing: what has the name is a whole database.
+void make_database(const std::string& path, const StoreOptions& options) {
+  const std::string fresh = path + ".new";
+  remove_tree(fresh);
+  remove_tree(fresh + "-journal");
+  remove_tree(fresh + "-wal");
+  {
+    Database database({.path = fresh, .vfs = options.vfs});
+    build_schema(database, options.steps, options.steps.back().version);
+    database.checkpoint(true);
+  }
+  // A full disk may leave a sound database that is not in the mode that was asked for.
+  if (const std::string what = header_damage(fresh); !what.empty())
+    throw StoreFault(FaultKind::Full, "the new database " + what + "; is the disk full?");
+  remove_tree(fresh + "-wal");
+  if (const Result<void> kept = keep_file(fresh, path); !kept)
+    throw StoreFault(FaultKind::Io, message(kept.error()));
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
@@ -81,12 +81,13 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
     std::error_code ignored;
     if (!fs::exists(path, ignored)) {
       if (!mark.empty() || fs::exists(path + "-wal", ignored))
-        return fail(ErrorKind::Malformed, "",
-                    path +
-                        ": the database is missing, but it existed before; restore a copy from " +
-                        store->folder_->at("backups") +
-                        ", or delete the files database-state and witness beside it to start with "
-                        "an empty queue");
+        return fail(
+            ErrorKind::Malformed, "",
+            fmt::format("{}: the database is missing, but it existed before; put a copy from "
+                        "{} in its place with 'popcut db restore COPY --state {}', or delete "
+                        "the files database-state and witness beside it to start with an "
+                        "empty queue",
+                        path, store->folder_->at("backups"), settings.folder));
       make_database(path, settings);
     }
     if (::access(path.c_str(), R_OK | W_OK) != 0 && errno == EACCES)
@@ -94,15 +95,16 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
                   path + ": popcutd cannot read and write it; give it the owner of its " +
                       "folder: chown --reference=" + settings.folder + " " + path);
     if (std::string what = header_damage(path); !what.empty()) return damaged(what);
-    const bool was_closed = mark.starts_with(kClean);
-    const bool unchanged = was_closed && mark == clean_mark(path);
-    // A log beside it: a run that ended before it had marked the database as in use.
-    const bool as_left = unchanged && !fs::exists(path + "-wal", ignored);
-    if (was_closed && !unchanged)
-      return damaged(
-          "has changed since popcutd closed it (if you restored a copy, also delete the files "
-          "database-state and witness beside it)");
-    if (mark == kInUse)
+    const bool was_closed = mark.starts_with(kCleanMark);
+    if (was_closed && mark != clean_mark(path))
+      return damaged("has changed since popcutd closed it");
+    // All that was ever confirmed is in the file. A log beside it is of a run that ended before it
+    // could remove it, or that began, confirmed nothing, and ended: a part of it would only hide
+    // newer pages of the file.
+    if (was_closed && fs::exists(path + "-wal", ignored) && !fs::remove(path + "-wal", ignored))
+      return fail(ErrorKind::Unwritable, "",
+                  path + "-wal: cannot be removed; it belongs to popcutd, give it its folder");
+    if (mark == kInUse || mark == kSuspect)
       if (std::string what = log_damage(path + "-wal"); !what.empty())
         return damaged("was not closed and its log " + what);
     store->database_ = std::make_unique<Database>(
@@ -117,11 +119,12 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
                       "{}); install that version, or restore the copy that it made",
                       path, version, newest));
     }
-    if (!as_left) {
-      Rows verdict = store->database_->rows("PRAGMA integrity_check(1)");
-      if (!verdict.next() || verdict.text(0) != "ok")
-        return damaged("is damaged: " + verdict.text(0));
+    store->checked_ = was_closed;
+    if (!was_closed && (!settings.check_later || mark != kInUse || version < newest)) {
+      if (std::string what = damage_in(*store->database_); !what.empty())
+        return damaged("is damaged: " + what);
       store->database_->forget_pages();
+      store->checked_ = true;
     }
     if (version < 1) return damaged("has no version");
     const std::int64_t known = store->database_->number("SELECT max(seq) FROM event");
@@ -141,16 +144,47 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
   }
 }
 
-std::string Store::set_aside_as(const std::string& what) {
+std::string Store::set_aside_as(const std::string& what) const {
   const std::string path = folder_->at("popcut.db");
   const Result<std::string> copy = set_aside(path, folder_->at("backups"));
+  const std::string kept = copy ? "a copy was saved as " + *copy
+                                : "no copy could be saved (" + message(copy.error()) + ")";
+  // Who has a whole database must not go back to an older one.
+  try {
+    const Integrity found = integrity_of(path, folder_->at("incoming/looked-at"));
+    if (found.damage.empty() && found.last_event >= witnessed())
+      return fmt::format(
+          "{}: the database {}; all of it can be read ({} jobs, the last event is {}); 'popcut db "
+          "salvage --state {}' goes on with it; {}, and the original is unchanged",
+          path, what, found.jobs, found.last_event, options_.folder, kept);
+  } catch (const StoreFault&) {  // cannot be read
+  }
   return fmt::format(
-      "{}: the database {}; {}, and the original is unchanged; 'popcut db salvage' saves what can "
-      "be read, or restore a copy from {}",
-      path, what,
-      copy ? "a copy was saved as " + *copy
-           : "no copy could be saved (" + message(copy.error()) + ")",
-      folder_->at("backups"));
+      "{0}: the database {1}; {2}, and the original is unchanged; 'popcut db salvage --state {3}' "
+      "saves what can be read, or put a copy from {4} in its place with 'popcut db restore COPY "
+      "--state {3}'",
+      path, what, kept, options_.folder, folder_->at("backups"));
+}
+
+std::optional<std::string> Store::damage_of_copy() const {
+  try {
+    const Integrity found =
+        integrity_of(folder_->at("popcut.db"), folder_->at("incoming/looked-at"));
+    return found.damage.empty() ? "" : "is damaged: " + found.damage;
+  } catch (const StoreFault&) {
+    return std::nullopt;
+  }
+}
+
+std::string Store::damage_in_place() {
+  const std::string damage = damage_in(*database_);
+  database_->forget_pages();
+  return damage.empty() ? "" : "is damaged: " + damage;
+}
+
+void Store::mark_suspect() const {
+  // Best effort: without it the next run serves until it has found the damage again.
+  (void)write_file(folder_->at("database-state"), kSuspect);
 }
 
 std::int64_t Store::witnessed() const {
@@ -183,19 +217,28 @@ void Store::migrate() {
 }
 
 void Store::mark_in_use() {
+  // With nothing in it yet the log would be taken for one that was cut short.
+  if (database_->wal_pages() == 0)
+    database_->script(fmt::format("PRAGMA user_version={}", version_of(*database_)));
   if (const Result<void> done = write_file(folder_->at("database-state"), kInUse); !done)
     throw StoreFault(FaultKind::Io, message(done.error()));
+  in_use_ = true;
 }
 
+// At each step the next start finds a whole database: until the mark is there, all of the log is;
+// from then on all is in the file, each byte of it is known, and the log is of no use.
 Store::~Store() {
   if (witness_ >= 0) close(witness_);
-  if (!database_ || failed_) return;
+  if (!database_ || failed_ || !checked_) return;
   try {
     const std::string path = folder_->at("popcut.db");
-    database_->checkpoint(true);
+    if (!in_use_ && database_->wal_pages() > 0) mark_in_use();
+    const bool moved = database_->checkpoint(false);
     database_.reset();
-    // Only now may the log be missing, and each byte of the database is known.
-    if (write_file(folder_->at("database-state"), clean_mark(path))) remove_tree(path + "-wal");
+    if (!moved || !folder_->is_in_place()) return;
+    const std::string mark = clean_mark(path);
+    if (!mark.empty() && write_file(folder_->at("database-state"), mark))
+      remove_tree(path + "-wal");
   } catch (const StoreFault&) {
     // The log stays and is read at the next opening.
   }

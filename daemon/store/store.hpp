@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct StoreOptions {
   std::uint64_t reserve_bytes{4u << 20};  ///< kept free for the last records of a full disk
   std::string vfs{};                      ///< of SQLite; tests
   std::vector<Migration> steps{migrations()};
+  /// Leaves what takes long after a kill, SQLite's check of all pages, to `damage_at_rest`.
+  bool check_later{false};
 };
 
 /// popcutd's memory: STATE/popcut.db and the files beside it, held by this process alone.
@@ -35,7 +38,7 @@ class Store {
   /// @retval OutOfRange   a later popcutd wrote it
   /// @retval CheckFailed  the database belongs to another user
   [[nodiscard]] static Result<std::unique_ptr<Store>> open(StoreOptions options);
-  /// Moves the log into the database, unless the disk failed.
+  /// Moves the log into the database, unless the disk failed or the database was not checked.
   ~Store();
   Store(const Store&) = delete;
   Store& operator=(const Store&) = delete;
@@ -51,9 +54,20 @@ class Store {
   /// The disk failed, or the database is damaged: nothing is written any more, not at the end
   /// either.
   void give_up() { failed_ = true; }
+  /// Whether all of the database is known to be sound. Until it is nothing may move the log into
+  /// it, and no knife may be armed.
+  [[nodiscard]] bool checked() const { return checked_; }
+  /// SQLite's check of all pages, of a copy: on any thread, while the database is in use. What is
+  /// wrong, empty: nothing; no value: there is no room for the copy.
+  [[nodiscard]] std::optional<std::string> damage_of_copy() const;
+  /// The same of the database itself, on its thread, which waits for it.
+  [[nodiscard]] std::string damage_in_place();
+  void set_checked() { checked_ = true; }
+  /// It was found damaged while in use: the next opening checks it before anything else.
+  void mark_suspect() const;
   /// Copies the database aside for a person to inspect, and gives the message: what is wrong,
   /// where the copy is, and what to do.
-  [[nodiscard]] std::string set_aside_as(const std::string& what);
+  [[nodiscard]] std::string set_aside_as(const std::string& what) const;
 
  private:
   Store(StoreOptions options, std::unique_ptr<StateFolder> folder)
@@ -64,6 +78,7 @@ class Store {
   std::unique_ptr<StateFolder> folder_;
   std::unique_ptr<Database> database_;
   bool failed_{false};
+  bool checked_{false}, in_use_{false};
   int witness_{-1};
 };
 

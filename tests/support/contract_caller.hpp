@@ -43,6 +43,10 @@ class ContractCaller {
   [[nodiscard]] std::string request(const ContractCall& call, const std::string& host,
                                     const std::string& more) const;
   void hold(const ContractCall& call, const daemon::WireResponse& response);
+  /// What of an answer is not as described; empty: nothing.
+  [[nodiscard]] std::vector<std::string> faults_of(const ContractCall& call,
+                                                   const daemon::WireResponse& response,
+                                                   bool is_head) const;
 
   /// Takes note of the problem of an answer that no operation documents.
   void note(const daemon::WireResponse& response);

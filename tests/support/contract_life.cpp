@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tests/support/contract_life.hpp"
+#include "tests/support/meshes.hpp"
 #include "tests/support/paths.hpp"
 
 #include <algorithm>
@@ -8,6 +9,8 @@
 #include <functional>
 #include <map>
 #include <thread>
+
+#include <unistd.h>
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -141,6 +144,31 @@ json ContractLife::plan_until(const json& body, const std::string& state) {
   }
 }
 
+// One that a design needs stays; one that none needs goes.
+void ContractLife::use_an_asset() {
+  const std::string mesh = tests::obj(tests::sphere_mesh(70, 40, 60));
+  const auto add = [&](const std::string& bytes) -> std::string {
+    return json::parse(ask({.method = "POST", .route = "/v1/assets", .body = bytes}).body).at("id");
+  };
+  const auto remove = [&](const std::string& id) {
+    return ask({.method = "DELETE", .route = "/v1/assets/{id}", .holes = {{"id", id}}});
+  };
+  used_asset_ = add(mesh);
+  spare_asset_ = add("spare");
+  const json spec{{"popcut", 1},          {"surface", {{"type", "mesh"}, {"file", used_asset_}}},
+                  {"units_per_slice", 5}, {"slices", 8},
+                  {"widths_mm", 6},       {"fit", "nearest"}};
+  const WireResponse stored =
+      ask({.method = "POST", .route = "/v1/designs", .body = spec.dump()});
+  INFO(stored.body);
+  REQUIRE(stored.status == 201);
+  const std::string design = json::parse(stored.body).at("id");
+  const WireResponse kept = remove(used_asset_);
+  CHECK(kept.status == 409);
+  CHECK(kept.body.find(design) != std::string::npos);
+  CHECK(remove(add("of nobody")).status == 204);
+}
+
 void ContractLife::make_design_and_plans() {
   const std::string sphere = text_of_file(source_file("examples/sphere.json"));
   const auto upload = [&](const std::string& bytes, int status) {
@@ -154,8 +182,11 @@ void ContractLife::make_design_and_plans() {
   upload("{", 422);
   spare_design_ = upload(sphere + " ", 201);
   for (const int status : {201, 200})
-    CHECK(ask({.method = "POST", .route = "/v1/assets", .body = "solid a\nendsolid a\n"}).status ==
-          status);
+    CHECK(ask({.method = "POST", .route = "/v1/assets", .query = "?name=a.stl",
+               .body = "solid a\nendsolid a\n"})
+              .status == status);
+  CHECK(caller_->get("/v1/assets").at("items").at(0).at("name") == "a.stl");
+  use_an_asset();
   plan_ = plan_until({{"material", "paper-220"}}, "planned").at("id");
   failed_plan_ = plan_until({{"options", {{"mat", "10x10"}}}}, "failed").at("id");
   CHECK(caller_->get("/v1/plans/{id}", {{"id", plan_}}).at("length_mm") > 0);
@@ -176,8 +207,10 @@ void ContractLife::knock() {
       return other;
     };
     refused(400, changed([](ContractCall& c) { c.query = "%zz"; }));
-    refused(413, changed([](ContractCall& c) {
-              c.more += "Content-Length: 999999999999\r\n";
+    const bool has_body = caller_->operation(call).contains("requestBody");
+    refused(413, changed([&](ContractCall& c) {
+              c.more += has_body ? "Content-Length: 999999999999\r\n"
+                                 : "X-Filler: " + std::string(9000, 'x') + "\r\n";
               c.body = "";
             }));
     refused(415, changed([](ContractCall& c) {
@@ -198,6 +231,16 @@ void ContractLife::knock() {
     const bool viewer_may = caller_->operation(call).at("x-popcut-role") == "viewer" || is_session;
     const ContractCall elsewhere =
         changed([](ContractCall& c) { c.more += "Origin: http://evil.example\r\n"; });
+    if (viewer_may && call.method == "GET") {
+      // Each token may read; a user of the socket may have no role.
+      if (auto nobody = RawConnection::as_user(65534, daemon_.socket())) {
+        nobody->send(caller_->request(call, "popcut", ""));
+        const WireResponse response = nobody->receive();
+        caller_->hold(call, response);
+        CHECK(response.status == 403);
+      }
+      continue;
+    }
     CHECK(caller_->ask_tcp(viewer_may ? elsewhere : call, port_, viewer_).status == 403);
   }
   // Over the unix socket there is no session to end.
@@ -393,17 +436,33 @@ void ContractLife::read_everything() {
   }
 }
 
+json ContractLife::new_session() {
+  const WireResponse word = ask({.method = "POST", .route = "/v1/session/one-shot"});
+  const WireResponse session = caller_->ask_tcp(
+      {.method = "POST", .route = "/v1/session", .body = word.body}, port_, "");
+  REQUIRE(session.status == 201);
+  return json::parse(session.body);
+}
+
 void ContractLife::open_sessions() {
   const WireResponse word = ask({.method = "POST", .route = "/v1/session/one-shot"});
   REQUIRE(word.status == 201);
-  const ContractCall open{.method = "POST", .route = "/v1/session", .body = word.body};
-  const WireResponse session = caller_->ask_tcp(open, port_, "");
+  const ContractCall enter{.method = "POST", .route = "/v1/session", .body = word.body};
+  const WireResponse session = caller_->ask_tcp(enter, port_, "");
   REQUIRE(session.status == 201);
-  CHECK(caller_->ask_tcp(open, port_, "").status == 401);  // once
+  CHECK(caller_->ask_tcp(enter, port_, "").status == 401);  // once
   const std::string token = json::parse(session.body).at("token");
   const ContractCall close{.method = "DELETE", .route = "/v1/session"};
   CHECK(caller_->ask_tcp({.method = "GET", .route = "/v1/meta"}, port_, token).status == 200);
+  const json open = caller_->get("/v1/sessions").at("items");
+  REQUIRE(open.size() == 1);
+  CHECK(open.at(0).at("id") == json::parse(session.body).at("id"));
+  CHECK(open.at(0).at("root") == fmt::format("uid:{}", ::geteuid()));
   CHECK(caller_->ask_tcp(close, port_, token).status == 204);
+  const auto end = [&](const std::string& id) {
+    return ask({.method = "DELETE", .route = "/v1/sessions/{id}", .holes = {{"id", id}}}).status;
+  };
+  CHECK(end(new_session().at("id")) == 204);
   CHECK(caller_->ask_tcp(close, port_, token).status == 401);
   const json first = caller_->get("/v1/tokens").at("items").at(0);
   CHECK(ask({.method = "DELETE", .route = "/v1/tokens/{id}", .holes = {{"id", first.at("id")}}})

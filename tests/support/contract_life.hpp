@@ -23,6 +23,7 @@ class ContractLife {
   int end();
 
   void make_design_and_plans();
+  void use_an_asset();
   void knock();
   void use_devices_and_materials();
   void see_a_job_through();
@@ -46,6 +47,7 @@ class ContractLife {
   daemon::WireResponse ask_device(const std::string& device, const std::string& action);
   std::string test_cut(const std::string& device);
   std::string new_token(const std::string& role);
+  nlohmann::json new_session();
   nlohmann::json plan_until(const nlohmann::json& body, const std::string& state);
 
   TempFolder files_;
@@ -54,6 +56,7 @@ class ContractLife {
   std::optional<ContractCaller> caller_;
   std::uint16_t port_{};
   std::string viewer_, admin_;
+  std::string used_asset_, spare_asset_;
   std::string design_, spare_design_, plan_, failed_plan_;
   std::string done_, ready_;  ///< jobs
 };

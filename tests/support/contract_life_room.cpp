@@ -49,6 +49,7 @@ void ContractLife::fill_the_disk() {
                         .body = ask({.method = "POST", .route = "/v1/session/one-shot"}).body},
                        port_, "");
   const std::string page_token = json::parse(session.body).at("token");
+  const std::string page_id = new_session().at("id");
   page_->full_from = page_->disk.load() + 1;
   for (ContractCall call : all_calls(*caller_)) {
     if (!documents(*caller_, call, 507)) continue;
@@ -70,6 +71,8 @@ void ContractLife::fill_the_disk() {
     if (call.route == "/v1/designs") call.body = "{\"popcut\": 1}";
     if (call.route.starts_with("/v1/materials")) call.holes["id"] = "kept";
     if (call.route.starts_with("/v1/tokens/")) call.holes["id"] = token;
+    if (call.route.starts_with("/v1/sessions/")) call.holes["id"] = page_id;
+    if (call.route.starts_with("/v1/assets/")) call.holes["id"] = spare_asset_;
     if (call.route.starts_with("/v1/devices/")) {
       const ContractCall now =
           on_device("sim:cameo3", call.route.substr(call.route.rfind('/') + 1));

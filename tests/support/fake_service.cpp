@@ -19,6 +19,7 @@ FakeState::FakeState() {
     const std::string name(name_of(role));
     bearers["pc_" + name + "_0123456789"] = {"token:" + name, role};
     token_map[name] = {name, name + "'s", role, kNow, std::nullopt};
+    session_map[name] = {name, "token:" + name, "", role, kNow, kNow, kNow};
   }
   device_map["sim:cameo3"] = {.id = "sim:cameo3",
                               .model = "cameo3",
@@ -113,7 +114,35 @@ Answer<void> FakeAccess::delete_token(const Principal&, const std::string& id) {
   if (auto problem = failure("delete_token")) return tl::unexpected<Problem>(*problem);
   if (token_map.erase(id) == 0) return nothing("there is no such token");
   std::erase_if(bearers, [&](const auto& entry) { return entry.second.name == "token:" + id; });
+  for (const auto& listener : access_listeners_) listener();
   return {};
+}
+
+std::vector<SessionRecord> FakeAccess::sessions(const Principal&) {
+  note("sessions");
+  std::vector<SessionRecord> out;
+  for (const auto& [id, session] : session_map) out.push_back(session);
+  return out;
+}
+
+Answer<void> FakeAccess::end_session(const Principal&, const std::string& id) {
+  if (auto problem = failure("end_session")) return tl::unexpected<Problem>(*problem);
+  if (session_map.erase(id) == 0) return nothing("there is no such session");
+  return {};
+}
+
+Answer<void> FakeAccess::close_session(const Principal& who) {
+  if (auto problem = failure("delete_token")) return tl::unexpected<Problem>(*problem);
+  if (!who.name.starts_with("token:")) return nothing("this connection has no session");
+  const std::string id = who.name.substr(6);
+  if (token_map.erase(id) == 0) return nothing("there is no such token");
+  std::erase_if(bearers, [&](const auto& entry) { return entry.second.name == who.name; });
+  for (const auto& listener : access_listeners_) listener();
+  return {};
+}
+
+void FakeAccess::on_access_change(std::function<void()> listener) {
+  access_listeners_.push_back(std::move(listener));
 }
 
 Answer<std::string> FakeAccess::create_one_shot(const Principal&) {
@@ -167,7 +196,23 @@ Answer<Asset> FakeDesigns::add_asset(const Principal&, const Upload& upload) {
   last_upload = upload;
   std::ifstream in(upload.path, std::ios::binary);
   last_upload_text.assign(std::istreambuf_iterator<char>(in), {});
-  return Asset{"sha256-" + upload.sha256, upload.bytes, kNow, true};
+  return Asset{.id = "sha256-" + upload.sha256,
+               .name = upload.name,
+               .bytes = upload.bytes,
+               .created = kNow};
+}
+
+Page<Asset> FakeDesigns::assets(const PageRequest&) {
+  note("assets");
+  Page<Asset> page;
+  for (const auto& [id, asset] : asset_map) page.items.push_back(asset);
+  return page;
+}
+
+Answer<void> FakeDesigns::remove_asset(const Principal&, const std::string& id) {
+  if (auto problem = failure("delete_asset")) return tl::unexpected<Problem>(*problem);
+  if (asset_map.erase(id) == 0) return nothing("there is no such asset");
+  return {};
 }
 
 Page<Design> FakeDesigns::list(const PageRequest& request) {

@@ -23,6 +23,8 @@ class FakeState {
   std::map<std::string, DeviceRecord> device_map;
   std::map<std::string, MaterialRecord> material_map;
   std::map<std::string, TokenRecord> token_map;
+  std::map<std::string, SessionRecord> session_map;
+  std::map<std::string, Asset> asset_map;
   std::map<std::string, Principal> bearers;  ///< by the token's text
   std::map<std::string, std::string> files;  ///< "PLAN/name" or a design's id -> path
   std::vector<Event> log;
@@ -61,6 +63,7 @@ class FakeState {
   std::map<std::string, Kept> kept_;
   std::map<std::string, bool> one_shots_;
   std::vector<std::function<void(const Event&)>> listeners_;
+  std::vector<std::function<void()>> access_listeners_;
   std::int64_t seq_{0};
   int next_id_{0};
 };
@@ -72,6 +75,10 @@ class FakeAccess : public Access, public virtual FakeState {
                                 std::optional<int> lifetime_s) override;
   std::vector<TokenRecord> tokens() override;
   Answer<void> delete_token(const Principal&, const std::string& id) override;
+  std::vector<SessionRecord> sessions(const Principal&) override;
+  Answer<void> end_session(const Principal&, const std::string& id) override;
+  Answer<void> close_session(const Principal&) override;
+  void on_access_change(std::function<void()> listener) override;
   Answer<std::string> create_one_shot(const Principal&) override;
   Answer<NewToken> open_session(const std::string& one_shot) override;
 };
@@ -81,6 +88,8 @@ class FakeDesigns : public Designs, public virtual FakeState {
   void add(const Principal&, Upload, std::string media_type, std::string name,
            std::function<void(Answer<Design>)> done) override;
   Answer<Asset> add_asset(const Principal&, const Upload&) override;
+  Page<Asset> assets(const PageRequest&) override;
+  Answer<void> remove_asset(const Principal&, const std::string& id) override;
   Page<Design> list(const PageRequest&) override;
   Answer<Design> find(const std::string& id) override;
   Answer<std::string> content(const std::string& id) override;

@@ -35,6 +35,9 @@ class RawConnection {
   explicit RawConnection(std::uint16_t port, bool six = false);
   explicit RawConnection(const std::string& unix_path);
   ~RawConnection();
+  /// Over a unix socket, as another user of this computer; nothing unless this is root.
+  [[nodiscard]] static std::optional<RawConnection> as_user(unsigned uid,
+                                                            const std::string& unix_path);
   RawConnection(RawConnection&& other) noexcept;
   RawConnection& operator=(RawConnection&&) = delete;
 

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <type_traits>
@@ -48,7 +49,7 @@ inline void write_text(const std::string& path, const std::string& text) {
 
 /// A service with a store in a scratch folder and fakes for planner and cutters.
 class ServiceBench {
-  ScratchFolder scratch_;
+  mutable std::optional<ScratchFolder> scratch_;
   std::vector<std::unique_ptr<daemon::ServiceThread>> buried_;
 
  public:
@@ -60,6 +61,8 @@ class ServiceBench {
   const std::string device{"sim:cameo3"};
 
   daemon::ServiceOptions options;
+  std::string place;        ///< its state folder; empty: one of its own, that goes with it
+  bool check_later{false};  ///< all of the database: nothing is armed until `checked` is called
   std::string vfs;
   std::uint64_t reserve_bytes{1u << 16};
   std::int64_t skew_ms{0};            ///< of the wall's clock
@@ -87,8 +90,10 @@ class ServiceBench {
 
   /// Opens the store and the service; the error as text, or nothing.
   std::string start() {
-    auto opened =
-        daemon::Store::open({.folder = folder(), .reserve_bytes = reserve_bytes, .vfs = vfs});
+    auto opened = daemon::Store::open({.folder = folder(),
+                                       .reserve_bytes = reserve_bytes,
+                                       .vfs = vfs,
+                                       .check_later = check_later});
     if (!opened) return message(opened.error());
     store_ = std::move(*opened);
     thread_ = std::make_unique<daemon::ServiceThread>();
@@ -114,7 +119,11 @@ class ServiceBench {
     cutters.forget();
   }
 
-  [[nodiscard]] std::string folder() const { return scratch_.path() + "/state"; }
+  [[nodiscard]] std::string folder() const {
+    if (!place.empty()) return place;
+    if (!scratch_) scratch_.emplace();
+    return scratch_->path() + "/state";
+  }
   [[nodiscard]] daemon::Store& store() { return *store_; }
   [[nodiscard]] daemon::ServiceThread& thread() { return *thread_; }
   [[nodiscard]] daemon::LiveService& service() { return *service_; }

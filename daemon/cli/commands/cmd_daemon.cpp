@@ -14,6 +14,7 @@
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/view/job_follow.hpp"
 #include "daemon/client/api.hpp"
+#include "daemon/store/restore.hpp"
 #include "daemon/store/salvage.hpp"
 
 namespace popcut::cli {
@@ -331,14 +332,47 @@ Result<void> database(const char* action, const Globals& globals) {
   return {};
 }
 
-/// Opens the file itself, under the lock of the state folder: popcutd must not run.
-Result<void> salvage_database(std::string folder, const Globals& globals) {
+Result<std::string> state_folder(const std::string& given) {
+  std::string folder = given;
   if (folder.empty())
     folder = client::user_state_folder([](const char* name) { return std::getenv(name); });
   if (folder.empty())
     return fail(ErrorKind::Usage, "--state",
                 "is missing; give the folder, as in --state /var/lib/popcut");
-  const auto saved = daemon::salvage(folder);
+  return folder;
+}
+
+struct RestoreOptions {
+  std::string copy, folder;
+  bool older{false};
+};
+
+/// As `salvage_database`: popcutd must not run.
+Result<void> restore_database(const RestoreOptions& options, const Globals& globals) {
+  const auto folder = state_folder(options.folder);
+  if (!folder) return tl::unexpected(folder.error());
+  const auto done = daemon::restore(*folder, options.copy, options.older);
+  if (!done) return fail(ErrorKind::Refused, "", message(done.error()));
+  if (globals.json) {
+    fmt::print("{}\n", dumped(Json{{"jobs", done->copy.jobs},
+                                   {"last_event", done->copy.last_event},
+                                   {"original", done->original}}));
+    return {};
+  }
+  if (globals.quiet) return {};
+  fmt::print("restored {}: {} jobs up to event {}\n", options.copy, done->copy.jobs,
+             done->copy.last_event);
+  if (!done->original.empty())
+    fmt::print(stderr, "the database that was there is in {}\n", done->original);
+  fmt::print(stderr, "start popcutd and check 'popcut jobs --all'\n");
+  return {};
+}
+
+/// Opens the file itself, under the lock of the state folder: popcutd must not run.
+Result<void> salvage_database(const std::string& given, const Globals& globals) {
+  const auto folder = state_folder(given);
+  if (!folder) return tl::unexpected(folder.error());
+  const auto saved = daemon::salvage(*folder);
   if (!saved) return fail(ErrorKind::Refused, "", message(saved.error()));
   Json tables = Json::array();
   for (const auto& table : saved->tables) {
@@ -365,7 +399,9 @@ constexpr const char* kDbHelp =
     "  popcut db backup       # copy it to popcutd's backup folder; print the path\n"
     "  popcut db check        # read every page and index\n"
     "  popcut db salvage      # if popcutd reports damage (exit code 78) and does not run: copy\n"
-    "                         # what is readable to a new database; the damaged one is kept";
+    "                         # what is readable to a new database; the damaged one is kept\n"
+    "  popcut db restore /var/lib/popcut/backups/popcut-20261122T101500Z.db\n"
+    "                         # put a copy in its place, while popcutd does not run";
 
 void add_db(CLI::App& app, const Globals& globals, Run& run) {
   CLI::App* const command = app.add_subcommand("db", kDbHelp);
@@ -382,6 +418,18 @@ void add_db(CLI::App& app, const Globals& globals, Run& run) {
   salvage->add_option("--state", *folder, "popcutd's state folder")
       ->option_text("DIR [~/.local/state/popcut]");
   when_chosen(salvage, run, [folder, &globals] { return salvage_database(*folder, globals); });
+  auto restoring = std::make_shared<RestoreOptions>();
+  CLI::App* const restore = command->add_subcommand(
+      "restore", "Put a copy in the place of the database; the one that is there is kept");
+  restore->add_option("COPY", restoring->copy, "A copy that 'popcut db backup' made")
+      ->required()
+      ->option_text("COPY");
+  restore->add_option("--state", restoring->folder, "popcutd's state folder")
+      ->option_text("DIR [~/.local/state/popcut]");
+  restore->add_flag("--older", restoring->older,
+                    "Also when the present database is whole and knows more than the copy");
+  when_chosen(restore, run,
+              [restoring, &globals] { return restore_database(*restoring, globals); });
 }
 
 }  // namespace

@@ -28,6 +28,9 @@ constexpr std::array<std::string_view, 9> kAssetTypes{"application/octet-stream"
                                                       "text/csv",
                                                       "model/x.stl-binary"};
 
+// Of a body that anyone may send: a word, no more.
+constexpr std::uint64_t kOpenBytes = 1024;
+
 std::vector<std::string> words_of(std::string_view text) {
   std::vector<std::string> out;
   while (!text.empty()) {
@@ -173,7 +176,7 @@ std::uint64_t most_bytes(const Route& route, const HttpLimits& limits) {
     case BodyRule::None:
       return 0;
     case BodyRule::Json:
-      return limits.json_bytes;
+      return route.access.is_open() ? std::min(limits.json_bytes, kOpenBytes) : limits.json_bytes;
     case BodyRule::Design:
       return limits.design_bytes;
     case BodyRule::Asset:

@@ -21,12 +21,16 @@ void check_database(const Request&, Service&, const HandlerContext&, Reply);
 void create_one_shot(const Request&, Service&, const HandlerContext&, Reply);
 void open_session(const Request&, Service&, const HandlerContext&, Reply);
 void close_session(const Request&, Service&, const HandlerContext&, Reply);
+void list_sessions(const Request&, Service&, const HandlerContext&, Reply);
+void end_session(const Request&, Service&, const HandlerContext&, Reply);
 void list_tokens(const Request&, Service&, const HandlerContext&, Reply);
 void create_token(const Request&, Service&, const HandlerContext&, Reply);
 void delete_token(const Request&, Service&, const HandlerContext&, Reply);
 
 // handlers_designs.cpp
 void add_asset(const Request&, Service&, const HandlerContext&, Reply);
+void list_assets(const Request&, Service&, const HandlerContext&, Reply);
+void delete_asset(const Request&, Service&, const HandlerContext&, Reply);
 void add_design(const Request&, Service&, const HandlerContext&, Reply);
 void list_designs(const Request&, Service&, const HandlerContext&, Reply);
 void get_design(const Request&, Service&, const HandlerContext&, Reply);

@@ -52,24 +52,32 @@ void open_session(const Request& request, Service& service, const HandlerContext
   const Answer<NewToken> token = service.access.open_session(*word);
   if (!token) return reply(problem_response(token.error(), request));
   const auto& expires = token->record.expires;
-  reply(json_response(201, {{"token", token->text},
+  reply(json_response(201, {{"id", token->record.id},
+                            {"token", token->text},
                             {"role", name_of(token->record.role)},
                             {"expires", expires ? nlohmann::ordered_json(rfc3339(*expires))
                                                 : nlohmann::ordered_json(nullptr)}}));
 }
 
 void close_session(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  // "Bearer pc_<id>_<secret>"; it was checked before.
-  const std::string_view sent = request.header("authorization").value_or("");
-  const std::size_t begin = sent.find("pc_");
-  const std::size_t end = sent.find('_', begin == std::string_view::npos ? begin : begin + 3);
-  if (begin == std::string_view::npos || end == std::string_view::npos)
-    return reply(
-        problem_response(Problem{ProblemKind::NotFound,
-                                 "this connection has no session; it is identified by its user"},
-                         request));
-  const std::string id(sent.substr(begin + 3, end - begin - 3));
-  const Answer<void> gone = service.access.delete_token(request.principal, id);
+  const Answer<void> gone = service.access.close_session(request.principal);
+  if (!gone) return reply(problem_response(gone.error(), request));
+  reply(empty_response());
+}
+
+void list_sessions(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  constexpr char kList = 's';
+  std::vector<RequestFault> faults;
+  const PageRequest wanted = page_request(request, kList, faults, kUsualWhole);
+  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  reply(page_response(page_of(service.access.sessions(request.principal), wanted,
+                              [](const SessionRecord& session) { return session.id; }),
+                      kList,
+                      [](const SessionRecord& session) { return dump(to_json(session)); }));
+}
+
+void end_session(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  const Answer<void> gone = service.access.end_session(request.principal, request.params[0]);
   if (!gone) return reply(problem_response(gone.error(), request));
   reply(empty_response());
 }

@@ -47,6 +47,15 @@ std::optional<std::string> sheet_name(const Request& request, const Reply& reply
   return std::nullopt;
 }
 
+// The label that the query gives to an upload.
+Answer<std::string> upload_name(const Request& request) {
+  std::string name = query_text(request, "name").value_or("");
+  if (name.size() <= kLongestName * 4 && !has_controls(name)) return name;
+  return tl::unexpected(validation(
+      {{"?name", "length",
+        fmt::format("must have at most {} characters, and no control characters", kLongestName)}}));
+}
+
 PlanRequest read_plan_request(FieldReader& fields) {
   PlanRequest wanted;
   wanted.material = fields.text("material", "", line(64));
@@ -59,20 +68,34 @@ PlanRequest read_plan_request(FieldReader& fields) {
 }  // namespace
 
 void add_asset(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<Asset> asset =
-      service.designs.add_asset(request.principal, request.upload.value_or(Upload{}));
+  const Answer<std::string> name = upload_name(request);
+  if (!name) return reply(problem_response(name.error(), request));
+  Upload upload = request.upload.value_or(Upload{});
+  upload.name = *name;
+  const Answer<Asset> asset = service.designs.add_asset(request.principal, upload);
   if (!asset) return reply(problem_response(asset.error(), request));
   reply(json_response(asset->is_new ? 201 : 200, to_json(*asset)));
 }
 
+void list_assets(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  constexpr char kList = 'a';
+  std::vector<RequestFault> faults;
+  const PageRequest wanted = page_request(request, kList, faults);
+  if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
+  reply(page_response(service.designs.assets(wanted), kList,
+                      [](const Asset& asset) { return dump(listed_json(asset)); }));
+}
+
+void delete_asset(const Request& request, Service& service, const HandlerContext&, Reply reply) {
+  const Answer<void> gone = service.designs.remove_asset(request.principal, request.params[0]);
+  if (!gone) return reply(problem_response(gone.error(), request));
+  reply(empty_response());
+}
+
 void add_design(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const std::string name = query_text(request, "name").value_or("");
-  if (name.size() > kLongestName * 4 || has_controls(name))
-    return reply(problem_response(
-        validation({{"?name", "length",
-                     fmt::format("must have at most {} characters, and no control characters",
-                                 kLongestName)}}),
-        request));
+  const Answer<std::string> given = upload_name(request);
+  if (!given) return reply(problem_response(given.error(), request));
+  const std::string& name = *given;
   service.designs.add(
       request.principal, request.upload.value_or(Upload{}), request.media_type, name,
       [reply, target = request.target, id = request.id](const Answer<Design>& design) {

@@ -147,7 +147,18 @@ std::string rfc3339(TimeMs time) {
 }
 
 ordered_json to_json(const Asset& asset) {
-  return {{"id", asset.id}, {"bytes", asset.bytes}, {"created", rfc3339(asset.created)}};
+  return {{"id", asset.id},
+          {"name", asset.name},
+          {"owner", text_or_null(asset.owner)},
+          {"bytes", asset.bytes},
+          {"created", rfc3339(asset.created)}};
+}
+
+ordered_json listed_json(const Asset& asset) {
+  ordered_json out = to_json(asset);
+  out["designs"] = asset.designs;
+  out["designs_total"] = asset.designs_total;
+  return out;
 }
 
 ordered_json to_json(const Design& design) {
@@ -319,6 +330,16 @@ ordered_json to_json(const TokenRecord& token) {
           {"role", name_of(token.role)},
           {"created", rfc3339(token.created)},
           {"expires", time_or_null(token.expires)}};
+}
+
+ordered_json to_json(const SessionRecord& session) {
+  return {{"id", session.id},
+          {"root", session.root},
+          {"via", text_or_null(session.via)},
+          {"role", name_of(session.role)},
+          {"created", rfc3339(session.created)},
+          {"expires", rfc3339(session.expires)},
+          {"ends", rfc3339(session.ends)}};
 }
 
 ordered_json to_json(const NewToken& token) {

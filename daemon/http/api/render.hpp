@@ -15,6 +15,8 @@ namespace popcut::daemon::http {
 
 // The values of the service as the API shows them. Absent values are null; units are in names.
 [[nodiscard]] nlohmann::ordered_json to_json(const Asset& asset);
+/// With the designs that refer to it.
+[[nodiscard]] nlohmann::ordered_json listed_json(const Asset& asset);
 [[nodiscard]] nlohmann::ordered_json to_json(const Design& design);
 [[nodiscard]] nlohmann::ordered_json to_json(const SheetPlan& sheet);
 [[nodiscard]] nlohmann::ordered_json to_json(const PlanRecord& plan);
@@ -23,6 +25,7 @@ namespace popcut::daemon::http {
 [[nodiscard]] nlohmann::ordered_json to_json(const DeviceRecord& device);
 [[nodiscard]] nlohmann::ordered_json to_json(const MaterialRecord& material);
 [[nodiscard]] nlohmann::ordered_json to_json(const TokenRecord& token);
+[[nodiscard]] nlohmann::ordered_json to_json(const SessionRecord& session);
 [[nodiscard]] nlohmann::ordered_json to_json(const NewToken& token);
 [[nodiscard]] nlohmann::ordered_json to_json(const UsageRow& row);
 

@@ -70,7 +70,12 @@ constexpr auto kTable = std::to_array<Route>({
     post("/v1/tokens", kAdmin, handle::create_token, {.body = kJson}),
     remove("/v1/tokens/{id}", kAdmin, handle::delete_token),
 
-    post("/v1/assets", kSubmitter, handle::add_asset, {.body = BodyRule::Asset}),
+    get("/v1/sessions", kViewer, handle::list_sessions, {.query = "limit cursor"}),
+    remove("/v1/sessions/{id}", kViewer, handle::end_session),
+
+    post("/v1/assets", kSubmitter, handle::add_asset, {.body = BodyRule::Asset, .query = "name"}),
+    get("/v1/assets", kViewer, handle::list_assets, {.query = "limit cursor"}),
+    remove("/v1/assets/{id}", kSubmitter, handle::delete_asset),
     post("/v1/designs", kSubmitter, handle::add_design,
          {.body = BodyRule::Design, .query = "name", .patience = Patience::Design}),
     get("/v1/designs", kViewer, handle::list_designs, {.query = "limit cursor"}),

@@ -179,6 +179,8 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
 }
 
 Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionRequest& request) {
+  if (const auto sound = parts_.store.accepts_arming(); !sound)
+    return tl::unexpected(sound.error());
   const auto plan = parts_.plans.table().find(row.plan);
   if (!plan || plan->state != PlanState::Planned)
     return tl::unexpected(
@@ -186,6 +188,8 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
   if (!request.plan_sha256.empty() && request.plan_sha256 != plan->sha256)
     return tl::unexpected(JobRepository::conflict(
         row, "the plan is " + plan->sha256 + ", not the one in the request"));
+  if (const std::string why = parts_.intents.why_blocked(row.id); !why.empty())
+    return tl::unexpected(JobRepository::conflict(row, why));
   const Answer<std::string> device = choose_device(row, request, *plan);
   if (!device) return tl::unexpected(device.error());
   if (const auto known = check_place(row, *device); !known) return tl::unexpected(known.error());

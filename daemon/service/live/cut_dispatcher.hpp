@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/service/repositories/job_repository.hpp"
+#include "daemon/store/intent_journal.hpp"
 
 namespace popcut::daemon {
 
@@ -21,6 +22,7 @@ class CutDispatcher : public Cutting {
     JobRepository& jobs;
     PlanningQueue& plans;
     DeviceRegistry& devices;
+    IntentJournals& intents;
     const ServiceOptions& options;
     std::shared_ptr<void> alive;
   };
@@ -72,6 +74,8 @@ class CutDispatcher : public Cutting {
 
   // For the journal, on the service's thread.
   [[nodiscard]] Result<void> intended(Cut& cut, std::int64_t last);
+  /// Takes note of what kept a journal from being written. True: it may be tried once more.
+  [[nodiscard]] bool unwritten(const StoreFault& fault);
   void progressed(Cut& cut, const SessionProgress& progress);
   void ended(const std::shared_ptr<Cut>& cut, const SessionEnd& end);
   [[nodiscard]] Answer<void> record_end(Cut& cut, const SessionEnd& end);

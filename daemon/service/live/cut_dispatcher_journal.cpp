@@ -48,6 +48,9 @@ class CutDispatcher::Journal final : public CutJournal {
     Result<void> done = tl::unexpected(given_up("popcutd is stopping"));
     const Clock::time_point begun = Clock::now();
     try {
+      // Here, not on the service's thread, which others wait for: first beside the database, then in
+      // it, so that neither can lose its end unnoticed.
+      if (const Result<void> beside = intend_beside(last_stroke); !beside) return beside;
       thread_.run(ServiceThread::Lane::Cutting, [&] {
         const auto here = alive_.lock();
         if (!here) return;
@@ -111,6 +114,21 @@ class CutDispatcher::Journal final : public CutJournal {
   }
 
  private:
+  Result<void> intend_beside(std::int64_t last_stroke) {
+    for (bool again = true;; again = false) {
+      try {
+        cut_->intents->intend(last_stroke);
+        return {};
+      } catch (const StoreFault& fault) {
+        bool may = false;
+        thread_.run(ServiceThread::Lane::Cutting, [&] {
+          if (const auto here = alive_.lock()) may = dispatcher_.unwritten(fault);
+        });
+        if (!again || !may) return tl::unexpected(given_up(fault.what()));
+      }
+    }
+  }
+
   /// On the service's thread: how long the stream was held up the last time.
   void note_wait() {
     if (const auto waited = std::exchange(waited_s_, std::nullopt))
@@ -197,6 +215,20 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
   if (!cut) return tl::unexpected(cut.error());
   const TimeMs now = parts_.store.now();
   try {
+    (*cut)->intents =
+        parts_.intents.begin({.attempt = (*cut)->attempt,
+                              .job = row.id,
+                              .sheet = row.sheet,
+                              .blank = row.blank,
+                              .segment = row.segment,
+                              .first_stroke = (*cut)->first,
+                              .strokes = (*cut)->strokes,
+                              .device = row.device,
+                              .device_session = parts_.devices.session_of(row.device),
+                              .operator_name = who.name,
+                              .plan_sha256 = plan->sha256,
+                              .invocation = parts_.store.invocation(),
+                              .created = now});
     attempts.insert({.id = (*cut)->attempt,
                      .job = row.id,
                      .sheet = row.sheet,
@@ -223,6 +255,7 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
   auto mine = std::make_shared<std::map<std::string, std::shared_ptr<Cut>>>();
   mine->emplace(row.id, *cut);
   parts_.store.after_commit([this, cut = *cut, mine] {
+    cut->intents->keep();
     armed_until_.erase(cut->job);
     placed_.erase(cut->job);
     cuts_.merge(*mine);
@@ -255,9 +288,16 @@ void CutDispatcher::record_refusal(const std::shared_ptr<Cut>& cut) {
       parts_.jobs.take(*row, step_of(row->state, JobEvent::CutRefused), *cut->refusal);
       return {};
     });
-    if (recorded) cuts_.erase(cut->job);
+    if (!recorded) return;
+    parts_.intents.ended(cut->attempt);
+    cuts_.erase(cut->job);
   } catch (const std::bad_alloc&) {  // the tick comes back to it
   }
+}
+
+bool CutDispatcher::unwritten(const StoreFault& fault) {
+  parts_.store.note(fault);
+  return fault.kind() == FaultKind::Full && parts_.store.folder().free_reserve();
 }
 
 Result<void> CutDispatcher::intended(Cut& cut, std::int64_t last) {
@@ -340,6 +380,7 @@ void CutDispatcher::ended(const std::shared_ptr<Cut>& cut, const SessionEnd& end
   const Answer<void> recorded =
       parts_.store.change([&]() -> Answer<void> { return record_end(*cut, end); });
   if (recorded) {
+    parts_.intents.ended(cut->attempt);
     cuts_.erase(cut->job);
     return;
   }

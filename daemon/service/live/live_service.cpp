@@ -7,6 +7,8 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include "daemon/model/wall_clock.hpp"
+#include "daemon/service/calendar.hpp"
 #include "daemon/service/live/cut_dispatcher.hpp"
 #include "daemon/service/live/device_dispatcher.hpp"
 #include "daemon/service/repositories/recovery.hpp"
@@ -17,15 +19,14 @@ namespace popcut::daemon {
 namespace {
 
 constexpr int kCheckpointPages = 500;
+constexpr std::size_t kEndedJournals = 50;
 constexpr int kPrunedAtOnce = 500;
 constexpr int kMostEvents = 1000;
+constexpr std::int64_t kAfter_ms = 24 * 3'600'000;  // an event later than that has a wrong clock
 
 ServiceOptions completed(ServiceOptions options) {
   using namespace std::chrono;
-  if (!options.wall_ms)
-    options.wall_ms = [] {
-      return duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
-    };
+  if (!options.wall_ms) options.wall_ms = wall_clock_ms;
   if (!options.monotonic_ms)
     options.monotonic_ms = [] {
       return duration_cast<milliseconds>(steady_clock::now().time_since_epoch()).count();
@@ -52,13 +53,15 @@ struct Parts {
         thread(service_thread),
         cutters(all_cutters),
         store(disk, options),
+        calendar(store, options),
+        intents(disk.folder()),
         tokens(store, options),
         registry(store, cutters, options),
         materials(store, options),
         designs(store, thread, planner, alive),
         plans({store, thread, planner, designs, materials, registry, options, alive}),
         jobs({store, thread, plans, registry, options, alive}),
-        dispatcher({store, thread, cutters, jobs, plans, registry, options, alive}),
+        dispatcher({store, thread, cutters, jobs, plans, registry, intents, options, alive}),
         device_dispatcher({store, thread, cutters, registry, jobs, dispatcher, alive}) {
     designs.removed = [this](const std::string& design) { plans.remove_all_of(design); };
     plans.begun = [this](const std::string& plan) { jobs.plan_begun(plan); };
@@ -68,6 +71,9 @@ struct Parts {
       return dispatcher.knows_place(row, row.requested_device);
     };
     store.on_degraded = [this] { dispatcher.stop_cuts(); };
+    calendar.moved = [this](std::int64_t by_ms) {
+      store.db().run("UPDATE idem SET expires=expires+?", by_ms);
+    };
   }
   ServiceOptions options;
   std::shared_ptr<void> alive{std::make_shared<int>(0)};
@@ -75,6 +81,8 @@ struct Parts {
   ServiceThread& thread;
   Cutters& cutters;
   ServiceStore store;
+  Calendar calendar;
+  IntentJournals intents;
   Tokens tokens;
   DeviceRegistry registry;
   MaterialRepository materials;
@@ -130,10 +138,13 @@ class AssembledService final : private PartsHolder, public Operations, public Li
     parts_.plans.stop();
   }
   void tick() override;
+  void checked(const std::string& damage) override { parts_.store.checked(damage); }
   void retune(ServiceTuning tuning) override {
     parts_.options.queue_jobs = tuning.queue_jobs;
     parts_.options.sheets_per_job = tuning.sheets_per_job;
     parts_.options.device_materials = std::move(tuning.device_materials);
+    parts_.options.users = std::move(tuning.users);
+    parts_.tokens.users_changed();
   }
 
  private:
@@ -142,7 +153,7 @@ class AssembledService final : private PartsHolder, public Operations, public Li
 };
 
 Answer<void> AssembledService::begin() {
-  Answer<void> recovered = recover(parts_.store, parts_.jobs);
+  Answer<void> recovered = recover(parts_.store, parts_.jobs, parts_.intents);
   if (!recovered) return recovered;
   try {
     parts_.raw.mark_in_use();
@@ -152,6 +163,8 @@ Answer<void> AssembledService::begin() {
     parts_.store.note_full();
     parts_.raw.mark_in_use();
   }
+  parts_.calendar.load();
+  parts_.tokens.users_changed();
   parts_.registry.load();
   const std::weak_ptr<void> alive = parts_.alive;
   parts_.cutters.on_change([this, alive, thread = &parts_.thread] {
@@ -186,7 +199,7 @@ Answer<Rendered> AssembledService::once(const Principal& who, const IdempotentRe
         "SELECT request, status, body, etag, location, expires FROM idem WHERE principal=? AND "
         "key=?",
         who.name, request.key);
-    if (kept.next() && kept.integer(5) > parts_.store.now()) {
+    if (kept.next() && kept.integer(5) > parts_.calendar.now()) {
       if (kept.text(0) != request.sha256)
         return refuse(ProblemKind::IdempotencyKeyReused,
                       "this Idempotency-Key was used for another request; use a new one");
@@ -205,7 +218,7 @@ Answer<Rendered> AssembledService::once(const Principal& who, const IdempotentRe
         "INSERT OR REPLACE INTO idem(principal, key, request, status, body, etag, location, "
         "expires)",
         who.name, request.key, request.sha256, rendered.status, rendered.body, rendered.etag,
-        rendered.location, parts_.store.now() + parts_.options.keep_keys_ms);
+        rendered.location, parts_.calendar.now() + parts_.options.keep_keys_ms);
     return rendered;
   });
   if (!answer && unkept) return std::move(*unkept);
@@ -295,18 +308,22 @@ Answer<std::string> AssembledService::check_integrity(const Principal& who) {
 // A few at a time, so that nobody waits for it.
 void AssembledService::prune() {
   (void)parts_.store.change([&]() -> Answer<void> {
-    const TimeMs now = parts_.store.now();
+    const TimeMs now = parts_.calendar.now();
     Database& db = parts_.store.db();
     db.run(
         "DELETE FROM idem WHERE (principal, key) IN (SELECT principal, key FROM idem WHERE "
         "expires<=? LIMIT ?)",
         now, kPrunedAtOnce);
-    // The last one stays, for the numbers to go on from it.
+    // All before the first that is recent, so that there is never a gap: one whose clock was wrong
+    // goes with its neighbours. The last one stays, for the numbers to go on from it.
     db.run(
-        "DELETE FROM event WHERE seq IN (SELECT seq FROM event ORDER BY seq LIMIT ?) AND time<? "
-        "AND seq<(SELECT max(seq) FROM event)",
-        kPrunedAtOnce, now - parts_.options.keep_events_ms);
+        "WITH first AS (SELECT seq, time FROM event ORDER BY seq LIMIT ?) "
+        "DELETE FROM event WHERE seq IN (SELECT seq FROM first) AND "
+        "seq<ifnull((SELECT min(seq) FROM first WHERE time BETWEEN ? AND ?), "
+        "(SELECT max(seq) FROM event))",
+        kPrunedAtOnce, now - parts_.options.keep_events_ms, parts_.calendar.latest() + kAfter_ms);
     db.run("DELETE FROM token WHERE expires<?", now - parts_.options.keep_keys_ms);
+    db.run("DELETE FROM session WHERE expires<?", now - parts_.options.keep_keys_ms);
     return {};
   });
 }
@@ -319,12 +336,17 @@ void AssembledService::tick() {
   if (!parts_.store.full()) parts_.jobs.catch_up();
   parts_.plans.pump();
   parts_.tokens.tidy();
+  if (!parts_.store.full()) parts_.calendar.tick();
   try {
-    if (parts_.store.db().wal_pages() > kCheckpointPages) parts_.store.db().checkpoint(false);
+    if (parts_.raw.checked() && (parts_.store.db().wal_pages() > kCheckpointPages ||
+                                 parts_.intents.waiting() > kEndedJournals)) {
+      if (parts_.store.db().checkpoint(false)) parts_.intents.checkpointed();
+    }
+    const TimeMs now = parts_.calendar.now();
     const bool old = parts_.store.db().number("SELECT EXISTS(SELECT 1 FROM idem WHERE expires<=?)",
-                                              parts_.store.now()) != 0 ||
+                                              now) != 0 ||
                      parts_.store.db().number("SELECT time FROM event ORDER BY seq LIMIT 1") <
-                         parts_.store.now() - parts_.options.keep_events_ms;
+                         now - parts_.options.keep_events_ms;
     if (old && !parts_.store.full()) prune();
   } catch (const StoreFault& fault) {
     parts_.store.note(fault);

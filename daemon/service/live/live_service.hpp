@@ -23,6 +23,9 @@ class LiveService : public Service {
   /// Periodic work: expired arms, old rows, the disk. `make_service` calls it once
   /// a second.
   virtual void tick() = 0;
+  /// What the check of all of the database says, which goes on while the service begins: empty, it
+  /// is sound, and knives may be armed; else nothing is written any more. On the service's thread.
+  virtual void checked(const std::string& damage) = 0;
   /// Changes the options; queued, armed and cutting jobs stay as they are. On the service's thread.
   virtual void retune(ServiceTuning tuning) = 0;
 

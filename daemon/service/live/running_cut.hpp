@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -19,6 +20,7 @@ struct CutDispatcher::Cut {
   SheetPlan plan;
   std::vector<std::uint32_t> dots;
   CutOrder order;  ///< until it is handed over
+  std::unique_ptr<IntentJournal> intents;  ///< of the cutter's thread, once it is handed over
 
   // On the service's thread.
   AttemptMarks marks;

@@ -139,6 +139,8 @@ Answer<Design> DesignRepository::store(const Principal& who, const Upload& uploa
   return store_.change([&]() -> Answer<Design> {
     // Another upload of the same bytes may have been quicker.
     if (const auto before = row(id)) return *before;
+    if (const auto there = check_assets(outcome.assets); !there)
+      return tl::unexpected(there.error());
     Design design{.id = id,
                   .name = name,
                   .kind = outcome.design_kind,
@@ -170,12 +172,17 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
   Answer<Asset> added = store_.change([&]() -> Answer<Asset> {
     if (who.role < Role::Submitter)
       return refuse(ProblemKind::Forbidden, "only a submitter may upload assets");
-    Rows rows = store_.db().rows("SELECT bytes, created FROM asset WHERE id=?", id);
+    Rows rows =
+        store_.db().rows("SELECT bytes, created, name, owner FROM asset WHERE id=?", id);
     if (rows.next())
       return Asset{.id = id,
+                   .name = rows.text(2),
+                   .owner = rows.text(3),
                    .bytes = static_cast<std::uint64_t>(rows.integer(0)),
                    .created = rows.integer(1),
                    .is_new = false};
+    if (const auto fine = check_text(upload.name, 480, "?name"); !fine)
+      return tl::unexpected(fine.error());
     if (const auto room = store_.accepts_work(); !room) return tl::unexpected(room.error());
     const std::string place = store_.folder().at("assets/" + id);
     if (!exists(upload.path) && exists(place)) {
@@ -183,8 +190,13 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
     } else if (const Result<void> kept = keep_file(upload.path, place); !kept) {
       return tl::unexpected(store_.unkept(kept.error()));
     }
-    const Asset asset{.id = id, .bytes = upload.bytes, .created = store_.now()};
-    store_.db().insert("INSERT INTO asset(id, bytes, created)", id, asset.bytes, asset.created);
+    const Asset asset{.id = id,
+                      .name = upload.name,
+                      .owner = who.name,
+                      .bytes = upload.bytes,
+                      .created = store_.now()};
+    store_.db().insert("INSERT INTO asset(id, bytes, created, name, owner)", id, asset.bytes,
+                       asset.created, asset.name, asset.owner);
     store_.audit(who.name, "add-asset", id, "");
     return asset;
   });

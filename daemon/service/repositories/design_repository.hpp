@@ -24,6 +24,8 @@ class DesignRepository : public Designs {
   void add(const Principal& who, Upload upload, std::string media_type, std::string name,
            Added done) override;
   Answer<Asset> add_asset(const Principal& who, const Upload& upload) override;
+  Page<Asset> assets(const PageRequest& request) override;
+  Answer<void> remove_asset(const Principal& who, const std::string& id) override;
   Page<Design> list(const PageRequest& request) override;
   Answer<Design> find(const std::string& id) override;
   Answer<std::string> content(const std::string& id) override;
@@ -46,6 +48,10 @@ class DesignRepository : public Designs {
   [[nodiscard]] std::optional<Design> row(const std::string& id, std::string* media_type = nullptr);
   [[nodiscard]] std::map<std::string, std::string> referred_assets(const std::string& path,
                                                                    const std::string& media_type);
+  /// Some of the designs that refer to an asset.
+  [[nodiscard]] std::vector<std::string> designs_with(const std::string& asset);
+  /// None of them was removed while a design was looked at.
+  [[nodiscard]] Answer<void> check_assets(const std::vector<std::string>& assets);
   ServiceStore& store_;
   ServiceThread& thread_;
   Planner& planner_;

@@ -101,6 +101,31 @@ TEST_CASE("the server enforces the default limits", "[daemon][http][limits]") {
                      R"({"one_shot":"guessed-word"})")
               .status == 429);
   }
+  SECTION("requests and failures of each address and user on their own") {
+    const std::string json = "Content-Type: application/json\r\n";
+    std::string good;
+    server.ask([&](FakeService& fake) { good = *fake.access.create_one_shot({}); });
+    RawConnection other(server.port(), false);
+    // Bad words and none, from one address, until nothing but 429 comes.
+    int refused = 0;
+    for (int i = 0; i < 200; ++i)
+      refused += server.fetch("POST", "/v1/session", "", json, "{}").status == 429 ? 1 : 0;
+    for (int i = 0; i < 20; ++i)
+      CHECK(server.fetch("POST", "/v1/session", "", json, R"({"one_shot":"guess"})").status >= 401);
+    CHECK(refused > 0);
+    CHECK(server.fetch("POST", "/v1/session", "", json, R"({"one_shot":"guess"})").status == 429);
+    // Who has a good one comes in.
+    CHECK(server.fetch("POST", "/v1/session", "", json, "{\"one_shot\":\"" + good + "\"}").status ==
+          201);
+    // What is open to all is counted by address: the user of the socket is another one.
+    for (int i = 0; i < 300; ++i) static_cast<void>(server.fetch("GET", "/healthz", ""));
+    CHECK(server.fetch("GET", "/healthz", "").status == 429);
+    RawConnection local(server.socket_path());
+    local.send("GET /healthz HTTP/1.1\r\nHost: popcut\r\n\r\n");
+    CHECK(local.receive().status == 200);
+    // Nobody sends much before it is known who it is.
+    CHECK(server.fetch("POST", "/v1/session", "", json, std::string(1025, ' ')).status == 413);
+  }
   SECTION("a head of 8 KiB") {
     const std::string head = server.request("GET", "/v1/jobs");
     const std::string filler = "X-Filler: " + std::string(8192 - head.size() - 12, 'x') + "\r\n";

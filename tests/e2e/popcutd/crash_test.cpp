@@ -129,6 +129,13 @@ class Crash {
     wait_for_end();
   }
   void wait_for_end() { CHECK(daemon_.wait() == 128 + SIGKILL); }
+  /// Asks it to end; true: it came to its end before it died.
+  bool ends_in_order() {
+    daemon_.signal(SIGTERM);
+    const int code = daemon_.wait();
+    CHECK((code == 0 || code == 128 + SIGKILL));
+    return code == 0;
+  }
 
   /// What must hold after any death: asked of the new popcutd before anybody else asks for a thing.
   void check_truth() {
@@ -487,6 +494,39 @@ TEST_CASE("killed at any system call of its start popcutd starts the next time",
   crash.kill();
   crash.check_database();
   crash.report("killed at its start", static_cast<int>(calls / step));
+}
+
+TEST_CASE("killed at any system call of its end popcutd starts the next time", "[daemon][crash]") {
+  Crash crash(seed() + 3000, 40);
+  CAPTURE(seed());
+  REQUIRE(crash.start());
+  crash.cut_something();
+  FaultControl& control = crash.control();
+  // Some in the suite, with the kills of service_kill_test at each; all of them in a soak.
+  const std::uint64_t step = std::getenv("POPCUT_CRASH_POINTS") == nullptr ? 16 : 1;
+  std::uint64_t deaths = 0;
+  for (const bool cutting : {false, true}) {
+    bool ended = false;
+    for (std::uint64_t n = 1 + seed() % step; !ended && n < 2000; n += step) {
+      CAPTURE(n, cutting);
+      if (cutting)
+        crash.until_it_cuts();
+      else
+        crash.keep_busy(0.1);
+      control.kill_at = control.calls + n;
+      ended = crash.ends_in_order();
+      control.kill_at = 0;
+      deaths += ended ? 0 : 1;
+      const bool serves = crash.start();
+      INFO(crash.daemon().log());
+      REQUIRE(serves);
+      crash.check_truth();
+    }
+    CHECK(ended);
+  }
+  crash.kill();
+  crash.check_database();
+  crash.report("killed at its end", static_cast<int>(deaths));
 }
 
 }  // namespace crash_test

@@ -322,6 +322,48 @@ TEST_CASE("the watchdog is not fed while any thread of popcutd hangs", "[popcutd
   }
 }
 
+TEST_CASE("damage that is found after the start ends popcutd before anything is armed",
+          "[popcutd][faults]") {
+  RunningDaemon popcutd;
+  popcutd.open();
+  (void)popcutd.design(RunningDaemon::lines_svg(2));
+  popcutd.daemon().signal(SIGKILL);
+  (void)popcutd.daemon().wait();
+  // All into the file, then a page of a table that is not read at a start.
+  const std::string path = popcutd.daemon().state() + "/popcut.db";
+  sqlite3* database = nullptr;
+  REQUIRE(sqlite3_open(path.c_str(), &database) == SQLITE_OK);
+  int page = 0;
+  const auto take = [](void* out, int, char** values, char**) {
+    *static_cast<int*>(out) = std::atoi(values[0]);
+    return 0;
+  };
+  REQUIRE(sqlite3_exec(database, "SELECT rootpage FROM sqlite_schema WHERE name='usage'", take,
+                       &page, nullptr) == SQLITE_OK);
+  sqlite3_db_config(database, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  REQUIRE(sqlite3_wal_checkpoint_v2(database, nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr,
+                                    nullptr) == SQLITE_OK);
+  sqlite3_close(database);
+  // The log would hide the page; a later change keeps it from being empty.
+  const std::string log = text_of_file(path + "-wal");
+  REQUIRE(page > 1);
+  {
+    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp((page - 1) * 4096);
+    file.write("\xAA\xAA\xAA\xAA\xAA\xAA\xAA\xAA", 8);
+  }
+  write_file(popcutd.daemon().state() + "/database-state", "in use\n");
+  const bool served = popcutd.daemon().start();
+  const int code = served ? popcutd.daemon().wait() : 78;
+  CAPTURE(popcutd.daemon().log(), log.size());
+  CHECK(code == 78);
+  CHECK(popcutd.daemon().log().find("is damaged") != std::string::npos);
+  CHECK(popcutd.daemon().log().find("popcut db salvage") != std::string::npos);
+  // The next one does not even begin to serve.
+  const Ran ran = run_program({popcutd_program(), "--config", popcutd.daemon().config()}, "/");
+  CHECK(ran.exit == 78);
+}
+
 TEST_CASE("an earlier popcutd does not touch the database of a later one", "[popcutd][faults]") {
   RunningDaemon popcutd;
   popcutd.open();

@@ -2,12 +2,16 @@
 // The real popcutd answers as the description that it serves says: each route and each documented
 // status is produced here, or stands in a list with the reason why it cannot be.
 #include <csignal>
+#include <cstdlib>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 #include "daemon/model/problem.hpp"
+#include "tests/support/api_generator.hpp"
 #include "tests/support/contract_life.hpp"
 #include "tests/support/paths.hpp"
 
@@ -111,6 +115,39 @@ TEST_CASE("the daemon produces every documented answer of every route",
     // One thread does all that has a key, so a second request waits for the first.
     CHECK(all.problems().contains(slug) == (slug != "idempotency-in-progress"));
   }
+}
+
+TEST_CASE("generated requests of each role get only answers that are documented",
+          "[daemon][popcutd][openapi]") {
+  DaemonProcess daemon(popcutd_program(), 0,
+                       "failed_logins_per_minute = 1000\nqueue_jobs = 300\n");
+  const bool serves = daemon.start();
+  INFO(daemon.log());
+  REQUIRE(serves);
+  const std::string url = daemon.url();
+  const char* const seed = std::getenv("POPCUT_API_SEED");
+  const char* const many = std::getenv("POPCUT_API_REQUESTS");
+  const int count = many == nullptr ? 800 : std::stoi(many);
+  ApiGenerator generator(daemon.socket(),
+                         static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1))),
+                         seed == nullptr ? 1 : std::stoull(seed));
+  generator.run(count);
+  for (const auto& [fault, times] : generator.faults()) FAIL_CHECK(times << " x " << fault);
+  std::string figures;
+  for (const auto& [status, times] : generator.statuses())
+    figures += fmt::format(" {}: {}", status, times);
+  const std::string summary =
+      fmt::format("{} requests;{}; {} routes with a status, {} with a role", count, figures,
+                  generator.produced().size(), generator.asked().size());
+  if (many != nullptr) WARN(summary);
+  INFO(summary);
+  // Enough of them come through to mean something.
+  CHECK(generator.statuses().at(200) > count / 12);
+  CHECK(generator.statuses().at(201) > count / 200);
+  CHECK(generator.statuses().at(403) > count / 50);
+  CHECK_FALSE(generator.statuses().contains(500));
+  daemon.signal(SIGTERM);
+  CHECK(daemon.wait() == 0);
 }
 
 }  // namespace popcutd_openapi_test

@@ -58,7 +58,7 @@ void glance(const std::string& socket) {
 }  // namespace
 
 TEST_CASE("popcutd that works keeps its memory and its descriptors", "[popcutd][soak]") {
-  RunningDaemon popcutd(0, "[limits]\nrate_per_s = 10000\nrate_burst = 10000\n");
+  RunningDaemon popcutd;
   popcutd.open();
   const pid_t process = popcutd.daemon().pid();
   const auto begun = steady_clock::now();

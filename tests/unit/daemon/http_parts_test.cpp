@@ -322,8 +322,38 @@ TEST_CASE("a client's event queue drops progress first and then ends the stream"
   CHECK(small.has_overflowed());
 }
 
+TEST_CASE("limits count a peer by its user or its network", "[daemon][http][users]") {
+  const auto place = [](const std::string& address) {
+    Peer peer;
+    peer.address = address;
+    return place_of(peer);
+  };
+  CHECK(place("127.0.0.1") == "127.0.0.1");
+  CHECK(place("192.0.2.7") == "192.0.2.7");
+  CHECK(place("::1") == "::1");
+  CHECK(place("2001:db8:1:2:3:4:5:6") == "2001:db8:1:2::/64");
+  CHECK(place("2001:db8:1:2:ffff::1") == place("2001:db8:1:2::9"));
+  CHECK(place("2001:db8:1:3::1") != place("2001:db8:1:2::1"));
+  Peer local;
+  local.is_local = true;
+  local.uid = 7;
+  CHECK(place_of(local) == "uid:7");
+}
+
+TEST_CASE("times beyond 2262 are read and written right", "[daemon][http][clock]") {
+  for (const char* text : {"2262-04-11T23:47:16.855Z", "2262-04-12T00:00:00.000Z",
+                           "2300-02-28T12:00:00.001Z", "9999-12-31T23:59:59.999Z",
+                           "1970-01-01T00:00:00.000Z", "1969-12-31T23:59:59.999Z"}) {
+    REQUIRE(time_from(text));
+    CHECK(rfc3339(*time_from(text)) == text);
+  }
+  CHECK(time_from("9999-12-31"));
+  CHECK_FALSE(time_from("10000-01-01"));
+  CHECK_FALSE(time_from("2300-02-29"));
+}
+
 TEST_CASE("local users have the configured roles", "[daemon][http][users]") {
-  HttpUsers users;
+  LocalUsers users;
   users.users[1000] = Role::Viewer;
   users.groups[50] = Role::Operator;
   users.groups[51] = Role::Submitter;

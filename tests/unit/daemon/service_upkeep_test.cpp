@@ -55,7 +55,9 @@ TEST_CASE("a page's one-time code opens one session and expires after a minute",
           "[daemon][service]") {
   ServiceBench bench;
   const auto word = [&] {
-    return bench.on([&](LiveService& s) { return s.access.create_one_shot(bench.tutor).value(); });
+    Principal tutor = bench.tutor;
+    tutor.user = LocalUser{0, {}};
+    return bench.on([&](LiveService& s) { return s.access.create_one_shot(tutor).value(); });
   };
   const auto open = [&](const std::string& one) {
     return bench.on([&](LiveService& s) { return s.access.open_session(one); });
@@ -159,7 +161,7 @@ TEST_CASE("events are numbered without gaps and old ones are removed", "[daemon]
     return s.operations.events(before - 2, 1, "").value().at(0).seq;
   }) == before - 1);
   // A month later only the last one is left, for the numbers to go on.
-  bench.skew_ms = 31LL * 86'400'000;
+  bench.monotonic_skew_ms = bench.skew_ms = 31LL * 86'400'000;
   bench.on([](LiveService& s) { s.tick(); });
   CHECK(bench.on([](LiveService& s) { return s.operations.first_event(); }) == before);
   REQUIRE(bench.create(ready.design));
@@ -208,6 +210,31 @@ TEST_CASE("an admin backs the database up and checks it while nothing is cut",
   const std::string later = bench.on([](LiveService& s) { return s.operations.metrics(); });
   CHECK(later.find("popcut_stream_wait_seconds_count 0\n") == std::string::npos);
   CHECK(later.find("popcut_stream_wait_seconds_longest 0.000000\n") == std::string::npos);
+}
+
+TEST_CASE("no knife is armed until all of a database that was not closed is checked",
+          "[daemon][service]") {
+  ServiceBench bench;
+  const std::string id = bench.ready_job().id;
+  bench.crash();
+  bench.check_later = true;
+  REQUIRE(bench.start() == "");
+  const auto early = bench.act(id, JobAction::Arm);
+  REQUIRE_FALSE(early);
+  CHECK(early.error().kind == ProblemKind::Unavailable);
+  CHECK(early.error().detail.find("arm again in a moment") != std::string::npos);
+  CHECK(bench.create(bench.job(id).design));  // all else goes on
+  bench.on([](LiveService& service) { service.checked(""); });
+  CHECK(bench.act(id, JobAction::Arm));
+  // What is found damaged is not written to any more.
+  bench.crash();
+  REQUIRE(bench.start() == "");
+  bench.on([](LiveService& service) { service.checked("is damaged: a page"); });
+  const auto late = bench.act(id, JobAction::Arm);
+  REQUIRE_FALSE(late);
+  CHECK(late.error().detail.find("is damaged: a page") != std::string::npos);
+  CHECK_FALSE(bench.create(bench.job(id).design));
+  CHECK_FALSE(bench.on([](LiveService& s) { return s.operations.health().database; }));
 }
 
 TEST_CASE("too little disk space refuses new work with a reason", "[daemon][service]") {

@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "daemon/store/restore.hpp"
 #include "daemon/store/salvage.hpp"
 #include "daemon/store/store.hpp"
 #include "daemon/store/ulid.hpp"
@@ -194,19 +195,20 @@ TEST_CASE("an older database is migrated and a copy is kept", "[daemon][store]")
     add_token(store->database(), "old");
   }
   std::vector<Migration> next = migrations();
-  next.push_back({2,
+  const int newest = next.back().version;
+  next.push_back({newest + 1,
                   "ALTER TABLE material ADD COLUMN note TEXT NOT NULL DEFAULT '';"
                   "UPDATE material SET note = 'moved';"});
   {
     auto store = open(scratch, next).value();
-    CHECK(store->database().number("PRAGMA user_version") == 2);
+    CHECK(store->database().number("PRAGMA user_version") == newest + 1);
     CHECK(store->database().number("SELECT count(*) FROM material WHERE note='moved'") == 1);
   }
   int copies = 0;
   for (const auto& entry : fs::directory_iterator(scratch.path() + "/state/backups")) {
     ++copies;
     Database copy({.path = entry.path().string(), .create = false, .exclusive_wal = false});
-    CHECK(copy.number("PRAGMA user_version") == 1);
+    CHECK(copy.number("PRAGMA user_version") == newest);
     CHECK(tokens(copy) == 1);
   }
   CHECK(copies == 1);
@@ -220,11 +222,12 @@ TEST_CASE("a migration that fails leaves the database as it was", "[daemon][stor
   const ScratchFolder scratch;
   open(scratch)->reset();
   std::vector<Migration> broken = migrations();
-  broken.push_back({2, "ALTER TABLE material ADD COLUMN note TEXT; SELECT nonsense;"});
+  const int newest = broken.back().version;
+  broken.push_back({newest + 1, "ALTER TABLE material ADD COLUMN note TEXT; SELECT nonsense;"});
   CHECK_FALSE(open(scratch, broken));
   const auto store = open(scratch);
   REQUIRE(store);
-  CHECK((*store)->database().number("PRAGMA user_version") == 1);
+  CHECK((*store)->database().number("PRAGMA user_version") == newest);
 }
 
 TEST_CASE("a missing or empty or foreign database is never replaced silently", "[daemon][store]") {
@@ -397,6 +400,138 @@ TEST_CASE("a backup made in operation can replace the database", "[daemon][store
   const auto opened = open(scratch);
   REQUIRE(opened);
   CHECK(tokens((*opened)->database()) == 1);
+}
+
+TEST_CASE("a copy is restored by one command and never in place of a whole later database",
+          "[daemon][store]") {
+  const ScratchFolder scratch;
+  const std::string state = scratch.path() + "/state";
+  std::string copy;
+  {
+    auto store = open(scratch).value();
+    add_token(store->database(), "kept");
+    copy = back_up(store->database(), store->folder(), "popcut-1.db");
+    add_token(store->database(), "later");
+    store->database().run(
+        "INSERT INTO event(seq, time, kind, job, data) VALUES(1, 0, 'job', '', '{}')");
+  }
+  const auto refused = restore(state, copy, false);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().kind == popcut::ErrorKind::Refused);
+  CHECK(refused.error().detail.find("--older") != std::string::npos);
+  CHECK(tokens(open(scratch).value()->database()) == 2);
+  // The one that is there may be no copy of itself, nor another program's file one of it.
+  CHECK(restore(state, state + "/popcut.db", true).error().kind == popcut::ErrorKind::Refused);
+  write_text(state + "/text", "no database");
+  CHECK(restore(state, state + "/text", true).error().kind == popcut::ErrorKind::Malformed);
+  CHECK(restore(state, state + "/none", true).error().kind == popcut::ErrorKind::Malformed);
+
+  const auto done = restore(state, copy, true);
+  REQUIRE(done);
+  CHECK(tokens(open(scratch).value()->database()) == 1);
+  CHECK(fs::exists(done->original + "/popcut.db"));
+  // What was replaced can be put back; its log went with it.
+  REQUIRE(restore(state, done->original + "/popcut.db", false));
+  CHECK(tokens(open(scratch).value()->database()) == 2);
+  // With a damaged one there is nothing to lose.
+  write_text(state + "/popcut.db", std::string(8192, '\x5A'));
+  REQUIRE_FALSE(open(scratch));
+  REQUIRE(restore(state, copy, false));
+  CHECK(tokens(open(scratch).value()->database()) == 1);
+}
+
+TEST_CASE("whoever has a whole database is not told to go back to a copy", "[daemon][store]") {
+  const ScratchFolder scratch;
+  const std::string state = scratch.path() + "/state";
+  {
+    auto store = open(scratch).value();
+    for (int i = 0; i < 5; ++i) add_token(store->database(), "row-" + std::to_string(i));
+  }
+  // As after a change by hand: whole, but not what was closed.
+  write_text(state + "/database-state", "clean " + std::string(64, '0') + "\n");
+  const auto changed = open(scratch);
+  REQUIRE_FALSE(changed);
+  CHECK(changed.error().detail.find("all of it can be read") != std::string::npos);
+  CHECK(changed.error().detail.find("popcut db salvage --state " + state) != std::string::npos);
+  CHECK(changed.error().detail.find("restore") == std::string::npos);
+  REQUIRE(salvage(state));
+  CHECK(tokens(open(scratch).value()->database()) == 5);
+  // One that is not whole may have to be replaced.
+  std::string bytes = read_whole(state + "/popcut.db", 1 << 24).value();
+  bytes[100] = static_cast<char>(bytes[100] ^ 0x40);
+  write_text(state + "/popcut.db", bytes);
+  CHECK(open(scratch).error().detail.find("popcut db restore COPY --state " + state) !=
+        std::string::npos);
+}
+
+TEST_CASE("a folder that is moved while it is in use can be used again", "[daemon][store]") {
+  const ScratchFolder scratch;
+  const std::string state = scratch.path() + "/state", away = scratch.path() + "/away";
+  {
+    auto store = open(scratch).value();
+    add_token(store->database(), "kept");
+    store->mark_in_use();
+    fs::rename(state, away);
+    // Another one in its place is not touched.
+    fs::create_directory(state);
+  }
+  CHECK(fs::is_empty(state));
+  fs::remove(state);
+  fs::rename(away, state);
+  CHECK(tokens(open(scratch).value()->database()) == 1);
+}
+
+TEST_CASE("the check of all pages can come after the start and damage is kept in mind",
+          "[daemon][store]") {
+  const ScratchFolder scratch;
+  const std::string state = scratch.path() + "/state";
+  const auto later = [&] {
+    return Store::open({.folder = state, .reserve_bytes = 4096, .check_later = true});
+  };
+  const auto kill = [](Store& store) {
+    store.mark_in_use();
+    store.give_up();
+  };
+  {
+    auto store = open(scratch).value();
+    CHECK(store->checked());
+    Transaction all(store->database());
+    for (int i = 0; i < 500; ++i)
+      store->database().run("INSERT INTO material(id, rev, json) VALUES(?, 1, ?)",
+                            "material-" + std::to_string(100'000 + i), std::string(100, 'x'));
+    all.commit();
+  }
+  CHECK(later().value()->checked());  // closed in order: each byte is known
+  kill(*open(scratch).value());
+  {
+    auto store = later().value();
+    CHECK_FALSE(store->checked());
+    add_token(store->database(), "while it is checked");
+    CHECK(store->damage_of_copy() == "");
+    CHECK(store->damage_in_place().empty());
+  }
+  {
+    // It ended before it was checked: that is still to be done.
+    auto store = later().value();
+    CHECK_FALSE(store->checked());
+    CHECK(tokens(store->database()) == 501);
+    store->set_checked();
+  }
+  CHECK(later().value()->checked());
+  kill(*open(scratch).value());
+  std::string bytes = read_whole(state + "/popcut.db", 1 << 24).value();
+  const std::size_t at = bytes.find("material-100250") / 4096 * 4096;
+  std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), 4096, '\xAA');
+  write_text(state + "/popcut.db", bytes);
+  {
+    auto store = later().value();
+    CHECK(store->damage_of_copy().value().find("is damaged") == 0);
+    store->mark_suspect();
+    store->give_up();
+  }
+  // Now nothing is served before it is looked at.
+  REQUIRE_FALSE(later());
+  CHECK(later().error().kind == popcut::ErrorKind::Malformed);
 }
 
 TEST_CASE("files that root salvages belong to the folder's owner", "[daemon][store]") {
