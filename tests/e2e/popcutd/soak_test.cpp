@@ -101,6 +101,7 @@ TEST_CASE("popcutd that works keeps its memory and its descriptors", "[popcutd][
   // In seconds the allocator still finds its size; in hours it has.
   CHECK(why_not_steady(looks, hours < 0.25 ? 8 : 4).empty());
   CHECK(rounds > 0);
+  CHECK(popcutd.daemon().log().find("ThreadSanitizer") == std::string::npos);
   CHECK(happens([&] { return popcutd.get("/readyz")["ready"] == true; }));
 }
 
