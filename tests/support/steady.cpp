@@ -74,7 +74,7 @@ double slope_per_h(const std::vector<Held>& looks, double Held::*value) {
   return squares > 0 ? 3600 * products / squares : 0;
 }
 
-std::string why_not_steady(const std::vector<Held>& looks, double most_mib) {
+std::string why_not_steady(const std::vector<Held>& looks, double most_mib, double most_files) {
   const std::vector<Held> rest = warm(looks);
   if (rest.size() < 10) return fmt::format("{} looks are too few", rest.size());
   if (std::any_of(rest.begin(), rest.end(),
@@ -85,7 +85,7 @@ std::string why_not_steady(const std::vector<Held>& looks, double most_mib) {
                files = slope_per_h(looks, &Held::files) * hours;
   if (memory > most_mib)
     return fmt::format("its memory grew by {:.2f} MiB, more than {:g}", memory, most_mib);
-  if (files > 0.5) return fmt::format("it has {:.1f} descriptors more at the end", files);
+  if (files > most_files) return fmt::format("it has {:.1f} descriptors more at the end", files);
   return {};
 }
 

@@ -21,8 +21,9 @@ struct Held {
 
 /// Why a process is not steady; empty: it is. The first quarter, in which it warms up, does not
 /// count. What the slopes make of the rest must be small: of memory at most `most_mib`, and of
-/// descriptors at most one half.
-[[nodiscard]] std::string why_not_steady(const std::vector<Held>& looks, double most_mib);
+/// descriptors at most `most_files`.
+[[nodiscard]] std::string why_not_steady(const std::vector<Held>& looks, double most_mib,
+                                         double most_files);
 
 /// "s,rss_mib,files" and a line for each look.
 [[nodiscard]] std::string looks_csv(const std::vector<Held>& looks);
