@@ -65,6 +65,7 @@ struct Parts {
     plans.begun = [this](const std::string& plan) { jobs.plan_begun(plan); };
     plans.ended = [this](const std::string& plan) { jobs.plan_ended(plan); };
     jobs.live = [this](const std::string& job) { return dispatcher.live(job); };
+    jobs.ways = [this](const JobRow& row) { return dispatcher.ways(row); };
     jobs.knows_place = [this](const JobRow& row) {
       return dispatcher.knows_place(row, row.requested_device);
     };
