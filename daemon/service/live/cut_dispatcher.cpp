@@ -182,8 +182,8 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
           ? std::string("all suitable devices are busy; name one")
           : fmt::format("name the device that holds the sheet: {}", fmt::join(fitting, ", ")));
   for (const std::string& one : fitting)
-    unnamed.ways.push_back({"arm", fmt::format(R"({{"sheet":{},"blank":{},"device":{}}})", row.sheet,
-                                               row.blank, json_text(one))});
+    unnamed.ways.push_back({"arm", fmt::format(R"({{"sheet":{},"blank":{},"device":{}}})",
+                                               row.sheet, row.blank, json_text(one))});
   return tl::unexpected(std::move(unnamed));
 }
 

@@ -11,9 +11,8 @@ namespace popcut::daemon {
 namespace {
 
 Way resume_way(const ResumeRequest& one) {
-  std::string body =
-      fmt::format(R"({{"from_path":{},"registration":"{}")", one.from_path,
-                  one.re_registered ? "re-registered" : "kept");
+  std::string body = fmt::format(R"({{"from_path":{},"registration":"{}")", one.from_path,
+                                 one.re_registered ? "re-registered" : "kept");
   if (one.skip_in_doubt) body += R"(,"skip_in_doubt":true)";
   if (one.accept_double_cut) body += R"(,"i_accept_double_cut":true)";
   return {"resume-from", body + "}"};
@@ -31,13 +30,12 @@ std::optional<ResumeState> CutDispatcher::resume_state(const JobRow& row) {
     last = attempt;
   }
   if (!last) return std::nullopt;
-  return ResumeState{
-      .last = *last,
-      .runs = merged_fates(last->strokes, fates),
-      .facts = {.strokes = last->strokes,
-                .same_device_session =
-                    last->end_kind != "media_out" &&
-                    last->device_session == parts_.devices.session_of(last->device)}};
+  return ResumeState{.last = *last,
+                     .runs = merged_fates(last->strokes, fates),
+                     .facts = {.strokes = last->strokes,
+                               .same_device_session = last->end_kind != "media_out" &&
+                                                      last->device_session ==
+                                                          parts_.devices.session_of(last->device)}};
 }
 
 std::vector<Way> CutDispatcher::ways(const JobRow& row, const ActionRequest* wanted) {

@@ -337,10 +337,10 @@ void AssembledService::tick() {
   try {
     if (parts_.store.db().wal_pages() > kCheckpointPages) parts_.store.db().checkpoint(false);
     const TimeMs now = parts_.calendar.now();
-    const bool old = parts_.store.db().number("SELECT EXISTS(SELECT 1 FROM idem WHERE expires<=?)",
-                                              now) != 0 ||
-                     parts_.store.db().number("SELECT time FROM event ORDER BY seq LIMIT 1") <
-                         now - parts_.options.keep_events_ms;
+    const bool old =
+        parts_.store.db().number("SELECT EXISTS(SELECT 1 FROM idem WHERE expires<=?)", now) != 0 ||
+        parts_.store.db().number("SELECT time FROM event ORDER BY seq LIMIT 1") <
+            now - parts_.options.keep_events_ms;
     if (old && !parts_.store.full()) prune();
   } catch (const StoreFault& fault) {
     parts_.store.note(fault);

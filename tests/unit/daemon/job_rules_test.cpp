@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <map>
 #include <random>
-#include <utility>
 #include <set>
 #include <string>
+#include <utility>
 
 #include <catch2/catch.hpp>
 
