@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "core/plan/plan_options.hpp"
 
@@ -91,6 +92,25 @@ std::string command_for(std::string_view action) {
   for (const auto& [known, command] : kCommands)
     if (action == known) return std::string(command);
   return std::string(action);
+}
+
+std::string command_line_for(const nlohmann::json& way, const std::string& job) {
+  if (!way.is_object()) return {};
+  const std::string action = way.value("action", "");
+  const nlohmann::json body = way.value("body", nlohmann::json::object());
+  const std::string command = action == "resume-from" ? "resume" : command_for(action);
+  std::string line = fmt::format("popcut {} {}", command, job);
+  const auto number = [&](const char* name) { return body.value(name, std::int64_t{0}); };
+  // 'popcut start' cuts the sheet that was armed.
+  if (body.contains("sheet") && action != "start") line += fmt::format(" {}", number("sheet"));
+  if (body.contains("good")) line += body.value("good", false) ? " good" : " bad";
+  if (number("blank") > 1) line += fmt::format(" --blank {}", number("blank"));
+  if (body.contains("device")) line += " --device " + body.value("device", "");
+  if (body.contains("from_path")) line += fmt::format(" --from {}", number("from_path"));
+  if (body.value("registration", "") == "re-registered") line += " --registration re-registered";
+  if (body.value("skip_in_doubt", false)) line += " --skip-in-doubt";
+  if (body.value("i_accept_double_cut", false)) line += " --accept-double-cut";
+  return line;
 }
 
 std::string in_command_words(std::string text) {

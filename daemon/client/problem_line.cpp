@@ -27,6 +27,22 @@ std::string allowed(const Json& problem) {
   return words;
 }
 
+/// The commands that would do now, as they are typed; empty: popcutd offers none.
+std::string commands(const Json& problem) {
+  const auto ways = problem.find("ways");
+  if (ways == problem.end() || !ways->is_array()) return {};
+  // "/v1/jobs/01J.../actions/arm"
+  const std::string path = text_of(problem, "instance");
+  constexpr std::string_view kJobs = "/v1/jobs/";
+  if (path.rfind(kJobs, 0) != 0) return {};
+  const std::string job = path.substr(kJobs.size(), path.find('/', kJobs.size()) - kJobs.size());
+  std::string all;
+  for (const Json& way : *ways)
+    if (const std::string line = command_line_for(way, job); !line.empty())
+      all += fmt::format("\n  {}", line);
+  return all.empty() ? all : "; possible now:" + all;
+}
+
 /// What was given at `pointer`: as popcutd repeats it, else as it was sent; "" if neither has it.
 std::string given(const Json& fault, const std::string& pointer, const Json* sent) {
   constexpr std::size_t kMostShown = 60;
@@ -65,8 +81,11 @@ Error invalid(const Json& problem, const std::string& place, const std::string& 
   if (list->size() > 1) error.detail += fmt::format(" (and {} more)", list->size() - 1);
   if (subject == Subject::CommandLine || pointer.rfind('?', 0) == 0) {
     error.detail = in_command_words(error.detail);
-    if (const std::string option = option_for(pointer); !option.empty())
-      return of_option(error, option, given(first, pointer, sent));
+    if (const std::string option = option_for(pointer); !option.empty()) {
+      error = of_option(error, option, given(first, pointer, sent));
+      error.detail += commands(problem);
+      return error;
+    }
   }
   return pointer.empty() ? error : within(place, {error.kind, pointer, error.detail});
 }
@@ -77,7 +96,10 @@ Error conflict(const Json& problem, const std::string& place, std::string detail
   detail = in_command_words(detail);
   if (!state.empty() && detail.find(state) == std::string::npos)
     detail += fmt::format("; it is {}", state);
-  if (!words.empty()) detail += fmt::format("; possible now: {}", words);
+  if (const std::string lines = commands(problem); !lines.empty())
+    detail += lines;
+  else if (!words.empty())
+    detail += fmt::format("; possible now: {}", words);
   return {ErrorKind::Refused, place, detail};
 }
 

@@ -355,10 +355,10 @@ asio::awaitable<Response> ask_handler(Hub& hub, ClientPtr client, Exchange& exch
   if (!route->access.is_open() && !client->peer.is_local)
     bearer = bearer_of(client->reader.head()).value_or("");
   if (!route->access.is_open() && client->peer.is_local) {
-    const Answer<Principal> now =
-        local_principal(client->peer, hub.options.users, ::getuid());
+    const Answer<Principal> now = local_principal(client->peer, hub.options.users, ::getuid());
     if (!now) co_return problem_response(now.error(), *request);
-    if (!route->access.allows(now->role)) co_return problem_response(lacks_role(*route, *now), *request);
+    if (!route->access.allows(now->role))
+      co_return problem_response(lacks_role(*route, *now), *request);
     request->principal = *now;
   }
   std::function<void(Service&, Hub::Done)> work = [=](Service& service, const Hub::Done& done) {

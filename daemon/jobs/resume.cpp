@@ -62,33 +62,67 @@ void fill_ledger(Ledger& ledger, const std::vector<FateRun>& runs) {
 
 tl::expected<void, std::string> may_resume(const std::vector<FateRun>& runs,
                                            const ResumeRequest& request, const ResumeFacts& facts) {
-  const auto no = [](std::string why) { return tl::unexpected<std::string>(std::move(why)); };
   const std::int64_t from = request.from_path;
+  std::vector<std::string> reasons;
   if (from < 0 || from >= facts.strokes)
-    return no(fmt::format("path {} is not on this sheet; must be 0..{}", from, facts.strokes - 1));
+    reasons.push_back(
+        fmt::format("path {} is not on this sheet; must be 0..{}", from, facts.strokes - 1));
   if (!request.re_registered && !facts.same_device_session)
-    return no(
+    reasons.emplace_back(
         "the cutter was disconnected or restarted, so the sheet's position is unknown; align the "
         "sheet again and use registration \"re-registered\"");
   for (const FateRun& run : runs) {
+    if (from < 0 || from >= facts.strokes) break;
     const bool reaches = run.paths.last >= from;  // some of it would be cut now
     const bool before = run.paths.first < from;   // some of it would not
     const std::string where = fmt::format("paths {}..{}", run.paths.first, run.paths.last);
     if (run.fate == PathFate::InDoubt && reaches && before)
-      return no(where + " are in doubt; resume from the first of them, or after the last");
-    if (run.fate == PathFate::InDoubt && before && !request.skip_in_doubt)
-      return no(where + " are in doubt and would stay so; use skip_in_doubt, or resume from " +
-                std::to_string(run.paths.first));
-    if (run.fate == PathFate::NotSent && before)
-      return no(fmt::format("{} were not cut and would be skipped; resume from {} or earlier",
-                            where, run.paths.first));
-    if (run.fate != PathFate::NotSent && reaches && !request.accept_double_cut)
-      return no(
+      reasons.push_back(where + " are in doubt; resume from the first of them, or after the last");
+    else if (run.fate == PathFate::InDoubt && before && !request.skip_in_doubt)
+      reasons.push_back(where +
+                        " are in doubt and would stay so; use skip_in_doubt, or resume from " +
+                        std::to_string(run.paths.first));
+    else if (run.fate == PathFate::NotSent && before)
+      reasons.push_back(
+          fmt::format("{} were not cut and would be skipped; resume from {} or earlier", where,
+                      run.paths.first));
+    else if (run.fate != PathFate::NotSent && reaches && !request.accept_double_cut)
+      reasons.push_back(
           fmt::format("{} {} and would be cut twice; use i_accept_double_cut, or use a new blank "
                       "with retry-sheet",
                       where, run.fate == PathFate::Certain ? "are cut" : "may be cut already"));
   }
-  return {};
+  if (reasons.empty()) return {};
+  return tl::unexpected<std::string>(fmt::format("{}", fmt::join(reasons, "; ")));
+}
+
+std::vector<ResumeRequest> ways_to_resume(const std::vector<FateRun>& runs,
+                                          const ResumeRequest& wanted, const ResumeFacts& facts) {
+  constexpr std::size_t kMost = 3;
+  std::vector<std::int64_t> starts{wanted.from_path};
+  for (const FateRun& run : runs) {
+    if (run.fate == PathFate::InDoubt) starts.push_back(run.paths.last + 1);
+    if (run.fate == PathFate::NotSent) starts.push_back(run.paths.first);
+  }
+  for (const FateRun& run : runs)
+    if (run.fate == PathFate::InDoubt) starts.push_back(run.paths.first);
+  std::vector<ResumeRequest> ways;
+  // What the person wanted first, then what cuts nothing twice.
+  for (const bool twice : {false, true})
+    for (const std::int64_t from : starts) {
+      ResumeRequest way{.from_path = from,
+                        .re_registered = wanted.re_registered || !facts.same_device_session};
+      for (const FateRun& run : runs) {
+        if (run.fate == PathFate::InDoubt && run.paths.last < from) way.skip_in_doubt = true;
+        if (run.fate != PathFate::NotSent && run.paths.last >= from) way.accept_double_cut = true;
+      }
+      const bool known = std::any_of(ways.begin(), ways.end(), [&](const ResumeRequest& one) {
+        return one.from_path == from;
+      });
+      const bool now = way.accept_double_cut == twice || from == wanted.from_path;
+      if (ways.size() < kMost && !known && now && may_resume(runs, way, facts)) ways.push_back(way);
+    }
+  return ways;
 }
 
 }  // namespace popcut::daemon

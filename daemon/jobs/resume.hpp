@@ -41,7 +41,8 @@ struct ResumeFacts {
   bool same_device_session{false};  ///< the cutter was never away since the sheet was cut
 };
 
-/// Whether a sheet may go on from `from_path` on the same blank; else why not, in words.
+/// Whether a sheet may go on from `from_path` on the same blank; else why not, in words: all that
+/// stands against it, so that who answers it all is not refused again.
 ///
 /// The strokes from there on may hold none that was cut or may have been, unless the person says
 /// that these may be cut twice. Those before it must all be cut, unless they are in doubt and the
@@ -49,5 +50,11 @@ struct ResumeFacts {
 [[nodiscard]] tl::expected<void, std::string> may_resume(const std::vector<FateRun>& runs,
                                                          const ResumeRequest& request,
                                                          const ResumeFacts& facts);
+
+/// Complete requests that `may_resume` lets pass, at most three, with no more allowed than each
+/// needs: as near to `wanted` as can be, then those that cut nothing twice before those that may.
+[[nodiscard]] std::vector<ResumeRequest> ways_to_resume(const std::vector<FateRun>& runs,
+                                                        const ResumeRequest& wanted,
+                                                        const ResumeFacts& facts);
 
 }  // namespace popcut::daemon

@@ -152,6 +152,12 @@ struct PlanRecord {
   TimeMs created{};
 };
 
+/// A complete request that is possible now: an action, and its body as JSON.
+struct Way {
+  std::string action;
+  std::string body;
+};
+
 struct Attention {
   std::string kind;  ///< load_sheet, confirm_result, device_absent, device_fault, device_busy,
                      ///< media_out, in_doubt
@@ -187,6 +193,7 @@ struct Job {
   std::vector<std::string> tags{};
   std::optional<Attention> attention{};
   std::vector<std::string> actions{};  ///< allowed now
+  std::vector<Way> ways{};             ///< of one job that was asked for: requests that pass now
 };
 
 struct JobCreate {

@@ -10,6 +10,7 @@
 #include <tl/expected.hpp>
 
 #include "core/result.hpp"
+#include "daemon/model/model.hpp"
 
 namespace popcut::daemon {
 
@@ -56,6 +57,7 @@ struct Problem {
   std::string state{};                         ///< current state (StateConflict, Stale)
   std::vector<std::string> allowed_actions{};  ///< allowed now (StateConflict, Stale)
   std::optional<int> retry_after_s{};
+  std::vector<Way> ways{};  ///< complete requests that would pass now
 };
 
 template <typename T>

@@ -10,7 +10,8 @@
 namespace popcut::daemon {
 
 /// The time by which old things are forgotten. It follows the wall's clock, but not its jumps: a
-/// clock that is suddenly wrong by a year must not delete a year's worth of tokens, events and keys.
+/// clock that is suddenly wrong by a year must not delete a year's worth of tokens, events and
+/// keys.
 ///
 /// Against the monotonic clock the wall's may go ahead by up to a day (the computer was asleep) or
 /// back by up to an hour. Anything else is a jump: this clock then goes on at the pace of the

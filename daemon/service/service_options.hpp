@@ -23,7 +23,7 @@ struct ServiceOptions {
   std::uint64_t least_free_bytes{16u << 20};  ///< less on the disk: no new work
   std::int64_t keep_keys_ms{7LL * 86'400'000};
   std::int64_t keep_events_ms{30LL * 86'400'000};
-  std::int64_t session_ms{12LL * 3'600'000};  ///< of a page, counted from its last request
+  std::int64_t session_ms{12LL * 3'600'000};          ///< of a page, counted from its last request
   std::int64_t longest_session_ms{7LL * 86'400'000};  ///< of a page, however much it is used
   LocalUsers users{};                                 ///< roles of the users of the unix socket
   std::int64_t believe_ms{24LL * 3'600'000};  ///< run time after which a clock that jumped is right

@@ -54,8 +54,8 @@ Secret new_secret(const std::string& id) {
 
 // A row of the table.
 struct Tokens::Session {
-  std::string id, token{};           ///< `token`: the root, or empty
-  std::optional<LocalUser> user{};   ///< the root, or nothing
+  std::string id, token{};          ///< `token`: the root, or empty
+  std::optional<LocalUser> user{};  ///< the root, or nothing
   std::string via{}, principal{}, secret{};
   TimeMs created{}, expires{}, ends{};
 };
@@ -212,9 +212,9 @@ std::vector<SessionRecord> Tokens::sessions(const Principal& who) {
   const std::vector<std::string> ids =
       who.role == Role::Admin
           ? all_of(store_.db().rows("SELECT id FROM session ORDER BY id"), first_text)
-          : all_of(store_.db().rows("SELECT id FROM session WHERE principal=? ORDER BY id",
-                                    who.name),
-                   first_text);
+          : all_of(
+                store_.db().rows("SELECT id FROM session WHERE principal=? ORDER BY id", who.name),
+                first_text);
   std::vector<SessionRecord> all;
   for (const std::string& id : ids) {
     const std::optional<Session> one = session(id);
@@ -271,8 +271,8 @@ void Tokens::users_changed() {
 // What a session of `who` begins with: its root and its end; nothing if the root has ended.
 std::optional<Tokens::Session> Tokens::beginning(const Principal& who) {
   const TimeMs now = store_.now();
-  Session fresh{.id = {}, .principal = who.name, .created = now,
-                .ends = now + options_.longest_session_ms};
+  Session fresh{
+      .id = {}, .principal = who.name, .created = now, .ends = now + options_.longest_session_ms};
   if (who.credential.empty()) {
     if (!who.user || !role_of(*who.user, options_.users, ::getuid())) return std::nullopt;
     fresh.user = who.user;
@@ -371,9 +371,7 @@ Answer<NewToken> Tokens::open_session(const std::string& one_shot) {
 
 void Tokens::tidy() {
   const std::int64_t now = store_.monotonic();
-  std::erase_if(one_shots_, [&](const auto& one) {
-    return one.second.until_ms <= now;
-  });
+  std::erase_if(one_shots_, [&](const auto& one) { return one.second.until_ms <= now; });
 }
 
 }  // namespace popcut::daemon

@@ -67,8 +67,7 @@ int ApiGenerator::whole(int low, int high) {
 bool ApiGenerator::chance(double probability) { return whole(0, 9999) < probability * 10000; }
 
 WireResponse ApiGenerator::send(const Made& made) {
-  RawConnection connection =
-      made.role == "socket" ? RawConnection(socket_) : RawConnection(port_);
+  RawConnection connection = made.role == "socket" ? RawConnection(socket_) : RawConnection(port_);
   connection.send(made.bytes);
   return connection.receive(60, made.is_head);
 }
@@ -96,9 +95,10 @@ std::string ApiGenerator::bearer(const std::string& role) {
   if (!token.empty()) return token;
   const std::string body = json{{"name", role}, {"role", role}}.dump();
   RawConnection connection(socket_);
-  connection.send(fmt::format("POST /v1/tokens HTTP/1.1\r\nHost: a\r\nContent-Type: "
-                              "application/json\r\nContent-Length: {}\r\n\r\n{}",
-                              body.size(), body));
+  connection.send(
+      fmt::format("POST /v1/tokens HTTP/1.1\r\nHost: a\r\nContent-Type: "
+                  "application/json\r\nContent-Length: {}\r\n\r\n{}",
+                  body.size(), body));
   const json made = json::parse(connection.receive().body, nullptr, false);
   token = made.is_object() ? made.value("token", "") : "";
   return token;
@@ -132,23 +132,45 @@ void ApiGenerator::refresh() {
   // Tokens that were deleted are made again.
   for (const char* role : kRoles) {
     Made made{.call = {}, .role = role, .bytes = {}};
-    made.bytes = fmt::format("GET /v1/meta HTTP/1.1\r\nHost: localhost:{}\r\nAuthorization: Bearer "
-                             "{}\r\n\r\n",
-                             port_, bearer(role));
+    made.bytes = fmt::format(
+        "GET /v1/meta HTTP/1.1\r\nHost: localhost:{}\r\nAuthorization: Bearer "
+        "{}\r\n\r\n",
+        port_, bearer(role));
     if (send(made).status == 401) bearers_[role].clear();
   }
 }
 
 std::string ApiGenerator::odd_text() {
-  static const std::vector<std::string> texts{
-      "",        "x",
-      "../../etc/passwd", "01JD0000000000000000000001",
-      "sha256-" + std::string(64, '0'), "sha256-" + std::string(63, '0'),
-      std::string(121, 'n'), std::string(5000, 'n'),
-      "\xF0\x9F\x93\x90 \xD8\xA7", "a\x01b", "a\nb", std::string("a\0b", 3),
-      "'; DROP TABLE job; --", "%s%n", "<img src=x onerror=a()>", "\xC2\x85", "\xE2\x80\xAE",
-      "-1", "0", "1e308", "9223372036854775808", "null", "2300-01-01", "9999-12-31T23:59:59Z",
-      "1969-01-01", "2026-11-21T10:00:00+01:00", "sim:cameo3", "paper-220", "*", "\"1\""};
+  static const std::vector<std::string> texts{"",
+                                              "x",
+                                              "../../etc/passwd",
+                                              "01JD0000000000000000000001",
+                                              "sha256-" + std::string(64, '0'),
+                                              "sha256-" + std::string(63, '0'),
+                                              std::string(121, 'n'),
+                                              std::string(5000, 'n'),
+                                              "\xF0\x9F\x93\x90 \xD8\xA7",
+                                              "a\x01b",
+                                              "a\nb",
+                                              std::string("a\0b", 3),
+                                              "'; DROP TABLE job; --",
+                                              "%s%n",
+                                              "<img src=x onerror=a()>",
+                                              "\xC2\x85",
+                                              "\xE2\x80\xAE",
+                                              "-1",
+                                              "0",
+                                              "1e308",
+                                              "9223372036854775808",
+                                              "null",
+                                              "2300-01-01",
+                                              "9999-12-31T23:59:59Z",
+                                              "1969-01-01",
+                                              "2026-11-21T10:00:00+01:00",
+                                              "sim:cameo3",
+                                              "paper-220",
+                                              "*",
+                                              "\"1\""};
   return one_of(texts);
 }
 
@@ -176,7 +198,7 @@ json ApiGenerator::odd_value() {
       const std::string text = odd_text();
       // JSON that is no UTF-8 is made of bytes, not of values.
       return json(text).dump(-1, ' ', false, json::error_handler_t::replace).empty() ? json()
-                                                                                       : json(text);
+                                                                                     : json(text);
     }
   }
 }
@@ -184,7 +206,8 @@ json ApiGenerator::odd_value() {
 std::string ApiGenerator::pooled(const std::string& name, const std::string& route) {
   const std::string kind = pool_of(name, route);
   const auto found = pools_.find(kind);
-  if (found != pools_.end() && !found->second.empty() && !chance(0.15)) return one_of(found->second);
+  if (found != pools_.end() && !found->second.empty() && !chance(0.15))
+    return one_of(found->second);
   return chance(0.5) ? "01JD0000000000000000000001" : odd_text();
 }
 
@@ -196,9 +219,8 @@ json ApiGenerator::value_of(const json& given, const std::string& name, const st
   if (schema.contains("example") && chance(0.2)) return schema.at("example");
   std::string type = "object";
   if (schema.contains("type"))
-    type = schema.at("type").is_array()
-               ? one_of(schema.at("type").get<std::vector<std::string>>())
-               : schema.at("type").get<std::string>();
+    type = schema.at("type").is_array() ? one_of(schema.at("type").get<std::vector<std::string>>())
+                                        : schema.at("type").get<std::string>();
   if (type == "boolean") return chance(0.5);
   if (type == "null") return nullptr;
   if (type == "integer" || type == "number") {
@@ -257,8 +279,7 @@ std::string ApiGenerator::body_of(Made& made, std::string& type) {
   const json& operation = caller_.operation(made.call);
   if (!operation.contains("requestBody")) return chance(0.02) ? "{}" : "";
   const json& content = operation.at("requestBody").at("content");
-  if (!content.contains("application/json") ||
-      !content.at("application/json").contains("schema")) {
+  if (!content.contains("application/json") || !content.at("application/json").contains("schema")) {
     // An upload. What a planner must look at takes its time.
     std::vector<std::string> types;
     for (const auto& [name, ignored] : content.items()) types.push_back(name);
@@ -329,16 +350,19 @@ std::string ApiGenerator::headers_of(const Made& made, const json& operation,
     if (name == "Idempotency-Key" && !chance(0.05)) {
       if (keys_.empty() || chance(0.85))
         keys_.push_back(fmt::format("generated-key-{:08}", ++number_));
-      text += "Idempotency-Key: " + (chance(0.02) ? "short" : chance(0.9) ? keys_.back()
-                                                                         : one_of(keys_)) +
+      text += "Idempotency-Key: " +
+              (chance(0.02)  ? "short"
+               : chance(0.9) ? keys_.back()
+                             : one_of(keys_)) +
               "\r\n";
     }
     if (name == "If-Match" && !chance(0.05)) {
       const auto rev = revs_.find(id);
       std::string value = rev == revs_.end() ? "\"1\"" : fmt::format("\"{}\"", rev->second);
-      if (chance(0.1)) value = std::vector<std::string>{"*", "\"999\"", "7", "W/\"1\"", "\"-1\"",
-                                                        "\"99999999999999999999\""}
-                                   .at(static_cast<std::size_t>(whole(0, 5)));
+      if (chance(0.1))
+        value = std::vector<std::string>{"*",       "\"999\"", "7",
+                                         "W/\"1\"", "\"-1\"",  "\"99999999999999999999\""}
+                    .at(static_cast<std::size_t>(whole(0, 5)));
       text += "If-Match: " + value + "\r\n";
     }
     if (name == "If-None-Match" && chance(0.4))
@@ -388,16 +412,15 @@ ApiGenerator::Made ApiGenerator::make() {
     if (sent.is_object() && sent.contains("job") && sent["job"].is_string()) job = sent["job"];
   }
   made.is_head = call.method == "GET" && chance(0.1);
-  const std::string host =
-      chance(0.005) ? "evil.example" : fmt::format("localhost:{}", port_);
+  const std::string host = chance(0.005) ? "evil.example" : fmt::format("localhost:{}", port_);
   made.bytes = fmt::format("{} {}{} HTTP/1.1\r\nHost: {}\r\nAccept: application/json\r\n",
                            made.is_head ? "HEAD" : call.method, target,
                            query_of(operation, call.route), host);
   if (const std::string token = bearer(made.role); !token.empty())
     made.bytes += "Authorization: Bearer " + token + "\r\n";
   else if (made.role.empty() && chance(0.3))
-    made.bytes += "Authorization: Bearer pc_01JD0000000000000000000001_" + std::string(43, 'A') +
-                  "\r\n";
+    made.bytes +=
+        "Authorization: Bearer pc_01JD0000000000000000000001_" + std::string(43, 'A') + "\r\n";
   made.bytes += headers_of(made, operation, job);
   if (!type.empty()) made.bytes += "Content-Type: " + (chance(0.02) ? "text/plain" : type) + "\r\n";
   if (!made.body.empty()) {
@@ -418,8 +441,8 @@ void ApiGenerator::judge(const Made& made, const WireResponse& response) {
   produced_.insert(fmt::format("{} {}", name, response.status));
   asked_.insert(name + " " + made.role);
   const auto wrong = [&](const std::string& what) {
-    int& count = faults_[fmt::format("{} as {:?} gave {}: {}", name, made.role, response.status,
-                                     what)];
+    int& count =
+        faults_[fmt::format("{} as {:?} gave {}: {}", name, made.role, response.status, what)];
     if (count++ == 0)
       faults_[fmt::format("   {:?} -> {:?}", made.bytes.substr(0, 600),
                           response.body.substr(0, 300))] = 1;
@@ -432,19 +455,17 @@ void ApiGenerator::judge(const Made& made, const WireResponse& response) {
   const json& operation = caller_.operation(made.call);
   const std::string needed = operation.at("x-popcut-role");
   if (needed != "everyone" && rank_of(made.role) < rank_of(needed)) {
-    const std::set<int> allowed =
-        made.role.empty() ? std::set<int>{400, 401, 413, 421, 429} : std::set<int>{400, 401, 403, 413, 421, 429};
+    const std::set<int> allowed = made.role.empty() ? std::set<int>{400, 401, 413, 421, 429}
+                                                    : std::set<int>{400, 401, 403, 413, 421, 429};
     if (!allowed.contains(response.status)) wrong("the role is not enough for this answer");
   }
   if (needed != "everyone" && rank_of(made.role) >= rank_of(needed) && response.status == 401 &&
       made.role == "socket")
     wrong("the user of the socket is known");
-  const bool has_schema = operation.contains("requestBody") &&
-                          operation.at("requestBody").at("content").contains("application/json") &&
-                          operation.at("requestBody")
-                              .at("content")
-                              .at("application/json")
-                              .contains("schema");
+  const bool has_schema =
+      operation.contains("requestBody") &&
+      operation.at("requestBody").at("content").contains("application/json") &&
+      operation.at("requestBody").at("content").at("application/json").contains("schema");
   if (has_schema && !made.is_valid_body && response.status < 300)
     wrong("took a body that the schema forbids");
 }

@@ -74,11 +74,11 @@ class ApiGenerator {
   std::mt19937_64 random_;
   ContractCaller caller_;
   std::vector<ContractCall> operations_;
-  std::map<std::string, std::string> bearers_;                 ///< by role
-  std::map<std::string, std::vector<std::string>> pools_;      ///< ids by what they are of
-  std::map<std::string, std::int64_t> revs_;                   ///< of jobs, devices, materials
-  std::vector<std::pair<std::string, std::string>> actions_;   ///< a job, and what it allows
-  std::vector<std::string> keys_;                              ///< that were sent
+  std::map<std::string, std::string> bearers_;                ///< by role
+  std::map<std::string, std::vector<std::string>> pools_;     ///< ids by what they are of
+  std::map<std::string, std::int64_t> revs_;                  ///< of jobs, devices, materials
+  std::vector<std::pair<std::string, std::string>> actions_;  ///< a job, and what it allows
+  std::vector<std::string> keys_;                             ///< that were sent
   int number_{0};
   std::map<std::string, int> faults_;
   std::map<int, int> statuses_;

@@ -139,7 +139,8 @@ std::vector<std::string> ContractCaller::faults_of(const ContractCall& call,
     faults.emplace_back("the body is no JSON");
     return faults;
   }
-  for (const std::string& fault : schema.faults(body, content.at("schema"))) faults.push_back(fault);
+  for (const std::string& fault : schema.faults(body, content.at("schema")))
+    faults.push_back(fault);
   return faults;
 }
 

@@ -158,8 +158,7 @@ void ContractLife::use_an_asset() {
   const json spec{{"popcut", 1},          {"surface", {{"type", "mesh"}, {"file", used_asset_}}},
                   {"units_per_slice", 5}, {"slices", 8},
                   {"widths_mm", 6},       {"fit", "nearest"}};
-  const WireResponse stored =
-      ask({.method = "POST", .route = "/v1/designs", .body = spec.dump()});
+  const WireResponse stored = ask({.method = "POST", .route = "/v1/designs", .body = spec.dump()});
   INFO(stored.body);
   REQUIRE(stored.status == 201);
   const std::string design = json::parse(stored.body).at("id");
@@ -182,7 +181,9 @@ void ContractLife::make_design_and_plans() {
   upload("{", 422);
   spare_design_ = upload(sphere + " ", 201);
   for (const int status : {201, 200})
-    CHECK(ask({.method = "POST", .route = "/v1/assets", .query = "?name=a.stl",
+    CHECK(ask({.method = "POST",
+               .route = "/v1/assets",
+               .query = "?name=a.stl",
                .body = "solid a\nendsolid a\n"})
               .status == status);
   CHECK(caller_->get("/v1/assets").at("items").at(0).at("name") == "a.stl");
@@ -438,8 +439,8 @@ void ContractLife::read_everything() {
 
 json ContractLife::new_session() {
   const WireResponse word = ask({.method = "POST", .route = "/v1/session/one-shot"});
-  const WireResponse session = caller_->ask_tcp(
-      {.method = "POST", .route = "/v1/session", .body = word.body}, port_, "");
+  const WireResponse session =
+      caller_->ask_tcp({.method = "POST", .route = "/v1/session", .body = word.body}, port_, "");
   REQUIRE(session.status == 201);
   return json::parse(session.body);
 }

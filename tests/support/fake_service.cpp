@@ -196,10 +196,8 @@ Answer<Asset> FakeDesigns::add_asset(const Principal&, const Upload& upload) {
   last_upload = upload;
   std::ifstream in(upload.path, std::ios::binary);
   last_upload_text.assign(std::istreambuf_iterator<char>(in), {});
-  return Asset{.id = "sha256-" + upload.sha256,
-               .name = upload.name,
-               .bytes = upload.bytes,
-               .created = kNow};
+  return Asset{
+      .id = "sha256-" + upload.sha256, .name = upload.name, .bytes = upload.bytes, .created = kNow};
 }
 
 Page<Asset> FakeDesigns::assets(const PageRequest&) {

@@ -193,14 +193,35 @@ Result<void> list_tokens(const Globals& globals) {
   return {};
 }
 
+Result<void> list_sessions(const Globals& globals) {
+  auto api = Api::from_environment();
+  if (!api) return tl::unexpected(api.error());
+  const auto sessions = api->get("/v1/sessions", "sessions");
+  if (!sessions) return tl::unexpected(sessions.error());
+  if (globals.json) {
+    fmt::print("{}\n", dumped(*sessions));
+    return {};
+  }
+  if (sessions->contains("items"))
+    for (const Json& one : (*sessions)["items"])
+      fmt::print("{}  {:<10} of {}, expires {}, ends {}\n", client::text_of(one, "id"),
+                 client::text_of(one, "role"), shown_text(client::text_of(one, "root")),
+                 client::text_of(one, "expires"), client::text_of(one, "ends"));
+  return {};
+}
+
+/// A session, which needs no admin, or a token.
 Result<void> delete_token(const TokenOptions& options, const Globals& globals) {
   auto api = Api::from_environment();
   if (!api) return tl::unexpected(api.error());
-  auto gone =
-      api->remove("/v1/tokens/" + client::percent_encoded(options.id), "token " + options.id);
+  const std::string id = client::percent_encoded(options.id);
+  auto gone = api->remove("/v1/sessions/" + id, "session " + options.id);
+  if (!gone && gone.error().reason == ErrorReason::NotThere)
+    gone = api->remove("/v1/tokens/" + id, "token " + options.id);
   if (!gone && gone.error().reason == ErrorReason::NotThere)
     return fail(gone.error().kind, gone.error().place,
-                "there is no such token; 'popcut token list' lists them");
+                "there is no such token or session; 'popcut token list' and 'popcut token "
+                "sessions' list them");
   if (gone && globals.json) fmt::print("{}\n", dumped(Json{{"deleted", options.id}}));
   return gone;
 }
@@ -209,6 +230,7 @@ constexpr const char* kTokenHelp =
     "Manage access tokens for TCP; the unix socket needs none.\n\n"
     "  popcut token create --role operator --name workshop --days 30\n"
     "  popcut token list\n"
+    "  popcut token sessions        # pages that are open, each with the token or user it is of\n"
     "  popcut token delete 01JDX7KQ4M8ZB1Q2R3S4T5V6W7\n\n"
     "Roles: a viewer sees jobs. A submitter also queues designs. An operator also arms, starts "
     "and\n"
@@ -224,14 +246,23 @@ void add_token(CLI::App& app, const Globals& globals, Run& run) {
            {"viewer", "submitter", "operator", "admin"})
       ->required();
   create->add_option("--name", options->name, "Who or what the token is for")->option_text("TEXT");
-  whole_number(create->add_option("--days", options->days, "Days until it expires"), 1, 36'500)
+  whole_number(create->add_option("--days", options->days, "Days until it expires"), 1, 3'660)
       ->option_text("N [until deleted]");
   when_chosen(create, run, [options, &globals] { return create_token(*options, globals); });
   when_chosen(command->add_subcommand("list", "List the tokens, without their secrets"), run,
               [&globals] { return list_tokens(globals); });
-  CLI::App* const remove =
-      command->add_subcommand("delete", "Delete a token; it stops working at once");
-  remove->add_option("ID", options->id, "An ID that 'popcut token list' shows")->required();
+  when_chosen(
+      command->add_subcommand(
+          "sessions", "List the sessions of pages; each ends with the token or user it is of"),
+      run, [&globals] { return list_sessions(globals); });
+  CLI::App* const remove = command->add_subcommand(
+      "delete",
+      "Delete a token, or end a session; it stops working at once, and so do the "
+      "sessions of it");
+  remove
+      ->add_option("ID", options->id,
+                   "An ID that 'popcut token list' or 'popcut token sessions' shows")
+      ->required();
   when_chosen(remove, run, [options, &globals] { return delete_token(*options, globals); });
 }
 

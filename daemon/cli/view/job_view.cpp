@@ -15,6 +15,7 @@
 
 #include "core/text/utf8.hpp"
 #include "daemon/cli/help/terminal_text.hpp"
+#include "daemon/client/command_words.hpp"
 
 namespace popcut::cli {
 namespace {
@@ -91,6 +92,17 @@ bool may_be_whole(const Json& job) {
          whole_of(progress, "paths_sent") >= whole_of(progress, "paths_total");
 }
 
+/// The whole commands that go on with its sheet, where popcutd says them: of one job it does.
+std::vector<std::string> resume_commands(const Json& job) {
+  std::vector<std::string> lines;
+  const auto ways = job.find("ways");
+  if (ways == job.end() || !ways->is_array()) return lines;
+  for (const Json& way : *ways)
+    if (way.is_object() && shown_of(way, "action") == "resume-from")
+      lines.push_back(client::command_line_for(way, short_id(job)));
+  return lines;
+}
+
 void interrupted_ways(const Json& job, std::vector<std::string>& lines) {
   const std::string id = short_id(job);
   const std::int64_t sheet = whole_of(job, "sheet");
@@ -101,7 +113,11 @@ void interrupted_ways(const Json& job, std::vector<std::string>& lines) {
     if (may(job, action)) lines.push_back(fmt::format("  {:<41}{}", command, what));
   };
   add("retry-sheet", fmt::format("popcut retry {} {}", id, sheet), "# cut it again on a new sheet");
-  add("resume-from", fmt::format("popcut resume {} --from PATH", id), "# go on with this sheet");
+  const std::vector<std::string> resumes = resume_commands(job);
+  for (const std::string& command : resumes)
+    lines.push_back("  " + command + "   # go on with this sheet");
+  if (resumes.empty())
+    add("resume-from", fmt::format("popcut resume {} --from PATH", id), "# go on with this sheet");
   if (may_be_whole(job))
     add("confirm-result", fmt::format("popcut confirm {} {} good", id, sheet),
         "# the sheet is complete");
@@ -252,7 +268,11 @@ std::vector<std::string> waiting_for(const Json& job) {
         fmt::format("look at sheet {}: popcut confirm {} {} good   (or bad)", sheet, id, sheet));
   } else if (is(job, "ready") && !may(job, "arm") && may(job, "resume-from")) {
     lines.push_back(text);
-    lines.push_back(fmt::format("  popcut resume {} --from PATH --registration re-registered", id));
+    const std::vector<std::string> resumes = resume_commands(job);
+    for (const std::string& command : resumes) lines.push_back("  " + command);
+    if (resumes.empty())
+      lines.push_back(
+          fmt::format("  popcut resume {} --from PATH --registration re-registered", id));
     lines.push_back(fmt::format("  popcut retry {} {}", id, sheet));
   } else if (is(job, "ready") && may(job, "arm")) {
     const std::int64_t blank = whole_of(job, "blank");

@@ -72,8 +72,7 @@ void list_sessions(const Request& request, Service& service, const HandlerContex
   if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
   reply(page_response(page_of(service.access.sessions(request.principal), wanted,
                               [](const SessionRecord& session) { return session.id; }),
-                      kList,
-                      [](const SessionRecord& session) { return dump(to_json(session)); }));
+                      kList, [](const SessionRecord& session) { return dump(to_json(session)); }));
 }
 
 void end_session(const Request& request, Service& service, const HandlerContext&, Reply reply) {

@@ -79,7 +79,11 @@ void act_on_job(const Request& request, Service& service, JobAction action,
   const auto wanted = read_body_as<ActionRequest>(
       request, context.limits.json_depth,
       [action](FieldReader& fields) { return read_action(fields, action); });
-  if (!wanted) return reply(problem_response(wanted.error(), request));
+  if (!wanted) {
+    Problem problem = wanted.error();
+    if (const Answer<Job> job = service.jobs.find(request.params[0])) problem.ways = job->ways;
+    return reply(problem_response(problem, request));
+  }
   const bool any_rev =
       action == JobAction::Pause || action == JobAction::Cancel || action == JobAction::Disarm;
   answer_once(request, service, reply, [&] {

@@ -120,6 +120,11 @@ Response problem_response(const Problem& problem, std::string_view instance,
     body["state"] = problem.state;
     body["allowed_actions"] = problem.allowed_actions;
   }
+  if (!problem.ways.empty()) {
+    ordered_json& ways = body["ways"] = ordered_json::array();
+    for (const Way& way : problem.ways)
+      ways.push_back({{"action", way.action}, {"body", ordered_json::parse(way.body)}});
+  }
   Response response;
   response.status = status_of(problem.kind);
   response.content_type = "application/problem+json";

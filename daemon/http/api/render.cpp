@@ -80,6 +80,14 @@ class ObjectText {
     begin(name);
     out_ += inner.whole();
   }
+  void ways(std::string_view name, const std::vector<Way>& ways) {
+    begin(name);
+    out_ += '[';
+    for (const Way& way : ways)
+      fmt::format_to(std::back_inserter(out_), R"({}{{"action":"{}","body":{}}})",
+                     &way == &ways.front() ? "" : ",", way.action, way.body);
+    out_ += ']';
+  }
   [[nodiscard]] std::string whole() const { return out_ + '}'; }
 
  private:
@@ -258,6 +266,7 @@ std::string job_text(const Job& job) {
   else
     out.null("attention");
   out.texts("actions", job.actions);
+  if (!job.ways.empty()) out.ways("ways", job.ways);
   out.object("links", links_text(job));
   return out.whole();
 }

@@ -75,16 +75,22 @@ Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std:
             fmt::format("{} requires the role {}", name_of(request.action), name_of(needed)));
       if (const auto fresh = JobRepository::check_rev(row, if_match); !fresh)
         return tl::unexpected(fresh.error());
+      const JobRow before = row;
+      // Whoever is refused learns the whole request that is not.
+      const auto refused = [&](Problem problem) {
+        if (problem.ways.empty()) problem.ways = ways(before, &request);
+        return tl::unexpected(std::move(problem));
+      };
       if (step_of(JobRepository::facts_of(row), request.action) == Step::Refused)
-        return tl::unexpected(JobRepository::conflict(
+        return refused(JobRepository::conflict(
             row, fmt::format("{} is not possible while the job is {}{}", name_of(request.action),
                              row.held ? "held and " : "", name_of(row.state))));
-      if (const auto fine = check_words(row, request); !fine) return tl::unexpected(fine.error());
+      if (const auto fine = check_words(row, request); !fine) return refused(fine.error());
       if (request.sheet && *request.sheet != row.sheet)
-        return tl::unexpected(JobRepository::conflict(
+        return refused(JobRepository::conflict(
             row, fmt::format("the current sheet is {}, not {}", row.sheet, *request.sheet)));
       if (request.blank && *request.blank != row.blank)
-        return tl::unexpected(JobRepository::conflict(
+        return refused(JobRepository::conflict(
             row, fmt::format("the current blank is {}, not {}", row.blank, *request.blank)));
       const std::string detail = audit_detail(request, row);
       const Answer<void> taken = [&]() -> Answer<void> {
@@ -115,7 +121,7 @@ Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std:
         }
         return {};
       }();
-      if (!taken) return tl::unexpected(taken.error());
+      if (!taken) return refused(taken.error());
       parts_.store.audit(who.name, name_of(request.action), id, detail);
       return jobs.shown(row);
     });
@@ -169,13 +175,16 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
     std::erase_if(fitting, [&](const std::string& id) {
       return parts_.jobs.table().on_device(id).has_value();
     });
-  if (fitting.size() != 1)
-    return tl::unexpected(invalid_value(
-        "/device", "missing",
-        fitting.empty()
-            ? std::string("all suitable devices are busy; name one")
-            : fmt::format("name the device that holds the sheet: {}", fmt::join(fitting, ", "))));
-  return fitting.front();
+  if (fitting.size() == 1) return fitting.front();
+  Problem unnamed = invalid_value(
+      "/device", "missing",
+      fitting.empty()
+          ? std::string("all suitable devices are busy; name one")
+          : fmt::format("name the device that holds the sheet: {}", fmt::join(fitting, ", ")));
+  for (const std::string& one : fitting)
+    unnamed.ways.push_back({"arm", fmt::format(R"({{"sheet":{},"blank":{},"device":{}}})",
+                                               row.sheet, row.blank, json_text(one))});
+  return tl::unexpected(std::move(unnamed));
 }
 
 Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionRequest& request) {
@@ -309,30 +318,20 @@ Answer<void> CutDispatcher::retry(JobRow& row) {
 }
 
 Answer<void> CutDispatcher::resume_from(JobRow& row, const ActionRequest& request) {
-  AttemptTable& attempts = parts_.jobs.attempts();
-  std::vector<std::vector<FateRun>> fates;
-  const std::vector<AttemptRow> all = attempts.of_sheet(row.id, row.sheet);
-  const AttemptRow* last = nullptr;
-  for (const AttemptRow& attempt : all) {
-    if (attempt.blank != row.blank) continue;
-    fates.push_back(attempts.fates(attempt.id));
-    last = &attempt;
-  }
-  if (last == nullptr)
+  const std::optional<ResumeState> state = resume_state(row);
+  if (!state)
     return tl::unexpected(
         JobRepository::conflict(row, "this blank was never started; arm and start it"));
+  const AttemptRow* const last = &state->last;
   const auto plan = parts_.plans.table().find(row.plan);
   if (!plan || plan->sha256 != last->plan_sha256)
     return tl::unexpected(JobRepository::conflict(row, "the plan is not the one that was cut"));
-  const auto may = may_resume(
-      merged_fates(last->strokes, fates),
-      {.from_path = *request.from_path,
-       .re_registered = request.registration == "re-registered",
-       .accept_double_cut = request.accept_double_cut,
-       .skip_in_doubt = request.skip_in_doubt},
-      {.strokes = last->strokes,
-       .same_device_session = last->end_kind != "media_out" &&
-                              last->device_session == parts_.devices.session_of(last->device)});
+  const auto may = may_resume(state->runs,
+                              {.from_path = *request.from_path,
+                               .re_registered = request.registration == "re-registered",
+                               .accept_double_cut = request.accept_double_cut,
+                               .skip_in_doubt = request.skip_in_doubt},
+                              state->facts);
   if (!may) return tl::unexpected(JobRepository::conflict(row, may.error()));
   row.segment = last->segment + 1;
   row.first_stroke = *request.from_path;

@@ -3,13 +3,22 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "daemon/jobs/resume.hpp"
 #include "daemon/service/repositories/job_repository.hpp"
 #include "daemon/store/intent_journal.hpp"
 
 namespace popcut::daemon {
+
+/// The last attempt on the blank that lies in a cutter, and what is known of its strokes.
+struct ResumeState {
+  AttemptRow last;
+  std::vector<FateRun> runs{};
+  ResumeFacts facts{};
+};
 
 /// Where people's actions and the cutters meet: arms, starts, journals of running cuts and their
 /// ends.
@@ -36,6 +45,8 @@ class CutDispatcher : public Cutting {
   /// Whether the sheet is still where it was registered. This knowledge ends with the
   /// session of its device, and with popcutd.
   [[nodiscard]] bool knows_place(const JobRow& row, const std::string& device) const;
+  /// Complete requests that pass now, those nearest to `wanted` (or nullptr) first.
+  [[nodiscard]] std::vector<Way> ways(const JobRow& row, const ActionRequest* wanted = nullptr);
   /// Arms that have lived too long, and ends that could not be written yet.
   void tick();
   /// These devices went away: jobs that were armed for them are ready again.
@@ -46,6 +57,8 @@ class CutDispatcher : public Cutting {
   [[nodiscard]] bool cutting() const { return !cuts_.empty(); }
 
  private:
+  /// What is known of the blank in the cutter; nothing if it was never started.
+  [[nodiscard]] std::optional<ResumeState> resume_state(const JobRow& row);
   class Journal;
   friend class Journal;
   struct Cut;

@@ -67,6 +67,7 @@ struct Parts {
     plans.begun = [this](const std::string& plan) { jobs.plan_begun(plan); };
     plans.ended = [this](const std::string& plan) { jobs.plan_ended(plan); };
     jobs.live = [this](const std::string& job) { return dispatcher.live(job); };
+    jobs.ways = [this](const JobRow& row) { return dispatcher.ways(row); };
     jobs.knows_place = [this](const JobRow& row) {
       return dispatcher.knows_place(row, row.requested_device);
     };
@@ -343,10 +344,10 @@ void AssembledService::tick() {
       if (parts_.store.db().checkpoint(false)) parts_.intents.checkpointed();
     }
     const TimeMs now = parts_.calendar.now();
-    const bool old = parts_.store.db().number("SELECT EXISTS(SELECT 1 FROM idem WHERE expires<=?)",
-                                              now) != 0 ||
-                     parts_.store.db().number("SELECT time FROM event ORDER BY seq LIMIT 1") <
-                         now - parts_.options.keep_events_ms;
+    const bool old =
+        parts_.store.db().number("SELECT EXISTS(SELECT 1 FROM idem WHERE expires<=?)", now) != 0 ||
+        parts_.store.db().number("SELECT time FROM event ORDER BY seq LIMIT 1") <
+            now - parts_.options.keep_events_ms;
     if (old && !parts_.store.full()) prune();
   } catch (const StoreFault& fault) {
     parts_.store.note(fault);

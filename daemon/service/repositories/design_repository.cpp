@@ -172,8 +172,7 @@ Answer<Asset> DesignRepository::add_asset(const Principal& who, const Upload& up
   Answer<Asset> added = store_.change([&]() -> Answer<Asset> {
     if (who.role < Role::Submitter)
       return refuse(ProblemKind::Forbidden, "only a submitter may upload assets");
-    Rows rows =
-        store_.db().rows("SELECT bytes, created, name, owner FROM asset WHERE id=?", id);
+    Rows rows = store_.db().rows("SELECT bytes, created, name, owner FROM asset WHERE id=?", id);
     if (rows.next())
       return Asset{.id = id,
                    .name = rows.text(2),

@@ -12,22 +12,23 @@ constexpr int kNamedDesigns = 5;
 }  // namespace
 
 std::vector<std::string> DesignRepository::designs_with(const std::string& asset) {
-  return all_of(store_.db().rows("SELECT design FROM asset_use WHERE asset=? ORDER BY design LIMIT ?",
-                                 asset, kNamedDesigns),
-                first_text);
+  return all_of(
+      store_.db().rows("SELECT design FROM asset_use WHERE asset=? ORDER BY design LIMIT ?", asset,
+                       kNamedDesigns),
+      first_text);
 }
 
 Page<Asset> DesignRepository::assets(const PageRequest& request) {
   Page<Asset> page;
-  page.items = all_of(store_.db().rows("SELECT id, name, owner, bytes, created FROM asset "
-                                       "WHERE id>? ORDER BY id LIMIT ?",
-                                       request.cursor, request.limit + 1),
-                      [](const Rows& rows) {
-                        Asset asset{.is_new = false};
-                        rows.read(0, std::tie(asset.id, asset.name, asset.owner, asset.bytes,
-                                              asset.created));
-                        return asset;
-                      });
+  page.items = all_of(
+      store_.db().rows("SELECT id, name, owner, bytes, created FROM asset "
+                       "WHERE id>? ORDER BY id LIMIT ?",
+                       request.cursor, request.limit + 1),
+      [](const Rows& rows) {
+        Asset asset{.is_new = false};
+        rows.read(0, std::tie(asset.id, asset.name, asset.owner, asset.bytes, asset.created));
+        return asset;
+      });
   if (page.items.size() > static_cast<std::size_t>(request.limit)) {
     page.items.pop_back();
     page.next_cursor = page.items.back().id;
@@ -43,10 +44,11 @@ Page<Asset> DesignRepository::assets(const PageRequest& request) {
 Answer<void> DesignRepository::check_assets(const std::vector<std::string>& assets) {
   for (const std::string& asset : assets)
     if (store_.db().number("SELECT EXISTS(SELECT 1 FROM asset WHERE id=?)", asset) == 0)
-      return refuse(ProblemKind::Validation,
-                    fmt::format("the asset {} was removed meanwhile; upload it to /v1/assets again, "
-                                "then the design",
-                                asset));
+      return refuse(
+          ProblemKind::Validation,
+          fmt::format("the asset {} was removed meanwhile; upload it to /v1/assets again, "
+                      "then the design",
+                      asset));
   return {};
 }
 

@@ -86,6 +86,8 @@ class JobRepository : public Jobs {
 
   /// What a running cut knows; set by the dispatcher of cuts.
   std::function<const LiveCut*(const std::string& job)> live{};
+  /// Complete requests that pass now.
+  std::function<std::vector<Way>(const JobRow&)> ways{};
   /// Whether the sheet that a job continues with is still where it was registered; set
   /// likewise.
   std::function<bool(const JobRow&)> knows_place{};

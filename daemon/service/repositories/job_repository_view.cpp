@@ -179,7 +179,13 @@ Answer<Page<Job>> JobRepository::queue(const std::string& device, const PageRequ
 
 Answer<Job> JobRepository::find(const std::string& id) {
   return parts_.store.look([&]() -> Answer<Job> {
-    return row(id).map([&](const JobRow& found) { return shown(found); });
+    return row(id).map([&](const JobRow& found) {
+      Job job = shown(found);
+      const bool may_go_on = found.state == JobState::Interrupted ||
+                             (found.state == JobState::Ready && found.segment > 1);
+      if (may_go_on && ways) job.ways = ways(found);
+      return job;
+    });
   });
 }
 

@@ -60,8 +60,7 @@ class Lab : public RunningDaemon {
   }
   /// The token of a page that this word opens.
   std::string page(const std::string& word) {
-    const WireResponse opened =
-        send("POST", "/v1/session", "", Json{{"one_shot", word}}.dump());
+    const WireResponse opened = send("POST", "/v1/session", "", Json{{"one_shot", word}}.dump());
     INFO(opened.body);
     REQUIRE(opened.status == 201);
     return Json::parse(opened.body).at("token");

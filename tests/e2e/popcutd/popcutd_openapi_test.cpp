@@ -119,8 +119,7 @@ TEST_CASE("the daemon produces every documented answer of every route",
 
 TEST_CASE("generated requests of each role get only answers that are documented",
           "[daemon][popcutd][openapi]") {
-  DaemonProcess daemon(popcutd_program(), 0,
-                       "failed_logins_per_minute = 1000\nqueue_jobs = 300\n");
+  DaemonProcess daemon(popcutd_program(), 0, "failed_logins_per_minute = 1000\nqueue_jobs = 300\n");
   const bool serves = daemon.start();
   INFO(daemon.log());
   REQUIRE(serves);

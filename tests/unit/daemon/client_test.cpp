@@ -124,6 +124,28 @@ TEST_CASE("a problem of popcutd becomes one line that says what would be right",
   infeasible.body =
       R"({"type":"p/validation","errors":[{"pointer":"","code":"infeasible","detail":"no"}]})";
   CHECK(exit_code(error_from(infeasible, "a").kind) == 4);
+  HttpResponse whole;
+  whole.status = 409;
+  whole.body =
+      R"({"type":"p/state-conflict","detail":"no","state":"interrupted","allowed_actions":["x"],
+          "instance":"/v1/jobs/01JD/actions/resume-from","ways":[
+          {"action":"resume-from","body":{"from_path":6,"registration":"re-registered",
+           "skip_in_doubt":true}},
+          {"action":"resume-from","body":{"from_path":4,"registration":"kept",
+           "i_accept_double_cut":true}},
+          {"action":"retry-sheet","body":{"sheet":2}},
+          {"action":"confirm-result","body":{"sheet":2,"good":true}},
+          {"action":"arm","body":{"sheet":2,"blank":3,"device":"sim:a"}},
+          {"action":"release","body":{"job":"01JD"}},{"action":"start","body":{"sheet":2}}]})";
+  CHECK(message(error_from(whole, "job 01J")) ==
+        "job 01J: no; it is interrupted; possible now:\n"
+        "  popcut resume 01JD --from 6 --registration re-registered --skip-in-doubt\n"
+        "  popcut resume 01JD --from 4 --accept-double-cut\n"
+        "  popcut retry 01JD 2\n"
+        "  popcut confirm 01JD 2 good\n"
+        "  popcut arm 01JD 2 --blank 3 --device sim:a\n"
+        "  popcut release 01JD\n"
+        "  popcut start 01JD");
 }
 
 TEST_CASE("a wrong value of an option is a usage error that quotes it", "[client]") {

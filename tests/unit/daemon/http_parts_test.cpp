@@ -341,9 +341,9 @@ TEST_CASE("limits count a peer by its user or its network", "[daemon][http][user
 }
 
 TEST_CASE("times beyond 2262 are read and written right", "[daemon][http][clock]") {
-  for (const char* text : {"2262-04-11T23:47:16.855Z", "2262-04-12T00:00:00.000Z",
-                           "2300-02-28T12:00:00.001Z", "9999-12-31T23:59:59.999Z",
-                           "1970-01-01T00:00:00.000Z", "1969-12-31T23:59:59.999Z"}) {
+  for (const char* text :
+       {"2262-04-11T23:47:16.855Z", "2262-04-12T00:00:00.000Z", "2300-02-28T12:00:00.001Z",
+        "9999-12-31T23:59:59.999Z", "1970-01-01T00:00:00.000Z", "1969-12-31T23:59:59.999Z"}) {
     REQUIRE(time_from(text));
     CHECK(rfc3339(*time_from(text)) == text);
   }

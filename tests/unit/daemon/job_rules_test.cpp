@@ -3,6 +3,7 @@
 #include <random>
 #include <set>
 #include <string>
+#include <utility>
 
 #include <catch2/catch.hpp>
 
@@ -223,6 +224,49 @@ TEST_CASE("a valid resume needs a decision for each path in doubt", "[daemon][jo
     if (fates.substr(0, from).find('d') != std::string::npos) CHECK(request.skip_in_doubt);
     if (fates.substr(from).find_first_of("cd") != std::string::npos)
       CHECK(request.accept_double_cut);
+  }
+}
+
+TEST_CASE("who is refused a resume learns all reasons and requests that pass", "[daemon][jobs]") {
+  const auto runs = merged_fates(10, {{{{0, 3}, C}, {{4, 5}, D}}});  // ccccdd....
+  const ResumeFacts away{.strokes = 10, .same_device_session = false};
+  const auto why = may_resume(runs, {.from_path = 5}, away).error();
+  CHECK(why.find("re-registered") != std::string::npos);
+  CHECK(why.find("paths 4..5 are in doubt") != std::string::npos);
+  const auto ways = ways_to_resume(runs, {.from_path = 5}, away);
+  REQUIRE(ways.size() == 2);
+  CHECK(ways[0].from_path == 6);
+  CHECK(ways[0].re_registered);
+  CHECK(ways[0].skip_in_doubt);
+  CHECK_FALSE(ways[0].accept_double_cut);
+  CHECK(ways[1].from_path == 4);
+  CHECK(ways[1].accept_double_cut);
+  CHECK_FALSE(ways[1].skip_in_doubt);
+  // What was wanted comes first if more words make it right.
+  CHECK(ways_to_resume(runs, {.from_path = 0}, away).front().from_path == 0);
+  CHECK(ways_to_resume(runs, {.from_path = 99}, away).front().from_path == 6);
+  // All of any: each passes, and nothing in it can be left out.
+  std::mt19937 random(20261123);
+  for (int round = 0; round < 2000; ++round) {
+    const std::int64_t strokes = 1 + static_cast<std::int64_t>(random() % 12);
+    std::vector<FateRun> given;
+    for (std::int64_t at = 0; at < strokes; ++at)
+      given.push_back({{at, at}, static_cast<PathFate>(random() % 3)});
+    const auto mixed = merged_fates(strokes, {given});
+    const ResumeFacts facts{.strokes = strokes, .same_device_session = random() % 2 == 0};
+    const ResumeRequest wanted{.from_path = static_cast<std::int64_t>(random() % 14) - 1};
+    const auto all = ways_to_resume(mixed, wanted, facts);
+    CAPTURE(round, strokes, wanted.from_path);
+    if (may_resume(mixed, wanted, facts)) CHECK(all.front().from_path == wanted.from_path);
+    for (const ResumeRequest& way : all) {
+      CHECK(may_resume(mixed, way, facts));
+      for (auto flag : {&ResumeRequest::re_registered, &ResumeRequest::accept_double_cut,
+                        &ResumeRequest::skip_in_doubt}) {
+        ResumeRequest less = way;
+        if (!std::exchange(less.*flag, false)) continue;
+        CHECK_FALSE(may_resume(mixed, less, facts));
+      }
+    }
   }
 }
 

@@ -92,9 +92,8 @@ TEST_CASE("a session ends with the token that it came from", "[daemon][service]"
   SECTION("when it is deleted, at once, also after a restart") {
     const std::string late = bench.word(bench.who(open_ended.text).value());
     const std::string later = bench.word(bench.who(second.text).value());
-    REQUIRE(bench.on([&](LiveService& s) {
-      return s.access.delete_token(bench.admin, open_ended.record.id);
-    }));
+    REQUIRE(bench.on(
+        [&](LiveService& s) { return s.access.delete_token(bench.admin, open_ended.record.id); }));
     CHECK(changes > 0);
     CHECK_FALSE(bench.who(of_open.text));
     CHECK_FALSE(bench.who(second.text));
@@ -328,7 +327,8 @@ TEST_CASE("a clock that was set right is believed after a day and what is old go
   CHECK(rows("token") == 0);
 }
 
-TEST_CASE("a computer that was asleep forgets what is old without waiting", "[daemon][service][clock]") {
+TEST_CASE("a computer that was asleep forgets what is old without waiting",
+          "[daemon][service][clock]") {
   Pages bench;
   for (const char* name : {"one", "two", "three"}) REQUIRE(bench.add_design(name));
   bench.tick();
@@ -353,7 +353,8 @@ TEST_CASE("assets are listed with the designs that refer to them and removed whe
     write_text(path, text);
     return bench.on([&](LiveService& s) {
       return s.designs
-          .add_asset(who, {.path = path, .sha256 = sha256_hex(text), .bytes = text.size(), .name = name})
+          .add_asset(who,
+                     {.path = path, .sha256 = sha256_hex(text), .bytes = text.size(), .name = name})
           .value();
     });
   };

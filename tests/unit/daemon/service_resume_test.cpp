@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Going on with a sheet that is cut in part.
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/service_bench.hpp"
 
@@ -190,6 +191,61 @@ TEST_CASE("a job paused on a disabled cutter waits until it is enabled", "[daemo
   REQUIRE(turn("enable"));
   CHECK(bench.act(ready.id, JobAction::Resume));
   bench.cutters.complete(bench.device);
+}
+
+// A request from its words in the answer.
+ActionRequest request_of(const Way& way) {
+  const auto body = nlohmann::json::parse(way.body);
+  ActionRequest request{.action = job_action_from(way.action).value()};
+  if (body.contains("sheet")) request.sheet = body.at("sheet").get<int>();
+  if (body.contains("blank")) request.blank = body.at("blank").get<int>();
+  if (body.contains("good")) request.good = body.at("good").get<bool>();
+  if (body.contains("from_path")) request.from_path = body.at("from_path").get<std::int64_t>();
+  request.device = body.value("device", "");
+  request.registration = body.value("registration", "");
+  request.accept_double_cut = body.value("i_accept_double_cut", false);
+  request.skip_in_doubt = body.value("skip_in_doubt", false);
+  return request;
+}
+
+TEST_CASE("a refused action names complete requests and each of them passes", "[daemon][service]") {
+  using enum JobAction;
+  const bool restarted = GENERATE(false, true);
+  const JobAction wrong = GENERATE(Resume, ResumeFrom, ConfirmResult, RetrySheet, Arm, Start);
+  CAPTURE(restarted, name_of(wrong));
+  std::size_t count = 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    ServiceBench bench;
+    const Job lost = broken(bench);
+    if (restarted) {
+      bench.crash();
+      REQUIRE(bench.start().empty());
+      REQUIRE(bench.wait_for(lost.id, JobState::Interrupted).state == JobState::Interrupted);
+    }
+    const auto act = [&](const ActionRequest& request) {
+      return bench.on([&](LiveService& s) {
+        return s.cutting.act(bench.tutor, lost.id, s.jobs.find(lost.id)->rev, request);
+      });
+    };
+    ActionRequest request{.action = wrong, .sheet = 7};
+    if (wrong == ResumeFrom) request = {.action = wrong, .from_path = 0, .registration = "kept"};
+    if (wrong == ConfirmResult) request.good = true;
+    const Problem refused = act(request).error();
+    CAPTURE(refused.detail);
+    REQUIRE_FALSE(refused.ways.empty());
+    count = refused.ways.size();
+    CAPTURE(refused.ways[k].action, refused.ways[k].body);
+    // The job itself says the same.
+    CHECK_FALSE(shown(bench, lost).ways.empty());
+    const auto passed = act(request_of(refused.ways[k]));
+    CHECK(passed);
+    if (refused.ways[k].action != "resume-from" || !passed) continue;
+    // So does the next step.
+    const Problem next = act({.action = Start}).error();
+    REQUIRE_FALSE(next.ways.empty());
+    CHECK(next.ways.front().action == "arm");
+    CHECK(act(request_of(next.ways.front())));
+  }
 }
 
 }  // namespace service_resume_test
