@@ -176,10 +176,18 @@ CREATE TABLE usage(
 CREATE INDEX usage_time ON usage(time);
 )sql";
 
+// What a program's bytes are for is protected like the bytes. Plans of before are not trusted: what
+// they say now may not be what was planned. They lose their key, so that the same is planned anew.
+constexpr std::string_view kVersion2 = R"sql(
+ALTER TABLE plan_sheet ADD COLUMN index_sha256 TEXT NOT NULL DEFAULT ''
+  CHECK(length(index_sha256) IN (0, 64));
+UPDATE plan SET key = 'before-version-2-' || id WHERE state = 'planned';
+)sql";
+
 }  // namespace
 
 const std::vector<Migration>& migrations() {
-  static const std::vector<Migration> all{{1, kVersion1}};
+  static const std::vector<Migration> all{{1, kVersion1}, {2, kVersion2}};
   return all;
 }
 
