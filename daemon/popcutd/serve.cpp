@@ -30,6 +30,7 @@
 #include "daemon/http/server.hpp"
 #include "daemon/planning/confinement.hpp"
 #include "daemon/planning/planner.hpp"
+#include "daemon/digest/digest.hpp"
 #include "daemon/planning/program_file.hpp"
 #include "daemon/popcutd/log.hpp"
 #include "daemon/popcutd/resources.hpp"
@@ -46,16 +47,18 @@ namespace {
 // index over them.
 //
 // @retval Malformed, OutOfRange, CheckFailed  a file is absent, or not what was written
-Result<EncodedProgram> stored_program(const std::string& folder, int sheet) {
+Result<StoredProgram> stored_program(const std::string& folder, int sheet) {
   constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
   const std::string stem = fmt::format("{}/sheet-{:02}", folder, sheet);
-  const auto index = read_whole(stem + ".program.json", kMostBytes);
+  const auto index = read_whole(folder + "/" + index_name(sheet), kMostBytes);
   if (!index) return tl::unexpected(index.error());
   std::error_code ignored;
   const bool hpgl = std::filesystem::exists(stem + ".hpgl", ignored);
   auto bytes = read_whole(stem + (hpgl ? ".hpgl" : ".gpgl"), kMostBytes);
   if (!bytes) return tl::unexpected(bytes.error());
-  return planning::read_program(*index, std::move(*bytes));
+  Result<EncodedProgram> program = planning::read_program(*index, std::move(*bytes));
+  if (!program) return tl::unexpected(program.error());
+  return StoredProgram{std::move(*program), sha256_hex(*index)};
 }
 
 std::string device_text(const DeviceConfig& device) {

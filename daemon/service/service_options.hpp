@@ -14,6 +14,14 @@
 
 namespace popcut::daemon {
 
+/// A sheet's program as it is stored.
+struct StoredProgram {
+  EncodedProgram program;
+  std::string index_sha256;  ///< of the file that says what the program's bytes are for
+};
+/// The name of that file in a plan's folder: "sheet-01.program.json".
+[[nodiscard]] std::string index_name(int sheet);
+
 /// Limits and hooks of a service. The defaults are those of the manual.
 struct ServiceOptions {
   std::int64_t arm_s{600};          ///< how long START may be pressed after arming
@@ -33,7 +41,7 @@ struct ServiceOptions {
   std::string invocation{};  ///< of this run; empty: INVOCATION_ID or a new one
 
   /// Reads the program of a sheet from a plan's folder, as the planner's files hold it.
-  std::function<Result<EncodedProgram>(const std::string& folder, int sheet)> read_program{};
+  std::function<Result<StoredProgram>(const std::string& folder, int sheet)> read_program{};
   std::function<void(const std::string& line)> log{};  ///< what an administrator should see
   std::function<TimeMs()> wall_ms{};                   ///< empty: the system's clock
   std::function<std::int64_t()> monotonic_ms{};        ///< empty: CLOCK_MONOTONIC

@@ -20,7 +20,7 @@ struct IntentHead {
   std::string attempt, job;
   int sheet{}, blank{1}, segment{1};
   std::int64_t first_stroke{}, strokes{};
-  std::string device, device_session, operator_name, plan_sha256, invocation;
+  std::string device{}, device_session{}, operator_name{}, plan_sha256{}, invocation{};
   TimeMs created{};
 };
 

@@ -14,7 +14,7 @@ namespace {
   "low_s, high_s, width_mm, length_mm, error, options, machine_json, material_json, created"
 #define POPCUT_SHEET_COLUMNS                                                                 \
   "number, paths, cut_mm, fold_mm, travel_mm, seconds, low_s, high_s, width_mm, length_mm, " \
-  "program_sha256"
+  "program_sha256, index_sha256"
 
 constexpr std::array<std::string_view, 3> kStates{"pending", "planned", "failed"};
 
@@ -41,7 +41,7 @@ template <typename Sheet>
 auto sheet_values(Sheet& sheet) {
   return std::tie(sheet.number, sheet.paths, sheet.cut_mm, sheet.fold_mm, sheet.travel_mm,
                   sheet.seconds, sheet.seconds_range[0], sheet.seconds_range[1], sheet.area_mm[0],
-                  sheet.area_mm[1], sheet.program_sha256);
+                  sheet.area_mm[1], sheet.program_sha256, sheet.index_sha256);
 }
 
 SheetPlan sheet_plan(const Rows& rows) {

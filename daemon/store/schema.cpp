@@ -212,10 +212,18 @@ CREATE TABLE calendar(
   claimed INTEGER NOT NULL, held_ms INTEGER NOT NULL) STRICT;
 )sql";
 
+// What a program's bytes are for is protected like the bytes. Plans of before are not trusted: what
+// they say now may not be what was planned. They lose their key, so that the same is planned anew.
+constexpr std::string_view kVersion3 = R"sql(
+ALTER TABLE plan_sheet ADD COLUMN index_sha256 TEXT NOT NULL DEFAULT ''
+  CHECK(length(index_sha256) IN (0, 64));
+UPDATE plan SET key = 'before-version-3-' || id WHERE state = 'planned';
+)sql";
+
 }  // namespace
 
 const std::vector<Migration>& migrations() {
-  static const std::vector<Migration> all{{1, kVersion1}, {2, kVersion2}};
+  static const std::vector<Migration> all{{1, kVersion1}, {2, kVersion2}, {3, kVersion3}};
   return all;
 }
 

@@ -13,6 +13,7 @@
 
 #include "daemon/digest/digest.hpp"
 #include "daemon/planning/planner.hpp"
+#include "daemon/service/service_options.hpp"
 #include "daemon/store/state_folder.hpp"
 
 namespace popcut::test {
@@ -37,7 +38,7 @@ inline EncodedProgram fake_program(const std::string& seed, int number, int stro
 }
 
 /// Reads what the fake planner stored.
-inline Result<EncodedProgram> read_fake_program(const std::string& folder, int sheet) {
+inline Result<daemon::StoredProgram> read_fake_program(const std::string& folder, int sheet) {
   const auto bytes =
       daemon::read_whole(folder + "/sheet-" + std::to_string(sheet) + ".gpgl", 1u << 24);
   if (!bytes) return tl::unexpected(bytes.error());
@@ -50,7 +51,9 @@ inline Result<EncodedProgram> read_fake_program(const std::string& folder, int s
   for (std::uint64_t at = setup; at + 10 <= program.geometry.end; at += 10)
     program.strokes.push_back({at, at + 10});
   program.trailer = {program.geometry.end, program.bytes.size()};
-  return program;
+  const auto index = daemon::read_whole(folder + "/" + daemon::index_name(sheet), 1u << 24);
+  if (!index) return tl::unexpected(index.error());
+  return daemon::StoredProgram{std::move(program), daemon::sha256_hex(*index)};
 }
 
 /// Plans any design at once as `sheets` sheets of `strokes` strokes. A design whose file contains
@@ -151,6 +154,7 @@ class FakePlanner final : public daemon::Planner {
                                 .area_mm = area_mm,
                                 .program_sha256 = daemon::sha256_hex(program.bytes)});
       outcome.files.push_back({"sheet-" + std::to_string(number) + ".gpgl", program.bytes});
+      outcome.files.push_back({daemon::index_name(number), std::to_string(strokes) + " strokes\n"});
     }
     outcome.files.push_back({"plan.json", "{}"});
     outcome.sha256 = all.hex();

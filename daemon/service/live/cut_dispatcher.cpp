@@ -197,6 +197,11 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
   if (!request.plan_sha256.empty() && request.plan_sha256 != plan->sha256)
     return tl::unexpected(JobRepository::conflict(
         row, "the plan is " + plan->sha256 + ", not the one in the request"));
+  if (const auto sheet = parts_.jobs.current_sheet(row); !sheet || sheet->index_sha256.empty())
+    return tl::unexpected(JobRepository::conflict(
+        row,
+        "an earlier popcutd made this job's plan and did not protect it from changes; create the "
+        "job again"));
   if (const std::string why = parts_.intents.why_blocked(row.id); !why.empty())
     return tl::unexpected(JobRepository::conflict(row, why));
   const Answer<std::string> device = choose_device(row, request, *plan);

@@ -153,13 +153,20 @@ Answer<std::shared_ptr<CutDispatcher::Cut>> CutDispatcher::prepare(const JobRow&
   const auto sheet = parts_.jobs.current_sheet(row);
   if (!sheet)
     return tl::unexpected(JobRepository::conflict(row, "the job's plan has no such sheet"));
-  Result<EncodedProgram> program =
+  Result<StoredProgram> stored =
       parts_.options.read_program(parts_.plans.folder_of(row.plan), sheet->number);
-  // What was armed is what is cut: a stored program that changed is not.
-  if (!program || sha256_hex(program->bytes) != sheet->program_sha256)
+  if (!stored)
     return tl::unexpected(JobRepository::conflict(
-        row, program ? "the stored program is not the one that was planned; create the job again"
-                     : "the stored program cannot be read: " + message(program.error())));
+        row, "the stored program cannot be read; create the job again: " +
+                 message(stored.error())));
+  // What was armed is what is cut: a stored program that changed is not.
+  EncodedProgram* const program = &stored->program;
+  const bool same = sha256_hex(program->bytes) == sheet->program_sha256 &&
+                    stored->index_sha256 == sheet->index_sha256 &&
+                    static_cast<int>(program->strokes.size()) == sheet->paths;
+  if (!same)
+    return tl::unexpected(JobRepository::conflict(
+        row, "the stored program is not the one that was planned; create the job again"));
   auto cut = std::make_shared<Cut>();
   cut->job = row.id;
   cut->owner = row.owner;

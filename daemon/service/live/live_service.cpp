@@ -38,7 +38,7 @@ ServiceOptions completed(ServiceOptions options) {
         sha256_hex((given == nullptr ? "" : given) + random_bytes(16)).substr(0, 32);
   }
   if (!options.read_program)
-    options.read_program = [](const std::string& folder, int) -> Result<EncodedProgram> {
+    options.read_program = [](const std::string& folder, int) -> Result<StoredProgram> {
       return fail(ErrorKind::Internal, folder, "no reader of programs is set");
     };
   return options;

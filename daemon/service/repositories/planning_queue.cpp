@@ -46,6 +46,13 @@ Result<PlanningOutcome> with_files_kept(Result<PlanningOutcome> outcome,
   if (!outcome) return outcome;
   std::vector<std::pair<std::string, std::string_view>> files;
   for (const PlanningFile& file : outcome->files) files.emplace_back(file.name, file.bytes);
+  // What is written is what is cut, whatever the worker says of it.
+  for (SheetPlan& sheet : outcome->sheets) {
+    const auto index = std::find_if(
+        outcome->files.begin(), outcome->files.end(),
+        [name = index_name(sheet.number)](const PlanningFile& file) { return file.name == name; });
+    if (index != outcome->files.end()) sheet.index_sha256 = sha256_hex(index->bytes);
+  }
   if (Result<void> kept = write_folder(folder, files); !kept) return tl::unexpected(kept.error());
   outcome->files.clear();
   outcome->files.shrink_to_fit();
@@ -59,7 +66,8 @@ std::string fault_of(const PlanningOutcome& outcome, int most_sheets) {
                        most_sheets);
   for (std::size_t i = 0; i < outcome.sheets.size(); ++i)
     if (outcome.sheets[i].number != static_cast<int>(i) + 1 ||
-        outcome.sheets[i].program_sha256.size() != 64 || outcome.sha256.size() != 64)
+        outcome.sheets[i].program_sha256.size() != 64 ||
+        outcome.sheets[i].index_sha256.size() != 64 || outcome.sha256.size() != 64)
       return "the planner returned sheets that are not numbered from 1, or have no digests";
   return {};
 }
@@ -423,5 +431,7 @@ Answer<std::string> PlanningQueue::file(const std::string& id, const std::string
     return path;
   });
 }
+
+std::string index_name(int sheet) { return fmt::format("sheet-{:02}.program.json", sheet); }
 
 }  // namespace popcut::daemon

@@ -285,12 +285,73 @@ TEST_CASE("a cut is not done without the device's confirmation", "[daemon][servi
   CHECK(shown(bench, ready).state == JobState::Interrupted);
 }
 
+TEST_CASE("a stored program of which any byte changed is not cut", "[daemon][service]") {
+  // Between the plan and arming, between arming and the start, between a fault and going on.
+  const int moment = GENERATE(0, 1, 2);
+  CAPTURE(moment);
+  ServiceBench bench;
+  const Job job = moment == 2 ? broken(bench) : bench.ready_job();
+  if (moment == 1) REQUIRE(bench.act(job.id, JobAction::Arm));
+  const int cuts = bench.cutters.cuts();
+  for (const char* name : {"sheet-1.gpgl", "sheet-01.program.json"}) {
+    const std::string path = bench.folder() + "/plans/" + job.plan + "/" + name;
+    const std::string whole = read_whole(path, 1u << 20).value();
+    std::vector<std::string> changed;
+    for (std::size_t at = 0; at < whole.size(); ++at) {
+      changed.push_back(whole);
+      changed.back()[at] ^= 1;
+    }
+    changed.push_back(whole + " ");
+    changed.push_back(whole.substr(1));
+    for (const std::string& bytes : changed) {
+      popcut::test::write_text(path, bytes);
+      if (moment == 2)
+        REQUIRE(bench.act(job.id, {.action = JobAction::ResumeFrom,
+                                   .from_path = 2,
+                                   .registration = "kept",
+                                   .accept_double_cut = true}));
+      if (moment != 1) REQUIRE(bench.act(job.id, JobAction::Arm));
+      const auto refused = bench.act(job.id, JobAction::Start);
+      REQUIRE_FALSE(refused);
+      CHECK(refused.error().kind == ProblemKind::StateConflict);
+      CHECK(refused.error().detail.find("create the job again") != std::string::npos);
+      if (moment != 1) REQUIRE(bench.act(job.id, JobAction::Disarm));
+    }
+    popcut::test::write_text(path, whole);
+  }
+  CHECK(bench.cutters.cuts() == cuts);
+  // As it was planned, it is cut.
+  if (moment != 1) REQUIRE(bench.act(job.id, JobAction::Arm));
+  CHECK(bench.act(job.id, JobAction::Start));
+}
+
+TEST_CASE("a plan of an earlier popcutd is not cut and not used again", "[daemon][service]") {
+  ServiceBench bench;
+  const Job job = bench.ready_job();
+  bench.stop();
+  {
+    // As the tables were.
+    Database db({.path = bench.folder() + "/popcut.db"});
+    db.script("ALTER TABLE plan_sheet DROP COLUMN index_sha256; PRAGMA user_version=1;");
+    db.checkpoint(true);
+  }
+  for (const char* name : {"database-state", "witness", "popcut.db-wal"})
+    std::filesystem::remove(bench.folder() + "/" + name);
+  REQUIRE(bench.start() == "");
+  const auto refused = bench.act(job.id, JobAction::Arm);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().detail.find("create the job again") != std::string::npos);
+  const Job again = bench.ready_job();
+  CHECK(again.plan != job.plan);
+  CHECK(bench.act(again.id, JobAction::Arm));
+}
+
 TEST_CASE("dots are never sent and do not prevent a sheet from being done", "[daemon][service]") {
   ServiceBench bench;
   bench.planner.sheets = 1;
   bench.options.read_program = [](const std::string& folder, int sheet) {
     auto program = popcut::test::read_fake_program(folder, sheet);
-    if (program) program->dots = {0, 3};
+    if (program) program->program.dots = {0, 3};
     return program;
   };
   bench.stop();
