@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/service/live/program_shelf.hpp"
 #include "daemon/service/repositories/job_repository.hpp"
 
 namespace popcut::daemon {
@@ -20,6 +21,7 @@ class CutDispatcher : public Cutting {
     Cutters& cutters;
     JobRepository& jobs;
     PlanningQueue& plans;
+    ProgramShelf& programs;
     DeviceRegistry& devices;
     const ServiceOptions& options;
     std::shared_ptr<void> alive;

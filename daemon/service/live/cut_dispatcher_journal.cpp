@@ -135,10 +135,17 @@ Answer<std::shared_ptr<CutDispatcher::Cut>> CutDispatcher::prepare(const JobRow&
   const auto sheet = parts_.jobs.current_sheet(row);
   if (!sheet)
     return tl::unexpected(JobRepository::conflict(row, "the job's plan has no such sheet"));
-  Result<EncodedProgram> program =
-      parts_.options.read_program(parts_.plans.folder_of(row.plan), sheet->number);
+  auto found = parts_.programs.find(row.id, parts_.plans.folder_of(row.plan), sheet->number);
+  if (!found) {
+    Problem reading{ProblemKind::Unavailable,
+                    "the program of this sheet is large and still being read; start again in a "
+                    "moment"};
+    reading.retry_after_s = 1;
+    return tl::unexpected(std::move(reading));
+  }
+  Result<EncodedProgram> program = found->map([](auto& one) { return std::move(one.program); });
   // What was armed is what is cut: a stored program that changed is not.
-  if (!program || sha256_hex(program->bytes) != sheet->program_sha256)
+  if (!program || (*found)->sha256 != sheet->program_sha256)
     return tl::unexpected(JobRepository::conflict(
         row, program ? "the stored program is not the one that was planned; create the job again"
                      : "the stored program cannot be read: " + message(program.error())));
@@ -225,6 +232,7 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
   parts_.store.after_commit([this, cut = *cut, mine] {
     armed_until_.erase(cut->job);
     placed_.erase(cut->job);
+    parts_.programs.forget(cut->job);
     cuts_.merge(*mine);
     hand_over(cut);
   });
@@ -261,6 +269,7 @@ void CutDispatcher::record_refusal(const std::shared_ptr<Cut>& cut) {
 }
 
 Result<void> CutDispatcher::intended(Cut& cut, std::int64_t last) {
+  name_turn("intent of a cut");
   if (parts_.store.degraded()) return tl::unexpected(given_up("the database failed"));
   std::uint64_t bytes = 0;
   AttemptMarks marks = cut.marks;
@@ -285,6 +294,7 @@ Result<void> CutDispatcher::intended(Cut& cut, std::int64_t last) {
 }
 
 void CutDispatcher::progressed(Cut& cut, const SessionProgress& progress) {
+  name_turn("progress of a cut");
   bool settled = false;
   {
     const std::lock_guard lock(cut.mutex);
@@ -336,6 +346,7 @@ void CutDispatcher::progressed(Cut& cut, const SessionProgress& progress) {
 }
 
 void CutDispatcher::ended(const std::shared_ptr<Cut>& cut, const SessionEnd& end) {
+  name_turn("end of a cut");
   cut->over = true;
   const Answer<void> recorded =
       parts_.store.change([&]() -> Answer<void> { return record_end(*cut, end); });

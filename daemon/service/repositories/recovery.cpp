@@ -41,9 +41,11 @@ Answer<void> recover(ServiceStore& store, JobRepository& jobs) {
       JobFilter filter;
       filter.states = {state};
       // Each leaves its state, so the next few are the first ones.
+      std::string looked_to;
       for (;;) {
-        std::vector<JobRow> rows = jobs.table().list(filter, "", 100);
-        if (rows.empty()) break;
+        const std::string after = looked_to;
+        std::vector<JobRow> rows = jobs.table().list(filter, after, 100, looked_to);
+        if (rows.empty() && looked_to.empty()) break;
         for (JobRow& row : rows) {
           const std::string from(name_of(row.state));
           const Step step = step_of(row.state, JobEvent::Restarts);

@@ -194,19 +194,19 @@ TEST_CASE("an older database is migrated and a copy is kept", "[daemon][store]")
     add_token(store->database(), "old");
   }
   std::vector<Migration> next = migrations();
-  next.push_back({2,
+  next.push_back({migrations().back().version + 1,
                   "ALTER TABLE material ADD COLUMN note TEXT NOT NULL DEFAULT '';"
                   "UPDATE material SET note = 'moved';"});
   {
     auto store = open(scratch, next).value();
-    CHECK(store->database().number("PRAGMA user_version") == 2);
+    CHECK(store->database().number("PRAGMA user_version") == next.back().version);
     CHECK(store->database().number("SELECT count(*) FROM material WHERE note='moved'") == 1);
   }
   int copies = 0;
   for (const auto& entry : fs::directory_iterator(scratch.path() + "/state/backups")) {
     ++copies;
     Database copy({.path = entry.path().string(), .create = false, .exclusive_wal = false});
-    CHECK(copy.number("PRAGMA user_version") == 1);
+    CHECK(copy.number("PRAGMA user_version") == migrations().back().version);
     CHECK(tokens(copy) == 1);
   }
   CHECK(copies == 1);
@@ -220,11 +220,12 @@ TEST_CASE("a migration that fails leaves the database as it was", "[daemon][stor
   const ScratchFolder scratch;
   open(scratch)->reset();
   std::vector<Migration> broken = migrations();
-  broken.push_back({2, "ALTER TABLE material ADD COLUMN note TEXT; SELECT nonsense;"});
+  broken.push_back({migrations().back().version + 1,
+                    "ALTER TABLE material ADD COLUMN note TEXT; SELECT nonsense;"});
   CHECK_FALSE(open(scratch, broken));
   const auto store = open(scratch);
   REQUIRE(store);
-  CHECK((*store)->database().number("PRAGMA user_version") == 1);
+  CHECK((*store)->database().number("PRAGMA user_version") == migrations().back().version);
 }
 
 TEST_CASE("a missing or empty or foreign database is never replaced silently", "[daemon][store]") {
