@@ -30,10 +30,20 @@ constexpr double kSilenceSeconds = 45;  // three heartbeats of an event stream
 class WireStream {
  public:
   explicit WireStream(Wire& wire) : wire_(wire) {}
+  /// Reads at most `most` bytes (0: any number), and nothing after `until`.
+  WireStream(Wire& wire, std::uint64_t most, Wire::Clock::time_point until)
+      : wire_(wire), most_(most), until_(until) {}
   template <typename Buffers>
   std::size_t read_some(const Buffers& into, beast::error_code& error) {
+    // What comes without a pause never waits, and so never notices that its time is over.
+    if (most_ > 0 && (read_ >= most_ || Wire::Clock::now() > until_)) {
+      error = read_ >= most_ ? beast::error_code(http::error::body_limit)
+                             : beast::error_code(asio::error::timed_out);
+      return 0;
+    }
     const long got = wire_.read(vectors(into));
     if (got == 0 && asio::buffer_size(into) > 0) error = asio::error::eof;
+    if (got > 0) read_ += static_cast<std::uint64_t>(got);
     return count(got, error);
   }
   template <typename Buffers>
@@ -74,6 +84,8 @@ class WireStream {
     return done;
   }
   Wire& wire_;
+  std::uint64_t most_{0}, read_{0};
+  Wire::Clock::time_point until_{};
   std::array<iovec, 16> vectors_{};
 };
 
@@ -124,6 +136,8 @@ std::optional<double> busy(const HttpResponse& response) {
   if (in_progress) return 0.2;
   if (response.status == 429 && response.retry_after_s.value_or(1) <= kLongestWait)
     return std::max(0.1, response.retry_after_s.value_or(1));
+  // It is only for a moment, as popcutd says itself.
+  if (response.status == 503 && response.retry_after_s.value_or(10) <= 1) return 0.3;
   return std::nullopt;
 }
 
@@ -176,13 +190,15 @@ Result<HttpResponse> HttpClient::ask_once(const HttpRequest& request) {
   if (!connection_)
     if (auto done = connect(); !done) return tl::unexpected(done.error());
   const Message message = message_of(request, address(), token_);
-  WireStream stream(connection_->wire);
+  const auto until = Wire::Clock::now() +
+                     std::chrono::milliseconds(static_cast<std::int64_t>(1000 * request.seconds));
+  WireStream stream(connection_->wire, request.most_bytes, until);
   connection_->wire.deadline_in(request.seconds);
   beast::error_code error, sent;
   http::write(stream, message, sent);
   // popcutd may answer before it has all: too large, no room.
   http::response_parser<http::string_body> parser;
-  parser.body_limit(kMostBody);
+  parser.body_limit(request.most_bytes > 0 ? request.most_bytes : kMostBody);
   if (request.method == "HEAD") parser.skip(true);
   http::read(stream, connection_->buffer, parser, error);
   if (error && !parser.is_done()) {

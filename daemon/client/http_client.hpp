@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,6 +23,9 @@ struct HttpRequest {
   std::string content_type{};
   std::vector<std::pair<std::string, std::string>> headers{};
   double seconds{60};  ///< in which the answer must begin
+  /// If not 0: the most bytes that are read of the answer, its head and all codings included; then
+  /// `seconds` is for the whole of it, however quickly it comes.
+  std::uint64_t most_bytes{0};
 };
 
 struct HttpResponse {

@@ -68,6 +68,7 @@ void read_limits(FieldReader& fields, Config& config) {
   read(fields, "header_s", limits.header_s, 0.1, 600);
   read(fields, "body_s", limits.body_s, 0.1, 3600);
   read(fields, "body_bytes_per_s", limits.body_bytes_per_s, 1, 1e9);
+  read(fields, "upload_s", limits.upload_s, 1, 86'400);
   read(fields, "idle_s", limits.idle_s, 0.1, 3600);
   read(fields, "answer_s", limits.answer_s, 1, 3600);
   read(fields, "design_answer_s", limits.design_answer_s, 1, 86'400);
@@ -75,6 +76,8 @@ void read_limits(FieldReader& fields, Config& config) {
   read(fields, "stream_events", limits.stream_events, 16, 100'000);
   read(fields, "stream_bytes", limits.stream_bytes, 4096, 64 * kMib);
   read(fields, "queue_jobs", config.queue_jobs, 1, 10'000'000);
+  read(fields, "jobs_each", config.jobs_each, 1, 10'000'000);
+  read(fields, "plans_each", config.plans_each, 1, 10'000'000);
   read(fields, "sheets_per_job", config.sheets_per_job, 1, 1'000'000);
 }
 

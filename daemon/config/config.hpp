@@ -67,7 +67,7 @@ struct Config {
   LogConfig log{};
   std::vector<DeviceConfig> devices{};  ///< none: one simulated cutter
   HttpLimits limits{};
-  std::int64_t queue_jobs{50'000};
+  std::int64_t queue_jobs{50'000}, jobs_each{25'000}, plans_each{1000};
   int sheets_per_job{10'000};
   PlannerConfig planner{};
   std::vector<UserRule> users{};

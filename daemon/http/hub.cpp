@@ -102,7 +102,34 @@ bool Hub::is_greedy(const Peer& peer) const {
   const auto held = std::count_if(clients.begin(), clients.end(), [&](const ClientPtr& client) {
     return client->peer.is_local && client->peer.uid == peer.uid && !client->reserved;
   });
-  return held >= std::max(1, limits().connections * 3 / 4);
+  return held >= std::max(1, limits().connections / 2);
+}
+
+bool Hub::is_crowding(const Client& client) const {
+  if (client.principal.empty() || client.reserved) return false;
+  const auto held = std::count_if(clients.begin(), clients.end(), [&](const ClientPtr& other) {
+    return !other->reserved && other->principal == client.principal &&
+           other->state == Client::State::Busy;
+  });
+  return held > std::max(1, limits().connections / 2);
+}
+
+int Hub::uploads_of(const std::string& principal) const {
+  return static_cast<int>(std::count_if(
+      clients.begin(), clients.end(),
+      [&](const ClientPtr& client) { return client->uploads && client->principal == principal; }));
+}
+
+double BodyPace::left_s(const HttpLimits& limits, std::uint64_t got, double now_s) {
+  const auto earned_s = [&] {
+    return static_cast<double>(got - window_got_) / limits.body_bytes_per_s;
+  };
+  if (earned_s() >= limits.body_s) {
+    window_s_ = now_s;
+    window_got_ = got;
+  }
+  const double until = std::min(window_s_ + limits.body_s + earned_s(), begun_s_ + limits.upload_s);
+  return std::max(until - now_s, 0.0);
 }
 
 bool Hub::make_room(const Peer& peer, int descriptor, bool& reserved) {
@@ -247,14 +274,18 @@ asio::awaitable<bool> Hub::ask(ClientPtr client, std::function<void(Service&, Do
   co_return co_await wait_for(client, std::move(start), patience_s);
 }
 
-asio::awaitable<bool> Hub::run_aside(ClientPtr client, std::function<void()> work) {
-  std::function<bool(Done)> start = [this, work = std::move(work)](Done done) {
-    asio::post(disk, [work, done = std::move(done)] {
-      // What is thrown would end popcutd; the client's patience ends what is not answered.
+asio::awaitable<bool> Hub::run_aside(ClientPtr client, asio::thread_pool& where,
+                                     std::function<void()> work) {
+  std::function<bool(Done)> start = [&where, work = std::move(work)](Done done) {
+    asio::post(where, [work, done = std::move(done)] {
+      // What is thrown would end popcutd.
       try {
         work();
+      } catch (const std::exception&) {  // what it did not make is missed by who waits
+      }
+      try {
         done({});
-      } catch (const std::exception&) {
+      } catch (const std::exception&) {  // the client's patience ends it
       }
     });
     return true;

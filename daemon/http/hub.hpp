@@ -71,7 +71,9 @@ struct Client {
   State state{State::Idle};
   Clock::time_point since{Clock::now()};  ///< of `state`
   std::uint64_t served{0};
-  bool reserved{false};  ///< in a place that serves urgent requests only
+  bool reserved{false};     ///< in a place that serves urgent requests only
+  bool uploads{false};      ///< a body of its goes to the disk
+  std::string principal{};  ///< whose last request it was; empty: nobody known
   bool closed{false};
   std::shared_ptr<Ticket> ticket{};
   std::shared_ptr<Stream> stream{};
@@ -90,6 +92,7 @@ struct Hub {
 
   asio::io_context io{1};
   asio::thread_pool disk{1};
+  asio::thread_pool texts{1};  ///< long answers are rendered here
   std::shared_ptr<Link> link;
   HttpOptions options;
   HandlerContext context;
@@ -110,7 +113,11 @@ struct Hub {
   ///
   /// @param descriptor  of its socket; the last `kDescriptorsLeft` are no places
   [[nodiscard]] bool make_room(const Peer& peer, int descriptor, bool& reserved);
-  /// True for a user of the unix socket who has three quarters of all places already.
+  /// True if one principal, this client's, has more than half of all places.
+  [[nodiscard]] bool is_crowding(const Client& client) const;
+  /// How many uploads of a principal are under way.
+  [[nodiscard]] int uploads_of(const std::string& principal) const;
+  /// True for a user of the unix socket who has half of all places already.
   [[nodiscard]] bool is_greedy(const Peer& peer) const;
   void remove(const ClientPtr& client);
   /// See `HttpServer::retune`.
@@ -132,8 +139,24 @@ struct Hub {
   /// there or later. False: too late, or the service takes nothing.
   asio::awaitable<bool> ask(ClientPtr client, std::function<void(Service&, Done)> work,
                             double patience_s);
-  /// Runs `work`, which waits for the disk, on another thread and waits until it has ended.
-  asio::awaitable<bool> run_aside(ClientPtr client, std::function<void()> work);
+  /// Runs `work`, which takes long or waits for the disk, on another thread and waits until it has
+  /// ended. What it throws is dropped.
+  asio::awaitable<bool> run_aside(ClientPtr client, asio::thread_pool& where,
+                                  std::function<void()> work);
+};
+
+/// How slowly a body may come: after `body_s` at `body_bytes_per_s` at least, over each such time
+/// again, so that what came quickly is no credit for being slow ever after; and no longer in all
+/// than `upload_s`.
+class BodyPace {
+ public:
+  explicit BodyPace(double now_s) : begun_s_(now_s), window_s_(now_s) {}
+  /// In how many seconds more must come, when there are `got` bytes.
+  [[nodiscard]] double left_s(const HttpLimits& limits, std::uint64_t got, double now_s);
+
+ private:
+  double begun_s_, window_s_;
+  std::uint64_t window_got_{0};
 };
 
 /// Serves one connection until it ends.

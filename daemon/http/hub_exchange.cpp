@@ -127,6 +127,17 @@ asio::awaitable<bool> respond(Hub& hub, ClientPtr client, Exchange& exchange, Re
       response =
           problem_response(Problem{ProblemKind::Internal, "the stored file is missing"}, request);
   }
+  if (response.make_body && !response.is_brief) {
+    auto made = std::make_shared<std::optional<std::string>>();
+    std::function<void()> make = [made, body = std::move(response.make_body)] { *made = body(); };
+    const bool ended = co_await hub.run_aside(client, hub.texts, std::move(make));
+    response.make_body = {};
+    if (ended && *made)
+      response.body = std::move(**made);
+    else
+      response = problem_response(
+          Problem{ProblemKind::Unavailable, "popcutd is out of memory; try again later"}, request);
+  }
   if (response.make_body) response.body = response.make_body();
   const bool has_body = response.status != 204 && response.status != 304;
   std::optional<std::uint64_t> length;
@@ -255,7 +266,7 @@ bool counts_failures(const Route& route) {
 }
 
 // Role, origin, rate, form of the body.
-std::optional<Problem> look_at_principal(Hub& hub, const Client& client, Exchange& exchange) {
+std::optional<Problem> look_at_principal(Hub& hub, Client& client, Exchange& exchange) {
   const Request& request = exchange.request;
   const Route& route = *exchange.route;
   if (!route.access.is_open() && !route.access.allows(request.principal.role))
@@ -263,6 +274,14 @@ std::optional<Problem> look_at_principal(Hub& hub, const Client& client, Exchang
   if (auto wrong = check_origin(client.reader.head(), client.peer, hub.names)) {
     hub.metrics.reject("origin");
     return wrong;
+  }
+  if (hub.is_crowding(client) && !route.is_urgent) {
+    hub.metrics.reject("crowd");
+    Problem full{ProblemKind::Unavailable,
+                 fmt::format("{} holds half of all connections; close some, or try again",
+                             request.principal.name)};
+    full.retry_after_s = 5;
+    return full;
   }
   if (!counts_failures(route))
     if (auto wait = take_from_bucket(hub, client, exchange)) return wait;
@@ -276,6 +295,15 @@ std::optional<Problem> look_at_principal(Hub& hub, const Client& client, Exchang
     return Problem{ProblemKind::BadRequest, "the only Expect value supported is 100-continue"};
   const bool is_upload = route.body == BodyRule::Design || route.body == BodyRule::Asset;
   if (!is_upload) return std::nullopt;
+  const int own = hub.uploads_of(request.principal.name);
+  if (own >= std::max(1, hub.limits().uploads / 2)) {
+    hub.metrics.reject("crowd");
+    Problem busy{
+        ProblemKind::Unavailable,
+        fmt::format("{} uploads of yours are under way; try again when one has ended", own)};
+    busy.retry_after_s = 1;
+    return busy;
+  }
   if (hub.uploads >= hub.limits().uploads) {
     Problem busy{ProblemKind::Unavailable, "too many uploads at once; try again"};
     busy.retry_after_s = 1;
@@ -285,6 +313,7 @@ std::optional<Problem> look_at_principal(Hub& hub, const Client& client, Exchang
   if (!spool) return spool.error();
   exchange.spool = std::make_shared<Spool>(std::move(*spool));
   ++hub.uploads;
+  client.uploads = true;
   return std::nullopt;
 }
 
@@ -302,15 +331,12 @@ asio::awaitable<std::optional<Problem>> read_whole_body(Hub& hub, ClientPtr clie
     const bool fine = co_await send_all(hub, client, "HTTP/1.1 100 Continue\r\n\r\n");
     if (!fine) co_return Problem{ProblemKind::BadRequest, ""};
   }
-  const Clock::time_point begun = Clock::now();
+  BodyPace pace(hub.now_s());
   while (true) {
     const Answer<bool> whole = client->reader.read_body(most, sink);
     if (!whole) co_return whole.error();
     if (*whole) break;
-    const double spent = std::chrono::duration<double>(Clock::now() - begun).count();
-    const double left =
-        hub.limits().body_s + static_cast<double>(got) / hub.limits().body_bytes_per_s - spent;
-    client->expect_within(client, std::max(left, 0.0));
+    client->expect_within(client, pace.left_s(hub.limits(), got, hub.now_s()));
     const bool more = co_await receive(client);
     if (!more) co_return Problem{ProblemKind::BadRequest, "the body ended early"};
   }
@@ -320,7 +346,7 @@ asio::awaitable<std::optional<Problem>> read_whole_body(Hub& hub, ClientPtr clie
     co_return Problem{ProblemKind::Validation, "the body is empty; send the file itself"};
   auto upload = std::make_shared<std::optional<Answer<Upload>>>();
   std::function<void()> finish = [upload, spool = exchange.spool] { *upload = spool->finish(); };
-  const bool finished = co_await hub.run_aside(client, std::move(finish));
+  const bool finished = co_await hub.run_aside(client, hub.disk, std::move(finish));
   if (!finished || !*upload) {
     Problem late{ProblemKind::Unavailable, "the disk is too slow; try again"};
     late.retry_after_s = 5;
@@ -399,6 +425,7 @@ asio::awaitable<bool> serve_one(Hub& hub, ClientPtr client, Exchange& exchange) 
   std::optional<Problem> problem = look_at_head(hub, *client, exchange, refusal);
   if (!problem && !exchange.route->access.is_open()) {
     Answer<Principal> principal = co_await authenticate(hub, client);
+    client->principal = principal ? principal->name : std::string();
     if (principal)
       request.principal = std::move(*principal);
     else
@@ -481,8 +508,9 @@ asio::awaitable<void> serve_all(Hub& hub, ClientPtr client) {
     if (!has_head) co_return;
     Exchange exchange;
     exchange.request.id = new_request_id();
-    const AtEnd give_back([&hub, &exchange] {
+    const AtEnd give_back([&hub, &exchange, client] {
       if (exchange.spool) --hub.uploads;
+      client->uploads = false;
     });
     const bool goes_on = co_await serve_one(hub, client, exchange);
     if (!goes_on) co_return;

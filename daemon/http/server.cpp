@@ -258,6 +258,7 @@ void HttpServer::stop(double grace_s) {
   impl.thread.join();  // run() returns when no coroutine is left
   impl.hub.link->cut();
   impl.hub.disk.join();
+  impl.hub.texts.join();
 }
 
 void HttpServer::retune(HttpTuning tuning) {

@@ -25,8 +25,9 @@ struct HttpLimits {
   double rate_burst{60};
   int failed_logins_per_minute{5};
   double header_s{10};
-  double body_s{30};  ///< and from then on at least `body_bytes_per_s` on average
+  double body_s{30};  ///< and from then on at least `body_bytes_per_s`, over each `body_s` again
   double body_bytes_per_s{1024};
+  double upload_s{1800};  ///< the longest that a body may take, however it comes
   double idle_s{60};
   double answer_s{30};          ///< how long a handler may take
   double design_answer_s{900};  ///< and one that waits for a design to be read

@@ -152,6 +152,11 @@ struct PlanRecord {
   std::vector<std::string> warnings{};
   std::string error{};  ///< if it failed
   TimeMs created{};
+  /// Of all its sheets, also where `sheets` does not have them.
+  int sheets_total{};
+  std::int64_t paths{};
+  double length_mm{};
+  std::array<double, 2> est_s{};
 };
 
 /// A complete request that is possible now: an action, and its body as JSON.

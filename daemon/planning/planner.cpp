@@ -1,12 +1,21 @@
 // SPDX-License-Identifier: MIT
+#include <poll.h>
+
 #include <algorithm>
 #include <condition_variable>
 #include <deque>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <mutex>
+#include <string_view>
+#include <system_error>
 #include <thread>
+#include <unordered_set>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "daemon/planning/planner.hpp"
 #include "daemon/planning/worker_talk.hpp"
@@ -93,14 +102,37 @@ class ProcessPlanner final : public Planner {
       CallOff call_off;
       running_[task.id] = &call_off;
       lock.unlock();
-      Result<PlanningOutcome> outcome =
-          planning::run_in_worker(task.task, limits_, program_, call_off);
+      find_assets(task.task);
+      Result<PlanningOutcome> outcome = run(task.task, call_off);
       lock.lock();
       running_.erase(task.id);
       lock.unlock();
       task.done(std::move(outcome));
       task = {};
       lock.lock();
+    }
+  }
+
+  /// A worker that somebody killed is no fault of the design: it gets two more.
+  Result<PlanningOutcome> run(const PlanningTask& task, const CallOff& call_off) {
+    constexpr std::size_t kMostTries = 3;
+    std::vector<int> signals;
+    for (;;) {
+      int killed_by = 0;
+      Result<PlanningOutcome> outcome =
+          planning::run_in_worker(task, limits_, program_, call_off, &killed_by);
+      if (killed_by == 0) return outcome;
+      signals.push_back(killed_by);
+      if (signals.size() >= kMostTries)
+        return fail(ErrorKind::Infeasible, "",
+                    fmt::format("was tried {} times, and each time somebody else killed the "
+                                "planner (signal {}); signal 9 is often the system's, for want of "
+                                "memory: free some, or lower planner.memory_mib in popcutd.toml",
+                                signals.size(), fmt::join(signals, ", then ")));
+      // Whatever was short of memory may have ended meanwhile.
+      pollfd called{call_off.descriptor(), POLLIN, 0};
+      ::poll(&called, 1, 200 * static_cast<int>(signals.size()));
+      if (call_off.called()) return fail(ErrorKind::Refused, "", "the planning was cancelled");
     }
   }
 
@@ -131,6 +163,33 @@ class ProcessPlanner final : public Planner {
 };
 
 }  // namespace
+
+void find_assets(PlanningTask& task) {
+  constexpr std::size_t kMostAssets = 64, kMostLookups = 1000, kIdSize = 71;
+  constexpr std::uintmax_t kMostBytes = 64u << 20;
+  constexpr std::string_view kPrefix = "sha256-";
+  if (task.assets_folder.empty() || task.media_type.find("json") == std::string::npos) return;
+  std::error_code ignored;
+  const std::uintmax_t size = std::filesystem::file_size(task.design_path, ignored);
+  if (ignored || size > kMostBytes) return;
+  std::string text(size, '\0');
+  std::ifstream file(task.design_path, std::ios::binary);
+  file.read(text.data(), static_cast<std::streamsize>(size));
+  text.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  const std::string_view all = text;
+  std::unordered_set<std::string_view> seen;
+  for (std::size_t at = all.find(kPrefix);
+       at != std::string_view::npos && at + kIdSize <= all.size();
+       at = all.find(kPrefix, at + kPrefix.size())) {
+    const std::string_view id = all.substr(at, kIdSize);
+    const bool is_id = id.find_first_not_of("0123456789abcdef", kPrefix.size()) == id.npos;
+    if (!is_id || !seen.insert(id).second) continue;
+    std::string place = task.assets_folder + "/" + std::string(id);
+    if (std::filesystem::exists(place, ignored))
+      task.asset_paths[std::string(id)] = std::move(place);
+    if (task.asset_paths.size() >= kMostAssets || seen.size() >= kMostLookups) return;
+  }
+}
 
 std::unique_ptr<Planner> make_planner(const PlanningLimits& limits, std::string program) {
   return std::make_unique<ProcessPlanner>(limits, std::move(program));

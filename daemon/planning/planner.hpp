@@ -26,9 +26,11 @@ struct PlanningTask {
       design_kind;  ///< "spec", "fold", "svg", "dxf"; empty in Check: the media type decides
   std::string media_type{};
   std::map<std::string, std::string> asset_paths{};  ///< by id
-  std::string machine_json, material_json;           ///< rows of the tables
-  std::string profile_json{};                        ///< row of svg_profiles; empty: a built-in one
-  std::map<std::string, std::string> options{};      ///< as in `PlanRequest`
+  /// If not empty: where the assets lie that the design refers to, for `find_assets`.
+  std::string assets_folder{};
+  std::string machine_json, material_json;       ///< rows of the tables
+  std::string profile_json{};                    ///< row of svg_profiles; empty: a built-in one
+  std::map<std::string, std::string> options{};  ///< as in `PlanRequest`
 };
 
 struct PlanningFile {
@@ -56,7 +58,9 @@ struct PlanningLimits {
 /// Runs designs in separate processes (`popcutd --worker`, pipes only), a bounded number at once,
 /// so that a hostile one disturbs nothing. Checks, for which a client waits, run beside the plans.
 /// `done` is called once for each task, on a thread of the planner: with Refused if it was
-/// cancelled, with Infeasible if a limit was hit or the worker died.
+/// cancelled, with Infeasible if a limit was hit or the worker died. A worker that was killed by
+/// somebody else (signals 9, 15, 2, 1, 3: a person, or the kernel for want of memory) is replaced
+/// twice; one that crashed or hit its limits is not, since it would do so again.
 class Planner {
  public:
   virtual ~Planner() = default;
@@ -66,6 +70,11 @@ class Planner {
   /// Kills it, if it has not ended.
   virtual void cancel(std::uint64_t task) = 0;
 };
+
+/// Adds to `task` the assets that its design names by id and that lie in its `assets_folder`: at
+/// most 64. Reads the design once and looks for at most 1000 different ids, whatever it holds; what
+/// it means only a worker reads. Takes time: for a planner's own thread.
+void find_assets(PlanningTask& task);
 
 /// A planner whose tasks run in processes of `program`, which must do `planning::run_worker(0, 1)`
 /// when its first argument is `--worker` (/proc/self/exe for popcutd itself). Tasks start

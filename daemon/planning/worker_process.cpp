@@ -198,7 +198,7 @@ WorkerProcess::~WorkerProcess() {
 void WorkerProcess::close_to() { close_one(to_); }
 void WorkerProcess::close_errors() { close_one(errors_); }
 
-void WorkerProcess::kill() const {
+void WorkerProcess::send_kill() const {
   if (pid_ > 0) ::kill(pid_, SIGKILL);
 }
 

@@ -32,7 +32,9 @@ class WorkerProcess {
   [[nodiscard]] int errors() const { return errors_; }
   void close_to();
   void close_errors();
-  void kill() const;
+  void kill() { ended_by_us_ = true, send_kill(); }
+  /// It was killed from here, not by somebody else.
+  [[nodiscard]] bool is_ended_by_us() const { return ended_by_us_; }
   /// Its status as `waitpid` has it. It is killed if it does not end within a second or two.
   int wait();
   /// Processor time that it took, once it was waited for.
@@ -42,6 +44,8 @@ class WorkerProcess {
 
  private:
   WorkerProcess() = default;
+  void send_kill() const;
+  bool ended_by_us_{false};
   int to_{-1}, from_{-1}, errors_{-1};
   pid_t pid_{-1};
   int namespaces_error_{0};

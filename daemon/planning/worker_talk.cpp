@@ -130,6 +130,9 @@ std::string last_words(const std::string& errors) {
 
 class Talk {
  public:
+  /// See `run_in_worker`, after `run`.
+  [[nodiscard]] int killed_by() const { return killed_by_; }
+
   Talk(const PlanningLimits& limits, const CallOff& call_off, WorkerProcess process)
       : limits_(limits),
         call_off_(call_off),
@@ -145,6 +148,10 @@ class Talk {
     const int status = process_.wait();
     if (!talked) return tl::unexpected(talked.error());
     if (answer_) return std::move(*answer_);
+    constexpr std::array kFromOutside{SIGKILL, SIGTERM, SIGINT, SIGHUP, SIGQUIT};
+    if (WIFSIGNALED(status) && !process_.is_ended_by_us() &&
+        std::find(kFromOutside.begin(), kFromOutside.end(), WTERMSIG(status)) != kFromOutside.end())
+      killed_by_ = WTERMSIG(status);
     return tl::unexpected(how_it_died(status));
   }
 
@@ -275,6 +282,7 @@ class Talk {
   std::vector<PlanningFile> files_;
   std::optional<Result<PlanningOutcome>> answer_;
   bool done_{false};
+  int killed_by_{0};
 };
 
 Result<std::deque<Source>> sources_of(const PlanningTask& task) {
@@ -316,13 +324,17 @@ void CallOff::call() {
 }
 
 Result<PlanningOutcome> run_in_worker(const PlanningTask& task, const PlanningLimits& limits,
-                                      const std::string& program, const CallOff& call_off) {
+                                      const std::string& program, const CallOff& call_off,
+                                      int* killed_by) {
   auto sources = sources_of(task);
   if (!sources) return tl::unexpected(sources.error());
   auto process = WorkerProcess::start(program, limits);
   if (!process) return tl::unexpected(process.error());
   const PipeSignalBlocked blocked;
-  return Talk(limits, call_off, std::move(*process)).run(std::move(*sources));
+  Talk talk(limits, call_off, std::move(*process));
+  Result<PlanningOutcome> outcome = talk.run(std::move(*sources));
+  if (killed_by != nullptr) *killed_by = talk.killed_by();
+  return outcome;
 }
 
 }  // namespace popcut::planning

@@ -32,9 +32,14 @@ class CallOff {
 /// @retval Infeasible  a limit was hit (which one), or the worker died
 /// @retval Internal    it cannot be started, or it sent what no worker sends
 /// @retval others      as `perform`
+/// @param killed_by    if not null: the signal by which somebody else ended the worker (a person,
+/// or
+///                     the kernel for want of memory), or 0. What it died of by itself, and its
+///                     limits, are not meant: they would come again.
 [[nodiscard]] Result<daemon::PlanningOutcome> run_in_worker(const daemon::PlanningTask& task,
                                                             const daemon::PlanningLimits& limits,
                                                             const std::string& program,
-                                                            const CallOff& call_off);
+                                                            const CallOff& call_off,
+                                                            int* killed_by = nullptr);
 
 }  // namespace popcut::planning

@@ -290,6 +290,8 @@ std::optional<StartFailure> Daemon::open_service() {
   thread_ = std::make_unique<ServiceThread>();
   ServiceOptions options;
   options.queue_jobs = config_.queue_jobs;
+  options.jobs_each = config_.jobs_each;
+  options.plans_each = config_.plans_each;
   options.sheets_per_job = config_.sheets_per_job;
   options.plans_at_once = config_.planner.processes;
   options.device_materials = materials_of(config_);
@@ -386,8 +388,12 @@ Result<void> Daemon::retune(const Config& wanted) {
   }
   http_->retune({wanted.allowed_hosts, wanted.allowed_origins, users_of(wanted), wanted.limits});
   thread_->run(ServiceThread::Lane::Asking, [&] {
-    service_->retune(
-        {wanted.queue_jobs, wanted.sheets_per_job, materials_of(wanted), users_of(wanted)});
+    service_->retune({.queue_jobs = wanted.queue_jobs,
+                      .jobs_each = wanted.jobs_each,
+                      .plans_each = wanted.plans_each,
+                      .sheets_per_job = wanted.sheets_per_job,
+                      .device_materials = materials_of(wanted),
+                      .users = users_of(wanted)});
   });
   end_webhook();
   if (target) begin_webhook(std::move(*target));

@@ -23,8 +23,7 @@
 namespace popcut::daemon {
 namespace {
 
-constexpr double kAnswerSeconds = 5;
-constexpr std::chrono::seconds kLookAnyway{30}, kLongestPause{300};
+constexpr std::chrono::milliseconds kLookAnyway{30'000}, kLongestPause{300'000};
 constexpr int kAtOnce = 50;
 
 }  // namespace
@@ -69,8 +68,9 @@ std::string webhook_signature(std::string_view secret, std::string_view timestam
 }
 
 struct Webhook::Impl {
-  Impl(WebhookTarget where, std::string file, Source from)
-      : target(std::move(where)),
+  Impl(WebhookTarget where, std::string file, Source from, const Patience& granted)
+      : patience(granted),
+        target(std::move(where)),
         cursor_file(std::move(file)),
         source(std::move(from)),
         client({*client::parse_address("http://" + target.host_port)}, "") {
@@ -81,7 +81,7 @@ struct Webhook::Impl {
   }
 
   void run() {
-    std::chrono::seconds pause{1};
+    std::chrono::milliseconds pause = patience.pause;
     while (!ended()) {
       const std::vector<Event> events = source.events(taken, kAtOnce);
       bool all = true;
@@ -90,7 +90,7 @@ struct Webhook::Impl {
         if (!all) break;
         taken = event.seq;
         (void)write_file(cursor_file, std::to_string(taken));  // at worst it is sent again
-        pause = std::chrono::seconds{1};
+        pause = patience.pause;
       }
       if (all && !events.empty()) continue;
       rest(all ? kLookAnyway : pause, all);
@@ -102,7 +102,8 @@ struct Webhook::Impl {
     const std::string body = http::event_json(event);
     const std::string timestamp = std::to_string(wall_clock_ms() / 1000);
     client::HttpRequest request{"POST", target.path, body, "application/json"};
-    request.seconds = kAnswerSeconds;
+    request.seconds = patience.answer_s;
+    request.most_bytes = patience.answer_bytes;
     request.headers = {{"Popcut-Event", std::to_string(event.seq)},
                        {"Popcut-Timestamp", timestamp},
                        {"Popcut-Signature", webhook_signature(target.secret, timestamp, body)}};
@@ -121,12 +122,13 @@ struct Webhook::Impl {
     const std::lock_guard hold(lock);
     return stop;
   }
-  void rest(std::chrono::seconds longest, bool until_woken) {
+  void rest(std::chrono::milliseconds longest, bool until_woken) {
     std::unique_lock hold(lock);
     changed.wait_for(hold, longest, [&] { return stop || (until_woken && woken); });
     woken = false;
   }
 
+  Patience patience;
   WebhookTarget target;
   std::string cursor_file;
   Source source;
@@ -139,8 +141,10 @@ struct Webhook::Impl {
   std::thread thread;
 };
 
-Webhook::Webhook(WebhookTarget target, std::string cursor_file, Source source)
-    : impl_(std::make_unique<Impl>(std::move(target), std::move(cursor_file), std::move(source))) {}
+Webhook::Webhook(WebhookTarget target, std::string cursor_file, Source source,
+                 const Patience& patience)
+    : impl_(std::make_unique<Impl>(std::move(target), std::move(cursor_file), std::move(source),
+                                   patience)) {}
 
 Webhook::~Webhook() {
   {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/result.hpp"
@@ -41,8 +44,16 @@ class Webhook {
     std::function<std::int64_t()> last_event;
     std::function<void(const std::string& line)> log;
   };
+  /// What is granted to an answer: nothing in it is used but its status.
+  struct Patience {
+    double answer_s{5};  ///< from the first byte of the request to the last of the answer
+    std::uint64_t answer_bytes{64u << 10};  ///< its head included
+    std::chrono::milliseconds pause{1000};  ///< before an event is sent again; doubled each time
+  };
   /// @param cursor_file  holds the number of the last event that was taken
-  Webhook(WebhookTarget target, std::string cursor_file, Source source);
+  Webhook(WebhookTarget target, std::string cursor_file, Source source)
+      : Webhook(std::move(target), std::move(cursor_file), std::move(source), Patience{}) {}
+  Webhook(WebhookTarget target, std::string cursor_file, Source source, const Patience& patience);
   ~Webhook();  ///< a running request ends within seconds
   Webhook(const Webhook&) = delete;
   Webhook& operator=(const Webhook&) = delete;

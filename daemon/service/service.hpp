@@ -59,12 +59,18 @@ class Designs {
   virtual void preview(const std::string& id, std::function<void(Answer<std::string>)> done) = 0;
 };
 
+/// Sheets that are read in one turn of the service's thread.
+inline constexpr int kSheetsAtOnce = 500;
+
 /// The sheets that designs become. See `Service`.
 class Plans {
  public:
   virtual ~Plans() = default;
   [[nodiscard]] virtual Answer<PlanRecord> request(const Principal&, const PlanRequest&) = 0;
+  /// Its sheets only if they are few (`kSheetsAtOnce`); `whole` has them all.
   [[nodiscard]] virtual Answer<PlanRecord> find(const std::string& id) = 0;
+  /// With all its sheets, read in several turns; `done` is called on the service's thread.
+  virtual void whole(const std::string& id, std::function<void(Answer<PlanRecord>)> done) = 0;
   /// Ends a plan that waits or is being made, and removes one that was made with its files.
   ///
   /// @retval StateConflict  a job uses this plan
@@ -83,7 +89,10 @@ class Jobs {
   [[nodiscard]] virtual Answer<Job> create(const Principal&, const JobCreate&) = 0;
   [[nodiscard]] virtual Answer<Page<Job>> list(const JobFilter&, const PageRequest&) = 0;
   [[nodiscard]] virtual Answer<Job> find(const std::string& id) = 0;
-  [[nodiscard]] virtual Answer<std::vector<SheetRecord>> sheets(const std::string& job) = 0;
+  /// The sheets `first`, ... (from 1), at most `most` of them.
+  [[nodiscard]] virtual Answer<std::vector<SheetRecord>> sheets(const std::string& job,
+                                                                int first = 1,
+                                                                int most = kSheetsAtOnce) = 0;
   [[nodiscard]] virtual Answer<Ledger> ledger(const std::string& job, int sheet) = 0;
   [[nodiscard]] virtual Answer<Job> patch(const Principal&, const std::string& id,
                                           std::int64_t if_match, const JobPatch&) = 0;
@@ -171,16 +180,18 @@ class Operations {
   /// `listener` is called on the service's thread for each event after its commit, in order.
   virtual void listen(std::function<void(const Event&)> listener) = 0;
 
-  [[nodiscard]] virtual std::vector<UsageRow> usage(std::optional<TimeMs> from,
-                                                    std::optional<TimeMs> to,
-                                                    const std::string& by) = 0;
+  /// Sums over all that was cut, read in several turns; `done` is called on the service's thread.
+  virtual void usage(std::optional<TimeMs> from, std::optional<TimeMs> to, const std::string& by,
+                     std::function<void(Answer<std::vector<UsageRow>>)> done) = 0;
   [[nodiscard]] virtual ServiceHealth health() = 0;
   /// OpenMetrics lines of the jobs, devices and the store (HTTP adds its own).
   [[nodiscard]] virtual std::string metrics() = 0;
 
-  /// A copy of the database by VACUUM INTO; gives its path.
-  [[nodiscard]] virtual Answer<std::string> backup(const Principal&) = 0;
-  [[nodiscard]] virtual Answer<std::string> check_integrity(const Principal&) = 0;
+  /// Copies the database a few pages a turn, and gives the path of the copy. `done` is called on
+  /// the service's thread, here as below.
+  virtual void backup(const Principal&, std::function<void(Answer<std::string>)> done) = 0;
+  /// Checks such a copy on another thread, and removes it: "ok", or what is wrong.
+  virtual void check_integrity(const Principal&, std::function<void(Answer<std::string>)> done) = 0;
 };
 
 /// All that people may ask of popcutd. HTTP is a shell around it; the store below it is its only

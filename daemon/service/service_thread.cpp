@@ -6,6 +6,7 @@
 #include <deque>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -25,6 +26,7 @@ struct ServiceThread::State {
   std::condition_variable wake;
   std::deque<std::function<void()>> cutting, asking;
   std::vector<Periodic> periodic;
+  Turns of_cutting, of_asking;
   bool ending{false};
   std::thread thread;
 
@@ -42,25 +44,38 @@ struct ServiceThread::State {
     return next;
   }
 
+  // Takes the lock again.
+  static void note(Turns& turns, const TurnClock& clock, std::unique_lock<std::mutex>& lock) {
+    const TurnTime time = clock.elapsed();
+    lock.lock();
+    try {
+      turns.add(TurnClock::name(), time);
+    } catch (const std::bad_alloc&) {  // then one figure is lost
+    }
+  }
+
   void loop() {
     std::unique_lock lock(mutex);
     for (;;) {
       const Clock::time_point next = queue_due();
-      std::deque<std::function<void()>>& lane = cutting.empty() ? asking : cutting;
+      const bool is_asking = cutting.empty();
+      std::deque<std::function<void()>>& lane = is_asking ? asking : cutting;
       if (lane.empty()) {
         if (ending) return;
         wake.wait_until(lock, next);
         continue;
       }
-      const std::function<void()> work = std::move(lane.front());
+      std::function<void()> work = std::move(lane.front());
       lane.pop_front();
       lock.unlock();
+      const TurnClock clock;
       try {
         work();
+        work = {};  // what it holds goes in this turn, too
       } catch (...) {
         // Nobody waits for it (`run` brings faults to its caller), and the cuts go on.
       }
-      lock.lock();
+      note(is_asking ? of_asking : of_cutting, clock, lock);
     }
   }
 };
@@ -111,6 +126,16 @@ bool ServiceThread::run(Lane lane, const std::function<void()>& work) {
 std::size_t ServiceThread::waiting() const {
   const std::lock_guard lock(state_->mutex);
   return state_->cutting.size() + state_->asking.size();
+}
+
+Turns ServiceThread::turns(Lane lane) const {
+  const std::lock_guard lock(state_->mutex);
+  return lane == Lane::Cutting ? state_->of_cutting : state_->of_asking;
+}
+
+void ServiceThread::forget_turns() {
+  const std::lock_guard lock(state_->mutex);
+  state_->of_cutting = state_->of_asking = {};
 }
 
 void ServiceThread::every(int period_ms, std::function<void()> work) {

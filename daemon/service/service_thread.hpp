@@ -5,6 +5,8 @@
 #include <functional>
 #include <memory>
 
+#include "daemon/model/turns.hpp"
+
 namespace popcut::daemon {
 
 /// The one thread that owns the store and the service. It has two lanes: work of a running cut
@@ -29,6 +31,11 @@ class ServiceThread {
   /// Runs `work` every `period_ms` in the lane Asking.
   void every(int period_ms, std::function<void()> work);
   void stop();
+  /// What each lane's turns came to so far. A turn holds up all that wait, also those who stop a
+  /// knife: none may take time in proportion to what a client sends or to what is stored.
+  [[nodiscard]] Turns turns(Lane lane) const;
+  /// Forgets what it measured so far.
+  void forget_turns();
 
  private:
   struct State;

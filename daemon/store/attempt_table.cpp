@@ -126,12 +126,12 @@ void AttemptTable::put_sheet(const std::string& job, int sheet, int blank, int s
       job, sheet, blank, segment, state, started, finished);
 }
 
-std::vector<AttemptTable::SheetRow> AttemptTable::sheets(const std::string& job) {
-  return all_of(
-      db_.rows(
-          "SELECT k, blank, segment, state, started, finished FROM sheet WHERE job=? ORDER BY k",
-          job),
-      sheet_row);
+std::vector<AttemptTable::SheetRow> AttemptTable::sheets(const std::string& job, int first,
+                                                         int last) {
+  return all_of(db_.rows("SELECT k, blank, segment, state, started, finished FROM sheet WHERE "
+                         "job=? AND k BETWEEN ? AND ? ORDER BY k",
+                         job, first, last),
+                sheet_row);
 }
 
 std::optional<AttemptTable::SheetRow> AttemptTable::sheet(const std::string& job, int sheet) {

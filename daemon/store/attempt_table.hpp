@@ -66,7 +66,7 @@ class AttemptTable {
     std::string state;
     std::optional<TimeMs> started{}, finished{};
   };
-  [[nodiscard]] std::vector<SheetRow> sheets(const std::string& job);
+  [[nodiscard]] std::vector<SheetRow> sheets(const std::string& job, int first, int last);
   [[nodiscard]] std::optional<SheetRow> sheet(const std::string& job, int sheet);
 
   struct ArmRow {

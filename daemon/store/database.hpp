@@ -183,6 +183,7 @@ class Database {
 
  private:
   friend class Transaction;
+  friend class SlicedCopy;
   sqlite3_stmt* prepare(std::string_view sql, bool kept);
   struct Kept;
   sqlite3* db_{};

@@ -28,10 +28,15 @@ constexpr std::string_view kFind =
     "SELECT " POPCUT_JOB_COLUMNS " FROM job WHERE id=? AND deleted=0";
 constexpr std::string_view kQueue =
     "SELECT " POPCUT_JOB_COLUMNS
-    " FROM job WHERE state NOT IN ('done', 'failed', 'cancelled') AND deleted=0 AND "
-    "(?1='' OR device=?1 OR (device='' AND wish IN ('', ?1))) AND "
-    "priority<=?3 AND (priority<?3 OR (position, id)>(?4, ?5)) "
-    "ORDER BY priority DESC, position, id LIMIT ?2";
+    " FROM job WHERE state NOT IN ('done', 'failed', 'cancelled') AND "
+    "priority<=?2 AND (priority<?2 OR (position, id)>(?3, ?4)) "
+    "ORDER BY priority DESC, position, id LIMIT ?1";
+// Where they stand among the columns.
+constexpr int kIdColumn = 1, kOwnerColumn = 7, kWishColumn = 9, kDeviceColumn = 10;
+constexpr int kPriorityColumn = 13, kPositionColumn = 14, kDeletedColumn = 38;
+// Rows that one request looks at, whether or not they are in its answer.
+constexpr int kMostLooked = 2000;
+constexpr std::int64_t kPositionStep = std::int64_t{1} << 20;
 constexpr std::string_view kWaiting =
     "SELECT " POPCUT_JOB_COLUMNS " FROM job WHERE plan=? AND state=? LIMIT ?";
 constexpr std::string_view kOnDevice =
@@ -86,34 +91,57 @@ std::optional<JobRow> JobTable::find(std::string_view id) {
   return first_of(db_.rows(kFind, id), row_of);
 }
 
-std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& after, int limit) {
-  // Each state is a run of an index in the order of ids; a page is the first of all these runs.
-  std::string sql = "SELECT " POPCUT_JOB_COLUMNS " FROM job WHERE id>?1 AND deleted=0";
-  if (!filter.owner.empty()) sql += " AND owner=?3";
-  if (!filter.device.empty()) sql += " AND device=?4";
-  if (!filter.states.empty()) sql += " AND state=?5";
+std::vector<JobRow> JobTable::list(const JobFilter& filter, const std::string& after, int limit,
+                                   std::string& looked_to) {
+  // Each state is a run of an index in the order of ids; a page is the first of all these runs. One
+  // member of the filter chooses the run, the others are held against its rows.
+  const bool by_state = !filter.states.empty();
+  std::string sql = "SELECT " POPCUT_JOB_COLUMNS ", deleted FROM job WHERE id>?1";
+  if (by_state)
+    sql += " AND state=?3";
+  else if (!filter.owner.empty())
+    sql += " AND owner=?3";
+  else if (!filter.device.empty())
+    sql += " AND device=?3";
   sql += " ORDER BY id LIMIT ?2";
   std::string low = after;
   // One below the first id of that time, so that it is itself found.
   if (filter.since) low = std::max(low, first_ulid_of(*filter.since - 1));
-  std::vector<std::string_view> states{""};
-  if (!filter.states.empty()) {
-    states.clear();
-    for (const JobState state : filter.states) states.push_back(name_of(state));
+  std::vector<std::string_view> keys{!filter.owner.empty() ? filter.owner : filter.device};
+  if (by_state) {
+    keys.clear();
+    for (const JobState state : filter.states) keys.push_back(name_of(state));
   }
-  std::sort(states.begin(), states.end());
-  states.erase(std::unique(states.begin(), states.end()), states.end());
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  const int most = std::max(limit, kMostLooked / static_cast<int>(keys.size()));
+  const auto fits = [&](const Rows& rows) {
+    return rows.integer(kDeletedColumn) == 0 &&
+           (filter.owner.empty() || rows.text(kOwnerColumn) == filter.owner) &&
+           (filter.device.empty() || rows.text(kDeviceColumn) == filter.device);
+  };
   std::vector<JobRow> all;
-  for (const std::string_view state : states) {
-    const std::array<Bound, 5> values{low, limit, filter.owner, filter.device, state};
-    const std::size_t used = !filter.states.empty()   ? 5
-                             : !filter.device.empty() ? 4
-                             : !filter.owner.empty()  ? 3
-                                                      : 2;
-    std::vector<JobRow> run = all_of(db_.rows_list(sql, std::span(values).first(used)), row_of);
-    std::move(run.begin(), run.end(), std::back_inserter(all));
+  looked_to.clear();
+  for (const std::string_view key : keys) {
+    const std::array<Bound, 3> values{low, most, key};
+    const bool has_key = by_state || !filter.owner.empty() || !filter.device.empty();
+    Rows rows = db_.rows_list(sql, std::span(values).first(has_key ? 3 : 2));
+    int looked = 0, found = 0;
+    std::string last;
+    while (found < limit && rows.next()) {
+      ++looked;
+      if (looked == most) last = rows.text(kIdColumn);
+      if (!fits(rows)) continue;
+      ++found;
+      all.push_back(row_of(rows));
+    }
+    // Of the others of this run nothing is known yet.
+    if (found < limit && looked == most && (looked_to.empty() || last < looked_to))
+      looked_to = last;
   }
   std::sort(all.begin(), all.end(), [](const JobRow& a, const JobRow& b) { return a.id < b.id; });
+  if (!looked_to.empty()) std::erase_if(all, [&](const JobRow& row) { return row.id > looked_to; });
+  if (all.size() >= static_cast<std::size_t>(limit)) looked_to.clear();
   if (all.size() > static_cast<std::size_t>(limit)) all.resize(static_cast<std::size_t>(limit));
   return all;
 }
@@ -136,11 +164,23 @@ std::optional<QueuePlace> queue_place_from(const std::string& text) {
   return place;
 }
 
-std::vector<JobRow> JobTable::queue(const std::string& device,
-                                    const std::optional<QueuePlace>& after, int limit) {
+JobTable::QueueSlice JobTable::queue(const std::string& device,
+                                     const std::optional<QueuePlace>& after, int most) {
   constexpr int kAboveAll = 1000;
   const QueuePlace from = after.value_or(QueuePlace{kAboveAll, 0, {}});
-  return all_of(db_.rows(kQueue, device, limit, from.priority, from.position, from.id), row_of);
+  QueueSlice slice;
+  Rows rows = db_.rows(kQueue, most, from.priority, from.position, from.id);
+  int looked = 0;
+  for (; looked < most && rows.next(); ++looked) {
+    slice.last = {rows.small(kPriorityColumn), rows.integer(kPositionColumn), rows.text(kIdColumn)};
+    const std::string bound = device.empty() ? "" : rows.text(kDeviceColumn);
+    const bool fits =
+        device.empty() || bound == device ||
+        (bound.empty() && (rows.text(kWishColumn).empty() || rows.text(kWishColumn) == device));
+    if (fits) slice.jobs.push_back(row_of(rows));
+  }
+  slice.is_end = looked < most;
+  return slice;
 }
 
 std::vector<JobRow> JobTable::waiting_for(const std::string& plan, JobState state, int limit) {
@@ -160,6 +200,45 @@ std::int64_t JobTable::count(JobState state) {
 std::int64_t JobTable::open_count() {
   return db_.number(
       "SELECT sum(jobs) FROM tally WHERE state NOT IN ('done', 'failed', 'cancelled')");
+}
+
+std::int64_t JobTable::open_count_of(const std::string& owner) {
+  return db_.number(
+      "SELECT count(*) FROM job WHERE owner=? AND state NOT IN ('done', 'failed', 'cancelled')",
+      owner);
+}
+
+std::optional<std::int64_t> JobTable::make_room(const JobRow& next, const std::string& moved) {
+  constexpr int kMostMoved = 500;
+  constexpr std::int64_t kLeastGap = 16;  // so that the next few need not move them again
+  // Those before it come in the opposite order of the index, ids too: the nearest is the first.
+  const std::int64_t low = db_.number(
+      "SELECT position FROM job WHERE priority=? AND (position, id)<(?, ?) AND id!=? AND state NOT "
+      "IN ('done', 'failed', 'cancelled') ORDER BY position DESC, id DESC LIMIT 1",
+      next.priority, next.position, next.id, moved);
+  if (next.position - low > 1) return low + (next.position - low) / 2;
+  std::vector<std::string> ids;
+  std::optional<std::int64_t> high;
+  Rows rows = db_.rows(
+      "SELECT id, position FROM job WHERE priority=? AND (position, id)>=(?, ?) AND id!=? AND "
+      "state "
+      "NOT IN ('done', 'failed', 'cancelled') ORDER BY position, id LIMIT ?",
+      next.priority, next.position, next.id, moved, kMostMoved + 1);
+  while (rows.next()) {
+    // They fit in front of this one: `ids`, and the one that is to come before them.
+    if (rows.integer(1) - low > kLeastGap * static_cast<std::int64_t>(ids.size() + 2)) {
+      high = rows.integer(1);
+      break;
+    }
+    ids.push_back(rows.text(0));
+  }
+  if (!high && ids.size() > kMostMoved) return std::nullopt;
+  const auto count = static_cast<std::int64_t>(ids.size());
+  const std::int64_t gap = high ? (*high - low) / (count + 2) : kPositionStep;
+  for (std::int64_t k = 0; k < count; ++k)
+    db_.run("UPDATE job SET position=? WHERE id=?", low + gap * (k + 2),
+            ids[static_cast<std::size_t>(k)]);
+  return low + gap;
 }
 
 }  // namespace popcut::daemon

@@ -11,7 +11,8 @@ namespace {
 
 #define POPCUT_PLAN_COLUMNS                                                                    \
   "state, warnings, id, key, kind, design, material, machine, sha256, sheets, paths, cut_mm, " \
-  "low_s, high_s, width_mm, length_mm, error, options, machine_json, material_json, created"
+  "low_s, high_s, width_mm, length_mm, error, options, machine_json, material_json, created, " \
+  "begun"
 #define POPCUT_SHEET_COLUMNS                                                                 \
   "number, paths, cut_mm, fold_mm, travel_mm, seconds, low_s, high_s, width_mm, length_mm, " \
   "program_sha256, index_sha256"
@@ -24,7 +25,7 @@ auto plan_values(Row& row) {
   return std::tie(row.id, row.key, row.kind, row.design, row.material, row.machine, row.sha256,
                   row.sheets, row.paths, row.cut_mm, row.low_s, row.high_s, row.width_mm,
                   row.length_mm, row.error, row.options, row.machine_json, row.material_json,
-                  row.created);
+                  row.created, row.begun);
 }
 
 PlanRow plan_row(const Rows& rows) {
@@ -76,15 +77,57 @@ void PlanTable::insert(const PlanRow& row) {
       std::tuple_cat(std::tuple(name_of(row.state), json_list(row.warnings)), plan_values(row)));
 }
 
-void PlanTable::finish(const PlanRow& row, const std::vector<SheetPlan>& sheets) {
+void PlanTable::put_sheets(std::string_view plan, std::span<const SheetPlan> sheets) {
+  for (const SheetPlan& sheet : sheets)
+    db_.insert("INSERT OR REPLACE INTO plan_sheet(plan, " POPCUT_SHEET_COLUMNS ")",
+               std::tuple_cat(std::tuple(plan), sheet_values(sheet)));
+}
+
+void PlanTable::finish(const PlanRow& row) {
   db_.run(
       "UPDATE plan SET state=?, sha256=?, sheets=?, paths=?, cut_mm=?, low_s=?, high_s=?, "
-      "width_mm=?, length_mm=?, warnings=?, error=? WHERE id=?",
+      "width_mm=?, length_mm=?, warnings=?, error=?, begun=0 WHERE id=?",
       name_of(row.state), row.sha256, row.sheets, row.paths, row.cut_mm, row.low_s, row.high_s,
       row.width_mm, row.length_mm, json_list(row.warnings), row.error, row.id);
-  for (const SheetPlan& sheet : sheets)
-    db_.insert("INSERT INTO plan_sheet(plan, " POPCUT_SHEET_COLUMNS ")",
-               std::tuple_cat(std::tuple(row.id), sheet_values(sheet)));
+  db_.run("DELETE FROM plan_sheet WHERE plan=? AND number>?", row.id, row.sheets);
+  db_.run("DELETE FROM plan_asker WHERE plan=?", row.id);
+}
+
+void PlanTable::set_begun(std::string_view plan, int begun) {
+  db_.run("UPDATE plan SET begun=? WHERE id=?", begun, plan);
+}
+
+void PlanTable::ask(std::string_view plan, std::string_view owner) {
+  db_.run("INSERT OR IGNORE INTO plan_asker(owner, plan) VALUES(?, ?)", owner, plan);
+}
+
+bool PlanTable::has_asked(std::string_view plan, std::string_view owner) {
+  return db_.number("SELECT EXISTS(SELECT 1 FROM plan_asker WHERE owner=? AND plan=?)", owner,
+                    plan) != 0;
+}
+
+std::int64_t PlanTable::asked_by(std::string_view owner) {
+  return db_.number("SELECT count(*) FROM plan_asker WHERE owner=?", owner);
+}
+
+std::optional<std::string> PlanTable::asker_after(std::string_view owner) {
+  return first_of(
+      db_.rows("SELECT owner FROM plan_asker WHERE owner>? ORDER BY owner LIMIT 1", owner),
+      first_text);
+}
+
+std::vector<std::string> PlanTable::wanted_by(std::string_view owner, int limit) {
+  std::vector<std::string> plans =
+      all_of(db_.rows("SELECT job.plan FROM job JOIN plan ON plan.id=job.plan WHERE job.owner=? "
+                      "AND job.state='queued' AND plan.state='pending' ORDER BY job.priority "
+                      "DESC, job.position LIMIT ?",
+                      owner, limit),
+             first_text);
+  const std::vector<std::string> others = all_of(
+      db_.rows("SELECT plan FROM plan_asker WHERE owner=? ORDER BY plan LIMIT ?", owner, limit),
+      first_text);
+  plans.insert(plans.end(), others.begin(), others.end());
+  return plans;
 }
 
 std::optional<PlanRow> PlanTable::find(std::string_view id) {
@@ -103,11 +146,11 @@ std::vector<std::string> PlanTable::pending(int limit) {
                 first_text);
 }
 
-std::vector<SheetPlan> PlanTable::sheets(std::string_view plan) {
-  return all_of(
-      db_.rows("SELECT " POPCUT_SHEET_COLUMNS " FROM plan_sheet WHERE plan=? ORDER BY number",
-               plan),
-      sheet_plan);
+std::vector<SheetPlan> PlanTable::sheets(std::string_view plan, int after, int limit) {
+  return all_of(db_.rows("SELECT " POPCUT_SHEET_COLUMNS
+                         " FROM plan_sheet WHERE plan=? AND number>? ORDER BY number LIMIT ?",
+                         plan, after, limit),
+                sheet_plan);
 }
 
 std::optional<SheetPlan> PlanTable::sheet(std::string_view plan, int number) {

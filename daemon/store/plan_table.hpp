@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,7 @@ struct PlanRow {
   std::string options{"{}"};  ///< JSON object of words
   std::string machine_json{}, material_json{};
   TimeMs created{};
+  int begun{0};  ///< how often a planner had it and popcutd ended before the planner did
 };
 
 /// The statements over `plan` and `plan_sheet`. All throw StoreFault.
@@ -35,13 +37,28 @@ class PlanTable {
   explicit PlanTable(Database& database) : db_(database) {}
 
   void insert(const PlanRow& row);
-  void finish(const PlanRow& row, const std::vector<SheetPlan>& sheets);
+  /// Stores some of the sheets of a plan that is not finished yet.
+  void put_sheets(std::string_view plan, std::span<const SheetPlan> sheets);
+  /// The plan is made, with `row.sheets` sheets that are stored already, or it failed.
+  void finish(const PlanRow& row);
+  void set_begun(std::string_view plan, int begun);
+
+  /// Notes that `owner` waits for a plan.
+  void ask(std::string_view plan, std::string_view owner);
+  [[nodiscard]] bool has_asked(std::string_view plan, std::string_view owner);
+  /// For how many plans `owner` waits.
+  [[nodiscard]] std::int64_t asked_by(std::string_view owner);
+  /// The next after `owner` among those who wait for plans, by name; nothing after the last.
+  [[nodiscard]] std::optional<std::string> asker_after(std::string_view owner);
+  /// Plans that `owner` waits for: first those of their queued jobs, in the order of the queue.
+  [[nodiscard]] std::vector<std::string> wanted_by(std::string_view owner, int limit);
   [[nodiscard]] std::optional<PlanRow> find(std::string_view id);
   /// The pending or planned one of that key.
   [[nodiscard]] std::optional<PlanRow> find_key(std::string_view key);
   /// Ids of those that wait to be made, the oldest first.
   [[nodiscard]] std::vector<std::string> pending(int limit);
-  [[nodiscard]] std::vector<SheetPlan> sheets(std::string_view plan);
+  /// Up to `limit` sheets with numbers above `after`.
+  [[nodiscard]] std::vector<SheetPlan> sheets(std::string_view plan, int after, int limit);
   [[nodiscard]] std::optional<SheetPlan> sheet(std::string_view plan, int number);
 
  private:

@@ -220,18 +220,50 @@ ALTER TABLE plan_sheet ADD COLUMN index_sha256 TEXT NOT NULL DEFAULT ''
 UPDATE plan SET key = 'before-version-3-' || id WHERE state = 'planned';
 )sql";
 
+// Who waits for which plan, so that all get their turn; how often popcutd ended while it made a
+// plan; how attempts ended, so that nobody has to count them.
+constexpr std::string_view kVersion4 = R"sql(
+ALTER TABLE plan ADD COLUMN begun INTEGER NOT NULL DEFAULT 0;
+CREATE TABLE plan_asker(
+  owner TEXT NOT NULL, plan TEXT NOT NULL REFERENCES plan(id) ON DELETE CASCADE,
+  PRIMARY KEY(owner, plan)) STRICT, WITHOUT ROWID;
+CREATE INDEX plan_asker_plan ON plan_asker(plan);
+INSERT OR IGNORE INTO plan_asker(owner, plan)
+  SELECT job.owner, job.plan FROM job JOIN plan ON plan.id = job.plan
+  WHERE plan.state = 'pending' AND job.state IN ('queued', 'planning');
+INSERT OR IGNORE INTO plan_asker(owner, plan)
+  SELECT coalesce((SELECT owner FROM design WHERE design.id = plan.design), ''), plan.id FROM plan
+  WHERE plan.state = 'pending' AND plan.id NOT IN (SELECT plan FROM plan_asker);
+CREATE INDEX job_waiting_of ON job(owner, priority DESC, position) WHERE state = 'queued';
+CREATE INDEX job_open_of ON job(owner) WHERE state NOT IN ('done', 'failed', 'cancelled');
+
+CREATE TABLE end_tally(
+  device TEXT NOT NULL, end_kind TEXT NOT NULL, attempts INTEGER NOT NULL,
+  PRIMARY KEY(device, end_kind)) STRICT, WITHOUT ROWID;
+INSERT INTO end_tally(device, end_kind, attempts)
+  SELECT device, end_kind, count(*) FROM attempt WHERE ended IS NOT NULL GROUP BY device, end_kind;
+CREATE TRIGGER end_tally_insert AFTER INSERT ON attempt WHEN new.ended IS NOT NULL BEGIN
+  INSERT INTO end_tally(device, end_kind, attempts) VALUES(new.device, new.end_kind, 1)
+    ON CONFLICT(device, end_kind) DO UPDATE SET attempts = attempts + 1; END;
+CREATE TRIGGER end_tally_update AFTER UPDATE OF ended ON attempt
+  WHEN old.ended IS NULL AND new.ended IS NOT NULL BEGIN
+  INSERT INTO end_tally(device, end_kind, attempts) VALUES(new.device, new.end_kind, 1)
+    ON CONFLICT(device, end_kind) DO UPDATE SET attempts = attempts + 1; END;
+)sql";
+
 }  // namespace
 
 const std::vector<Migration>& migrations() {
-  static const std::vector<Migration> all{{1, kVersion1}, {2, kVersion2}, {3, kVersion3}};
+  static const std::vector<Migration> all{
+      {1, kVersion1}, {2, kVersion2}, {3, kVersion3}, {4, kVersion4}};
   return all;
 }
 
 const std::vector<std::string_view>& table_names() {
   static const std::vector<std::string_view> names{
-      "asset", "design",  "plan",     "plan_sheet", "job",   "sheet",
-      "arm",   "attempt", "chunk",    "event",      "idem",  "audit",
-      "token", "session", "material", "device",     "usage", "calendar"};
+      "asset", "design",  "plan",    "plan_sheet", "plan_asker", "job",   "sheet",
+      "arm",   "attempt", "chunk",   "event",      "idem",       "audit", "token",
+      "session", "material", "device", "usage", "calendar"};
   return names;
 }
 

@@ -66,7 +66,7 @@ std::size_t read_all(ServiceBench& bench) {
         (void)service.plans.find(job.plan);
       }
       (void)service.operations.events(0, 1000, "");
-      (void)service.operations.usage({}, {}, "owner");
+      service.operations.usage({}, {}, "owner", [](const auto&) {});
       (void)service.jobs.queue("", {});
       (void)service.access.tokens();
       (void)service.materials.list();

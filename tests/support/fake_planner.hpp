@@ -37,10 +37,14 @@ inline EncodedProgram fake_program(const std::string& seed, int number, int stro
   return program;
 }
 
+/// "/sheet-01.gpgl"
+inline std::string fake_name(int sheet) {
+  return (sheet < 10 ? "/sheet-0" : "/sheet-") + std::to_string(sheet) + ".gpgl";
+}
+
 /// Reads what the fake planner stored.
 inline Result<daemon::StoredProgram> read_fake_program(const std::string& folder, int sheet) {
-  const auto bytes =
-      daemon::read_whole(folder + "/sheet-" + std::to_string(sheet) + ".gpgl", 1u << 24);
+  const auto bytes = daemon::read_whole(folder + fake_name(sheet), 1u << 24);
   if (!bytes) return tl::unexpected(bytes.error());
   EncodedProgram program;
   program.dialect = Dialect::Gpgl;
@@ -111,6 +115,7 @@ class FakePlanner final : public daemon::Planner {
       if (ending_) return;
       One one = std::move(tasks_.front());
       tasks_.pop_front();
+      daemon::find_assets(one.task);
       seen_ = one.task;
       const std::string text = daemon::read_whole(one.task.design_path, 1u << 26).value_or("");
       const auto is_cancelled = [&] {
@@ -153,7 +158,7 @@ class FakePlanner final : public daemon::Planner {
                                 .seconds_range = {8, 13},
                                 .area_mm = area_mm,
                                 .program_sha256 = daemon::sha256_hex(program.bytes)});
-      outcome.files.push_back({"sheet-" + std::to_string(number) + ".gpgl", program.bytes});
+      outcome.files.push_back({fake_name(number).substr(1), program.bytes});
       outcome.files.push_back({daemon::index_name(number), std::to_string(strokes) + " strokes\n"});
     }
     outcome.files.push_back({"plan.json", "{}"});

@@ -269,6 +269,10 @@ Answer<PlanRecord> FakePlans::find(const std::string& id) {
   return lookup(plan_map, id, "plan");
 }
 
+void FakePlans::whole(const std::string& id, std::function<void(Answer<PlanRecord>)> done) {
+  done(find(id));
+}
+
 Answer<std::string> FakePlans::file(const std::string& id, const std::string& name) {
   if (auto problem = failure("plan_file")) return tl::unexpected<Problem>(*problem);
   return lookup(files, id + "/" + name, "file");
@@ -335,10 +339,10 @@ void FakeOperations::listen(std::function<void(const Event&)> listener) {
   listeners_.push_back(std::move(listener));
 }
 
-std::vector<UsageRow> FakeOperations::usage(std::optional<TimeMs>, std::optional<TimeMs>,
-                                            const std::string&) {
+void FakeOperations::usage(std::optional<TimeMs>, std::optional<TimeMs>, const std::string&,
+                           std::function<void(Answer<std::vector<UsageRow>>)> done) {
   note("usage");
-  return {{"uid:0", 12.5, 340.25, 2}, {"=cmd|' /C calc'!A0", 1, 2, 3}};
+  done(std::vector<UsageRow>{{"uid:0", 12.5, 340.25, 2}, {"=cmd|' /C calc'!A0", 1, 2, 3}});
 }
 
 ServiceHealth FakeOperations::health() {
@@ -351,14 +355,15 @@ std::string FakeOperations::metrics() {
   return "# TYPE popcut_jobs gauge\npopcut_jobs{state=\"queued\"} 0\n";
 }
 
-Answer<std::string> FakeOperations::backup(const Principal&) {
-  if (auto problem = failure("backup")) return tl::unexpected<Problem>(*problem);
-  return std::string("backups/popcut-1.db");
+void FakeOperations::backup(const Principal&, std::function<void(Answer<std::string>)> done) {
+  if (auto problem = failure("backup")) return done(tl::unexpected<Problem>(*problem));
+  done(std::string("backups/popcut-1.db"));
 }
 
-Answer<std::string> FakeOperations::check_integrity(const Principal&) {
-  if (auto problem = failure("check_integrity")) return tl::unexpected<Problem>(*problem);
-  return std::string("ok");
+void FakeOperations::check_integrity(const Principal&,
+                                     std::function<void(Answer<std::string>)> done) {
+  if (auto problem = failure("check_integrity")) return done(tl::unexpected<Problem>(*problem));
+  done(std::string("ok"));
 }
 
 }  // namespace popcut::daemon

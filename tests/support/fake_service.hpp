@@ -101,6 +101,7 @@ class FakePlans : public Plans, public virtual FakeState {
  public:
   Answer<PlanRecord> request(const Principal&, const PlanRequest&) override;
   Answer<PlanRecord> find(const std::string& id) override;
+  void whole(const std::string& id, std::function<void(Answer<PlanRecord>)> done) override;
   Answer<void> remove(const Principal&, const std::string& id) override;
   Answer<std::string> file(const std::string& id, const std::string& name) override;
 };
@@ -110,7 +111,7 @@ class FakeJobs : public Jobs, public virtual FakeState {
   Answer<Job> create(const Principal&, const JobCreate&) override;
   Answer<Page<Job>> list(const JobFilter&, const PageRequest&) override;
   Answer<Job> find(const std::string& id) override;
-  Answer<std::vector<SheetRecord>> sheets(const std::string& job) override;
+  Answer<std::vector<SheetRecord>> sheets(const std::string& job, int first, int most) override;
   Answer<Ledger> ledger(const std::string& job, int sheet) override;
   Answer<Job> patch(const Principal&, const std::string& id, std::int64_t if_match,
                     const JobPatch&) override;
@@ -151,12 +152,12 @@ class FakeOperations : public Operations, public virtual FakeState {
   std::int64_t last_event() override;
   std::int64_t first_event() override;
   void listen(std::function<void(const Event&)> listener) override;
-  std::vector<UsageRow> usage(std::optional<TimeMs> from, std::optional<TimeMs> to,
-                              const std::string& by) override;
+  void usage(std::optional<TimeMs> from, std::optional<TimeMs> to, const std::string& by,
+             std::function<void(Answer<std::vector<UsageRow>>)> done) override;
   ServiceHealth health() override;
   std::string metrics() override;
-  Answer<std::string> backup(const Principal&) override;
-  Answer<std::string> check_integrity(const Principal&) override;
+  void backup(const Principal&, std::function<void(Answer<std::string>)> done) override;
+  void check_integrity(const Principal&, std::function<void(Answer<std::string>)> done) override;
 };
 
 /// A service that holds everything in memory and cuts nothing: what HTTP is tested against. It

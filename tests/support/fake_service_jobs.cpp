@@ -57,12 +57,12 @@ Answer<Job> FakeJobs::find(const std::string& id) {
   return lookup(job_map, id, "job");
 }
 
-Answer<std::vector<SheetRecord>> FakeJobs::sheets(const std::string& id) {
+Answer<std::vector<SheetRecord>> FakeJobs::sheets(const std::string& id, int first, int most) {
   if (auto problem = failure("sheets")) return tl::unexpected<Problem>(*problem);
   const Answer<Job> found = lookup(job_map, id, "job");
   if (!found) return tl::unexpected<Problem>(found.error());
   std::vector<SheetRecord> out;
-  for (int k = 1; k <= found->sheets_total; ++k) {
+  for (int k = first; k <= std::min(found->sheets_total, first + most - 1); ++k) {
     SheetRecord sheet;
     sheet.number = k;
     sheet.state = k == 1 ? "ready" : "waiting";

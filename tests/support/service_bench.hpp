@@ -140,6 +140,43 @@ class ServiceBench {
       return std::move(*value);
     }
   }
+  /// Begins something by `start(service, done)` on the service's thread, and waits for what `done`
+  /// is told.
+  template <typename Value, typename Start>
+  daemon::Answer<Value> told(const Start& start) {
+    struct State {
+      std::mutex mutex;
+      std::condition_variable over;
+      std::optional<daemon::Answer<Value>> answer;
+    };
+    auto state = std::make_shared<State>();
+    on([&](daemon::LiveService& service) {
+      start(service, [state](daemon::Answer<Value> answer) {
+        const std::lock_guard lock(state->mutex);
+        state->answer.emplace(std::move(answer));
+        state->over.notify_all();
+      });
+    });
+    std::unique_lock lock(state->mutex);
+    state->over.wait_for(lock, std::chrono::seconds(60), [&] { return state->answer.has_value(); });
+    if (!state->answer) return daemon::refuse(daemon::ProblemKind::Internal, "no answer");
+    return std::move(*state->answer);
+  }
+  daemon::Answer<std::string> backup(const daemon::Principal& who) {
+    return told<std::string>(
+        [&](daemon::LiveService& s, auto done) { s.operations.backup(who, done); });
+  }
+  daemon::Answer<std::string> check_integrity() {
+    return told<std::string>(
+        [&](daemon::LiveService& s, auto done) { s.operations.check_integrity(admin, done); });
+  }
+  std::vector<daemon::UsageRow> usage(const std::string& by,
+                                      std::optional<daemon::TimeMs> from = {},
+                                      std::optional<daemon::TimeMs> to = {}) {
+    return told<std::vector<daemon::UsageRow>>(
+               [&](daemon::LiveService& s, auto done) { s.operations.usage(from, to, by, done); })
+        .value();
+  }
   /// Waits until `holds()`; false after a minute.
   bool wait(const std::function<bool()>& holds) {
     for (int i = 0; i < 60'000; ++i) {

@@ -12,6 +12,7 @@
 #include "core/text/words.hpp"
 #include "daemon/http/api/handler_kit.hpp"
 #include "daemon/http/api/json_body.hpp"
+#include "daemon/model/turns.hpp"
 
 namespace popcut::daemon::http {
 namespace {
@@ -195,6 +196,7 @@ bool wants_stream(const Request& request) {
 void dispatch(const Request& request, const Route& route, Service& service,
               const HandlerContext& context, const Reply& reply) {
   try {
+    name_turn(name_of(route.method), route.path);
     Reply answer = reply;
     if (const auto seen = request.header("if-none-match"); seen && is_read(request))
       answer = Reply([reply, list = std::string(*seen)](Response response) {

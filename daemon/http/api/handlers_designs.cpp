@@ -175,9 +175,13 @@ void plan_design(const Request& request, Service& service, const HandlerContext&
 }
 
 void get_plan(const Request& request, Service& service, const HandlerContext&, Reply reply) {
-  const Answer<PlanRecord> plan = service.plans.find(request.params[0]);
-  if (!plan) return reply(problem_response(plan.error(), request));
-  reply(json_response(200, to_json(*plan)));
+  service.plans.whole(request.params[0], [reply, target = request.target,
+                                          id = request.id](Answer<PlanRecord> plan) {
+    if (!plan) return reply(problem_response(plan.error(), target, id));
+    Response response;
+    response.make_body = [plan = std::move(*plan)] { return dump(to_json(plan)); };
+    reply(std::move(response));
+  });
 }
 
 void delete_plan(const Request& request, Service& service, const HandlerContext&, Reply reply) {

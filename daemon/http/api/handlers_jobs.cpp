@@ -166,28 +166,29 @@ void job_sheets(const Request& request, Service& service, const HandlerContext&,
   std::vector<RequestFault> faults;
   const PageRequest wanted = page_request(request, kList, faults, kUsualWhole);
   if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
-  Answer<std::vector<SheetRecord>> sheets = service.jobs.sheets(request.params[0]);
+  const int after = path_number(wanted.cursor).value_or(0);
+  Answer<std::vector<SheetRecord>> sheets =
+      service.jobs.sheets(request.params[0], after + 1, wanted.limit + 1);
   if (!sheets) return reply(problem_response(sheets.error(), request));
-  reply(page_response(
-      page_of(std::move(*sheets), wanted,
-              [](const SheetRecord& sheet) { return fmt::format("{:08}", sheet.number); }),
-      kList, [](const SheetRecord& sheet) { return dump(to_json(sheet)); }));
+  reply(
+      page_response(page_of(std::move(*sheets), {wanted.limit, {}},
+                            [](const SheetRecord& sheet) { return std::to_string(sheet.number); }),
+                    kList, [](const SheetRecord& sheet) { return dump(to_json(sheet)); }));
 }
 
 void job_sheet(const Request& request, Service& service, const HandlerContext&, Reply reply) {
   const std::optional<int> number = sheet_number(request, reply);
   if (!number) return;
-  const Answer<std::vector<SheetRecord>> sheets = service.jobs.sheets(request.params[0]);
+  const Answer<Job> job = service.jobs.find(request.params[0]);
+  if (!job) return reply(problem_response(job.error(), request));
+  const Answer<std::vector<SheetRecord>> sheets = service.jobs.sheets(job->id, *number, 1);
   if (!sheets) return reply(problem_response(sheets.error(), request));
-  const auto found = std::find_if(sheets->begin(), sheets->end(), [&](const SheetRecord& sheet) {
-    return sheet.number == *number;
-  });
-  if (found == sheets->end())
+  if (sheets->empty())
     return reply(problem_response(
         Problem{ProblemKind::NotFound, fmt::format("the job has {} sheets; there is no sheet {}",
-                                                   sheets->size(), *number)},
+                                                   job->sheets_total, *number)},
         request));
-  reply(json_response(200, to_json(*found)));
+  reply(json_response(200, to_json(sheets->front())));
 }
 
 void sheet_ledger(const Request& request, Service& service, const HandlerContext&, Reply reply) {

@@ -40,6 +40,7 @@ void metrics(const Request&, Service& service, const HandlerContext& context, Re
   response.make_body = [lines = service.operations.metrics(), own = context.metrics] {
     return lines + (own ? own() : std::string()) + "# EOF\n";
   };
+  response.is_brief = true;
   reply(std::move(response));
 }
 
@@ -95,16 +96,21 @@ void usage(const Request& request, Service& service, const HandlerContext&, Repl
   if (by != "owner" && by != "device" && by != "material")
     faults.push_back({"?by", "word", "must be one of owner, device, material"});
   if (!faults.empty()) return reply(problem_response(validation(std::move(faults)), request));
-  std::vector<UsageRow> rows = service.operations.usage(from, to, by);
   const bool is_csv = request.header("accept").value_or("").find("text/csv") != std::string::npos;
-  if (!is_csv)
-    return reply(page_response(Page<UsageRow>{std::move(rows), {}}, 'u',
-                               [](const UsageRow& row) { return dump(to_json(row)); }));
-  Response response;
-  response.content_type = "text/csv; charset=utf-8";
-  response.headers.push_back({"Content-Disposition", "attachment; filename=\"usage.csv\""});
-  response.body = usage_csv(rows, by);
-  reply(std::move(response));
+  service.operations.usage(
+      from, to, by,
+      [reply, by, is_csv, target = request.target,
+       id = request.id](Answer<std::vector<UsageRow>> rows) {
+        if (!rows) return reply(problem_response(rows.error(), target, id));
+        if (!is_csv)
+          return reply(page_response(Page<UsageRow>{std::move(*rows), {}}, 'u',
+                                     [](const UsageRow& row) { return dump(to_json(row)); }));
+        Response response;
+        response.content_type = "text/csv; charset=utf-8";
+        response.headers.push_back({"Content-Disposition", "attachment; filename=\"usage.csv\""});
+        response.make_body = [rows = std::move(*rows), by] { return usage_csv(rows, by); };
+        reply(std::move(response));
+      });
 }
 
 namespace {
@@ -121,18 +127,23 @@ Answer<Nothing> read_nothing(const Request& request, const HandlerContext& conte
 void backup(const Request& request, Service& service, const HandlerContext& context, Reply reply) {
   if (const auto body = read_nothing(request, context); !body)
     return reply(problem_response(body.error(), request));
-  const Answer<std::string> path = service.operations.backup(request.principal);
-  if (!path) return reply(problem_response(path.error(), request));
-  reply(json_response(200, {{"path", *path}}));
+  service.operations.backup(request.principal, [reply, target = request.target,
+                                                id = request.id](const Answer<std::string>& path) {
+    reply(path ? json_response(200, {{"path", *path}})
+               : problem_response(path.error(), target, id));
+  });
 }
 
 void check_database(const Request& request, Service& service, const HandlerContext& context,
                     Reply reply) {
   if (const auto body = read_nothing(request, context); !body)
     return reply(problem_response(body.error(), request));
-  const Answer<std::string> found = service.operations.check_integrity(request.principal);
-  if (!found) return reply(problem_response(found.error(), request));
-  reply(json_response(200, {{"result", *found}}));
+  service.operations.check_integrity(
+      request.principal,
+      [reply, target = request.target, id = request.id](const Answer<std::string>& found) {
+        reply(found ? json_response(200, {{"result", *found}})
+                    : problem_response(found.error(), target, id));
+      });
 }
 
 }  // namespace popcut::daemon::http::handle

@@ -2,7 +2,6 @@
 #include "daemon/http/api/json_body.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -17,6 +16,8 @@ using nlohmann::json;
 
 constexpr std::size_t kMostOptions = 32;
 constexpr std::size_t kLongestOption = 200;
+// More than any body needs, and few enough that reading them holds nobody up.
+constexpr std::size_t kMostValues = 4096;
 
 /// JSON bodies: the body itself has the empty pointer, and 5.0 is not a whole number.
 class BodyNotation : public Notation {
@@ -55,8 +56,7 @@ const Notation& body_notation() {
 }
 
 Answer<json> parse_body(std::string_view text, int max_depth) {
-  auto value =
-      read_json(text, {.values = std::numeric_limits<std::size_t>::max(), .depth = max_depth});
+  auto value = read_json(text, {.values = kMostValues, .depth = max_depth});
   if (value) return std::move(*value);
   const JsonFault& fault = value.error();
   Problem problem{ProblemKind::MalformedJson, fault.detail};

@@ -61,9 +61,11 @@ struct Response {
   int status{200};
   std::string content_type{"application/json"};
   std::string body{};
-  /// Gives the body later, on the thread of HTTP: long lists do not hold up the service.
+  /// Gives the body later, on a thread for that alone: a long list holds up neither the service nor
+  /// other clients.
   std::function<std::string()> make_body{};
-  std::string file{};  ///< if not empty: the body is what this file holds
+  bool is_brief{false};  ///< `make_body` is quick, and wants to be called on the thread of HTTP
+  std::string file{};    ///< if not empty: the body is what this file holds
   std::vector<Header> headers{};
 };
 

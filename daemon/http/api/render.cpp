@@ -197,16 +197,7 @@ ordered_json to_json(const SheetPlan& sheet) {
 ordered_json to_json(const PlanRecord& plan) {
   constexpr std::array<std::string_view, 3> kStates{"pending", "planned", "failed"};
   ordered_json sheets = ordered_json::array();
-  std::int64_t paths = 0;
-  double length_mm = 0;
-  std::array<double, 2> est_s{};
-  for (const SheetPlan& sheet : plan.sheets) {
-    sheets.push_back(to_json(sheet));
-    paths += sheet.paths;
-    length_mm += sheet.cut_mm + sheet.fold_mm;
-    est_s[0] += sheet.seconds_range[0];
-    est_s[1] += sheet.seconds_range[1];
-  }
+  for (const SheetPlan& sheet : plan.sheets) sheets.push_back(to_json(sheet));
   return {{"id", plan.id},
           {"design", plan.design},
           {"material", text_or_null(plan.material)},
@@ -214,9 +205,10 @@ ordered_json to_json(const PlanRecord& plan) {
           {"state", kStates[static_cast<std::size_t>(plan.state)]},
           {"sha256", text_or_null(plan.sha256)},
           {"sheets", std::move(sheets)},
-          {"paths", paths},
-          {"length_mm", length_mm},
-          {"est_s", est_s},
+          {"sheets_total", plan.sheets_total},
+          {"paths", plan.paths},
+          {"length_mm", plan.length_mm},
+          {"est_s", plan.est_s},
           {"warnings", plan.warnings},
           {"error", text_or_null(plan.error)},
           {"created", rfc3339(plan.created)},

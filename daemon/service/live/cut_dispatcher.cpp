@@ -99,6 +99,7 @@ Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std:
             return arm(who, row, request);
           case JobAction::Disarm:
             jobs.attempts().disarm(id);
+            parts_.programs.forget(id);
             jobs.take(row, Step::ToReady, "disarmed");
             return {};
           case JobAction::Start:
@@ -223,7 +224,11 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
                               .armed = parts_.store.now(),
                               .invocation = parts_.store.invocation()});
   const std::int64_t until = parts_.store.monotonic() + parts_.options.arm_s * 1000;
-  parts_.store.after_commit([this, id = row.id, until] { armed_until_[id] = until; });
+  parts_.store.after_commit([this, id = row.id, until, folder = parts_.plans.folder_of(row.plan),
+                             sheet = parts_.jobs.current_sheet(row)] {
+    armed_until_[id] = until;
+    if (sheet) parts_.programs.want(id, folder, sheet->number);
+  });
   return {};
 }
 
@@ -284,6 +289,7 @@ Answer<void> CutDispatcher::cancel(const Principal& who, JobRow& row,
     return {};
   }
   if (row.state == JobState::Armed) parts_.jobs.attempts().disarm(row.id);
+  parts_.programs.forget(row.id);
   parts_.jobs.take(row, Step::ToCancelled, reason);
   parts_.store.after_commit([this, plan = row.plan] { parts_.plans.abandon(plan); });
   return {};
@@ -355,7 +361,9 @@ void CutDispatcher::lapse(const std::string& job, const std::string& reason) {
     return {};
   });
   // What could not be written is tried again; until then `start` looks at the time itself.
-  if (done) armed_until_.erase(job);
+  if (!done) return;
+  armed_until_.erase(job);
+  parts_.programs.forget(job);
 }
 
 void CutDispatcher::tick() {

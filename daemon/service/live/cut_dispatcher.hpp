@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "daemon/jobs/resume.hpp"
+#include "daemon/service/live/program_shelf.hpp"
 #include "daemon/service/repositories/job_repository.hpp"
 #include "daemon/store/intent_journal.hpp"
 
@@ -30,6 +31,7 @@ class CutDispatcher : public Cutting {
     Cutters& cutters;
     JobRepository& jobs;
     PlanningQueue& plans;
+    ProgramShelf& programs;
     DeviceRegistry& devices;
     IntentJournals& intents;
     const ServiceOptions& options;

@@ -153,16 +153,23 @@ Answer<std::shared_ptr<CutDispatcher::Cut>> CutDispatcher::prepare(const JobRow&
   const auto sheet = parts_.jobs.current_sheet(row);
   if (!sheet)
     return tl::unexpected(JobRepository::conflict(row, "the job's plan has no such sheet"));
-  Result<StoredProgram> stored =
-      parts_.options.read_program(parts_.plans.folder_of(row.plan), sheet->number);
+  auto found = parts_.programs.find(row.id, parts_.plans.folder_of(row.plan), sheet->number);
+  if (!found) {
+    Problem reading{ProblemKind::Unavailable,
+                    "the program of this sheet is large and still being read; start again in a "
+                    "moment"};
+    reading.retry_after_s = 1;
+    return tl::unexpected(std::move(reading));
+  }
+  Result<ProgramShelf::Program>& stored = *found;
   if (!stored)
     return tl::unexpected(JobRepository::conflict(
         row, "the stored program cannot be read; create the job again: " +
                  message(stored.error())));
   // What was armed is what is cut: a stored program that changed is not.
-  EncodedProgram* const program = &stored->program;
-  const bool same = sha256_hex(program->bytes) == sheet->program_sha256 &&
-                    stored->index_sha256 == sheet->index_sha256 &&
+  EncodedProgram* const program = &stored->stored.program;
+  const bool same = stored->sha256 == sheet->program_sha256 &&
+                    stored->stored.index_sha256 == sheet->index_sha256 &&
                     static_cast<int>(program->strokes.size()) == sheet->paths;
   if (!same)
     return tl::unexpected(JobRepository::conflict(
@@ -265,6 +272,7 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
     cut->intents->keep();
     armed_until_.erase(cut->job);
     placed_.erase(cut->job);
+    parts_.programs.forget(cut->job);
     cuts_.merge(*mine);
     hand_over(cut);
   });
@@ -308,6 +316,7 @@ bool CutDispatcher::unwritten(const StoreFault& fault) {
 }
 
 Result<void> CutDispatcher::intended(Cut& cut, std::int64_t last) {
+  name_turn("intent of a cut");
   if (parts_.store.degraded()) return tl::unexpected(given_up("the database failed"));
   std::uint64_t bytes = 0;
   AttemptMarks marks = cut.marks;
@@ -332,6 +341,7 @@ Result<void> CutDispatcher::intended(Cut& cut, std::int64_t last) {
 }
 
 void CutDispatcher::progressed(Cut& cut, const SessionProgress& progress) {
+  name_turn("progress of a cut");
   bool settled = false;
   {
     const std::lock_guard lock(cut.mutex);
@@ -383,6 +393,7 @@ void CutDispatcher::progressed(Cut& cut, const SessionProgress& progress) {
 }
 
 void CutDispatcher::ended(const std::shared_ptr<Cut>& cut, const SessionEnd& end) {
+  name_turn("end of a cut");
   cut->over = true;
   const Answer<void> recorded =
       parts_.store.change([&]() -> Answer<void> { return record_end(*cut, end); });

@@ -7,13 +7,16 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include "daemon/service/aside.hpp"
 #include "daemon/model/wall_clock.hpp"
 #include "daemon/service/calendar.hpp"
 #include "daemon/service/live/cut_dispatcher.hpp"
 #include "daemon/service/live/device_dispatcher.hpp"
+#include "daemon/service/live/program_shelf.hpp"
 #include "daemon/service/repositories/recovery.hpp"
 #include "daemon/service/repositories/reports.hpp"
 #include "daemon/service/tokens.hpp"
+#include "daemon/store/sliced_copy.hpp"
 
 namespace popcut::daemon {
 namespace {
@@ -23,6 +26,8 @@ constexpr std::size_t kEndedJournals = 50;
 constexpr int kPrunedAtOnce = 500;
 constexpr int kMostEvents = 1000;
 constexpr std::int64_t kAfter_ms = 24 * 3'600'000;  // an event later than that has a wrong clock
+constexpr std::int64_t kUsageAtOnce = 10'000;
+constexpr int kPagesAtOnce = 500;
 
 ServiceOptions completed(ServiceOptions options) {
   using namespace std::chrono;
@@ -58,10 +63,14 @@ struct Parts {
         tokens(store, options),
         registry(store, cutters, options),
         materials(store, options),
-        designs(store, thread, planner, alive),
-        plans({store, thread, planner, designs, materials, registry, options, alive}),
+        chores(thread),
+        reading(thread),
+        designs(store, thread, planner, chores, alive),
+        plans({store, thread, planner, chores, designs, materials, registry, options, alive}),
         jobs({store, thread, plans, registry, options, alive}),
-        dispatcher({store, thread, cutters, jobs, plans, registry, intents, options, alive}),
+        programs(reading, options.read_program),
+        dispatcher(
+            {store, thread, cutters, jobs, plans, programs, registry, intents, options, alive}),
         device_dispatcher({store, thread, cutters, registry, jobs, dispatcher, alive}) {
     designs.removed = [this](const std::string& design) { plans.remove_all_of(design); };
     plans.begun = [this](const std::string& plan) { jobs.plan_begun(plan); };
@@ -87,9 +96,11 @@ struct Parts {
   Tokens tokens;
   DeviceRegistry registry;
   MaterialRepository materials;
+  Aside chores, reading;  ///< a long chore must not hold up a START
   DesignRepository designs;
   PlanningQueue plans;
   JobRepository jobs;
+  ProgramShelf programs;
   CutDispatcher dispatcher;
   DeviceDispatcher device_dispatcher;
 };
@@ -122,17 +133,16 @@ class AssembledService final : private PartsHolder, public Operations, public Li
   void listen(std::function<void(const Event&)> listener) override {
     parts_.store.listen(std::move(listener));
   }
-  std::vector<UsageRow> usage(std::optional<TimeMs> from, std::optional<TimeMs> to,
-                              const std::string& by) override {
-    return usage_by(parts_.store.db(), from, to, by);
-  }
+  void usage(std::optional<TimeMs> from, std::optional<TimeMs> to, const std::string& by,
+             std::function<void(Answer<std::vector<UsageRow>>)> done) override;
   ServiceHealth health() override;
   std::string metrics() override {
     return metrics_text(parts_.store, parts_.jobs.table(), parts_.registry.list()) +
-           parts_.cutters.metrics();
+           turns_text(parts_.thread) + parts_.cutters.metrics();
   }
-  Answer<std::string> backup(const Principal& who) override;
-  Answer<std::string> check_integrity(const Principal& who) override;
+  void backup(const Principal& who, std::function<void(Answer<std::string>)> done) override;
+  void check_integrity(const Principal& who,
+                       std::function<void(Answer<std::string>)> done) override;
 
   void stopping() override {
     parts_.dispatcher.stopping();
@@ -142,6 +152,8 @@ class AssembledService final : private PartsHolder, public Operations, public Li
   void checked(const std::string& damage) override { parts_.store.checked(damage); }
   void retune(ServiceTuning tuning) override {
     parts_.options.queue_jobs = tuning.queue_jobs;
+    parts_.options.jobs_each = tuning.jobs_each;
+    parts_.options.plans_each = tuning.plans_each;
     parts_.options.sheets_per_job = tuning.sheets_per_job;
     parts_.options.device_materials = std::move(tuning.device_materials);
     parts_.options.users = std::move(tuning.users);
@@ -150,7 +162,12 @@ class AssembledService final : private PartsHolder, public Operations, public Li
 
  private:
   void prune();
-  [[nodiscard]] Answer<void> idle_admin(const Principal& who) const;
+  [[nodiscard]] Answer<void> may_copy(const Principal& who) const;
+  void in_slices(const char* name, std::function<Answer<bool>()> step,
+                 std::function<void(const Answer<bool>&)> done);
+  void copy(const std::string& path, std::function<Answer<std::string>()> finish,
+            std::function<void(Answer<std::string>)> done);
+  bool copying_{false};
 };
 
 Answer<void> AssembledService::begin() {
@@ -263,47 +280,132 @@ ServiceHealth AssembledService::health() {
   return health;
 }
 
-Answer<void> AssembledService::idle_admin(const Principal& who) const {
+void AssembledService::usage(std::optional<TimeMs> from, std::optional<TimeMs> to,
+                             const std::string& by,
+                             std::function<void(Answer<std::vector<UsageRow>>)> done) {
+  auto sum = std::make_shared<std::optional<UsageSum>>();
+  const Answer<void> begun = parts_.store.look([&]() -> Answer<void> {
+    sum->emplace(parts_.store.db(), from, to, by);
+    return {};
+  });
+  if (!begun) return done(tl::unexpected(begun.error()));
+  in_slices(
+      "sums of usage",
+      [this, sum] {
+        return parts_.store.look([&]() -> Answer<bool> { return (*sum)->step(kUsageAtOnce); });
+      },
+      [sum, done = std::move(done)](const Answer<bool>& all) {
+        if (!all) return done(tl::unexpected(all.error()));
+        done((*sum)->rows());
+      });
+}
+
+// Calls `step` in this turn and in as many more as it takes until it gives true or a problem, then
+// `done`. Others have their turns between.
+void AssembledService::in_slices(const char* name, std::function<Answer<bool>()> step,
+                                 std::function<void(const Answer<bool>&)> done) {
+  name_turn(name);
+  Answer<bool> over = step();
+  if (!over || *over) return done(over);
+  parts_.thread.post(ServiceThread::Lane::Asking,
+                     [this, name, step = std::move(step), done = std::move(done),
+                      alive = std::weak_ptr<void>(parts_.alive)]() mutable {
+                       if (const auto here = alive.lock())
+                         in_slices(name, std::move(step), std::move(done));
+                     });
+}
+
+Answer<void> AssembledService::may_copy(const Principal& who) const {
   if (who.role < Role::Admin)
     return refuse(ProblemKind::Forbidden, "only an admin may back up or check the database");
-  // It takes the one thread that a cut's journal needs.
+  // The copy takes from the disk what a cut's journal needs.
   if (parts_.dispatcher.cutting())
     return refuse(ProblemKind::StateConflict,
                   "a sheet is being cut; try again when it is finished");
+  if (copying_)
+    return refuse(ProblemKind::StateConflict, "another backup or check is running; try again");
   return {};
 }
 
-Answer<std::string> AssembledService::backup(const Principal& who) {
-  if (const auto may = idle_admin(who); !may) return tl::unexpected(may.error());
+// Copies the database to `path` in slices; then `finish` runs aside, and what it gives is told.
+void AssembledService::copy(const std::string& path, std::function<Answer<std::string>()> finish,
+                            std::function<void(Answer<std::string>)> done) {
+  auto copy = std::make_shared<std::unique_ptr<SlicedCopy>>();
+  const Answer<void> begun = parts_.store.look([&]() -> Answer<void> {
+    remove_tree(path);
+    *copy = std::make_unique<SlicedCopy>(parts_.store.db(), path);
+    return {};
+  });
+  if (!begun) return done(tl::unexpected(begun.error()));
+  copying_ = true;
+  in_slices(
+      "pages of a copy",
+      [this, copy] {
+        // A fault of the copy's own disk is none of the database.
+        try {
+          return Answer<bool>((*copy)->step(kPagesAtOnce));
+        } catch (const StoreFault& fault) {
+          if (fault.kind() == FaultKind::Corrupt) parts_.store.note(fault);
+          return Answer<bool>(tl::unexpected(parts_.store.problem_of(fault)));
+        }
+      },
+      [this, copy, path, finish = std::move(finish),
+       done = std::move(done)](const Answer<bool>& whole) {
+        copy->reset();
+        auto result = std::make_shared<Answer<std::string>>(
+            refuse(ProblemKind::Unavailable, "the copy of the database could not be finished"));
+        if (!whole) *result = tl::unexpected(whole.error());
+        parts_.chores.run(
+            [result, path, finish, is_whole = whole.has_value()] {
+              try {
+                if (is_whole) *result = finish();
+              } catch (const std::exception& fault) {
+                *result = refuse(ProblemKind::Unavailable, fault.what());
+              }
+              remove_tree(path);
+              remove_tree(path + "-wal");
+            },
+            [this, result, done, alive = std::weak_ptr<void>(parts_.alive)] {
+              const auto here = alive.lock();
+              if (!here) return;
+              copying_ = false;
+              done(std::move(*result));
+            });
+      });
+}
+
+void AssembledService::backup(const Principal& who, std::function<void(Answer<std::string>)> done) {
+  if (const auto may = may_copy(who); !may) return done(tl::unexpected(may.error()));
   const std::string name =
       fmt::format("popcut-{:%Y%m%dT%H%M%S}Z-{}.db",
                   fmt::gmtime(static_cast<std::time_t>(parts_.store.now() / 1000)),
                   sha256_hex(random_bytes(8)).substr(0, 6));
-  auto made = parts_.store.look([&]() -> Answer<std::string> {
-    return back_up(parts_.store.db(), parts_.raw.folder(), name);
-  });
-  if (!made) return made;
-  (void)parts_.store.change([&]() -> Answer<void> {
-    parts_.store.audit(who.name, "backup", name, "");
-    return {};
-  });
-  return made;
+  const std::string place = parts_.raw.folder().at("backups/" + name);
+  const std::string fresh = parts_.raw.folder().at("backups/.new-" + name);
+  copy(
+      fresh,
+      [fresh, place]() -> Answer<std::string> {
+        finish_copy(fresh);
+        if (const Result<void> kept = keep_file(fresh, place); !kept)
+          return refuse(ProblemKind::DiskFull, message(kept.error()));
+        return place;
+      },
+      [this, who, name, done = std::move(done)](Answer<std::string> made) {
+        if (made)
+          (void)parts_.store.change([&]() -> Answer<void> {
+            parts_.store.audit(who.name, "backup", name, "");
+            return {};
+          });
+        done(std::move(made));
+      });
 }
 
-Answer<std::string> AssembledService::check_integrity(const Principal& who) {
-  if (const auto may = idle_admin(who); !may) return tl::unexpected(may.error());
-  return parts_.store.look([&]() -> Answer<std::string> {
-    std::string verdict;
-    for (const char* check : {"PRAGMA integrity_check(20)", "PRAGMA foreign_key_check"}) {
-      Rows rows = parts_.store.db().rows(check);
-      while (rows.next()) {
-        const std::string line = rows.text(0);
-        if (line == "ok") continue;
-        verdict += line + "\n";
-      }
-    }
-    return verdict.empty() ? std::string("ok") : verdict;
-  });
+void AssembledService::check_integrity(const Principal& who,
+                                       std::function<void(Answer<std::string>)> done) {
+  if (const auto may = may_copy(who); !may) return done(tl::unexpected(may.error()));
+  const std::string fresh = parts_.raw.folder().at("backups/.new-check.db");
+  copy(
+      fresh, [fresh]() -> Answer<std::string> { return verdict_on_copy(fresh); }, std::move(done));
 }
 
 // A few at a time, so that nobody waits for it.
@@ -330,6 +432,7 @@ void AssembledService::prune() {
 }
 
 void AssembledService::tick() {
+  name_turn("tick");
   parts_.store.recover_disk();
   parts_.dispatcher.tick();
   parts_.device_dispatcher.look();

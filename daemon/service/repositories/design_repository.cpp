@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/text/json_text.hpp"
 #include "daemon/store/plan_table.hpp"
 
 namespace popcut::daemon {
@@ -16,7 +15,7 @@ namespace {
 constexpr std::string_view kColumns = "id, name, kind, owner, bytes, created, assets, media_type";
 constexpr std::uint64_t kSpecBytes = 1u << 20;  // longer ones name their material in the request
 constexpr std::uint64_t kScanBytes = 64u << 20;
-constexpr std::size_t kMostAssets = 64;
+constexpr std::size_t kMostKept = 1000;  // materials of designs, in memory
 constexpr std::string_view kPreview = "preview.svg";
 
 Design design_of(const Rows& rows) {
@@ -26,11 +25,6 @@ Design design_of(const Rows& rows) {
   design.assets = list_from_json(rows.text(6));
   design.is_new = false;
   return design;
-}
-
-bool is_digest_id(std::string_view id) {
-  return id.size() == 71 && id.starts_with("sha256-") &&
-         id.substr(7).find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
 bool exists(const std::string& path) {
@@ -43,6 +37,59 @@ const std::string* file_of(const PlanningOutcome& outcome, std::string_view name
     if (file.name == name) return &file.bytes;
   return nullptr;
 }
+
+// On a thread of the planner's: it is large, and is synced. It can be drawn again at any time, so
+// it may be lost, and it is that of the design's bytes, so it may be there without the design.
+void keep_preview(Result<PlanningOutcome>& outcome, const std::string& place) {
+  if (!outcome) return;
+  if (const std::string* const preview = file_of(*outcome, kPreview))
+    (void)write_file(place, *preview);
+  outcome->files.clear();
+  outcome->files.shrink_to_fit();
+}
+
+/// Finds the text at "/material" of a spec without building it: a hostile one may hold a million
+/// values. nlohmann's interface decides its names.
+class MaterialFinder : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  [[nodiscard]] const std::string& material() const { return material_; }
+  bool null() override { return other(); }
+  bool boolean(bool) override { return other(); }
+  bool number_integer(number_integer_t) override { return other(); }
+  bool number_unsigned(number_unsigned_t) override { return other(); }
+  bool number_float(number_float_t, const string_t&) override { return other(); }
+  bool binary(binary_t&) override { return other(); }
+  bool string(string_t& text) override {
+    if (is_next_) material_ = text;
+    return !is_next_;  // nothing more is wanted
+  }
+  bool start_object(std::size_t) override {
+    ++depth_;
+    return other();
+  }
+  bool key(string_t& name) override {
+    is_next_ = depth_ == 1 && name == "material";
+    return true;
+  }
+  bool end_object() override {
+    --depth_;
+    return true;
+  }
+  bool start_array(std::size_t) override { return depth_ > 0 && other(); }
+  bool end_array() override { return true; }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
+    return false;
+  }
+
+ private:
+  bool other() {
+    is_next_ = false;
+    return true;
+  }
+  std::string material_;
+  int depth_{0};
+  bool is_next_{false};
+};
 
 }  // namespace
 
@@ -70,22 +117,6 @@ std::optional<Design> DesignRepository::row(const std::string& id, std::string* 
   return design_of(rows);
 }
 
-// What a spec refers to by id, as far as it was uploaded. Only a planner reads the spec itself.
-std::map<std::string, std::string> DesignRepository::referred_assets(
-    const std::string& path, const std::string& media_type) {
-  std::map<std::string, std::string> paths;
-  if (media_type.find("json") == std::string::npos) return paths;
-  const Result<std::string> text = read_whole(path, kScanBytes);
-  if (!text) return paths;
-  for (std::size_t at = text->find("sha256-");
-       at != std::string::npos && paths.size() < kMostAssets; at = text->find("sha256-", at + 7)) {
-    const std::string id = text->substr(at, 71);
-    const std::string place = store_.folder().at("assets/" + id);
-    if (is_digest_id(id) && exists(place)) paths[id] = place;
-  }
-  return paths;
-}
-
 void DesignRepository::add(const Principal& who, Upload upload, std::string media_type,
                            std::string name, Added done) {
   const auto give_up = [&](Problem problem) {
@@ -107,22 +138,25 @@ void DesignRepository::add(const Principal& who, Upload upload, std::string medi
   task.kind = PlanningTask::Kind::Check;
   task.design_path = upload.path;
   task.media_type = media_type;
-  task.asset_paths = referred_assets(upload.path, media_type);
-  planner_.start(
-      std::move(task), [this, alive = std::weak_ptr<void>(alive_), thread = &thread_, who, upload,
-                        media_type, name, done = std::move(done)](Result<PlanningOutcome> outcome) {
-        thread->post(ServiceThread::Lane::Asking,
-                     [this, alive, who, upload, media_type, name, done,
-                      held = std::make_shared<Result<PlanningOutcome>>(std::move(outcome))] {
-                       if (const auto here = alive.lock())
-                         checked(who, upload, media_type, name, std::move(*held), done);
-                     });
-      });
+  task.assets_folder = store_.folder().at("assets");
+  const std::string preview = store_.folder().at("previews/sha256-" + upload.sha256 + ".svg");
+  planner_.start(std::move(task), [this, alive = std::weak_ptr<void>(alive_), thread = &thread_,
+                                   who, upload, media_type, name, preview,
+                                   done = std::move(done)](Result<PlanningOutcome> outcome) {
+    keep_preview(outcome, preview);
+    thread->post(ServiceThread::Lane::Asking,
+                 [this, alive, who, upload, media_type, name, done,
+                  held = std::make_shared<Result<PlanningOutcome>>(std::move(outcome))] {
+                   if (const auto here = alive.lock())
+                     checked(who, upload, media_type, name, std::move(*held), done);
+                 });
+  });
 }
 
 void DesignRepository::checked(const Principal& who, const Upload& upload,
                                const std::string& media_type, const std::string& name,
                                Result<PlanningOutcome> outcome, const Added& done) {
+  name_turn("design checked");
   if (!outcome) {
     remove_tree(upload.path);
     return done(tl::unexpected(problem_from(outcome.error())));
@@ -154,9 +188,6 @@ Answer<Design> DesignRepository::store(const Principal& who, const Upload& uploa
     } else if (const Result<void> kept = keep_file(upload.path, place); !kept) {
       return tl::unexpected(store_.unkept(kept.error()));
     }
-    // It can be drawn again at any time, so it may be lost.
-    if (const std::string* preview = file_of(outcome, kPreview))
-      (void)write_file(store_.folder().at("previews/" + id + ".svg"), *preview);
     store_.db().insert(
         "INSERT INTO design(id, name, kind, owner, bytes, created, assets, media_type)", id, name,
         design.kind, design.owner, design.bytes, design.created, json_list(design.assets),
@@ -247,8 +278,8 @@ Answer<void> DesignRepository::remove(const Principal& who, const std::string& i
     store_.audit(who.name, "delete-design", id, design->name);
     if (removed) removed(id);
     store_.after_commit([this, id] {
-      remove_tree(store_.folder().at("designs/" + id));
-      remove_tree(store_.folder().at("previews/" + id + ".svg"));
+      aside_.remove(store_.folder().at("designs/" + id));
+      aside_.remove(store_.folder().at("previews/" + id + ".svg"));
     });
     return {};
   });
@@ -269,12 +300,14 @@ PlanningTask DesignRepository::task_for(const Design& design, PlanningTask::Kind
 
 std::string DesignRepository::own_material(const Design& design) {
   if (design.kind != "spec" || design.bytes > kSpecBytes) return {};
+  if (const auto known = materials_.find(design.id); known != materials_.end())
+    return known->second;
   const auto text = read_whole(store_.folder().at("designs/" + design.id), kSpecBytes);
   if (!text) return {};
-  const auto spec = parse_json(*text);
-  if (!spec || !spec->is_object() || !spec->contains("material")) return {};
-  const nlohmann::json& material = (*spec)["material"];
-  return material.is_string() ? material.get<std::string>() : std::string();
+  MaterialFinder finder;
+  (void)nlohmann::json::sax_parse(*text, &finder);
+  if (materials_.size() >= kMostKept) materials_.clear();
+  return materials_[design.id] = finder.material();
 }
 
 void DesignRepository::preview(const std::string& id,
@@ -282,8 +315,15 @@ void DesignRepository::preview(const std::string& id,
   const Answer<Design> design = find(id);
   if (!design) return done(tl::unexpected(design.error()));
   const std::string place = store_.folder().at("previews/" + id + ".svg");
-  if (Result<std::string> kept = read_whole(place, kScanBytes); kept && !kept->empty())
-    return done(std::move(*kept));
+  std::error_code ignored;
+  if (const auto bytes = std::filesystem::file_size(place, ignored); !ignored && bytes > 0) {
+    auto kept = std::make_shared<Result<std::string>>(fail(ErrorKind::Internal, "", "not read"));
+    return aside_.run([kept, place] { *kept = read_whole(place, kScanBytes); },
+                      [kept, done = std::move(done)] {
+                        if (*kept) return done(std::move(**kept));
+                        done(tl::unexpected(problem_from(kept->error())));
+                      });
+  }
   planner_.start(
       task_for(*design, PlanningTask::Kind::Check),
       [thread = &thread_, place, done = std::move(done)](Result<PlanningOutcome> outcome) {

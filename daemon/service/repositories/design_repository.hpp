@@ -7,6 +7,7 @@
 #include <string>
 
 #include "daemon/planning/planner.hpp"
+#include "daemon/service/aside.hpp"
 #include "daemon/service/service.hpp"
 #include "daemon/service/service_store.hpp"
 #include "daemon/service/service_thread.hpp"
@@ -16,9 +17,13 @@ namespace popcut::daemon {
 /// Designs and what they refer to: files named by the digest of their bytes, and a row for each.
 class DesignRepository : public Designs {
  public:
-  DesignRepository(ServiceStore& store, ServiceThread& thread, Planner& planner,
+  DesignRepository(ServiceStore& store, ServiceThread& thread, Planner& planner, Aside& aside,
                    std::shared_ptr<void> alive)
-      : store_(store), thread_(thread), planner_(planner), alive_(std::move(alive)) {}
+      : store_(store),
+        thread_(thread),
+        planner_(planner),
+        aside_(aside),
+        alive_(std::move(alive)) {}
 
   using Added = std::function<void(Answer<Design>)>;
   void add(const Principal& who, Upload upload, std::string media_type, std::string name,
@@ -46,8 +51,6 @@ class DesignRepository : public Designs {
                                      const std::string& media_type, const std::string& name,
                                      const PlanningOutcome& outcome);
   [[nodiscard]] std::optional<Design> row(const std::string& id, std::string* media_type = nullptr);
-  [[nodiscard]] std::map<std::string, std::string> referred_assets(const std::string& path,
-                                                                   const std::string& media_type);
   /// Some of the designs that refer to an asset.
   [[nodiscard]] std::vector<std::string> designs_with(const std::string& asset);
   /// None of them was removed while a design was looked at.
@@ -55,6 +58,8 @@ class DesignRepository : public Designs {
   ServiceStore& store_;
   ServiceThread& thread_;
   Planner& planner_;
+  Aside& aside_;
+  std::map<std::string, std::string> materials_{};  ///< what `own_material` has read
   std::shared_ptr<void> alive_;
 };
 

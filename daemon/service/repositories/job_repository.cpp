@@ -49,11 +49,11 @@ Answer<Job> JobRepository::create(const Principal& who, const JobCreate& request
   return parts_.store.change([&]() -> Answer<Job> {
     if (const auto room = parts_.store.accepts_work(); !room) return tl::unexpected(room.error());
     if (request.plan.empty()) {
-      const Answer<PlanRow> plan = parts_.plans.plan_for({.design = request.design,
-                                                          .material = request.material,
-                                                          .device = request.device,
-                                                          .machine = {},
-                                                          .options = request.options});
+      const Answer<PlanRow> plan = parts_.plans.plan_for(who, {.design = request.design,
+                                                               .material = request.material,
+                                                               .device = request.device,
+                                                               .machine = {},
+                                                               .options = request.options});
       if (!plan) return tl::unexpected(plan.error());
       return add(who, request, *plan);
     }
@@ -72,7 +72,7 @@ Answer<Job> JobRepository::create_test(const Principal& who, const std::string& 
                                        const std::string& material) {
   return parts_.store.change([&]() -> Answer<Job> {
     if (const auto room = parts_.store.accepts_work(); !room) return tl::unexpected(room.error());
-    const Answer<PlanRow> plan = parts_.plans.test_plan_for(device, material);
+    const Answer<PlanRow> plan = parts_.plans.test_plan_for(who, device, material);
     if (!plan) return tl::unexpected(plan.error());
     JobCreate request;
     request.device = device;
@@ -92,6 +92,15 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
     full.retry_after_s = 60;
     return tl::unexpected(std::move(full));
   }
+  if (const std::int64_t own = jobs_.open_count_of(who.name); own >= parts_.options.jobs_each) {
+    Problem full{
+        ProblemKind::QueueFull,
+        fmt::format("{} jobs of yours are not finished; finish or cancel some first", own)};
+    full.retry_after_s = 60;
+    return tl::unexpected(std::move(full));
+  }
+  if (const auto waits = parts_.plans.await(who, plan); !waits)
+    return tl::unexpected(waits.error());
   JobRow row{.id = store.new_id(), .rev = 1, .state = JobState::Queued};
   row.name = request.name;
   row.note = request.note;
@@ -388,7 +397,6 @@ Answer<Job> JobRepository::move(const Principal& who, const std::string& id,
     Answer<JobRow> row = this->row(id);
     if (!row) return tl::unexpected(row.error());
     if (is_terminal(row->state)) return tl::unexpected(conflict(*row, "this job has ended"));
-    Database& db = parts_.store.db();
     if (before.empty()) {
       row->position = jobs_.last_position() + kPositionStep;
     } else {
@@ -401,18 +409,11 @@ Answer<Job> JobRepository::move(const Principal& who, const std::string& id,
       if (next->priority != row->priority || is_terminal(next->state))
         return tl::unexpected(
             invalid_value("/before", "value", "must be a waiting job with the same priority"));
-      Rows above = db.rows(
-          "SELECT max(position) FROM job WHERE priority=? AND position<? AND id!=? AND state NOT "
-          "IN ('done', 'failed', 'cancelled')",
-          row->priority, next->position, id);
-      const std::int64_t low = above.next() ? above.integer(0) : 0;
-      row->position = low + (next->position - low) / 2;
-      if (row->position <= low) {
-        // No room between the two: all from the next one on make some.
-        db.run("UPDATE job SET position=position+? WHERE position>=? AND id!=?", kPositionStep,
-               next->position, id);
-        row->position = next->position + kPositionStep / 2;
-      }
+      const auto place = jobs_.make_room(*next, id);
+      if (!place)
+        return tl::unexpected(
+            conflict(*row, "too many jobs were moved to this place; move it before another job"));
+      row->position = *place;
     }
     save(*row);
     parts_.store.audit(who.name, "move", id, before);

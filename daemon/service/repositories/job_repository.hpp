@@ -44,7 +44,7 @@ class JobRepository : public Jobs {
                                         const std::string& material);
   Answer<Page<Job>> list(const JobFilter& filter, const PageRequest& request) override;
   Answer<Job> find(const std::string& id) override;
-  Answer<std::vector<SheetRecord>> sheets(const std::string& id) override;
+  Answer<std::vector<SheetRecord>> sheets(const std::string& id, int first, int most) override;
   Answer<Ledger> ledger(const std::string& id, int sheet) override;
   Answer<Job> patch(const Principal& who, const std::string& id, std::int64_t if_match,
                     const JobPatch& request) override;

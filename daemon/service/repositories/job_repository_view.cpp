@@ -131,11 +131,12 @@ Answer<Page<Job>> JobRepository::list(const JobFilter& filter, const PageRequest
   if (!request.cursor.empty() && !is_ulid(request.cursor)) return tl::unexpected(bad_cursor());
   return parts_.store.look([&]() -> Answer<Page<Job>> {
     Page<Job> page;
-    std::vector<JobRow> rows = jobs_.list(filter, request.cursor, request.limit + 1);
+    std::string looked_to;
+    std::vector<JobRow> rows = jobs_.list(filter, request.cursor, request.limit + 1, looked_to);
     const bool more = rows.size() > static_cast<std::size_t>(request.limit);
     if (more) rows.pop_back();
     for (const JobRow& row : rows) page.items.push_back(shown(row));
-    if (more && !rows.empty()) page.next_cursor = rows.back().id;
+    page.next_cursor = more ? rows.back().id : looked_to;
     return page;
   });
 }
@@ -159,9 +160,9 @@ Answer<Page<Job>> JobRepository::queue(const std::string& device, const PageRequ
       }
       return known->second;
     };
-    for (int looked = 0; looked < kMostLooked;) {
-      const std::vector<JobRow> rows = jobs_.queue(device, after, request.limit + 1);
-      for (const JobRow& row : rows) {
+    for (int looked = 0; looked < kMostLooked; looked += request.limit + 1) {
+      const JobTable::QueueSlice slice = jobs_.queue(device, after, request.limit + 1);
+      for (const JobRow& row : slice.jobs) {
         if (page.items.size() == static_cast<std::size_t>(request.limit)) {
           page.next_cursor = text_of(*after);
           return page;
@@ -169,8 +170,8 @@ Answer<Page<Job>> JobRepository::queue(const std::string& device, const PageRequ
         after = QueuePlace{row.priority, row.position, row.id};
         if (fitting(row)) page.items.push_back(shown(row));
       }
-      if (static_cast<int>(rows.size()) <= request.limit) return page;
-      looked += static_cast<int>(rows.size());
+      if (slice.is_end) return page;
+      after = slice.last;
     }
     page.next_cursor = text_of(*after);
     return page;
@@ -189,24 +190,25 @@ Answer<Job> JobRepository::find(const std::string& id) {
   });
 }
 
-Answer<std::vector<SheetRecord>> JobRepository::sheets(const std::string& id) {
+Answer<std::vector<SheetRecord>> JobRepository::sheets(const std::string& id, int first, int most) {
   return parts_.store.look([&]() -> Answer<std::vector<SheetRecord>> {
     const Answer<JobRow> job = row(id);
     if (!job) return tl::unexpected(job.error());
-    const std::vector<SheetPlan> plans = parts_.plans.table().sheets(job->plan);
     std::vector<SheetRecord> all;
-    if (plans.empty()) return all;
-    all.reserve(static_cast<std::size_t>(job->sheets_total));
-    const auto count = static_cast<int>(plans.size());
-    for (int k = 1; k <= job->sheets_total; ++k) {
+    const int count = job->sheets_total / std::max(1, job->copies);
+    const int last = std::min({job->sheets_total, first + kSheetsAtOnce - 1, first + most - 1});
+    for (int k = std::max(first, 1); k <= last; ++k) {
+      const auto plan = parts_.plans.table().sheet(job->plan, plan_sheet(*job, k, count));
+      if (!plan) break;
       SheetRecord record{.number = k, .copy = (k - 1) / count + 1, .state = "waiting"};
-      record.plan = plans[static_cast<std::size_t>(plan_sheet(*job, k, count) - 1)];
+      record.plan = *plan;
       record.plan.number = k;
       all.push_back(std::move(record));
     }
-    for (const AttemptTable::SheetRow& seen : attempts_.sheets(id)) {
-      if (seen.sheet < 1 || seen.sheet > job->sheets_total) continue;
-      SheetRecord& record = all[static_cast<std::size_t>(seen.sheet - 1)];
+    if (all.empty()) return all;
+    const int begin = all.front().number;
+    for (const AttemptTable::SheetRow& seen : attempts_.sheets(id, begin, all.back().number)) {
+      SheetRecord& record = all[static_cast<std::size_t>(seen.sheet - begin)];
       record.blank = seen.blank;
       record.segment = seen.segment;
       record.state = seen.state;

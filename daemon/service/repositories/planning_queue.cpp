@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -15,6 +17,11 @@ namespace {
 constexpr const char* kUsualMaterial = "paper-220";
 constexpr const char* kUsualMachine = "cameo3";
 constexpr std::size_t kMostHurried = 1000;
+constexpr std::size_t kMostWarnings = 200, kLongestWarning = 1000;
+// A plan that was being made each time when popcutd died may be why.
+constexpr int kMostBegun = 10;
+// Plans of one owner that are looked at for one that is not being made already.
+constexpr int kLooked = 8;
 // Beside a plan's options as they were given: the row that the SVG profile had then.
 constexpr const char* kProfileRow = "svg-profile-row";
 
@@ -37,7 +44,11 @@ PlanRecord record_of(const PlanRow& row, std::vector<SheetPlan> sheets) {
           .sheets = std::move(sheets),
           .warnings = row.warnings,
           .error = row.error,
-          .created = row.created};
+          .created = row.created,
+          .sheets_total = row.sheets,
+          .paths = row.paths,
+          .length_mm = row.cut_mm,
+          .est_s = {row.low_s, row.high_s}};
 }
 
 // The files of a plan, before anyone hears of it. Runs on a thread of the planner's.
@@ -56,6 +67,13 @@ Result<PlanningOutcome> with_files_kept(Result<PlanningOutcome> outcome,
   if (Result<void> kept = write_folder(folder, files); !kept) return tl::unexpected(kept.error());
   outcome->files.clear();
   outcome->files.shrink_to_fit();
+  std::vector<std::string>& warnings = outcome->warnings;
+  if (warnings.size() > kMostWarnings) {
+    warnings.resize(kMostWarnings);
+    warnings.emplace_back("and more");
+  }
+  for (std::string& warning : warnings)
+    if (warning.size() > kLongestWarning) warning.resize(kLongestWarning);
   return outcome;
 }
 
@@ -122,18 +140,18 @@ Answer<PlanRecord> PlanningQueue::request(const Principal& who, const PlanReques
     return refuse(ProblemKind::Forbidden, "only a submitter may plan designs");
   return parts_.store.change([&]() -> Answer<PlanRecord> {
     if (const auto room = parts_.store.accepts_work(); !room) return tl::unexpected(room.error());
-    const Answer<PlanRow> plan = plan_for(request);
+    const Answer<PlanRow> plan = plan_for(who, request);
     if (!plan) return tl::unexpected(plan.error());
     if (plan->state == PlanState::Pending)
-      parts_.store.after_commit([this, id = plan->id] {
-        hurry(id);
+      parts_.store.after_commit([this, id = plan->id, owner = who.name] {
+        hurry(id, owner);
         pump();
       });
     return find(plan->id);
   });
 }
 
-Answer<PlanRow> PlanningQueue::plan_for(const PlanRequest& request) {
+Answer<PlanRow> PlanningQueue::plan_for(const Principal& who, const PlanRequest& request) {
   const Answer<Design> design = parts_.designs.find(request.design);
   if (!design) {
     if (design.error().kind != ProblemKind::NotFound) return tl::unexpected(design.error());
@@ -158,34 +176,47 @@ Answer<PlanRow> PlanningQueue::plan_for(const PlanRequest& request) {
   if (const auto named = options.find("svg-profile"); named != options.end())
     if (std::string own = parts_.materials.profile_row(named->second); !own.empty())
       options[kProfileRow] = std::move(own);
-  return find_or_add({.id = {},
-                      .key = {},
-                      .kind = "design",
-                      .design = design->id,
-                      .material = material,
-                      .machine = machine->name,
-                      .options = nlohmann::json(options).dump(),
-                      .machine_json = machine->json,
-                      .material_json = row->json});
+  return find_or_add(who, {.id = {},
+                           .key = {},
+                           .kind = "design",
+                           .design = design->id,
+                           .material = material,
+                           .machine = machine->name,
+                           .options = nlohmann::json(options).dump(),
+                           .machine_json = machine->json,
+                           .material_json = row->json});
 }
 
-Answer<PlanRow> PlanningQueue::test_plan_for(const std::string& device,
+Answer<PlanRow> PlanningQueue::test_plan_for(const Principal& who, const std::string& device,
                                              const std::string& material) {
   const Answer<MaterialRecord> row = material_named(material.empty() ? kUsualMaterial : material);
   if (!row) return tl::unexpected(row.error());
   const Answer<Machine> machine = machine_for(device, "");
   if (!machine) return tl::unexpected(machine.error());
-  return find_or_add({.id = {},
-                      .key = {},
-                      .kind = "test",
-                      .design = "",
-                      .material = row->id,
-                      .machine = machine->name,
-                      .machine_json = machine->json,
-                      .material_json = row->json});
+  return find_or_add(who, {.id = {},
+                           .key = {},
+                           .kind = "test",
+                           .design = "",
+                           .material = row->id,
+                           .machine = machine->name,
+                           .machine_json = machine->json,
+                           .material_json = row->json});
 }
 
-Answer<PlanRow> PlanningQueue::find_or_add(PlanRow row) {
+Answer<void> PlanningQueue::await(const Principal& who, const PlanRow& plan) {
+  if (plan.state != PlanState::Pending || plans_.has_asked(plan.id, who.name)) return {};
+  if (const std::int64_t own = plans_.asked_by(who.name); own >= parts_.options.plans_each) {
+    Problem full{
+        ProblemKind::QueueFull,
+        fmt::format("{} plans of yours are waiting; try again when some of them are made", own)};
+    full.retry_after_s = 60;
+    return tl::unexpected(std::move(full));
+  }
+  plans_.ask(plan.id, who.name);
+  return {};
+}
+
+Answer<PlanRow> PlanningQueue::find_or_add(const Principal& who, PlanRow row) {
   ServiceStore& store = parts_.store;
   Sha256 key;
   for (const std::string* part :
@@ -194,7 +225,10 @@ Answer<PlanRow> PlanningQueue::find_or_add(PlanRow row) {
     key.add(std::string_view("\0", 1));
   }
   row.key = key.hex();
-  if (auto before = plans_.find_key(row.key)) return *before;
+  if (auto before = plans_.find_key(row.key)) {
+    if (const auto fine = await(who, *before); !fine) return tl::unexpected(fine.error());
+    return *before;
+  }
   const std::int64_t waiting = store.db().number("SELECT count(*) FROM plan WHERE state='pending'");
   if (waiting >= parts_.options.queue_jobs) {
     Problem full{ProblemKind::QueueFull,
@@ -205,29 +239,56 @@ Answer<PlanRow> PlanningQueue::find_or_add(PlanRow row) {
   row.id = store.new_id();
   row.created = store.now();
   plans_.insert(row);
+  if (const auto fine = await(who, row); !fine) return tl::unexpected(fine.error());
   store.after_commit([this] { pump(); });
   return row;
 }
 
-void PlanningQueue::hurry(const std::string& plan) {
+void PlanningQueue::hurry(const std::string& plan, const std::string& owner) {
   if (hurried_.size() >= kMostHurried) return;
-  hurried_.push_back(plan);
+  hurried_.push_back({plan, owner});
   asked_.insert(plan);
 }
 
-std::string PlanningQueue::next() {
-  while (!hurried_.empty()) {
-    const std::string id = hurried_.front();
-    hurried_.pop_front();
+// The first that `owner` waits for: what was asked for by itself, then what jobs wait for, in the
+// order of the queue.
+std::string PlanningQueue::next_of(const std::string& owner) {
+  const auto is_free = [&](const std::string& id) {
+    if (running_.contains(id)) return false;
     const auto plan = plans_.find(id);
-    if (plan && plan->state == PlanState::Pending && !running_.contains(id)) return id;
+    return plan && plan->state == PlanState::Pending;
+  };
+  for (auto one = hurried_.begin(); one != hurried_.end();) {
+    if (one->owner != owner) {
+      ++one;
+      continue;
+    }
+    const std::string id = one->plan;
+    one = hurried_.erase(one);
+    if (is_free(id)) return id;
   }
-  // The first job in the queue waits for it; a job whose plan is being made is not queued any more.
-  Rows first = parts_.store.db().rows(
-      "SELECT job.plan FROM job JOIN plan ON plan.id=job.plan WHERE job.state='queued' AND "
-      "plan.state='pending' ORDER BY job.priority DESC, job.position");
-  while (first.next())
-    if (!running_.contains(first.text(0))) return first.text(0);
+  for (const std::string& id :
+       plans_.wanted_by(owner, std::max(kLooked, static_cast<int>(running_.size()) + 1)))
+    if (is_free(id)) return id;
+  return {};
+}
+
+// All who wait get their turn, one after another, however much one of them has queued.
+std::string PlanningQueue::next() {
+  const std::string first = turn_of_;
+  for (bool wrapped = false;;) {
+    const auto owner = plans_.asker_after(turn_of_);
+    if (owner && !(wrapped && *owner > first)) {
+      turn_of_ = *owner;
+      if (std::string id = next_of(*owner); !id.empty()) return id;
+    } else if (wrapped) {
+      break;
+    } else {
+      wrapped = true;
+      turn_of_.clear();
+    }
+  }
+  // Nobody is known to wait for it: what salvage brought back.
   for (const std::string& id : plans_.pending(static_cast<int>(running_.size()) + 1))
     if (!running_.contains(id)) return id;
   return {};
@@ -248,6 +309,11 @@ void PlanningQueue::pump() {
 bool PlanningQueue::start(const std::string& id) {
   const auto plan = plans_.find(id);
   if (!plan) return false;
+  if (plan->begun >= kMostBegun) {
+    fail_plan(id, fmt::format("popcutd ended {} times while it was made; please report the design",
+                              plan->begun));
+    return true;
+  }
   PlanningTask task;
   if (plan->kind == "test") {
     task.kind = PlanningTask::Kind::TestCut;
@@ -264,6 +330,12 @@ bool PlanningQueue::start(const std::string& id) {
   task.material_json = plan->material_json;
   task.options = words_of(plan->options);
   if (auto own = task.options.extract(kProfileRow)) task.profile_json = std::move(own.mapped());
+  // Before it begins: if popcutd dies of it, the next start knows.
+  const Answer<void> noted = parts_.store.change([&]() -> Answer<void> {
+    plans_.set_begun(id, plan->begun + 1);
+    return {};
+  });
+  if (!noted) return false;
   running_[id] = 0;
   // It may be over before its number is known, but what is posted runs only after this.
   running_[id] = parts_.planner.start(
@@ -280,42 +352,79 @@ bool PlanningQueue::start(const std::string& id) {
 }
 
 void PlanningQueue::over(const std::string& id, Result<PlanningOutcome> outcome) {
-  running_.erase(id);
+  name_turn("plan ended");
   if (is_removed(id)) {
-    remove_tree(folder_of(id));
+    running_.erase(id);
+    parts_.aside.remove(folder_of(id));
     return pump();
   }
   if (!outcome && outcome.error().kind == ErrorKind::Unwritable) {
+    running_.erase(id);
     // It stays pending and is made again once there is room.
+    ended_in_order(id);
     parts_.store.note_full();
     parts_.store.log(message(outcome.error()));
     return;
   }
   if (!outcome) {
+    running_.erase(id);
     const bool unwanted = outcome.error().kind == ErrorKind::Refused;
     // Cancelled because nobody waited; if somebody does again by now, it is made again.
     if (!unwanted || !awaited(id))
       fail_plan(id, unwanted ? "it was no longer needed" : message(outcome.error()));
+    else
+      ended_in_order(id);
     return pump();
   }
   if (const std::string fault = fault_of(*outcome, parts_.options.sheets_per_job); !fault.empty()) {
-    remove_tree(folder_of(id));
+    running_.erase(id);
+    parts_.aside.remove(folder_of(id));
     fail_plan(id, fault);
     return pump();
   }
-  asked_.erase(id);
+  keep(id, std::make_shared<PlanningOutcome>(std::move(*outcome)), 0);
+}
+
+void PlanningQueue::ended_in_order(const std::string& id) {
+  (void)parts_.store.change([&]() -> Answer<void> {
+    plans_.set_begun(id, 0);
+    return {};
+  });
+}
+
+// A part of the sheets in each turn; only the last one makes them a plan.
+void PlanningQueue::keep(const std::string& id, const std::shared_ptr<PlanningOutcome>& made,
+                         std::size_t from) {
+  name_turn("plan ended");
+  const std::span<const SheetPlan> sheets(made->sheets);
+  const std::size_t count = std::min<std::size_t>(kSheetsAtOnce, sheets.size() - from);
+  const bool is_last = from + count == sheets.size();
+  bool is_gone = false;
   const Answer<void> stored = parts_.store.change([&]() -> Answer<void> {
     auto plan = plans_.find(id);
-    if (!plan || plan->state != PlanState::Pending) return {};
+    is_gone = !plan || plan->state != PlanState::Pending;
+    if (is_gone) return {};
+    plans_.put_sheets(id, sheets.subspan(from, count));
+    if (!is_last) return {};
     plan->state = PlanState::Planned;
-    plan->sha256 = outcome->sha256;
-    plan->warnings = outcome->warnings;
-    add_totals(*plan, outcome->sheets);
-    plans_.finish(*plan, outcome->sheets);
+    plan->sha256 = made->sha256;
+    plan->warnings = made->warnings;
+    add_totals(*plan, made->sheets);
+    plans_.finish(*plan);
     parts_.store.emit("notice", "", fmt::format(R"("plan":"{}","state":"planned")", id));
     return {};
   });
-  if (stored && ended) ended(id);
+  if (stored && !is_gone && !is_last) {
+    parts_.thread.post(ServiceThread::Lane::Asking, [this, id, made, next = from + count,
+                                                     alive = std::weak_ptr<void>(parts_.alive)] {
+      if (const auto here = alive.lock()) keep(id, made, next);
+    });
+    return;
+  }
+  running_.erase(id);
+  asked_.erase(id);
+  if (is_gone && is_removed(id)) parts_.aside.remove(folder_of(id));
+  if (stored && !is_gone && ended) ended(id);
   pump();
 }
 
@@ -326,7 +435,8 @@ void PlanningQueue::fail_plan(const std::string& id, const std::string& why) {
     if (!plan || plan->state != PlanState::Pending) return {};
     plan->state = PlanState::Failed;
     plan->error = why;
-    plans_.finish(*plan, {});
+    plan->sheets = 0;
+    plans_.finish(*plan);
     parts_.store.emit(
         "notice", "",
         fmt::format(R"("plan":"{}","state":"failed","error":{})", id, json_text(why)));
@@ -370,25 +480,56 @@ Answer<void> PlanningQueue::remove(const Principal& who, const std::string& id) 
 }
 
 void PlanningQueue::remove_all_of(const std::string& design) {
-  for (const std::string& id :
-       all_of(parts_.store.db().rows("SELECT id FROM plan WHERE design=? AND id NOT IN (SELECT "
-                                     "plan FROM job WHERE job.plan = "
-                                     "plan.id)",
-                                     design),
-              first_text))
-    forget(id);
+  if (!remove_some_of(design))
+    parts_.store.after_commit([this, design] { remove_more_of(design); });
+}
+
+// A few, whose sheets are not many together; true: there are no more.
+bool PlanningQueue::remove_some_of(const std::string& design) {
+  constexpr int kAtOnce = 50, kMostSheets = 2000;
+  std::vector<std::string> ids;
+  std::int64_t sheets = 0;
+  Rows rows = parts_.store.db().rows(
+      "SELECT id, sheets FROM plan WHERE design=? AND NOT EXISTS (SELECT 1 FROM job WHERE job.plan "
+      "= plan.id) LIMIT ?",
+      design, kAtOnce + 1);
+  bool more = false;
+  while (rows.next()) {
+    more = !ids.empty() && (ids.size() == kAtOnce || sheets + rows.integer(1) > kMostSheets);
+    if (more) break;
+    sheets += rows.integer(1);
+    ids.push_back(rows.text(0));
+  }
+  for (const std::string& id : ids) forget(id);
+  return !more;
+}
+
+void PlanningQueue::remove_more_of(const std::string& design) {
+  parts_.thread.post(ServiceThread::Lane::Asking,
+                     [this, design, alive = std::weak_ptr<void>(parts_.alive)] {
+                       const auto here = alive.lock();
+                       if (!here) return;
+                       name_turn("plans of a removed design");
+                       bool all = true;
+                       const Answer<void> removed = parts_.store.change([&]() -> Answer<void> {
+                         // Uploaded again meanwhile, it may have new ones.
+                         all = parts_.designs.find(design).has_value() || remove_some_of(design);
+                         return {};
+                       });
+                       if (removed && !all) remove_more_of(design);
+                     });
 }
 
 void PlanningQueue::forget(const std::string& id) {
   parts_.store.db().run("DELETE FROM plan WHERE id=?", id);
   parts_.store.after_commit([this, id] {
     asked_.erase(id);
-    std::erase(hurried_, id);
+    std::erase_if(hurried_, [&](const Hurried& one) { return one.plan == id; });
     // What a planner still makes of it goes when that is over.
     if (const auto found = running_.find(id); found != running_.end())
       parts_.planner.cancel(found->second);
     else
-      remove_tree(folder_of(id));
+      parts_.aside.remove(folder_of(id));
   });
 }
 
@@ -412,8 +553,33 @@ Answer<PlanRecord> PlanningQueue::find(const std::string& id) {
   return parts_.store.look([&]() -> Answer<PlanRecord> {
     const auto plan = plans_.find(id);
     if (!plan) return refuse(ProblemKind::NotFound, fmt::format("there is no plan {:?}", id));
-    return record_of(*plan, plans_.sheets(id));
+    const bool few = plan->sheets <= kSheetsAtOnce;
+    return record_of(*plan, few ? plans_.sheets(id, 0, kSheetsAtOnce) : std::vector<SheetPlan>());
   });
+}
+
+void PlanningQueue::whole(const std::string& id, std::function<void(Answer<PlanRecord>)> done) {
+  Answer<PlanRecord> found = find(id);
+  if (!found || found->sheets_total <= kSheetsAtOnce || found->state != PlanState::Planned)
+    return done(std::move(found));
+  read_on(std::make_shared<PlanRecord>(std::move(*found)), done);
+}
+
+void PlanningQueue::read_on(const std::shared_ptr<PlanRecord>& record,
+                            const std::function<void(Answer<PlanRecord>)>& done) {
+  name_turn("sheets of a plan");
+  const Answer<bool> more = parts_.store.look([&]() -> Answer<bool> {
+    std::vector<SheetPlan> some =
+        plans_.sheets(record->id, static_cast<int>(record->sheets.size()), kSheetsAtOnce);
+    std::move(some.begin(), some.end(), std::back_inserter(record->sheets));
+    return static_cast<int>(record->sheets.size()) < record->sheets_total && !some.empty();
+  });
+  if (!more) return done(tl::unexpected(more.error()));
+  if (!*more) return done(std::move(*record));
+  parts_.thread.post(ServiceThread::Lane::Asking,
+                     [this, record, done, alive = std::weak_ptr<void>(parts_.alive)] {
+                       if (const auto here = alive.lock()) read_on(record, done);
+                     });
 }
 
 Answer<std::string> PlanningQueue::file(const std::string& id, const std::string& name) {

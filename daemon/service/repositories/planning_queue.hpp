@@ -16,14 +16,16 @@
 
 namespace popcut::daemon {
 
-/// Plans: made once for the same design and options, a few at a time, in the order of the queue.
-/// What waits is in the store; only what the planner has is in memory.
+/// Plans: made once for the same design and options, a few at a time. All who wait for plans get
+/// their turn, one after another, and for each of them the order of the queue holds. What waits is
+/// in the store; only what the planner has is in memory.
 class PlanningQueue : public Plans {
  public:
   struct Parts {
     ServiceStore& store;
     ServiceThread& thread;
     Planner& planner;
+    Aside& aside;
     DesignRepository& designs;
     MaterialRepository& materials;
     DeviceRegistry& devices;
@@ -34,17 +36,24 @@ class PlanningQueue : public Plans {
 
   Answer<PlanRecord> request(const Principal& who, const PlanRequest& request) override;
   Answer<PlanRecord> find(const std::string& id) override;
+  void whole(const std::string& id, std::function<void(Answer<PlanRecord>)> done) override;
   Answer<std::string> file(const std::string& id, const std::string& name) override;
   Answer<void> remove(const Principal& who, const std::string& id) override;
 
   /// The plan of a request, in a transaction: one that is there, or a new one that is made after
   /// the commit.
-  [[nodiscard]] Answer<PlanRow> plan_for(const PlanRequest& request);
+  ///
+  /// @retval QueueFull  too many wait, or too many of theirs
+  [[nodiscard]] Answer<PlanRow> plan_for(const Principal& who, const PlanRequest& request);
   /// That of a small test shape.
-  [[nodiscard]] Answer<PlanRow> test_plan_for(const std::string& device,
+  [[nodiscard]] Answer<PlanRow> test_plan_for(const Principal& who, const std::string& device,
                                               const std::string& material);
-  /// Makes this plan before those that only jobs wait for.
-  void hurry(const std::string& plan);
+  /// Notes that `who` waits for a plan, if it is not made yet; in a transaction.
+  ///
+  /// @retval QueueFull  they wait for too many
+  [[nodiscard]] Answer<void> await(const Principal& who, const PlanRow& plan);
+  /// Makes this plan before those that only jobs of `owner` wait for.
+  void hurry(const std::string& plan, const std::string& owner);
   /// Gives the planner as many plans as it accepts.
   void pump();
   /// Cancels a plan that no job waits for, unless it was requested by itself.
@@ -66,10 +75,20 @@ class PlanningQueue : public Plans {
   [[nodiscard]] Answer<Machine> machine_for(const std::string& device, const std::string& machine);
   /// @retval Validation  there is no such material
   [[nodiscard]] Answer<MaterialRecord> material_named(const std::string& name);
-  [[nodiscard]] Answer<PlanRow> find_or_add(PlanRow row);
+  struct Hurried {
+    std::string plan, owner;
+  };
+  [[nodiscard]] Answer<PlanRow> find_or_add(const Principal& who, PlanRow row);
   [[nodiscard]] std::string next();
+  [[nodiscard]] std::string next_of(const std::string& owner);
   bool start(const std::string& id);
   void over(const std::string& id, Result<PlanningOutcome> outcome);
+  void keep(const std::string& id, const std::shared_ptr<PlanningOutcome>& made, std::size_t from);
+  void ended_in_order(const std::string& id);
+  [[nodiscard]] bool remove_some_of(const std::string& design);
+  void remove_more_of(const std::string& design);
+  void read_on(const std::shared_ptr<PlanRecord>& record,
+               const std::function<void(Answer<PlanRecord>)>& done);
   [[nodiscard]] bool awaited(const std::string& plan);
   void fail_plan(const std::string& id, const std::string& why);
   void forget(const std::string& id);
@@ -78,7 +97,8 @@ class PlanningQueue : public Plans {
   Parts parts_;
   PlanTable plans_;
   std::map<std::string, std::uint64_t> running_;  ///< task of the planner by plan
-  std::deque<std::string> hurried_;
+  std::deque<Hurried> hurried_;
+  std::string turn_of_{};        ///< who had the last turn
   std::set<std::string> asked_;  ///< by themselves, not by a job
   bool stopped_{false};
 };

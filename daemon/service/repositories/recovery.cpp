@@ -193,9 +193,11 @@ class Recovery {
     JobFilter filter;
     filter.states = {state};
     // Each leaves its state, so the next few are the first ones.
+    std::string looked_to;
     for (;;) {
-      std::vector<JobRow> rows = jobs_.table().list(filter, "", 100);
-      if (rows.empty()) return;
+      const std::string after = looked_to;
+      std::vector<JobRow> rows = jobs_.table().list(filter, after, 100, looked_to);
+      if (rows.empty() && looked_to.empty()) return;
       for (JobRow& row : rows) {
         const std::string from(name_of(row.state));
         const Step step = step_of(row.state, JobEvent::Restarts);

@@ -1,19 +1,37 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "daemon/service/service_store.hpp"
+#include "daemon/service/service_thread.hpp"
 #include "daemon/store/job_table.hpp"
 
 namespace popcut::daemon {
 
 /// Seconds, millimetres and sheets of attempts that ended from `from` up to before `to`, by
-/// "owner", "device" or "material".
-[[nodiscard]] std::vector<UsageRow> usage_by(Database& database, std::optional<TimeMs> from,
-                                             std::optional<TimeMs> to, const std::string& by);
+/// "owner", "device" or "material"; of those that had ended when it was made.
+class UsageSum {
+ public:
+  UsageSum(Database& database, std::optional<TimeMs> from, std::optional<TimeMs> to,
+           const std::string& by);
+  /// Adds up as many attempts more; true: all.
+  ///
+  /// @throws StoreFault
+  [[nodiscard]] bool step(std::int64_t rows);
+  /// The sums, by key.
+  [[nodiscard]] std::vector<UsageRow> rows() const;
+
+ private:
+  Database& database_;
+  TimeMs from_, to_;
+  const char* column_;
+  std::int64_t at_{0}, last_;
+  std::map<std::string, UsageRow> sums_{};
+};
 
 /// What a sheet of a job took of a device.
 struct SheetUse {
@@ -28,5 +46,8 @@ void record_usage(ServiceStore& store, const JobRow& job, const SheetUse& use);
 /// Lines of OpenMetrics about jobs, devices and the store; no names of jobs or people.
 [[nodiscard]] std::string metrics_text(ServiceStore& store, JobTable& jobs,
                                        const std::vector<DeviceRecord>& devices);
+
+/// Lines of OpenMetrics about the turns of the service's thread.
+[[nodiscard]] std::string turns_text(const ServiceThread& thread);
 
 }  // namespace popcut::daemon

@@ -208,6 +208,76 @@ TEST_CASE("slow and silent clients lose their connection", "[daemon][http][slow]
   }
 }
 
+TEST_CASE("an upload that was quick at first may not be slow ever after", "[daemon][http][slow]") {
+  LiveServer server([](HttpOptions& options) {
+    options.limits.body_s = 0.3;
+    options.limits.upload_s = 1.2;
+  });
+  const auto begin = [&] {
+    RawConnection connection = server.connect();
+    connection.send(
+        server.request("POST", "/v1/designs", "submitter",
+                       "Content-Type: application/dxf\r\nContent-Length: 33000000\r\n"));
+    return connection;
+  };
+  SECTION("a megabyte at once, which would be a credit of seventeen minutes") {
+    RawConnection connection = begin();
+    CHECK(connection.send(std::string(1 << 20, 'x')));
+    CHECK(connection.closes(20));
+  }
+  SECTION("quick enough, but without end") {
+    RawConnection connection = begin();
+    const auto begun = std::chrono::steady_clock::now();
+    const std::string piece(2048, 'x');
+    while (connection.send(piece) && popcut::testing::seconds_since(begun) < 20)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    CHECK(popcut::testing::seconds_since(begun) < 20);
+    CHECK(popcut::testing::seconds_since(begun) > 1);  // ten times what it needs to be quick enough
+  }
+  CHECK(comes_true([&] { return server.spools() == 0; }));
+}
+
+TEST_CASE("one principal has at most half of the uploads and connections",
+          "[daemon][http][limits]") {
+  LiveServer server([](HttpOptions& options) {
+    options.limits.uploads = 4;
+    options.limits.connections = 8;
+  });
+  std::vector<RawConnection> held;
+  const auto hold = [&](const char* role) {
+    held.push_back(server.connect());
+    held.back().send(
+        server.request("POST", "/v1/designs", role,
+                       "Content-Type: application/dxf\r\nContent-Length: 33000000\r\n") +
+        "0\n");
+  };
+  const auto upload = [&](const char* role) {
+    return server.fetch("POST", "/v1/designs", role, "Content-Type: application/dxf\r\n", "0\nEOF");
+  };
+  hold("submitter");
+  hold("submitter");
+  REQUIRE(comes_true([&] { return server.spools() == 2; }));
+  const WireResponse third = upload("submitter");
+  CHECK(third.status == 503);
+  CHECK(third.headers.at("retry-after") == "1");
+  CHECK(third.body.find("2 uploads of yours") != std::string::npos);
+  CHECK(upload("operator").status == 201);
+  CHECK(server.fetch("GET", "/v1/devices", "submitter").status == 200);
+  // Connections that are busy with something else count, too.
+  const std::string id = new_job(server, JobState::Cutting);
+  for (int k = 0; k < 2; ++k) {
+    held.push_back(server.connect());
+    const std::string request =
+        server.request("POST", "/v1/jobs", "submitter", acting(), std::string(1000, ' '));
+    held.back().send(request.substr(0, request.size() - 500));
+  }
+  CHECK(comes_true([&] { return server.fetch("GET", "/v1/devices", "submitter").status == 503; }));
+  CHECK(server.fetch("GET", "/v1/jobs/" + id, "submitter").status == 200);  // to stop a knife
+  CHECK(server.fetch("GET", "/v1/devices", "operator").status == 200);
+  held.clear();
+  CHECK(comes_true([&] { return upload("submitter").status == 200; }));
+}
+
 TEST_CASE("a knife can be stopped even when all connections are in use", "[daemon][http][slow]") {
   LiveServer server([](HttpOptions& options) {
     options.limits.connections = 8;

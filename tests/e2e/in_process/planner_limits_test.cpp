@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <atomic>
 #include <chrono>
+#include <csignal>
+#include <set>
 #include <string>
+#include <thread>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -141,6 +144,38 @@ TEST_CASE("the daemon survives anything that a worker sends and reports it", "[d
   CHECK(bench.run("lingers"));
   CHECK(comes_true([] { return children().empty(); }));
   CHECK(comes_true([&] { return open_descriptors() == descriptors; }));
+}
+
+TEST_CASE("a planner that was killed from outside is tried again twice at most",
+          "[daemon][planner]") {
+  Bench bench(PlanningLimits{}, probe_program());
+  // Twice, and the third may end.
+  std::atomic<bool> stop{false};
+  std::atomic<int> kills{0};
+  std::thread killer([&] {
+    for (std::set<int> seen; kills < 2 && !stop;)
+      for (const int pid : children())
+        if (kills < 2 && seen.insert(pid).second &&
+            ::kill(pid, kills == 0 ? SIGKILL : SIGTERM) == 0)
+          ++kills;
+  });
+  const auto outcome = bench.run("naps");
+  stop = true;
+  killer.join();
+  INFO(why(outcome));
+  CHECK(outcome);
+  CHECK(kills == 2);
+  // Three times: that is enough, and the answer names the signal and how often.
+  const auto never = bench.run("killed");
+  REQUIRE_FALSE(never);
+  CHECK(never.error().kind == ErrorKind::Infeasible);
+  CHECK(never.error().detail.find("tried 3 times") != std::string::npos);
+  CHECK(never.error().detail.find("signal 9, then 9, then 9") != std::string::npos);
+  // A crash of its own is not tried again: it would come again.
+  const auto crashed = bench.run("dies");
+  REQUIRE_FALSE(crashed);
+  CHECK(crashed.error().detail.find("times") == std::string::npos);
+  CHECK(comes_true([] { return children().empty(); }));
 }
 
 TEST_CASE("a worker that takes too long is killed and the next one works", "[daemon][planner]") {

@@ -261,7 +261,7 @@ TEST_CASE("a machine that answers nothing needs a person to say done", "[daemon]
   CHECK(bad.state == JobState::Interrupted);
   const Job good = bench.act(ready.id, {.action = JobAction::ConfirmResult, .good = true}).value();
   CHECK(good.state == JobState::Done);
-  const auto usage = bench.on([](LiveService& s) { return s.operations.usage({}, {}, "device"); });
+  const auto usage = bench.usage("device");
   CHECK(usage.at(0).sheets == 1);
 }
 
@@ -420,7 +420,7 @@ TEST_CASE("stopping popcutd interrupts its cuts at the ends of their strokes",
 TEST_CASE("a program that differs from the planned one is not cut", "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
-  const std::string file = bench.folder() + "/plans/" + ready.plan + "/sheet-1.gpgl";
+  const std::string file = bench.folder() + "/plans/" + ready.plan + "/sheet-01.gpgl";
   const std::string bytes = read_whole(file, 10'000).value();
   std::string changed = bytes;
   changed[20] = 'x';

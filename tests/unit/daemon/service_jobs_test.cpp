@@ -36,8 +36,7 @@ TEST_CASE("a job goes from its design through all sheets to done", "[daemon][ser
   CHECK(done.actions.empty());
   CHECK(bench.cutters.knife().size() == 10);
 
-  const auto usage =
-      bench.on([](LiveService& service) { return service.operations.usage({}, {}, "owner"); });
+  const auto usage = bench.usage("owner");
   REQUIRE(usage.size() == 1);
   CHECK(usage[0].key == "uid:2");
   CHECK(usage[0].sheets == 2);

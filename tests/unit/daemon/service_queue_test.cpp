@@ -413,11 +413,10 @@ TEST_CASE("only finished jobs can be removed and their usage is kept", "[daemon]
   CHECK(remove(bench.other_student).error().kind == ProblemKind::Forbidden);
   REQUIRE(remove(bench.student));
   CHECK(remove(bench.student).error().kind == ProblemKind::NotFound);
-  CHECK(bench.on([](LiveService& s) { return s.operations.usage({}, {}, "owner").at(0).sheets; }) ==
-        1);
+  CHECK(bench.usage("owner").at(0).sheets == 1);
   REQUIRE(bench.on([&](LiveService& s) { return s.designs.remove(bench.student, ready.design); }));
-  CHECK(fs::is_empty(bench.folder() + "/designs"));
-  CHECK(bench.on([&](LiveService& s) { return s.operations.usage(1, 2, "device").empty(); }));
+  CHECK(bench.wait([&] { return fs::is_empty(bench.folder() + "/designs"); }));
+  CHECK(bench.usage("device", 1, 2).empty());
 }
 
 TEST_CASE("planning continues after a crash and finished plans are kept", "[daemon][service]") {

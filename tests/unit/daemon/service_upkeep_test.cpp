@@ -186,20 +186,15 @@ TEST_CASE("an admin backs the database up and checks it while nothing is cut",
           "[daemon][service]") {
   ServiceBench bench;
   const Job ready = bench.ready_job();
-  const std::string copy =
-      bench.on([&](LiveService& s) { return s.operations.backup(bench.admin).value(); });
+  const std::string copy = bench.backup(bench.admin).value();
   {
     Database database({.path = copy, .create = false, .exclusive_wal = false});
     CHECK(database.number("SELECT count(*) FROM job") == 1);
   }
-  CHECK(bench.on([&](LiveService& s) {
-    return s.operations.check_integrity(bench.admin).value();
-  }) == "ok");
-  CHECK(bench.on([&](LiveService& s) { return s.operations.backup(bench.tutor).error().kind; }) ==
-        ProblemKind::Forbidden);
+  CHECK(bench.check_integrity().value() == "ok");
+  CHECK(bench.backup(bench.tutor).error().kind == ProblemKind::Forbidden);
   bench.started(ready.id);
-  CHECK(bench.on([&](LiveService& s) { return s.operations.backup(bench.admin).error().kind; }) ==
-        ProblemKind::StateConflict);
+  CHECK(bench.backup(bench.admin).error().kind == ProblemKind::StateConflict);
   const std::string metrics = bench.on([](LiveService& s) { return s.operations.metrics(); });
   CHECK(metrics.find("popcut_jobs{state=\"cutting\"} 1\n") != std::string::npos);
   CHECK(metrics.find("popcut_db_commit_seconds_count") != std::string::npos);
