@@ -401,6 +401,23 @@ TEST_CASE("a backup made in operation can replace the database", "[daemon][store
   CHECK(tokens((*opened)->database()) == 1);
 }
 
+TEST_CASE("salvage of an older database brings all its tables over", "[daemon][store]") {
+  const ScratchFolder scratch;
+  {
+    auto store = open(scratch, {migrations().front()}).value();
+    add_token(store->database(), "old");
+  }
+  const auto done = salvage(scratch.path() + "/state");
+  REQUIRE(done);
+  for (const Salvage::Table& table : done->tables) {
+    CAPTURE(table.name);
+    CHECK(table.whole);
+    CHECK(table.refused == 0);
+  }
+  auto store = open(scratch).value();
+  CHECK(tokens(store->database()) == 1);
+}
+
 TEST_CASE("files that root salvages belong to the folder's owner", "[daemon][store]") {
   if (::geteuid() != 0) {
     WARN("skipped: only root can give files away");
