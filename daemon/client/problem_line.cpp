@@ -39,8 +39,8 @@ std::string commands(const Json& problem) {
   std::string all;
   for (const Json& way : *ways)
     if (const std::string line = command_line_for(way, job); !line.empty())
-      all += fmt::format("\n  {}", line);
-  return all.empty() ? all : "; possible now:" + all;
+      all += (all.empty() ? "" : ", or ") + line;
+  return all.empty() ? all : "; possible now: " + all;
 }
 
 /// What was given at `pointer`: as popcutd repeats it, else as it was sent; "" if neither has it.

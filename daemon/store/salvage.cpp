@@ -71,7 +71,9 @@ std::vector<Salvage::Table> bring_all(Database& from, Database& to) {
   std::vector<Salvage::Table> tables;
   Transaction all(to);
   for (const std::string_view name : table_names())
-    tables.push_back(bring_over(from, to, std::string(name)));
+    // An older database has fewer.
+    if (!columns_of(to, std::string(name), "1").empty())
+      tables.push_back(bring_over(from, to, std::string(name)));
   all.commit();
   to.checkpoint(true);
   return tables;

@@ -256,9 +256,7 @@ void add_token(CLI::App& app, const Globals& globals, Run& run) {
           "sessions", "List the sessions of pages; each ends with the token or user it is of"),
       run, [&globals] { return list_sessions(globals); });
   CLI::App* const remove = command->add_subcommand(
-      "delete",
-      "Delete a token, or end a session; it stops working at once, and so do the "
-      "sessions of it");
+      "delete", "Delete a token and its sessions, or end a session, at once");
   remove
       ->add_option("ID", options->id,
                    "An ID that 'popcut token list' or 'popcut token sessions' shows")

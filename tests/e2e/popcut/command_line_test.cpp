@@ -149,7 +149,7 @@ TEST_CASE("a mistyped word gets the nearest valid one suggested", "[cli][e2e]") 
       {{"jobs", "a", "b"}, "'b' is one argument too many; see 'popcut jobs --help'"},
       {{"db", "bakup"}, "'bakup' is not a command; did you mean backup?"},
       {{"db"}, "'popcut db' needs a command; one of backup, check, salvage"},
-      {{"token"}, "'popcut token' needs a command; one of create, list, delete"}};
+      {{"token"}, "'popcut token' needs a command; one of create, list, sessions, delete"}};
   for (const auto& [arguments, words] : wrong) {
     CAPTURE(arguments);
     const Ran ran = run(arguments);

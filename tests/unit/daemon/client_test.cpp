@@ -138,14 +138,11 @@ TEST_CASE("a problem of popcutd becomes one line that says what would be right",
           {"action":"arm","body":{"sheet":2,"blank":3,"device":"sim:a"}},
           {"action":"release","body":{"job":"01JD"}},{"action":"start","body":{"sheet":2}}]})";
   CHECK(message(error_from(whole, "job 01J")) ==
-        "job 01J: no; it is interrupted; possible now:\n"
-        "  popcut resume 01JD --from 6 --registration re-registered --skip-in-doubt\n"
-        "  popcut resume 01JD --from 4 --accept-double-cut\n"
-        "  popcut retry 01JD 2\n"
-        "  popcut confirm 01JD 2 good\n"
-        "  popcut arm 01JD 2 --blank 3 --device sim:a\n"
-        "  popcut release 01JD\n"
-        "  popcut start 01JD");
+        "job 01J: no; it is interrupted; possible now: "
+        "popcut resume 01JD --from 6 --registration re-registered --skip-in-doubt, or "
+        "popcut resume 01JD --from 4 --accept-double-cut, or popcut retry 01JD 2, or "
+        "popcut confirm 01JD 2 good, or popcut arm 01JD 2 --blank 3 --device sim:a, or "
+        "popcut release 01JD, or popcut start 01JD");
 }
 
 TEST_CASE("a wrong value of an option is a usage error that quotes it", "[client]") {

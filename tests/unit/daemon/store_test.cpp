@@ -532,6 +532,21 @@ TEST_CASE("the check of all pages can come after the start and damage is kept in
   // Now nothing is served before it is looked at.
   REQUIRE_FALSE(later());
   CHECK(later().error().kind == popcut::ErrorKind::Malformed);
+TEST_CASE("salvage of an older database brings all its tables over", "[daemon][store]") {
+  const ScratchFolder scratch;
+  {
+    auto store = open(scratch, {migrations().front()}).value();
+    add_token(store->database(), "old");
+  }
+  const auto done = salvage(scratch.path() + "/state");
+  REQUIRE(done);
+  for (const Salvage::Table& table : done->tables) {
+    CAPTURE(table.name);
+    CHECK(table.whole);
+    CHECK(table.refused == 0);
+  }
+  auto store = open(scratch).value();
+  CHECK(tokens(store->database()) == 1);
 }
 
 TEST_CASE("files that root salvages belong to the folder's owner", "[daemon][store]") {
