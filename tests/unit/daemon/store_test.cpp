@@ -532,6 +532,8 @@ TEST_CASE("the check of all pages can come after the start and damage is kept in
   // Now nothing is served before it is looked at.
   REQUIRE_FALSE(later());
   CHECK(later().error().kind == popcut::ErrorKind::Malformed);
+}
+
 TEST_CASE("salvage of an older database brings all its tables over", "[daemon][store]") {
   const ScratchFolder scratch;
   {
