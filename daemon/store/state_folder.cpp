@@ -119,8 +119,8 @@ Result<std::unique_ptr<StateFolder>> StateFolder::open(const std::string& path) 
     if (mkdir(path.c_str(), 0700) != 0 && errno != EEXIST)
       return system_error(path, "cannot be created");
   }
-  for (const char* inside : {"designs", "assets", "plans", "previews", "incoming", "backups",
-                             "intents", "witnesses"}) {
+  for (const char* inside :
+       {"designs", "assets", "plans", "previews", "incoming", "backups", "intents", "witnesses"}) {
     const std::string folder = path + "/" + inside;
     if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
       return system_error(folder, "cannot be created");

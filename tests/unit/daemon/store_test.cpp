@@ -221,7 +221,8 @@ TEST_CASE("a migration that fails leaves the database as it was", "[daemon][stor
   const ScratchFolder scratch;
   open(scratch)->reset();
   std::vector<Migration> broken = migrations();
-  broken.push_back({broken.back().version + 1, "ALTER TABLE material ADD COLUMN note TEXT; SELECT nonsense;"});
+  broken.push_back(
+      {broken.back().version + 1, "ALTER TABLE material ADD COLUMN note TEXT; SELECT nonsense;"});
   CHECK_FALSE(open(scratch, broken));
   const auto store = open(scratch);
   REQUIRE(store);
