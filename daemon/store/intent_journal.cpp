@@ -128,7 +128,8 @@ std::optional<Slot> read_slot(std::string_view bytes, std::size_t at) {
 }
 
 [[noreturn]] void fault(const std::string& path, const char* what) {
-  const bool full = errno == ENOSPC || errno == EDQUOT || errno == EFBIG;
+  // A folder that was moved away meanwhile has no room either, and the disk is sound.
+  const bool full = errno == ENOSPC || errno == EDQUOT || errno == EFBIG || errno == ENOENT;
   throw StoreFault(full ? FaultKind::Full : FaultKind::Io,
                    fmt::format("{}: {}: {}", path, what, std::strerror(errno)));
 }
