@@ -30,9 +30,8 @@ IntentVerdict verdict_on(const IntentClaims& claims) {
   };
   const bool counted = counts(claims);
   const std::int64_t none = claims.first - 1;
-  const std::int64_t known =
-      std::max({none, claims.recorded, journal.there ? journal.last : none,
-                witness.there ? witness.last : none});
+  const std::int64_t known = std::max({none, claims.recorded, journal.there ? journal.last : none,
+                                       witness.there ? witness.last : none});
   verdict.doubt_upto = std::min(counted ? known : claims.strokes - 1, claims.strokes - 1);
   if (!witness.there)
     lost("the witness of its intents is missing or damaged");

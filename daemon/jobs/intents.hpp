@@ -19,10 +19,10 @@ struct JournalClaim {
 /// What the witness of that journal says: how many intents there were. It has two slots, which are
 /// written in turn, so that a torn write leaves the one before.
 struct WitnessClaim {
-  bool there{false};            ///< its head and a slot are whole
-  bool whole{false};            ///< both slots are
-  std::int64_t records{0};      ///< of the newer slot
-  std::int64_t last{-1};        ///< last stroke of that intent
+  bool there{false};             ///< its head and a slot are whole
+  bool whole{false};             ///< both slots are
+  std::int64_t records{0};       ///< of the newer slot
+  std::int64_t last{-1};         ///< last stroke of that intent
   std::int64_t last_before{-1};  ///< of the slot before; only if `whole`
 };
 
@@ -31,7 +31,7 @@ struct WitnessClaim {
 /// all three before a byte of these strokes is sent.
 struct IntentClaims {
   std::int64_t first{0}, strokes{0};  ///< the attempt was to send strokes `first .. strokes - 1`
-  std::int64_t recorded{-1};          ///< last stroke that the database knows of; below `first`: none
+  std::int64_t recorded{-1};  ///< last stroke that the database knows of; below `first`: none
   JournalClaim journal{};
   WitnessClaim witness{};
 };

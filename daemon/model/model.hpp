@@ -137,7 +137,8 @@ struct SheetPlan {
   std::array<double, 2> seconds_range{};
   std::array<double, 2> area_mm{};
   std::string program_sha256;  ///< of `EncodedProgram::bytes`; checked again at START
-  /// Of the file that says what these bytes are for; likewise. Empty: an earlier popcutd planned it.
+  /// Of the file that says what these bytes are for; likewise. Empty: an earlier popcutd planned
+  /// it.
   std::string index_sha256{};
 };
 

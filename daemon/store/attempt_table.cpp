@@ -78,9 +78,9 @@ void AttemptTable::crash(const AttemptRow& attempt, TimeMs now, std::int64_t dou
                          const std::string& remark) {
   db_.run("UPDATE attempt SET ended=?, end_kind='crash', last_status=? WHERE id=?", now, remark,
           attempt.id);
-  const std::int64_t certain = db_.number(
-      "SELECT coalesce(max(path_to), -1) FROM chunk WHERE attempt=? AND state='certain'",
-      attempt.id);
+  const std::int64_t certain =
+      db_.number("SELECT coalesce(max(path_to), -1) FROM chunk WHERE attempt=? AND state='certain'",
+                 attempt.id);
   db_.run("DELETE FROM chunk WHERE attempt=? AND state!='certain'", attempt.id);
   put_chunk(attempt.id, 1, {std::max(attempt.first_stroke, certain + 1), doubt_upto}, "doubt");
 }

@@ -10,8 +10,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include "daemon/digest/digest.hpp"
 #include "daemon/store/database.hpp"
@@ -46,8 +46,7 @@ std::string record_text(std::int64_t number, std::int64_t last) {
 /// Reads what `record_text` wrote; false: it is something else.
 bool read_record(std::string_view text, std::int64_t& number, std::int64_t& last) {
   const auto whole = [](std::string_view digits, std::int64_t& value) {
-    const auto [end, error] =
-        std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     return error == std::errc{} && end == digits.data() + digits.size();
   };
   if (text.size() != 22 || text[9] != ' ' || !whole(text.substr(0, 9), number) ||
@@ -129,7 +128,8 @@ std::optional<Slot> read_slot(std::string_view bytes, std::size_t at) {
 }
 
 [[noreturn]] void fault(const std::string& path, const char* what) {
-  const bool full = errno == ENOSPC || errno == EDQUOT || errno == EFBIG;
+  // A folder that was moved away meanwhile has no room either, and the disk is sound.
+  const bool full = errno == ENOSPC || errno == EDQUOT || errno == EFBIG || errno == ENOENT;
   throw StoreFault(full ? FaultKind::Full : FaultKind::Io,
                    fmt::format("{}: {}: {}", path, what, std::strerror(errno)));
 }
@@ -198,8 +198,7 @@ IntentTrail read_trail(const StateFolder& folder, const std::string& attempt) {
     for (std::size_t at = kHeadBytes; at + kRecordBytes <= list.size(); at += kRecordBytes) {
       const std::string_view record = std::string_view(list).substr(at, kRecordBytes);
       std::int64_t number = 0, last = 0;
-      if (!read_record(record.substr(0, 22), number, last) ||
-          number != trail.journal.records + 1 ||
+      if (!read_record(record.substr(0, 22), number, last) || number != trail.journal.records + 1 ||
           record.substr(23, kDigestDigits) != digest_of(chain, record.substr(0, 22)))
         break;
       chain = record.substr(23, kDigestDigits);

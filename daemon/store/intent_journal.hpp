@@ -24,8 +24,8 @@ struct IntentHead {
   TimeMs created{};
 };
 
-/// The intents of one attempt, beside the database: STATE/intents/ATTEMPT is a list to which records
-/// are added, and STATE/witnesses/ATTEMPT counts them.
+/// The intents of one attempt, beside the database: STATE/intents/ATTEMPT is a list to which
+/// records are added, and STATE/witnesses/ATTEMPT counts them.
 ///
 /// A list is its head and then records of one size: "NUMBER LAST DIGEST\n", where the digest covers
 /// the record and the digest before it. A witness is the same head and two slots, written in turn,
@@ -44,8 +44,8 @@ class IntentJournal {
 
   /// The database knows the attempt.
   void keep() { kept_ = true; }
-  /// Writes down that strokes up to `last` are about to be sent: on the disk when this returns. On a
-  /// full disk it can be called again; after a failed one nothing more is written.
+  /// Writes down that strokes up to `last` are about to be sent: on the disk when this returns. On
+  /// a full disk it can be called again; after a failed one nothing more is written.
   void intend(std::int64_t last);
 
  private:

@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 
 #include <catch2/catch.hpp>
 
+#include "daemon/store/intent_journal.hpp"
 #include "tests/support/service_bench.hpp"
 
 namespace service_bench {
@@ -84,6 +86,38 @@ TEST_CASE("ten thousand jobs", "[daemon]") {
   std::printf("at the end: %.1f MB resident\n", resident_mb());
   bench.cutters.complete(bench.device);
   CHECK(bench.job(job.id).sheet == 2);
+}
+
+TEST_CASE("what an intent costs on a disk", "[daemon]") {
+  // Not in memory, as other tests: here the syncs are what is measured.
+  std::string place = (std::filesystem::temp_directory_path() / "popcut-XXXXXX").string();
+  if (mkdtemp(place.data()) == nullptr) throw std::runtime_error("no scratch folder");
+  {
+    auto store = Store::open({.folder = place + "/state"}).value();
+    Database& db = store->database();
+    IntentJournal journal(store->folder(), {.attempt = "01J00000000000000000000000",
+                                            .job = "01J00000000000000000000001",
+                                            .sheet = 1,
+                                            .strokes = 2000});
+    std::vector<double> in_database, beside;
+    for (int i = 0; i < 500; ++i) {
+      in_database.push_back(milliseconds([&] {
+        Transaction all(db);
+        db.run(
+            "INSERT OR REPLACE INTO audit(seq, time, principal, action, subject, detail) "
+            "VALUES(1, ?, '', '', '', '')",
+            i);
+        all.commit();
+      }));
+      beside.push_back(milliseconds([&] { journal.intend(i); }));
+    }
+    for (auto* times : {&in_database, &beside}) std::sort(times->begin(), times->end());
+    std::printf(
+        "intent in the database: p50 %.2f ms, p99 %.2f ms; beside it: p50 %.2f ms, "
+        "p99 %.2f ms\n",
+        in_database[250], in_database[495], beside[250], beside[495]);
+  }
+  std::filesystem::remove_all(place);
 }
 
 }  // namespace service_bench

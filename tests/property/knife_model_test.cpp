@@ -17,8 +17,8 @@ using popcut::test::Flaw;
 
 namespace {
 
-constexpr int kDepth = 9;       // in the suite; POPCUT_MODEL_DEPTH asks for another
-constexpr int kFlawDepth = 16;  // the first wrong state ends the search
+constexpr int kDepth = 6;      // in the suite; POPCUT_MODEL_DEPTH asks for another
+constexpr int kFlawDepth = 8;  // the first wrong state ends the search
 
 std::string told(const Exploration& found) {
   std::string text = fmt::format("{} states, {} steps, {} recoveries, depth {}", found.states,

@@ -17,7 +17,7 @@ namespace {
 
 using namespace popcut::daemon;
 
-constexpr int kStrokes = 3;
+constexpr int kStrokes = 2;
 constexpr int kBlanks = 2;
 constexpr std::size_t kAttempts = 3;
 
@@ -41,7 +41,7 @@ struct Trail {
   std::int8_t list{1}, records{0};  ///< the list: whether it is there, and its records
   std::int8_t counted{0};           ///< the witness
   std::array<std::int8_t, kStrokes + 1> lasts{};  ///< what each record says, from 1
-  std::int8_t ended{0};             ///< its end is committed
+  std::int8_t ended{0};                           ///< its end is committed
 };
 
 struct World {
@@ -82,13 +82,12 @@ std::string key_of(const World& world) {
   if (!world.in_step) put(key, world.kept);
   put(key, static_cast<std::int8_t>(world.trails.size()));
   for (const Trail& one : world.trails) {
-    for (const std::int8_t value : {one.id, one.blank, one.segment, one.first, one.list,
-                                    one.records, one.counted, one.ended})
+    for (const std::int8_t value :
+         {one.id, one.blank, one.segment, one.first, one.list, one.records, one.counted, one.ended})
       put(key, value);
     for (const std::int8_t last : one.lasts) put(key, last);
   }
-  for (const std::int8_t value : {world.intended, world.taken, world.next_id})
-    put(key, value);
+  for (const std::int8_t value : {world.intended, world.taken, world.next_id}) put(key, value);
   put(key, world.cutting);
   put(key, world.armed);
   for (const auto& counts : {world.cut, world.allowed})
@@ -224,7 +223,6 @@ class Explorer {
       World after = world;
       switch (action) {
         case JobAction::Start:
-          start(world);
           break;
         case JobAction::Pause:
           base.pausing = 1;
@@ -243,10 +241,13 @@ class Explorer {
             take(base, step);
           commit(after, base, "a person cancels");
           break;
-        case JobAction::Arm:
         case JobAction::Disarm:
+          break;  // armed is what a step goes through
+        case JobAction::Arm:
           take(base, step);
-          commit(after, base, action == JobAction::Arm ? "a person arms" : "a person disarms");
+          after.now = base;
+          recover(after, "a person arms, popcutd dies");
+          if (step_of(facts_of(base), JobAction::Start) != Step::Refused) start(after);
           break;
         case JobAction::ConfirmResult: {
           bool not_sent = false;
@@ -262,7 +263,7 @@ class Explorer {
           if (base.blank == kBlanks) break;
           ++base.blank;
           base.segment = 1;
-          base.first = 0;
+          base.first = base.said = 0;
           take(base, step == Step::Stays ? Step::ToReady : step);
           commit(after, base, "a person takes a new blank");
           break;
@@ -287,20 +288,20 @@ class Explorer {
       for (const unsigned words : {0U, 1U, 2U}) {
         const bool twice = (words & 1U) != 0;
         const bool skip = (words & 2U) != 0;
-        const bool may =
-            may_resume(runs_of(world.now, world.now.blank),
-                       {.from_path = from,
-                        .re_registered = true,
-                        .accept_double_cut = twice || flaw_ == Flaw::ResumesOverDoubt,
-                        .skip_in_doubt = skip},
-                       {.strokes = kStrokes, .same_device_session = false})
-                .has_value();
+        const bool may = may_resume(runs_of(world.now, world.now.blank),
+                                    {.from_path = from,
+                                     .re_registered = true,
+                                     .accept_double_cut = twice || flaw_ == Flaw::ResumesOverDoubt,
+                                     .skip_in_doubt = skip},
+                                    {.strokes = kStrokes, .same_device_session = false})
+                             .has_value();
         if (!may) continue;
         World after = world;
         Base base = world.now;
         base.segment = static_cast<std::int8_t>(last->segment + 1);
         base.first = static_cast<std::int8_t>(from);
         base.state = JobState::Ready;
+        if (skip) base.said = 1;  // that these may stay uncut
         if (twice)
           for (int k = from; k < kStrokes; ++k) {
             auto& allowed = after.allowed.at(static_cast<std::size_t>(base.blank))
@@ -327,14 +328,20 @@ class Explorer {
     ++after.next_id;
     after.trails.push_back(trail);
     recover(after, "popcutd dies while it starts the cut");
-    base.attempts.push_back({.id = trail.id,
-                             .blank = base.blank,
-                             .segment = base.segment,
-                             .first = base.first});
+    base.attempts.push_back(
+        {.id = trail.id, .blank = base.blank, .segment = base.segment, .first = base.first});
     take(base, Step::ToCutting);
     after.cutting = true;
     after.intended = after.taken = static_cast<std::int8_t>(base.first - 1);
-    commit(after, base, "a person starts");
+    commit(after, base, "a person arms and starts");
+  }
+
+  static World with_a_stroke(World world) {
+    ++world.taken;
+    auto& cut = world.cut.at(static_cast<std::size_t>(world.now.blank))
+                    .at(static_cast<std::size_t>(world.taken));
+    cut = static_cast<std::int8_t>(std::min(4, cut + 1));
+    return world;
   }
 
   void cutters_acts(const World& world) {
@@ -355,17 +362,20 @@ class Explorer {
       after.intended = attempt.recorded = wanted;
       set_fates(attempt, attempt.first, wanted, PathFate::InDoubt);
       set_fates(attempt, attempt.first, world.taken - 1, PathFate::Certain);
-      commit(after, base, fmt::format("the intent of {} is recorded", wanted));
+      for (const bool behind : {false, true}) {
+        World recorded = after;
+        if (behind && !recorded.in_step) continue;
+        if (behind) {
+          recorded.kept = recorded.now;
+          recorded.in_step = false;
+        }
+        recorded.now = base;
+        recover(recorded, fmt::format("popcutd dies with the intent of {} recorded", wanted));
+        next(with_a_stroke(recorded), fmt::format("stroke {} is intended and taken", wanted));
+      }
     }
-    const bool early = flaw_ == Flaw::SendsBeforeIntent && wanted < kStrokes;
-    if (world.taken < world.intended + (early ? 1 : 0)) {
-      after = world;
-      ++after.taken;
-      auto& cut = after.cut.at(static_cast<std::size_t>(world.now.blank))
-                      .at(static_cast<std::size_t>(after.taken));
-      cut = static_cast<std::int8_t>(std::min(4, cut + 1));
-      next(after, fmt::format("the cutter takes stroke {}", after.taken));
-    }
+    if (flaw_ == Flaw::SendsBeforeIntent && world.taken == world.intended && wanted < kStrokes)
+      next(with_a_stroke(world), fmt::format("the cutter takes stroke {} early", wanted));
     if (base.pausing != 0 && base.state == JobState::Cutting) {
       Base held = world.now;
       take(held, step_of(held.state, JobEvent::CutHeld));
@@ -385,7 +395,7 @@ class Explorer {
       attempt.open = 0;
       take(base, step_of(base.state, event));
       after.cutting = false;
-        after.intended = after.taken = -1;
+      after.intended = after.taken = -1;
       after.trails.back().ended = 1;
       if (flaw_ == Flaw::ForgetsAtTheEnd) after.trails.pop_back();
       commit(after, base, what);
@@ -429,8 +439,7 @@ class Explorer {
       const bool known = std::any_of(left.now.attempts.begin(), left.now.attempts.end(),
                                      [&](const Attempt& one) { return one.id == whole.id; });
       for (int records = -1; records <= whole.records; ++records)
-        for (const Witness witness :
-             {Witness::Whole, Witness::Torn, Witness::Old, Witness::Gone}) {
+        for (const Witness witness : {Witness::Whole, Witness::Torn, Witness::Old, Witness::Gone}) {
           const bool list_hurt = records < whole.records;
           if (witness == Witness::Gone && records < 0 && !known) continue;
           if (witness == Witness::Old && (list_hurt || whole.counted == 0)) continue;
@@ -438,9 +447,10 @@ class Explorer {
           damaged.trails.back().list = records < 0 ? 0 : 1;
           damaged.trails.back().records = static_cast<std::int8_t>(std::max(0, records));
           restart(damaged, witness,
-                  told + (records < 0 ? ", the journal is gone"
-                          : list_hurt ? ", the journal loses its end"
-                                      : "") +
+                  told +
+                      (records < 0 ? ", the journal is gone"
+                       : list_hurt ? ", the journal loses its end"
+                                   : "") +
                       (witness == Witness::Torn   ? ", the witness is torn"
                        : witness == Witness::Old  ? ", the witness is an old one"
                        : witness == Witness::Gone ? ", the witness is gone"
@@ -455,8 +465,7 @@ class Explorer {
       return trail.lasts.at(static_cast<std::size_t>(record));
     };
     IntentClaims claims{.first = trail.first, .strokes = kStrokes, .recorded = recorded};
-    if (trail.list != 0)
-      claims.journal = {true, trail.records, last_of(trail.records)};
+    if (trail.list != 0) claims.journal = {true, trail.records, last_of(trail.records)};
     int counted = trail.counted;
     bool torn = false;
     if (newest && witness == Witness::Old) --counted;
@@ -497,23 +506,23 @@ class Explorer {
       const std::array<std::int8_t, kStrokes> fates = one.fates;
       set_fates(one, one.first, static_cast<int>(doubt_upto), PathFate::InDoubt);
       for (std::size_t k = 0; k < kStrokes; ++k)
-        if (fates.at(k) == static_cast<std::int8_t>(PathFate::Certain)) one.fates.at(k) = fates.at(k);
+        if (fates.at(k) == static_cast<std::int8_t>(PathFate::Certain))
+          one.fates.at(k) = fates.at(k);
       one.open = 0;
       if (trail != world.trails.end()) trail->ended = 1;
     }
     std::vector<Trail> left;
     for (const Trail& trail : world.trails) {
-      const bool known =
-          std::any_of(base.attempts.begin(), base.attempts.end(),
-                      [&](const Attempt& one) { return one.id == trail.id; });
+      const bool known = std::any_of(base.attempts.begin(), base.attempts.end(),
+                                     [&](const Attempt& one) { return one.id == trail.id; });
       if (known) {
         left.push_back(trail);
         left.back().ended = 1;
         continue;
       }
       if (flaw_ == Flaw::DatabaseOnly || flaw_ == Flaw::IgnoresJournal) continue;
-      if (surfaces(base, trail, claims_of(trail, witness, &trail == &world.trails.back(),
-                                          trail.first - 1))) {
+      if (surfaces(base, trail,
+                   claims_of(trail, witness, &trail == &world.trails.back(), trail.first - 1))) {
         left.push_back(trail);
         left.back().ended = 1;
       }

@@ -48,8 +48,8 @@ class CutDispatcher::Journal final : public CutJournal {
     Result<void> done = tl::unexpected(given_up("popcutd is stopping"));
     const Clock::time_point begun = Clock::now();
     try {
-      // Here, not on the service's thread, which others wait for: first beside the database, then in
-      // it, so that neither can lose its end unnoticed.
+      // Here, not on the service's thread, which others wait for: first beside the database, then
+      // in it, so that neither can lose its end unnoticed.
       if (const Result<void> beside = intend_beside(last_stroke); !beside) return beside;
       thread_.run(ServiceThread::Lane::Cutting, [&] {
         const auto here = alive_.lock();
@@ -164,8 +164,8 @@ Answer<std::shared_ptr<CutDispatcher::Cut>> CutDispatcher::prepare(const JobRow&
   Result<ProgramShelf::Program>& stored = *found;
   if (!stored)
     return tl::unexpected(JobRepository::conflict(
-        row, "the stored program cannot be read; create the job again: " +
-                 message(stored.error())));
+        row,
+        "the stored program cannot be read; create the job again: " + message(stored.error())));
   // What was armed is what is cut: a stored program that changed is not.
   EncodedProgram* const program = &stored->stored.program;
   const bool same = stored->sha256 == sheet->program_sha256 &&
@@ -229,20 +229,19 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
   if (!cut) return tl::unexpected(cut.error());
   const TimeMs now = parts_.store.now();
   try {
-    (*cut)->intents =
-        parts_.intents.begin({.attempt = (*cut)->attempt,
-                              .job = row.id,
-                              .sheet = row.sheet,
-                              .blank = row.blank,
-                              .segment = row.segment,
-                              .first_stroke = (*cut)->first,
-                              .strokes = (*cut)->strokes,
-                              .device = row.device,
-                              .device_session = parts_.devices.session_of(row.device),
-                              .operator_name = who.name,
-                              .plan_sha256 = plan->sha256,
-                              .invocation = parts_.store.invocation(),
-                              .created = now});
+    (*cut)->intents = parts_.intents.begin({.attempt = (*cut)->attempt,
+                                            .job = row.id,
+                                            .sheet = row.sheet,
+                                            .blank = row.blank,
+                                            .segment = row.segment,
+                                            .first_stroke = (*cut)->first,
+                                            .strokes = (*cut)->strokes,
+                                            .device = row.device,
+                                            .device_session = parts_.devices.session_of(row.device),
+                                            .operator_name = who.name,
+                                            .plan_sha256 = plan->sha256,
+                                            .invocation = parts_.store.invocation(),
+                                            .created = now});
     attempts.insert({.id = (*cut)->attempt,
                      .job = row.id,
                      .sheet = row.sheet,

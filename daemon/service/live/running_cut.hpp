@@ -19,7 +19,7 @@ struct CutDispatcher::Cut {
   std::int64_t first{0}, strokes{0};
   SheetPlan plan;
   std::vector<std::uint32_t> dots;
-  CutOrder order;  ///< until it is handed over
+  CutOrder order;                          ///< until it is handed over
   std::unique_ptr<IntentJournal> intents;  ///< of the cutter's thread, once it is handed over
 
   // On the service's thread.

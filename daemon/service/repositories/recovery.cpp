@@ -49,8 +49,8 @@ class Recovery {
     for (const AttemptRow& open : attempts.open()) {
       IntentTrail trail;
       if (const auto found = trails_.extract(open.id)) trail = found.mapped();
-      const IntentVerdict verdict = verdict_on(claims_of(
-          trail, open.first_stroke, open.strokes, attempts.last_recorded(open.id)));
+      const IntentVerdict verdict = verdict_on(
+          claims_of(trail, open.first_stroke, open.strokes, attempts.last_recorded(open.id)));
       attempts.crash(open, store_.now(), verdict.doubt_upto, verdict.loss);
       ended_.push_back(open.id);
       Answer<JobRow> row = jobs_.row(open.job);
@@ -69,25 +69,26 @@ class Recovery {
   void surface(const std::string& attempt, const IntentTrail& trail) {
     if (jobs_.attempts().knows(attempt)) return ended_.push_back(attempt);
     if (!trail.head) {
-      store_.log(fmt::format("the journal {} is damaged and belongs to no attempt that is known; "
-                             "look at the sheets in the cutters before you start one",
-                             attempt));
+      store_.log(
+          fmt::format("the journal {} is damaged and belongs to no attempt that is known; "
+                      "look at the sheets in the cutters before you start one",
+                      attempt));
       store_.emit("notice", "", fmt::format(R"("journal":"{}","state":"damaged")", attempt));
       return;
     }
     const IntentHead& head = *trail.head;
-    IntentVerdict verdict = verdict_on(
-        claims_of(trail, head.first_stroke, head.strokes, head.first_stroke - 1));
+    IntentVerdict verdict =
+        verdict_on(claims_of(trail, head.first_stroke, head.strokes, head.first_stroke - 1));
     // Nothing was sent: the start was never committed.
     if (verdict.doubt_upto < head.first_stroke) return empty_.push_back(attempt);
     const std::string lost = "the database does not know that this sheet was started";
     verdict.loss = verdict.loss.empty() ? lost : lost + "; " + verdict.loss;
     Answer<JobRow> found = jobs_.row(head.job);
     if (!found) {
-      store_.log(fmt::format("paths {}..{} of sheet {} of job {} may have been cut on {}, but the "
-                             "database does not know this job",
-                             head.first_stroke, verdict.doubt_upto, head.sheet, head.job,
-                             head.device));
+      store_.log(
+          fmt::format("paths {}..{} of sheet {} of job {} may have been cut on {}, but the "
+                      "database does not know this job",
+                      head.first_stroke, verdict.doubt_upto, head.sheet, head.job, head.device));
       store_.emit("notice", "",
                   fmt::format(R"("journal":"{}","state":"unknown job {}")", attempt, head.job));
       return;
@@ -174,8 +175,8 @@ class Recovery {
   void tell(const std::string& job, int sheet, const std::string& loss, std::int64_t first,
             std::int64_t last) {
     losses_[job] = loss;
-    store_.log(fmt::format("job {} sheet {}: {}; paths {}..{} count as in doubt unless certain", job,
-                           sheet, loss, first, last));
+    store_.log(fmt::format("job {} sheet {}: {}; paths {}..{} count as in doubt unless certain",
+                           job, sheet, loss, first, last));
     store_.emit("notice", job,
                 fmt::format(R"("sheet":{},"state":"records disagree","detail":{})", sheet,
                             json_text(loss)));
@@ -185,8 +186,8 @@ class Recovery {
     store_.emit("job", row.id,
                 fmt::format(R"("state":"{}","rev":{},"recovered":{{"from":"{}","to":"{}"}})",
                             name_of(row.state), row.rev, from, name_of(row.state)));
-    store_.log(fmt::format("job {}: {} after a restart, it was {}", row.id, name_of(row.state),
-                           from));
+    store_.log(
+        fmt::format("job {}: {} after a restart, it was {}", row.id, name_of(row.state), from));
   }
 
   void restart(JobState state) {
@@ -205,9 +206,8 @@ class Recovery {
         const auto loss = losses_.find(row.id);
         if (interrupted)
           jobs_.set_attention(row, "in_doubt",
-                              loss == losses_.end()
-                                  ? std::string(kEnded)
-                                  : fmt::format("{} ({})", kEnded, loss->second));
+                              loss == losses_.end() ? std::string(kEnded)
+                                                    : fmt::format("{} ({})", kEnded, loss->second));
         jobs_.take(row, step, interrupted ? "crash" : "restart");
         note_recovered(row, from);
       }
@@ -217,7 +217,7 @@ class Recovery {
   ServiceStore& store_;
   JobRepository& jobs_;
   IntentJournals& intents_;
-  std::map<std::string, IntentTrail> trails_;  ///< by attempt, those not looked at yet
+  std::map<std::string, IntentTrail> trails_;            ///< by attempt, those not looked at yet
   std::map<std::string, std::string> losses_, blocked_;  ///< by job
   std::vector<std::string> ended_, empty_;
 };

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <filesystem>
 #include <future>
 #include <map>
 #include <random>
@@ -20,6 +21,7 @@
 
 #include "tests/support/fault_page.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/received_log.hpp"
 #include "tests/support/running_daemon.hpp"
 #include "tests/support/service_manager_socket.hpp"
 
@@ -119,6 +121,74 @@ TEST_CASE("a disk that fails once stops the knife after its stroke and nothing i
   CHECK(popcutd.get("/readyz")["ready"] == true);
   CHECK(popcutd.job(id)["state"] == "interrupted");
   CHECK(wrong_in(popcutd.ledger(id), kLines, cut) == "");
+}
+
+TEST_CASE("a journal of intents that cannot be written stops the knife", "[popcutd][faults]") {
+  constexpr int kLines = 160;
+  FaultyShop faulty(8);
+  RunningDaemon& popcutd = faulty.popcutd;
+  faulty.open();
+  const std::string id = popcutd.ready_job(popcutd.design(RunningDaemon::lines_svg(kLines)));
+  popcutd.cut(id);
+  REQUIRE(happens([&] { return faulty.cut(kLines).size() > 10; }));
+  faulty.page->bad_journal = 1;
+  REQUIRE(happens([&] { return popcutd.ask("GET", "/readyz").status == 503; }));
+  REQUIRE(happens([&] { return popcutd.device_state("sim:cameo3") == "idle"; }));
+  const std::set<int> cut = faulty.cut(kLines);
+  CHECK(cut.size() < kLines);
+  popcutd.daemon().signal(SIGTERM);
+  CHECK(popcutd.daemon().wait() == 0);
+  faulty.page.calm();
+  faulty.open();
+  CHECK(popcutd.job(id)["state"] == "interrupted");
+  CHECK(wrong_in(popcutd.ledger(id), kLines, cut) == "");
+}
+
+TEST_CASE("popcutd that lost the end of its log after a kill cuts no stroke twice",
+          "[popcutd][faults]") {
+  namespace fs = std::filesystem;
+  constexpr int kLines = 80;
+  constexpr std::uintmax_t kFrame = 24 + 4096;
+  RunningDaemon popcutd(20);
+  popcutd.open();
+  const std::string id = popcutd.ready_job(popcutd.design(RunningDaemon::lines_svg(kLines)));
+  popcutd.cut(id);
+  const fs::path trace = popcutd.daemon().folder() / "trace";
+  REQUIRE(happens([&] { return lines_cut(trace, kLines).size() > 20; }));
+  popcutd.daemon().signal(SIGKILL);
+  CHECK(popcutd.daemon().wait() == 128 + SIGKILL);
+  const fs::path state = popcutd.daemon().state();
+  const fs::path aside = popcutd.daemon().folder() / "aside";
+  fs::create_directory(aside);
+  fs::copy(state, aside / "state", fs::copy_options::recursive);
+  fs::copy(trace, aside / "trace", fs::copy_options::recursive);
+  const std::set<int> first = lines_cut(trace, kLines);
+  const std::uintmax_t frames = (fs::file_size(state / "popcut.db-wal") - 32) / kFrame;
+  for (const std::uintmax_t lost : {std::uintmax_t{2}, std::uintmax_t{12}}) {
+    const bool zero = lost == 12;
+    CAPTURE(lost, frames, zero);
+    for (const char* name : {"state", "trace"}) {
+      fs::remove_all(popcutd.daemon().folder() / name);
+      fs::copy(aside / name, popcutd.daemon().folder() / name, fs::copy_options::recursive);
+    }
+    const std::uintmax_t whole = fs::file_size(state / "popcut.db-wal");
+    fs::resize_file(state / "popcut.db-wal", whole - lost * kFrame);
+    if (zero) fs::resize_file(state / "popcut.db-wal", whole);
+    popcutd.open();
+    CHECK(popcutd.job(id)["state"] == "interrupted");
+    const Json ledger = popcutd.ledger(id);
+    CHECK(wrong_in(ledger, kLines, first) == "");
+    REQUIRE_FALSE(ledger["not_sent"].empty());
+    popcutd.act(id, "resume-from",
+                {{"from_path", *members_of(ledger["not_sent"]).begin()},
+                 {"registration", "re-registered"},
+                 {"skip_in_doubt", true}});
+    popcutd.cut(id);
+    popcutd.await(id, [](const Json& job) { return job["state"] != "cutting"; });
+    for (const int line : lines_cut(trace, kLines)) CHECK_FALSE(first.contains(line));
+    popcutd.daemon().signal(SIGKILL);
+    CHECK(popcutd.daemon().wait() == 128 + SIGKILL);
+  }
 }
 
 TEST_CASE("a clock that jumps by years affects no armed job and no cut and no order",
