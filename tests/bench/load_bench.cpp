@@ -33,8 +33,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr const char* kConfig =
-    "connections = 200\nrate_per_s = 100000\nrate_burst = 100000\nplans_each = 100000\n";
+constexpr const char* kConfig = "connections = 200\nplans_each = 100000\n";
 
 std::string lines_svg(int lines) {
   std::string svg =
