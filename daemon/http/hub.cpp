@@ -257,9 +257,11 @@ asio::awaitable<bool> Hub::wait_for(ClientPtr client, std::function<bool(Done)> 
 }
 
 asio::awaitable<bool> Hub::ask(ClientPtr client, std::function<void(Service&, Done)> work,
-                               double patience_s) {
-  std::function<bool(Done)> start = [this, work = std::move(work)](Done done) {
-    return options.on_service([work, done = std::move(done), service = options.service] {
+                               double patience_s, bool is_urgent) {
+  std::function<bool(Done)> start = [this, is_urgent, work = std::move(work)](Done done) {
+    const auto& lane =
+        is_urgent && options.on_service_urgent ? options.on_service_urgent : options.on_service;
+    return lane([work, done = std::move(done), service = options.service] {
       // Nothing that goes wrong here may end the service's thread.
       try {
         work(*service, done);

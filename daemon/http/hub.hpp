@@ -138,7 +138,7 @@ struct Hub {
   /// Runs `work` on the service's thread and waits until it calls the function that it is given,
   /// there or later. False: too late, or the service takes nothing.
   asio::awaitable<bool> ask(ClientPtr client, std::function<void(Service&, Done)> work,
-                            double patience_s);
+                            double patience_s, bool is_urgent = false);
   /// Runs `work`, which takes long or waits for the disk, on another thread and waits until it has
   /// ended. What it throws is dropped.
   asio::awaitable<bool> run_aside(ClientPtr client, asio::thread_pool& where,

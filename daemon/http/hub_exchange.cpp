@@ -201,7 +201,7 @@ Problem failed_login(Hub& hub, const Client& client, Problem problem) {
   return problem;
 }
 
-asio::awaitable<Answer<Principal>> authenticate(Hub& hub, ClientPtr client) {
+asio::awaitable<Answer<Principal>> authenticate(Hub& hub, ClientPtr client, bool is_urgent) {
   const RequestHead& head = client->reader.head();
   if (client->peer.is_local) {
     if (head.header("authorization")) {
@@ -226,7 +226,7 @@ asio::awaitable<Answer<Principal>> authenticate(Hub& hub, ClientPtr client) {
     }
     done([found, who = std::move(who)] { *found = who; });
   };
-  const bool answered = co_await hub.ask(client, std::move(work), kAuthenticate_s);
+  const bool answered = co_await hub.ask(client, std::move(work), kAuthenticate_s, is_urgent);
   if (!answered) co_return refuse(ProblemKind::Unavailable, "popcutd is not answering");
   if (*found) co_return **found;
   co_return tl::unexpected<Problem>(failed_login(
@@ -402,8 +402,8 @@ asio::awaitable<Response> ask_handler(Hub& hub, ClientPtr client, Exchange& exch
     }
     dispatch(*request, *route, service, *context, reply);
   };
-  const bool answered =
-      co_await hub.ask(client, std::move(work), patience_of(*route, hub.limits()));
+  const bool answered = co_await hub.ask(client, std::move(work), patience_of(*route, hub.limits()),
+                                         route->is_urgent);
   if (answered && *answer) co_return std::move(**answer);
   Problem late{ProblemKind::Unavailable,
                "popcutd has no answer yet; send the request again with the same Idempotency-Key"};
@@ -424,7 +424,7 @@ asio::awaitable<bool> serve_one(Hub& hub, ClientPtr client, Exchange& exchange) 
   Response refusal;
   std::optional<Problem> problem = look_at_head(hub, *client, exchange, refusal);
   if (!problem && !exchange.route->access.is_open()) {
-    Answer<Principal> principal = co_await authenticate(hub, client);
+    Answer<Principal> principal = co_await authenticate(hub, client, exchange.route->is_urgent);
     client->principal = principal ? principal->name : std::string();
     if (principal)
       request.principal = std::move(*principal);

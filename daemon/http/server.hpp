@@ -39,6 +39,8 @@ struct HttpOptions {
   Service* service{nullptr};
   /// Puts work on the service's thread (lane Asking); false: it accepts no more.
   std::function<bool(std::function<void()>)> on_service{};
+  /// The same for requests that stop a knife, before all others; empty: as `on_service`.
+  std::function<bool(std::function<void()>)> on_service_urgent{};
   std::shared_ptr<spdlog::logger> log{};  ///< null: no log
 };
 

@@ -424,6 +424,9 @@ std::optional<StartFailure> Daemon::open_http(const ServiceManager& manager) {
   options.on_service = [this](std::function<void()> work) {
     return thread_->post(ServiceThread::Lane::Asking, std::move(work));
   };
+  options.on_service_urgent = [this](std::function<void()> work) {
+    return thread_->post(ServiceThread::Lane::Urgent, std::move(work));
+  };
   options.log = log_;
   http_ = std::make_unique<HttpServer>(std::move(options));
   if (auto started = http_->start(); !started)

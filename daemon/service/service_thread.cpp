@@ -24,7 +24,7 @@ struct ServiceThread::State {
 
   mutable std::mutex mutex;
   std::condition_variable wake;
-  std::deque<std::function<void()>> cutting, asking;
+  std::deque<std::function<void()>> cutting, urgent, asking;
   std::vector<Periodic> periodic;
   Turns of_cutting, of_asking;
   bool ending{false};
@@ -59,7 +59,9 @@ struct ServiceThread::State {
     for (;;) {
       const Clock::time_point next = queue_due();
       const bool is_asking = cutting.empty();
-      std::deque<std::function<void()>>& lane = is_asking ? asking : cutting;
+      std::deque<std::function<void()>>& lane = !is_asking        ? cutting
+                                                : !urgent.empty() ? urgent
+                                                                  : asking;
       if (lane.empty()) {
         if (ending) return;
         wake.wait_until(lock, next);
@@ -90,7 +92,10 @@ bool ServiceThread::post(Lane lane, std::function<void()> work) {
   {
     const std::lock_guard lock(state_->mutex);
     if (state_->ending) return false;
-    (lane == Lane::Cutting ? state_->cutting : state_->asking).push_back(std::move(work));
+    (lane == Lane::Cutting  ? state_->cutting
+     : lane == Lane::Urgent ? state_->urgent
+                            : state_->asking)
+        .push_back(std::move(work));
   }
   state_->wake.notify_one();
   return true;
@@ -125,7 +130,7 @@ bool ServiceThread::run(Lane lane, const std::function<void()>& work) {
 
 std::size_t ServiceThread::waiting() const {
   const std::lock_guard lock(state_->mutex);
-  return state_->cutting.size() + state_->asking.size();
+  return state_->cutting.size() + state_->urgent.size() + state_->asking.size();
 }
 
 Turns ServiceThread::turns(Lane lane) const {

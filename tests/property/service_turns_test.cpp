@@ -16,6 +16,7 @@
 #include "daemon/http/api/target.hpp"
 #include "daemon/planning/program_file.hpp"
 #include "tests/support/service_bench.hpp"
+#include "tests/support/timing.hpp"
 
 namespace service_turns_test {
 
@@ -58,7 +59,8 @@ class World : public ServiceBench {
     options.read_program = [this](const std::string& folder, int sheet) {
       auto fake = test::read_fake_program(folder, sheet);
       if (!fake) return fake;
-      return planning::read_program(index_of(*fake), std::move(fake->bytes));
+      const std::string& index = index_of(*fake);
+      return planning::read_program(index, std::move(fake->bytes));
     };
     planner.strokes = kStrokes;
     planner.sheets = 1;
@@ -79,8 +81,9 @@ class World : public ServiceBench {
  private:
   // What the planner would have written beside the program, once.
   const std::string& index_of(const EncodedProgram& program) {
-    if (index_.empty()) index_ = planning::program_index(program);
-    return index_;
+    std::string& index = indices_[sha256_hex(program.bytes)];
+    if (index.empty()) index = planning::program_index(program);
+    return index;
   }
 
   void fill() {
@@ -161,7 +164,7 @@ class World : public ServiceBench {
         "printf('%064d', n), 1, NULL FROM c;");
     db.script("COMMIT;");
   }
-  std::string index_;
+  std::map<std::string, std::string> indices_;
 };
 
 /// What a client sends.
@@ -360,9 +363,24 @@ TEST_CASE("no request keeps the service's thread for more than 50 ms", "[daemon]
       }
     }
   // The sheet with the most strokes goes to the knife.
+  world.on([&](LiveService& s) {
+    const auto device = s.devices.find(world.device).value();
+    return s.devices
+        .act(world.admin, world.device, device.rev, {.action = "enable", .material = {}})
+        .has_value();
+  });
   const std::string big = world.create(world.design).value().id;
   world.act(big, JobAction::Arm).value();
-  REQUIRE(world.wait([&] { return world.act(big, JobAction::Start).has_value(); }));
+  std::string why;
+  const bool started = popcut::testing::comes_true(
+      [&] {
+        const auto done = world.act(big, JobAction::Start);
+        if (!done) why = done.error().detail;
+        return done.has_value();
+      },
+      10);
+  INFO(why);
+  REQUIRE(started);
   REQUIRE(world.cutters.intend(world.device, 2));
   world.cutters.complete(world.device);
   CHECK(world.wait_for(big, JobState::Done).state == JobState::Done);

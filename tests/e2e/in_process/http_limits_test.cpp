@@ -334,7 +334,7 @@ TEST_CASE("clients that stop reading or reset leak nothing", "[daemon][http][slo
     connection.send(server.request("GET", "/v1/jobs?limit=200"));
     if (i % 2 == 0) connection.reset();
   }
-  CHECK(server.fetch("GET", "/v1/devices").status == 200);
+  CHECK(server.fetch("GET", "/v1/devices", "viewer").status == 200);
   CHECK(comes_true([&] {
     return server.fetch("GET", "/metrics").body.find("popcut_http_connections 1\n") !=
            std::string::npos;

@@ -141,7 +141,7 @@ TEST_CASE("removing a design removes its plans", "[daemon][service]") {
            PlanState::Planned;
   }));
   CHECK(bench.on([&](LiveService& s) { return s.designs.remove(bench.student, made.id); }));
-  CHECK(fs::is_empty(bench.folder() + "/plans"));
+  CHECK(bench.wait([&] { return fs::is_empty(bench.folder() + "/plans"); }));
 }
 
 TEST_CASE("an unknown option is refused at once with a suggestion", "[daemon][service]") {
@@ -168,6 +168,77 @@ TEST_CASE("an unknown option is refused at once with a suggestion", "[daemon][se
   CHECK(refused("snap", "2").errors.at(0).detail.find("from 0 to 1 (mm)") != std::string::npos);
   CHECK(refused("clip", "perhaps").errors.at(0).detail.find("true or false") != std::string::npos);
   CHECK(bench.planner.started == 1);  // the check of the design
+}
+
+TEST_CASE("planning takes turns among those who wait for plans", "[daemon][service]") {
+  ServiceBench bench(false);
+  bench.options.plans_at_once = 1;
+  bench.options.plans_each = 60;
+  REQUIRE(bench.start() == "");
+  const auto blocker = bench.add_design("slow").value().id;
+  std::vector<std::string> many;
+  for (int k = 0; k < 60; ++k) many.push_back(bench.add_design(std::to_string(k)).value().id);
+  const std::string wanted = bench.add_design("wanted").value().id;
+  const auto create = [&](const Principal& who, const std::string& design, int priority) {
+    JobCreate request;
+    request.design = design;
+    request.priority = priority;
+    return bench.on([&](LiveService& s) { return s.jobs.create(who, request); });
+  };
+  REQUIRE(create(bench.tutor, blocker, 0));  // the planner has something to do
+  std::vector<std::string> jobs;
+  for (const std::string& design : many) jobs.push_back(create(bench.student, design, 10)->id);
+  // One more is too many of theirs, and nobody else's matter.
+  const auto refused = create(bench.student, wanted, 10);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().kind == ProblemKind::QueueFull);
+  CHECK(refused.error().retry_after_s == 60);
+  CHECK(refused.error().detail.find("60 plans of yours") != std::string::npos);
+  const std::string late = create(bench.admin, wanted, -10).value().id;
+  bench.planner.release();
+  bench.wait_for(late, JobState::Ready);
+  const std::string plan = bench.job(late).plan;
+  const auto events =
+      bench.on([](LiveService& s) { return s.operations.events(0, 1000, "").value(); });
+  int before = 0;
+  for (const Event& event : events) {
+    if (event.data.find("\"state\":\"planned\"") == std::string::npos) continue;
+    if (event.data.find(plan) != std::string::npos) break;
+    ++before;
+  }
+  CHECK(before < 5);  // and not all sixty
+  CHECK(bench.wait_for(jobs.back(), JobState::Ready).state == JobState::Ready);
+}
+
+TEST_CASE("one principal cannot fill the queue of jobs", "[daemon][service]") {
+  ServiceBench bench(false);
+  bench.options.jobs_each = 3;
+  REQUIRE(bench.start() == "");
+  const auto design = bench.add_design("{\"card\":1}").value();
+  for (int k = 0; k < 3; ++k) REQUIRE(bench.create(design.id));
+  const auto fourth = bench.create(design.id);
+  REQUIRE_FALSE(fourth);
+  CHECK(fourth.error().kind == ProblemKind::QueueFull);
+  CHECK(bench.on([&](LiveService& s) {
+    JobCreate request;
+    request.design = design.id;
+    return s.jobs.create(bench.other_student, request).has_value();
+  }));
+}
+
+TEST_CASE("a plan during which popcutd died ten times is given up", "[daemon][service]") {
+  ServiceBench bench;
+  const auto design = bench.add_design("slow").value();
+  const Job job = bench.create(design.id).value();
+  for (int k = 0; k < 10; ++k) {
+    REQUIRE(bench.wait([&] { return bench.planner.started >= 2 + k; }));
+    REQUIRE(bench.wait_for(job.id, JobState::Planning).state == JobState::Planning);
+    bench.crash();
+    REQUIRE(bench.start() == "");
+  }
+  const Job failed = bench.wait_for(job.id, JobState::Failed);
+  CHECK(failed.state == JobState::Failed);
+  CHECK(failed.reason.find("ended 10 times") != std::string::npos);
 }
 
 }  // namespace service_plans_test

@@ -75,6 +75,8 @@ class BadServer {
     std::uint64_t sent = 0;
     std::string next = head_;
     while (!stop_) {
+      char end = 0;
+      if (::recv(client, &end, 1, MSG_DONTWAIT | MSG_PEEK) == 0) break;
       pollfd one{client, POLLOUT, 0};
       if (::poll(&one, 1, 10) > 0) {
         const ssize_t now = ::send(client, next.data(), next.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
