@@ -145,9 +145,7 @@ void check_promises(ServiceBench& bench, const Folder& folder, Told& told) {
     }
   }
   CHECK(bench.cutters.cuts() == 0);
-  CHECK(
-      bench.on([&](LiveService& s) { return s.operations.check_integrity(bench.admin); }).value() ==
-      "ok");
+  CHECK(bench.check_integrity().value() == "ok");
   bench.stop();
 }
 
@@ -294,7 +292,7 @@ void open_later(ServiceBench& bench) {
 int back_up_now(ServiceBench& bench, Told&) {
   if (!bench.start().empty()) return 1;
   count_calls_from_here();
-  (void)bench.on([&](LiveService& s) { return s.operations.backup(bench.admin); });
+  (void)bench.backup(bench.admin);
   return 0;
 }
 

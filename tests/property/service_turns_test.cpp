@@ -56,11 +56,13 @@ std::string others_of(Database& db, const std::string& table, const std::set<std
 class World : public ServiceBench {
  public:
   World() : ServiceBench(false) {
-    options.read_program = [this](const std::string& folder, int sheet) {
+    options.read_program = [this](const std::string& folder, int sheet) -> Result<StoredProgram> {
       auto fake = test::read_fake_program(folder, sheet);
       if (!fake) return fake;
-      const std::string& index = index_of(*fake);
-      return planning::read_program(index, std::move(fake->bytes));
+      const std::string& index = index_of(fake->program);
+      auto program = planning::read_program(index, std::move(fake->program.bytes));
+      if (!program) return tl::unexpected(program.error());
+      return StoredProgram{std::move(*program), fake->index_sha256};
     };
     planner.strokes = kStrokes;
     planner.sheets = 1;
