@@ -160,7 +160,7 @@ int put(const std::string& path, std::string_view bytes) {
     write_at(file, fresh, bytes, 0);
     if (::fsync(file) != 0) fault(fresh, "cannot be synced");
     if (::rename(fresh.c_str(), path.c_str()) != 0) fault(path, "cannot be renamed");
-  } catch (const StoreFault&) {
+  } catch (...) {
     ::close(file);
     ::unlink(fresh.c_str());
     throw;
@@ -234,7 +234,7 @@ IntentJournal::IntentJournal(const StateFolder& folder, const IntentHead& head)
     : list_path_(list_of(folder, head.attempt)), witness_path_(witness_of(folder, head.attempt)) {
   try {
     open(head);
-  } catch (const StoreFault&) {
+  } catch (...) {
     shut();
     throw;
   }
@@ -263,7 +263,11 @@ void IntentJournal::shut() {
   for (const int file : {list_, witness_})
     if (file >= 0) ::close(file);
   if (kept_) return;
-  if (list_ >= 0) take_away(list_path_, witness_path_);
+  try {
+    if (list_ >= 0) take_away(list_path_, witness_path_);
+  } catch (const std::exception&) {  // no memory for the sync between
+    ::unlink(list_path_.c_str());
+  }
   if (witness_ >= 0) ::unlink(witness_path_.c_str());
 }
 
