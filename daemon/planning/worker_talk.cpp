@@ -149,7 +149,7 @@ class Talk {
     if (!talked) return tl::unexpected(talked.error());
     if (answer_) return std::move(*answer_);
     constexpr std::array kFromOutside{SIGKILL, SIGTERM, SIGINT, SIGHUP, SIGQUIT};
-    if (WIFSIGNALED(status) && !process_.is_ended_by_us() &&
+    if (WIFSIGNALED(status) && !process_.is_ended_by_us() && !took_its_time(status) &&
         std::find(kFromOutside.begin(), kFromOutside.end(), WTERMSIG(status)) != kFromOutside.end())
       killed_by_ = WTERMSIG(status);
     return tl::unexpected(how_it_died(status));
@@ -251,11 +251,16 @@ class Talk {
     }
   }
 
-  [[nodiscard]] Error how_it_died(int status) const {
+  /// It was ended by its limit of processor time, which the kernel does with a SIGKILL.
+  [[nodiscard]] bool took_its_time(int status) const {
     // The limit is in whole seconds, and one more than the clock's grain is taken.
     const bool out_of_time = process_.cpu_s() > std::max(1.0, limits_.cpu_s) - 0.1;
-    if (WIFSIGNALED(status) &&
-        (WTERMSIG(status) == SIGXCPU || (WTERMSIG(status) == SIGKILL && out_of_time)))
+    return WIFSIGNALED(status) &&
+           (WTERMSIG(status) == SIGXCPU || (WTERMSIG(status) == SIGKILL && out_of_time));
+  }
+
+  [[nodiscard]] Error how_it_died(int status) const {
+    if (took_its_time(status))
       return infeasible(fmt::format(
           "took more than the {:g} s of processor time that a design may take; make it smaller or "
           "simpler, or raise planner.cpu_s in popcutd.toml",

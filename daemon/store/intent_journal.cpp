@@ -57,21 +57,18 @@ bool read_record(std::string_view text, std::int64_t& number, std::int64_t& last
 }
 
 std::string head_text(const IntentHead& head) {
-  const nlohmann::ordered_json json{{"popcut", 1},
-                                    {"attempt", head.attempt},
-                                    {"job", head.job},
-                                    {"sheet", head.sheet},
-                                    {"blank", head.blank},
-                                    {"segment", head.segment},
-                                    {"first_stroke", head.first_stroke},
-                                    {"strokes", head.strokes},
-                                    {"device", head.device},
-                                    {"device_session", head.device_session},
-                                    {"operator", head.operator_name},
-                                    {"plan_sha256", head.plan_sha256},
-                                    {"invocation", head.invocation},
-                                    {"created", head.created}};
-  std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  // Text by text: an object of JSON takes memory to be destroyed, and where there is none it ends
+  // the process.
+  const auto quoted = [](const std::string& text) {
+    return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  };
+  std::string text = fmt::format(
+      R"({{"popcut":1,"attempt":{},"job":{},"sheet":{},"blank":{},"segment":{},"first_stroke":{},)"
+      R"("strokes":{},"device":{},"device_session":{},"operator":{},"plan_sha256":{},)"
+      R"("invocation":{},"created":{}}})",
+      quoted(head.attempt), quoted(head.job), head.sheet, head.blank, head.segment,
+      head.first_stroke, head.strokes, quoted(head.device), quoted(head.device_session),
+      quoted(head.operator_name), quoted(head.plan_sha256), quoted(head.invocation), head.created);
   constexpr std::size_t kRoom = kHeadBytes - kDigestDigits - 2;
   if (text.size() > kRoom) throw StoreFault(FaultKind::Other, "the head of a journal is too long");
   text.resize(kRoom, ' ');

@@ -80,7 +80,6 @@ std::string surroundings() {
   if (word == "dies") std::fputs("first\n\x1b[31mlast words\n", stderr), __builtin_trap();
   if (word == "sleeps")
     for (;;) ::sleep(1000);
-  if (word == "killed") std::raise(SIGKILL);
   if (word == "naps") {
     ::usleep(400'000);
     send(FrameKind::Outcome, "", outcome());

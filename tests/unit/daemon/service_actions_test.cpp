@@ -293,7 +293,7 @@ TEST_CASE("a stored program of which any byte changed is not cut", "[daemon][ser
   const Job job = moment == 2 ? broken(bench) : bench.ready_job();
   if (moment == 1) REQUIRE(bench.act(job.id, JobAction::Arm));
   const int cuts = bench.cutters.cuts();
-  for (const char* name : {"sheet-1.gpgl", "sheet-01.program.json"}) {
+  for (const char* name : {"sheet-01.gpgl", "sheet-01.program.json"}) {
     const std::string path = bench.folder() + "/plans/" + job.plan + "/" + name;
     const std::string whole = read_whole(path, 1u << 20).value();
     std::vector<std::string> changed;
@@ -332,7 +332,11 @@ TEST_CASE("a plan of an earlier popcutd is not cut and not used again", "[daemon
   {
     // As the tables were.
     Database db({.path = bench.folder() + "/popcut.db"});
-    db.script("ALTER TABLE plan_sheet DROP COLUMN index_sha256; PRAGMA user_version=1;");
+    db.script(
+        "DROP TRIGGER end_tally_insert; DROP TRIGGER end_tally_update; DROP TABLE end_tally;"
+        "DROP INDEX job_waiting_of; DROP INDEX job_open_of; DROP TABLE plan_asker;"
+        "ALTER TABLE plan DROP COLUMN begun; ALTER TABLE plan_sheet DROP COLUMN index_sha256;"
+        "PRAGMA user_version=2;");
     db.checkpoint(true);
   }
   for (const char* name : {"database-state", "witness", "popcut.db-wal"})
