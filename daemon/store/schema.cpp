@@ -261,9 +261,9 @@ const std::vector<Migration>& migrations() {
 
 const std::vector<std::string_view>& table_names() {
   static const std::vector<std::string_view> names{
-      "asset", "design",  "plan",    "plan_sheet", "plan_asker", "job",   "sheet",
-      "arm",   "attempt", "chunk",   "event",      "idem",       "audit", "token",
-      "session", "material", "device", "usage", "calendar"};
+      "asset",   "design",   "plan",   "plan_sheet", "plan_asker", "job",   "sheet",
+      "arm",     "attempt",  "chunk",  "event",      "idem",       "audit", "token",
+      "session", "material", "device", "usage",      "calendar"};
   return names;
 }
 

@@ -7,8 +7,8 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include "daemon/service/aside.hpp"
 #include "daemon/model/wall_clock.hpp"
+#include "daemon/service/aside.hpp"
 #include "daemon/service/calendar.hpp"
 #include "daemon/service/live/cut_dispatcher.hpp"
 #include "daemon/service/live/device_dispatcher.hpp"

@@ -376,7 +376,8 @@ TEST_CASE("a trace goes through no link and into no file that is there already",
   std::filesystem::create_directory(temp / "elsewhere");
   std::filesystem::create_directory(trace);
   write_file(precious, "mine");
-  const std::vector<DeviceConfig> devices{{.id = "sim:cameo3", .trace = trace.string()}};
+  const std::vector<DeviceConfig> devices{
+      {.id = "sim:cameo3", .time_scale = 0, .trace = trace.string()}};
   const auto untouched = [&] {
     return text_of_file(precious) == "mine" && files_below(temp / "elsewhere").size() == 1;
   };
