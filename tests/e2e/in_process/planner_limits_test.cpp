@@ -127,7 +127,7 @@ TEST_CASE("the daemon survives anything that a worker sends and reports it", "[d
       {"flood", ErrorKind::Infeasible, "more than the 8388608 bytes"},
       {"nonsense", ErrorKind::Internal, ""},
       {"deep", ErrorKind::Internal, ""},
-      {"dies", ErrorKind::Infeasible, kSanitized ? "ended the planner" : "last words"},
+      {"dies", ErrorKind::Infeasible, kSanitized ? "the planner" : "last words"},
       {"spins", ErrorKind::Infeasible, "1 s of processor time"},
       {"silence", ErrorKind::Infeasible, "code 5"},
   };
