@@ -31,6 +31,9 @@ struct Frame {
   std::string bytes;
 };
 
+/// How a worker ends whose processor time is up.
+inline constexpr int kOutOfTimeCode = 64;
+
 inline constexpr std::size_t kFrameHeadBytes = 20;
 inline constexpr std::size_t kMostNameBytes = 100;
 

@@ -7,6 +7,7 @@
 #endif
 
 #include <cerrno>
+#include <csignal>
 #include <cstdint>
 #include <exception>
 #include <new>
@@ -79,6 +80,14 @@ class Pipes {
   int in_, out_;
 };
 
+/// Has the processor time's limit end this process with a code that says so. The first process of a
+/// namespace would ignore the signal otherwise.
+void end_when_out_of_time() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { ::_exit(kOutOfTimeCode); };
+  ::sigaction(SIGXCPU, &action, nullptr);
+}
+
 /// The sanitizer that looks for leaks at the end does so from a process that it would have to
 /// start.
 int end(int code, [[maybe_unused]] bool confined) {
@@ -118,7 +127,10 @@ int run_worker(int in, int out, std::string_view word) {
 #endif
   const bool alone = in == STDIN_FILENO && out == STDOUT_FILENO;
   std::vector<daemon::WorkerWall> walls;
-  if (alone) walls = confine_worker();
+  if (alone) {
+    end_when_out_of_time();
+    walls = confine_worker();
+  }
   Pipes pipes(in, out);
   if (word == "tell") return end(pipes.say(walls_text(walls)) ? 0 : kBroken, alone);
   const Result<daemon::PlanningOutcome> outcome = guarded(pipes);

@@ -59,8 +59,8 @@ void limit(int resource, rlim_t soft, rlim_t hard) {
 
 void set_limits(const PlanningLimits& limits) {
   const auto cpu_s = static_cast<rlim_t>(std::ceil(limits.cpu_s < 1 ? 1 : limits.cpu_s));
-  // Killed at once: the first process of a namespace ignores SIGXCPU.
-  limit(RLIMIT_CPU, cpu_s, cpu_s);
+  // A worker answers SIGXCPU with kOutOfTimeCode; one that does not is killed a second later.
+  limit(RLIMIT_CPU, cpu_s, cpu_s + 1);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   limit(RLIMIT_AS, limits.memory_bytes, limits.memory_bytes);
 #endif

@@ -146,6 +146,30 @@ TEST_CASE("the daemon survives anything that a worker sends and reports it", "[d
   CHECK(comes_true([&] { return open_descriptors() == descriptors; }));
 }
 
+TEST_CASE("a worker answers the signal of its processor time's end", "[daemon][planner]") {
+  // On a busy computer the kernel, which counts ticks, sends it after 1.5 s of 2: what popcutd
+  // measured says nothing, the worker has to.
+  PlanningLimits limits;
+  limits.wall_s = 60;
+  Bench bench(limits, worker_program());
+  auto endless = bench.task(scattered_svg(20'000));
+  endless.options = {{"order", "best"}, {"effort", "1000"}};
+  std::atomic<bool> stop{false};
+  std::thread kernel([&] {
+    while (!stop) {
+      for (const int pid : children()) ::kill(pid, SIGXCPU);
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+  });
+  bench.start("endless", endless);
+  const auto outcome = bench.outcomes.wait("endless");
+  stop = true;
+  kernel.join();
+  REQUIRE_FALSE(outcome);
+  INFO(message(outcome.error()));
+  CHECK(outcome.error().detail.find("600 s of processor time") != std::string::npos);
+}
+
 TEST_CASE("a planner that was killed from outside is tried again twice at most",
           "[daemon][planner]") {
   Bench bench(PlanningLimits{}, probe_program());
