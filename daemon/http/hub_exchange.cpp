@@ -231,7 +231,9 @@ asio::awaitable<Answer<Principal>> authenticate(Hub& hub, ClientPtr client, bool
   if (*found) co_return **found;
   co_return tl::unexpected<Problem>(failed_login(
       hub, *client,
-      Problem{ProblemKind::Unauthenticated, "unknown token; it may have been deleted"}));
+      Problem{ProblemKind::Unauthenticated,
+              "unknown token: it has ended or was deleted; log in again, or ask an admin for a new "
+              "one ('popcut token create')"}));
 }
 
 // Whose requests are counted together: nobody uses up what is another's.
