@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/drawing/linework.hpp"
+#include "core/drawing/paper.hpp"
 #include "core/text/near_names.hpp"
 #include "core/text/words.hpp"
 
@@ -41,13 +42,16 @@ bool is_mat_name(const Mat& mat, std::string_view word) { return same_word(mat.n
 Result<std::array<double, 2>> parse_size_mm(std::string_view text) {
   const auto wrong = [&] {
     return fail(ErrorKind::Usage, "/options/mat",
-                fmt::format("{} is not a size; give WIDTHxLENGTH such as 300x200 (mm) or 12x12in",
+                fmt::format("{} is not a size; give a paper such as A4, or WIDTHxLENGTH such as "
+                            "300x200 (mm) or 12x12in",
                             text.substr(0, 40)));
   };
   std::string_view rest = text;
   std::array<double, 2> size{};
-  if (!take_number(rest, size[0]) || rest.empty() || (rest[0] != 'x' && rest[0] != 'X'))
+  if (!take_number(rest, size[0]) || rest.empty() || (rest[0] != 'x' && rest[0] != 'X')) {
+    if (const auto paper = find_paper(text)) return std::array{paper->width_mm, paper->height_mm};
     return wrong();
+  }
   rest.remove_prefix(1);
   if (!take_number(rest, size[1])) return wrong();
   double unit = 0.0;
@@ -76,9 +80,11 @@ Result<Mat> choose_mat(const Machine& machine, std::string_view wanted) {
     return fail(
         ErrorKind::Usage, "/options/mat",
         names.empty()
-            ? fmt::format("{} has no named mats; give a size such as 210x297 (mm) or 12x12in",
+            ? fmt::format("{} has no named mats; give a paper such as A4, or a size such as "
+                          "300x200 (mm) or 12x12in",
                           machine.name)
-            : fmt::format("{} has no mat {}; {} (or give a size such as 300x200 or 12x12in)",
+            : fmt::format("{} has no mat {}; {} (or give a paper such as A4, or a size such as "
+                          "300x200 or 12x12in)",
                           machine.name, wanted.substr(0, 40), suggestion(wanted, names)));
   if ((*size)[0] > machine.width_mm + kFits || (*size)[1] > machine.length_mm + kFits)
     return fail(

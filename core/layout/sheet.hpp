@@ -13,13 +13,15 @@ namespace popcut {
 /// Whether `word` is the mat's name, ignoring case ("12X12").
 [[nodiscard]] bool is_mat_name(const Mat& mat, std::string_view word);
 
-/// Parses width and length: "300x200", "300x200mm", "12x12in", "30.5x30.5cm". Result in mm.
+/// Parses width and length: "300x200", "300x200mm", "12x12in", "30.5x30.5cm", or a paper's name
+/// such as "A4" or "letter-landscape" (see `find_paper`). Result in mm. What can be read as a size
+/// is one: "12x12" is 12 mm.
 ///
 /// @retval Usage  not a size, or a side is not between 1 mm and 100 m
 [[nodiscard]] Result<std::array<double, 2>> parse_size_mm(std::string_view text);
 
-/// Finds the mat that `wanted` means on `machine`: one of its mats by name, or a size (mat code 0:
-/// popcut sends no mat). Empty: the machine's first mat, or its whole area.
+/// Finds the mat that `wanted` means on `machine`: one of its mats by name, a paper, or a size (mat
+/// code 0: popcut sends no mat). Empty: the machine's first mat, or its whole area.
 ///
 /// @retval Usage       neither a known name nor a size
 /// @retval OutOfRange  larger than the machine

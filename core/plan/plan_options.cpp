@@ -203,8 +203,9 @@ std::vector<PlanOption> make_table() {
       of_request(text("material", MEMBER(material), "NAME",
            "What you cut; 'popcut materials' lists them", "paper-220")),
       text("mat", MEMBER(mat), "NAME|WxH",
-           "A mat of the machine, or a size such as 300x200 (mm), 30x20cm or 12x12in; a size "
-           "without --machine plans for an ideal plotter"),
+           "A mat of the machine, a paper such as A4, A3-landscape or letter, or a size such as "
+           "300x200 (mm), 30x20cm or 12x12in; a paper or size without --machine plans for an ideal "
+           "plotter"),
       place("at", MEMBER(place.at),
            "Where the drawing's upper left corner goes on the sheet, in mm"),
       word("order", MEMBER(order.method), {"quick", "best", "keep"},

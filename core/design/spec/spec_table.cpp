@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "core/drawing/paper.hpp"
+
 namespace popcut {
 namespace {
 
@@ -329,17 +331,6 @@ Shape<std::optional<CardSpec>> card() {
       shape::as<Card>(shape::object(table, "an object with wall_mm, ground_mm, margin_mm, shut"),
                       [](const CardSpec& read) { return Card(read); }));
 }
-
-struct Paper {
-  const char* name;
-  double width_mm, height_mm;
-};
-constexpr Paper kPapers[] = {
-    {"A0", 841, 1189},         {"A1", 594, 841},         {"A2", 420, 594},
-    {"A3", 297, 420},          {"A4", 210, 297},         {"A5", 148, 210},
-    {"A6", 105, 148},          {"letter", 215.9, 279.4}, {"legal", 215.9, 355.6},
-    {"tabloid", 279.4, 431.8}, {"12x12", 304.8, 304.8},  {"12x24", 304.8, 609.6},
-};
 
 /// A paper by its name, or [width, height].
 Shape<std::optional<SheetSpec>> sheet() {

@@ -30,6 +30,7 @@
 #include "core/picture/target_on_sheet.hpp"
 #include "core/plan/knife/micro_cut.hpp"
 #include "core/text/utf8.hpp"
+#include "core/text/words.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
 #include "daemon/cli/help/examples.hpp"
@@ -215,8 +216,9 @@ constexpr std::array kFormats{
 Result<std::vector<Format>> parse_formats(std::string_view text) {
   std::vector<Format> chosen;
   while (!text.empty()) {
-    const std::string_view name = text.substr(0, text.find(','));
-    text.remove_prefix(std::min(text.size(), name.size() + 1));
+    const std::string_view part = text.substr(0, text.find(','));
+    text.remove_prefix(std::min(text.size(), part.size() + 1));
+    const std::string_view name = trimmed(part);
     const auto* const found = std::find_if(kFormats.begin(), kFormats.end(),
                                            [&](const Format& f) { return f.name == name; });
     if (found == kFormats.end()) {

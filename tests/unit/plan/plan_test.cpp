@@ -352,8 +352,32 @@ TEST_CASE("sizes of mats are read with their units", "[core][plan][sheet]") {
     CHECK_FALSE(parse_size_mm(wrong));
   }
   CHECK(choose_mat(cameo3(), "12x24")->code == 2);
-  CHECK(choose_mat(cameo3(), "a4").error().kind == ErrorKind::Usage);
+  CHECK(choose_mat(cameo3(), "a9").error().kind == ErrorKind::Usage);
   CHECK(choose_mat(cameo3(), "400x400").error().kind == ErrorKind::OutOfRange);
+}
+
+TEST_CASE("a mat can be named as a paper", "[core][plan][sheet]") {
+  // ISO 216 and ANSI, mm
+  const struct {
+    const char* word;
+    double width_mm, length_mm;
+  } papers[] = {{"A4", 210, 297},
+                {"a3", 297, 420},
+                {"A3-Landscape", 420, 297},
+                {"Letter", 215.9, 279.4},
+                {"letter-landscape", 279.4, 215.9}};
+  for (const auto& paper : papers) {
+    CAPTURE(paper.word);
+    const auto size = parse_size_mm(paper.word);
+    REQUIRE(size);
+    CHECK((*size)[0] == Approx(paper.width_mm));
+    CHECK((*size)[1] == Approx(paper.length_mm));
+  }
+  CHECK((*parse_size_mm("12x12"))[0] == 12.0);  // a size, as it always was
+  CHECK_FALSE(parse_size_mm("-landscape"));
+  CHECK_FALSE(parse_size_mm("A4-portrait"));
+  CHECK(choose_mat(cameo3(), "A4")->length_mm == 297.0);
+  CHECK(choose_mat(cameo3(), "A2").error().kind == ErrorKind::OutOfRange);
 }
 
 TEST_CASE("times of moves follow acceleration and corners", "[core][plan][motion]") {
