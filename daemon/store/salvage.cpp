@@ -94,6 +94,16 @@ void give_to_owner(const std::string& folder) {
   }
 }
 
+tl::unexpected<Error> unreadable(const StateFolder& folder) {
+  return fail(
+      ErrorKind::Malformed, "",
+      fmt::format("{}: nothing can be read from it; put a copy from {} in its place with "
+                  "'popcut db restore COPY --state {}', or, if there is no copy, delete the "
+                  "files popcut.db, popcut.db-wal, database-state and witness to start "
+                  "with an empty queue",
+                  folder.at("popcut.db"), folder.at("backups"), folder.path()));
+}
+
 }  // namespace
 
 Result<std::string> set_aside(const std::string& database, const std::string& backups) {
@@ -160,12 +170,8 @@ Result<Salvage> salvage(const std::string& path) {
     build_schema(to, migrations(), version < 1 ? newest : version);
     report.tables = bring_all(from, to);
   } catch (const StoreFault& fault) {
-    const bool damage = fault.kind() == FaultKind::Corrupt;
-    return fail(
-        damage ? ErrorKind::Malformed : ErrorKind::Unwritable, "",
-        fmt::format(
-            "{}: {}{}", original, fault.what(),
-            damage ? "; nothing can be read from it; replace it with a copy from backups" : ""));
+    if (fault.kind() == FaultKind::Corrupt) return unreadable(**folder);
+    return fail(ErrorKind::Unwritable, "", fmt::format("{}: {}", original, fault.what()));
   } catch (const fs::filesystem_error& fault) {
     return fail(ErrorKind::Unwritable, "", fault.what());
   }
@@ -175,9 +181,7 @@ Result<Salvage> salvage(const std::string& path) {
   if (nothing) {
     remove_tree(fresh);
     remove_tree(fresh + "-wal");
-    return fail(ErrorKind::Malformed, "",
-                original + ": nothing can be read from it; replace it with a copy from " +
-                    (*folder)->at("backups"));
+    return unreadable(**folder);
   }
   if (const Result<void> done = put_in_place(**folder, fresh); !done)
     return fail(ErrorKind::Unwritable, "", message(done.error()));

@@ -572,6 +572,25 @@ TEST_CASE("files that root salvages belong to the folder's owner", "[daemon][sto
   }
 }
 
+TEST_CASE("salvage that reads nothing says how to go on and that works", "[daemon][store]") {
+  const ScratchFolder scratch;
+  const std::string state = scratch.path() + "/state";
+  open(scratch)->reset();
+  const std::string whole = read_whole(state + "/popcut.db", 1 << 24).value();
+  write_text(state + "/popcut.db", whole.substr(0, whole.size() / 2));
+  const auto done = salvage(state);
+  REQUIRE_FALSE(done);
+  const std::string& detail = done.error().detail;
+  INFO(detail);
+  CHECK(detail.find("PRAGMA") == std::string::npos);
+  CHECK(detail.find("'popcut db restore COPY --state " + state + "'") != std::string::npos);
+  for (const std::string name : {"popcut.db", "popcut.db-wal", "database-state", "witness"}) {
+    CHECK(detail.find(name) != std::string::npos);
+    std::filesystem::remove(state + "/" + name);
+  }
+  CHECK(open(scratch));
+}
+
 TEST_CASE("salvage of a file that is not a database changes nothing", "[daemon][store]") {
   const ScratchFolder scratch;
   const std::string state = scratch.path() + "/state";
