@@ -35,10 +35,13 @@ HeldFolder::HeldFolder(int folder)
 Result<HeldFolder> HeldFolder::open(const std::string& path) {
   const int folder = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (folder >= 0) return HeldFolder(folder);
-  const bool link = errno == ELOOP || errno == ENOTDIR;
-  return fail(ErrorKind::Unwritable, path,
-              link ? "is a link or a file; name a folder"
-                   : fmt::format("cannot be opened: {}", std::strerror(errno)));
+  const int why = errno;
+  auto failed = fail(ErrorKind::Unwritable, path,
+                     why == ELOOP || why == ENOTDIR
+                         ? "is a link or a file; name a folder"
+                         : fmt::format("cannot be opened: {}", std::strerror(why)));
+  errno = why;
+  return failed;
 }
 
 Result<HeldFolder> HeldFolder::around(const std::string& path, std::string& name) {

@@ -15,7 +15,7 @@ class HeldFolder {
  public:
   HeldFolder() = default;  ///< none; every call fails
 
-  /// @retval Unwritable  it is absent, or a link, or no folder
+  /// @retval Unwritable  it is absent, or a link, or no folder; errno says which
   [[nodiscard]] static Result<HeldFolder> open(const std::string& path);
   /// The folder in which a path's last part lies, and that part.
   ///

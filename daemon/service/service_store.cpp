@@ -114,6 +114,10 @@ Problem ServiceStore::problem_of(const StoreFault& fault) const {
     case FaultKind::Full:
       return {ProblemKind::DiskFull,
               "the disk is full; free some space and send the request again"};
+    case FaultKind::Busy:
+      return {ProblemKind::Unavailable,
+              "popcutd has no free file descriptor; send the request again when fewer clients are "
+              "connected"};
     case FaultKind::Io:
     case FaultKind::Corrupt:
       return degraded_problem();

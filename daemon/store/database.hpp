@@ -23,6 +23,7 @@ namespace popcut::daemon {
 enum class FaultKind : std::uint8_t {
   Full,        ///< no space left: rolled back, sound, works again once there is space
   Io,          ///< a read, write or fsync failed: what is on the disk is no longer known
+  Busy,        ///< no file descriptor left: nothing was begun
   Corrupt,     ///< the file is no database, or a damaged one
   Constraint,  ///< a rule of the schema said no
   Other,       ///< out of memory, misuse

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/digest/digest.hpp"
+#include "daemon/files/held_folder.hpp"
 #include "daemon/store/database.hpp"
 #include "daemon/store/ulid.hpp"
 
@@ -127,7 +128,10 @@ std::optional<Slot> read_slot(std::string_view bytes, std::size_t at) {
 [[noreturn]] void fault(const std::string& path, const char* what) {
   // A folder that was moved away meanwhile has no room either, and the disk is sound.
   const bool full = errno == ENOSPC || errno == EDQUOT || errno == EFBIG || errno == ENOENT;
-  throw StoreFault(full ? FaultKind::Full : FaultKind::Io,
+  const bool busy = errno == EMFILE || errno == ENFILE;
+  throw StoreFault(full   ? FaultKind::Full
+                   : busy ? FaultKind::Busy
+                          : FaultKind::Io,
                    fmt::format("{}: {}: {}", path, what, std::strerror(errno)));
 }
 
@@ -148,24 +152,23 @@ void sync(int file, const std::string& path) {
 
 /// Makes a file that is whole as soon as it has its name, and gives it open.
 int put(const std::string& path, std::string_view bytes) {
-  const fs::path place(path);
-  const std::string fresh = (place.parent_path() / (".new-" + place.filename().string())).string();
-  const int file =
-      ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (file < 0) fault(fresh, "cannot be created");
+  std::string name;
+  errno = 0;
+  const Result<HeldFolder> folder = HeldFolder::around(path, name);
+  if (!folder) fault(path, "its folder cannot be opened");
+  const std::string fresh = ".new-" + name;
+  const int file = folder->create(fresh);
+  if (file < 0) fault(path, "cannot be created");
   try {
-    write_at(file, fresh, bytes, 0);
-    if (::fsync(file) != 0) fault(fresh, "cannot be synced");
-    if (::rename(fresh.c_str(), path.c_str()) != 0) fault(path, "cannot be renamed");
+    write_at(file, path, bytes, 0);
+    if (::fsync(file) != 0) fault(path, "cannot be synced");
+    if (folder->rename(fresh, name) != 0) fault(path, "cannot be renamed");
+    if (!folder->sync()) fault(path, "its folder cannot be synced");
   } catch (...) {
     ::close(file);
-    ::unlink(fresh.c_str());
+    folder->remove(fresh);
+    folder->remove(name);
     throw;
-  }
-  if (!sync_folder(place.parent_path().string())) {
-    ::close(file);
-    ::unlink(path.c_str());
-    fault(path, "its folder cannot be synced");
   }
   return file;
 }

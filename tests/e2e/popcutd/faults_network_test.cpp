@@ -9,6 +9,7 @@
 #include <chrono>
 #include <csignal>
 #include <deque>
+#include <filesystem>
 #include <thread>
 
 #include <fmt/format.h>
@@ -261,10 +262,23 @@ TEST_CASE("connections that arrive when all descriptors are used wait and are se
   popcutd.open();
   const std::string id = popcutd.ready_job(popcutd.design(RunningDaemon::lines_svg(30)));
   const auto port = port_of(popcutd);
+  popcutd.act(id, "arm", {{"sheet", 1}});
+  const Json armed = popcutd.job(id);
+  const auto start = [&] { return popcutd.api().act(armed, "start", {{"sheet", 1}}); };
   {
-    // None is left for anybody; the cut's trace may be lost, its ledger may not.
-    const TightDescriptors tight(popcutd.daemon().pid(), 2);
-    popcutd.cut(id);
+    // One for the connection, none for the records of the cut: it is not begun, and nothing failed.
+    const TightDescriptors tight(popcutd.daemon().pid(), 1);
+    const auto refused = start();
+    REQUIRE(!refused);
+    CHECK(message(refused.error()).find("no free file descriptor") != std::string::npos);
+  }
+  CHECK(popcutd.get("/readyz")["ready"] == true);
+  for (const char* records : {"/intents", "/witnesses"})
+    CHECK(std::filesystem::is_empty(popcutd.daemon().state() + records));
+  {
+    // None is left for anybody else; the cut's trace may be lost, its ledger may not.
+    const TightDescriptors tight(popcutd.daemon().pid(), 4);
+    CHECK(happens([&] { return start().has_value(); }));
     const auto crowd = half_heads(port, 40);
     popcutd.await_state(id, "done");
   }
