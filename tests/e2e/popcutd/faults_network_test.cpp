@@ -10,6 +10,7 @@
 #include <csignal>
 #include <deque>
 #include <filesystem>
+#include <set>
 #include <thread>
 
 #include <fmt/format.h>
@@ -116,14 +117,37 @@ class Crowd {
   std::vector<std::thread> threads_;
 };
 
-/// Limits the descriptors of popcutd to so many more than it has now, until it goes.
+/// The numbers of its open files, once what was begun has let go of its own.
+std::set<std::size_t> settled_files(pid_t process) {
+  const auto numbers = [process] {
+    std::set<std::size_t> all;
+    for (const auto& entry :
+         std::filesystem::directory_iterator(fmt::format("/proc/{}/fd", process)))
+      all.insert(std::stoul(entry.path().filename().string()));
+    return all;
+  };
+  std::set<std::size_t> now = numbers();
+  for (int same = 0; same < 6;) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    std::set<std::size_t> next = numbers();
+    same = next == now ? same + 1 : 0;
+    now = std::move(next);
+  }
+  return now;
+}
+
+/// Leaves popcutd so many descriptors more than it has now, until it goes.
 class TightDescriptors {
  public:
   TightDescriptors(pid_t process, std::size_t more) : process_(process) {
     if (::prlimit(process_, RLIMIT_NOFILE, nullptr, &before_) != 0)
       throw std::runtime_error("rlimit");
+    // The limit is one of numbers, not of how many: those that are free below it count.
+    const std::set<std::size_t> used = settled_files(process);
     rlimit tight = before_;
-    tight.rlim_cur = open_files(process) + more;
+    tight.rlim_cur = 0;
+    for (std::size_t free = 0; free < more; ++tight.rlim_cur)
+      if (!used.contains(tight.rlim_cur)) ++free;
     if (::prlimit(process_, RLIMIT_NOFILE, &tight, nullptr) != 0)
       throw std::runtime_error("rlimit");
   }
