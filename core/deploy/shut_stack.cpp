@@ -61,7 +61,7 @@ ShutStack shut_stack(const Strips& strips, double thickness_mm) {
   return worst;
 }
 
-std::optional<std::string> thickness_warning(const ShutStack& stack, double thickness_mm) {
+std::optional<Warning> thickness_warning(const ShutStack& stack, double thickness_mm) {
   constexpr double kMostOpenRad = 5 * std::numbers::pi / 180,
                    kSmallestInThicknesses = 3 * (1 - 1e-6);
   std::string said;
@@ -77,7 +77,10 @@ std::optional<std::string> thickness_warning(const ShutStack& stack, double thic
         said.empty() ? "" : "; ", stack.smallest_panel_mm, thickness_mm);
   }
   if (said.empty()) return std::nullopt;
-  return said + "; thinner paper, fewer units or a larger min_panel_mm would help";
+  return Warning{
+      .code = "too_thick",
+      .message = said + "; thinner paper, fewer units or a larger min_panel_mm would help",
+      .place = {.u_mm = stack.from_spine_mm, .v_mm = stack.v_mm}};
 }
 
 }  // namespace popcut

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/design/strips/strips.hpp"
+#include "core/warning.hpp"
 
 namespace popcut {
 
@@ -29,7 +30,6 @@ struct ShutStack {
 
 /// One sentence for the designer where thickness matters, else nothing: the card stays open by
 /// more than 5 degrees, or the smallest panel is shorter than 3 t, which no fold flattens.
-[[nodiscard]] std::optional<std::string> thickness_warning(const ShutStack& stack,
-                                                           double thickness_mm);
+[[nodiscard]] std::optional<Warning> thickness_warning(const ShutStack& stack, double thickness_mm);
 
 }  // namespace popcut

@@ -537,11 +537,17 @@ class Designer {
     r.notes = notes_;
     add_fit(r, spec_.fit);
     if (spec_.card && !spec_.is_patch) add_closing(out.pattern, spec_.card->shut, r);
-    if (breaks_step(r)) r.warnings.push_back(long_step_warning(r, *spec_.max_step_over_mean));
+    if (breaks_step(r))
+      r.warnings.push_back(
+          {.code = "long_step", .message = long_step_warning(r, *spec_.max_step_over_mean)});
     if (const auto side_mm = given_side_mm(spec_); side_mm && method == LatticeMethod::Direct)
       if (std::string said = flattened_by_card(sliced_.curves, *side_mm, spec_.card->margin_mm);
-          !said.empty() && r.sticks_out_mm == 0.0)
-        (spec_.is_patch ? r.notes : r.warnings).push_back(std::move(said));
+          !said.empty() && r.sticks_out_mm == 0.0) {
+        if (spec_.is_patch)
+          r.notes.push_back(std::move(said));
+        else
+          r.warnings.push_back({.code = "flattened_by_card", .message = std::move(said)});
+      }
     out.edges = std::move(sliced_.edges);
     out.target = sliced_.pieces;
     return out;

@@ -92,11 +92,13 @@ void add_closing(const Pattern& pattern, CardShut asked, DesignReport& report) {
     report.notes.push_back(said);
   else
     report.warnings.push_back(
-        fmt::format("{}; make wall_mm and ground_mm at least {:.1f} mm, leave them out{}", said,
-                    std::ceil(10.0 * reach) / 10.0,
-                    report.lattice.find("direct") == std::string::npos
-                        ? ", or use \"lattice\": \"direct\", which keeps inside a given card"
-                        : ", or use fewer units"));
+        {.code = "sticks_out",
+         .message =
+             fmt::format("{}; make wall_mm and ground_mm at least {:.1f} mm, leave them out{}",
+                         said, std::ceil(10.0 * reach) / 10.0,
+                         report.lattice.find("direct") == std::string::npos
+                             ? ", or use \"lattice\": \"direct\", which keeps inside a given card"
+                             : ", or use fewer units")});
 }
 
 std::string long_step_warning(const DesignReport& report, double most_over_mean) {

@@ -25,11 +25,16 @@ struct Narrow {
     ++count;
     if (mm < least_mm) least_mm = mm, u_mm = u, v_mm = v;
   }
-  void say(std::string_view one, std::string_view many, std::vector<std::string>& warnings) const {
+  void say(const char* code, std::string_view one, std::string_view many,
+           std::vector<Warning>& warnings) const {
     if (count > 0)
       warnings.push_back(
-          fmt::format("{} {} below {:.3g} mm; the least is {:.3g} mm, at u = {:.1f}, v = {:.1f} mm",
-                      count, count == 1 ? one : many, limit_mm, least_mm, u_mm, v_mm));
+          {.code = code,
+           .message = fmt::format(
+               "{} {} below {:.3g} mm; the least is {:.3g} mm, at u = {:.1f}, v = {:.1f} mm", count,
+               count == 1 ? one : many, limit_mm, least_mm, u_mm, v_mm),
+           .place = {.u_mm = u_mm, .v_mm = v_mm},
+           .spoils = true});
   }
 };
 
@@ -39,24 +44,24 @@ bool is_fold(const SheetLine& line) {
   return line.role == EdgeRole::Mountain || line.role == EdgeRole::Valley;
 }
 
-void check_folds(const Pattern& pattern, double shortest_mm, std::vector<std::string>& warnings) {
+void check_folds(const Pattern& pattern, double shortest_mm, std::vector<Warning>& warnings) {
   Narrow folds{shortest_mm};
   for (const SheetLine& line : pattern.lines)
     if (is_fold(line))
       folds.look(length(line), 0.5 * (line.u0 + line.u1), 0.5 * (line.v0 + line.v1));
-  folds.say("fold is", "folds are", warnings);
+  folds.say("fold_short", "fold is", "folds are", warnings);
 }
 
-void check_strips(const Strips& strips, double narrowest_mm, std::vector<std::string>& warnings) {
+void check_strips(const Strips& strips, double narrowest_mm, std::vector<Warning>& warnings) {
   Narrow narrow{narrowest_mm};
   for (std::size_t s = 0; s < strips.size(); ++s)
     narrow.look(strips.v_begin[s + 1] - strips.v_begin[s], 0.0,
                 0.5 * (strips.v_begin[s] + strips.v_begin[s + 1]));
-  narrow.say("strip is", "strips are", warnings);
+  narrow.say("strip_narrow", "strip is", "strips are", warnings);
 }
 
 /// Slits, and the paper between those on one line. All slits run along u.
-void check_slits(const Pattern& pattern, double narrowest_mm, std::vector<std::string>& warnings) {
+void check_slits(const Pattern& pattern, double narrowest_mm, std::vector<Warning>& warnings) {
   struct Slit {
     double v{}, from{}, to{};
   };
@@ -75,12 +80,12 @@ void check_slits(const Pattern& pattern, double narrowest_mm, std::vector<std::s
     const double neck = slit.from - slits[i - 1].to;
     if (neck > kRounding_mm) necks.look(neck, slit.from, slit.v);
   }
-  narrow.say("slit is", "slits are", warnings);
-  necks.say("neck of paper between two slits is", "necks of paper between two slits are", warnings);
+  narrow.say("slit_short", "slit is", "slits are", warnings);
+  necks.say("neck_narrow", "neck of paper between two slits is",
+            "necks of paper between two slits are", warnings);
 }
 
-void check_sheet(const Pattern& pattern, const MakeLimits& limits,
-                 std::vector<std::string>& warnings) {
+void check_sheet(const Pattern& pattern, const MakeLimits& limits, std::vector<Warning>& warnings) {
   double u_least = std::numeric_limits<double>::infinity(), u_most = -u_least;
   for (const SheetLine& line : pattern.lines) {
     u_least = std::min({u_least, line.u0, line.u1});
@@ -90,16 +95,17 @@ void check_sheet(const Pattern& pattern, const MakeLimits& limits,
   const double a = limits.sheet_mm[0] + kRounding_mm, b = limits.sheet_mm[1] + kRounding_mm;
   if ((u <= a && v <= b) || (u <= b && v <= a)) return;
   warnings.push_back(
-      fmt::format("the pattern is {:.1f} x {:.1f} mm, larger than {} of {:g} x {:g} "
-                  "mm: it must be scaled down, or split and glued",
-                  u, v, limits.sheet_name, limits.sheet_mm[0], limits.sheet_mm[1]));
+      {.code = "larger_than_sheet",
+       .message = fmt::format("the pattern is {:.1f} x {:.1f} mm, larger than {} of {:g} x {:g} "
+                              "mm: it must be scaled down, or split and glued",
+                              u, v, limits.sheet_name, limits.sheet_mm[0], limits.sheet_mm[1])});
 }
 
 }  // namespace
 
-std::vector<std::string> make_warnings(const Strips& strips, const Pattern& pattern,
-                                       const MakeLimits& limits) {
-  std::vector<std::string> warnings;
+std::vector<Warning> make_warnings(const Strips& strips, const Pattern& pattern,
+                                   const MakeLimits& limits) {
+  std::vector<Warning> warnings;
   check_folds(pattern, limits.shortest_fold_mm, warnings);
   check_strips(strips, limits.narrowest_mm, warnings);
   check_slits(pattern, limits.narrowest_mm, warnings);

@@ -7,6 +7,7 @@
 
 #include "core/design/strips/strips.hpp"
 #include "core/pattern/pattern.hpp"
+#include "core/warning.hpp"
 
 namespace popcut {
 
@@ -21,7 +22,7 @@ struct MakeLimits {
 /// What of a pattern is too fine or too large to be made: folds that are too short, strips, slits
 /// and necks of paper that are too narrow, a sheet that is too large. One sentence a kind, with the
 /// number of places, the worst value and where it lies (u, v on the sheet). O(lines log lines).
-[[nodiscard]] std::vector<std::string> make_warnings(const Strips& strips, const Pattern& pattern,
-                                                     const MakeLimits& limits);
+[[nodiscard]] std::vector<Warning> make_warnings(const Strips& strips, const Pattern& pattern,
+                                                 const MakeLimits& limits);
 
 }  // namespace popcut

@@ -318,8 +318,10 @@ LineWork clean(LineWork work, const CleanOptions& options) {
   join(pieces, nodes, out);
   if (contradictions > 0)
     out.warnings.push_back(
-        fmt::format("{} places are both mountain and valley folds; they are made mountain folds",
-                    contradictions));
+        {.code = "mountain_and_valley",
+         .message = fmt::format(
+             "{} places are both mountain and valley folds; they are made mountain folds",
+             contradictions)});
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/drawing/toolpath.hpp"
+#include "core/warning.hpp"
 
 namespace popcut {
 
@@ -25,7 +26,7 @@ struct LineWork {
   std::string name;
   std::vector<PagePoint> points;
   std::vector<DrawnLine> lines;
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
   bool has_page{false};  ///< the drawing's place on its page matters (SVG)
   bool dashed{false};    ///< its folds are dashes already: cut them as they are
 

@@ -10,6 +10,7 @@
 #include "core/layout/sheet.hpp"
 #include "core/layout/tabs.hpp"
 #include "core/result.hpp"
+#include "core/warning.hpp"
 
 namespace popcut {
 
@@ -72,7 +73,7 @@ struct Layout {
   std::vector<std::vector<std::uint32_t>> steps;
   double glue_mm{};              ///< total length to glue
   std::uint32_t least_sheets{};  ///< lower bound of the number of sheets: box area over sheet area
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
 };
 
 /// Splits a drawing that is larger than the area into pieces with glue tabs, and packs the pieces

@@ -168,11 +168,13 @@ void add_marks(Layout& layout, LineIndex& lines, double clearance_mm) {
   }
   if (unlabelled > 0)
     layout.warnings.push_back(
-        fmt::format("{} of {} seams have no room for a letter; assembly.svg shows them", unlabelled,
-                    layout.seams.size()));
+        {.code = "seam_without_letter",
+         .message = fmt::format("{} of {} seams have no room for a letter; assembly.svg shows them",
+                                unlabelled, layout.seams.size())});
   if (unticked > 0)
-    layout.warnings.push_back(
-        fmt::format("{} of {} seams have no room for tick marks", unticked, layout.seams.size()));
+    layout.warnings.push_back({.code = "seam_without_tick",
+                               .message = fmt::format("{} of {} seams have no room for tick marks",
+                                                      unticked, layout.seams.size())});
 }
 
 }  // namespace popcut

@@ -52,7 +52,7 @@ Result<void> check_amount(const LineWork& work, const DashShape& shape) {
     return fail(ErrorKind::OutOfRange, "",
                 fmt::format("the drawing has no line to cut or fold; it needs at least one{}{}",
                             work.warnings.empty() ? "" : "; while reading: ",
-                            fmt::join(work.warnings, "; ")));
+                            fmt::join(messages_of(work.warnings), "; ")));
   if (work.points.size() > kMaxDrawnPoints)
     return fail(ErrorKind::OutOfRange, "",
                 fmt::format("the drawing has {} points; the limit is {}", work.points.size(),
@@ -143,7 +143,7 @@ Result<FoldMode> fold_mode(const Material& material, const PlanOptions& options)
 }
 
 Ordered ordered_for(const LineWork& work, const Machine& machine, const PlanOptions& options,
-                    PlannedSheet& sheet, std::vector<std::string>& warnings) {
+                    PlannedSheet& sheet, std::vector<Warning>& warnings) {
   OrderOptions how = options.order;
   if (options.mat_free) {
     how.band_mm = kBandMm;
@@ -154,17 +154,20 @@ Ordered ordered_for(const LineWork& work, const Machine& machine, const PlanOpti
   sheet.order_moves = ordered.moves;
   sheet.order_finished = ordered.finished;
   if (!ordered.finished)
-    warnings.push_back(fmt::format(
-        "the search for a short order stopped after {} of {} moves; on another machine, or with "
-        "more time, the order may differ",
-        ordered.moves, ordered.moves_wanted));
+    warnings.push_back(
+        {.code = "order_unfinished",
+         .message = fmt::format("the search for a short order stopped after {} of {} moves; on "
+                                "another machine, or with more time, the order may differ",
+                                ordered.moves, ordered.moves_wanted)});
   if (const std::size_t late =
           how.method == OrderMethod::Keep ? outer_before_inner(work, ordered.visits) : 0;
       late > 0)
-    warnings.push_back(fmt::format(
-        "the order is kept as drawn: {} strokes come after the closed line around them, so the "
-        "paper inside may have moved by then",
-        late));
+    warnings.push_back(
+        {.code = "outer_before_inner",
+         .message = fmt::format("the order is kept as drawn: {} strokes come after the closed line "
+                                "around them, so the paper inside may have moved by then",
+                                late),
+         .spoils = true});
   return ordered;
 }
 
@@ -268,7 +271,8 @@ class Planner {
     out_.warnings.insert(out_.warnings.end(), layout->warnings.begin(), layout->warnings.end());
     if (const std::string other = mat_for(out_.machine, bounds(work)); !other.empty())
       out_.warnings.push_back(
-          fmt::format("the drawing fits whole on `mat` {}, without splitting", other));
+          {.code = "fits_whole",
+           .message = fmt::format("the drawing fits whole on `mat` {}, without splitting", other)});
     std::vector<std::uint32_t> piece_of;
     for (std::uint32_t k = 0; k < layout->sheets.size(); ++k) {
       PlannedSheet sheet;

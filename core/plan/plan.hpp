@@ -11,6 +11,7 @@
 #include "core/plan/knife/strokes.hpp"
 #include "core/plan/marks.hpp"
 #include "core/plan/plan_options.hpp"
+#include "core/warning.hpp"
 
 namespace popcut {
 
@@ -45,7 +46,7 @@ struct Plan {
   Machine machine;
   Material material;
   std::vector<PlannedSheet> sheets;
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
   std::uint64_t seed{};
   FoldMode folds{FoldMode::Perforate};
   double snap_mm{};

@@ -225,7 +225,7 @@ std::string plan_json(const Plan& plan) {
             {"folds", fold_mode_name(plan.folds)},
             {"snap_mm", plan.snap_mm},
             {"sheets", Json::array()},
-            {"warnings", plan.warnings},
+            {"warnings", messages_of(plan.warnings)},
             {"seed", plan.seed}};
   if (plan.layout) add_layout(*plan.layout, json);
   for (std::size_t i = 0; i < plan.sheets.size(); ++i)

@@ -52,9 +52,10 @@ constexpr std::array<Words, 4> kCommands{{
 }};
 
 // Longer ones before those that they contain.
-constexpr std::array<Words, 9> kPhrases{{
+constexpr std::array<Words, 10> kPhrases{{
     {"registration \"re-registered\"", "--registration re-registered"},
     {"i_accept_double_cut", "--accept-double-cut"},
+    {"accept_warnings", "--accept-warnings"},
     {"skip_in_doubt", "--skip-in-doubt"},
     {"with retry-sheet", "with 'popcut retry'"},
     {"the action enable", "'popcut devices enable'"},
@@ -110,6 +111,7 @@ std::string command_line_for(const nlohmann::json& way, const std::string& job) 
   if (body.value("registration", "") == "re-registered") line += " --registration re-registered";
   if (body.value("skip_in_doubt", false)) line += " --skip-in-doubt";
   if (body.value("i_accept_double_cut", false)) line += " --accept-double-cut";
+  if (body.contains("accept_warnings")) line += " --accept-warnings";
   return line;
 }
 

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/warning.hpp"
+
 namespace popcut::daemon {
 
 /// What a principal may do; each role may do what those before it may.
@@ -150,7 +152,7 @@ struct PlanRecord {
   PlanState state{};
   std::string sha256;  ///< of all programs; the same design and words give the same
   std::vector<SheetPlan> sheets{};
-  std::vector<std::string> warnings{};
+  std::vector<Warning> warnings{};
   std::string error{};  ///< if it failed
   TimeMs created{};
   /// Of all its sheets, also where `sheets` does not have them.
@@ -199,6 +201,8 @@ struct Job {
   std::optional<TimeMs> started{}, finished{};
   std::string outcome{};
   std::vector<std::string> tags{};
+  std::string warnings{"[]"};             ///< as JSON (`warnings_json`)
+  std::vector<std::string> unaccepted{};  ///< codes of warnings that `arm` must accept
   std::optional<Attention> attention{};
   std::vector<std::string> actions{};  ///< allowed now
   std::vector<Way> ways{};             ///< of one job that was asked for: requests that pass now
@@ -233,6 +237,7 @@ struct ActionRequest {
   std::optional<std::int64_t> from_path{};  ///< resume-from
   std::string registration{};               ///< resume-from: "kept" or "re-registered"
   bool accept_double_cut{false}, skip_in_doubt{false};
+  std::vector<std::string> accept_warnings{};  ///< arm: codes
   std::string reason{};
 };
 

@@ -58,6 +58,7 @@ struct Problem {
   std::vector<std::string> allowed_actions{};  ///< allowed now (StateConflict, Stale)
   std::optional<int> retry_after_s{};
   std::vector<Way> ways{};  ///< complete requests that would pass now
+  std::string warnings{};   ///< of the job, as JSON, where they are the reason; else empty
 };
 
 template <typename T>

@@ -26,7 +26,7 @@ constexpr const char* kDefaultMachine = "cameo3";
 double least_panel_mm(const Material& material) { return std::max(0.5, 3 * material.thickness_mm); }
 
 Result<void> add_part(const Design& part, const std::string& prefix, const FileSink& add,
-                      std::vector<std::string>& warnings) {
+                      std::vector<Warning>& warnings) {
   std::ostringstream svg;
   write_pattern_svg(part.pattern, svg);
   if (auto done = add(prefix + "pattern.svg", std::move(svg).str()); !done) return done;
@@ -39,7 +39,9 @@ Result<void> add_part(const Design& part, const std::string& prefix, const FileS
   if (!angles) return tl::unexpected(angles.error());
   auto glb = animation_glb(part.pattern, *angles, 0.0);
   if (glb) return add(prefix + "deploy.glb", std::move(*glb));
-  warnings.push_back(fmt::format("{}deploy.glb was not written: {}", prefix, message(glb.error())));
+  warnings.push_back(
+      {.code = "no_deploy_glb",
+       .message = fmt::format("{}deploy.glb was not written: {}", prefix, message(glb.error()))});
   return {};
 }
 
@@ -85,15 +87,17 @@ void add_make_warnings(const Material& material, const DesignSpec& spec, Design&
     limits.sheet_mm[0] = mat.width_mm, limits.sheet_mm[1] = mat.length_mm;
     limits.sheet_name = fmt::format("the {} mat of {}", mat.name, machine->name);
   }
-  for (const std::string& warning : make_warnings(made.strips, made.pattern, limits))
-    made.report.warnings.push_back(fmt::format("{}: {}", material.name, warning));
+  const auto add = [&](Warning warning) {
+    warning.message = fmt::format("{}: {}", material.name, warning.message);
+    made.report.warnings.push_back(std::move(warning));
+  };
+  for (Warning& warning : make_warnings(made.strips, made.pattern, limits)) add(std::move(warning));
   const ShutStack stack = shut_stack(made.strips, material.thickness_mm);
-  if (const auto warning = thickness_warning(stack, material.thickness_mm))
-    made.report.warnings.push_back(fmt::format("{}: {}", material.name, *warning));
+  if (auto warning = thickness_warning(stack, material.thickness_mm)) add(std::move(*warning));
 }
 
 Result<void> add_design_files(const PatchAssembly& made, const FileSink& add,
-                              std::vector<std::string>& warnings) {
+                              std::vector<Warning>& warnings) {
   const bool is_one = made.parts.size() == 1;
   for (std::size_t p = 0; p < made.parts.size(); ++p)
     if (auto done = add_part(made.parts[p], is_one ? "" : part_folder(p) + "-", add, warnings);

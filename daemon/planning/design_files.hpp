@@ -36,6 +36,6 @@ using FileSink = std::function<Result<void>(std::string name, std::string bytes)
 /// several parts "part-01-pattern.svg" and so on. What cannot be written (an animation of too
 /// many faces) is noted in `warnings`.
 [[nodiscard]] Result<void> add_design_files(const PatchAssembly& made, const FileSink& add,
-                                            std::vector<std::string>& warnings);
+                                            std::vector<Warning>& warnings);
 
 }  // namespace popcut::planning

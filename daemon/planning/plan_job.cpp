@@ -126,8 +126,10 @@ Result<void> encode_sheets(const PlanOptions& options, PlanJob& job) {
     if (!program) return tl::unexpected(program.error());
     if (!program->dots.empty())
       job.plan.warnings.push_back(
-          fmt::format("{} strokes are shorter than a step of {} mm and are not cut",
-                      program->dots.size(), machine.unit_mm));
+          {.code = "stroke_short",
+           .message = fmt::format("{} strokes are shorter than a step of {} mm and are not cut",
+                                  program->dots.size(), machine.unit_mm),
+           .place = {.sheet = static_cast<int>(&sheet - job.plan.sheets.data()) + 1}});
     job.programs.push_back(std::move(*program));
   }
   return {};

@@ -42,7 +42,7 @@ struct PlanningOutcome {
   std::string design_kind;
   std::vector<std::string> assets{};  ///< ids that the spec refers to
   std::vector<SheetPlan> sheets{};
-  std::vector<std::string> warnings{};
+  std::vector<Warning> warnings{};
   std::string sha256{};  ///< over all programs in order
   std::vector<PlanningFile> files{};
 };

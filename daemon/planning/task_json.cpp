@@ -7,6 +7,7 @@
 
 #include "core/text/field_reader.hpp"
 #include "core/text/json_text.hpp"
+#include "daemon/model/warnings.hpp"
 
 namespace popcut::planning {
 namespace {
@@ -95,7 +96,7 @@ std::string outcome_json(const PlanningOutcome& outcome) {
   return dumped({{"design_kind", outcome.design_kind},
                  {"assets", outcome.assets},
                  {"sheets", sheets},
-                 {"warnings", outcome.warnings},
+                 {"warnings", daemon::warnings_json(outcome.warnings)},
                  {"sha256", outcome.sha256}});
 }
 
@@ -106,7 +107,7 @@ Result<PlanningOutcome> read_outcome(std::string_view json) {
   PlanningOutcome outcome;
   outcome.design_kind = fields.text("design_kind", {});
   outcome.assets = read_texts(fields, "assets");
-  outcome.warnings = read_texts(fields, "warnings");
+  outcome.warnings = daemon::warnings_from_json(fields.text("warnings", {}));
   outcome.sha256 = fields.text("sha256", {});
   fields.objects("sheets",
                  [&](FieldReader& sheet) { outcome.sheets.push_back(read_sheet(sheet)); });

@@ -208,7 +208,7 @@ long most_preview_units(const DesignSpec& spec) {
 
 /// A spec's preview is the pattern it gives. That there is none is no fault of the spec's form.
 Result<std::string> spec_preview(const DesignSpec& spec, WorkerTask& task,
-                                 std::vector<std::string>& warnings) {
+                                 std::vector<Warning>& warnings) {
   long units = 0, most = most_preview_units(spec);
   const auto count = [&](const DesignSpec& one) {
     for (const RegionSpec& region : one.regions)
@@ -227,7 +227,7 @@ Result<std::string> spec_preview(const DesignSpec& spec, WorkerTask& task,
   if (const auto tables = tables_of(task)) sources.tables = tables->texts;
   const auto drawn = drawing_from_text(task.design, InputKind::Spec, {}, 1, sources);
   if (drawn) return preview_svg(drawn->drawing);
-  warnings.push_back(message(drawn.error()));
+  warnings.push_back({.code = "no_preview", .message = message(drawn.error())});
   return no_preview_svg(message(drawn.error()));
 }
 

@@ -36,6 +36,8 @@ struct JobRow {
   std::string outcome{}, tags{"[]"};
   std::string attention{}, attention_text{};
   TimeMs attention_since{};
+  std::string warnings{"[]"};  ///< of its plan, as JSON (`warnings_json`)
+  std::string unaccepted{};    ///< codes of those that `arm` must accept, with blanks between
 };
 
 /// Where a job stands in the queue, for the next page.

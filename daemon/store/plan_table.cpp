@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/model/warnings.hpp"
+
 namespace popcut::daemon {
 namespace {
 
@@ -33,7 +35,7 @@ PlanRow plan_row(const Rows& rows) {
   const auto state = std::find(kStates.begin(), kStates.end(), rows.text(0));
   if (state == kStates.end()) throw StoreFault(FaultKind::Corrupt, "a plan's state is invalid");
   row.state = static_cast<PlanState>(state - kStates.begin());
-  row.warnings = list_from_json(rows.text(1));
+  row.warnings = warnings_from_json(rows.text(1));
   rows.read(2, plan_values(row));
   return row;
 }
@@ -72,9 +74,9 @@ std::vector<std::string> list_from_json(const std::string& json) {
 }
 
 void PlanTable::insert(const PlanRow& row) {
-  db_.insert(
-      "INSERT INTO plan(" POPCUT_PLAN_COLUMNS ")",
-      std::tuple_cat(std::tuple(name_of(row.state), json_list(row.warnings)), plan_values(row)));
+  db_.insert("INSERT INTO plan(" POPCUT_PLAN_COLUMNS ")",
+             std::tuple_cat(std::tuple(name_of(row.state), warnings_json(row.warnings)),
+                            plan_values(row)));
 }
 
 void PlanTable::put_sheets(std::string_view plan, std::span<const SheetPlan> sheets) {
@@ -88,7 +90,7 @@ void PlanTable::finish(const PlanRow& row) {
       "UPDATE plan SET state=?, sha256=?, sheets=?, paths=?, cut_mm=?, low_s=?, high_s=?, "
       "width_mm=?, length_mm=?, warnings=?, error=?, begun=0 WHERE id=?",
       name_of(row.state), row.sha256, row.sheets, row.paths, row.cut_mm, row.low_s, row.high_s,
-      row.width_mm, row.length_mm, json_list(row.warnings), row.error, row.id);
+      row.width_mm, row.length_mm, warnings_json(row.warnings), row.error, row.id);
   db_.run("DELETE FROM plan_sheet WHERE plan=? AND number>?", row.id, row.sheets);
   db_.run("DELETE FROM plan_asker WHERE plan=?", row.id);
 }

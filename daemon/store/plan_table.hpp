@@ -23,7 +23,7 @@ struct PlanRow {
   std::int64_t paths{};
   double cut_mm{}, low_s{}, high_s{};
   double width_mm{}, length_mm{};  ///< that the largest sheet needs
-  std::vector<std::string> warnings{};
+  std::vector<Warning> warnings{};
   std::string error{};
   std::string options{"{}"};  ///< JSON object of words
   std::string machine_json{}, material_json{};

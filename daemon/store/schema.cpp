@@ -251,11 +251,24 @@ CREATE TRIGGER end_tally_update AFTER UPDATE OF ended ON attempt
     ON CONFLICT(device, end_kind) DO UPDATE SET attempts = attempts + 1; END;
 )sql";
 
+// Warnings have a code and a place, and jobs have those of their plan. Whoever has a job that is
+// open was not asked about them so far, and is not asked now.
+constexpr std::string_view kVersion5 = R"sql(
+UPDATE plan SET warnings = (
+  SELECT json_group_array(json_object('code', 'note', 'message', value, 'place', NULL, 'spoils',
+                                      json('false'))) FROM json_each(plan.warnings))
+  WHERE warnings != '[]' AND json_valid(warnings);
+ALTER TABLE job ADD COLUMN warnings TEXT NOT NULL DEFAULT '[]';
+ALTER TABLE job ADD COLUMN unaccepted TEXT NOT NULL DEFAULT '';
+UPDATE job SET warnings = (SELECT plan.warnings FROM plan WHERE plan.id = job.plan)
+  WHERE state NOT IN ('done', 'failed', 'cancelled');
+)sql";
+
 }  // namespace
 
 const std::vector<Migration>& migrations() {
   static const std::vector<Migration> all{
-      {1, kVersion1}, {2, kVersion2}, {3, kVersion3}, {4, kVersion4}};
+      {1, kVersion1}, {2, kVersion2}, {3, kVersion3}, {4, kVersion4}, {5, kVersion5}};
   return all;
 }
 

@@ -43,8 +43,8 @@ inline Error error_of(const std::string& text, SvgLimits limits = {}) {
 }
 
 inline bool is_told(const LineWork& work, const std::string& part) {
-  return std::any_of(work.warnings.begin(), work.warnings.end(), [&](const std::string& warning) {
-    return warning.find(part) != std::string::npos;
+  return std::any_of(work.warnings.begin(), work.warnings.end(), [&](const Warning& warning) {
+    return warning.message.find(part) != std::string::npos;
   });
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/design/target/surface_spec.hpp"
 #include "core/fit/fit_figures.hpp"
+#include "core/warning.hpp"
 
 namespace popcut {
 
@@ -121,7 +122,7 @@ struct DesignReport : LatticeFigures {
   std::vector<BridgeReport> bridges;
   std::optional<CurvatureReport> curvature;  ///< where the spec asks for some
   std::vector<std::string> notes;            ///< plain cuts, halved slices, spread of minima
-  std::vector<std::string> warnings;         ///< what makes it hard to cut, fold or shut, and where
+  std::vector<Warning> warnings;             ///< what makes it hard to cut, fold or shut, and where
   double design_angle_deg{90.0};             ///< at which the structure is measured
   bool fit_nearest{};                        ///< "fit": "nearest" was asked for
   SliceFit fit{};                            ///< of all slices together

@@ -302,26 +302,38 @@ class DxfReader {
   }
 
   void add_warnings() {
-    const auto say = [&](std::size_t count, const char* what) {
-      if (count > 0) work_.warnings.push_back(fmt::format("{} {}", count, what));
+    const auto say = [&](std::size_t count, const char* code, const char* what,
+                         bool spoils = false) {
+      if (count > 0)
+        work_.warnings.push_back(
+            {.code = code, .message = fmt::format("{} {}", count, what), .spoils = spoils});
     };
     for (const auto& [type, count] : unread_)
       work_.warnings.push_back(
-          fmt::format("{} {} cannot be read and {} left out; explode or redraw {} as lines", count,
-                      type, count == 1 ? "is" : "are", count == 1 ? "it" : "them"));
+          {.code = "entity_unread",
+           .message =
+               fmt::format("{} {} cannot be read and {} left out; explode or redraw {} as lines",
+                           count, type, count == 1 ? "is" : "are", count == 1 ? "it" : "them"),
+           .spoils = true});
     for (const auto& [name, count] : missing_)
       work_.warnings.push_back(
-          fmt::format("{} insert{} of the block \"{}\", which is not in the file, {} left out",
-                      count, count == 1 ? "" : "s", name, count == 1 ? "is" : "are"));
+          {.code = "missing_block",
+           .message =
+               fmt::format("{} insert{} of the block \"{}\", which is not in the file, {} left out",
+                           count, count == 1 ? "" : "s", name, count == 1 ? "is" : "are"),
+           .place = {.source = fmt::format("block \"{}\"", name)},
+           .spoils = true});
     add_layer_warnings();
-    say(paper_, "entities on a paper layout are left out; only the model space is cut");
-    say(hidden_, "invisible entities are left out");
-    say(tilted_, "entities are tilted in space; they are cut as seen from above");
-    say(by_colour_, "lines are left out because their colour means neither cut nor fold");
-    say(sideless_,
+    say(paper_, "paper_layout",
+        "entities on a paper layout are left out; only the model space is cut");
+    say(hidden_, "hidden", "invisible entities are left out");
+    say(tilted_, "tilted", "entities are tilted in space; they are cut as seen from above");
+    say(by_colour_, "stroke_left_out",
+        "lines are left out because their colour means neither cut nor fold", true);
+    say(sideless_, "fold_side_unknown",
         "folds are on layers that do not name mountain or valley; they become valley folds");
-    say(dashed_, "lines have a dashed line type; their dashes are cut");
-    say(unclear_,
+    say(dashed_, "dashed_line", "lines have a dashed line type; their dashes are cut");
+    say(unclear_, "dashes_unknown",
         "lines have a dashed line type whose dashes are not in the file; they become "
         "valley folds");
   }
@@ -339,13 +351,17 @@ class DxfReader {
                         : layer.meaning == DxfMeaning::Ignore
                             ? "has a name that means not to cut it"
                             : "is not plotted";
-      work_.warnings.push_back(fmt::format("the layer \"{}\" {}; {} of its entities {} left out",
-                                           layer.name, why, left_out[i]->left_out,
-                                           left_out[i]->left_out == 1 ? "is" : "are"));
+      work_.warnings.push_back(
+          {.code = "layer_left_out",
+           .message =
+               fmt::format("the layer \"{}\" {}; {} of its entities {} left out", layer.name, why,
+                           left_out[i]->left_out, left_out[i]->left_out == 1 ? "is" : "are"),
+           .place = {.source = fmt::format("layer \"{}\"", layer.name)}});
     }
     if (left_out.size() > kMostNamed)
       work_.warnings.push_back(
-          fmt::format("{} more layers are left out", left_out.size() - kMostNamed));
+          {.code = "layer_left_out",
+           .message = fmt::format("{} more layers are left out", left_out.size() - kMostNamed)});
   }
 
   DxfTables tables_;

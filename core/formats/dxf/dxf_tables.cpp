@@ -84,8 +84,9 @@ class TableReader {
       return fail(ErrorKind::Malformed, dxf_line(cursor_.group().line),
                   "there is no ENTITIES section; is the file complete?");
     if (!ended)
-      tables_.warnings.emplace_back(
-          "the file does not end with EOF, but all its sections are complete");
+      tables_.warnings.push_back(
+          {.code = "no_eof",
+           .message = "the file does not end with EOF, but all its sections are complete"});
     settle_unit();
     return std::move(tables_);
   }
@@ -228,8 +229,11 @@ class TableReader {
     const bool inch = measurement_ == 0;
     if (inch) tables_.unit_mm = 25.4, tables_.unit_name = "inch";
     tables_.warnings.push_back(
-        fmt::format("the file gives no unit of length ($INSUNITS); 1 unit is read as 1 {}{}",
-                    tables_.unit_name, inch ? " ($MEASUREMENT is English)" : ""));
+        {.code = "no_unit",
+         .message =
+             fmt::format("the file gives no unit of length ($INSUNITS); 1 unit is read as 1 {}{}",
+                         tables_.unit_name, inch ? " ($MEASUREMENT is English)" : ""),
+         .spoils = true});
   }
 
   DxfCursor cursor_;

@@ -10,6 +10,7 @@
 #include "core/drawing/toolpath.hpp"
 #include "core/formats/dxf/dxf_curves.hpp"
 #include "core/formats/dxf/dxf_groups.hpp"
+#include "core/warning.hpp"
 
 namespace popcut {
 
@@ -61,7 +62,7 @@ struct DxfTables {
   double unit_mm{1.0};
   std::string unit_name{"mm"};  ///< for messages
   double linetype_scale{1.0};
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
   std::unordered_map<std::string, DxfLayer> layers;
   std::unordered_map<std::string, DxfLinetype> linetypes;
   std::unordered_map<std::string, DxfBlock> blocks;

@@ -100,14 +100,18 @@ bool add_borders(std::vector<Segment> borders, LineWork& work) {
 
 struct UncutEdges {
   std::size_t flat{}, joined{}, unassigned{}, by_angle{};
-  void add_warnings(std::vector<std::string>& warnings) const {
-    const auto say = [&](std::size_t count, const char* what) {
-      if (count > 0) warnings.push_back(fmt::format("{} {}", count, what));
+  void add_warnings(std::vector<Warning>& warnings) const {
+    const auto say = [&](std::size_t count, const char* code, const char* what,
+                         bool spoils = false) {
+      if (count > 0)
+        warnings.push_back(
+            {.code = code, .message = fmt::format("{} {}", count, what), .spoils = spoils});
     };
-    say(flat, "flat creases (F) are not cut");
-    say(joined, "joins (J) are not cut");
-    say(unassigned, "edges have no assignment (U) and no fold angle; they are not cut");
-    say(by_angle, "unassigned edges become folds by the sign of their fold angle");
+    say(flat, "flat_not_cut", "flat creases (F) are not cut");
+    say(joined, "join_not_cut", "joins (J) are not cut");
+    say(unassigned, "unassigned_not_cut",
+        "edges have no assignment (U) and no fold angle; they are not cut", true);
+    say(by_angle, "fold_by_angle", "unassigned edges become folds by the sign of their fold angle");
   }
 };
 
@@ -161,12 +165,15 @@ Result<LineWork> linework_from_fold(std::string_view text, const FoldLimits& lim
   LineWork work;
   work.name = frame->title;
   if (frame->unit.empty() || frame->unit == "unit")
-    work.warnings.emplace_back(
-        "the file gives no unit of length (frame_unit); 1 unit is read as 1 mm");
+    work.warnings.push_back(
+        {.code = "no_unit",
+         .message = "the file gives no unit of length (frame_unit); 1 unit is read as 1 mm",
+         .spoils = true});
   if (seen_from_back(*frame))
-    work.warnings.emplace_back(
-        "faces run clockwise: the drawing shows the back of the sheet, where mountains look like "
-        "valleys");
+    work.warnings.push_back(
+        {.code = "seen_from_back",
+         .message = "faces run clockwise: the drawing shows the back of the sheet, where mountains "
+                    "look like valleys"});
   std::vector<Segment> borders;
   UncutEdges uncut;
   for (std::size_t e = 0; e < frame->edges.size(); ++e) {

@@ -112,8 +112,11 @@ class SvgReader {
     const auto width = size("width"), height = size("height");
     if (!has_unit)
       work_.warnings.push_back(
-          fmt::format("the drawing gives no unit of length; {:g} user units are read as one inch",
-                      options_.dpi));
+          {.code = "no_unit",
+           .message = fmt::format(
+               "the drawing gives no unit of length; {:g} user units are read as one inch",
+               options_.dpi),
+           .spoils = true});
     if ((width && !(*width > 0.0)) || (height && !(*height > 0.0)))
       return wrong(root, "width and height must be positive");
     place.to_page = {user_mm_, 0, 0, user_mm_, 0, 0};
@@ -410,9 +413,10 @@ class SvgReader {
   }
 
   void add_warnings() {
-    for (std::string& sentence : notes_.sentences()) work_.warnings.push_back(std::move(sentence));
+    for (Warning& warning : notes_.warnings()) work_.warnings.push_back(std::move(warning));
     if (std::string warning = purposes_.colour_warning(); !warning.empty())
-      work_.warnings.push_back(std::move(warning));
+      work_.warnings.push_back(
+          {.code = "colours_without_meaning", .message = std::move(warning), .spoils = true});
   }
 
   const SvgText& text_;

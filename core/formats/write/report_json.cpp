@@ -150,7 +150,7 @@ Json report_object(const DesignReport& report) {
                                {"left_planes", bridge.left_planes},
                                {"right_planes", bridge.right_planes}});
   json["notes"] = report.notes;
-  json["warnings"] = report.warnings;
+  json["warnings"] = messages_of(report.warnings);
   json["slices"] = slices(report);
   return json;
 }

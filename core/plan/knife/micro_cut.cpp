@@ -345,18 +345,21 @@ void score_left_out(const LineWork& drawing, const DashShape& shape, Dashed& das
   }
 }
 
-std::optional<std::string> left_out_warning(const Dashed& dashed, const DashShape& shape,
-                                            std::string_view done) {
+std::optional<Warning> left_out_warning(const Dashed& dashed, const DashShape& shape,
+                                        std::string_view done) {
   if (dashed.left_out.empty()) return std::nullopt;
   const auto mm = [](const LeftOut& left) { return left.on.to - left.on.from; };
   const LeftOut& longest =
       *std::max_element(dashed.left_out.begin(), dashed.left_out.end(),
                         [&](const LeftOut& a, const LeftOut& b) { return mm(a) < mm(b); });
-  return fmt::format(
-      "{} stretches of folds {}: they are too short for a dash of {:g} mm between clearances of "
-      "{:g} mm; the longest is {:.2f} mm, at {:.2f},{:.2f} mm",
-      dashed.left_out.size(), done, kLeastShare * shape.min_dash_mm,
-      kLeastShare * shape.clearance_mm, mm(longest), longest.where.x, longest.where.y);
+  return Warning{
+      .code = "fold_short_for_dash",
+      .message = fmt::format("{} stretches of folds {}: they are too short for a dash of {:g} mm "
+                             "between clearances of "
+                             "{:g} mm; the longest is {:.2f} mm, at {:.2f},{:.2f} mm",
+                             dashed.left_out.size(), done, kLeastShare * shape.min_dash_mm,
+                             kLeastShare * shape.clearance_mm, mm(longest), longest.where.x,
+                             longest.where.y)};
 }
 
 }  // namespace popcut

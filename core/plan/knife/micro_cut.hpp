@@ -10,6 +10,7 @@
 
 #include "core/drawing/linework.hpp"
 #include "core/machines/machine.hpp"
+#include "core/warning.hpp"
 
 namespace popcut {
 
@@ -74,8 +75,7 @@ void score_left_out(const LineWork& drawing, const DashShape& shape, Dashed& das
 
 /// How many stretches have no dash, how long they are and where the longest lies; none where all
 /// folds are dashed. `done` says what becomes of them: "stay uncut", "are scored".
-[[nodiscard]] std::optional<std::string> left_out_warning(const Dashed& dashed,
-                                                          const DashShape& shape,
-                                                          std::string_view done);
+[[nodiscard]] std::optional<Warning> left_out_warning(const Dashed& dashed, const DashShape& shape,
+                                                      std::string_view done);
 
 }  // namespace popcut

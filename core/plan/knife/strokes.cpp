@@ -43,7 +43,7 @@ void draw_with_overcut(std::span<const PagePoint> points, double mm, std::vector
 }  // namespace
 
 StrokeSettings::StrokeSettings(const Machine& machine, const Material& material, FoldMode folds,
-                               std::vector<std::string>& warnings)
+                               std::vector<Warning>& warnings)
     : machine_(machine),
       warnings_(warnings),
       tools_{material.draw, material.score.value_or(material.draw), material.fold, material.cut,
@@ -81,8 +81,11 @@ double StrokeSettings::force_gf(const ToolSettings& tool, int pass) const {
 
 void StrokeSettings::fit(ToolSettings& tool, const char* kind) {
   if (tool.tool > machine_.tool_holders) {
-    warnings_.push_back(fmt::format("{} needs tool {}, but {} has only {}; using tool 1", kind,
-                                    tool.tool, machine_.name, machine_.tool_holders));
+    warnings_.push_back(
+        {.code = "no_tool_holder",
+         .message = fmt::format("{} needs tool {}, but {} has only {}; using tool 1", kind,
+                                tool.tool, machine_.name, machine_.tool_holders),
+         .spoils = true});
     tool.tool = 1;
   }
   fit_scale(tool.force_gf, machine_.force_gf, kind, "force", "gf");
@@ -91,12 +94,16 @@ void StrokeSettings::fit(ToolSettings& tool, const char* kind) {
 
 void StrokeSettings::fit_scale(double& value, const SteppedScale& scale, const char* kind,
                                const char* what, const char* unit) {
+  const bool is_force = &scale == &machine_.force_gf;
   if (scale.per_step <= 0.0) return;
   const double low = scale.min_step * scale.per_step, high = scale.max_step * scale.per_step;
   const double fitted = std::clamp(value, low, high);
   if (fitted != value)
-    warnings_.push_back(fmt::format("{} {} of {:g} {} is out of range of {}; using {:g} {}", kind,
-                                    what, value, unit, machine_.name, fitted, unit));
+    warnings_.push_back(
+        {.code = fmt::format("{}_out_of_range", what),
+         .message = fmt::format("{} {} of {:g} {} is out of range of {}; using {:g} {}", kind, what,
+                                value, unit, machine_.name, fitted, unit),
+         .spoils = is_force});
   value = fitted;
 }
 

@@ -10,6 +10,7 @@
 #include "core/machines/machine.hpp"
 #include "core/plan/knife/micro_cut.hpp"
 #include "core/plan/order/order.hpp"
+#include "core/warning.hpp"
 
 namespace popcut {
 
@@ -29,7 +30,7 @@ class StrokeSettings {
  public:
   /// @param warnings  must outlive this object
   StrokeSettings(const Machine& machine, const Material& material, FoldMode folds,
-                 std::vector<std::string>& warnings);
+                 std::vector<Warning>& warnings);
   const ToolSettings& of(Operation operation);
   /// How folds without room for a dash are scored instead: cut half through where the machine sets
   /// its force, else pressed with a stylus where there is a holder for it; none: they cannot be.
@@ -46,7 +47,7 @@ class StrokeSettings {
                  const char* unit);
 
   const Machine& machine_;
-  std::vector<std::string>& warnings_;
+  std::vector<Warning>& warnings_;
   std::array<ToolSettings, 5> tools_;  ///< draw, score, fold, cut, folds scored for want of room
   std::array<bool, 5> checked_{};
 };

@@ -294,8 +294,8 @@ Result<void> run_cut(const Options& options, const Globals& globals) {
     folder = std::move(*opened);
   }
   if (!globals.quiet)
-    for (const std::string& warning : job->plan.warnings)
-      fmt::print(stderr, "warning: {}\n", shown_text(warning));
+    for (const Warning& warning : job->plan.warnings)
+      fmt::print(stderr, "warning: {}\n", shown_text(warning.message));
   nlohmann::ordered_json sheets = nlohmann::ordered_json::array();
   // What happened is kept, whatever happened.
   const Result<void> cut = cut_all(options, globals, *job, *target, folder, sheets);

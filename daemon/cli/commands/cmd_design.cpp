@@ -264,8 +264,8 @@ void say_remarks(const DesignReport& report, bool all) {
     fmt::print(stderr, "  note     {}\n", shown_text(report.lattice_note));
   for (const std::string& note : report.notes)
     fmt::print(stderr, "  note     {}\n", shown_text(note));
-  for (const std::string& warning : report.warnings)
-    fmt::print(stderr, "  warning  {}\n", shown_text(warning));
+  for (const Warning& warning : report.warnings)
+    fmt::print(stderr, "  warning  {}\n", shown_text(warning.message));
   for (std::size_t i = 0; i < report.merged.size() && (all || i < kFirst); ++i) {
     const MergedPlace& place = report.merged[i];
     fmt::print(stderr, "  merged   {} {}, level {}: {}\n", place.where, place.slice, place.level,
@@ -351,9 +351,10 @@ Error report_unsound(OutputFolder folder, const std::string& report, Error error
 /// The page with each fold as its dashes; folds without room for any are named in the report.
 LineWork dashed_page(const Material& material, Design& made) {
   Dashed dashed = micro_cut(linework_from_pattern(made.pattern), material.dashes);
-  if (const auto warning =
-          left_out_warning(dashed, material.dashes, "are not in cut.svg (page x, y)"))
-    made.report.warnings.push_back(fmt::format("{}: {}", material.name, *warning));
+  if (auto warning = left_out_warning(dashed, material.dashes, "are not in cut.svg (page x, y)")) {
+    warning->message = fmt::format("{}: {}", material.name, warning->message);
+    made.report.warnings.push_back(std::move(*warning));
+  }
   return std::move(dashed.work);
 }
 

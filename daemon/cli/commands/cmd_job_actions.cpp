@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <functional>
+#include <iostream>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
+
+#include <unistd.h>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -29,7 +34,7 @@ struct Options {
   std::optional<int> priority{};
   std::optional<int> sheet{}, blank{};
   std::optional<std::int64_t> from{};
-  bool double_cut{false}, skip_in_doubt{false}, wait{false};
+  bool double_cut{false}, skip_in_doubt{false}, wait{false}, accept_warnings{false};
 };
 
 Result<Json> job_for(Api& api, const Options& options, const char* action) {
@@ -48,13 +53,30 @@ Result<Json> act(Api& api, const Options& options, const char* action,
   return api.act(*job, action, body(*job));
 }
 
+/// Shows what may spoil the cut, and asks whether to cut all the same. Without a terminal nobody
+/// can be asked; then popcutd refuses.
+bool accepts_warnings(const Options& options, const Json& job) {
+  const std::vector<std::string> warnings = unaccepted_warnings(job);
+  if (warnings.empty()) return false;
+  const bool asks =
+      !options.accept_warnings && isatty(STDIN_FILENO) == 1 && isatty(STDERR_FILENO) == 1;
+  if (options.accept_warnings || asks)
+    for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", warning);
+  if (!asks) return options.accept_warnings;
+  fmt::print(stderr, "This may spoil the sheet. Arm it all the same? [y/N] ");
+  std::string answer;
+  std::getline(std::cin, answer);
+  return answer == "y" || answer == "Y" || answer == "yes";
+}
+
 Result<Json> arm(Api& api, const Options& options) {
-  return act(api, options, "arm", [&](const Json& job) {
-    Json body{{"sheet", sheet_of(options, job)},
-              {"blank", options.blank ? Json(*options.blank) : job.value("blank", Json(1))}};
-    if (!options.device.empty()) body["device"] = options.device;
-    return body;
-  });
+  const auto job = job_for(api, options, "arm");
+  if (!job) return tl::unexpected(job.error());
+  Json body{{"sheet", sheet_of(options, *job)},
+            {"blank", options.blank ? Json(*options.blank) : job->value("blank", Json(1))}};
+  if (!options.device.empty()) body["device"] = options.device;
+  if (accepts_warnings(options, *job)) body["accept_warnings"] = (*job)["unaccepted_warnings"];
+  return api.act(*job, "arm", body);
 }
 
 Result<Json> change(Api& api, const Options& options) {
@@ -216,7 +238,9 @@ constexpr const char* kArmHelp =
     "  popcut arm 01JDX7 2          # sheet 2 is loaded\n"
     "  popcut start 01JDX7          # cut it, within 10 minutes\n\n"
     "This allows one cut of this sheet on this blank (the paper you loaded). After 10 minutes, or\n"
-    "if popcutd restarts, arm it again.";
+    "if popcutd restarts, arm it again. If a warning says that the cut may be spoiled, popcut "
+    "asks\n"
+    "you first.";
 constexpr const char* kStartHelp =
     "Cut the sheet that you armed.\n\n"
     "  popcut start 01JDX7\n"
@@ -317,6 +341,8 @@ void register_job_actions(CLI::App& app, const Globals& globals, Run& run) {
           "--device", options->device,
           "Cutter that holds the sheet, if several could cut it; 'popcut devices' lists them")
       ->option_text("ID");
+  command->add_flag("--accept-warnings", options->accept_warnings,
+                    "Cut although the warnings of 'popcut jobs JOB' say that it may be spoiled");
   options = fresh();
   command = add(app, globals, run, {"start", kStartHelp, start}, options);
   command->add_flag("--wait", options->wait, "Wait until the sheet is cut");

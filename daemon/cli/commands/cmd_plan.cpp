@@ -40,14 +40,17 @@ CricutMat cricut_mat(const PlannedSheet& sheet) {
 // for that program's mat is noted in `warnings`.
 Result<void> add_profile_sheet(const PlannedSheet& sheet, std::size_t number,
                                const std::string& profile, const std::string& title,
-                               OutputFolder& folder, std::vector<std::string>& warnings) {
+                               OutputFolder& folder, std::vector<Warning>& warnings) {
   const std::string name = fmt::format("sheet-{:02}-{}.svg", number, profile);
   std::ostringstream out;
   if (profile == "cricut") {
     const auto written =
         write_cricut_svg(strokes_as_lines(sheet.path, title), cricut_mat(sheet), out);
     if (!written) {
-      warnings.push_back(fmt::format("{} is not written: {}", name, written.error().detail));
+      warnings.push_back(
+          {.code = "not_written",
+           .message = fmt::format("{} is not written: {}", name, written.error().detail),
+           .place = {.sheet = static_cast<int>(number)}});
       return {};
     }
   } else if (profile == "lightburn") {
@@ -83,8 +86,8 @@ void say(const PlanJob& job, const std::string& folder) {
         minutes(sheet.seconds_range[0]), minutes(sheet.seconds_range[1]));
     fmt::print(stderr, "           {}/{}\n", folder, job.program_file(i));
   }
-  for (const std::string& warning : plan.warnings)
-    fmt::print(stderr, "  warning  {}\n", shown_text(warning));
+  for (const Warning& warning : plan.warnings)
+    fmt::print(stderr, "  warning  {}\n", shown_text(warning.message));
 }
 
 Result<void> run_plan(const Options& options, const Globals& globals) {

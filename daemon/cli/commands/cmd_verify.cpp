@@ -62,8 +62,8 @@ Result<std::string> fold_of_svg(const std::string& svg, const Options& options,
   how.profile = std::move(*profile);
   auto work = linework_from_svg(svg, how);
   if (!work) return tl::unexpected<Error>(within(options.pattern, work.error()));
-  for (const std::string& warning : work->warnings)
-    warnings.push_back(client::in_command_words(warning));
+  for (const Warning& warning : work->warnings)
+    warnings.push_back(client::in_command_words(warning.message));
   if (work->lines.empty())
     return fail(ErrorKind::Malformed, options.pattern,
                 "has no line to cut or fold; draw outline and cuts black or green, mountain folds "

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/cli/commands/cut_queue.hpp"
 
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -133,6 +135,22 @@ Result<std::string> only_device(Api& api) {
       fmt::format("is missing; choose one of {}: {}", usable.size(), fmt::join(usable, ", ")));
 }
 
+/// The warnings of its plan, if that is made at once.
+void say_warnings(Api& api, const std::string& id) {
+  using namespace std::chrono_literals;
+  std::fflush(stdout);
+  for (int k = 0; k < 15; ++k) {
+    const auto now = api.get("/v1/jobs/" + id, "job " + id);
+    if (!now) return;  // the next command says why
+    const std::string state = client::text_of(*now, "state");
+    if (state != "queued" && state != "planning") {
+      for (const std::string& line : warning_lines(*now)) fmt::print(stderr, "warning: {}\n", line);
+      return;
+    }
+    std::this_thread::sleep_for(100ms);
+  }
+}
+
 /// Prints the job, and with `wait` follows it to its end.
 Result<void> see_through(Api& api, const nlohmann::json& job, bool wait, const Globals& globals) {
   const std::string id = client::text_of(job, "id");
@@ -145,6 +163,7 @@ Result<void> see_through(Api& api, const nlohmann::json& job, bool wait, const G
   if (!globals.quiet) fmt::print(stderr, "queued '{}' as job {}\n", job_title(job), id);
   if (!wait) {
     print(job);
+    if (!globals.quiet) say_warnings(api, id);
     if (!globals.quiet) fmt::print(stderr, "'popcut jobs --watch' shows what to do next\n");
     return {};
   }

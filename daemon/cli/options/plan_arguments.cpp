@@ -115,7 +115,8 @@ Result<PlanJob> plan_input(const PlanArguments& arguments, bool progress) {
   };
   auto job = planning::make_plan_job(*options, tables->texts, read, arguments.input);
   if (!job) return tl::unexpected(client::on_command_line(tables->with_file(job.error())));
-  for (std::string& warning : job->plan.warnings) warning = client::in_command_words(warning);
+  for (Warning& warning : job->plan.warnings)
+    warning.message = client::in_command_words(warning.message);
   return job;
 }
 

@@ -248,8 +248,32 @@ std::string job_summary(const Json& job) {
   return line;
 }
 
+std::vector<std::string> warning_lines(const Json& job) {
+  std::vector<std::string> lines;
+  if (const auto all = job.find("warnings"); all != job.end() && all->is_array())
+    for (const Json& one : *all)
+      if (one.is_object()) lines.push_back(client::in_command_words(shown_of(one, "message")));
+  return lines;
+}
+
+std::vector<std::string> unaccepted_warnings(const Json& job) {
+  std::vector<std::string> lines;
+  const auto codes = job.find("unaccepted_warnings"), all = job.find("warnings");
+  if (codes == job.end() || !codes->is_array() || all == job.end() || !all->is_array())
+    return lines;
+  for (const Json& one : *all) {
+    if (!one.is_object() || one.value("spoils", Json()) != true) continue;
+    if (std::find(codes->begin(), codes->end(), one.value("code", Json())) != codes->end())
+      lines.push_back(client::in_command_words(shown_of(one, "message")));
+  }
+  return lines;
+}
+
 std::vector<std::string> waiting_for(const Json& job) {
   std::vector<std::string> lines;
+  if (is(job, "ready") && may(job, "arm"))
+    for (const std::string& warning : unaccepted_warnings(job))
+      lines.push_back("warning: " + warning);
   const std::string id = short_id(job);
   const std::int64_t sheet = whole_of(job, "sheet"), total = whole_of(job, "sheets_total");
   const Json& attention = part_of(job, "attention");
@@ -349,6 +373,7 @@ std::vector<std::string> job_details(const Json& job, const std::vector<Json>& s
                     whole_of(sheet, "sheet"), sheet_state(job, sheet), number("paths"),
                     number("cut_mm"), number("fold_mm"), clock_text(number("seconds"))));
   }
+  for (const std::string& warning : warning_lines(job)) add("warning", warning);
   if (ledger)
     for (const auto& [key, what] :
          {std::pair{"certain", "certainly cut"}, std::pair{"in_doubt", "in doubt"},

@@ -12,6 +12,11 @@ namespace popcut::cli {
 /// Jobs of popcutd as text for a person. All functions take a job as the API sends it, and accept
 /// any JSON object.
 
+/// The warnings of a job's plan.
+[[nodiscard]] std::vector<std::string> warning_lines(const nlohmann::json& job);
+/// The warnings of a job that say that its cut may be spoiled, and that nobody has accepted yet.
+[[nodiscard]] std::vector<std::string> unaccepted_warnings(const nlohmann::json& job);
+
 /// The beginning of the job's id, enough to type.
 [[nodiscard]] std::string short_id(const nlohmann::json& job);
 /// Its name, or the beginning of its id.

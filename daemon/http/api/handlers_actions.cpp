@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::int64_t kMostSheets = 10'000;
 constexpr std::int64_t kMostBlanks = 1'000'000;
+constexpr std::size_t kMostWarnings = 100;
 constexpr std::int64_t kMostPaths = std::int64_t{1} << 40;
 
 std::optional<int> small(const std::optional<std::int64_t>& value) {
@@ -26,6 +27,8 @@ void read_arm(FieldReader& fields, ActionRequest& wanted) {
   wanted.blank = small(fields.optional_integer("blank", 1, kMostBlanks));
   wanted.device = fields.text("device", "", line(64));
   wanted.plan_sha256 = fields.text("plan_sha256", "", line(64));
+  wanted.accept_warnings = fields.optional_texts("accept_warnings", kMostWarnings, line(40))
+                               .value_or(std::vector<std::string>());
 }
 
 void read_resume_from(FieldReader& fields, ActionRequest& wanted) {

@@ -125,6 +125,8 @@ Response problem_response(const Problem& problem, std::string_view instance,
     for (const Way& way : problem.ways)
       ways.push_back({{"action", way.action}, {"body", ordered_json::parse(way.body)}});
   }
+  if (!problem.warnings.empty())
+    body["warnings"] = ordered_json::parse(problem.warnings, nullptr, false);
   Response response;
   response.status = status_of(problem.kind);
   response.content_type = "application/problem+json";

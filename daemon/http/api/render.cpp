@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "daemon/model/warnings.hpp"
+
 namespace popcut::daemon::http {
 namespace {
 
@@ -79,6 +81,11 @@ class ObjectText {
   void object(std::string_view name, const ObjectText& inner) {
     begin(name);
     out_ += inner.whole();
+  }
+  /// `value` is JSON already.
+  void written(std::string_view name, std::string_view value) {
+    begin(name);
+    out_ += value;
   }
   void ways(std::string_view name, const std::vector<Way>& ways) {
     begin(name);
@@ -209,7 +216,7 @@ ordered_json to_json(const PlanRecord& plan) {
           {"paths", plan.paths},
           {"length_mm", plan.length_mm},
           {"est_s", plan.est_s},
-          {"warnings", plan.warnings},
+          {"warnings", ordered_json::parse(warnings_json(plan.warnings), nullptr, false)},
           {"error", text_or_null(plan.error)},
           {"created", rfc3339(plan.created)},
           {"links", {{"self", "/v1/plans/" + plan.id}, {"design", "/v1/designs/" + plan.design}}}};
@@ -253,6 +260,8 @@ std::string job_text(const Job& job) {
   out.time_or_null("finished", job.finished);
   out.text_or_null("outcome", job.outcome);
   out.texts("tags", job.tags);
+  out.written("warnings", job.warnings);
+  out.texts("unaccepted_warnings", job.unaccepted);
   if (job.attention)
     out.object("attention", attention_text(*job.attention));
   else

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "daemon/service/live/cut_dispatcher.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
+#include "daemon/model/warnings.hpp"
 #include "daemon/service/live/running_cut.hpp"
 #include "daemon/service/repositories/reports.hpp"
 
@@ -24,6 +27,8 @@ std::string audit_detail(const ActionRequest& request, const JobRow& row) {
         fmt::format(" from path {}, registration {}{}{}", *request.from_path, request.registration,
                     request.accept_double_cut ? ", double cut accepted" : "",
                     request.skip_in_doubt ? ", doubt skipped" : "");
+  if (!request.accept_warnings.empty())
+    detail += fmt::format(", accepted: {}", fmt::join(request.accept_warnings, " "));
   if (!request.reason.empty()) detail += ": " + request.reason;
   return detail;
 }
@@ -183,8 +188,9 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
           ? std::string("all suitable devices are busy; name one")
           : fmt::format("name the device that holds the sheet: {}", fmt::join(fitting, ", ")));
   for (const std::string& one : fitting)
-    unnamed.ways.push_back({"arm", fmt::format(R"({{"sheet":{},"blank":{},"device":{}}})",
-                                               row.sheet, row.blank, json_text(one))});
+    unnamed.ways.push_back(
+        {"arm", fmt::format(R"({{"sheet":{},"blank":{},"device":{}{}}})", row.sheet, row.blank,
+                            json_text(one), accepting(row))});
   return tl::unexpected(std::move(unnamed));
 }
 
@@ -212,6 +218,8 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
     return tl::unexpected(JobRepository::conflict(
         row,
         fmt::format("{} holds a sheet of job {} ({})", *device, other->id, name_of(other->state))));
+  if (const auto accepted = accept_warnings(row, request); !accepted)
+    return tl::unexpected(accepted.error());
   row.device = *device;
   row.operator_name = who.name;
   parts_.jobs.take(row, Step::ToArmed, "");
@@ -230,6 +238,25 @@ Answer<void> CutDispatcher::arm(const Principal& who, JobRow& row, const ActionR
     if (sheet) parts_.programs.want(id, folder, sheet->number);
   });
   return {};
+}
+
+Answer<void> CutDispatcher::accept_warnings(JobRow& row, const ActionRequest& request) {
+  std::string left = codes_without(row.unaccepted, request.accept_warnings);
+  if (left.empty()) {
+    row.unaccepted.clear();
+    return {};
+  }
+  const std::vector<std::string> codes = codes_of(left);
+  std::vector<std::string> messages;
+  for (const Warning& one : warnings_from_json(row.warnings))
+    if (one.spoils && std::find(codes.begin(), codes.end(), one.code) != codes.end())
+      messages.push_back(one.message);
+  Problem problem = JobRepository::conflict(
+      row, fmt::format("this may spoil the sheet: {}; if it is what you want, accept it with "
+                       "accept_warnings",
+                       fmt::join(messages.empty() ? codes : messages, "; ")));
+  problem.warnings = row.warnings;
+  return tl::unexpected(std::move(problem));
 }
 
 bool CutDispatcher::knows_place(const JobRow& row, const std::string& device) const {

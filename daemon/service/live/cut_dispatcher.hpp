@@ -79,6 +79,10 @@ class CutDispatcher : public Cutting {
   [[nodiscard]] Answer<void> retry(JobRow& row);
   [[nodiscard]] Answer<void> resume_from(JobRow& row, const ActionRequest& request);
   [[nodiscard]] Answer<void> check_place(const JobRow& row, const std::string& device) const;
+  /// Takes what the request accepts; refused while a warning that spoils a cut is left.
+  [[nodiscard]] static Answer<void> accept_warnings(JobRow& row, const ActionRequest& request);
+  /// The member of an `arm` that accepts the warnings of a job, with a comma; empty: none is left.
+  [[nodiscard]] static std::string accepting(const JobRow& row);
   [[nodiscard]] Answer<void> check_words(const JobRow& row, const ActionRequest& request) const;
   /// What must reach the knife although nothing can be written.
   void act_unrecorded(const Principal& who, const std::string& id, JobAction action);

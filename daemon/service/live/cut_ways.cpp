@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "daemon/model/warnings.hpp"
 #include "daemon/service/live/cut_dispatcher.hpp"
 
 namespace popcut::daemon {
@@ -19,6 +20,14 @@ Way resume_way(const ResumeRequest& one) {
 }
 
 }  // namespace
+
+std::string CutDispatcher::accepting(const JobRow& row) {
+  if (row.unaccepted.empty()) return {};
+  std::string codes;
+  for (const std::string& code : codes_of(row.unaccepted))
+    codes += fmt::format(R"({}"{}")", codes.empty() ? "" : ",", code);
+  return fmt::format(R"(,"accept_warnings":[{}])", codes);
+}
 
 std::optional<ResumeState> CutDispatcher::resume_state(const JobRow& row) {
   AttemptTable& attempts = parts_.jobs.attempts();
@@ -55,7 +64,8 @@ std::vector<Way> CutDispatcher::ways(const JobRow& row, const ActionRequest* wan
   add(JobAction::Resume, "{}");
   if (row.state == JobState::Cutting) add(JobAction::Pause, "{}");
   if (row.state == JobState::Ready && knows_place(row, row.requested_device))
-    add(JobAction::Arm, fmt::format("{{\"sheet\":{},\"blank\":{}}}", row.sheet, row.blank));
+    add(JobAction::Arm,
+        fmt::format(R"({{"sheet":{},"blank":{}{}}})", row.sheet, row.blank, accepting(row)));
   const std::optional<ResumeState> state =
       may(JobAction::ResumeFrom) ? resume_state(row) : std::nullopt;
   if (state) {

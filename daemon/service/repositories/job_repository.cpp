@@ -5,12 +5,16 @@
 
 #include <fmt/format.h>
 
+#include "daemon/model/warnings.hpp"
+
 namespace popcut::daemon {
 namespace {
 
 constexpr int kAtOnce = 200;  // jobs of one plan that change in one transaction
 constexpr std::int64_t kPositionStep = std::int64_t{1} << 20;
 constexpr std::size_t kMostTags = 20;
+// In each job of a list; its plan has all of them.
+constexpr std::size_t kWarningsOfJob = 10, kWarningOfJob = 300;  // how many, and their bytes
 
 bool same_owner(const Principal& who, const JobRow& row) { return who.name == row.owner; }
 
@@ -148,6 +152,10 @@ void JobRepository::apply_plan(JobRow& row, const PlanRow& plan) {
   row.paths_total = plan.paths * row.copies;
   row.low_s = plan.low_s * row.copies;
   row.high_s = plan.high_s * row.copies;
+  row.unaccepted = spoiling_codes(plan.warnings);
+  std::vector<Warning> warnings = plan.warnings;
+  shorten(warnings, kWarningsOfJob, kWarningOfJob);
+  row.warnings = warnings_json(warnings);
   take(row, step_of(row.state, JobEvent::PlanComes), "");
 }
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "daemon/model/warnings.hpp"
 #include "daemon/service/repositories/job_repository.hpp"
 
 namespace popcut::daemon {
@@ -103,6 +104,8 @@ Job JobRepository::shown(const JobRow& row) const {
   job.finished = row.finished;
   job.outcome = row.outcome;
   job.tags = list_from_json(row.tags);
+  job.warnings = row.warnings;
+  job.unaccepted = codes_of(row.unaccepted);
   job.attention = attention_of(row);
   job.actions = actions_of(row);
   return job;

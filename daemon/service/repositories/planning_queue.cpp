@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "daemon/model/warnings.hpp"
 #include "daemon/planning/plan_job.hpp"
 
 namespace popcut::daemon {
@@ -67,13 +68,7 @@ Result<PlanningOutcome> with_files_kept(Result<PlanningOutcome> outcome,
   if (Result<void> kept = write_folder(folder, files); !kept) return tl::unexpected(kept.error());
   outcome->files.clear();
   outcome->files.shrink_to_fit();
-  std::vector<std::string>& warnings = outcome->warnings;
-  if (warnings.size() > kMostWarnings) {
-    warnings.resize(kMostWarnings);
-    warnings.emplace_back("and more");
-  }
-  for (std::string& warning : warnings)
-    if (warning.size() > kLongestWarning) warning.resize(kLongestWarning);
+  shorten(outcome->warnings, kMostWarnings, kLongestWarning);
   return outcome;
 }
 

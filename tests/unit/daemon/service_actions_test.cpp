@@ -336,6 +336,7 @@ TEST_CASE("a plan of an earlier popcutd is not cut and not used again", "[daemon
         "DROP TRIGGER end_tally_insert; DROP TRIGGER end_tally_update; DROP TABLE end_tally;"
         "DROP INDEX job_waiting_of; DROP INDEX job_open_of; DROP TABLE plan_asker;"
         "ALTER TABLE plan DROP COLUMN begun; ALTER TABLE plan_sheet DROP COLUMN index_sha256;"
+        "ALTER TABLE job DROP COLUMN warnings; ALTER TABLE job DROP COLUMN unaccepted;"
         "PRAGMA user_version=2;");
     db.checkpoint(true);
   }

@@ -422,8 +422,8 @@ TEST_CASE("the closed stack is as high as the panels that lie on each other",
   CHECK_FALSE(thickness_warning(stack, 0.3));
   const auto thick = thickness_warning(shut_stack(testing::box_card_strips(), 5), 5);
   REQUIRE(thick);
-  CHECK(thick->find("10.0 mm of paper") != std::string::npos);
-  CHECK(thick->find("smallest panel") != std::string::npos);
+  CHECK(thick->message.find("10.0 mm of paper") != std::string::npos);
+  CHECK(thick->message.find("smallest panel") != std::string::npos);
 }
 
 TEST_CASE("posters and animations refuse poses that cannot be drawn", "[core][deploy][poster]") {

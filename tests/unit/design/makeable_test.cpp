@@ -38,6 +38,12 @@ double reach_when_shut(const Pattern& pattern) {
   return reach;
 }
 
+bool any_says(const std::vector<Warning>& all, const std::string& part) {
+  return std::any_of(all.begin(), all.end(), [&](const Warning& one) {
+    return one.message.find(part) != std::string::npos;
+  });
+}
+
 bool any_says(const std::vector<std::string>& all, const std::string& part) {
   return std::any_of(all.begin(), all.end(),
                      [&](const std::string& one) { return one.find(part) != std::string::npos; });

@@ -56,8 +56,8 @@ std::string line_on(const std::string& layer, double l) {
 }
 
 bool warned(const LineWork& work, const std::string& words) {
-  for (const std::string& warning : work.warnings)
-    if (warning.find(words) != std::string::npos) return true;
+  for (const Warning& warning : work.warnings)
+    if (warning.message.find(words) != std::string::npos) return true;
   return false;
 }
 

@@ -161,7 +161,7 @@ TEST_CASE("elements that cannot be cut are named with their number and place",
       <image/><image/><use href="#a"/><defs><path d="M0 0H9" stroke="red"/></defs>)x"));
   CHECK(work.lines.empty());
   std::string all;
-  for (const std::string& warning : work.warnings) all += warning + "\n";
+  for (const Warning& warning : work.warnings) all += warning.message + "\n";
   CAPTURE(all);
   CHECK(all.find("1 <text> cannot be read and is left out; at line 1 (id \"t\")") !=
         std::string::npos);

@@ -221,8 +221,8 @@ TEST_CASE("a fold without room for any dash is named, and scored where the machi
   CHECK(dashed.left_out[0].on.to == Approx(0.6));
   const auto said = left_out_warning(dashed, paper().dashes, "stay uncut");
   REQUIRE(said);
-  CHECK(said->find("stay uncut") != std::string::npos);
-  CHECK(said->find("0.60 mm, at 3.30,4.00 mm") != std::string::npos);
+  CHECK(said->message.find("stay uncut") != std::string::npos);
+  CHECK(said->message.find("0.60 mm, at 3.30,4.00 mm") != std::string::npos);
 
   const auto scored_strokes = [&](const PlannedSheet& sheet) {
     return std::count_if(sheet.path.strokes.begin(), sheet.path.strokes.end(), [&](const auto& s) {
@@ -235,7 +235,7 @@ TEST_CASE("a fold without room for any dash is named, and scored where the machi
   CHECK(scored_strokes(cut->sheets[0]) == 1);
   CHECK(cut->sheets[0].scored.size() == 1);
   REQUIRE(cut->warnings.size() == 1);
-  CHECK(cut->warnings[0].find("cut half through") != std::string::npos);
+  CHECK(cut->warnings[0].message.find("cut half through") != std::string::npos);
   // A machine without settings of force and with one holder can only leave it out.
   Machine plain = cameo3();
   plain.force_gf.per_step = 0.0;
@@ -243,7 +243,7 @@ TEST_CASE("a fold without room for any dash is named, and scored where the machi
   const auto left = plan(work, plain, paper(), {});
   REQUIRE(left);
   CHECK(left->sheets[0].scored.size() == 0);
-  CHECK(left->warnings[0].find("stay uncut") != std::string::npos);
+  CHECK(left->warnings[0].message.find("stay uncut") != std::string::npos);
 }
 
 TEST_CASE("folds come before cuts and inner cuts before outer ones and the outline last",
@@ -291,8 +291,8 @@ TEST_CASE("a pattern too large for the mat is refused with both sizes or split",
   REQUIRE(split);
   REQUIRE(split->layout);
   CHECK(split->layout->pieces.size() == 2);
-  const auto names = [](const std::string& w) {
-    return w.find("`mat` 12x24") != std::string::npos;
+  const auto names = [](const Warning& w) {
+    return w.message.find("`mat` 12x24") != std::string::npos;
   };
   CHECK(std::any_of(split->warnings.begin(), split->warnings.end(), names));
   CHECK(plan(work, cameo3(), paper(), {.mat = "12x24"}));

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/warning.hpp"
+
 namespace popcut {
 
 /// What popcut does not read as drawn, or reads in a way that the author may not expect.
@@ -62,7 +64,7 @@ class SvgNotes {
     ++found->second.count;
   }
   /// One sentence per kind: how many, what, where the first one is, and how to fix it.
-  [[nodiscard]] std::vector<std::string> sentences() const;
+  [[nodiscard]] std::vector<Warning> warnings() const;
 
  private:
   static constexpr std::size_t kMostNames = 50;
