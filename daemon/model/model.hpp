@@ -142,6 +142,8 @@ struct SheetPlan {
   /// Of the file that says what these bytes are for; likewise. Empty: an earlier popcutd planned
   /// it.
   std::string index_sha256{};
+  std::string mat{};   ///< that it lies on: "12x12"; empty: none, or one without a name
+  std::string side{};  ///< that is up: "pop-up", "printed" or "drawn"; empty: not known
 };
 
 enum class PlanState : std::uint8_t { Pending, Planned, Failed };
@@ -201,6 +203,7 @@ struct Job {
   std::optional<TimeMs> started{}, finished{};
   std::string outcome{};
   std::vector<std::string> tags{};
+  std::string load{};                     ///< what to load for the current sheet, as JSON
   std::string warnings{"[]"};             ///< as JSON (`warnings_json`)
   std::vector<std::string> unaccepted{};  ///< codes of warnings that `arm` must accept
   std::optional<Attention> attention{};

@@ -16,6 +16,7 @@ using Json = nlohmann::ordered_json;
 using daemon::PlanningOutcome;
 
 constexpr double kMost = 1e12;
+constexpr std::size_t kMostName = 100;
 constexpr std::size_t kMostText = 10'000;  ///< characters of a warning or an error
 
 /// Text may hold bytes of a hostile file that are no UTF-8.
@@ -32,7 +33,9 @@ Json sheet_json(const daemon::SheetPlan& sheet) {
           {"seconds", sheet.seconds},
           {"seconds_range", sheet.seconds_range},
           {"area_mm", sheet.area_mm},
-          {"program_sha256", sheet.program_sha256}};
+          {"program_sha256", sheet.program_sha256},
+          {"mat", sheet.mat},
+          {"side", sheet.side}};
 }
 
 std::array<double, 2> read_pair(FieldReader& fields, const char* key) {
@@ -51,6 +54,8 @@ daemon::SheetPlan read_sheet(FieldReader& fields) {
   sheet.seconds_range = read_pair(fields, "seconds_range");
   sheet.area_mm = read_pair(fields, "area_mm");
   sheet.program_sha256 = fields.text("program_sha256", {});
+  sheet.mat = fields.text("mat", "").substr(0, kMostName);
+  sheet.side = fields.text("side", "").substr(0, kMostName);
   return sheet;
 }
 

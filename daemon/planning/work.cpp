@@ -124,6 +124,8 @@ daemon::SheetPlan figures_of(const PlanJob& job, std::size_t index) {
   figures.seconds_range = sheet.seconds_range;
   figures.area_mm = sheet.area_mm;
   figures.program_sha256 = daemon::sha256_hex(job.programs[index].bytes);
+  figures.mat = sheet.mat.name;
+  figures.side = sheet.registration ? "printed" : "drawn";
   return figures;
 }
 
@@ -151,6 +153,9 @@ Result<PlanningOutcome> outcome_of(const PlanJob& job, PlanningOutcome outcome,
                                    const FileSink& add) {
   for (std::size_t i = 0; i < job.plan.sheets.size(); ++i)
     outcome.sheets.push_back(figures_of(job, i));
+  const bool pops_up = outcome.design_kind == name_of(InputKind::Spec);
+  for (daemon::SheetPlan& sheet : outcome.sheets)
+    if (pops_up && sheet.side == "drawn") sheet.side = "pop-up";
   outcome.warnings.insert(outcome.warnings.end(), job.plan.warnings.begin(),
                           job.plan.warnings.end());
   outcome.sha256 = sha256_of(job.programs);

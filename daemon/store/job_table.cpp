@@ -17,14 +17,14 @@ namespace {
   "material, priority, position, copies, held, sheets_total, sheet, blank, segment, "          \
   "first_stroke, paths_certain, paths_sent, paths_total, done_paths, done_mm, low_s, high_s, " \
   "created, started, finished, outcome, tags, attention, attention_text, attention_since, "    \
-  "warnings, unaccepted"
+  "load, warnings, unaccepted"
 
 constexpr std::string_view kUpdate =
     "UPDATE job SET rev=?, state=?, reason=?, asked=?, name=?, note=?, operator=?, wish=?, "
     "device=?, priority=?, position=?, held=?, sheets_total=?, sheet=?, blank=?, segment=?, "
     "first_stroke=?, paths_certain=?, paths_sent=?, paths_total=?, done_paths=?, done_mm=?, "
     "low_s=?, high_s=?, started=?, finished=?, outcome=?, attention=?, attention_text=?, "
-    "attention_since=?, plan=?, warnings=?, unaccepted=? WHERE id=? AND rev=?";
+    "attention_since=?, plan=?, material=?, load=?, warnings=?, unaccepted=? WHERE id=? AND rev=?";
 constexpr std::string_view kFind =
     "SELECT " POPCUT_JOB_COLUMNS " FROM job WHERE id=? AND deleted=0";
 constexpr std::string_view kQueue =
@@ -34,7 +34,7 @@ constexpr std::string_view kQueue =
     "ORDER BY priority DESC, position, id LIMIT ?1";
 // Where they stand among the columns.
 constexpr int kIdColumn = 1, kOwnerColumn = 7, kWishColumn = 9, kDeviceColumn = 10;
-constexpr int kPriorityColumn = 13, kPositionColumn = 14, kDeletedColumn = 40;
+constexpr int kPriorityColumn = 13, kPositionColumn = 14, kDeletedColumn = 41;
 // Rows that one request looks at, whether or not they are in its answer.
 constexpr int kMostLooked = 2000;
 constexpr std::int64_t kPositionStep = std::int64_t{1} << 20;
@@ -58,7 +58,7 @@ auto job_values(Row& row) {
                   row.sheet, row.blank, row.segment, row.first_stroke, row.paths_certain,
                   row.paths_sent, row.paths_total, row.done_paths, row.done_mm, row.low_s,
                   row.high_s, row.created, row.started, row.finished, row.outcome, row.tags,
-                  row.attention, row.attention_text, row.attention_since, row.warnings,
+                  row.attention, row.attention_text, row.attention_since, row.load, row.warnings,
                   row.unaccepted);
 }
 
@@ -77,13 +77,14 @@ void JobTable::insert(const JobRow& row) {
 }
 
 void JobTable::update(JobRow& row) {
-  const int changed = db_.run(
-      kUpdate, row.rev + 1, name_of(row.state), row.reason, row.asked, row.name, row.note,
-      row.operator_name, row.requested_device, row.device, row.priority, row.position, row.held,
-      row.sheets_total, row.sheet, row.blank, row.segment, row.first_stroke, row.paths_certain,
-      row.paths_sent, row.paths_total, row.done_paths, row.done_mm, row.low_s, row.high_s,
-      row.started, row.finished, row.outcome, row.attention, row.attention_text,
-      row.attention_since, row.plan, row.warnings, row.unaccepted, row.id, row.rev);
+  const int changed =
+      db_.run(kUpdate, row.rev + 1, name_of(row.state), row.reason, row.asked, row.name, row.note,
+              row.operator_name, row.requested_device, row.device, row.priority, row.position,
+              row.held, row.sheets_total, row.sheet, row.blank, row.segment, row.first_stroke,
+              row.paths_certain, row.paths_sent, row.paths_total, row.done_paths, row.done_mm,
+              row.low_s, row.high_s, row.started, row.finished, row.outcome, row.attention,
+              row.attention_text, row.attention_since, row.plan, row.material, row.load,
+              row.warnings, row.unaccepted, row.id, row.rev);
   if (changed != 1)
     throw StoreFault(FaultKind::Other, "job " + row.id + " has changed in the meantime");
   ++row.rev;

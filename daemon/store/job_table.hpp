@@ -37,6 +37,7 @@ struct JobRow {
   std::string attention{}, attention_text{};
   TimeMs attention_since{};
   std::string warnings{"[]"};  ///< of its plan, as JSON (`warnings_json`)
+  std::string load{};          ///< what the current sheet needs, as JSON; empty: not known
   std::string unaccepted{};    ///< codes of those that `arm` must accept, with blanks between
 };
 

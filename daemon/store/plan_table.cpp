@@ -17,7 +17,7 @@ namespace {
   "begun"
 #define POPCUT_SHEET_COLUMNS                                                                 \
   "number, paths, cut_mm, fold_mm, travel_mm, seconds, low_s, high_s, width_mm, length_mm, " \
-  "program_sha256, index_sha256"
+  "program_sha256, index_sha256, mat, side"
 
 constexpr std::array<std::string_view, 3> kStates{"pending", "planned", "failed"};
 
@@ -44,7 +44,8 @@ template <typename Sheet>
 auto sheet_values(Sheet& sheet) {
   return std::tie(sheet.number, sheet.paths, sheet.cut_mm, sheet.fold_mm, sheet.travel_mm,
                   sheet.seconds, sheet.seconds_range[0], sheet.seconds_range[1], sheet.area_mm[0],
-                  sheet.area_mm[1], sheet.program_sha256, sheet.index_sha256);
+                  sheet.area_mm[1], sheet.program_sha256, sheet.index_sha256, sheet.mat,
+                  sheet.side);
 }
 
 SheetPlan sheet_plan(const Rows& rows) {

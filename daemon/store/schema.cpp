@@ -251,13 +251,16 @@ CREATE TRIGGER end_tally_update AFTER UPDATE OF ended ON attempt
     ON CONFLICT(device, end_kind) DO UPDATE SET attempts = attempts + 1; END;
 )sql";
 
-// Warnings have a code and a place, and jobs have those of their plan. Whoever has a job that is
-// open was not asked about them so far, and is not asked now.
+// Warnings have a code and a place, and jobs have those of their plan, and what to load. Whoever
+// has a job that is open was not asked about them so far, and is not asked now.
 constexpr std::string_view kVersion5 = R"sql(
 UPDATE plan SET warnings = (
   SELECT json_group_array(json_object('code', 'note', 'message', value, 'place', NULL, 'spoils',
                                       json('false'))) FROM json_each(plan.warnings))
   WHERE warnings != '[]' AND json_valid(warnings);
+ALTER TABLE plan_sheet ADD COLUMN mat TEXT NOT NULL DEFAULT '';
+ALTER TABLE plan_sheet ADD COLUMN side TEXT NOT NULL DEFAULT '';
+ALTER TABLE job ADD COLUMN load TEXT NOT NULL DEFAULT '';
 ALTER TABLE job ADD COLUMN warnings TEXT NOT NULL DEFAULT '[]';
 ALTER TABLE job ADD COLUMN unaccepted TEXT NOT NULL DEFAULT '';
 UPDATE job SET warnings = (SELECT plan.warnings FROM plan WHERE plan.id = job.plan)

@@ -71,8 +71,11 @@ Result<void> ask(const Options& options, const PlanJob& job, std::size_t sheet,
   const std::string mat =
       planned.mat.name.empty() ? "" : fmt::format(" on the {} mat", planned.mat.name);
   fmt::print(
-      stderr, "Load sheet {} of {} ({}){} into {}, about {:.0f} min. Start cutting? [y/N] ",
-      sheet + 1, job.plan.sheets.size(), job.plan.material.title, mat,
+      stderr,
+      "Load sheet {} of {} ({}, {:.5g} mm across x {:.5g} mm, drawn side up){} into {}, about "
+      "{:.0f} min. Start cutting? [y/N] ",
+      sheet + 1, job.plan.sheets.size(), job.plan.material.title, planned.area_mm[0],
+      planned.area_mm[1], mat,
       target.simulated() ? target.device.text : target.machine.title + " at " + target.device.text,
       std::ceil(planned.seconds / 60));
   std::string answer;

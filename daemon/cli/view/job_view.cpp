@@ -248,6 +248,20 @@ std::string job_summary(const Json& job) {
   return line;
 }
 
+std::string load_text(const Json& job) {
+  const Json& load = part_of(job, "load");
+  if (load.empty()) return {};
+  const auto mm = [&](const char* key) {
+    const auto found = load.find(key);
+    return found != load.end() && found->is_number() ? found->get<double>() : 0.0;
+  };
+  const std::string mat = shown_of(load, "mat"), side = shown_of(load, "side");
+  return fmt::format("{}, {:.5g} mm across the {} x {:.5g} mm{}{}", shown_of(load, "material"),
+                     mm("width_mm"), shown_of(load, "machine"), mm("length_mm"),
+                     mat.empty() ? "" : fmt::format(", mat {}", mat),
+                     side.empty() ? "" : fmt::format(", {} side up", side));
+}
+
 std::vector<std::string> warning_lines(const Json& job) {
   std::vector<std::string> lines;
   if (const auto all = job.find("warnings"); all != job.end() && all->is_array())
@@ -283,6 +297,8 @@ std::vector<std::string> waiting_for(const Json& job) {
     interrupted_ways(job, lines);
   } else if (is(job, "armed")) {
     lines.push_back(fmt::format("armed: popcut start {}   (within 10 minutes)", id));
+    if (const std::string load = load_text(job); !load.empty())
+      lines.push_back(fmt::format("  in {}: {}", device, load));
   } else if (is(job, "paused")) {
     // One whose cancel is under way is not to be resumed.
     if (may(job, "resume"))
@@ -306,6 +322,8 @@ std::vector<std::string> waiting_for(const Json& job) {
       lines.push_back(fmt::format("load sheet {} of {}{}{}{}: popcut arm {} {}", sheet, total,
                                   device.empty() ? "" : " into ", device,
                                   blank > 1 ? fmt::format(", blank {}", blank) : "", id, sheet));
+    const std::string load = load_text(job);
+    if (!load.empty() && whole_of(job, "segment") <= 1) lines.push_back("  " + load);
   }
   if (is_held(job) && !has_ended(job)) lines.push_back(fmt::format("held: popcut release {}", id));
   const bool said =
@@ -352,6 +370,7 @@ std::vector<std::string> job_details(const Json& job, const std::vector<Json>& s
   add("name", shown_of(job, "name"));
   add("state", job_summary(job));
   add("material", shown_of(job, "material"));
+  if (!has_ended(job)) add("sheet", load_text(job));
   if (const std::int64_t priority = whole_of(job, "priority"); priority != 0)
     add("priority", fmt::format("{}", priority));
   add("note", shown_of(job, "note"));

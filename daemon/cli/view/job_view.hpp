@@ -12,6 +12,9 @@ namespace popcut::cli {
 /// Jobs of popcutd as text for a person. All functions take a job as the API sends it, and accept
 /// any JSON object.
 
+/// What the current sheet needs: "paper-220, 304.8 mm across the cameo3 x 304.8 mm, mat 12x12,
+/// pop-up side up"; empty: it is not planned yet.
+[[nodiscard]] std::string load_text(const nlohmann::json& job);
 /// The warnings of a job's plan.
 [[nodiscard]] std::vector<std::string> warning_lines(const nlohmann::json& job);
 /// The warnings of a job that say that its cut may be spoiled, and that nobody has accepted yet.

@@ -198,7 +198,9 @@ ordered_json to_json(const SheetPlan& sheet) {
           {"seconds", sheet.seconds},
           {"seconds_range", sheet.seconds_range},
           {"area_mm", sheet.area_mm},
-          {"program_sha256", sheet.program_sha256}};
+          {"program_sha256", sheet.program_sha256},
+          {"mat", text_or_null(sheet.mat)},
+          {"side", text_or_null(sheet.side)}};
 }
 
 ordered_json to_json(const PlanRecord& plan) {
@@ -260,6 +262,7 @@ std::string job_text(const Job& job) {
   out.time_or_null("finished", job.finished);
   out.text_or_null("outcome", job.outcome);
   out.texts("tags", job.tags);
+  out.written("load", job.load.empty() ? "null" : job.load);
   out.written("warnings", job.warnings);
   out.texts("unaccepted_warnings", job.unaccepted);
   if (job.attention)

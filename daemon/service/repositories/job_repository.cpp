@@ -218,6 +218,18 @@ void JobRepository::set_attention(JobRow& row, const std::string& kind,
   row.attention_since = kind.empty() ? 0 : parts_.store.now();
 }
 
+// What a person has to put into the cutter.
+std::string JobRepository::load_of(const JobRow& row) {
+  const auto sheet = current_sheet(row);
+  const auto plan = parts_.plans.table().find(row.plan);
+  if (!sheet || !plan) return {};
+  return fmt::format(
+      R"({{"material":{},"machine":{},"mat":{},"width_mm":{},"length_mm":{},"side":{}}})",
+      json_text(plan->material), json_text(plan->machine),
+      sheet->mat.empty() ? "null" : json_text(sheet->mat), sheet->area_mm[0], sheet->area_mm[1],
+      sheet->side.empty() ? "null" : json_text(sheet->side));
+}
+
 void JobRepository::take(JobRow& row, Step step, const std::string& reason) {
   if (step == Step::Refused)
     throw StoreFault(FaultKind::Other, fmt::format("job {} cannot do this while it is {}", row.id,
@@ -236,6 +248,7 @@ void JobRepository::take(JobRow& row, Step step, const std::string& reason) {
                             row.sheet, row.sheets_total, row.first_stroke)
               : fmt::format("load sheet {} of {}", row.sheet, row.sheets_total));
       row.device.clear();
+      row.load = load_of(row);
       put_sheet(row, "ready");
       break;
     case JobState::Armed:

@@ -83,6 +83,8 @@ class JobRepository : public Jobs {
     return row.sheets_total == 0 || plan_sheets == 0 ? 0 : (k - 1) % plan_sheets + 1;
   }
   [[nodiscard]] std::optional<SheetPlan> current_sheet(const JobRow& row);
+  /// `JobRow::load` of the current sheet.
+  [[nodiscard]] std::string load_of(const JobRow& row);
 
   /// What a running cut knows; set by the dispatcher of cuts.
   std::function<const LiveCut*(const std::string& job)> live{};

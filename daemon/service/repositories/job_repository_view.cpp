@@ -104,6 +104,7 @@ Job JobRepository::shown(const JobRow& row) const {
   job.finished = row.finished;
   job.outcome = row.outcome;
   job.tags = list_from_json(row.tags);
+  job.load = row.load;
   job.warnings = row.warnings;
   job.unaccepted = codes_of(row.unaccepted);
   job.attention = attention_of(row);

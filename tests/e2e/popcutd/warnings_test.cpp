@@ -109,7 +109,8 @@ TEST_CASE("the refusal over HTTP names the warnings and the request that accepts
     const std::string text = body.dump();
     connection.send(fmt::format(
         "POST /v1/jobs/{}/actions/arm HTTP/1.1\r\nHost: a\r\nContent-Type: application/json\r\n"
-        "If-Match: \"{}\"\r\nIdempotency-Key: key-of-the-warnings-{}\r\nContent-Length: {}\r\n\r\n{}",
+        "If-Match: \"{}\"\r\nIdempotency-Key: key-of-the-warnings-{}\r\nContent-Length: "
+        "{}\r\n\r\n{}",
         id, desk.job(id)["rev"].dump(), body.dump().size(), text.size(), text));
     return connection.receive();
   };

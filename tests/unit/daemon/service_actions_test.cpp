@@ -337,6 +337,8 @@ TEST_CASE("a plan of an earlier popcutd is not cut and not used again", "[daemon
         "DROP INDEX job_waiting_of; DROP INDEX job_open_of; DROP TABLE plan_asker;"
         "ALTER TABLE plan DROP COLUMN begun; ALTER TABLE plan_sheet DROP COLUMN index_sha256;"
         "ALTER TABLE job DROP COLUMN warnings; ALTER TABLE job DROP COLUMN unaccepted;"
+        "ALTER TABLE job DROP COLUMN load; ALTER TABLE plan_sheet DROP COLUMN mat;"
+        "ALTER TABLE plan_sheet DROP COLUMN side;"
         "PRAGMA user_version=2;");
     db.checkpoint(true);
   }

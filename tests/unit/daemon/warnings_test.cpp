@@ -81,6 +81,8 @@ TEST_CASE("plans of an earlier popcutd keep their warnings and open jobs get the
     db.script(
         "UPDATE plan SET warnings='[\"it is \\\"large\\\"\"]';"
         "ALTER TABLE job DROP COLUMN warnings; ALTER TABLE job DROP COLUMN unaccepted;"
+        "ALTER TABLE job DROP COLUMN load; ALTER TABLE plan_sheet DROP COLUMN mat;"
+        "ALTER TABLE plan_sheet DROP COLUMN side;"
         "PRAGMA user_version=4;");
     db.checkpoint(true);
   }
