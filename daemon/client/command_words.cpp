@@ -14,7 +14,7 @@ namespace {
 
 using Words = std::pair<std::string_view, std::string_view>;
 
-constexpr std::array<Words, 27> kOptions{{
+constexpr std::array<Words, 28> kOptions{{
     {"/before", "--before"},
     {"/blank", "--blank"},
     {"/copies", "--copies"},
@@ -29,6 +29,7 @@ constexpr std::array<Words, 27> kOptions{{
     {"/material", "--material"},
     {"/name", "--name"},
     {"/note", "--note"},
+    {"/plan_again", "--plan-again"},
     {"/priority", "--priority"},
     {"/reason", "--reason"},
     {"/registration", "--registration"},
@@ -52,10 +53,11 @@ constexpr std::array<Words, 4> kCommands{{
 }};
 
 // Longer ones before those that they contain.
-constexpr std::array<Words, 10> kPhrases{{
+constexpr std::array<Words, 11> kPhrases{{
     {"registration \"re-registered\"", "--registration re-registered"},
     {"i_accept_double_cut", "--accept-double-cut"},
     {"accept_warnings", "--accept-warnings"},
+    {"needs plan_again: true", "needs --plan-again"},
     {"skip_in_doubt", "--skip-in-doubt"},
     {"with retry-sheet", "with 'popcut retry'"},
     {"the action enable", "'popcut devices enable'"},
@@ -112,6 +114,7 @@ std::string command_line_for(const nlohmann::json& way, const std::string& job) 
   if (body.value("skip_in_doubt", false)) line += " --skip-in-doubt";
   if (body.value("i_accept_double_cut", false)) line += " --accept-double-cut";
   if (body.contains("accept_warnings")) line += " --accept-warnings";
+  if (body.value("plan_again", false)) line += " --plan-again";
   return line;
 }
 

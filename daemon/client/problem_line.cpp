@@ -127,6 +127,7 @@ Error error_from(const HttpResponse& response, const std::string& place, Subject
   if (kind == "too-large" || kind == "unsupported-media")
     return {ErrorKind::OutOfRange, place, detail};
   if (kind == "state-conflict" || kind == "stale") return conflict(problem, place, detail);
+  if (kind == "device-absent") detail += commands(problem);
   return {ErrorKind::Refused, place,
           subject == Subject::CommandLine ? in_command_words(detail) : detail,
           kind == "not-found" ? ErrorReason::NotThere : ErrorReason::None};

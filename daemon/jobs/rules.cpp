@@ -19,9 +19,9 @@ const std::vector<JobAction>& all_actions() {
 
 const std::vector<JobEvent>& all_events() {
   using enum JobEvent;
-  static const std::vector<JobEvent> all{PlanBegins, PlanComes, PlanFails,    ArmLapses,
-                                         CutRefused, CutHeld,   CutCompletes, CutUnconfirmed,
-                                         CutBreaks,  CutStops,  Restarts,     IntentsSurface};
+  static const std::vector<JobEvent> all{
+      PlanBegins,     PlanComes, PlanFails, ArmLapses, CutRefused,     CutHeld,   CutCompletes,
+      CutUnconfirmed, CutBreaks, CutStops,  Restarts,  IntentsSurface, PlansAgain};
   return all;
 }
 
@@ -91,6 +91,10 @@ Step step_of(JobState state, JobEvent event) {
       return only(knife || state == JobState::Ready || state == JobState::Armed ||
                       state == JobState::Interrupted,
                   Step::ToInterrupted);
+    case PlansAgain:
+      return only(
+          state == JobState::Queued || state == JobState::Planning || state == JobState::Ready,
+          Step::ToQueued);
   }
   return Step::Refused;
 }

@@ -23,6 +23,7 @@ enum class JobEvent : std::uint8_t {
   CutStops,        ///< ended early because `cancel` asked for it
   Restarts,        ///< popcutd starts again
   IntentsSurface,  ///< a journal knows of strokes that were sent, and the store does not
+  PlansAgain,      ///< a person wants another plan; nothing of the job was cut
 };
 
 /// All of them, for tables.

@@ -223,6 +223,8 @@ struct JobCreate {
 struct JobPatch {
   std::optional<int> priority{};
   std::optional<std::string> name{}, note{}, device{};
+  std::optional<std::string> material{};  ///< needs `plan_again`
+  bool plan_again{false};                 ///< for the device and the material; before a cut only
 };
 
 struct JobFilter {

@@ -38,6 +38,8 @@ JobPatch read_patch(FieldReader& fields) {
   patch.name = fields.optional_text("name", line_or_empty(120));
   patch.note = fields.optional_text("note", lines_or_empty(2000));
   patch.device = fields.optional_text("device", line_or_empty(64));
+  patch.material = fields.optional_text("material", line(64));
+  patch.plan_again = fields.boolean("plan_again", false);
   return patch;
 }
 
@@ -135,9 +137,12 @@ void patch_job(const Request& request, Service& service, const HandlerContext& c
                Reply reply) {
   const auto patch = read_body_as<JobPatch>(request, context.limits.json_depth, read_patch);
   if (!patch) return reply(problem_response(patch.error(), request));
-  if (!patch->priority && !patch->name && !patch->note && !patch->device)
+  if (!patch->priority && !patch->name && !patch->note && !patch->device && !patch->material &&
+      !patch->plan_again)
     return reply(problem_response(
-        validation({{"", "empty", "must contain at least one of priority, name, note, device"}}),
+        validation({{"", "empty",
+                     "must contain at least one of priority, name, note, device, material, "
+                     "plan_again"}}),
         request));
   const Answer<std::int64_t> rev = wanted_rev(request, std::nullopt);
   if (!rev) return reply(problem_response(rev.error(), request));

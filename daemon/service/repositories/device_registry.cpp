@@ -140,11 +140,40 @@ std::string DeviceRegistry::machine_of(const std::string& id) const {
   return found == entries_.end() ? std::string() : found->second.machine;
 }
 
-std::string DeviceRegistry::first_machine() const {
-  for (const bool away : {false, true})
-    for (const auto& [id, entry] : entries_)
-      if (is_away(entry.record.state) == away && !entry.machine.empty()) return entry.machine;
-  return {};
+bool DeviceRegistry::is_set_up_for(const std::string& id, const std::string& material) const {
+  const auto found = options_.device_materials.find(id);
+  return found != options_.device_materials.end() &&
+         std::find(found->second.begin(), found->second.end(), material) != found->second.end();
+}
+
+DeviceRegistry::MachineChoice DeviceRegistry::machine_for(const std::string& material) const {
+  constexpr int kForOthers = 2;
+  const auto rank = [&](const std::string& id, const Entry& entry) {
+    const int set_up = is_set_up_for(id, material)              ? 0
+                       : options_.device_materials.contains(id) ? kForOthers
+                                                                : 1;
+    return std::pair(set_up, is_away(entry.record.state));
+  };
+  MachineChoice choice;
+  std::pair<int, bool> best{kForOthers + 1, true};
+  for (const auto& [id, entry] : entries_) {
+    if (entry.machine.empty()) continue;
+    if (const auto here = rank(id, entry); here < best)
+      best = here, choice = {.device = id, .machine = entry.machine};
+  }
+  choice.is_set_up = best.first != kForOthers;
+  for (const auto& [id, entry] : entries_)
+    if (!entry.machine.empty() && entry.machine != choice.machine && rank(id, entry) == best)
+      choice.others.push_back(id);
+  return choice;
+}
+
+bool DeviceRegistry::wants_own_plan(const std::string& id, const PlanRow& plan) const {
+  const auto found = entries_.find(id);
+  if (found == entries_.end() || found->second.machine.empty()) return false;
+  const auto materials = options_.device_materials.find(id);
+  return found->second.machine != plan.machine &&
+         (materials == options_.device_materials.end() || is_set_up_for(id, plan.material));
 }
 
 std::string DeviceRegistry::session_of(const std::string& id) const {
@@ -165,10 +194,9 @@ std::string DeviceRegistry::misfit(const std::string& id, const PlanRow& plan) c
     return fmt::format("the sheets need {:g} x {:g} mm, its area is {:g} x {:g} mm", plan.width_mm,
                        plan.length_mm, record.width_mm, record.length_mm);
   const auto set_up = options_.device_materials.find(id);
-  if (set_up == options_.device_materials.end()) return {};
-  const auto& materials = set_up->second;
-  if (std::find(materials.begin(), materials.end(), plan.material) != materials.end()) return {};
-  return fmt::format("it is set up for {}, not for {}", fmt::join(materials, ", "), plan.material);
+  if (set_up == options_.device_materials.end() || is_set_up_for(id, plan.material)) return {};
+  return fmt::format("it is set up for {}, not for {}", fmt::join(set_up->second, ", "),
+                     plan.material);
 }
 
 std::vector<std::string> DeviceRegistry::fitting(const PlanRow& plan) const {

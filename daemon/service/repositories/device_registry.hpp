@@ -30,11 +30,20 @@ class DeviceRegistry {
   [[nodiscard]] Problem unknown(const std::string& id, const std::string& pointer) const;
   /// Name of the machine's row in the table; empty if it is not there.
   [[nodiscard]] std::string machine_of(const std::string& id) const;
-  /// The machine of the first connected device.
-  [[nodiscard]] std::string first_machine() const;
+  /// For which machine to plan when nobody names a device.
+  struct MachineChoice {
+    std::string device{}, machine{};    ///< empty: no device is known
+    bool is_set_up{true};               ///< false: all devices are set up for other materials
+    std::vector<std::string> others{};  ///< devices of other models that would do as well
+  };
+  /// A device that is set up for the material, else one that is set up for nothing special; among
+  /// them one that is connected, the first by its id.
+  [[nodiscard]] MachineChoice machine_for(const std::string& material) const;
   /// Changes whenever the device has been away: what was in it may have moved.
   [[nodiscard]] std::string session_of(const std::string& id) const;
 
+  /// Whether a plan for this device would cure why that one cannot be cut on it.
+  [[nodiscard]] bool wants_own_plan(const std::string& id, const PlanRow& plan) const;
   /// Why a plan cannot be cut on a device; empty: it can.
   [[nodiscard]] std::string misfit(const std::string& id, const PlanRow& plan) const;
   /// Devices that are connected, enabled and suitable.
@@ -53,6 +62,7 @@ class DeviceRegistry {
     int sessions{0};
     bool kept{false};  ///< there is a row of it
   };
+  [[nodiscard]] bool is_set_up_for(const std::string& id, const std::string& material) const;
   [[nodiscard]] DeviceRecord shown(const Entry& entry) const;
   void keep(const Entry& entry);
   bool take_in(Entry& entry, const DeviceRecord& fresh);

@@ -128,6 +128,8 @@ Answer<Job> JobRepository::add(const Principal& who, const JobCreate& request,
   if (!request.device.empty())
     if (const std::string why = parts_.devices.misfit(request.device, plan); !why.empty())
       return tl::unexpected(invalid_value("/device", "value", why));
+  if (request.device.empty() && request.plan.empty())
+    row.warnings = warnings_json(choice_warnings(plan.material));
   jobs_.insert(row);
   store.audit(who.name, "create-job", row.id, row.name);
   if (plan.state == PlanState::Planned) {
@@ -153,7 +155,8 @@ void JobRepository::apply_plan(JobRow& row, const PlanRow& plan) {
   row.low_s = plan.low_s * row.copies;
   row.high_s = plan.high_s * row.copies;
   row.unaccepted = spoiling_codes(plan.warnings);
-  std::vector<Warning> warnings = plan.warnings;
+  std::vector<Warning> warnings = warnings_from_json(row.warnings);  // what the job's own are
+  warnings.insert(warnings.end(), plan.warnings.begin(), plan.warnings.end());
   shorten(warnings, kWarningsOfJob, kWarningOfJob);
   row.warnings = warnings_json(warnings);
   take(row, step_of(row.state, JobEvent::PlanComes), "");
@@ -349,21 +352,33 @@ Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, st
     if (request.note)
       if (const auto fine = check_text(*request.note, 8000, "/note", true); !fine)
         return tl::unexpected(fine.error());
+    if (request.material && !request.plan_again)
+      return tl::unexpected(invalid_value("/material", "value",
+                                          "needs plan_again: true, because another material needs "
+                                          "another plan"));
     if (request.device && !request.device->empty()) {
       if (!parts_.devices.find(*request.device))
         return tl::unexpected(parts_.devices.unknown(*request.device, "/device"));
       const auto plan = parts_.plans.table().find(row->plan);
       if (row->segment > 1 && *request.device != row->requested_device)
         return tl::unexpected(conflict(*row, "this sheet is in " + row->requested_device));
-      if (const std::string why = plan ? parts_.devices.misfit(*request.device, *plan) : "";
-          !why.empty())
-        return tl::unexpected(invalid_value("/device", "value", why));
+      if (const std::string why =
+              plan && !request.plan_again ? parts_.devices.misfit(*request.device, *plan) : "";
+          !why.empty()) {
+        Problem problem = invalid_value("/device", "value", why);
+        if (auto way = way_to_plan_again(*row, *request.device, *plan))
+          problem.ways.push_back(std::move(*way));
+        return tl::unexpected(std::move(problem));
+      }
     }
     row->priority = request.priority.value_or(row->priority);
     row->name = request.name.value_or(row->name);
     row->note = request.note.value_or(row->note);
     row->requested_device = request.device.value_or(row->requested_device);
-    save(*row);
+    if (!request.plan_again)
+      save(*row);
+    else if (const auto planned = plan_again(who, *row, request); !planned)
+      return tl::unexpected(planned.error());
     parts_.store.audit(who.name, "patch-job", id, "");
     return shown(*row);
   });

@@ -48,6 +48,9 @@ class JobRepository : public Jobs {
   Answer<Ledger> ledger(const std::string& id, int sheet) override;
   Answer<Job> patch(const Principal& who, const std::string& id, std::int64_t if_match,
                     const JobPatch& request) override;
+  /// The request that plans a job for a device; nothing if the device or the job does not need it.
+  [[nodiscard]] std::optional<Way> way_to_plan_again(const JobRow& row, const std::string& device,
+                                                     const PlanRow& plan);
   Answer<void> remove(const Principal& who, const std::string& id) override;
   Answer<Page<Job>> queue(const std::string& device, const PageRequest& request) override;
   Answer<Job> hold(const Principal& who, const std::string& id, bool held) override;
@@ -83,6 +86,11 @@ class JobRepository : public Jobs {
     return row.sheets_total == 0 || plan_sheets == 0 ? 0 : (k - 1) % plan_sheets + 1;
   }
   [[nodiscard]] std::optional<SheetPlan> current_sheet(const JobRow& row);
+  /// Why a job that names no device is planned for the one that it is planned for.
+  [[nodiscard]] std::vector<Warning> choice_warnings(const std::string& material) const;
+  /// Whether nothing of it was cut.
+  [[nodiscard]] bool may_plan_again(const JobRow& row);
+  [[nodiscard]] Answer<void> plan_again(const Principal& who, JobRow& row, const JobPatch& request);
   /// `JobRow::load` of the current sheet.
   [[nodiscard]] std::string load_of(const JobRow& row);
 

@@ -45,6 +45,10 @@ class PlanningQueue : public Plans {
   ///
   /// @retval QueueFull  too many wait, or too many of theirs
   [[nodiscard]] Answer<PlanRow> plan_for(const Principal& who, const PlanRequest& request);
+  /// A plan with the design and the options of an earlier one; an empty material is its material,
+  /// an empty device the one that suits it.
+  [[nodiscard]] Answer<PlanRow> plan_again(const Principal& who, const PlanRow& before,
+                                           const std::string& device, const std::string& material);
   /// That of a small test shape.
   [[nodiscard]] Answer<PlanRow> test_plan_for(const Principal& who, const std::string& device,
                                               const std::string& material);
@@ -72,7 +76,8 @@ class PlanningQueue : public Plans {
   struct Machine {
     std::string name, json;
   };
-  [[nodiscard]] Answer<Machine> machine_for(const std::string& device, const std::string& machine);
+  [[nodiscard]] Answer<Machine> machine_for(const std::string& device, const std::string& machine,
+                                            const std::string& material);
   /// @retval Validation  there is no such material
   [[nodiscard]] Answer<MaterialRecord> material_named(const std::string& name);
   struct Hurried {

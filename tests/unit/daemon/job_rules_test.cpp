@@ -45,14 +45,14 @@ TEST_CASE("every action does in every state what the manual says", "[daemon][job
 
 TEST_CASE("every event does in every state what the manual says", "[daemon][jobs]") {
   // Columns: plan begins, plan comes, plan fails, arm lapses, cut refused, cut held, cut completes,
-  // cut unconfirmed, cut breaks, cut stops, restarts, intents surface. Q queued, P planning, U
-  // paused, I interrupted, F failed.
+  // cut unconfirmed, cut breaks, cut stops, restarts, intents surface, plans again. Q queued, P
+  // planning, U paused, I interrupted, F failed.
   const std::map<JobState, std::string> table{
-      {JobState::Queued, "PRF........."},      {JobState::Planning, ".RF.......Q."},
-      {JobState::Ready, "...........I"},       {JobState::Armed, "...R......RI"},
-      {JobState::Cutting, "....RUNIIXII"},     {JobState::Paused, "....R.NIIXII"},
-      {JobState::Interrupted, "...........I"}, {JobState::Done, "............"},
-      {JobState::Failed, "............"},      {JobState::Cancelled, "............"}};
+      {JobState::Queued, "PRF.........Q"},      {JobState::Planning, ".RF.......Q.Q"},
+      {JobState::Ready, "...........IQ"},       {JobState::Armed, "...R......RI."},
+      {JobState::Cutting, "....RUNIIXII."},     {JobState::Paused, "....R.NIIXII."},
+      {JobState::Interrupted, "...........I."}, {JobState::Done, "............."},
+      {JobState::Failed, "............."},      {JobState::Cancelled, "............."}};
   for (const JobState state : all_states()) {
     std::string row;
     for (const JobEvent event : all_events()) row += letter(step_of(state, event));
