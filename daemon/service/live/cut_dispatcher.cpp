@@ -78,7 +78,8 @@ Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std:
       const JobRow before = row;
       // Whoever is refused learns the whole request that is not.
       const auto refused = [&](Problem problem) {
-        if (problem.ways.empty()) problem.ways = ways(before, &request);
+        const bool writes = !parts_.store.degraded() && !stopping_;
+        if (problem.ways.empty() && writes) problem.ways = ways(before, &request);
         return tl::unexpected(std::move(problem));
       };
       if (step_of(JobRepository::facts_of(row), request.action) == Step::Refused)
@@ -180,7 +181,7 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
   Problem unnamed = invalid_value(
       "/device", "missing",
       fitting.empty()
-          ? std::string("all suitable devices are busy; name one")
+          ? std::string("all suitable devices are busy; wait until one is free")
           : fmt::format("name the device that holds the sheet: {}", fmt::join(fitting, ", ")));
   for (const std::string& one : fitting)
     unnamed.ways.push_back({"arm", fmt::format(R"({{"sheet":{},"blank":{},"device":{}}})",
