@@ -50,6 +50,10 @@ std::string commands(const Json& problem) {
   return all.empty() ? all : "; possible now: " + all;
 }
 
+std::string watch_of(const std::string& job) {
+  return fmt::format("; 'popcut jobs {} --watch' shows when it goes on", job);
+}
+
 /// Where popcutd offers nothing: what shows how it goes on.
 std::string where_to_look(const Json& problem, const std::string& kind) {
   const std::string job = job_of(problem), state = text_of(problem, "state");
@@ -58,12 +62,13 @@ std::string where_to_look(const Json& problem, const std::string& kind) {
     return of_device     ? "; 'popcut devices' lists them"
            : job.empty() ? ""
                          : "; 'popcut jobs --all' lists them";
+  if (kind == "queue-full") return "; 'popcut jobs' lists them";
   if (kind == "device-absent" || of_device) return "; 'popcut devices' shows when it is back";
   if (state == "done" || state == "failed" || state == "cancelled")
     return "; 'popcut jobs' lists those that have not ended";
   if (kind != "state-conflict") return {};
   if (job.empty()) return state.empty() ? "" : "; 'popcut jobs' shows how things stand";
-  return fmt::format("; 'popcut jobs {} --watch' shows when it goes on", job);
+  return watch_of(job);
 }
 
 /// Which token allows it, for those who come with one that does not.
@@ -116,7 +121,10 @@ Error invalid(const Json& problem, const std::string& place, const std::string& 
     error.detail = in_command_words(error.detail);
     if (const std::string option = option_for(pointer); !option.empty()) {
       error = of_option(error, option, given(first, pointer, sent));
-      error.detail += commands(problem);
+      const std::string lines = commands(problem);
+      const std::string job = job_of(problem);
+      const bool must_wait = lines.empty() && code == "missing" && !job.empty();
+      error.detail += must_wait ? watch_of(job) : lines;
       return error;
     }
   }

@@ -38,7 +38,8 @@ LongWork::~LongWork() {
 void LongWork::now(std::string_view what, double done) {
   if (!thread_.joinable()) return;
   const std::lock_guard lock(mutex_);
-  if (what_ != what) {
+  // Another thing is done, or the same again.
+  if (what_ != what || done < done_) {
     what_ = what;
     part_since_s_ = now_s();
     part_begun_ = std::max(done, 0.0);

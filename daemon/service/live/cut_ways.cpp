@@ -78,11 +78,13 @@ std::vector<Way> CutDispatcher::ways_to_arm(const JobRow& row, const ActionReque
                                    ? ""
                                    : R"(,"device":)" + json_text(id))});
   if (!all.empty()) return all;
-  // A job that holds a device is armed, cutting or paused.
+  // A job that holds a device is armed, cutting or paused. While it cuts one can but wait.
   for (const std::string& id : busy)
-    if (const auto holder = parts_.jobs.table().on_device(id))
-      if (const auto theirs = parts_.jobs.ways_of(*holder); !theirs.empty())
-        all.insert(all.end(), theirs.begin(), theirs.end());
+    if (const auto holder = parts_.jobs.table().on_device(id);
+        holder && holder->state != JobState::Cutting) {
+      const std::vector<Way> theirs = parts_.jobs.ways_of(*holder);
+      all.insert(all.end(), theirs.begin(), theirs.end());
+    }
   all.insert(all.end(), others.begin(), others.end());
   return all;
 }

@@ -67,7 +67,12 @@ Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& de
     if (!device.job.empty()) {
       const Answer<JobRow> row = parts_.jobs.row(device.job);
       Problem busy{ProblemKind::StateConflict, id + " holds a sheet of job " + device.job};
-      if (row) busy.ways = parts_.jobs.ways_of(*row);
+      // What frees it: an armed sheet is taken back, a cut is given up.
+      if (row)
+        busy.ways = {{.action = std::string(name_of(
+                          row->state == JobState::Armed ? JobAction::Disarm : JobAction::Cancel)),
+                      .body = "{}",
+                      .job = row->id}};
       return tl::unexpected(std::move(busy));
     }
     if (resetting_)

@@ -57,10 +57,12 @@ std::string device(const std::string& id, const char* machine, double time_scale
                      time_scale, faults.empty() ? "" : fmt::format("faults = \"{}\"\n", faults));
 }
 
+constexpr int kLines = 30;
+
 /// A popcutd with cutters that go wrong, and a person who has only what popcut prints.
 struct Shop : DaemonWithCli {
-  explicit Shop(const std::string& more) : DaemonWithCli(0, more) {
-    write_file(file("lines.svg"), RunningDaemon::lines_svg(20));
+  explicit Shop(const std::string& more, double time_scale = 0) : DaemonWithCli(time_scale, more) {
+    write_file(file("lines.svg"), RunningDaemon::lines_svg(kLines));
   }
   [[nodiscard]] std::string file(const std::string& name) const {
     return (daemon.folder() / name).string();
@@ -111,7 +113,7 @@ TEST_CASE("every refusal names a command that cures it", "[popcutd][cli][next]")
   const TempFolder scripts;
   const std::string stall = (scripts / "stall.json").string();
   write_file(stall, kStall);
-  Shop shop(device("sim:slow", "cameo3", 1) + device("sim:stuck", "cameo3", 0, stall) +
+  Shop shop(device("sim:slow", "cameo3", 4) + device("sim:stuck", "cameo3", 0, stall) +
             device("sim:wide", "cameo4", 0));
   shop.open();
   const std::string id = shop.queue("sim:cameo3"), other = shop.queue("sim:cameo3");
@@ -141,13 +143,10 @@ TEST_CASE("every refusal names a command that cures it", "[popcutd][cli][next]")
       CHECK(shop.cure({action, id}, "held") == Words{"release", id});
     shop.must({"release", id});
     shop.must(arm);
-    for (const Words& words : std::vector<Words>{arm,
-                                                 {"resume", id},
-                                                 {"retry", id},
-                                                 {"change", id, "--name", "x"},
-                                                 {"arm", other},
-                                                 {"devices", "reset", "sim:cameo3"}})
+    for (const Words& words : std::vector<Words>{
+             arm, {"resume", id}, {"retry", id}, {"change", id, "--name", "x"}, {"arm", other}})
       CHECK(shop.cure(words, "") == Words{"start", id});
+    CHECK(shop.cure({"devices", "reset", "sim:cameo3"}, "holds a sheet") == Words{"disarm", id});
     shop.must({"devices", "disable", "sim:cameo3"});
     const Words enable{"devices", "enable", "sim:cameo3"};
     CHECK(shop.cure(arm, "disabled") == enable);
@@ -165,9 +164,16 @@ TEST_CASE("every refusal names a command that cures it", "[popcutd][cli][next]")
                                                  {"resume", slow},
                                                  {"resume", slow, "--from", "2"},
                                                  {"change", slow, "--priority", "2"},
-                                                 {"hold", slow},
-                                                 {"devices", "reset", "sim:slow"}})
+                                                 {"hold", slow}})
       CHECK(shop.cure(words, "") == Words{"pause", slow});
+    CHECK(shop.cure({"devices", "reset", "sim:slow"}, "holds a sheet") == Words{"cancel", slow});
+    // Behind a cut one can but wait, unless another cutter is free.
+    const std::string next = shop.queue("sim:slow");
+    CHECK(shop.cure({"arm", next}, "holds a sheet") ==
+          Words{"change", next, "--device", "sim:cameo3"});
+    for (const char* busy : {"sim:cameo3", "sim:stuck"}) shop.must({"devices", "disable", busy});
+    shop.must({"change", next, "--device", ""});
+    CHECK(shop.cure({"arm", next}, "holds a sheet").front() == "devices");
     shop.must({"pause", slow});
     REQUIRE(shop.comes_to(slow, "paused"));
     for (const Words& words : std::vector<Words>{{"arm", slow}, {"retry", slow}, {"hold", slow}})
@@ -240,6 +246,7 @@ struct Hand {
   std::string id;
   bool skips{};  ///< of what is in doubt: skip it, else cut it again
   std::vector<std::string> typed{};
+  std::string reason{};  ///< of the first interruption
 
   /// Among the commands of a message the one that goes on.
   [[nodiscard]] std::string chosen(const std::string& message) const {
@@ -259,6 +266,8 @@ struct Hand {
       typed.push_back(command);
       Words words = words_of(command);
       const bool looks = words.back() == "--watch" || words == Words{"devices"};
+      const Json job = shop.job(id);
+      if (job["state"] == "interrupted" && reason.empty()) reason = job["reason"];
       if (looks) {  // until there is something to do: the view itself would not end
         REQUIRE(comes_true([&] {
           const std::string state = shop.job(id)["state"];
@@ -278,32 +287,53 @@ struct Hand {
 TEST_CASE("a shift at two cutters is worked with the printed commands alone",
           "[popcutd][cli][next]") {
   const TempFolder scripts;
-  // The first sheet at each cutter meets a fault; one cutter has one fault after the other.
-  const char* const faults[] = {
-      R"({"at_path": 6, "kind": "stall"})", R"({"at_path": 5, "kind": "cancel", "seconds": 1})",
-      R"({"at_path": 5, "kind": "media out"})", R"({"at_byte": 450, "kind": "unplug"})",
-      R"({"kind": "wrong name", "text": "PORTRAIT V1.00   "})"};
-  for (const bool skips : {true, false}) {
-    std::string more;
-    for (std::size_t k = 0; k < std::size(faults); ++k) {
-      const std::string script = (scripts / fmt::format("{}.json", k)).string();
-      write_file(script, fmt::format(R"j({{"popcut": 1, "faults": [{}]}})j", faults[k]));
-      more += device(fmt::format("sim:c{}", k), "cameo3", 0, script);
+  const std::string left = (scripts / "left.json").string();
+  const std::string right = (scripts / "right.json").string();
+  struct Fault {
+    const char *members, *reason;
+  };
+  // A cutter meets its fault at the first sheet after popcutd has started.
+  const std::vector<Fault> faults{
+      {R"("at_path": 6, "kind": "stall")", "stall"},
+      {R"("at_path": 5, "kind": "media out")", "media_out"},
+      {R"("at_path": 5, "kind": "cancel", "seconds": 1)", "panel_stop"},
+      {R"("at_byte": 450, "kind": "unplug")", "device_gone"},
+      {R"("kind": "wrong name", "text": "PORTRAIT V1.00   ")", "refused"}};
+  const auto script = [&](const std::string& file, const Fault& fault) {
+    write_file(file, fmt::format(R"j({{"popcut": 1, "faults": [{{{}}}]}})j", fault.members));
+  };
+  Shop shop(device("sim:left", "cameo3", 0, left) + device("sim:right", "cameo3", 0, right), 8);
+  for (std::size_t k = 0; k < faults.size(); ++k) {
+    CAPTURE(faults[k].reason);
+    if (k % 2 == 0) {
+      script(left, faults[k]);
+      script(right, faults[(k + 1) % faults.size()]);
+      if (k > 0) shop.daemon.signal(SIGTERM);
+      if (k > 0) CHECK(shop.daemon.wait() == 0);
+      shop.open();
     }
-    Shop shop(more);
-    shop.open();
-    for (std::size_t k = 0; k < std::size(faults); ++k) {
-      CAPTURE(faults[k], skips);
-      const Ran queued =
-          shop.popcut({"cut", shop.file("lines.svg"), "--device", fmt::format("sim:c{}", k)});
-      REQUIRE(queued.exit == 0);
-      Hand hand{shop, queued.out.substr(0, 26), skips};
-      const bool through = hand.sees_it_through(queued.err);
-      CAPTURE(hand.typed);
-      CHECK(through);
-      CHECK(shop.job(hand.id)["state"] == "done");
-    }
+    const Ran queued = shop.popcut(
+        {"cut", shop.file("lines.svg"), "--device", k % 2 == 0 ? "sim:left" : "sim:right"});
+    REQUIRE(queued.exit == 0);
+    Hand hand{shop, queued.out.substr(0, 26), k < 2};
+    const bool through = hand.sees_it_through(queued.err);
+    CAPTURE(hand.typed);
+    CHECK(through);
+    CHECK(shop.job(hand.id)["state"] == "done");
+    CHECK(hand.reason == faults[k].reason);
   }
+  // And popcutd itself is killed in the middle of a cut.
+  const std::string id = shop.queue("sim:cameo3");
+  shop.must({"arm", id});
+  shop.must({"start", id});
+  REQUIRE(comes_true([&] { return shop.job(id)["progress"]["paths_sent"] > 3; }));
+  shop.daemon.signal(SIGKILL);
+  CHECK(shop.daemon.wait() == 128 + SIGKILL);
+  shop.open();
+  Hand hand{shop, id, false};
+  CHECK(hand.sees_it_through(shop.popcut({"jobs"}).out));
+  CHECK(hand.reason == "crash");
+  CHECK(shop.job(id)["state"] == "done");
 }
 
 TEST_CASE("a watched job that popcutd no longer has leaves the view and is asked for no more",

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <fcntl.h>
 #include <pwd.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 
 #include "daemon/cli/help/terminal_text.hpp"
 #include "daemon/cli/view/job_view.hpp"
+#include "daemon/cli/view/long_work.hpp"
 #include "daemon/cli/view/progress_bar.hpp"
 
 namespace job_view_test {
@@ -232,6 +234,20 @@ TEST_CASE("the width of a line is that on a terminal", "[cli]") {
   CHECK(wrapped("abcdefghij", 4, 1) == std::vector<std::string>{"abcd", " efg", " hij"});
   for (std::size_t width = 0; width < 6; ++width)
     CHECK_FALSE(wrapped("\xE5\x90\x8D\xE5\x90\x8D x", width, 2).empty());
+}
+
+TEST_CASE("off a terminal nobody is told how far long work is", "[cli][progress]") {
+  const int kept = ::dup(STDERR_FILENO), null = ::open("/dev/null", O_WRONLY);
+  REQUIRE(kept >= 0);
+  REQUIRE(::dup2(null, STDERR_FILENO) == STDERR_FILENO);
+  {
+    LongWork work(true, "designing");
+    CHECK_FALSE(work.progress());  // so that those who compute call nothing
+    work.now("writing", 0.5);
+  }
+  CHECK(::dup2(kept, STDERR_FILENO) == STDERR_FILENO);
+  ::close(kept);
+  ::close(null);
 }
 
 TEST_CASE("a line of what takes an unknown time keeps to the width of the terminal", "[cli]") {
