@@ -46,10 +46,11 @@ struct Laid {
 
 class Designer {
  public:
-  Designer(const DesignSpec& spec, const SurfaceAssets& assets) : spec_(spec), assets_(assets) {}
+  Designer(const DesignSpec& spec, const SurfaceAssets& assets, const Progress& progress)
+      : spec_(spec), assets_(assets), progress_(progress) {}
 
   Result<Design> run() {
-    auto sliced = slice_target(spec_, assets_);
+    auto sliced = slice_target(spec_, assets_, progress_);
     if (!sliced) {
       Error error = sliced.error();  // a placement is proposed for files only
       if (asset_of(spec_.surface).empty()) error.reason = ErrorReason::None;
@@ -302,11 +303,12 @@ class Designer {
     if (method == LatticeMethod::Auto) return lay_nearest(method, note);
     if (chosen_) {  // in a later round: as it was chosen
       RunLayout again = lay_runs(sliced_, cut_after_, spec_);
-      if (auto filled = fill_planes(again, method); !filled) return tl::unexpected(filled.error());
+      if (auto filled = fill_planes(again, method, progress_); !filled)
+        return tl::unexpected(filled.error());
       return lay_strips(std::move(again));
     }
     RunLayout chosen = lay_runs(sliced_, cut_after_, spec_);
-    if (auto filled = fill_planes(chosen, method); !filled) {
+    if (auto filled = fill_planes(chosen, method, progress_); !filled) {
       if (method != LatticeMethod::Conformal || spec_.max_step_asked || !may_end(chosen)) {
         filled.error().detail += fits_at_most(chosen);
         return tl::unexpected(filled.error());
@@ -315,7 +317,8 @@ class Designer {
       note = "levels taken, since conformal has no room: " + filled.error().detail;
       method = LatticeMethod::Levels;
       chosen = lay_runs(sliced_, cut_after_, spec_);
-      if (filled = fill_planes(chosen, method); !filled) return tl::unexpected(filled.error());
+      if (filled = fill_planes(chosen, method, progress_); !filled)
+        return tl::unexpected(filled.error());
     }
     const bool choose = method == LatticeMethod::Conformal &&
                         std::any_of(chosen.targets.begin(), chosen.targets.end(),
@@ -374,6 +377,7 @@ class Designer {
         trial.reason = laid.error().detail;
         if (!refused) refused = laid.error();
       } else {
+        tell(progress_, "measuring the distance from your shape");
         if (!ranking) ranking.emplace(sliced_, laid->strips.strips, design_psi_rad());
         ranking->measure(laid->strips.strips, trial);
         trial.reason = limit_broken(*laid);
@@ -400,7 +404,8 @@ class Designer {
 
   Result<Laid> lay_trial(LatticeMethod one) const {
     RunLayout layout = lay_runs(sliced_, cut_after_, spec_);
-    if (auto filled = fill_planes(layout, one); !filled) return tl::unexpected(filled.error());
+    if (auto filled = fill_planes(layout, one, progress_); !filled)
+      return tl::unexpected(filled.error());
     return lay_measured(std::move(layout));
   }
 
@@ -438,7 +443,7 @@ class Designer {
     for (std::size_t r = 0; r < free.runs.size(); ++r) {
       if (free.targets[r].units == 1) continue;
       free.targets[r].max_step_over_mean.reset();
-      auto planes = lattice_conformal(free.targets[r], kRelaxedStep);
+      auto planes = lattice_conformal(free.targets[r], kRelaxedStep, nullptr, progress_);
       if (!planes) return std::nullopt;
       free.runs[r].planes = std::move(*planes);
     }
@@ -471,9 +476,11 @@ class Designer {
   Result<std::pair<BuiltPattern, Mobility>> tighten(Laid& laid) const {
     constexpr int kMostRounds = 30;
     for (int round = 0;; ++round) {
+      tell(progress_, "building the pattern");
       auto built = build_pattern(laid.strips.strips, laid.frame.wall_mm, laid.frame.ground_mm,
                                  laid.frame.card, spec_.min_panel_mm);
       if (!built) return tl::unexpected(built.error());
+      tell(progress_, "counting the movements of the pattern");
       Mobility motion = mobility(*built);
       const bool done = !laid.frame.card || motion.degrees_of_freedom == 1 || round == kMostRounds;
       if (done || !mark_loose(laid.layout, laid.strips.strips, *built, motion))
@@ -611,6 +618,7 @@ class Designer {
 
   const DesignSpec& spec_;
   const SurfaceAssets& assets_;
+  const Progress& progress_;
   Slicing sliced_;
   std::vector<std::uint8_t> cut_after_;
   std::vector<std::string> notes_;
@@ -622,8 +630,9 @@ class Designer {
 
 }  // namespace
 
-Result<Design> design(const DesignSpec& spec, const SurfaceAssets& assets) {
-  return Designer(spec, assets).run();
+Result<Design> design(const DesignSpec& spec, const SurfaceAssets& assets,
+                      const Progress& progress) {
+  return Designer(spec, assets, progress).run();
 }
 
 }  // namespace popcut

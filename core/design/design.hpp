@@ -7,6 +7,7 @@
 #include "core/design/strips/strips.hpp"
 #include "core/design/target/curve.hpp"
 #include "core/pattern/pattern.hpp"
+#include "core/progress.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
@@ -28,6 +29,7 @@ struct Design {
 /// @retval OutOfRange  it is not finite and positive where a slice or connector needs it; `place`
 ///                     names the field and s
 /// @retval Infeasible  no valid pattern exists for it; `place` names the slice
-[[nodiscard]] Result<Design> design(const DesignSpec& spec, const SurfaceAssets& assets = {});
+[[nodiscard]] Result<Design> design(const DesignSpec& spec, const SurfaceAssets& assets = {},
+                                    const Progress& progress = {});
 
 }  // namespace popcut

@@ -71,12 +71,13 @@ struct CardSide {
 
 class Assembler {
  public:
-  Assembler(const DesignSpec& spec, const SurfaceAssets& assets) : spec_(spec), assets_(assets) {}
+  Assembler(const DesignSpec& spec, const SurfaceAssets& assets, const Progress& progress)
+      : spec_(spec), assets_(assets), progress_(progress) {}
 
   Result<PatchAssembly> run() {
     out_.name = spec_.name;
     for (std::size_t k = 0; k < spec_.patches.size(); ++k) {
-      auto made = design(spec_.patches[k], assets_);
+      auto made = design(spec_.patches[k], assets_, progress_);
       if (!made) return tl::unexpected(in_patch(k, made.error()));
       made_.push_back(std::move(*made));
     }
@@ -332,6 +333,7 @@ class Assembler {
 
   const DesignSpec& spec_;
   const SurfaceAssets& assets_;
+  const Progress& progress_;
   std::vector<Design> made_;
   std::vector<double> wall_mm_, ground_mm_;
   PatchAssembly out_;
@@ -339,9 +341,10 @@ class Assembler {
 
 }  // namespace
 
-Result<PatchAssembly> design_assembly(const DesignSpec& spec, const SurfaceAssets& assets) {
-  if (!spec.patches.empty()) return Assembler(spec, assets).run();
-  auto made = design(spec, assets);
+Result<PatchAssembly> design_assembly(const DesignSpec& spec, const SurfaceAssets& assets,
+                                      const Progress& progress) {
+  if (!spec.patches.empty()) return Assembler(spec, assets, progress).run();
+  auto made = design(spec, assets, progress);
   if (!made) return tl::unexpected(made.error());
   PatchAssembly out;
   out.name = spec.name;

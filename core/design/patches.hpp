@@ -51,6 +51,7 @@ struct PatchAssembly {
 ///                     asked for and walls or grounds differ; else as `design`, in a patch after
 ///                     `/patches/K`
 [[nodiscard]] Result<PatchAssembly> design_assembly(const DesignSpec& spec,
-                                                    const SurfaceAssets& assets = {});
+                                                    const SurfaceAssets& assets = {},
+                                                    const Progress& progress = {});
 
 }  // namespace popcut

@@ -67,7 +67,7 @@ RunLayout lay_runs(const Slicing& sliced, const std::vector<std::uint8_t>& cut_a
   return out;
 }
 
-Result<void> fill_planes(RunLayout& layout, LatticeMethod method) {
+Result<void> fill_planes(RunLayout& layout, LatticeMethod method, const Progress& progress) {
   for (std::size_t r = 0; r < layout.runs.size(); ++r) {
     const RunTarget& target = layout.targets[r];
     Planes& planes = layout.runs[r].planes;
@@ -90,7 +90,7 @@ Result<void> fill_planes(RunLayout& layout, LatticeMethod method) {
         planes = lattice_levels(target);
         break;
       case LatticeMethod::Direct: {
-        auto direct = lattice_direct(target);
+        auto direct = lattice_direct(target, nullptr, progress);
         if (!direct) return tl::unexpected(direct.error());
         planes = std::move(*direct);
         break;
@@ -98,7 +98,7 @@ Result<void> fill_planes(RunLayout& layout, LatticeMethod method) {
       case LatticeMethod::Auto:
         return fail(ErrorKind::Internal, "/lattice", "auto is to be replaced by what it chose");
       case LatticeMethod::Conformal: {
-        auto conformal = lattice_conformal(target);
+        auto conformal = lattice_conformal(target, std::nullopt, nullptr, progress);
         if (!conformal) return tl::unexpected(within("/units_per_slice", conformal.error()));
         planes = std::move(*conformal);
       }

@@ -38,7 +38,8 @@ struct RunLayout {
 /// Fills the planes of every run by one method (docs/geometry.md, section 4).
 ///
 /// @retval Infeasible  the conformal lattice has no valid planes
-[[nodiscard]] Result<void> fill_planes(RunLayout& layout, LatticeMethod method);
+[[nodiscard]] Result<void> fill_planes(RunLayout& layout, LatticeMethod method,
+                                       const Progress& progress = {});
 
 /// Marks loose panels of slice strips, to be left out when the strips are laid again; where there
 /// are none, those of connectors. Whether any was marked.

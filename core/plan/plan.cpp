@@ -253,7 +253,9 @@ class Planner {
   }
 
   Result<void> split(const std::array<double, 2>& reach) {
+    tell(options_.progress, "cleaning the drawing");
     LineWork work = clean(drawing_, options_.clean);
+    tell(options_.progress, "splitting the drawing into sheets");
     out_.warnings = work.warnings;  // the drawing's own warnings and those of cleaning
     LayoutOptions how;
     const PagePoint at = options_.place.at.value_or(PagePoint{});
@@ -287,11 +289,21 @@ class Planner {
     return {};
   }
 
+  /// What is being done to the sheet that is added now.
+  void say(std::string_view what) const {
+    const std::size_t sheet = out_.sheets.size();
+    if (options_.progress)
+      tell(options_.progress,
+           sheet == 0 ? std::string(what) : fmt::format("{} of sheet {}", what, sheet + 1));
+  }
+
   Result<void> add(LineWork work, PlannedSheet sheet) {
     sheet.mat = mat_;
     work.dashed = dashed_;
     work.warnings.clear();
+    say("cleaning the lines");
     work = clean(std::move(work), options_.clean);
+    say("drawing the folds");
     turn_round(work, options_.knife.direction);
     sheet.paths = work.lines.size();
     if (options_.keep_lines) sheet.lines = work;
@@ -307,7 +319,9 @@ class Planner {
     std::vector<Visit> given(dashed.work.lines.size());
     for (std::uint32_t i = 0; i < given.size(); ++i) given[i].line = i;
     sheet.travel_input_mm = travel_mm(dashed.work, given);
+    say("ordering the cuts");
     const Ordered ordered = ordered_for(dashed.work, out_.machine, options_, sheet, out_.warnings);
+    say("making the strokes");
     DrawnStrokes strokes = make_strokes(dashed, ordered.visits, settings_);
     sheet.path = std::move(strokes.path);
     const Material& material = out_.material;

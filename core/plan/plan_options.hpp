@@ -14,6 +14,7 @@
 #include "core/layout/sheet.hpp"
 #include "core/plan/knife/strokes.hpp"
 #include "core/plan/order/order.hpp"
+#include "core/progress.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
@@ -48,6 +49,7 @@ struct PlanOptions {
   bool marks{false};  ///< the sheet is printed with registration marks
   MarkForm mark_form{MarkForm::Arm};
   bool keep_lines{false};  ///< the sheet keeps its lines as they were before folds were dashed
+  Progress progress{};     ///< told before each step of a sheet
 };
 
 /// One option of a plan, as a row of the table from which everything else is made: the command

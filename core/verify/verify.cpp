@@ -146,27 +146,39 @@ Result<VerifyReport> verify_model(FoldModel model, const VerifyOptions& options)
                 "the edges enclose no face, so there is no sheet; close the outline");
   }
 
+  // Not of equal length; the order of their counts says how far it is.
+  constexpr double kStages = 9;
+  double stage = 0;
+  const auto now = [&](std::string_view what) { tell(options.progress, what, stage++ / kStages); };
+  now("checking the sheet");
   VerifyCheck faces = named("faces");
   subject.sheet = make_sheet(subject.file, faces);
+  now("measuring the poses");
   measure_poses(subject);
+  now("opening the pattern");
   if (!pose_to_count_in(subject)) open(subject);
   subject.count_in = pose_to_count_in(subject);
   subject.quick = options.quick;
   if (options.quick && subject.count_in) prove_freedom(subject, options);
   if (subject.count_in && !subject.has_one_freedom) {
     const PoseMotion& motion = subject.motions[*subject.count_in];
+    now("counting its movements");
     subject.mobility =
         mobility(subject.file, subject.sheet, motion, motion.isometry_mm + motion.hinge_gap_mm);
   }
   VerifyReport report;
   report.notes = subject.file.notes;
+  now("checking the flat sheet");
   judge_flat_sheet(subject, std::move(faces), report);
   const auto add = [&](VerifyCheck check) { report.checks.push_back(std::move(check)); };
+  now("checking how it opens");
   add(judge_opening(subject, report));
   add(judge_motion(subject, report));
   add(judge_angles(subject, report));
   add(judge_freedoms(subject, options, report));
+  now("looking for panels that pass through others");
   add(judge_crossing(subject, report));
+  if (target) now("measuring the distance from your shape");
   if (target) add(check_target(subject, *target, report));
   if (subject.file.drawn || options.name_coordinates) name_places(subject, report);
   return report;

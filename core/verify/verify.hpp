@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/progress.hpp"
 #include "core/result.hpp"
 #include "core/verify/sheet/check.hpp"
 
@@ -32,6 +33,7 @@ struct VerifyOptions {
   bool quick{false};
   /// Names places by their coordinates on the sheet, for a pattern that has no file.
   bool name_coordinates{false};
+  Progress progress{};  ///< told before each check
 };
 
 /// What a pattern is and whether it is sound. Figures that could not be measured stay zero; their

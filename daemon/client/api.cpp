@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text/json_text.hpp"
+#include "daemon/client/command_words.hpp"
 
 namespace popcut::client {
 namespace {
@@ -37,6 +38,20 @@ std::string names_of(const std::vector<const Json*>& jobs) {
     names += (k > 0 ? ", " : "") + titled(*jobs[k]);
   if (jobs.size() > kMost) names += fmt::format(" and {} more", jobs.size() - kMost);
   return names;
+}
+
+/// The command for each job. Which of its paths a sheet goes on from is seen first.
+std::string commands_of(const std::string& action, const std::vector<const Json*>& jobs) {
+  constexpr std::size_t kMost = 5;
+  const std::string command = action == "resume-from" ? "jobs" : command_for(action);
+  std::string lines;
+  for (std::size_t k = 0; k < std::min(jobs.size(), kMost); ++k) {
+    const std::string name = text_of(*jobs[k], "name");
+    lines += fmt::format("{}popcut {} {}{}", k > 0 ? ", or " : "", command, id_of(*jobs[k]),
+                         name.empty() ? "" : fmt::format(" ({})", name));
+  }
+  if (jobs.size() > kMost) lines += fmt::format(", or {} more", jobs.size() - kMost);
+  return lines;
 }
 
 bool looks_the_same(const Json& a, const Json& b) {
@@ -200,8 +215,8 @@ Result<Json> Api::only_job_for(const std::string& action) {
         fmt::format("'{}' is not possible for any job now; 'popcut jobs' shows what each waits for",
                     action));
   return fail(ErrorKind::Usage, "command line",
-              fmt::format("'{}' is possible for {} jobs; name one of {}", action, fitting.size(),
-                          names_of(fitting)));
+              fmt::format("'{}' is possible for {} jobs; name one of them: {}", action,
+                          fitting.size(), commands_of(action, fitting)));
 }
 
 Result<Json> Api::act(const Json& job, const std::string& action, const Json& body) {

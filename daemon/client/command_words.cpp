@@ -53,18 +53,16 @@ constexpr std::array<Words, 4> kCommands{{
 }};
 
 // Longer ones before those that they contain.
-constexpr std::array<Words, 11> kPhrases{{
+constexpr std::array<Words, 9> kPhrases{{
     {"registration \"re-registered\"", "--registration re-registered"},
     {"i_accept_double_cut", "--accept-double-cut"},
     {"accept_warnings", "--accept-warnings"},
     {"needs plan_again: true", "needs --plan-again"},
     {"skip_in_doubt", "--skip-in-doubt"},
-    {"with retry-sheet", "with 'popcut retry'"},
-    {"the action enable", "'popcut devices enable'"},
-    {"change its device first", "change that first ('popcut change --device')"},
+    // The whole commands stand behind, in what is possible now.
+    {" with retry-sheet", ""},
+    {" with the action enable", ""},
     {"name the device that holds the sheet", "name the device that holds the sheet with --device"},
-    {"all suitable devices are busy; name one",
-     "all suitable devices are busy; name one with --device"},
     {"from_path", "--from"},
 }};
 
@@ -72,6 +70,16 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
   for (std::size_t at = text.find(from); at != std::string::npos;
        at = text.find(from, at + to.size()))
     text.replace(at, from.size(), to);
+}
+
+/// As one word of a shell.
+std::string quoted(const std::string& word) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.,:/@%+=";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
 }
 
 /// "`mat`" of an option is "--mat".
@@ -97,9 +105,22 @@ std::string command_for(std::string_view action) {
   return std::string(action);
 }
 
-std::string command_line_for(const nlohmann::json& way, const std::string& job) {
+std::string meaning_of(const nlohmann::json& way) {
+  if (!way.is_object() || way.value("action", "") != "resume-from") return {};
+  const nlohmann::json body = way.value("body", nlohmann::json::object());
+  const bool skips = body.value("skip_in_doubt", false);
+  const bool again = body.value("i_accept_double_cut", false);
+  if (skips && again) return "skips some of what is in doubt, cuts the rest again";
+  if (skips) return "skips what is in doubt";
+  return again ? "cuts again what may be cut already" : "";
+}
+
+std::string command_line_for(const nlohmann::json& way, const std::string& asked_about) {
   if (!way.is_object()) return {};
-  const std::string action = way.value("action", "");
+  const std::string action = way.value("action", ""), device = way.value("device", "");
+  if (!device.empty()) return fmt::format("popcut devices {} {}", action, quoted(device));
+  const std::string job = way.value("job", asked_about);
+  if (job.empty()) return {};
   const nlohmann::json body = way.value("body", nlohmann::json::object());
   const std::string command = action == "resume-from" ? "resume" : command_for(action);
   std::string line = fmt::format("popcut {} {}", command, job);
@@ -108,7 +129,7 @@ std::string command_line_for(const nlohmann::json& way, const std::string& job) 
   if (body.contains("sheet") && action != "start") line += fmt::format(" {}", number("sheet"));
   if (body.contains("good")) line += body.value("good", false) ? " good" : " bad";
   if (number("blank") > 1) line += fmt::format(" --blank {}", number("blank"));
-  if (body.contains("device")) line += " --device " + body.value("device", "");
+  if (body.contains("device")) line += " --device " + quoted(body.value("device", ""));
   if (body.contains("from_path")) line += fmt::format(" --from {}", number("from_path"));
   if (body.value("registration", "") == "re-registered") line += " --registration re-registered";
   if (body.value("skip_in_doubt", false)) line += " --skip-in-doubt";

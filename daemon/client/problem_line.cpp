@@ -27,20 +27,58 @@ std::string allowed(const Json& problem) {
   return words;
 }
 
+/// The job that the request was about: of "/v1/jobs/01J.../actions/arm".
+std::string job_of(const Json& problem) {
+  const std::string path = text_of(problem, "instance");
+  constexpr std::string_view kJobs = "/v1/jobs/";
+  if (path.rfind(kJobs, 0) != 0) return {};
+  return path.substr(kJobs.size(), path.find('/', kJobs.size()) - kJobs.size());
+}
+
 /// The commands that would do now, as they are typed; empty: popcutd offers none.
 std::string commands(const Json& problem) {
   const auto ways = problem.find("ways");
   if (ways == problem.end() || !ways->is_array()) return {};
-  // "/v1/jobs/01J.../actions/arm"
-  const std::string path = text_of(problem, "instance");
-  constexpr std::string_view kJobs = "/v1/jobs/";
-  if (path.rfind(kJobs, 0) != 0) return {};
-  const std::string job = path.substr(kJobs.size(), path.find('/', kJobs.size()) - kJobs.size());
+  const std::string job = job_of(problem);
   std::string all;
-  for (const Json& way : *ways)
-    if (const std::string line = command_line_for(way, job); !line.empty())
-      all += (all.empty() ? "" : ", or ") + line;
+  for (const Json& way : *ways) {
+    const std::string line = command_line_for(way, job), meaning = meaning_of(way);
+    if (line.empty()) continue;
+    all += (all.empty() ? "" : ", or ") + line;
+    if (!meaning.empty()) all += " (" + meaning + ")";
+  }
   return all.empty() ? all : "; possible now: " + all;
+}
+
+std::string watch_of(const std::string& job) {
+  return fmt::format("; 'popcut jobs {} --watch' shows when it goes on", job);
+}
+
+/// Where popcutd offers nothing: what shows how it goes on.
+std::string where_to_look(const Json& problem, const std::string& kind) {
+  const std::string job = job_of(problem), state = text_of(problem, "state");
+  const bool of_device = text_of(problem, "instance").rfind("/v1/devices/", 0) == 0;
+  if (kind == "not-found")
+    return of_device     ? "; 'popcut devices' lists them"
+           : job.empty() ? ""
+                         : "; 'popcut jobs --all' lists them";
+  if (kind == "queue-full") return "; 'popcut jobs' lists them";
+  if (kind == "device-absent" || of_device) return "; 'popcut devices' shows when it is back";
+  if (state == "done" || state == "failed" || state == "cancelled")
+    return "; 'popcut jobs' lists those that have not ended";
+  if (kind != "state-conflict") return {};
+  if (job.empty()) return state.empty() ? "" : "; 'popcut jobs' shows how things stand";
+  return watch_of(job);
+}
+
+/// Which token allows it, for those who come with one that does not.
+std::string wanted_token(const std::string& detail) {
+  const auto names = [&](const char* role) { return detail.find(role) != std::string::npos; };
+  const char* const role = names("admin") ? "admin" : names("submitter") ? "submitter" : "operator";
+  return fmt::format(
+      "; 'popcut token create --role {}' creates a token for POPCUT_TOKEN, on the computer where "
+      "popcutd runs",
+      names("operator") ? "operator" : role);
 }
 
 /// What was given at `pointer`: as popcutd repeats it, else as it was sent; "" if neither has it.
@@ -83,7 +121,10 @@ Error invalid(const Json& problem, const std::string& place, const std::string& 
     error.detail = in_command_words(error.detail);
     if (const std::string option = option_for(pointer); !option.empty()) {
       error = of_option(error, option, given(first, pointer, sent));
-      error.detail += commands(problem);
+      const std::string lines = commands(problem);
+      const std::string job = job_of(problem);
+      const bool must_wait = lines.empty() && code == "missing" && !job.empty();
+      error.detail += must_wait ? watch_of(job) : lines;
       return error;
     }
   }
@@ -98,8 +139,10 @@ Error conflict(const Json& problem, const std::string& place, std::string detail
     detail += fmt::format("; it is {}", state);
   if (const std::string lines = commands(problem); !lines.empty())
     detail += lines;
-  else if (!words.empty())
+  else if (job_of(problem).empty() && !words.empty())
     detail += fmt::format("; possible now: {}", words);
+  else
+    detail += where_to_look(problem, "state-conflict");
   return {ErrorKind::Refused, place, detail};
 }
 
@@ -127,9 +170,13 @@ Error error_from(const HttpResponse& response, const std::string& place, Subject
   if (kind == "too-large" || kind == "unsupported-media")
     return {ErrorKind::OutOfRange, place, detail};
   if (kind == "state-conflict" || kind == "stale") return conflict(problem, place, detail);
-  if (kind == "device-absent") detail += commands(problem);
-  return {ErrorKind::Refused, place,
-          subject == Subject::CommandLine ? in_command_words(detail) : detail,
+  if (subject == Subject::CommandLine) detail = in_command_words(detail);
+  const std::string lines = commands(problem);
+  if (kind == "forbidden")
+    detail += wanted_token(detail);
+  else
+    detail += lines.empty() ? where_to_look(problem, kind) : lines;
+  return {ErrorKind::Refused, place, detail,
           kind == "not-found" ? ErrorReason::NotThere : ErrorReason::None};
 }
 

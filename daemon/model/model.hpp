@@ -164,10 +164,13 @@ struct PlanRecord {
   std::array<double, 2> est_s{};
 };
 
-/// A complete request that is possible now: an action, and its body as JSON.
+/// A complete request that is possible now: an action, and its body as JSON. "change" is a PATCH of
+/// the job.
 struct Way {
   std::string action;
   std::string body;
+  std::string device{};  ///< of an action of a device (reset, enable)
+  std::string job{};     ///< of an action of another job than the one that was asked about
 };
 
 struct Attention {

@@ -33,7 +33,7 @@ Result<DrawingInput> from_spec(const std::string& text, const SpecSources& sourc
   if (const auto own = find_material(spec->material, sources.tables)) suit_material(*own, *spec);
   const auto assets = sources.assets(*spec);
   if (!assets) return tl::unexpected(assets.error());
-  auto made = sound_design(*spec, *assets);
+  auto made = sound_design(*spec, *assets, nullptr, sources.progress);
   if (!made) return tl::unexpected(made.error());
   const std::string& cut_from = sources.material.empty() ? spec->material : sources.material;
   if (const auto material = find_material(cut_from, sources.tables))

@@ -11,6 +11,7 @@
 #include "core/design/patches.hpp"
 #include "core/drawing/linework.hpp"
 #include "core/formats/svg/svg_reader.hpp"
+#include "core/progress.hpp"
 #include "core/result.hpp"
 
 namespace popcut::planning {
@@ -32,6 +33,7 @@ struct SpecSources {
   std::function<Result<void>(const DesignSpec&, PatchAssembly&)> designed{};
   std::vector<std::string> tables{};  ///< users' tables of materials
   std::string material{};             ///< that it will be cut from; empty: the spec's
+  Progress progress{};                ///< told while a spec is designed
 };
 
 /// Reads a drawing, or designs a spec. `factor` raises the limits of FOLD and DXF files; those of

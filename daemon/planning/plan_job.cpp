@@ -158,6 +158,7 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   const auto machine = choose_machine(options, tables);
   if (!machine) return tl::unexpected(machine.error());
   const bool ideal_machine = machine->name.rfind("ideal", 0) == 0;
+  tell(options.progress, "reading the input");
   auto input = read(*reading);
   if (!input) return tl::unexpected(input.error());
   const auto material = choose_material(options, *input, tables, input_name);
@@ -180,6 +181,7 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   auto planned = plan(std::move(input->drawing), *machine, *material, how);
   if (!planned) return named(planned.error());
   PlanJob job{std::move(*planned), {}, {}};
+  tell(options.progress, "writing the programs");
   if (auto encoded = encode_sheets(options, job); !encoded) return named(encoded.error());
   return job;
 }

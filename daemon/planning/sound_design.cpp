@@ -75,9 +75,10 @@ std::optional<Unsound> find_unsound(const PatchAssembly& made) {
 }
 
 Result<PatchAssembly> sound_design(const DesignSpec& spec, const SurfaceAssets& assets,
-                                   std::string* report) {
-  auto made = design_assembly(spec, assets);
+                                   std::string* report, const Progress& progress) {
+  auto made = design_assembly(spec, assets, progress);
   if (!made) return made;
+  tell(progress, "checking that the pattern is sound");
   if (auto unsound = find_unsound(*made)) {
     if (report) *report = std::move(unsound->report);
     return tl::unexpected(std::move(unsound->error));

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/design/patches.hpp"
+#include "core/progress.hpp"
 #include "core/result.hpp"
 
 namespace popcut::planning {
@@ -34,6 +35,7 @@ struct Unsound {
 /// @retval Malformed, OutOfRange, Infeasible  as `design_assembly`
 [[nodiscard]] Result<PatchAssembly> sound_design(const DesignSpec& spec,
                                                  const SurfaceAssets& assets,
-                                                 std::string* report = nullptr);
+                                                 std::string* report = nullptr,
+                                                 const Progress& progress = {});
 
 }  // namespace popcut::planning

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -178,8 +179,12 @@ Result<DaemonOptions> parse_options(int argc, const char* const* argv) {
     if (refused.get_exit_code() != 0)
       return fail(ErrorKind::Usage, "command line",
                   fmt::format("{}; see 'popcutd --help'", refused.what()));
-    app.exit(refused);
-    std::cout.flush();
+    std::ostringstream shown;
+    app.exit(refused, shown, shown);
+    // CLI11 ends its groups with an empty line and begins the footer with another.
+    std::string help = shown.str();
+    if (const auto gap = help.find("\n\n\n"); gap != std::string::npos) help.erase(gap, 1);
+    std::cout << help << std::flush;
     options.exit = 0;
   }
   if (const auto given = check_given(app, options); !given) return tl::unexpected(given.error());

@@ -130,9 +130,10 @@ Result<std::unique_ptr<Store>> Store::open(StoreOptions options) {
     const std::int64_t known = store->database_->number("SELECT max(seq) FROM event");
     if (known < store->witnessed())
       return damaged(
-          fmt::format("has lost changes: it ends with event {}, but event {} existed (if you "
-                      "restored an older copy, also delete the file {})",
-                      known, store->witnessed(), store->folder_->at("witness")));
+          fmt::format("has lost changes: it ends with event {}, but event {} existed (if you put "
+                      "an older copy there yourself, 'popcut db restore COPY --older --state {}' "
+                      "goes back to it)",
+                      known, store->witnessed(), store->folder_->path()));
     if (version < newest) store->migrate();
     store->folder_->take_reserve(settings.reserve_bytes);
     return store;

@@ -352,8 +352,8 @@ TEST_CASE("an ordinary crash loses nothing and leaves in doubt only what was to 
   CHECK(known.certain_upto > 20);
   CHECK(known.not_sent.front().first == kCut + 1);
   CHECK(known.last_status.empty());
-  CHECK(bench.job(scene.job).attention->text ==
-        "popcutd ended during the cut; see which paths are in doubt");
+  CHECK(bench.job(scene.job).attention->text == "popcutd ended during the cut; 'popcut jobs " +
+                                                    scene.job + "' shows which paths are in doubt");
 }
 
 TEST_CASE("the journal of an attempt is kept until its end is in the database for good",

@@ -231,7 +231,7 @@ Result<void> part_blank(const std::optional<Error>& first, bool is_patch, Slicin
   return {};
 }
 
-Result<void> solve_chains(const DesignSpec& spec, Slicing& out) {
+Result<void> solve_chains(const DesignSpec& spec, Slicing& out, const Progress& progress) {
   out.chain_first.push_back(0);
   for (const int units : out.units)
     out.chain_first.push_back(out.chain_first.back() +
@@ -241,6 +241,8 @@ Result<void> solve_chains(const DesignSpec& spec, Slicing& out) {
   ChainSolver solver;
   SlsqpBudget budget;
   for (std::size_t j = 0; j < out.curves.size(); ++j) {
+    tell(progress, "fitting steps to the slices",
+         static_cast<double>(j) / static_cast<double>(out.curves.size()));
     if (out.is_blank(j)) {
       out.figures.emplace_back();
       continue;
@@ -258,6 +260,7 @@ Result<void> solve_chains(const DesignSpec& spec, Slicing& out) {
     }
     out.figures.push_back(*figures);
   }
+  if (spec.curvature) tell(progress, "fitting the curvature");
   if (spec.curvature) return augment_chains(*spec.curvature, out);
   return {};
 }
@@ -289,7 +292,9 @@ void add_edges(const RegionCut& first, const RegionCut& last, Slicing& out) {
 
 }  // namespace
 
-Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets) {
+Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets,
+                             const Progress& progress) {
+  tell(progress, "reading the shape");
   std::optional<Surface> common;
   if (spec.surface) {
     auto made = Surface::make(*spec.surface, spec.placement, spec.fit, assets);
@@ -341,6 +346,8 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
     const RegionCut& here = stretches[r];
     for (int j = here.first; j < here.first + here.count; ++j) {
       const auto k = static_cast<std::size_t>(j);
+      tell(progress, "cutting the shape into slices",
+           static_cast<double>(k) / static_cast<double>(out.s_mm.size()));
       if (auto cut = cut_slice(here, out.s_mm[k], spec.min_panel_mm, j, out); !cut) {
         if (!spec.card || !is_nothing_there(cut.error())) return tl::unexpected(cut.error());
         if (!first_blank) first_blank = cut.error();
@@ -374,7 +381,8 @@ Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets
     return tl::unexpected(parted.error());
   add_pieces(stretches, out);
   if (spec.is_patch) add_edges(stretches.front(), stretches.back(), out);
-  if (auto solved = solve_chains(spec, out); !solved) return tl::unexpected(solved.error());
+  if (auto solved = solve_chains(spec, out, progress); !solved)
+    return tl::unexpected(solved.error());
   return out;
 }
 

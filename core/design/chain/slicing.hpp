@@ -14,6 +14,7 @@
 #include "core/design/target/curve.hpp"
 #include "core/design/target/surface.hpp"
 #include "core/design/target/surface_spec.hpp"
+#include "core/progress.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
@@ -62,6 +63,7 @@ struct Slicing {
 /// @retval OutOfRange  the surface is not finite and positive at a slice or connector
 /// @retval Infeasible  a slice's curve does not fall to the ground; all slices are blank, or one
 ///                     without a card or at the edge of a patch is
-[[nodiscard]] Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets);
+[[nodiscard]] Result<Slicing> slice_target(const DesignSpec& spec, const SurfaceAssets& assets,
+                                           const Progress& progress = {});
 
 }  // namespace popcut

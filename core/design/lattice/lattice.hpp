@@ -7,6 +7,7 @@
 
 #include "core/design/spec/spec.hpp"
 #include "core/design/target/curve.hpp"
+#include "core/progress.hpp"
 #include "core/result.hpp"
 
 namespace popcut {
@@ -83,7 +84,7 @@ struct ConformalEffort {
 /// steps
 [[nodiscard]] Result<Planes> lattice_conformal(
     const RunTarget& target, std::optional<double> give_up_over_mean = std::nullopt,
-    ConformalEffort* effort = nullptr);
+    ConformalEffort* effort = nullptr, const Progress& progress = {});
 
 /// Newton steps that a direct lattice took, and its unknowns, for benchmarks.
 struct DirectEffort {
@@ -100,8 +101,8 @@ struct DirectEffort {
 /// `shut_reach_mm` where that leaves steps of `min_panel_mm`; else pays no heed to it.
 ///
 /// @retval OutOfRange  the matrix would be too large
-[[nodiscard]] Result<Planes> lattice_direct(const RunTarget& target,
-                                            DirectEffort* effort = nullptr);
+[[nodiscard]] Result<Planes> lattice_direct(const RunTarget& target, DirectEffort* effort = nullptr,
+                                            const Progress& progress = {});
 
 /// Exact in O(units): levels end and begin at wall and ground (docs/geometry.md, section 4).
 ///

@@ -39,7 +39,7 @@ class Conformal {
     matrix_.emplace(static_cast<int>(unknown_.size()), band());
   }
 
-  ConformalEffort run(std::optional<double> give_up_over_mean) {
+  ConformalEffort run(std::optional<double> give_up_over_mean, const Progress& progress) {
     ConformalEffort effort{0, static_cast<int>(unknown_.size())};
     constexpr int kLastStage = 20;
     constexpr double kStageSettled = 1e-3;  // of the function: near enough for the next stage
@@ -47,6 +47,8 @@ class Conformal {
     double weight = 0.01 * mean_ * mean_;
     for (int stage = 0; stage <= kLastStage; ++stage, weight *= 0.5) {
       const double mu = std::pow(10.0, 0.5 * stage);
+      tell(progress, "laying the lattice: conformal",
+           static_cast<double>(stage) / static_cast<double>(kLastStage + 1));
       for (int step = 0; step < 30; ++step) {
         ++effort.steps;
         if (!newton(mu, weight, stage == kLastStage ? 0.0 : kStageSettled)) break;
@@ -292,7 +294,7 @@ Planes equal_steps(const RunTarget& target) {
 }  // namespace
 
 Result<Planes> lattice_conformal(const RunTarget& target, std::optional<double> give_up_over_mean,
-                                 ConformalEffort* effort) {
+                                 ConformalEffort* effort, const Progress& progress) {
   Planes start = lattice_slices(target);
   if (target.slices() < 2) return start;
   if (!strictly_feasible(target, start)) start = equal_steps(target);
@@ -303,7 +305,7 @@ Result<Planes> lattice_conformal(const RunTarget& target, std::optional<double> 
                     "units, a larger scale or a smaller min_panel_mm",
                     target.units, target.min_panel_mm, target.mean_step()));
   Conformal problem(target, std::move(start));
-  const ConformalEffort spent = problem.run(give_up_over_mean);
+  const ConformalEffort spent = problem.run(give_up_over_mean, progress);
   if (effort) *effort = spent;
   return problem.planes();
 }

@@ -19,7 +19,8 @@ constexpr double kMostMatrix = 2e9;
 /// Steps are that much longer than asked for: one that the solver leaves short by a hair would be
 /// left out, with all that hangs on it.
 constexpr double kSpare = 2e-3;
-constexpr int kFirstSteps = 10, kMoreSteps = 8, kMostSteps = 40;  ///< of Newton
+constexpr int kFirstSteps = 10, kMoreSteps = 8, kMostSteps = 40;             ///< of Newton
+constexpr double kAllSteps = 3 * kFirstSteps + 2 * kMoreSteps + kMostSteps;  ///< at most, usually
 
 /// What has a least value: a step, which is plane `a` less plane `b`, or with `sign` -1 a corner's
 /// X + Z with its sign changed.
@@ -223,11 +224,12 @@ class DirectSolver {
   }
 
   /// Up to so many Newton steps more; none once there is nothing left to gain.
-  void run(int rounds, DirectEffort& effort) {
+  void run(int rounds, DirectEffort& effort, const Progress& progress) {
     if (done_) return;
     BandCholesky matrix(static_cast<int>(p_.size()), model_.band);
     const auto count = static_cast<double>(std::max<std::size_t>(1, model_.bounds.size()));
     while (rounds-- > 0) {
+      tell(progress, "laying the lattice: direct", std::min(1.0, effort.steps / kAllSteps));
       ++effort.steps;
       error_now_ = assemble(matrix);
       if (!matrix.factorize()) {
@@ -393,7 +395,8 @@ struct BestPlanes {
 
 /// Which levels end where is not to be had from derivatives: starts with different endings, each
 /// for some steps, the better ones for some more, and the best to its end.
-BestPlanes best_planes(const RunTarget& target, const PanelError& error, DirectEffort& spent) {
+BestPlanes best_planes(const RunTarget& target, const PanelError& error, DirectEffort& spent,
+                       const Progress& progress) {
   const double mean = target.mean_step();
   const std::vector<Planes> starts{lattice_slices(target), lattice_levels(target, 1.25),
                                    lattice_levels(target, 2.0)};
@@ -407,7 +410,7 @@ BestPlanes best_planes(const RunTarget& target, const PanelError& error, DirectE
     solvers.push_back(std::make_unique<DirectSolver>(*models.back(), error, mean));
   }
   for (const int steps : {kFirstSteps, kMoreSteps, kMostSteps}) {
-    for (const std::size_t k : order) solvers[k]->run(steps, spent);
+    for (const std::size_t k : order) solvers[k]->run(steps, spent, progress);
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
       return solvers[a]->rank() < solvers[b]->rank();
     });
@@ -422,7 +425,8 @@ BestPlanes best_planes(const RunTarget& target, const PanelError& error, DirectE
 
 }  // namespace
 
-Result<Planes> lattice_direct(const RunTarget& target, DirectEffort* effort) {
+Result<Planes> lattice_direct(const RunTarget& target, DirectEffort* effort,
+                              const Progress& progress) {
   if (target.slices() < 2) return lattice_slices(target);
   const double bytes = BandCholesky::bytes(
       static_cast<double>(target.chain_x.size()),
@@ -436,9 +440,9 @@ Result<Planes> lattice_direct(const RunTarget& target, DirectEffort* effort) {
   DirectEffort spent;
   RunTarget free = target;
   free.shut_reach_mm.reset();
-  BestPlanes best = best_planes(free, error, spent);
+  BestPlanes best = best_planes(free, error, spent, progress);
   if (target.shut_reach_mm && best.shut_reach_mm > *target.shut_reach_mm) {
-    BestPlanes held = best_planes(target, error, spent);
+    BestPlanes held = best_planes(target, error, spent, progress);
     if (held.shortfall_mm <= kSpare * target.min_panel_mm) best = std::move(held);
   }
   if (effort) *effort = spent;

@@ -3,6 +3,7 @@
 #include <cctype>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -16,6 +17,7 @@
 #include "core/picture/poster.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
+#include "daemon/cli/view/long_work.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 
@@ -83,16 +85,19 @@ Result<SheetMesh> mesh_of(const Source& source, double thickness_mm) {
 }
 
 Result<void> write_all(const Options& options, const Source& source, double thickness_mm,
-                       const std::vector<double>& angles, MeshAxes axes, OutputFolder& folder) {
+                       const std::vector<double>& angles, MeshAxes axes, OutputFolder& folder,
+                       LongWork& work) {
   if (!options.no_stl) {
     const auto mesh = mesh_of(source, thickness_mm);
     if (!mesh) return tl::unexpected(within(options.file, mesh.error()));
-    auto done = add_meshes(source.pattern, *mesh, angles, axes, "", folder);
+    auto done = add_meshes(source.pattern, *mesh, angles, axes, "", folder, work.progress());
     if (!done) return done;
   }
+  work.now("writing deploy.glb");
   if (options.glb) {
     if (auto done = add_glb(source.pattern, angles, thickness_mm, folder); !done) return done;
   }
+  work.now("drawing the pictures");
   if (options.poster) {
     if (auto done = add_poster(source.pattern, angles, PosterOptions{}.scene, folder); !done)
       return done;
@@ -145,6 +150,7 @@ Result<void> run_deploy(Options options, const Globals& globals) {
   if (paper && !from_is_given(options.motion)) options.motion.from_psi = "0";
   if (const auto valid = angles_of(options.motion, Pattern().design_psi_rad); !valid)
     return tl::unexpected(valid.error());
+  std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the pattern");
   const auto source = read_source(options, *convention);
   if (!source) return tl::unexpected(source.error());
   const auto angles = angles_of(options.motion, source->pattern.design_psi_rad);
@@ -152,9 +158,10 @@ Result<void> run_deploy(Options options, const Globals& globals) {
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
   const MeshAxes axes = paper ? MeshAxes::Paper : MeshAxes::Upright;
-  if (auto done = write_all(options, *source, *thickness, *angles, axes, *folder); !done)
+  if (auto done = write_all(options, *source, *thickness, *angles, axes, *folder, *work); !done)
     return done;
   if (auto done = folder->commit("popcut deploy " POPCUT_VERSION); !done) return done;
+  work.reset();
   say(options, globals, *source, *angles, axes);
   return {};
 }

@@ -37,6 +37,7 @@
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/options/option_value.hpp"
+#include "daemon/cli/view/long_work.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "daemon/pictures/png.hpp"
@@ -327,9 +328,10 @@ Result<void> print_example(const std::string& name) {
 
 /// The seconds of an assembly of several parts are those of all together.
 Result<PatchAssembly> timed_design(const DesignSpec& spec, const SurfaceAssets& assets,
-                                   std::string& unsound) {
+                                   std::string& unsound, const Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  auto made = planning::sound_design(spec, assets, &unsound);
+  auto made = planning::sound_design(spec, assets, &unsound, progress);
+  if (made) tell(progress, "measuring the distance from your shape");
   if (made)
     for (Design& part : made->parts) part.report.surface_fit = surface_fit(part);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
@@ -382,6 +384,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   }
   if (const auto valid = angles_of(options.motion, Pattern().design_psi_rad); !valid)
     return tl::unexpected(valid.error());
+  std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the design");
   const auto text = read_file(options.spec, kSpecLimitBytes);
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
@@ -396,7 +399,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
   std::string unsound;
-  auto made = timed_design(*spec, *assets, unsound);
+  auto made = timed_design(*spec, *assets, unsound, work->progress());
   if (!made && made.error().reason == ErrorReason::Misplaced &&
       spec->placement.design_angle_deg == 90.0)
     made.error().detail += ", or see 'popcut design --place'";
@@ -412,6 +415,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   }
 
   const bool is_one = made->parts.size() == 1;
+  work->now("drawing the pictures");
   const bool has_pictures = are_drawn(*formats), has_errors = options.colour == "error";
   const auto angles = angles_of(options.motion, made->parts.front().pattern.design_psi_rad);
   if (!angles) return tl::unexpected(angles.error());
@@ -425,13 +429,16 @@ Result<void> design_into(const Options& options, const Globals& globals) {
                   *angles,   *thickness,
                   scenery};
     folder->enter(is_one ? "" : part_folder(p));
-    for (const Format& format : *formats)
+    for (const Format& format : *formats) {
+      work->now(fmt::format("writing {}", format.file));
       if (auto done = format.add(job, *folder); !done) return done;
+    }
   }
   folder->enter("");
   if (!is_one)
     if (auto done = folder->add("report.json", report_json(*made)); !done) return done;
   if (auto done = folder->commit("popcut design " POPCUT_VERSION); !done) return done;
+  work.reset();
   if (globals.json) fmt::print("{}", report_json(*made));
   if (globals.quiet) return {};
   for (const Design& part : made->parts) {

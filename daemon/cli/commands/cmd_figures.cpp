@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 
 #include "core/figures/paper_figures.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/view/long_work.hpp"
 #include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
@@ -17,6 +19,7 @@ namespace {
 Result<void> run_figures(const std::string& folder_name, const Globals& globals) {
   auto folder = OutputFolder::open(folder_name);
   if (!folder) return tl::unexpected(folder.error());
+  std::optional<LongWork> work(std::in_place, !globals.quiet, "computing the figures");
   const auto figures = paper_figures();
   if (!figures) return tl::unexpected(figures.error());
   const std::string summary = figures_json(*figures);
@@ -25,6 +28,7 @@ Result<void> run_figures(const std::string& folder_name, const Globals& globals)
   }
   if (auto done = folder->add("figures.json", summary); !done) return done;
   if (auto done = folder->commit("popcut figures " POPCUT_VERSION); !done) return done;
+  work.reset();
   if (globals.json) fmt::print("{}", summary);
   const auto fails = std::count_if(figures->statements.begin(), figures->statements.end(),
                                    [](const CheckedStatement& s) { return !s.holds; });

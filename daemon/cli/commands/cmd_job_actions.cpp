@@ -36,6 +36,7 @@ struct Options {
   std::optional<std::int64_t> from{};
   bool double_cut{false}, skip_in_doubt{false}, wait{false}, accept_warnings{false};
   bool plan_again{false};
+  bool has_from{false};  ///< --from stands there, with a path or without
 };
 
 Result<Json> job_for(Api& api, const Options& options, const char* action) {
@@ -114,7 +115,30 @@ Result<Json> cancel(Api& api, const Options& options) {
   });
 }
 
+/// --from without a path: the whole commands, to choose from.
+Result<Json> say_how_to_resume(Api& api, const Options& options) {
+  const auto named = job_for(api, options, "resume-from");
+  if (!named) return tl::unexpected(named.error());
+  const auto job = api.get("/v1/jobs/" + client::text_of(*named, "id"), "job " + options.job);
+  if (!job) return job;
+  std::string lines;
+  for (const std::string& wait : waiting_for(*job)) {
+    const std::size_t begin = wait.find("popcut resume "), comment = wait.find(" # ");
+    if (begin == std::string::npos) continue;
+    std::string line = wait.substr(begin, comment - begin);
+    line.resize(line.find_last_not_of(' ') + 1);
+    lines += (lines.empty() ? "" : ", or ") + line;
+    if (comment != std::string::npos) lines += " (" + wait.substr(comment + 3) + ")";
+  }
+  return fail(ErrorKind::Usage, "--from",
+              lines.empty() ? fmt::format("is missing its path, and no sheet of this job waits to "
+                                          "be gone on with; see popcut jobs {}",
+                                          short_id(*job))
+                            : "is missing its path; possible now: " + lines);
+}
+
 Result<Json> resume(Api& api, const Options& options) {
+  if (options.has_from && !options.from) return say_how_to_resume(api, options);
   if (!options.from) return plain(api, options, "resume");
   return act(api, options, "resume-from", [&](const Json&) {
     Json body{{"from_path", *options.from}, {"registration", options.registration}};
@@ -191,8 +215,10 @@ Result<void> run_action(const Options& options, const Globals& globals, const Wo
   if (globals.json) fmt::print("{}\n", job->dump(2, ' ', false, Json::error_handler_t::replace));
   if (!globals.quiet && !options.wait) {
     fmt::print(stderr, "{}: {}\n", job_title(*job), outcome(*job, options));
-    for (const std::string& line : waiting_lines(waiting_for(*job), 2))
-      fmt::print(stderr, "{}\n", line);
+    std::vector<std::string> next = waiting_for(*job);
+    if (next.empty() && !has_ended(*job))
+      next.push_back(fmt::format("popcut jobs {} --watch", short_id(*job)));
+    for (const std::string& line : waiting_lines(next, 2)) fmt::print(stderr, "{}\n", line);
   }
   if (options.wait && client::text_of(*job, "state") == "interrupted") return verdict(*job);
   return {};
@@ -254,7 +280,8 @@ constexpr const char* kPauseHelp =
 constexpr const char* kResumeHelp =
     "Go on with a paused cut or an interrupted sheet.\n\n"
     "  popcut resume 01JDX7                 # after 'popcut pause'\n"
-    "  popcut resume 01JDX7 --from 118      # after an interruption: cut from path 118 on\n\n"
+    "  popcut resume 01JDX7 --from          # after an interruption: the commands to choose from\n"
+    "  popcut resume 01JDX7 --from 118      # cut from path 118 on\n\n"
     "After --from, arm and start the sheet again. A new sheet ('popcut retry') is safer.";
 constexpr const char* kCancelHelp =
     "Cancel a job. A running cut stops after the current stroke, with the tool up.\n\n"
@@ -295,11 +322,11 @@ constexpr const char* kMoveHelp =
 void add_resume(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = add(app, globals, run, {"resume", kResumeHelp, resume}, options);
-  whole_number(command->add_option(
-                   "--from", options->from,
-                   "First path to cut, counted from 0; 'popcut jobs JOB' shows which are cut"),
-               0, kMostPath)
-      ->option_text("PATH");
+  CLI::Option* const from = command->add_option(
+      "--from", options->from,
+      "First path to cut, counted from 0; alone: print the commands to choose from");
+  whole_number_if_given(from, 0, kMostPath)->option_text("PATH");
+  command->parse_complete_callback([options, from] { options->has_from = from->count() > 0; });
   one_word(
       command->add_option(
           "--registration", options->registration,

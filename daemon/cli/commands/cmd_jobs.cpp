@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -122,7 +123,13 @@ Result<void> show_job(Api& api, const Options& options, const Globals& globals) 
 class Screen {
  public:
   void draw(const std::vector<std::string>& lines) {
-    std::string frame = lines_ > 0 ? fmt::format("\x1b[{}A\r", lines_) : "";
+    // At another width what was drawn has wrapped: nobody knows where it begins.
+    const std::size_t columns = terminal_columns(STDOUT_FILENO, 80);
+    const bool resized = lines_ > 0 && columns != columns_;
+    columns_ = columns;
+    std::string frame = resized      ? "\x1b[2J\x1b[H"
+                        : lines_ > 0 ? fmt::format("\x1b[{}A\r", lines_)
+                                     : "";
     const auto rows = static_cast<std::size_t>(rows_of_terminal() - 1);
     const std::size_t shown = std::min(lines.size(), rows);
     const bool all = shown == lines.size();
@@ -130,7 +137,7 @@ class Screen {
     if (!all)
       frame += fitted(fmt::format("... {} more lines; 'popcut jobs' shows all",
                                   lines.size() - shown + 1),
-                      terminal_columns(STDOUT_FILENO, 80)) +
+                      columns) +
                "\x1b[K\n";
     frame += "\x1b[J";
     fmt::print("{}", frame);
@@ -139,7 +146,7 @@ class Screen {
   }
 
  private:
-  std::size_t lines_{0};
+  std::size_t lines_{0}, columns_{0};
 };
 
 /// Where there is no terminal: a line for each change.
@@ -161,36 +168,83 @@ class ChangeList {
     }
     std::fflush(stdout);
   }
+  void tell_gone(const Json& job, bool json) {
+    seen_.erase(client::text_of(job, "id"));
+    if (json) return;
+    fmt::print("{} {} {}: popcutd no longer has it\n", time_now(), short_id(job), job_title(job));
+    std::fflush(stdout);
+  }
 
  private:
   std::map<std::string, std::string> seen_;
 };
 
+/// The jobs in a view: those that were open, and those that have ended since. Jobs that popcutd no
+/// longer has, because they were deleted or an older database was restored, leave it.
+class JobsInView {
+ public:
+  /// @return the jobs that left
+  std::vector<Json> take(Api& api, std::vector<Json> open) {
+    std::vector<Json> gone;
+    std::vector<std::string> ended;
+    for (auto it = seen_.begin(); it != seen_.end();) {
+      const bool is_open = std::any_of(open.begin(), open.end(), [&](const Json& one) {
+        return client::text_of(one, "id") == it->first;
+      });
+      if (!is_open && has_ended(it->second)) ended.push_back(it->first);
+      const bool stays = is_open || has_ended(it->second) || look(api, it->second);
+      if (!stays) gone.push_back(std::move(it->second));
+      it = stays ? std::next(it) : seen_.erase(it);
+    }
+    // Those that have ended change only if somebody removes them: a few of them at each look.
+    for (std::size_t k = 0; k < std::min(kEndedAtOnce, ended.size()); ++k) {
+      const auto one = seen_.find(ended[next_++ % ended.size()]);
+      if (one == seen_.end() || look(api, one->second)) continue;
+      gone.push_back(std::move(one->second));
+      seen_.erase(one);
+    }
+    for (Json& job : open) {
+      std::string id = client::text_of(job, "id");
+      seen_[std::move(id)] = std::move(job);
+    }
+    return gone;
+  }
+  [[nodiscard]] std::vector<Json> all() const {
+    std::vector<Json> jobs;
+    for (const auto& [id, job] : seen_) jobs.push_back(job);
+    return jobs;
+  }
+  [[nodiscard]] bool empty() const { return seen_.empty(); }
+
+ private:
+  static constexpr std::size_t kEndedAtOnce = 8;
+
+  /// Reads the job again; false if popcutd does not have it.
+  static bool look(Api& api, Json& job) {
+    const std::string id = client::text_of(job, "id");
+    auto now = api.get("/v1/jobs/" + id, "job " + id);
+    if (now) job = std::move(*now);
+    return now || now.error().reason != ErrorReason::NotThere;
+  }
+
+  std::map<std::string, Json> seen_;
+  std::size_t next_{0};
+};
+
 Result<void> watch_jobs(Api& api, const Options& options, const Globals& globals) {
   Screen screen;
   ChangeList changes;
-  std::map<std::string, Json> seen;  // ended ones stay in view until the view ends
+  JobsInView view;
   return watch_events(api, [&]() -> Result<bool> {
     auto jobs = wanted_jobs(api, options);
     if (!jobs && jobs.error().kind != ErrorKind::DeviceGone) return tl::unexpected(jobs.error());
     const bool away = !jobs;
-    if (away && seen.empty()) return tl::unexpected(jobs.error());
-    if (jobs) {
-      for (auto& [id, job] : seen) {
-        const bool open = std::any_of(jobs->begin(), jobs->end(), [&id = id](const Json& one) {
-          return client::text_of(one, "id") == id;
-        });
-        if (open || has_ended(job)) continue;
-        if (auto now = api.get("/v1/jobs/" + id, "job " + id)) job = std::move(*now);
-      }
-      for (Json& job : *jobs) {
-        const std::string id = client::text_of(job, "id");
-        seen[id] = std::move(job);
-      }
-    }
-    std::vector<Json> all;
-    for (const auto& [id, job] : seen) all.push_back(job);
+    if (away && view.empty()) return tl::unexpected(jobs.error());
+    std::vector<Json> gone;
+    if (jobs) gone = view.take(api, std::move(*jobs));
+    std::vector<Json> all = view.all();
     if (!on_terminal() || globals.json) {
+      for (const Json& job : gone) changes.tell_gone(job, globals.json);
       changes.tell(all, globals.json);
       return true;
     }
@@ -200,8 +254,11 @@ Result<void> watch_jobs(Api& api, const Options& options, const Globals& globals
     const std::string head =
         fmt::format("{}  {}  (Ctrl-C ends this view, not the jobs)", time_now(),
                     away ? "popcutd does not answer; trying again" : api.http().address().text());
-    lines.insert(lines.begin(), fitted(head, style.width));
-    if (all.empty()) lines.push_back(fitted("no jobs; 'popcut cut FILE' queues one", style.width));
+    const std::vector<std::string> header = wrapped(head, style.width, 2);
+    lines.insert(lines.begin(), header.begin(), header.end());
+    if (all.empty())
+      for (std::string& line : wrapped("no jobs; 'popcut cut FILE' queues one", style.width, 2))
+        lines.push_back(std::move(line));
     screen.draw(lines);
     return true;
   });

@@ -14,6 +14,7 @@
 #include "daemon/cli/commands/simulate_pty.hpp"
 #include "daemon/cli/input/expectation.hpp"
 #include "daemon/cli/options/option_value.hpp"
+#include "daemon/cli/view/long_work.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
 #include "device/sim/simulate.hpp"
@@ -104,6 +105,7 @@ Result<void> run_simulate(const Options& options, const Globals& globals) {
     return fail(ErrorKind::Usage, "command line",
                 "-o DIR is missing; give the folder for cut.svg and trace.json");
   constexpr std::uintmax_t kLimitBytes = 1u << 28;
+  std::optional<LongWork> work(std::in_place, !globals.quiet, "simulating the cut");
   const auto text = read_file(options.program, kLimitBytes);
   if (!text) return tl::unexpected(text.error());
   const auto program = std::as_bytes(std::span(*text));
@@ -136,7 +138,9 @@ Result<void> run_simulate(const Options& options, const Globals& globals) {
   if (auto done = folder->add("cut.svg", trace_svg(*trace)); !done) return done;
   if (auto done = folder->add("trace.json", trace_json(*trace)); !done) return done;
   if (auto done = folder->commit("popcut simulate " POPCUT_VERSION); !done) return done;
+  if (expected) work->now("comparing it with what was expected");
   const Result<void> held = expected ? check(*trace, *expected, options.expect) : Result<void>{};
+  work.reset();
   if (globals.json) {
     auto json = nlohmann::ordered_json::parse(trace_summary_json(*trace));
     if (expected) json["as_expected"] = held.has_value();

@@ -15,6 +15,7 @@
 #include "core/verify/verify.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/options/option_value.hpp"
+#include "daemon/cli/view/long_work.hpp"
 #include "daemon/client/command_words.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
@@ -74,6 +75,7 @@ Result<std::string> fold_of_svg(const std::string& svg, const Options& options,
 Result<void> run_verify(const Options& options, const Globals& globals) {
   constexpr std::uintmax_t kPatternLimitBytes = 1u << 29;
   constexpr std::uintmax_t kSpecLimitBytes = 4u << 20;
+  std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the pattern");
   auto text = read_file(options.pattern, kPatternLimitBytes);
   if (!text) return tl::unexpected<Error>(text.error());
   VerifyOptions verify{options.degrees_of_freedom, std::nullopt, is_svg(*text), {}};
@@ -92,7 +94,9 @@ Result<void> run_verify(const Options& options, const Globals& globals) {
     }
     verify.target_spec = std::move(*spec);
   }
+  verify.progress = work->progress();
   auto report = verify_fold(*text, verify);
+  work.reset();
   if (!report) {
     const bool of_target = report.error().place.rfind("target", 0) == 0;
     return tl::unexpected<Error>(

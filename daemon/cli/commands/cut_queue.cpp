@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "core/text/utf8.hpp"
 #include "daemon/cli/view/job_follow.hpp"
 #include "daemon/cli/view/job_view.hpp"
+#include "daemon/cli/view/long_work.hpp"
 #include "daemon/client/api.hpp"
 #include "daemon/files/output_folder.hpp"
 
@@ -103,9 +105,12 @@ Result<nlohmann::json> queue(Api& api, const QueueRequest& request, const Global
   auto upload = read_input(api, request.input, globals);
   if (!upload) return tl::unexpected(upload.error());
   const std::string name = request.name.empty() ? name_of_file(request.input) : request.name;
+  std::optional<LongWork> work(std::in_place, !globals.quiet,
+                               fmt::format("uploading {}", request.input));
   const auto design = api.upload("/v1/designs?name=" + client::percent_encoded(name), upload->bytes,
                                  upload->media_type, request.input);
   if (!design) return tl::unexpected(design.error());
+  work.reset();
   nlohmann::json body{{"design", client::text_of(*design, "id")}, {"name", name}};
   if (request.copies != 1) body["copies"] = request.copies;
   if (request.priority != 0) body["priority"] = request.priority;

@@ -108,7 +108,7 @@ Result<double> thickness_of(const MotionOptions& options, double of_material_mm)
 
 Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,
                         const std::vector<double>& psi_rad, MeshAxes axes,
-                        const std::string& prefix, OutputFolder& folder) {
+                        const std::string& prefix, OutputFolder& folder, const Progress& progress) {
   // A table holds some poses at a time, since thousands of poses of thousands of faces are a lot.
   const std::size_t at_once = planning::poses_at_once(pattern, 64);
   for (std::size_t first = 0; first < psi_rad.size(); first += at_once) {
@@ -117,6 +117,8 @@ Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,
     const auto table = pose_table(pattern, angles);
     if (!table) return tl::unexpected(table.error());
     for (std::size_t k = 0; k < angles.size(); ++k) {
+      tell(progress, "writing the poses",
+           static_cast<double>(first + k) / static_cast<double>(psi_rad.size()));
       const std::string title = fmt::format("psi {:.6f} rad, {}", angles[k], pattern.name);
       auto done = folder.add(fmt::format("{}psi_{:03}.stl", prefix, first + k + 1),
                              Streamed([&](std::ostream& out) -> Result<void> {

@@ -8,6 +8,7 @@
 #include "core/deploy/stl.hpp"
 #include "core/pattern/pattern.hpp"
 #include "core/picture/deployed_svg.hpp"
+#include "core/progress.hpp"
 #include "core/result.hpp"
 #include "daemon/files/output_folder.hpp"
 
@@ -52,7 +53,8 @@ void give_back_file(MotionOptions& options, std::string& file);
 /// Writes `prefix` + "psi_NNN.stl" for each angle, the first with the number 1.
 [[nodiscard]] Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,
                                       const std::vector<double>& psi_rad, MeshAxes axes,
-                                      const std::string& prefix, OutputFolder& folder);
+                                      const std::string& prefix, OutputFolder& folder,
+                                      const Progress& progress = {});
 
 /// Writes "deploy.glb": the way from the first angle to the last, as one animation.
 [[nodiscard]] Result<void> add_glb(const Pattern& pattern, const std::vector<double>& psi_rad,

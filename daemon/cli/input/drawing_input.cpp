@@ -53,7 +53,7 @@ Result<unsigned> raised_limits() {
 
 Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
                                   const std::vector<std::string>& tables,
-                                  const std::string& material) {
+                                  const std::string& material, const Progress& progress) {
   const auto factor = raised_limits();
   if (!factor) return tl::unexpected(factor.error());
   how.limits = how.limits.raised(*factor);
@@ -72,7 +72,11 @@ Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
     return fail(ErrorKind::Malformed, file,
                 "is not a design (.json) or a drawing (.fold, .svg, .dxf) that popcut can read");
   const planning::SpecSources beside{
-      [&](const DesignSpec& spec) { return load_assets(spec, file); }, {}, tables, material};
+      [&](const DesignSpec& spec) { return load_assets(spec, file); },
+      {},
+      tables,
+      material,
+      progress};
   auto input = planning::drawing_from_text(std::move(*text), *kind, how, *factor, beside);
   if (!input && input.error().reason == ErrorReason::TooMuch && *factor < 100)
     input.error().detail +=

@@ -19,7 +19,8 @@ using planning::DrawingInput;
 /// @retval Usage  POPCUT_RAISE_LIMITS is no such factor
 [[nodiscard]] Result<DrawingInput> read_drawing(const std::string& file, SvgReadOptions how,
                                                 const std::vector<std::string>& tables = {},
-                                                const std::string& material = "");
+                                                const std::string& material = "",
+                                                const Progress& progress = {});
 
 /// The same with a built-in profile and the usual options.
 [[nodiscard]] Result<DrawingInput> read_drawing(const std::string& file, SvgProfile profile,

@@ -2,10 +2,12 @@
 #include "daemon/cli/input/spec_assets.hpp"
 
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "core/design/placement.hpp"
+#include "daemon/cli/view/long_work.hpp"
 #include "daemon/files/output_folder.hpp"
 
 namespace popcut::cli {
@@ -38,7 +40,9 @@ Result<SurfaceAssets> load_assets(const DesignSpec& spec, const std::string& spe
 
 Result<void> print_placed_spec(const DesignSpec& spec, const std::string& spec_text,
                                const SurfaceAssets& assets, bool quarter, bool quiet) {
+  std::optional<LongWork> work(std::in_place, !quiet, "trying ways for the shape to stand");
   const auto proposed = propose_placement(spec, assets, quarter ? Stand::Quarter : Stand::Whole);
+  work.reset();
   if (!proposed) return tl::unexpected(proposed.error());
   const auto text = with_placement(spec_text, *proposed);
   if (!text) return tl::unexpected(text.error());

@@ -53,6 +53,14 @@ CLI::Option* whole_number(CLI::Option* option, std::int64_t least, std::int64_t 
       fmt::format("give a whole number from {} to {}", least, most));
 }
 
+CLI::Option* whole_number_if_given(CLI::Option* option, std::int64_t least, std::int64_t most) {
+  return demand(
+             option,
+             [=](const std::string& text) { return text.empty() || is_within(text, least, most); },
+             fmt::format("give a whole number from {} to {}", least, most))
+      ->expected(0, 1);
+}
+
 CLI::Option* real_number(CLI::Option* option, double least, double most, const char* unit) {
   const std::string of = *unit == '\0' ? "" : fmt::format(" ({})", unit);
   return demand(

@@ -23,6 +23,8 @@ CLI::Option* checked(CLI::Option* option, std::function<std::string(const std::s
 
 /// A whole number from `least` to `most`.
 CLI::Option* whole_number(CLI::Option* option, std::int64_t least, std::int64_t most);
+/// The same for an option that may stand without its value; the command says what is missing.
+CLI::Option* whole_number_if_given(CLI::Option* option, std::int64_t least, std::int64_t most);
 /// A number from `least` to `most` in `unit` ("mm"; "" for a mere number).
 CLI::Option* real_number(CLI::Option* option, double least, double most, const char* unit = "");
 /// One of `words`; the help shows them as "a|b|c", with `usual` in brackets if there is one.

@@ -12,7 +12,7 @@
 #include "core/plan/plan_options.hpp"
 #include "daemon/cli/input/drawing_input.hpp"
 #include "daemon/cli/options/option_value.hpp"
-#include "daemon/cli/view/progress_bar.hpp"
+#include "daemon/cli/view/long_work.hpp"
 #include "daemon/client/command_words.hpp"
 #include "daemon/files/user_tables.hpp"
 
@@ -26,18 +26,17 @@ constexpr double kSecondsPerEffort = 60.0;  // at most; on most machines it take
 // Shows how far the search is, and ends it when its time is over.
 class Watch {
  public:
-  Watch(bool progress, double most_s) : bar_(progress), most_s_(most_s) {}
+  Watch(Progress progress, double most_s) : progress_(std::move(progress)), most_s_(most_s) {}
 
   bool go_on(double done) {
     if (!begun_) begun_ = steady_clock::now();
     const std::chrono::duration<double> taken = steady_clock::now() - *begun_;
-    const double left = done > 0.0 ? taken.count() * (1.0 - done) / done : most_s_;
-    bar_.show("searching for a short path", done, std::min(left, most_s_ - taken.count()));
+    tell(progress_, "searching for a short path", std::max(done, taken.count() / most_s_));
     return taken.count() < most_s_;
   }
 
  private:
-  ProgressBar bar_;
+  Progress progress_;
   double most_s_;
   std::optional<steady_clock::time_point> begun_;  // at the first question
 };
@@ -80,12 +79,13 @@ CLI::Option* add_option(CLI::App& command, const PlanOption& option, PlanArgumen
   });
 }
 
-Result<PlanOptions> options_of(const PlanArguments& arguments, bool progress) {
+Result<PlanOptions> options_of(const PlanArguments& arguments, const Progress& progress) {
   auto options = read_plan_options(arguments.options);
   if (!options) return options;
   options->machine = arguments.machine;
   options->material = arguments.material;
   const double most_s = kSecondsPerEffort * std::max(options->order.effort, 1.0);
+  options->progress = progress;
   options->order.keep_going = [watch = std::make_shared<Watch>(progress, most_s)](double done) {
     return watch->go_on(done);
   };
@@ -106,12 +106,13 @@ void add_plan_arguments(CLI::App& command, PlanArguments& arguments) {
 Result<PlanJob> plan_input(const PlanArguments& arguments, bool progress) {
   const auto tables = read_user_tables();
   if (!tables) return tl::unexpected(tables.error());
-  const auto options = options_of(arguments, progress);
+  LongWork work(progress, "planning");
+  const auto options = options_of(arguments, work.progress());
   if (!options) return tl::unexpected(client::on_command_line(options.error()));
   const auto read = [&](const SvgReadOptions& how) {
-    return arguments.test_shape
-               ? planning::test_shape_input()
-               : read_drawing(arguments.input, how, tables->texts, options->material);
+    return arguments.test_shape ? planning::test_shape_input()
+                                : read_drawing(arguments.input, how, tables->texts,
+                                               options->material, work.progress());
   };
   auto job = planning::make_plan_job(*options, tables->texts, read, arguments.input);
   if (!job) return tl::unexpected(client::on_command_line(tables->with_file(job.error())));

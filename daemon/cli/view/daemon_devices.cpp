@@ -79,10 +79,12 @@ std::vector<std::string> device_lines(const DaemonDevices& found) {
     else if (state_of(device) == "fault")
       lines.push_back(
           fmt::format("    -> fix the cause, then popcut devices reset {}", text_of(device, "id")));
-    for (const Json& job : found.jobs)
-      if (text_of(job, "id") == text_of(device, "job"))
-        lines.push_back(
-            fmt::format("    {} {}: {}", short_id(job), job_title(job), job_summary(job)));
+    for (const Json& job : found.jobs) {
+      if (text_of(job, "id") != text_of(device, "job")) continue;
+      lines.push_back(
+          fmt::format("    {} {}: {}", short_id(job), job_title(job), job_summary(job)));
+      for (std::string& wait : waiting_lines(waiting_for(job), 4)) lines.push_back(std::move(wait));
+    }
   }
   return lines;
 }

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -60,12 +61,17 @@ class Teller {
     told_ = key;
     const double part = part_done(job);
     if (part >= 0) bar_.show(job_summary(job), part, seconds_left(job));
+    const bool plans = state == "queued" || state == "planning";
+    if (!plans) plan_since_.reset();
+    if (plans && !plan_since_) plan_since_ = Clock::now();
+    if (plans) bar_.show_time(job_summary(job), since(*plan_since_));
   }
 
  private:
   const Globals& globals_;
   ProgressBar bar_;
   std::string told_;
+  std::optional<Clock::time_point> plan_since_{};  ///< while popcutd makes the plan
 };
 
 }  // namespace

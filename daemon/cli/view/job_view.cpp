@@ -92,15 +92,53 @@ bool may_be_whole(const Json& job) {
          whole_of(progress, "paths_sent") >= whole_of(progress, "paths_total");
 }
 
-/// The whole commands that go on with its sheet, where popcutd says them: of one job it does.
-std::vector<std::string> resume_commands(const Json& job) {
-  std::vector<std::string> lines;
+std::string with_comment(const std::string& command, const std::string& comment) {
+  return fmt::format("  {:<41}{}# {}", command, command.size() < 41 ? "" : "   ", comment);
+}
+
+/// The ways that popcutd offers, where it does: of one job.
+std::vector<Json> ways_of(const Json& job, bool of_device) {
+  std::vector<Json> fitting;
   const auto ways = job.find("ways");
-  if (ways == job.end() || !ways->is_array()) return lines;
+  if (ways == job.end() || !ways->is_array()) return fitting;
   for (const Json& way : *ways)
-    if (way.is_object() && shown_of(way, "action") == "resume-from")
-      lines.push_back(client::command_line_for(way, short_id(job)));
+    if (way.is_object() &&
+        (of_device ? way.contains("device") : shown_of(way, "action") == "resume-from"))
+      fitting.push_back(way);
+  return fitting;
+}
+
+/// The whole commands that go on with its sheet. A list of jobs does not have them; then the
+/// command that shows them.
+std::vector<std::string> resume_commands(const Json& job) {
+  const std::string id = short_id(job);
+  std::vector<std::string> lines;
+  for (const Json& way : ways_of(job, false)) {
+    const std::string meaning = client::meaning_of(way);
+    lines.push_back(
+        with_comment(client::command_line_for(way, id),
+                     "go on with this sheet" + (meaning.empty() ? "" : ", " + meaning)));
+  }
+  if (lines.empty() && may(job, "resume-from"))
+    lines.push_back(with_comment("popcut jobs " + id, "shows how to go on with this sheet"));
   return lines;
+}
+
+/// What makes its cutter usable again.
+std::vector<std::string> cure_commands(const Json& job) {
+  std::vector<std::string> lines;
+  for (const Json& way : ways_of(job, true))
+    lines.push_back(
+        with_comment(client::command_line_for(way, short_id(job)), "once the cause is fixed"));
+  if (lines.empty() && shown_of(part_of(job, "attention"), "kind") == "device_fault" &&
+      is(job, "ready"))
+    lines.push_back(
+        with_comment("popcut devices reset " + shown_of(job, "device"), "once the cause is fixed"));
+  return lines;
+}
+
+void append(std::vector<std::string>& lines, const std::vector<std::string>& more) {
+  lines.insert(lines.end(), more.begin(), more.end());
 }
 
 void interrupted_ways(const Json& job, std::vector<std::string>& lines) {
@@ -110,18 +148,15 @@ void interrupted_ways(const Json& job, std::vector<std::string>& lines) {
   lines.push_back(fmt::format("sheet {} was interrupted{}{}; {}. Look at it, then choose:", sheet,
                               reason.empty() ? "" : " by ", reason, doubt_text(job)));
   const auto add = [&](const char* action, const std::string& command, const char* what) {
-    if (may(job, action)) lines.push_back(fmt::format("  {:<41}{}", command, what));
+    if (may(job, action)) lines.push_back(with_comment(command, what));
   };
-  add("retry-sheet", fmt::format("popcut retry {} {}", id, sheet), "# cut it again on a new sheet");
-  const std::vector<std::string> resumes = resume_commands(job);
-  for (const std::string& command : resumes)
-    lines.push_back("  " + command + "   # go on with this sheet");
-  if (resumes.empty())
-    add("resume-from", fmt::format("popcut resume {} --from PATH", id), "# go on with this sheet");
+  append(lines, cure_commands(job));
+  add("retry-sheet", fmt::format("popcut retry {} {}", id, sheet), "cut it again on a new sheet");
+  append(lines, resume_commands(job));
   if (may_be_whole(job))
     add("confirm-result", fmt::format("popcut confirm {} {} good", id, sheet),
-        "# the sheet is complete");
-  add("cancel", fmt::format("popcut cancel {}", id), "# cancel the job");
+        "the sheet is complete");
+  add("cancel", fmt::format("popcut cancel {}", id), "cancel the job");
 }
 
 int rank(const Json& job) {
@@ -308,13 +343,11 @@ std::vector<std::string> waiting_for(const Json& job) {
         fmt::format("look at sheet {}: popcut confirm {} {} good   (or bad)", sheet, id, sheet));
   } else if (is(job, "ready") && !may(job, "arm") && may(job, "resume-from")) {
     lines.push_back(text);
-    const std::vector<std::string> resumes = resume_commands(job);
-    for (const std::string& command : resumes) lines.push_back("  " + command);
-    if (resumes.empty())
-      lines.push_back(
-          fmt::format("  popcut resume {} --from PATH --registration re-registered", id));
-    lines.push_back(fmt::format("  popcut retry {} {}", id, sheet));
+    append(lines, resume_commands(job));
+    lines.push_back(
+        with_comment(fmt::format("popcut retry {} {}", id, sheet), "cut it again on a new sheet"));
   } else if (is(job, "ready") && may(job, "arm")) {
+    append(lines, cure_commands(job));
     const std::int64_t blank = whole_of(job, "blank");
     if (whole_of(job, "segment") > 1 && kind == "load_sheet")
       lines.push_back(fmt::format("{}: popcut arm {} {}", text, id, sheet));

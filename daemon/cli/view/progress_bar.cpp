@@ -25,16 +25,38 @@ void ProgressBar::clear() {
   drawn_ = false;
 }
 
-void ProgressBar::show(std::string_view what, double done, double seconds_left) {
+bool ProgressBar::turn() {
   const auto now = steady_clock::now();
   const bool too_early = now - begun_ < std::chrono::seconds(2);
-  if (!wanted_ || too_early || (drawn_ && now - last_ < std::chrono::milliseconds(100))) return;
+  if (!wanted_ || too_early || (drawn_ && now - last_ < std::chrono::milliseconds(100)))
+    return false;
   drawn_ = true;
   last_ = now;
-  // One column is left free: a full line would break on some terminals.
-  const std::size_t width = terminal_columns(STDERR_FILENO, 80) - 1;
-  fmt::print(stderr, "\r{}\x1b[K", progress_line(what, done, seconds_left, width));
+  return true;
+}
+
+void ProgressBar::draw(const std::string& line) {
+  fmt::print(stderr, "\r{}\x1b[K", line);
   std::fflush(stderr);
+}
+
+// One column is left free: a full line would break on some terminals.
+void ProgressBar::show(std::string_view what, double done, double seconds_left) {
+  if (turn())
+    draw(progress_line(what, done, seconds_left, terminal_columns(STDERR_FILENO, 80) - 1));
+}
+
+void ProgressBar::show_time(std::string_view what, double seconds) {
+  if (turn()) draw(time_line(what, seconds, terminal_columns(STDERR_FILENO, 80) - 1));
+}
+
+std::string time_line(std::string_view what, double seconds, std::size_t width) {
+  const auto whole = static_cast<long>(std::clamp(seconds, 0.0, 359999.0));
+  const std::string time = fmt::format("{}:{:02} so far", whole / 60, whole % 60);
+  if (time.size() + 3 > width) return fitted(time, width);
+  std::string begin = fitted(std::string(what), width - time.size() - 2);
+  begin.resize(begin.find_last_not_of(" ,") + 1);
+  return begin + ", " + time;
 }
 
 std::string progress_line(std::string_view what, double done, double seconds_left,

@@ -122,8 +122,11 @@ Response problem_response(const Problem& problem, std::string_view instance,
   }
   if (!problem.ways.empty()) {
     ordered_json& ways = body["ways"] = ordered_json::array();
-    for (const Way& way : problem.ways)
+    for (const Way& way : problem.ways) {
       ways.push_back({{"action", way.action}, {"body", ordered_json::parse(way.body)}});
+      if (!way.device.empty()) ways.back()["device"] = way.device;
+      if (!way.job.empty()) ways.back()["job"] = way.job;
+    }
   }
   if (!problem.warnings.empty())
     body["warnings"] = ordered_json::parse(problem.warnings, nullptr, false);

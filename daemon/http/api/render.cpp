@@ -90,9 +90,16 @@ class ObjectText {
   void ways(std::string_view name, const std::vector<Way>& ways) {
     begin(name);
     out_ += '[';
-    for (const Way& way : ways)
-      fmt::format_to(std::back_inserter(out_), R"({}{{"action":"{}","body":{}}})",
+    for (const Way& way : ways) {
+      fmt::format_to(std::back_inserter(out_), R"({}{{"action":"{}","body":{})",
                      &way == &ways.front() ? "" : ",", way.action, way.body);
+      for (const auto& [key, value] : {std::pair{"device", &way.device}, {"job", &way.job}}) {
+        if (value->empty()) continue;
+        begin(key);
+        quote(*value);
+      }
+      out_ += '}';
+    }
     out_ += ']';
   }
   [[nodiscard]] std::string whole() const { return out_ + '}'; }

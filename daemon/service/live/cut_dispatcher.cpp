@@ -83,7 +83,8 @@ Answer<Job> CutDispatcher::act(const Principal& who, const std::string& id, std:
       const JobRow before = row;
       // Whoever is refused learns the whole request that is not.
       const auto refused = [&](Problem problem) {
-        if (problem.ways.empty()) problem.ways = ways(before, &request);
+        const bool writes = !parts_.store.degraded() && !stopping_;
+        if (problem.ways.empty() && writes) problem.ways = ways(before, &request);
         return tl::unexpected(std::move(problem));
       };
       if (step_of(JobRepository::facts_of(row), request.action) == Step::Refused)
@@ -166,26 +167,17 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
   if (!device.empty()) {
     if (!devices.find(device)) return tl::unexpected(devices.unknown(device, "/device"));
     if (const auto fine = devices.usable(device); !fine) return tl::unexpected(fine.error());
-    if (const std::string why = devices.misfit(device, plan); !why.empty()) {
-      Problem problem =
-          JobRepository::conflict(row, fmt::format("{} cannot cut this: {}", device, why));
-      if (auto way = parts_.jobs.way_to_plan_again(row, device, plan))
-        problem.ways.push_back(std::move(*way));
-      return tl::unexpected(std::move(problem));
-    }
+    if (const std::string why = devices.misfit(device, plan); !why.empty())
+      return tl::unexpected(
+          JobRepository::conflict(row, fmt::format("{} cannot cut this: {}", device, why)));
     return device;
   }
   std::vector<std::string> fitting = devices.fitting(plan);
-  if (fitting.empty()) {
-    Problem none{ProblemKind::DeviceAbsent,
-                 fmt::format("no {} is available that can cut this; plug one in and switch it on{}",
-                             plan.machine, why_none(devices, plan))};
-    for (const DeviceRecord& one : devices.list())
-      if (auto way = devices.usable(one.id) ? parts_.jobs.way_to_plan_again(row, one.id, plan)
-                                            : std::nullopt)
-        none.ways.push_back(std::move(*way));
-    return tl::unexpected(std::move(none));
-  }
+  if (fitting.empty())
+    return refuse(
+        ProblemKind::DeviceAbsent,
+        fmt::format("no {} is available that can cut this; plug one in and switch it on{}",
+                    plan.machine, why_none(devices, plan)));
   if (fitting.size() > 1)
     std::erase_if(fitting, [&](const std::string& id) {
       return parts_.jobs.table().on_device(id).has_value();
@@ -194,7 +186,7 @@ Answer<std::string> CutDispatcher::choose_device(const JobRow& row, const Action
   Problem unnamed = invalid_value(
       "/device", "missing",
       fitting.empty()
-          ? std::string("all suitable devices are busy; name one")
+          ? std::string("all suitable devices are busy; wait until one is free")
           : fmt::format("name the device that holds the sheet: {}", fmt::join(fitting, ", ")));
   for (const std::string& one : fitting)
     unnamed.ways.push_back(

@@ -59,6 +59,10 @@ class CutDispatcher : public Cutting {
   [[nodiscard]] bool cutting() const { return !cuts_.empty(); }
 
  private:
+  [[nodiscard]] std::vector<Way> ways_to_arm(const JobRow& row, const ActionRequest* wanted);
+  [[nodiscard]] std::vector<Way> ways_of_armed(const JobRow& row);
+  /// Whether what was armed is still valid.
+  [[nodiscard]] bool arm_lives(const std::string& job);
   /// What is known of the blank in the cutter; nothing if it was never started.
   [[nodiscard]] std::optional<ResumeState> resume_state(const JobRow& row);
   class Journal;

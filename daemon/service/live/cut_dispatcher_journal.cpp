@@ -162,18 +162,22 @@ Answer<std::shared_ptr<CutDispatcher::Cut>> CutDispatcher::prepare(const JobRow&
     return tl::unexpected(std::move(reading));
   }
   Result<ProgramShelf::Program>& stored = *found;
+  // Arming it again would not help.
+  const auto lost = [&](std::string detail) {
+    Problem problem = JobRepository::conflict(row, std::move(detail));
+    problem.ways = {{std::string(name_of(JobAction::Cancel)), "{}"}};
+    return tl::unexpected(std::move(problem));
+  };
   if (!stored)
-    return tl::unexpected(JobRepository::conflict(
-        row,
-        "the stored program cannot be read; create the job again: " + message(stored.error())));
+    return lost("the stored program cannot be read; create the job again: " +
+                message(stored.error()));
   // What was armed is what is cut: a stored program that changed is not.
   EncodedProgram* const program = &stored->stored.program;
   const bool same = stored->sha256 == sheet->program_sha256 &&
                     stored->stored.index_sha256 == sheet->index_sha256 &&
                     static_cast<int>(program->strokes.size()) == sheet->paths;
   if (!same)
-    return tl::unexpected(JobRepository::conflict(
-        row, "the stored program is not the one that was planned; create the job again"));
+    return lost("the stored program is not the one that was planned; create the job again");
   auto cut = std::make_shared<Cut>();
   cut->job = row.id;
   cut->owner = row.owner;
@@ -203,10 +207,7 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
   if (stopping_) return refuse(ProblemKind::Unavailable, "popcutd is stopping");
   AttemptTable& attempts = parts_.jobs.attempts();
   const auto armed = attempts.armed(row.id);
-  const auto until = armed_until_.find(row.id);
-  const bool alive = armed && armed->invocation == parts_.store.invocation() &&
-                     until != armed_until_.end() && until->second > parts_.store.monotonic();
-  if (!alive)
+  if (!armed || !arm_lives(row.id))
     return tl::unexpected(JobRepository::conflict(row, "arming has expired; disarm and arm again"));
   const auto plan = parts_.plans.table().find(row.plan);
   if (!plan || armed->sheet != row.sheet || armed->blank != row.blank ||
@@ -258,8 +259,10 @@ Answer<void> CutDispatcher::start(const Principal& who, JobRow& row, const Actio
                      .started = now});
   } catch (const StoreFault& fault) {
     if (fault.kind() != FaultKind::Constraint) throw;
-    return tl::unexpected(JobRepository::conflict(
-        row, "this blank was started before; use a new one with retry-sheet"));
+    Problem used = JobRepository::conflict(
+        row, "this blank was started before; disarm it and use a new one with retry-sheet");
+    used.ways = {{std::string(name_of(JobAction::Disarm)), "{}"}};
+    return tl::unexpected(std::move(used));
   }
   attempts.disarm(row.id);
   parts_.jobs.take(row, Step::ToCutting, "");

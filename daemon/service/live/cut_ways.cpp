@@ -47,6 +47,77 @@ std::optional<ResumeState> CutDispatcher::resume_state(const JobRow& row) {
                                                           parts_.devices.session_of(last->device)}};
 }
 
+bool CutDispatcher::arm_lives(const std::string& job) {
+  const auto armed = parts_.jobs.attempts().armed(job);
+  const auto until = armed_until_.find(job);
+  return armed && armed->invocation == parts_.store.invocation() && until != armed_until_.end() &&
+         until->second > parts_.store.monotonic();
+}
+
+// Arms as they pass now; else what makes a device ready for it.
+std::vector<Way> CutDispatcher::ways_to_arm(const JobRow& row, const ActionRequest* wanted) {
+  const auto plan = parts_.plans.table().find(row.plan);
+  const auto sheet = parts_.jobs.current_sheet(row);
+  if (!plan || plan->state != PlanState::Planned || !sheet || sheet->index_sha256.empty() ||
+      !parts_.intents.why_blocked(row.id).empty())
+    return {{std::string(name_of(JobAction::Cancel)), "{}"}};
+  const DeviceRegistry& devices = parts_.devices;
+  std::vector<Way> others, as_wanted;
+  std::vector<std::string> free, busy;
+  for (const DeviceRecord& device : devices.list()) {
+    const bool usable = devices.usable(device.id).has_value();
+    if (!devices.misfit(device.id, *plan).empty()) {
+      const bool is_wanted = wanted != nullptr && wanted->device == device.id;
+      if (auto way = usable ? parts_.jobs.way_to_plan_again(row, device.id, *plan) : std::nullopt)
+        (is_wanted ? as_wanted : others).push_back(std::move(*way));
+      continue;
+    }
+    const bool taken = parts_.jobs.table().on_device(device.id).has_value();
+    if (!row.requested_device.empty() && row.requested_device != device.id) {
+      if (!usable || taken || row.segment > 1) continue;
+      const bool is_wanted = wanted != nullptr && wanted->device == device.id;
+      (is_wanted ? as_wanted : others)
+          .push_back({"change", fmt::format(R"({{"device":{}}})", json_text(device.id))});
+    } else if (usable) {
+      (taken ? busy : free).push_back(device.id);
+    } else {
+      for (Way& cure : devices.cures(device.id)) others.push_back(std::move(cure));
+    }
+  }
+  std::vector<Way> all = as_wanted;
+  for (const std::string& id : free)
+    all.push_back({std::string(name_of(JobAction::Arm)),
+                   fmt::format(R"({{"sheet":{},"blank":{}{}}})", row.sheet, row.blank,
+                               (free.size() + busy.size() == 1 || !row.requested_device.empty()
+                                    ? ""
+                                    : R"(,"device":)" + json_text(id)) +
+                                   accepting(row))});
+  if (!all.empty()) return all;
+  // A job that holds a device is armed, cutting or paused. While it cuts one can but wait.
+  for (const std::string& id : busy)
+    if (const auto holder = parts_.jobs.table().on_device(id);
+        holder && holder->state != JobState::Cutting) {
+      const std::vector<Way> theirs = parts_.jobs.ways_of(*holder);
+      all.insert(all.end(), theirs.begin(), theirs.end());
+    }
+  all.insert(all.end(), others.begin(), others.end());
+  return all;
+}
+
+// Start, unless it would be refused: then what helps.
+std::vector<Way> CutDispatcher::ways_of_armed(const JobRow& row) {
+  const Way disarm{std::string(name_of(JobAction::Disarm)), "{}"};
+  const auto plan = parts_.plans.table().find(row.plan);
+  const bool may = arm_lives(row.id) && plan && parts_.devices.usable(row.device) &&
+                   parts_.devices.misfit(row.device, *plan).empty() && knows_place(row, row.device);
+  if (may && !row.held)
+    return {{std::string(name_of(JobAction::Start)), fmt::format("{{\"sheet\":{}}}", row.sheet)},
+            disarm};
+  std::vector<Way> all = parts_.devices.cures(row.device);
+  all.push_back(disarm);
+  return all;
+}
+
 std::vector<Way> CutDispatcher::ways(const JobRow& row, const ActionRequest* wanted) {
   std::vector<Way> all;
   const std::string sheet = fmt::format("{{\"sheet\":{}}}", row.sheet);
@@ -59,13 +130,23 @@ std::vector<Way> CutDispatcher::ways(const JobRow& row, const ActionRequest* wan
   };
   if (row.held && !is_terminal(row.state))
     all.push_back({"release", fmt::format("{{\"job\":\"{}\"}}", row.id)});
-  add(JobAction::Start, sheet);
-  add(JobAction::Disarm, "{}");
-  add(JobAction::Resume, "{}");
+  const auto append = [&](const std::vector<Way>& more) {
+    all.insert(all.end(), more.begin(), more.end());
+  };
+  if (row.state == JobState::Armed) append(ways_of_armed(row));
+  if (may(JobAction::Resume)) {
+    const std::vector<Way> cures = parts_.devices.cures(row.device);
+    const auto device = parts_.devices.find(row.device);
+    if (device && !device->enabled)
+      append(cures);
+    else
+      add(JobAction::Resume, "{}");
+  }
   if (row.state == JobState::Cutting) add(JobAction::Pause, "{}");
-  if (row.state == JobState::Ready && knows_place(row, row.requested_device))
-    add(JobAction::Arm,
-        fmt::format(R"({{"sheet":{},"blank":{}{}}})", row.sheet, row.blank, accepting(row)));
+  if (row.state == JobState::Ready && may(JobAction::Arm) && knows_place(row, row.requested_device))
+    append(ways_to_arm(row, wanted));
+  const bool interrupted = row.state == JobState::Interrupted;
+  if (interrupted) append(parts_.devices.cures(row.device));
   const std::optional<ResumeState> state =
       may(JobAction::ResumeFrom) ? resume_state(row) : std::nullopt;
   if (state) {
@@ -75,7 +156,6 @@ std::vector<Way> CutDispatcher::ways(const JobRow& row, const ActionRequest* wan
     for (const ResumeRequest& one : ways_to_resume(state->runs, request, state->facts))
       all.push_back(resume_way(one));
   }
-  const bool interrupted = row.state == JobState::Interrupted;
   if (interrupted || row.segment > 1) add(JobAction::RetrySheet, sheet);
   const bool whole =
       state && std::none_of(state->runs.begin(), state->runs.end(),

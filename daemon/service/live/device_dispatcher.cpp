@@ -64,13 +64,26 @@ Answer<void> DeviceDispatcher::take(const Principal& who, const DeviceRecord& de
   if (request.action == "enable" || request.action == "disable") {
     parts_.devices.set_enabled(id, request.action == "enable");
   } else if (request.action == "reset") {
-    if (!device.job.empty() || resetting_)
-      return refuse(ProblemKind::StateConflict, device.job.empty()
-                                                    ? "another reset is running"
-                                                    : id + " holds a sheet of job " + device.job);
+    if (!device.job.empty()) {
+      const Answer<JobRow> row = parts_.jobs.row(device.job);
+      Problem busy{ProblemKind::StateConflict, id + " holds a sheet of job " + device.job};
+      // What frees it: an armed sheet is taken back, a cut is given up.
+      if (row)
+        busy.ways = {{.action = std::string(name_of(
+                          row->state == JobState::Armed ? JobAction::Disarm : JobAction::Cancel)),
+                      .body = "{}",
+                      .job = row->id}};
+      return tl::unexpected(std::move(busy));
+    }
+    if (resetting_)
+      return refuse(ProblemKind::StateConflict, "another reset is running; send it again then");
     parts_.store.after_commit([this, id] { reset(id); });
   } else if (request.action == "test-cut") {
-    if (const auto there = parts_.devices.usable(id); !there) return there;
+    if (const auto there = parts_.devices.usable(id); !there) {
+      Problem unusable = there.error();
+      unusable.ways = parts_.devices.cures(id);
+      return tl::unexpected(std::move(unusable));
+    }
     const Answer<Job> job = parts_.jobs.create_test(who, id, request.material);
     if (!job) return tl::unexpected(job.error());
     test_job = job->id;

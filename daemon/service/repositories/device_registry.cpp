@@ -213,11 +213,23 @@ Answer<void> DeviceRegistry::usable(const std::string& id) const {
   if (!record.enabled)
     return refuse(ProblemKind::StateConflict,
                   id + " is disabled; an admin can enable it with the action enable");
-  if (is_away(record.state) || record.state == "fault")
+  const std::string reasons =
+      fmt::format("{}{}", record.reasons.empty() ? "" : ": ", fmt::join(record.reasons, ", "));
+  if (record.state == "fault")
     return refuse(ProblemKind::DeviceAbsent,
-                  fmt::format("{} is {}{}{}; plug it in and switch it on", id, record.state,
-                              record.reasons.empty() ? "" : ": ", fmt::join(record.reasons, ", ")));
+                  fmt::format("{} is in fault{}; fix the cause, then reset it", id, reasons));
+  if (is_away(record.state))
+    return refuse(ProblemKind::DeviceAbsent, fmt::format("{} is {}{}; plug it in and switch it on",
+                                                         id, record.state, reasons));
   return {};
+}
+
+std::vector<Way> DeviceRegistry::cures(const std::string& id) const {
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return {};
+  if (!found->second.record.enabled) return {{.action = "enable", .body = "{}", .device = id}};
+  if (found->second.record.state != "fault") return {};
+  return {{.action = "reset", .body = "{}", .device = id}};
 }
 
 void DeviceRegistry::set_enabled(const std::string& id, bool enabled) {

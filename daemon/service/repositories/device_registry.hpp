@@ -50,6 +50,9 @@ class DeviceRegistry {
   [[nodiscard]] std::vector<std::string> fitting(const PlanRow& plan) const;
   /// Whether a sheet may be loaded there; if not, the problem.
   [[nodiscard]] Answer<void> usable(const std::string& id) const;
+  /// What makes a device usable again, as far as popcutd can: empty if it is usable, or if a person
+  /// must plug it in.
+  [[nodiscard]] std::vector<Way> cures(const std::string& id) const;
 
   /// In a transaction.
   void set_enabled(const std::string& id, bool enabled);

@@ -342,8 +342,8 @@ Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, st
     if (const auto fresh = check_rev(*row, if_match); !fresh) return tl::unexpected(fresh.error());
     if (row->state != JobState::Queued && row->state != JobState::Planning &&
         row->state != JobState::Ready)
-      return tl::unexpected(
-          conflict(*row, "a job can be changed only while it is queued, planning or ready"));
+      return refused(
+          *row, conflict(*row, "a job can be changed only while it is queued, planning or ready"));
     if (request.priority && (*request.priority < -10 || *request.priority > 10))
       return tl::unexpected(invalid_value("/priority", "range", "must be -10..10"));
     if (request.name)
@@ -357,17 +357,22 @@ Answer<Job> JobRepository::patch(const Principal& who, const std::string& id, st
                                           "needs plan_again: true, because another material needs "
                                           "another plan"));
     if (request.device && !request.device->empty()) {
+      const auto with_others = [&](Problem problem) {
+        problem.ways = other_devices(*row);
+        return tl::unexpected(std::move(problem));
+      };
       if (!parts_.devices.find(*request.device))
-        return tl::unexpected(parts_.devices.unknown(*request.device, "/device"));
+        return with_others(parts_.devices.unknown(*request.device, "/device"));
       const auto plan = parts_.plans.table().find(row->plan);
       if (row->segment > 1 && *request.device != row->requested_device)
-        return tl::unexpected(conflict(*row, "this sheet is in " + row->requested_device));
+        return refused(*row, conflict(*row, "this sheet is in " + row->requested_device));
       if (const std::string why =
               plan && !request.plan_again ? parts_.devices.misfit(*request.device, *plan) : "";
           !why.empty()) {
         Problem problem = invalid_value("/device", "value", why);
+        problem.ways = other_devices(*row);
         if (auto way = way_to_plan_again(*row, *request.device, *plan))
-          problem.ways.push_back(std::move(*way));
+          problem.ways.insert(problem.ways.begin(), std::move(*way));
         return tl::unexpected(std::move(problem));
       }
     }
@@ -410,7 +415,7 @@ Answer<Job> JobRepository::hold(const Principal& who, const std::string& id, boo
                     "only an operator may hold or release someone else's job");
     if (is_terminal(row->state) || row->state == JobState::Cutting ||
         row->state == JobState::Paused)
-      return tl::unexpected(conflict(*row, "only a waiting job can be held or released"));
+      return refused(*row, conflict(*row, "only a waiting job can be held or released"));
     if (row->held == held) return shown(*row);
     row->held = held;
     if (held && row->state == JobState::Armed) {

@@ -98,11 +98,17 @@ class JobRepository : public Jobs {
   std::function<const LiveCut*(const std::string& job)> live{};
   /// Complete requests that pass now.
   std::function<std::vector<Way>(const JobRow&)> ways{};
+  /// The same, each with the job's id, for those who did not ask about this job.
+  [[nodiscard]] std::vector<Way> ways_of(const JobRow& row) const;
   /// Whether the sheet that a job continues with is still where it was registered; set
   /// likewise.
   std::function<bool(const JobRow&)> knows_place{};
 
  private:
+  /// The problem with complete requests that pass now.
+  [[nodiscard]] tl::unexpected<Problem> refused(const JobRow& row, Problem problem) const;
+  /// The devices that a job could change to.
+  [[nodiscard]] std::vector<Way> other_devices(const JobRow& row) const;
   [[nodiscard]] bool lost_its_place(const JobRow& row) const;
   [[nodiscard]] std::vector<std::string> actions_of(const JobRow& row) const;
   [[nodiscard]] Answer<Job> add(const Principal& who, const JobCreate& request,

@@ -30,6 +30,29 @@ bool JobRepository::lost_its_place(const JobRow& row) const {
   return row.state == JobState::Ready && row.segment > 1 && knows_place && !knows_place(row);
 }
 
+std::vector<Way> JobRepository::ways_of(const JobRow& row) const {
+  std::vector<Way> all = ways ? ways(row) : std::vector<Way>{};
+  for (Way& way : all)
+    if (way.device.empty() && way.job.empty()) way.job = row.id;
+  return all;
+}
+
+tl::unexpected<Problem> JobRepository::refused(const JobRow& row, Problem problem) const {
+  if (problem.ways.empty()) problem.ways = ways_of(row);
+  return tl::unexpected(std::move(problem));
+}
+
+std::vector<Way> JobRepository::other_devices(const JobRow& row) const {
+  constexpr std::size_t kMost = 3;
+  std::vector<Way> all;
+  const auto plan = const_cast<JobRepository*>(this)->parts_.plans.table().find(row.plan);
+  if (!plan || row.segment > 1) return all;
+  for (const std::string& id : parts_.devices.fitting(*plan))
+    if (id != row.requested_device && all.size() < kMost)
+      all.push_back({.action = "change", .body = fmt::format(R"({{"device":{}}})", json_text(id))});
+  return all;
+}
+
 std::vector<std::string> JobRepository::actions_of(const JobRow& row) const {
   std::vector<std::string> names;
   for (const JobAction action : allowed_actions(facts_of(row)))
@@ -50,6 +73,11 @@ std::optional<Attention> JobRepository::attention_of(const JobRow& row) const {
       attention.kind = "device_absent";
       attention.text = fmt::format("{} is not available; plug it in and switch it on, then {}",
                                    row.requested_device, row.attention_text);
+    } else if (device->enabled && device->state == "fault") {
+      attention.kind = "device_fault";
+      attention.text = fmt::format("{} is in fault{}{}; fix the cause and reset it, then {}",
+                                   row.requested_device, device->reasons.empty() ? "" : ": ",
+                                   fmt::join(device->reasons, ", "), row.attention_text);
     }
   }
   if (lost_its_place(row))
@@ -186,8 +214,10 @@ Answer<Job> JobRepository::find(const std::string& id) {
   return parts_.store.look([&]() -> Answer<Job> {
     return row(id).map([&](const JobRow& found) {
       Job job = shown(found);
-      const bool may_go_on = found.state == JobState::Interrupted ||
-                             (found.state == JobState::Ready && found.segment > 1);
+      const bool may_go_on =
+          found.state == JobState::Interrupted ||
+          (found.state == JobState::Ready &&
+           (found.segment > 1 || !parts_.devices.cures(found.requested_device).empty()));
       if (may_go_on && ways) job.ways = ways(found);
       return job;
     });

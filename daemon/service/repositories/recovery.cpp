@@ -11,7 +11,11 @@
 namespace popcut::daemon {
 namespace {
 
-constexpr std::string_view kEnded = "popcutd ended during the cut; see which paths are in doubt";
+std::string crash_text(const std::string& job, const std::string& loss) {
+  return fmt::format(
+      "popcutd ended during the cut; 'popcut jobs {}' shows which paths are in doubt{}", job,
+      loss.empty() ? loss : fmt::format(" ({})", loss));
+}
 
 class Recovery {
  public:
@@ -128,7 +132,7 @@ class Recovery {
     row.operator_name = head.operator_name;
     count_paths(row, row.sheet, row.blank, head.strokes);
     const std::string from(name_of(row.state));
-    jobs_.set_attention(row, "in_doubt", fmt::format("{} ({})", kEnded, verdict.loss));
+    jobs_.set_attention(row, "in_doubt", crash_text(row.id, verdict.loss));
     jobs_.take(row, step_of(row.state, JobEvent::IntentsSurface), "crash");
     note_recovered(row, from);
   }
@@ -206,8 +210,7 @@ class Recovery {
         const auto loss = losses_.find(row.id);
         if (interrupted)
           jobs_.set_attention(row, "in_doubt",
-                              loss == losses_.end() ? std::string(kEnded)
-                                                    : fmt::format("{} ({})", kEnded, loss->second));
+                              crash_text(row.id, loss == losses_.end() ? "" : loss->second));
         jobs_.take(row, step, interrupted ? "crash" : "restart");
         note_recovered(row, from);
       }

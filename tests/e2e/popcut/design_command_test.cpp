@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
+#include "tests/support/at_terminal.hpp"
 #include "tests/support/command_bench.hpp"
 #include "tests/support/paths.hpp"
 
@@ -36,6 +37,25 @@ struct Bench : CommandBench {
 };
 
 }  // namespace
+
+TEST_CASE("a design that takes long shows at a terminal what it does and what is left",
+          "[cli][e2e][progress]") {
+  const Bench bench;
+  bench.write("long.json", {{"popcut", 1},
+                            {"surface", {{"type", "revolution"}, {"radius", "sqrt(36 - y^2)"}}},
+                            {"scale_mm", 60},
+                            {"units_per_slice", 100},
+                            {"slices", 200},
+                            {"widths_mm", 1.2},
+                            {"min_panel_mm", 0.1},
+                            {"lattice", "conformal"}});
+  AtTerminal popcut(popcut_program(), {"design", "long.json", "-o", "card"}, bench.temp);
+  CHECK(popcut.shows("laying the lattice: conformal"));
+  CHECK(popcut.shows(" left"));
+  INFO(popcut.shown);
+  CHECK(popcut.shown.find("\n") == std::string::npos);  // one line, drawn in place
+  CHECK(popcut.out().empty());
+}
 
 TEST_CASE("every shipped example becomes a pattern with one degree of freedom",
           "[cli][e2e][design]") {

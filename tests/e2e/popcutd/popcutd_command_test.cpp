@@ -101,7 +101,7 @@ TEST_CASE("devices lists popcutd's devices with their states", "[popcutd][cli]")
   CHECK(says(off.out, "-> popcut devices enable sim:cameo3"));
   const Ran test = desk.popcut({"cut", "--test", "--device", "sim:cameo3"});
   CHECK(test.exit == 5);
-  CHECK(says(test.err, "an admin can enable it with 'popcut devices enable'"));
+  CHECK(says(test.err, "an admin can enable it; possible now: popcut devices enable sim:cameo3"));
   CHECK(Json::parse(desk.popcut({"devices", "enable", "sim:cameo3", "--json"}).out)["enabled"] ==
         true);
   CHECK(desk.popcut({"devices", "reset", "sim:cameo3"}).exit == 0);

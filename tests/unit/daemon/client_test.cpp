@@ -139,8 +139,9 @@ TEST_CASE("a problem of popcutd becomes one line that says what would be right",
           {"action":"release","body":{"job":"01JD"}},{"action":"start","body":{"sheet":2}}]})";
   CHECK(message(error_from(whole, "job 01J")) ==
         "job 01J: no; it is interrupted; possible now: "
-        "popcut resume 01JD --from 6 --registration re-registered --skip-in-doubt, or "
-        "popcut resume 01JD --from 4 --accept-double-cut, or popcut retry 01JD 2, or "
+        "popcut resume 01JD --from 6 --registration re-registered --skip-in-doubt "
+        "(skips what is in doubt), or popcut resume 01JD --from 4 --accept-double-cut "
+        "(cuts again what may be cut already), or popcut retry 01JD 2, or "
         "popcut confirm 01JD 2 good, or popcut arm 01JD 2 --blank 3 --device sim:a, or "
         "popcut release 01JD, or popcut start 01JD");
 }
@@ -199,7 +200,8 @@ TEST_CASE("a problem names command-line options and not JSON members", "[client]
           .find("say --accept-double-cut, or") != std::string::npos);
   CHECK(
       told(403, R"({"type":"p/forbidden","detail":"confirm-result requires the role operator"})") ==
-      "job 01J: confirm requires the role operator");
+      "job 01J: confirm requires the role operator; 'popcut token create --role operator' creates "
+      "a token for POPCUT_TOKEN, on the computer where popcutd runs");
   CHECK(option_for("/options/mat") == "--mat");
   CHECK(option_for("/from_path") == "--from");
   CHECK(option_for("?limit") == "--limit");

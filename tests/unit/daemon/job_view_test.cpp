@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <fcntl.h>
 #include <pwd.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 
 #include "daemon/cli/help/terminal_text.hpp"
 #include "daemon/cli/view/job_view.hpp"
+#include "daemon/cli/view/long_work.hpp"
 #include "daemon/cli/view/progress_bar.hpp"
 
 namespace job_view_test {
@@ -59,7 +61,8 @@ TEST_CASE("each thing that waits for a person comes with the command to type", "
   const std::string ways = joined(waiting_for(interrupted));
   CHECK(ways.find("interrupted by unplug; 30 paths are certainly cut, 20 more are in doubt") !=
         std::string::npos);
-  for (const char* way : {"popcut retry 01JDX7KQ4M8Z 2", "--from", "good", "popcut cancel"})
+  for (const char* way :
+       {"popcut retry 01JDX7KQ4M8Z 2", "popcut jobs 01JDX7KQ4M8Z  ", "good", "popcut cancel"})
     CHECK(ways.find(way) != std::string::npos);
   interrupted["actions"] = {"retry-sheet", "cancel"};
   CHECK(joined(waiting_for(interrupted)).find("good") == std::string::npos);
@@ -115,8 +118,18 @@ TEST_CASE("a resumed sheet is shown with the advice to leave it in place", "[cli
   again["actions"] = {"resume-from", "retry-sheet"};  // its place is not known any more
   CHECK(joined(waiting_for(again)) ==
         "leave sheet 2 of 3 where it is\n"
-        "  popcut resume 01JDX7KQ4M8Z --from PATH --registration re-registered\n"
-        "  popcut retry 01JDX7KQ4M8Z 2\n");
+        "  popcut jobs 01JDX7KQ4M8Z                 # shows how to go on with this sheet\n"
+        "  popcut retry 01JDX7KQ4M8Z 2              # cut it again on a new sheet\n");
+  again["ways"] = {
+      {{"action", "resume-from"},
+       {"body", {{"from_path", 6}, {"registration", "kept"}, {"skip_in_doubt", true}}}},
+      {{"action", "resume-from"},
+       {"body", {{"from_path", 4}, {"registration", "kept"}, {"i_accept_double_cut", true}}}}};
+  const std::string both = joined(waiting_for(again));
+  CHECK(both.find("popcut resume 01JDX7KQ4M8Z --from 6 --skip-in-doubt   # go on with this sheet, "
+                  "skips what is in doubt") != std::string::npos);
+  CHECK(both.find("popcut resume 01JDX7KQ4M8Z --from 4 --accept-double-cut   # go on with this "
+                  "sheet, cuts again what may be cut already") != std::string::npos);
   again["actions"] = {"arm"};
   again["segment"] = 1;
   CHECK(joined(waiting_for(again)).find("load sheet 2 of 3 into sim:cameo3") == 0);
@@ -138,7 +151,7 @@ TEST_CASE("no command to type is cut off where the terminal is narrow", "[cli][j
       text += line.substr(line.find_first_not_of(' ')) + " ";
     }
     for (const char* part : {"popcut arm 01JDX7KQ4M8Z 2", "popcut retry 01JDX7KQ4M8Z 2",
-                             "popcut resume 01JDX7KQ4M8Z --from PATH", "25 %", "1:20 left"})
+                             "popcut jobs 01JDX7KQ4M8Z", "25 %", "1:20 left"})
       CHECK(text.find(part) != std::string::npos);
     if (width >= 40) {
       const auto whole = [](const std::string& line) {
@@ -221,6 +234,30 @@ TEST_CASE("the width of a line is that on a terminal", "[cli]") {
   CHECK(wrapped("abcdefghij", 4, 1) == std::vector<std::string>{"abcd", " efg", " hij"});
   for (std::size_t width = 0; width < 6; ++width)
     CHECK_FALSE(wrapped("\xE5\x90\x8D\xE5\x90\x8D x", width, 2).empty());
+}
+
+TEST_CASE("off a terminal nobody is told how far long work is", "[cli][progress]") {
+  const int kept = ::dup(STDERR_FILENO), null = ::open("/dev/null", O_WRONLY);
+  REQUIRE(kept >= 0);
+  REQUIRE(::dup2(null, STDERR_FILENO) == STDERR_FILENO);
+  {
+    LongWork work(true, "designing");
+    CHECK_FALSE(work.progress());  // so that those who compute call nothing
+    work.now("writing", 0.5);
+  }
+  CHECK(::dup2(kept, STDERR_FILENO) == STDERR_FILENO);
+  ::close(kept);
+  ::close(null);
+}
+
+TEST_CASE("a line of what takes an unknown time keeps to the width of the terminal", "[cli]") {
+  CHECK(time_line("designing", 94.9) == "designing, 1:34 so far");
+  for (std::size_t width = 4; width < 80; ++width) {
+    const std::string line = time_line("laying the lattice: conformal", 94, width);
+    CAPTURE(width, line);
+    CHECK(columns_of(line) <= width);
+    if (width >= 14) CHECK(line.find("1:34 so far") != std::string::npos);
+  }
 }
 
 TEST_CASE("a progress line keeps to the width of the terminal", "[cli]") {

@@ -2,6 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -77,6 +80,34 @@ TEST_CASE("without its card the loose ends add the freedoms that the theory pred
   CAPTURE(units, slices);
   const Design d = made({"1", units, slices, 0.1, "slices", R"(, "card": false)"});
   CHECK(d.report.degrees_of_freedom == (units == 2 ? 3 * slices - 1 : 1 + 2 * slices));
+}
+
+TEST_CASE("a design tells what it is doing and how far it is, and is the same without a listener",
+          "[core][design][progress]") {
+  const Recipe recipe{kSaddle, 8, 12, 0.08, "auto", ""};
+  std::vector<std::pair<std::string, double>> told;
+  const auto heard = design(spec_of(recipe), {}, [&](std::string_view what, double done) {
+    told.emplace_back(what, done);
+  });
+  REQUIRE(heard);
+  CHECK(heard->pattern.vertices.size() == made(recipe).pattern.vertices.size());
+  const auto times = [&](const char* what) {
+    return std::count_if(told.begin(), told.end(),
+                         [&](const auto& one) { return one.first == what; });
+  };
+  CHECK(times("cutting the shape into slices") == 12);
+  CHECK(times("fitting steps to the slices") == 12);
+  CHECK(times("laying the lattice: direct") > 10);
+  CHECK(times("laying the lattice: conformal") > 10);
+  CHECK(times("building the pattern") >= 1);
+  // Often enough to be shown, and never from an inner loop.
+  CHECK(told.size() < 1000);
+  for (std::size_t k = 0; k < told.size(); ++k) {
+    CAPTURE(told[k].first, told[k].second);
+    CHECK(told[k].second <= 1.0);
+    const bool goes_on = k > 0 && told[k].first == told[k - 1].first;
+    if (goes_on) CHECK(told[k].second >= told[k - 1].second);
+  }
 }
 
 TEST_CASE("the faces of a pattern tile its sheet counter-clockwise", "[core][design]") {
