@@ -112,7 +112,8 @@ Result<void> show_job(Api& api, const Options& options, const Globals& globals) 
     for (const char* key : {"owner", "operator"})
       if (const std::string name = client::text_of(*job, key); !name.empty())
         (*job)[key] = person_name(name);
-  for (const std::string& line : job_details(*job, sheets ? *sheets : std::vector<Json>{}, ledger))
+  for (const std::string& line :
+       job_details(*job, sheets ? *sheets : std::vector<Json>{}, ledger, style_of_terminal().width))
     fmt::print("{}\n", line);
   return {};
 }

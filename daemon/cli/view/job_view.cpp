@@ -239,6 +239,14 @@ std::string without_comment(std::string wait) {
   return wait;
 }
 
+/// A command and the comment behind it in a line each, where both have no room in one.
+std::vector<std::string> comment_apart(const std::string& wait, std::size_t width) {
+  const std::size_t comment = wait.find(" # ");
+  if (columns_of(wait) <= width || comment == std::string::npos) return {wait};
+  const std::size_t indent = wait.find_first_not_of(' ');
+  return {without_comment(wait), std::string(indent + 2, ' ') + wait.substr(comment + 1)};
+}
+
 }  // namespace
 
 std::string short_id(const Json& job) { return shown_of(job, "id").substr(0, kShortId); }
@@ -384,8 +392,9 @@ std::vector<std::string> jobs_view(const std::vector<Json>& jobs, const ViewStyl
     const bool narrow = style.width < 60;
     for (std::string& wait : waiting_lines(waiting_for(*order[k]), narrow ? 0 : 4)) {
       if (narrow) wait = without_comment(std::move(wait));
-      for (const std::string& line : wrapped(wait, style.width, narrow ? 2 : 7))
-        lines.push_back(style.colour ? "\x1b[1m" + line + "\x1b[0m" : line);
+      for (const std::string& part : comment_apart(wait, style.width))
+        for (const std::string& line : wrapped(part, style.width, narrow ? 2 : 7))
+          lines.push_back(style.colour ? "\x1b[1m" + line + "\x1b[0m" : line);
     }
   }
   if (order.size() > kMostJobsShown)
@@ -394,7 +403,7 @@ std::vector<std::string> jobs_view(const std::vector<Json>& jobs, const ViewStyl
 }
 
 std::vector<std::string> job_details(const Json& job, const std::vector<Json>& sheets,
-                                     const std::optional<Json>& ledger) {
+                                     const std::optional<Json>& ledger, std::size_t width) {
   std::vector<std::string> lines;
   const auto add = [&](const char* key, const std::string& value) {
     if (!value.empty()) lines.push_back(fmt::format("{:<10} {}", key, value));
@@ -432,8 +441,9 @@ std::vector<std::string> job_details(const Json& job, const std::vector<Json>& s
           std::pair{"not_sent", "not sent"}})
       if (const std::string ranges = ranges_of(*ledger, key); !ranges.empty())
         lines.push_back(fmt::format("paths {:<14} {}", what, ranges));
-  for (std::string& wait : waiting_lines(waiting_for(as_sent(job, ledger)), 0))
-    lines.push_back(std::move(wait));
+  // Commands stay in one line, to be copied.
+  for (const std::string& wait : waiting_lines(waiting_for(as_sent(job, ledger)), 0))
+    for (std::string& part : comment_apart(wait, width)) lines.push_back(std::move(part));
   return lines;
 }
 

@@ -46,9 +46,10 @@ struct ViewStyle {
 [[nodiscard]] std::vector<std::string> jobs_view(const std::vector<nlohmann::json>& jobs,
                                                  const ViewStyle& style);
 /// One job in full, as `key value` lines; with the ledger of its sheet, the state of its paths.
+/// Beyond `width` columns what explains a command stands in a line of its own.
 [[nodiscard]] std::vector<std::string> job_details(
     const nlohmann::json& job, const std::vector<nlohmann::json>& sheets,
-    const std::optional<nlohmann::json>& ledger = std::nullopt);
+    const std::optional<nlohmann::json>& ledger = std::nullopt, std::size_t width = 1000);
 
 /// A user of popcutd with a readable name: "anna (uid:1000)" for "uid:1000" if this computer has a
 /// user with that number, else `principal` unchanged.

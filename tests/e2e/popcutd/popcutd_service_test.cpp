@@ -165,6 +165,41 @@ TEST_CASE("a fault that needs a person ends popcutd with exit code 78", "[popcut
         std::string::npos);
 }
 
+TEST_CASE(
+    "an older copy that was put back by hand is refused with the command that goes back to it",
+    "[popcutd][e2e]") {
+  DaemonWithCli lab;
+  lab.open();
+  REQUIRE(lab.popcut({"cut", "-q", kUnit}).exit == 0);
+  const Ran backup = lab.popcut({"db", "backup", "--json"});
+  CAPTURE(backup.err);
+  REQUIRE(backup.exit == 0);
+  const std::string copy = Json::parse(backup.out)["path"];
+  REQUIRE(lab.popcut({"cut", "-q", kUnit}).exit == 0);
+  lab.daemon.signal(SIGTERM);
+  REQUIRE(lab.daemon.wait() == 0);
+  const fs::path state = lab.daemon.state();
+  fs::copy_file(copy, state / "popcut.db", fs::copy_options::overwrite_existing);
+  fs::remove(state / "popcut.db-wal");
+  fs::remove(state / "database-state");
+  const Ran refused = run_program({popcutd_program(), "--config", lab.daemon.config()}, "/");
+  CAPTURE(refused.err);
+  CHECK(refused.exit == 78);
+  CHECK(says(refused.err, "'popcut db restore COPY --older --state " + state.string() + "'"));
+  const Ran restored = lab.popcut({"db", "restore", copy, "--older", "--state", state.string()});
+  CAPTURE(restored.err);
+  CHECK(restored.exit == 0);
+  lab.open();
+  CHECK(Json::parse(lab.popcut({"jobs", "--all", "--json"}).out)["jobs"].size() == 1);
+}
+
+TEST_CASE("the help of popcutd has no two empty lines in a row", "[popcutd][e2e]") {
+  const Ran help = run_program({popcutd_program(), "--help"}, "/");
+  CHECK(help.exit == 0);
+  CHECK(says(help.out, "\n\nExit codes: "));
+  CHECK_FALSE(says(help.out, "\n\n\n"));
+}
+
 TEST_CASE("too few descriptors for the connections are raised or reported", "[popcutd][e2e]") {
   rlimit before{};
   REQUIRE(::getrlimit(RLIMIT_NOFILE, &before) == 0);

@@ -175,6 +175,19 @@ TEST_CASE("the ways out of an interruption are listed one per line", "[cli][jobs
   }
 }
 
+TEST_CASE("in a window that is too narrow for both a comment follows its command", "[cli][jobs]") {
+  Json interrupted = job("interrupted");
+  interrupted["actions"] = {"retry-sheet", "cancel"};
+  const std::string wide = joined(jobs_view({interrupted}, {120, false}));
+  CHECK(wide.find("popcut retry 01JDX7KQ4M8Z 2              # cut it again on a new sheet\n") !=
+        std::string::npos);
+  const std::string apart =
+      "         popcut retry 01JDX7KQ4M8Z 2\n           # cut it again on a new sheet\n";
+  CHECK(joined(jobs_view({interrupted}, {60, false})).find(apart) != std::string::npos);
+  CHECK(joined(job_details(interrupted, {}, std::nullopt, 60)).find(apart.substr(4, 32)) !=
+        std::string::npos);
+}
+
 TEST_CASE("a sheet that was not sent completely cannot be confirmed as complete", "[cli][jobs]") {
   Json interrupted = job("interrupted");
   interrupted["actions"] = {"retry-sheet", "confirm-result", "cancel"};
