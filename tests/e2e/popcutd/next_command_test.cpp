@@ -125,14 +125,15 @@ TEST_CASE("every refusal names a command that cures it", "[popcutd][cli][next]")
                                                  {"arm", id, "2"},
                                                  {"arm", id, "1", "--blank", "7"},
                                                  {"arm", id, "--device", "sim:nowhere"},
-                                                 {"arm", id, "--device", "sim:wide"},
                                                  {"resume", id, "--from", "3"},
                                                  {"confirm", id, "1", "good"},
                                                  {"pause", id},
                                                  {"retry", id, "2"}})
       CHECK(shop.cure(words, "") == arm);
     const Words change{"change", id, "--device", "sim:slow"};
-    CHECK(shop.cure({"change", id, "--device", "sim:wide"}, "planned for") == change);
+    const Words again{"change", id, "--device", "sim:wide", "--plan-again"};
+    CHECK(shop.cure({"change", id, "--device", "sim:wide"}, "planned for") == again);
+    CHECK(shop.cure({"arm", id, "--device", "sim:wide"}, "") == again);
     CHECK(shop.cure({"change", id, "--device", "sim:none"}, "one of") == change);
     CHECK(shop.cure({"resume", id, "--from"}, "missing its path") ==
           Words{"jobs", id.substr(0, 12)});
