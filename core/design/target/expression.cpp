@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "core/design/target/expression.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -10,6 +11,8 @@
 #include <fmt/format.h>
 #include <muParser.h>
 
+#include "core/text/near_names.hpp"
+
 namespace popcut {
 
 struct Expression::Parser {
@@ -18,6 +21,9 @@ struct Expression::Parser {
 };
 
 namespace {
+
+constexpr const char* kNameLetters =
+    "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
 
 /// What muParser does not have. Its own are in docs/designs.md too.
 void add_functions(mu::Parser& parser) {
@@ -36,6 +42,22 @@ std::string function_names(const mu::Parser& parser) {
   std::string out;
   for (const auto& [name, ignored] : parser.GetFunDef()) out += (out.empty() ? "" : ", ") + name;
   return out;
+}
+
+/// "; did you mean sin?" of the name that `token` begins with; empty if none is near.
+std::string meant(const std::string& token, const mu::Parser& parser,
+                  const std::vector<std::string>& variables) {
+  std::string name = token.substr(0, token.find_first_not_of(kNameLetters));
+  std::transform(name.begin(), name.end(), name.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  std::vector<std::string> known = variables;
+  known.insert(known.end(), {"pi", "e"});
+  for (const auto& [function, ignored] : parser.GetFunDef()) known.push_back(function);
+  const bool is_known = std::find(known.begin(), known.end(), name) != known.end();
+  // Any letter is near to any other.
+  const std::string near = is_known ? name : name.size() < 2 ? "" : nearest_word(name, known);
+  return near.empty() ? "" : fmt::format("; did you mean {}?", near);
 }
 
 /// Where the text has a single "=": muParser would take it as an assignment to a variable.
@@ -84,10 +106,11 @@ Result<Expression> Expression::parse(const std::string& text,
     if (e.GetCode() == mu::ecUNASSIGNABLE_TOKEN)
       return fail(
           ErrorKind::Malformed, "",
-          fmt::format("the expression does not parse at column {} (near \"{}\"); it knows {}, pi, "
-                      "e, and the functions {}",
-                      e.GetPos() + 1, std::string(e.GetToken()).substr(0, 40), names,
-                      function_names(parser->mu)));
+          fmt::format(
+              "the expression does not parse at column {} (near \"{}\"){}; it knows {}, pi, "
+              "e, and the functions {}",
+              e.GetPos() + 1, std::string(e.GetToken()).substr(0, 40),
+              meant(e.GetToken(), parser->mu, variables), names, function_names(parser->mu)));
     return fail(
         ErrorKind::Malformed, "",
         fmt::format("the expression does not parse at column {} (near \"{}\"); a formula of {} is "

@@ -74,9 +74,12 @@ class ProfileSlice {
     if (outside == 0.0)
       return fail(
           ErrorKind::Infeasible, at_s(s_mm_),
-          fmt::format("the profile stays above the ground up to x = {:.6g} mm; it must fall to "
-                      "z = 0",
-                      kMostDepth * h));
+          fmt::format(
+              "the profile stays above the ground up to x = {:.6g} mm; it must fall to "
+              "z = 0. If it rises away from the wall, turn it round (write D - x for x, with "
+              "the depth D of your shape), or use \"fit\": \"nearest\", which takes the nearest "
+              "shape that falls",
+              kMostDepth * h));
     for (int k = 0; k < 200 && inside < outside; ++k) {
       const double middle = 0.5 * (inside + outside);
       if (middle <= inside || middle >= outside) break;

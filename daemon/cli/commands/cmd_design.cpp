@@ -340,6 +340,12 @@ Result<PatchAssembly> timed_design(const DesignSpec& spec, const SurfaceAssets& 
   return made;
 }
 
+/// The text of SPEC.
+Result<std::string> spec_text(const std::string& spec) {
+  constexpr std::uintmax_t kMost = 64u << 20;
+  return read_file(spec == "-" ? "/dev/stdin" : spec, kMost);
+}
+
 /// Leaves only the file that says what is wrong, so that no older pattern is taken for this one.
 Error report_unsound(OutputFolder folder, const std::string& report, Error error) {
   auto done = folder.add(planning::kUnsoundFile, report);
@@ -371,8 +377,6 @@ Result<Material> material_of(const DesignSpec& spec, const std::string& spec_fil
               error.place.empty() ? spec_file + ": /material" : error.place, error.detail);
 }
 
-constexpr std::uintmax_t kSpecLimitBytes = 64u << 20;
-
 Result<void> design_into(const Options& options, const Globals& globals) {
   const auto formats = parse_formats(options.formats);
   if (!formats) return tl::unexpected(formats.error());
@@ -385,7 +389,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (const auto valid = angles_of(options.motion, Pattern().design_psi_rad); !valid)
     return tl::unexpected(valid.error());
   std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the design");
-  const auto text = read_file(options.spec, kSpecLimitBytes);
+  const auto text = spec_text(options.spec);
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
   if (!spec) return tl::unexpected(within(options.spec, spec.error()));
@@ -458,7 +462,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
 }
 
 Result<void> place(const Options& options, const Globals& globals) {
-  const auto text = read_file(options.spec, kSpecLimitBytes);
+  const auto text = spec_text(options.spec);
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
   if (!spec) return tl::unexpected(within(options.spec, spec.error()));
@@ -499,7 +503,16 @@ constexpr const char* kHelp =
     "  popcut design --example sphere > sphere.json\n"
     "  popcut design sphere.json -o sphere\n\n"
     "SPEC describes the shape (a formula, a table of heights or a 3D model) and how finely to\n"
-    "slice it. popcut writes into DIR:\n\n"
+    "slice it; - reads it from standard input. Its lengths are mm, and its axes are:\n\n"
+    "      z\n"
+    "      |  wall: x = 0\n"
+    "      |\n"
+    "      +-------- x\n"
+    "     /  ground: z = 0\n"
+    "    y  along the main fold\n\n"
+    "Formulas know + - * / ^, pi, e, comparisons, a ? b : c, and sin cos tan asin acos atan atan2\n"
+    "sinh cosh tanh asinh acosh atanh sqrt exp ln log log2 log10 abs sign min max sum avg floor\n"
+    "ceil round rint mod. docs/designs.md describes them. popcut writes into DIR:\n\n"
     "  pattern.png   a picture of the sheet\n"
     "  deployed.png  a picture of the opened card, your shape around it in blue\n"
     "  poster.svg    pictures of the card as it opens\n"
@@ -522,7 +535,8 @@ void register_design(CLI::App& app, const Globals& globals, Run& run) {
   using namespace design_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("design", kHelp);
-  command->add_option("SPEC", options->spec, "The design: a JSON file; --schema prints its format");
+  command->add_option("SPEC", options->spec,
+                      "The design: a JSON file, or -; --schema prints its format");
   command
       ->add_option("-o,--output", options->folder,
                    "Folder for the files; created if it does not exist")

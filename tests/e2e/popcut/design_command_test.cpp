@@ -57,6 +57,23 @@ TEST_CASE("a design that takes long shows at a terminal what it does and what is
   CHECK(popcut.out().empty());
 }
 
+TEST_CASE("a design is read from standard input", "[cli][e2e]") {
+  const Bench bench;
+  const std::string pipe = "'" + std::string(popcut_program()) + "' design --example sphere | '" +
+                           popcut_program() + "' design - -o card";
+  const Ran ran = run_program({"/bin/sh", "-c", pipe}, bench.temp.path());
+  INFO(ran.err);
+  CHECK(ran.exit == 0);
+  CHECK(fs::exists(bench.temp / "card/pattern.fold"));
+  const Ran wrong = run_program(
+      {"/bin/sh", "-c",
+       "echo '{\"popcut\": 2}' | '" + std::string(popcut_program()) + "' design - -o no"},
+      bench.temp.path());
+  CHECK(wrong.exit == 3);
+  CHECK(says(wrong.err, "/popcut"));
+  CHECK(!fs::exists(bench.temp / "no"));
+}
+
 TEST_CASE("every shipped example becomes a pattern with one degree of freedom",
           "[cli][e2e][design]") {
   const Bench bench;

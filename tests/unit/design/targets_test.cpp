@@ -363,6 +363,14 @@ TEST_CASE("formulas know how to round and name what they know", "[core][target]"
     CHECK_THAT(unknown.error().detail, Catch::Contains("acos") && Catch::Contains("floor") &&
                                            Catch::Contains("mod") && Catch::Contains("tanh"));
   }
+  for (const auto& [text, near] : {std::pair{"36 - Y^2", "y"},
+                                   {"sqr(36 - y^2)", "sqrt"},
+                                   {"2 * PI * x", "pi"},
+                                   {"arctan(x)", "atan"}})
+    CHECK_THAT(Expression::parse(text, {"x", "y"}).error().detail,
+               Catch::Contains(fmt::format("did you mean {}?", near)));
+  CHECK_THAT(Expression::parse("elephant + 1", {"x"}).error().detail,
+             !Catch::Contains("did you mean"));
 }
 
 TEST_CASE("a target that ends inside a slice is cut where it still is", "[core][target][design]") {
