@@ -23,6 +23,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kShortId = 12;
+constexpr const char* kWarning = "warning: ";
 constexpr std::size_t kMostJobsShown = 200;
 
 std::string shown_of(const Json& object, const char* key) {
@@ -308,8 +309,12 @@ std::string load_text(const Json& job) {
 std::vector<std::string> warning_lines(const Json& job) {
   std::vector<std::string> lines;
   if (const auto all = job.find("warnings"); all != job.end() && all->is_array())
-    for (const Json& one : *all)
-      if (one.is_object()) lines.push_back(client::in_command_words(shown_of(one, "message")));
+    for (const Json& one : *all) {
+      if (!one.is_object()) continue;
+      lines.push_back(client::in_command_words(shown_of(one, "message")));
+      if (shown_of(one, "code") == "cutter_chosen")
+        lines.back() += fmt::format(": popcut change {} --device ID --plan-again", short_id(job));
+    }
   return lines;
 }
 
@@ -329,8 +334,7 @@ std::vector<std::string> unaccepted_warnings(const Json& job) {
 std::vector<std::string> waiting_for(const Json& job) {
   std::vector<std::string> lines;
   if (is(job, "ready") && may(job, "arm"))
-    for (const std::string& warning : unaccepted_warnings(job))
-      lines.push_back("warning: " + warning);
+    for (const std::string& warning : unaccepted_warnings(job)) lines.push_back(kWarning + warning);
   const std::string id = short_id(job);
   const std::int64_t sheet = whole_of(job, "sheet"), total = whole_of(job, "sheets_total");
   const Json& attention = part_of(job, "attention");
@@ -442,7 +446,10 @@ std::vector<std::string> job_details(const Json& job, const std::vector<Json>& s
       if (const std::string ranges = ranges_of(*ledger, key); !ranges.empty())
         lines.push_back(fmt::format("paths {:<14} {}", what, ranges));
   // Commands stay in one line, to be copied.
-  for (const std::string& wait : waiting_lines(waiting_for(as_sent(job, ledger)), 0))
+  std::vector<std::string> waits = waiting_for(as_sent(job, ledger));
+  // They stand above already.
+  std::erase_if(waits, [](const std::string& wait) { return wait.starts_with(kWarning); });
+  for (const std::string& wait : waiting_lines(waits, 0))
     for (std::string& part : comment_apart(wait, width)) lines.push_back(std::move(part));
   return lines;
 }

@@ -79,7 +79,9 @@ TEST_CASE("where two models would do popcut says which it chose and how to choos
   CHECK(job["load"]["machine"] == "cameo3");
   CHECK(warns(job, "cutter_chosen"));
   CHECK(job["unaccepted_warnings"].empty());
-  CHECK(says(desk.popcut({"jobs", id}).out, "it can be planned again for sim:portrait3"));
+  CHECK(says(desk.popcut({"jobs", id}).out,
+             fmt::format("it can be planned again for sim:portrait3: popcut change {} --device ID",
+                         id.substr(0, 12))));
 
   const Ran refused = desk.popcut({"arm", id, "1", "--device", "sim:portrait3"});
   CHECK(refused.exit == 5);
