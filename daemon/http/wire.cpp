@@ -122,6 +122,8 @@ Answer<bool> RequestReader::read_body(std::uint64_t most_bytes, const Sink& sink
     const std::size_t left = pending_.size() - taken;
     // Beast 1.74 takes it for granted that a last chunk comes with all its five bytes.
     if (parser.head.is_chunked && left < 5) break;
+    // Beast 1.74 counts a chunk again each time that its extensions go on in the next piece.
+    if (parser.head.is_chunked) parser.body_limit(std::numeric_limits<std::uint64_t>::max());
     const std::size_t now = parser.put({pending_.data() + taken, left}, ec);
     taken += now;
     if (ec || now == 0) break;
