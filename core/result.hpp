@@ -34,6 +34,7 @@ enum class ErrorReason {
   TooMuch,    ///< an input is larger than a limit that can be raised
   NotThere,   ///< popcutd has nothing of that name
   Misplaced,  ///< a surface has no part where it can pop up
+  Unclear,    ///< a drawing does not say which of its lines are folds
 };
 
 /// One clear error: `place: what is wrong; what would be right`.

@@ -218,7 +218,10 @@ class Planner {
              drawing_.warnings,
              options.order.seed,
              mode,
-             options.clean.snap_mm},
+             options.clean.snap_mm,
+             options.svg_profile,
+             options.svg_dpi,
+             options.curve_tolerance_mm},
         settings_(out_.machine, out_.material, mode, out_.warnings) {}
 
   Result<Plan> run() {

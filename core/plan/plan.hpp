@@ -50,6 +50,8 @@ struct Plan {
   std::uint64_t seed{};
   FoldMode folds{FoldMode::Perforate};
   double snap_mm{};
+  std::string svg_profile{};  ///< how an SVG was read, as the next two
+  double svg_dpi{}, curve_tolerance_mm{};
   std::optional<Layout> layout{};  ///< set if the drawing was split
   LineWork whole{};                ///< set if the drawing was split: the cleaned drawing
 };

@@ -224,6 +224,9 @@ std::string plan_json(const Plan& plan) {
             {"gap_mm", plan.material.dashes.gap_mm},
             {"folds", fold_mode_name(plan.folds)},
             {"snap_mm", plan.snap_mm},
+            {"svg_profile", plan.svg_profile},
+            {"svg_dpi", plan.svg_dpi},
+            {"curve_tolerance_mm", plan.curve_tolerance_mm},
             {"sheets", Json::array()},
             {"warnings", messages_of(plan.warnings)},
             {"seed", plan.seed}};

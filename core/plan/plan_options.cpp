@@ -221,8 +221,9 @@ std::vector<PlanOption> make_table() {
       word("dialect", MEMBER(dialect), {"gpgl", "hpgl"},
            "Language of the program; without --machine, popcut takes a machine that speaks it"),
       text("svg-profile", MEMBER(svg_profile), "NAME",
-           "How popcut decides what the strokes of an SVG mean: popcut, origami-sim, lightburn, "
-           "cricut, boxes-py, plain, or a profile of your own"),
+           "How popcut decides what the strokes of an SVG mean: auto (by their names; refuses several "
+           "colours without names), popcut (by their names; cuts the others), origami-sim, "
+           "lightburn, cricut, boxes-py, plain, or a profile of your own"),
       word("folds", MEMBER(knife.folds), {"perforate", "score", "light"},
            "How folds are made: perforate (dashes), score (press with a stylus) or light (cut "
            "half through)", "the material's"),

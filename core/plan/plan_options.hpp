@@ -41,7 +41,7 @@ struct PlanOptions {
   bool mat_free{false};   ///< without a mat: sets bands and corners of `order`
   CleanOptions clean{};
   KnifeOptions knife{};
-  std::string svg_profile{"popcut"};
+  std::string svg_profile{"auto"};
   double curve_tolerance_mm{0.02}, svg_dpi{96};
   bool no_split{false};                      ///< a drawing that is too large is refused
   std::vector<double> seams_x{}, seams_y{};  ///< seams that were asked for, drawing mm

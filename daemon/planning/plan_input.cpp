@@ -61,6 +61,7 @@ Result<DrawingInput> only_drawing(Result<LineWork> drawing) {
 
 Result<DrawingInput> from_dxf(const std::string& text, const SvgReadOptions& how, unsigned factor) {
   DxfOptions options = DxfOptions{}.raised(factor);
+  if (how.profile.asks) options.colours = DxfColours::Asked;
   if (how.profile.name == "origami-sim") options.colours = DxfColours::OrigamiSim;
   if (how.profile.name == "lightburn") options.colours = DxfColours::Lightburn;
   options.tolerance_mm = how.tolerance_mm;

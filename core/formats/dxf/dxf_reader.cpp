@@ -87,6 +87,7 @@ class DxfReader {
       cursor.next();
       if (!entities(cursor, place, 0)) return tl::unexpected(*error_);
     }
+    if (second_colour_) return tl::unexpected(*second_colour_);
     add_warnings();
     return std::move(work_);
   }
@@ -261,7 +262,32 @@ class DxfReader {
     if (use.layer.meaning == DxfMeaning::Fold) ++sideless_;
     if (const auto meant = kMeanings.at(static_cast<std::size_t>(use.layer.meaning))) return meant;
     if (options_.colours == DxfColours::Ignored) return Operation::Cut;
+    if (options_.colours == DxfColours::Asked) {
+      see_colour(own, use);
+      return Operation::Cut;
+    }
     return by_colour(own.colour, own.rgb, options_.colours);
+  }
+
+  // Black and white are one colour: both are "the other than the background".
+  // The dashes of a line say what to do with it: cut them.
+  void see_colour(const Place& own, const LayerUse& use) {
+    if (const auto found = dashes_.find(own.linetype);
+        sounds_dashed(own.linetype) || (found != dashes_.end() && !found->second.dashes.empty()))
+      return;
+    const bool plain = own.rgb < 0 ? own.colour == 7 : own.rgb == 0 || own.rgb == 0xffffff;
+    const std::pair<int, int> colour = plain          ? std::pair(7, -1)
+                                       : own.rgb >= 0 ? std::pair(-1, own.rgb)
+                                                      : std::pair(own.colour, -1);
+    if (!first_colour_) first_colour_ = colour;
+    if (*first_colour_ == colour || second_colour_) return;
+    second_colour_ = Error{
+        ErrorKind::Malformed, fmt::format("layer \"{}\"", use.layer.name),
+        "lines on layers whose names say neither cut nor fold have several colours, and popcut "
+        "does not guess which of them are folds; use `svg-profile` origami-sim or lightburn if "
+        "red is a mountain fold and blue a valley fold, `svg-profile` popcut to cut them all, or "
+        "name the layers CUT, MOUNTAIN and VALLEY",
+        ErrorReason::Unclear};
   }
 
   /// Appends `line_`, as dashes if its line type has any.
@@ -377,6 +403,8 @@ class DxfReader {
   std::size_t paper_{}, hidden_{}, tilted_{}, by_colour_{}, sideless_{}, dashed_{}, unclear_{};
   std::size_t lines_left_;
   std::optional<Error> error_;
+  std::optional<std::pair<int, int>> first_colour_;  // index and rgb
+  std::optional<Error> second_colour_;
 };
 
 }  // namespace

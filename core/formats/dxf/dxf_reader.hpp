@@ -12,6 +12,7 @@ namespace popcut {
 /// What colours mean for lines on layers with unknown names.
 enum class DxfColours {
   Ignored,     ///< cut all lines
+  Asked,       ///< cut all lines of one colour; refuse several colours of solid lines
   OrigamiSim,  ///< red mountain, blue valley, green cut, black or white outline, others left out
   Lightburn,   ///< red mountain, blue valley, others cut
 };
@@ -40,6 +41,8 @@ struct DxfOptions {
 ///
 /// @retval Malformed   not an ASCII DXF, truncated, an invalid group, or a block that inserts
 ///                     itself; place is the line
+/// @retval Malformed   colours are Asked, and lines on layers with unknown names have several; the
+///                     reason is Unclear
 /// @retval OutOfRange  larger than `options` allow, or more than 100 m from the origin
 [[nodiscard]] Result<LineWork> linework_from_dxf(std::string_view text,
                                                  const DxfOptions& options = {});

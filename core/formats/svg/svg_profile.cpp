@@ -87,6 +87,7 @@ Result<StrokeProfile> read_profile(const TableRow& row) {
       "rules", [&](FieldReader& rule) { profile.rules.push_back(read_rule(rule)); }, kMostRules);
   profile.otherwise = use_at(fields.word("otherwise", 4, use_words()));
   profile.fills = read_use(fields, "fills");
+  profile.asks = fields.boolean("asks", false);
   if (const auto whole = fields.finish(); !whole)
     return tl::unexpected(in_table(row, whole.error()));
   return profile;

@@ -40,6 +40,7 @@ struct StrokeProfile {
   std::vector<StrokeRule> rules;
   StrokeUse otherwise{Operation::Cut};
   StrokeUse fills;  ///< the outline of shapes with a fill and no stroke
+  bool asks{false};  ///< true: refuse several colours of solid strokes without a meaning
 };
 
 /// The built-in profiles, then those of the users' tables. A user's profile replaces a built-in one

@@ -46,20 +46,42 @@ std::optional<SvgPurpose> SvgPurposes::of(const SvgElement& e, const SvgStyle& s
   if (style.stroke.kind == SvgPaint::Kind::Server) notes_.add(SvgNote::PaintServer, here);
   if (const auto ruled = use_of_stroke(profile_, rgb, line_style(dashes), e.classes))
     return SvgPurpose{*ruled, false};
-  if (colours_.size() < kMostListedColours &&
-      std::find(colours_.begin(), colours_.end(), rgb) == colours_.end())
+  // The dashes of a stroke say what to do with it: cut them.
+  const bool said = profile_.asks && line_style(dashes) != LineStyle::Solid;
+  if (!said && colours_.size() < kMostListedColours &&
+      std::find(colours_.begin(), colours_.end(), rgb) == colours_.end()) {
     colours_.push_back(rgb);
+    if (colours_.size() == 2) second_colour_ = here();
+  }
   return SvgPurpose{profile_.otherwise, false};
+}
+
+std::string SvgPurposes::colour_list() const {
+  std::string list;
+  for (const std::uint32_t rgb : colours_) list += (list.empty() ? "" : ", ") + colour_text(rgb);
+  return fmt::format("{} colours ({})",
+                     colours_.size() == kMostListedColours ? "many" : std::to_string(colours_.size()),
+                     list);
+}
+
+Result<void> SvgPurposes::clear() const {
+  if (!profile_.asks || colours_.size() < 2) return {};
+  return tl::unexpected(
+      Error{ErrorKind::Malformed, second_colour_,
+            fmt::format("solid strokes without a name have {}, and popcut does not guess which of them "
+                        "are folds; use `svg-profile` origami-sim if red is a mountain fold and "
+                        "blue a valley fold, `svg-profile` popcut to cut them all, or one of "
+                        "'popcut plan --help'",
+                        colour_list()),
+            ErrorReason::Unclear});
 }
 
 std::string SvgPurposes::colour_warning() const {
   if (!profile_.names || !profile_.rules.empty() || has_names_ || colours_.size() < 2) return {};
-  std::string list;
-  for (const std::uint32_t rgb : colours_) list += (list.empty() ? "" : ", ") + colour_text(rgb);
   return fmt::format(
-      "strokes have {} colours ({}) and no names: all are cut; if the colours have a "
-      "meaning, use `svg-profile` origami-sim, lightburn or one of your own",
-      colours_.size() == kMostListedColours ? "many" : std::to_string(colours_.size()), list);
+      "strokes have {} and no names: all are cut; if the colours have a meaning, use `svg-profile` "
+      "origami-sim, lightburn or one of your own",
+      colour_list());
 }
 
 }  // namespace popcut

@@ -68,6 +68,7 @@ class SvgReader {
       note(SvgNote::Hidden, root);
     else if (auto done = children(root, place, style); !done)
       return tl::unexpected(done.error());
+    if (auto clear = purposes_.clear(); !clear) return tl::unexpected(clear.error());
     settle_fills();
     add_warnings();
     return std::move(work_);

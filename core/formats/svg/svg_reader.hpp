@@ -35,6 +35,8 @@ struct SvgReadOptions {
 ///
 /// @retval Malformed   not XML or not SVG; an unreadable path, length or transform; a `use` of
 ///                     itself; a DOCTYPE with more than plain entities. Place: line, column, id
+/// @retval Malformed   the profile asks, and strokes without a meaning have several colours; the
+///                     reason is Unclear
 /// @retval OutOfRange  over a limit, or more than 100 m from the origin
 [[nodiscard]] Result<LineWork> linework_from_svg(std::string text, const SvgReadOptions& options);
 

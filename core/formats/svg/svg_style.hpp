@@ -138,6 +138,11 @@ class SvgPurposes {
                                              const SvgDashes& dashes);
   /// Whether any shape so far had a name.
   [[nodiscard]] bool has_names() const { return has_names_; }
+  /// What a drawing's strokes are for cannot be told: those without a meaning have several colours,
+  /// and the profile `asks`.
+  ///
+  /// @retval Malformed  the reason is Unclear; place: the first stroke of a second colour
+  [[nodiscard]] Result<void> clear() const;
   /// A warning if strokes of several colours all got the same purpose; else empty.
   [[nodiscard]] std::string colour_warning() const;
 
@@ -145,7 +150,10 @@ class SvgPurposes {
   const SvgText& text_;
   const StrokeProfile& profile_;
   SvgNotes& notes_;
+  [[nodiscard]] std::string colour_list() const;
+
   std::vector<std::uint32_t> colours_;  ///< the first colours that no rule knows
+  std::string second_colour_;           ///< where the second of them is first used
   bool has_names_{false};
 };
 

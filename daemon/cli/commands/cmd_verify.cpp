@@ -27,7 +27,7 @@ namespace {
 struct Options {
   std::string pattern;
   std::string target;
-  std::string svg_profile{"origami-sim"};
+  std::string svg_profile{"auto"};
   std::optional<std::size_t> degrees_of_freedom;
 };
 
@@ -62,6 +62,13 @@ Result<std::string> fold_of_svg(const std::string& svg, const Options& options,
   SvgReadOptions how;
   how.profile = std::move(*profile);
   auto work = linework_from_svg(svg, how);
+  if (!work && work.error().reason == ErrorReason::Unclear) {
+    work = linework_from_svg(svg, SvgProfile::OrigamiSim);
+    warnings.emplace_back(
+        "strokes without a name have several colours: red is read as mountain folds, blue as "
+        "valley folds, green and black as cuts; 'popcut plan' reads them so with --svg-profile "
+        "origami-sim");
+  }
   if (!work) return tl::unexpected<Error>(within(options.pattern, work.error()));
   for (const Warning& warning : work->warnings)
     warnings.push_back(client::in_command_words(warning.message));
@@ -144,9 +151,10 @@ void register_verify(CLI::App& app, const Globals& globals, Run& run) {
       ->option_text("SPEC");
   command
       ->add_option("--svg-profile", options->svg_profile,
-                   "What the lines of an SVG mean: origami-sim (by colour), popcut, lightburn, "
-                   "cricut or plain")
-      ->option_text("NAME [origami-sim]");
+                   "What the strokes of an SVG mean: auto (by their names; several colours without "
+                   "names as origami-sim), popcut (by their names; the others are cuts), "
+                   "origami-sim (by colour), lightburn, cricut, plain, or a profile of your own")
+      ->option_text("NAME [auto]");
   when_chosen(command, run, [options, &globals] { return run_verify(*options, globals); });
 }
 

@@ -206,6 +206,10 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
   }
   if (const auto folds = text_at(json, "/folds")) facts.folds = *folds;
   if (const auto snap = number_at(json, "/snap_mm")) facts.snap_mm = *snap;
+  if (const auto profile = text_at(json, "/svg_profile")) facts.svg_profile = *profile;
+  if (const auto dpi = number_at(json, "/svg_dpi"); dpi && *dpi > 0) facts.svg_dpi = *dpi;
+  if (const auto most = number_at(json, "/curve_tolerance_mm"); most && *most > 0)
+    facts.curve_tolerance_mm = *most;
   if (const auto offset = number_at(json, sheet + "/blade_offset_mm"))
     facts.blade_offset_mm = *offset;
   if (const nlohmann::json* tools = find(json, sheet + "/blade_tools"); tools && tools->is_array())
@@ -260,6 +264,17 @@ LineWork drawing_on_sheet(const LineWork& pattern, const PlanFacts& plan) {
   return out;
 }
 
+// A pattern means what it meant to the plan.
+Result<SvgReadOptions> reading_of(const PlanFacts& plan, const UserTables& tables) {
+  auto profile = find_stroke_profile(plan.svg_profile, tables.texts);
+  if (!profile) return tl::unexpected(within("--plan", tables.with_file(profile.error())));
+  SvgReadOptions how;
+  how.profile = std::move(*profile);
+  how.dpi = plan.svg_dpi;
+  how.tolerance_mm = plan.curve_tolerance_mm;
+  return how;
+}
+
 }  // namespace
 
 void add_knife(const KnifeWork& knife, Expected& expected) {
@@ -292,7 +307,9 @@ Result<PlanFacts> read_plan_facts(const std::string& file, std::size_t number) {
 
 Result<Expectation> read_expectation(const std::string& file, const std::optional<PlanFacts>& plan,
                                      const UserTables& tables) {
-  auto input = read_drawing(file, SvgProfile::Popcut, tables.texts);
+  const auto how = reading_of(plan.value_or(PlanFacts{}), tables);
+  if (!how) return tl::unexpected(how.error());
+  auto input = read_drawing(file, *how, tables.texts);
   if (!input) return tl::unexpected(input.error());
   Expectation out;
   if (plan) out.expected.also_allowed = plan->also_allowed;

@@ -24,6 +24,8 @@ struct PlanFacts {
   LineWork also_allowed;             ///< overcuts, lead-ins, marks, labels, scored folds
   std::string folds{"perforate"};
   double snap_mm{};
+  std::string svg_profile{"popcut"};  ///< how the plan read an SVG, as the next two
+  double svg_dpi{96}, curve_tolerance_mm{0.02};
   double blade_offset_mm{};
   std::uint16_t blade_tools{};
 };

@@ -33,6 +33,7 @@ CutVerdict refused(ErrorReason reason, const std::string& text) {
     case ErrorReason::TooMuch:
     case ErrorReason::NotThere:
     case ErrorReason::Misplaced:
+    case ErrorReason::Unclear:
       break;
   }
   return {"refused", "device_fault", text};

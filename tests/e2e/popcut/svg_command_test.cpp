@@ -61,7 +61,8 @@ TEST_CASE("the tolerance of curves and the size of a unit can be set", "[cli][e2
     REQUIRE(plan(temp, "A=", options).exit == 0);
     return std::filesystem::file_size(temp / "sheets/sheet-01.gpgl");
   };
-  CHECK(bytes({"--curve-tolerance", "0.5"}) < bytes({"--curve-tolerance", "0.01"}));
+  CHECK(bytes({"--svg-profile", "popcut", "--curve-tolerance", "0.5"}) <
+        bytes({"--svg-profile", "popcut", "--curve-tolerance", "0.01"}));
   check_refused(plan(temp, "A=", {"a.svg", "--curve-tolerance", "0"}), 2, "--curve-tolerance");
   check_refused(plan(temp, "A=", {"a.svg", "--svg-dpi", "0"}), 2, "--svg-dpi");
 }
@@ -178,6 +179,111 @@ TEST_CASE("a DXF drawing is planned and its sheet is what the program cuts", "[c
       CAPTURE(held.err);
       CHECK(held.exit == 0);
     }
+  }
+}
+
+namespace {
+
+// A card of 100 x 80 mm with one box, in the colours of Origami Simulator and without names.
+const std::string kCard =
+    "<svg xmlns='http://www.w3.org/2000/svg' width='100mm' height='80mm' viewBox='0 0 100 80' "
+    "fill='none'><rect width='100' height='80' stroke='black'/>"
+    "<path d='M0 40H30M70 40H100M30 20H70M30 60H70' stroke='blue'/>"
+    "<path d='M30 20V60M70 20V60' stroke='#0f0'/><path d='M30 40H70' stroke='red'/></svg>";
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size())
+    text.replace(at, what.size(), with);
+  return text;
+}
+
+json verified(const TempFolder& temp, const std::string& file,
+              const std::vector<std::string>& options = {}) {
+  std::vector<std::string> all{popcut_program(), "verify", file, "--json"};
+  all.insert(all.end(), options.begin(), options.end());
+  const Ran ran = run_program(all, temp.path(), {.memory_bytes = 2l << 30});
+  CAPTURE(ran.err);
+  REQUIRE((ran.exit == 0 || ran.exit == 6));
+  return json::parse(ran.out);
+}
+
+}  // namespace
+
+TEST_CASE("several colours without names are not cut before somebody says what they mean",
+          "[cli][e2e][svg][reading]") {
+  const TempFolder temp;
+  write_file(temp / "card.svg", kCard);
+  const Ran asked = plan(temp, "A=", {"card.svg"});
+  check_refused(asked, 3, "4 colours (#000000, #0000ff, #00ff00, #ff0000)");
+  CHECK(asked.err.find("card.svg: line 1") != std::string::npos);
+  CHECK(asked.err.find("--svg-profile origami-sim") != std::string::npos);
+  CHECK(asked.err.find("--svg-profile popcut") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(temp / "sheets"));
+  // Both ways that it names work, and mean what it says.
+  const Ran folded = plan(temp, "A=", {"card.svg", "--svg-profile", "origami-sim"});
+  REQUIRE(folded.exit == 0);
+  CHECK(json::parse(folded.out)["sheets"][0]["fold_line_mm"].get<double>() == Approx(180));
+  const Ran cut = plan(temp, "A=", {"card.svg", "--svg-profile", "popcut"});
+  REQUIRE(cut.exit == 0);
+  CHECK(json::parse(cut.out)["sheets"][0]["fold_line_mm"].get<double>() == 0.0);
+  // A name for all but one colour is enough.
+  const std::string layers = replaced(
+      replaced(kCard, "stroke='blue'", "stroke='blue' data-assignment='V'"), "stroke='red'",
+      "stroke='red' data-assignment='M'");
+  write_file(temp / "named.svg", replaced(layers, "#0f0", "black"));
+  CHECK(plan(temp, "A=", {"named.svg"}).exit == 0);
+  // Dashes say what to do with a line whatever its colour.
+  write_file(temp / "dashes.svg",
+             replaced(replaced(kCard, "'blue'", "'blue' stroke-dasharray='2 1'"), "'red'",
+                      "'red' stroke-dasharray='3 1'"));
+  check_refused(plan(temp, "A=", {"dashes.svg"}), 3, "2 colours (#000000, #00ff00)");
+  write_file(temp / "half.svg", layers);
+  check_refused(plan(temp, "A=", {"half.svg"}), 3, "2 colours (#000000, #00ff00)");
+}
+
+TEST_CASE("plan, verify and simulate read a drawing in one way", "[cli][e2e][svg][reading]") {
+  const TempFolder temp;
+  write_file(temp / "card.svg", kCard);
+  // Colours: verify says how it reads them, and plan reads them so when told.
+  const json coloured = verified(temp, "card.svg");
+  CHECK(coloured.dump().find("--svg-profile origami-sim") != std::string::npos);
+  const Ran planned = plan(temp, "A=", {"card.svg", "--svg-profile", "origami-sim"});
+  REQUIRE(planned.exit == 0);
+  const auto expected = [&](const std::string& file) {
+    return run_program({popcut_program(), "simulate", "sheets/sheet-01.gpgl", "-o", "cut",
+                        "--expect", file, "--plan", "sheets/plan.json", "-q"},
+                       temp.path(), {.memory_bytes = 2l << 30});
+  };
+  const Ran same = expected("card.svg");
+  CAPTURE(same.err);
+  CHECK(same.exit == 0);  // plan.json says how the drawing was read
+  // The same drawing with names, and with one colour.
+  std::string named = kCard;
+  for (const auto& [colour, letter] : std::vector<std::pair<std::string, std::string>>{
+           {"'black'", "B"}, {"'blue'", "V"}, {"'#0f0'", "C"}, {"'red'", "M"}})
+    named = replaced(named, "stroke=" + colour, "stroke='#123' data-assignment='" + letter + "'");
+  write_file(temp / "named.svg", named);
+  for (const char* profile : {"auto", "popcut", "origami-sim"}) {
+    CAPTURE(profile);
+    const json by_name = verified(temp, "named.svg", {"--svg-profile", profile});
+    CHECK(by_name["ok"] == coloured["ok"]);
+    CHECK(by_name["hinges"] == coloured["hinges"]);
+    const Ran again = plan(temp, "A=", {"named.svg", "--svg-profile", profile});
+    REQUIRE(again.exit == 0);
+    CHECK(json::parse(again.out)["sheets"][0]["fold_line_mm"].get<double>() == Approx(180));
+    CHECK(expected("named.svg").exit == 0);
+  }
+  for (const char* colour : {"black", "red", "blue"}) {
+    CAPTURE(colour);
+    std::string one = kCard;
+    for (const char* other : {"black", "blue", "#0f0", "red"})
+      one = replaced(one, std::string("stroke='") + other + "'",
+                     std::string("stroke='") + colour + "'");
+    write_file(temp / "one.svg", one);
+    const Ran cut = plan(temp, "A=", {"one.svg"});
+    REQUIRE(cut.exit == 0);
+    CHECK(json::parse(cut.out)["sheets"][0]["fold_line_mm"].get<double>() == 0.0);
+    CHECK(verified(temp, "one.svg")["hinges"] == 0);
   }
 }
 

@@ -396,4 +396,26 @@ TEST_CASE("popcut's own DXF reads back to the cuts and folds of its FOLD", "[cor
       }
 }
 
+TEST_CASE("several colours on layers without a meaning are asked about", "[core][formats][dxf]") {
+  DxfOptions asks;
+  asks.colours = DxfColours::Asked;
+  const auto coloured = [](const char* layer, const char* colour) {
+    return std::string("0 LINE 8 ") + layer + " " + colour + " 10 0 20 0 11 9 21 0 ";
+  };
+  const std::string red_and_blue = drawing(coloured("A", "62 1") + coloured("B", "62 5"));
+  const auto unclear = linework_from_dxf(red_and_blue, asks);
+  REQUIRE_FALSE(unclear);
+  CHECK(unclear.error().reason == ErrorReason::Unclear);
+  CHECK(unclear.error().place == "layer \"B\"");
+  CHECK(unclear.error().detail.find("`svg-profile` origami-sim") != std::string::npos);
+  CHECK(unclear.error().detail.find("`svg-profile` popcut") != std::string::npos);
+  CHECK(read(red_and_blue).lines.size() == 2);
+  // One colour, black beside white, one colour spelled twice, and colours of layers with a name.
+  for (const std::string& clear :
+       {coloured("A", "62 1") + coloured("B", "62 1"), coloured("A", "62 7") + coloured("B", "420 0"),
+        coloured("A", "62 7 420 255") + coloured("B", "62 5 420 255"),
+        coloured("CUT", "62 1") + coloured("FOLD_V", "62 5") + coloured("0", "62 7")})
+    CHECK(read(drawing(clear), asks).lines.size() >= 2);
+}
+
 }  // namespace dxf_reader_test
