@@ -40,22 +40,27 @@ Motion read_motion(FieldReader& fields) {
   return motion;
 }
 
-Mat read_mat(FieldReader& fields) {
+Mat read_mat(FieldReader& fields, bool driven) {
   Mat mat;
   mat.name = fields.text("name", {});
-  mat.code = fields.integer("code", {}, 0, 1000);
+  mat.code = driven ? fields.integer("code", {}, 0, 1000) : 0;
   mat.width_mm = fields.number("width_mm", {}, 1.0, kMaxLength);
   mat.length_mm = fields.number("length_mm", {}, 1.0, kMaxLength);
   return mat;
 }
 
-void read_place(FieldReader& fields, Machine& machine) {
-  machine.unit_mm = fields.number("unit_mm", {}, 1e-4, 1.0);
+void read_size(FieldReader& fields, Machine& machine) {
   machine.width_mm = fields.number("width_mm", {}, 1.0, kMaxLength);
   machine.length_mm = fields.number("length_mm", {}, 1.0, kMaxLength);
+  fields.objects("mats", [&](FieldReader& mat) {
+    machine.mats.push_back(read_mat(mat, machine.driven()));
+  });
+}
+
+void read_place(FieldReader& fields, Machine& machine) {
+  machine.unit_mm = fields.number("unit_mm", {}, 1e-4, 1.0);
   machine.margin_left_mm = fields.number("margin_left_mm", {}, -100.0, machine.width_mm / 2);
   machine.margin_top_mm = fields.number("margin_top_mm", {}, -100.0, machine.length_mm / 2);
-  fields.objects("mats", [&](FieldReader& mat) { machine.mats.push_back(read_mat(mat)); });
   machine.y_up = fields.boolean("y_up", false);
 }
 
@@ -77,14 +82,8 @@ void read_variant(FieldReader& fields, Machine& machine) {
   }
 }
 
-Result<Machine> read_machine(const TableRow& row) {
-  Machine machine;
-  FieldReader fields(row.row, row.pointer);
-  machine.name = fields.text("name", {});
-  machine.title = fields.text("title", {});
-  fields.value("source");
-  const std::vector<std::string> languages{"gpgl", "hpgl"};
-  machine.language = languages[fields.word("language", 0, languages)];
+// What popcut must know of a machine to move it.
+void read_driving(FieldReader& fields, Machine& machine) {
   read_variant(fields, machine);
   read_place(fields, machine);
   machine.tool_holders = fields.integer("tool_holders", {}, 1, 8);
@@ -99,6 +98,23 @@ Result<Machine> read_machine(const TableRow& row) {
   machine.usb_vendor = static_cast<std::uint16_t>(fields.integer("usb_vendor", 0, 0, 0xFFFF));
   machine.usb_product = static_cast<std::uint16_t>(fields.integer("usb_product", 0, 0, 0xFFFF));
   machine.identity = fields.text("identity", "");
+}
+
+Result<Machine> read_machine(const TableRow& row) {
+  Machine machine;
+  FieldReader fields(row.row, row.pointer);
+  machine.name = fields.text("name", {});
+  machine.title = fields.text("title", {});
+  fields.value("source");
+  const std::vector<std::string> languages{"gpgl", "hpgl", "cricut", "hand"};
+  machine.language = languages[fields.word("language", 0, languages)];
+  read_size(fields, machine);
+  if (machine.driven()) {
+    read_driving(fields, machine);
+  } else {
+    machine.folds = static_cast<FoldMode>(fields.word("folds", 1, {"perforate", "score"}));
+    machine.tool_holders = 2;
+  }
   if (const auto whole = fields.finish(); !whole)
     return tl::unexpected(in_table(row, whole.error()));
   return machine;
@@ -191,6 +207,26 @@ Result<std::vector<Machine>> all_machines(const std::vector<std::string>& user_t
 
 Result<Machine> find_machine(std::string_view name, const std::vector<std::string>& user_tables) {
   return value_named(name, all_machines(user_tables), "machine");
+}
+
+Error not_driven(const Machine& machine) {
+  const std::string how =
+      machine.language == "cricut"
+          ? fmt::format("'popcut plan FILE -o sheets --machine {}' writes the drawing for it",
+                        machine.name)
+          : fmt::format("'popcut plan FILE -o sheets --machine {}' writes pages to print",
+                        machine.name);
+  return {ErrorKind::OutOfRange, "",
+          fmt::format("{} takes no programs from popcut; {}, or choose a machine with gpgl or hpgl "
+                      "in 'popcut machines'",
+                      machine.title, how)};
+}
+
+Result<Machine> find_driven_machine(std::string_view name,
+                                    const std::vector<std::string>& user_tables) {
+  auto machine = find_machine(name, user_tables);
+  if (machine && !machine->driven()) return tl::unexpected(not_driven(*machine));
+  return machine;
 }
 
 double host_blade_offset_mm(const Machine& machine, const Material& material) {

@@ -38,6 +38,9 @@ struct Mat {
   double width_mm{}, length_mm{};  ///< usable area, along carriage and feed
 };
 
+/// How folds are made: a row of cuts, a line pressed with a stylus, or a line cut half through.
+enum class FoldMode : std::uint8_t { Perforate, Score, Light };
+
 inline constexpr std::array<std::string_view, 3> kGpglVariants{"classic", "cameo3", "cameo4"};
 /// Words for the dialects of HPGL machines; protocol/encode.hpp explains each.
 inline constexpr std::array<std::string_view, 9> kHpglWords{
@@ -47,9 +50,10 @@ inline constexpr std::array<std::string_view, 9> kHpglWords{
 struct Machine {
   std::string name;      ///< "cameo3": used in --machine and sim:NAME
   std::string title;     ///< "Silhouette Cameo 3"
-  std::string language;  ///< "gpgl" or "hpgl"
+  std::string language;  ///< "gpgl" or "hpgl"; "cricut": Design Space takes a drawing; "hand": a
+                         ///< person takes paper
   std::string variant;   ///< dialect of the language: one of kGpglVariants; for HPGL words of
-                         ///< kHpglWords joined by "+"
+                         ///< kHpglWords joined by "+"; empty for the others
   double unit_mm{0.05};
   double width_mm{}, length_mm{};  ///< largest area without a mat, along carriage and feed
   double margin_left_mm{}, margin_top_mm{};
@@ -65,6 +69,10 @@ struct Machine {
   std::uint16_t usb_vendor{}, usb_product{};
   std::string identity;  ///< reply to FG with its padding, without ETX; empty: never recorded
   bool y_up{false};      ///< true: origin lower left, y up (HPGL); false: origin top left, y down
+  FoldMode folds{FoldMode::Perforate};  ///< how it folds; only where popcut does not drive it
+
+  /// Whether popcut writes programs for it and can move it.
+  [[nodiscard]] bool driven() const { return language == "gpgl" || language == "hpgl"; }
 };
 
 /// The dashes of a perforated fold: cuts of `dash_mm` with `gap_mm` of paper between them. At least
@@ -78,9 +86,6 @@ struct DashShape {
 
 /// What touches the sheet. The tip of a blade trails behind its axis; a pen and a stylus do not.
 enum class ToolTip : std::uint8_t { Blade, Pen, Stylus };
-
-/// How folds are made: a row of cuts, a line pressed with a stylus, or a line cut half through.
-enum class FoldMode : std::uint8_t { Perforate, Score, Light };
 
 /// Tool settings for one kind of stroke.
 struct ToolSettings {
@@ -137,6 +142,13 @@ struct Material {
 /// @retval Malformed   a user's table is not valid; place is a JSON pointer
 [[nodiscard]] Result<Machine> find_machine(std::string_view name,
                                            const std::vector<std::string>& user_tables = {});
+/// `find_machine` for one that popcut is to drive.
+///
+/// @retval OutOfRange  also a machine that is not `driven`; the detail says what to do instead
+[[nodiscard]] Result<Machine> find_driven_machine(std::string_view name,
+                                                  const std::vector<std::string>& user_tables = {});
+/// What to do with a machine that is not `driven`, as an error without a place.
+[[nodiscard]] Error not_driven(const Machine& machine);
 /// The same for materials.
 [[nodiscard]] Result<Material> find_material(std::string_view name,
                                              const std::vector<std::string>& user_tables = {});

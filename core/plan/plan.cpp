@@ -130,7 +130,15 @@ Dashed folded(LineWork work, const Machine& machine, const Material& material, F
   return out;
 }
 
-Result<FoldMode> fold_mode(const Material& material, const PlanOptions& options) {
+Result<FoldMode> fold_mode(const Machine& machine, const Material& material,
+                           const PlanOptions& options) {
+  if (!machine.driven()) {
+    if (options.knife.folds == FoldMode::Light)
+      return fail(ErrorKind::OutOfRange, "/options/folds",
+                  fmt::format("{} cannot cut half through; use `folds` score or perforate",
+                              machine.title));
+    return options.knife.folds.value_or(machine.folds);
+  }
   const FoldMode mode = options.knife.folds.value_or(material.folds);
   const bool missing =
       (mode == FoldMode::Score && !material.score) || (mode == FoldMode::Light && !material.light);
@@ -149,7 +157,7 @@ Ordered ordered_for(const LineWork& work, const Machine& machine, const PlanOpti
     how.band_mm = kBandMm;
     how.corner_deg = kCornerDeg;
   }
-  how.cost = TravelCost::seconds(machine.motion);
+  if (machine.driven()) how.cost = TravelCost::seconds(machine.motion);
   Ordered ordered = order(work, how);
   sheet.order_moves = ordered.moves;
   sheet.order_finished = ordered.finished;
@@ -182,6 +190,7 @@ void measure(PlannedSheet& sheet, const Machine& machine, const Material& materi
       sheet.travel_mm +=
           distance(path.points_of(path.strokes[i - 1]).back(), path.points_of(stroke).front());
   }
+  if (!machine.driven()) return;  // its own program, or a person, takes what time it takes
   const Motion& motion = machine.motion;
   const double out = distance({}, path.points_of(path.strokes.front()).front());
   const double back = distance(path.points_of(path.strokes.back()).back(), {});
@@ -309,7 +318,7 @@ class Planner {
     say("drawing the folds");
     turn_round(work, options_.knife.direction);
     sheet.paths = work.lines.size();
-    if (options_.keep_lines) sheet.lines = work;
+    if (options_.keep_lines || !out_.machine.driven()) sheet.lines = work;
     const Dashed dashed = folded(std::move(work), out_.machine, out_.material, out_.folds);
     if (dashed.work.lines.empty())
       return fail(ErrorKind::OutOfRange, "",
@@ -328,7 +337,8 @@ class Planner {
     DrawnStrokes strokes = make_strokes(dashed, ordered.visits, settings_);
     sheet.path = std::move(strokes.path);
     const Material& material = out_.material;
-    sheet.knife = {options_.knife.overcut_mm.value_or(material.overcut_mm),
+    const double overcut_mm = out_.machine.driven() ? material.overcut_mm : 0.0;
+    sheet.knife = {options_.knife.overcut_mm.value_or(overcut_mm),
                    material.cut.force_step_gf == 0.0 ? material.cut.passes : 1, room_,
                    material.swivel_above_deg * std::numbers::pi / 180, strokes.blade_tools};
     sheet.sent = sent_strokes(sheet.path, sheet.knife);
@@ -355,9 +365,15 @@ Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& mate
   if (auto valid = check_plan_options(options); !valid) return tl::unexpected(valid.error());
   auto mat = choose_mat(machine, options.mat);
   if (!mat) return tl::unexpected(mat.error());
-  const auto mode = fold_mode(material, options);
+  const auto mode = fold_mode(machine, material, options);
   if (!mode) return tl::unexpected(mode.error());
-  return Planner(std::move(drawing), machine, material, options, std::move(*mat), *mode).run();
+  // Where popcut does not drive, each line is drawn once; how often to cut it is chosen there.
+  Material once = material;
+  if (!machine.driven()) {
+    for (ToolSettings* tool : {&once.cut, &once.fold, &once.draw}) tool->passes = 1;
+    if (once.score) once.score->passes = 1;
+  }
+  return Planner(std::move(drawing), machine, once, options, std::move(*mat), *mode).run();
 }
 
 LineWork test_shape() {

@@ -22,7 +22,8 @@ struct PlannedSheet {
   Toolpath path;                    ///< strokes in order, as drawn
   std::optional<Toolpath> sent;     ///< the same with overcuts and blade offset, if it differs
   KnifeWork knife;
-  std::optional<LineWork> lines;      ///< cleaned lines with whole folds; set if `keep_lines`
+  std::optional<LineWork> lines;      ///< cleaned lines with whole folds; set if `keep_lines`, or
+                                      ///< if popcut does not drive the machine
   Placement transform;                ///< pattern page -> sheet; of the sheet's first piece
   std::vector<std::uint32_t> pieces;  ///< indices into the layout's pieces; empty: not split
   double cut_mm{}, fold_mm{};         ///< length with the tool down, as sent
@@ -32,7 +33,7 @@ struct PlannedSheet {
   std::uint64_t order_moves{};  ///< moves that the search for a short order tried
   bool order_finished{true};    ///< false: the search was stopped early
   std::size_t paths{};          ///< lines of the drawing after cleaning
-  double seconds{};
+  double seconds{};  ///< 0 if popcut does not drive the machine
   std::array<double, 2> seconds_range{};
   std::optional<MarkLayout> registration{};  ///< of a printed sheet; the caller sets it
 

@@ -77,6 +77,7 @@ Json pieces_json(const Plan& plan, const PlannedSheet& sheet) {
 
 Json sheet_json(const Plan& plan, const PlannedSheet& sheet, std::size_t number) {
   const KnifeWork& knife = sheet.knife;
+  const bool driven = plan.machine.driven();
   return {{"name", fmt::format("sheet-{:02}", number)},
           {"mat", sheet.mat.name},
           {"area_mm", sheet.area_mm},
@@ -90,8 +91,10 @@ Json sheet_json(const Plan& plan, const PlannedSheet& sheet, std::size_t number)
           {"paths", sheet.paths},
           {"order_moves", sheet.order_moves},
           {"order_finished", sheet.order_finished},
-          {"seconds", rounded(sheet.seconds)},
-          {"seconds_range", {rounded(sheet.seconds_range[0]), rounded(sheet.seconds_range[1])}},
+          {"seconds", driven ? Json(rounded(sheet.seconds)) : Json()},
+          {"seconds_range", driven ? Json{rounded(sheet.seconds_range[0]),
+                                          rounded(sheet.seconds_range[1])}
+                                   : Json()},
           {"transform", sheet.pieces.size() > 1 ? Json() : transform_json(sheet.transform)},
           {"pieces", pieces_json(plan, sheet)},
           {"operations", operations(sheet.sent_path())},

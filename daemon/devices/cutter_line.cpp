@@ -69,7 +69,7 @@ Result<CutterLine> configured_line(const DeviceConfig& config,
   if (name.empty())
     return fail(ErrorKind::Usage, config.id,
                 "does not identify itself; name its machine, as in machine = \"hpgl-generic\"");
-  auto machine = find_machine(name, tables);
+  auto machine = find_driven_machine(name, tables);
   if (!machine) return tl::unexpected(within(config.id, machine.error()));
   if (!config.treat_as.empty()) machine->identity.clear();  // it says another name
   CutterLine line{std::move(*device), std::move(*machine), config.time_scale, {}, {}, {}};

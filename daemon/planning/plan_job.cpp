@@ -157,6 +157,11 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   if (!reading) return tl::unexpected(reading.error());
   const auto machine = choose_machine(options, tables);
   if (!machine) return tl::unexpected(machine.error());
+  if (!machine->driven() && options.marks)
+    return fail(ErrorKind::Usage, "/options/marks",
+                fmt::format("needs a cutter that looks for them, and {} takes no programs from "
+                            "popcut; leave `marks` out",
+                            machine->title));
   const bool ideal_machine = machine->name.rfind("ideal", 0) == 0;
   tell(options.progress, "reading the input");
   auto input = read(*reading);
@@ -181,6 +186,7 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
   auto planned = plan(std::move(input->drawing), *machine, *material, how);
   if (!planned) return named(planned.error());
   PlanJob job{std::move(*planned), {}, {}};
+  if (!machine->driven()) return job;
   tell(options.progress, "writing the programs");
   if (auto encoded = encode_sheets(options, job); !encoded) return named(encoded.error());
   return job;

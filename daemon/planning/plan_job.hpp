@@ -16,7 +16,7 @@ namespace popcut::planning {
 /// A plan with the program of each of its sheets.
 struct PlanJob {
   Plan plan;
-  std::vector<EncodedProgram> programs;
+  std::vector<EncodedProgram> programs;  ///< one a sheet; none if popcut does not drive the machine
   std::vector<MarkLayout> marks;  ///< one a sheet, or none
 
   /// "sheet-01.gpgl": the file of a sheet's program.

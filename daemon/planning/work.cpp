@@ -168,6 +168,9 @@ Result<PlanningOutcome> make_plan(WorkerTask& task, const FileSink& add) {
   if (!options) return tl::unexpected(in_request(options.error()));
   const auto tables = tables_of(task);
   if (!tables) return tl::unexpected(tables.error());
+  if (const auto machine = find_driven_machine(tables->machine, tables->texts);
+      !machine && !machine.error().place.starts_with("table"))
+    return tl::unexpected(within("/machine", machine.error()));
   options->machine = tables->machine;
   options->material = tables->material;
   PlanningOutcome outcome;

@@ -71,7 +71,7 @@ Result<void> check_device(const DeviceConfig& device, const std::vector<std::str
       {"id", by_id ? device.id.substr(4) : std::string()}};
   for (const auto& [key, name] : machines)
     if (!name.empty())
-      if (const auto machine = find_machine(name, tables); !machine)
+      if (const auto machine = find_driven_machine(name, tables); !machine)
         return tl::unexpected(within(key, machine.error()));
   for (const std::string& name : device.materials)
     if (const auto material = find_material(name, tables); !material)
@@ -87,7 +87,7 @@ Result<void> check_device(const DeviceConfig& device, const std::vector<std::str
 Result<void> add_simulated(const DaemonOptions& options, const std::vector<std::string>& tables,
                            Config& config) {
   for (const std::string& name : options.simulated) {
-    if (const auto machine = find_machine(name, tables); !machine)
+    if (const auto machine = find_driven_machine(name, tables); !machine)
       return fail(ErrorKind::Usage, "--sim", machine.error().detail);
     DeviceConfig device;
     device.id = "sim:" + name;

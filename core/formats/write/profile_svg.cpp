@@ -28,15 +28,23 @@ constexpr std::array<Layer, 6> kLightburn{
      {"cut", "#000000", Operation::Cut, Operation::Cut},
      {"outline", "#000000", Operation::Outline, Operation::Outline}}};
 
-// One group per colour, in cutting order.
-constexpr std::array<Layer, 4> kCricut{
-    {{"mark", "#00a651", Operation::Draw, Operation::Score},
-     {"fold-mountain", "#ff0000", Operation::FoldMountain, Operation::FoldMountain},
-     {"fold-valley", "#0000ff", Operation::FoldValley, Operation::FoldValley},
-     {"cut", "#000000", Operation::Cut, Operation::Outline}}};
+/// A group of the drawing for Cricut: what Design Space calls an operation.
+struct CricutGroup {
+  std::string_view operation, colour;
+  bool one_path;  ///< all its lines are one path, so one layer
+};
 
-void put_path(TextSink& text, std::span<const PagePoint> points) {
-  text.put("<path d=\"");
+// In the order of work.
+constexpr std::array<CricutGroup, 3> kCricut{
+    {{"draw", "#00a651", true}, {"score", "#ff0000", true}, {"cut", "#000000", false}}};
+
+std::size_t cricut_group(Operation operation, bool dashed) {
+  if (operation == Operation::Draw) return 0;
+  if (operation == Operation::Score) return 1;
+  return is_fold(operation) && !dashed ? 1 : 2;
+}
+
+void put_data(TextSink& text, std::span<const PagePoint> points) {
   const bool ring = points.size() > 3 && closed(points);
   for (std::size_t i = 0; i + (ring ? 1 : 0) < points.size(); ++i) {
     text.put(i == 0 ? "M" : "L");
@@ -44,7 +52,13 @@ void put_path(TextSink& text, std::span<const PagePoint> points) {
     text.put(",");
     text.put_rounded(points[i].y);
   }
-  text.put(ring ? "Z\"/>\n" : "\"/>\n");
+  if (ring) text.put("Z");
+}
+
+void put_path(TextSink& text, std::span<const PagePoint> points) {
+  text.put("<path d=\"");
+  put_data(text, points);
+  text.put("\"/>\n");
 }
 
 /// Writes the strokes of a layer, operation by operation, as a group with these attributes.
@@ -130,11 +144,11 @@ void write_origami_sim_svg(const LineWork& whole, std::ostream& out) {
   text.put("</svg>\n");
 }
 
-Result<void> write_cricut_svg(const LineWork& dashed, const CricutMat& mat, std::ostream& out) {
-  constexpr double kMmPerInch = 25.4;
+Result<void> write_cricut_svg(const LineWork& drawing, const CricutMat& mat, std::ostream& out) {
+  constexpr double kMmPerInch = 25.4, kPointsPerInch = 72.0;
   const double width = mat.width_in * kMmPerInch, height = mat.height_in * kMmPerInch;
   constexpr double kRounding = 1e-6;
-  const Box box = bounds(dashed);
+  const Box box = bounds(drawing);
   const auto fits = [&](double x, double y) {
     return box.empty() || (x <= width + kRounding && y <= height + kRounding);
   };
@@ -147,16 +161,33 @@ Result<void> write_cricut_svg(const LineWork& dashed, const CricutMat& mat, std:
                     box.width(), box.height(), width, height, mat.width_in, mat.height_in));
   }
   // Turned clockwise by 90 degrees if needed: a rotation, so nothing is mirrored.
-  LineWork placed = dashed;
+  LineWork placed = drawing;
+  constexpr double kScale = kPointsPerInch / kMmPerInch;
   for (PagePoint& p : placed.points)
-    p = upright ? PagePoint{p.x - box.x0, p.y - box.y0} : PagePoint{box.y1 - p.y, p.x - box.x0};
+    p = upright ? PagePoint{kScale * (p.x - box.x0), kScale * (p.y - box.y0)}
+                : PagePoint{kScale * (box.y1 - p.y), kScale * (p.x - box.x0)};
   TextSink text(out);
   text.put(svg_head(fmt::format("{} width=\"{}in\" height=\"{}in\" viewBox=\"0 0 {} {}\"", kDashed,
-                                mat.width_in, mat.height_in, rounded(width), rounded(height)),
-                    dashed.name));
-  for (const Layer& layer : kCricut)
-    put_layer(text, placed, layer,
-              fmt::format("stroke=\"{}\" stroke-width=\"0.25\"", layer.colour));
+                                mat.width_in, mat.height_in, rounded(mat.width_in * kPointsPerInch),
+                                rounded(mat.height_in * kPointsPerInch)),
+                    drawing.name));
+  for (std::size_t k = 0; k < kCricut.size(); ++k) {
+    const CricutGroup& group = kCricut[k];
+    bool any = false;
+    for (const DrawnLine& line : placed.lines) {
+      if (cricut_group(line.operation, drawing.dashed) != k) continue;
+      if (!std::exchange(any, true)) {
+        text("<g id=\"", group.operation, "\" fill=\"none\" stroke=\"", group.colour,
+             "\" stroke-width=\"0.75\" data-assignment=\"", group.operation, "\">\n");
+        if (group.one_path) text.put("<path d=\"");
+      }
+      if (group.one_path)
+        put_data(text, placed.points_of(line));
+      else
+        put_path(text, placed.points_of(line));
+    }
+    if (any) text.put(group.one_path ? "\"/>\n</g>\n" : "</g>\n");
+  }
   text.put("</svg>\n");
   return {};
 }

@@ -28,16 +28,20 @@ struct CricutMat {
   double height_in{11.5};  ///< 23.5 for the long mat
 };
 
-/// Writes a dashed drawing (`micro_cut`) for Cricut Design Space. The page is the mat's area, in
-/// inches with a viewBox in mm. The drawing is in its upper left corner, where the machine starts.
+/// Writes a drawing for Cricut Design Space, which has an operation for each layer: draw, score or
+/// cut. One group and one colour an operation: pen lines (green), folds that are pressed with its
+/// stylus or wheel (red, whole lines), cuts and the outline (black). Folds of a `dashed` drawing
+/// (`micro_cut`) are dashes to cut, so they are black too. Pen lines and scores are one path each,
+/// so that they are one layer there; every cut and dash is a path of its own, closed where the line
+/// is. There are no dashed styles, which Design Space drops.
 ///
-/// Design Space makes one layer per colour, drops stroke-dasharray and layer names, and rescales
-/// drawings without a size. So every dash and line is a separate solid path, in one group per
-/// colour: marks green, mountain red, valley blue, cuts and outline black. A drawing that is too
-/// wide but fits when turned is turned by 90 degrees. Coordinates are rounded to 1e-6 mm.
+/// The page is the mat's area, with the drawing in its upper left corner, where the machine starts.
+/// Its size is in inches, and a unit of the viewBox is a point: Design Space, which takes units
+/// without a size for points (1/72 inch), reads the same size from either. A drawing that is too
+/// wide but fits when turned is turned by 90 degrees.
 ///
 /// @retval Infeasible  does not fit the mat in either orientation
-[[nodiscard]] Result<void> write_cricut_svg(const LineWork& dashed, const CricutMat& mat,
+[[nodiscard]] Result<void> write_cricut_svg(const LineWork& drawing, const CricutMat& mat,
                                             std::ostream& out);
 
 }  // namespace popcut

@@ -58,6 +58,7 @@ const ToolSettings& StrokeSettings::scored() { return fitted(kScored); }
 
 std::optional<ToolSettings> StrokeSettings::scoring(const Machine& machine,
                                                     const Material& material) {
+  if (!machine.driven()) return std::nullopt;  // its lines have one tool each, chosen by hand
   const auto can = [&](const std::optional<ToolSettings>& tool) {
     return tool && tool->tool <= machine.tool_holders;
   };

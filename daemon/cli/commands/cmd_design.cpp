@@ -21,6 +21,7 @@
 #include "core/drawing/linework.hpp"
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/write/pattern_files.hpp"
+#include "core/drawing/clean.hpp"
 #include "core/formats/write/profile_svg.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "core/formats/write/segments_csv.hpp"
@@ -127,8 +128,10 @@ Result<void> add_cut(const Job& job, OutputFolder& folder) {
 }
 
 Result<void> add_cricut(const Job& job, OutputFolder& folder) {
+  // Its stylus presses whole folds.
+  const LineWork whole = clean(linework_from_pattern(job.made.pattern), {});
   return folder.add("cricut.svg", Streamed([&](std::ostream& out) {
-                      return write_cricut_svg(job.dashed, CricutMat{}, out);
+                      return write_cricut_svg(whole, CricutMat{}, out);
                     }));
 }
 

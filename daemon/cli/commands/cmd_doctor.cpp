@@ -47,7 +47,7 @@ struct Report {
 Result<std::optional<Machine>> stand_in(const Options& options,
                                         const std::vector<std::string>& tables) {
   if (options.treat_as.empty()) return std::nullopt;
-  auto machine = find_machine(options.treat_as, tables);
+  auto machine = find_driven_machine(options.treat_as, tables);
   if (!machine) return fail(ErrorKind::Usage, "--treat-as", machine.error().detail);
   return std::move(*machine);
 }

@@ -158,7 +158,7 @@ Result<void> list_devices(const Globals& globals) {
                     port.usable ? "free" : "no permission",
                     {{"simulated", false}}});
   for (const Machine& machine : *machines)
-    list.push_back({"sim:" + machine.name,
+    if (machine.driven()) list.push_back({"sim:" + machine.name,
                     machine.title + ", simulated",
                     "free",
                     {{"simulated", true}, {"machine", machine.name}}});

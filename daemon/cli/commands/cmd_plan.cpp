@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <memory>
+#include <set>
+#include <span>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -17,19 +22,52 @@ namespace popcut::cli {
 namespace plan_command {
 namespace {
 
-LineWork strokes_as_lines(const Toolpath& path, const std::string& title) {
+bool same_line(std::span<const PagePoint> a, std::span<const PagePoint> b) {
+  const auto same = [](const PagePoint& p, const PagePoint& q) { return p.x == q.x && p.y == q.y; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), same) ||
+         std::equal(a.begin(), a.end(), b.rbegin(), b.rend(), same);
+}
+
+using Ends = std::array<double, 4>;
+
+Ends ends_of(std::span<const PagePoint> line) {
+  const PagePoint &p = line.front(), &q = line.back();
+  return p.x < q.x || (p.x == q.x && p.y < q.y) ? Ends{p.x, p.y, q.x, q.y}
+                                                : Ends{q.x, q.y, p.x, p.y};
+}
+
+// Each stroke once, however often the material has the cutter go over it, and scored stretches of
+// dashed folds as scores: another program would cut them through.
+LineWork strokes_as_lines(const PlannedSheet& sheet, FoldMode folds, const std::string& title) {
+  const Toolpath& path = sheet.path;
   LineWork work;
   work.name = title;
-  work.dashed = true;
+  work.dashed = folds == FoldMode::Perforate;
   work.points.reserve(path.points.size());
-  for (const Stroke& stroke : path.strokes) work.append(stroke.operation, path.points_of(stroke));
+  std::set<Ends> scored;
+  for (std::size_t i = 0; i < sheet.scored.size(); ++i) scored.insert(ends_of(sheet.scored[i]));
+  const auto rounds = static_cast<std::size_t>(std::max(1, sheet.knife.rounds));
+  for (std::size_t i = 0; i < path.strokes.size(); ++i) {
+    auto points = path.points_of(path.strokes[i]);
+    if (i > 0 && same_line(path.points_of(path.strokes[i - 1]), points)) continue;
+    Operation operation = path.strokes[i].operation;
+    if (is_cut(operation) && closed(points) && rounds > 1)
+      points = points.first((points.size() - 1) / rounds + 1);
+    if (is_fold(operation) && scored.contains(ends_of(points))) operation = Operation::Score;
+    work.append(operation, points);
+  }
   return work;
 }
 
 // The mats of that maker keep a quarter of an inch free all round.
-CricutMat cricut_mat(const PlannedSheet& sheet) {
+CricutMat cricut_mat(const PlannedSheet& sheet, const Machine& machine) {
   constexpr double kMmPerInch = 25.4;
   CricutMat mat;
+  if (machine.language == "cricut") {
+    mat.width_in = std::round(sheet.area_mm[0] / kMmPerInch * 1e4) / 1e4;
+    mat.height_in = std::round(sheet.area_mm[1] / kMmPerInch * 1e4) / 1e4;
+    return mat;
+  }
   const double inches = sheet.area_mm[1] / kMmPerInch;
   if (inches > mat.height_in + 0.5 + 1e-6) mat.height_in = 23.5;
   return mat;
@@ -38,23 +76,24 @@ CricutMat cricut_mat(const PlannedSheet& sheet) {
 // Adds sheet `number` (from 1) as another program wants it, `sheet-NN-PROFILE.svg`, for the
 // profiles cricut, lightburn and origami-sim; nothing for the others. A sheet that is too large
 // for that program's mat is noted in `warnings`.
-Result<void> add_profile_sheet(const PlannedSheet& sheet, std::size_t number,
-                               const std::string& profile, const std::string& title,
-                               OutputFolder& folder, std::vector<Warning>& warnings) {
+Result<void> add_profile_sheet(Plan& plan, std::size_t number, const std::string& profile,
+                               const std::string& title, OutputFolder& folder) {
+  const PlannedSheet& sheet = plan.sheets[number - 1];
   const std::string name = fmt::format("sheet-{:02}-{}.svg", number, profile);
   std::ostringstream out;
   if (profile == "cricut") {
     const auto written =
-        write_cricut_svg(strokes_as_lines(sheet.path, title), cricut_mat(sheet), out);
+        write_cricut_svg(strokes_as_lines(sheet, plan.folds, title),
+                         cricut_mat(sheet, plan.machine), out);
     if (!written) {
-      warnings.push_back(
+      plan.warnings.push_back(
           {.code = "not_written",
            .message = fmt::format("{} is not written: {}", name, written.error().detail),
            .place = {.sheet = static_cast<int>(number)}});
       return {};
     }
   } else if (profile == "lightburn") {
-    write_lightburn_svg(strokes_as_lines(sheet.path, title), sheet.area_mm, out);
+    write_lightburn_svg(strokes_as_lines(sheet, plan.folds, title), sheet.area_mm, out);
   } else if (profile == "origami-sim" && sheet.lines) {
     write_origami_sim_svg(*sheet.lines, out);
   } else {
@@ -68,12 +107,51 @@ struct Options {
   std::string folder;
 };
 
+// Where popcut does not drive: what is on the sheet, and the file to take on.
+void say_drawing(const Plan& plan, std::size_t i, const std::string& folder) {
+  const PlannedSheet& sheet = plan.sheets[i];
+  const Box box = bounds(strokes_as_lines(sheet, plan.folds, ""));
+  fmt::print(stderr, "  sheet {}  {:.1f} x {:.1f} mm ({:.3f} x {:.3f} in), cut {:.0f} mm, ", i + 1,
+             box.width(), box.height(), box.width() / 25.4, box.height() / 25.4, sheet.cut_mm);
+  if (plan.folds == FoldMode::Score)
+    fmt::print(stderr, "score {:.0f} mm of folds\n", sheet.fold_line_mm);
+  else
+    fmt::print(stderr, "folds {:.0f} mm as {:.0f} mm of dashes\n", sheet.fold_line_mm,
+               sheet.fold_mm);
+  fmt::print(stderr, "           {}/{}\n", folder,
+             PlanJob::sheet_file(i, "svg").insert(8, plan.machine.language == "cricut" ? "-cricut"
+                                                                                      : ""));
+}
+
+// The steps in Design Space.
+void say_cricut(const Plan& plan) {
+  const auto has = [&](auto wanted) {
+    return std::any_of(plan.sheets.begin(), plan.sheets.end(), [&](const PlannedSheet& sheet) {
+      return std::any_of(sheet.path.strokes.begin(), sheet.path.strokes.end(),
+                         [&](const Stroke& stroke) { return wanted(stroke.operation); });
+    });
+  };
+  std::string layers;
+  if (plan.folds == FoldMode::Score && has([](Operation o) { return is_fold(o); }))
+    layers += "set the red layer to Score, ";
+  if (has([](Operation o) { return o == Operation::Draw; }))
+    layers += "set the green layer to Pen, ";
+  fmt::print(stderr,
+             "  next     in Design Space: Upload this file and add it to the canvas; its size there "
+             "must be the one above\n           {}select all, Attach, Make\n",
+             layers);
+}
+
 void say(const PlanJob& job, const std::string& folder) {
   const Plan& plan = job.plan;
   fmt::print(
       stderr, "{}\n",
       shown_text(fmt::format("{}: {} on {}", plan.name, plan.material.title, plan.machine.title)));
   for (std::size_t i = 0; i < plan.sheets.size(); ++i) {
+    if (!plan.machine.driven()) {
+      say_drawing(plan, i, folder);
+      continue;
+    }
     const PlannedSheet& sheet = plan.sheets[i];
     const auto minutes = [](double seconds) { return seconds / 60; };
     fmt::print(stderr,
@@ -86,6 +164,7 @@ void say(const PlanJob& job, const std::string& folder) {
         minutes(sheet.seconds_range[0]), minutes(sheet.seconds_range[1]));
     fmt::print(stderr, "           {}/{}\n", folder, job.program_file(i));
   }
+  if (plan.machine.language == "cricut") say_cricut(plan);
   for (const Warning& warning : plan.warnings)
     fmt::print(stderr, "  warning  {}\n", shown_text(warning.message));
 }
@@ -99,19 +178,21 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
   const auto given = options.plan.options.find("svg-profile");
-  const std::string profile = given != options.plan.options.end() ? given->second : "";
+  const Machine& machine = job->plan.machine;
+  const std::string profile = machine.language == "cricut"             ? "cricut"
+                              : given != options.plan.options.end() ? given->second
+                                                                    : "";
   for (std::size_t i = 0; i < job->plan.sheets.size(); ++i) {
     const std::string title = shown_text(fmt::format("{}: sheet {}", job->plan.name, i + 1));
     if (auto done =
             folder->add(PlanJob::sheet_file(i, "svg"), sheet_svg(job->plan.sheets[i], title));
         !done)
       return done;
+    if (auto done = add_profile_sheet(job->plan, i + 1, profile, title, *folder); !done)
+      return done;
+    if (!machine.driven()) continue;
     const std::string picture = fmt::format("plan-{:02}.svg", i + 1);
     if (auto done = folder->add(picture, plan_svg(job->plan.sheets[i], title)); !done) return done;
-    if (auto done = add_profile_sheet(job->plan.sheets[i], i + 1, profile, title, *folder,
-                                      job->plan.warnings);
-        !done)
-      return done;
     if (auto done = folder->add(job->program_file(i), job->programs[i].bytes); !done) return done;
     if (job->marks.empty()) continue;
     const std::string marks = marks_svg(job->marks[i], job->plan.sheets[i].area_mm, title);
@@ -138,7 +219,9 @@ constexpr const char* kHelp =
     "  plan.json               lengths, time and warnings\n\n"
     "With --svg-profile cricut, lightburn or origami-sim you also get sheet-NN-PROFILE.svg for "
     "that\n"
-    "program.";
+    "program. For a Cricut, name the machine (--machine cricut-maker, ...): then there is no "
+    "program,\n"
+    "and sheet-NN-cricut.svg is what you upload in Design Space.";
 
 }  // namespace
 }  // namespace plan_command

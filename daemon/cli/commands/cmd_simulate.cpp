@@ -36,7 +36,7 @@ Result<Machine> choose_machine(const Options& options, const std::optional<PlanF
   std::string name = options.machine;
   if (name.empty() && plan) name = plan->machine;
   if (name.empty()) name = guess_dialect(program) == Dialect::Hpgl ? "hpgl-generic" : "cameo3";
-  auto machine = find_machine(name, tables.texts);
+  auto machine = find_driven_machine(name, tables.texts);
   if (machine) return machine;
   if (options.machine.empty() && plan && name.rfind("ideal", 0) == 0) {
     const bool hpgl = guess_dialect(program) == Dialect::Hpgl;

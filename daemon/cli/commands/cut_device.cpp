@@ -22,7 +22,7 @@ namespace {
 Result<Machine> named(const std::string& name, const char* place) {
   const auto tables = read_user_tables();
   if (!tables) return tl::unexpected(tables.error());
-  auto machine = find_machine(name, tables->texts);
+  auto machine = find_driven_machine(name, tables->texts);
   if (machine) return machine;
   return tl::unexpected(tables->with_file(machine.error(), place));
 }

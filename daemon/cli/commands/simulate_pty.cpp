@@ -24,7 +24,7 @@ Result<SimTransport> make_cable(const PtyOptions& options) {
   const auto tables = read_user_tables();
   if (!tables) return tl::unexpected(tables.error());
   const auto machine =
-      find_machine(options.machine.empty() ? "cameo3" : options.machine, tables->texts);
+      find_driven_machine(options.machine.empty() ? "cameo3" : options.machine, tables->texts);
   if (!machine) return tl::unexpected(tables->with_file(machine.error(), "--machine"));
   auto faults = read_faults(options.faults);
   if (!faults) return tl::unexpected(faults.error());

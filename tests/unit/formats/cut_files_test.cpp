@@ -97,16 +97,16 @@ TEST_CASE("a DXF holds the sheet below the x axis and not mirrored", "[core][for
   CHECK(lines.back().layer == "CUT");  // the outline comes last
 }
 
-TEST_CASE("a Cricut drawing is as large as the mat with each dash a solid path",
+TEST_CASE("a Cricut drawing is as large as the mat with each operation a group",
           "[core][formats][cricut]") {
   const LineWork dashed =
       micro_cut(linework_from_pattern(testing::box_card_pattern()), DashShape{}).work;
-  const std::string text = cricut(dashed);
+  std::string text = cricut(dashed);
   pugi::xml_document document;
   REQUIRE(document.load_string(text.c_str()));
   const auto svg = document.child("svg");
   CHECK(std::string(svg.attribute("width").value()) == "11.5in");
-  CHECK(std::string(svg.attribute("viewBox").value()) == "0 0 292.1 292.1");
+  CHECK(std::string(svg.attribute("viewBox").value()) == "0 0 828 828");
   CHECK(text.find("dasharray") == std::string::npos);
   std::size_t paths = 0;
   std::vector<std::string> colours;
@@ -117,12 +117,19 @@ TEST_CASE("a Cricut drawing is as large as the mat with each dash a solid path",
       CHECK_FALSE(path.attribute("stroke"));  // one layer a colour
     }
   }
-  CHECK(paths == dashed.lines.size());
-  CHECK(colours == std::vector<std::string>{"#ff0000", "#0000ff", "#000000"});
+  CHECK(paths == dashed.lines.size());  // each dash is a solid path to cut
+  CHECK(colours == std::vector<std::string>{"#000000"});
   const auto back = linework_from_svg(text, SvgProfile::Cricut);
   REQUIRE(back);
   CHECK(bounds(*back).width() == Approx(70));
   CHECK(bounds(*back).height() == Approx(70));
+  // Whole folds are one path to score.
+  text = cricut(linework_from_pattern(testing::box_card_pattern()));
+  REQUIRE(document.load_string(text.c_str()));
+  const auto score = document.child("svg").child("g");
+  CHECK(std::string(score.attribute("id").value()) == "score");
+  CHECK(std::distance(score.children("path").begin(), score.children("path").end()) == 1);
+  CHECK(std::string(score.next_sibling("g").attribute("id").value()) == "cut");
 }
 
 TEST_CASE("a drawing that is too wide for the Cricut mat is rotated and not mirrored",
