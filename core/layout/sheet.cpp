@@ -91,6 +91,12 @@ Result<Mat> choose_mat(const Machine& machine, std::string_view wanted) {
         ErrorKind::OutOfRange, "/options/mat",
         fmt::format("{:.1f} x {:.1f} mm is too large for {}; use at most {:.1f} x {:.1f} mm",
                     (*size)[0], (*size)[1], machine.name, machine.width_mm, machine.length_mm));
+  constexpr double kLeastPaper = 60.0;
+  if (machine.language == "hand" && std::min((*size)[0], (*size)[1]) < kLeastPaper)
+    return fail(ErrorKind::OutOfRange, "/options/mat",
+                fmt::format("{:.1f} x {:.1f} mm is too small to print on; use at least {:.0f} x "
+                            "{:.0f} mm",
+                            (*size)[0], (*size)[1], kLeastPaper, kLeastPaper));
   return Mat{std::string(wanted), 0, (*size)[0], (*size)[1]};
 }
 
@@ -108,6 +114,8 @@ Result<Machine> ideal_plotter(double width_mm, double length_mm) {
 }
 
 std::array<double, 2> reach_mm(const Machine& machine, const Mat& mat) {
+  if (machine.language == "hand")
+    return {mat.width_mm - 2 * kPrintSideMm, mat.length_mm - kPrintSideMm - kPrintFooterMm};
   return {std::min(mat.width_mm, machine.width_mm - std::max(0.0, machine.margin_left_mm)),
           std::min(mat.length_mm, machine.length_mm - std::max(0.0, machine.margin_top_mm))};
 }

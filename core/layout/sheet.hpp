@@ -24,13 +24,18 @@ namespace popcut {
 /// code 0: popcut sends no mat). Empty: the machine's first mat, or its whole area.
 ///
 /// @retval Usage       neither a known name nor a size
-/// @retval OutOfRange  larger than the machine
+/// @retval OutOfRange  larger than the machine, or too small to print on
 [[nodiscard]] Result<Mat> choose_mat(const Machine& machine, std::string_view wanted);
 
 /// An ideal plotter of the given size: GPGL in 0.05 mm units without the limits of a real machine.
 [[nodiscard]] Result<Machine> ideal_plotter(double width_mm, double length_mm);
 
-/// The part of the mat that the tool can reach, mm along carriage and feed.
+/// What a printed page keeps free around its area, mm: left, above and right, where many printers
+/// print nothing; and below, for the legend.
+inline constexpr double kPrintSideMm = 8.0, kPrintFooterMm = 30.0;
+
+/// The part of the mat that the tool can reach, mm along carriage and feed. By hand it is the part
+/// of the paper within those margins.
 [[nodiscard]] std::array<double, 2> reach_mm(const Machine& machine, const Mat& mat);
 
 /// A rigid move from the page to the sheet: (x, y) -> (xx x + xy y + x0, yx x + yy y + y0).

@@ -177,7 +177,7 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
                      input->seams_x.size() + 1)});
   PlanOptions how = options;
   how.seams_x.insert(how.seams_x.end(), input->seams_x.begin(), input->seams_x.end());
-  how.keep_lines = options.svg_profile == "origami-sim";
+  how.keep_lines = options.keep_lines || options.svg_profile == "origami-sim";
   if (!how.place.at)
     how.place.at = options.marks ? PagePoint{16, 16} : input->at;  // clear of marks
   if (ideal_machine) how.mat.clear();

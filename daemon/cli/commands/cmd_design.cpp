@@ -25,6 +25,7 @@
 #include "core/formats/write/profile_svg.hpp"
 #include "core/formats/write/report_json.hpp"
 #include "core/formats/write/segments_csv.hpp"
+#include "core/print/pages.hpp"
 #include "core/machines/machine.hpp"
 #include "core/picture/deployed_svg.hpp"
 #include "core/picture/sheet_picture.hpp"
@@ -41,6 +42,7 @@
 #include "daemon/cli/view/long_work.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
+#include "daemon/pictures/pdf.hpp"
 #include "daemon/pictures/png.hpp"
 #include "daemon/planning/design_files.hpp"
 #include "daemon/planning/sound_design.hpp"
@@ -143,7 +145,9 @@ Result<void> add_csv(const Job& job, OutputFolder& folder) {
 }
 
 Result<void> add_pdf(const Job& job, OutputFolder& folder) {
-  const auto pdf = pattern_pdf(job.made.pattern);
+  const auto pages = pattern_pages(job.made.pattern);
+  if (!pages) return tl::unexpected(pages.error());
+  const auto pdf = pdf_of_pages(*pages, job.made.pattern.name);
   if (!pdf) return tl::unexpected(pdf.error());
   return folder.add("pattern.pdf", *pdf);
 }

@@ -13,10 +13,13 @@
 
 #include "core/formats/write/profile_svg.hpp"
 #include "core/plan/plan.hpp"
+#include "core/print/pages.hpp"
 #include "core/text/utf8.hpp"
+#include "core/text/words.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/options/plan_arguments.hpp"
 #include "daemon/files/output_folder.hpp"
+#include "daemon/pictures/pdf.hpp"
 
 namespace popcut::cli {
 namespace plan_command {
@@ -105,10 +108,76 @@ Result<void> add_profile_sheet(Plan& plan, std::size_t number, const std::string
 struct Options {
   PlanArguments plan;
   std::string folder;
+  std::string formats;
 };
 
+constexpr std::array<std::string_view, 5> kFormats{"svg", "program", "picture", "assembly", "pdf"};
+constexpr std::string_view kUsual = "svg,program,picture,assembly";
+
+/// What --formats asks for, or what is usual.
+struct Formats {
+  std::set<std::string, std::less<>> given;
+
+  [[nodiscard]] bool has(std::string_view name, const Machine& machine) const {
+    if (!given.empty()) return given.contains(name);
+    if (machine.language == "hand" && name == "pdf") return true;
+    return kUsual.find(name) != std::string_view::npos;
+  }
+};
+
+Result<Formats> parse_formats(std::string_view text) {
+  Formats formats;
+  while (!text.empty()) {
+    const std::string_view part = text.substr(0, text.find(','));
+    text.remove_prefix(std::min(text.size(), part.size() + 1));
+    const std::string name(trimmed(part));
+    if (std::find(kFormats.begin(), kFormats.end(), name) == kFormats.end())
+      return fail(ErrorKind::Usage, "--formats",
+                  fmt::format("'{}' is not a format; give some of: {}", name,
+                              fmt::join(kFormats, " ")));
+    formats.given.insert(name);
+  }
+  return formats;
+}
+
+Result<void> add_pdf(Plan& plan, OutputFolder& folder) {
+  const auto pages = sheet_pages(plan);
+  if (!pages) return tl::unexpected(pages.error());
+  if (const std::string letters = letters_without_font(plan.name); !letters.empty())
+    plan.warnings.push_back(
+        {.code = "no_font",
+         .message = fmt::format("no font of this computer has \"{}\", so sheets.pdf shows boxes "
+                                "for it; install one, such as fonts-noto or fonts-noto-cjk",
+                                letters)});
+  const auto pdf = pdf_of_pages(*pages, plan.name);
+  if (!pdf) return tl::unexpected(pdf.error());
+  return folder.add("sheets.pdf", *pdf);
+}
+
+// One sheet: what will be cut, as other programs want it, its picture and its program.
+Result<void> add_sheet(PlanJob& job, std::size_t i, const std::string& profile,
+                       const Formats& formats, OutputFolder& folder) {
+  const Machine& machine = job.plan.machine;
+  const PlannedSheet& sheet = job.plan.sheets[i];
+  const std::string title = shown_text(fmt::format("{}: sheet {}", job.plan.name, i + 1));
+  if (formats.has("svg", machine))
+    if (auto done = folder.add(PlanJob::sheet_file(i, "svg"), sheet_svg(sheet, title)); !done)
+      return done;
+  if (auto done = add_profile_sheet(job.plan, i + 1, profile, title, folder); !done) return done;
+  if (!machine.driven()) return {};
+  if (formats.has("picture", machine))
+    if (auto done = folder.add(fmt::format("plan-{:02}.svg", i + 1), plan_svg(sheet, title)); !done)
+      return done;
+  if (formats.has("program", machine))
+    if (auto done = folder.add(job.program_file(i), job.programs[i].bytes); !done) return done;
+  if (job.marks.empty()) return {};
+  return folder.add(PlanJob::sheet_file(i, "marks.svg"),
+                    marks_svg(job.marks[i], sheet.area_mm, title));
+}
+
 // Where popcut does not drive: what is on the sheet, and the file to take on.
-void say_drawing(const Plan& plan, std::size_t i, const std::string& folder) {
+void say_drawing(const Plan& plan, std::size_t i, const std::string& folder,
+                 const Formats& formats) {
   const PlannedSheet& sheet = plan.sheets[i];
   const Box box = bounds(strokes_as_lines(sheet, plan.folds, ""));
   fmt::print(stderr, "  sheet {}  {:.1f} x {:.1f} mm ({:.3f} x {:.3f} in), cut {:.0f} mm, ", i + 1,
@@ -118,9 +187,10 @@ void say_drawing(const Plan& plan, std::size_t i, const std::string& folder) {
   else
     fmt::print(stderr, "folds {:.0f} mm as {:.0f} mm of dashes\n", sheet.fold_line_mm,
                sheet.fold_mm);
-  fmt::print(stderr, "           {}/{}\n", folder,
-             PlanJob::sheet_file(i, "svg").insert(8, plan.machine.language == "cricut" ? "-cricut"
-                                                                                      : ""));
+  const bool cricut = plan.machine.language == "cricut";
+  if (cricut || formats.has("svg", plan.machine))
+    fmt::print(stderr, "           {}/{}\n", folder,
+               cricut ? fmt::format("sheet-{:02}-cricut.svg", i + 1) : PlanJob::sheet_file(i, "svg"));
 }
 
 // The steps in Design Space.
@@ -142,14 +212,14 @@ void say_cricut(const Plan& plan) {
              layers);
 }
 
-void say(const PlanJob& job, const std::string& folder) {
+void say(const PlanJob& job, const std::string& folder, const Formats& formats) {
   const Plan& plan = job.plan;
   fmt::print(
       stderr, "{}\n",
       shown_text(fmt::format("{}: {} on {}", plan.name, plan.material.title, plan.machine.title)));
   for (std::size_t i = 0; i < plan.sheets.size(); ++i) {
     if (!plan.machine.driven()) {
-      say_drawing(plan, i, folder);
+      say_drawing(plan, i, folder, formats);
       continue;
     }
     const PlannedSheet& sheet = plan.sheets[i];
@@ -162,8 +232,14 @@ void say(const PlanJob& job, const std::string& folder) {
         "           travel {:.0f} mm (as drawn {:.0f}), about {:.1f} min ({:.1f} to {:.1f})\n",
         sheet.travel_mm, sheet.travel_input_mm, minutes(sheet.seconds),
         minutes(sheet.seconds_range[0]), minutes(sheet.seconds_range[1]));
-    fmt::print(stderr, "           {}/{}\n", folder, job.program_file(i));
+    if (formats.has("program", plan.machine))
+      fmt::print(stderr, "           {}/{}\n", folder, job.program_file(i));
   }
+  if (formats.has("pdf", plan.machine))
+    fmt::print(stderr,
+               "  next     print {}/sheets.pdf at actual size (100 %, not \"fit to page\"), and "
+               "measure its bar\n",
+               folder);
   if (plan.machine.language == "cricut") say_cricut(plan);
   for (const Warning& warning : plan.warnings)
     fmt::print(stderr, "  warning  {}\n", shown_text(warning.message));
@@ -173,37 +249,36 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
   if (options.folder.empty())
     return fail(ErrorKind::Usage, "command line",
                 "-o DIR is missing; give the folder for the sheets");
-  auto job = plan_input(options.plan, !globals.quiet);
+  const auto formats = parse_formats(options.formats);
+  if (!formats) return tl::unexpected(formats.error());
+  PlanArguments arguments = options.plan;
+  arguments.keep_lines = formats->given.contains("pdf");
+  auto job = plan_input(arguments, !globals.quiet);
   if (!job) return tl::unexpected(job.error());
+  const Machine& machine = job->plan.machine;
+  if (!machine.driven())
+    for (const char* name : {"program", "picture"})
+      if (formats->given.contains(name))
+        return fail(ErrorKind::Usage, "--formats",
+                    fmt::format("{} takes no programs from popcut; leave {} out", machine.title,
+                                name));
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
   const auto given = options.plan.options.find("svg-profile");
-  const Machine& machine = job->plan.machine;
-  const std::string profile = machine.language == "cricut"             ? "cricut"
+  const std::string profile = machine.language == "cricut"          ? "cricut"
                               : given != options.plan.options.end() ? given->second
                                                                     : "";
-  for (std::size_t i = 0; i < job->plan.sheets.size(); ++i) {
-    const std::string title = shown_text(fmt::format("{}: sheet {}", job->plan.name, i + 1));
-    if (auto done =
-            folder->add(PlanJob::sheet_file(i, "svg"), sheet_svg(job->plan.sheets[i], title));
-        !done)
-      return done;
-    if (auto done = add_profile_sheet(job->plan, i + 1, profile, title, *folder); !done)
-      return done;
-    if (!machine.driven()) continue;
-    const std::string picture = fmt::format("plan-{:02}.svg", i + 1);
-    if (auto done = folder->add(picture, plan_svg(job->plan.sheets[i], title)); !done) return done;
-    if (auto done = folder->add(job->program_file(i), job->programs[i].bytes); !done) return done;
-    if (job->marks.empty()) continue;
-    const std::string marks = marks_svg(job->marks[i], job->plan.sheets[i].area_mm, title);
-    if (auto done = folder->add(PlanJob::sheet_file(i, "marks.svg"), marks); !done) return done;
-  }
-  if (auto done = folder->add("assembly.svg", assembly_svg(job->plan)); !done) return done;
+  for (std::size_t i = 0; i < job->plan.sheets.size(); ++i)
+    if (auto done = add_sheet(*job, i, profile, *formats, *folder); !done) return done;
+  if (formats->has("pdf", machine))
+    if (auto done = add_pdf(job->plan, *folder); !done) return done;
+  if (formats->has("assembly", machine))
+    if (auto done = folder->add("assembly.svg", assembly_svg(job->plan)); !done) return done;
   const std::string json = plan_json(job->plan);
   if (auto done = folder->add("plan.json", json); !done) return done;
   if (auto done = folder->commit("popcut plan " POPCUT_VERSION); !done) return done;
   if (globals.json) fmt::print("{}", json);
-  if (!globals.quiet) say(*job, options.folder);
+  if (!globals.quiet) say(*job, options.folder, *formats);
   return {};
 }
 
@@ -219,9 +294,11 @@ constexpr const char* kHelp =
     "  plan.json               lengths, time and warnings\n\n"
     "With --svg-profile cricut, lightburn or origami-sim you also get sheet-NN-PROFILE.svg for "
     "that\n"
-    "program. For a Cricut, name the machine (--machine cricut-maker, ...): then there is no "
-    "program,\n"
-    "and sheet-NN-cricut.svg is what you upload in Design Space.";
+    "program.\n\n"
+    "For a Cricut, name it (--machine cricut-maker): then there is no program, and\n"
+    "sheet-NN-cricut.svg is what you upload in Design Space. To cut by hand:\n\n"
+    "  popcut plan heart.svg -o sheets --machine none --mat A4\n\n"
+    "writes sheets.pdf to print: pages at true scale with a legend and a bar to measure.";
 
 }  // namespace
 }  // namespace plan_command
@@ -231,6 +308,11 @@ void register_plan(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("plan", kHelp);
   add_plan_arguments(*command, options->plan);
+  command
+      ->add_option("--formats", options->formats,
+                   "Files to write beside plan.json, separated by commas: svg program picture "
+                   "assembly pdf (sheets.pdf, to print at true scale; usual with --machine none)")
+      ->option_text(fmt::format("LIST [{}]", kUsual));
   command
       ->add_option("-o,--output", options->folder,
                    "Folder for the files; created if it does not exist")

@@ -84,6 +84,7 @@ Result<PlanOptions> options_of(const PlanArguments& arguments, const Progress& p
   if (!options) return options;
   options->machine = arguments.machine;
   options->material = arguments.material;
+  options->keep_lines = arguments.keep_lines;
   const double most_s = kSecondsPerEffort * std::max(options->order.effort, 1.0);
   options->progress = progress;
   options->order.keep_going = [watch = std::make_shared<Watch>(progress, most_s)](double done) {

@@ -20,6 +20,7 @@ struct PlanArguments {
   std::string input{};
   std::string machine{}, material{};
   std::map<std::string, std::string> options{};  ///< by name, in the form of a request to popcutd
+  bool keep_lines{false};                        ///< the sheets keep their lines with whole folds
   bool test_shape{false};                        ///< plan the test shape instead of the input
 };
 

@@ -160,37 +160,6 @@ TEST_CASE("a drawing reads back as the lines of the pattern", "[core][formats][s
   same_lines(*cut);
 }
 
-TEST_CASE("a PDF page is the sheet at true scale with its margin", "[core][formats][pdf]") {
-  const Pattern pattern = testing::row_of_boxes(3);
-  const auto pdf = pattern_pdf(pattern);
-  REQUIRE(pdf);
-  CHECK(pdf->rfind("%PDF-", 0) == 0);
-  const auto at = pdf->find("/MediaBox");
-  REQUIRE(at != std::string::npos);
-  double x0 = -1, y0 = -1, x1 = 0, y1 = 0;
-  std::istringstream box(pdf->substr(pdf->find('[', at) + 1));
-  box >> x0 >> y0 >> x1 >> y1;
-  CHECK(x0 == 0);
-  CHECK(y0 == 0);
-  // The library writes points with at most five digits after the point, from single precision.
-  CHECK(x1 == Approx((210 + 30) * 72 / 25.4).margin(1e-3));
-  CHECK(y1 == Approx((70 + 30) * 72 / 25.4).margin(1e-3));
-  CHECK(*pattern_pdf(pattern) == *pdf);
-}
-
-TEST_CASE("a sheet larger than a PDF page is refused by name", "[core][formats][pdf]") {
-  const auto pdf = pattern_pdf(testing::row_of_boxes(73));  // 5110 mm
-  REQUIRE_FALSE(pdf);
-  CHECK(pdf.error().kind == ErrorKind::Infeasible);
-  CHECK(pdf.error().detail.find("5140 x 100 mm") != std::string::npos);
-}
-
-TEST_CASE("a name with any bytes gives a valid PDF", "[core][formats][pdf]") {
-  Pattern pattern = testing::box_card_pattern();
-  pattern.name = "(\\ \xc3\xa9 \xff)\n" + std::string(5000, 'x');
-  CHECK(pattern_pdf(pattern));
-}
-
 TEST_CASE("the deployed picture paints every face and stays in its frame",
           "[core][formats][picture]") {
   const Pattern card = testing::box_card_pattern();

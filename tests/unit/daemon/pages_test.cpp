@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+// Pages to print: what stands on them, and their form as PDF.
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <pugixml.hpp>
+
+#include "core/layout/sheet.hpp"
+#include "core/print/footer.hpp"
+#include "core/print/pages.hpp"
+#include "daemon/pictures/pdf.hpp"
+#include "tests/support/box_card.hpp"
+
+namespace pages_test {
+
+using namespace popcut;
+
+namespace {
+
+Footer full_footer() {
+  return {{legend_entry(Operation::Cut), legend_entry(Operation::FoldMountain),
+           legend_entry(Operation::FoldValley), legend_entry(Operation::Draw),
+           legend_entry_of_tabs()},
+          {"a name of some length: sheet 10 of 12, pieces 3, 4, 5",
+           "Printed side up: mountain folds rise toward you, valley folds sink away."}};
+}
+
+}  // namespace
+
+TEST_CASE("a footer stays within its place at every width", "[core][print]") {
+  for (double width = 10.0; width < 400.0; width += 7.0) {
+    CAPTURE(width);
+    const FooterPlace place{8, 100, width, 23};
+    const std::string svg = footer_svg(full_footer(), place);
+    const bool fits = footer_height_mm(full_footer(), width) <= place.height;
+    if (!fits) CHECK(svg.empty());
+    if (svg.empty()) continue;
+    pugi::xml_document document;
+    REQUIRE(document.load_string(("<svg>" + svg + "</svg>").c_str()));
+    for (const auto& found : document.select_nodes("//text")) {
+      const pugi::xml_node text = found.node();
+      const double x = text.attribute("x").as_double(), y = text.attribute("y").as_double();
+      CAPTURE(text.text().get());
+      CHECK(x >= place.left);
+      CHECK(x + text_width_mm(text.text().get(), 2.8) <= place.left + place.width + 0.01);
+      CHECK(y >= place.top);
+      CHECK(y <= place.top + place.height);
+    }
+  }
+  // A wide page has all of it, a narrow one a bar that says its length.
+  CHECK(footer_svg(full_footer(), {8, 100, 194, 23}).find("glue under") != std::string::npos);
+  CHECK(footer_bar({8, 100, 194, 23}).find("100 mm: measure") != std::string::npos);
+  CHECK(footer_bar({8, 100, 60, 23}).find("50 mm") != std::string::npos);
+  CHECK(footer_bar({8, 100, 30, 23}).find("20 mm") != std::string::npos);
+  CHECK(footer_bar({8, 100, 12, 23}).find("10 mm") != std::string::npos);
+  CHECK(footer_bar({8, 100, 9, 23}).empty());
+}
+
+TEST_CASE("a pattern's page is the sheet at true scale within its margins", "[core][print]") {
+  const Pattern pattern = testing::row_of_boxes(3);
+  const auto pages = pattern_pages(pattern);
+  REQUIRE(pages);
+  REQUIRE(pages->size() == 1);
+  CHECK(pages->front().width_mm == Approx(210 + 2 * kPrintSideMm));
+  CHECK(pages->front().height_mm == Approx(70 + kPrintSideMm + kPrintFooterMm));
+  CHECK(pages->front().margin_mm == 0.0);
+  const auto pdf = pdf_of_pages(*pages, pattern.name);
+  REQUIRE(pdf);
+  CHECK(pdf->rfind("%PDF-", 0) == 0);
+  CHECK(*pdf_of_pages(*pages, pattern.name) == *pdf);
+  CHECK(pdf->find("CreationDate") == std::string::npos);
+}
+
+TEST_CASE("a sheet larger than a PDF page is refused by name", "[core][print]") {
+  const auto pages = pattern_pages(testing::row_of_boxes(73));  // 5110 mm
+  REQUIRE_FALSE(pages);
+  CHECK(pages.error().kind == ErrorKind::Infeasible);
+  CHECK(pages.error().detail.find("5126 x 108 mm") != std::string::npos);
+}
+
+TEST_CASE("a name with any bytes gives a valid page", "[core][print]") {
+  Pattern pattern = testing::box_card_pattern();
+  for (const std::string& name :
+       {"(\\ \xc3\xa9 \xff)\n" + std::string(5000, 'x'), std::string("<b>&amp;\"'"),
+        std::string("\xe2\x80\xae" "evil"), std::string(119, 'a') + "\xe2\x99\xa5", std::string()}) {
+    CAPTURE(name);
+    pattern.name = name;
+    const auto pages = pattern_pages(pattern);
+    REQUIRE(pages);
+    CHECK(pdf_of_pages(*pages, name));
+  }
+}
+
+TEST_CASE("letters that no font has are named", "[core][print]") {
+  CHECK(letters_without_font("Für Oma ♥ Ωμέγα Привет\t1").empty());
+  CHECK(letters_without_font("a\xf3\xbf\xbf\xbd" "b\xf3\xbf\xbf\xbd\xff") == "\xf3\xbf\xbf\xbd");
+}
+
+}  // namespace pages_test
