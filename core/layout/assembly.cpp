@@ -96,7 +96,7 @@ class Drawing {
       }
       if (path.empty()) continue;
       out_ += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:.3f}\"/>\n",
-                          path, colour(operation), size / 2000);
+                          path, colour(operation), size / 700);
     }
   }
 
@@ -118,7 +118,7 @@ class Drawing {
                            : fmt::format("M{:.3f},{:.3f}H{:.3f}", run.from, run.at, run.to);
     out_ +=
         fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"#2ca02c\" stroke-width=\"{:.3f}\"/>\n",
-                    path, size / 700);
+                    path, size / 350);
     // Each seam's letter stands at the middle of its longest run.
     std::vector<const SeamRun*> longest(layout_.seams.size(), nullptr);
     for (const SeamRun& run : layout_.runs) {

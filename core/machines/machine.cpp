@@ -52,9 +52,8 @@ Mat read_mat(FieldReader& fields, bool driven) {
 void read_size(FieldReader& fields, Machine& machine) {
   machine.width_mm = fields.number("width_mm", {}, 1.0, kMaxLength);
   machine.length_mm = fields.number("length_mm", {}, 1.0, kMaxLength);
-  fields.objects("mats", [&](FieldReader& mat) {
-    machine.mats.push_back(read_mat(mat, machine.driven()));
-  });
+  fields.objects(
+      "mats", [&](FieldReader& mat) { machine.mats.push_back(read_mat(mat, machine.driven())); });
 }
 
 void read_place(FieldReader& fields, Machine& machine) {

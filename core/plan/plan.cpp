@@ -134,9 +134,9 @@ Result<FoldMode> fold_mode(const Machine& machine, const Material& material,
                            const PlanOptions& options) {
   if (!machine.driven()) {
     if (options.knife.folds == FoldMode::Light)
-      return fail(ErrorKind::OutOfRange, "/options/folds",
-                  fmt::format("{} cannot cut half through; use `folds` score or perforate",
-                              machine.title));
+      return fail(
+          ErrorKind::OutOfRange, "/options/folds",
+          fmt::format("{} cannot cut half through; use `folds` score or perforate", machine.title));
     return options.knife.folds.value_or(machine.folds);
   }
   const FoldMode mode = options.knife.folds.value_or(material.folds);

@@ -33,7 +33,7 @@ struct PlannedSheet {
   std::uint64_t order_moves{};  ///< moves that the search for a short order tried
   bool order_finished{true};    ///< false: the search was stopped early
   std::size_t paths{};          ///< lines of the drawing after cleaning
-  double seconds{};  ///< 0 if popcut does not drive the machine
+  double seconds{};             ///< 0 if popcut does not drive the machine
   std::array<double, 2> seconds_range{};
   std::optional<MarkLayout> registration{};  ///< of a printed sheet; the caller sets it
 

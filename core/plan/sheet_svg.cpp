@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <vector>
 
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include "core/drawing/sheet_frame.hpp"
 #include "core/layout/layout.hpp"
 #include "core/plan/plan.hpp"
 #include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
+#include "core/text/text_width.hpp"
 
 namespace popcut {
 namespace {
@@ -44,11 +47,11 @@ void head(std::string& svg, const std::array<double, 2>& size, const std::string
       title);
 }
 
-void open_layer(std::string& svg, const Layer& layer) {
+void open_layer(std::string& svg, const Layer& layer, double line_mm) {
   fmt::format_to(Out(svg),
                  "<g id=\"{0}\" inkscape:groupmode=\"layer\" inkscape:label=\"{0}\" fill=\"none\" "
-                 "stroke=\"{1}\" stroke-width=\"0.1\" data-assignment=\"{2}\">\n",
-                 operation_name(layer.operation), layer.colour, layer.assignment);
+                 "stroke=\"{1}\" stroke-width=\"{3:.2f}\" data-assignment=\"{2}\">\n",
+                 operation_name(layer.operation), layer.colour, layer.assignment, line_mm);
 }
 
 }  // namespace
@@ -62,12 +65,13 @@ std::string sheet_svg(const PlannedSheet& sheet, const std::string& title) {
       "data-blade-tools=\"{}\"",
       knife.overcut_mm, knife.rounds, knife.blade_offset_mm, knife.blade_tools);
   head(svg, sheet.area_mm, title, attributes.c_str());
+  const double line_mm = seen_line_mm(sheet.area_mm[0], sheet.area_mm[1]);
   for (const Layer& layer : kLayers) {
     bool open = false;
     for (std::size_t i = 0; i < sheet.path.strokes.size(); ++i) {
       const Stroke& stroke = sheet.path.strokes[i];
       if (stroke.operation != layer.operation) continue;
-      if (!open) open_layer(svg, layer);
+      if (!open) open_layer(svg, layer, line_mm);
       open = true;
       svg += "<path d=\"";
       path_data(svg, sheet.path.points_of(stroke));
@@ -82,27 +86,42 @@ std::string sheet_svg(const PlannedSheet& sheet, const std::string& title) {
 
 std::string assembly_svg(const Plan& plan) {
   if (plan.layout) return assembly_svg(*plan.layout, plan.whole);
-  constexpr double kBetween = 10.0;  // mm between sheets, with room for their names
-  std::array<double, 2> size{kBetween, 0.0};
+  // Beside each other, each as large as what is drawn on it.
+  std::vector<SheetFrame> frames;
+  std::vector<Box> drawn;
+  double width = 0.0, height = 0.0, letter = 0.0;
   for (const PlannedSheet& sheet : plan.sheets) {
-    size[0] += sheet.area_mm[0] + kBetween;
-    size[1] = std::max(size[1], sheet.area_mm[1] + 2 * kBetween);
+    drawn.push_back(bounds(sheet.path.points));
+    frames.push_back(sheet_frame(drawn.back(), sheet.area_mm));
+    width += frames.back().shown.width();
+    height = std::max(height, frames.back().shown.height());
   }
+  for (const SheetFrame& frame : frames) letter = std::max(letter, frame.text_mm);
+  letter *= width / std::max(1.0, frames.front().shown.width());
+  const double words = 4.5 * letter;
   std::string svg;
-  head(svg, size, plan.name + ": assembly", "");
-  double x = kBetween;
+  head(svg, {width, height + words}, plan.name + ": assembly", "");
+  fmt::format_to(Out(svg), "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n");
+  double x = 0.0;
   for (std::size_t i = 0; i < plan.sheets.size(); ++i) {
     const PlannedSheet& sheet = plan.sheets[i];
-    const Placement& t = sheet.transform;
-    const bool turned = t.xy != 0.0;
-    fmt::format_to(
-        Out(svg),
-        "<g transform=\"translate({} {})\" fill=\"none\" stroke-width=\"0.3\">\n"
-        "<rect width=\"{}\" height=\"{}\" stroke=\"#b0b0b0\"/>\n"
-        "<text x=\"0\" y=\"-3\" font-family=\"sans-serif\" font-size=\"5\" fill=\"#404040\">"
-        "sheet {}: {} on {}, at {:.1f},{:.1f} mm{}</text>\n",
-        x, kBetween, sheet.area_mm[0], sheet.area_mm[1], i + 1, xml_escaped(plan.name),
-        xml_escaped(plan.machine.name), t.x0, t.y0, turned ? ", turned by 90 degrees" : "");
+    const SheetFrame& frame = frames[i];
+    const std::string rows[] = {
+        fmt::format("{}: sheet {}{}", plan.name, i + 1,
+                    sheet.transform.xy != 0.0 ? ", turned by 90 degrees" : ""),
+        sheet_words(drawn[i], sheet.area_mm), plan.machine.title};
+    for (std::size_t k = 0; k < std::size(rows); ++k)
+      fmt::format_to(Out(svg),
+                     "<text x=\"{:.3f}\" y=\"{:.3f}\" font-family=\"sans-serif\" "
+                     "font-size=\"{:.3f}\" fill=\"#404040\">{}</text>\n",
+                     x + letter / 2, height + (static_cast<double>(k) + 1) * 1.35 * letter, letter,
+                     xml_escaped(shortened(rows[k], letter, frame.shown.width() - letter)));
+    fmt::format_to(Out(svg),
+                   "<svg x=\"{0:.3f}\" width=\"{3:.3f}\" height=\"{4:.3f}\" "
+                   "viewBox=\"{1:.3f} {2:.3f} {3:.3f} {4:.3f}\" fill=\"none\" "
+                   "stroke-width=\"{5:.3f}\">\n{6}",
+                   x, frame.shown.x0, frame.shown.y0, frame.shown.width(), frame.shown.height(),
+                   frame.line_mm, sheet_rect_svg(frame, sheet.area_mm));
     for (const Layer& layer : kLayers) {
       bool open = false;
       for (const Stroke& stroke : sheet.path.strokes) {
@@ -113,8 +132,8 @@ std::string assembly_svg(const Plan& plan) {
       }
       if (open) svg += "\"/>\n";
     }
-    svg += "</g>\n";
-    x += sheet.area_mm[0] + kBetween;
+    svg += "</svg>\n";
+    x += frame.shown.width();
   }
   svg += "</svg>\n";
   return svg;

@@ -7,12 +7,13 @@
 #include <fmt/format.h>
 
 #include "core/text/text_sink.hpp"
+#include "core/text/text_width.hpp"
 
 namespace popcut {
 namespace {
 
-constexpr double kTextMm = 2.8;    // height of letters, as a font size
-constexpr double kRowMm = 4.6;     // from one row to the next
+constexpr double kTextMm = 2.8;  // height of letters, as a font size
+constexpr double kRowMm = 4.6;   // from one row to the next
 constexpr double kSampleMm = 10.0;
 constexpr double kGapMm = 2.0;
 
@@ -29,7 +30,7 @@ double bar_length_mm(double width_mm) {
 }
 
 double entry_width_mm(const LegendEntry& entry) {
-  return kSampleMm + kGapMm + text_width_mm(entry.words, kTextMm);
+  return kSampleMm + kGapMm + text_width(entry.words, kTextMm);
 }
 
 // Entries row by row, as many as fit beside each other.
@@ -49,20 +50,6 @@ std::vector<std::vector<const LegendEntry*>> legend_rows(const std::vector<Legen
   return rows;
 }
 
-// The first part of `word` that fits, with a mark that it goes on.
-std::string shortened(std::string_view word, double width_mm) {
-  std::string part;
-  for (std::size_t i = 0; i < word.size();) {
-    std::size_t next = i + 1;
-    while (next < word.size() && (static_cast<unsigned char>(word[next]) & 0xC0u) == 0x80u) ++next;
-    const std::string longer = part + std::string(word.substr(i, next - i));
-    if (text_width_mm(longer + "…", kTextMm) > width_mm) return part + "…";
-    part = longer;
-    i = next;
-  }
-  return part;
-}
-
 std::vector<std::string> broken(const std::string& sentence, double width_mm) {
   std::vector<std::string> rows;
   std::size_t at = 0;
@@ -70,8 +57,8 @@ std::vector<std::string> broken(const std::string& sentence, double width_mm) {
     const std::size_t end = std::min(sentence.find(' ', at), sentence.size());
     std::string word = sentence.substr(at, end - at);
     at = end + 1;
-    if (text_width_mm(word, kTextMm) > width_mm) word = shortened(word, width_mm);
-    if (!rows.empty() && text_width_mm(rows.back() + " " + word, kTextMm) <= width_mm)
+    word = shortened(word, kTextMm, width_mm);
+    if (!rows.empty() && text_width(rows.back() + " " + word, kTextMm) <= width_mm)
       rows.back() += " " + word;
     else
       rows.push_back(std::move(word));
@@ -87,19 +74,6 @@ std::vector<std::string> all_broken(const Footer& footer, double width_mm) {
 }
 
 }  // namespace
-
-double text_width_mm(std::string_view text, double size_mm) {
-  // Letters of sans-serif fonts are 0.6 of their size wide on average and few are wider than 0.9;
-  // beyond the alphabets (from Hangul on) they are as wide as high.
-  double ems = 0.0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    if ((byte & 0xC0u) == 0x80u) continue;
-    ems += byte >= 0xE1 ? 1.1 : byte == 'm' || byte == 'w' || (byte >= 'A' && byte <= 'Z') ? 0.85
-                                                                                           : 0.62;
-  }
-  return ems * size_mm;
-}
 
 LegendEntry legend_entry(Operation operation) {
   constexpr const char* kFold = "stroke-width=\"0.3\" stroke=\"{}\" stroke-dasharray=\"{}\"";
@@ -118,13 +92,12 @@ LegendEntry legend_entry(Operation operation) {
 }
 
 LegendEntry legend_entry_of_tabs() {
-  return {"fill=\"#dddddd\" stroke=\"none\"", "tab: glue under the same letter",
-          true};
+  return {"fill=\"#dddddd\" stroke=\"none\"", "tab: glue under the same letter", true};
 }
 
 double footer_height_mm(const Footer& footer, double width_mm) {
-  const std::size_t rows = 1 + legend_rows(footer.legend, width_mm).size() +
-                           all_broken(footer, width_mm).size();
+  const std::size_t rows =
+      1 + legend_rows(footer.legend, width_mm).size() + all_broken(footer, width_mm).size();
   return kRowMm * static_cast<double>(rows);
 }
 
@@ -133,15 +106,16 @@ std::string footer_bar(const FooterPlace& place) {
   if (length == 0.0 || place.height < kRowMm) return {};
   std::string svg;
   const double y = place.top + kRowMm - 2.0, x = place.left;
-  fmt::format_to(Out(svg),
-                 "<path id=\"bar\" fill=\"none\" stroke=\"#000000\" stroke-width=\"0.3\" "
-                 "d=\"M{0:.2f} {2:.2f}V{3:.2f}M{0:.2f} {4:.2f}H{1:.2f}M{1:.2f} {2:.2f}V{3:.2f}\"/>\n",
-                 x, x + length, y - 1.5, y + 1.5, y);
+  fmt::format_to(
+      Out(svg),
+      "<path id=\"bar\" fill=\"none\" stroke=\"#000000\" stroke-width=\"0.3\" "
+      "d=\"M{0:.2f} {2:.2f}V{3:.2f}M{0:.2f} {4:.2f}H{1:.2f}M{1:.2f} {2:.2f}V{3:.2f}\"/>\n",
+      x, x + length, y - 1.5, y + 1.5, y);
   svg += fmt::format("<g font-family=\"sans-serif\" font-size=\"{}\" fill=\"#000000\">\n", kTextMm);
   for (const std::string& words :
        {fmt::format("{:g} mm: measure it on the print before you cut", length),
         fmt::format("{:g} mm", length)}) {
-    if (length + kGapMm + text_width_mm(words, kTextMm) > place.width) continue;
+    if (length + kGapMm + text_width(words, kTextMm) > place.width) continue;
     put_text(svg, x + length + kGapMm, y + 1.0, words);
     return svg + "</g>\n";
   }

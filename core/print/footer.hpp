@@ -42,7 +42,4 @@ struct FooterPlace {
 /// The height that the whole footer needs at this width, mm.
 [[nodiscard]] double footer_height_mm(const Footer& footer, double width_mm);
 
-/// An upper bound of the width of a text in the pages' font, mm.
-[[nodiscard]] double text_width_mm(std::string_view text, double size_mm);
-
 }  // namespace popcut

@@ -67,7 +67,8 @@ std::vector<LegendEntry> legend_of(const LineWork& work, bool tabs) {
 }
 
 std::string which_side(const LineWork& work) {
-  const bool mountain = has(work, Operation::FoldMountain), valley = has(work, Operation::FoldValley);
+  const bool mountain = has(work, Operation::FoldMountain),
+             valley = has(work, Operation::FoldValley);
   if (!mountain && !valley) return "Printed side up.";
   return fmt::format(
       "Printed side up: {}{}{}. Press the folds first, then cut, and cut the outline last.",
@@ -85,7 +86,8 @@ struct Page {
   [[nodiscard]] double height() const { return area_mm[1] + kPrintSideMm + kPrintFooterMm; }
   [[nodiscard]] FooterPlace footer_place() const {
     constexpr double kFree = 6.0;  // what printers leave white
-    return {kPrintSideMm, kPrintSideMm + area_mm[1] + 1.0, area_mm[0], kPrintFooterMm - kFree - 1.0};
+    return {kPrintSideMm, kPrintSideMm + area_mm[1] + 1.0, area_mm[0],
+            kPrintFooterMm - kFree - 1.0};
   }
 };
 
@@ -108,7 +110,8 @@ std::string page_head(double width, double height, const std::string& name) {
 PrintedPage printed(const Page& page, const std::string& drawing,
                     std::optional<Footer>& legend_page) {
   std::string svg = page_head(page.width(), page.height(), page.name);
-  fmt::format_to(Out(svg), "<g transform=\"translate({0} {0})\">\n{1}</g>\n", kPrintSideMm, drawing);
+  fmt::format_to(Out(svg), "<g transform=\"translate({0} {0})\">\n{1}</g>\n", kPrintSideMm,
+                 drawing);
   std::string footer = footer_svg(page.footer, page.footer_place());
   if (footer.empty()) {
     if (!legend_page) legend_page = page.footer;
@@ -179,9 +182,9 @@ Result<std::vector<PrintedPage>> sheet_pages(const Plan& plan) {
     Page page{sheet.area_mm,
               fmt::format("{}: sheet {} of {}", name, i + 1, plan.sheets.size()),
               {legend_of(*sheet.lines, !tabs.empty()), {}}};
-    page.footer.sentences = {
-        fmt::format("{}: sheet {} of {}{}", name, i + 1, plan.sheets.size(), pieces_in_words(sheet)),
-        which_side(*sheet.lines)};
+    page.footer.sentences = {fmt::format("{}: sheet {} of {}{}", name, i + 1, plan.sheets.size(),
+                                         pieces_in_words(sheet)),
+                             which_side(*sheet.lines)};
     if (auto fits = check_size(page); !fits) return tl::unexpected(fits.error());
     std::string drawing = tabs;
     put_lines(drawing, *sheet.lines);
@@ -201,11 +204,11 @@ Result<std::vector<PrintedPage>> pattern_pages(const Pattern& pattern) {
   const LineWork work = linework_from_pattern(pattern);
   const std::string name = page_name(pattern.name);
   const double height = pattern.wall_mm + pattern.ground_mm;
-  Page page{{pattern.width_mm, height},
-            name,
-            {legend_of(work, false),
-             {fmt::format("{}: {:.1f} x {:.1f} mm", name, pattern.width_mm, height),
-              which_side(work)}}};
+  Page page{
+      {pattern.width_mm, height},
+      name,
+      {legend_of(work, false),
+       {fmt::format("{}: {:.1f} x {:.1f} mm", name, pattern.width_mm, height), which_side(work)}}};
   if (auto fits = check_size(page); !fits) return tl::unexpected(fits.error());
   std::string drawing;
   put_lines(drawing, work);

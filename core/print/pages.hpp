@@ -28,8 +28,8 @@ inline constexpr double kLargestPageMm = 5080.0;  ///< what PDF allows: 14400 po
 /// sheet, and which side is up. Where there is no room for the legend, it has a page of its own. A
 /// drawing that was split ends with a page that shows how the pieces are glued together.
 ///
-/// Each sheet keeps `kPrintSideMm` and `kPrintFooterMm` free around its area; so a page of a machine
-/// of the language "hand" is as large as its paper.
+/// Each sheet keeps `kPrintSideMm` and `kPrintFooterMm` free around its area; so a page of a
+/// machine of the language "hand" is as large as its paper.
 ///
 /// @param plan  its sheets have `lines`
 /// @retval Infeasible  a page is larger than PDF allows

@@ -85,7 +85,8 @@ std::string letters_without_font(std::string_view text) {
     const std::uint32_t letter = found.value;
     const std::string_view bytes = text.substr(at, std::max<std::size_t>(1, found.length));
     at += bytes.size();
-    if (found.length == 0 || needs_no_font(letter) || missing.find(bytes) != std::string::npos || has_font(letter))
+    if (found.length == 0 || needs_no_font(letter) || missing.find(bytes) != std::string::npos ||
+        has_font(letter))
       continue;
     missing += bytes;
   }

@@ -17,7 +17,7 @@ namespace popcut::planning {
 struct PlanJob {
   Plan plan;
   std::vector<EncodedProgram> programs;  ///< one a sheet; none if popcut does not drive the machine
-  std::vector<MarkLayout> marks;  ///< one a sheet, or none
+  std::vector<MarkLayout> marks;         ///< one a sheet, or none
 
   /// "sheet-01.gpgl": the file of a sheet's program.
   [[nodiscard]] std::string program_file(std::size_t sheet) const;

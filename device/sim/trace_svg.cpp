@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: MIT
 // Part of device/sim/trace.hpp.
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <map>
 
 #include <fmt/format.h>
 
+#include "core/drawing/sheet_frame.hpp"
 #include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
+#include "core/text/text_width.hpp"
 #include "device/sim/trace.hpp"
 
 namespace popcut {
 namespace {
 
-constexpr double kMarginMm = 5;
-constexpr double kLegendRowMm = 5;
-
-/// Names come from users' tables: markup in them is only text.
 /// Strokes that look alike: one tool and one force.
 struct Look {
   int tool{};
@@ -58,14 +57,11 @@ std::string travel_path(const Trace& trace) {
   return path;
 }
 
-Box page_box(const Trace& trace) {
-  Box box;
-  box.add({0, 0});
-  for (const PagePoint& point : trace.points) box.add(point);
-  // A roll is shown as far as it is cut, a sheet whole.
+/// The sheet: a roll only as far as it is cut.
+std::array<double, 2> sheet_of(const Trace& trace, const Box& drawn) {
   const bool roll = trace.page_length_mm > 1000;
-  box.add({trace.page_width_mm, roll ? box.y1 : trace.page_length_mm});
-  return box;
+  return {trace.page_width_mm,
+          roll && !drawn.empty() ? std::max(drawn.y1, 1.0) : trace.page_length_mm};
 }
 
 std::string legend_words(const Look& look, double mm) {
@@ -87,43 +83,50 @@ std::string trace_svg(const Trace& trace) {
     put_path(drawn.path, points);
     for (std::size_t i = 1; i < points.size(); ++i) drawn.mm += distance(points[i - 1], points[i]);
   }
-  const Box box = page_box(trace);
-  const std::size_t rows = looks.size() + (trace.clipped_mm > 0 ? 4u : 3u);
-  const double width = std::max(box.x1 - box.x0, 90.0) + 2 * kMarginMm;
-  const double height = box.y1 - box.y0 + 2 * kMarginMm + kLegendRowMm * static_cast<double>(rows);
+  const Box drawn = bounds(trace.points);
+  const std::array<double, 2> sheet = sheet_of(trace, drawn);
+  const SheetFrame frame = sheet_frame(drawn, sheet);
+  const double letter = frame.text_mm, row_mm = 1.5 * letter;
+  const std::size_t rows = looks.size() + (trace.clipped_mm > 0 ? 5u : 4u);
+  const double inset = frame.whole ? 0.0 : 7 * letter;  // the sheet, small, below the legend
+  const double height = frame.shown.height() + row_mm * static_cast<double>(rows) + inset;
+  // Wide enough for the legend of a narrow roll.
+  const double width = std::max(frame.shown.width(), 40 * letter);
   std::string svg = svg_head(fmt::format("width=\"{2:.6g}mm\" height=\"{3:.6g}mm\" "
                                          "viewBox=\"{0:.6g} {1:.6g} {2:.6g} {3:.6g}\"",
-                                         box.x0 - kMarginMm, box.y0 - kMarginMm, width, height),
+                                         frame.shown.x0, frame.shown.y0, width, height),
                              fmt::format("What {} did", trace.machine));
-  svg += fmt::format(
-      "<rect x=\"{:.6g}\" y=\"{:.6g}\" width=\"{:.6g}\" height=\"{:.6g}\" fill=\"#fff\"/>\n"
-      "<rect x=\"0\" y=\"0\" width=\"{:.6g}\" height=\"{:.6g}\" fill=\"none\" "
-      "stroke=\"#bbb\" stroke-width=\"0.2\"/>\n",
-      box.x0 - kMarginMm, box.y0 - kMarginMm, width, height, trace.page_width_mm,
-      trace.page_length_mm > 1000 ? box.y1 : trace.page_length_mm);
+  const auto white = [&](double y) {
+    return fmt::format(
+        "<rect x=\"{:.6g}\" y=\"{:.6g}\" width=\"{:.6g}\" height=\"{:.6g}\" fill=\"#fff\"/>\n",
+        frame.shown.x0, y, width, height);
+  };
+  svg += white(frame.shown.y0) + sheet_rect_svg(frame, sheet) + white(frame.shown.y1);
   auto out = std::back_inserter(svg);
   fmt::format_to(out,
                  "<path class=\"travel\" d=\"{}\" fill=\"none\" stroke=\"#3a9\" "
-                 "stroke-width=\"0.05\"/>\n",
-                 travel_path(trace));
-  const double legend_x = box.x0;
-  double y = box.y1 + kMarginMm + kLegendRowMm;
+                 "stroke-width=\"{:.3f}\"/>\n",
+                 travel_path(trace), frame.line_mm / 3);
+  const double legend_x = frame.shown.x0 + letter;
+  double y = frame.shown.y1 + row_mm;
   const auto legend_row = [&](const std::string& stroke, double line_mm, const std::string& words) {
     fmt::format_to(out,
-                   "<path d=\"M{0:.6g},{1:.6g}h10\" stroke=\"{2}\" stroke-width=\"{3}\"/>"
-                   "<text x=\"{4:.6g}\" y=\"{5:.6g}\" font-family=\"sans-serif\" "
-                   "font-size=\"3.5\">{6}</text>\n",
-                   legend_x, y - 1.2, stroke, line_mm, legend_x + 12, y, words);
-    y += kLegendRowMm;
+                   "<path d=\"M{0:.6g},{1:.6g}h{2:.6g}\" stroke=\"{3}\" "
+                   "stroke-width=\"{4:.3f}\"/><text x=\"{5:.6g}\" y=\"{6:.6g}\" "
+                   "font-family=\"sans-serif\" font-size=\"{7:.3f}\">{8}</text>\n",
+                   legend_x, y - 0.35 * letter, 3 * letter, stroke, line_mm, legend_x + 4 * letter,
+                   y, letter, xml_escaped(shortened(words, letter, width - 6 * letter)));
+    y += row_mm;
   };
   std::size_t rank = 0;
-  for (const auto& [look, drawn] : looks) {
+  for (const auto& [look, strokes] : looks) {
     const std::string stroke = colour(rank++, looks.size());
-    fmt::format_to(out,
-                   "<path class=\"cut\" d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"0.25\" "
-                   "stroke-linecap=\"round\"/>\n",
-                   drawn.path, stroke);
-    legend_row(stroke, 0.5, legend_words(look, drawn.mm));
+    fmt::format_to(
+        out,
+        "<path class=\"cut\" d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:.3f}\" "
+        "stroke-linecap=\"round\"/>\n",
+        strokes.path, stroke, frame.line_mm);
+    legend_row(stroke, 2 * frame.line_mm, legend_words(look, strokes.mm));
   }
   if (trace.clipped_mm > 0) {
     std::string grey;
@@ -131,17 +134,20 @@ std::string trace_svg(const Trace& trace) {
       put_path(grey, std::span(trace.clipped).subspan(i, 2));
     // White first, to hide the colour of the force where nothing was cut.
     fmt::format_to(out,
-                   "<path d=\"{0}\" fill=\"none\" stroke=\"#fff\" stroke-width=\"0.8\"/>\n"
+                   "<path d=\"{0}\" fill=\"none\" stroke=\"#fff\" stroke-width=\"{1:.3f}\"/>\n"
                    "<path class=\"clipped\" d=\"{0}\" fill=\"none\" stroke=\"#aaa\" "
-                   "stroke-width=\"0.35\"/>\n",
-                   grey);
-    legend_row("#aaa", 0.5,
+                   "stroke-width=\"{2:.3f}\"/>\n",
+                   grey, 3 * frame.line_mm, 1.4 * frame.line_mm);
+    legend_row("#aaa", 2 * frame.line_mm,
                fmt::format("outside the window, not cut: {:.1f} mm", trace.clipped_mm));
   }
-  legend_row("#3a9", 0.05, fmt::format("travel with the tool up: {:.1f} mm", trace.travel_mm));
+  legend_row("#3a9", frame.line_mm / 2,
+             fmt::format("travel with the tool up: {:.1f} mm", trace.travel_mm));
   legend_row("none", 0,
-             fmt::format("{}: {:.1f} mm in {} strokes, {:.0f} s", xml_escaped(trace.machine),
-                         trace.cut_mm, trace.lifts, trace.seconds));
+             fmt::format("{}: {:.1f} mm in {} strokes, {:.0f} s", trace.machine, trace.cut_mm,
+                         trace.lifts, trace.seconds));
+  legend_row("none", 0, sheet_words(drawn, {trace.page_width_mm, trace.page_length_mm}));
+  svg += sheet_inset_svg(frame, drawn, sheet, {legend_x, y - letter / 2}, 6 * letter);
   return svg + "</svg>\n";
 }
 

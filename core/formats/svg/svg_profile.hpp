@@ -39,7 +39,7 @@ struct StrokeProfile {
   std::map<std::string, StrokeUse, std::less<>> labels;  ///< layer labels, see `plain_label`
   std::vector<StrokeRule> rules;
   StrokeUse otherwise{Operation::Cut};
-  StrokeUse fills;  ///< the outline of shapes with a fill and no stroke
+  StrokeUse fills;   ///< the outline of shapes with a fill and no stroke
   bool asks{false};  ///< true: refuse several colours of solid strokes without a meaning
 };
 

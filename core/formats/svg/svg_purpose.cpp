@@ -59,21 +59,21 @@ std::optional<SvgPurpose> SvgPurposes::of(const SvgElement& e, const SvgStyle& s
 std::string SvgPurposes::colour_list() const {
   std::string list;
   for (const std::uint32_t rgb : colours_) list += (list.empty() ? "" : ", ") + colour_text(rgb);
-  return fmt::format("{} colours ({})",
-                     colours_.size() == kMostListedColours ? "many" : std::to_string(colours_.size()),
-                     list);
+  return fmt::format(
+      "{} colours ({})",
+      colours_.size() == kMostListedColours ? "many" : std::to_string(colours_.size()), list);
 }
 
 Result<void> SvgPurposes::clear() const {
   if (!profile_.asks || colours_.size() < 2) return {};
-  return tl::unexpected(
-      Error{ErrorKind::Malformed, second_colour_,
-            fmt::format("solid strokes without a name have {}, and popcut does not guess which of them "
-                        "are folds; use `svg-profile` origami-sim if red is a mountain fold and "
-                        "blue a valley fold, `svg-profile` popcut to cut them all, or one of "
-                        "'popcut plan --help'",
-                        colour_list()),
-            ErrorReason::Unclear});
+  return tl::unexpected(Error{
+      ErrorKind::Malformed, second_colour_,
+      fmt::format("solid strokes without a name have {}, and popcut does not guess which of them "
+                  "are folds; use `svg-profile` origami-sim if red is a mountain fold and "
+                  "blue a valley fold, `svg-profile` popcut to cut them all, or one of "
+                  "'popcut plan --help'",
+                  colour_list()),
+      ErrorReason::Unclear});
 }
 
 std::string SvgPurposes::colour_warning() const {

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Part of core/formats/write/pattern_files.hpp.
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "core/drawing/linework.hpp"
+#include "core/drawing/sheet_frame.hpp"
 #include "core/formats/write/pattern_files.hpp"
 #include "core/text/svg_document.hpp"
 #include "core/text/text_sink.hpp"
@@ -44,6 +47,12 @@ Box page_of(const Pattern& pattern) {
   return page;
 }
 
+// Wide enough to be seen when all of the sheet is.
+double line_width_mm(const Pattern& pattern) {
+  const Box page = page_of(pattern);
+  return std::max(0.25, std::round(seen_line_mm(page.width(), page.height()) * 100) / 100);
+}
+
 void put_head(TextSink& text, const Pattern& pattern, std::string_view attribute) {
   const Box page = page_of(pattern);
   const std::string width = rounded(page.width()), height = rounded(page.height());
@@ -67,10 +76,10 @@ void put_line(TextSink& text, const SheetLine& line, const SvgLayer& layer) {
        "\" data-foldAngle=\"", layer.fold_angle, "\"/>\n");
 }
 
-void put_layer(TextSink& text, const SvgLayer& layer, bool dashed,
+void put_layer(TextSink& text, const SvgLayer& layer, bool dashed, double line_mm,
                std::span<const SheetLine> lines) {
   text("<g inkscape:groupmode=\"layer\" inkscape:label=\"", layer.label, "\" id=\"", layer.label,
-       "\" fill=\"none\" stroke=\"", layer.colour, "\" stroke-width=\"0.25\"");
+       "\" fill=\"none\" stroke=\"", layer.colour, "\" stroke-width=\"", rounded(line_mm), "\"");
   if (dashed && !layer.dashes.empty()) text(" stroke-dasharray=\"", layer.dashes, "\"");
   text.put(">\n");
   for (const SheetLine& line : lines)
@@ -83,7 +92,8 @@ void put_layer(TextSink& text, const SvgLayer& layer, bool dashed,
 void write_pattern_svg(const Pattern& pattern, std::ostream& out) {
   TextSink text(out);
   put_head(text, pattern, "");
-  for (const SvgLayer& layer : kSvgLayers) put_layer(text, layer, true, pattern.lines);
+  const double line_mm = line_width_mm(pattern);
+  for (const SvgLayer& layer : kSvgLayers) put_layer(text, layer, true, line_mm, pattern.lines);
   text.put("</svg>\n");
 }
 
@@ -91,9 +101,11 @@ void write_cut_svg(const Pattern& pattern, std::span<const SheetLine> micro_cuts
                    std::ostream& out) {
   TextSink text(out);
   put_head(text, pattern, " data-popcut=\"dashes\"");
+  const double line_mm = line_width_mm(pattern);
   for (const SvgLayer& layer : kSvgLayers) {
     const bool fold = layer.role == EdgeRole::Mountain || layer.role == EdgeRole::Valley;
-    put_layer(text, layer, false, fold ? micro_cuts : std::span<const SheetLine>(pattern.lines));
+    put_layer(text, layer, false, line_mm,
+              fold ? micro_cuts : std::span<const SheetLine>(pattern.lines));
   }
   text.put("</svg>\n");
 }

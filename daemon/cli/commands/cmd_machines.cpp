@@ -158,10 +158,11 @@ Result<void> list_devices(const Globals& globals) {
                     port.usable ? "free" : "no permission",
                     {{"simulated", false}}});
   for (const Machine& machine : *machines)
-    if (machine.driven()) list.push_back({"sim:" + machine.name,
-                    machine.title + ", simulated",
-                    "free",
-                    {{"simulated", true}, {"machine", machine.name}}});
+    if (machine.driven())
+      list.push_back({"sim:" + machine.name,
+                      machine.title + ", simulated",
+                      "free",
+                      {{"simulated", true}, {"machine", machine.name}}});
   const auto there = daemon_devices();
   if (!globals.json) say_daemon(there, globals);
   Json all = Json::array();

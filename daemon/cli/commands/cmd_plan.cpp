@@ -85,9 +85,8 @@ Result<void> add_profile_sheet(Plan& plan, std::size_t number, const std::string
   const std::string name = fmt::format("sheet-{:02}-{}.svg", number, profile);
   std::ostringstream out;
   if (profile == "cricut") {
-    const auto written =
-        write_cricut_svg(strokes_as_lines(sheet, plan.folds, title),
-                         cricut_mat(sheet, plan.machine), out);
+    const auto written = write_cricut_svg(strokes_as_lines(sheet, plan.folds, title),
+                                          cricut_mat(sheet, plan.machine), out);
     if (!written) {
       plan.warnings.push_back(
           {.code = "not_written",
@@ -132,9 +131,9 @@ Result<Formats> parse_formats(std::string_view text) {
     text.remove_prefix(std::min(text.size(), part.size() + 1));
     const std::string name(trimmed(part));
     if (std::find(kFormats.begin(), kFormats.end(), name) == kFormats.end())
-      return fail(ErrorKind::Usage, "--formats",
-                  fmt::format("'{}' is not a format; give some of: {}", name,
-                              fmt::join(kFormats, " ")));
+      return fail(
+          ErrorKind::Usage, "--formats",
+          fmt::format("'{}' is not a format; give some of: {}", name, fmt::join(kFormats, " ")));
     formats.given.insert(name);
   }
   return formats;
@@ -189,8 +188,9 @@ void say_drawing(const Plan& plan, std::size_t i, const std::string& folder,
                sheet.fold_mm);
   const bool cricut = plan.machine.language == "cricut";
   if (cricut || formats.has("svg", plan.machine))
-    fmt::print(stderr, "           {}/{}\n", folder,
-               cricut ? fmt::format("sheet-{:02}-cricut.svg", i + 1) : PlanJob::sheet_file(i, "svg"));
+    fmt::print(
+        stderr, "           {}/{}\n", folder,
+        cricut ? fmt::format("sheet-{:02}-cricut.svg", i + 1) : PlanJob::sheet_file(i, "svg"));
 }
 
 // The steps in Design Space.
@@ -206,10 +206,11 @@ void say_cricut(const Plan& plan) {
     layers += "set the red layer to Score, ";
   if (has([](Operation o) { return o == Operation::Draw; }))
     layers += "set the green layer to Pen, ";
-  fmt::print(stderr,
-             "  next     in Design Space: Upload this file and add it to the canvas; its size there "
-             "must be the one above\n           {}select all, Attach, Make\n",
-             layers);
+  fmt::print(
+      stderr,
+      "  next     in Design Space: Upload this file and add it to the canvas; its size there "
+      "must be the one above\n           {}select all, Attach, Make\n",
+      layers);
 }
 
 void say(const PlanJob& job, const std::string& folder, const Formats& formats) {
@@ -259,9 +260,9 @@ Result<void> run_plan(const Options& options, const Globals& globals) {
   if (!machine.driven())
     for (const char* name : {"program", "picture"})
       if (formats->given.contains(name))
-        return fail(ErrorKind::Usage, "--formats",
-                    fmt::format("{} takes no programs from popcut; leave {} out", machine.title,
-                                name));
+        return fail(
+            ErrorKind::Usage, "--formats",
+            fmt::format("{} takes no programs from popcut; leave {} out", machine.title, name));
   auto folder = OutputFolder::open(options.folder);
   if (!folder) return tl::unexpected(folder.error());
   const auto given = options.plan.options.find("svg-profile");

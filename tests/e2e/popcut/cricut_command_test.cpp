@@ -143,9 +143,9 @@ TEST_CASE("a Cricut without a stylus cuts folds as dashes, and so does one that 
   check_refused(bench.popcut({"plan", "heart.svg", "-o", "s", "--machine", "cricut-maker",
                               "--folds", "light"}),
                 3, "use --folds score or perforate");
-  check_refused(bench.popcut({"plan", "heart.svg", "-o", "s", "--machine", "cricut-maker",
-                              "--marks"}),
-                2, "--marks");
+  check_refused(
+      bench.popcut({"plan", "heart.svg", "-o", "s", "--machine", "cricut-maker", "--marks"}), 2,
+      "--marks");
 }
 
 TEST_CASE("a design that is too large for a Cricut's mat is split for it", "[cli][e2e][cricut]") {
@@ -153,8 +153,7 @@ TEST_CASE("a design that is too large for a Cricut's mat is split for it", "[cli
   const json plan =
       bench.planned(source_file("examples/sphere.json"), {"--machine", "cricut-joy-xtra"});
   REQUIRE(plan["sheets"].size() >= 1);
-  const json wide = bench.planned(source_file("examples/facade.json"),
-                                  {"--machine", "cricut-joy"});
+  const json wide = bench.planned(source_file("examples/facade.json"), {"--machine", "cricut-joy"});
   REQUIRE(wide["sheets"].size() > 1);
   for (std::size_t i = 1; i <= wide["sheets"].size(); ++i) {
     const auto svg = linework_from_svg(
@@ -166,8 +165,7 @@ TEST_CASE("a design that is too large for a Cricut's mat is split for it", "[cli
   }
 }
 
-TEST_CASE("a material that is cut twice is on another program's sheet once",
-          "[cli][e2e][cricut]") {
+TEST_CASE("a material that is cut twice is on another program's sheet once", "[cli][e2e][cricut]") {
   const Bench bench;
   write_file(bench.temp / "heart.svg", kHeart);
   const json one = bench.planned("heart.svg", {"--machine", "cricut-maker"});
@@ -207,9 +205,9 @@ TEST_CASE("nothing of popcut moves a machine that popcut does not drive", "[cli]
   }
   bench.planned("heart.svg", {});
   CHECK(std::filesystem::exists(bench.temp / "sheets/sheet-01.gpgl"));
-  check_refused(bench.popcut({"simulate", "sheets/sheet-01.gpgl", "-o", "cut", "--machine",
-                              "none"}),
-                2, "takes no programs");
+  check_refused(
+      bench.popcut({"simulate", "sheets/sheet-01.gpgl", "-o", "cut", "--machine", "none"}), 2,
+      "takes no programs");
 }
 
 }  // namespace cricut_command_test

@@ -122,8 +122,8 @@ TEST_CASE("a drawing is printed on A4 at true scale with any script in its name"
   }
   CHECK(count >= 1);
   // 254 dots an inch are 10 a millimetre: the bar, and the card's upper edge.
-  const Pixels page = pixels_of(
-      bench.poppler({"pdftoppm", "-gray", "-r", "254", "sheets/sheets.pdf"}));
+  const Pixels page =
+      pixels_of(bench.poppler({"pdftoppm", "-gray", "-r", "254", "sheets/sheets.pdf"}));
   CHECK(page.width == Approx(2100).margin(1));
   CHECK(page.height == Approx(2970).margin(1));
   CHECK(longest_run(page, 2970 - 300, 2970) == Approx(1000).margin(5));
@@ -132,8 +132,8 @@ TEST_CASE("a drawing is printed on A4 at true scale with any script in its name"
 
 TEST_CASE("a split drawing is printed with tabs, letters and how to glue it", "[cli][e2e][print]") {
   const Bench bench;
-  const json plan = bench.planned(source_file("examples/facade.json"),
-                                  {"--machine", "none", "--mat", "A6"});
+  const json plan =
+      bench.planned(source_file("examples/facade.json"), {"--machine", "none", "--mat", "A6"});
   const auto sheets = plan["sheets"].size();
   REQUIRE(sheets > 1);
   if (!Bench::has_poppler()) return;
@@ -173,9 +173,9 @@ TEST_CASE("pages are written beside a cutter's program when they are asked for",
   check_refused(bench.popcut({"plan", "card.svg", "-o", "s", "--machine", "none", "--formats",
                               "pdf,program"}),
                 2, "takes no programs from popcut; leave program out");
-  check_refused(bench.popcut({"plan", "card.svg", "-o", "s", "--machine", "none", "--mat",
-                              "50x50"}),
-                3, "too small to print on; use at least 60 x 60 mm");
+  check_refused(
+      bench.popcut({"plan", "card.svg", "-o", "s", "--machine", "none", "--mat", "50x50"}), 3,
+      "too small to print on; use at least 60 x 60 mm");
   CHECK_FALSE(std::filesystem::exists(bench.temp / "s"));
 }
 

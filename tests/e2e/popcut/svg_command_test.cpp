@@ -227,9 +227,9 @@ TEST_CASE("several colours without names are not cut before somebody says what t
   REQUIRE(cut.exit == 0);
   CHECK(json::parse(cut.out)["sheets"][0]["fold_line_mm"].get<double>() == 0.0);
   // A name for all but one colour is enough.
-  const std::string layers = replaced(
-      replaced(kCard, "stroke='blue'", "stroke='blue' data-assignment='V'"), "stroke='red'",
-      "stroke='red' data-assignment='M'");
+  const std::string layers =
+      replaced(replaced(kCard, "stroke='blue'", "stroke='blue' data-assignment='V'"),
+               "stroke='red'", "stroke='red' data-assignment='M'");
   write_file(temp / "named.svg", replaced(layers, "#0f0", "black"));
   CHECK(plan(temp, "A=", {"named.svg"}).exit == 0);
   // Dashes say what to do with a line whatever its colour.

@@ -9,6 +9,7 @@
 #include "core/layout/sheet.hpp"
 #include "core/print/footer.hpp"
 #include "core/print/pages.hpp"
+#include "core/text/text_width.hpp"
 #include "daemon/pictures/pdf.hpp"
 #include "tests/support/box_card.hpp"
 
@@ -19,11 +20,11 @@ using namespace popcut;
 namespace {
 
 Footer full_footer() {
-  return {{legend_entry(Operation::Cut), legend_entry(Operation::FoldMountain),
-           legend_entry(Operation::FoldValley), legend_entry(Operation::Draw),
-           legend_entry_of_tabs()},
-          {"a name of some length: sheet 10 of 12, pieces 3, 4, 5",
-           "Printed side up: mountain folds rise toward you, valley folds sink away."}};
+  return {
+      {legend_entry(Operation::Cut), legend_entry(Operation::FoldMountain),
+       legend_entry(Operation::FoldValley), legend_entry(Operation::Draw), legend_entry_of_tabs()},
+      {"a name of some length: sheet 10 of 12, pieces 3, 4, 5",
+       "Printed side up: mountain folds rise toward you, valley folds sink away."}};
 }
 
 }  // namespace
@@ -43,7 +44,7 @@ TEST_CASE("a footer stays within its place at every width", "[core][print]") {
       const double x = text.attribute("x").as_double(), y = text.attribute("y").as_double();
       CAPTURE(text.text().get());
       CHECK(x >= place.left);
-      CHECK(x + text_width_mm(text.text().get(), 2.8) <= place.left + place.width + 0.01);
+      CHECK(x + text_width(text.text().get(), 2.8) <= place.left + place.width + 0.01);
       CHECK(y >= place.top);
       CHECK(y <= place.top + place.height);
     }
@@ -83,7 +84,9 @@ TEST_CASE("a name with any bytes gives a valid page", "[core][print]") {
   Pattern pattern = testing::box_card_pattern();
   for (const std::string& name :
        {"(\\ \xc3\xa9 \xff)\n" + std::string(5000, 'x'), std::string("<b>&amp;\"'"),
-        std::string("\xe2\x80\xae" "evil"), std::string(119, 'a') + "\xe2\x99\xa5", std::string()}) {
+        std::string("\xe2\x80\xae"
+                    "evil"),
+        std::string(119, 'a') + "\xe2\x99\xa5", std::string()}) {
     CAPTURE(name);
     pattern.name = name;
     const auto pages = pattern_pages(pattern);
@@ -94,7 +97,8 @@ TEST_CASE("a name with any bytes gives a valid page", "[core][print]") {
 
 TEST_CASE("letters that no font has are named", "[core][print]") {
   CHECK(letters_without_font("Für Oma ♥ Ωμέγα Привет\t1").empty());
-  CHECK(letters_without_font("a\xf3\xbf\xbf\xbd" "b\xf3\xbf\xbf\xbd\xff") == "\xf3\xbf\xbf\xbd");
+  CHECK(letters_without_font("a\xf3\xbf\xbf\xbd"
+                             "b\xf3\xbf\xbf\xbd\xff") == "\xf3\xbf\xbf\xbd");
 }
 
 }  // namespace pages_test

@@ -412,7 +412,8 @@ TEST_CASE("several colours on layers without a meaning are asked about", "[core]
   CHECK(read(red_and_blue).lines.size() == 2);
   // One colour, black beside white, one colour spelled twice, and colours of layers with a name.
   for (const std::string& clear :
-       {coloured("A", "62 1") + coloured("B", "62 1"), coloured("A", "62 7") + coloured("B", "420 0"),
+       {coloured("A", "62 1") + coloured("B", "62 1"),
+        coloured("A", "62 7") + coloured("B", "420 0"),
         coloured("A", "62 7 420 255") + coloured("B", "62 5 420 255"),
         coloured("CUT", "62 1") + coloured("FOLD_V", "62 5") + coloured("0", "62 7")})
     CHECK(read(drawing(clear), asks).lines.size() >= 2);
