@@ -140,20 +140,21 @@ Result<std::string> only_device(Api& api) {
       fmt::format("is missing; choose one of {}: {}", usable.size(), fmt::join(usable, ", ")));
 }
 
-/// The warnings of its plan, if that is made at once.
-void say_warnings(Api& api, const std::string& id) {
+/// The warnings of its plan, if that is made at once, or why there is none.
+Result<void> say_plan(Api& api, const std::string& id) {
   using namespace std::chrono_literals;
   std::fflush(stdout);
   for (int k = 0; k < 15; ++k) {
     const auto now = api.get("/v1/jobs/" + id, "job " + id);
-    if (!now) return;  // the next command says why
+    if (!now) return {};  // the next command says why
     const std::string state = client::text_of(*now, "state");
     if (state != "queued" && state != "planning") {
       for (const std::string& line : warning_lines(*now)) fmt::print(stderr, "warning: {}\n", line);
-      return;
+      return state == "failed" ? verdict(*now) : Result<void>{};
     }
     std::this_thread::sleep_for(100ms);
   }
+  return {};
 }
 
 /// Prints the job, and with `wait` follows it to its end.
@@ -168,7 +169,8 @@ Result<void> see_through(Api& api, const nlohmann::json& job, bool wait, const G
   if (!globals.quiet) fmt::print(stderr, "queued '{}' as job {}\n", job_title(job), id);
   if (!wait) {
     print(job);
-    if (!globals.quiet) say_warnings(api, id);
+    if (!globals.quiet)
+      if (auto planned = say_plan(api, id); !planned) return planned;
     if (!globals.quiet) fmt::print(stderr, "'popcut jobs --watch' shows what to do next\n");
     return {};
   }

@@ -32,6 +32,11 @@ std::string shown_of(const Json& object, const char* key) {
   return is_text ? shown_text(found->get<std::string>()) : std::string();
 }
 
+// Why a plan was refused names options of requests.
+std::string reason_of(const Json& job) {
+  return client::in_command_words(shown_of(job, "reason"));
+}
+
 std::int64_t whole_of(const Json& object, const char* key) {
   const auto found = object.find(key);
   return found != object.end() && found->is_number_integer() ? found->get<std::int64_t>() : 0;
@@ -199,7 +204,7 @@ std::vector<std::string> view_line(const Json& job, std::size_t width) {
   if (const std::int64_t priority = whole_of(job, "priority"); priority != 0 && !has_ended(job))
     rest += fmt::format("  priority {}", priority);
   if (is_held(job)) rest += "  held";
-  if (has_ended(job) && !shown_of(job, "reason").empty()) rest += "  " + shown_of(job, "reason");
+  if (has_ended(job) && !shown_of(job, "reason").empty()) rest += "  " + reason_of(job);
   const std::string name = shown_of(job, "name"), state = shown_of(job, "state");
   if (width < kNarrow) {
     std::string close = short_id(job);
@@ -280,7 +285,7 @@ std::string job_summary(const Json& job) {
   const auto add = [&](const std::string& more) {
     if (!more.empty()) line += ", " + more;
   };
-  const std::string reason = shown_of(job, "reason");
+  const std::string reason = reason_of(job);
   if (reason.rfind(line + " ", 0) == 0)
     line = reason;  // "cancelled by anna"
   else

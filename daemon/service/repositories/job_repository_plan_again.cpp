@@ -14,7 +14,8 @@ std::vector<Warning> JobRepository::choice_warnings(const std::string& material)
     return {{.code = "no_cutter_for_material",
              .message = fmt::format("no cutter is set up for {}; see the materials of the cutters "
                                     "in /v1/devices",
-                                    material)}};
+                                    material),
+             .spoils = true}};
   if (choice.others.empty()) return {};
   return {{.code = "cutter_chosen",
            .message = fmt::format("the job is planned for {}, a {}; it can be planned again for {}",

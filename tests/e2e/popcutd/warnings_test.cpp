@@ -127,4 +127,41 @@ TEST_CASE("the refusal over HTTP names the warnings and the request that accepts
   CHECK(arm(way["body"]).status == 200);
 }
 
+TEST_CASE("a drawing whose colours nobody explained is refused where it is queued",
+          "[popcutd][cli][warnings][reading]") {
+  const Desk desk;
+  const auto file = desk.daemon.folder() / "colours.svg";
+  write_file(file, R"(<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="80mm" )"
+                   R"(viewBox="0 0 100 80" fill="none"><path stroke="black" d="M5 5H90V70H5Z"/>)"
+                   R"(<path stroke="red" d="M5 40H90"/></svg>)");
+  const Ran refused = desk.popcut({"cut", file.string()});
+  INFO(refused.err);
+  CHECK(refused.exit == 5);
+  CHECK(says(refused.err, "2 colours (#000000, #ff0000)"));
+  CHECK(says(refused.err, "--svg-profile origami-sim"));
+  CHECK(says(refused.err, "--svg-profile popcut"));
+  CHECK(desk.job(first_line(refused.out))["state"] == "failed");
+  const Ran folded = desk.popcut({"cut", file.string(), "--svg-profile", "origami-sim"});
+  INFO(folded.err);
+  CHECK(folded.exit == 0);
+  CHECK(desk.comes_to(first_line(folded.out), "ready"));
+}
+
+TEST_CASE("popcutd takes no job for a machine that popcut does not drive",
+          "[popcutd][cli][warnings]") {
+  const Desk desk;
+  for (const char* machine : {"cricut-maker", "none"}) {
+    CAPTURE(machine);
+    const Ran listed = desk.popcut({"devices"});
+    CHECK(!says(listed.out, std::string("sim:") + machine));
+    const Ran refused = run_program(
+        {popcutd_program(), "--state", (desk.daemon.folder() / "other").string(), "--socket",
+         (desk.daemon.folder() / "o.sock").string(), "--listen", "127.0.0.1:0", "--sim", machine},
+        desk.daemon.folder().path(), {});
+    INFO(refused.err);
+    CHECK(refused.exit != 0);
+    CHECK(says(refused.err, "takes no programs from popcut"));
+  }
+}
+
 }  // namespace warnings_test
