@@ -34,6 +34,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
 #include "daemon/cli/help/examples.hpp"
+#include "daemon/cli/input/drawn_pattern.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/options/option_value.hpp"
@@ -392,6 +393,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   const auto text = spec_text(options.spec);
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
+  if (!spec && is_pattern(*text)) return tl::unexpected(already_designed(options.spec));
   if (!spec) return tl::unexpected(within(options.spec, spec.error()));
   const auto material = material_of(*spec, options.spec);
   if (!material) return tl::unexpected(material.error());
@@ -465,6 +467,7 @@ Result<void> place(const Options& options, const Globals& globals) {
   const auto text = spec_text(options.spec);
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
+  if (!spec && is_pattern(*text)) return tl::unexpected(already_designed(options.spec));
   if (!spec) return tl::unexpected(within(options.spec, spec.error()));
   const auto material = material_of(*spec, options.spec);
   if (!material) return tl::unexpected(material.error());
