@@ -55,8 +55,10 @@ Result<Sources> sources_of(const FoldFile& file) {
     }
   }
   if (found.flat == nullptr)
-    return fail(ErrorKind::Malformed, "/vertices_coords",
-                "no frame lies flat; the flat sheet is needed as well");
+    return fail(
+        ErrorKind::Malformed, "/vertices_coords",
+        "no frame lies flat, and poses start from the flat sheet; export the crease pattern "
+        "(frame_classes creasePattern), alone or with the folded form");
   if (found.flat->faces.empty())
     return fail(ErrorKind::Malformed, "/faces_vertices",
                 "is missing; the faces of the sheet are needed");

@@ -73,7 +73,7 @@ Result<void> check_angles(std::span<const double> psi_rad) {
 
 /// The motion of each face at one pose, checked at all its vertices.
 Result<void> move_faces(const Work& work, std::span<const Vec3> places, double psi_rad,
-                        std::span<Motion3> motions) {
+                        double slack_mm, std::span<Motion3> motions) {
   for (std::size_t f = 0; f < work.pattern.faces(); ++f) {
     const auto& [c, flat, area] = work.anchors[f];
     const auto face = work.pattern.face(f);
@@ -83,7 +83,7 @@ Result<void> move_faces(const Work& work, std::span<const Vec3> places, double p
                                   {places[c[0]], places[c[1]], places[c[2]]});
     for (const std::uint32_t i : face) {
       const double off = norm(moved(motions[f], work.flat[i]) - places[i]);
-      if (off <= kRigidWithin * work.size) continue;
+      if (off <= std::max(slack_mm, kRigidWithin * work.size)) continue;
       return fail(ErrorKind::OutOfRange, fmt::format("faces/{}", f),
                   fmt::format("does not stay rigid: vertex {} is off by {:.3g} mm at psi = {} rad; "
                               "every pose must be a rigid motion of each face",
@@ -219,7 +219,7 @@ Work prepare(const Pattern& pattern) {
 }
 
 Result<PoseTable> tabled(const Work& work, std::span<const double> psi_rad,
-                         const PosedVertices& positions) {
+                         const PosedVertices& positions, double slack_mm = 0) {
   if (auto sound = check_angles(psi_rad); !sound) return tl::unexpected(sound.error());
   const std::size_t faces = work.pattern.faces();
   if (faces > 0 && psi_rad.size() > kMaxTabled / faces) {
@@ -237,7 +237,7 @@ Result<PoseTable> tabled(const Work& work, std::span<const double> psi_rad,
   for (std::size_t k = 0; k < psi_rad.size(); ++k) {
     positions(psi_rad[k], places);
     const auto motions = std::span(table.motions).subspan(k * faces, faces);
-    if (auto done = move_faces(work, places, psi_rad[k], motions); !done)
+    if (auto done = move_faces(work, places, psi_rad[k], slack_mm, motions); !done)
       return tl::unexpected(done.error());
   }
   align_signs(table);
@@ -278,8 +278,8 @@ Vec3 flat_place(const Pattern& pattern, const PatternVertex& vertex) {
 }
 
 Result<PoseTable> pose_table(const Pattern& pattern, std::span<const double> psi_rad,
-                             const PosedVertices& positions) {
-  return tabled(prepare(pattern), psi_rad, positions);
+                             const PosedVertices& positions, double slack_mm) {
+  return tabled(prepare(pattern), psi_rad, positions, slack_mm);
 }
 
 Result<PoseTable> pose_table(const Pattern& pattern, std::span<const double> psi_rad) {

@@ -49,10 +49,12 @@ using PosedVertices = std::function<void(double psi_rad, std::span<Vec3> places)
 /// found from three of its vertices and checked at all others. Roots are faces that never move
 /// where there are any. O(poses x vertices).
 ///
+/// @param slack_mm  how far places may be off a rigid motion, for drawings that are not exact;
+///                  1e-7 of the sheet's size always is
 /// @retval OutOfRange  an angle is outside 0..pi, or they neither rise nor fall throughout; a face
 ///                     does not stay rigid (`place` is "faces/N"); more than `kMaxTabled` motions
 [[nodiscard]] Result<PoseTable> pose_table(const Pattern& pattern, std::span<const double> psi_rad,
-                                           const PosedVertices& positions);
+                                           const PosedVertices& positions, double slack_mm = 0);
 
 /// The table by popcut's own law of motion, `posed_vertices`. Here no root shifts either: a panel
 /// that hangs on nothing is carried by a link that moves as the wall does.

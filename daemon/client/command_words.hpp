@@ -36,4 +36,7 @@ namespace popcut::client {
 /// and so do options in its text. Other errors stay unchanged.
 [[nodiscard]] Error on_command_line(Error error);
 
+/// A word of a command line, in single quotes for a shell where it needs them.
+[[nodiscard]] std::string quoted(const std::string& word);
+
 }  // namespace popcut::client

@@ -1,6 +1,8 @@
 cmake_minimum_required(VERSION 3.25)
-# Installs the libraries in a folder of their own and builds a program with find_package(popcut).
-# -DBUILD=build folder -DSOURCE=consumer -DFOLDER=scratch -DSPEC=a spec -DSANITIZE=... -DGENERATOR=...
+# Installs the libraries in a folder of their own and builds with find_package(popcut): the program
+# of docs/library.md as it stands there, whose sheets must be those of 'popcut plan', and one more.
+# -DBUILD=build folder -DSOURCE=consumer -DPAGE=library.md -DPOPCUT=program -DFOLDER=scratch
+# -DSPEC=a spec -DSANITIZE=... -DGENERATOR=...
 file(REMOVE_RECURSE ${FOLDER})
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE out)
@@ -14,10 +16,43 @@ set(flags "")
 if(SANITIZE)
   set(flags "-DCMAKE_CXX_FLAGS=-fsanitize=${SANITIZE}")
 endif()
-run(${CMAKE_COMMAND} -S ${SOURCE} -B ${FOLDER}/build -G ${GENERATOR} ${flags}
+# The first block of a language on the page.
+file(READ ${PAGE} page)
+function(take language file)
+  string(FIND "${page}" "```${language}\n" begin)
+  if(begin EQUAL -1)
+    message(FATAL_ERROR "${PAGE} has no block of ${language}")
+  endif()
+  string(SUBSTRING "${page}" ${begin} -1 rest)
+  string(FIND "${rest}" "\n" line)
+  math(EXPR line "${line} + 1")
+  string(SUBSTRING "${rest}" ${line} -1 rest)
+  string(FIND "${rest}" "```" end)
+  string(SUBSTRING "${rest}" 0 ${end} block)
+  file(WRITE ${FOLDER}/source/${file} "${block}")
+endfunction()
+take(cmake CMakeLists.txt)
+take(cpp cards.cpp)
+file(APPEND ${FOLDER}/source/CMakeLists.txt
+  "add_executable(consumer ${SOURCE}/consumer.cpp)\n"
+  "target_link_libraries(consumer PRIVATE popcut::core popcut::device)\n")
+run(${CMAKE_COMMAND} -S ${FOLDER}/source -B ${FOLDER}/build -G ${GENERATOR} ${flags}
     -DCMAKE_PREFIX_PATH=${FOLDER}/installed)
 run(${CMAKE_COMMAND} --build ${FOLDER}/build)
 run(${FOLDER}/build/consumer ${SPEC})
 if(NOT said MATCHES "folds on sim:cameo3")
   message(FATAL_ERROR "the consumer says: ${said}")
+endif()
+file(MAKE_DIRECTORY ${FOLDER}/cut)
+run(${CMAKE_COMMAND} -E chdir ${FOLDER}/cut ${FOLDER}/build/cards ${SPEC})
+if(NOT said STREQUAL "1 sheets\n")
+  message(FATAL_ERROR "the program of ${PAGE} says: ${said}")
+endif()
+run(${POPCUT} plan ${SPEC} -o ${FOLDER}/plan --machine cameo3 --material paper-220)
+run(${CMAKE_COMMAND} -E compare_files ${FOLDER}/cut/sheet-1.gpgl ${FOLDER}/plan/sheet-01.gpgl)
+# What the page says of an error: its place, and popcut's exit code.
+file(WRITE ${FOLDER}/cut/bad.json "{\"popcut\": 1, \"slices\": 0}")
+execute_process(COMMAND ${FOLDER}/build/cards ${FOLDER}/cut/bad.json RESULT_VARIABLE result ERROR_VARIABLE error)
+if(NOT result EQUAL 3 OR NOT error MATCHES "^/[a-z]+: ")
+  message(FATAL_ERROR "of a bad spec the program says (${result}): ${error}")
 endif()

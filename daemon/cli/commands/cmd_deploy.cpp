@@ -3,8 +3,10 @@
 #include <cctype>
 #include <filesystem>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -17,9 +19,11 @@
 #include "core/picture/poster.hpp"
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
+#include "daemon/cli/input/drawn_pattern.hpp"
 #include "daemon/cli/view/long_work.hpp"
 #include "daemon/files/output_folder.hpp"
 #include "daemon/files/user_tables.hpp"
+#include "daemon/planning/sheet_opening.hpp"
 
 namespace popcut::cli {
 namespace deploy_command {
@@ -27,6 +31,7 @@ namespace {
 
 struct Options {
   std::string file, folder, convention{"popcut"}, material{"paper-220"};
+  std::string svg_profile{"auto"};
   MotionOptions motion;
   bool glb{false}, poster{false}, film{false}, no_stl{false};
 };
@@ -34,7 +39,11 @@ struct Options {
 /// A pattern to open, and what its meshes are made of.
 struct Source {
   Pattern pattern;
-  bool loose{false};  ///< rectangles from a table of panels, else faces from a FOLD file
+  bool loose{false};  ///< rectangles from a table of panels, else faces of a sheet
+  std::optional<planning::SolvedMotion> motion{};  ///< none: popcut's own law of motion
+  std::vector<std::string> notes{};
+
+  [[nodiscard]] const planning::SolvedMotion* solved() const { return motion ? &*motion : nullptr; }
 };
 
 bool is_table(const std::string& file, const std::string& text) {
@@ -42,12 +51,57 @@ bool is_table(const std::string& file, const std::string& text) {
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (ending == ".csv") return true;
-  if (ending == ".fold" || ending == ".json") return false;
+  if (ending == ".fold" || ending == ".json" || is_svg(text)) return false;
   const auto first = text.find_first_not_of(" \t\r\n");
   return first != std::string::npos && text[first] != '{';
 }
 
-Result<Source> read_source(const Options& options, SegmentConvention convention) {
+/// A pattern that has to be opened from its flat sheet.
+///
+/// @param design_psi_rad  the angle that the file says it is designed for
+Result<Source> open_sheet(const Options& options, const std::string& fold, double design_psi_rad,
+                          const Progress& progress) {
+  const auto angles = angles_of(options.motion, design_psi_rad);
+  if (!angles) return tl::unexpected(angles.error());
+  auto opened = planning::open_flat_sheet(fold, *angles, progress);
+  if (!opened) return tl::unexpected(within(options.file, opened.error()));
+  Source source{std::move(opened->pattern), false, std::move(opened->motion)};
+  source.pattern.design_psi_rad = design_psi_rad;
+  if (source.pattern.name.empty())
+    source.pattern.name = std::filesystem::path(options.file).stem().string();
+  source.notes.emplace_back(
+      source.motion ? "opened with rigid panels, turned by the longest fold line: the panels are "
+                      "not all parallel to wall or ground"
+                    : "the panels were found from the lines of the flat sheet");
+  return source;
+}
+
+bool is_flat_sheet(const FoldFrame& frame) {
+  return !frame.folded_form && !frame.vertices.empty() &&
+         std::all_of(frame.vertices.begin(), frame.vertices.end(),
+                     [&](const auto& p) { return p[2] == frame.vertices.front()[2]; });
+}
+
+/// The pattern of a FOLD file: as its frames show it, else opened from its flat sheet.
+Result<Source> read_fold_source(const Options& options, const std::string& text,
+                                const Progress& progress) {
+  const auto file = read_fold(text);
+  if (!file && is_design_spec(text))
+    return tl::unexpected(not_yet_designed(options.file, "deploy"));
+  if (!file) return tl::unexpected(within(options.file, file.error()));
+  auto pattern = pattern_from_fold(*file);
+  if (pattern) return Source{std::move(*pattern), false};
+  // Without the flat sheet there is nothing to open, and this error says so.
+  if (std::none_of(file->frames.begin(), file->frames.end(), is_flat_sheet))
+    return tl::unexpected(within(options.file, pattern.error()));
+  const double psi = file->design_psi_rad.value_or(0);
+  auto opened = open_sheet(
+      options, text, psi > 0 && psi < std::numbers::pi ? psi : Pattern().design_psi_rad, progress);
+  return opened;
+}
+
+Result<Source> read_source(const Options& options, SegmentConvention convention,
+                           const Progress& progress) {
   constexpr std::uintmax_t kLimitBytes = 1u << 29;
   const auto text = read_file(options.file, kLimitBytes);
   if (!text) return tl::unexpected(text.error());
@@ -62,13 +116,16 @@ Result<Source> read_source(const Options& options, SegmentConvention convention)
   }
   if (convention == SegmentConvention::Paper) {
     return fail(ErrorKind::Usage, "command line",
-                "--convention paper is only for tables (.csv); leave it out for a FOLD file");
+                "--convention paper is only for tables (.csv); leave it out for a FOLD file or a "
+                "drawing");
   }
-  const auto file = read_fold(*text);
-  if (!file) return inside(file.error());
-  auto pattern = pattern_from_fold(*file);
-  if (!pattern) return inside(pattern.error());
-  return Source{std::move(*pattern), false};
+  if (!is_svg(*text)) return read_fold_source(options, *text, progress);
+  std::vector<std::string> warnings;
+  const auto fold = fold_of_svg(*text, options.file, options.svg_profile, warnings);
+  if (!fold) return tl::unexpected(fold.error());
+  auto source = open_sheet(options, *fold, Pattern().design_psi_rad, progress);
+  if (source) source->notes.insert(source->notes.begin(), warnings.begin(), warnings.end());
+  return source;
 }
 
 Result<SegmentConvention> parse_convention(const std::string& word) {
@@ -90,12 +147,14 @@ Result<void> write_all(const Options& options, const Source& source, double thic
   if (!options.no_stl) {
     const auto mesh = mesh_of(source, thickness_mm);
     if (!mesh) return tl::unexpected(within(options.file, mesh.error()));
-    auto done = add_meshes(source.pattern, *mesh, angles, axes, "", folder, work.progress());
+    auto done = add_meshes(source.pattern, *mesh, angles, axes, "", folder, work.progress(),
+                           source.solved());
     if (!done) return done;
   }
   work.now("writing deploy.glb");
   if (options.glb) {
-    if (auto done = add_glb(source.pattern, angles, thickness_mm, folder); !done) return done;
+    if (auto done = add_glb(source.pattern, angles, thickness_mm, folder, source.solved()); !done)
+      return done;
   }
   work.now("drawing the pictures");
   if (options.poster) {
@@ -119,6 +178,7 @@ void say(const Options& options, const Globals& globals, const Source& source,
     fmt::print("{}\n", said.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   }
   if (globals.quiet) return;
+  for (const std::string& note : source.notes) fmt::print(stderr, "  note     {}\n", note);
   fmt::print(
       stderr,
       "{}: {} {}, opening angle (psi) from {:.4g} to {:.4g} rad\n  wrote    {}{}{}{} in {}\n",
@@ -144,15 +204,19 @@ Result<void> run_deploy(Options options, const Globals& globals) {
   if (!thickness) return tl::unexpected(thickness.error());
   if (options.file.empty()) {
     return fail(ErrorKind::Usage, "command line",
-                "FILE is missing; give a pattern.fold or a table of panels (.csv)");
+                "FILE is missing; give a pattern (FOLD or SVG) or a table of panels (.csv)");
   }
   const bool paper = *convention == SegmentConvention::Paper;
   if (paper && !from_is_given(options.motion)) options.motion.from_psi = "0";
   if (const auto valid = angles_of(options.motion, Pattern().design_psi_rad); !valid)
     return tl::unexpected(valid.error());
   std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the pattern");
-  const auto source = read_source(options, *convention);
+  const auto source = read_source(options, *convention, work->progress());
   if (!source) return tl::unexpected(source.error());
+  if (source->motion && (options.poster || options.film))
+    return fail(ErrorKind::Usage, options.poster ? "--poster" : "--film",
+                "draws only patterns whose panels are all parallel to wall or ground, and these "
+                "are not; give --glb for an animation");
   const auto angles = angles_of(options.motion, source->pattern.design_psi_rad);
   if (!angles) return tl::unexpected(angles.error());
   auto folder = OutputFolder::open(options.folder);
@@ -169,15 +233,17 @@ Result<void> run_deploy(Options options, const Globals& globals) {
 constexpr const char* kHelp =
     "Write 3D models (STL) of a pattern as it opens.\n\n"
     "  popcut deploy sphere/pattern.fold -o poses --glb --poster\n"
+    "  popcut deploy drawing.svg -o poses --glb\n"
     "  popcut deploy segments.csv --convention paper -o poses\n\n"
-    "FILE is a pattern.fold, or a table of panels with twelve columns, as popcut or the code of\n"
-    "the scientific paper writes it. popcut writes one mesh (a 3D model) for each pose into DIR:\n"
-    "psi_001.stl, psi_002.stl and so on, binary STL in mm. x points away from the wall, v along\n"
-    "the spine (the card's main fold; y in a design), z up. The opening angle (psi) is pi for\n"
-    "the flat sheet, pi/2 for the designed shape and 0 for the closed card. A design with\n"
-    "design_angle_deg has its shape at that angle, and the poses end there. --convention paper\n"
-    "reads and writes the axes of the scientific paper (X = x, Z = 1 - y, v = z), from psi = 0\n"
-    "to pi/2.";
+    "FILE is a FOLD file or an SVG drawing, from popcut or any other program, or a table of\n"
+    "panels with twelve columns, as popcut or the code of the scientific paper writes it. If the\n"
+    "file has only the flat sheet, popcut finds the panels and opens them as 'popcut verify'\n"
+    "does. popcut writes one mesh (a 3D model) for each pose into DIR: psi_001.stl, psi_002.stl\n"
+    "and so on, binary STL in mm. x points away from the wall, v along the spine (the card's\n"
+    "main fold; y in a design), z up. The opening angle (psi) is pi for the flat sheet, pi/2 for\n"
+    "the designed shape and 0 for the closed card. A design with design_angle_deg has its shape\n"
+    "at that angle, and the poses end there. --convention paper reads and writes the axes of the\n"
+    "scientific paper (X = x, Z = 1 - y, v = z), from psi = 0 to pi/2.";
 
 }  // namespace
 }  // namespace deploy_command
@@ -187,7 +253,7 @@ void register_deploy(CLI::App& app, const Globals& globals, Run& run) {
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("deploy", kHelp);
   command->add_option("FILE", options->file,
-                      "A FOLD file, or a table of panels (CSV, twelve columns)");
+                      "A FOLD file, an SVG drawing, or a table of panels (CSV, twelve columns)");
   command
       ->add_option("-o,--output", options->folder,
                    "Folder for the files; created if it does not exist")
@@ -200,6 +266,12 @@ void register_deploy(CLI::App& app, const Globals& globals, Run& run) {
       ->add_option("--convention", options->convention,
                    "Axes of the CSV: popcut, or paper for files of the scientific paper's code")
       ->option_text("NAME [popcut]");
+  command
+      ->add_option("--svg-profile", options->svg_profile,
+                   "What the strokes of an SVG mean: auto (by their names; several colours without "
+                   "names as origami-sim), popcut (by their names; the others are cuts), "
+                   "origami-sim (by colour), lightburn, cricut, plain, or a profile of your own")
+      ->option_text("NAME [auto]");
   command->add_flag("--glb", options->glb, "Also write deploy.glb: one animated 3D file (glTF)");
   command->add_flag("--poster", options->poster,
                     "Also write poster.svg: several poses side by side");

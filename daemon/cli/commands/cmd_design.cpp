@@ -36,6 +36,7 @@
 #include "daemon/cli/command.hpp"
 #include "daemon/cli/commands/deploy_files.hpp"
 #include "daemon/cli/help/examples.hpp"
+#include "daemon/cli/input/drawn_pattern.hpp"
 #include "daemon/cli/input/spec_assets.hpp"
 #include "daemon/cli/options/angles.hpp"
 #include "daemon/cli/options/option_value.hpp"
@@ -399,6 +400,7 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   const auto text = spec_text(options.spec);
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
+  if (!spec && is_pattern(*text)) return tl::unexpected(already_designed(options.spec));
   if (!spec) return tl::unexpected(within(options.spec, spec.error()));
   const auto material = material_of(*spec, options.spec);
   if (!material) return tl::unexpected(material.error());
@@ -472,6 +474,7 @@ Result<void> place(const Options& options, const Globals& globals) {
   const auto text = spec_text(options.spec);
   if (!text) return tl::unexpected(text.error());
   auto spec = parse_design_spec(*text);
+  if (!spec && is_pattern(*text)) return tl::unexpected(already_designed(options.spec));
   if (!spec) return tl::unexpected(within(options.spec, spec.error()));
   const auto material = material_of(*spec, options.spec);
   if (!material) return tl::unexpected(material.error());
@@ -516,10 +519,11 @@ constexpr const char* kHelp =
     "      |\n"
     "      +-------- x\n"
     "     /  ground: z = 0\n"
-    "    y  along the main fold\n\n"
+    "    y  along the main fold; the first slice is at y = 0\n\n"
+    "The picture docs/words/axes.svg (in docs/designs.md) shows them on an opened card.\n"
     "Formulas know + - * / ^, pi, e, comparisons, a ? b : c, and sin cos tan asin acos atan atan2\n"
     "sinh cosh tanh asinh acosh atanh sqrt exp ln log log2 log10 abs sign min max sum avg floor\n"
-    "ceil round rint mod. docs/designs.md describes them. popcut writes into DIR:\n\n"
+    "ceil round rint mod. docs/designs.md describes those too. popcut writes into DIR:\n\n"
     "  pattern.png   a picture of the sheet\n"
     "  deployed.png  a picture of the opened card, your shape around it in blue\n"
     "  poster.svg    pictures of the card as it opens\n"

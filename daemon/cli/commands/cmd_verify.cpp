@@ -4,21 +4,17 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "core/formats/fold/fold_writer.hpp"
-#include "core/formats/svg/svg_reader.hpp"
 #include "core/verify/verify.hpp"
 #include "daemon/cli/command.hpp"
+#include "daemon/cli/input/drawn_pattern.hpp"
 #include "daemon/cli/options/option_value.hpp"
 #include "daemon/cli/view/long_work.hpp"
-#include "daemon/client/command_words.hpp"
 #include "daemon/files/output_folder.hpp"
-#include "daemon/files/user_tables.hpp"
 
 namespace popcut::cli {
 namespace verify_command {
@@ -44,41 +40,6 @@ Error summary(const Options& options, const VerifyReport& report) {
                   checks)};
 }
 
-/// Is it a drawing rather than a FOLD file? JSON begins with a brace, XML with an angle.
-bool is_svg(std::string_view text) {
-  if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  return first != std::string_view::npos && text[first] == '<';
-}
-
-/// The lines of an SVG drawing as FOLD text, and what the reader has to say.
-Result<std::string> fold_of_svg(const std::string& svg, const Options& options,
-                                std::vector<std::string>& warnings) {
-  const auto tables = read_user_tables();
-  if (!tables) return tl::unexpected<Error>(tables.error());
-  auto profile = find_stroke_profile(options.svg_profile, tables->texts);
-  if (!profile)
-    return tl::unexpected<Error>(client::on_command_line(tables->with_file(profile.error())));
-  SvgReadOptions how;
-  how.profile = std::move(*profile);
-  auto work = linework_from_svg(svg, how);
-  if (!work && work.error().reason == ErrorReason::Unclear) {
-    work = linework_from_svg(svg, SvgProfile::OrigamiSim);
-    warnings.emplace_back(
-        "strokes without a name have several colours: red is read as mountain folds, blue as "
-        "valley folds, green and black as cuts; 'popcut plan' reads them so with --svg-profile "
-        "origami-sim");
-  }
-  if (!work) return tl::unexpected<Error>(within(options.pattern, work.error()));
-  for (const Warning& warning : work->warnings)
-    warnings.push_back(client::in_command_words(warning.message));
-  if (work->lines.empty())
-    return fail(ErrorKind::Malformed, options.pattern,
-                "has no line to cut or fold; draw outline and cuts black or green, mountain folds "
-                "red, valley folds blue");
-  return fold_from_linework(*work);
-}
-
 Result<void> run_verify(const Options& options, const Globals& globals) {
   constexpr std::uintmax_t kPatternLimitBytes = 1u << 29;
   constexpr std::uintmax_t kSpecLimitBytes = 4u << 20;
@@ -88,7 +49,7 @@ Result<void> run_verify(const Options& options, const Globals& globals) {
   VerifyOptions verify{options.degrees_of_freedom, std::nullopt, is_svg(*text), {}};
   std::vector<std::string> warnings;
   if (verify.page) {
-    text = fold_of_svg(*text, options, warnings);
+    text = fold_of_svg(*text, options.pattern, options.svg_profile, warnings);
     if (!text) return tl::unexpected<Error>(text.error());
   }
   if (!options.target.empty()) {
@@ -105,6 +66,7 @@ Result<void> run_verify(const Options& options, const Globals& globals) {
   auto report = verify_fold(*text, verify);
   work.reset();
   if (!report) {
+    if (is_design_spec(*text)) return tl::unexpected(not_yet_designed(options.pattern, "verify"));
     const bool of_target = report.error().place.rfind("target", 0) == 0;
     return tl::unexpected<Error>(
         within(of_target ? options.target : options.pattern, report.error()));

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "core/deploy/glb.hpp"
 #include "core/deploy/pose_table.hpp"
 #include "core/picture/poster.hpp"
 #include "daemon/cli/options/angles.hpp"
@@ -108,13 +109,15 @@ Result<double> thickness_of(const MotionOptions& options, double of_material_mm)
 
 Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,
                         const std::vector<double>& psi_rad, MeshAxes axes,
-                        const std::string& prefix, OutputFolder& folder, const Progress& progress) {
+                        const std::string& prefix, OutputFolder& folder, const Progress& progress,
+                        const planning::SolvedMotion* motion) {
   // A table holds some poses at a time, since thousands of poses of thousands of faces are a lot.
   const std::size_t at_once = planning::poses_at_once(pattern, 64);
   for (std::size_t first = 0; first < psi_rad.size(); first += at_once) {
     const auto angles =
         std::span(psi_rad).subspan(first, std::min(at_once, psi_rad.size() - first));
-    const auto table = pose_table(pattern, angles);
+    const auto table =
+        motion == nullptr ? pose_table(pattern, angles) : motion->table(pattern, angles);
     if (!table) return tl::unexpected(table.error());
     for (std::size_t k = 0; k < angles.size(); ++k) {
       tell(progress, "writing the poses",
@@ -132,8 +135,16 @@ Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,
 }
 
 Result<void> add_glb(const Pattern& pattern, const std::vector<double>& psi_rad,
-                     double thickness_mm, OutputFolder& folder) {
-  const auto bytes = planning::animation_glb(pattern, psi_rad, thickness_mm);
+                     double thickness_mm, OutputFolder& folder,
+                     const planning::SolvedMotion* motion) {
+  const auto drawn = [&]() -> Result<std::string> {
+    if (motion == nullptr) return planning::animation_glb(pattern, psi_rad, thickness_mm);
+    const auto table = motion->table(pattern, psi_rad);
+    if (!table) return tl::unexpected(table.error());
+    return glb(pattern, *table,
+               {.creator = "popcut " POPCUT_VERSION, .thickness_mm = thickness_mm});
+  };
+  const auto bytes = drawn();
   if (!bytes) return tl::unexpected(bytes.error());
   return folder.add("deploy.glb", *bytes);
 }

@@ -11,6 +11,7 @@
 #include "core/progress.hpp"
 #include "core/result.hpp"
 #include "daemon/files/output_folder.hpp"
+#include "daemon/planning/sheet_opening.hpp"
 
 namespace CLI {
 class App;
@@ -51,14 +52,19 @@ void give_back_file(MotionOptions& options, std::string& file);
 [[nodiscard]] Result<double> thickness_of(const MotionOptions& options, double of_material_mm);
 
 /// Writes `prefix` + "psi_NNN.stl" for each angle, the first with the number 1.
+///
+/// @param motion  how the pattern moves; null: by popcut's own law
 [[nodiscard]] Result<void> add_meshes(const Pattern& pattern, const SheetMesh& mesh,
                                       const std::vector<double>& psi_rad, MeshAxes axes,
                                       const std::string& prefix, OutputFolder& folder,
-                                      const Progress& progress = {});
+                                      const Progress& progress = {},
+                                      const planning::SolvedMotion* motion = nullptr);
 
-/// Writes "deploy.glb": the way from the first angle to the last, as one animation.
+/// Writes "deploy.glb": the way from the first angle to the last, as one animation. A solved motion
+/// has a key at each of its angles.
 [[nodiscard]] Result<void> add_glb(const Pattern& pattern, const std::vector<double>& psi_rad,
-                                   double thickness_mm, OutputFolder& folder);
+                                   double thickness_mm, OutputFolder& folder,
+                                   const planning::SolvedMotion* motion = nullptr);
 
 /// Writes "poster.svg": six poses from the first angle to the last.
 [[nodiscard]] Result<void> add_poster(const Pattern& pattern, const std::vector<double>& psi_rad,

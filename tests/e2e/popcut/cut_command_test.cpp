@@ -189,7 +189,7 @@ TEST_CASE("nothing is cut without a person's confirmation", "[cli][e2e]") {
                 4, "mm");
 }
 
-TEST_CASE("devices lists a simulated one for each machine", "[cli][e2e]") {
+TEST_CASE("devices lists a simulated one for each machine that popcut drives", "[cli][e2e]") {
   const Bench bench;
   const Ran ran = bench.popcut({"devices"});
   CHECK(ran.exit == 0);
@@ -197,7 +197,11 @@ TEST_CASE("devices lists a simulated one for each machine", "[cli][e2e]") {
   CHECK(ran.out.find("sim:hpgl-generic ") != std::string::npos);
   const auto json = nlohmann::json::parse(bench.popcut({"devices", "--json"}).out);
   const auto machines = nlohmann::json::parse(bench.popcut({"machines", "--json"}).out);
-  CHECK(json["devices"].size() == machines["machines"].size());
+  std::size_t driven = 0;
+  for (const auto& machine : machines["machines"])
+    driven += machine["language"] == "gpgl" || machine["language"] == "hpgl" ? 1u : 0u;
+  CHECK(driven >= 25);
+  CHECK(json["devices"].size() == driven);
 }
 
 }  // namespace cut_command_test

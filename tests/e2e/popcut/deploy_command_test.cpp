@@ -153,8 +153,66 @@ TEST_CASE("input that cannot be deployed is refused in one line", "[cli][e2e][de
              R"({"vertices_coords": [[0,0],[1,0],[1,1]], "faces_vertices": [[0,1,2]],
                  "edges_vertices": [[0,1],[1,2],[2,0]]})");
   check_refused_at(bench.popcut({"deploy", "flat.fold", "-o", "out"}), 3,
-                   "flat.fold: /file_frames");
+                   "flat.fold: /edges_assignment: no fold joins two faces");
+  write_file(bench.temp / "folded.fold",
+             R"({"vertices_coords": [[0,0,0],[9,0,0],[9,5,1]], "faces_vertices": [[0,1,2]],
+                 "edges_vertices": [[0,1],[1,2],[2,0]]})");
+  check_refused_at(bench.popcut({"deploy", "folded.fold", "-o", "out"}), 3,
+                   "folded.fold: /vertices_coords: no frame lies flat");
+  const std::string spec = kExamples + "unit.json";
+  for (const Names& words : {Names{"deploy", spec, "-o", "out"}, Names{"verify", spec}}) {
+    const Ran ran = bench.popcut(words);
+    check_refused_at(ran, 3, spec + ": is a design spec");
+    CHECK_THAT(ran.err, Catch::Contains("'popcut design " + spec + " -o unit', then 'popcut " +
+                                        words[0] + " unit/pattern.fold"));
+  }
+  const Ran twice = bench.popcut({"design", fold, "-o", "out"});
+  check_refused_at(twice, 3, fold + ": is a pattern or a drawing already");
+  CHECK_THAT(twice.err, Catch::Contains("'popcut verify " + fold + "'"));
+  write_file(bench.temp / "empty.svg", "<svg xmlns='http://www.w3.org/2000/svg'/>");
+  check_refused_at(bench.popcut({"deploy", "empty.svg", "-o", "out"}), 3,
+                   "empty.svg: has no line to cut or fold");
   CHECK_FALSE(fs::exists(bench.temp / "out"));
+}
+
+TEST_CASE("deploy takes the drawing of a pattern as well as its FOLD file", "[cli][e2e][deploy]") {
+  const Bench bench;
+  bench.design("sphere", {"--formats", "fold,svg"});
+  const auto meshes = [&](const std::string& file, const std::string& folder) {
+    const Ran ran =
+        bench.popcut({"deploy", file, "-o", folder, "--frames", "2", "--poster", "--glb"});
+    INFO(ran.err);
+    REQUIRE(ran.exit == 0);
+    return ran.err;
+  };
+  CHECK_THAT(meshes("sphere/pattern.fold", "fold"), !Catch::Contains("note"));
+  CHECK_THAT(meshes("sphere/pattern.svg", "svg"),
+             Catch::Contains("the panels were found from the lines of the flat sheet"));
+  CHECK(files_below(bench.temp / "fold") == files_below(bench.temp / "svg"));
+  CHECK(triangles(bench.temp / "fold/psi_002.stl") == triangles(bench.temp / "svg/psi_002.stl"));
+}
+
+TEST_CASE("a pattern of another kind is opened with rigid panels, as far as it goes",
+          "[cli][e2e][deploy]") {
+  const Bench bench;
+  // A valley along the page and a reverse fold at its end.
+  write_file(bench.temp / "beak.svg",
+             R"(<svg xmlns="http://www.w3.org/2000/svg" width="50mm" height="50mm"
+  viewBox="0 0 50 50" fill="none"><path stroke="#000" d="M0,0H50V40H0Z"/>
+  <path stroke="#00f" d="M0,20H36"/><path stroke="#f00" d="M36,20H50M36,20L30,0M36,20L30,40"/></svg>)");
+  const Ran ran = bench.popcut({"deploy", "beak.svg", "-o", "beak", "--frames", "3", "--glb"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  CHECK_THAT(ran.err, Catch::Contains("not all parallel to wall or ground") &&
+                          Catch::Contains("4 rigid faces"));
+  CHECK(files_below(bench.temp / "beak") ==
+        Names{"deploy.glb", "manifest.json", "psi_001.stl", "psi_002.stl", "psi_003.stl"});
+  check_refused_at(bench.popcut({"deploy", "beak.svg", "-o", "drawn", "--poster"}), 2,
+                   "--poster: draws only patterns whose panels are all parallel");
+  const Ran shut = bench.popcut({"deploy", "beak.svg", "-o", "shut", "--to-psi", "0"});
+  check_refused_at(shut, 3, "beak.svg: opens only to psi = ");
+  CHECK_THAT(shut.err, Catch::Contains("give --to-psi "));
+  CHECK_FALSE(fs::exists(bench.temp / "shut"));
 }
 
 TEST_CASE("a design has a drawing for a Cricut if it fits the mat", "[cli][e2e][deploy]") {

@@ -341,10 +341,11 @@ TEST_CASE("the user's machines and materials and SVG profiles reach popcutd", "[
   const Json job = desk.job(id);
   CHECK(job["material"] == "kraft");
   CHECK(job["progress"]["paths_total"] == 1);
-  const std::string other = desk.queue({"lines.svg", "--device", "sim:ours"});
+  const std::string other =
+      desk.queue({"lines.svg", "--svg-profile", "popcut", "--device", "sim:ours"});
   REQUIRE(desk.comes_to(other, "ready"));
   CHECK(desk.job(other)["progress"]["paths_total"] == 2);
-  CHECK(desk.popcut({"cut", "lines.svg", "--svg-profile", "labb"}).exit == 0);  // found by the plan
+  CHECK(desk.popcut({"cut", "lines.svg", "--svg-profile", "labb"}).exit == 5);  // found by the plan
   desk.daemon.signal(SIGTERM);
   CHECK(desk.daemon.wait() == 0);
   desk.table("svg_profiles.json", R"({"popcut": 1, "svg_profiles": [{"name": "lab", "use": 3}]})");

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "daemon/cli/input/drawn_pattern.hpp"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/formats/fold/fold_writer.hpp"
+#include "core/formats/svg/svg_reader.hpp"
+#include "daemon/client/command_words.hpp"
+#include "daemon/files/user_tables.hpp"
+
+namespace popcut::cli {
+
+bool is_svg(std::string_view text) {
+  if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && text[first] == '<';
+}
+
+Result<std::string> fold_of_svg(const std::string& svg, const std::string& file,
+                                const std::string& svg_profile,
+                                std::vector<std::string>& warnings) {
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected<Error>(tables.error());
+  auto profile = find_stroke_profile(svg_profile, tables->texts);
+  if (!profile)
+    return tl::unexpected<Error>(client::on_command_line(tables->with_file(profile.error())));
+  SvgReadOptions how;
+  how.profile = std::move(*profile);
+  auto work = linework_from_svg(svg, how);
+  if (!work && work.error().reason == ErrorReason::Unclear) {
+    work = linework_from_svg(svg, SvgProfile::OrigamiSim);
+    warnings.emplace_back(
+        "strokes without a name have several colours: red is read as mountain folds, blue as "
+        "valley folds, green and black as cuts; 'popcut plan' reads them so with --svg-profile "
+        "origami-sim");
+  }
+  if (!work) return tl::unexpected<Error>(within(file, work.error()));
+  for (const Warning& warning : work->warnings)
+    warnings.push_back(client::in_command_words(warning.message));
+  if (work->lines.empty())
+    return fail(ErrorKind::Malformed, file,
+                "has no line to cut or fold; draw outline and cuts black or green, mountain folds "
+                "red, valley folds blue");
+  return fold_from_linework(*work);
+}
+
+bool is_design_spec(const std::string& text) {
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  return json.is_object() && (json.contains("surface") || json.contains("patches")) &&
+         !json.contains("vertices_coords");
+}
+
+Error not_yet_designed(const std::string& file, const std::string& command) {
+  const std::string folder = client::quoted(std::filesystem::path(file).stem().string());
+  return {
+      ErrorKind::Malformed, file,
+      fmt::format("is a design spec, and {0} reads the pattern that is made from it: "
+                  "'popcut design {1} -o {2}', then 'popcut {0} {2}/pattern.fold{3}'",
+                  command, client::quoted(file), folder, command == "deploy" ? " -o poses" : "")};
+}
+
+bool is_pattern(const std::string& text) {
+  if (is_svg(text)) return true;
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  return json.is_object() && json.contains("vertices_coords");
+}
+
+Error already_designed(const std::string& file) {
+  return {ErrorKind::Malformed, file,
+          fmt::format("is a pattern or a drawing already, and design makes one from a design spec; "
+                      "'popcut verify {0}' checks it, 'popcut deploy {0} -o poses' opens it, "
+                      "'popcut plan {0} -o plan' lays it out for cutting",
+                      client::quoted(file))};
+}
+
+}  // namespace popcut::cli

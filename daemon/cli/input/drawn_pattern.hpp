@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/result.hpp"
+
+namespace popcut::cli {
+
+/// Is it a drawing rather than a FOLD file? JSON begins with a brace, XML with an angle.
+[[nodiscard]] bool is_svg(std::string_view text);
+
+/// The lines of an SVG drawing as FOLD text without faces (`fold_from_linework`), for `verify` and
+/// `deploy` to trace. What the reader has to say is added to `warnings`.
+///
+/// Where the profile asks what several colours mean, they are read as `origami-sim`, and a warning
+/// says so: nothing is cut here.
+///
+/// @param svg_profile  name of a stroke profile, built in or of the user's tables
+/// @param file  its name, for errors
+/// @retval Malformed, OutOfRange  the drawing cannot be read or has no line to cut or fold
+/// @retval Usage  there is no such profile (`--svg-profile`)
+[[nodiscard]] Result<std::string> fold_of_svg(const std::string& svg, const std::string& file,
+                                              const std::string& svg_profile,
+                                              std::vector<std::string>& warnings);
+
+/// Is it a design spec, which says what to make, rather than a pattern?
+[[nodiscard]] bool is_design_spec(const std::string& text);
+
+/// What to say of a design spec where a pattern belongs.
+///
+/// @param command  the command that was given it: "verify", "deploy"
+[[nodiscard]] Error not_yet_designed(const std::string& file, const std::string& command);
+
+/// Is it a pattern or a drawing (FOLD, SVG) rather than a design spec?
+[[nodiscard]] bool is_pattern(const std::string& text);
+
+/// What to say of a pattern where a design spec belongs.
+[[nodiscard]] Error already_designed(const std::string& file);
+
+}  // namespace popcut::cli
