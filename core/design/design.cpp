@@ -28,6 +28,19 @@
 namespace popcut {
 namespace {
 
+/// What is left of a zero after rounding is zero.
+double unless_rounding(double value) { return std::abs(value) < 1e-9 ? 0.0 : value; }
+
+/// How the middle of a card with V-folds bends at an opening angle.
+std::string bend_in_words(double K_rad, double psi_rad) {
+  const double K = unless_rounding(K_rad);
+  const char* const form = K > 0   ? "like a dome"
+                           : K < 0 ? "like a saddle"
+                                   : "neither dome nor saddle";
+  return fmt::format("at an opening angle of {:.1f} degrees the middle is {} (K = {:.3g} rad)",
+                     psi_rad * 180.0 / std::numbers::pi, form, K);
+}
+
 constexpr double kCardMargin = 15.0;  ///< of wall and ground beyond the highest and farthest end
 
 std::string method_name(LatticeMethod method) {
@@ -135,8 +148,7 @@ class Designer {
     auto solved = solve_multi_state(strips, *spec_.splay);
     if (!solved) return tl::unexpected(solved.error());
     for (std::size_t k = 0; k < solved->K_rad.size(); ++k)
-      notes_.push_back(fmt::format("K = {:+.6g} rad at psi = {:.6g} rad", solved->K_rad[k],
-                                   spec_.splay->targets[k].psi_rad));
+      notes_.push_back(bend_in_words(solved->K_rad[k], spec_.splay->targets[k].psi_rad));
     return add_v_folds(strips, solved->splay, pattern);
   }
 
@@ -343,7 +355,8 @@ class Designer {
     const std::string compared = fmt::format(
         "conformal: gap {:.4g} mm, inner error {:.3g} mm; slices: gap {:.4g} mm, inner error "
         "{:.3g} mm",
-        mine.gap_mm, mine.inner_error.max_mm, theirs.gap_mm, theirs.inner_error.max_mm);
+        mine.gap_mm, unless_rounding(mine.inner_error.max_mm), theirs.gap_mm,
+        unless_rounding(theirs.inner_error.max_mm));
     note += (note.empty() ? "" : "; ") + compared;
     if (as_good) return laid;
     note = "slices taken, since conformal does not beat them; " + compared;

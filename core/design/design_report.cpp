@@ -165,10 +165,11 @@ void add_fit(DesignReport& report, FitMode mode) {
         "followed to {:.3g} mm rms, {:.3g} mm at most (slice {})",
         100.0 * unreachable_share(report.fit), report.fit.rms_mm, report.fit.max_mm, worst));
   if (several > 0)
-    report.notes.push_back(
-        fmt::format("the chains of {} slices have several minima; the best of {} starts is taken, "
-                    "the worst is {:.3g} % above it (slice {})",
-                    several, 25, 100.0 * spread, widest));
+    report.notes.push_back(fmt::format(
+        "in {} the steps can settle in more than one place; popcut tried {} starts and "
+        "took the one nearest to your shape. The worst would be {:.3g} % farther off "
+        "(slice {})",
+        several == 1 ? "1 slice" : fmt::format("{} slices", several), 25, 100.0 * spread, widest));
 }
 
 DesignReport joined_report(std::span<const Design> patches, const JoinedStrips& joined,

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text/field_reader.hpp"
 #include "core/text/near_names.hpp"
 #include "core/text/words.hpp"
 
@@ -345,11 +346,21 @@ Result<PlanOptions> read_plan_options(const std::map<std::string, std::string>& 
   return out;
 }
 
+namespace {
+
+std::string listed(const std::vector<double>& values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : ", ") + exact_number(value);
+  return text;
+}
+
+}  // namespace
+
 Result<void> check_plan_options(const PlanOptions& options) {
   for (const PlanOption& option : plan_option_table())
     if (!is_within(option, options))
       return fail(ErrorKind::OutOfRange, pointer_to(option),
-                  fmt::format("{:g} is out of range; {}", fmt::join(option.numbers(options), ", "),
+                  fmt::format("{} is out of range; {}", listed(option.numbers(options)),
                               right_value(option)));
   return check_pairs(options);
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 #include <fmt/format.h>
@@ -67,10 +68,16 @@ std::string shown_type(const json& value) {
   return value.is_array() ? fmt::format("a list of {}", value.size()) : json_type(value);
 }
 
+std::string exact_number(double value) {
+  std::string text = fmt::format("{:g}", value);
+  return std::strtod(text.c_str(), nullptr) == value ? text : fmt::format("{}", value);
+}
+
 std::string number_words(double low, double high, bool open_low) {
-  if (std::isinf(high)) return fmt::format("a number {} {:g}", open_low ? "above" : "from", low);
-  return open_low ? fmt::format("a number above {:g} and at most {:g}", low, high)
-                  : fmt::format("a number from {:g} to {:g}", low, high);
+  const std::string least = exact_number(low), most = exact_number(high);
+  if (std::isinf(high)) return fmt::format("a number {} {}", open_low ? "above" : "from", least);
+  return open_low ? fmt::format("a number above {} and at most {}", least, most)
+                  : fmt::format("a number from {} to {}", least, most);
 }
 
 std::string Notation::place(const std::string& pointer, bool /*is_key*/) const {
@@ -170,7 +177,8 @@ std::optional<double> FieldReader::number_at(const std::string& below, const jso
   const double got = value.get<double>();
   if (std::isfinite(got) && got >= low && got <= high && !(open_low && got == low)) return got;
   add({ErrorKind::OutOfRange, place_of(below), "range",
-       fmt::format("is {:g}; must be {}", got, number_words(low, high, open_low)), shown(value)});
+       fmt::format("is {}; must be {}", exact_number(got), number_words(low, high, open_low)),
+       shown(value)});
   return std::nullopt;
 }
 

@@ -60,6 +60,10 @@ struct TextRule {
 [[nodiscard]] std::string json_type(const nlohmann::json& value);
 /// "a list of 2", "-3", "a text", ...: the same with what can be said shortly of the value.
 [[nodiscard]] std::string shown_type(const nlohmann::json& value);
+
+/// A number with as few digits as say it exactly: six where they do ("0.1", "1e+06"), else as many
+/// as it takes, so that a value beyond a limit never reads like the limit.
+[[nodiscard]] std::string exact_number(double value);
 /// "a number above 0 and at most 9", "a number from 0 to 9".
 [[nodiscard]] std::string number_words(double low, double high, bool open_low);
 

@@ -90,7 +90,8 @@ class Splayer {
       const std::string place =
           splay_.uniform ? "/splay/alpha" : fmt::format("/splay/alpha/{}/{}", level - 1, connector);
       if (length <= 0.0 || length + 2.0 * splay_.ligament_mm > width + 1e-9)
-        return fail(ErrorKind::Infeasible, "/splay/length_mm",
+        return fail(ErrorKind::Infeasible,
+                    width > 2.0 * splay_.ligament_mm ? "/splay/length_mm" : "/splay/ligament_mm",
                     fmt::format("a V-fold with ligaments of {:g} mm does not fit connector {}, "
                                 "{:.4g} mm wide: {}; or use wider slices",
                                 splay_.ligament_mm, connector, width, room_for(width)));

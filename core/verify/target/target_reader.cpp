@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/text/field_reader.hpp"
 #include "core/verify/target/target.hpp"
 
 namespace popcut {
@@ -51,8 +52,9 @@ Result<double> number_at(const Json& spec, const std::string& pointer,
   if (!spec.at(at).is_number()) return wrong(pointer, "must be a number");
   const double value = spec.at(at).get<double>();
   if (!(value >= low && value <= high))
-    return fail(ErrorKind::OutOfRange, pointer,
-                fmt::format("is {:g}; use a number from {:g} to {:g}", value, low, high));
+    return fail(
+        ErrorKind::OutOfRange, pointer,
+        fmt::format("is {}; use a number from {:g} to {:g}", exact_number(value), low, high));
   return value;
 }
 

@@ -48,7 +48,8 @@ Result<double> opening_angle(const char* option, const std::string& text) {
   if (!angle) return fail(ErrorKind::Usage, option, angle.error().detail);
   if (*angle >= 0 && *angle <= std::numbers::pi) return *angle;
   return fail(ErrorKind::Usage, option,
-              fmt::format("is \"{}\"; give an angle from 0 (closed) to pi (flat)", text));
+              fmt::format("is \"{}\"; give an angle from 0 (closed) to pi (flat){}", text,
+                          degrees_hint(text)));
 }
 
 }  // namespace

@@ -95,6 +95,13 @@ Result<double> parse_angle(std::string_view text) {
               "'" + std::string(text) + "' is not an angle; give radians (1.1, pi/2) or 90deg");
 }
 
+std::string degrees_hint(std::string_view text) {
+  text = trimmed(text, " ");
+  const auto value = number(text);
+  if (!value || !(*value > std::numbers::pi && *value <= 180)) return {};
+  return fmt::format("; for {0} degrees, give {0}deg", text);
+}
+
 Result<std::vector<double>> parse_opening_angles(std::string_view text) {
   std::vector<double> angles;
   while (!trimmed(text, " ").empty()) {
@@ -102,9 +109,10 @@ Result<std::vector<double>> parse_opening_angles(std::string_view text) {
     const auto angle = parse_angle(item);
     if (!angle) return tl::unexpected(angle.error());
     if (!(*angle >= 0 && *angle <= std::numbers::pi)) {
-      return fail(
-          ErrorKind::Usage, "command line",
-          "'" + std::string(item) + "' is not an opening angle; give 0 (closed) to pi (flat)");
+      return fail(ErrorKind::Usage, "command line",
+                  "'" + std::string(item) +
+                      "' is not an opening angle; give 0 (closed) to pi (flat)" +
+                      degrees_hint(item));
     }
     angles.push_back(*angle);
     text.remove_prefix(std::min(text.size(), item.size() + 1));
@@ -121,7 +129,8 @@ Result<Samples> parse_opening_samples(std::string_view option, std::string_view 
   if (!samples) return samples;
   for (const double angle : {samples->from, samples->to}) {
     if (!(angle >= 0 && angle <= std::numbers::pi))
-      return wrong(option, text, "is outside the opening angles", "give 0 (closed) to pi (flat)");
+      return wrong(option, text, "is outside the opening angles",
+                   "give 0 (closed) to pi (flat)" + degrees_hint(text.substr(0, text.find(':'))));
   }
   return samples;
 }

@@ -31,4 +31,8 @@ inline constexpr std::size_t kMostSamples = 1'000'000;
 /// The same with angles for A and B (`0:pi:61`, `10deg:90deg:9`), each from 0 (shut) to pi (flat).
 [[nodiscard]] Result<Samples> parse_opening_samples(std::string_view option, std::string_view text);
 
+/// What to add to an error about an opening angle where degrees were meant: "; for 90 degrees, give
+/// 90deg". Empty where the number cannot be that.
+[[nodiscard]] std::string degrees_hint(std::string_view text);
+
 }  // namespace popcut::cli

@@ -108,7 +108,13 @@ TEST_CASE("a wrong value is reported with its option and the valid values", "[cl
       {{"design", "x", "-o", "y", "--frames", "0"},
        "--frames: is \"0\"; give a whole number from 1 to 10000"},
       {{"design", "x", "-o", "y", "--from-psi", "4"},
-       "--from-psi: is \"4\"; give an angle from 0 (closed) to pi (flat)"},
+       "--from-psi: is \"4\"; give an angle from 0 (closed) to pi (flat); for 4 degrees, give "
+       "4deg"},
+      {{"design", "x", "-o", "y", "--to-psi", "90"},
+       "--to-psi: is \"90\"; give an angle from 0 (closed) to pi (flat); for 90 degrees, give "
+       "90deg"},
+      {{"design", "x", "-o", "y", "--to-psi", "190"},
+       "--to-psi: is \"190\"; give an angle from 0 (closed) to pi (flat)\n"},
       {{"design", "x", "-o", "y", "--fold-frames", "9"}, "--fold-frames: "},
       {{"plan", "x", "-o", "y", "--seed", "-1"}, "--seed: is \"-1\"; give a whole number from 0"},
       {{"plan", "x", "-o", "y", "--effort", "nan"},

@@ -207,6 +207,17 @@ TEST_CASE("folds that are not in cut.svg and a sheet that is too large are named
   }
 }
 
+TEST_CASE("notes about V-folds say what the card looks like, and zero is zero",
+          "[cli][e2e][design]") {
+  const Bench bench;
+  const Ran ran = bench.design({kExamples + "multistate.json", "-o", "out", "--formats", "report"});
+  INFO(ran.err);
+  REQUIRE(ran.exit == 0);
+  CHECK_THAT(ran.err,
+             Catch::Contains("50.4 degrees the middle is neither dome nor saddle (K = 0 rad)") &&
+                 Catch::Contains("like a saddle (K = -0.055 rad)") && !Catch::Contains("e-1"));
+}
+
 TEST_CASE("an example is printed as it is shipped", "[cli][e2e][design]") {
   const Bench bench;
   CHECK(bench.design({"--example", "sphere"}).out == text_of_file(kExamples + "sphere.json"));
@@ -368,7 +379,13 @@ TEST_CASE("an invalid spec gives exit code 3 with its place", "[cli][e2e][design
   check_refused_at(bench.design({"bad.json", "-o", "out"}), 3, "bad.json: line 2");
   check_refused_at(bench.design({"field.json", "-o", "out"}), 3, "field.json: /");
   check_refused_at(bench.design({"deep.json", "-o", "out"}), 3, "deep.json: ");
+  // A value just beyond a limit does not read like the limit.
   json spec = json::parse(text_of_file(kExamples + "unit.json"));
+  spec["design_angle_deg"] = 150.0001;
+  write_file(bench.temp / "angle.json", spec.dump());
+  check_refused_at(bench.design({"angle.json", "-o", "out"}), 3,
+                   "angle.json: /design_angle_deg: is 150.0001; must be a number from 30 to 150");
+  spec = json::parse(text_of_file(kExamples + "unit.json"));
   spec["material"] = "papier";
   write_file(bench.temp / "material.json", spec.dump());
   check_refused_at(bench.design({"material.json", "-o", "out"}), 3, "material.json: /material: ");

@@ -174,6 +174,8 @@ TEST_CASE("V-folds that do not fit are refused with values that would", "[core][
           {{R"({"alpha":9})", ErrorKind::Infeasible, "/splay/alpha", "at most"},
            {R"({"alpha":0.5,"length_mm":14})", ErrorKind::Infeasible, "/splay/length_mm",
             "does not fit"},
+           {R"({"alpha":0.5,"ligament_mm":30})", ErrorKind::Infeasible, "/splay/ligament_mm",
+            "use a ligament_mm under"},
            {R"({"alpha":[[0,0,0],[0,7,0],[0,0,0]]})", ErrorKind::Infeasible, "/splay/alpha/1/1",
             "at most"},
            {R"({"alpha":[[0,0,0],[0,1,0]]})", ErrorKind::OutOfRange, "/splay/alpha",
