@@ -93,4 +93,14 @@ std::string letters_without_font(std::string_view text) {
   return missing;
 }
 
+std::optional<Warning> font_warning(std::string_view name, std::string_view file) {
+  const std::string letters = letters_without_font(name);
+  if (letters.empty()) return std::nullopt;
+  return Warning{
+      .code = "no_font",
+      .message = fmt::format("no font of this computer has \"{}\", so {} shows boxes for "
+                             "it; install one, such as fonts-noto or fonts-noto-cjk",
+                             letters, file)};
+}
+
 }  // namespace popcut

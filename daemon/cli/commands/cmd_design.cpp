@@ -422,9 +422,14 @@ Result<void> design_into(const Options& options, const Globals& globals) {
   if (!made) return tl::unexpected(within(options.spec, made.error()));
 
   std::vector<LineWork> dashed;
+  const bool prints = std::any_of(formats->begin(), formats->end(),
+                                  [](const Format& format) { return format.name == "pdf"; });
   for (Design& part : made->parts) {
     planning::add_make_warnings(*material, *spec, part);
     dashed.push_back(dashed_page(*material, part));
+    if (prints)
+      if (auto warning = font_warning(part.pattern.name, "pattern.pdf"))
+        part.report.warnings.push_back(std::move(*warning));
   }
 
   const bool is_one = made->parts.size() == 1;

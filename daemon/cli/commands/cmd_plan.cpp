@@ -142,12 +142,8 @@ Result<Formats> parse_formats(std::string_view text) {
 Result<void> add_pdf(Plan& plan, OutputFolder& folder) {
   const auto pages = sheet_pages(plan);
   if (!pages) return tl::unexpected(pages.error());
-  if (const std::string letters = letters_without_font(plan.name); !letters.empty())
-    plan.warnings.push_back(
-        {.code = "no_font",
-         .message = fmt::format("no font of this computer has \"{}\", so sheets.pdf shows boxes "
-                                "for it; install one, such as fonts-noto or fonts-noto-cjk",
-                                letters)});
+  if (auto warning = font_warning(plan.name, "sheets.pdf"))
+    plan.warnings.push_back(std::move(*warning));
   const auto pdf = pdf_of_pages(*pages, plan.name);
   if (!pdf) return tl::unexpected(pdf.error());
   return folder.add("sheets.pdf", *pdf);

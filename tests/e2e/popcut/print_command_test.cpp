@@ -179,6 +179,26 @@ TEST_CASE("pages are written beside a cutter's program when they are asked for",
   CHECK_FALSE(std::filesystem::exists(bench.temp / "s"));
 }
 
+TEST_CASE("a name that no font can print is named", "[cli][e2e][print]") {
+  const Bench bench;
+  const std::string name = "a\xf3\xbf\xbf\xbd";
+  write_file(bench.temp / (name + ".svg"), kCard);
+  bench.planned(name + ".svg", {"--machine", "none"});
+  CHECK(bench.said.find("no font of this computer has \"\xf3\xbf\xbf\xbd\"") != std::string::npos);
+  CHECK(bench.said.find("fonts-noto") != std::string::npos);
+  const json spec = {{"popcut", 1},
+                     {"name", name},
+                     {"surface", {{"type", "revolution"}, {"radius", "sqrt(900 - y^2)"}}},
+                     {"units_per_slice", 3},
+                     {"slices", 3},
+                     {"widths_mm", 10}};
+  write_file(bench.temp / "tower.json", spec.dump());
+  const Ran ran = bench.popcut({"design", "tower.json", "-o", "out", "--formats", "pdf"});
+  CAPTURE(ran.err);
+  CHECK(ran.exit == 0);
+  CHECK(ran.err.find("no font of this computer has") != std::string::npos);
+}
+
 TEST_CASE("a design's page has its legend, its size and its name", "[cli][e2e][print]") {
   const Bench bench;
   const json named = {{"popcut", 1},

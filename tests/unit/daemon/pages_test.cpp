@@ -73,6 +73,24 @@ TEST_CASE("a pattern's page is the sheet at true scale within its margins", "[co
   CHECK(pdf->find("CreationDate") == std::string::npos);
 }
 
+TEST_CASE("nothing below a drawing touches it at any size of paper", "[core][print]") {
+  for (const int boxes : {1, 2, 5}) {
+    const Pattern pattern = testing::row_of_boxes(boxes);
+    const auto pages = pattern_pages(pattern);
+    REQUIRE(pages);
+    pugi::xml_document document;
+    REQUIRE(document.load_string(pages->front().svg.c_str()));
+    const double lowest = kPrintSideMm + 70;  // of the drawing
+    int below = 0;
+    for (const auto& found : document.select_nodes("/svg/g/text")) {
+      const double size = found.parent().attribute("font-size").as_double();
+      CHECK(found.node().attribute("y").as_double() - size > lowest);
+      ++below;
+    }
+    CHECK(below > 0);
+  }
+}
+
 TEST_CASE("a sheet larger than a PDF page is refused by name", "[core][print]") {
   const auto pages = pattern_pages(testing::row_of_boxes(73));  // 5110 mm
   REQUIRE_FALSE(pages);
