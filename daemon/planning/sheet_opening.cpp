@@ -250,13 +250,16 @@ Result<verify::Opening> opened(const Ready& ready, std::span<const double> psi_r
 }
 
 /// Lays the spine where wall and ground meet, wherever the driving fold is: nothing of a card lies
-/// behind its wall or below its ground.
+/// behind its wall or below its ground. The sheet begins at u = 0.
 void lay_on_card(Pattern& pattern) {
   double x = INFINITY, z = INFINITY;
   for (const PatternVertex& p : pattern.vertices) x = std::min(x, p.x), z = std::min(z, p.z);
   for (PatternVertex& p : pattern.vertices) p.x -= x, p.z -= z;
-  pattern.wall_mm += x - z;
-  pattern.ground_mm -= x - z;
+  pattern.wall_mm = pattern.ground_mm = 0;
+  for (const PatternVertex& p : pattern.vertices) {
+    pattern.wall_mm = std::max(pattern.wall_mm, p.z - p.x);
+    pattern.ground_mm = std::max(pattern.ground_mm, p.x - p.z);
+  }
 }
 
 /// The pattern whose law of motion is popcut's own, if this pose is one of it.

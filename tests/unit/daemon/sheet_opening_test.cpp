@@ -147,6 +147,11 @@ TEST_CASE("a pattern opens to the same poses from its frames, its lines alone an
     const auto lines = opened(stripped(fold)), drawing = opened(drawn(made));
     CHECK_FALSE(lines.motion);
     CHECK_FALSE(drawing.motion);
+    for (const Pattern* found : {&lines.pattern, &drawing.pattern}) {
+      CHECK(found->wall_mm == Approx(made.wall_mm).margin(drawn_within_mm));
+      CHECK(found->ground_mm == Approx(made.ground_mm).margin(drawn_within_mm));
+      CHECK(found->width_mm == Approx(made.width_mm).margin(drawn_within_mm));
+    }
     CHECK(lines.pattern.v_folds.size() == made.v_folds.size());
     CHECK(drawing.pattern.v_folds.size() == made.v_folds.size());
     for (const double psi : {2.5, std::numbers::pi / 2, 0.7}) {
