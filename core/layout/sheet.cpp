@@ -90,7 +90,9 @@ Result<Mat> choose_mat(const Machine& machine, std::string_view wanted) {
     return fail(
         ErrorKind::OutOfRange, "/options/mat",
         fmt::format("{:.1f} x {:.1f} mm is too large for {}; use at most {:.1f} x {:.1f} mm",
-                    (*size)[0], (*size)[1], machine.name, machine.width_mm, machine.length_mm));
+                    (*size)[0], (*size)[1],
+                    machine.language == "hand" ? "a page to print" : machine.name, machine.width_mm,
+                    machine.length_mm));
   constexpr double kLeastPaper = 60.0;
   if (machine.language == "hand" && std::min((*size)[0], (*size)[1]) < kLeastPaper)
     return fail(ErrorKind::OutOfRange, "/options/mat",

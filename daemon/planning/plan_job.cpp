@@ -38,6 +38,11 @@ Result<Machine> choose_machine(const PlanOptions& options, const Tables& tables)
     if (!size) return tl::unexpected(size.error());
     return ideal(*size, options.dialect);
   }
+  if (!options.dialect.empty() && !machine->driven())
+    return fail(ErrorKind::Usage, "/options/dialect",
+                fmt::format("is the language of a program, and {} takes none; leave `dialect` out, "
+                            "or choose another `machine`",
+                            machine->title));
   if (!options.dialect.empty() && options.dialect != machine->language)
     return fail(
         ErrorKind::Usage, "/options/dialect",
@@ -161,6 +166,10 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
     return fail(ErrorKind::Usage, "/options/marks",
                 fmt::format("needs a cutter that looks for them, and {} takes no programs from "
                             "popcut; leave `marks` out",
+                            machine->title));
+  if (!machine->driven() && options.knife.overcut_mm.value_or(0.0) > 0.0)
+    return fail(ErrorKind::Usage, "/options/overcut",
+                fmt::format("goes into a program, and {} takes none; leave `overcut` out",
                             machine->title));
   const bool ideal_machine = machine->name.rfind("ideal", 0) == 0;
   tell(options.progress, "reading the input");

@@ -146,6 +146,12 @@ TEST_CASE("a Cricut without a stylus cuts folds as dashes, and so does one that 
   check_refused(
       bench.popcut({"plan", "heart.svg", "-o", "s", "--machine", "cricut-maker", "--marks"}), 2,
       "--marks");
+  check_refused(
+      bench.popcut({"plan", "heart.svg", "-o", "s", "--machine", "cricut-maker", "--overcut", "2"}),
+      2, "--overcut: goes into a program");
+  check_refused(
+      bench.popcut({"plan", "heart.svg", "-o", "s", "--machine", "none", "--dialect", "gpgl"}), 2,
+      "leave --dialect out");
 }
 
 TEST_CASE("a design that is too large for a Cricut's mat is split for it", "[cli][e2e][cricut]") {
