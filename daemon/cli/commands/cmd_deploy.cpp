@@ -51,7 +51,7 @@ bool is_table(const std::string& file, const std::string& text) {
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (ending == ".csv") return true;
-  if (ending == ".fold" || ending == ".json" || is_svg(text)) return false;
+  if (ending == ".fold" || ending == ".json" || is_drawing(text, file)) return false;
   const auto first = text.find_first_not_of(" \t\r\n");
   return first != std::string::npos && text[first] != '{';
 }
@@ -119,9 +119,9 @@ Result<Source> read_source(const Options& options, SegmentConvention convention,
                 "--convention paper is only for tables (.csv); leave it out for a FOLD file or a "
                 "drawing");
   }
-  if (!is_svg(*text)) return read_fold_source(options, *text, progress);
+  if (!is_drawing(*text, options.file)) return read_fold_source(options, *text, progress);
   std::vector<std::string> warnings;
-  const auto fold = fold_of_svg(*text, options.file, options.svg_profile, warnings);
+  const auto fold = fold_of_drawing(*text, options.file, options.svg_profile, warnings);
   if (!fold) return tl::unexpected(fold.error());
   auto source = open_sheet(options, *fold, Pattern().design_psi_rad, progress);
   if (source) source->notes.insert(source->notes.begin(), warnings.begin(), warnings.end());
@@ -204,7 +204,7 @@ Result<void> run_deploy(Options options, const Globals& globals) {
   if (!thickness) return tl::unexpected(thickness.error());
   if (options.file.empty()) {
     return fail(ErrorKind::Usage, "command line",
-                "FILE is missing; give a pattern (FOLD or SVG) or a table of panels (.csv)");
+                "FILE is missing; give a pattern (FOLD, SVG, DXF) or a table of panels (.csv)");
   }
   const bool paper = *convention == SegmentConvention::Paper;
   if (paper && !from_is_given(options.motion)) options.motion.from_psi = "0";
@@ -235,7 +235,7 @@ constexpr const char* kHelp =
     "  popcut deploy sphere/pattern.fold -o poses --glb --poster\n"
     "  popcut deploy drawing.svg -o poses --glb\n"
     "  popcut deploy segments.csv --convention paper -o poses\n\n"
-    "FILE is a FOLD file or an SVG drawing, from popcut or any other program, or a table of\n"
+    "FILE is a FOLD file or a drawing (SVG, DXF), from popcut or any other program, or a table of\n"
     "panels with twelve columns, as popcut or the code of the scientific paper writes it. If the\n"
     "file has only the flat sheet, popcut finds the panels and opens them as 'popcut verify'\n"
     "does. popcut writes one mesh (a 3D model) for each pose into DIR: psi_001.stl, psi_002.stl\n"
@@ -252,8 +252,9 @@ void register_deploy(CLI::App& app, const Globals& globals, Run& run) {
   using namespace deploy_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("deploy", kHelp);
-  command->add_option("FILE", options->file,
-                      "A FOLD file, an SVG drawing, or a table of panels (CSV, twelve columns)");
+  command->add_option(
+      "FILE", options->file,
+      "A FOLD file, a drawing (SVG, DXF), or a table of panels (CSV, twelve columns)");
   command
       ->add_option("-o,--output", options->folder,
                    "Folder for the files; created if it does not exist")

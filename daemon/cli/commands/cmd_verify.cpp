@@ -46,10 +46,11 @@ Result<void> run_verify(const Options& options, const Globals& globals) {
   std::optional<LongWork> work(std::in_place, !globals.quiet, "reading the pattern");
   auto text = read_file(options.pattern, kPatternLimitBytes);
   if (!text) return tl::unexpected<Error>(text.error());
-  VerifyOptions verify{options.degrees_of_freedom, std::nullopt, is_svg(*text), {}};
+  VerifyOptions verify{
+      options.degrees_of_freedom, std::nullopt, is_drawing(*text, options.pattern), {}};
   std::vector<std::string> warnings;
   if (verify.page) {
-    text = fold_of_svg(*text, options.pattern, options.svg_profile, warnings);
+    text = fold_of_drawing(*text, options.pattern, options.svg_profile, warnings);
     if (!text) return tl::unexpected<Error>(text.error());
   }
   if (!options.target.empty()) {
@@ -85,8 +86,10 @@ constexpr const char* kHelp =
     "Check that a pattern can be cut, and that it opens and closes.\n\n"
     "  popcut verify sphere/pattern.fold\n"
     "  popcut verify sphere/pattern.fold --dof 1 --target sphere.json\n\n"
-    "PATTERN is a FOLD file or an SVG drawing, from popcut or any other program. popcut uses only\n"
-    "this file, and checks that the sheet is one piece, that the faces fill it, and that no lines\n"
+    "PATTERN is a FOLD file or a drawing (SVG, DXF), from popcut or any other program. popcut "
+    "uses\n"
+    "only this file, and checks that the sheet is one piece, that the faces fill it, and that no "
+    "lines\n"
     "cross or lie on each other. In every pose no panel may stretch, no hinge may tear, and the\n"
     "fold angles must agree with the pose. The card must move, and no panel may pass through\n"
     "another. If the file has no opened pose, popcut opens the pattern: panels stay rigid, popcut\n"
@@ -100,7 +103,8 @@ void register_verify(CLI::App& app, const Globals& globals, Run& run) {
   using namespace verify_command;
   auto options = std::make_shared<Options>();
   CLI::App* const command = app.add_subcommand("verify", kHelp);
-  command->add_option("PATTERN", options->pattern, "A FOLD file or an SVG drawing")->required();
+  command->add_option("PATTERN", options->pattern, "A FOLD file or a drawing (SVG, DXF)")
+      ->required();
   whole_number(command->add_option("--dof", options->degrees_of_freedom,
                                    "Required number of independent movements (degrees of freedom): "
                                    "1 if the card opens in one "

@@ -8,8 +8,10 @@
 
 #include "core/formats/fold/fold_writer.hpp"
 #include "core/formats/svg/svg_reader.hpp"
+#include "core/text/words.hpp"
 #include "daemon/client/command_words.hpp"
 #include "daemon/files/user_tables.hpp"
+#include "daemon/planning/plan_input.hpp"
 
 namespace popcut::cli {
 
@@ -19,9 +21,13 @@ bool is_svg(std::string_view text) {
   return first != std::string_view::npos && text[first] == '<';
 }
 
-Result<std::string> fold_of_svg(const std::string& svg, const std::string& file,
-                                const std::string& svg_profile,
-                                std::vector<std::string>& warnings) {
+bool is_drawing(std::string_view text, const std::string& file) {
+  return is_svg(text) || same_word(std::filesystem::path(file).extension().string(), ".dxf");
+}
+
+Result<std::string> fold_of_drawing(const std::string& text, const std::string& file,
+                                    const std::string& svg_profile,
+                                    std::vector<std::string>& warnings) {
   const auto tables = read_user_tables();
   if (!tables) return tl::unexpected<Error>(tables.error());
   auto profile = find_stroke_profile(svg_profile, tables->texts);
@@ -29,22 +35,25 @@ Result<std::string> fold_of_svg(const std::string& svg, const std::string& file,
     return tl::unexpected<Error>(client::on_command_line(tables->with_file(profile.error())));
   SvgReadOptions how;
   how.profile = std::move(*profile);
-  auto work = linework_from_svg(svg, how);
+  const auto kind = is_svg(text) ? planning::InputKind::Svg : planning::InputKind::Dxf;
+  const auto read = [&] { return planning::drawing_from_text(text, kind, how, 1, {}); };
+  auto work = read();
   if (!work && work.error().reason == ErrorReason::Unclear) {
-    work = linework_from_svg(svg, SvgProfile::OrigamiSim);
+    how.profile = find_stroke_profile("origami-sim").value();
+    work = read();
     warnings.emplace_back(
         "strokes without a name have several colours: red is read as mountain folds, blue as "
         "valley folds, green and black as cuts; 'popcut plan' reads them so with --svg-profile "
         "origami-sim");
   }
   if (!work) return tl::unexpected<Error>(within(file, work.error()));
-  for (const Warning& warning : work->warnings)
+  for (const Warning& warning : work->drawing.warnings)
     warnings.push_back(client::in_command_words(warning.message));
-  if (work->lines.empty())
+  if (work->drawing.lines.empty())
     return fail(ErrorKind::Malformed, file,
                 "has no line to cut or fold; draw outline and cuts black or green, mountain folds "
                 "red, valley folds blue");
-  return fold_from_linework(*work);
+  return fold_from_linework(work->drawing);
 }
 
 bool is_design_spec(const std::string& text) {

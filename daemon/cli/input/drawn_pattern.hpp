@@ -12,8 +12,11 @@ namespace popcut::cli {
 /// Is it a drawing rather than a FOLD file? JSON begins with a brace, XML with an angle.
 [[nodiscard]] bool is_svg(std::string_view text);
 
-/// The lines of an SVG drawing as FOLD text without faces (`fold_from_linework`), for `verify` and
-/// `deploy` to trace. What the reader has to say is added to `warnings`.
+/// Is it a drawing (SVG by its text, DXF by its name) rather than a FOLD file?
+[[nodiscard]] bool is_drawing(std::string_view text, const std::string& file);
+
+/// The lines of an SVG or DXF drawing as FOLD text without faces (`fold_from_linework`), for
+/// `verify` and `deploy` to trace. What the reader has to say is added to `warnings`.
 ///
 /// Where the profile asks what several colours mean, they are read as `origami-sim`, and a warning
 /// says so: nothing is cut here.
@@ -22,9 +25,9 @@ namespace popcut::cli {
 /// @param file  its name, for errors
 /// @retval Malformed, OutOfRange  the drawing cannot be read or has no line to cut or fold
 /// @retval Usage  there is no such profile (`--svg-profile`)
-[[nodiscard]] Result<std::string> fold_of_svg(const std::string& svg, const std::string& file,
-                                              const std::string& svg_profile,
-                                              std::vector<std::string>& warnings);
+[[nodiscard]] Result<std::string> fold_of_drawing(const std::string& text, const std::string& file,
+                                                  const std::string& svg_profile,
+                                                  std::vector<std::string>& warnings);
 
 /// Is it a design spec, which says what to make, rather than a pattern?
 [[nodiscard]] bool is_design_spec(const std::string& text);

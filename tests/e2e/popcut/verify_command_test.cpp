@@ -89,7 +89,7 @@ TEST_CASE("popcut's own drawings verify with the same freedoms as its FOLD file"
     const json listed = json::parse(fold.out);
     // V-folds part the creases of cut.svg into more hinges.
     const bool splayed = name == "facade" || name == "multistate";
-    for (const std::string drawing : {"out/pattern.svg", "out/cut.svg"}) {
+    for (const std::string drawing : {"out/pattern.svg", "out/cut.svg", "out/pattern.dxf"}) {
       CAPTURE(name, drawing);
       if (splayed && drawing == "out/cut.svg") continue;
       const Ran ran = popcut_in(folder, {"verify", drawing, "--dof", "1", "--json"});

@@ -78,7 +78,7 @@ std::string drawn(const Pattern& pattern) {
   std::ostringstream svg;
   write_pattern_svg(pattern, svg);
   std::vector<std::string> warnings;
-  const auto fold = cli::fold_of_svg(svg.str(), "pattern.svg", "origami-sim", warnings);
+  const auto fold = cli::fold_of_drawing(svg.str(), "pattern.svg", "origami-sim", warnings);
   REQUIRE(fold);
   return *fold;
 }
@@ -228,7 +228,7 @@ TEST_CASE("the samples of other programs open, or say what is wrong with them", 
     if (text.empty()) WARN("skipped: " << name << " is not here");
     if (text.empty() || !cli::is_svg(text)) return text;
     std::vector<std::string> warnings;
-    const auto fold = cli::fold_of_svg(text, name, "origami-sim", warnings);
+    const auto fold = cli::fold_of_drawing(text, name, "origami-sim", warnings);
     REQUIRE(fold);
     return *fold;
   };
