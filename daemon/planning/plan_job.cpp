@@ -168,9 +168,9 @@ Result<PlanJob> make_plan_job(const PlanOptions& options, const std::vector<std:
                             "popcut; leave `marks` out",
                             machine->title));
   if (!machine->driven() && options.knife.overcut_mm.value_or(0.0) > 0.0)
-    return fail(ErrorKind::Usage, "/options/overcut",
-                fmt::format("goes into a program, and {} takes none; leave `overcut` out",
-                            machine->title));
+    return fail(
+        ErrorKind::Usage, "/options/overcut",
+        fmt::format("goes into a program, and {} takes none; leave `overcut` out", machine->title));
   const bool ideal_machine = machine->name.rfind("ideal", 0) == 0;
   tell(options.progress, "reading the input");
   auto input = read(*reading);

@@ -33,9 +33,7 @@ std::string shown_of(const Json& object, const char* key) {
 }
 
 // Why a plan was refused names options of requests.
-std::string reason_of(const Json& job) {
-  return client::in_command_words(shown_of(job, "reason"));
-}
+std::string reason_of(const Json& job) { return client::in_command_words(shown_of(job, "reason")); }
 
 std::int64_t whole_of(const Json& object, const char* key) {
   const auto found = object.find(key);

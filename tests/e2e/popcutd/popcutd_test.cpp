@@ -189,10 +189,11 @@ TEST_CASE("plan options and the files of a spec are sent with a job", "[popcutd]
   lab.open();
   // A grid that the spec names by its file goes up first.
   std::string grid;
+  for (int column = 0; column < 12; ++column) grid += "," + std::to_string(3 * column);
   for (int row = 0; row < 12; ++row) {
+    grid += "\n" + std::to_string(3 * row);
     for (int column = 0; column < 12; ++column)
-      grid += (column > 0 ? "," : "") + std::to_string(60.0 - 3.0 * column - 0.1 * row * row);
-    grid += "\n";
+      grid += "," + std::to_string(60.0 - 3.0 * column - 0.1 * row * row);
   }
   write_file(lab.daemon.folder() / "heights.csv", grid);
   write_file(lab.daemon.folder() / "hill.json",
