@@ -193,7 +193,7 @@ TEST_CASE("plan options and the files of a spec are sent with a job", "[popcutd]
   for (int row = 0; row < 12; ++row) {
     grid += "\n" + std::to_string(3 * row);
     for (int column = 0; column < 12; ++column)
-      grid += "," + std::to_string(60.0 - 3.0 * column - 0.1 * row * row);
+      grid += "," + std::to_string(60.0 - 6.0 * column - 0.1 * row * row);
   }
   write_file(lab.daemon.folder() / "heights.csv", grid);
   write_file(lab.daemon.folder() / "hill.json",
