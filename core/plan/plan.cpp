@@ -318,6 +318,7 @@ class Planner {
     say("drawing the folds");
     turn_round(work, options_.knife.direction);
     sheet.paths = work.lines.size();
+    sheet.whole_folds = out_.folds != FoldMode::Perforate && !dashed_;
     if (options_.keep_lines || !out_.machine.driven()) sheet.lines = work;
     const Dashed dashed = folded(std::move(work), out_.machine, out_.material, out_.folds);
     if (dashed.work.lines.empty())

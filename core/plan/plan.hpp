@@ -32,6 +32,7 @@ struct PlannedSheet {
   double travel_mm{}, travel_input_mm{}, home_mm{};
   std::uint64_t order_moves{};  ///< moves that the search for a short order tried
   bool order_finished{true};    ///< false: the search was stopped early
+  bool whole_folds{false};      ///< its folds are whole lines: pressed, or cut half through
   std::size_t paths{};          ///< lines of the drawing after cleaning
   double seconds{};             ///< 0 if popcut does not drive the machine
   std::array<double, 2> seconds_range{};
@@ -84,7 +85,8 @@ struct Plan {
 /// What will be cut on one sheet, true to scale in mm. Every stroke and every dash is its own path,
 /// in the order of cutting (`data-order`), in the layer of its operation and with `data-assignment`
 /// (M, V, C for cuts, B for the outline; score and draw by name). Paths have no dashed style. The
-/// root element has `data-popcut="dashes"`: the folds are dashes already.
+/// root element has `data-popcut="dashes"` where the folds are dashes already, and "sheet" where
+/// they are whole lines: who plans that drawing again must not cut them through.
 [[nodiscard]] std::string sheet_svg(const PlannedSheet& sheet, const std::string& title);
 
 /// A picture of how the sheets come together, not for cutting: `assembly_svg` of the layout, or for

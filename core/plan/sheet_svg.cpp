@@ -61,9 +61,10 @@ std::string sheet_svg(const PlannedSheet& sheet, const std::string& title) {
   svg.reserve(256 + 90 * sheet.path.strokes.size() + 24 * sheet.path.points.size());
   const KnifeWork& knife = sheet.knife;
   const std::string attributes = fmt::format(
-      " data-popcut=\"dashes\" data-overcut=\"{:g}\" data-rounds=\"{}\" data-blade-offset=\"{:g}\" "
+      " data-popcut=\"{}\" data-overcut=\"{:g}\" data-rounds=\"{}\" data-blade-offset=\"{:g}\" "
       "data-blade-tools=\"{}\"",
-      knife.overcut_mm, knife.rounds, knife.blade_offset_mm, knife.blade_tools);
+      sheet.whole_folds ? "sheet" : "dashes", knife.overcut_mm, knife.rounds, knife.blade_offset_mm,
+      knife.blade_tools);
   head(svg, sheet.area_mm, title, attributes.c_str());
   const double line_mm = seen_line_mm(sheet.area_mm[0], sheet.area_mm[1]);
   for (const Layer& layer : kLayers) {

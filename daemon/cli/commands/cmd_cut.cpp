@@ -147,6 +147,7 @@ Result<void> judge(const PlanJob& job, std::size_t sheet, const CutSheet& cut) {
   auto drawing = linework_from_svg(sheet_svg(job.plan.sheets[sheet], ""), SvgProfile::Popcut);
   if (!drawing) return tl::unexpected(within(place, drawing.error()));
   expected.drawing = std::move(*drawing);
+  expected.drawing.dashed = true;  // as it is drawn, whole folds too
   add_knife(job.plan.sheets[sheet].knife, expected);
   const auto held = expect(*cut.trace, expected);
   if (!held) return tl::unexpected(within(place, held.error()));

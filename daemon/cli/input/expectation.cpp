@@ -313,12 +313,16 @@ Result<Expectation> read_expectation(const std::string& file, const std::optiona
   if (!input) return tl::unexpected(input.error());
   Expectation out;
   if (plan) out.expected.also_allowed = plan->also_allowed;
-  if (input->drawing.dashed) {
-    // A sheet stands where it is cut, dash by dash.
+  pugi::xml_document document;
+  const auto text = read_file(file, kLimitBytes);
+  const bool is_svg = text && document.load_buffer(text->data(), text->size());
+  const bool is_sheet = is_svg && document.document_element().attribute("data-popcut").value() ==
+                                      std::string("sheet");
+  if (input->drawing.dashed || is_sheet) {
+    // A sheet stands where it is cut, line by line as it is drawn.
     out.expected.drawing = std::move(input->drawing);
-    pugi::xml_document document;
-    const auto text = read_file(file, kLimitBytes);
-    if (text && document.load_buffer(text->data(), text->size())) {
+    out.expected.drawing.dashed = true;
+    if (is_svg) {
       out.page_mm = svg_page_mm(document);
       add_knife(sheet_knife(document.document_element()), out.expected);
     }

@@ -195,6 +195,32 @@ TEST_CASE("a material that is cut twice is on another program's sheet once", "[c
   }
 }
 
+TEST_CASE("a sheet whose folds are whole lines is planned again as folds and not cut through",
+          "[cli][e2e][cricut]") {
+  const Bench bench;
+  write_file(bench.temp / "heart.svg", kHeart);
+  const double dashes = bench.planned("heart.svg", {})["sheets"][0]["fold_mm"];
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{"--machine", "none"},
+        std::vector<std::string>{"--machine", "cricut-maker"},
+        std::vector<std::string>{"--folds", "score"},
+        std::vector<std::string>{"--folds", "perforate"}}) {
+    CAPTURE(options);
+    bench.planned("heart.svg", options);
+    std::filesystem::copy_file(bench.temp / "sheets/sheet-01.svg", bench.temp / "again.svg",
+                               std::filesystem::copy_options::overwrite_existing);
+    if (options[0] == "--folds") {
+      const Ran held = bench.popcut({"simulate", "sheets/sheet-01.gpgl", "-o", "cut", "--expect",
+                                     "sheets/sheet-01.svg", "-q"});
+      CAPTURE(held.err);
+      CHECK(held.exit == 0);
+    }
+    const json again = bench.planned("again.svg", {})["sheets"][0];
+    CHECK(again["fold_mm"].get<double>() == Approx(dashes).margin(0.01));
+    CHECK(again["cut_mm"].get<double>() > 300);
+  }
+}
+
 TEST_CASE("nothing of popcut moves a machine that popcut does not drive", "[cli][e2e][cricut]") {
   const Bench bench;
   write_file(bench.temp / "heart.svg", kHeart);
