@@ -16,6 +16,7 @@
 #include "daemon/cli/view/job_follow.hpp"
 #include "daemon/cli/view/job_view.hpp"
 #include "daemon/cli/view/long_work.hpp"
+#include "daemon/cli/view/progress_bar.hpp"
 #include "daemon/client/api.hpp"
 #include "daemon/files/output_folder.hpp"
 
@@ -140,20 +141,29 @@ Result<std::string> only_device(Api& api) {
       fmt::format("is missing; choose one of {}: {}", usable.size(), fmt::join(usable, ", ")));
 }
 
-/// The warnings of its plan, if that is made at once, or why there is none.
+constexpr double kPlanWaitSeconds = 10;
+
+/// Waits for its plan, but not for long ones. Prints the warnings, or why there is none.
 Result<void> say_plan(Api& api, const std::string& id) {
   using namespace std::chrono_literals;
   std::fflush(stdout);
-  for (int k = 0; k < 15; ++k) {
+  ProgressBar bar(true);
+  const auto begun = std::chrono::steady_clock::now();
+  for (double waited_s = 0; waited_s < kPlanWaitSeconds;
+       waited_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count()) {
     const auto now = api.get("/v1/jobs/" + id, "job " + id);
     if (!now) return {};  // the next command says why
     const std::string state = client::text_of(*now, "state");
     if (state != "queued" && state != "planning") {
+      bar.clear();
       for (const std::string& line : warning_lines(*now)) fmt::print(stderr, "warning: {}\n", line);
       return state == "failed" ? verdict(*now) : Result<void>{};
     }
+    bar.show_time(job_summary(*now), waited_s);
     std::this_thread::sleep_for(100ms);
   }
+  bar.clear();
+  fmt::print(stderr, "popcutd still plans it\n");
   return {};
 }
 
