@@ -15,6 +15,8 @@
 namespace popcut {
 namespace {
 
+constexpr double kSeenMm = 0.1;  // lines that only touch share less
+
 constexpr double kMoved = 1e-4;  // mm; ends that move by less are only rounded
 constexpr double kSame = 0.001;  // mm; vertices of different lines this near are the same
 constexpr std::uint32_t kNone = NodeIndex::kNone;
@@ -171,6 +173,7 @@ class OverlapRemover {
   }
 
   [[nodiscard]] std::size_t contradictions() const { return contradictions_; }
+  [[nodiscard]] std::size_t cut_folds() const { return cut_folds_; }
 
   /// The pieces, in drawing order.
   [[nodiscard]] std::vector<Piece> pieces() const {
@@ -240,18 +243,19 @@ class OverlapRemover {
     double t = 0.0;
     last_ = -1;
     for (const auto& part : covered_) {
-      if (!gives_way(s, part.by)) continue;
+      if (!gives_way(s, part.by, part.to - part.from)) continue;
       if (part.from > t) keep(s, segment, l, t, part.from);
       t = std::max(t, part.to);
     }
     keep(s, segment, l, t, l);
   }
 
-  bool gives_way(std::uint32_t s, std::uint32_t to) {
+  bool gives_way(std::uint32_t s, std::uint32_t to, double shared_mm) {
     const Operation mine = kinds_[s].operation;
     const Operation other = kinds_[to].operation;
     if ((mine == Operation::Draw) != (other == Operation::Draw)) return false;
     if (is_fold(mine) && is_fold(other) && mine != other) ++contradictions_;
+    if (is_fold(mine) && is_cut(other) && shared_mm > kSeenMm) ++cut_folds_;
     return true;
   }
 
@@ -285,7 +289,7 @@ class OverlapRemover {
   std::vector<std::int32_t> first_;  ///< per segment: its first part in `left_`
   std::vector<Remainder> left_;
   std::int32_t last_{-1};
-  std::size_t contradictions_{};
+  std::size_t contradictions_{}, cut_folds_{};
 };
 
 }  // namespace
@@ -303,7 +307,7 @@ LineWork clean(LineWork work, const CleanOptions& options) {
   LineWork out = work.without_lines();
   std::vector<Piece> pieces;
   std::vector<PagePoint> nodes;
-  std::size_t contradictions = 0;
+  std::size_t contradictions = 0, cut_folds = 0;
   {
     Snapping snapping(work, options.snap_mm);
     const DrawnSegments segments = segments_of(work, snapping);
@@ -313,6 +317,7 @@ LineWork clean(LineWork work, const CleanOptions& options) {
     remover.run();
     pieces = remover.pieces();
     contradictions = remover.contradictions();
+    cut_folds = remover.cut_folds();
     nodes = std::move(snapping.nodes()).take_points();
   }
   join(pieces, nodes, out);
@@ -322,6 +327,13 @@ LineWork clean(LineWork work, const CleanOptions& options) {
          .message = fmt::format(
              "{} places are both mountain and valley folds; they are made mountain folds",
              contradictions)});
+  if (cut_folds > 0)
+    out.warnings.push_back(
+        {.code = "fold_is_cut",
+         .message = cut_folds == 1
+                        ? "1 place is both fold and cut; it is cut"
+                        : fmt::format("{} places are both fold and cut; they are cut", cut_folds),
+         .spoils = true});
   return out;
 }
 

@@ -130,8 +130,13 @@ Dashed folded(LineWork work, const Machine& machine, const Material& material, F
   return out;
 }
 
+bool has_folds(const LineWork& work) {
+  return std::any_of(work.lines.begin(), work.lines.end(),
+                     [](const DrawnLine& line) { return is_fold(line.operation); });
+}
+
 Result<FoldMode> fold_mode(const Machine& machine, const Material& material,
-                           const PlanOptions& options) {
+                           const PlanOptions& options, const LineWork& drawing) {
   if (!machine.driven()) {
     if (options.knife.folds == FoldMode::Light)
       return fail(
@@ -147,6 +152,18 @@ Result<FoldMode> fold_mode(const Machine& machine, const Material& material,
                 fmt::format("material {0} has no settings \"{1}\"; add them to your material "
                             "table, or use `folds` perforate",
                             material.name, fold_mode_name(mode)));
+  if (!has_folds(drawing)) return mode;
+  // Without its force or its tool a knife would go through the whole fold.
+  if (mode == FoldMode::Light && !(machine.force_gf.per_step > 0.0))
+    return fail(ErrorKind::OutOfRange, "/options/folds",
+                fmt::format("popcut cannot set the force of {}, so its knife would cut the folds "
+                            "through; use `folds` perforate",
+                            machine.title));
+  if (mode == FoldMode::Score && material.score->tool > machine.tool_holders)
+    return fail(ErrorKind::OutOfRange, "/options/folds",
+                fmt::format("scoring needs tool {}, but {} has only {}, so its knife would cut the "
+                            "folds through; use `folds` perforate",
+                            material.score->tool, machine.title, machine.tool_holders));
   return mode;
 }
 
@@ -366,7 +383,7 @@ Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& mate
   if (auto valid = check_plan_options(options); !valid) return tl::unexpected(valid.error());
   auto mat = choose_mat(machine, options.mat);
   if (!mat) return tl::unexpected(mat.error());
-  const auto mode = fold_mode(machine, material, options);
+  const auto mode = fold_mode(machine, material, options, drawing);
   if (!mode) return tl::unexpected(mode.error());
   // Where popcut does not drive, each line is drawn once; how often to cut it is chosen there.
   Material once = material;

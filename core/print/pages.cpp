@@ -66,14 +66,16 @@ std::vector<LegendEntry> legend_of(const LineWork& work, bool tabs) {
   return legend;
 }
 
-std::string which_side(const LineWork& work) {
-  const bool mountain = has(work, Operation::FoldMountain),
-             valley = has(work, Operation::FoldValley);
+std::string which_side(bool mountain, bool valley) {
   if (!mountain && !valley) return "Printed side up.";
   return fmt::format(
       "Printed side up: {}{}{}. Press the folds first, then cut, and cut the outline last.",
       mountain ? "mountain folds rise toward you" : "", mountain && valley ? ", " : "",
       valley ? "valley folds sink away" : "");
+}
+
+std::string which_side(const LineWork& work) {
+  return which_side(has(work, Operation::FoldMountain), has(work, Operation::FoldValley));
 }
 
 /// One page in the making: an area, with margins around it.
@@ -106,6 +108,23 @@ std::string page_head(double width, double height, const std::string& name) {
       name);
 }
 
+// One page explains what is on all pages that have no room for it.
+void add_legend(std::optional<Footer>& all, const Footer& footer) {
+  if (!all) {
+    all = footer;
+    return;
+  }
+  const auto has_entry = [&](const LegendEntry& wanted) {
+    return std::any_of(all->legend.begin(), all->legend.end(),
+                       [&](const LegendEntry& one) { return one.words == wanted.words; });
+  };
+  for (const LegendEntry& entry : footer.legend)
+    if (!has_entry(entry)) all->legend.push_back(entry);
+  all->sentences = {"For all sheets that have no room for their legend.",
+                    which_side(has_entry(legend_entry(Operation::FoldMountain)),
+                               has_entry(legend_entry(Operation::FoldValley)))};
+}
+
 /// @param legend_page  set where the legend has no room: what is to stand on a page of its own
 PrintedPage printed(const Page& page, const std::string& drawing,
                     std::optional<Footer>& legend_page) {
@@ -114,7 +133,7 @@ PrintedPage printed(const Page& page, const std::string& drawing,
                  drawing);
   std::string footer = footer_svg(page.footer, page.footer_place());
   if (footer.empty()) {
-    if (!legend_page) legend_page = page.footer;
+    add_legend(legend_page, page.footer);
     Footer only_name{{}, {page.footer.sentences.front()}};
     footer = footer_svg(only_name, page.footer_place());
     if (footer.empty()) footer = footer_bar(page.footer_place());
@@ -123,12 +142,16 @@ PrintedPage printed(const Page& page, const std::string& drawing,
   return {std::move(svg), page.width(), page.height(), 0.0};
 }
 
-PrintedPage legend_only(const Footer& footer, const std::string& name) {
+// On the paper of the other pages, if that is large enough.
+PrintedPage legend_only(const Footer& footer, const std::string& name, const PrintedPage& other) {
   constexpr double kWidth = 148.0, kMargin = 10.0;  // as wide as A5
-  const double height = footer_height_mm(footer, kWidth - 2 * kMargin) + 2 * kMargin;
-  std::string svg = page_head(kWidth, height, name + ": legend");
-  svg += footer_svg(footer, {kMargin, kMargin, kWidth - 2 * kMargin, height - 2 * kMargin});
-  return {svg + "</svg>\n", kWidth, height, 0.0};
+  double width = kWidth;
+  double height = footer_height_mm(footer, width - 2 * kMargin) + 2 * kMargin;
+  if (other.width_mm >= width && other.height_mm >= height)
+    width = other.width_mm, height = other.height_mm;
+  std::string svg = page_head(width, height, name + ": legend");
+  svg += footer_svg(footer, {kMargin, kMargin, width - 2 * kMargin, height - 2 * kMargin});
+  return {svg + "</svg>\n", width, height, 0.0};
 }
 
 std::string pieces_in_words(const PlannedSheet& sheet) {
@@ -196,7 +219,7 @@ Result<std::vector<PrintedPage>> sheet_pages(const Plan& plan) {
     pages.push_back({assembly_svg(*plan.layout, plan.whole), first.width_mm, first.height_mm,
                      std::min(kAround, first.width_mm / 10)});
   }
-  if (legend_page) pages.push_back(legend_only(*legend_page, name));
+  if (legend_page) pages.push_back(legend_only(*legend_page, name, pages.front()));
   return pages;
 }
 
@@ -214,7 +237,7 @@ Result<std::vector<PrintedPage>> pattern_pages(const Pattern& pattern) {
   put_lines(drawing, work);
   std::optional<Footer> legend_page;
   std::vector<PrintedPage> pages{printed(page, drawing, legend_page)};
-  if (legend_page) pages.push_back(legend_only(*legend_page, name));
+  if (legend_page) pages.push_back(legend_only(*legend_page, name, pages.front()));
   return pages;
 }
 

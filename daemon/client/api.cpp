@@ -193,7 +193,8 @@ Result<Json> Api::find_job(const std::string& word) {
     const auto jobs = all ? list("/v1/jobs", place) : open_jobs();
     if (!jobs) return tl::unexpected(jobs.error());
     const auto fitting = beginning_with(*jobs, prefix);
-    if (fitting.size() == 1) return *fitting.front();
+    // A list leaves out how a job can go on.
+    if (fitting.size() == 1) return get("/v1/jobs/" + id_of(*fitting.front()), place);
     if (fitting.size() > 1)
       return fail(
           ErrorKind::Usage, place,

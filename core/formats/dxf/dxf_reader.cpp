@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -260,7 +261,10 @@ class DxfReader {
         std::nullopt, std::nullopt, Draw, Score,  FoldValley,
         FoldMountain, FoldValley,   Cut,  Outline};
     if (use.layer.meaning == DxfMeaning::Fold) ++sideless_;
-    if (const auto meant = kMeanings.at(static_cast<std::size_t>(use.layer.meaning))) return meant;
+    if (const auto meant = kMeanings.at(static_cast<std::size_t>(use.layer.meaning))) {
+      if (is_cut(*meant)) cut_colours_.insert(colour_of(own));
+      return meant;
+    }
     if (options_.colours == DxfColours::Ignored) return Operation::Cut;
     if (options_.colours == DxfColours::Asked) {
       see_colour(own, use);
@@ -270,16 +274,19 @@ class DxfReader {
   }
 
   // Black and white are one colour: both are "the other than the background".
+  static std::pair<int, int> colour_of(const Place& own) {
+    const bool plain = own.rgb < 0 ? own.colour == 7 : own.rgb == 0 || own.rgb == 0xffffff;
+    if (plain) return {7, -1};
+    return own.rgb >= 0 ? std::pair(-1, own.rgb) : std::pair(own.colour, -1);
+  }
+
   // The dashes of a line say what to do with it: cut them.
   void see_colour(const Place& own, const LayerUse& use) {
     if (const auto found = dashes_.find(own.linetype);
         sounds_dashed(own.linetype) || (found != dashes_.end() && !found->second.dashes.empty()))
       return;
-    const bool plain = own.rgb < 0 ? own.colour == 7 : own.rgb == 0 || own.rgb == 0xffffff;
-    const std::pair<int, int> colour = plain          ? std::pair(7, -1)
-                                       : own.rgb >= 0 ? std::pair(-1, own.rgb)
-                                                      : std::pair(own.colour, -1);
-    if (!first_colour_) first_colour_ = colour;
+    const std::pair<int, int> colour = colour_of(own);
+    if (!first_colour_) first_colour_ = colour, first_layer_ = use.layer.name;
     if (*first_colour_ == colour || second_colour_) return;
     second_colour_ = Error{
         ErrorKind::Malformed, fmt::format("layer \"{}\"", use.layer.name),
@@ -349,6 +356,14 @@ class DxfReader {
                            count, count == 1 ? "" : "s", name, count == 1 ? "is" : "are"),
            .place = {.source = fmt::format("block \"{}\"", name)},
            .spoils = true});
+    if (first_colour_ && !cut_colours_.empty() && cut_colours_.count(*first_colour_) == 0)
+      work_.warnings.push_back(
+          {.code = "strokes_without_name",
+           .message = fmt::format("the name of layer \"{}\" says neither cut nor fold: its lines "
+                                  "are cut; if they are folds, name it MOUNTAIN or VALLEY",
+                                  dxf_shown(first_layer_)),
+           .place = {.source = fmt::format("layer \"{}\"", first_layer_)},
+           .spoils = true});
     add_layer_warnings();
     say(paper_, "paper_layout",
         "entities on a paper layout are left out; only the model space is cut");
@@ -404,6 +419,8 @@ class DxfReader {
   std::size_t lines_left_;
   std::optional<Error> error_;
   std::optional<std::pair<int, int>> first_colour_;  // index and rgb
+  std::string first_layer_;                          // where it is first used
+  std::set<std::pair<int, int>> cut_colours_;        // on layers whose names mean cuts
   std::optional<Error> second_colour_;
 };
 

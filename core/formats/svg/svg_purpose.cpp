@@ -17,6 +17,18 @@ LineStyle line_style(const SvgDashes& dashes) {
   return d.size() >= 4 && d[0] != d[2] ? LineStyle::DashDot : LineStyle::Dashed;
 }
 
+std::uint32_t stroke_rgb(const SvgStyle& style) {
+  return style.stroke.kind == SvgPaint::Kind::Current ? style.colour : style.stroke.rgb;
+}
+
+bool add_colour(std::vector<std::uint32_t>& colours, std::uint32_t rgb) {
+  if (colours.size() >= kMostListedColours ||
+      std::find(colours.begin(), colours.end(), rgb) != colours.end())
+    return false;
+  colours.push_back(rgb);
+  return true;
+}
+
 }  // namespace
 
 std::optional<SvgPurpose> SvgPurposes::of(const SvgElement& e, const SvgStyle& style,
@@ -33,7 +45,9 @@ std::optional<SvgPurpose> SvgPurposes::of(const SvgElement& e, const SvgStyle& s
   }
   if (style.has_assignment || style.has_layer) {
     has_names_ = true;
-    return SvgPurpose{style.has_assignment ? style.assignment : style.layer, !stroked};
+    const StrokeUse use = style.has_assignment ? style.assignment : style.layer;
+    if (stroked && use) add_colour(is_cut(*use) ? cut_colours_ : other_colours_, stroke_rgb(style));
+    return SvgPurpose{use, !stroked};
   }
   if (!stroked) {
     const bool white = style.fill.kind == SvgPaint::Kind::Colour && style.fill.rgb == 0xFFFFFF;
@@ -41,16 +55,14 @@ std::optional<SvgPurpose> SvgPurposes::of(const SvgElement& e, const SvgStyle& s
     notes_.add(profile_.fills ? SvgNote::FillBackground : SvgNote::FillIgnored, here);
     return std::nullopt;
   }
-  const std::uint32_t rgb =
-      style.stroke.kind == SvgPaint::Kind::Current ? style.colour : style.stroke.rgb;
+  const std::uint32_t rgb = stroke_rgb(style);
   if (style.stroke.kind == SvgPaint::Kind::Server) notes_.add(SvgNote::PaintServer, here);
   if (const auto ruled = use_of_stroke(profile_, rgb, line_style(dashes), e.classes))
     return SvgPurpose{*ruled, false};
   // The dashes of a stroke say what to do with it: cut them.
   const bool said = profile_.asks && line_style(dashes) != LineStyle::Solid;
-  if (!said && colours_.size() < kMostListedColours &&
-      std::find(colours_.begin(), colours_.end(), rgb) == colours_.end()) {
-    colours_.push_back(rgb);
+  if (!said && add_colour(colours_, rgb)) {
+    if (colours_.size() == 1) first_colour_ = here();
     if (colours_.size() == 2) second_colour_ = here();
   }
   return SvgPurpose{profile_.otherwise, false};
@@ -82,6 +94,18 @@ std::string SvgPurposes::colour_warning() const {
       "strokes have {} and no names: all are cut; if the colours have a meaning, use `svg-profile` "
       "origami-sim, lightburn or one of your own",
       colour_list());
+}
+
+std::string SvgPurposes::name_warning() const {
+  if (!profile_.asks || !has_names_ || colours_.empty()) return {};
+  const auto among = [&](const std::vector<std::uint32_t>& list) {
+    return std::find(list.begin(), list.end(), colours_.front()) != list.end();
+  };
+  if (cut_colours_.empty() ? !among(other_colours_) : among(cut_colours_)) return {};
+  return fmt::format(
+      "other lines have names, but the {} strokes have none that popcut knows: they are cut; if "
+      "they are folds, name their layer fold-mountain or fold-valley",
+      colour_text(colours_.front()));
 }
 
 }  // namespace popcut

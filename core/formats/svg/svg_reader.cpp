@@ -418,6 +418,11 @@ class SvgReader {
     if (std::string warning = purposes_.colour_warning(); !warning.empty())
       work_.warnings.push_back(
           {.code = "colours_without_meaning", .message = std::move(warning), .spoils = true});
+    if (std::string warning = purposes_.name_warning(); !warning.empty())
+      work_.warnings.push_back({.code = "strokes_without_name",
+                                .message = std::move(warning),
+                                .place = {.source = purposes_.first_unnamed()},
+                                .spoils = true});
   }
 
   const SvgText& text_;

@@ -145,6 +145,11 @@ class SvgPurposes {
   [[nodiscard]] Result<void> clear() const;
   /// A warning if strokes of several colours all got the same purpose; else empty.
   [[nodiscard]] std::string colour_warning() const;
+  /// A warning if other strokes have names, and those without one look different from the named
+  /// cuts, or like named folds; else empty.
+  [[nodiscard]] std::string name_warning() const;
+  /// Where the first stroke without a meaning is.
+  [[nodiscard]] const std::string& first_unnamed() const { return first_colour_; }
 
  private:
   const SvgText& text_;
@@ -152,8 +157,10 @@ class SvgPurposes {
   SvgNotes& notes_;
   [[nodiscard]] std::string colour_list() const;
 
-  std::vector<std::uint32_t> colours_;  ///< the first colours that no rule knows
-  std::string second_colour_;           ///< where the second of them is first used
+  std::vector<std::uint32_t> colours_;        ///< the first colours that no rule knows
+  std::string first_colour_, second_colour_;  ///< where the first two of them are first used
+  std::vector<std::uint32_t> cut_colours_;    ///< of strokes with names: those that are cut
+  std::vector<std::uint32_t> other_colours_;  ///< and the others
   bool has_names_{false};
 };
 

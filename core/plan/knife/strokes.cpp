@@ -82,11 +82,12 @@ double StrokeSettings::force_gf(const ToolSettings& tool, int pass) const {
 
 void StrokeSettings::fit(ToolSettings& tool, const char* kind) {
   if (tool.tool > machine_.tool_holders) {
-    warnings_.push_back(
-        {.code = "no_tool_holder",
-         .message = fmt::format("{} needs tool {}, but {} has only {}; using tool 1", kind,
-                                tool.tool, machine_.name, machine_.tool_holders),
-         .spoils = true});
+    warnings_.push_back({.code = "no_tool_holder",
+                         .message = fmt::format(
+                             "{} needs tool {}, but {} has only {}; using tool 1, and if that is "
+                             "a knife, it cuts these lines through",
+                             kind, tool.tool, machine_.name, machine_.tool_holders),
+                         .spoils = true});
     tool.tool = 1;
   }
   fit_scale(tool.force_gf, machine_.force_gf, kind, "force", "gf");

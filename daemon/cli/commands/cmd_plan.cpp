@@ -170,6 +170,13 @@ Result<void> add_sheet(PlanJob& job, std::size_t i, const std::string& profile,
                     marks_svg(job.marks[i], sheet.area_mm, title));
 }
 
+double length_of(const Toolpath& path, Operation operation) {
+  double mm = 0.0;
+  for (const Stroke& stroke : path.strokes)
+    if (stroke.operation == operation) mm += popcut::length(path.points_of(stroke));
+  return mm;
+}
+
 // Where popcut does not drive: what is on the sheet, and the file to take on.
 void say_drawing(const Plan& plan, std::size_t i, const std::string& folder,
                  const Formats& formats) {
@@ -178,10 +185,12 @@ void say_drawing(const Plan& plan, std::size_t i, const std::string& folder,
   fmt::print(stderr, "  sheet {}  {:.1f} x {:.1f} mm ({:.3f} x {:.3f} in), cut {:.0f} mm, ", i + 1,
              box.width(), box.height(), box.width() / 25.4, box.height() / 25.4, sheet.cut_mm);
   if (plan.folds == FoldMode::Score)
-    fmt::print(stderr, "score {:.0f} mm of folds\n", sheet.fold_line_mm);
+    fmt::print(stderr, "score {:.0f} mm of folds", sheet.fold_line_mm);
   else
-    fmt::print(stderr, "folds {:.0f} mm as {:.0f} mm of dashes\n", sheet.fold_line_mm,
-               sheet.fold_mm);
+    fmt::print(stderr, "folds {:.0f} mm as {:.0f} mm of dashes", sheet.fold_line_mm, sheet.fold_mm);
+  if (const double mm = length_of(sheet.path, Operation::Score); mm > 0.0)
+    fmt::print(stderr, ", score {:.0f} mm of other lines", mm);
+  fmt::print(stderr, "\n");
   const bool cricut = plan.machine.language == "cricut";
   if (cricut || formats.has("svg", plan.machine))
     fmt::print(
@@ -198,7 +207,8 @@ void say_cricut(const Plan& plan) {
     });
   };
   std::string layers;
-  if (plan.folds == FoldMode::Score && has([](Operation o) { return is_fold(o); }))
+  const bool folds = plan.folds == FoldMode::Score;
+  if (has([&](Operation o) { return o == Operation::Score || (folds && is_fold(o)); }))
     layers += "set the red layer to Score, ";
   if (has([](Operation o) { return o == Operation::Draw; }))
     layers += "set the green layer to Pen, ";
@@ -221,9 +231,11 @@ void say(const PlanJob& job, const std::string& folder, const Formats& formats) 
     }
     const PlannedSheet& sheet = plan.sheets[i];
     const auto minutes = [](double seconds) { return seconds / 60; };
-    fmt::print(stderr,
-               "  sheet {}  cut {:.0f} mm, folds {:.0f} mm as {:.0f} mm of dashes, {} strokes\n",
-               i + 1, sheet.cut_mm, sheet.fold_line_mm, sheet.fold_mm, sheet.path.strokes.size());
+    fmt::print(
+        stderr, "  sheet {}  cut {:.0f} mm, folds {:.0f} mm {}, {} strokes\n", i + 1, sheet.cut_mm,
+        sheet.fold_line_mm,
+        sheet.whole_folds ? "as whole lines" : fmt::format("as {:.0f} mm of dashes", sheet.fold_mm),
+        sheet.path.strokes.size());
     fmt::print(
         stderr,
         "           travel {:.0f} mm (as drawn {:.0f}), about {:.1f} min ({:.1f} to {:.1f})\n",

@@ -88,9 +88,13 @@ std::string doubt_text(const Json& job) {
   return fmt::format("{} paths are certainly cut, {} more are in doubt", certain, sent - certain);
 }
 
-/// Whether the sheet can be complete. The figures are of the whole job, so they decide only for a
-/// job of one sheet.
+/// Whether the sheet can be complete: where popcutd says its ways, as they say. Else by the
+/// figures; they are of the whole job, so they decide only for a job of one sheet.
 bool may_be_whole(const Json& job) {
+  if (const auto ways = job.find("ways"); ways != job.end() && ways->is_array() && !ways->empty())
+    return std::any_of(ways->begin(), ways->end(), [](const Json& way) {
+      return way.is_object() && shown_of(way, "action") == "confirm-result";
+    });
   const Json& progress = part_of(job, "progress");
   return whole_of(job, "sheets_total") != 1 ||
          whole_of(progress, "paths_sent") >= whole_of(progress, "paths_total");

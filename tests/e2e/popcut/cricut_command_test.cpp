@@ -221,6 +221,70 @@ TEST_CASE("a sheet whose folds are whole lines is planned again as folds and not
   }
 }
 
+TEST_CASE("folds are never cut through because a machine lacks a tool or its force",
+          "[cli][e2e][cricut]") {
+  const Bench bench;
+  write_file(bench.temp / "heart.svg", kHeart);
+  const auto refused = [&](const std::string& machine, const std::string& folds) {
+    const Ran ran = bench.popcut(
+        {"plan", "heart.svg", "--machine", machine, "--folds", folds, "-o", "refused"});
+    CAPTURE(machine, folds, ran.err);
+    CHECK(ran.exit != 0);
+    CHECK(ran.err.find("would cut the folds through") != std::string::npos);
+    CHECK(ran.err.find("--folds perforate") != std::string::npos);
+    CHECK(!std::filesystem::exists(bench.temp / "refused"));
+  };
+  for (const char* machine : {"hpgl-generic", "hpgl-clone", "hpgl-ud", "mh-721", "camm-1"}) {
+    refused(machine, "light");
+    refused(machine, "score");
+  }
+  refused("cameo", "score");
+  bench.planned("heart.svg", {"--machine", "cameo", "--folds", "light"});
+  bench.planned("heart.svg", {"--machine", "cameo3", "--folds", "score"});
+}
+
+TEST_CASE("lines that are scored are named in the steps for a Cricut, also if no fold is",
+          "[cli][e2e][cricut]") {
+  const Bench bench;
+  write_file(bench.temp / "heart.svg", kHeart);
+  bench.planned("heart.svg", {"--machine", "cricut-maker"});
+  std::filesystem::copy_file(bench.temp / "sheets/sheet-01-cricut.svg", bench.temp / "again.svg");
+  for (const char* file : {"heart.svg", "again.svg"}) {
+    const Ran ran = bench.popcut({"plan", file, "--machine", "cricut-maker", "-o", "told"});
+    CAPTURE(file, ran.err);
+    CHECK(ran.exit == 0);
+    CHECK(ran.err.find("set the red layer to Score") != std::string::npos);
+  }
+}
+
+TEST_CASE("a fold that is also a cut, or has no name where others have one, is told before the cut",
+          "[cli][e2e][reading]") {
+  const Bench bench;
+  const auto warnings = [&](const std::string& shapes) {
+    write_file(bench.temp / "d.svg",
+               "<svg xmlns='http://www.w3.org/2000/svg' "
+               "xmlns:inkscape='http://www.inkscape.org/namespaces/inkscape' width='100mm' "
+               "height='80mm' viewBox='0 0 100 80' fill='none' stroke='black'>" +
+                   shapes + "</svg>");
+    return bench.planned("d.svg", {})["warnings"].dump();
+  };
+  const auto has = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  const std::string card = "<path data-assignment='B' d='M5 5H95V75H5Z'/>";
+  const std::string fold = "<path data-assignment='M' stroke='red' d='M20 40H80'/>";
+  CHECK(warnings(card + fold) == "[]");
+  CHECK(has(warnings(card + fold + "<path data-assignment='C' d='M5 40H95'/>"),
+            "1 place is both fold and cut"));
+  CHECK(warnings(card + fold + "<path data-assignment='C' d='M20 10V70'/>") == "[]");
+  CHECK(has(warnings(card + "<path stroke='red' d='M20 40H80'/>"),
+            "the #ff0000 strokes have none that popcut knows"));
+  CHECK(warnings(card + fold + "<path d='M20 50H80'/>") == "[]");
+  CHECK(warnings(fold + "<path d='M5 5H95V75H5Z'/>") == "[]");
+  CHECK(has(warnings(fold + "<path stroke='red' d='M5 5H95V75H5Z'/>"),
+            "the #ff0000 strokes have none that popcut knows"));
+}
+
 TEST_CASE("nothing of popcut moves a machine that popcut does not drive", "[cli][e2e][cricut]") {
   const Bench bench;
   write_file(bench.temp / "heart.svg", kHeart);

@@ -153,6 +153,23 @@ TEST_CASE("a split drawing is printed with tabs, letters and how to glue it", "[
   }
 }
 
+TEST_CASE("one page explains what is on all small pages that have no room for a legend",
+          "[cli][e2e][print]") {
+  const Bench bench;
+  write_file(bench.temp / "wide.svg",
+             "<svg xmlns='http://www.w3.org/2000/svg' width='210mm' height='100mm' viewBox='0 0 "
+             "210 100' fill='none' stroke='black'><path data-assignment='B' d='M5 5H185V63H5Z'/>"
+             "<path data-assignment='M' d='M140 5V63'/></svg>");
+  bench.planned("wide.svg", {"--machine", "none", "--mat", "100x70"});
+  if (!Bench::has_poppler()) return;
+  const std::string text = bench.poppler({"pdftotext", "-layout", "sheets/sheets.pdf", "-"});
+  CAPTURE(text);
+  const std::size_t legend = text.find("For all sheets that have no room");
+  REQUIRE(legend != std::string::npos);
+  for (const char* words : {"cut", "mountain fold", "tab", "mountain folds rise toward you"})
+    CHECK(text.find(words) != std::string::npos);
+}
+
 TEST_CASE("pages are written beside a cutter's program when they are asked for",
           "[cli][e2e][print]") {
   const Bench bench;

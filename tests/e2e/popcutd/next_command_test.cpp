@@ -209,6 +209,8 @@ TEST_CASE("every refusal names a command that cures it", "[popcutd][cli][next]")
     const Words skip = shop.cure({"resume", stuck, "--from"}, "skips what is in doubt");
     CHECK(skip.back() == "--skip-in-doubt");
     const std::string shown = shop.popcut({"jobs", stuck}).out;
+    // popcut itself prints the short form of ids.
+    CHECK(shop.popcut({"jobs", stuck.substr(0, 12)}).out == shown);
     CHECK(says(shown, "popcut " + fmt::format("{}", fmt::join(skip, " "))));
     CHECK(says(shown, "popcut devices reset sim:stuck"));
     CHECK(shop.cure({"cut", "--test", "--device", "sim:stuck"}, "in fault") == reset);
