@@ -23,13 +23,18 @@ Result<PageMap> page_map(const Machine& machine, double page_length_mm) {
                 fmt::format("a machine unit of {} mm; it must be above 0 (0.05 for GPGL, 0.025 for "
                             "HPGL)",
                             machine.unit_mm));
-  if (machine.y_up && !(page_length_mm > 0))
-    return fail(ErrorKind::OutOfRange, "/y_up",
-                fmt::format("{} counts y upward from the end of the page; give the length of the "
+  if (machine.feed_up() && !(page_length_mm > 0))
+    return fail(ErrorKind::OutOfRange, "/axes",
+                fmt::format("{} counts the feed from the end of the page; give the length of the "
                             "page in mm",
                             machine.name));
-  return PageMap{*dialect,     machine.unit_mm, machine.margin_left_mm, machine.margin_top_mm,
-                 machine.y_up, page_length_mm};
+  return PageMap{.dialect = *dialect,
+                 .unit_mm = machine.unit_mm,
+                 .margin_left_mm = machine.margin_left_mm,
+                 .margin_top_mm = machine.margin_top_mm,
+                 .feed_first = machine.axes == Axes::FeedCarriage,
+                 .feed_up = machine.feed_up(),
+                 .page_length_mm = page_length_mm};
 }
 
 }  // namespace popcut

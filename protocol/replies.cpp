@@ -72,6 +72,15 @@ Result<std::vector<double>> parse_numbers(std::string_view reply, std::size_t le
                  : fmt::format("{} to {} numbers were expected", least, most));
 }
 
+Result<CoordinateLimits> parse_limits(std::string_view reply) {
+  return parse_numbers(reply, 4, 4)
+      .and_then([&](const std::vector<double>& v) -> Result<CoordinateLimits> {
+        if (!(v[0] < v[2] && v[1] < v[3]))
+          return not_a_reply(reply, "there is no area between them");
+        return CoordinateLimits{{v[0], v[1]}, {v[2], v[3]}};
+      });
+}
+
 Result<double> parse_number(std::string_view reply) {
   return parse_numbers(reply, 1, 1).map([](const std::vector<double>& values) {
     return values[0];

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/result.hpp"
+#include "protocol/program.hpp"
 
 namespace popcut {
 
@@ -14,6 +15,9 @@ namespace popcut {
 /// not say which query it answers, so send one query at a time.
 inline constexpr std::string_view kStatusQuery{"\x1b\x05"};
 inline constexpr std::string_view kIdentityQuery{"FG\x03"};
+
+/// Asks an HPGL machine for the limits of its coordinates; the reply ends with CR.
+inline constexpr std::string_view kLimitsQuery{"OH;"};
 
 /// What a GPGL machine replies when asked for its status: 0 to 4 in this order. Any other reply is
 /// Unknown and must never count as Ready.
@@ -32,6 +36,14 @@ struct Identity {
 
 /// @retval Malformed  empty, blank, longer than 64 characters, or not printable
 [[nodiscard]] Result<Identity> parse_identity(std::string_view reply);
+
+/// The reply to OH: the least and the largest coordinates that the machine takes.
+struct CoordinateLimits {
+  MachinePoint least, most;
+};
+
+/// @retval Malformed  not four numbers, or no area between them
+[[nodiscard]] Result<CoordinateLimits> parse_limits(std::string_view reply);
 
 /// `least` to `most` numbers, separated by commas and padded with blanks.
 ///

@@ -60,7 +60,43 @@ void read_place(FieldReader& fields, Machine& machine) {
   machine.unit_mm = fields.number("unit_mm", {}, 1e-4, 1.0);
   machine.margin_left_mm = fields.number("margin_left_mm", {}, -100.0, machine.width_mm / 2);
   machine.margin_top_mm = fields.number("margin_top_mm", {}, -100.0, machine.length_mm / 2);
-  machine.y_up = fields.boolean("y_up", false);
+  const std::vector<std::string> axes{"feed-carriage", "carriage-feed"};
+  machine.axes = static_cast<Axes>(fields.word("axes", 0, axes));
+  machine.mirrored = fields.boolean("mirrored", false);
+  const bool gpgl = machine.language == "gpgl";
+  if (gpgl && machine.axes != Axes::FeedCarriage)
+    fields.refuse("axes", ErrorKind::OutOfRange,
+                  "is carriage-feed, but GPGL names the feed first; use feed-carriage");
+  if (gpgl && machine.mirrored)
+    fields.refuse("mirrored", ErrorKind::OutOfRange,
+                  "is true, but no GPGL machine mirrors its sheet; use false");
+  if (fields.boolean("y_up", false))
+    fields.refuse("y_up", ErrorKind::OutOfRange,
+                  "is no longer used; for an origin at the lower left with x along the carriage, "
+                  "use \"axes\": \"carriage-feed\"");
+}
+
+// What lies outside of the machine's window could never be cut.
+void check_window(FieldReader& fields, const Machine& machine) {
+  for (const Mat& mat : machine.mats)
+    if (mat.width_mm > machine.width_mm || mat.length_mm > machine.length_mm)
+      fields.refuse(
+          "mats", ErrorKind::OutOfRange,
+          fmt::format("mat {} is {:g} x {:g} mm, larger than the machine's {:g} x {:g} "
+                      "mm; correct the mat, or width_mm and length_mm",
+                      mat.name, mat.width_mm, mat.length_mm, machine.width_mm, machine.length_mm));
+  const bool negative = machine.language == "gpgl" ||
+                        machine.variant.find("negative") != std::string::npos ||
+                        machine.variant.find("camm") != std::string::npos;
+  const auto check_margin = [&](const char* name, double margin_mm) {
+    if (margin_mm < 0 && !negative)
+      fields.refuse(name, ErrorKind::OutOfRange,
+                    fmt::format("is {:g}, but variant {} takes no negative coordinates; use 0 or "
+                                "more, or add +negative to the variant",
+                                margin_mm, machine.variant));
+  };
+  check_margin("margin_left_mm", machine.margin_left_mm);
+  check_margin("margin_top_mm", machine.margin_top_mm);
 }
 
 // A variant of GPGL, or the variants of an HPGL machine: words joined by "+".
@@ -85,6 +121,7 @@ void read_variant(FieldReader& fields, Machine& machine) {
 void read_driving(FieldReader& fields, Machine& machine) {
   read_variant(fields, machine);
   read_place(fields, machine);
+  check_window(fields, machine);
   machine.tool_holders = fields.integer("tool_holders", {}, 1, 8);
   machine.autoblade = fields.boolean("autoblade", false);
   machine.firmware_blade_offset = fields.boolean("firmware_blade_offset", true);
@@ -97,6 +134,10 @@ void read_driving(FieldReader& fields, Machine& machine) {
   machine.usb_vendor = static_cast<std::uint16_t>(fields.integer("usb_vendor", 0, 0, 0xFFFF));
   machine.usb_product = static_cast<std::uint16_t>(fields.integer("usb_product", 0, 0, 0xFFFF));
   machine.identity = fields.text("identity", "");
+  machine.answers_limits = fields.boolean("answers_limits", false);
+  if (machine.answers_limits && machine.language != "hpgl")
+    fields.refuse("answers_limits", ErrorKind::OutOfRange,
+                  "is true, but only HPGL machines are asked OH; remove it");
 }
 
 Result<Machine> read_machine(const TableRow& row) {
@@ -104,7 +145,7 @@ Result<Machine> read_machine(const TableRow& row) {
   FieldReader fields(row.row, row.pointer);
   machine.name = fields.text("name", {});
   machine.title = fields.text("title", {});
-  fields.value("source");
+  machine.source = fields.text("source", "");
   const std::vector<std::string> languages{"gpgl", "hpgl", "cricut", "hand"};
   machine.language = languages[fields.word("language", 0, languages)];
   read_size(fields, machine);
@@ -231,6 +272,10 @@ Result<Machine> find_driven_machine(std::string_view name,
 double host_blade_offset_mm(const Machine& machine, const Material& material) {
   if (machine.firmware_blade_offset) return 0.0;
   return machine.blade_offset_mm > 0.0 ? machine.blade_offset_mm : material.blade_offset_mm;
+}
+
+const char* axes_name(Axes axes) {
+  return axes == Axes::FeedCarriage ? "feed-carriage" : "carriage-feed";
 }
 
 const char* fold_mode_name(FoldMode mode) {

@@ -38,6 +38,14 @@ struct Mat {
   double width_mm{}, length_mm{};  ///< usable area, along carriage and feed
 };
 
+/// Which way a machine's first coordinate goes, the X of HPGL. The second goes the other way.
+enum class Axes : std::uint8_t {
+  FeedCarriage,  ///< along the feed, as on roll cutters and in GPGL
+  CarriageFeed,  ///< along the carriage: flatbed cutters and desktop plotters
+};
+/// "feed-carriage", "carriage-feed"
+[[nodiscard]] const char* axes_name(Axes axes);
+
 /// How folds are made: a row of cuts, a line pressed with a stylus, or a line cut half through.
 enum class FoldMode : std::uint8_t { Perforate, Score, Light };
 
@@ -54,6 +62,7 @@ struct Machine {
                          ///< person takes paper
   std::string variant;   ///< dialect of the language: one of kGpglVariants; for HPGL words of
                          ///< kHpglWords joined by "+"; empty for the others
+  std::string source;    ///< where its figures come from, and which are not measured
   double unit_mm{0.05};
   double width_mm{}, length_mm{};  ///< largest area without a mat, along carriage and feed
   double margin_left_mm{}, margin_top_mm{};
@@ -68,9 +77,17 @@ struct Machine {
   std::uint32_t buffer_bytes{65536};
   std::uint16_t usb_vendor{}, usb_product{};
   std::string identity;  ///< reply to FG with its padding, without ETX; empty: never recorded
-  bool y_up{false};      ///< true: origin lower left, y up (HPGL); false: origin top left, y down
+  Axes axes{Axes::FeedCarriage};
+  /// The machine's coordinates are left-handed, seen from above; those of nearly all are
+  /// right-handed.
+  bool mirrored{false};
+  bool answers_limits{false};           ///< HPGL: it answers OH with the limits of its coordinates
   FoldMode folds{FoldMode::Perforate};  ///< how it folds; only where popcut does not drive it
 
+  /// Whether its feed coordinate grows from the end of the page to its top. A page's x and y point
+  /// right and down. So with right-handed coordinates, the feed grows downward exactly if it comes
+  /// first; the other way round, the sheet would be a mirror image.
+  [[nodiscard]] bool feed_up() const { return (axes == Axes::CarriageFeed) != mirrored; }
   /// Whether popcut writes programs for it and can move it.
   [[nodiscard]] bool driven() const { return language == "gpgl" || language == "hpgl"; }
 };

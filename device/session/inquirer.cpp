@@ -46,7 +46,7 @@ Result<std::string> Inquirer::receive(double seconds) {
     const Result<std::vector<std::byte>> piece = transport_.read(until);
     if (!piece) return tl::unexpected(piece.error());
     for (const std::byte byte : *piece) reply += static_cast<char>(byte);
-    const std::size_t end = reply.find('\x03');
+    const std::size_t end = reply.find(limits_.reply_end);
     // Two replies to one query, or an endless one, are not an answer.
     if (end != std::string::npos && end + 1 == reply.size()) return reply.substr(0, end);
     if (end != std::string::npos || reply.size() > kLongestReply) return reply;

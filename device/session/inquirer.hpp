@@ -12,7 +12,7 @@
 
 namespace popcut {
 
-/// Sends queries to a GPGL machine, one at a time, and reads the replies.
+/// Sends queries to a machine, one at a time, and reads the replies.
 ///
 /// A reply does not say what it answers. So unread bytes are dropped before each query, and "ready"
 /// counts only if it answers two queries in a row, far enough apart for a late reply to an earlier
@@ -26,6 +26,7 @@ class Inquirer {
     double again_s{0.1};  ///< between a doubtful answer and the next query
     /// While this is set, a machine that accepts no query is not waited for.
     const std::atomic<bool>* hurry{};
+    char reply_end{'\x03'};  ///< ETX; CR for HPGL
   };
   Inquirer(Transport& transport, const Limits& limits) : transport_(transport), limits_(limits) {}
 

@@ -29,7 +29,8 @@ class SessionRun {
         machine_(machine),
         program_(program),
         options_(options),
-        inquirer_(transport, {options.reply_s, options.tries, 0.1, options.cancel}),
+        inquirer_(transport, {options.reply_s, options.tries, 0.1, options.cancel,
+                              program.dialect == Dialect::Hpgl ? '\r' : '\x03'}),
         journal_(program, machine, options),
         answers_(program.dialect == Dialect::Gpgl && transport.answers()),
         begun_(transport.now()) {}
@@ -43,6 +44,7 @@ class SessionRun {
   Result<void> phases();
   Result<void> connect();
   Result<void> check_identity();
+  Result<void> check_limits();
   Result<void> settings();
   Result<void> search();
   Result<void> geometry();

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
 // Part of device/session/session_run.hpp: what comes before the geometry. Which machine it is, its
 // settings, the registration marks.
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "device/session/session_run.hpp"
+#include "protocol/decode.hpp"
 
 namespace popcut {
 
 Result<void> SessionRun::connect() {
   report(SessionPhase::Connecting);
-  if (!answers_) return {};
+  if (!answers_) return machine_.answers_limits ? check_limits() : Result<void>();
   Result<std::optional<DeviceStatus>> status = std::nullopt;
   for (int i = 0; i < options_.tries && status && !*status; ++i) status = inquirer_.status();
   if (!status) return tl::unexpected(status.error());
@@ -54,6 +57,40 @@ Result<void> SessionRun::check_identity() {
                             "name with --machine",
                             said->model, meant->model)));
   return {};
+}
+
+/// Asks an HPGL machine for the limits of its coordinates. A program that leaves them would be cut
+/// along the edge instead, so nothing of it is sent.
+Result<void> SessionRun::check_limits() {
+  if (!transport_.answers()) return {};
+  const Result<std::optional<std::string>> reply = inquirer_.ask(kLimitsQuery);
+  if (!reply && reply.error().kind != ErrorKind::Timeout) return tl::unexpected(reply.error());
+  const Result<CoordinateLimits> limits =
+      reply && *reply ? parse_limits(**reply)
+                      : Result<CoordinateLimits>(fail(ErrorKind::Timeout, "", ""));
+  if (!limits) {
+    end_.remarks.push_back(
+        "the machine did not say how far it reaches (OH); popcut goes by its table");
+    return {};
+  }
+  const Result<Program> read = decode(program_.dialect, std::as_bytes(std::span(program_.bytes)));
+  if (!read) return tl::unexpected(read.error());
+  MachinePoint least = limits->least, most = limits->most;
+  for (const MachinePoint& p : read->points) {
+    least = {std::min(least.a, p.a), std::min(least.b, p.b)};
+    most = {std::max(most.a, p.a), std::max(most.b, p.b)};
+  }
+  if (least.a >= limits->least.a && least.b >= limits->least.b && most.a <= limits->most.a &&
+      most.b <= limits->most.b)
+    return {};
+  const bool exchanged = most.b <= limits->most.a && most.a <= limits->most.b;
+  return tl::unexpected(refused(fmt::format(
+      "the machine reaches {:g},{:g} to {:g},{:g} of its steps, and the program goes to {:g},{:g} "
+      "and {:g},{:g}; nothing was cut. {}",
+      limits->least.a, limits->least.b, limits->most.a, limits->most.b, least.a, least.b, most.a,
+      most.b,
+      exchanged ? "It would fit with the axes exchanged: correct \"axes\" in the machine's row"
+                : "Plan for a smaller sheet, or correct the machine's width_mm and length_mm")));
 }
 
 Result<void> SessionRun::settings() {

@@ -2,6 +2,7 @@
 #include "device/sim/sim_cutter.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -40,15 +41,22 @@ Result<SimCutter> SimCutter::make(const Machine& machine, const SimOptions& opti
     sheet.page_width_mm = on_mat ? machine.mats.front().width_mm : machine.width_mm;
   if (!(sheet.page_length_mm > 0))
     sheet.page_length_mm = on_mat ? machine.mats.front().length_mm : machine.length_mm;
-  const Result<PageMap> map = page_map(machine, sheet.page_length_mm);
-  if (!map) return tl::unexpected(map.error());
-  return SimCutter(machine, sheet, *map);
+  const Result<Dialect> dialect = dialect_of(machine);
+  if (!dialect) return tl::unexpected(dialect.error());
+  if (!(machine.unit_mm > 0) || !std::isfinite(machine.unit_mm))
+    return fail(ErrorKind::OutOfRange, "/unit_mm",
+                fmt::format("a step of {} mm; it must be above 0", machine.unit_mm));
+  return SimCutter(machine, sheet, *dialect);
 }
 
-SimCutter::SimCutter(const Machine& machine, const SimOptions& options, const PageMap& map)
-    : machine_(machine), options_(options), map_(map), media_(options.media) {
+SimCutter::SimCutter(const Machine& machine, const SimOptions& options, Dialect dialect)
+    : machine_(machine),
+      options_(options),
+      dialect_(dialect),
+      bed_(machine, options.page_length_mm),
+      media_(options.media) {
   flush();
-  position_ = logical_ = plan_position_ = plan_logical_ = map_.to_page({0, 0});
+  position_ = logical_ = plan_position_ = plan_logical_ = bed_.to_page({0, 0});
   trace_.machine = machine.name;
   trace_.unit_mm = machine.unit_mm;
   trace_.page_width_mm = options.page_width_mm;
@@ -178,11 +186,11 @@ void SimCutter::cancel() {
 void SimCutter::flush() {
   actions_.clear();
   incoming_ = {};
-  incoming_.dialect = map_.dialect;
+  incoming_.dialect = dialect_;
   next_ = 0;
   next_point_ = 0;
   reader_base_ = executed_ = accepted_;
-  if (map_.dialect == Dialect::Gpgl)
+  if (dialect_ == Dialect::Gpgl)
     reader_ = GpglReader{};
   else
     reader_ = HpglReader{};
@@ -292,7 +300,7 @@ void SimCutter::record_move(PagePoint to) {
 
 void SimCutter::record_draw(const Action& action) {
   const ToolState& state = tools_[static_cast<std::size_t>(tool_)];
-  const PagePoint home = map_.to_page({0, 0});
+  const PagePoint home = bed_.to_page({0, 0});
   if (!stroke_open_) {
     if (trace_.strokes.empty())
       way_in_mm_ = distance(home, action.from);

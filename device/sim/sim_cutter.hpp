@@ -16,6 +16,7 @@
 
 #include "core/machines/machine.hpp"
 #include "core/result.hpp"
+#include "device/sim/bed.hpp"
 #include "device/sim/ride.hpp"
 #include "device/sim/trace.hpp"
 #include "device/sim/window.hpp"
@@ -45,7 +46,8 @@ struct SimOptions {
 /// understand are kept and counted, never executed. It sends nothing but replies to queries. The
 /// same bytes at the same times give the same trace.
 ///
-/// Only `run_until` advances the clock. An HPGL machine answers nothing, like most clones.
+/// Only `run_until` advances the clock. An HPGL machine answers nothing, like most clones, or only
+/// OH if its row says so.
 class SimCutter {
  public:
   using Time = std::chrono::nanoseconds;
@@ -128,7 +130,7 @@ class SimCutter {
     std::string bytes;
   };
 
-  SimCutter(const Machine& machine, const SimOptions& options, const PageMap& map);
+  SimCutter(const Machine& machine, const SimOptions& options, Dialect dialect);
 
   void reset_settings();
   void feed(std::span<const std::byte> bytes);
@@ -157,8 +159,9 @@ class SimCutter {
   void remark(std::string text);
   [[nodiscard]] ToolState& tool_state(std::span<const double> args, std::size_t index);
   /// Most HPGL machines answer nothing.
-  [[nodiscard]] bool answers() const { return map_.dialect == Dialect::Gpgl; }
+  [[nodiscard]] bool answers() const { return dialect_ == Dialect::Gpgl; }
   [[nodiscard]] std::string reply_to(std::string_view query) const;
+  [[nodiscard]] std::string limits_reply() const;
   void send_reply(std::string bytes);
   // The clock.
   [[nodiscard]] bool held() const { return paused_ || !media_ || cancelled_until_.has_value(); }
@@ -170,7 +173,8 @@ class SimCutter {
 
   Machine machine_;
   SimOptions options_;
-  PageMap map_;
+  Dialect dialect_;
+  Bed bed_;
   std::variant<GpglReader, HpglReader> reader_;
   Program incoming_;  ///< commands read; from `next_` on they are not yet actions
   std::size_t next_{};

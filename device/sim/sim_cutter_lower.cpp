@@ -34,7 +34,7 @@ void SimCutter::lower_point(const Command& command) {
   if (command.count > 0) {
     MachinePoint point = incoming_.points[command.first + next_point_];
     point = {point.a + origin_.a, point.b + origin_.b};
-    const PagePoint to = map_.to_page(point);
+    const PagePoint to = bed_.to_page(point);
     if (command.verb == Verb::Move)
       lower_move(to);
     else

@@ -60,10 +60,7 @@ void SimCutter::reset_settings() {
   const double page_length = options_.page_length_mm + std::max(machine_.margin_top_mm, 0.0);
   const double page_width = options_.page_width_mm + std::max(machine_.margin_left_mm, 0.0);
   far_ = {std::round(page_length / machine_.unit_mm), std::round(page_width / machine_.unit_mm)};
-  window_ = {0, 0, machine_.width_mm, machine_.length_mm};
-  if (map_.y_up)
-    window_ = {0, options_.page_length_mm - machine_.length_mm, machine_.width_mm,
-               options_.page_length_mm};
+  window_ = bed_.reach();
   setup_done_ = drawn_ = false;
 }
 
@@ -76,6 +73,7 @@ void SimCutter::apply(const Command& command) {
   if (command.verb == Verb::Unknown) return unknown(text);
   if (command.verb == Verb::Query) {
     if (answers()) send_reply(reply_to(text));
+    if (!answers() && machine_.answers_limits && text == "OH") send_reply(limits_reply());
     return;
   }
   trace_.settings.push_back({setting_name(command.verb, text), {args.begin(), args.end()}});
@@ -170,14 +168,13 @@ void SimCutter::apply_window(const Command& command, std::span<const double> arg
   (command.verb == Verb::WindowNear ? near_ : far_) = corner;
   // If the page begins left of the machine's zero, drivers send negative coordinates with a window
   // from 0, and the machine cuts them (inkscape-silhouette, Cameo 5).
-  PagePoint near = map_.to_page(near_);
+  PagePoint near = bed_.to_page(near_);
   near.x += std::min(machine_.margin_left_mm, 0.0);
   near.y += std::min(machine_.margin_top_mm, 0.0);
-  const PagePoint far = map_.to_page(far_);
+  const PagePoint far = bed_.to_page(far_);
   // No window is larger than the reach of rollers and carriage.
-  window_ = {std::clamp(near.x, 0.0, machine_.width_mm),
-             std::clamp(near.y, 0.0, machine_.length_mm), std::clamp(far.x, 0.0, machine_.width_mm),
-             std::clamp(far.y, 0.0, machine_.length_mm)};
+  window_ = {std::clamp(near.x, 0.0, bed_.carriage_mm()), std::clamp(near.y, 0.0, bed_.feed_mm()),
+             std::clamp(far.x, 0.0, bed_.carriage_mm()), std::clamp(far.y, 0.0, bed_.feed_mm())};
   if (command.verb == Verb::WindowFar && !setup_done_) {
     setup_done_ = true;
     plan_dwell(machine_.motion.setup_s, Commit::Nothing);
@@ -187,7 +184,7 @@ void SimCutter::apply_window(const Command& command, std::span<const double> arg
 void SimCutter::apply_tool(std::span<const double> args) {
   const double tool = arg(args, 0, 0);
   if (tool == 0) return end_of_job();
-  const double most = map_.dialect == Dialect::Gpgl ? machine_.tool_holders : 8;
+  const double most = dialect_ == Dialect::Gpgl ? machine_.tool_holders : 8;
   if (!(tool >= 1 && tool <= most)) {
     remark(
         fmt::format("tool {:g}: the machine has {:g}; tool {} stays selected", tool, most, tool_));
@@ -199,14 +196,14 @@ void SimCutter::apply_tool(std::span<const double> args) {
 
 void SimCutter::apply_home(Verb verb) {
   if (verb == Verb::SetOrigin) {
-    const MachinePoint here = map_.to_machine(plan_logical_);
+    const MachinePoint here = bed_.to_machine(plan_logical_);
     end_of_job();
     origin_ = here;
     return;
   }
   if (plan_down_) plan_dwell(machine_.motion.lift_s, Commit::ToolUp);
   origin_ = {};
-  const PagePoint home = map_.to_page({0, 0});
+  const PagePoint home = bed_.to_page({0, 0});
   plan_way(ActionKind::Travel, window_.clamped(home), machine_.motion.travel_mm_s);
   plan_logical_ = home;
   actions_.back().commit = Commit::Moved;
@@ -233,7 +230,7 @@ void SimCutter::search_marks(std::span<const double> args) {
   const double unit = machine_.unit_mm;
   const double height = std::max(0.0, arg(args, 0, 0)) * unit;
   const double width = std::max(0.0, arg(args, 1, 0)) * unit;
-  PagePoint corner = map_.to_page({arg(args, 2, 0), arg(args, 3, 0)});
+  PagePoint corner = bed_.to_page({arg(args, 2, 0), arg(args, 3, 0)});
   corner = {corner.x + kSearchMm, corner.y + kSearchMm};
   const PagePoint printed = options_.marks_at.value_or(corner);
   const bool near =
@@ -269,6 +266,16 @@ void SimCutter::send_reply(std::string bytes) {
   replies_.push_back({arrives, std::move(bytes)});
 }
 
+/// The reply to OH: as far as this machine reaches, wherever its sheet lies.
+std::string SimCutter::limits_reply() const {
+  const Window reach = bed_.reach();
+  const MachinePoint one = bed_.to_machine({reach.left, reach.top});
+  const MachinePoint other = bed_.to_machine({reach.right, reach.bottom});
+  return fmt::format("{},{},{},{}\r", std::llround(std::min(one.a, other.a)),
+                     std::llround(std::min(one.b, other.b)), std::llround(std::max(one.a, other.a)),
+                     std::llround(std::max(one.b, other.b)));
+}
+
 /// Replies as recorded, with their padding: calibration pairs in columns of 5, limits of 6. Queries
 /// without a recorded reply are not answered.
 std::string SimCutter::reply_to(std::string_view query) const {
@@ -289,7 +296,7 @@ std::string SimCutter::reply_to(std::string_view query) const {
   if (query == "FQ0") return fmt::format("{:>5}\x03", number(speed_step));
   if (query == "FQ2") return fmt::format("{:>5}\x03", number(state.offset_mm / machine_.unit_mm));
   if (query == "G") {
-    const MachinePoint at = map_.to_machine(position_);
+    const MachinePoint at = bed_.to_machine(position_);
     return fmt::format("{:>6},{:>6},{:>6}\x03", number(at.a), number(at.b), tool_ * 10);
   }
   if (query == "NAK" && machine_.variant == "cameo4") {

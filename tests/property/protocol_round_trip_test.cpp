@@ -44,10 +44,11 @@ Case gpgl_case(std::string variant, DrawForm form, bool fractions, int holders) 
   return c;
 }
 
-Case hpgl_case(bool y_up, HpglHabits habits) {
+Case hpgl_case(Axes axes, bool mirrored, HpglHabits habits) {
   Case c{one_holder("hpgl", "generic"), {}, false};
   c.machine.tool_holders = 2;
-  c.machine.y_up = y_up;
+  c.machine.axes = axes;
+  c.machine.mirrored = mirrored;
   c.options.page_length_mm = 1000;
   c.options.hpgl = habits;
   return c;
@@ -66,16 +67,18 @@ std::vector<Case> all_cases() {
   cases.push_back(gpgl_case("cameo3", DrawForm::Usual, false, 2));
   cases.back().machine.margin_left_mm = -6;
   cases.back().machine.margin_top_mm = 1;
-  for (const bool y_up : {false, true}) {
-    cases.push_back(hpgl_case(y_up, {}));
-    cases.push_back(hpgl_case(y_up, {.move_by_pa = true}));
-    cases.push_back(hpgl_case(y_up, {.newline = true}));
-    cases.push_back(hpgl_case(y_up, {.move_by_pa = true, .newline = true}));
-    cases.push_back(hpgl_case(y_up, {.words = HpglWords::UpDown}));
-    for (const bool newline : {false, true}) {
-      cases.push_back(
-          hpgl_case(y_up, {.words = HpglWords::MoveDraw, .newline = newline, .negative = true}));
-      cases.back().negative = true;
+  for (const bool mirrored : {false, true}) {
+    for (const Axes axes : {Axes::FeedCarriage, Axes::CarriageFeed}) {
+      cases.push_back(hpgl_case(axes, mirrored, {}));
+      cases.push_back(hpgl_case(axes, mirrored, {.move_by_pa = true}));
+      cases.push_back(hpgl_case(axes, mirrored, {.newline = true}));
+      cases.push_back(hpgl_case(axes, mirrored, {.move_by_pa = true, .newline = true}));
+      cases.push_back(hpgl_case(axes, mirrored, {.words = HpglWords::UpDown}));
+      for (const bool newline : {false, true}) {
+        cases.push_back(hpgl_case(
+            axes, mirrored, {.words = HpglWords::MoveDraw, .newline = newline, .negative = true}));
+        cases.back().negative = true;
+      }
     }
   }
   return cases;

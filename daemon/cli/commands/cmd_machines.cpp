@@ -23,21 +23,84 @@ std::string usb_id(const Machine& machine) {
   return fmt::format("{:04x}:{:04x}", machine.usb_vendor, machine.usb_product);
 }
 
+Json motion_json(const Motion& motion) {
+  return {{"accel_mm_s2", motion.accel_mm_s2}, {"travel_mm_s", motion.travel_mm_s},
+          {"corner_mm", motion.corner_mm},     {"drop_s", motion.drop_s},
+          {"lift_s", motion.lift_s},           {"setup_s", motion.setup_s},
+          {"trailer_s", motion.trailer_s},     {"spread", motion.spread}};
+}
+
 Json machine_json(const Machine& machine) {
   Json mats = Json::array();
   for (const Mat& mat : machine.mats)
     mats.push_back({{"name", mat.name}, {"width_mm", mat.width_mm}, {"length_mm", mat.length_mm}});
-  return {{"name", machine.name},
-          {"title", machine.title},
-          {"language", machine.language},
-          {"variant", machine.variant},
-          {"unit_mm", machine.unit_mm},
-          {"width_mm", machine.width_mm},
-          {"length_mm", machine.length_mm},
-          {"tool_holders", machine.tool_holders},
-          {"autoblade", machine.autoblade},
-          {"usb", usb_id(machine)},
-          {"mats", mats}};
+  Json row{{"name", machine.name},
+           {"title", machine.title},
+           {"language", machine.language},
+           {"variant", machine.variant},
+           {"unit_mm", machine.unit_mm},
+           {"width_mm", machine.width_mm},
+           {"length_mm", machine.length_mm},
+           {"tool_holders", machine.tool_holders},
+           {"autoblade", machine.autoblade},
+           {"usb", usb_id(machine)},
+           {"mats", mats},
+           {"source", machine.source}};
+  if (!machine.driven()) return row;
+  row["axes"] = axes_name(machine.axes);
+  row["mirrored"] = machine.mirrored;
+  row["margin_left_mm"] = machine.margin_left_mm;
+  row["margin_top_mm"] = machine.margin_top_mm;
+  row["motion"] = motion_json(machine.motion);
+  return row;
+}
+
+std::string steps_words(const SteppedScale& scale, const char* unit) {
+  if (scale.per_step <= 0) return "set on the machine";
+  return fmt::format("{:g} to {:g} {} in steps of {:g}", scale.min_step * scale.per_step,
+                     scale.max_step * scale.per_step, unit, scale.per_step);
+}
+
+/// One machine, a line for each thing that popcut knows of it.
+Result<void> show_machine(const std::string& name, const Globals& globals) {
+  const auto tables = read_user_tables();
+  if (!tables) return tl::unexpected(tables.error());
+  const auto found = find_machine(name, tables->texts);
+  if (!found) return tl::unexpected(tables->with_file(found.error(), "MACHINE"));
+  const Machine& m = *found;
+  if (globals.json) {
+    fmt::print("{}\n", machine_json(m).dump(2));
+    return {};
+  }
+  const auto line = [](const char* what, const std::string& text) {
+    if (!text.empty()) fmt::print("  {:<9} {}\n", what, text);
+  };
+  fmt::print("{}: {}\n", m.name, m.title);
+  std::string mats;
+  for (const Mat& mat : m.mats)
+    mats += fmt::format("{}{} ({:g} x {:g} mm)", mats.empty() ? "" : ", ", mat.name, mat.width_mm,
+                        mat.length_mm);
+  line("area", fmt::format("{:g} mm across, {:g} mm along the feed", m.width_mm, m.length_mm));
+  line("mats", mats);
+  if (m.driven()) {
+    line("language", fmt::format("{} {}, in steps of {:g} mm", m.language, m.variant, m.unit_mm));
+    line("axes", fmt::format("the first along the {}{}",
+                             m.axes == Axes::FeedCarriage ? "feed, the second along the carriage"
+                                                          : "carriage, the second along the feed",
+                             m.mirrored ? "; mirrored" : ""));
+    line("margins",
+         fmt::format("{:g} mm at the left, {:g} mm at the top", m.margin_left_mm, m.margin_top_mm));
+    line("force", steps_words(m.force_gf, "gf"));
+    line("speed", steps_words(m.speed_mm_s, "mm/s"));
+    line("tools", fmt::format("{} holder{}{}", m.tool_holders, m.tool_holders == 1 ? "" : "s",
+                              m.autoblade ? ", autoblade" : ""));
+    line("motion",
+         fmt::format("{:g} mm/s^2, {:g} mm/s with the tool up; times are right within {:.0f} %",
+                     m.motion.accel_mm_s2, m.motion.travel_mm_s, 100 * m.motion.spread));
+    line("usb", usb_id(m) == "-" ? "not known" : usb_id(m));
+  }
+  line("source", m.source.empty() ? "not known" : m.source);
+  return {};
 }
 
 Result<void> list_machines(const Globals& globals) {
@@ -191,7 +254,8 @@ constexpr const char* kDevicesHelp =
     "cutter for each machine. 'popcut doctor' explains why one cannot be used.";
 constexpr const char* kMachinesHelp =
     "List the machines popcut knows: name, language, largest area, USB id, mats.\n\n"
-    "  popcut machines\n\n"
+    "  popcut machines\n"
+    "  popcut machines cameo3       # all that popcut knows of it, and from where\n\n"
     "Add your own machines in ~/.config/popcut/machines.json or /etc/popcut/machines.json (a\n"
     "service reads only /etc):\n"
     "  {\"popcut\": 1, \"machines\": [{\"name\": \"mine\", \"like\": \"cameo3\", \"length_mm\": "
@@ -231,8 +295,12 @@ void add_devices(CLI::App& app, const Globals& globals, Run& run) {
 
 void register_machines(CLI::App& app, const Globals& globals, Run& run) {
   using namespace machines_command;
-  when_chosen(app.add_subcommand("machines", kMachinesHelp), run,
-              [&globals] { return list_machines(globals); });
+  CLI::App* const machines = app.add_subcommand("machines", kMachinesHelp);
+  auto name = std::make_shared<std::string>();
+  machines->add_option("MACHINE", *name, "Show this machine in full");
+  when_chosen(machines, run, [name, &globals] {
+    return name->empty() ? list_machines(globals) : show_machine(*name, globals);
+  });
   add_devices(app, globals, run);
   when_chosen(app.add_subcommand("materials", kMaterialsHelp), run,
               [&globals] { return list_materials(globals); });

@@ -46,8 +46,8 @@ Result<Machine> choose_machine(const Options& options, const std::optional<PlanF
       tables.with_file(machine.error(), options.machine.empty() ? "--plan" : "--machine"));
 }
 
-/// The sheet: as the plan or the expected drawing has it. A machine whose y points up needs its
-/// length to find its upper edge; without it, the highest point drawn counts as the edge.
+/// The sheet: as the plan or the expected drawing has it. A machine that counts the feed from
+/// the end of the sheet needs its length; without it, the highest point drawn counts as its edge.
 SimOptions sheet_of(const std::optional<PlanFacts>& plan,
                     const std::optional<Expectation>& expected, const Machine& machine,
                     std::span<const std::byte> program) {
@@ -58,10 +58,11 @@ SimOptions sheet_of(const std::optional<PlanFacts>& plan,
   if (page) {
     sheet.page_width_mm = (*page)[0];
     sheet.page_length_mm = (*page)[1];
-  } else if (machine.y_up) {
+  } else if (machine.feed_up()) {
     double highest = 1;
     if (const auto decoded = decode(Dialect::Hpgl, program))
-      for (const MachinePoint& p : decoded->points) highest = std::max(highest, p.b);
+      for (const MachinePoint& p : decoded->points)
+        highest = std::max(highest, machine.axes == Axes::FeedCarriage ? p.a : p.b);
     sheet.page_length_mm = std::ceil(std::min(highest, 1e9) * machine.unit_mm);
   }
   return sheet;

@@ -18,6 +18,8 @@ Machine plotter() {
   Machine machine = one_holder("hpgl", "generic");
   machine.force_gf = {1, 31, 10};
   machine.speed_mm_s = {1, 60, 10};
+  machine.axes = Axes::CarriageFeed;  // x and y of the page as they are
+  machine.mirrored = true;
   return machine;
 }
 
@@ -86,9 +88,18 @@ TEST_CASE("HPGL settings change between strokes with the pen up", "[protocol][hp
         "PU0,40;PD40,40;PU0,0;SP0;IN;");
 }
 
-TEST_CASE("a machine with y up counts from the end of the page", "[protocol][hpgl][encode]") {
+TEST_CASE("HPGL names the feed first on a roll cutter", "[protocol][hpgl][encode]") {
   Machine machine = plotter();
-  machine.y_up = true;
+  machine.axes = Axes::FeedCarriage;
+  machine.mirrored = false;
+  CHECK_THAT(text_of(two_lines(), machine),
+             Catch::Contains("PU0,0;PD0,1016,1016,1016;PU400,400;PD400,800;PU0,0;"));
+}
+
+TEST_CASE("with the carriage first, the feed counts from the end of the page",
+          "[protocol][hpgl][encode]") {
+  Machine machine = plotter();
+  machine.mirrored = false;
   JobOptions options{.page_length_mm = 100};
   CHECK_THAT(text_of(two_lines(), machine, options),
              Catch::Contains("PU0,4000;PD1016,4000,1016,2984;PU400,3600;PD800,3600;PU0,0;"));
