@@ -42,6 +42,25 @@ Result<std::vector<std::string_view>> settings_before(const EncodedProgram& prog
 
 }  // namespace
 
+std::vector<std::uint64_t> first_lines(const EncodedProgram& program) {
+  std::vector<std::uint64_t> lines;
+  lines.reserve(program.strokes.size());
+  for (const ByteRange& stroke : program.strokes) lines.push_back(stroke.begin);
+  const Result<Program> read = decode(program.dialect, program.view(program.geometry));
+  if (!read) return lines;
+  std::size_t k = 0;
+  bool found = false;
+  for (const Command& command : read->commands) {
+    const std::uint64_t begin = command.begin + program.geometry.begin;
+    for (; k < lines.size() && begin >= program.strokes[k].end; ++k) found = false;
+    if (k == lines.size()) break;
+    if (found || command.verb != Verb::Draw) continue;
+    lines[k] = begin;
+    found = true;
+  }
+  return lines;
+}
+
 std::string lift_after(const EncodedProgram& program, std::size_t index) {
   const ByteRange range = program.strokes.at(index);
   if (range.begin == range.end) return {};

@@ -44,6 +44,10 @@ struct EncodedProgram {
   [[nodiscard]] std::span<const std::byte> view() const { return std::as_bytes(std::span(bytes)); }
 };
 
+/// For each stroke, the byte where its first line begins: before it are only settings and the move
+/// to its start, with the tool up. Its begin if the program cannot be read.
+[[nodiscard]] std::vector<std::uint64_t> first_lines(const EncodedProgram& program);
+
 /// The bytes that lift the tool at the end of stroke `index`, for a pause between strokes: a move
 /// to the position it is at. Empty for a dot.
 [[nodiscard]] std::string lift_after(const EncodedProgram& program, std::size_t index);

@@ -16,6 +16,8 @@ namespace popcut {
 inline constexpr std::string_view kStatusQuery{"\x1b\x05"};
 inline constexpr std::string_view kIdentityQuery{"FG\x03"};
 
+inline constexpr std::string_view kWindowQuery{"U\x03"};  ///< the far corner of the window
+
 /// Asks an HPGL machine for the limits of its coordinates; the reply ends with CR.
 inline constexpr std::string_view kLimitsQuery{"OH;"};
 

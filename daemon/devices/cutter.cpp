@@ -208,6 +208,7 @@ SessionEnd Cutter::session(const Work& work, std::int64_t& last_intended) {
   options.cancel = &cancel_;
   options.give_up = &give_up_;
   options.pause = &pause_;
+  options.ask = [this] { pause_ = true; };
   options.first_stroke =
       static_cast<std::size_t>(std::max<std::int64_t>(0, work.order.first_stroke));
   options.progress = [&](const SessionProgress& progress) {

@@ -31,6 +31,12 @@ Result<void> Inquirer::drain() {
               "the machine keeps sending data that nobody asked for; switch it off and on");
 }
 
+Result<void> Inquirer::forget() {
+  if (late_reply_possible_)
+    transport_.wait(later(limits_.reply_s * limits_.tries) - transport_.now());
+  return drain();
+}
+
 Result<bool> Inquirer::pay_debt(Deadline until) {
   if (owed_.empty()) return true;
   const Transport::WriteEnd end = transport_.write(std::as_bytes(std::span(owed_)), until);

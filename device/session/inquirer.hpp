@@ -39,8 +39,9 @@ class Inquirer {
   /// One reply to `query`, without its ETX; none if the machine accepts no data at the moment.
   [[nodiscard]] Result<std::optional<std::string>> ask(std::string_view query);
 
-  /// Drops unread bytes, before a command that is answered without a query.
-  [[nodiscard]] Result<void> forget() { return drain(); }
+  /// Drops unread bytes, before a command that is answered without a query. If the machine is late
+  /// with its replies, waits for them first.
+  [[nodiscard]] Result<void> forget();
   /// The one reply that comes within `seconds`, without its ETX.
   ///
   /// @retval Timeout  none came

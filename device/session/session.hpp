@@ -43,6 +43,7 @@ struct SessionProgress {
   std::uint64_t strokes{};
   double seconds_left{};  ///< estimated
   double mute_s{};  ///< time since the machine last accepted a byte; 0 if it accepts bytes now
+  bool asks{};      ///< Held because only a person can tell whether the machine goes on: see `ask`
 };
 
 struct SessionOptions {
@@ -61,6 +62,11 @@ struct SessionOptions {
   /// While this is set, nothing is sent beyond the next end of a stroke, where the tool is lifted
   /// and waits.
   const std::atomic<bool>* pause{};
+  /// Called when a pause on the panel ended in a way that may have been a cancel: the machine is
+  /// ready before it should be, or never said how the pause ended. It must set `pause`. The session
+  /// then holds until `pause` is cleared (the machine goes on) or `cancel` is set. Without it, such
+  /// a pause ends the job.
+  std::function<void()> ask{};
   /// Called about every `poll_s`, and when the phase changes.
   std::function<void(const SessionProgress&)> progress;
   /// Skips all earlier strokes: after the setup and the settings they changed, the tool moves, up,
@@ -83,6 +89,9 @@ struct SessionEnd {
   bool confirmed{false};          ///< the machine itself reported ready after the trailer
   std::vector<StrokeFate> fates;  ///< one per stroke; dots are never sent and stay NotSent
   std::string identity;           ///< its reply to FG
+  /// After an error during the geometry: the stroke that the knife was most likely in, by the model
+  /// corrected by what was seen. Counts from 0.
+  std::optional<std::size_t> likely_stroke;
   std::vector<std::string> remarks;
   double seconds{};  ///< on the transport's clock
 };
@@ -92,8 +101,11 @@ struct SessionEnd {
 /// trailer, waits.
 ///
 /// It sends one query at a time and drops stale input before each. It polls the status while
-/// streaming. After a write that ended early it continues with the next byte; no byte is ever sent
-/// twice. Machines that answer nothing (HPGL) are paced by the model of their motion alone.
+/// streaming. Every 10 to 12 s of motion, at the end of a stroke, it lifts the tool and waits until
+/// the machine is ready: all strokes before are then certain, and how long they took corrects the
+/// model's speed, so that a stop takes effect within `window_s` on a slower machine too. After a
+/// write that ended early it continues with the next byte; no byte is ever sent twice. Machines
+/// that answer nothing (HPGL) are paced by the model of their motion alone.
 ///
 /// Ends with
 /// - Refused: registration marks not found; no media (before anything is cut, or when it runs out);

@@ -12,8 +12,10 @@ namespace {
 using std::chrono::nanoseconds;
 
 constexpr std::size_t kMaxWriteBytes = 4096;
-// A pause that ends in "ready" with more motion than this outstanding was a cancel we missed.
+// A machine that is ready so much sooner than it can be, after a pause, was cancelled unseen.
 constexpr double kMissedCancelS = 1.0;
+// Less motion than this may end between two queries, whatever the model says.
+constexpr double kSurelyDoneS = 0.2;
 constexpr double kPausedPollS = 0.2;
 // Longer than a machine with a full buffer ignores queries; after that a cancel does not wait.
 constexpr double kLongMuteS = 5;
@@ -33,10 +35,34 @@ SessionEnd SessionRun::run() {
   }
   end_.seconds = to_seconds(transport_.now() - begun_);
   end_.confirmed = answers_ && !end_.error;
-  for (const ByteRange& stroke : program_.strokes)
-    end_.fates.push_back(
-        fate_of(stroke, ready_bytes_, good_bytes_, accepted_ + in_doubt_, machine_.buffer_bytes));
+  if (end_.error && phase_ >= SessionPhase::Cutting) end_.likely_stroke = likely_stroke();
+  const std::vector<std::uint64_t>& lines = journal_.first_lines_of();
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    end_.fates.push_back(fate_of({lines[k], program_.strokes[k].end}, ready_bytes_, good_bytes_,
+                                 accepted_ + in_doubt_, machine_.buffer_bytes));
   return std::move(end_);
+}
+
+/// The stroke in which the knife is now: the first that ends after where the model is.
+std::optional<std::size_t> SessionRun::likely_stroke() {
+  pace_.advance(transport_.now(), sent_s_);
+  const auto at =
+      std::upper_bound(plan_.geometry.begin(), plan_.geometry.end(), pace_.at_s(),
+                       [](double s, const TimedCommand& command) { return s < command.seconds; });
+  const std::uint64_t byte = at == plan_.geometry.begin() ? 0 : std::prev(at)->end_byte;
+  const auto& strokes = program_.strokes;
+  const auto found = std::upper_bound(
+      strokes.begin(), strokes.end(), byte,
+      [](std::uint64_t value, const ByteRange& stroke) { return value < stroke.end; });
+  // It has not gone beyond what was sent.
+  const std::vector<std::uint64_t>& lines = journal_.first_lines_of();
+  const auto sent = std::lower_bound(lines.begin(), lines.end(), accepted_ + in_doubt_);
+  const auto at_stroke =
+      std::min(found - strokes.begin(), static_cast<std::ptrdiff_t>(sent - lines.begin()) - 1);
+  if (at_stroke < 0) return std::nullopt;
+  const auto index = static_cast<std::size_t>(at_stroke);
+  if (strokes[index].end <= ready_bytes_) return std::nullopt;
+  return index;
 }
 
 /// Sends the trailer (tool up and parked) if the bytes sent so far end with a whole command.
@@ -64,14 +90,14 @@ void SessionRun::report(SessionPhase phase) {
   const auto& strokes = program_.strokes;
   while (strokes_passed_ < strokes.size() && strokes[strokes_passed_].end <= byte)
     ++strokes_passed_;
-  double left = plan_.geometry_s - now_s + plan_.trailer_s;
+  double left = (plan_.geometry_s - now_s) / pace_.rate() + plan_.trailer_s;
   if (phase == SessionPhase::Connecting || phase == SessionPhase::Settings) left += plan_.setup_s;
   if (phase == SessionPhase::Parking) left = plan_.trailer_s;
-  options_.progress({phase, strokes_passed_, strokes.size(), std::max(left, 0.0), mute_s()});
+  options_.progress({phase, strokes_passed_, strokes.size(), std::max(left, 0.0), mute_s(), asks_});
 }
 
 Result<void> SessionRun::phases() {
-  Result<Schedule> plan = schedule(program_, machine_);
+  Result<Schedule> plan = schedule(program_, machine_, journal_.first_lines_of());
   if (!plan) return tl::unexpected(plan.error());
   plan_ = std::move(*plan);
   return connect()
@@ -81,9 +107,11 @@ Result<void> SessionRun::phases() {
       .and_then([&] { return park(); });
 }
 
-std::uint64_t SessionRun::affordable() const {
+std::uint64_t SessionRun::affordable() {
+  pace_.advance(transport_.now(), sent_s_);
+  const Whereabouts machine{pace_.least_s(), pace_.most_s(), pace_.slow(), pace_.fast()};
   const std::uint64_t end =
-      affordable_end(plan_, next_command_, sent_s_, model_s(), options_.window_s, kMaxWriteBytes);
+      affordable_end(plan_, next_command_, sent_s_, machine, options_.window_s, kMaxWriteBytes);
   return std::max(end, accepted_);
 }
 
@@ -91,52 +119,67 @@ Result<void> SessionRun::geometry() {
   report(SessionPhase::Cutting);
   accepted_ = std::max(accepted_, program_.geometry.begin);
   sent_s_ = 0;
-  set_model(0);
+  pace_.start(transport_.now(), 0);
   next_poll_ = transport_.now() + to_time(options_.poll_s);
   std::uint64_t end = program_.geometry.end;
   const std::uint64_t nowhere = end;
   std::uint64_t hold_at = nowhere;
+  std::uint64_t sync_at = nowhere;
   bool stopping = false;
   while (accepted_ < end) {
+    // First, since whoever sees the progress may ask for a stop.
+    if (transport_.now() >= next_poll_) {
+      if (const Result<void> polled = poll(); !polled) return polled;
+      report(SessionPhase::Cutting);
+    }
     if (stopping || !pause_asked())
       hold_at = nowhere;
     else if (hold_at == nowhere)
-      hold_at = stroke_end_after(program_, accepted_);
+      hold_at = journal_.stop_after(accepted_);
     if (accepted_ == hold_at) {
       if (const Result<void> held = hold(); !held) return held;
       hold_at = nowhere;
+    }
+    if (sync_at == nowhere && pace_.sync_due()) sync_at = journal_.stop_after(accepted_);
+    if (accepted_ == sync_at) {
+      if (const Result<void> synced = synchronise(); !synced) return synced;
+      sync_at = nowhere;
+      continue;  // somebody may have asked for a pause meanwhile
     }
     if (give_up_asked()) return give_up();
     if (!stopping && (cancel_asked() || journal_.failure())) {
       stopping = true;
       end_.cancelled = cancel_asked();
-      end = stroke_end_after(program_, accepted_);
+      end = journal_.stop_after(accepted_);
       continue;
     }
-    if (transport_.now() >= next_poll_) {
-      if (const Result<void> polled = poll(); !polled) return polled;
-      report(SessionPhase::Cutting);
-    }
-    // The model stops at the end of what was sent: a machine without commands does not advance.
-    set_model(model_s());
-    const std::uint64_t until = std::min({affordable(), end, hold_at});
+    const std::uint64_t until = std::min({affordable(), end, hold_at, sync_at});
     if (until > accepted_) {
       if (!stopping && !journal_.intend(until)) continue;
       if (const Result<void> sent = send_until(until); !sent) return sent;
       continue;
     }
-    const double spare = sent_s_ - model_s() - 0.75 * options_.window_s;
-    const nanoseconds nap = std::min(to_time(std::max(spare, 0.01)), next_poll_ - transport_.now());
+    // Until the machine, at its fastest, has half of what it must never be short of.
+    const double spare = (sent_s_ - pace_.most_s()) / pace_.fast() - 0.25 * options_.window_s;
+    const nanoseconds nap = std::min(to_time(std::clamp(spare, 0.01, 0.25 * options_.window_s)),
+                                     next_poll_ - transport_.now());
     transport_.wait(std::max(nap, nanoseconds(1'000'000)));
   }
   report(SessionPhase::Finishing);
-  return wait_ready(plan_.geometry_s, sent_s_ - model_s());
+  return wait_ready(plan_.geometry_s, left_s());
 }
 
-/// Lifts the tool where the last stroke ends: the end of a stroke alone leaves it in the sheet.
+/// Waits at the end of a stroke, with the tool up, until the machine has done all that was sent:
+/// then all of it is certain, and how long it took corrects the model's speed.
+Result<void> SessionRun::synchronise() {
+  constexpr double kNapS = 0.1;
+  return lift().and_then([&] { return wait_ready(plan_.geometry_s, left_s(), kNapS); });
+}
+
+/// Lifts the tool where a stroke ends: the end of a stroke alone leaves it in the sheet.
 /// These bytes belong to no stroke, and the ledger does not count them.
 Result<void> SessionRun::lift() {
-  const std::string bytes = lift_at(program_, accepted_);
+  const std::string bytes = journal_.lift_at(accepted_);
   std::uint64_t count = 0;
   return send(std::as_bytes(std::span(bytes)), count);
 }
@@ -145,16 +188,21 @@ Result<void> SessionRun::lift() {
 Result<void> SessionRun::hold() {
   Result<void> at_rest = lift().and_then([&] {
     report(SessionPhase::Held);
-    return wait_ready(plan_.geometry_s, sent_s_ - model_s());
+    return wait_ready(plan_.geometry_s, left_s());
   });
   if (!at_rest) return at_rest;
+  return stay();
+}
+
+Result<void> SessionRun::stay() {
   while (pause_asked() && !cancel_asked() && !give_up_asked() && !journal_.failure()) {
     report(SessionPhase::Held);
     transport_.wait(to_time(kPausedPollS));
     if (transport_.now() < next_poll_) continue;
     if (const Result<void> polled = poll(); !polled) return polled;
   }
-  set_model(sent_s_);
+  pace_.start(transport_.now(), sent_s_);
+  asks_ = false;
   report(SessionPhase::Cutting);
   return {};
 }
@@ -227,9 +275,13 @@ Result<void> SessionRun::stuck() const {
                           options_.stuck_s));
 }
 
-void SessionRun::note_ready(std::uint64_t bytes) {
+/// The machine is at rest: it has done all that it had when it was asked.
+void SessionRun::note_ready(std::uint64_t bytes, Time asked_at) {
   ready_bytes_ = good_bytes_ = bytes;
-  set_model(sent_s_);
+  // It may have waited for more since before the last query that it answered "moving".
+  const Time earliest = std::min(busy_at_, asked_at);
+  const bool waited = to_seconds(asked_at - earliest) > 0.3;
+  pace_.rest(asked_at, earliest, sent_s_, waited);
 }
 
 Result<void> SessionRun::poll() {
@@ -241,6 +293,7 @@ Result<void> SessionRun::poll() {
 Result<void> SessionRun::look() {
   next_poll_ = transport_.now() + to_time(options_.poll_s);
   const std::uint64_t asked = accepted_;
+  const Time asked_at = transport_.now();
   if (!answers_) {
     good_bytes_ = asked - std::min<std::uint64_t>(asked, transport_.in_transit());
     return {};
@@ -257,10 +310,11 @@ Result<void> SessionRun::look() {
     case DeviceStatus::Unknown:
       return {};  // busy: it accepts no query
     case DeviceStatus::Ready:
-      note_ready(asked);
+      note_ready(asked, asked_at);
       return {};
     case DeviceStatus::Moving:
       good_bytes_ = asked;
+      busy_at_ = asked_at;
       return {};
     case DeviceStatus::Paused:
       good_bytes_ = asked;
@@ -278,25 +332,66 @@ Result<void> SessionRun::stopped(DeviceStatus status) const {
       refused("the job was cancelled on the machine's panel", ErrorReason::PanelStop));
 }
 
+std::optional<std::string> SessionRun::window_reply() {
+  const Result<std::optional<std::string>> reply = inquirer_.ask(kWindowQuery);
+  if (!reply || !*reply || !parse_numbers(**reply, 2, 2)) return std::nullopt;
+  return **reply;
+}
+
+/// After a pause the machine is ready, and nobody saw it move. Either it went on and has done all
+/// that it had, or the job was cancelled on the panel, which also resets the machine. `unseen_s` is
+/// the time since it last said that it is paused.
+///
+/// A machine that was reset reports another window than the one that was set. One that cannot have
+/// finished in the time was cancelled. Whatever is then still open, a person is asked.
+Result<void> SessionRun::check_resumed(double unseen_s) {
+  const double least_left_s = (sent_s_ - pace_.most_s()) / pace_.fast();
+  const double most_left_s = (sent_s_ - pace_.least_s()) / pace_.slow();
+  const std::optional<std::string> window = window_said_ ? window_reply() : std::nullopt;
+  if (window && *window != *window_said_) return stopped(DeviceStatus::Cancelled);
+  if (window ? most_left_s <= unseen_s + kMissedCancelS : most_left_s <= unseen_s + kSurelyDoneS)
+    return {};
+  if (!window && least_left_s > unseen_s + kMissedCancelS) return stopped(DeviceStatus::Cancelled);
+  if (!options_.ask || options_.pause == nullptr)
+    return tl::unexpected(refused(
+        "the machine was paused on its panel and then ready, and popcut cannot tell whether "
+        "the job was cancelled there; look at the sheet",
+        ErrorReason::PanelStop));
+  asks_ = true;
+  options_.ask();
+  return stay().and_then([&]() -> Result<void> {
+    if (cancel_asked() || give_up_asked()) {
+      end_.cancelled = true;
+      return tl::unexpected(refused("cancelled after a pause on the machine's panel"));
+    }
+    return {};
+  });
+}
+
 Result<void> SessionRun::sit_out_pause() {
   const SessionPhase phase = phase_;
-  const double model_before = model_s();
+  pace_.advance(transport_.now(), sent_s_);
   const nanoseconds since = transport_.now();
+  nanoseconds last_paused = since;
   for (;;) {
-    set_model(model_before);
+    pace_.stand_still(transport_.now());
     report(SessionPhase::Paused);
     transport_.wait(to_time(kPausedPollS));
     const std::uint64_t asked = accepted_;
+    const nanoseconds asked_at = transport_.now();
     const Result<std::optional<DeviceStatus>> status = inquirer_.status();
     if (!status) return tl::unexpected(status.error());
     status_ = status->value_or(DeviceStatus::Paused);
-    set_model(model_before);
-    if (status_ == DeviceStatus::Ready && sent_s_ - model_before > kMissedCancelS)
-      return stopped(DeviceStatus::Cancelled);
+    pace_.stand_still(transport_.now());
+    if (status_ == DeviceStatus::Ready)
+      if (const Result<void> sure = check_resumed(to_seconds(transport_.now() - last_paused));
+          !sure)
+        return sure;
+    last_paused = asked_at;
     if (status_ == DeviceStatus::NoMedia || status_ == DeviceStatus::Cancelled)
       return stopped(status_);
     if (status_ != DeviceStatus::Paused) {
-      if (status_ == DeviceStatus::Ready) note_ready(asked);
+      if (status_ == DeviceStatus::Ready) note_ready(asked, asked_at);
       next_poll_ = transport_.now() + to_time(options_.poll_s);
       report(phase);
       return {};
@@ -317,7 +412,7 @@ Result<void> SessionRun::sit_out_pause() {
 
 /// Waits until the machine reports ready, at most three times `whole_s`, the estimate for the whole
 /// phase. For a machine that answers nothing, waits `left_s`, the estimate for what is left.
-Result<void> SessionRun::wait_ready(double whole_s, double left_s) {
+Result<void> SessionRun::wait_ready(double whole_s, double left_s, double nap_s) {
   if (!answers_) {
     transport_.wait(to_time(std::max(left_s, 0.0)));
     good_bytes_ = accepted_ - std::min<std::uint64_t>(accepted_, transport_.in_transit());
@@ -339,7 +434,7 @@ Result<void> SessionRun::wait_ready(double whole_s, double left_s) {
           fmt::format("the machine is still busy after {:.0f} s; check what it is doing", waited));
     report(phase_);
     const nanoseconds polled_at = transport_.now();
-    transport_.wait(to_time(options_.poll_s));
+    transport_.wait(to_time(nap_s));
     // A pause, which the poll waits out, does not count.
     waited += to_seconds(transport_.now() - polled_at) +
               std::min(to_seconds(polled_at - before), options_.reply_s);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "device/session/inquirer.hpp"
+#include "device/session/pace.hpp"
 #include "device/session/schedule.hpp"
 #include "device/session/session.hpp"
 #include "device/session/stroke_journal.hpp"
@@ -33,7 +34,8 @@ class SessionRun {
                               program.dialect == Dialect::Hpgl ? '\r' : '\x03'}),
         journal_(program, machine, options),
         answers_(program.dialect == Dialect::Gpgl && transport.answers()),
-        begun_(transport.now()) {}
+        begun_(transport.now()),
+        pace_(answers_) {}
 
   SessionEnd run();
 
@@ -50,6 +52,7 @@ class SessionRun {
   Result<void> geometry();
   Result<void> park();
   void lift_without_memory();
+  [[nodiscard]] std::optional<std::size_t> likely_stroke();
 
   // Streaming.
   Result<void> send(std::span<const std::byte> bytes, std::uint64_t& count);
@@ -58,7 +61,7 @@ class SessionRun {
     return send(program_.view(range), at);
   }
   Result<void> send_until(std::uint64_t end);
-  [[nodiscard]] std::uint64_t affordable() const;
+  [[nodiscard]] std::uint64_t affordable();
   [[nodiscard]] bool cancel_asked() const {
     return options_.cancel != nullptr && options_.cancel->load(std::memory_order_relaxed);
   }
@@ -72,22 +75,30 @@ class SessionRun {
     return options_.pause != nullptr && options_.pause->load(std::memory_order_relaxed);
   }
   Result<void> hold();
+  Result<void> stay();
   Result<void> lift();
+  Result<void> synchronise();
 
   // The machine's state.
   Result<void> poll(), look();
-  void note_ready(std::uint64_t bytes);
+  void note_ready(std::uint64_t bytes, Time asked_at);
   [[nodiscard]] Result<void> stuck() const;
   [[nodiscard]] Result<void> stopped(DeviceStatus status) const;
   Result<void> sit_out_pause();
-  Result<void> wait_ready(double whole_s, double left_s);
+  Result<void> check_resumed(double unseen_s);
+  [[nodiscard]] std::optional<std::string> window_reply();
+  Result<void> wait_ready(double whole_s, double left_s, double nap_s);
+  Result<void> wait_ready(double whole_s, double left_s) {
+    return wait_ready(whole_s, left_s, options_.poll_s);
+  }
   Result<void> wait_ready(double whole_s) { return wait_ready(whole_s, whole_s); }
 
-  // The model's clock: how many seconds of the geometry the machine should have done.
-  [[nodiscard]] double model_s() const {
-    return std::min(to_seconds(transport_.now() - model_zero_), sent_s_);
+  /// Where the machine should be now, in seconds of the geometry by the model.
+  [[nodiscard]] double model_s() {
+    pace_.advance(transport_.now(), sent_s_);
+    return pace_.at_s();
   }
-  void set_model(double seconds) { model_zero_ = transport_.now() - to_time(seconds); }
+  [[nodiscard]] double left_s() { return (sent_s_ - model_s()) / pace_.rate(); }
 
   void report(SessionPhase phase);
   [[nodiscard]] double mute_s() const {
@@ -102,14 +113,17 @@ class SessionRun {
   StrokeJournal journal_;
   bool answers_;
   Time begun_;
+  std::optional<std::string> window_said_;  ///< reply to U once the settings were sent
+  bool asks_{false};                        ///< a person, how a pause ended
   Schedule plan_;
   SessionEnd end_;
   SessionPhase phase_{SessionPhase::Connecting};
   std::uint64_t accepted_{}, ready_bytes_{}, good_bytes_{};
   std::uint64_t in_doubt_{};  ///< bytes after `accepted_`, if the last write failed
   DeviceStatus status_{DeviceStatus::Unknown};
-  Time model_zero_{};
+  Pace pace_;
   Time next_poll_{};
+  Time busy_at_{};                  ///< when it last said that it moves
   std::optional<Time> mute_since_;  ///< since when it accepts no bytes
   std::size_t next_command_{};      ///< first of `plan_.geometry` that was not sent
   double sent_s_{};                 ///< when the last command sent should end

@@ -42,7 +42,13 @@ Result<void> SessionRun::check_identity() {
     if (!reply && reply.error().kind != ErrorKind::Timeout) return tl::unexpected(reply.error());
     if (!reply || !*reply) continue;
     end_.identity = **reply;
-    said = parse_identity(**reply);
+    // A late reply to a status query is no name: the name follows.
+    while (parse_status(end_.identity) != DeviceStatus::Unknown) {
+      const Result<std::string> next = inquirer_.await(options_.reply_s * options_.tries);
+      if (!next && next.error().kind != ErrorKind::Timeout) return tl::unexpected(next.error());
+      end_.identity = next ? *next : "";
+    }
+    said = end_.identity.empty() ? fail(ErrorKind::Timeout, "", "") : parse_identity(end_.identity);
   }
   if (!said && said.error().kind == ErrorKind::Timeout)
     return fail(ErrorKind::Timeout, "",
@@ -97,7 +103,9 @@ Result<void> SessionRun::settings() {
   report(SessionPhase::Settings);
   for (const ByteRange& block : program_.setup)
     if (const Result<void> sent = send(block, accepted_); !sent) return sent;
-  return wait_ready(plan_.setup_s);
+  if (const Result<void> ready = wait_ready(plan_.setup_s); !ready || !answers_) return ready;
+  window_said_ = window_reply();
+  return {};
 }
 
 /// Registration marks: the machine searches for them and answers once, without a query. Until then

@@ -4,21 +4,9 @@
 #include <algorithm>
 
 namespace popcut {
-namespace {
-
-/// The last of the strokes, from the first on, for which `holds` is true; -1 if there is none.
-template <typename Holds>
-std::int64_t last_of(const EncodedProgram& program, Holds holds) {
-  const auto& strokes = program.strokes;
-  return std::partition_point(strokes.begin(), strokes.end(), holds) - strokes.begin() - 1;
-}
-
-}  // namespace
-
 bool StrokeJournal::intend(std::uint64_t until) {
   if (failure_) return false;
-  const std::int64_t last =
-      last_of(program_, [&](const ByteRange& stroke) { return stroke.begin < until; });
+  const std::int64_t last = begun_before(until) - 1;
   if (last <= intended_) return true;
   if (options_.intend) {
     if (const Result<void> written = options_.intend(last); !written) {
@@ -36,10 +24,11 @@ void StrokeJournal::settle(std::uint64_t ready_bytes, std::uint64_t good_bytes,
   const std::uint64_t pushed =
       good_bytes - std::min<std::uint64_t>(good_bytes, machine_.buffer_bytes);
   const std::uint64_t sure = std::min(accepted, std::max(ready_bytes, pushed));
-  const std::int64_t taken =
-      last_of(program_, [&](const ByteRange& stroke) { return stroke.begin < accepted; });
-  const std::int64_t certain =
-      std::min(taken, last_of(program_, [&](const ByteRange& s) { return s.end <= sure; }));
+  const std::int64_t taken = begun_before(accepted) - 1;
+  const auto& strokes = program_.strokes;
+  const auto unsure = std::partition_point(strokes.begin(), strokes.end(),
+                                           [&](const ByteRange& s) { return s.end <= sure; });
+  const std::int64_t certain = std::min(taken, unsure - strokes.begin() - 1);
   if (certain <= certain_ && taken <= taken_) return;
   certain_ = std::max(certain, certain_);
   taken_ = std::max(taken, taken_);
@@ -48,21 +37,33 @@ void StrokeJournal::settle(std::uint64_t ready_bytes, std::uint64_t good_bytes,
   if (!written) failure_ = written.error();
 }
 
-std::uint64_t stroke_end_after(const EncodedProgram& program, std::uint64_t byte) {
-  if (byte == program.geometry.begin) return byte;
-  const std::int64_t before =
-      last_of(program, [&](const ByteRange& stroke) { return stroke.end < byte; });
-  const auto at = static_cast<std::size_t>(before + 1);
-  return at == program.strokes.size() ? program.geometry.end
-                                      : std::max(program.strokes[at].end, byte);
+std::uint64_t StrokeJournal::stop_after(std::uint64_t byte) const {
+  const auto& strokes = program_.strokes;
+  if (byte == program_.geometry.begin) return byte;
+  const auto at = static_cast<std::size_t>(
+      std::partition_point(strokes.begin(), strokes.end(),
+                           [&](const ByteRange& stroke) { return stroke.end < byte; }) -
+      strokes.begin());
+  if (at == strokes.size()) return program_.geometry.end;
+  if (strokes[at].end == byte) return byte;
+  return byte <= lines_[at] && byte > strokes[at].begin ? lines_[at] : strokes[at].end;
 }
 
-std::string lift_at(const EncodedProgram& program, std::uint64_t byte) {
-  for (std::size_t k = program.strokes.size(); k-- > 0;) {
-    const ByteRange& stroke = program.strokes[k];
-    if (stroke.end <= byte && stroke.begin != stroke.end) return lift_after(program, k);
+std::string StrokeJournal::lift_at(std::uint64_t byte) const {
+  for (auto k = static_cast<std::size_t>(begun_before(byte)); k-- > 0;) {
+    const ByteRange& stroke = program_.strokes[k];
+    if (stroke.begin == stroke.end) continue;
+    if (stroke.end <= byte) return lift_after(program_, k);
+    if (stroke.begin < byte && byte <= lines_[k]) return {};  // it has moved there with the tool up
   }
   return {};
+}
+
+std::int64_t StrokeJournal::begun_before(std::uint64_t byte) const {
+  const auto& strokes = program_.strokes;
+  return std::partition_point(strokes.begin(), strokes.end(),
+                              [&](const ByteRange& stroke) { return stroke.begin < byte; }) -
+         strokes.begin();
 }
 
 }  // namespace popcut

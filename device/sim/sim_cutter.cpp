@@ -177,6 +177,7 @@ void SimCutter::cancel() {
   current_.reset();
   flush();
   reset_settings();
+  far_ = {};  // limits that make no sense, until the next job sets them
   tool_down_ = plan_down_ = false;
   plan_position_ = plan_logical_ = logical_ = position_;
   cancelled_until_ = now_ + kResetAfterCancel;

@@ -104,6 +104,39 @@ struct SimJob {
   }
 };
 
+/// Bytes that a session sent, without the moves that lift the tool at ends of strokes: those belong
+/// to no stroke.
+inline std::string without_lifts(const std::string& sent, const EncodedProgram& program) {
+  std::string rest;
+  std::size_t at = 0;
+  for (const ByteRange& stroke : program.strokes) {
+    const std::string lift =
+        lift_after(program, static_cast<std::size_t>(&stroke - program.strokes.data()));
+    const std::size_t whole = stroke.end - rest.size();
+    rest += sent.substr(at, whole);
+    at = std::min(at + whole, sent.size());
+    const std::string next = program.bytes.substr(stroke.end, 8);
+    while (!lift.empty() && sent.compare(at, lift.size(), lift) == 0 &&
+           (sent.compare(at, next.size(), next) != 0 ||
+            sent.compare(at + lift.size(), next.size(), next) == 0))
+      at += lift.size();
+  }
+  return rest + sent.substr(at);
+}
+
+/// A machine whose motion takes `1 / factor` of the time that its model says.
+inline Machine at_pace(Machine machine, double factor) {
+  Motion& m = machine.motion;
+  m.travel_mm_s *= factor;
+  m.swivel_mm_s *= factor;
+  m.accel_mm_s2 *= factor * factor;
+  machine.speed_mm_s.per_step *= factor;
+  for (double* seconds :
+       {&m.drop_s, &m.lift_s, &m.setup_s, &m.trailer_s, &m.autoblade_reset_s, &m.autoblade_tap_s})
+    *seconds /= factor;
+  return machine;
+}
+
 /// How many strokes have this fate.
 inline std::size_t count(const SessionEnd& end, StrokeFate fate) {
   return static_cast<std::size_t>(std::count(end.fates.begin(), end.fates.end(), fate));

@@ -111,10 +111,12 @@ Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const CutTarge
     const std::string what =
         p.phase == SessionPhase::Cutting
             ? fmt::format("cutting, stroke {} of {}", p.strokes_done, p.strokes)
+        : p.asks ? "did the cutter go on after its pause? press p if so, Ctrl-C if it was cancelled"
         : p.phase == SessionPhase::Held ? "paused with the tool up; press p to go on"
                                         : std::string(name_of(p.phase));
     bar.show(what, 1 - p.seconds_left / std::max(whole, 1.0), p.seconds_left);
   };
+  if (pause.works()) options.ask = [&] { pause.press(); };
   CutSheet cut;
   const InterruptGuard guard;  // at the question, Ctrl-C ends popcut as usual
   cut.end = run_session(cable->transport(), target.machine, job.programs[sheet], options);
@@ -137,6 +139,9 @@ Result<void> judge(const PlanJob& job, std::size_t sheet, const CutSheet& cut) {
   if (cut.end.error) {
     Error error = within(place, *cut.end.error);
     error.detail += "; " + ledger;
+    if (cut.end.likely_stroke)
+      error.detail +=
+          fmt::format("; the knife was most likely in stroke {}", *cut.end.likely_stroke + 1);
     return tl::unexpected(error);
   }
   if (cut.end.cancelled)
@@ -177,6 +182,7 @@ nlohmann::ordered_json sheet_json(const CutSheet& cut, std::size_t sheet,
        {{"certain", cut.certain}, {"in_doubt", cut.in_doubt}, {"not_sent", cut.not_sent}}},
       {"seconds", cut.end.seconds},
       {"identity", cut.end.identity}};
+  if (cut.end.likely_stroke) json["likely_stroke"] = *cut.end.likely_stroke + 1;
   if (cut.trace) json["cut_mm"] = cut.trace->cut_mm;
   if (!judged) json["error"] = message(judged.error());
   return json;

@@ -19,6 +19,10 @@ class PauseKey {
 
   /// Reads the keys that were pressed since.
   void look();
+  /// Whether there is a terminal with keys.
+  [[nodiscard]] bool works() const { return before_.has_value(); }
+  /// Pauses as if the key had been pressed.
+  void press() { asked_ = true; }
   [[nodiscard]] const std::atomic<bool>& asked() const { return asked_; }
 
  private:

@@ -18,12 +18,16 @@ constexpr double kBusySeconds = 5;  // longer than a cutter with a full buffer t
 
 /// The kind of what a person should see to while a cut goes on.
 std::string attention_meanwhile(const SessionProgress& progress) {
-  if (progress.phase == SessionPhase::Paused) return "device_fault";
+  if (progress.phase == SessionPhase::Paused || progress.asks) return "device_fault";
   return progress.mute_s >= kBusySeconds ? "device_busy" : "";
 }
 std::string text_of_attention(const SessionProgress& progress) {
   if (progress.phase == SessionPhase::Paused)
     return "paused at the machine's panel; continue there";
+  if (progress.asks)
+    return "the machine was paused at its panel and is ready now, and popcut cannot tell whether "
+           "it "
+           "went on; look at it: resume if it did, cancel if it was cancelled there";
   if (progress.mute_s < kBusySeconds) return "";
   return "the machine accepts no data; check whether it is jammed or waits for input at its panel";
 }
@@ -360,14 +364,14 @@ void CutDispatcher::progressed(Cut& cut, const SessionProgress& progress) {
   const Answer<void> noted = parts_.store.look([&]() -> Answer<void> {
     Answer<JobRow> row = parts_.jobs.row(cut.job);
     if (!row) return tl::unexpected(row.error());
-    const bool held = progress.phase == SessionPhase::Held && row->asked == "pause" &&
-                      row->state == JobState::Cutting;
+    const bool held = progress.phase == SessionPhase::Held &&
+                      (row->asked == "pause" || progress.asks) && row->state == JobState::Cutting;
     const std::string shown = attention_meanwhile(progress);
     if (held || shown != cut.shown) {
       const Answer<void> taken = parts_.store.change([&]() -> Answer<void> {
         if (held) parts_.jobs.take(*row, step_of(row->state, JobEvent::CutHeld), "");
         if (shown != cut.shown) {
-          const bool panel = progress.phase == SessionPhase::Paused;
+          const bool panel = progress.phase == SessionPhase::Paused || progress.asks;
           row->reason = panel ? "panel_pause" : shown;
           parts_.jobs.set_attention(*row, shown, text_of_attention(progress));
           parts_.jobs.save(*row);

@@ -177,7 +177,7 @@ TEST_CASE("a cancel works only during a pause and discards the rest", "[device][
   run_for(sim, 10);
   CHECK(status(sim) == '0');
   CHECK(sim.trace().cut_mm == held);
-  CHECK(ask(sim, "U\x03") == "  6096,  6096\x03");  // settings are gone too
+  CHECK(ask(sim, "U\x03") == "     0,     0\x03");  // settings are gone; the limits are nonsense
   sim.accept(
       bytes("M0,0\x03"
             "D100,0\x03"));

@@ -52,7 +52,7 @@ TEST_CASE("estimating and simulating a program sends nothing to a cutter", "[dev
   const Machine cameo = machine("cameo3");
   const EncodedProgram program = some_job(cameo);
   SimTransport cable(cutter(cameo));
-  CHECK(value(schedule(program, cameo)).geometry_s > 0);
+  CHECK(value(schedule(program, cameo, first_lines(program))).geometry_s > 0);
   CHECK(value(simulate(program.view(), cameo)).strokes.size() > 0);
   CHECK(cable.cutter().accepted_bytes() == 0);
 }
