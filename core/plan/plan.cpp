@@ -328,6 +328,10 @@ class Planner {
 
   Result<void> add(LineWork work, PlannedSheet sheet) {
     sheet.mat = mat_;
+    if (options_.mat_free) {  // the sheet is as large as that mat, but lies on none
+      sheet.mat.name.clear();
+      sheet.mat.code = 0;
+    }
     work.dashed = dashed_;
     work.warnings.clear();
     say("cleaning the lines");

@@ -74,9 +74,9 @@ struct SessionOptions {
   std::size_t first_stroke{0};
 
   /// The journal. `intend` is called before any byte of the strokes up to `last_stroke` is sent,
-  /// `settle` when more strokes are certain or taken. Strokes count from 0; -1 is none. If one
-  /// returns an error, the job ends with that error at the next end of a stroke, with the tool up
-  /// and parked, and neither is called again.
+  /// `settle` when more strokes are certain, or taken: a byte of their lines was accepted. Strokes
+  /// count from 0; -1 is none. If one returns an error, the job ends with that error at the next
+  /// end of a stroke, with the tool up and parked, and neither is called again.
   std::function<Result<void>(std::int64_t last_stroke)> intend{};
   std::function<Result<void>(std::int64_t certain, std::int64_t taken, std::uint64_t bytes)>
       settle{};

@@ -24,7 +24,8 @@ void StrokeJournal::settle(std::uint64_t ready_bytes, std::uint64_t good_bytes,
   const std::uint64_t pushed =
       good_bytes - std::min<std::uint64_t>(good_bytes, machine_.buffer_bytes);
   const std::uint64_t sure = std::min(accepted, std::max(ready_bytes, pushed));
-  const std::int64_t taken = begun_before(accepted) - 1;
+  const std::int64_t taken =
+      std::lower_bound(lines_.begin(), lines_.end(), accepted) - lines_.begin() - 1;
   const auto& strokes = program_.strokes;
   const auto unsure = std::partition_point(strokes.begin(), strokes.end(),
                                            [&](const ByteRange& s) { return s.end <= sure; });

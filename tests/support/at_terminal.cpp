@@ -55,7 +55,7 @@ AtTerminal::~AtTerminal() {
     ::kill(child_, SIGKILL);
     ::waitpid(child_, nullptr, 0);
   }
-  ::close(master_);
+  if (master_ >= 0) ::close(master_);
 }
 
 bool AtTerminal::shows(const std::string& words) {
@@ -68,6 +68,13 @@ bool AtTerminal::shows(const std::string& words) {
 void AtTerminal::type(std::string_view words) {
   if (::write(master_, words.data(), words.size()) != static_cast<ssize_t>(words.size()))
     throw std::runtime_error("the terminal takes no keys");
+}
+
+void AtTerminal::signal(int number) { ::kill(child_, number); }
+
+void AtTerminal::close() {
+  ::close(master_);
+  master_ = -1;
 }
 
 int AtTerminal::ended() {
@@ -91,6 +98,7 @@ std::string AtTerminal::first_line() const {
 }
 
 bool AtTerminal::read_some() {
+  if (master_ < 0) return false;
   pollfd terminal{master_, POLLIN, 0};
   if (::poll(&terminal, 1, 60'000) <= 0) return false;
   std::array<char, 4096> room{};

@@ -26,6 +26,10 @@ class AtTerminal {
   bool shows(const std::string& words);
   /// Keys, Ctrl-C ("\x03") among them.
   void type(std::string_view words);
+  /// Sends it a signal.
+  void signal(int number);
+  /// Closes the terminal under it.
+  void close();
   /// The exit code, once it has ended.
   int ended();
   [[nodiscard]] std::string out() const { return text_of_file(folder_ / "out"); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The built popcut with its real libusb, at a terminal, with an emulated cutter plugged in.
 #include <chrono>
+#include <csignal>
 #include <thread>
 
 #include <catch2/catch.hpp>
@@ -123,6 +124,34 @@ TEST_CASE("a cable pulled in mid-sheet is reported with what is cut and what is 
   CHECK(says(popcut.shown, "unplugged"));
   CHECK(says(popcut.shown, "in doubt"));
   CHECK(says(popcut.shown, "not sent"));
+}
+
+TEST_CASE("SIGTERM, SIGHUP and a closed terminal end a cut as Ctrl-C does", "[cli][usb][e2e]") {
+  for (const std::string how : {"ctrl-c", "SIGTERM", "SIGHUP", "closed"}) {
+    CAPTURE(how);
+    Desk desk;
+    AtTerminal popcut(popcut_program(), desk.cut_words(), desk.folder);
+    REQUIRE(popcut.shows("Start cutting? [y/N]"));
+    popcut.type("y\n");
+    while (desk.cutter.strokes() < 20) std::this_thread::sleep_for(1ms);
+    if (how == "ctrl-c") popcut.type("\x03");
+    if (how == "SIGTERM") popcut.signal(SIGTERM);
+    if (how == "SIGHUP") popcut.signal(SIGHUP);
+    if (how == "closed") popcut.close();
+    const int exit = popcut.ended();
+    INFO(popcut.shown);
+    CHECK(exit == 5);
+    if (how != "closed")
+      CHECK(says(popcut.shown, "stopped as you asked, with the tool up and parked"));
+    CHECK(desk.device.driver() == "usblp");  // given back
+    desk.cutter.stop();
+    SimCutter& cutter = desk.cutter.cutter();
+    cutter.run_dry();
+    CHECK_FALSE(cutter.tool_down());
+    CHECK(cutter.position() == PagePoint{0, 0});
+    CHECK(cutter.trace().unknown.empty());
+    CHECK(cutter.trace().strokes.size() < 378);  // of 378
+  }
 }
 
 TEST_CASE("devices lists what is plugged in with its name and its state", "[cli][usb][e2e]") {

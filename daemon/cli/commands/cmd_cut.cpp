@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -41,20 +43,33 @@ struct Options {
   bool wait{false};
 };
 
-// Ctrl-C asks the session to stop at the end of a stroke, with the tool up.
-std::atomic<bool> stop_asked{false};
+// Ctrl-C, SIGTERM and a closed terminal ask the session to stop at the end of a stroke, with the
+// tool up. A second one does not wait for the end of the stroke.
+std::atomic<bool> stop_asked{false}, give_up_asked{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
-extern "C" void ask_to_stop(int) { stop_asked = true; }
+extern "C" void ask_to_stop(int) {
+  if (stop_asked.exchange(true)) give_up_asked = true;
+}
 
 class InterruptGuard {
  public:
-  InterruptGuard() : before_(std::signal(SIGINT, ask_to_stop)) { stop_asked = false; }
-  ~InterruptGuard() { std::signal(SIGINT, before_); }
+  InterruptGuard() {
+    stop_asked = give_up_asked = false;
+    for (std::size_t k = 0; k < kStops.size(); ++k)
+      before_[k] = std::signal(kStops[k], ask_to_stop);
+    pipe_before_ = std::signal(SIGPIPE, SIG_IGN);  // who reads the progress must not end the cut
+  }
+  ~InterruptGuard() {
+    for (std::size_t k = 0; k < kStops.size(); ++k) std::signal(kStops[k], before_[k]);
+    std::signal(SIGPIPE, pipe_before_);
+  }
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
  private:
-  void (*before_)(int);
+  static constexpr std::array kStops{SIGINT, SIGTERM, SIGHUP};
+  std::array<void (*)(int), kStops.size()> before_{};
+  void (*pipe_before_)(int);
 };
 
 // 1. May it be cut?
@@ -105,6 +120,7 @@ Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const CutTarge
   PauseKey pause;
   SessionOptions options;
   options.cancel = &stop_asked;
+  options.give_up = &give_up_asked;
   options.pause = &pause.asked();
   options.progress = [&](const SessionProgress& p) {
     pause.look();
@@ -114,12 +130,21 @@ Result<CutSheet> cut_sheet(const PlanJob& job, std::size_t sheet, const CutTarge
         : p.asks ? "did the cutter go on after its pause? press p if so, Ctrl-C if it was cancelled"
         : p.phase == SessionPhase::Held ? "paused with the tool up; press p to go on"
                                         : std::string(name_of(p.phase));
-    bar.show(what, 1 - p.seconds_left / std::max(whole, 1.0), p.seconds_left);
+    try {
+      bar.show(what, 1 - p.seconds_left / std::max(whole, 1.0), p.seconds_left);
+    } catch (const std::system_error&) {  // nobody looks: the terminal is gone
+      stop_asked = true;
+    }
   };
   if (pause.works()) options.ask = [&] { pause.press(); };
   CutSheet cut;
   const InterruptGuard guard;  // at the question, Ctrl-C ends popcut as usual
+  const bool at_terminal = isatty(STDERR_FILENO) == 1;
   cut.end = run_session(cable->transport(), target.machine, job.programs[sheet], options);
+  // A terminal that is gone must not keep the files from being written.
+  if (at_terminal && isatty(STDERR_FILENO) != 1 &&
+      std::freopen("/dev/null", "w", stderr) == nullptr)
+    cut.end.remarks.push_back("the terminal is gone");
   cut.trace = cable->trace();
   if (!cut.end.error && !cut.end.cancelled)
     if (const auto kept = cable->finish(); !kept) cut.end.error = kept.error();

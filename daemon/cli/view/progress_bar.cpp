@@ -21,7 +21,7 @@ ProgressBar::ProgressBar(bool wanted)
 ProgressBar::~ProgressBar() { clear(); }
 
 void ProgressBar::clear() {
-  if (drawn_) fmt::print(stderr, "\r\x1b[K");
+  if (drawn_) std::fputs("\r\x1b[K", stderr);  // never throws: the terminal may be gone
   drawn_ = false;
 }
 

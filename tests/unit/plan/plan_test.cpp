@@ -103,6 +103,19 @@ TEST_CASE("cuts that meet end to end become one stroke and one loop is closed",
   }
 }
 
+TEST_CASE("without a mat the sheet names none", "[core][plan]") {
+  LineWork work = test_shape();
+  PlanOptions options;
+  const Machine cameo = *find_machine("cameo3");
+  const Material paper = *find_material("paper-220");
+  CHECK(plan(work, cameo, paper, options)->sheets.at(0).mat.name == "12x12");
+  options.mat_free = true;
+  const auto planned = plan(work, cameo, paper, options);
+  REQUIRE(planned);
+  CHECK(planned->sheets.at(0).mat.name.empty());
+  CHECK(planned->sheets.at(0).mat.code == 0);
+}
+
 TEST_CASE("pen lines stay under cuts", "[core][plan][clean]") {
   LineWork work;
   draw(work, Operation::Draw, {{0, 0}, {10, 0}});
