@@ -349,7 +349,8 @@ Result<void> SessionRun::check_resumed(double unseen_s) {
   const double most_left_s = (sent_s_ - pace_.least_s()) / pace_.slow();
   const std::optional<std::string> window = window_said_ ? window_reply() : std::nullopt;
   if (window && *window != *window_said_) return stopped(DeviceStatus::Cancelled);
-  if (window ? most_left_s <= unseen_s + kMissedCancelS : most_left_s <= unseen_s + kSurelyDoneS)
+  const double likely_left_s = (sent_s_ - pace_.at_s()) / pace_.rate();
+  if (window ? likely_left_s <= unseen_s + kMissedCancelS : most_left_s <= unseen_s + kSurelyDoneS)
     return {};
   if (!window && least_left_s > unseen_s + kMissedCancelS) return stopped(DeviceStatus::Cancelled);
   if (!options_.ask || options_.pause == nullptr)
