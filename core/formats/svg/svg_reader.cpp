@@ -50,10 +50,9 @@ class SvgReader {
 
   Result<LineWork> read(const pugi::xml_node& root, bool has_sheets) {
     const std::string_view name = root.name();
-    prefix_ = name.substr(0, name.size() - std::min<std::size_t>(name.size(), 4));
+    const std::string prefix(name.substr(0, name.size() - 3));  // with its colon
     work_.has_page = true;
-    work_.name =
-        root.child_value(prefix_.empty() ? "title" : fmt::format("{}:title", prefix_).c_str());
+    work_.name = root.child_value((prefix + "title").c_str());
     work_.dashed = std::string_view(root.attribute("data-popcut").value()) == "dashes";
     if (text_.has_foreign_sheet) notes_.add(SvgNote::ForeignSheet, [] { return std::string(); });
     if (has_sheets)
@@ -62,7 +61,7 @@ class SvgReader {
     Place place;
     if (auto done = read_page(root, place); !done) return tl::unexpected(done.error());
     SvgStyle style;
-    const auto element = styles_.read(root, prefix_, SvgStyle{}, style);
+    const auto element = styles_.read(root, SvgStyle{}, style);
     if (!element) return tl::unexpected(element.error());
     if (style.display_none)
       note(SvgNote::Hidden, root);
@@ -154,7 +153,7 @@ class SvgReader {
   Result<void> element(const pugi::xml_node& node, const Place& outer, const SvgStyle& inherited) {
     if (auto done = spend(node, 16); !done) return done;
     SvgStyle style;
-    const auto read = styles_.read(node, prefix_, inherited, style);
+    const auto read = styles_.read(node, inherited, style);
     if (!read) return wrong(node, read.error());
     const SvgElement& e = *read;
     if (e.name.empty() || is_definition(e.name)) return {};
@@ -179,7 +178,11 @@ class SvgReader {
                      fmt::format("the transform \"{}\" cannot be read; use matrix, translate, "
                                  "scale, rotate, skewX or skewY with numbers",
                                  e.transform.substr(0, 60)));
-      place.to_page = outer.to_page * *own;
+      const double x = user_units(style.origin.x, {user_mm_, place.frame.width, style.font});
+      const double y = user_units(style.origin.y, {user_mm_, place.frame.height, style.font});
+      if (style.own_box) note(SvgNote::OwnBox, node);
+      place.to_page =
+          outer.to_page * SvgTransform{1, 0, 0, 1, x, y} * *own * SvgTransform{1, 0, 0, 1, -x, -y};
     }
     if (is_shape) return shape(e, place, style);
     if (e.name == "use") return use(e, place, style);
@@ -291,13 +294,11 @@ class SvgReader {
 
   Result<void> used(const pugi::xml_node& target, const pugi::xml_node& use_node,
                     const Place& place, const SvgStyle& inherited) {
-    std::string_view name = target.name();
-    if (!prefix_.empty() && name.substr(0, prefix_.size() + 1) == fmt::format("{}:", prefix_))
-      name.remove_prefix(prefix_.size() + 1);
+    const std::string_view name = styles_.svg_name(target);
     if (name != "symbol" && name != "svg") return element(target, place, inherited);
     if (auto done = spend(target, 16); !done) return done;
     SvgStyle style;
-    const auto read = styles_.read(target, prefix_, inherited, style);
+    const auto read = styles_.read(target, inherited, style);
     if (!read) return wrong(target, read.error());
     if (style.display_none && name == "svg") return {};
     return framed(target, use_node, place, style, true);
@@ -359,13 +360,23 @@ class SvgReader {
     if (dashes.lengths.empty() || whole || lines_.size() == 0)
       return add(e, place, lines_, place.to_page, operation);
     SvgTransform to_page = place.to_page;
+    double scale = 1.0;
     if (style.non_scaling) {
       // Dashes are lengths on the page: the pen does not scale with the shape.
       lines_ = moved(lines_, to_page);
       to_page = {};
-      for (double& length : dashes.lengths) length *= user_mm_;
-      dashes.offset *= user_mm_;
+      scale = user_mm_;
     }
+    if (const auto said = parse_svg_length(e.node.attribute("pathLength").value());
+        said && said->unit == SvgLength::Unit::User && said->value >= 0.0) {
+      // Dashes are parts of the length that the author gives to the shape (SVG 2, section 9.6.1).
+      double all = 0.0;
+      for (std::size_t i = 0; i < lines_.size(); ++i) all += length(lines_[i]);
+      scale = all / said->value;
+      if (!std::isfinite(scale)) return add(e, place, lines_, to_page, operation);
+    }
+    for (double& length : dashes.lengths) length *= scale;
+    dashes.offset *= scale;
     dashed_.clear();
     if (auto done = strokes_.dash(lines_, dashes, steps_, dashed_); !done)
       return wrong(e.node, done.error());
@@ -434,7 +445,6 @@ class SvgReader {
   SvgStyleReader styles_;
   SvgPurposes purposes_;
   SvgStrokes strokes_;
-  std::string prefix_;
   std::array<double, 2> page_mm_{};
   std::unordered_map<std::string_view, pugi::xml_node> ids_;
   std::vector<pugi::xml_node> used_;

@@ -28,10 +28,14 @@ enum class SvgStyleReader::Property : std::uint8_t {
   Marker,
   Overflow,
   VectorEffect,
+  TransformOrigin,
+  TransformBox,
   Geometry,  ///< read from attributes only
 };
 
 namespace {
+
+constexpr std::string_view kSvgNamespace = "http://www.w3.org/2000/svg";
 
 // Whether a value is zero, as a number or a percentage.
 std::optional<bool> is_zero(std::string_view value) {
@@ -44,6 +48,47 @@ std::optional<bool> is_zero(std::string_view value) {
 
 }  // namespace
 
+std::optional<SvgOrigin> parse_svg_origin(std::string_view text) {
+  struct Value {
+    SvgLength length;
+    char axis{};  // x, y; c: center; 0: a length
+  };
+  constexpr std::array<std::pair<std::string_view, Value>, 5> kWords{
+      {{"left", {{0, SvgLength::Unit::Percent}, 'x'}},
+       {"right", {{100, SvgLength::Unit::Percent}, 'x'}},
+       {"top", {{0, SvgLength::Unit::Percent}, 'y'}},
+       {"bottom", {{100, SvgLength::Unit::Percent}, 'y'}},
+       {"center", {{50, SvgLength::Unit::Percent}, 'c'}}}};
+  std::array<Value, 3> values{};
+  std::size_t count = 0;
+  for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
+    const std::string_view word = take_word(text, kBlanks);
+    if (count == values.size()) return std::nullopt;
+    Value& value = values[count++];
+    bool known = false;
+    for (const auto& [name, is] : kWords)
+      if (same_word(word, name)) {
+        value = is;
+        known = true;
+      }
+    if (known) continue;
+    const auto length = parse_svg_length(word);
+    if (!length) return std::nullopt;
+    value.length = *length;
+  }
+  if (count == 0 || (count == 3 && values[2].axis != 0)) return std::nullopt;
+  Value& first = values[0];
+  Value& second = values[1];
+  if (count == 1) second = kWords[4].second;
+  if (first.axis == 'y' || second.axis == 'x') {
+    // Only two words can change places, as in "top left".
+    if (first.axis == 0 || second.axis == 0) return std::nullopt;
+    std::swap(first, second);
+  }
+  if (first.axis == 'y' || second.axis == 'x') return std::nullopt;
+  return SvgOrigin{first.length, second.length};
+}
+
 std::string svg_where(const SvgText& text, const pugi::xml_node& node) {
   std::string where = fmt::format("line {}", svg_line(text, node.offset_debug()));
   const std::string_view id = node.attribute("id").value();
@@ -54,7 +99,7 @@ std::string svg_where(const SvgText& text, const pugi::xml_node& node) {
 SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
   using P = Property;
   // Static: it is asked for each attribute, and a table on the stack would be filled each time.
-  static constexpr std::array<std::pair<std::string_view, P>, 32> kNames{
+  static constexpr std::array<std::pair<std::string_view, P>, 33> kNames{
       // in alphabetical order
       {{"clip-path", P::ClipPath},
        {"color", P::Colour},
@@ -82,7 +127,8 @@ SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
        {"stroke-dashoffset", P::DashOffset},
        {"stroke-opacity", P::StrokeOpacity},
        {"transform", P::Geometry},
-       {"transform-origin", P::Geometry},
+       {"transform-box", P::TransformBox},
+       {"transform-origin", P::TransformOrigin},
        {"vector-effect", P::VectorEffect},
        {"visibility", P::Visibility},
        {"width", P::Geometry},
@@ -152,6 +198,9 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
     if (property == P::StrokeOpacity) style.stroke_clear = from.stroke_clear;
     if (property == P::FillOpacity) style.fill_clear = from.fill_clear;
     if (property == P::FontSize) style.font = from.font;
+    if (property == P::TransformOrigin)
+      style.origin = value == "inherit" ? from.origin : SvgOrigin{};
+    if (property == P::TransformBox) style.own_box = value == "inherit" && from.own_box;
     return;
   }
   if (property == P::Display) style.display_none = same_word(value, "none");
@@ -163,6 +212,7 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
   if (property == P::Marker) style.marked = value != "none";
   if (property == P::Overflow) style.overflows = value == "visible" || value == "auto";
   if (property == P::VectorEffect) style.non_scaling = value == "non-scaling-stroke";
+  if (property == P::TransformBox) style.own_box = value != "view-box";
   bool understood = true;
   const auto zero = [&](bool& clear) {
     const auto is = is_zero(value);
@@ -201,6 +251,12 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
       bool clear = false;
       zero(clear);
       style.transparent = inherited.transparent || clear;
+      break;
+    }
+    case P::TransformOrigin: {
+      const auto origin = parse_svg_origin(value);
+      understood = origin.has_value();
+      if (origin) style.origin = *origin;
       break;
     }
     case P::FontSize:
@@ -254,6 +310,8 @@ void SvgStyleReader::read_attributes(const SvgStyle& inherited, SvgElement& elem
       element.assignment = value;
     } else if (name == "href") {
       element.href = value;
+    } else if (name == "xmlns") {
+      style.foreign = value != kSvgNamespace && value != root_namespace_;
     } else if (const std::size_t colon = name.find(':'); colon != std::string_view::npos) {
       const std::string_view local = name.substr(colon + 1);
       if (local == "label") element.label = value;
@@ -302,18 +360,51 @@ void SvgStyleReader::read_names(SvgElement& element, SvgStyle& style) {
     }
 }
 
-Result<SvgElement> SvgStyleReader::read(const pugi::xml_node& node, std::string_view prefix,
-                                        const SvgStyle& inherited, SvgStyle& style) {
+// The namespace of a prefix, or the default namespace; empty if none is declared.
+std::string_view SvgStyleReader::namespace_of(pugi::xml_node node, std::string_view prefix) {
+  for (; node; node = node.parent())
+    for (const pugi::xml_attribute& attribute : node.attributes()) {
+      if (steps_ > 0) --steps_;
+      std::string_view name = attribute.name();
+      if (!name.starts_with("xmlns")) continue;
+      name.remove_prefix(5);
+      if (!name.empty()) name.remove_prefix(1);
+      if (name == prefix) return attribute.value();
+    }
+  return {};
+}
+
+std::string_view SvgStyleReader::svg_name(const pugi::xml_node& node) {
+  const std::string_view name = node.name();
+  const std::size_t colon = name.find(':');
+  if (colon == std::string_view::npos) return name;
+  const std::string_view prefix = name.substr(0, colon);
+  const std::string_view space = namespace_of(node, prefix);
+  const bool known =
+      space.empty() ? prefix == root_prefix_ : space == kSvgNamespace || space == root_namespace_;
+  if (!known) return {};
+  return name.substr(colon + 1);
+}
+
+Result<SvgElement> SvgStyleReader::read(const pugi::xml_node& node, const SvgStyle& inherited,
+                                        SvgStyle& style) {
   SvgElement element;
   element.node = node;
-  element.name = node.name();
-  if (const std::size_t colon = element.name.find(':'); colon != std::string_view::npos) {
-    if (element.name.substr(0, colon) != prefix) return SvgElement{};
-    element.name.remove_prefix(colon + 1);
+  if (!root_namespace_) {
+    const std::string_view name = node.name();
+    const std::size_t colon = name.find(':');
+    if (colon != std::string_view::npos) root_prefix_ = name.substr(0, colon);
+    root_namespace_ = namespace_of(node, root_prefix_);
   }
+  element.name = svg_name(node);
+  if (element.name.empty()) return SvgElement{};
   style = inherited;
   style.display_none = style.clipped = style.masked = style.filtered = style.overflows = false;
+  style.own_box = false;
+  style.origin = {};
   read_attributes(inherited, element, style);
+  // A name without a prefix belongs to the default namespace, which a group can change.
+  if (style.foreign && element.name == node.name()) return SvgElement{};
   if (!sheets_.empty() || !element.style.empty()) {
     if (element.style.find("/*") != std::string_view::npos) {
       const std::string plain = without_css_comments(element.style);

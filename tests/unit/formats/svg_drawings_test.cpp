@@ -293,4 +293,103 @@ TEST_CASE("lines are clipped exactly at the border of their frame", "[core][form
                "d='M1 1H20M0 30H9'/></svg></svg>") == Points{{1, 1}, {4, 1}});
 }
 
+TEST_CASE("transforms turn about their origin", "[core][formats][svg]") {
+  using Points = std::vector<PagePoint>;
+  const auto drawn = [](const std::string& attributes, const std::string& head = kPage) {
+    const LineWork work =
+        read(svg("<g " + attributes + "><path d='M10 0V4' stroke='red'/></g>", head));
+    REQUIRE(work.lines.size() == 1);
+    Points points(work.points.begin(), work.points.end());
+    for (PagePoint& p : points) p = {std::round(p.x * 1e6) / 1e6, std::round(p.y * 1e6) / 1e6};
+    return points;
+  };
+  // A quarter turn about (cx, cy) maps (x, y) to (cx - (y - cy), cy + (x - cx)).
+  const auto turned = [&](const std::string& origin) {
+    const Points points = drawn("transform='rotate(90)' transform-origin='" + origin + "'");
+    CHECK(drawn("transform='rotate(90)' style='transform-origin:" + origin + "'") == points);
+    return points;
+  };
+  CHECK(drawn("transform='rotate(90)'") == Points{{0, 10}, {-4, 10}});
+  CHECK(turned("10 0") == Points{{10, 0}, {6, 0}});
+  CHECK(turned("10px 20px") == Points{{30, 20}, {26, 20}});
+  CHECK(turned("10% 20%") == Points{{30, 20}, {26, 20}});
+  CHECK(turned("10 20 5px") == Points{{30, 20}, {26, 20}});
+  CHECK(turned("center") == Points{{100, 10}, {96, 10}});
+  CHECK(turned("10") == Points{{60, 50}, {56, 50}});  // the other is the centre
+  CHECK(turned("top") == Points{{50, -40}, {46, -40}});
+  CHECK(turned("right bottom") == Points{{200, 10}, {196, 10}});
+  CHECK(turned("bottom right") == Points{{200, 10}, {196, 10}});
+  CHECK(turned("1em 0") == Points{{16, -6}, {12, -6}});
+  CHECK(drawn("transform='scale(2)' transform-origin='5 1'") == Points{{15, -1}, {15, 7}});
+  // Percentages are of the view box, whose least x and y do not move the origin.
+  CHECK(drawn("transform='scale(2)' transform-origin='50% 50%'",
+              "width='20mm' height='20mm' viewBox='-5 -5 20 20'") == Points{{15, -5}, {15, 3}});
+  CHECK(drawn("transform-origin='50 50'") == Points{{10, 0}, {10, 4}});
+  CHECK(is_told(read(svg("<g transform='rotate(9)' transform-origin='top 5px'/>")),
+                "1 style cannot be read and is ignored"));
+  CHECK(is_told(read(svg("<g transform='rotate(9)' style='transform-box:fill-box'/>")),
+                "1 transform has a transform-box"));
+}
+
+TEST_CASE("dashes are parts of the length that a shape is said to have",
+          "[core][formats][svg][dashes]") {
+  const auto dashes = [](const std::string& shape, const std::string& more = "") {
+    return read(svg(shape + " stroke='red' fill='none' stroke-dasharray='4 2' " + more + "/>"));
+  };
+  // 20 mm that count as 10: a dash of 4 is 8 mm, a gap of 2 is 4 mm.
+  check_spans(dashes("<path d='M0 0H20' pathLength='10'"), {0, 8, 12, 20});
+  check_spans(dashes("<line x2='20' pathLength='10'"), {0, 8, 12, 20});
+  check_spans(dashes("<polyline points='0 0 20 0' pathLength='10'"), {0, 8, 12, 20});
+  check_spans(dashes("<path d='M0 0H20' pathLength='10'", "stroke-dashoffset='1'"), {0, 6, 10, 18});
+  // All parts count together: 20 mm are 10.
+  check_spans(dashes("<path d='M0 0H10M0 5H10' pathLength='10'"), {0, 8, 0, 8});
+  // A circle in 4 quarters has its dashes at them, whatever its size.
+  const LineWork ring =
+      read(svg("<circle r='10' cx='50' cy='50' pathLength='4' stroke='red' fill='none' "
+               "stroke-dasharray='1'/>"));
+  REQUIRE(ring.lines.size() == 2);
+  CHECK(ring.points_of(ring.lines[0]).front() == PagePoint{60, 50});
+  CHECK(ring.points_of(ring.lines[0]).back().x == Approx(50).margin(1e-6));
+  CHECK(ring.points_of(ring.lines[1]).front().x == Approx(40).margin(1e-6));
+  // 20 mm around count as 10: from 0 to 8 mm and from 12 to 20 mm.
+  check_spans(dashes("<rect width='5' height='5' pathLength='10'"), {0, 5, 3, 0});
+  check_spans(dashes("<path d='M0 0H20' pathLength='10' vector-effect='non-scaling-stroke'"),
+              {0, 8, 12, 20});
+  // Zero makes every dash endless; what is no length counts for nothing.
+  check_spans(dashes("<path d='M0 0H20' pathLength='0'"), {0, 20});
+  check_spans(dashes("<path d='M0 0H5' pathLength='-1'"), {0, 4});
+}
+
+TEST_CASE("elements belong to SVG by their namespace, not by the prefix of the root",
+          "[core][formats][svg]") {
+  const std::string box = "width='9mm' height='9mm' viewBox='0 0 9 9'";
+  const std::string ns = "'http://www.w3.org/2000/svg'";
+  // As Inkscape declares it: one namespace, with and without a prefix.
+  const LineWork both = read("<svg xmlns=" + ns + " xmlns:svg=" + ns + " " + box +
+                             "><style>g path{stroke:red}</style><svg:g><svg:path d='M0 0H4'/>"
+                             "<path d='M0 1H3'/></svg:g></svg>");
+  check_spans(both, {0, 4, 0, 3});
+  // Declared at the element itself, beside another default namespace.
+  check_spans(read("<svg xmlns=" + ns + " " + box + "><svg:path xmlns:svg=" + ns +
+                   " d='M0 0H4' stroke='red'/></svg>"),
+              {0, 4});
+  const LineWork other =
+      read("<s:svg xmlns:s=" + ns + " xmlns='http://www.w3.org/1999/xhtml' " + box +
+           "><path d='M0 0H9' stroke='red'/><s:path d='M0 0H4' stroke='red'/>"
+           "<g xmlns=" +
+           ns +
+           "><path d='M0 0H3' stroke='red'/></g>"
+           "<t:path xmlns:t='urn:t' d='M0 0H9' stroke='red'/></s:svg>");
+  check_spans(other, {0, 4, 0, 3});
+  // A foreign group inside, and what it contains.
+  check_spans(read(svg("<g xmlns='urn:other'><path d='M0 0H9' stroke='red'/></g>"
+                       "<path d='M0 0H4' stroke='red'/>")),
+              {0, 4});
+  // `use` finds prefixed symbols.
+  check_spans(read("<svg xmlns=" + ns + " xmlns:v=" + ns + " " + box +
+                   "><v:symbol id='s'><v:path d='M0 0H4' stroke='red'/></v:symbol>"
+                   "<v:use href='#s'/></svg>"),
+              {0, 4});
+}
+
 }  // namespace svg_drawings_test

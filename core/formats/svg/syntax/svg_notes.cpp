@@ -83,6 +83,10 @@ constexpr std::array<Wording, static_cast<std::size_t>(SvgNote::Count_)> kWordin
      "style sets a shape or a transform, which popcut reads from attributes only",
      "styles set a shape or a transform, which popcut reads from attributes only",
      "write them as attributes"},
+    {"transform_box", true,
+     "transform has a transform-box, which popcut does not read: it turns about the wrong point",
+     "transforms have a transform-box, which popcut does not read: they turn about wrong points",
+     "give the transform-origin in units of the drawing"},
     {"assignment_unknown", true, "data-assignment is unknown and ignored",
      "data-assignments are unknown and ignored", "use B, M, V, C, F, U or J"},
 }};

@@ -38,6 +38,7 @@ enum class SvgNote {
   SheetBlock,
   Value,
   SheetGeometry,
+  OwnBox,
   Assignment,
   Count_,
 };
