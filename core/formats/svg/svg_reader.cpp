@@ -44,7 +44,7 @@ class SvgReader {
         options_(options),
         user_mm_(25.4 / options.dpi),
         steps_(options.limits.steps),
-        styles_(text, options.profile, user_mm_, notes_, steps_),
+        styles_(text, options.profile, user_mm_, text.by_illustrator, notes_, steps_),
         purposes_(text, options.profile, notes_),
         strokes_(work_, options.limits.points) {}
 
@@ -114,8 +114,11 @@ class SvgReader {
       work_.warnings.push_back(
           {.code = "no_unit",
            .message = fmt::format(
-               "the drawing gives no unit of length; {:g} user units are read as one inch",
-               options_.dpi),
+               "the drawing gives no unit of length; {:g} user units are read as one inch{}",
+               options_.dpi,
+               text_.by_illustrator && options_.dpi == 96.0
+                   ? ", but Illustrator makes 72 of an inch; use `svg-dpi` 72 for its true size"
+                   : ""),
            .spoils = true});
     if ((width && !(*width > 0.0)) || (height && !(*height > 0.0)))
       return wrong(root, "width and height must be positive");

@@ -308,6 +308,8 @@ void SvgStyleReader::read_attributes(const SvgStyle& inherited, SvgElement& elem
       element.has_transform = true;
     } else if (name == "data-assignment") {
       element.assignment = value;
+    } else if (name == "data-name") {
+      element.data_name = value;
     } else if (name == "href") {
       element.href = value;
     } else if (name == "xmlns") {
@@ -358,6 +360,22 @@ void SvgStyleReader::read_names(SvgElement& element, SvgStyle& style) {
       style.layer = *use;
       style.has_layer = true;
     }
+  if (!element.is_layer && element.name == "g") read_group_name(element, style);
+}
+
+// Groups that are layers by their name: those of Illustrator, and in drawings of other programs
+// those directly below the root.
+void SvgStyleReader::read_group_name(const SvgElement& element, SvgStyle& style) {
+  if (!by_illustrator_ && element.node.parent().parent().type() != pugi::node_document) return;
+  const std::string name(element.data_name.empty() ? illustrator_name(element.id)
+                                                   : std::string(element.data_name));
+  if (trimmed(name).size() < 2) return;  // "c" or "f" names no purpose here
+  const auto use = use_of_label(profile_, name);
+  if (!use) return;
+  style.layer = *use;
+  style.has_layer = true;
+  if (!by_illustrator_ && element.assignment.empty())
+    notes_.add(SvgNote::NamedGroup, [&] { return svg_where(text_, element.node); });
 }
 
 // The namespace of a prefix, or the default namespace; empty if none is declared.

@@ -26,6 +26,7 @@ struct SvgElement {
   pugi::xml_node node;
   std::string_view name;  ///< without its prefix; empty: another namespace than SVG's
   std::string_view id, classes, style, transform, d, href, assignment, label;
+  std::string_view data_name;  ///< Illustrator's name, if its id is another one
   bool has_transform{false};
   bool is_layer{false};  ///< an Inkscape layer
 };
@@ -68,9 +69,15 @@ struct SvgStyle {
 class SvgStyleReader {
  public:
   /// @param user_mm  size of a user unit; work is taken from `steps`
-  SvgStyleReader(const SvgText& text, const StrokeProfile& profile, double user_mm, SvgNotes& notes,
-                 std::size_t& steps)
-      : text_(text), profile_(profile), user_mm_(user_mm), notes_(notes), steps_(steps) {}
+  /// @param by_illustrator  every group with a name is a layer
+  SvgStyleReader(const SvgText& text, const StrokeProfile& profile, double user_mm,
+                 bool by_illustrator, SvgNotes& notes, std::size_t& steps)
+      : text_(text),
+        profile_(profile),
+        user_mm_(user_mm),
+        by_illustrator_(by_illustrator),
+        notes_(notes),
+        steps_(steps) {}
 
   /// Reads the element `node` and computes its `style`; its parent has `inherited`. Does not do
   /// work beyond the remaining steps, which are then zero. The first element read is the root,
@@ -103,10 +110,12 @@ class SvgStyleReader {
   bool set_dashes(SvgStyle& style, std::string_view value);
   void set_font(double& font, std::string_view value, double inherited) const;
   void read_names(SvgElement& element, SvgStyle& style);
+  void read_group_name(const SvgElement& element, SvgStyle& style);
 
   const SvgText& text_;
   const StrokeProfile& profile_;
   double user_mm_;
+  bool by_illustrator_;
   SvgNotes& notes_;
   std::size_t& steps_;
   CssSheets sheets_;

@@ -87,6 +87,9 @@ constexpr std::array<Wording, static_cast<std::size_t>(SvgNote::Count_)> kWordin
      "transform has a transform-box, which popcut does not read: it turns about the wrong point",
      "transforms have a transform-box, which popcut does not read: they turn about wrong points",
      "give the transform-origin in units of the drawing"},
+    {"group_named", false, "group is read by its id as a layer of that name",
+     "groups are read by their ids as layers of those names",
+     "use `svg-profile` plain to ignore names"},
     {"assignment_unknown", true, "data-assignment is unknown and ignored",
      "data-assignments are unknown and ignored", "use B, M, V, C, F, U or J"},
 }};

@@ -39,6 +39,7 @@ enum class SvgNote {
   Value,
   SheetGeometry,
   OwnBox,
+  NamedGroup,
   Assignment,
   Count_,
 };
