@@ -23,6 +23,8 @@ enum class SvgStyleReader::Property : std::uint8_t {
   Opacity,
   FontSize,
   ClipPath,
+  ClipRule,
+  FillRule,
   Mask,
   Filter,
   Marker,
@@ -99,9 +101,10 @@ std::string svg_where(const SvgText& text, const pugi::xml_node& node) {
 SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
   using P = Property;
   // Static: it is asked for each attribute, and a table on the stack would be filled each time.
-  static constexpr std::array<std::pair<std::string_view, P>, 33> kNames{
+  static constexpr std::array<std::pair<std::string_view, P>, 35> kNames{
       // in alphabetical order
       {{"clip-path", P::ClipPath},
+       {"clip-rule", P::ClipRule},
        {"color", P::Colour},
        {"cx", P::Geometry},
        {"cy", P::Geometry},
@@ -109,6 +112,7 @@ SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
        {"display", P::Display},
        {"fill", P::Fill},
        {"fill-opacity", P::FillOpacity},
+       {"fill-rule", P::FillRule},
        {"filter", P::Filter},
        {"font-size", P::FontSize},
        {"height", P::Geometry},
@@ -143,6 +147,21 @@ SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
   for (; row != kNames.end() && row->first.front() == first; ++row)
     if (row->first == name) return row->second;
   return P::None;
+}
+
+void SvgStyleReader::set_clip(SvgStyle& style, std::string_view value) {
+  if (same_word(value, "none")) {
+    style.clip = 0;
+    return;
+  }
+  std::string id;
+  if (value.size() > 4 && same_word(value.substr(0, 4), "url(")) {
+    std::string_view address = value.substr(4, value.find(')') - 4);
+    address = trimmed(trimmed(address), "\"'");
+    if (address.starts_with('#')) id = address.substr(1);
+  }
+  style.clip = static_cast<std::uint32_t>(clips_.size());
+  clips_.push_back(std::move(id));
 }
 
 bool SvgStyleReader::set_paint(SvgPaint& paint, std::string_view value) {
@@ -198,6 +217,9 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
     if (property == P::StrokeOpacity) style.stroke_clear = from.stroke_clear;
     if (property == P::FillOpacity) style.fill_clear = from.fill_clear;
     if (property == P::FontSize) style.font = from.font;
+    if (property == P::ClipRule) style.clip_even_odd = from.clip_even_odd;
+    if (property == P::FillRule) style.fill_even_odd = from.fill_even_odd;
+    if (property == P::ClipPath) style.clip = value == "inherit" ? from.clip : 0;
     if (property == P::TransformOrigin)
       style.origin = value == "inherit" ? from.origin : SvgOrigin{};
     if (property == P::TransformBox) style.own_box = value == "inherit" && from.own_box;
@@ -206,7 +228,9 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
   if (property == P::Display) style.display_none = same_word(value, "none");
   if (property == P::Visibility)
     style.hidden = same_word(value, "hidden") || same_word(value, "collapse");
-  if (property == P::ClipPath) style.clipped = value != "none";
+  if (property == P::ClipPath) set_clip(style, value);
+  if (property == P::ClipRule) style.clip_even_odd = same_word(value, "evenodd");
+  if (property == P::FillRule) style.fill_even_odd = same_word(value, "evenodd");
   if (property == P::Mask) style.masked = value != "none";
   if (property == P::Filter) style.filtered = value != "none";
   if (property == P::Marker) style.marked = value != "none";
@@ -417,8 +441,8 @@ Result<SvgElement> SvgStyleReader::read(const pugi::xml_node& node, const SvgSty
   element.name = svg_name(node);
   if (element.name.empty()) return SvgElement{};
   style = inherited;
-  style.display_none = style.clipped = style.masked = style.filtered = style.overflows = false;
-  style.own_box = false;
+  style.display_none = style.masked = style.filtered = style.overflows = style.own_box = false;
+  style.clip = 0;
   style.origin = {};
   read_attributes(inherited, element, style);
   // A name without a prefix belongs to the default namespace, which a group can change.

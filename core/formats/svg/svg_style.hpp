@@ -50,15 +50,17 @@ struct SvgStyle {
   double font{16.0};  ///< user units
   bool hidden{false}, transparent{false}, stroke_clear{false}, fill_clear{false};
   bool marked{false}, non_scaling{false};
+  bool fill_even_odd{false}, clip_even_odd{false};
   bool foreign{false};  ///< names without a prefix belong to another namespace than SVG's
   bool has_assignment{false}, has_layer{false};
   StrokeUse assignment;  ///< `data-assignment` of the element or its nearest ancestor with one
   StrokeUse layer;       ///< meaning of the nearest layer whose label the profile knows
 
   // Not inherited.
-  bool display_none{false}, clipped{false}, masked{false}, filtered{false}, overflows{false};
+  bool display_none{false}, masked{false}, filtered{false}, overflows{false};
   bool own_box{false};  ///< transform-box: percentages refer to the shape itself
   SvgOrigin origin;
+  std::uint32_t clip{};  ///< for `SvgStyleReader::clip`; 0: none
 };
 
 /// "line 7 (id "a")" of a node.
@@ -94,6 +96,8 @@ class SvgStyleReader {
   [[nodiscard]] std::span<const SvgLength> dashes(std::uint32_t index) const {
     return dash_lists_[index];
   }
+  /// The id of a clip path; empty if it is not in the drawing itself: a shape of CSS, another file.
+  [[nodiscard]] const std::string& clip(std::uint32_t index) const { return clips_[index]; }
 
  private:
   enum class Property : std::uint8_t;
@@ -106,6 +110,7 @@ class SvgStyleReader {
                  const SvgElement& element, SvgStyle& style);
   void apply(Property property, std::string_view value, const SvgStyle& inherited,
              const SvgElement& element, SvgStyle& style, bool is_attribute);
+  void set_clip(SvgStyle& style, std::string_view value);
   bool set_paint(SvgPaint& paint, std::string_view value);
   bool set_dashes(SvgStyle& style, std::string_view value);
   void set_font(double& font, std::string_view value, double inherited) const;
@@ -120,6 +125,7 @@ class SvgStyleReader {
   std::size_t& steps_;
   CssSheets sheets_;
   std::vector<const CssRule*> found_;
+  std::vector<std::string> clips_{{}};
   std::vector<std::vector<SvgLength>> dash_lists_{{}};
   std::unordered_map<std::string, std::uint32_t> known_dashes_;
   bool too_many_dashes_{false};

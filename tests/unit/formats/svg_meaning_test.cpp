@@ -178,8 +178,7 @@ TEST_CASE("features that are not applied are named with their place", "[core][fo
       <path d="M0 0H1" stroke="red" transform="scale(0 1)"/><rect stroke="red" width="0" height="2"/>
       <path d="M0 0H1" stroke="red" data-assignment="Q"/>
       <foreignObject/><script/><text display="none">x</text>)x"));
-  CHECK(is_told(
-      work, "1 element has a clip path, which popcut does not apply: it is cut whole; at line 2"));
+  CHECK(is_told(work, "1 clip path is missing: what it clips is cut whole; at line 2"));
   CHECK(is_told(work, "1 element has a mask"));
   CHECK(is_told(work, "1 element has a filter, which popcut does not apply; at line 3 (id \"f\")"));
   CHECK(is_told(work, "1 line has markers"));

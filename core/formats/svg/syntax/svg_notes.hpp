@@ -26,6 +26,8 @@ enum class SvgNote {
   Squashed,
   Empty,
   Clipped,
+  ClipMissing,
+  ClipUnread,
   Masked,
   Filtered,
   Marked,
