@@ -19,6 +19,7 @@ enum class SvgStyleReader::Property : std::uint8_t {
   Dashes,
   DashOffset,
   StrokeOpacity,
+  StrokeWidth,
   FillOpacity,
   Opacity,
   FontSize,
@@ -101,7 +102,7 @@ std::string svg_where(const SvgText& text, const pugi::xml_node& node) {
 SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
   using P = Property;
   // Static: it is asked for each attribute, and a table on the stack would be filled each time.
-  static constexpr std::array<std::pair<std::string_view, P>, 35> kNames{
+  static constexpr std::array<std::pair<std::string_view, P>, 36> kNames{
       // in alphabetical order
       {{"clip-path", P::ClipPath},
        {"clip-rule", P::ClipRule},
@@ -130,6 +131,7 @@ SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
        {"stroke-dasharray", P::Dashes},
        {"stroke-dashoffset", P::DashOffset},
        {"stroke-opacity", P::StrokeOpacity},
+       {"stroke-width", P::StrokeWidth},
        {"transform", P::Geometry},
        {"transform-box", P::TransformBox},
        {"transform-origin", P::TransformOrigin},
@@ -215,6 +217,7 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
     if (property == P::DashOffset) style.dash_offset = from.dash_offset;
     if (property == P::Display) style.display_none = value == "inherit" && from.display_none;
     if (property == P::StrokeOpacity) style.stroke_clear = from.stroke_clear;
+    if (property == P::StrokeWidth) style.no_width = from.no_width;
     if (property == P::FillOpacity) style.fill_clear = from.fill_clear;
     if (property == P::FontSize) style.font = from.font;
     if (property == P::ClipRule) style.clip_even_odd = from.clip_even_odd;
@@ -231,6 +234,8 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
   if (property == P::ClipPath) set_clip(style, value);
   if (property == P::ClipRule) style.clip_even_odd = same_word(value, "evenodd");
   if (property == P::FillRule) style.fill_even_odd = same_word(value, "evenodd");
+  if (property == P::StrokeWidth)
+    if (const auto width = parse_svg_length(value)) style.no_width = width->value == 0.0;
   if (property == P::Mask) style.masked = value != "none";
   if (property == P::Filter) style.filtered = value != "none";
   if (property == P::Marker) style.marked = value != "none";

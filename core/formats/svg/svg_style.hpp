@@ -50,6 +50,7 @@ struct SvgStyle {
   double font{16.0};  ///< user units
   bool hidden{false}, transparent{false}, stroke_clear{false}, fill_clear{false};
   bool marked{false}, non_scaling{false};
+  bool no_width{false};  ///< stroke-width is 0
   bool fill_even_odd{false}, clip_even_odd{false};
   bool foreign{false};  ///< names without a prefix belong to another namespace than SVG's
   bool has_assignment{false}, has_layer{false};

@@ -343,6 +343,23 @@ TEST_CASE("a prefix for SVG and elements of editors are accepted", "[core][forma
   CHECK(choice.warnings.empty());
 }
 
+TEST_CASE("strokes of width 0 and text are told with what to do", "[core][formats][svg]") {
+  const LineWork work = read(svg(R"x(<g stroke="red" fill="none" stroke-width="0">
+      <path id="a" d="M0 0H1"/><path d="M0 0H2" style="stroke-width:0px"/>
+      <path d="M0 0H4" stroke-width="0.01"/><path d="M0 0H8" stroke-width="initial"/>
+      <path d="M0 0H9" stroke="none"/></g><path d="M0 0H16" stroke="red"/>
+      <text id="t"><tspan>x</tspan></text>)x"));
+  CHECK(total_mm(work, Operation::Cut) == Approx(1 + 2 + 4 + 8 + 16));
+  CHECK(is_told(work,
+                "2 strokes of width 0, which viewers do not show, are read as any other; the "
+                "first at line 2 (id \"a\"); set a stroke-width"));
+  CHECK(is_told(work,
+                "1 <text> cannot be read and is left out; at line 5 (id \"t\"); turn it into "
+                "paths (Inkscape: Path > Object to Path"));
+  CHECK(std::count_if(work.warnings.begin(), work.warnings.end(),
+                      [](const Warning& w) { return w.code == "stroke_zero" && w.spoils; }) == 1);
+}
+
 TEST_CASE("layers of Illustrator are read by their names", "[core][formats][svg][profile]") {
   CHECK(illustrator_name("Fold") == "Fold");
   CHECK(illustrator_name("Fold_Lines") == "Fold Lines");

@@ -94,6 +94,9 @@ constexpr std::array<Wording, static_cast<std::size_t>(SvgNote::Count_)> kWordin
     {"group_named", false, "group is read by its id as a layer of that name",
      "groups are read by their ids as layers of those names",
      "use `svg-profile` plain to ignore names"},
+    {"stroke_zero", true, "stroke of width 0, which viewers do not show, is read as any other",
+     "strokes of width 0, which viewers do not show, are read as any other",
+     "set a stroke-width if it is right, or stroke=\"none\" to leave it out"},
     {"assignment_unknown", true, "data-assignment is unknown and ignored",
      "data-assignments are unknown and ignored", "use B, M, V, C, F, U or J"},
 }};
@@ -113,12 +116,13 @@ std::vector<Warning> SvgNotes::warnings() const {
   for (const auto& [name, entry] : elements_) {
     const std::string what =
         fmt::format("<{}> cannot be read and {} left out", name, entry.count == 1 ? "is" : "are");
-    out.push_back(
-        {.code = "element_unread",
-         .message = sentence(entry.count, what, entry.first,
-                             entry.count == 1 ? "turn it into paths" : "turn them into paths"),
-         .place = {.source = entry.first},
-         .spoils = name != "image"});
+    std::string advice = entry.count == 1 ? "turn it into paths" : "turn them into paths";
+    if (name == "text")
+      advice += " (Inkscape: Path > Object to Path; Illustrator: Type > Create Outlines)";
+    out.push_back({.code = "element_unread",
+                   .message = sentence(entry.count, what, entry.first, advice),
+                   .place = {.source = entry.first},
+                   .spoils = name != "image"});
   }
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const Entry& entry = entries_[i];

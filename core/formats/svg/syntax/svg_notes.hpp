@@ -42,6 +42,7 @@ enum class SvgNote {
   SheetGeometry,
   OwnBox,
   NamedGroup,
+  NoWidth,
   Assignment,
   Count_,
 };
