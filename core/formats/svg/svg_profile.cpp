@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <utility>
 
 #include <fmt/format.h>
@@ -132,6 +133,36 @@ std::string plain_label(std::string_view label) {
   for (char& c : out)
     if (c == ' ' || c == '_' || c == '\t') c = '-';
   return out;
+}
+
+std::string illustrator_name(std::string_view id) {
+  if (id.size() > 200) return {};
+  const auto end_of = [&](std::size_t at, std::string_view digits) {
+    return std::min(id.find_first_not_of(digits, at), id.size());
+  };
+  std::string name;
+  for (std::size_t at = 0; at < id.size();) {
+    if (id[at] != '_') {
+      name += id[at++];
+      continue;
+    }
+    if (id.substr(at, 2) == "_x") {
+      unsigned code = 0;
+      const std::size_t end = end_of(at + 2, "0123456789abcdefABCDEF");
+      if (end < id.size() && id[end] == '_' && end > at + 2 && end <= at + 6 &&
+          std::from_chars(id.data() + at + 2, id.data() + end, code, 16).ec == std::errc{}) {
+        // Labels are ASCII: of other characters it only matters that they are none of these.
+        name += code >= 0x20 && code < 0x7F ? static_cast<char>(code) : '?';
+        at = end + 1;
+        continue;
+      }
+    }
+    const std::size_t end = end_of(at + 1, "0123456789");
+    if (!name.empty() && end > at + 1 && end + 1 == id.size() && id[end] == '_') break;
+    name += ' ';
+    ++at;
+  }
+  return name;
 }
 
 std::optional<StrokeUse> use_of_label(const StrokeProfile& profile, std::string_view label) {

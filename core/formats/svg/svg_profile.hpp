@@ -57,6 +57,10 @@ struct StrokeProfile {
 /// A label in the form used for comparison: lower case, spaces and underscores as hyphens.
 [[nodiscard]] std::string plain_label(std::string_view label);
 
+/// The name of a layer from the id that Illustrator makes of it: `_x5F_` is the character 5F (hex),
+/// `_2_` at the end tells two of the same name apart, other underscores are spaces.
+[[nodiscard]] std::string illustrator_name(std::string_view id);
+
 /// What a layer's label means; none if the profile does not know it.
 [[nodiscard]] std::optional<StrokeUse> use_of_label(const StrokeProfile& profile,
                                                     std::string_view label);

@@ -43,6 +43,7 @@ std::optional<SvgPurpose> SvgPurposes::of(const SvgElement& e, const SvgStyle& s
     notes_.add(SvgNote::Invisible, here);
     return std::nullopt;
   }
+  if (stroked && style.no_width) notes_.add(SvgNote::NoWidth, here);
   if (style.has_assignment || style.has_layer) {
     has_names_ = true;
     const StrokeUse use = style.has_assignment ? style.assignment : style.layer;

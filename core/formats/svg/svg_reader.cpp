@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <unordered_map>
 #include <utility>
 
@@ -33,7 +34,8 @@ bool is_definition(std::string_view name) {
 struct Place {
   SvgTransform to_page;
   SvgFrame frame;
-  const SvgClip* clip{};
+  const SvgClip* clip{};  ///< frames
+  const SvgClipPath* clips{};
   int depth{};
 };
 
@@ -44,16 +46,15 @@ class SvgReader {
         options_(options),
         user_mm_(25.4 / options.dpi),
         steps_(options.limits.steps),
-        styles_(text, options.profile, user_mm_, notes_, steps_),
+        styles_(text, options.profile, user_mm_, text.by_illustrator, notes_, steps_),
         purposes_(text, options.profile, notes_),
         strokes_(work_, options.limits.points) {}
 
   Result<LineWork> read(const pugi::xml_node& root, bool has_sheets) {
     const std::string_view name = root.name();
-    prefix_ = name.substr(0, name.size() - std::min<std::size_t>(name.size(), 4));
+    const std::string prefix(name.substr(0, name.size() - 3));  // with its colon
     work_.has_page = true;
-    work_.name =
-        root.child_value(prefix_.empty() ? "title" : fmt::format("{}:title", prefix_).c_str());
+    work_.name = root.child_value((prefix + "title").c_str());
     work_.dashed = std::string_view(root.attribute("data-popcut").value()) == "dashes";
     if (text_.has_foreign_sheet) notes_.add(SvgNote::ForeignSheet, [] { return std::string(); });
     if (has_sheets)
@@ -62,12 +63,14 @@ class SvgReader {
     Place place;
     if (auto done = read_page(root, place); !done) return tl::unexpected(done.error());
     SvgStyle style;
-    const auto element = styles_.read(root, prefix_, SvgStyle{}, style);
+    const auto element = styles_.read(root, SvgStyle{}, style);
     if (!element) return tl::unexpected(element.error());
-    if (style.display_none)
-      note(SvgNote::Hidden, root);
-    else if (auto done = children(root, place, style); !done)
+    if (style.display_none) note(SvgNote::Hidden, root);
+    SvgClipPath clip;
+    if (auto done = enter_clip(*element, style, place, clip); !done)
       return tl::unexpected(done.error());
+    if (!style.display_none)
+      if (auto done = children(root, place, style); !done) return tl::unexpected(done.error());
     if (auto clear = purposes_.clear(); !clear) return tl::unexpected(clear.error());
     settle_fills();
     add_warnings();
@@ -115,8 +118,11 @@ class SvgReader {
       work_.warnings.push_back(
           {.code = "no_unit",
            .message = fmt::format(
-               "the drawing gives no unit of length; {:g} user units are read as one inch",
-               options_.dpi),
+               "the drawing gives no unit of length; {:g} user units are read as one inch{}",
+               options_.dpi,
+               text_.by_illustrator && options_.dpi == 96.0
+                   ? ", but Illustrator makes 72 of an inch; use `svg-dpi` 72 for its true size"
+                   : ""),
            .spoils = true});
     if ((width && !(*width > 0.0)) || (height && !(*height > 0.0)))
       return wrong(root, "width and height must be positive");
@@ -154,7 +160,7 @@ class SvgReader {
   Result<void> element(const pugi::xml_node& node, const Place& outer, const SvgStyle& inherited) {
     if (auto done = spend(node, 16); !done) return done;
     SvgStyle style;
-    const auto read = styles_.read(node, prefix_, inherited, style);
+    const auto read = styles_.read(node, inherited, style);
     if (!read) return wrong(node, read.error());
     const SvgElement& e = *read;
     if (e.name.empty() || is_definition(e.name)) return {};
@@ -167,25 +173,231 @@ class SvgReader {
       if (!style.hidden) notes_.add_element(e.name, [&] { return svg_where(text_, node); });
       return {};
     }
-    if (style.clipped) note(SvgNote::Clipped, node);
     if (style.masked) note(SvgNote::Masked, node);
     if (style.filtered) note(SvgNote::Filtered, node);
     Place place = outer;
     place.depth += is_shape ? 0 : 1;
-    if (e.has_transform) {
+    if (auto done = transform(e, style, place); !done) return done;
+    SvgClipPath clip;
+    if (auto done = enter_clip(e, style, place, clip); !done) return done;
+    return content(e, place, style);
+  }
+
+  // Applies an element's own transform to its place.
+  Result<void> transform(const SvgElement& e, const SvgStyle& style, Place& place) {
+    if (!e.has_transform) return {};
+    {
       const auto own = parse_svg_transform(e.transform);
       if (!own)
-        return wrong(node,
+        return wrong(e.node,
                      fmt::format("the transform \"{}\" cannot be read; use matrix, translate, "
                                  "scale, rotate, skewX or skewY with numbers",
                                  e.transform.substr(0, 60)));
-      place.to_page = outer.to_page * *own;
+      const double x = user_units(style.origin.x, {user_mm_, place.frame.width, style.font});
+      const double y = user_units(style.origin.y, {user_mm_, place.frame.height, style.font});
+      if (style.own_box) note(SvgNote::OwnBox, e.node);
+      place.to_page =
+          place.to_page * SvgTransform{1, 0, 0, 1, x, y} * *own * SvgTransform{1, 0, 0, 1, -x, -y};
     }
-    if (is_shape) return shape(e, place, style);
+    return {};
+  }
+
+  Result<void> content(const SvgElement& e, const Place& place, const SvgStyle& style) {
+    if (is_svg_shape(e.name)) return shape(e, place, style);
     if (e.name == "use") return use(e, place, style);
-    if (e.name == "svg") return framed(node, node, place, style, false);
-    if (e.name == "switch") return chosen(node, place, style);
-    return children(node, place, style);
+    if (e.name == "svg") return framed(e.node, e.node, place, style, false);
+    if (e.name == "switch") return chosen(e.node, place, style);
+    return children(e.node, place, style);
+  }
+
+  // Adds the clip path of an element, if it has one, to its place; `clip` must live as long.
+  Result<void> enter_clip(const SvgElement& e, const SvgStyle& style, Place& place,
+                          SvgClipPath& clip) {
+    if (style.clip == 0 || measured_ != nullptr) return {};
+    auto region = clip_region(e, style, place);
+    if (!region) return tl::unexpected(region.error());
+    if (*region == nullptr) return {};
+    clip = {*region, place.clips};
+    place.clips = &clip;
+    return {};
+  }
+
+  // The clip path of an element on the page; null if it cannot be applied, which is noted.
+  Result<const SvgRegion*> clip_region(const SvgElement& e, const SvgStyle& style,
+                                       const Place& place) {
+    const SvgTransform& t = place.to_page;
+    const std::string key =
+        fmt::format("{} {} {} {} {} {} {} {} {}", t.a, t.b, t.c, t.d, t.e, t.f, place.frame.width,
+                    place.frame.height, styles_.clip(style.clip));
+    if (const auto known = known_clips_.find(key); known != known_clips_.end())
+      return known->second;
+    SvgRegion region;
+    bool depends = false;  // on the element
+    const auto part = clip_part(e, style, place, region, depends);
+    if (!part) return tl::unexpected(part.error());
+    if (!*part) return nullptr;
+    region.finish(**part);
+    const SvgRegion* found = &regions_.emplace_back(std::move(region));
+    if (!depends) known_clips_.emplace(key, found);
+    return found;
+  }
+
+  using ClipPart = std::optional<SvgRegion::Part>;
+
+  // Adds the clip path that an element refers to to `region`; no part if it cannot be applied.
+  Result<ClipPart> clip_part(const SvgElement& e, const SvgStyle& style, const Place& outer,
+                             SvgRegion& region, bool& depends) {
+    const std::string id = styles_.clip(style.clip);
+    const pugi::xml_node* found = id.empty() ? nullptr : find_id(id, e.node);
+    if (found == nullptr || styles_.svg_name(*found) != "clipPath") {
+      note(id.empty() ? SvgNote::ClipUnread : SvgNote::ClipMissing, e.node);
+      return ClipPart{};
+    }
+    const pugi::xml_node target = *found;
+    if (auto done = spend(target, 16); !done) return tl::unexpected(done.error());
+    if (std::find(used_.begin(), used_.end(), target) != used_.end() ||
+        outer.depth > options_.limits.depth)
+      return wrong(
+          e.node, fmt::format("clip path {} refers to itself; break the circle", id.substr(0, 60)));
+    SvgStyle own;
+    const auto read = styles_.read(target, style_around(target), own);
+    if (!read) return wrong(target, read.error());
+    Place place = outer;
+    ++place.depth;
+    if (std::string_view(target.attribute("clipPathUnits").value()) == "objectBoundingBox") {
+      depends = true;
+      const auto box = measure(e, outer, style);
+      if (!box) return tl::unexpected(box.error());
+      if (!(box->x1 > box->x0 && box->y1 > box->y0)) return ClipPart{region.add_any({})};
+      place.to_page =
+          place.to_page * SvgTransform{box->width(), 0, 0, box->height(), box->x0, box->y0};
+    }
+    if (auto done = transform(*read, own, place); !done) return tl::unexpected(done.error());
+    used_.push_back(target);
+    auto part = clip_content(*read, own, place, region, depends);
+    used_.pop_back();
+    return part;
+  }
+
+  // The shapes in a <clipPath>, within its own clip path.
+  Result<ClipPart> clip_content(const SvgElement& e, const SvgStyle& style, const Place& place,
+                                SvgRegion& region, bool& depends) {
+    std::vector<SvgRegion::Part> shapes;
+    for (const pugi::xml_node& node : e.node.children()) {
+      if (node.type() != pugi::node_element) continue;
+      auto part = clip_shape(node, place, style, region, depends);
+      if (!part || !*part) return part;
+      shapes.push_back(**part);
+    }
+    return within_clip(e, style, place, region.add_any(std::move(shapes)), region, depends);
+  }
+
+  // `part` within the clip path that an element in a clip path has itself.
+  Result<ClipPart> within_clip(const SvgElement& e, const SvgStyle& style, const Place& place,
+                               SvgRegion::Part part, SvgRegion& region, bool& depends) {
+    if (style.clip == 0) return ClipPart{part};
+    auto around = clip_part(e, style, place, region, depends);
+    if (!around || !*around) return around;
+    return ClipPart{region.add_all({part, **around})};
+  }
+
+  // A shape in a <clipPath>, or the <use> of one.
+  Result<ClipPart> clip_shape(const pugi::xml_node& node, Place place, const SvgStyle& inherited,
+                              SvgRegion& region, bool& depends) {
+    if (auto done = spend(node, 16); !done) return tl::unexpected(done.error());
+    SvgStyle style;
+    const auto read = styles_.read(node, inherited, style);
+    if (!read) return wrong(node, read.error());
+    const SvgElement& e = *read;
+    if (e.name.empty() || is_definition(e.name) || style.display_none)
+      return ClipPart{region.add_any({})};
+    if (auto done = transform(e, style, place); !done) return tl::unexpected(done.error());
+    if (e.name == "use") {
+      const std::string_view href = trimmed(e.href);
+      const pugi::xml_node* target =
+          href.starts_with('#') ? find_id(href.substr(1), node) : nullptr;
+      if (target == nullptr || !is_svg_shape(styles_.svg_name(*target))) {
+        note(SvgNote::ClipUnread, node);
+        return ClipPart{};
+      }
+      const auto at = use_offset(e, place, style);
+      if (!at) return tl::unexpected(at.error());
+      Place inner = place;
+      inner.to_page = place.to_page * *at;
+      auto part = clip_shape(*target, inner, style, region, depends);
+      if (!part || !*part) return part;
+      return within_clip(e, style, place, **part, region, depends);
+    }
+    if (!is_svg_shape(e.name)) {
+      note(SvgNote::ClipUnread, node);
+      return ClipPart{};
+    }
+    if (style.hidden || !place.to_page.inverse()) return ClipPart{region.add_any({})};
+    SvgLines lines;
+    if (auto done = outline(e, place, style, true, lines); !done)
+      return tl::unexpected(done.error());
+    if (region.edges() + lines.points.size() > SvgRegion::kMostEdges)
+      return wrong(node,
+                   fmt::format("a clip path has more than {} points; simplify it in the editor",
+                               SvgRegion::kMostEdges),
+                   ErrorKind::OutOfRange);
+    return within_clip(e, style, place,
+                       region.add_shape(moved(lines, place.to_page), style.clip_even_odd), region,
+                       depends);
+  }
+
+  // The style that `node` inherits where it stands.
+  SvgStyle style_around(const pugi::xml_node& node) {
+    std::vector<pugi::xml_node> parents;
+    for (auto parent = node.parent(); parent.type() == pugi::node_element; parent = parent.parent())
+      parents.push_back(parent);
+    const SvgNotes before = notes_;  // they are noted where they are drawn
+    SvgStyle style;
+    for (auto parent = parents.rbegin(); parent != parents.rend(); ++parent) {
+      SvgStyle own;
+      if (const auto read = styles_.read(*parent, style, own); read && !read->name.empty())
+        style = own;
+    }
+    notes_ = before;
+    return style;
+  }
+
+  // The bounding box of an element's content in its own user units, without strokes and clips.
+  Result<Box> measure(const SvgElement& e, const Place& place, const SvgStyle& style) {
+    const auto back = place.to_page.inverse();
+    Box box;
+    if (!back) return box;
+    const SvgNotes before = notes_;
+    measured_ = &box;
+    to_measured_ = *back;
+    auto done = content(e, place, style);
+    measured_ = nullptr;
+    notes_ = before;
+    if (!done) return tl::unexpected(done.error());
+    return box;
+  }
+
+  Result<double> scale_of(const SvgElement& e, const Place& place) {
+    const double scale = place.to_page.largest_scale();
+    if (!std::isfinite(scale))
+      return wrong(e.node, "the transform is too large; use numbers below 1e100",
+                   ErrorKind::OutOfRange);
+    return scale;
+  }
+
+  // The outline of a shape in its own units; `closes`: as a fill.
+  Result<void> outline(const SvgElement& e, const Place& place, const SvgStyle& style, bool closes,
+                       SvgLines& lines) {
+    const auto scale = scale_of(e, place);
+    if (!scale) return tl::unexpected(scale.error());
+    const std::string_view points = e.node.attribute("points").value();
+    if (auto done = spend(e.node, e.d.size() + points.size()); !done) return done;
+    const SvgOutlining how{
+        place.frame, user_mm_, style.font, options_.tolerance_mm / *scale, options_.limits.points,
+        closes};
+    if (auto done = outline_of(e.node, e.name, e.d, how, lines); !done)
+      return wrong(e.node, done.error());
+    return spend(e.node, lines.points.size());
   }
 
   // The first child of a <switch> that requires nothing popcut lacks.
@@ -274,36 +486,50 @@ class SvgReader {
                    fmt::format("<use> elements are nested more than {} deep; ungroup some",
                                options_.limits.depth),
                    ErrorKind::OutOfRange);
-    std::array<double, 2> at{};
-    for (std::size_t i = 0; i < 2; ++i) {
-      const double whole = i == 0 ? place.frame.width : place.frame.height;
-      const auto value =
-          svg_attribute(e.node, i == 0 ? "x" : "y", 0.0, {user_mm_, whole, style.font});
-      if (!value) return wrong(e.node, value.error());
-      at[i] = *value;
-    }
-    place.to_page = place.to_page * SvgTransform{1, 0, 0, 1, at[0], at[1]};
+    const auto at = use_offset(e, place, style);
+    if (!at) return tl::unexpected(at.error());
+    place.to_page = place.to_page * *at;
     used_.push_back(*target);
     auto done = used(*target, e.node, place, style);
     used_.pop_back();
     return done;
   }
 
-  Result<void> used(const pugi::xml_node& target, const pugi::xml_node& use_node,
-                    const Place& place, const SvgStyle& inherited) {
-    std::string_view name = target.name();
-    if (!prefix_.empty() && name.substr(0, prefix_.size() + 1) == fmt::format("{}:", prefix_))
-      name.remove_prefix(prefix_.size() + 1);
+  // By how much a <use> moves what it shows.
+  Result<SvgTransform> use_offset(const SvgElement& e, const Place& place, const SvgStyle& style) {
+    SvgTransform at;
+    for (const bool is_x : {true, false}) {
+      const double whole = is_x ? place.frame.width : place.frame.height;
+      const auto value =
+          svg_attribute(e.node, is_x ? "x" : "y", 0.0, {user_mm_, whole, style.font});
+      if (!value) return wrong(e.node, value.error());
+      (is_x ? at.e : at.f) = *value;
+    }
+    return at;
+  }
+
+  Result<void> used(const pugi::xml_node& target, const pugi::xml_node& use_node, Place place,
+                    const SvgStyle& inherited) {
+    const std::string_view name = styles_.svg_name(target);
     if (name != "symbol" && name != "svg") return element(target, place, inherited);
     if (auto done = spend(target, 16); !done) return done;
     SvgStyle style;
-    const auto read = styles_.read(target, prefix_, inherited, style);
+    const auto read = styles_.read(target, inherited, style);
     if (!read) return wrong(target, read.error());
     if (style.display_none && name == "svg") return {};
+    SvgClipPath clip;
+    if (auto done = enter_clip(*read, style, place, clip); !done) return done;
     return framed(target, use_node, place, style, true);
   }
 
   Result<void> shape(const SvgElement& e, const Place& place, const SvgStyle& style) {
+    if (measured_ != nullptr) {
+      lines_.clear();
+      if (auto done = outline(e, place, style, false, lines_); !done) return done;
+      const SvgTransform to_measured = to_measured_ * place.to_page;
+      for (const PagePoint& p : lines_.points) measured_->add(to_measured(p));
+      return {};
+    }
     if (style.hidden) {
       note(SvgNote::Hidden, e.node);
       return {};
@@ -318,10 +544,7 @@ class SvgReader {
       note(SvgNote::LeftOut, e.node);
       return {};
     }
-    const double scale = place.to_page.largest_scale();
-    if (!std::isfinite(scale))
-      return wrong(e.node, "the transform is too large; use numbers below 1e100",
-                   ErrorKind::OutOfRange);
+    if (const auto scale = scale_of(e, place); !scale) return tl::unexpected(scale.error());
     if (!place.to_page.inverse()) {
       note(SvgNote::Squashed, e.node);
       return {};
@@ -329,14 +552,7 @@ class SvgReader {
     if (style.marked && !is_one_of(e.name, {"rect", "circle", "ellipse"}))
       note(SvgNote::Marked, e.node);
     lines_.clear();
-    const std::string_view points = e.node.attribute("points").value();
-    if (auto done = spend(e.node, e.d.size() + points.size()); !done) return done;
-    const SvgOutlining how{
-        place.frame,  user_mm_, style.font, options_.tolerance_mm / scale, options_.limits.points,
-        purpose->fill};
-    if (auto done = outline_of(e.node, e.name, e.d, how, lines_); !done)
-      return wrong(e.node, done.error());
-    if (auto done = spend(e.node, lines_.points.size()); !done) return done;
+    if (auto done = outline(e, place, style, purpose->fill, lines_); !done) return done;
     return purpose->fill ? add_fill(e, place, style, *purpose->use)
                          : add_stroke(e, place, style, *purpose->use, std::move(dashes));
   }
@@ -350,7 +566,11 @@ class SvgReader {
     if (place.clip != nullptr && *added > 0)
       if (const std::size_t count = strokes_.clip(*place.clip, first); count > 0)
         note(SvgNote::OutOfFrame, e.node, count);
-    return {};
+    std::size_t clipped = 0;
+    for (const SvgClipPath* clip = place.clips; clip != nullptr; clip = clip->around)
+      clipped = std::max(clipped, strokes_.clip(*clip->region, first, steps_));
+    if (clipped > 0) note(SvgNote::Clipped, e.node, clipped);
+    return place.clips == nullptr ? Result<void>{} : spend(e.node, 0);
   }
 
   Result<void> add_stroke(const SvgElement& e, const Place& place, const SvgStyle& style,
@@ -359,13 +579,23 @@ class SvgReader {
     if (dashes.lengths.empty() || whole || lines_.size() == 0)
       return add(e, place, lines_, place.to_page, operation);
     SvgTransform to_page = place.to_page;
+    double scale = 1.0;
     if (style.non_scaling) {
       // Dashes are lengths on the page: the pen does not scale with the shape.
       lines_ = moved(lines_, to_page);
       to_page = {};
-      for (double& length : dashes.lengths) length *= user_mm_;
-      dashes.offset *= user_mm_;
+      scale = user_mm_;
     }
+    if (const auto said = parse_svg_length(e.node.attribute("pathLength").value());
+        said && said->unit == SvgLength::Unit::User && said->value >= 0.0) {
+      // Dashes are parts of the length that the author gives to the shape (SVG 2, section 9.6.1).
+      double all = 0.0;
+      for (std::size_t i = 0; i < lines_.size(); ++i) all += length(lines_[i]);
+      scale = all / said->value;
+      if (!std::isfinite(scale)) return add(e, place, lines_, to_page, operation);
+    }
+    for (double& length : dashes.lengths) length *= scale;
+    dashes.offset *= scale;
     dashed_.clear();
     if (auto done = strokes_.dash(lines_, dashes, steps_, dashed_); !done)
       return wrong(e.node, done.error());
@@ -386,9 +616,16 @@ class SvgReader {
       note(SvgNote::Invisible, e.node);
       return {};
     }
+    // What a frame or clip path hides of a fill leaves a smaller fill: it is closed along them.
+    lines_ = moved(lines_, place.to_page);
+    if (auto shown = clipped_fill(lines_, style.fill_even_odd, place.clip, place.clips, steps_)) {
+      note(place.clips != nullptr ? SvgNote::Clipped : SvgNote::OutOfFrame, e.node);
+      lines_ = std::move(*shown);
+      if (auto done = spend(e.node, 0); !done || lines_.size() == 0) return done;
+    }
     if (!named) {
       Box box;
-      for (const PagePoint& p : lines_.points) box.add(place.to_page(p));
+      for (const PagePoint& p : lines_.points) box.add(p);
       const double margin = 0.001 * (page_mm_[0] + page_mm_[1]);
       if (page_mm_[0] > 0.0 && page_mm_[1] > 0.0 && box.x0 <= margin && box.y0 <= margin &&
           box.x1 >= page_mm_[0] - margin && box.y1 >= page_mm_[1] - margin) {
@@ -397,7 +634,9 @@ class SvgReader {
       }
     }
     const std::size_t first = work_.lines.size();
-    if (auto done = add(e, place, lines_, place.to_page, operation); !done) return done;
+    const auto added = strokes_.add(lines_, {}, operation);
+    if (!added) return wrong(e.node, added.error());
+    if (*added == 0) note(SvgNote::Empty, e.node);
     if (named || work_.lines.size() == first) return {};
     if (fills_.empty()) first_fill_ = svg_where(text_, e.node);
     ++filled_shapes_;
@@ -434,10 +673,13 @@ class SvgReader {
   SvgStyleReader styles_;
   SvgPurposes purposes_;
   SvgStrokes strokes_;
-  std::string prefix_;
   std::array<double, 2> page_mm_{};
   std::unordered_map<std::string_view, pugi::xml_node> ids_;
   std::vector<pugi::xml_node> used_;
+  std::deque<SvgRegion> regions_;  ///< of clip paths
+  std::unordered_map<std::string, const SvgRegion*> known_clips_;
+  Box* measured_{};  ///< not null: shapes are not drawn but measured
+  SvgTransform to_measured_;
   SvgLines lines_, dashed_;
   std::vector<std::size_t> fills_;
   std::size_t filled_shapes_{};

@@ -92,6 +92,52 @@ std::size_t SvgStrokes::clip(const SvgClip& frame, std::size_t first) {
   return std::max(left, lost);
 }
 
+std::size_t SvgStrokes::clip(const SvgRegion& region, std::size_t first, std::size_t& steps) {
+  const std::vector<DrawnLine> lines(work_.lines.begin() + static_cast<std::ptrdiff_t>(first),
+                                     work_.lines.end());
+  if (lines.empty()) return 0;
+  LineWork kept;
+  SvgLines parts;
+  std::size_t lost = 0;
+  for (const DrawnLine& line : lines) {
+    parts.clear();
+    if (!region.cut(work_.points_of(line), steps, parts)) {
+      kept.append(line.operation, work_.points_of(line));
+      continue;
+    }
+    ++lost;
+    for (std::size_t i = 0; i < parts.size(); ++i) kept.append(line.operation, parts[i]);
+  }
+  if (lost == 0) return 0;
+  work_.points.resize(lines.front().first);
+  work_.lines.resize(first);
+  for (const DrawnLine& line : kept.lines) work_.append(line.operation, kept.points_of(line));
+  return lost;
+}
+
+std::optional<SvgLines> clipped_fill(const SvgLines& lines, bool even_odd, const SvgClip* frame,
+                                     const SvgClipPath* clips, std::size_t& steps) {
+  if (frame == nullptr && clips == nullptr) return std::nullopt;
+  SvgRegion around, fill, both;
+  std::vector<SvgRegion::Part> parts;
+  for (; frame != nullptr; frame = frame->around) {
+    const Box& box = frame->box;
+    SvgLines corners{{{box.x0, box.y0}, {box.x1, box.y0}, {box.x1, box.y1}, {box.x0, box.y1}}, {4}};
+    parts.push_back(around.add_shape(moved(corners, frame->to_page), false));
+  }
+  for (; clips != nullptr; clips = clips->around)
+    parts.push_back(around.add_region(*clips->region));
+  around.finish(around.add_all(std::move(parts)));
+  fill.finish(fill.add_shape(lines, even_odd));
+  SvgLines kept;
+  bool lost = false;
+  for (std::size_t i = 0; i < lines.size(); ++i) lost |= around.cut(lines[i], steps, kept);
+  if (!lost && !fill.contains_corner_of(around, steps)) return std::nullopt;
+  const auto shape = both.add_region(fill), hidden = both.add_region(around);
+  both.finish(both.add_all({shape, hidden}));
+  return both.border(steps);
+}
+
 SvgLines moved(const SvgLines& lines, const SvgTransform& to_page) {
   SvgLines out = lines;
   for (PagePoint& p : out.points) p = to_page(p);

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/drawing/linework.hpp"
 #include "core/formats/svg/svg_dash.hpp"
+#include "core/formats/svg/svg_region.hpp"
 #include "core/formats/svg/syntax/svg_path.hpp"
 #include "core/formats/svg/syntax/svg_transform.hpp"
 #include "core/result.hpp"
@@ -42,10 +44,25 @@ class SvgStrokes {
   /// Returns how many lines lost something.
   std::size_t clip(const SvgClip& frame, std::size_t first);
 
+  /// The same for what is outside a region; work is taken from `steps`.
+  std::size_t clip(const SvgRegion& region, std::size_t first, std::size_t& steps);
+
  private:
   LineWork& work_;
   std::size_t most_points_;
 };
+
+/// Clip paths that hold for an element, the innermost first.
+struct SvgClipPath {
+  const SvgRegion* region{};
+  const SvgClipPath* around{};
+};
+
+/// What the inside of closed lines on the page shows within its frames and clip paths, as closed
+/// lines. None if nothing is hidden. Work is taken from `steps`.
+[[nodiscard]] std::optional<SvgLines> clipped_fill(const SvgLines& lines, bool even_odd,
+                                                   const SvgClip* frame, const SvgClipPath* clips,
+                                                   std::size_t& steps);
 
 /// Lines on the page: each point of `lines` mapped by `to_page`.
 [[nodiscard]] SvgLines moved(const SvgLines& lines, const SvgTransform& to_page);

@@ -19,19 +19,26 @@ enum class SvgStyleReader::Property : std::uint8_t {
   Dashes,
   DashOffset,
   StrokeOpacity,
+  StrokeWidth,
   FillOpacity,
   Opacity,
   FontSize,
   ClipPath,
+  ClipRule,
+  FillRule,
   Mask,
   Filter,
   Marker,
   Overflow,
   VectorEffect,
+  TransformOrigin,
+  TransformBox,
   Geometry,  ///< read from attributes only
 };
 
 namespace {
+
+constexpr std::string_view kSvgNamespace = "http://www.w3.org/2000/svg";
 
 // Whether a value is zero, as a number or a percentage.
 std::optional<bool> is_zero(std::string_view value) {
@@ -44,6 +51,47 @@ std::optional<bool> is_zero(std::string_view value) {
 
 }  // namespace
 
+std::optional<SvgOrigin> parse_svg_origin(std::string_view text) {
+  struct Value {
+    SvgLength length;
+    char axis{};  // x, y; c: center; 0: a length
+  };
+  constexpr std::array<std::pair<std::string_view, Value>, 5> kWords{
+      {{"left", {{0, SvgLength::Unit::Percent}, 'x'}},
+       {"right", {{100, SvgLength::Unit::Percent}, 'x'}},
+       {"top", {{0, SvgLength::Unit::Percent}, 'y'}},
+       {"bottom", {{100, SvgLength::Unit::Percent}, 'y'}},
+       {"center", {{50, SvgLength::Unit::Percent}, 'c'}}}};
+  std::array<Value, 3> values{};
+  std::size_t count = 0;
+  for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
+    const std::string_view word = take_word(text, kBlanks);
+    if (count == values.size()) return std::nullopt;
+    Value& value = values[count++];
+    bool known = false;
+    for (const auto& [name, is] : kWords)
+      if (same_word(word, name)) {
+        value = is;
+        known = true;
+      }
+    if (known) continue;
+    const auto length = parse_svg_length(word);
+    if (!length) return std::nullopt;
+    value.length = *length;
+  }
+  if (count == 0 || (count == 3 && values[2].axis != 0)) return std::nullopt;
+  Value& first = values[0];
+  Value& second = values[1];
+  if (count == 1) second = kWords[4].second;
+  if (first.axis == 'y' || second.axis == 'x') {
+    // Only two words can change places, as in "top left".
+    if (first.axis == 0 || second.axis == 0) return std::nullopt;
+    std::swap(first, second);
+  }
+  if (first.axis == 'y' || second.axis == 'x') return std::nullopt;
+  return SvgOrigin{first.length, second.length};
+}
+
 std::string svg_where(const SvgText& text, const pugi::xml_node& node) {
   std::string where = fmt::format("line {}", svg_line(text, node.offset_debug()));
   const std::string_view id = node.attribute("id").value();
@@ -54,9 +102,10 @@ std::string svg_where(const SvgText& text, const pugi::xml_node& node) {
 SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
   using P = Property;
   // Static: it is asked for each attribute, and a table on the stack would be filled each time.
-  static constexpr std::array<std::pair<std::string_view, P>, 32> kNames{
+  static constexpr std::array<std::pair<std::string_view, P>, 36> kNames{
       // in alphabetical order
       {{"clip-path", P::ClipPath},
+       {"clip-rule", P::ClipRule},
        {"color", P::Colour},
        {"cx", P::Geometry},
        {"cy", P::Geometry},
@@ -64,6 +113,7 @@ SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
        {"display", P::Display},
        {"fill", P::Fill},
        {"fill-opacity", P::FillOpacity},
+       {"fill-rule", P::FillRule},
        {"filter", P::Filter},
        {"font-size", P::FontSize},
        {"height", P::Geometry},
@@ -81,8 +131,10 @@ SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
        {"stroke-dasharray", P::Dashes},
        {"stroke-dashoffset", P::DashOffset},
        {"stroke-opacity", P::StrokeOpacity},
+       {"stroke-width", P::StrokeWidth},
        {"transform", P::Geometry},
-       {"transform-origin", P::Geometry},
+       {"transform-box", P::TransformBox},
+       {"transform-origin", P::TransformOrigin},
        {"vector-effect", P::VectorEffect},
        {"visibility", P::Visibility},
        {"width", P::Geometry},
@@ -97,6 +149,21 @@ SvgStyleReader::Property SvgStyleReader::property_of(std::string_view name) {
   for (; row != kNames.end() && row->first.front() == first; ++row)
     if (row->first == name) return row->second;
   return P::None;
+}
+
+void SvgStyleReader::set_clip(SvgStyle& style, std::string_view value) {
+  if (same_word(value, "none")) {
+    style.clip = 0;
+    return;
+  }
+  std::string id;
+  if (value.size() > 4 && same_word(value.substr(0, 4), "url(")) {
+    std::string_view address = value.substr(4, value.find(')') - 4);
+    address = trimmed(trimmed(address), "\"'");
+    if (address.starts_with('#')) id = address.substr(1);
+  }
+  style.clip = static_cast<std::uint32_t>(clips_.size());
+  clips_.push_back(std::move(id));
 }
 
 bool SvgStyleReader::set_paint(SvgPaint& paint, std::string_view value) {
@@ -150,19 +217,31 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
     if (property == P::DashOffset) style.dash_offset = from.dash_offset;
     if (property == P::Display) style.display_none = value == "inherit" && from.display_none;
     if (property == P::StrokeOpacity) style.stroke_clear = from.stroke_clear;
+    if (property == P::StrokeWidth) style.no_width = from.no_width;
     if (property == P::FillOpacity) style.fill_clear = from.fill_clear;
     if (property == P::FontSize) style.font = from.font;
+    if (property == P::ClipRule) style.clip_even_odd = from.clip_even_odd;
+    if (property == P::FillRule) style.fill_even_odd = from.fill_even_odd;
+    if (property == P::ClipPath) style.clip = value == "inherit" ? from.clip : 0;
+    if (property == P::TransformOrigin)
+      style.origin = value == "inherit" ? from.origin : SvgOrigin{};
+    if (property == P::TransformBox) style.own_box = value == "inherit" && from.own_box;
     return;
   }
   if (property == P::Display) style.display_none = same_word(value, "none");
   if (property == P::Visibility)
     style.hidden = same_word(value, "hidden") || same_word(value, "collapse");
-  if (property == P::ClipPath) style.clipped = value != "none";
+  if (property == P::ClipPath) set_clip(style, value);
+  if (property == P::ClipRule) style.clip_even_odd = same_word(value, "evenodd");
+  if (property == P::FillRule) style.fill_even_odd = same_word(value, "evenodd");
+  if (property == P::StrokeWidth)
+    if (const auto width = parse_svg_length(value)) style.no_width = width->value == 0.0;
   if (property == P::Mask) style.masked = value != "none";
   if (property == P::Filter) style.filtered = value != "none";
   if (property == P::Marker) style.marked = value != "none";
   if (property == P::Overflow) style.overflows = value == "visible" || value == "auto";
   if (property == P::VectorEffect) style.non_scaling = value == "non-scaling-stroke";
+  if (property == P::TransformBox) style.own_box = value != "view-box";
   bool understood = true;
   const auto zero = [&](bool& clear) {
     const auto is = is_zero(value);
@@ -201,6 +280,12 @@ void SvgStyleReader::apply(Property property, std::string_view value, const SvgS
       bool clear = false;
       zero(clear);
       style.transparent = inherited.transparent || clear;
+      break;
+    }
+    case P::TransformOrigin: {
+      const auto origin = parse_svg_origin(value);
+      understood = origin.has_value();
+      if (origin) style.origin = *origin;
       break;
     }
     case P::FontSize:
@@ -252,8 +337,12 @@ void SvgStyleReader::read_attributes(const SvgStyle& inherited, SvgElement& elem
       element.has_transform = true;
     } else if (name == "data-assignment") {
       element.assignment = value;
+    } else if (name == "data-name") {
+      element.data_name = value;
     } else if (name == "href") {
       element.href = value;
+    } else if (name == "xmlns") {
+      style.foreign = value != kSvgNamespace && value != root_namespace_;
     } else if (const std::size_t colon = name.find(':'); colon != std::string_view::npos) {
       const std::string_view local = name.substr(colon + 1);
       if (local == "label") element.label = value;
@@ -300,20 +389,69 @@ void SvgStyleReader::read_names(SvgElement& element, SvgStyle& style) {
       style.layer = *use;
       style.has_layer = true;
     }
+  if (!element.is_layer && element.name == "g") read_group_name(element, style);
 }
 
-Result<SvgElement> SvgStyleReader::read(const pugi::xml_node& node, std::string_view prefix,
-                                        const SvgStyle& inherited, SvgStyle& style) {
+// Groups that are layers by their name: those of Illustrator, and in drawings of other programs
+// those directly below the root.
+void SvgStyleReader::read_group_name(const SvgElement& element, SvgStyle& style) {
+  if (!by_illustrator_ && element.node.parent().parent().type() != pugi::node_document) return;
+  const std::string name(element.data_name.empty() ? illustrator_name(element.id)
+                                                   : std::string(element.data_name));
+  if (trimmed(name).size() < 2) return;  // "c" or "f" names no purpose here
+  const auto use = use_of_label(profile_, name);
+  if (!use) return;
+  style.layer = *use;
+  style.has_layer = true;
+  if (!by_illustrator_ && element.assignment.empty())
+    notes_.add(SvgNote::NamedGroup, [&] { return svg_where(text_, element.node); });
+}
+
+// The namespace of a prefix, or the default namespace; empty if none is declared.
+std::string_view SvgStyleReader::namespace_of(pugi::xml_node node, std::string_view prefix) {
+  for (; node; node = node.parent())
+    for (const pugi::xml_attribute& attribute : node.attributes()) {
+      if (steps_ > 0) --steps_;
+      std::string_view name = attribute.name();
+      if (!name.starts_with("xmlns")) continue;
+      name.remove_prefix(5);
+      if (!name.empty()) name.remove_prefix(1);
+      if (name == prefix) return attribute.value();
+    }
+  return {};
+}
+
+std::string_view SvgStyleReader::svg_name(const pugi::xml_node& node) {
+  const std::string_view name = node.name();
+  const std::size_t colon = name.find(':');
+  if (colon == std::string_view::npos) return name;
+  const std::string_view prefix = name.substr(0, colon);
+  const std::string_view space = namespace_of(node, prefix);
+  const bool known =
+      space.empty() ? prefix == root_prefix_ : space == kSvgNamespace || space == root_namespace_;
+  if (!known) return {};
+  return name.substr(colon + 1);
+}
+
+Result<SvgElement> SvgStyleReader::read(const pugi::xml_node& node, const SvgStyle& inherited,
+                                        SvgStyle& style) {
   SvgElement element;
   element.node = node;
-  element.name = node.name();
-  if (const std::size_t colon = element.name.find(':'); colon != std::string_view::npos) {
-    if (element.name.substr(0, colon) != prefix) return SvgElement{};
-    element.name.remove_prefix(colon + 1);
+  if (!root_namespace_) {
+    const std::string_view name = node.name();
+    const std::size_t colon = name.find(':');
+    if (colon != std::string_view::npos) root_prefix_ = name.substr(0, colon);
+    root_namespace_ = namespace_of(node, root_prefix_);
   }
+  element.name = svg_name(node);
+  if (element.name.empty()) return SvgElement{};
   style = inherited;
-  style.display_none = style.clipped = style.masked = style.filtered = style.overflows = false;
+  style.display_none = style.masked = style.filtered = style.overflows = style.own_box = false;
+  style.clip = 0;
+  style.origin = {};
   read_attributes(inherited, element, style);
+  // A name without a prefix belongs to the default namespace, which a group can change.
+  if (style.foreign && element.name == node.name()) return SvgElement{};
   if (!sheets_.empty() || !element.style.empty()) {
     if (element.style.find("/*") != std::string_view::npos) {
       const std::string plain = without_css_comments(element.style);

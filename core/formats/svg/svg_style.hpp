@@ -24,11 +24,21 @@ namespace popcut {
 /// An element, with its most used attributes.
 struct SvgElement {
   pugi::xml_node node;
-  std::string_view name;  ///< without the SVG prefix; empty: another namespace
+  std::string_view name;  ///< without its prefix; empty: another namespace than SVG's
   std::string_view id, classes, style, transform, d, href, assignment, label;
+  std::string_view data_name;  ///< Illustrator's name, if its id is another one
   bool has_transform{false};
   bool is_layer{false};  ///< an Inkscape layer
 };
+
+/// A transform-origin: x and y from the origin of the user units (SVG's transform-box: view-box).
+struct SvgOrigin {
+  SvgLength x, y;  ///< percentages of the width and height of the viewport
+};
+
+/// Parses a transform-origin of one to three values (CSS Transforms 1, section 6): keywords,
+/// lengths and percentages; the third, a depth, has no effect.
+[[nodiscard]] std::optional<SvgOrigin> parse_svg_origin(std::string_view text);
 
 /// An element's inherited and own style and meaning.
 struct SvgStyle {
@@ -40,12 +50,18 @@ struct SvgStyle {
   double font{16.0};  ///< user units
   bool hidden{false}, transparent{false}, stroke_clear{false}, fill_clear{false};
   bool marked{false}, non_scaling{false};
+  bool no_width{false};  ///< stroke-width is 0
+  bool fill_even_odd{false}, clip_even_odd{false};
+  bool foreign{false};  ///< names without a prefix belong to another namespace than SVG's
   bool has_assignment{false}, has_layer{false};
   StrokeUse assignment;  ///< `data-assignment` of the element or its nearest ancestor with one
   StrokeUse layer;       ///< meaning of the nearest layer whose label the profile knows
 
   // Not inherited.
-  bool display_none{false}, clipped{false}, masked{false}, filtered{false}, overflows{false};
+  bool display_none{false}, masked{false}, filtered{false}, overflows{false};
+  bool own_box{false};  ///< transform-box: percentages refer to the shape itself
+  SvgOrigin origin;
+  std::uint32_t clip{};  ///< for `SvgStyleReader::clip`; 0: none
 };
 
 /// "line 7 (id "a")" of a node.
@@ -56,24 +72,38 @@ struct SvgStyle {
 class SvgStyleReader {
  public:
   /// @param user_mm  size of a user unit; work is taken from `steps`
-  SvgStyleReader(const SvgText& text, const StrokeProfile& profile, double user_mm, SvgNotes& notes,
-                 std::size_t& steps)
-      : text_(text), profile_(profile), user_mm_(user_mm), notes_(notes), steps_(steps) {}
+  /// @param by_illustrator  every group with a name is a layer
+  SvgStyleReader(const SvgText& text, const StrokeProfile& profile, double user_mm,
+                 bool by_illustrator, SvgNotes& notes, std::size_t& steps)
+      : text_(text),
+        profile_(profile),
+        user_mm_(user_mm),
+        by_illustrator_(by_illustrator),
+        notes_(notes),
+        steps_(steps) {}
 
   /// Reads the element `node` and computes its `style`; its parent has `inherited`. Does not do
-  /// work beyond the remaining steps, which are then zero.
+  /// work beyond the remaining steps, which are then zero. The first element read is the root,
+  /// whose namespace counts as SVG's even if its name is wrong or missing.
   /// @retval OutOfRange  a stroke-dasharray with too many numbers
-  [[nodiscard]] Result<SvgElement> read(const pugi::xml_node& node, std::string_view prefix,
-                                        const SvgStyle& inherited, SvgStyle& style);
+  [[nodiscard]] Result<SvgElement> read(const pugi::xml_node& node, const SvgStyle& inherited,
+                                        SvgStyle& style);
+
+  /// The name of `node` without its prefix; empty if the prefix is not that of SVG. Names without
+  /// prefix are returned as they are.
+  [[nodiscard]] std::string_view svg_name(const pugi::xml_node& node);
 
   [[nodiscard]] CssSheets& sheets() { return sheets_; }
   [[nodiscard]] std::span<const SvgLength> dashes(std::uint32_t index) const {
     return dash_lists_[index];
   }
+  /// The id of a clip path; empty if it is not in the drawing itself: a shape of CSS, another file.
+  [[nodiscard]] const std::string& clip(std::uint32_t index) const { return clips_[index]; }
 
  private:
   enum class Property : std::uint8_t;
   static Property property_of(std::string_view name);
+  std::string_view namespace_of(pugi::xml_node node, std::string_view prefix);
   void read_attributes(const SvgStyle& inherited, SvgElement& element, SvgStyle& style);
   void apply_sheets(const SvgStyle& inherited, const SvgElement& element, SvgStyle& style,
                     std::string_view own);
@@ -81,21 +111,27 @@ class SvgStyleReader {
                  const SvgElement& element, SvgStyle& style);
   void apply(Property property, std::string_view value, const SvgStyle& inherited,
              const SvgElement& element, SvgStyle& style, bool is_attribute);
+  void set_clip(SvgStyle& style, std::string_view value);
   bool set_paint(SvgPaint& paint, std::string_view value);
   bool set_dashes(SvgStyle& style, std::string_view value);
   void set_font(double& font, std::string_view value, double inherited) const;
   void read_names(SvgElement& element, SvgStyle& style);
+  void read_group_name(const SvgElement& element, SvgStyle& style);
 
   const SvgText& text_;
   const StrokeProfile& profile_;
   double user_mm_;
+  bool by_illustrator_;
   SvgNotes& notes_;
   std::size_t& steps_;
   CssSheets sheets_;
   std::vector<const CssRule*> found_;
+  std::vector<std::string> clips_{{}};
   std::vector<std::vector<SvgLength>> dash_lists_{{}};
   std::unordered_map<std::string, std::uint32_t> known_dashes_;
   bool too_many_dashes_{false};
+  std::optional<std::string_view> root_namespace_;
+  std::string_view root_prefix_;
 };
 
 /// Visits `root` and all elements below it in document order, without recursion.

@@ -293,4 +293,258 @@ TEST_CASE("lines are clipped exactly at the border of their frame", "[core][form
                "d='M1 1H20M0 30H9'/></svg></svg>") == Points{{1, 1}, {4, 1}});
 }
 
+TEST_CASE("transforms turn about their origin", "[core][formats][svg]") {
+  using Points = std::vector<PagePoint>;
+  const auto drawn = [](const std::string& attributes, const std::string& head = kPage) {
+    const LineWork work =
+        read(svg("<g " + attributes + "><path d='M10 0V4' stroke='red'/></g>", head));
+    REQUIRE(work.lines.size() == 1);
+    Points points(work.points.begin(), work.points.end());
+    for (PagePoint& p : points) p = {std::round(p.x * 1e6) / 1e6, std::round(p.y * 1e6) / 1e6};
+    return points;
+  };
+  // A quarter turn about (cx, cy) maps (x, y) to (cx - (y - cy), cy + (x - cx)).
+  const auto turned = [&](const std::string& origin) {
+    const Points points = drawn("transform='rotate(90)' transform-origin='" + origin + "'");
+    CHECK(drawn("transform='rotate(90)' style='transform-origin:" + origin + "'") == points);
+    return points;
+  };
+  CHECK(drawn("transform='rotate(90)'") == Points{{0, 10}, {-4, 10}});
+  CHECK(turned("10 0") == Points{{10, 0}, {6, 0}});
+  CHECK(turned("10px 20px") == Points{{30, 20}, {26, 20}});
+  CHECK(turned("10% 20%") == Points{{30, 20}, {26, 20}});
+  CHECK(turned("10 20 5px") == Points{{30, 20}, {26, 20}});
+  CHECK(turned("center") == Points{{100, 10}, {96, 10}});
+  CHECK(turned("10") == Points{{60, 50}, {56, 50}});  // the other is the centre
+  CHECK(turned("top") == Points{{50, -40}, {46, -40}});
+  CHECK(turned("right bottom") == Points{{200, 10}, {196, 10}});
+  CHECK(turned("bottom right") == Points{{200, 10}, {196, 10}});
+  CHECK(turned("1em 0") == Points{{16, -6}, {12, -6}});
+  CHECK(drawn("transform='scale(2)' transform-origin='5 1'") == Points{{15, -1}, {15, 7}});
+  // Percentages are of the view box, whose least x and y do not move the origin.
+  CHECK(drawn("transform='scale(2)' transform-origin='50% 50%'",
+              "width='20mm' height='20mm' viewBox='-5 -5 20 20'") == Points{{15, -5}, {15, 3}});
+  CHECK(drawn("transform-origin='50 50'") == Points{{10, 0}, {10, 4}});
+  CHECK(is_told(read(svg("<g transform='rotate(9)' transform-origin='top 5px'/>")),
+                "1 style cannot be read and is ignored"));
+  CHECK(is_told(read(svg("<g transform='rotate(9)' style='transform-box:fill-box'/>")),
+                "1 transform has a transform-box"));
+}
+
+TEST_CASE("dashes are parts of the length that a shape is said to have",
+          "[core][formats][svg][dashes]") {
+  const auto dashes = [](const std::string& shape, const std::string& more = "") {
+    return read(svg(shape + " stroke='red' fill='none' stroke-dasharray='4 2' " + more + "/>"));
+  };
+  // 20 mm that count as 10: a dash of 4 is 8 mm, a gap of 2 is 4 mm.
+  check_spans(dashes("<path d='M0 0H20' pathLength='10'"), {0, 8, 12, 20});
+  check_spans(dashes("<line x2='20' pathLength='10'"), {0, 8, 12, 20});
+  check_spans(dashes("<polyline points='0 0 20 0' pathLength='10'"), {0, 8, 12, 20});
+  check_spans(dashes("<path d='M0 0H20' pathLength='10'", "stroke-dashoffset='1'"), {0, 6, 10, 18});
+  // All parts count together: 20 mm are 10.
+  check_spans(dashes("<path d='M0 0H10M0 5H10' pathLength='10'"), {0, 8, 0, 8});
+  // A circle in 4 quarters has its dashes at them, whatever its size.
+  const LineWork ring =
+      read(svg("<circle r='10' cx='50' cy='50' pathLength='4' stroke='red' fill='none' "
+               "stroke-dasharray='1'/>"));
+  REQUIRE(ring.lines.size() == 2);
+  CHECK(ring.points_of(ring.lines[0]).front() == PagePoint{60, 50});
+  CHECK(ring.points_of(ring.lines[0]).back().x == Approx(50).margin(1e-6));
+  CHECK(ring.points_of(ring.lines[1]).front().x == Approx(40).margin(1e-6));
+  // 20 mm around count as 10: from 0 to 8 mm and from 12 to 20 mm.
+  check_spans(dashes("<rect width='5' height='5' pathLength='10'"), {0, 5, 3, 0});
+  check_spans(dashes("<path d='M0 0H20' pathLength='10' vector-effect='non-scaling-stroke'"),
+              {0, 8, 12, 20});
+  // Zero makes every dash endless; what is no length counts for nothing.
+  check_spans(dashes("<path d='M0 0H20' pathLength='0'"), {0, 20});
+  check_spans(dashes("<path d='M0 0H5' pathLength='-1'"), {0, 4});
+}
+
+TEST_CASE("elements belong to SVG by their namespace, not by the prefix of the root",
+          "[core][formats][svg]") {
+  const std::string box = "width='9mm' height='9mm' viewBox='0 0 9 9'";
+  const std::string ns = "'http://www.w3.org/2000/svg'";
+  // As Inkscape declares it: one namespace, with and without a prefix.
+  const LineWork both = read("<svg xmlns=" + ns + " xmlns:svg=" + ns + " " + box +
+                             "><style>g path{stroke:red}</style><svg:g><svg:path d='M0 0H4'/>"
+                             "<path d='M0 1H3'/></svg:g></svg>");
+  check_spans(both, {0, 4, 0, 3});
+  // Declared at the element itself, beside another default namespace.
+  check_spans(read("<svg xmlns=" + ns + " " + box + "><svg:path xmlns:svg=" + ns +
+                   " d='M0 0H4' stroke='red'/></svg>"),
+              {0, 4});
+  const LineWork other =
+      read("<s:svg xmlns:s=" + ns + " xmlns='http://www.w3.org/1999/xhtml' " + box +
+           "><path d='M0 0H9' stroke='red'/><s:path d='M0 0H4' stroke='red'/>"
+           "<g xmlns=" +
+           ns +
+           "><path d='M0 0H3' stroke='red'/></g>"
+           "<t:path xmlns:t='urn:t' d='M0 0H9' stroke='red'/></s:svg>");
+  check_spans(other, {0, 4, 0, 3});
+  // A foreign group inside, and what it contains.
+  check_spans(read(svg("<g xmlns='urn:other'><path d='M0 0H9' stroke='red'/></g>"
+                       "<path d='M0 0H4' stroke='red'/>")),
+              {0, 4});
+  // `use` finds prefixed symbols.
+  check_spans(read("<svg xmlns=" + ns + " xmlns:v=" + ns + " " + box +
+                   "><v:symbol id='s'><v:path d='M0 0H4' stroke='red'/></v:symbol>"
+                   "<v:use href='#s'/></svg>"),
+              {0, 4});
+}
+
+// The area that the closed lines of a drawing enclose, holes taken off, and that all are closed.
+double closed_area(const LineWork& work) {
+  double twice = 0.0;
+  for (const DrawnLine& line : work.lines) {
+    const auto points = work.points_of(line);
+    CHECK(points.front() == points.back());
+    twice += turning(points);
+  }
+  return std::abs(twice) / 2;
+}
+
+TEST_CASE("strokes are cut only inside clip paths", "[core][formats][svg][clip]") {
+  const std::string box =
+      "<clipPath id='c'><rect x='10' y='10' width='20' height='20'/></clipPath>";
+  const auto clipped = [](const std::string& clip, const std::string& drawn) {
+    const LineWork work = read(svg("<defs>" + clip + "</defs>" + drawn));
+    return work;
+  };
+  const std::string line = "<path d='M0 20H50' stroke='red' fill='none' ";
+  check_spans(clipped(box, line + "clip-path='url(#c)'/>"), {10, 30});
+  check_spans(clipped(box, line + "style='clip-path:url(\"#c\")'/>"), {10, 30});
+  check_spans(clipped(box, "<g clip-path='url(#c)'>" + line + "/></g>"), {10, 30});
+  CHECK(is_told(clipped(box, line + "clip-path='url(#c)'/>"),
+                "1 line is cut only inside its clip path"));
+  // What is inside, also along the border of the clip path, stays as it is, and nothing is said.
+  const LineWork along =
+      clipped(box,
+              "<rect x='10' y='10' width='20' height='20' stroke='red' fill='none' "
+              "clip-path='url(#c)'/>");
+  CHECK(total_mm(along, Operation::Cut) == Approx(80));
+  CHECK(along.lines.size() == 1);
+  CHECK(along.warnings.empty());
+  CHECK(clipped(box, "<path d='M0 0H5' stroke='red' clip-path='url(#c)'/>").lines.empty());
+  // The clip path moves with the user units of what it clips, and with its own transform.
+  check_spans(clipped(box, "<g transform='translate(5 0)'>" + line + "clip-path='url(#c)'/></g>"),
+              {15, 35});
+  check_spans(clipped(box, line + "transform='translate(5 0)' clip-path='url(#c)'/>"), {15, 35});
+  check_spans(clipped("<clipPath id='c' transform='translate(1 0)'><rect x='10' y='10' width='20' "
+                      "height='20'/></clipPath>",
+                      line + "clip-path='url(#c)'/>"),
+              {11, 31});
+  // Of several shapes: what any of them shows; with holes by clip-rule.
+  check_spans(clipped("<clipPath id='c'><rect width='10' height='40'/><circle cx='30' cy='20' "
+                      "r='10' /></clipPath>",
+                      line + "clip-path='url(#c)'/>"),
+              {0, 10, 20, 40});
+  const std::string two = "d='M0 0H40V40H0ZM10 10H30V30H10Z'/></clipPath>";
+  check_spans(clipped("<clipPath id='c'><path " + two, line + "clip-path='url(#c)'/>"), {0, 40});
+  check_spans(
+      clipped("<clipPath id='c'><path clip-rule='evenodd' " + two, line + "clip-path='url(#c)'/>"),
+      {0, 10, 30, 40});
+  check_spans(
+      clipped("<clipPath id='c' clip-rule='evenodd'><path " + two, line + "clip-path='url(#c)'/>"),
+      {0, 10, 30, 40});
+  // Through <use>, as Illustrator writes it, and with an offset.
+  check_spans(clipped("<rect id='r' x='10' y='10' width='20' height='20'/><clipPath id='c'>"
+                      "<use xlink:href='#r' x='2' style='overflow:visible'/></clipPath>",
+                      line + "clip-path='url(#c)'/>"),
+              {12, 32});
+  // In groups in groups, in clip paths, and of shapes in clip paths.
+  const std::string other =
+      "<clipPath id='d'><rect x='20' y='0' width='50' height='50'/></clipPath>";
+  check_spans(
+      clipped(box + other, "<g clip-path='url(#c)'><g clip-path='url(#d)'>" + line + "/></g></g>"),
+      {20, 30});
+  check_spans(clipped(box + "<clipPath id='d' clip-path='url(#c)'><rect x='20' width='50' "
+                            "height='50'/></clipPath>",
+                      line + "clip-path='url(#d)'/>"),
+              {20, 30});
+  check_spans(clipped(box + "<clipPath id='d'><rect x='20' width='50' height='50' "
+                            "clip-path='url(#c)'/><rect width='5' height='50'/></clipPath>",
+                      line + "clip-path='url(#d)'/>"),
+              {0, 5, 20, 30});
+  // Of the bounding box: 0.25 to 0.75 of x = 0 .. 50; of a group: of all in it.
+  const std::string part =
+      "<clipPath id='c' clipPathUnits='objectBoundingBox'><rect x='.25' width='.5' height='1'/>"
+      "</clipPath>";
+  check_spans(clipped(part, "<path d='M0 0H50V4H0' stroke='red' fill='none' clip-path='url(#c)'/>"),
+              {12.5, 37.5, 37.5, 12.5});
+  check_spans(clipped(part,
+                      "<g clip-path='url(#c)' transform='translate(1 0)'><g "
+                      "transform='translate(2 3)'>" +
+                          line + "/></g><path d='M0 0V9' fill='none'/></g>"),
+              {1 + 13, 1 + 39});  // the box is 0 .. 52
+  // Dashes end at the clip path.
+  check_spans(clipped(box, line + "stroke-dasharray='8' clip-path='url(#c)'/>"), {16, 24});
+  // A ring that is cut open goes on through its seam.
+  const LineWork ring =
+      clipped(box,
+              "<rect x='15' y='15' width='30' height='5' stroke='red' fill='none' "
+              "clip-path='url(#c)'/>");
+  REQUIRE(ring.lines.size() == 1);
+  CHECK(ring.points == std::vector<PagePoint>{{30, 20}, {15, 20}, {15, 15}, {30, 15}});
+  // An empty clip path hides all.
+  CHECK(clipped("<clipPath id='c'/>", line + "clip-path='url(#c)'/>").lines.empty());
+  // What is no clip path of shapes is told, and nothing is cut off.
+  const LineWork text =
+      clipped("<clipPath id='c'><text>A</text></clipPath>", line + "clip-path='url(#c)'/>");
+  check_spans(text, {0, 50});
+  CHECK(is_told(text, "1 clip path is not made of shapes"));
+  CHECK(is_told(clipped("", line + "clip-path='circle(9px)'/>"), "is not made of shapes"));
+  CHECK(is_told(clipped("", line + "clip-path='url(#no)'/>"), "1 clip path is missing"));
+  CHECK(
+      error_of(svg("<clipPath id='c' clip-path='url(#c)'><rect width='9' height='9'/></clipPath>" +
+                   line + "clip-path='url(#c)'/>"))
+          .detail.find("refers to itself") != std::string::npos);
+}
+
+TEST_CASE("fills that a clip path or frame cuts are closed along it",
+          "[core][formats][svg][clip]") {
+  const auto filled = [](const std::string& clip, const std::string& d, const char* more = "") {
+    return read(svg("<clipPath id='c'>" + clip + "</clipPath><path clip-path='url(#c)' d='" + d +
+                    "' " + more + "/>"));
+  };
+  const std::string box = "<rect x='10' y='10' width='20' height='20'/>";
+  // A square of 20 from 20, 20: the corner of 10 x 10 is left, closed.
+  const LineWork corner = filled(box, "M20 20H40V40H20Z");
+  REQUIRE(corner.lines.size() == 1);
+  CHECK(closed_area(corner) == Approx(100));
+  CHECK(total_mm(corner, Operation::Cut) == Approx(40));
+  CHECK(is_told(corner, "1 line is cut only inside its clip path"));
+  // A fill that covers the clip path becomes the clip path; one inside stays.
+  CHECK(closed_area(filled(box, "M0 0H50V50H0Z")) == Approx(400));
+  CHECK(closed_area(filled(box, "M0 0H100V100H0Z")) == Approx(400));  // no background any more
+  CHECK(closed_area(filled(box, "M12 12H14V14H12Z")) == Approx(4));
+  CHECK(filled(box, "M0 0H5V5H0Z").lines.empty());
+  CHECK(filled(box, "M0 10H10V30H0Z").lines.empty());                  // they touch along an edge
+  CHECK(closed_area(filled(box, "M10 10H30V30H10Z")) == Approx(400));  // the same
+  CHECK(closed_area(filled(box, "M10 0H30V20H10Z")) == Approx(200));   // edges in common
+  // A bar across two shapes of a clip path falls into two; a hole stays a hole.
+  const LineWork bar = filled("<rect width='10' height='40'/><rect x='20' width='10' height='40'/>",
+                              "M-5 10H60V15H-5Z");
+  CHECK(bar.lines.size() == 2);
+  CHECK(closed_area(bar) == Approx(100));
+  const std::string frame = "M0 0H40V40H0ZM15 15H25V25H15Z";
+  CHECK(closed_area(filled(box, frame, "fill-rule='evenodd'")) == Approx(400 - 100));
+  CHECK(closed_area(filled(box, frame)) == Approx(400));
+  // A clip path with a hole inside the fill.
+  CHECK(closed_area(filled("<path clip-rule='evenodd' d='" + frame + "'/>", "M10 10H30V30H10Z")) ==
+        Approx(400 - 100));
+  // A half disc of radius 10, by chords of at most 0.02 mm.
+  const LineWork half =
+      read(svg("<clipPath id='c'><rect width='50' height='20'/></clipPath>"
+               "<circle cx='20' cy='20' r='10' clip-path='url(#c)'/>"));
+  REQUIRE(half.lines.size() == 1);
+  CHECK(closed_area(half) == Approx(50 * M_PI).margin(0.5));
+  // A frame, turned by a quarter and moved.
+  const LineWork framed =
+      read(svg("<g transform='matrix(0 1 -1 0 50 50)'><svg width='10' "
+               "height='10'><path d='M5 5H20V8H5Z'/></svg></g>"));
+  REQUIRE(framed.lines.size() == 1);
+  CHECK(closed_area(framed) == Approx(15));
+  CHECK(is_told(framed, "1 line leaves the frame"));
+}
+
 }  // namespace svg_drawings_test

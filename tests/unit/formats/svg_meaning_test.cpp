@@ -178,8 +178,7 @@ TEST_CASE("features that are not applied are named with their place", "[core][fo
       <path d="M0 0H1" stroke="red" transform="scale(0 1)"/><rect stroke="red" width="0" height="2"/>
       <path d="M0 0H1" stroke="red" data-assignment="Q"/>
       <foreignObject/><script/><text display="none">x</text>)x"));
-  CHECK(is_told(
-      work, "1 element has a clip path, which popcut does not apply: it is cut whole; at line 2"));
+  CHECK(is_told(work, "1 clip path is missing: what it clips is cut whole; at line 2"));
   CHECK(is_told(work, "1 element has a mask"));
   CHECK(is_told(work, "1 element has a filter, which popcut does not apply; at line 3 (id \"f\")"));
   CHECK(is_told(work, "1 line has markers"));
@@ -342,6 +341,92 @@ TEST_CASE("a prefix for SVG and elements of editors are accepted", "[core][forma
       <g><path d="M0 0H4" stroke="red"/></g><g><path d="M0 0H9" stroke="red"/></g></switch>)x"));
   CHECK(length(choice.points) == Approx(4));
   CHECK(choice.warnings.empty());
+}
+
+TEST_CASE("strokes of width 0 and text are told with what to do", "[core][formats][svg]") {
+  const LineWork work = read(svg(R"x(<g stroke="red" fill="none" stroke-width="0">
+      <path id="a" d="M0 0H1"/><path d="M0 0H2" style="stroke-width:0px"/>
+      <path d="M0 0H4" stroke-width="0.01"/><path d="M0 0H8" stroke-width="initial"/>
+      <path d="M0 0H9" stroke="none"/></g><path d="M0 0H16" stroke="red"/>
+      <text id="t"><tspan>x</tspan></text>)x"));
+  CHECK(total_mm(work, Operation::Cut) == Approx(1 + 2 + 4 + 8 + 16));
+  CHECK(is_told(work,
+                "2 strokes of width 0, which viewers do not show, are read as any other; the "
+                "first at line 2 (id \"a\"); set a stroke-width"));
+  CHECK(is_told(work,
+                "1 <text> cannot be read and is left out; at line 5 (id \"t\"); turn it into "
+                "paths (Inkscape: Path > Object to Path"));
+  CHECK(std::count_if(work.warnings.begin(), work.warnings.end(),
+                      [](const Warning& w) { return w.code == "stroke_zero" && w.spoils; }) == 1);
+}
+
+TEST_CASE("layers of Illustrator are read by their names", "[core][formats][svg][profile]") {
+  CHECK(illustrator_name("Fold") == "Fold");
+  CHECK(illustrator_name("Fold_Lines") == "Fold Lines");
+  CHECK(illustrator_name("fold_x5F_mountain") == "fold_mountain");
+  CHECK(illustrator_name("fold_x2D_valley_1_") == "fold-valley");
+  CHECK(illustrator_name("Cut_2_") == "Cut");
+  CHECK(illustrator_name("Cut_2") == "Cut 2");
+  CHECK(illustrator_name("_x31_st_cut") == "1st cut");
+  CHECK(illustrator_name("_x") == " x");
+  CHECK(illustrator_name("a_x__") == "a x  ");
+  CHECK(illustrator_name("_1_") == " 1 ");
+  CHECK(illustrator_name("").empty());
+
+  const std::string comment =
+      "<?xml version='1.0'?>\n<!-- Generator: Adobe Illustrator 24.0.1, SVG Export Plug-In . SVG "
+      "Version: 6.00 Build 0)  -->\n";
+  const std::string groups = R"x(<g id="Art"><g id="Fold"><path d="M0 0H1" stroke="#000"/></g>
+      <g id="fold_x5F_mountain_1_"><path d="M0 0H2" stroke="#000"/></g></g>
+      <g id="Cut"><path d="M0 0H4" stroke="#000"/><g id="Layer_4" data-name="Score lines">
+      <path d="M0 0H8" stroke="#000"/></g></g><g id="c"><path d="M0 0H16" stroke="#000"/></g>)x";
+  const LineWork work = read(comment + svg(groups), "auto");
+  CHECK(total_mm(work, Operation::FoldValley) == Approx(1));
+  CHECK(total_mm(work, Operation::FoldMountain) == Approx(2));
+  CHECK(total_mm(work, Operation::Cut) == Approx(4 + 16));
+  CHECK(total_mm(work, Operation::Score) == Approx(8));
+  CHECK_FALSE(is_told(work, "by its id"));
+  // Other programs: only groups directly below the root, and it is said.
+  const LineWork plain = read(svg(groups), "auto");
+  CHECK(total_mm(plain, Operation::FoldValley) == 0);
+  CHECK(total_mm(plain, Operation::Cut) == Approx(1 + 2 + 4 + 8 + 16));
+  CHECK(
+      is_told(plain, "1 group is read by its id as a layer of that name; at line 3 (id \"Cut\")"));
+  const LineWork fold = read(svg(R"x(<g id="valley_folds"><path d="M0 0H1" stroke="red"/></g>
+      <g id="cut"><path d="M0 0H2" stroke="blue"/></g>)x"),
+                             "auto");
+  CHECK(total_mm(fold, Operation::FoldValley) == Approx(1));
+  CHECK(total_mm(fold, Operation::Cut) == Approx(2));
+  CHECK(is_told(fold, "2 groups are read by their ids"));
+  CHECK(total_mm(read(svg(groups), "plain"), Operation::Cut) == Approx(31));
+  // A label of Inkscape counts before the id.
+  const LineWork both = read(svg(R"x(<g id="cut" inkscape:groupmode="layer" inkscape:label="Fold">
+      <path d="M0 0H1" stroke="red"/></g>)x"));
+  CHECK(total_mm(both, Operation::FoldValley) == Approx(1));
+  CHECK(both.warnings.empty());
+}
+
+TEST_CASE("drawings of Illustrator without a unit are told to have 72 to the inch",
+          "[core][formats][svg]") {
+  const std::string comment = "<!-- Generator: Adobe Illustrator 24.0.1 -->";
+  const std::string line = "<path d='M0 0H72' stroke='red'/>";
+  const std::string px = "width='72px' height='72px' viewBox='0 0 72 72'";
+  const std::string advice = "use `svg-dpi` 72";
+  const LineWork work = read(comment + svg(line, px));
+  CHECK(total_mm(work, Operation::Cut) == Approx(72 * 25.4 / 96));
+  CHECK(is_told(work, advice));
+  CHECK(is_told(read(comment + svg(line, "viewBox='0 0 72 72'")), advice));
+  CHECK_FALSE(is_told(read(comment + svg(line, "width='1in' viewBox='0 0 72 72'")), advice));
+  CHECK_FALSE(is_told(read(comment + svg(line, "width='72pt' viewBox='0 0 72 72'")), advice));
+  CHECK_FALSE(is_told(read(svg(line, px)), advice));
+  CHECK_FALSE(is_told(read(svg(line + comment, px)), advice));
+  SvgReadOptions how;
+  how.profile = *find_stroke_profile("popcut");
+  how.dpi = 72;
+  const auto said = linework_from_svg(comment + svg(line, px), how);
+  REQUIRE(said);
+  CHECK(total_mm(*said, Operation::Cut) == Approx(25.4));
+  CHECK_FALSE(is_told(*said, advice));
 }
 
 }  // namespace svg_meaning_test

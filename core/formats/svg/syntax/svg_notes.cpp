@@ -45,8 +45,12 @@ constexpr std::array<Wording, static_cast<std::size_t>(SvgNote::Count_)> kWordin
      "shapes or groups have no size after their transforms", ""},
     {"no_size", false, "shape has no size and is left out", "shapes have no size and are left out",
      ""},
-    {"clip_ignored", true, "element has a clip path, which popcut does not apply: it is cut whole",
-     "elements have a clip path, which popcut does not apply: they are cut whole",
+    {"clipped", false, "line is cut only inside its clip path",
+     "lines are cut only inside their clip paths", ""},
+    {"clip_missing", true, "clip path is missing: what it clips is cut whole",
+     "clip paths are missing: what they clip is cut whole", ""},
+    {"clip_ignored", true, "clip path is not made of shapes: what it clips is cut whole",
+     "clip paths are not made of shapes: what they clip is cut whole",
      "apply the clip in the editor"},
     {"mask_ignored", true, "element has a mask, which popcut does not apply: it is cut whole",
      "elements have a mask, which popcut does not apply: they are cut whole",
@@ -83,6 +87,16 @@ constexpr std::array<Wording, static_cast<std::size_t>(SvgNote::Count_)> kWordin
      "style sets a shape or a transform, which popcut reads from attributes only",
      "styles set a shape or a transform, which popcut reads from attributes only",
      "write them as attributes"},
+    {"transform_box", true,
+     "transform has a transform-box, which popcut does not read: it turns about the wrong point",
+     "transforms have a transform-box, which popcut does not read: they turn about wrong points",
+     "give the transform-origin in units of the drawing"},
+    {"group_named", false, "group is read by its id as a layer of that name",
+     "groups are read by their ids as layers of those names",
+     "use `svg-profile` plain to ignore names"},
+    {"stroke_zero", true, "stroke of width 0, which viewers do not show, is read as any other",
+     "strokes of width 0, which viewers do not show, are read as any other",
+     "set a stroke-width if it is right, or stroke=\"none\" to leave it out"},
     {"assignment_unknown", true, "data-assignment is unknown and ignored",
      "data-assignments are unknown and ignored", "use B, M, V, C, F, U or J"},
 }};
@@ -102,12 +116,13 @@ std::vector<Warning> SvgNotes::warnings() const {
   for (const auto& [name, entry] : elements_) {
     const std::string what =
         fmt::format("<{}> cannot be read and {} left out", name, entry.count == 1 ? "is" : "are");
-    out.push_back(
-        {.code = "element_unread",
-         .message = sentence(entry.count, what, entry.first,
-                             entry.count == 1 ? "turn it into paths" : "turn them into paths"),
-         .place = {.source = entry.first},
-         .spoils = name != "image"});
+    std::string advice = entry.count == 1 ? "turn it into paths" : "turn them into paths";
+    if (name == "text")
+      advice += " (Inkscape: Path > Object to Path; Illustrator: Type > Create Outlines)";
+    out.push_back({.code = "element_unread",
+                   .message = sentence(entry.count, what, entry.first, advice),
+                   .place = {.source = entry.first},
+                   .spoils = name != "image"});
   }
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const Entry& entry = entries_[i];

@@ -26,6 +26,8 @@ enum class SvgNote {
   Squashed,
   Empty,
   Clipped,
+  ClipMissing,
+  ClipUnread,
   Masked,
   Filtered,
   Marked,
@@ -38,6 +40,9 @@ enum class SvgNote {
   SheetBlock,
   Value,
   SheetGeometry,
+  OwnBox,
+  NamedGroup,
+  NoWidth,
   Assignment,
   Count_,
 };

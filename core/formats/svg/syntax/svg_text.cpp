@@ -86,6 +86,20 @@ std::size_t find_doctype(std::string_view text) {
   return std::string_view::npos;
 }
 
+// Whether a comment before the root names Adobe Illustrator, as "Generator: Adobe
+// Illustrator 24.0".
+bool is_by_illustrator(std::string_view text) {
+  for (std::size_t at = text.find('<'); at < text.size(); at = text.find('<', at)) {
+    const auto past = past_marked(text, at);
+    if (!past || *past == std::string_view::npos) return false;
+    const std::string_view comment = text.substr(at, *past - at);
+    if (comment.starts_with("<!--") && comment.find("Adobe Illustrator") != std::string_view::npos)
+      return true;
+    at = *past;
+  }
+  return false;
+}
+
 // Reads the declarations of one DOCTYPE.
 class DoctypeReader {
  public:
@@ -283,6 +297,7 @@ Result<SvgText> prepare_svg_text(std::string text, const SvgLimits& limits) {
         ErrorKind::Malformed, "",
         fmt::format("byte {} is zero, which text never contains; is this an SVG file?", nul + 1));
   if (auto done = remove_doctype(svg, limits); !done) return tl::unexpected(done.error());
+  svg.by_illustrator = is_by_illustrator(svg.text);
   const auto newlines =
       static_cast<std::size_t>(std::count(svg.text.begin(), svg.text.end(), '\n'));
   const std::size_t need = tree_bytes(svg.text) + 4 * newlines;

@@ -28,6 +28,7 @@ struct SvgText {
   std::string text;                  ///< UTF-8; the DOCTYPE blanked, entities replaced
   std::vector<std::uint32_t> lines;  ///< where each line except the first begins
   bool has_foreign_sheet{false};     ///< an xml-stylesheet refers to another file
+  bool by_illustrator{false};        ///< a comment before the root names Adobe Illustrator
 };
 
 /// Checks the size, converts UTF-16 to UTF-8, and removes the DOCTYPE. Replaces the entities of its
