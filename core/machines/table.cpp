@@ -22,7 +22,8 @@ TableRow* find_row(std::vector<TableRow>& rows, std::string_view name) {
   return found == rows.end() ? nullptr : &*found;
 }
 
-// Starts from the row that `row` is like, with the fields of `row` over it.
+// Starts from the row that `row` is like, with the fields of `row` over it, also within its
+// objects.
 Result<TableRow> inherited(TableRow row, std::vector<TableRow>& rows) {
   const auto like = row.row.find("like");
   if (like == row.row.end()) return row;
@@ -39,8 +40,14 @@ Result<TableRow> inherited(TableRow row, std::vector<TableRow>& rows) {
   }
   nlohmann::json merged = base->row;
   merged.erase("source");
-  for (const auto& field : row.row.items())
-    if (field.key() != "like") merged[field.key()] = field.value();
+  for (const auto& field : row.row.items()) {
+    if (field.key() == "like") continue;
+    nlohmann::json& into = merged[field.key()];
+    if (into.is_object() && field.value().is_object())
+      into.update(field.value());  // "motion": {"spread": 0.4} keeps the rest of the motion
+    else
+      into = field.value();
+  }
   row.row = std::move(merged);
   return row;
 }

@@ -124,6 +124,44 @@ TEST_CASE("the simulated Cameo 3 is ready when the recorded one was", "[device][
   }
 }
 
+TEST_CASE("the simulated Portrait is ready when the recorded one was, within its told spread",
+          "[device][sim]") {
+  const Machine portrait = machine("portrait");
+  for (const Session& session : sessions("la_silhouette_box_thickness_1")) {
+    SimCutter sim = cutter(portrait);
+    std::size_t compared = 0;
+    double begun = 0;
+    for (std::size_t k = 0; k < session.transfers.size(); ++k) {
+      const Transfer& transfer = session.transfers[k];
+      if (!transfer.out || transfer.bytes == kEnquiry) continue;
+      if (begun == 0) begun = transfer.seconds;
+      sim.run_until(at(transfer.seconds));
+      REQUIRE(sim.accept(bytes(transfer.bytes)) == transfer.bytes.size());
+      const std::optional<Ready> recorded = ready_after(session, k);
+      if (!recorded) continue;
+      SimCutter ahead = sim;
+      ahead.run_dry();
+      CAPTURE(k, recorded->last_busy, recorded->first_ready, seconds(ahead.now()));
+      CHECK(seconds(ahead.now()) == Approx(recorded->first_ready).margin(0.3));
+      const double took = recorded->first_ready - begun;
+      CHECK(std::abs(seconds(ahead.now()) - begun - took) < portrait.motion.spread * took);
+      ++compared;
+    }
+    CHECK(compared == 2);  // geometry and trailer; the settings were not waited for
+  }
+}
+
+TEST_CASE("rows without a recording of their own tell a wider spread", "[device][machines]") {
+  // Recordings exist of these two; see their source.
+  const double best = machine("cameo3").motion.spread;
+  CHECK(machine("portrait").motion.spread > best);
+  for (const Machine& m : value(all_machines()))
+    if (m.driven() && m.name != "cameo3" && m.name != "portrait") {
+      CAPTURE(m.name);
+      CHECK(m.motion.spread >= 0.35);
+    }
+}
+
 TEST_CASE("simulated variants of the recorded job take as long as the recorded ones",
           "[device][sim]") {
   // Seconds from the last geometry write to the first 0, polled twice a second; one square of the

@@ -111,6 +111,14 @@ TEST_CASE("a number has one sign at most", "[core][plan][tables]") {
   }
 }
 
+TEST_CASE("an object of a row replaces only what it names", "[core][machines]") {
+  const auto found = find_machine(
+      "a", {R"({"popcut":1,"machines":[{"name":"a","like":"cameo3","motion":{"spread":0.3}}]})"});
+  REQUIRE(found);
+  CHECK(found->motion.spread == 0.3);
+  CHECK(found->motion.travel_mm_s == find_machine("cameo3")->motion.travel_mm_s);
+}
+
 TEST_CASE("an invalid user's table is refused with its place", "[core][plan][tables]") {
   const auto place = [](const std::string& table) {
     const auto machines = all_machines({table});
@@ -128,8 +136,8 @@ TEST_CASE("an invalid user's table is refused with its place", "[core][plan][tab
         "table 1: /machines/0/unit_mm");
   CHECK(
       place(
-          R"({"popcut":1,"machines":[{"name":"a","like":"cameo3","motion":{"accel_mm_s2":1}}]})") ==
-      "table 1: /machines/0/motion/travel_mm_s");
+          R"({"popcut":1,"machines":[{"name":"a","like":"cameo3","motion":{"accel_mm_s2":0}}]})") ==
+      "table 1: /machines/0/motion/accel_mm_s2");
   CHECK_FALSE(all_machines({std::string(100'000, '[')}));
 }
 
