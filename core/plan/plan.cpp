@@ -10,6 +10,7 @@
 #include "core/drawing/clean.hpp"
 #include "core/layout/marks.hpp"
 #include "core/machines/motion.hpp"
+#include "core/plan/drawing_transform.hpp"
 #include "core/plan/knife/micro_cut.hpp"
 
 namespace popcut {
@@ -247,7 +248,7 @@ class Planner {
              options.clean.snap_mm,
              options.svg_profile,
              options.svg_dpi,
-             options.curve_tolerance_mm},
+             reading_tolerance_mm(options)},
         settings_(out_.machine, out_.material, mode, out_.warnings) {}
 
   Result<Plan> run() {
@@ -382,9 +383,11 @@ class Planner {
 
 Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& material,
                   const PlanOptions& options) {
+  if (auto valid = check_plan_options(options); !valid) return tl::unexpected(valid.error());
+  const Placement map = drawing_transform(drawing, options);
+  drawing = transformed(std::move(drawing), map);
   if (auto amount = check_amount(drawing, material.dashes); !amount)
     return tl::unexpected(amount.error());
-  if (auto valid = check_plan_options(options); !valid) return tl::unexpected(valid.error());
   auto mat = choose_mat(machine, options.mat);
   if (!mat) return tl::unexpected(mat.error());
   const auto mode = fold_mode(machine, material, options, drawing);
@@ -395,7 +398,9 @@ Result<Plan> plan(LineWork drawing, const Machine& machine, const Material& mate
     for (ToolSettings* tool : {&once.cut, &once.fold, &once.draw}) tool->passes = 1;
     if (once.score) once.score->passes = 1;
   }
-  return Planner(std::move(drawing), machine, once, options, std::move(*mat), *mode).run();
+  auto planned = Planner(std::move(drawing), machine, once, options, std::move(*mat), *mode).run();
+  if (planned) planned->drawing_transform = map;
+  return planned;
 }
 
 LineWork test_shape() {

@@ -54,6 +54,7 @@ struct Plan {
   double snap_mm{};
   std::string svg_profile{};  ///< how an SVG was read, as the next two
   double svg_dpi{}, curve_tolerance_mm{};
+  Placement drawing_transform{};   ///< what `scale`, `rotate` and `mirror` did to the drawing
   std::optional<Layout> layout{};  ///< set if the drawing was split
   LineWork whole{};                ///< set if the drawing was split: the cleaned drawing
 };
@@ -73,7 +74,7 @@ struct Plan {
 
 /// The text of `plan.json`: sheets with their figures in mm and seconds, warnings, and the seed.
 /// `transform` is [[xx, xy, x0], [yx, yy, y0]], from the pattern's page (x = v, y = u, mm) to the
-/// sheet.
+/// sheet; `drawing_transform`, in the same form, is applied to the pattern before.
 [[nodiscard]] std::string plan_json(const Plan& plan);
 
 /// A picture of a sheet's plan, true to scale: strokes coloured from blue (first) to red (last),

@@ -228,6 +228,7 @@ std::string plan_json(const Plan& plan) {
             {"folds", fold_mode_name(plan.folds)},
             {"snap_mm", plan.snap_mm},
             {"svg_profile", plan.svg_profile},
+            {"drawing_transform", transform_json(plan.drawing_transform)},
             {"svg_dpi", plan.svg_dpi},
             {"curve_tolerance_mm", plan.curve_tolerance_mm},
             {"sheets", Json::array()},

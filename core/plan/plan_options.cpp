@@ -209,6 +209,14 @@ std::vector<PlanOption> make_table() {
            "plotter"),
       place("at", MEMBER(place.at),
            "Where the drawing's upper left corner goes on the sheet, in mm"),
+      number("scale", MEMBER(scale), "N", {0.0001, 10'000},
+           "Scale the drawing: 2 is twice as large"),
+      number("width", MEMBER(width_mm), "MM", {0.1, kMaxCoordinate, "mm"},
+           "Scale the drawing to this width, in mm", "as drawn"),
+      number("rotate", MEMBER(rotate_deg), "DEG", {-360, 360, "degrees"},
+           "Turn the drawing clockwise, in degrees"),
+      flag("mirror", MEMBER(mirror),
+           "Cut from the back: the mirror image, with mountain and valley folds exchanged"),
       word("order", MEMBER(order.method), {"quick", "best", "keep"},
            "Order of the strokes: quick, best (searches longer for a fast order), or keep (as "
            "drawn)"),
@@ -302,6 +310,14 @@ Result<void> check_pairs(const PlanOptions& options) {
   if (options.no_split && !(options.seams_x.empty() && options.seams_y.empty()))
     return fail(ErrorKind::Usage, "/options/no-split",
                 "contradicts `seam-x` and `seam-y`; give one or the other");
+  if (options.width_mm && options.scale != 1)
+    return fail(ErrorKind::Usage, "/options/width", "contradicts `scale`; give one or the other");
+  const bool changed =
+      options.width_mm || options.scale != 1 || options.rotate_deg != 0 || options.mirror;
+  if (options.marks && changed)
+    return fail(ErrorKind::Usage, "/options/marks",
+                "says that the sheet is printed already; leave out `scale`, `width`, `rotate` and "
+                "`mirror`");
   return {};
 }
 

@@ -36,9 +36,13 @@ struct PlanOptions {
   std::string machine{}, material{};  ///< names; empty: `make_plan_job` chooses
   std::string mat{};                  ///< name or size, see `choose_mat`; empty: the machine's own
   PlaceOptions place{};
-  std::string dialect{};  ///< "gpgl" or "hpgl"; empty: the machine's
-  OrderOptions order{};   ///< its `cost` is the machine's
-  bool mat_free{false};   ///< without a mat: sets bands and corners of `order`
+  double scale{1};                   ///< of the drawing; see `drawing_transform`
+  std::optional<double> width_mm{};  ///< of the drawing on the sheet, in place of `scale`
+  double rotate_deg{0};              ///< clockwise
+  bool mirror{false};                ///< cut the sheet as seen from behind
+  std::string dialect{};             ///< "gpgl" or "hpgl"; empty: the machine's
+  OrderOptions order{};              ///< its `cost` is the machine's
+  bool mat_free{false};              ///< without a mat: sets bands and corners of `order`
   CleanOptions clean{};
   KnifeOptions knife{};
   std::string svg_profile{"auto"};

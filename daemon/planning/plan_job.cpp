@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "core/plan/drawing_transform.hpp"
+
 namespace popcut::planning {
 namespace {
 
@@ -67,7 +69,7 @@ Result<SvgReadOptions> read_options(const PlanOptions& options, const Tables& ta
   if (!profile) return tl::unexpected(profile.error());
   SvgReadOptions how;
   how.profile = std::move(*profile);
-  how.tolerance_mm = options.curve_tolerance_mm;
+  how.tolerance_mm = reading_tolerance_mm(options);
   how.dpi = options.svg_dpi;
   return how;
 }

@@ -91,6 +91,15 @@ std::string RunningDaemon::ready_job(const std::string& design, const std::strin
 RunningDaemon::Json RunningDaemon::act(const std::string& id, const std::string& action,
                                        const Json& body) {
   auto done = api_->act(job(id), action, body);
+  // After a kill nothing is armed until the database is checked, which the refusal says.
+  const auto checking = [&] {
+    return !done && message(done.error()).find("arm again in a moment") != std::string::npos;
+  };
+  if (checking())
+    (void)happens([&] {
+      done = api_->act(job(id), action, body);
+      return !checking();
+    });
   if (!done) give_up(action + ": " + message(done.error()));
   return std::move(*done);
 }

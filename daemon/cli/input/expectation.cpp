@@ -11,6 +11,7 @@
 #include <pugixml.hpp>
 
 #include "core/drawing/clean.hpp"
+#include "core/plan/drawing_transform.hpp"
 #include "core/plan/knife/blade.hpp"
 #include "core/text/json_text.hpp"
 #include "daemon/cli/input/drawing_input.hpp"
@@ -204,6 +205,20 @@ Result<PlanFacts> facts_of(const nlohmann::json& json, std::size_t number) {
     if (!number_read) return tl::unexpected(number_read.error());
     *value = *number_read;
   }
+  if (find(json, "/drawing_transform") != nullptr) {
+    Placement& d = facts.drawing_transform;
+    for (const auto& [pointer, value] : std::initializer_list<std::pair<const char*, double*>>{
+             {"/drawing_transform/0/0", &d.xx},
+             {"/drawing_transform/0/1", &d.xy},
+             {"/drawing_transform/0/2", &d.x0},
+             {"/drawing_transform/1/0", &d.yx},
+             {"/drawing_transform/1/1", &d.yy},
+             {"/drawing_transform/1/2", &d.y0}}) {
+      const auto read = number_at(json, pointer);
+      if (!read) return tl::unexpected(read.error());
+      *value = *read;
+    }
+  }
   if (const auto folds = text_at(json, "/folds")) facts.folds = *folds;
   if (const auto snap = number_at(json, "/snap_mm")) facts.snap_mm = *snap;
   if (const auto profile = text_at(json, "/svg_profile")) facts.svg_profile = *profile;
@@ -336,7 +351,8 @@ Result<Expectation> read_expectation(const std::string& file, const std::optiona
                     file));
   const auto material = find_material(plan->material, tables.texts);
   if (!material) return tl::unexpected(within("--plan", tables.with_file(material.error())));
-  out.expected.drawing = drawing_on_sheet(input->drawing, *plan);
+  out.expected.drawing =
+      drawing_on_sheet(transformed(std::move(input->drawing), plan->drawing_transform), *plan);
   out.expected.folds_whole = plan->folds != "perforate";
   out.expected.blade_offset_mm = plan->blade_offset_mm;
   out.expected.blade_tools = plan->blade_tools;

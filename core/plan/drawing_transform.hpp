@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/drawing/linework.hpp"
+#include "core/layout/sheet.hpp"
+#include "core/plan/plan_options.hpp"
+
+namespace popcut {
+
+/// The map that the options `mirror`, `rotate`, `scale` and `width` ask for: first the mirror image
+/// (left and right exchanged), then the turn (clockwise, as seen on the page), then the size.
+/// `width` is that of the bounding box of the result; without extent across it has no effect.
+[[nodiscard]] Placement drawing_transform(const LineWork& drawing, const PlanOptions& options);
+
+/// Whether it changes anything.
+[[nodiscard]] bool is_identity(const Placement& map);
+
+/// The drawing with all points moved by `map`. A mirror image is the sheet seen from behind, so its
+/// mountain and valley folds are exchanged: what is folded from it is the same piece. The drawing's
+/// place on its page no longer counts.
+[[nodiscard]] LineWork transformed(LineWork drawing, const Placement& map);
+
+/// How far curves may lie from the lines that replace them when a drawing is read, mm of the
+/// drawing: on the sheet, after `scale`, this is `curve_tolerance_mm`. The scale that `width` makes
+/// is not known yet; up to 10 is allowed for.
+[[nodiscard]] double reading_tolerance_mm(const PlanOptions& options);
+
+}  // namespace popcut

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include <array>
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "core/plan/drawing_transform.hpp"
+#include "core/plan/plan.hpp"
+
+namespace drawing_transform_test {
+
+using namespace popcut;
+
+namespace {
+
+/// A square corner from (20, 0) over (0, 0) to (0, 10), and a mountain fold.
+LineWork drawing() {
+  LineWork work;
+  work.append(Operation::Cut, std::array<PagePoint, 3>{{{20, 0}, {0, 0}, {0, 10}}});
+  work.append(Operation::FoldMountain, std::array<PagePoint, 2>{{{2, 1}, {12, 1}}});
+  work.has_page = true;
+  return work;
+}
+
+LineWork with(const PlanOptions& options) {
+  return transformed(drawing(), drawing_transform(drawing(), options));
+}
+
+void check(PagePoint is, PagePoint should) {
+  CHECK(is.x == Approx(should.x).margin(1e-12));
+  CHECK(is.y == Approx(should.y).margin(1e-12));
+}
+
+}  // namespace
+
+TEST_CASE("a drawing is left as it is unless its size or direction is changed", "[core][plan]") {
+  CHECK(is_identity(drawing_transform(drawing(), {})));
+  const LineWork same = with({});
+  CHECK(same.points == drawing().points);
+  CHECK(same.has_page);
+}
+
+TEST_CASE("rotate turns clockwise on the page", "[core][plan]") {
+  PlanOptions options;
+  options.rotate_deg = 90;
+  const LineWork turned = with(options);
+  CHECK(turned.points[0] == PagePoint{0, 20});  // right becomes down, exactly
+  CHECK(turned.points[2] == PagePoint{-10, 0});
+  CHECK_FALSE(turned.has_page);
+  CHECK(turned.lines[1].operation == Operation::FoldMountain);
+  options.rotate_deg = -30;
+  check(with(options).points[0], {20 * std::cos(M_PI / 6), -20 * std::sin(M_PI / 6)});
+}
+
+TEST_CASE("a mirror image exchanges left and right, and mountains and valleys", "[core][plan]") {
+  PlanOptions options;
+  options.mirror = true;
+  LineWork back = with(options);
+  CHECK(back.points[0] == PagePoint{-20, 0});
+  CHECK(back.points[2] == PagePoint{0, 10});
+  CHECK(back.lines[0].operation == Operation::Cut);
+  CHECK(back.lines[1].operation == Operation::FoldValley);
+  options.rotate_deg = 90;  // the turn comes after
+  back = with(options);
+  CHECK(back.points[0] == PagePoint{0, -20});
+  CHECK(back.points[2] == PagePoint{-10, 0});
+}
+
+TEST_CASE("scale and width give the size of the drawing on the sheet", "[core][plan]") {
+  PlanOptions options;
+  options.scale = 2.5;
+  CHECK(with(options).points[0] == PagePoint{50, 0});
+  options.scale = 1;
+  options.width_mm = 100;
+  CHECK(bounds(with(options)).width() == Approx(100));
+  CHECK(bounds(with(options)).height() == Approx(50));
+  options.rotate_deg = 90;  // the width is that of the result
+  CHECK(bounds(with(options)).width() == Approx(100));
+  CHECK(bounds(with(options)).height() == Approx(200));
+  options.scale = 3;
+  CHECK(check_plan_options(options).error().place == "/options/width");
+  options.scale = 1;
+  options.marks = true;
+  CHECK(check_plan_options(options).error().place == "/options/marks");
+}
+
+TEST_CASE("the dashes of a scaled fold keep the material's size", "[core][plan]") {
+  PlanOptions options;
+  options.scale = 4;
+  const Material paper = *find_material("paper-220");
+  const auto planned = plan(drawing(), *find_machine("cameo3"), paper, options);
+  REQUIRE(planned);
+  CHECK(planned->drawing_transform.xx == 4);
+  double longest = 0;
+  const Toolpath& path = planned->sheets.at(0).path;
+  for (const Stroke& stroke : path.strokes)
+    if (is_fold(stroke.operation)) {
+      const auto points = path.points_of(stroke);
+      longest = std::max(longest, std::hypot(points.back().x - points.front().x,
+                                             points.back().y - points.front().y));
+    }
+  CHECK(longest > 0.5);
+  CHECK(longest < 2 * paper.dashes.dash_mm);
+}
+
+}  // namespace drawing_transform_test
