@@ -110,4 +110,34 @@ TEST_CASE("a million segments are written and streamed", "[bench]") {
   }
 }
 
+TEST_CASE("a cutter slower or faster than its model never runs dry", "[bench]") {
+  const Machine cameo = *find_machine("cameo3");
+  const Material paper = *find_material("paper-220");
+  const Toolpath path = waves(40'000, 1.0, paper);
+  const auto program = encode(path, cameo, paper);
+  REQUIRE(program);
+  std::printf("%zu strokes of 200 mm to a Cameo 3 that is not as its row of the table says\n",
+              path.strokes.size());
+  std::printf("  %5s %10s %12s %14s\n", "pace", "takes, s", "starved, s", "longer than alone");
+  for (const double pace : {0.5, 0.7, 1.0, 1.4, 2.0}) {
+    const Machine real = times_as_fast(cameo, pace);
+    auto sim = SimCutter::make(real);
+    REQUIRE(sim);
+    SimTransport cable(std::move(*sim));
+    const SessionEnd end = run_session(cable, cameo, *program);
+    REQUIRE_FALSE(end.error);
+    const Trace& trace = cable.cutter().trace();
+    SimOptions endless;
+    endless.unlimited = true;
+    auto whole = SimCutter::make(real, endless);
+    REQUIRE(whole);
+    whole->accept(program->view());
+    whole->run_dry();
+    std::printf("  %5.1f %10.0f %12.3f %12.2f %%\n", pace, end.seconds, trace.starved_s,
+                100 * (end.seconds / whole->trace().seconds - 1));
+    CHECK(trace.strokes.size() == path.strokes.size());
+    CHECK(trace.starved_s == 0.0);
+  }
+}
+
 }  // namespace stream_bench
