@@ -99,7 +99,7 @@ TEST_CASE("materials can be changed and reset", "[daemon][service]") {
   CHECK(put("our-card", 1, R"({"thickness_mm":-1})").error().kind == ProblemKind::Validation);
   CHECK(put("our-card", 1, R"({"thikness_mm":1})").error().kind == ProblemKind::Validation);
   const auto thin = put("our-card", 1, R"j({"like":"paper-220","dashes":{"gap_mm":-1}})j").error();
-  CHECK(thin.errors.at(0).pointer == "/dashes/dash_mm");
+  CHECK(thin.errors.at(0).pointer == "/dashes/gap_mm");
   CHECK(thin.detail.find("table") == std::string::npos);
   CHECK(put("our-card", 1, "[1,").error().kind == ProblemKind::Validation);
   CHECK(put("../etc", 0, "{}").error().kind == ProblemKind::Validation);
